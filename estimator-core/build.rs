@@ -1,0 +1,122 @@
+//! Turns the layouts in `dbc/*.dbc` into the constant tables of `signal::layout`.
+//!
+//! `can-dbc` parses; this file only writes down what it read. The ready-made generator on top of
+//! it, `dbc-codegen`, does not fit here: its output does not compile for 64-bit fields with a
+//! scale below one (PGN 129029), carries angles in f32 (0.4 m at 1e-7 deg), demands one source
+//! address and exact payload lengths, and knows no "not available" codes.
+
+use can_dbc::{ByteOrder, Dbc, Message, MessageId, Signal, ValueType};
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::{env, fs};
+
+/// Files and the convention of their "not available" and "error" codes.
+const FILES: [(&str, &str); 2] = [("j1939.dbc", "J1939"), ("nmea2000.dbc", "Nmea2000")];
+
+fn main() {
+    let mut messages = Vec::new();
+    for (file, convention) in FILES {
+        let path = Path::new("dbc").join(file);
+        println!("cargo::rerun-if-changed={}", path.display());
+        let text = fs::read_to_string(&path).expect("a layout file that build.rs lists is missing");
+        let dbc = Dbc::try_from(text.as_str()).unwrap_or_else(|e| panic!("{file}: {e}"));
+        for message in dbc.messages {
+            messages.push((pgn(&message), convention, message));
+        }
+    }
+    messages.sort_by_key(|(pgn, ..)| *pgn);
+
+    let mut code = String::new();
+    writeln!(
+        code,
+        "pub(super) static MESSAGES: [Message; {}] = [",
+        messages.len()
+    )
+    .unwrap();
+    for (pgn, convention, message) in &messages {
+        writeln!(
+            code,
+            "Message {{ pgn: {pgn}, name: \"{}\", priority: {}, length: {}, convention: Convention::{convention}, fields: &[",
+            message.name,
+            priority(message),
+            message.size
+        )
+        .unwrap();
+        for signal in &message.signals {
+            writeln!(code, "    {},", field(message, signal)).unwrap();
+        }
+        writeln!(code, "] }},").unwrap();
+    }
+    writeln!(code, "];\n").unwrap();
+    writeln!(
+        code,
+        "pub(super) const fn index_of(pgn: u32) -> Option<usize> {{ match pgn {{"
+    )
+    .unwrap();
+    for (index, (pgn, ..)) in messages.iter().enumerate() {
+        writeln!(code, "    {pgn} => Some({index}),").unwrap();
+    }
+    writeln!(code, "    _ => None,\n}} }}").unwrap();
+
+    let out = PathBuf::from(env::var("OUT_DIR").unwrap()).join("layout_tables.rs");
+    fs::write(out, code).expect("the build folder takes the generated tables");
+}
+
+fn extended_id(message: &Message) -> u32 {
+    match message.id {
+        MessageId::Extended(id) => id,
+        MessageId::Standard(id) => panic!("{}: 11-bit identifier {id:#x} has no PGN", message.name),
+    }
+}
+
+fn pgn(message: &Message) -> u32 {
+    (extended_id(message) >> 8) & 0x3_ffff
+}
+
+fn priority(message: &Message) -> u32 {
+    extended_id(message) >> 26
+}
+
+/// One table entry; the units of the file become those of `Signal`.
+fn field(message: &Message, signal: &Signal) -> String {
+    assert!(
+        signal.byte_order == ByteOrder::LittleEndian,
+        "{}.{}: J1939 and NMEA 2000 are little endian",
+        message.name,
+        signal.name
+    );
+    assert!(
+        signal.start_bit + signal.size <= 8 * message.size,
+        "{}.{}: beyond the end of the message",
+        message.name,
+        signal.name
+    );
+    let scaling = if matches!(signal.name.as_str(), "Latitude" | "Longitude") {
+        let per_e7 = 1e-7 / signal.factor;
+        format!(
+            "Scaling::DegreesE7 {{ divisor: {}, offset: {} }}",
+            per_e7.round() as i64,
+            (signal.offset * 1e7).round() as i64
+        )
+    } else {
+        let unit = match signal.unit.as_str() {
+            "km/h" => 1.0 / 3.6,
+            "kPa" => 1000.0,
+            "rad" => 180.0 / std::f64::consts::PI,
+            "" | "%" | "rpm" | "degC" | "rad/s" | "kg" | "deg" | "m/s" | "m" => 1.0,
+            other => panic!("{}.{}: unknown unit {other}", message.name, signal.name),
+        };
+        format!(
+            "Scaling::Real {{ scale: {:e}_f32, offset: {:e}_f32 }}",
+            signal.factor * unit,
+            signal.offset * unit
+        )
+    };
+    format!(
+        "Field {{ signal: Signal::{}, start_bit: {}, bits: {}, signed: {}, scaling: {scaling} }}",
+        signal.name,
+        signal.start_bit,
+        signal.size,
+        signal.value_type == ValueType::Signed
+    )
+}

@@ -1,0 +1,43 @@
+//! What happened, counted by kind. Counters saturate.
+
+/// Counts since the start.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Counters {
+    /// Frames given to the estimator.
+    pub frames: u64,
+    /// Frames that carried readings.
+    pub frames_decoded: u64,
+    /// Frames of no interest.
+    pub frames_ignored: u64,
+    /// Known frames that were too short or remote.
+    pub frames_malformed: u32,
+    /// Fast packets dropped for missing, repeated or swapped frames.
+    pub fast_packets_broken: u32,
+    /// Frames or readings older than the one before.
+    pub time_backwards: u32,
+    /// Readings whose sender said "not available".
+    pub not_available: u32,
+    /// Readings whose sender said "error", or that are no number.
+    pub errors: u32,
+    /// Readings from another sender than the one in use.
+    pub other_source: u32,
+    /// Another sender took over a signal from a silent one.
+    pub source_switches: u32,
+    /// GNSS fixes without a usable altitude.
+    pub poor_fixes: u32,
+    /// Stretches without speed.
+    pub gaps: u32,
+    /// Cells lost because `step` was not called often enough.
+    pub samples_lost: u32,
+    /// Filter steps.
+    pub steps: u64,
+    /// Steps with an invalid model (shift, brake, no traction).
+    pub invalid_steps: u64,
+    /// Altitudes used.
+    pub altitudes_used: u64,
+    /// Altitude set anew.
+    pub altitude_resets: u32,
+    /// Steps that gave a number that is none; the filter was started anew.
+    pub restarts: u32,
+}

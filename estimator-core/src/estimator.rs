@@ -1,0 +1,262 @@
+//! The facade: frames and timestamps in, cells and a live estimate out.
+
+use crate::cell::{Cell, Estimate, Place};
+use crate::counters::Counters;
+use crate::filter::{Filter, Record};
+use crate::lag::Lag;
+use crate::sampler::Sampler;
+use crate::scalar::Scalar;
+use crate::signal::{Admission, Decoder, FrameOutcome, Reading, Rejection, SourceLock, Value};
+use crate::time::Instant;
+use crate::tuning::Tuning;
+use crate::vehicle::{ParameterError, VehicleParameters};
+use embedded_can::Frame;
+
+/// The estimate now.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Live {
+    /// The end of the newest cell.
+    pub place: Place,
+    /// What is known there.
+    pub estimate: Estimate,
+}
+
+/// What became of an input.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Outcome {
+    /// Its readings count.
+    Used,
+    /// Nothing to use in it: another message, a part of a packet, a sender without the word.
+    Ignored,
+    /// Known, but unusable.
+    Rejected(Rejection),
+    /// Older than the input before it; left out.
+    TimeBackwards,
+}
+
+/// What a step did.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Step {
+    /// The filter moved over a cell; [`Estimator::record`] has what it did.
+    Moved,
+    /// A cell without an estimate: no speed was read yet, or the filter was started anew.
+    Skipped,
+}
+
+/// A grade estimator for one vehicle.
+///
+/// Sans-I/O: feed it with [`on_frame`](Self::on_frame) (or [`on_reading`](Self::on_reading)
+/// where there is no bus), let it work with [`step`](Self::step), fetch results with
+/// [`live`](Self::live) and [`next_cell`](Self::next_cell). It never allocates, blocks or reads
+/// a clock; all input is checked and what is unusable is counted in
+/// [`counters`](Self::counters).
+///
+/// ```
+/// use estimator_core::{Estimator, Tuning, VehicleParameters, Traction};
+/// # use estimator_core::{Instant, Reading, Signal, Value};
+/// let vehicle = VehicleParameters {
+///     mass_kg: 19_000.0,
+///     drag_area_m2: 5.2,
+///     rolling_resistance: 0.008,
+///     wheel_radius_m: 0.48,
+///     wheel_inertia_kgm2: 60.0,
+///     traction: Traction::Force,
+/// };
+/// let mut estimator = Estimator::<f32>::new(vehicle, Tuning::default())?;
+/// # for second in 0..60 {
+/// #     let now = Instant::from_micros(second * 1_000_000);
+/// #     for (signal, value) in [(Signal::TractionForce, 2_000.0), (Signal::WheelSpeed, 10.0)] {
+/// #         estimator.on_reading(now, Reading { signal, value: Value::Real(value) });
+/// #     }
+/// while estimator.step().is_some() {}
+/// while let Some(cell) = estimator.next_cell() {
+///     println!("{:.1} m {:.2} %", cell.place.distance_m(), cell.lagged.grade_percent.value);
+/// }
+/// # }
+/// # assert!(estimator.live().is_some());
+/// # Ok::<(), estimator_core::ParameterError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Estimator<S> {
+    vehicle: VehicleParameters,
+    tuning: Tuning,
+    decoder: Decoder,
+    sources: SourceLock,
+    sampler: Sampler,
+    filter: Filter<S>,
+    lag: Lag<S>,
+    place: Place,
+    newest: Instant,
+    counters: Counters,
+}
+
+impl<S: Scalar> Estimator<S> {
+    /// An estimator for this vehicle.
+    ///
+    /// # Errors
+    /// The first parameter that no vehicle can have.
+    pub fn new(vehicle: VehicleParameters, tuning: Tuning) -> Result<Self, ParameterError> {
+        vehicle.check()?;
+        Ok(Self {
+            vehicle,
+            tuning,
+            decoder: Decoder::new(),
+            sources: SourceLock::new(),
+            sampler: Sampler::new(),
+            filter: Filter::new(),
+            lag: Lag::new(),
+            place: Place::default(),
+            newest: Instant::ZERO,
+            counters: Counters::default(),
+        })
+    }
+
+    /// Takes one frame, received at `now`.
+    pub fn on_frame<F: Frame>(&mut self, now: Instant, frame: &F) -> Outcome {
+        let Self {
+            vehicle,
+            tuning,
+            decoder,
+            sources,
+            sampler,
+            newest,
+            counters,
+            ..
+        } = self;
+        counters.frames = counters.frames.saturating_add(1);
+        if now < *newest {
+            counters.time_backwards = counters.time_backwards.saturating_add(1);
+            return Outcome::TimeBackwards;
+        }
+        *newest = now;
+        let mut used = false;
+        let outcome = decoder.decode(frame, |message, pgn, reading| {
+            let available = reading.value.is_available();
+            match sources.admit(reading.signal, message, pgn.source, now, available) {
+                Admission::Refused => {
+                    counters.other_source = counters.other_source.saturating_add(1);
+                }
+                admission => {
+                    let switched = admission == Admission::Switched;
+                    if switched {
+                        counters.source_switches = counters.source_switches.saturating_add(1);
+                    }
+                    count_value(reading.value, counters);
+                    sampler.record(vehicle, tuning, now, reading, switched, counters);
+                    used = true;
+                }
+            }
+        });
+        match outcome {
+            FrameOutcome::Decoded { .. } => {
+                counters.frames_decoded = counters.frames_decoded.saturating_add(1);
+                if used {
+                    Outcome::Used
+                } else {
+                    Outcome::Ignored
+                }
+            }
+            FrameOutcome::Partial => Outcome::Ignored,
+            FrameOutcome::Ignored => {
+                counters.frames_ignored = counters.frames_ignored.saturating_add(1);
+                Outcome::Ignored
+            }
+            FrameOutcome::Rejected(rejection) => {
+                let counter = match rejection {
+                    Rejection::FastPacketOrder => &mut counters.fast_packets_broken,
+                    Rejection::Remote | Rejection::Truncated => &mut counters.frames_malformed,
+                };
+                *counter = counter.saturating_add(1);
+                Outcome::Rejected(rejection)
+            }
+        }
+    }
+
+    /// Takes one reading that came without a bus. Simultaneous readings go in the order of
+    /// [`Signal`](crate::Signal).
+    pub fn on_reading(&mut self, now: Instant, reading: Reading) -> Outcome {
+        if now < self.newest {
+            self.counters.time_backwards = self.counters.time_backwards.saturating_add(1);
+            return Outcome::TimeBackwards;
+        }
+        self.newest = now;
+        count_value(reading.value, &mut self.counters);
+        self.sampler.record(
+            &self.vehicle,
+            &self.tuning,
+            now,
+            reading,
+            false,
+            &mut self.counters,
+        );
+        Outcome::Used
+    }
+
+    /// Moves the filter over one cell; `None` if none is ready. Call it until it says so.
+    pub fn step(&mut self) -> Option<Step> {
+        let sample = self.sampler.next_sample()?;
+        let Some(record) =
+            self.filter
+                .step(&self.vehicle, &self.tuning, &sample, &mut self.counters)
+        else {
+            return Some(Step::Skipped);
+        };
+        self.place = record.place;
+        self.lag.push(record);
+        Some(Step::Moved)
+    }
+
+    /// The estimate at the end of the newest cell; `None` before the first.
+    #[must_use]
+    pub fn live(&self) -> Option<Live> {
+        self.filter.state().map(|state| Live {
+            place: self.place,
+            estimate: state.estimate(),
+        })
+    }
+
+    /// The next cell whose lag is over.
+    pub fn next_cell(&mut self) -> Option<Cell> {
+        self.lag.next_cell()
+    }
+
+    /// The next of the last cells of a drive, which have seen less than the full lag. For the
+    /// end of a drive: what comes after it starts a new chain of cells.
+    pub fn drain_cell(&mut self) -> Option<Cell> {
+        self.lag.drain_cell()
+    }
+
+    /// The newest step, for smoothing a whole run on a host.
+    #[must_use]
+    pub fn record(&self) -> Option<&Record<S>> {
+        self.lag.newest()
+    }
+
+    /// What happened so far.
+    #[must_use]
+    pub const fn counters(&self) -> &Counters {
+        &self.counters
+    }
+
+    /// The vehicle as given.
+    #[must_use]
+    pub const fn vehicle(&self) -> &VehicleParameters {
+        &self.vehicle
+    }
+}
+
+fn count_value(value: Value, counters: &mut Counters) {
+    match value {
+        Value::NotAvailable => {
+            counters.not_available = counters.not_available.saturating_add(1);
+        }
+        Value::Error => counters.errors = counters.errors.saturating_add(1),
+        Value::Real(value) if !value.is_finite() => {
+            counters.errors = counters.errors.saturating_add(1);
+        }
+        Value::Real(_) | Value::DegreesE7(_) => {}
+    }
+}

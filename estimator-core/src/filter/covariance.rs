@@ -1,0 +1,146 @@
+//! A symmetric matrix of the filter's size, upper triangle by rows.
+
+use super::state::STATES;
+use crate::scalar::Scalar;
+use nalgebra::{SMatrix, SVector};
+
+/// Numbers in the upper triangle.
+const PACKED: usize = STATES * (STATES + 1) / 2;
+
+/// A covariance (or, in the backward pass, an information matrix).
+///
+/// Only one triangle exists, so it is symmetric by construction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Covariance<S> {
+    upper: [S; PACKED],
+}
+
+/// Place of (i, j) in the packed triangle.
+const fn at(i: usize, j: usize) -> usize {
+    let (low, high) = if i < j { (i, j) } else { (j, i) };
+    low * STATES - low * (low + 1) / 2 + high
+}
+
+impl<S: Scalar> Covariance<S> {
+    /// All zero.
+    pub const ZERO: Self = Self {
+        upper: [S::ZERO; PACKED],
+    };
+
+    /// Element (i, j).
+    #[inline(always)]
+    #[must_use]
+    pub fn get(&self, i: usize, j: usize) -> S {
+        self.upper[at(i, j)]
+    }
+
+    /// Sets the elements (i, j) and (j, i).
+    #[inline(always)]
+    pub fn set(&mut self, i: usize, j: usize, value: S) {
+        self.upper[at(i, j)] = value;
+    }
+
+    /// Adds to the variance of state `i`.
+    #[inline(always)]
+    pub fn add_variance(&mut self, i: usize, variance: S) {
+        self.upper[at(i, i)] += variance;
+    }
+
+    /// Row (and column) `i`.
+    #[inline(always)]
+    #[must_use]
+    pub fn row(&self, i: usize) -> [S; STATES] {
+        let mut row = [S::ZERO; STATES];
+        for (k, element) in row.iter_mut().enumerate() {
+            *element = self.get(i, k);
+        }
+        row
+    }
+
+    /// Row and column `i` all zero: the state is no longer tied to the others.
+    #[inline(always)]
+    pub fn clear(&mut self, i: usize) {
+        for k in 0..STATES {
+            self.set(i, k, S::ZERO);
+        }
+    }
+
+    /// `x_i += factor * x_j`: row and column.
+    #[inline(always)]
+    pub fn shear(&mut self, i: usize, j: usize, factor: S) {
+        let variance =
+            self.get(i, i) + factor * (self.get(i, j) + self.get(i, j) + factor * self.get(j, j));
+        for k in 0..STATES {
+            if k != i {
+                let sheared = self.get(i, k) + factor * self.get(j, k);
+                self.set(i, k, sheared);
+            }
+        }
+        self.set(i, i, variance);
+    }
+
+    /// `x_i *= factor`: row and column.
+    #[inline(always)]
+    pub fn scale(&mut self, i: usize, factor: S) {
+        for k in 0..STATES {
+            let scaled = self.get(i, k) * factor;
+            self.set(i, k, scaled);
+        }
+        let variance = self.get(i, i) * factor;
+        self.set(i, i, variance);
+    }
+
+    /// `P - K b' - b K' + K s K'`, the Joseph form of a scalar update written out: with
+    /// b = P h', s = h b + r it equals (I - K h) P (I - K h)' + K r K' for any gain K, and errors
+    /// in K enter squared.
+    #[inline(always)]
+    pub fn joseph(&mut self, gain: &[S; STATES], cross: &[S; STATES], innovation_variance: S) {
+        for i in 0..STATES {
+            let stretched = gain[i] * innovation_variance - cross[i];
+            for j in i..STATES {
+                let updated = self.get(i, j) + stretched * gain[j] - gain[i] * cross[j];
+                self.set(i, j, updated);
+            }
+        }
+    }
+
+    /// `M v`.
+    #[inline(always)]
+    #[must_use]
+    pub fn times(&self, vector: &[S; STATES]) -> [S; STATES] {
+        let mut product = [S::ZERO; STATES];
+        for (i, element) in product.iter_mut().enumerate() {
+            for (k, factor) in vector.iter().enumerate() {
+                *element += self.get(i, k) * *factor;
+            }
+        }
+        product
+    }
+
+    /// Whether every element is a number and every variance positive.
+    #[must_use]
+    pub fn is_sound(&self) -> bool {
+        self.upper.iter().all(|element| element.is_finite())
+            && (0..STATES).all(|i| self.get(i, i) >= S::ZERO)
+    }
+
+    /// As a full matrix.
+    #[must_use]
+    pub fn to_matrix(&self) -> SMatrix<f64, STATES, STATES> {
+        SMatrix::from_fn(|i, j| self.get(i, j).to_f64())
+    }
+
+    /// In another number.
+    #[must_use]
+    pub fn cast<T: Scalar>(&self) -> Covariance<T> {
+        Covariance {
+            upper: self.upper.map(|element| T::from_f64(element.to_f64())),
+        }
+    }
+}
+
+/// A state as a nalgebra vector, for reference computations.
+#[must_use]
+pub fn to_vector<S: Scalar>(x: &[S; STATES]) -> SVector<f64, STATES> {
+    SVector::from_fn(|i, _| x[i].to_f64())
+}

@@ -1,0 +1,25 @@
+//! The grade Kalman filter: a linear filter in the distance domain.
+//!
+//! One step is one cell. With e = v²/2 as the speed state and the sine of the slope as the grade
+//! state, the force balance (thesis eq. 9), climb and every measurement are linear, so no
+//! Jacobian is approximated and no division by a small speed arises. The transition is a few
+//! shears, each measurement a scalar.
+//!
+//! * [`state`]: which states there are, and an estimate read from them;
+//! * [`covariance`]: a packed symmetric matrix and what a filter does to one;
+//! * [`transition`]: one cell of driving;
+//! * [`update`]: one scalar measurement;
+//! * [`record`]: what a step leaves for smoothing, and the step itself;
+//! * [`backward`]: the smoothing recursion over records.
+
+pub mod backward;
+pub mod covariance;
+pub mod record;
+pub mod state;
+pub mod transition;
+pub mod update;
+
+pub use backward::Backward;
+pub use covariance::Covariance;
+pub use record::{Filter, Record};
+pub use state::{STATES, State};

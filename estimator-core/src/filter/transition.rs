@@ -1,0 +1,209 @@
+//! One cell of driving, as shears on mean and covariance.
+
+use super::Covariance;
+use super::state::{ALTITUDE, BIAS, ENERGY, GNSS_ERROR, SCALE, SLOPE, SLOPE_RATE, STATES, State};
+use crate::cell::CELL_LENGTH_M;
+use crate::sampler::Sample;
+use crate::scalar::Scalar;
+use crate::tuning::Tuning;
+use crate::vehicle::{GRAVITY, VehicleParameters};
+
+/// Coefficients of one step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Transition<S> {
+    /// Part of the kinetic energy that air resistance leaves.
+    keep_energy: S,
+    /// Rolling resistance times length, m²/s².
+    rolling: S,
+    /// Specific traction times length, m²/s²: the input, and what the scale acts on.
+    traction: S,
+    /// Specific weight times length, m²/s² for 1 %.
+    gravity: S,
+    /// Part of the slope rate that is left.
+    keep_rate: S,
+    /// Part of the bias that is left.
+    keep_bias: S,
+    /// Part of the coloured GNSS error that is left.
+    keep_gnss_error: S,
+    /// Variances that the step adds.
+    noise: Noise<S>,
+}
+
+/// Variances added in one step, by state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Noise<S> {
+    energy: S,
+    slope_rate: S,
+    bias: S,
+    scale: S,
+    gnss_error: S,
+}
+
+/// Standard deviation of the bias for a vehicle at a speed, %.
+///
+/// Wind and auxiliaries are forces and weigh less on a heavy vehicle; tyres and shape go with
+/// their resistance.
+pub(super) fn bias_sigma(vehicle: &VehicleParameters, tuning: &Tuning, sample: &Sample) -> f32 {
+    let weight_n = sample.load.mass_kg * GRAVITY;
+    let speed = sample.place.speed_mps;
+    let drag_n = 0.5 * vehicle.drag_area_m2 * sample.load.air_density * speed * speed;
+    let force = tuning.bias_force_n / weight_n;
+    let rolling = tuning.bias_rolling * vehicle.rolling_resistance;
+    let drag = tuning.bias_drag * drag_n / weight_n;
+    100.0 * libm::sqrtf(force * force + rolling * rolling + drag * drag)
+}
+
+impl<S: Scalar> Transition<S> {
+    /// The step over the cell of `sample`.
+    #[must_use]
+    pub fn new(vehicle: &VehicleParameters, tuning: &Tuning, sample: &Sample) -> Self {
+        let length_m = CELL_LENGTH_M;
+        let balance = vehicle.force_balance(&sample.load);
+        let drag = balance.drag * length_m;
+        let gravity = balance.gravity * length_m;
+
+        let force_percent = 100.0 * tuning.force_noise_n / (sample.load.mass_kg * GRAVITY);
+        let model_percent = if sample.place.condition.is_valid() {
+            force_percent
+        } else {
+            tuning.invalid_noise_percent
+        };
+        let energy_sigma = gravity * model_percent;
+
+        // First-order Gauss-Markov processes: x+ = k x + w, var w = (1 - k²) sigma².
+        let markov = |steps: f32, sigma: f32| {
+            let keep = 1.0 / (1.0 + steps);
+            (keep, (1.0 - keep * keep) * sigma * sigma)
+        };
+        let (keep_rate, rate_noise) = markov(
+            length_m / tuning.slope_rate_length_m,
+            tuning.slope_rate_sigma,
+        );
+        let (keep_bias, bias_noise) = markov(
+            length_m / tuning.bias_length_m,
+            bias_sigma(vehicle, tuning, sample),
+        );
+        let (keep_gnss_error, gnss_noise) = markov(
+            sample.duration_s / tuning.gnss_error_time_s,
+            tuning.gnss_error_sigma_m,
+        );
+        let walk = tuning.scale_walk_per_sqrt_km;
+
+        Self {
+            // exp(-drag) to second order.
+            keep_energy: S::from_f32(1.0 - drag * (1.0 - 0.5 * drag)),
+            rolling: S::from_f32(balance.rolling * length_m),
+            traction: S::from_f32(balance.traction * length_m),
+            gravity: S::from_f32(gravity),
+            keep_rate: S::from_f32(keep_rate),
+            keep_bias: S::from_f32(keep_bias),
+            keep_gnss_error: S::from_f32(keep_gnss_error),
+            noise: Noise {
+                energy: S::from_f32(energy_sigma * energy_sigma),
+                slope_rate: S::from_f32(rate_noise),
+                bias: S::from_f32(bias_noise),
+                scale: S::from_f32(walk * walk * length_m * 0.001),
+                gnss_error: S::from_f32(gnss_noise),
+            },
+        }
+    }
+
+    /// Predicts mean and covariance to the end of the cell.
+    #[inline]
+    pub fn predict(&self, state: &mut State<S>) {
+        self.shears(|i, j, factor| {
+            let step = factor * state.x[j];
+            state.x[i] += step;
+            state.p.shear(i, j, factor);
+        });
+        for (i, keep) in self.keeps() {
+            state.x[i] *= keep;
+            state.p.scale(i, keep);
+        }
+        state.x[ENERGY] += self.traction - self.rolling;
+        state.x[ENERGY] = state.x[ENERGY].max(S::ZERO);
+        state.p.add_variance(ENERGY, self.noise.energy);
+        state.p.add_variance(SLOPE_RATE, self.noise.slope_rate);
+        state.p.add_variance(BIAS, self.noise.bias);
+        state.p.add_variance(SCALE, self.noise.scale);
+        state.p.add_variance(GNSS_ERROR, self.noise.gnss_error);
+    }
+
+    /// The transposed step, backwards: on the smoother's vector and matrix.
+    #[inline]
+    pub fn transpose(&self, lambda: &mut [S; STATES], information: &mut Covariance<S>) {
+        for (i, keep) in self.keeps() {
+            lambda[i] *= keep;
+            information.scale(i, keep);
+        }
+        self.shears_reversed(|i, j, factor| {
+            let step = factor * lambda[i];
+            lambda[j] += step;
+            information.shear(j, i, factor);
+        });
+    }
+
+    /// Off-diagonal entries of the transition as `x_i += factor * x_j`, in order. The slope turns
+    /// halfway through the cell, so that energy and altitude see its middle.
+    #[inline(always)]
+    fn shears(&self, mut apply: impl FnMut(usize, usize, S)) {
+        let length = S::from_f32(CELL_LENGTH_M);
+        let half = S::from_f32(0.5 * CELL_LENGTH_M);
+        let percent = S::from_f32(0.01);
+        apply(SLOPE, SLOPE_RATE, half);
+        apply(ENERGY, SLOPE, -self.gravity);
+        apply(ENERGY, BIAS, -self.gravity);
+        apply(ENERGY, SCALE, self.traction);
+        apply(ALTITUDE, SLOPE, length * percent);
+        apply(SLOPE, SLOPE_RATE, half);
+    }
+
+    #[inline(always)]
+    fn shears_reversed(&self, mut apply: impl FnMut(usize, usize, S)) {
+        let length = S::from_f32(CELL_LENGTH_M);
+        let half = S::from_f32(0.5 * CELL_LENGTH_M);
+        let percent = S::from_f32(0.01);
+        apply(SLOPE, SLOPE_RATE, half);
+        apply(ALTITUDE, SLOPE, length * percent);
+        apply(ENERGY, SCALE, self.traction);
+        apply(ENERGY, BIAS, -self.gravity);
+        apply(ENERGY, SLOPE, -self.gravity);
+        apply(SLOPE, SLOPE_RATE, half);
+    }
+
+    /// Diagonal entries that are not one.
+    ///
+    /// They act after the shears; the forces of the cell thus lose to air resistance a part in a
+    /// thousand of what the energy does, which is nothing.
+    #[inline(always)]
+    fn keeps(&self) -> [(usize, S); 4] {
+        [
+            (ENERGY, self.keep_energy),
+            (SLOPE_RATE, self.keep_rate),
+            (BIAS, self.keep_bias),
+            (GNSS_ERROR, self.keep_gnss_error),
+        ]
+    }
+
+    /// In another number.
+    #[must_use]
+    pub fn cast<T: Scalar>(&self) -> Transition<T> {
+        let to = |value: S| T::from_f64(value.to_f64());
+        Transition {
+            keep_energy: to(self.keep_energy),
+            rolling: to(self.rolling),
+            traction: to(self.traction),
+            gravity: to(self.gravity),
+            keep_rate: to(self.keep_rate),
+            keep_bias: to(self.keep_bias),
+            keep_gnss_error: to(self.keep_gnss_error),
+            noise: Noise {
+                energy: to(self.noise.energy),
+                slope_rate: to(self.noise.slope_rate),
+                bias: to(self.noise.bias),
+                scale: to(self.noise.scale),
+                gnss_error: to(self.noise.gnss_error),
+            },
+        }
+    }
+}

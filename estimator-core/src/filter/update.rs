@@ -1,0 +1,100 @@
+//! One scalar measurement.
+
+use super::state::{ALTITUDE, ENERGY, GNSS_ERROR, STATES, State};
+use crate::scalar::Scalar;
+
+/// What a measurement sees of the state: a sum of states.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Observation {
+    /// v²/2 of the wheel speed.
+    Energy,
+    /// GNSS altitude: altitude plus its coloured error.
+    Altitude,
+}
+
+/// A measurement as taken: its innovation and variance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Update<S> {
+    /// What was seen.
+    pub observation: Observation,
+    /// Measured minus predicted.
+    pub innovation: S,
+    /// Variance of the measurement.
+    pub variance: S,
+}
+
+/// The gain of an update, with what it came from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Gain<S> {
+    pub gain: [S; STATES],
+    pub innovation_variance: S,
+}
+
+impl Observation {
+    /// h x.
+    #[inline(always)]
+    pub(super) fn of<S: Scalar>(self, x: &[S; STATES]) -> S {
+        match self {
+            Self::Energy => x[ENERGY],
+            Self::Altitude => x[ALTITUDE] + x[GNSS_ERROR],
+        }
+    }
+
+    /// `v += factor * h'`.
+    #[inline(always)]
+    pub(super) fn add_to<S: Scalar>(self, vector: &mut [S; STATES], factor: S) {
+        match self {
+            Self::Energy => vector[ENERGY] += factor,
+            Self::Altitude => {
+                vector[ALTITUDE] += factor;
+                vector[GNSS_ERROR] += factor;
+            }
+        }
+    }
+
+    /// The row h.
+    #[must_use]
+    pub fn row<S: Scalar>(self) -> [S; STATES] {
+        let mut row = [S::ZERO; STATES];
+        self.add_to(&mut row, S::ONE);
+        row
+    }
+}
+
+impl<S: Scalar> Update<S> {
+    /// Applies it, and tells the gain.
+    #[inline]
+    pub(super) fn apply(&self, state: &mut State<S>) -> Gain<S> {
+        let cross = match self.observation {
+            Observation::Energy => state.p.row(ENERGY),
+            Observation::Altitude => {
+                let mut sum = state.p.row(ALTITUDE);
+                for (k, element) in sum.iter_mut().enumerate() {
+                    *element += state.p.get(GNSS_ERROR, k);
+                }
+                sum
+            }
+        };
+        let innovation_variance = self.observation.of(&cross) + self.variance;
+        let per_variance = S::ONE / innovation_variance;
+        let gain = cross.map(|element| element * per_variance);
+        for (x, gain) in state.x.iter_mut().zip(&gain) {
+            *x += *gain * self.innovation;
+        }
+        state.p.joseph(&gain, &cross, innovation_variance);
+        Gain {
+            gain,
+            innovation_variance,
+        }
+    }
+
+    /// In another number.
+    #[must_use]
+    pub fn cast<T: Scalar>(&self) -> Update<T> {
+        Update {
+            observation: self.observation,
+            innovation: T::from_f64(self.innovation.to_f64()),
+            variance: T::from_f64(self.variance.to_f64()),
+        }
+    }
+}

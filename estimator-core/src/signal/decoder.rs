@@ -1,0 +1,154 @@
+//! Frames to readings.
+
+use super::Reading;
+use super::fast_packet::{Assembly, FastPackets};
+use super::layout::{MESSAGES, Message, index_of};
+use embedded_can::{Frame, Id};
+
+/// A 29-bit identifier taken apart (SAE J1939-21).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Pgn {
+    /// The parameter group number.
+    pub number: u32,
+    /// The sender's address.
+    pub source: u8,
+}
+
+impl Pgn {
+    /// From a raw 29-bit identifier. In the PDU1 range the destination is no part of the number.
+    #[must_use]
+    pub const fn from_raw(id: u32) -> Self {
+        let group = (id >> 8) & 0x3_ffff;
+        let number = if (group >> 8) & 0xff < 0xf0 {
+            group & 0x3_ff00
+        } else {
+            group
+        };
+        Self {
+            number,
+            source: (id & 0xff) as u8,
+        }
+    }
+}
+
+/// Why a frame with a known PGN gave no readings.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum Rejection {
+    /// A remote frame, which has no data.
+    Remote,
+    /// The payload ends before its last signal.
+    Truncated,
+    /// A fast packet with a missing, repeated or swapped frame.
+    FastPacketOrder,
+}
+
+/// What became of a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum FrameOutcome {
+    /// Readings were handed out; the index and sender are those that
+    /// [`SourceLock`](super::SourceLock) asks for.
+    Decoded {
+        /// Index of the message.
+        message: usize,
+        /// The sender's address.
+        source: u8,
+    },
+    /// Part of a fast packet that is not whole yet.
+    Partial,
+    /// Not a message that the estimator knows.
+    Ignored,
+    /// A known message, but unusable.
+    Rejected(Rejection),
+}
+
+/// Decodes frames; holds the fast packets under way.
+#[derive(Clone, Debug)]
+pub struct Decoder {
+    packets: FastPackets,
+}
+
+impl Decoder {
+    /// With no packet under way.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            packets: FastPackets::new(),
+        }
+    }
+
+    /// Decodes one frame and hands each of its readings to `sink`, with the message's index and
+    /// sender known before the first (the outcome repeats them).
+    pub fn decode<F: Frame>(
+        &mut self,
+        frame: &F,
+        mut sink: impl FnMut(usize, Pgn, Reading),
+    ) -> FrameOutcome {
+        let Id::Extended(id) = frame.id() else {
+            return FrameOutcome::Ignored;
+        };
+        let pgn = Pgn::from_raw(id.as_raw());
+        let Some(index) = index_of(pgn.number) else {
+            return FrameOutcome::Ignored;
+        };
+        let Some(message) = MESSAGES.get(index) else {
+            return FrameOutcome::Ignored;
+        };
+        if frame.is_remote_frame() {
+            return FrameOutcome::Rejected(Rejection::Remote);
+        }
+        let decoded = FrameOutcome::Decoded {
+            message: index,
+            source: pgn.source,
+        };
+        if message.length <= 8 {
+            return if read(message, frame.data(), |r| sink(index, pgn, r)) {
+                decoded
+            } else {
+                FrameOutcome::Rejected(Rejection::Truncated)
+            };
+        }
+        let key = (pgn.number << 8) | u32::from(pgn.source);
+        let mut readable = false;
+        let assembly = self.packets.push(key, frame.data(), |payload| {
+            readable = read(message, payload, |r| sink(index, pgn, r));
+        });
+        match assembly {
+            Assembly::Partial => FrameOutcome::Partial,
+            Assembly::Complete if readable => decoded,
+            Assembly::Complete | Assembly::Truncated => {
+                FrameOutcome::Rejected(Rejection::Truncated)
+            }
+            Assembly::OutOfOrder => FrameOutcome::Rejected(Rejection::FastPacketOrder),
+        }
+    }
+}
+
+impl Default for Decoder {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// Hands out the readings of a payload, all or none; false if it is too short.
+fn read(message: &Message, payload: &[u8], mut sink: impl FnMut(Reading)) -> bool {
+    let end = message
+        .fields
+        .iter()
+        .map(|f| f.start_bit + u16::from(f.bits))
+        .max();
+    if payload.len() * 8 < usize::from(end.unwrap_or(0)) {
+        return false;
+    }
+    for field in message.fields {
+        if let Some(value) = field.read(message.convention, payload) {
+            sink(Reading {
+                signal: field.signal,
+                value,
+            });
+        }
+    }
+    true
+}

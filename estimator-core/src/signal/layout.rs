@@ -1,0 +1,234 @@
+//! Where the signals stand in their messages, and the two ways through that table.
+
+use super::{Signal, Value};
+
+/// Whose codes for "not available" and "error" apply.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Convention {
+    /// SAE J1939-71: the top of the raw range, a byte's worth at the head of the field.
+    J1939,
+    /// NMEA 2000: the three largest raw values; the largest is "not available".
+    Nmea2000,
+}
+
+/// Raw number to physical value.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Scaling {
+    /// `raw * scale + offset`.
+    Real { scale: f32, offset: f32 },
+    /// `raw / divisor + offset`, in 1e-7 degrees.
+    DegreesE7 { divisor: i64, offset: i64 },
+}
+
+/// One signal in one message.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Field {
+    pub signal: Signal,
+    pub start_bit: u16,
+    pub bits: u8,
+    pub signed: bool,
+    pub scaling: Scaling,
+}
+
+/// One message: a parameter group with the fields of interest.
+#[derive(Debug)]
+pub(super) struct Message {
+    pub pgn: u32,
+    pub name: &'static str,
+    pub priority: u8,
+    pub length: u8,
+    pub convention: Convention,
+    pub fields: &'static [Field],
+}
+
+include!(concat!(env!("OUT_DIR"), "/layout_tables.rs"));
+
+/// A known message, for tools that list what a bus carries.
+#[derive(Clone, Copy, Debug)]
+pub struct MessageInfo(&'static Message);
+
+impl MessageInfo {
+    /// The parameter group number.
+    #[must_use]
+    pub const fn pgn(self) -> u32 {
+        self.0.pgn
+    }
+
+    /// The acronym.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        self.0.name
+    }
+
+    /// The priority it is usually sent with.
+    #[must_use]
+    pub const fn priority(self) -> u8 {
+        self.0.priority
+    }
+
+    /// The payload's length in bytes; above 8 it is sent as a fast packet.
+    #[must_use]
+    pub const fn length(self) -> usize {
+        self.0.length as usize
+    }
+
+    /// The signals in it.
+    pub fn signals(self) -> impl Iterator<Item = Signal> {
+        self.0.fields.iter().map(|field| field.signal)
+    }
+}
+
+/// Every message known to the decoder, by ascending PGN.
+pub fn messages() -> impl Iterator<Item = MessageInfo> {
+    MESSAGES.iter().map(MessageInfo)
+}
+
+impl Field {
+    /// The value in `payload`; `None` if the payload ends before the field does.
+    pub(super) fn read(&self, convention: Convention, payload: &[u8]) -> Option<Value> {
+        let raw = self.raw(payload)?;
+        Some(match self.code(convention, raw) {
+            Some(code) => code,
+            None => self.physical(raw),
+        })
+    }
+
+    /// The raw bits, zero-extended.
+    fn raw(&self, payload: &[u8]) -> Option<u64> {
+        let first = usize::from(self.start_bit / 8);
+        let shift = u32::from(self.start_bit % 8);
+        let bytes = (usize::from(self.bits) + shift as usize).div_ceil(8);
+        let window = payload.get(first..first + bytes)?;
+        let word = window
+            .iter()
+            .rev()
+            .fold(0_u64, |word, byte| (word << 8) | u64::from(*byte));
+        Some((word >> shift) & self.mask())
+    }
+
+    const fn mask(&self) -> u64 {
+        u64::MAX >> (64 - self.bits as u32)
+    }
+
+    fn code(&self, convention: Convention, raw: u64) -> Option<Value> {
+        let mask = self.mask();
+        match (convention, self.bits) {
+            // Two bits: 10 error, 11 not available; the measurement is 00 or 01.
+            (Convention::J1939, 2) => match raw {
+                2 => Some(Value::Error),
+                3 => Some(Value::NotAvailable),
+                _ => None,
+            },
+            (_, 1..=7) => match mask - raw {
+                0 => Some(Value::NotAvailable),
+                1 => Some(Value::Error),
+                _ => None,
+            },
+            // The head byte tells: FF not available, FE error, FB to FD reserved.
+            (Convention::J1939, bits) => match raw >> (bits - 8) {
+                0xff => Some(Value::NotAvailable),
+                0xfb..=0xfe => Some(Value::Error),
+                _ => None,
+            },
+            (Convention::Nmea2000, _) => {
+                let top = if self.signed { mask >> 1 } else { mask };
+                match top.checked_sub(raw) {
+                    Some(0) => Some(Value::NotAvailable),
+                    Some(1 | 2) => Some(Value::Error),
+                    _ => None,
+                }
+            }
+        }
+    }
+
+    fn physical(&self, raw: u64) -> Value {
+        let unused = 64 - u32::from(self.bits);
+        let number = if self.signed {
+            ((raw << unused) as i64) >> unused
+        } else {
+            raw as i64
+        };
+        match self.scaling {
+            Scaling::Real { scale, offset } => Value::Real(number as f32 * scale + offset),
+            Scaling::DegreesE7 { divisor, offset } => {
+                let half = if number < 0 {
+                    -divisor / 2
+                } else {
+                    divisor / 2
+                };
+                match i32::try_from((number.saturating_add(half)) / divisor + offset) {
+                    Ok(angle) => Value::DegreesE7(angle),
+                    Err(_) => Value::Error,
+                }
+            }
+        }
+    }
+
+    /// Writes `value` into `payload`, the nearest raw number that is a measurement.
+    fn write(&self, convention: Convention, value: Value, payload: &mut [u8]) {
+        let mask = self.mask();
+        let raw = match value {
+            Value::Real(value) => match self.scaling {
+                Scaling::Real { scale, offset } => {
+                    let raw = (f64::from(value) - f64::from(offset)) / f64::from(scale);
+                    self.clamp(convention, libm::round(raw) as i64)
+                }
+                Scaling::DegreesE7 { .. } => mask,
+            },
+            Value::DegreesE7(angle) => match self.scaling {
+                Scaling::DegreesE7 { divisor, offset } => {
+                    self.clamp(convention, (i64::from(angle) - offset) * divisor)
+                }
+                Scaling::Real { .. } => mask,
+            },
+            Value::NotAvailable if convention == Convention::Nmea2000 && self.signed => mask >> 1,
+            Value::NotAvailable => mask,
+            Value::Error if self.bits == 2 => 2,
+            Value::Error if convention == Convention::J1939 && self.bits >= 8 => {
+                0xfe << (self.bits - 8)
+            }
+            Value::Error if self.signed => (mask >> 1) - 1,
+            Value::Error => mask - 1,
+        };
+        let first = usize::from(self.start_bit / 8);
+        let shift = u32::from(self.start_bit % 8);
+        let bytes = (usize::from(self.bits) + shift as usize).div_ceil(8);
+        for (k, byte) in payload.iter_mut().skip(first).take(bytes).enumerate() {
+            let place = 8 * k as u32;
+            let keep = !((mask << shift) >> place) as u8;
+            *byte = (*byte & keep) | ((raw & mask) << shift >> place) as u8;
+        }
+    }
+
+    /// Into the range of measurements.
+    fn clamp(&self, convention: Convention, raw: i64) -> u64 {
+        let mask = self.mask();
+        let (low, high) = match (convention, self.bits, self.signed) {
+            (_, _, true) => (-((mask >> 1) as i64), (mask >> 1) as i64 - 3),
+            (Convention::J1939, 2, _) => (0, 1),
+            (_, bits, _) if bits < 8 => (0, mask as i64 - 2),
+            (Convention::J1939, bits, _) => (0, ((0xfb_u64 << (bits - 8)) - 1) as i64),
+            (Convention::Nmea2000, ..) => (0, mask as i64 - 3),
+        };
+        raw.clamp(low, high) as u64 & mask
+    }
+}
+
+/// Writes the payload of a message; the way back of the decoder, for simulators and tests.
+///
+/// `value_of` is asked for each signal; fields that nobody listed are "not available" (all
+/// ones). Returns the payload's length in bytes, or `None` if the PGN is unknown or `payload`
+/// is too short. Multi-packet messages (above 8 bytes) are the caller's to split.
+pub fn encode(
+    pgn: u32,
+    payload: &mut [u8],
+    mut value_of: impl FnMut(Signal) -> Value,
+) -> Option<usize> {
+    let message = MESSAGES.get(index_of(pgn)?)?;
+    let payload = payload.get_mut(..usize::from(message.length))?;
+    payload.fill(0xff);
+    for field in message.fields {
+        field.write(message.convention, value_of(field.signal), payload);
+    }
+    Some(payload.len())
+}

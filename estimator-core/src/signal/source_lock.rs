@@ -1,0 +1,76 @@
+//! One source for each signal: who came first keeps the word until it falls silent.
+//!
+//! Two controllers may send the same parameter group (a brake and an engine controller both send
+//! CCVS1), and two groups the same signal (a position comes in 129025 and in 129029). Mixing
+//! them would add their offsets as noise.
+
+use super::Signal;
+use crate::time::{Duration, Instant};
+
+/// Silence after which another source may take over.
+const TIMEOUT: Duration = Duration::from_millis(5000);
+
+/// Whether a reading comes from the source that has the word.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Admission {
+    /// From the source in use.
+    Admitted,
+    /// From a source that took over from a silent one: an offset may have come with it.
+    Switched,
+    /// Another source has the word.
+    Refused,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Holder {
+    source: u16,
+    heard: Instant,
+}
+
+/// The source heard for each signal.
+#[derive(Clone, Debug)]
+pub struct SourceLock {
+    holders: [Option<Holder>; Signal::ALL.len()],
+}
+
+impl SourceLock {
+    /// Nobody heard yet.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            holders: [None; Signal::ALL.len()],
+        }
+    }
+
+    /// Whether the reading of `signal` in the message with index `message` sent from `address`
+    /// counts. Only a measurement (`available`) takes or keeps the word.
+    pub fn admit(
+        &mut self,
+        signal: Signal,
+        message: usize,
+        address: u8,
+        now: Instant,
+        available: bool,
+    ) -> Admission {
+        let source = ((message as u16) << 8) | u16::from(address);
+        let Some(place) = self.holders.get_mut(signal as usize) else {
+            return Admission::Refused;
+        };
+        let admission = match place {
+            None => Admission::Admitted,
+            Some(holder) if holder.source == source => Admission::Admitted,
+            Some(holder) if available && now.since(holder.heard) > TIMEOUT => Admission::Switched,
+            Some(_) => return Admission::Refused,
+        };
+        if available {
+            *place = Some(Holder { source, heard: now });
+        }
+        admission
+    }
+}
+
+impl Default for SourceLock {
+    fn default() -> Self {
+        Self::new()
+    }
+}

@@ -1,0 +1,95 @@
+//! Time as an argument: the core never reads a clock.
+
+use core::ops::{Add, Sub};
+
+/// A point in time, in microseconds from any fixed origin.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Instant {
+    micros: u64,
+}
+
+/// A span of time, in microseconds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Duration {
+    micros: u64,
+}
+
+impl Instant {
+    /// The origin.
+    pub const ZERO: Self = Self { micros: 0 };
+
+    /// From microseconds since the origin.
+    #[must_use]
+    pub const fn from_micros(micros: u64) -> Self {
+        Self { micros }
+    }
+
+    /// Microseconds since the origin.
+    #[must_use]
+    pub const fn micros(self) -> u64 {
+        self.micros
+    }
+
+    /// Time from `earlier` to `self`; zero if `earlier` is the later one.
+    #[must_use]
+    pub const fn since(self, earlier: Self) -> Duration {
+        Duration {
+            micros: self.micros.saturating_sub(earlier.micros),
+        }
+    }
+}
+
+impl Duration {
+    /// From microseconds.
+    #[must_use]
+    pub const fn from_micros(micros: u64) -> Self {
+        Self { micros }
+    }
+
+    /// From milliseconds.
+    #[must_use]
+    pub const fn from_millis(millis: u32) -> Self {
+        Self {
+            micros: millis as u64 * 1000,
+        }
+    }
+
+    /// Microseconds.
+    #[must_use]
+    pub const fn micros(self) -> u64 {
+        self.micros
+    }
+
+    /// Seconds, in f32. Spans beyond 4,294 s saturate: nothing in the core looks that far.
+    #[must_use]
+    pub const fn seconds(self) -> f32 {
+        let micros = if self.micros > u32::MAX as u64 {
+            u32::MAX
+        } else {
+            self.micros as u32
+        };
+        micros as f32 * 1e-6
+    }
+}
+
+impl Add<Duration> for Instant {
+    type Output = Self;
+
+    fn add(self, span: Duration) -> Self {
+        Self {
+            micros: self.micros.saturating_add(span.micros),
+        }
+    }
+}
+
+impl Sub<Duration> for Instant {
+    type Output = Self;
+
+    fn sub(self, span: Duration) -> Self {
+        Self {
+            micros: self.micros.saturating_sub(span.micros),
+        }
+    }
+}

@@ -1,0 +1,86 @@
+//! The numbers a user may turn, each in a unit that can be judged.
+
+use crate::time::Duration;
+
+/// Noise levels, hold times and latencies.
+///
+/// Force noises are forces: the grade error they make goes as 1/(m g), so that one set serves a
+/// loaded combination and a solo tractor alike.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tuning {
+    /// White noise of one wheel-speed reading, 1 sigma, m/s. From the width of the pointwise
+    /// grade errors in the thesis (tables 2 and 3): 0.009 to 0.013.
+    pub speed_sigma_mps: f32,
+    /// The same below [`Self::crawl_mps`], where pulses of a wheel sensor are few, m/s.
+    pub crawl_speed_sigma_mps: f32,
+    /// Speed under which speed readings are coarse, m/s.
+    pub crawl_mps: f32,
+
+    /// Change of grade along the road: 1 sigma of its rate, % per m. A crest built for
+    /// 110 km/h has 0.014 (AASHTO K = 74).
+    pub slope_rate_sigma: f32,
+    /// Distance over which the rate of change keeps its sign, m; the length of a vertical curve.
+    pub slope_rate_length_m: f32,
+    /// Grade expected before anything is known, 1 sigma, %.
+    pub slope_sigma: f32,
+
+    /// Force the model misses from cell to cell, white, 1 sigma over one cell of 2.5 m, N.
+    pub force_noise_n: f32,
+    /// Grade-equivalent noise over one cell while the model does not hold (shift, brake), %.
+    pub invalid_noise_percent: f32,
+
+    /// Slow model error that does not grow with mass (wind, auxiliaries), 1 sigma, N.
+    pub bias_force_n: f32,
+    /// Slow model error as a part of the rolling resistance (tyres, surface), 1 sigma, 1.
+    pub bias_rolling: f32,
+    /// Slow model error as a part of the air resistance (shape, density), 1 sigma, 1.
+    pub bias_drag: f32,
+    /// Distance over which the slow error keeps its value, m.
+    pub bias_length_m: f32,
+
+    /// Error of the traction scale (mass or torque) at the start, 1 sigma, 1.
+    pub scale_sigma: f32,
+    /// Wander of the scale, 1 sigma, per square root of a km.
+    pub scale_walk_per_sqrt_km: f32,
+
+    /// White noise of one GNSS altitude at a dilution of precision of one, 1 sigma, m.
+    pub altitude_sigma_m: f32,
+    /// Coloured error of GNSS altitude, 1 sigma, m.
+    pub gnss_error_sigma_m: f32,
+    /// Time over which it keeps its value, s.
+    pub gnss_error_time_s: f32,
+    /// Age of a GNSS fix when it arrives.
+    pub gnss_latency: Duration,
+
+    /// How long the model stays invalid after a gear shift.
+    pub shift_hold: Duration,
+    /// How long the model stays invalid after braking.
+    pub brake_hold: Duration,
+}
+
+impl Default for Tuning {
+    fn default() -> Self {
+        Self {
+            speed_sigma_mps: 0.015,
+            crawl_speed_sigma_mps: 0.1,
+            crawl_mps: 1.5,
+            slope_rate_sigma: 0.006,
+            slope_rate_length_m: 150.0,
+            slope_sigma: 3.0,
+            force_noise_n: 150.0,
+            invalid_noise_percent: 30.0,
+            bias_force_n: 300.0,
+            bias_rolling: 0.15,
+            bias_drag: 0.1,
+            bias_length_m: 20_000.0,
+            scale_sigma: 0.1,
+            scale_walk_per_sqrt_km: 0.002,
+            altitude_sigma_m: 0.7,
+            gnss_error_sigma_m: 3.0,
+            gnss_error_time_s: 200.0,
+            gnss_latency: Duration::from_millis(150),
+            shift_hold: Duration::from_millis(1000),
+            brake_hold: Duration::from_millis(1000),
+        }
+    }
+}

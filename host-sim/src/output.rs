@@ -1,0 +1,30 @@
+//! Output files appear whole or not at all.
+
+use crate::error::{Error, Result};
+use std::fs;
+use std::io::{BufWriter, Write};
+use std::path::Path;
+use tempfile::NamedTempFile;
+
+/// Writes `path` through `content`: into a temporary file beside it, renamed when complete.
+///
+/// # Errors
+/// Whatever `content` says, or the file system; `path` is then as it was before.
+pub fn write_whole(
+    path: &Path,
+    content: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
+) -> Result<()> {
+    let folder = match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    };
+    fs::create_dir_all(folder).map_err(Error::io(folder))?;
+    let file = NamedTempFile::new_in(folder).map_err(Error::io(path))?;
+    let mut writer = BufWriter::new(file);
+    content(&mut writer).map_err(Error::io(path))?;
+    let file = writer
+        .into_inner()
+        .map_err(|e| Error::io(path)(e.into_error()))?;
+    file.persist(path).map_err(|e| Error::io(path)(e.error))?;
+    Ok(())
+}

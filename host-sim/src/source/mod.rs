@@ -1,0 +1,5 @@
+//! Where frames and readings come from.
+
+pub mod can_frame;
+pub mod candump;
+pub mod signal_table;
