@@ -1,7 +1,14 @@
 //! The bench around `estimator-core`: sources of traffic, whole-run smoothing, maps, reports.
 
+pub mod cli;
 pub mod error;
+pub mod map;
 pub mod output;
+pub mod report;
 pub mod run_file;
+pub mod smooth;
 pub mod source;
+pub mod study;
+pub mod truth_file;
 pub mod vehicle_file;
+pub mod world;

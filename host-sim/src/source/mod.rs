@@ -3,3 +3,4 @@
 pub mod can_frame;
 pub mod candump;
 pub mod signal_table;
+pub mod ztbus;

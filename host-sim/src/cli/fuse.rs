@@ -1,0 +1,12 @@
+//! `roadgrade fuse`.
+
+use crate::error::Result;
+
+/// Arguments of `fuse`.
+#[derive(Debug, clap::Args)]
+pub struct Args {}
+
+/// Runs it.
+pub fn run(_args: &Args) -> Result<()> {
+    Ok(())
+}

@@ -1,0 +1,12 @@
+//! `roadgrade import`.
+
+use crate::error::Result;
+
+/// Arguments of `import`.
+#[derive(Debug, clap::Args)]
+pub struct Args {}
+
+/// Runs it.
+pub fn run(_args: &Args) -> Result<()> {
+    Ok(())
+}

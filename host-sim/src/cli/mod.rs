@@ -1,0 +1,60 @@
+//! The command line: one file a subcommand.
+
+mod demo;
+mod estimate;
+mod fuse;
+mod import;
+mod inspect;
+mod score;
+mod simulate;
+mod study;
+
+use crate::error::Result;
+use clap::{Parser, Subcommand};
+
+/// Road-grade estimation for heavy vehicles: from bus traffic to a grade map.
+#[derive(Debug, Parser)]
+#[command(name = "roadgrade", version, propagate_version = true)]
+pub struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Simulate, put on a bus, estimate, fuse, score and report, on a built-in scenario.
+    Demo(demo::Args),
+    /// Drive simulated trucks over a road and write their bus logs and the truth.
+    Simulate(simulate::Args),
+    /// Estimate the grade along one recorded drive.
+    Estimate(estimate::Args),
+    /// Turn measured data sets into signal tables.
+    Import(import::Args),
+    /// Show what is on a bus, and what an estimate would miss.
+    Inspect(inspect::Args),
+    /// Fuse runs over the same road into one map.
+    Fuse(fuse::Args),
+    /// Compare runs with the truth.
+    Score(score::Args),
+    /// Compute tables and figures from measured data and from the thesis.
+    Study(study::Args),
+}
+
+impl Cli {
+    /// Runs the subcommand.
+    ///
+    /// # Errors
+    /// What could not be done, with file, line and what was expected.
+    pub fn run(&self) -> Result<()> {
+        match &self.command {
+            Command::Demo(args) => demo::run(args),
+            Command::Simulate(args) => simulate::run(args),
+            Command::Estimate(args) => estimate::run(args),
+            Command::Import(args) => import::run(args),
+            Command::Inspect(args) => inspect::run(args),
+            Command::Fuse(args) => fuse::run(args),
+            Command::Score(args) => score::run(args),
+            Command::Study(args) => study::run(args),
+        }
+    }
+}

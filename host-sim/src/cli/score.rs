@@ -1,0 +1,12 @@
+//! `roadgrade score`.
+
+use crate::error::Result;
+
+/// Arguments of `score`.
+#[derive(Debug, clap::Args)]
+pub struct Args {}
+
+/// Runs it.
+pub fn run(_args: &Args) -> Result<()> {
+    Ok(())
+}
