@@ -24,6 +24,10 @@ pub struct Counters {
     pub other_source: u32,
     /// Another sender took over a signal from a silent one.
     pub source_switches: u32,
+    /// Speeds that moved the odometer.
+    pub speeds_used: u64,
+    /// Traction forces known: torque with a gear, or a force.
+    pub tractions_used: u64,
     /// GNSS fixes without a usable altitude.
     pub poor_fixes: u32,
     /// Stretches without speed.

@@ -272,12 +272,13 @@ impl Sampler {
             Signal::EngineSpeed => board.engine_speed.set(value, now),
             Signal::EngineTorque => {
                 board.torque.set(value, now);
-                self.torque_changed(vehicle, now);
+                self.torque_changed(vehicle, now, counters);
             }
             Signal::TractionForce => {
                 board.force.set(value, now);
                 if let Some(force_n) = value {
                     self.force.reading(force_n, now);
+                    counters.tractions_used = counters.tractions_used.saturating_add(1);
                 }
             }
             Signal::DrivelineEngaged => {
@@ -341,7 +342,12 @@ impl Sampler {
         }
     }
 
-    fn torque_changed(&mut self, vehicle: &VehicleParameters, now: Instant) {
+    fn torque_changed(
+        &mut self,
+        vehicle: &VehicleParameters,
+        now: Instant,
+        counters: &mut Counters,
+    ) {
         let Traction::Powertrain(powertrain) = &vehicle.traction else {
             return;
         };
@@ -351,6 +357,9 @@ impl Sampler {
         if let Some(net) = self.net_torque_percent(now) {
             self.force
                 .reading(vehicle.traction_n(self.driveline, net), now);
+            if self.driveline != Driveline::Unknown {
+                counters.tractions_used = counters.tractions_used.saturating_add(1);
+            }
         }
     }
 
@@ -535,6 +544,7 @@ impl Sampler {
         let Some(speed_mps) = value.filter(|v| (0.0..=70.0).contains(v)) else {
             return;
         };
+        counters.speeds_used = counters.speeds_used.saturating_add(1);
         let reading = Timed {
             value: speed_mps,
             time: now,

@@ -4,6 +4,7 @@ pub mod cli;
 pub mod error;
 pub mod map;
 pub mod output;
+pub mod recorder;
 pub mod report;
 pub mod run_file;
 pub mod smooth;

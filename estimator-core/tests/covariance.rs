@@ -1,0 +1,72 @@
+//! The packed symmetric matrix against nalgebra's dense one.
+
+use estimator_core::filter::{Covariance, STATES};
+use nalgebra::{SMatrix, SVector};
+use proptest::prelude::*;
+
+type Dense = SMatrix<f64, STATES, STATES>;
+
+fn positive(numbers: &[f64]) -> Covariance<f64> {
+    let root = Dense::from_fn(|i, j| numbers[i * STATES + j]);
+    let product = root * root.transpose() + Dense::identity() * 1e-3;
+    let mut covariance = Covariance::ZERO;
+    for i in 0..STATES {
+        for j in i..STATES {
+            covariance.set(i, j, product[(i, j)]);
+        }
+    }
+    covariance
+}
+
+fn close(a: &Dense, b: &Dense) -> bool {
+    (a - b).amax() <= 1e-9 * (1.0 + b.amax())
+}
+
+proptest! {
+    #[test]
+    fn shear_is_a_congruence(
+        numbers in prop::collection::vec(-2.0..2.0_f64, STATES * STATES),
+        i in 0..STATES, step in 1..STATES, factor in -3.0..3.0_f64,
+    ) {
+        let j = (i + step) % STATES;
+        let mut packed = positive(&numbers);
+        let dense = packed.to_matrix();
+        packed.shear(i, j, factor);
+        let mut f = Dense::identity();
+        f[(i, j)] = factor;
+        prop_assert!(close(&packed.to_matrix(), &(f * dense * f.transpose())));
+    }
+
+    #[test]
+    fn scale_is_a_congruence(
+        numbers in prop::collection::vec(-2.0..2.0_f64, STATES * STATES),
+        i in 0..STATES, factor in -3.0..3.0_f64,
+    ) {
+        let mut packed = positive(&numbers);
+        let dense = packed.to_matrix();
+        packed.scale(i, factor);
+        let mut f = Dense::identity();
+        f[(i, i)] = factor;
+        prop_assert!(close(&packed.to_matrix(), &(f * dense * f.transpose())));
+    }
+
+    #[test]
+    fn joseph_update_holds_for_any_gain(
+        numbers in prop::collection::vec(-2.0..2.0_f64, STATES * STATES),
+        gain in prop::collection::vec(-2.0..2.0_f64, STATES),
+        seen in 0..STATES, noise in 0.01..5.0_f64,
+    ) {
+        let mut packed = positive(&numbers);
+        let dense = packed.to_matrix();
+        let k = SVector::<f64, STATES>::from_column_slice(&gain);
+        let mut h = SVector::<f64, STATES>::zeros().transpose();
+        h[seen] = 1.0;
+        let keep = Dense::identity() - k * h;
+        let expected = keep * dense * keep.transpose() + k * noise * k.transpose();
+
+        let cross = packed.row(seen);
+        let gain: [f64; STATES] = std::array::from_fn(|i| gain[i]);
+        packed.joseph(&gain, &cross, cross[seen] + noise);
+        prop_assert!(close(&packed.to_matrix(), &expected));
+    }
+}

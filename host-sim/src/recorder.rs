@@ -1,0 +1,114 @@
+//! One drive through the core: traffic in, a run out.
+
+use crate::run_file::RunRow;
+use crate::smooth::smooth;
+use crate::source::can_frame::TimedFrame;
+use estimator_core::filter::Record;
+use estimator_core::{
+    Cell, Counters, Estimate, Estimator, Instant, ParameterError, Place, Reading, Scalar, Step,
+    Tuning, VehicleParameters,
+};
+
+/// Feeds an estimator and keeps what it hands out.
+#[derive(Debug)]
+pub struct Recorder<S> {
+    estimator: Estimator<S>,
+    start: Option<Instant>,
+    records: Vec<Record<S>>,
+    cells: Vec<Cell>,
+}
+
+/// A whole drive, smoothed.
+#[derive(Debug)]
+pub struct Run {
+    /// Its cells.
+    pub rows: Vec<RunRow>,
+    /// What happened on the way.
+    pub counters: Counters,
+}
+
+impl<S: Scalar> Recorder<S> {
+    /// A recorder of one drive with this vehicle.
+    ///
+    /// # Errors
+    /// The first parameter that no vehicle can have.
+    pub fn new(vehicle: VehicleParameters, tuning: Tuning) -> Result<Self, ParameterError> {
+        Ok(Self {
+            estimator: Estimator::new(vehicle, tuning)?,
+            start: None,
+            records: Vec::new(),
+            cells: Vec::new(),
+        })
+    }
+
+    /// Takes one frame.
+    pub fn on_frame(&mut self, timed: &TimedFrame) {
+        self.start.get_or_insert(timed.time);
+        self.estimator.on_frame(timed.time, &timed.frame);
+        self.collect();
+    }
+
+    /// Takes one reading of a signal table.
+    pub fn on_reading(&mut self, time: Instant, reading: Reading) {
+        self.start.get_or_insert(time);
+        self.estimator.on_reading(time, reading);
+        self.collect();
+    }
+
+    fn collect(&mut self) {
+        while let Some(step) = self.estimator.step() {
+            if step == Step::Moved {
+                self.records.extend(self.estimator.record().copied());
+            }
+            while let Some(cell) = self.estimator.next_cell() {
+                self.cells.push(cell);
+            }
+        }
+    }
+
+    /// The state of the estimator.
+    pub fn estimator(&self) -> &Estimator<S> {
+        &self.estimator
+    }
+
+    /// Ends the drive: the last cells, and smoothing over the whole of it.
+    #[must_use]
+    pub fn finish(mut self) -> Run {
+        while let Some(cell) = self.estimator.drain_cell() {
+            self.cells.push(cell);
+        }
+        let start = self.start.unwrap_or_default();
+        let rows = self
+            .cells
+            .iter()
+            .zip(smooth(&self.records))
+            .map(|(cell, smoothed)| row(start, &cell.place, cell, &smoothed))
+            .collect();
+        Run {
+            rows,
+            counters: *self.estimator.counters(),
+        }
+    }
+}
+
+fn row(start: Instant, place: &Place, cell: &Cell, smoothed: &Estimate) -> RunRow {
+    let degrees = |e7: i32| f64::from(e7) * 1e-7;
+    RunRow {
+        time_s: place.time.since(start).micros() as f64 * 1e-6,
+        distance_m: place.distance_m(),
+        latitude_deg: place.position_e7.map(|(latitude, _)| degrees(latitude)),
+        longitude_deg: place.position_e7.map(|(_, longitude)| degrees(longitude)),
+        altitude_m: smoothed.altitude_m.map(|z| z.value.into()),
+        altitude_sigma_m: smoothed.altitude_m.map(|z| z.sigma.into()),
+        grade_percent: smoothed.grade_percent.value.into(),
+        grade_sigma_percent: smoothed.grade_percent.sigma.into(),
+        lagged_grade_percent: cell.lagged.grade_percent.value.into(),
+        lagged_grade_sigma_percent: cell.lagged.grade_percent.sigma.into(),
+        live_grade_percent: cell.live.grade_percent.value.into(),
+        live_grade_sigma_percent: cell.live.grade_percent.sigma.into(),
+        speed_mps: smoothed.speed_mps.into(),
+        bias_percent: smoothed.bias_percent.value.into(),
+        scale: smoothed.scale.value.into(),
+        valid: place.condition.is_valid().into(),
+    }
+}
