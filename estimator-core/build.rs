@@ -108,8 +108,8 @@ fn field(message: &Message, signal: &Signal) -> String {
         };
         format!(
             "Scaling::Real {{ scale: {:e}_f32, offset: {:e}_f32 }}",
-            signal.factor * unit,
-            signal.offset * unit
+            (signal.factor * unit) as f32,
+            (signal.offset * unit) as f32
         )
     };
     format!(

@@ -146,7 +146,7 @@ impl<S: Scalar> Estimator<S> {
                     }
                     count_value(reading.value, counters);
                     sampler.record(vehicle, tuning, now, reading, switched, counters);
-                    used = true;
+                    used |= available;
                 }
             }
         });

@@ -105,8 +105,8 @@ fn batch(samples: &[Sample], records: &[Record<f64>], tuning: &Tuning) -> Vec<(f
     covariance
         .view_mut((0, 0), (STATES, STATES))
         .copy_from(&first.p.to_matrix());
-    for k in 1..n {
-        let (f, input, q) = dense_model(&samples[k], tuning);
+    for (k, sample) in samples.iter().enumerate().skip(1) {
+        let (f, input, q) = dense_model(sample, tuning);
         let (now, before) = (k * STATES, (k - 1) * STATES);
         let moved = &f * mean.rows(before, STATES) + input;
         mean.rows_mut(now, STATES).copy_from(&moved);

@@ -51,9 +51,9 @@ impl<S: Scalar> Backward<S> {
         let per_variance = S::ONE / gain.innovation_variance;
         let spread = self.information.times(&gain.gain);
         let (mut along, mut within) = (S::ZERO, S::ZERO);
-        for i in 0..STATES {
-            along += gain.gain[i] * self.lambda[i];
-            within += gain.gain[i] * spread[i];
+        for ((gain, lambda), spread) in gain.gain.iter().zip(&self.lambda).zip(&spread) {
+            along += *gain * *lambda;
+            within += *gain * *spread;
         }
         update.observation.add_to(
             &mut self.lambda,
@@ -61,13 +61,7 @@ impl<S: Scalar> Backward<S> {
         );
         let row = update.observation.row::<S>();
         let added = within + per_variance;
-        for i in 0..STATES {
-            for j in i..STATES {
-                let change = row[i] * row[j] * added - row[i] * spread[j] - spread[i] * row[j];
-                self.information
-                    .set(i, j, self.information.get(i, j) + change);
-            }
-        }
+        self.information.add_products(&row, &spread, added);
     }
 
     /// The smoothed estimate at `record`, whose measurements have been absorbed.

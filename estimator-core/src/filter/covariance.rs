@@ -104,6 +104,17 @@ impl<S: Scalar> Covariance<S> {
         }
     }
 
+    /// `M + f a a' - a b' - b a'`.
+    #[inline(always)]
+    pub fn add_products(&mut self, a: &[S; STATES], b: &[S; STATES], factor: S) {
+        for i in 0..STATES {
+            for j in i..STATES {
+                let change = a[i] * a[j] * factor - a[i] * b[j] - b[i] * a[j];
+                self.set(i, j, self.get(i, j) + change);
+            }
+        }
+    }
+
     /// `M v`.
     #[inline(always)]
     #[must_use]

@@ -7,6 +7,10 @@ use heapless::Vec;
 pub const MAX_GEARS: usize = 24;
 
 /// Where the traction force comes from.
+#[allow(
+    clippy::large_enum_variant,
+    reason = "one a vehicle, and nowhere to put it without allocation"
+)]
 #[derive(Clone, Debug, PartialEq)]
 pub enum Traction {
     /// Engine torque through gearbox and final drive.
