@@ -1,1 +1,4 @@
-//! report.
+//! Plots and the page that shows them.
+
+pub mod page;
+pub mod plot;

@@ -1,0 +1,329 @@
+//! Line plots as SVG text.
+
+use plotters::coord::types::RangedCoordf64;
+use plotters::prelude::*;
+use std::error::Error;
+
+/// Colours that stay apart in print and for the colour-blind (Okabe and Ito).
+pub mod colour {
+    use plotters::style::RGBColor;
+    /// The truth, the reference.
+    pub const BLACK: RGBColor = RGBColor(0x22, 0x22, 0x22);
+    /// The main estimate.
+    pub const BLUE: RGBColor = RGBColor(0x00, 0x72, 0xb2);
+    /// What it is compared with.
+    pub const ORANGE: RGBColor = RGBColor(0xd5, 0x5e, 0x00);
+    /// A third.
+    pub const GREEN: RGBColor = RGBColor(0x00, 0x9e, 0x73);
+    /// A fourth.
+    pub const PURPLE: RGBColor = RGBColor(0xcc, 0x79, 0xa7);
+    /// What is only background.
+    pub const GREY: RGBColor = RGBColor(0x99, 0x99, 0x99);
+    /// In the order in which runs take them.
+    pub const CYCLE: [RGBColor; 5] = [BLUE, ORANGE, GREEN, PURPLE, GREY];
+}
+
+/// How a series is drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Mark {
+    /// A line through the points.
+    Line,
+    /// A dashed line.
+    Dashed,
+    /// A dot at each point.
+    Dots,
+    /// An area between `y` and the given lower edge, without outline.
+    Band(Vec<f64>),
+}
+
+/// One set of points.
+#[derive(Clone, Debug)]
+pub struct Series {
+    /// What the legend calls it; empty keeps it out.
+    pub name: String,
+    /// (x, y) in the units of the axes; x ascending for lines and bands.
+    pub points: Vec<(f64, f64)>,
+    /// Its colour.
+    pub colour: RGBColor,
+    /// How it is drawn.
+    pub mark: Mark,
+}
+
+impl Series {
+    /// A line.
+    pub fn line(
+        name: impl Into<String>,
+        colour: RGBColor,
+        points: impl IntoIterator<Item = (f64, f64)>,
+    ) -> Self {
+        Self {
+            name: name.into(),
+            points: points.into_iter().collect(),
+            colour,
+            mark: Mark::Line,
+        }
+    }
+
+    /// A band of two standard deviations about a line.
+    pub fn two_sigma(
+        name: impl Into<String>,
+        colour: RGBColor,
+        points: impl IntoIterator<Item = (f64, f64, f64)>,
+    ) -> Self {
+        let (upper, lower) = points
+            .into_iter()
+            .map(|(x, y, sigma)| ((x, y + 2.0 * sigma), y - 2.0 * sigma))
+            .unzip();
+        Self {
+            name: name.into(),
+            points: upper,
+            colour,
+            mark: Mark::Band(lower),
+        }
+    }
+
+    /// Drawn otherwise.
+    #[must_use]
+    pub fn drawn(mut self, mark: Mark) -> Self {
+        self.mark = mark;
+        self
+    }
+}
+
+/// One plot.
+#[derive(Clone, Debug, Default)]
+pub struct Plot {
+    /// Name of the x axis with its unit.
+    pub x_label: String,
+    /// Name of the y axis with its unit.
+    pub y_label: String,
+    /// What is drawn, from back to front.
+    pub series: Vec<Series>,
+    /// Stretches of x with a grey background.
+    pub shaded: Vec<(f64, f64)>,
+    /// Range of y; of the data if `None`.
+    pub y_range: Option<(f64, f64)>,
+    /// One metre is as long in x as in y.
+    pub equal_scales: bool,
+    /// Height, pixels; the width is [`WIDTH`].
+    pub height: u32,
+}
+
+/// Width of every plot, pixels.
+pub const WIDTH: u32 = 960;
+/// Points of a line beyond which only each column's extremes are drawn.
+const MOST_POINTS: usize = 2 * WIDTH as usize;
+
+type Drawing<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
+type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+
+impl Plot {
+    /// A plot with these axes and the usual height.
+    pub fn new(x_label: impl Into<String>, y_label: impl Into<String>) -> Self {
+        Self {
+            x_label: x_label.into(),
+            y_label: y_label.into(),
+            height: 320,
+            ..Self::default()
+        }
+    }
+
+    /// With one more series, in front of the others.
+    #[must_use]
+    pub fn with(mut self, series: Series) -> Self {
+        self.series.push(series);
+        self
+    }
+
+    /// The SVG text.
+    ///
+    /// # Panics
+    /// Never: drawing into a string has no error.
+    #[must_use]
+    pub fn to_svg(&self) -> String {
+        let mut text = String::new();
+        {
+            let area = SVGBackend::with_string(&mut text, (WIDTH, self.height)).into_drawing_area();
+            self.draw(&area).expect("a string takes every drawing");
+        }
+        text
+    }
+
+    fn draw(&self, area: &Drawing<'_>) -> Result<(), Box<dyn Error + 'static>> {
+        let (x, y) = self.ranges();
+        let mut chart = ChartBuilder::on(area)
+            .margin(8)
+            .margin_right(18)
+            .x_label_area_size(44)
+            .y_label_area_size(64)
+            .build_cartesian_2d(x.0..x.1, y.0..y.1)
+            .map_err(|e| e.to_string())?;
+        chart
+            .configure_mesh()
+            .x_desc(&self.x_label)
+            .y_desc(&self.y_label)
+            .axis_desc_style(("sans-serif", 15))
+            .label_style(("sans-serif", 13))
+            .light_line_style(WHITE.mix(0.0))
+            .bold_line_style(BLACK.mix(0.12))
+            .x_label_formatter(&|v| short(*v))
+            .y_label_formatter(&|v| short(*v))
+            .draw()
+            .map_err(|e| e.to_string())?;
+        for &(from, to) in &self.shaded {
+            let grey = colour::GREY.mix(0.25).filled();
+            chart
+                .draw_series([Rectangle::new([(from, y.0), (to, y.1)], grey)])
+                .map_err(|e| e.to_string())?;
+        }
+        for series in &self.series {
+            draw_series(&mut chart, series)?;
+        }
+        if self.series.iter().any(|series| !series.name.is_empty()) {
+            chart
+                .configure_series_labels()
+                .position(SeriesLabelPosition::UpperRight)
+                .background_style(WHITE.mix(0.85))
+                .border_style(BLACK.mix(0.2))
+                .label_font(("sans-serif", 13))
+                .draw()
+                .map_err(|e| e.to_string())?;
+        }
+        area.present().map_err(|e| e.to_string())?;
+        Ok(())
+    }
+
+    fn ranges(&self) -> ((f64, f64), (f64, f64)) {
+        let points = || self.series.iter().flat_map(|series| &series.points);
+        let lower = self.series.iter().flat_map(|series| match &series.mark {
+            Mark::Band(lower) => lower.as_slice(),
+            _ => &[],
+        });
+        let mut x = spread(points().map(|p| p.0), 0.0);
+        let mut y = self
+            .y_range
+            .unwrap_or_else(|| spread(points().map(|p| p.1).chain(lower.copied()), 0.05));
+        if self.equal_scales {
+            let (wide, high) = (f64::from(WIDTH - 90), f64::from(self.height - 60));
+            let metre = ((x.1 - x.0) / wide).max((y.1 - y.0) / high) * 1.05;
+            for (range, pixels) in [(&mut x, wide), (&mut y, high)] {
+                let middle = 0.5 * (range.0 + range.1);
+                *range = (middle - 0.5 * metre * pixels, middle + 0.5 * metre * pixels);
+            }
+        }
+        (x, y)
+    }
+}
+
+/// From the least to the largest, with a part of that added on either side.
+fn spread(values: impl Iterator<Item = f64>, margin: f64) -> (f64, f64) {
+    let (low, high) = values
+        .filter(|v| v.is_finite())
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
+            (low.min(v), high.max(v))
+        });
+    if low > high {
+        return (0.0, 1.0);
+    }
+    let pad = ((high - low) * margin).max(if high > low { 0.0 } else { 0.5 });
+    (low - pad, high + pad)
+}
+
+/// A number without trailing zeros.
+fn short(value: f64) -> String {
+    let text = format!("{value:.3}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    if text == "-0" {
+        "0".to_owned()
+    } else {
+        text.to_owned()
+    }
+}
+
+fn draw_series(chart: &mut Chart<'_, '_>, series: &Series) -> Result<(), Box<dyn Error>> {
+    let colour = series.colour;
+    let drawn = match &series.mark {
+        Mark::Dots => chart
+            .draw_series(
+                series
+                    .points
+                    .iter()
+                    .map(|point| Circle::new(*point, 2, colour.filled())),
+            )
+            .map_err(|e| e.to_string())?,
+        Mark::Line => chart
+            .draw_series(LineSeries::new(
+                thinned(&series.points),
+                colour.stroke_width(2),
+            ))
+            .map_err(|e| e.to_string())?,
+        Mark::Dashed => chart
+            .draw_series(DashedLineSeries::new(
+                thinned(&series.points),
+                6,
+                4,
+                colour.stroke_width(2),
+            ))
+            .map_err(|e| e.to_string())?,
+        Mark::Band(lower) => {
+            let lower: Vec<_> = series
+                .points
+                .iter()
+                .zip(lower)
+                .map(|(p, y)| (p.0, *y))
+                .collect();
+            let mut outline = thinned(&series.points);
+            outline.extend(thinned(&lower).into_iter().rev());
+            chart
+                .draw_series([Polygon::new(outline, colour.mix(0.2).filled())])
+                .map_err(|e| e.to_string())?
+        }
+    };
+    if !series.name.is_empty() {
+        let is_band = matches!(series.mark, Mark::Band(_));
+        drawn.label(&series.name).legend(move |(x, y)| {
+            if is_band {
+                Rectangle::new([(x, y - 5), (x + 18, y + 5)], colour.mix(0.3).filled())
+            } else {
+                Rectangle::new([(x, y - 1), (x + 18, y + 1)], colour.filled())
+            }
+        });
+    }
+    Ok(())
+}
+
+/// A long line as the extremes of each of its columns: what a screen can show of it.
+fn thinned(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    if points.len() <= MOST_POINTS {
+        return points.to_vec();
+    }
+    let group = points.len().div_ceil(MOST_POINTS / 2);
+    points
+        .chunks(group)
+        .flat_map(|chunk| {
+            let by_y = |a: &&(f64, f64), b: &&(f64, f64)| a.1.total_cmp(&b.1);
+            let low = chunk.iter().min_by(by_y).copied();
+            let high = chunk.iter().max_by(by_y).copied();
+            let (a, b) = (low.unwrap_or_default(), high.unwrap_or_default());
+            if a.0 <= b.0 { [a, b] } else { [b, a] }
+        })
+        .collect()
+}
+
+/// Joins neighbouring stretches where `is_on` holds, as x ranges to shade.
+#[must_use]
+pub fn stretches(cells: impl IntoIterator<Item = (f64, bool)>) -> Vec<(f64, f64)> {
+    let mut found: Vec<(f64, f64)> = Vec::new();
+    let mut was_on = false;
+    let mut before = f64::NAN;
+    for (x, is_on) in cells {
+        match (is_on, was_on, found.last_mut()) {
+            (true, true, Some(last)) => last.1 = x,
+            (true, ..) => found.push((if before.is_nan() { x } else { before }, x)),
+            _ => {}
+        }
+        was_on = is_on;
+        before = x;
+    }
+    found
+}
