@@ -12,6 +12,7 @@
 //!
 //! * [`signal`] decodes J1939 and NMEA 2000 frames into physical readings;
 //! * [`sampler`] turns readings of different rates and ages into one sample a cell;
+//! * [`intake`] is the way from frames to samples, with what was wrong counted;
 //! * [`vehicle`] holds the parameters and the force balance;
 //! * [`filter`] is the Kalman filter, [`lag`] its fixed-lag smoother;
 //! * [`cell`] is what comes out;
@@ -38,6 +39,7 @@ pub mod cell;
 pub mod counters;
 pub mod estimator;
 pub mod filter;
+pub mod intake;
 pub mod lag;
 pub mod sampler;
 pub mod scalar;
@@ -48,7 +50,8 @@ pub mod vehicle;
 
 pub use cell::{CELL_LENGTH_M, Cell, Condition, Estimate, Place, Uncertain};
 pub use counters::Counters;
-pub use estimator::{Estimator, Live, Outcome, Step};
+pub use estimator::{Estimator, Live, Step};
+pub use intake::{Intake, Outcome};
 pub use scalar::Scalar;
 pub use signal::{Decoder, Reading, Signal, Value};
 pub use time::{Duration, Instant};
