@@ -9,17 +9,20 @@
 //! * [`covariance`]: a packed symmetric matrix and what a filter does to one;
 //! * [`transition`]: one cell of driving;
 //! * [`update`]: one scalar measurement;
-//! * [`record`]: what a step leaves for smoothing, and the step itself;
+//! * [`step`]: the filter, which a sample moves over one cell;
+//! * [`record`]: what a step leaves for smoothing;
 //! * [`backward`]: the smoothing recursion over records.
 
 pub mod backward;
 pub mod covariance;
 pub mod record;
 pub mod state;
+pub mod step;
 pub mod transition;
 pub mod update;
 
 pub use backward::Backward;
 pub use covariance::Covariance;
-pub use record::{Filter, Record};
+pub use record::Record;
 pub use state::{STATES, State};
+pub use step::Filter;

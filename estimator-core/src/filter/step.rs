@@ -1,0 +1,197 @@
+//! The filter: one step is one cell.
+
+use super::covariance::Covariance;
+use super::record::{Link, Record};
+use super::state::{ALTITUDE, BIAS, ENERGY, GNSS_ERROR, SCALE, SLOPE, SLOPE_RATE, STATES, State};
+use super::transition::{Transition, bias_sigma};
+use super::update::{Observation, Update};
+use crate::cell::CELL_LENGTH_M;
+use crate::counters::Counters;
+use crate::sampler::{AltitudeMeasurement, Sample, SpeedMeasurement};
+use crate::scalar::Scalar;
+use crate::tuning::Tuning;
+use crate::vehicle::VehicleParameters;
+
+/// The filter: a state that samples move.
+#[derive(Clone, Debug)]
+pub struct Filter<S> {
+    state: Option<State<S>>,
+}
+
+impl<S: Scalar> Filter<S> {
+    /// Before the first sample.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { state: None }
+    }
+
+    /// The state now; `None` before the first speed.
+    #[must_use]
+    pub const fn state(&self) -> Option<&State<S>> {
+        self.state.as_ref()
+    }
+
+    /// Moves over one cell. `None` as long as no speed has been read.
+    pub fn step(
+        &mut self,
+        vehicle: &VehicleParameters,
+        tuning: &Tuning,
+        sample: &Sample,
+        counters: &mut Counters,
+    ) -> Option<Record<S>> {
+        let transition = Transition::new(vehicle, tuning, sample);
+        let mut link = Link::Chained;
+        let (mut state, energy_before) = match (self.state, sample.speed) {
+            (Some(mut state), _) if sample.gap_cells == 0 => {
+                let before = state.x[ENERGY];
+                transition.predict(&mut state);
+                (state, before)
+            }
+            (known, Some(speed)) => {
+                link = Link::Broken;
+                let state = begin(known.as_ref(), vehicle, tuning, sample, speed);
+                (state, state.x[ENERGY])
+            }
+            (_, None) => return None,
+        };
+        let altitude = sample.altitude.map(|altitude| {
+            let value = altitude_at_end(&state, &altitude);
+            let sigma = tuning.altitude_sigma_m * altitude.dilution;
+            (value, S::from_f32(sigma * sigma), altitude.source_switched)
+        });
+        let mut fused_altitude = None;
+        if let Some((altitude_m, variance, source_switched)) = altitude {
+            if state.origin_m.is_none() || source_switched {
+                set_altitude(&mut state, altitude_m, variance);
+                counters.altitude_resets = counters.altitude_resets.saturating_add(1);
+                if link == Link::Chained {
+                    link = Link::AltitudeSet;
+                }
+            } else {
+                fused_altitude = Some((altitude_m, variance));
+            }
+        }
+
+        let predicted = state;
+        let speed = sample.speed.map(|speed| {
+            let gradient = (predicted.x[ENERGY] - energy_before) * S::from_f32(1.0 / CELL_LENGTH_M);
+            speed_update(&state, tuning, speed, gradient)
+        });
+        if let Some(update) = &speed {
+            update.apply(&mut state);
+        }
+        let altitude = fused_altitude.map(|(altitude_m, variance)| {
+            let origin_m = state.origin_m.unwrap_or(altitude_m);
+            let innovation =
+                S::from_f32(altitude_m - origin_m) - Observation::Altitude.of(&state.x);
+            Update {
+                observation: Observation::Altitude,
+                innovation,
+                variance,
+            }
+        });
+        if let Some(update) = &altitude {
+            update.apply(&mut state);
+            counters.altitudes_used = counters.altitudes_used.saturating_add(1);
+        }
+        counters.steps = counters.steps.saturating_add(1);
+        if !sample.place.condition.is_valid() {
+            counters.invalid_steps = counters.invalid_steps.saturating_add(1);
+        }
+        if !(state.is_sound() && predicted.is_sound()) {
+            // Cannot come from sound input; if it does, the next speed starts the filter anew.
+            counters.restarts = counters.restarts.saturating_add(1);
+            self.state = None;
+            return None;
+        }
+        self.state = Some(state);
+        Some(Record {
+            place: sample.place,
+            transition,
+            link,
+            predicted,
+            speed,
+            altitude,
+        })
+    }
+}
+
+impl<S: Scalar> Default for Filter<S> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// The state at a first cell, or behind a gap, which leaves the slow states as they were.
+fn begin<S: Scalar>(
+    known: Option<&State<S>>,
+    vehicle: &VehicleParameters,
+    tuning: &Tuning,
+    sample: &Sample,
+    speed: SpeedMeasurement,
+) -> State<S> {
+    let square = |sigma: f32| S::from_f32(sigma * sigma);
+    let mut state = known.copied().unwrap_or_else(|| {
+        let mut p = Covariance::ZERO;
+        p.set(BIAS, BIAS, square(bias_sigma(vehicle, tuning, sample)));
+        p.set(SCALE, SCALE, square(tuning.scale_sigma));
+        p.set(GNSS_ERROR, GNSS_ERROR, square(tuning.gnss_error_sigma_m));
+        State {
+            x: [S::ZERO; STATES],
+            p,
+            origin_m: None,
+        }
+    });
+    for i in [ENERGY, ALTITUDE, SLOPE, SLOPE_RATE] {
+        state.x[i] = S::ZERO;
+        state.p.clear(i);
+    }
+    state.origin_m = None;
+    let mps = speed.mean_mps;
+    state.x[ENERGY] = S::from_f32(0.5 * mps * mps);
+    // The speed itself follows as a measurement: what is set here only has to be wider.
+    state.p.set(ENERGY, ENERGY, square(mps.max(1.0)));
+    state.p.set(SLOPE, SLOPE, square(tuning.slope_sigma));
+    state
+        .p
+        .set(SLOPE_RATE, SLOPE_RATE, square(tuning.slope_rate_sigma));
+    state
+}
+
+/// The altitude carried along the slope from where it was taken to the cell's end, m.
+fn altitude_at_end<S: Scalar>(state: &State<S>, altitude: &AltitudeMeasurement) -> f32 {
+    altitude.altitude_m + altitude.behind_m * 0.01 * state.x[SLOPE].to_f32()
+}
+
+/// Altitude := fix − GNSS error, so that the two share the fix's error.
+fn set_altitude<S: Scalar>(state: &mut State<S>, altitude_m: f32, variance: S) {
+    let origin_m = *state.origin_m.get_or_insert(altitude_m);
+    state.x[ALTITUDE] = S::from_f32(altitude_m - origin_m) - state.x[GNSS_ERROR];
+    state.p.clear(ALTITUDE);
+    state.p.shear(ALTITUDE, GNSS_ERROR, -S::ONE);
+    state.p.add_variance(ALTITUDE, variance);
+}
+
+/// The mean speed as a measurement of v²/2 at the cell's end, moved there along the predicted
+/// change of energy.
+fn speed_update<S: Scalar>(
+    state: &State<S>,
+    tuning: &Tuning,
+    speed: SpeedMeasurement,
+    gradient: S,
+) -> Update<S> {
+    let mps = speed.mean_mps;
+    let sigma = if mps < tuning.crawl_mps {
+        tuning.crawl_speed_sigma_mps
+    } else {
+        tuning.speed_sigma_mps
+    };
+    let measured = S::from_f32(0.5 * mps * mps) + gradient * S::from_f32(speed.behind_m);
+    let variance = mps * mps * sigma * sigma / f32::from(speed.count.max(1));
+    Update {
+        observation: Observation::Energy,
+        innovation: measured - state.x[ENERGY],
+        // d(v²/2) = v dv, and dv²/2 where v itself is no larger than that.
+        variance: S::from_f32(variance + 0.5 * sigma * sigma * sigma * sigma),
+    }
+}
