@@ -1,0 +1,46 @@
+//! The newest value of a signal, and how long it may be believed.
+
+use crate::time::{Duration, Instant};
+
+/// A gear, a switch or a quality figure older than this is forgotten.
+const STATE_STALE: Duration = Duration::from_millis(5_000);
+
+/// A value and when it came.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Timed {
+    pub value: f32,
+    pub time: Instant,
+}
+
+/// The newest value of a signal.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Latest(Option<Timed>);
+
+impl Latest {
+    /// A reading: a value, or the news that there is none.
+    pub(super) fn set(&mut self, value: Option<f32>, time: Instant) {
+        self.0 = value.map(|value| Timed { value, time });
+    }
+
+    /// Whatever its age.
+    pub(super) fn last(&self) -> Option<f32> {
+        self.0.map(|timed| timed.value)
+    }
+
+    /// If it is no older than `age`.
+    pub(super) fn within(&self, now: Instant, age: Duration) -> Option<f32> {
+        self.0
+            .filter(|timed| now.since(timed.time) <= age)
+            .map(|timed| timed.value)
+    }
+
+    /// Of a state that holds until it is told otherwise, if its sender is still heard.
+    pub(super) fn state(&self, now: Instant) -> Option<f32> {
+        self.within(now, STATE_STALE)
+    }
+
+    /// Of a switch.
+    pub(super) fn is_on(&self, now: Instant) -> bool {
+        self.state(now).is_some_and(|value| value > 0.5)
+    }
+}
