@@ -1,12 +1,145 @@
 //! `roadgrade import`.
 
 use crate::error::Result;
+use crate::source::ztbus::{Mission, Pass};
+use clap::Subcommand;
+use comfy_table::{Table, presets};
+use serde::Serialize;
+use std::path::{Path, PathBuf};
 
 /// Arguments of `import`.
 #[derive(Debug, clap::Args)]
-pub struct Args {}
+pub struct Args {
+    #[command(subcommand)]
+    source: Source,
+}
+
+#[derive(Debug, Subcommand)]
+enum Source {
+    /// A ZTBus mission: writes mission.csv, vehicle.toml and one signal table for each one-way
+    /// trip.
+    Ztbus(ZtbusArgs),
+}
+
+#[derive(Debug, clap::Args)]
+struct ZtbusArgs {
+    /// The mission's CSV file.
+    file: PathBuf,
+    /// Folder to write to.
+    #[arg(long)]
+    out: PathBuf,
+    /// Print the passes as JSON.
+    #[arg(long)]
+    json: bool,
+}
 
 /// Runs it.
-pub fn run(_args: &Args) -> Result<()> {
+pub fn run(args: &Args) -> Result<()> {
+    match &args.source {
+        Source::Ztbus(args) => ztbus(args),
+    }
+}
+
+#[derive(Serialize)]
+struct Summary {
+    rows: usize,
+    duration_s: f64,
+    length_m: f64,
+    first_fix_s: f64,
+    passes: Vec<PassSummary>,
+}
+
+#[derive(Serialize)]
+struct PassSummary {
+    number: usize,
+    direction: &'static str,
+    start_s: f64,
+    duration_s: f64,
+    length_m: f64,
+    climb_m: Option<f64>,
+    passengers_mean: Option<f64>,
+    file: PathBuf,
+}
+
+fn ztbus(args: &ZtbusArgs) -> Result<()> {
+    // Read and cut as a whole before the first file is written.
+    let mission = Mission::read(&args.file)?;
+    let passes = mission.passes();
+    let summary = summary(&mission, &passes, &args.out);
+    mission.write(&args.out.join("mission.csv"))?;
+    for (pass, summary) in passes.iter().zip(&summary.passes) {
+        mission.write_pass(&summary.file, pass)?;
+    }
+    mission.vehicle().write(&args.out.join("vehicle.toml"))?;
+    if args.json {
+        println!("{:#}", serde_json::json!(summary));
+    } else {
+        println!("{}", table(&summary.passes));
+    }
+    eprintln!(
+        "{}: {:.1} km in {:.0} min, first fix after {:.0} s; mission.csv, vehicle.toml and {} \
+         passes are in {}",
+        args.file.display(),
+        summary.length_m / 1000.0,
+        summary.duration_s / 60.0,
+        summary.first_fix_s,
+        passes.len(),
+        args.out.display()
+    );
     Ok(())
+}
+
+fn summary(mission: &Mission, passes: &[Pass], out: &Path) -> Summary {
+    let rows = mission.rows();
+    Summary {
+        rows: rows.len(),
+        duration_s: rows.last().map_or(0.0, |row| row.time_s),
+        length_m: mission.odometer_m().last().copied().unwrap_or(0.0),
+        first_fix_s: rows[mission.first_fix()].time_s,
+        passes: passes
+            .iter()
+            .zip(1..)
+            .map(|(pass, number)| {
+                let direction = pass.direction.word();
+                PassSummary {
+                    number,
+                    direction,
+                    start_s: pass.start_s,
+                    duration_s: pass.duration_s,
+                    length_m: pass.length_m,
+                    climb_m: pass.climb_m,
+                    passengers_mean: pass.passengers_mean,
+                    file: out.join(format!("pass_{number:02}_{direction}.csv")),
+                }
+            })
+            .collect(),
+    }
+}
+
+fn table(passes: &[PassSummary]) -> Table {
+    let optional = |value: Option<f64>| value.map_or("-".to_owned(), |v| format!("{v:.1}"));
+    let mut table = Table::new();
+    table.load_style(presets::UTF8_FULL_CONDENSED).set_header([
+        "pass",
+        "direction",
+        "start s",
+        "duration s",
+        "length m",
+        "climb m",
+        "passengers",
+        "file",
+    ]);
+    for pass in passes {
+        table.add_row([
+            pass.number.to_string(),
+            pass.direction.to_owned(),
+            format!("{:.0}", pass.start_s),
+            format!("{:.0}", pass.duration_s),
+            format!("{:.0}", pass.length_m),
+            optional(pass.climb_m),
+            optional(pass.passengers_mean),
+            pass.file.display().to_string(),
+        ]);
+    }
+    table
 }

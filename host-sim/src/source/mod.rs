@@ -3,4 +3,5 @@
 pub mod can_frame;
 pub mod candump;
 pub mod signal_table;
+pub mod terrain;
 pub mod ztbus;

@@ -1,0 +1,98 @@
+//! Altitude of the ground from SRTM tiles.
+//!
+//! NASA's Shuttle Radar Topography Mission, version 3: one file a degree square, big-endian
+//! 16-bit metres above the geoid (EGM96), first row north. A radar sees roofs and treetops, and
+//! posts are 90 m (3 arc seconds) or 30 m apart: good for the trend of a road, not for its
+//! details.
+
+use crate::error::{Error, Result};
+use srtm_reader::{Coord, Resolution, Tile};
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Posts without a measurement: the data set's mark, and the one of some refillings of it.
+const VOIDS: [i16; 2] = [i16::MIN, -9999];
+
+/// A folder of SRTM tiles, each read when first asked for.
+#[derive(Debug)]
+pub struct Terrain {
+    folder: PathBuf,
+    tiles: BTreeMap<(i8, i16), Tile>,
+}
+
+impl Terrain {
+    /// Tiles named as NASA names them (`N47E008.hgt`) in `folder`.
+    #[must_use]
+    pub fn new(folder: &Path) -> Self {
+        Self {
+            folder: folder.to_owned(),
+            tiles: BTreeMap::new(),
+        }
+    }
+
+    /// Altitude of the ground in m above the geoid, bilinear between the four posts around;
+    /// `None` where one of them is void, and for what is no place on Earth.
+    ///
+    /// # Errors
+    /// A tile that is missing or whose size is not that of one; the message names it.
+    pub fn altitude_m(&mut self, latitude_deg: f64, longitude_deg: f64) -> Result<Option<f64>> {
+        let Some(place) = Coord::opt_new(latitude_deg, longitude_deg) else {
+            return Ok(None);
+        };
+        Ok(bilinear(self.tile(place)?, place))
+    }
+
+    fn tile(&mut self, place: Coord) -> Result<&Tile> {
+        let corner = place.floor();
+        if !self.tiles.contains_key(&corner) {
+            let tile = read_tile(&self.folder.join(place.get_filename()), corner)?;
+            self.tiles.insert(corner, tile);
+        }
+        Ok(&self.tiles[&corner])
+    }
+}
+
+fn read_tile(path: &Path, (latitude, longitude): (i8, i16)) -> Result<Tile> {
+    let bytes = fs::read(path).map_err(Error::io(path))?;
+    let wrong_size = || {
+        Error::content(
+            path,
+            format!(
+                "{} bytes; expected an SRTM tile: 1201 x 1201 or 3601 x 3601 posts of 2 bytes",
+                bytes.len()
+            ),
+        )
+    };
+    let resolution = [Resolution::SRTM3, Resolution::SRTM1]
+        .into_iter()
+        .find(|resolution| 2 * resolution.total_len() == bytes.len())
+        .ok_or_else(wrong_size)?;
+    let posts = Tile::parse_hgt(bytes.as_slice(), resolution).map_err(Error::io(path))?;
+    Ok(Tile::new(latitude, longitude, resolution, posts))
+}
+
+fn bilinear(tile: &Tile, place: Coord) -> Option<f64> {
+    let side = tile.resolution.extent();
+    let steps = (side - 1) as f64;
+    let south = (f64::from(tile.latitude) + 1.0 - place.lat) * steps;
+    let east = (place.lon - f64::from(tile.longitude)) * steps;
+    // On the last row or column the square before it serves.
+    let row = (south as usize).min(side - 2);
+    let column = (east as usize).min(side - 2);
+    let (down, right) = (south - row as f64, east - column as f64);
+    let corners = [
+        (row, column, (1.0 - down) * (1.0 - right)),
+        (row, column + 1, (1.0 - down) * right),
+        (row + 1, column, down * (1.0 - right)),
+        (row + 1, column + 1, down * right),
+    ];
+    corners
+        .into_iter()
+        .filter(|(_, _, weight)| *weight > 0.0)
+        .map(|(row, column, weight)| {
+            let post = *tile.data.get(row * side + column)?;
+            (!VOIDS.contains(&post)).then(|| weight * f64::from(post))
+        })
+        .sum()
+}

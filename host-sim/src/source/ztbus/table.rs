@@ -1,0 +1,50 @@
+//! Rows as a signal table.
+
+use super::Row;
+use crate::error::Result;
+use crate::output::write_whole;
+use crate::run_file::round;
+use estimator_core::Signal;
+use std::path::Path;
+
+/// A column: its signal, its decimals, and where its value is.
+type Column = (Signal, i32, fn(&Row) -> Option<f64>);
+
+const COLUMNS: [Column; 11] = [
+    (Signal::WheelSpeed, 4, |row| row.speed_mps),
+    (Signal::TractionForce, 1, |row| row.traction_force_n),
+    (Signal::BrakeSwitch, 0, |row| {
+        row.braking.map(|on| f64::from(u8::from(on)))
+    }),
+    (Signal::BrakePressure, 0, |row| row.brake_pressure_pa),
+    (Signal::Latitude, 7, |row| row.latitude_deg),
+    (Signal::Longitude, 7, |row| row.longitude_deg),
+    (Signal::Altitude, 2, |row| row.altitude_m),
+    (Signal::Course, 2, |row| row.course_deg),
+    (Signal::AmbientTemperature, 2, |row| row.ambient_celsius),
+    (Signal::Mass, 0, |row| Some(row.mass_kg())),
+    (Signal::Passengers, 0, |row| row.passengers),
+];
+
+/// Writes rows with the time counted from the first of them; what is missing stays empty.
+pub(super) fn write(path: &Path, rows: &[Row]) -> Result<()> {
+    let start_s = rows.first().map_or(0.0, |row| row.time_s);
+    write_whole(path, |out| {
+        let mut writer = csv::Writer::from_writer(out);
+        let names = COLUMNS.iter().map(|(signal, ..)| signal.column());
+        writer.write_record(std::iter::once("time_s").chain(names))?;
+        for row in rows {
+            let time = text(row.time_s - start_s, 3);
+            let values = COLUMNS.iter().map(|(_, decimals, value)| {
+                value(row).map_or(String::new(), |v| text(v, *decimals))
+            });
+            writer.write_record(std::iter::once(time).chain(values))?;
+        }
+        writer.flush()
+    })
+}
+
+fn text(value: f64, decimals: i32) -> String {
+    // Adding zero turns a negative zero into a plain one.
+    (round(value, decimals) + 0.0).to_string()
+}

@@ -1,0 +1,173 @@
+//! Where a drive turns back on its own road.
+//!
+//! A point of the road that is driven again the other way is a retraced pair; half-way between
+//! the two, counted along the way driven, is the place where the bus turned. All pairs of one
+//! trip and the next share that half-way point, whatever loop was driven to turn and although
+//! some streets are one-way: they gather there.
+
+/// A place on the drive, on a plane.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place {
+    /// Way driven, m.
+    pub(super) way_m: f64,
+    pub(super) east_m: f64,
+    pub(super) north_m: f64,
+}
+
+/// A turn and the road that was driven both before and after it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Turn {
+    /// Way at the turn, m.
+    pub(super) way_m: f64,
+    /// Way from the first to the last place on the retraced road before the turn, m.
+    pub(super) before_m: (f64, f64),
+    /// The same after the turn.
+    pub(super) after_m: (f64, f64),
+    /// Length of the retraced road, m.
+    retraced_m: f64,
+}
+
+/// Part of the way between two turns that is retraced if it is one trip: the rest is one-way
+/// streets and turning loops.
+const RETRACED_PART: f64 = 0.6;
+
+impl Turn {
+    /// Whether the way to the `next` turn is one trip on a road that one of them retraces.
+    pub(super) fn shares_road_with(&self, next: &Self) -> bool {
+        let way_m = next.way_m - self.way_m;
+        let before_m = next.way_m - next.before_m.0;
+        let after_m = self.after_m.1 - self.way_m;
+        before_m.max(after_m) > RETRACED_PART * way_m
+    }
+}
+
+/// Spacing of the places that are compared, m.
+const STEP_M: f64 = 20.0;
+/// Two places this close with opposite headings are on one road: two lanes and the error of
+/// GNSS between houses, m.
+const SAME_ROAD_M: f64 = 40.0;
+/// Cosine of the angle between headings that are opposite (143° and more).
+const OPPOSITE: f64 = -0.8;
+/// How far the half-way points of one turn may be from its centre, m: half of what one-way
+/// streets and turning loops make the two directions differ in length.
+const SCATTER_M: f64 = 500.0;
+/// A retraced road shorter than this is a yard or a spur, m,
+const SHORTEST_M: f64 = 500.0;
+/// and so is one below this part of the longest.
+const SHORTEST_PART: f64 = 0.25;
+
+/// A place with its heading as a unit vector.
+struct Headed {
+    place: Place,
+    heading: (f64, f64),
+}
+
+/// A place and the first one later on the same road the other way.
+#[derive(Clone, Copy)]
+struct Pair {
+    before_m: f64,
+    after_m: f64,
+}
+
+impl Pair {
+    fn middle_m(&self) -> f64 {
+        0.5 * (self.before_m + self.after_m)
+    }
+}
+
+/// The turns of a drive, in order. Trips shorter than about 1 km are not told apart.
+pub(super) fn turns(places: &[Place]) -> Vec<Turn> {
+    let mut pairs = pairs(&headed(places));
+    pairs.sort_by(|a, b| a.middle_m().total_cmp(&b.middle_m()));
+    let mut turns: Vec<Turn> = Vec::new();
+    while let Some(turn) = strongest(&pairs) {
+        let longest = turns.first().map_or(0.0, |t| t.retraced_m);
+        if turn.retraced_m < SHORTEST_M.max(SHORTEST_PART * longest) {
+            break;
+        }
+        pairs.retain(|pair| (pair.middle_m() - turn.way_m).abs() > SCATTER_M);
+        turns.push(turn);
+    }
+    turns.sort_by(|a, b| a.way_m.total_cmp(&b.way_m));
+    turns
+}
+
+fn headed(places: &[Place]) -> Vec<Headed> {
+    let mut spaced: Vec<Place> = Vec::new();
+    for place in places {
+        if spaced
+            .last()
+            .is_none_or(|last| place.way_m - last.way_m >= STEP_M)
+        {
+            spaced.push(*place);
+        }
+    }
+    spaced
+        .windows(3)
+        .filter_map(|three| {
+            let east_m = three[2].east_m - three[0].east_m;
+            let north_m = three[2].north_m - three[0].north_m;
+            let chord_m = east_m.hypot(north_m);
+            // Where the bus turns on the spot there is no heading.
+            (chord_m > STEP_M).then(|| Headed {
+                place: three[1],
+                heading: (east_m / chord_m, north_m / chord_m),
+            })
+        })
+        .collect()
+}
+
+fn pairs(headed: &[Headed]) -> Vec<Pair> {
+    let retraces = |a: &Headed, b: &Headed| {
+        let (dx, dy) = (
+            a.place.east_m - b.place.east_m,
+            a.place.north_m - b.place.north_m,
+        );
+        let cosine = a.heading.0 * b.heading.0 + a.heading.1 * b.heading.1;
+        dx.hypot(dy) < SAME_ROAD_M && cosine < OPPOSITE
+    };
+    headed
+        .iter()
+        .enumerate()
+        .filter_map(|(index, a)| {
+            let b = headed[index + 1..].iter().find(|b| retraces(a, b))?;
+            Some(Pair {
+                before_m: a.place.way_m,
+                after_m: b.place.way_m,
+            })
+        })
+        .collect()
+}
+
+/// The turn on which most pairs agree; `pairs` are in the order of their half-way points.
+fn strongest(pairs: &[Pair]) -> Option<Turn> {
+    let mut first = 0;
+    let mut most = 0..0;
+    for end in 1..=pairs.len() {
+        while pairs[end - 1].middle_m() - pairs[first].middle_m() > 2.0 * SCATTER_M {
+            first += 1;
+        }
+        if end - first > most.len() {
+            most = first..end;
+        }
+    }
+    let members = &pairs[most];
+    let way_m = members.get(members.len() / 2)?.middle_m();
+    let around = members
+        .iter()
+        .filter(|pair| pair.before_m < way_m && pair.after_m > way_m);
+    let mut turn = Turn {
+        way_m,
+        before_m: (way_m, 0.0),
+        after_m: (f64::INFINITY, way_m),
+        retraced_m: 0.0,
+    };
+    for pair in around {
+        turn.before_m.0 = turn.before_m.0.min(pair.before_m);
+        turn.before_m.1 = turn.before_m.1.max(pair.before_m);
+        turn.after_m.0 = turn.after_m.0.min(pair.after_m);
+        turn.after_m.1 = turn.after_m.1.max(pair.after_m);
+        turn.retraced_m += STEP_M;
+    }
+    Some(turn)
+}

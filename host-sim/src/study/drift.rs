@@ -1,0 +1,89 @@
+//! How far the bare vehicle model's altitude drifts: no GNSS, no filter, nothing fitted.
+
+use estimator_core::vehicle::{Driveline, Load, VehicleParameters, air_density};
+
+/// What the force balance needs of one row of a signal table.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ForceSample {
+    /// Time, s.
+    pub time_s: f64,
+    /// Speed, m/s.
+    pub speed_mps: f64,
+    /// Force at the wheels, N.
+    pub traction_force_n: f64,
+    /// Mass; the vehicle's parameter if `None`, kg.
+    pub mass_kg: Option<f64>,
+    /// Temperature of the air, °C; its density is the standard one unless the pressure too is
+    /// known.
+    pub ambient_celsius: Option<f64>,
+    /// Pressure of the air, Pa.
+    pub air_pressure_pa: Option<f64>,
+}
+
+/// Drift of the bare vehicle model over a stretch of road.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Drift {
+    /// Way driven, m.
+    pub length_m: f64,
+    /// Altitude gained according to the model, m.
+    pub modelled_climb_m: f64,
+    /// Modelled less real altitude gain, per km of way.
+    pub drift_m_per_km: f64,
+    /// The same as a mean error of grade, %.
+    pub grade_error_percent: f64,
+}
+
+/// Integrates the pointwise grade of the force balance (thesis eq. 9, solved for the slope) over
+/// the way driven and compares it with the real altitude gain `climb_m`: 0 for complete round
+/// trips, which end where they began.
+///
+/// Between two rows speed is linear in time and the force is their mean, as in the core's
+/// sampler. Friction brakes are not in the model: what they take is counted as climb. `None` if
+/// the vehicle does not move.
+#[must_use]
+pub fn vehicle_model_drift(
+    samples: &[ForceSample],
+    vehicle: &VehicleParameters,
+    climb_m: f64,
+) -> Option<Drift> {
+    let mut length_m = 0.0;
+    let mut modelled_climb_m = 0.0;
+    for two in samples.windows(2) {
+        let (from, to) = (&two[0], &two[1]);
+        let way_m = 0.5 * (from.speed_mps + to.speed_mps) * (to.time_s - from.time_s);
+        if way_m > 0.0 {
+            length_m += way_m;
+            modelled_climb_m += 0.01 * slope_percent(from, to, way_m, vehicle) * way_m;
+        }
+    }
+    let drift_m = modelled_climb_m - climb_m;
+    (length_m > 0.0).then(|| Drift {
+        length_m,
+        modelled_climb_m,
+        drift_m_per_km: 1000.0 * drift_m / length_m,
+        grade_error_percent: 100.0 * drift_m / length_m,
+    })
+}
+
+/// Sine of the slope in % between two rows.
+fn slope_percent(
+    from: &ForceSample,
+    to: &ForceSample,
+    way_m: f64,
+    vehicle: &VehicleParameters,
+) -> f64 {
+    let real = |value: Option<f64>| value.map(|v| v as f32);
+    let balance = vehicle.force_balance(&Load {
+        traction_n: (0.5 * (from.traction_force_n + to.traction_force_n)) as f32,
+        rotating_kg: vehicle.rotating_kg(Driveline::Open),
+        mass_kg: real(from.mass_kg).unwrap_or(vehicle.mass_kg),
+        air_density: air_density(real(from.air_pressure_pa), real(from.ambient_celsius)),
+    });
+    // Kinetic energy a kilogram, the mean over the interval, and its change along the way.
+    let (before, after) = (0.5 * from.speed_mps.powi(2), 0.5 * to.speed_mps.powi(2));
+    let force = f64::from(balance.traction)
+        - f64::from(balance.drag) * 0.5 * (before + after)
+        - f64::from(balance.rolling)
+        - (after - before) / way_m;
+    force / f64::from(balance.gravity)
+}
