@@ -3,8 +3,11 @@
 pub mod can_frame;
 pub mod candump;
 mod candump_line;
+pub mod census;
 mod lines;
 pub mod log_file;
+pub mod needs;
+pub mod pgn_names;
 pub mod signal_table;
 pub mod ztbus;
 
