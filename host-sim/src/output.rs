@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 use std::fs;
-use std::io::{BufWriter, Write};
+use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::Path;
 use tempfile::NamedTempFile;
 
@@ -12,7 +12,7 @@ use tempfile::NamedTempFile;
 /// Whatever `content` says, or the file system; `path` is then as it was before.
 pub fn write_whole(
     path: &Path,
-    content: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
+    content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<()> {
     let folder = match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
@@ -27,4 +27,15 @@ pub fn write_whole(
         .map_err(|e| Error::io(path)(e.into_error()))?;
     file.persist(path).map_err(|e| Error::io(path)(e.error))?;
     Ok(())
+}
+
+/// Prints to stdout. A reader that has seen enough (`| head`) is no error.
+///
+/// # Errors
+/// If stdout cannot be written.
+pub fn print(text: &str) -> Result<()> {
+    match io::stdout().lock().write_all(text.as_bytes()) {
+        Err(e) if e.kind() != ErrorKind::BrokenPipe => Err(Error::io(Path::new("stdout"))(e)),
+        _ => Ok(()),
+    }
 }

@@ -5,6 +5,7 @@ mod estimate;
 mod fuse;
 mod import;
 mod inspect;
+mod inspect_text;
 mod progress;
 mod score;
 mod simulate;

@@ -1,1 +1,263 @@
-//! candump logs.
+//! candump logs: both layouts, plain or gzip, read as a stream; and the writer.
+//!
+//! ```text
+//! (1.000000) can0 0CF00400#0102030405060708             candump -l, -L
+//! (001.000000)  can0  0CF00400   [8]  01 02 03 04 …     candump -t a|z on a terminal
+//! ```
+//!
+//! The parser is our own: it must read both layouts, tell a cut log from a whole one, name the
+//! line of each error, and pass millions of frames a second without an allocation a line.
+//!
+//! * The interface's name is not looked at: frames of all interfaces of a log are one stream.
+//! * CAN FD frames and the kernel's bus error reports are left out and counted in [`Skipped`].
+//! * A last line without a line end counts only if nothing can be missing from it.
+
+use super::can_frame::TimedFrame;
+use super::candump_line::{Content, Problem, parse};
+use super::lines::Lines;
+use super::log_file::LogFile;
+use crate::error::{Error, Result};
+use embedded_can::{Frame, Id};
+use estimator_core::Instant;
+use std::io::{self, Write};
+use std::path::Path;
+
+/// Longest part of a wrong line that a message quotes, bytes.
+const QUOTE_BYTES: usize = 60;
+
+/// Lines that hold no classic CAN frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Skipped {
+    /// CAN FD frames: J1939 on classic CAN and NMEA 2000 have none.
+    pub can_fd: u64,
+    /// Bus errors that the interface reported.
+    pub bus_errors: u64,
+}
+
+/// Reads a log frame by frame.
+///
+/// Time is as in the log, in microseconds: from the Unix epoch where candump logged absolute
+/// time.
+pub struct CandumpReader {
+    lines: Lines,
+    newest: Instant,
+    frames: u64,
+    skipped: Skipped,
+}
+
+impl CandumpReader {
+    /// Opens a log.
+    ///
+    /// # Errors
+    /// If the file cannot be opened.
+    pub fn open(path: &Path) -> Result<Self> {
+        Ok(Self {
+            lines: Lines::new(LogFile::open(path)?),
+            newest: Instant::ZERO,
+            frames: 0,
+            skipped: Skipped::default(),
+        })
+    }
+
+    /// The next frame, `None` at the end.
+    ///
+    /// # Errors
+    /// With file, line and what was expected: a line that is none of candump's, a last line or
+    /// gzip stream that is cut off, time that runs backwards, a file without any frame. What was
+    /// handed out before such an error is a part of a damaged log.
+    pub fn next_frame(&mut self) -> Result<Option<TimedFrame>> {
+        loop {
+            if !self.lines.advance()? {
+                return self.end().map(|()| None);
+            }
+            let line = match parse(self.lines.line()) {
+                Ok(Some(line)) if self.lines.has_end() || line.is_closed => line,
+                Ok(None) => continue,
+                Ok(Some(_)) => return Err(self.cut_off()),
+                Err(_) if !self.lines.has_end() && self.frames > 0 => return Err(self.cut_off()),
+                Err(problem) => return Err(self.wrong_line(&problem)),
+            };
+            let time = Instant::from_micros(line.micros);
+            if time < self.newest {
+                return Err(self.time_backwards(time));
+            }
+            self.newest = time;
+            match line.content {
+                Content::Frame(frame) => {
+                    self.frames += 1;
+                    return Ok(Some(TimedFrame { time, frame }));
+                }
+                Content::FlexibleRate => self.skipped.can_fd += 1,
+                Content::BusError => self.skipped.bus_errors += 1,
+            }
+        }
+    }
+
+    /// What was left out so far.
+    #[must_use]
+    pub const fn skipped(&self) -> Skipped {
+        self.skipped
+    }
+
+    /// The file, for progress and messages.
+    #[must_use]
+    pub const fn file(&self) -> &LogFile {
+        self.lines.file()
+    }
+
+    fn end(&self) -> Result<()> {
+        if self.frames > 0 {
+            return Ok(());
+        }
+        let Skipped { can_fd, bus_errors } = self.skipped;
+        Err(Error::content(
+            self.file().path(),
+            if can_fd + bus_errors > 0 {
+                format!(
+                    "no classic CAN frame among {can_fd} CAN FD frames and {bus_errors} bus \
+                     errors; expected a candump log of a J1939 bus"
+                )
+            } else {
+                "the file is empty; expected a candump log with at least one frame".to_owned()
+            },
+        ))
+    }
+
+    fn wrong_line(&self, problem: &Problem) -> Error {
+        let line = self.lines.line();
+        let quote = quote(line);
+        let what = if line.iter().any(|b| b.is_ascii_control() && *b != b'\t') {
+            "binary data"
+        } else {
+            problem.what
+        };
+        self.error(format!("{what} in `{quote}`"), problem.expected)
+    }
+
+    fn cut_off(&self) -> Error {
+        let quote = quote(self.lines.line());
+        self.error(
+            format!("the log is cut off within its last line `{quote}`"),
+            "a whole frame and a line end",
+        )
+    }
+
+    fn time_backwards(&self, time: Instant) -> Error {
+        self.error(
+            format!(
+                "time runs backwards, from {} to {}",
+                Seconds(self.newest),
+                Seconds(time)
+            ),
+            "times that do not decrease",
+        )
+    }
+
+    fn error(&self, problem: String, expected: &str) -> Error {
+        Error::line(self.file().path(), self.lines.number(), problem, expected)
+    }
+}
+
+impl Iterator for CandumpReader {
+    type Item = Result<TimedFrame>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        self.next_frame().transpose()
+    }
+}
+
+/// The head of a line with everything that is no printable ASCII escaped.
+fn quote(line: &[u8]) -> String {
+    let head = &line[..line.len().min(QUOTE_BYTES)];
+    let dots = if head.len() < line.len() { "…" } else { "" };
+    format!("{}{dots}", head.escape_ascii())
+}
+
+/// A time as candump writes it.
+pub(super) struct Seconds(pub(super) Instant);
+
+impl std::fmt::Display for Seconds {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let micros = self.0.micros();
+        write!(f, "{}.{:06} s", micros / 1_000_000, micros % 1_000_000)
+    }
+}
+
+/// Writes a frame in the layout of `candump -l`: `(1.000000) can0 0CF00400#0102030405060708`.
+///
+/// # Errors
+/// What `out` says.
+pub fn write_frame<W: Write + ?Sized>(
+    out: &mut W,
+    timed: &TimedFrame,
+    interface: &str,
+) -> io::Result<()> {
+    let micros = timed.time.micros();
+    let mut text = Text::default();
+    text.byte(b'(');
+    text.decimal(micros / 1_000_000, 1);
+    text.byte(b'.');
+    text.decimal(micros % 1_000_000, 6);
+    text.byte(b')');
+    text.byte(b' ');
+    out.write_all(text.bytes())?;
+    out.write_all(interface.as_bytes())?;
+
+    let frame = &timed.frame;
+    let mut text = Text::default();
+    text.byte(b' ');
+    match frame.id() {
+        Id::Extended(id) => text.hex(id.as_raw(), 8),
+        Id::Standard(id) => text.hex(u32::from(id.as_raw()), 3),
+    }
+    text.byte(b'#');
+    if frame.is_remote_frame() {
+        text.byte(b'R');
+        if frame.dlc() > 0 {
+            text.decimal(frame.dlc() as u64, 1);
+        }
+    }
+    for byte in frame.data() {
+        text.hex(u32::from(*byte), 2);
+    }
+    text.byte(b'\n');
+    out.write_all(text.bytes())
+}
+
+/// Half a line under construction: simulated logs have millions, too many for `write!`.
+#[derive(Default)]
+struct Text {
+    bytes: [u8; 32],
+    length: usize,
+}
+
+impl Text {
+    fn byte(&mut self, byte: u8) {
+        self.bytes[self.length] = byte;
+        self.length += 1;
+    }
+
+    fn hex(&mut self, value: u32, digits: u32) {
+        for k in (0..digits).rev() {
+            self.byte(b"0123456789ABCDEF"[(value >> (4 * k)) as usize & 0xf]);
+        }
+    }
+
+    fn decimal(&mut self, value: u64, fewest_digits: usize) {
+        let digits = value.checked_ilog10().map_or(1, |log| log as usize + 1);
+        let digits = digits.max(fewest_digits);
+        let mut left = value;
+        for place in self.bytes[self.length..self.length + digits]
+            .iter_mut()
+            .rev()
+        {
+            *place = b'0' + (left % 10) as u8;
+            left /= 10;
+        }
+        self.length += digits;
+    }
+
+    fn bytes(&self) -> &[u8] {
+        &self.bytes[..self.length]
+    }
+}

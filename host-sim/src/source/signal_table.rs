@@ -1,1 +1,322 @@
-//! Signal tables.
+//! Signal tables: CSV with `time_s` and a column a signal, plain or gzip; empty is missing.
+
+use super::candump::Seconds;
+use super::log_file::LogFile;
+use crate::error::{Error, Result};
+use crate::output::write_whole;
+use csv::ByteRecord;
+use estimator_core::{Instant, Reading, Signal, Value};
+use std::io::{self, Chain, Read, Write};
+use std::path::Path;
+
+/// The column of the time, in seconds from any origin.
+const TIME: &str = "time_s";
+/// What some spreadsheets put before the header (the byte order mark).
+const UTF8_MARK: &[u8] = b"\xef\xbb\xbf";
+/// Beyond this many seconds, microseconds no longer count in `f64`.
+const LATEST_S: f64 = 4e9;
+
+/// A log with a line feed behind it, in case that its last line has none.
+type Text = Chain<LogFile, &'static [u8]>;
+
+/// Reads a table row by row; memory does not depend on its length.
+pub struct SignalTableReader {
+    csv: csv::Reader<Text>,
+    record: ByteRecord,
+    fields: usize,
+    time_column: usize,
+    /// In the order of [`Signal`], in which simultaneous readings must come.
+    columns: Vec<Column>,
+    readings: Vec<Reading>,
+    newest: Instant,
+    rows: u64,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Column {
+    index: usize,
+    signal: Signal,
+}
+
+/// What a table tells of one moment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SignalRow<'a> {
+    /// `time_s`, rounded to microseconds.
+    pub time: Instant,
+    /// What is not missing, in the order of [`Signal`]; may be empty.
+    pub readings: &'a [Reading],
+}
+
+impl SignalTableReader {
+    /// Opens a table and reads its header.
+    ///
+    /// # Errors
+    /// If the file cannot be opened or is empty, or a column is unknown, given twice or missing.
+    pub fn open(path: &Path) -> Result<Self> {
+        let mut csv = csv::ReaderBuilder::new()
+            .trim(csv::Trim::All)
+            .has_headers(false)
+            // With a terminator of one byte, the reader's line is exact; see `line_of`. The
+            // carriage return of CR LF is trimmed, and blank lines are skipped in `read_row`.
+            .terminator(csv::Terminator::Any(b'\n'))
+            .flexible(true)
+            .from_reader(LogFile::open(path)?.chain(&b"\n"[..]));
+        let mut header = ByteRecord::new();
+        if !read_row(&mut csv, &mut header)? {
+            return Err(Error::content(
+                path,
+                "the file is empty; expected a header with time_s and signal columns",
+            ));
+        }
+        let (time_column, columns) = columns_of(path, line_of(&csv), &header)?;
+        Ok(Self {
+            csv,
+            fields: header.len(),
+            record: header,
+            time_column,
+            columns,
+            readings: Vec::new(),
+            newest: Instant::ZERO,
+            rows: 0,
+        })
+    }
+
+    /// The signals that have a column, in the order of [`Signal`].
+    pub fn signals(&self) -> impl Iterator<Item = Signal> {
+        self.columns.iter().map(|column| column.signal)
+    }
+
+    /// The next row, `None` at the end.
+    ///
+    /// # Errors
+    /// With file, line, column and what was expected: a value that is no number, a row that is
+    /// too short or too long, time that runs backwards, a gzip stream that is cut off, a table
+    /// without rows.
+    pub fn next_row(&mut self) -> Result<Option<SignalRow<'_>>> {
+        if !read_row(&mut self.csv, &mut self.record)? {
+            if self.rows == 0 {
+                return Err(Error::content(
+                    self.file().path(),
+                    "no rows; expected at least one below the header",
+                ));
+            }
+            return Ok(None);
+        }
+        self.rows += 1;
+        if self.record.len() != self.fields {
+            return Err(self.error(
+                format!("{} fields", self.record.len()),
+                &format!("{}, as many as the header has", self.fields),
+            ));
+        }
+        let time = self.time()?;
+        if time < self.newest {
+            return Err(self.error(
+                format!(
+                    "time_s runs backwards, from {} to {}",
+                    Seconds(self.newest),
+                    Seconds(time)
+                ),
+                "times that do not decrease",
+            ));
+        }
+        self.newest = time;
+        self.readings.clear();
+        for k in 0..self.columns.len() {
+            let Column { index, signal } = self.columns[k];
+            if let Some(value) = self.value(index, signal)? {
+                self.readings.push(Reading { signal, value });
+            }
+        }
+        Ok(Some(SignalRow {
+            time,
+            readings: &self.readings,
+        }))
+    }
+
+    /// The file, for progress and messages.
+    #[must_use]
+    pub fn file(&self) -> &LogFile {
+        file_of(&self.csv)
+    }
+
+    fn time(&self) -> Result<Instant> {
+        let seconds = self
+            .number(self.time_column)
+            .filter(|seconds| (0.0..LATEST_S).contains(seconds))
+            .ok_or_else(|| self.wrong_value(self.time_column, TIME, "seconds from 0 to 4e9"))?;
+        Ok(Instant::from_micros((seconds * 1e6).round() as u64))
+    }
+
+    /// The value of a cell; `None` if it is empty.
+    fn value(&self, index: usize, signal: Signal) -> Result<Option<Value>> {
+        if self.record.get(index).is_none_or(<[u8]>::is_empty) {
+            return Ok(None);
+        }
+        let number = self.number(index);
+        let (value, expected) = match largest_angle_deg(signal) {
+            Some(most) => (
+                number
+                    .filter(|degrees| degrees.abs() <= most)
+                    .map(|degrees| Value::DegreesE7((degrees * 1e7).round() as i32)),
+                "degrees within the globe, or nothing if it is missing",
+            ),
+            None => (
+                number
+                    .map(|number| Value::Real(number as f32))
+                    .filter(|value| value.real().is_some()),
+                "a finite number, or nothing if it is missing",
+            ),
+        };
+        value
+            .ok_or_else(|| self.wrong_value(index, signal.column(), expected))
+            .map(Some)
+    }
+
+    fn number(&self, index: usize) -> Option<f64> {
+        let text = str::from_utf8(self.record.get(index)?).ok()?;
+        text.parse().ok().filter(|number: &f64| number.is_finite())
+    }
+
+    fn wrong_value(&self, index: usize, column: &str, expected: &str) -> Error {
+        let text = self.record.get(index).unwrap_or_default().escape_ascii();
+        self.error(format!("{column} is `{text}`"), expected)
+    }
+
+    fn error(&self, problem: String, expected: &str) -> Error {
+        Error::line(self.file().path(), line_of(&self.csv), problem, expected)
+    }
+}
+
+/// The line of the record read last: the reader stands behind its line feed.
+fn line_of(csv: &csv::Reader<Text>) -> u64 {
+    csv.position().line().saturating_sub(1)
+}
+
+fn file_of(csv: &csv::Reader<Text>) -> &LogFile {
+    csv.get_ref().get_ref().0
+}
+
+/// Angles keep more digits than `f32` has; this is the largest that the globe has.
+const fn largest_angle_deg(signal: Signal) -> Option<f64> {
+    match signal {
+        Signal::Latitude => Some(90.0),
+        Signal::Longitude => Some(180.0),
+        _ => None,
+    }
+}
+
+/// Where the time and the signals stand.
+fn columns_of(path: &Path, line: u64, header: &ByteRecord) -> Result<(usize, Vec<Column>)> {
+    let mut time_column = None;
+    let mut columns: Vec<Column> = Vec::new();
+    for (index, name) in header.iter().enumerate() {
+        let name = name.strip_prefix(UTF8_MARK).unwrap_or(name);
+        let name = String::from_utf8_lossy(name);
+        let is_twice = if name == TIME {
+            time_column.replace(index).is_some()
+        } else {
+            let signal = Signal::from_column(&name).ok_or_else(|| {
+                Error::line(
+                    path,
+                    line,
+                    format!("unknown column `{}`", name.escape_default()),
+                    format!("time_s and any of {}", all_columns()),
+                )
+            })?;
+            let is_known = columns.iter().any(|column| column.signal == signal);
+            columns.push(Column { index, signal });
+            is_known
+        };
+        if is_twice {
+            return Err(Error::line(
+                path,
+                line,
+                format!("column `{name}` is there twice"),
+                "each column once",
+            ));
+        }
+    }
+    let time_column = time_column
+        .ok_or_else(|| Error::line(path, line, "no column time_s", "time_s in the header"))?;
+    if columns.is_empty() {
+        return Err(Error::line(
+            path,
+            line,
+            "no column with a signal",
+            format!("any of {}", all_columns()),
+        ));
+    }
+    columns.sort_by_key(|column| column.signal);
+    Ok((time_column, columns))
+}
+
+fn all_columns() -> String {
+    let names: Vec<_> = Signal::ALL.iter().map(|signal| signal.column()).collect();
+    names.join(", ")
+}
+
+/// Reads the next record that is not blank; false at the end.
+fn read_row(csv: &mut csv::Reader<Text>, record: &mut ByteRecord) -> Result<bool> {
+    loop {
+        let line = csv.position().line();
+        let is_read = csv
+            .read_byte_record(record)
+            .map_err(|error| match error.into_kind() {
+                csv::ErrorKind::Io(error) => file_of(csv).read_error(line, error),
+                kind => Error::line(file_of(csv).path(), line, format!("{kind:?}"), "CSV"),
+            })?;
+        let is_blank = record.len() == 1 && record[0].is_empty();
+        if !is_read || !is_blank {
+            return Ok(is_read);
+        }
+    }
+}
+
+/// Writes a table, whole or not at all: `time_s` and `columns`, and each row's values in the
+/// order of `columns` (angles in degrees), `None` or a value that is not finite where one is
+/// missing.
+///
+/// Numbers get as many digits as reading them back needs.
+///
+/// # Errors
+/// What the file system says; a row with more or fewer values than there are columns.
+pub fn write<V: AsRef<[Option<f64>]>>(
+    path: &Path,
+    columns: &[Signal],
+    rows: impl IntoIterator<Item = (Instant, V)>,
+) -> Result<()> {
+    write_whole(path, |out| {
+        out.write_all(TIME.as_bytes())?;
+        for signal in columns {
+            write!(out, ",{}", signal.column())?;
+        }
+        writeln!(out)?;
+        for (time, values) in rows {
+            let values = values.as_ref();
+            if values.len() != columns.len() {
+                return Err(io::Error::other(format!(
+                    "a row of {} values for {} columns",
+                    values.len(),
+                    columns.len()
+                )));
+            }
+            write!(out, "{}", time.micros() as f64 / 1e6)?;
+            for (signal, value) in columns.iter().zip(values) {
+                write_value(out, *signal, *value)?;
+            }
+            writeln!(out)?;
+        }
+        Ok(())
+    })
+}
+
+fn write_value(out: &mut dyn Write, signal: Signal, value: Option<f64>) -> io::Result<()> {
+    match value.filter(|value| value.is_finite()) {
+        None => write!(out, ","),
+        Some(degrees) if largest_angle_deg(signal).is_some() => {
+            write!(out, ",{}", (degrees * 1e7).round() / 1e7)
+        }
+        Some(value) => write!(out, ",{}", value as f32),
+    }
+}

@@ -1,0 +1,111 @@
+//! The lines of a log, one at a time, without copying them.
+
+use super::log_file::LogFile;
+use crate::error::{Error, Result};
+use memchr::memchr;
+use std::io::{self, Read};
+use std::ops::Range;
+
+/// Bytes fetched at once, and the longest line that is still one.
+const BUFFER_BYTES: usize = 256 * 1024;
+
+/// Reads lines; memory does not depend on the log's length.
+pub(super) struct Lines {
+    file: LogFile,
+    buffer: Vec<u8>,
+    /// Bytes read and not yet handed out.
+    waiting: Range<usize>,
+    /// The line handed out last, without its end.
+    line: Range<usize>,
+    number: u64,
+    has_end: bool,
+}
+
+impl Lines {
+    pub(super) fn new(file: LogFile) -> Self {
+        Self {
+            file,
+            buffer: vec![0; BUFFER_BYTES],
+            waiting: 0..0,
+            line: 0..0,
+            number: 0,
+            has_end: true,
+        }
+    }
+
+    pub(super) const fn file(&self) -> &LogFile {
+        &self.file
+    }
+
+    /// Number of the current line, from 1.
+    pub(super) const fn number(&self) -> u64 {
+        self.number
+    }
+
+    /// The current line, without its end.
+    pub(super) fn line(&self) -> &[u8] {
+        &self.buffer[self.line.clone()]
+    }
+
+    /// Whether the current line ends in a line feed; only the last one may not.
+    pub(super) const fn has_end(&self) -> bool {
+        self.has_end
+    }
+
+    /// Goes to the next line; false if there is none.
+    ///
+    /// # Errors
+    /// What the disk or the decompression says, and a line without end.
+    pub(super) fn advance(&mut self) -> Result<bool> {
+        let mut searched = 0;
+        loop {
+            let waiting = &self.buffer[self.waiting.clone()];
+            if let Some(found) = memchr(b'\n', &waiting[searched..]) {
+                self.hand_out(searched + found, true);
+                return Ok(true);
+            }
+            searched = waiting.len();
+            if self.fetch()? == 0 {
+                let is_left = !self.waiting.is_empty();
+                if is_left {
+                    self.hand_out(self.waiting.len(), false);
+                }
+                return Ok(is_left);
+            }
+        }
+    }
+
+    fn hand_out(&mut self, length: usize, has_end: bool) {
+        let start = self.waiting.start;
+        let end = start + length;
+        self.waiting.start = end + usize::from(has_end);
+        let is_dos = self.buffer[start..end].ends_with(b"\r");
+        self.line = start..end - usize::from(is_dos);
+        self.number += 1;
+        self.has_end = has_end;
+    }
+
+    /// Gets more bytes behind those that wait; 0 at the end of the file.
+    fn fetch(&mut self) -> Result<usize> {
+        self.buffer.copy_within(self.waiting.clone(), 0);
+        self.waiting = 0..self.waiting.len();
+        if self.waiting.end == self.buffer.len() {
+            return Err(Error::line(
+                self.file.path(),
+                self.number + 1,
+                format!("no line end within {BUFFER_BYTES} bytes"),
+                "lines of text",
+            ));
+        }
+        loop {
+            match self.file.read(&mut self.buffer[self.waiting.end..]) {
+                Ok(count) => {
+                    self.waiting.end += count;
+                    return Ok(count);
+                }
+                Err(e) if e.kind() == io::ErrorKind::Interrupted => {}
+                Err(e) => return Err(self.file.read_error(self.number + 1, e)),
+            }
+        }
+    }
+}

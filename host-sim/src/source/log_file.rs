@@ -1,0 +1,112 @@
+//! A log on disk, plain or gzip, read as a stream of text bytes.
+
+use crate::error::{Error, Result};
+use flate2::read::MultiGzDecoder;
+use std::fs::File;
+use std::io::{self, Cursor, Read};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+/// First bytes of a gzip file (RFC 1952).
+const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
+
+/// An open log. What it is, plain or gzip, is told by its first bytes and not by its name.
+pub struct LogFile {
+    path: PathBuf,
+    content: Box<dyn Read + Send>,
+    is_gzip: bool,
+    bytes_read: Arc<AtomicU64>,
+    bytes_total: u64,
+}
+
+/// Counts what is read from the disk: for gzip, that is not what comes out.
+struct Counting<R> {
+    inner: R,
+    bytes: Arc<AtomicU64>,
+}
+
+impl<R: Read> Read for Counting<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let count = self.inner.read(buffer)?;
+        self.bytes.fetch_add(count as u64, Ordering::Relaxed);
+        Ok(count)
+    }
+}
+
+impl LogFile {
+    /// Opens a log.
+    ///
+    /// # Errors
+    /// If it cannot be opened or is a folder.
+    pub fn open(path: &Path) -> Result<Self> {
+        let mut file = File::open(path).map_err(Error::io(path))?;
+        let metadata = file.metadata().map_err(Error::io(path))?;
+        if metadata.is_dir() {
+            return Err(Error::content(path, "is a folder; expected a file"));
+        }
+        let mut head = Vec::new();
+        file.by_ref()
+            .take(GZIP_MAGIC.len() as u64)
+            .read_to_end(&mut head)
+            .map_err(Error::io(path))?;
+        let is_gzip = head == GZIP_MAGIC;
+        let bytes_read = Arc::new(AtomicU64::new(0));
+        // Chained rather than rewound: a pipe cannot be rewound.
+        let raw = Counting {
+            inner: Cursor::new(head).chain(file),
+            bytes: Arc::clone(&bytes_read),
+        };
+        let content: Box<dyn Read + Send> = if is_gzip {
+            Box::new(MultiGzDecoder::new(raw))
+        } else {
+            Box::new(raw)
+        };
+        Ok(Self {
+            path: path.to_owned(),
+            content,
+            is_gzip,
+            bytes_read,
+            bytes_total: metadata.len(),
+        })
+    }
+
+    /// Where it lies.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Bytes read from the disk so far.
+    #[must_use]
+    pub fn bytes_read(&self) -> u64 {
+        self.bytes_read.load(Ordering::Relaxed)
+    }
+
+    /// Size on the disk, bytes; 0 for a pipe.
+    #[must_use]
+    pub const fn bytes_total(&self) -> u64 {
+        self.bytes_total
+    }
+
+    /// What a failed read near `line` means to a user.
+    #[must_use]
+    pub fn read_error(&self, line: u64, error: io::Error) -> Error {
+        if self.is_gzip {
+            Error::line(
+                &self.path,
+                line,
+                format!("the gzip data are cut off or damaged ({error})"),
+                "a whole gzip file",
+            )
+        } else {
+            Error::io(&self.path)(error)
+        }
+    }
+}
+
+impl Read for LogFile {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        self.content.read(buffer)
+    }
+}

@@ -1,0 +1,296 @@
+//! Signal tables: what they give, what they refuse, and the way back.
+
+use estimator_core::{Instant, Reading, Signal, Value};
+use flate2::{Compression, write::GzEncoder};
+use host_sim::source::signal_table::{SignalTableReader, write};
+use proptest::prelude::*;
+use std::io::Write;
+use std::path::Path;
+
+type Row = (u64, Vec<(Signal, Value)>);
+
+fn read_path(path: &Path) -> Result<Vec<Row>, String> {
+    let mut table = SignalTableReader::open(path).map_err(|e| e.to_string())?;
+    let mut rows = Vec::new();
+    while let Some(row) = table.next_row().map_err(|e| e.to_string())? {
+        let pair = |r: &Reading| (r.signal, r.value);
+        rows.push((row.time.micros(), row.readings.iter().map(pair).collect()));
+    }
+    Ok(rows)
+}
+
+fn read(content: &[u8]) -> Result<Vec<Row>, String> {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("table.csv");
+    std::fs::write(&path, content).expect("a temporary file");
+    read_path(&path).map_err(|message| {
+        let prefix = format!("{}/", folder.path().display());
+        let tail = message.strip_prefix(&prefix).expect("names the file");
+        tail.to_owned()
+    })
+}
+
+fn error(content: &str) -> String {
+    read(content.as_bytes()).expect_err("a bad table is refused")
+}
+
+const TABLE: &str = "altitude_m,wheel_speed_mps,time_s,traction_force_n,latitude_deg,longitude_deg\n\
+    ,10.5,100.1,-2e3,,\n\
+    431.25,,100.2000004,,47.3769123,-8.5417\n\
+    ,,100.2000004,,,\n";
+
+fn table_rows() -> Vec<Row> {
+    use Signal::{Altitude, Latitude, Longitude, TractionForce, WheelSpeed};
+    vec![
+        (
+            100_100_000,
+            vec![
+                (TractionForce, Value::Real(-2_000.0)),
+                (WheelSpeed, Value::Real(10.5)),
+            ],
+        ),
+        (
+            100_200_000,
+            vec![
+                (Latitude, Value::DegreesE7(473_769_123)),
+                (Longitude, Value::DegreesE7(-85_417_000)),
+                (Altitude, Value::Real(431.25)),
+            ],
+        ),
+        (100_200_000, vec![]),
+    ]
+}
+
+#[test]
+fn rows_give_readings_in_the_order_of_signals() {
+    assert_eq!(read(TABLE.as_bytes()), Ok(table_rows()));
+}
+
+#[test]
+fn what_spreadsheets_do_to_a_table_is_tolerated() {
+    let spaced = TABLE.replace(',', " , ").replace('\n', "\r\n\r\n");
+    assert_eq!(
+        read(format!("\n{spaced}\n  \n").as_bytes()),
+        Ok(table_rows())
+    );
+    assert_eq!(
+        read(format!("\u{feff}{TABLE}").as_bytes()),
+        Ok(table_rows())
+    );
+    assert_eq!(read(TABLE.trim_end().as_bytes()), Ok(table_rows()));
+    let quoted = "\"time_s\",\"gear\"\n\"0\",\"3\"\n";
+    assert_eq!(
+        read(quoted.as_bytes()),
+        Ok(vec![(0, vec![(Signal::CurrentGear, Value::Real(3.0))])])
+    );
+}
+
+#[test]
+fn gzip_is_read_and_a_damaged_one_refused() {
+    let mut encoder = GzEncoder::new(Vec::new(), Compression::default());
+    encoder.write_all(TABLE.as_bytes()).expect("memory");
+    let packed = encoder.finish().expect("memory");
+    assert_eq!(read(&packed), Ok(table_rows()));
+    let message = read(&packed[..packed.len() - 4]).expect_err("cut off");
+    assert!(
+        message.contains("gzip data are cut off or damaged"),
+        "{message}"
+    );
+}
+
+#[test]
+fn every_signal_has_a_column() {
+    for signal in Signal::ALL {
+        let rows = read(format!("time_s,{}\n0,1\n", signal.column()).as_bytes()).expect("a table");
+        let value = match signal {
+            Signal::Latitude | Signal::Longitude => Value::DegreesE7(10_000_000),
+            _ => Value::Real(1.0),
+        };
+        assert_eq!(rows, [(0, vec![(*signal, value)])]);
+    }
+}
+
+#[test]
+fn headers_are_checked() {
+    for (table, problem) in [
+        ("", "table.csv: the file is empty; expected a header"),
+        (
+            "\n\n  \n",
+            "table.csv: the file is empty; expected a header",
+        ),
+        ("time_s,gear\n", "table.csv: no rows; expected"),
+        ("time_s,gear\n\n\n", "table.csv: no rows; expected"),
+        ("gear\n1\n", "table.csv:1: no column time_s; expected"),
+        (
+            "time_s\n1\n",
+            "table.csv:1: no column with a signal; expected any of",
+        ),
+        (
+            "\ntime_s,geer\n1,2\n",
+            "table.csv:2: unknown column `geer`; expected time_s and any of",
+        ),
+        (
+            "time_s,gear,gear\n1,2,3\n",
+            "table.csv:1: column `gear` is there twice; expected",
+        ),
+        (
+            "time_s,gear,time_s\n1,2,3\n",
+            "table.csv:1: column `time_s` is there twice; expected",
+        ),
+        (
+            "\u{1}\u{2}\u{3}\n",
+            "table.csv:1: unknown column `\\u{1}\\u{2}\\u{3}`; expected",
+        ),
+    ] {
+        let message = error(table);
+        assert!(message.starts_with(problem), "{table:?}: {message}");
+    }
+    // The message lists what would do.
+    let message = error("time_s,geer\n1,2\n");
+    assert!(message.contains("gear_ratio, gear, brake,"), "{message}");
+}
+
+#[test]
+fn cells_are_checked_with_line_and_column() {
+    for (rows, problem) in [
+        (
+            "1,2,x",
+            "table.csv:2: latitude_deg is `x`; expected degrees",
+        ),
+        (
+            "1,2,90.1",
+            "table.csv:2: latitude_deg is `90.1`; expected degrees",
+        ),
+        (
+            "1,2,\n\n\n2,abc,",
+            "table.csv:5: gear is `abc`; expected a finite number, or nothing",
+        ),
+        (
+            "1,2,\r\n2,NaN,\r\n",
+            "table.csv:3: gear is `NaN`; expected a finite number",
+        ),
+        (
+            "1,2,\n2,inf,\n",
+            "table.csv:3: gear is `inf`; expected a finite number",
+        ),
+        (
+            "1,1e39,",
+            "table.csv:2: gear is `1e39`; expected a finite number",
+        ),
+        (
+            "1,1;2,",
+            "table.csv:2: gear is `1;2`; expected a finite number",
+        ),
+        (
+            "1,\u{e9},",
+            "table.csv:2: gear is `\\xc3\\xa9`; expected a finite number",
+        ),
+        (",2,", "table.csv:2: time_s is ``; expected seconds"),
+        ("-0.5,2,", "table.csv:2: time_s is `-0.5`; expected seconds"),
+        (
+            "12:00,2,",
+            "table.csv:2: time_s is `12:00`; expected seconds",
+        ),
+        (
+            "1e300,2,",
+            "table.csv:2: time_s is `1e300`; expected seconds",
+        ),
+        (
+            "1,2,3,4",
+            "table.csv:2: 4 fields; expected 3, as many as the header has",
+        ),
+        (
+            "1,2,\n2,2",
+            "table.csv:3: 2 fields; expected 3, as many as the header has",
+        ),
+        (
+            "1.5,2,\n1.25,2,\n",
+            "table.csv:3: time_s runs backwards, from 1.500000 s to 1.250000 s; expected times",
+        ),
+    ] {
+        let message = error(&format!("time_s,gear,latitude_deg\n{rows}"));
+        assert!(message.starts_with(problem), "{rows:?}: {message}");
+    }
+}
+
+#[test]
+fn a_row_that_does_not_fit_its_columns_leaves_no_file() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("table.csv");
+    let rows = [(Instant::ZERO, vec![Some(1.0)]), (Instant::ZERO, vec![])];
+    let message = write(&path, &[Signal::CurrentGear], rows)
+        .expect_err("a short row")
+        .to_string();
+    assert!(message.contains("0 values for 1 columns"), "{message}");
+    assert_eq!(folder.path().read_dir().expect("a folder").count(), 0);
+}
+
+#[test]
+fn the_writer_keeps_the_digits_that_count() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("table.csv");
+    let columns = [Signal::WheelSpeed, Signal::Latitude];
+    let rows = [
+        (
+            Instant::from_micros(50_000),
+            [Some(f64::from(0.1_f32)), Some(47.376_912_34)],
+        ),
+        (
+            Instant::from_micros(1_700_000_000_123_456),
+            [None, Some(f64::NAN)],
+        ),
+    ];
+    write(&path, &columns, rows).expect("a table");
+    assert_eq!(
+        std::fs::read_to_string(&path).expect("a file"),
+        "time_s,wheel_speed_mps,latitude_deg\n0.05,0.1,47.3769123\n1700000000.123456,,\n"
+    );
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    #[test]
+    fn what_was_written_is_read_back(
+        columns in prop::sample::subsequence(Signal::ALL.to_vec(), 1..=Signal::ALL.len()).prop_shuffle(),
+        rows in prop::collection::vec(
+            (0..100_000_000_u64, prop::collection::vec(prop::option::of(-85.0_f32..85.0), Signal::ALL.len())),
+            1..20,
+        ),
+        start in 0..2_000_000_000_000_000_u64,
+    ) {
+        let mut micros = start;
+        let mut expected: Vec<Row> = Vec::new();
+        let mut written = Vec::new();
+        for (step, values) in rows {
+            micros += step;
+            let values: Vec<_> = values[..columns.len()].iter().map(|v| v.map(f64::from)).collect();
+            let mut readings: Vec<_> = columns
+                .iter()
+                .zip(&values)
+                .filter_map(|(signal, value)| {
+                    let value = (*value)?;
+                    Some((*signal, match signal {
+                        Signal::Latitude | Signal::Longitude => {
+                            Value::DegreesE7((value * 1e7).round() as i32)
+                        }
+                        _ => Value::Real(value as f32),
+                    }))
+                })
+                .collect();
+            readings.sort_by_key(|(signal, _)| *signal);
+            expected.push((micros, readings));
+            written.push((Instant::from_micros(micros), values));
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("table.csv");
+        write(&path, &columns, written).unwrap();
+        prop_assert_eq!(read_path(&path), Ok(expected));
+    }
+
+    #[test]
+    fn no_content_upsets_the_reader(content in prop::collection::vec(any::<u8>(), 0..300)) {
+        let _ = read(&content);
+        let _ = read(&[b"time_s,gear\n", &content[..]].concat());
+    }
+}
