@@ -1,10 +1,10 @@
 //! Output files appear whole or not at all.
 
 use crate::error::{Error, Result};
-use std::fs;
+use std::fs::{self, Permissions};
 use std::io::{self, BufWriter, ErrorKind, Write};
+use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
-use tempfile::NamedTempFile;
 
 /// Writes `path` through `content`: into a temporary file beside it, renamed when complete.
 ///
@@ -19,7 +19,11 @@ pub fn write_whole(
         _ => Path::new("."),
     };
     fs::create_dir_all(folder).map_err(Error::io(folder))?;
-    let file = NamedTempFile::new_in(folder).map_err(Error::io(path))?;
+    // Readable as any other new file; a temporary file is its owner's alone.
+    let file = tempfile::Builder::new()
+        .permissions(Permissions::from_mode(0o666))
+        .tempfile_in(folder)
+        .map_err(Error::io(path))?;
     let mut writer = BufWriter::new(file);
     content(&mut writer).map_err(Error::io(path))?;
     let file = writer

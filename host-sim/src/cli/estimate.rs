@@ -1,12 +1,241 @@
-//! `roadgrade estimate`.
+//! `roadgrade estimate`: one recorded drive becomes a run.
 
-use crate::error::Result;
+use super::progress;
+use crate::error::{Error, Result};
+use crate::output::print;
+use crate::recorder::{Recorder, Run};
+use crate::run_file;
+use crate::smooth::bytes_per_km;
+use crate::source::candump::CandumpReader;
+use crate::source::signal_table::SignalTableReader;
+use crate::source::{LogKind, kind_of};
+use crate::vehicle_file::VehicleFile;
+use comfy_table::{Cell, CellAlignment, Table, presets};
+use estimator_core::filter::Record;
+use estimator_core::{Counters, Scalar, Traction, Tuning};
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use std::time::Instant as Clock;
 
 /// Arguments of `estimate`.
 #[derive(Debug, clap::Args)]
-pub struct Args {}
+#[command(after_help = "\
+Needed on the bus: wheel speed (CCVS1 or EBC2), engine torque (EEC1) and friction (EEC3), the gear \
+(ETC2; or engine speed, from which it is told), GNSS altitude (129029, or VDS). `roadgrade inspect \
+LOG` tells what a log has. In a signal table the same by the names of its columns.
+
+RUN.csv has one row for each 2.5 m: grade in % (smoothed over the whole run, lagged by 110 m, \
+live), each with its standard deviation, position, altitude, and what the vehicle model was found \
+to be off by.")]
+pub struct Args {
+    /// Vehicle parameters.
+    #[arg(long, value_name = "V.toml")]
+    vehicle: PathBuf,
+    /// Where the run goes.
+    #[arg(long, value_name = "RUN.csv")]
+    out: PathBuf,
+    /// Compute in double instead of single precision.
+    #[arg(long)]
+    double: bool,
+    /// Print the summary as JSON.
+    #[arg(long)]
+    json: bool,
+    /// candump log (either layout, also .gz), or signal table (.csv, also .csv.gz).
+    log: PathBuf,
+}
 
 /// Runs it.
-pub fn run(_args: &Args) -> Result<()> {
+pub fn run(args: &Args) -> Result<()> {
+    let vehicle = VehicleFile::read(&args.vehicle)?;
+    let started = Clock::now();
+    let (run, record_bytes) = if args.double {
+        (drive::<f64>(&vehicle, &args.log)?, size_of::<Record<f64>>())
+    } else {
+        (drive::<f32>(&vehicle, &args.log)?, size_of::<Record<f32>>())
+    };
+    let seconds = started.elapsed().as_secs_f64();
+    check(&args.log, &vehicle, &run)?;
+    run_file::write(&args.out, &run.rows)?;
+
+    let summary = Summary::new(&run);
+    if args.json {
+        let json = serde_json::to_string(&summary).expect("numbers are JSON");
+        print(&format!("{json}\n"))?;
+    } else {
+        print(&format!("{}\n", summary.table()))?;
+    }
+    let frames = run.counters.frames;
+    if frames > 0 {
+        eprintln!(
+            "{frames} frames in {seconds:.2} s, {:.0} frames/s",
+            frames as f64 / seconds
+        );
+    }
+    eprintln!(
+        "whole-run smoothing held {} kB a km ({record_bytes} bytes a cell)",
+        if args.double {
+            bytes_per_km::<f64>()
+        } else {
+            bytes_per_km::<f32>()
+        } / 1000
+    );
+    eprintln!("wrote {}", args.out.display());
     Ok(())
+}
+
+/// Feeds a log of either kind to the estimator.
+pub(super) fn drive<S: Scalar>(vehicle: &VehicleFile, log: &Path) -> Result<Run> {
+    let mut recorder = Recorder::<S>::new(vehicle.parameters.clone(), Tuning::default())
+        .map_err(|e| Error::content(log, e.to_string()))?;
+    match kind_of(log)? {
+        LogKind::Candump => {
+            let mut reader = CandumpReader::open(log)?;
+            let bar = progress::bytes(reader.file().bytes_total());
+            let mut count = 0_u32;
+            while let Some(frame) = reader.next_frame()? {
+                recorder.on_frame(&frame);
+                count = count.wrapping_add(1);
+                if count.is_multiple_of(8192) {
+                    bar.set_position(reader.file().bytes_read());
+                }
+            }
+        }
+        LogKind::SignalTable => {
+            let mut reader = SignalTableReader::open(log)?;
+            while let Some(row) = reader.next_row()? {
+                for reading in row.readings {
+                    recorder.on_reading(row.time, *reading);
+                }
+            }
+        }
+    }
+    Ok(recorder.finish())
+}
+
+/// Whether the log held what an estimate needs; if not, what is missing.
+pub(super) fn check(log: &Path, vehicle: &VehicleFile, run: &Run) -> Result<()> {
+    let counters = &run.counters;
+    let problem = if counters.speeds_used == 0 {
+        "no speed: expected wheel-based speed (CCVS1, PGN 65265, or EBC2, PGN 65215; column \
+         wheel_speed_mps)"
+    } else if run.rows.is_empty() {
+        "the vehicle never moved: no grade to estimate"
+    } else if counters.tractions_used == 0 {
+        match vehicle.parameters.traction {
+            Traction::Powertrain(_) => {
+                "no engine torque with a known gear: expected EEC1 (PGN 61444; column \
+                 engine_torque_percent) and ETC2 (PGN 61445; column gear or gear_ratio) or engine \
+                 speed"
+            }
+            Traction::Force => {
+                "no traction force: expected column traction_force_n, as [traction] source = \
+                 \"force\" in the vehicle file says"
+            }
+        }
+    } else if counters.altitudes_used == 0 {
+        "no GNSS altitude: expected NMEA 2000 129029 (or VDS, PGN 65256; column altitude_m)"
+    } else {
+        return Ok(());
+    };
+    Err(Error::content(log, problem))
+}
+
+#[derive(Debug, Serialize)]
+struct Summary {
+    distance_km: f64,
+    duration_s: f64,
+    cells: usize,
+    valid_percent: f64,
+    grade_sigma_percent: f64,
+    lagged_grade_sigma_percent: f64,
+    live_grade_sigma_percent: f64,
+    climb_m: f64,
+    bias_percent: f64,
+    scale: f64,
+    events: Vec<(&'static str, u64)>,
+}
+
+impl Summary {
+    fn new(run: &Run) -> Self {
+        let rows = &run.rows;
+        let mean = |f: &dyn Fn(&run_file::RunRow) -> f64| {
+            rows.iter().map(f).sum::<f64>() / rows.len().max(1) as f64
+        };
+        let altitudes = || rows.iter().filter_map(|row| row.altitude_m);
+        Self {
+            distance_km: rows.last().map_or(0.0, |row| row.distance_m * 1e-3),
+            duration_s: rows.last().map_or(0.0, |row| row.time_s),
+            cells: rows.len(),
+            valid_percent: 100.0 * mean(&|row| row.valid.into()),
+            grade_sigma_percent: mean(&|row| row.grade_sigma_percent),
+            lagged_grade_sigma_percent: mean(&|row| row.lagged_grade_sigma_percent),
+            live_grade_sigma_percent: mean(&|row| row.live_grade_sigma_percent),
+            climb_m: altitudes().next_back().unwrap_or(0.0) - altitudes().next().unwrap_or(0.0),
+            bias_percent: mean(&|row| row.bias_percent),
+            scale: rows.last().map_or(1.0, |row| row.scale),
+            events: events(&run.counters),
+        }
+    }
+
+    fn table(&self) -> Table {
+        let mut table = Table::new();
+        table.load_style(presets::NOTHING);
+        let mut line = |name: &str, value: String, unit: &str| {
+            table.add_row([
+                Cell::new(name),
+                Cell::new(value).set_alignment(CellAlignment::Right),
+                Cell::new(unit),
+            ]);
+        };
+        line("distance", format!("{:.3}", self.distance_km), "km");
+        line("duration", format!("{:.1}", self.duration_s), "s");
+        line("cells", self.cells.to_string(), "");
+        line("valid", format!("{:.1}", self.valid_percent), "%");
+        line("climb", format!("{:.1}", self.climb_m), "m");
+        line(
+            "sigma, smoothed",
+            format!("{:.3}", self.grade_sigma_percent),
+            "% grade",
+        );
+        line(
+            "sigma, lagged",
+            format!("{:.3}", self.lagged_grade_sigma_percent),
+            "% grade",
+        );
+        line(
+            "sigma, live",
+            format!("{:.3}", self.live_grade_sigma_percent),
+            "% grade",
+        );
+        line(
+            "model bias, mean",
+            format!("{:+.3}", self.bias_percent),
+            "% grade",
+        );
+        line("traction scale, end", format!("{:.3}", self.scale), "");
+        for (name, count) in &self.events {
+            line(name, count.to_string(), "");
+        }
+        table
+    }
+}
+
+/// What happened, without what did not.
+fn events(c: &Counters) -> Vec<(&'static str, u64)> {
+    [
+        ("frames malformed", c.frames_malformed.into()),
+        ("fast packets broken", c.fast_packets_broken.into()),
+        ("values not available", c.not_available.into()),
+        ("values in error", c.errors.into()),
+        ("values of other senders", c.other_source.into()),
+        ("sender switches", c.source_switches.into()),
+        ("poor fixes", c.poor_fixes.into()),
+        ("gaps in speed", c.gaps.into()),
+        ("cells lost", c.samples_lost.into()),
+        ("altitude set anew", c.altitude_resets.into()),
+        ("filter restarts", c.restarts.into()),
+    ]
+    .into_iter()
+    .filter(|(_, count)| *count > 0)
+    .collect()
 }
