@@ -205,16 +205,20 @@ fn csv_error(path: &Path, error: &csv::Error, headers: Option<&csv::StringRecord
     if let csv::ErrorKind::Io(source) = error.kind() {
         return Error::io(path)(std::io::Error::new(source.kind(), source.to_string()));
     }
-    let line = error.position().map_or(1, csv::Position::line);
+    let mut line = error.position().map_or(1, csv::Position::line);
     let problem = match error.kind() {
         csv::ErrorKind::Deserialize { err, .. } => {
             let column = headers
                 .zip(err.field())
                 .and_then(|(headers, field)| headers.get(field as usize));
-            match column {
-                Some(name) => format!("{name}: {}", err.kind()),
-                None => err.kind().to_string(),
+            if column.is_none() {
+                // Not one field's fault: a column that is missing or not known.
+                line = 1;
             }
+            column.map_or_else(
+                || err.kind().to_string(),
+                |name| format!("{name}: {}", err.kind()),
+            )
         }
         csv::ErrorKind::UnequalLengths {
             expected_len, len, ..
