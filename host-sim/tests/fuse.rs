@@ -150,7 +150,7 @@ fn crossing_and_parallel_roads_are_not_the_road() {
         .atan2(ahead.north_m - middle.north_m)
         .to_degrees();
     let road_line = line(&spots);
-    for turn in [60.0, 90.0, -120.0] {
+    for turn in [25.0, 60.0, 90.0, -120.0] {
         let away = (course + turn + 180.0).to_radians();
         let start = (
             middle.east_m + 400.0 * away.sin(),
@@ -233,6 +233,15 @@ fn position_noise_shifts_the_grade_by_little_and_smoothly() {
         })
         .fold(0.0, f64::max);
     assert!(jump < 0.003, "{jump}");
+}
+
+#[test]
+fn a_run_may_begin_before_the_road_and_end_behind_it() {
+    let spots = hills();
+    let rows = run(&spots);
+    let map = map_of(&line(&spots[40..2300]), &[&rows]);
+    assert_eq!(map.len(), 2260);
+    assert!(worst_error(&map, hill_percent) < 1e-4);
 }
 
 #[test]
@@ -370,7 +379,7 @@ fn positions_are_located_with_offset_and_course() {
     assert!((located.course_difference_deg.expect("known") - 20.0).abs() < 0.1);
     assert!(
         road_line
-            .locate(latitude_deg, longitude_deg, Some(90.0))
+            .locate(latitude_deg, longitude_deg, Some(60.0))
             .is_none()
     );
     assert!(

@@ -12,12 +12,11 @@ const BATCH: usize = 8;
 /// Arguments of `fuse`.
 #[derive(Debug, clap::Args)]
 #[command(
-    long_about = "Fuse runs over the same road into one map.\n\n\
-    Each run is placed on the road by position and course; the odometer only carries from one \
+    after_help = "Each run is placed on the road by position and course; the odometer only carries from one \
     position to the next. Where a run is off the road, crosses it or drives it the other way, it \
     adds nothing. Smoothed grades and altitudes are then weighted by the inverse of their \
-    variances, every 2.5 m. Cells that no run covers have no row in the map.",
-    after_help = "Example: roadgrade fuse --out map.csv monday.csv tuesday.csv"
+    variances, every 2.5 m. Cells that no run covers have no row in the map.\n\n\
+    Example: roadgrade fuse --out map.csv monday.csv tuesday.csv"
 )]
 pub struct Args {
     /// Where the map goes: distance_m, latitude_deg, longitude_deg, altitude_m, grade_percent,

@@ -11,13 +11,12 @@ use std::path::{Path, PathBuf};
 /// Arguments of `score`.
 #[derive(Debug, clap::Args)]
 #[command(
-    long_about = "Compare runs with the truth.\n\n\
-    Cells are compared with the truth at their time, both counted from the log's first frame. \
+    after_help = "Cells are compared with the truth at their time, both counted from the log's first frame. \
     The first and last 500 m of each run are left out. For the smoothed, the lagged and the live \
     grade: RMSE over all cells and over valid cells (neither a gear shift nor braking), bias \
     (estimate minus truth), and the mean normalised squared error (near 1 if the sigmas are \
-    honest); then the means over runs.",
-    after_help = "Example: roadgrade score --truth a1.truth.csv --truth a2.truth.csv a1.csv a2.csv"
+    honest); then the means over runs.\n\n\
+    Example: roadgrade score --truth a1.truth.csv --truth a2.truth.csv a1.csv a2.csv"
 )]
 pub struct Args {
     /// The truth of the drive; once for all runs, or repeated, one for each run in their order.

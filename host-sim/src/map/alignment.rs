@@ -1,7 +1,7 @@
 //! From matched points to smooth distances along the road.
 
 use super::local_fit;
-use super::matching::{Place, TrackPoint, is_consistent};
+use super::matching::{Place, TrackPoint};
 use std::ops::Range;
 
 /// Half width over which the offset between road and odometer is smoothed, m. Position noise of
@@ -18,21 +18,13 @@ pub struct Stretch {
 }
 
 /// The stretches of a run on the road. Points without a position belong to a stretch if it goes
-/// on behind them where the odometer expects it.
+/// on behind them (matching has compared that with the odometer).
 pub fn stretches(track: &[TrackPoint], places: &[Place]) -> Vec<Stretch> {
     let mut found: Vec<Vec<(usize, f64)>> = Vec::new();
     let mut open: Vec<(usize, f64)> = Vec::new();
     for (i, place) in places.iter().enumerate() {
         match *place {
-            Place::OnRoad(distance_m) => {
-                if let Some(&(last, last_m)) = open.last() {
-                    let driven_m = track[i].odometer_m - track[last].odometer_m;
-                    if !is_consistent(distance_m - last_m, driven_m) {
-                        found.push(std::mem::take(&mut open));
-                    }
-                }
-                open.push((i, distance_m));
-            }
+            Place::OnRoad(distance_m) => open.push((i, distance_m)),
             Place::NoPosition => {}
             Place::OffRoad | Place::Opposite => {
                 if !open.is_empty() {

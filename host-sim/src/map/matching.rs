@@ -8,15 +8,15 @@
 
 use super::road_line::{COURSE_REACH_M, LATERAL_LIMIT_M, Nearby, RoadLine};
 
-/// Price of leaving the road or coming onto it, in positions off the road: a road that runs
-/// beside the true one for fewer than twice as many (50 m) is chance.
-const SWITCH_PRICE: f64 = 10.0;
-/// Progress along the road and by odometer may differ by this much at once, m ...
-const SLIP_LIMIT_M: f64 = 30.0;
-/// ... and by this part of the distance (odometer scale, roads with straightened bends).
+/// Price of leaving the road or coming onto it, in positions off the road: a stretch on the road
+/// must be worth two of them, 100 m of perfect fit, or it is a crossing.
+const SWITCH_PRICE: f64 = 20.0;
+/// Progress along the road and by odometer may differ by this for the price of a position off
+/// the road, m ...
+const SLIP_M: f64 = 10.0;
+/// ... and by this part of the distance (odometer scale, roads with straightened bends). More
+/// costs the square of it, so that a leap is never cheaper than leaving and coming back.
 const SLIP_RATIO: f64 = 0.05;
-/// A difference in progress that costs as much as a position off the road, m.
-const SLIP_SCALE_M: f64 = 10.0;
 /// Positions this far apart by odometer do not tell a course, m.
 const COURSE_GAP_M: f64 = 30.0;
 /// A course needs positions over at least this, m.
@@ -73,11 +73,6 @@ pub fn match_track(road: &RoadLine, track: &[TrackPoint]) -> Vec<Place> {
         };
     }
     places
-}
-
-/// Whether a vehicle whose odometer went on by `driven_m` can have gone on by `progress_m`.
-pub(super) fn is_consistent(progress_m: f64, driven_m: f64) -> bool {
-    (progress_m - driven_m).abs() <= SLIP_LIMIT_M + SLIP_RATIO * driven_m
 }
 
 /// A point of the run that has a position.
@@ -175,10 +170,7 @@ fn cheapest(
             (None, None) => 0.0,
             (Some(a), Some(b)) => {
                 let progress_m = b.distance_m - a.distance_m;
-                if !is_consistent(progress_m, driven_m) {
-                    continue;
-                }
-                ((progress_m - driven_m) / (SLIP_SCALE_M + SLIP_RATIO * driven_m)).powi(2)
+                ((progress_m - driven_m) / (SLIP_M + SLIP_RATIO * driven_m)).powi(2)
             }
             _ => SWITCH_PRICE,
         };
