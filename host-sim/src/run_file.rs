@@ -2,7 +2,8 @@
 
 use crate::error::{Error, Result};
 use crate::output::write_whole;
-use serde::{Deserialize, Serialize};
+use crate::row_check::{self, Flaw};
+use serde::{Deserialize, Deserializer, Serialize};
 use std::path::Path;
 
 /// One cell of a run. Angles in degrees, grades in %, `time_s` from the log's first frame.
@@ -12,11 +13,15 @@ pub struct RunRow {
     pub time_s: f64,
     pub distance_m: f64,
     /// Empty where no fix was near.
+    #[serde(deserialize_with = "column")]
     pub latitude_deg: Option<f64>,
     /// Empty where no fix was near.
+    #[serde(deserialize_with = "column")]
     pub longitude_deg: Option<f64>,
     /// Empty before the first fix.
+    #[serde(deserialize_with = "column")]
     pub altitude_m: Option<f64>,
+    #[serde(deserialize_with = "column")]
     pub altitude_sigma_m: Option<f64>,
     /// Smoothed over the whole run.
     pub grade_percent: f64,
@@ -36,6 +41,11 @@ pub struct RunRow {
     pub valid: u8,
 }
 
+/// An optional value of a column that must be there (serde takes a missing column for empty).
+fn column<'de, D: Deserializer<'de>>(cell: D) -> std::result::Result<Option<f64>, D::Error> {
+    Option::deserialize(cell)
+}
+
 /// Decimals that a reader can use and a file can bear.
 pub(crate) fn round(value: f64, decimals: i32) -> f64 {
     let unit = 10_f64.powi(decimals);
@@ -43,6 +53,55 @@ pub(crate) fn round(value: f64, decimals: i32) -> f64 {
 }
 
 impl RunRow {
+    /// Whether the row can follow `before` in a run.
+    fn check(before: Option<&Self>, row: &Self) -> std::result::Result<(), Flaw> {
+        row_check::finite(&[
+            ("time_s", row.time_s),
+            ("distance_m", row.distance_m),
+            ("latitude_deg", row.latitude_deg.unwrap_or(0.0)),
+            ("longitude_deg", row.longitude_deg.unwrap_or(0.0)),
+            ("altitude_m", row.altitude_m.unwrap_or(0.0)),
+            ("altitude_sigma_m", row.altitude_sigma_m.unwrap_or(1.0)),
+            ("grade_percent", row.grade_percent),
+            ("grade_sigma_percent", row.grade_sigma_percent),
+            ("lagged_grade_percent", row.lagged_grade_percent),
+            ("lagged_grade_sigma_percent", row.lagged_grade_sigma_percent),
+            ("live_grade_percent", row.live_grade_percent),
+            ("live_grade_sigma_percent", row.live_grade_sigma_percent),
+            ("speed_mps", row.speed_mps),
+            ("bias_percent", row.bias_percent),
+            ("scale", row.scale),
+        ])?;
+        row_check::positive(&[
+            ("altitude_sigma_m", row.altitude_sigma_m.unwrap_or(1.0)),
+            ("grade_sigma_percent", row.grade_sigma_percent),
+            ("lagged_grade_sigma_percent", row.lagged_grade_sigma_percent),
+            ("live_grade_sigma_percent", row.live_grade_sigma_percent),
+        ])?;
+        match (row.latitude_deg, row.longitude_deg) {
+            (Some(latitude_deg), Some(longitude_deg)) => {
+                row_check::position(latitude_deg, longitude_deg)?;
+            }
+            (None, None) => {}
+            _ => {
+                return Err(Flaw {
+                    problem: "half a position".into(),
+                    expected: "latitude_deg and longitude_deg, or neither",
+                });
+            }
+        }
+        if row.valid > 1 {
+            return Err(Flaw {
+                problem: format!("valid is {}", row.valid),
+                expected: "0 or 1",
+            });
+        }
+        before.map_or(Ok(()), |before| {
+            row_check::forwards("time_s", before.time_s, row.time_s, false)?;
+            row_check::forwards("distance_m", before.distance_m, row.distance_m, true)
+        })
+    }
+
     /// With the decimals that the file carries.
     fn rounded(&self) -> Self {
         Self {
@@ -79,7 +138,7 @@ pub fn write(path: &Path, rows: &[RunRow]) -> Result<()> {
 /// # Errors
 /// With file, line and what was expected.
 pub fn read(path: &Path) -> Result<Vec<RunRow>> {
-    read_csv(path)
+    read_checked(path, RunRow::check)
 }
 
 /// Writes rows as CSV with a header, whole or not at all.
@@ -101,11 +160,37 @@ pub fn write_csv<T: Serialize>(path: &Path, rows: impl IntoIterator<Item = T>) -
 /// # Errors
 /// With file, line and what was expected; a file without rows is an error too.
 pub fn read_csv<T: for<'de> Deserialize<'de>>(path: &Path) -> Result<Vec<T>> {
+    read_checked(path, |_, _| Ok(()))
+}
+
+/// Reads the rows of a CSV file with a header; `check` judges each with the row before it.
+///
+/// # Errors
+/// With file, line and what was expected; a file without rows is an error too.
+pub fn read_checked<T: for<'de> Deserialize<'de>>(
+    path: &Path,
+    check: impl Fn(Option<&T>, &T) -> std::result::Result<(), Flaw>,
+) -> Result<Vec<T>> {
     let file = std::fs::File::open(path).map_err(Error::io(path))?;
     let mut reader = csv::Reader::from_reader(file);
+    let headers = reader
+        .headers()
+        .map_err(|e| csv_error(path, &e, None))?
+        .clone();
     let mut rows = Vec::new();
-    for row in reader.deserialize() {
-        rows.push(row.map_err(|e| csv_error(path, &e))?);
+    let mut record = csv::StringRecord::new();
+    while reader
+        .read_record(&mut record)
+        .map_err(|e| csv_error(path, &e, None))?
+    {
+        let row = record
+            .deserialize(Some(&headers))
+            .map_err(|e| csv_error(path, &e, Some(&headers)))?;
+        if let Err(flaw) = check(rows.last(), &row) {
+            let line = record.position().map_or(1, csv::Position::line);
+            return Err(Error::line(path, line, flaw.problem, flaw.expected));
+        }
+        rows.push(row);
     }
     if rows.is_empty() {
         return Err(Error::content(
@@ -116,10 +201,29 @@ pub fn read_csv<T: for<'de> Deserialize<'de>>(path: &Path) -> Result<Vec<T>> {
     Ok(rows)
 }
 
-fn csv_error(path: &Path, error: &csv::Error) -> Error {
-    let line = error.position().map_or(1, csv::Position::line);
+fn csv_error(path: &Path, error: &csv::Error, headers: Option<&csv::StringRecord>) -> Error {
+    if let csv::ErrorKind::Io(source) = error.kind() {
+        return Error::io(path)(std::io::Error::new(source.kind(), source.to_string()));
+    }
+    let mut line = error.position().map_or(1, csv::Position::line);
     let problem = match error.kind() {
-        csv::ErrorKind::Deserialize { err, .. } => err.to_string(),
+        csv::ErrorKind::Deserialize { err, .. } => {
+            let column = headers
+                .zip(err.field())
+                .and_then(|(headers, field)| headers.get(field as usize));
+            if column.is_none() {
+                // Not one field's fault: a column that is missing or not known.
+                line = 1;
+            }
+            column.map_or_else(
+                || err.kind().to_string(),
+                |name| format!("{name}: {}", err.kind()),
+            )
+        }
+        csv::ErrorKind::UnequalLengths {
+            expected_len, len, ..
+        } => format!("{len} fields under a header of {expected_len}"),
+        csv::ErrorKind::Utf8 { .. } => "not text".into(),
         _ => error.to_string(),
     };
     Error::line(

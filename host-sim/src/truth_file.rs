@@ -1,7 +1,8 @@
 //! TRUTH.csv: what a simulated drive really was.
 
 use crate::error::Result;
-use crate::run_file::{read_csv, round, write_csv};
+use crate::row_check::{self, Flaw};
+use crate::run_file::{read_checked, round, write_csv};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -17,6 +18,22 @@ pub struct TruthRow {
     pub shifting: u8,
     /// 1 while a brake is used, else 0.
     pub braking: u8,
+}
+
+impl TruthRow {
+    /// Whether the row can follow `before` in a drive.
+    fn check(before: Option<&Self>, row: &Self) -> std::result::Result<(), Flaw> {
+        row_check::finite(&[
+            ("time_s", row.time_s),
+            ("distance_m", row.distance_m),
+            ("grade_percent", row.grade_percent),
+            ("altitude_m", row.altitude_m),
+        ])?;
+        before.map_or(Ok(()), |before| {
+            row_check::forwards("time_s", before.time_s, row.time_s, true)?;
+            row_check::forwards("distance_m", before.distance_m, row.distance_m, false)
+        })
+    }
 }
 
 /// Writes the truth of a drive.
@@ -41,5 +58,5 @@ pub fn write(path: &Path, rows: &[TruthRow]) -> Result<()> {
 /// # Errors
 /// With file, line and what was expected.
 pub fn read(path: &Path) -> Result<Vec<TruthRow>> {
-    read_csv(path)
+    read_checked(path, TruthRow::check)
 }

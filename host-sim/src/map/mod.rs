@@ -1,1 +1,25 @@
-//! map.
+//! From runs to a map: a road as a line, where on it each run was, and what the runs together
+//! say about its grade.
+//!
+//! Distances along a road are those of its own `distance_m`; a run's odometer only carries from
+//! one position to the next.
+
+mod alignment;
+mod fusion;
+mod local_fit;
+mod map_file;
+mod matching;
+mod plane;
+mod road_file;
+mod road_line;
+mod track;
+
+pub use fusion::{Coverage, Fusion, GradeMap, MapCell, fuse};
+pub use map_file::{MapRow, read as read_map, write as write_map};
+pub use matching::{Place, TrackPoint, match_track};
+pub use road_file::{RoadRow, read as read_road};
+pub use road_line::{Located, RoadLine, RoadPoint, RoadProblem};
+pub use track::{road_of_run, track_of_run};
+
+/// Step of a map, m: that of a cell.
+pub const GRID_M: f64 = estimator_core::cell::CELL_LENGTH_M as f64;

@@ -1,0 +1,63 @@
+//! Local polynomial regression (Cleveland 1979, without the robust weights).
+
+/// At every `x`, the value of the polynomial of `N` coefficients fitted to the points within
+/// `half_width` with triangular weights. `x` must not decrease. A trend of that degree passes
+/// unchanged, at the ends and beside gaps too, which a moving average would bend; where there
+/// are too few points for the degree, their weighted mean.
+pub fn smooth<const N: usize>(x: &[f64], y: &[f64], half_width: f64) -> Vec<f64> {
+    let mut first = 0;
+    let mut end = 0;
+    x.iter()
+        .map(|&centre| {
+            while x[first] < centre - half_width {
+                first += 1;
+            }
+            while end < x.len() && x[end] <= centre + half_width {
+                end += 1;
+            }
+            let mut normal = [[0.0; N]; N];
+            let mut right = [0.0; N];
+            for (x, y) in x[first..end].iter().zip(&y[first..end]) {
+                let u = (x - centre) / half_width;
+                let weight = 1.0 - u.abs();
+                let mut powers = [1.0; N];
+                for k in 1..N {
+                    powers[k] = powers[k - 1] * u;
+                }
+                for row in 0..N {
+                    for column in 0..N {
+                        normal[row][column] += weight * powers[row] * powers[column];
+                    }
+                    right[row] += weight * powers[row] * y;
+                }
+            }
+            value_at_centre(normal, right)
+        })
+        .collect()
+}
+
+/// Constant term of the solution of the normal equations, by Gaussian elimination from the
+/// highest power down (the matrix is symmetric and positive, so pivots need no search).
+fn value_at_centre<const N: usize>(mut normal: [[f64; N]; N], mut right: [f64; N]) -> f64 {
+    // u lies within ±1, so a pivot this small against the weight means too few points.
+    const SINGULAR: f64 = 1e-9;
+    let mean = right[0] / normal[0][0];
+    let threshold = SINGULAR * normal[0][0];
+    for pivot in (1..N).rev() {
+        if normal[pivot][pivot] <= threshold {
+            return mean;
+        }
+        let pivot_row = normal[pivot];
+        for row in 0..pivot {
+            let factor = normal[row][pivot] / pivot_row[pivot];
+            for (value, above) in normal[row].iter_mut().zip(pivot_row) {
+                *value -= factor * above;
+            }
+            right[row] -= factor * right[pivot];
+        }
+    }
+    if normal[0][0] <= threshold {
+        return mean;
+    }
+    right[0] / normal[0][0]
+}

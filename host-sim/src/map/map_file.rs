@@ -1,0 +1,70 @@
+//! MAP.csv: the cells of one road, fused over runs.
+
+use crate::error::Result;
+use crate::row_check::{self, Flaw};
+use crate::run_file::{read_checked, round, write_csv};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// One cell of a map. Cells that no run covered have no row.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MapRow {
+    /// Along the road; a multiple of 2.5 m.
+    pub distance_m: f64,
+    pub latitude_deg: f64,
+    pub longitude_deg: f64,
+    /// Empty where no run knew it.
+    pub altitude_m: Option<f64>,
+    /// 100 tan of the slope angle, positive uphill in the road's direction.
+    pub grade_percent: f64,
+    /// What the runs' own sigmas promise if their errors are independent.
+    pub grade_sigma_percent: f64,
+    /// How many traversals went in.
+    pub runs: u32,
+}
+
+impl MapRow {
+    /// Whether the row can follow `before` in a map.
+    fn check(before: Option<&Self>, row: &Self) -> std::result::Result<(), Flaw> {
+        row_check::finite(&[
+            ("distance_m", row.distance_m),
+            ("latitude_deg", row.latitude_deg),
+            ("longitude_deg", row.longitude_deg),
+            ("altitude_m", row.altitude_m.unwrap_or(0.0)),
+            ("grade_percent", row.grade_percent),
+            ("grade_sigma_percent", row.grade_sigma_percent),
+        ])?;
+        row_check::positive(&[("grade_sigma_percent", row.grade_sigma_percent)])?;
+        row_check::position(row.latitude_deg, row.longitude_deg)?;
+        before.map_or(Ok(()), |before| {
+            row_check::forwards("distance_m", before.distance_m, row.distance_m, true)
+        })
+    }
+}
+
+/// Writes a map.
+///
+/// # Errors
+/// What the file system says.
+pub fn write(path: &Path, rows: &[MapRow]) -> Result<()> {
+    write_csv(
+        path,
+        rows.iter().map(|row| MapRow {
+            distance_m: round(row.distance_m, 2),
+            latitude_deg: round(row.latitude_deg, 7),
+            longitude_deg: round(row.longitude_deg, 7),
+            altitude_m: row.altitude_m.map(|v| round(v, 3)),
+            grade_percent: round(row.grade_percent, 5),
+            grade_sigma_percent: round(row.grade_sigma_percent, 5),
+            runs: row.runs,
+        }),
+    )
+}
+
+/// Reads a map.
+///
+/// # Errors
+/// With file, line and what was expected.
+pub fn read(path: &Path) -> Result<Vec<MapRow>> {
+    read_checked(path, MapRow::check)
+}

@@ -1,0 +1,188 @@
+//! Which point of a road each point of a run belongs to.
+//!
+//! A hidden Markov model over the run, solved by Viterbi's algorithm (after Newson and Krumm,
+//! "Hidden Markov map matching through noise and sparseness", 2009). The states at a position
+//! are the passes of the road near it that go the same way, and "off the road"; passing from one
+//! to the next must agree with the odometer. So a run stays on its own pass where a road comes
+//! near itself or crosses itself, and a crossing street is not worth entering.
+
+use super::road_line::{COURSE_REACH_M, LATERAL_LIMIT_M, Nearby, RoadLine};
+
+/// Price of leaving the road or coming onto it, in positions off the road: a stretch on the road
+/// must be worth two of them, 100 m of perfect fit, or it is a crossing.
+const SWITCH_PRICE: f64 = 20.0;
+/// Progress along the road and by odometer may differ by this for the price of a position off
+/// the road, m ...
+const SLIP_M: f64 = 10.0;
+/// ... and by this part of the distance (odometer scale, roads with straightened bends). More
+/// costs the square of it, so that a leap is never cheaper than leaving and coming back.
+const SLIP_RATIO: f64 = 0.05;
+/// Positions this far apart by odometer do not tell a course, m.
+const COURSE_GAP_M: f64 = 30.0;
+/// A course needs positions over at least this, m.
+const COURSE_SPAN_M: f64 = 10.0;
+
+/// One point of a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TrackPoint {
+    /// Driven distance; does not decrease.
+    pub odometer_m: f64,
+    /// Latitude and longitude, deg.
+    pub position: Option<(f64, f64)>,
+}
+
+/// Where one point of a run lies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Place {
+    /// On the road, at this distance along it, m.
+    OnRoad(f64),
+    /// At the road, driving against its direction.
+    Opposite,
+    /// Not at the road, or across it.
+    OffRoad,
+    /// The run has no position here.
+    NoPosition,
+}
+
+/// Places each point of a run on the road.
+pub fn match_track(road: &RoadLine, track: &[TrackPoint]) -> Vec<Place> {
+    let mut places = vec![Place::NoPosition; track.len()];
+    let fixes: Vec<Fix> = track
+        .iter()
+        .enumerate()
+        .filter_map(|(index, point)| {
+            let (latitude_deg, longitude_deg) = point.position?;
+            Some(Fix {
+                index,
+                odometer_m: point.odometer_m,
+                plan: road.plane_point(latitude_deg, longitude_deg),
+            })
+        })
+        .collect();
+    let nearby: Vec<Nearby> = (0..fixes.len())
+        .map(|i| match fixes[i].plan {
+            Some(plan) => road.nearby(plan, course(&fixes, i)),
+            None => Nearby::default(),
+        })
+        .collect();
+    for ((fix, near), state) in fixes.iter().zip(&nearby).zip(best_states(&fixes, &nearby)) {
+        places[fix.index] = match near.along.get(state) {
+            Some(located) => Place::OnRoad(located.distance_m),
+            None if near.opposite => Place::Opposite,
+            None => Place::OffRoad,
+        };
+    }
+    places
+}
+
+/// A point of the run that has a position.
+struct Fix {
+    index: usize,
+    odometer_m: f64,
+    /// `None` far from the road.
+    plan: Option<[f64; 2]>,
+}
+
+/// Direction of the run around a position, from the positions about 20 m before and after;
+/// `None` where they do not tell one.
+fn course(fixes: &[Fix], i: usize) -> Option<[f64; 2]> {
+    let joined = |a: usize, b: usize| {
+        (fixes[a].odometer_m - fixes[b].odometer_m).abs() <= COURSE_GAP_M && fixes[b].plan.is_some()
+    };
+    let here_m = fixes[i].odometer_m;
+    let mut from = i;
+    while from > 0 && here_m - fixes[from].odometer_m < COURSE_REACH_M && joined(from, from - 1) {
+        from -= 1;
+    }
+    let mut to = i;
+    while to + 1 < fixes.len()
+        && fixes[to].odometer_m - here_m < COURSE_REACH_M
+        && joined(to, to + 1)
+    {
+        to += 1;
+    }
+    let (a, b) = (fixes[from].plan?, fixes[to].plan?);
+    let chord = [b[0] - a[0], b[1] - a[1]];
+    let span_m = fixes[to].odometer_m - fixes[from].odometer_m;
+    // A chord far shorter than the drive is a turn on the spot or a receiver that stands still.
+    (span_m >= COURSE_SPAN_M && chord[0].hypot(chord[1]) >= 0.5 * span_m).then_some(chord)
+}
+
+/// One state in Viterbi's lattice.
+struct State {
+    cost: f64,
+    /// The state before, on the cheapest way here.
+    before: usize,
+}
+
+/// For each position the index of its state: of a pass in `along`, or their number for "off".
+fn best_states(fixes: &[Fix], nearby: &[Nearby]) -> Vec<usize> {
+    let mut lattice: Vec<Vec<State>> = Vec::with_capacity(fixes.len());
+    for (i, near) in nearby.iter().enumerate() {
+        let states = (0..=near.along.len())
+            .map(|state| {
+                let (cost, before) = match i.checked_sub(1) {
+                    None => (0.0, 0),
+                    Some(previous) => cheapest(
+                        &lattice[previous],
+                        &nearby[previous],
+                        near,
+                        state,
+                        fixes[i].odometer_m - fixes[previous].odometer_m,
+                    ),
+                };
+                State {
+                    cost: cost + stay_price(near, state),
+                    before,
+                }
+            })
+            .collect();
+        lattice.push(states);
+    }
+    let mut chosen = vec![0; lattice.len()];
+    let mut state = lattice.last().map_or(0, |states| index_of_least(states));
+    for i in (0..lattice.len()).rev() {
+        chosen[i] = state;
+        state = lattice[i][state].before;
+    }
+    chosen
+}
+
+/// Being beside the road grows dear with the square of the offset, up to being off it.
+fn stay_price(near: &Nearby, state: usize) -> f64 {
+    near.along
+        .get(state)
+        .map_or(1.0, |located| (located.lateral_m / LATERAL_LIMIT_M).powi(2))
+}
+
+/// Cost of the cheapest way to `state`, and the state before it. "Off" can always be reached and
+/// left, so there always is one.
+fn cheapest(
+    states: &[State],
+    nearby_before: &Nearby,
+    near: &Nearby,
+    state: usize,
+    driven_m: f64,
+) -> (f64, usize) {
+    let mut best = (f64::INFINITY, 0);
+    for (before, from) in states.iter().enumerate() {
+        let step = match (nearby_before.along.get(before), near.along.get(state)) {
+            (None, None) => 0.0,
+            (Some(a), Some(b)) => {
+                let progress_m = b.distance_m - a.distance_m;
+                ((progress_m - driven_m) / (SLIP_M + SLIP_RATIO * driven_m)).powi(2)
+            }
+            _ => SWITCH_PRICE,
+        };
+        if from.cost + step < best.0 {
+            best = (from.cost + step, before);
+        }
+    }
+    best
+}
+
+fn index_of_least(states: &[State]) -> usize {
+    (0..states.len())
+        .min_by(|&a, &b| states[a].cost.total_cmp(&states[b].cost))
+        .unwrap_or(0)
+}

@@ -1,0 +1,273 @@
+//! A road as a line on Earth, and where on it a position lies.
+
+use super::plane::LocalPlane;
+use rstar::primitives::{GeomWithData, Line};
+use rstar::{AABB, RTree};
+use std::cmp::Ordering::Less;
+
+/// Half the chord over which a course is taken, m: long against position noise of 2-3 m, short
+/// against bends. Runs and roads use the same, so that both cut a corner alike.
+pub(super) const COURSE_REACH_M: f64 = 20.0;
+/// How far beside the line a position may lie, m: position error, lanes, an offset of the road
+/// data.
+pub(super) const LATERAL_LIMIT_M: f64 = 25.0;
+/// Courses within this are the same direction, within this of the reverse the opposite one, deg.
+const COURSE_TOLERANCE_DEG: f64 = 45.0;
+
+/// One vertex of a road.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RoadPoint {
+    /// Along the road; grows strictly.
+    pub distance_m: f64,
+    pub latitude_deg: f64,
+    pub longitude_deg: f64,
+}
+
+/// Why points are not a road. Points count from 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum RoadProblem {
+    #[error("fewer than two points; expected a line")]
+    TooFewPoints,
+    #[error("distance_m does not grow at point {0}; expected it to, from point to point")]
+    NotForward(usize),
+    #[error("point {0} is over 300 km from the middle of the road; expected a smaller extent")]
+    TooWide(usize),
+}
+
+/// Where on a road a position lies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Located {
+    /// Along the road. Beyond its ends it counts on along the end's tangent.
+    pub distance_m: f64,
+    /// Beside the road, positive to the left.
+    pub lateral_m: f64,
+    /// Course of the vehicle minus course of the road; `None` if the former is not known.
+    pub course_difference_deg: Option<f64>,
+}
+
+/// What lies near a position.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Nearby {
+    /// Nearest point of each pass of the road that goes the same way, in the road's order.
+    pub along: Vec<Located>,
+    /// Whether the road goes the opposite way here.
+    pub opposite: bool,
+}
+
+/// A road with an index of its segments.
+#[derive(Debug)]
+pub struct RoadLine {
+    plane: LocalPlane,
+    points: Vec<RoadPoint>,
+    plan: Vec<[f64; 2]>,
+    segments: RTree<GeomWithData<Line<[f64; 2]>, usize>>,
+}
+
+impl RoadLine {
+    /// A road through these points.
+    ///
+    /// # Errors
+    /// Fewer than two points, distances that do not grow, or an extent that no plane serves.
+    pub fn new(points: Vec<RoadPoint>) -> Result<Self, RoadProblem> {
+        if points.len() < 2 {
+            return Err(RoadProblem::TooFewPoints);
+        }
+        if let Some(i) = points
+            .windows(2)
+            .position(|pair| pair[0].distance_m.partial_cmp(&pair[1].distance_m) != Some(Less))
+        {
+            return Err(RoadProblem::NotForward(i + 1));
+        }
+        let middle = points[points.len() / 2];
+        let plane = LocalPlane::around(middle.latitude_deg, middle.longitude_deg);
+        let plan = points
+            .iter()
+            .enumerate()
+            .map(|(i, point)| {
+                plane
+                    .point(point.latitude_deg, point.longitude_deg)
+                    .ok_or(RoadProblem::TooWide(i))
+            })
+            .collect::<Result<Vec<_>, _>>()?;
+        let segments = RTree::bulk_load(
+            plan.windows(2)
+                .enumerate()
+                .map(|(i, pair)| GeomWithData::new(Line::new(pair[0], pair[1]), i))
+                .collect(),
+        );
+        Ok(Self {
+            plane,
+            points,
+            plan,
+            segments,
+        })
+    }
+
+    /// Where the road begins, m.
+    pub fn start_m(&self) -> f64 {
+        self.points[0].distance_m
+    }
+
+    /// Where the road ends, m.
+    pub fn end_m(&self) -> f64 {
+        self.points[self.points.len() - 1].distance_m
+    }
+
+    /// Latitude and longitude at a distance along the road, deg; beyond its ends, those of the
+    /// end.
+    pub fn position_at(&self, distance_m: f64) -> (f64, f64) {
+        let (i, part) = self.segment_at(distance_m);
+        let (a, b) = (self.points[i], self.points[i + 1]);
+        let turn = wrapped_deg(b.longitude_deg - a.longitude_deg);
+        (
+            a.latitude_deg + part * (b.latitude_deg - a.latitude_deg),
+            wrapped_deg(a.longitude_deg + part * turn),
+        )
+    }
+
+    /// Where on the road a vehicle at this position with this course (compass, deg) is: the
+    /// nearest point within 25 m that goes the same way within 45°. Without a course, the
+    /// nearest.
+    pub fn locate(
+        &self,
+        latitude_deg: f64,
+        longitude_deg: f64,
+        course_deg: Option<f64>,
+    ) -> Option<Located> {
+        let point = self.plane.point(latitude_deg, longitude_deg)?;
+        let course = course_deg.map(|c| [c.to_radians().sin(), c.to_radians().cos()]);
+        self.nearby(point, course)
+            .along
+            .into_iter()
+            .min_by(|a, b| a.lateral_m.abs().total_cmp(&b.lateral_m.abs()))
+    }
+
+    /// A position in the road's plane, if it lies within 300 km of the road's middle.
+    pub(super) fn plane_point(&self, latitude_deg: f64, longitude_deg: f64) -> Option<[f64; 2]> {
+        self.plane.point(latitude_deg, longitude_deg)
+    }
+
+    /// The passes of the road near a point of its plane; `course` is a direction in that plane.
+    pub(super) fn nearby(&self, point: [f64; 2], course: Option<[f64; 2]>) -> Nearby {
+        let reach = LATERAL_LIMIT_M;
+        let around = AABB::from_corners(
+            [point[0] - reach, point[1] - reach],
+            [point[0] + reach, point[1] + reach],
+        );
+        let mut close: Vec<usize> = self
+            .segments
+            .locate_in_envelope_intersecting(around)
+            .map(|segment| segment.data)
+            .collect();
+        // The index answers in its own order.
+        close.sort_unstable();
+
+        let mut nearby = Nearby::default();
+        let mut last = None;
+        for i in close {
+            let Some((distance_m, lateral_m)) = self.project(i, point) else {
+                continue;
+            };
+            let difference_deg = course.map(|course| turn_deg(self.course_at(distance_m), course));
+            match difference_deg.map(f64::abs) {
+                Some(turn) if turn >= 180.0 - COURSE_TOLERANCE_DEG => {
+                    nearby.opposite = true;
+                    continue;
+                }
+                Some(turn) if turn > COURSE_TOLERANCE_DEG => continue,
+                _ => {}
+            }
+            let located = Located {
+                distance_m,
+                lateral_m,
+                course_difference_deg: difference_deg,
+            };
+            // Neighbouring segments are one pass of the road, of which the nearest point counts.
+            match nearby.along.last_mut() {
+                Some(best) if last == Some(i.wrapping_sub(1)) => {
+                    if lateral_m.abs() < best.lateral_m.abs() {
+                        *best = located;
+                    }
+                }
+                _ => nearby.along.push(located),
+            }
+            last = Some(i);
+        }
+        nearby
+    }
+
+    /// Distance along the road and offset to the left of the point of segment `i` nearest to
+    /// `point`; `None` if it is out of reach.
+    fn project(&self, i: usize, point: [f64; 2]) -> Option<(f64, f64)> {
+        let (a, b) = (self.plan[i], self.plan[i + 1]);
+        let along = [b[0] - a[0], b[1] - a[1]];
+        let to = [point[0] - a[0], point[1] - a[1]];
+        let squared = along[0] * along[0] + along[1] * along[1];
+        let part = if squared > 0.0 {
+            (to[0] * along[0] + to[1] * along[1]) / squared
+        } else {
+            0.0
+        };
+        let clamped = part.clamp(0.0, 1.0);
+        let beside_m = (to[0] - clamped * along[0]).hypot(to[1] - clamped * along[1]);
+        if beside_m > LATERAL_LIMIT_M {
+            return None;
+        }
+        // Beyond the ends the tangent goes on: else all cells there would pile up on the end.
+        let first = if i == 0 { part.min(0.0) } else { 0.0 };
+        let last = if i + 2 == self.plan.len() {
+            part.max(1.0)
+        } else {
+            1.0
+        };
+        let part = part.clamp(first, last);
+        let offset = [to[0] - part * along[0], to[1] - part * along[1]];
+        let left = along[0] * offset[1] - along[1] * offset[0];
+        let from_m = self.points[i].distance_m;
+        let length_m = self.points[i + 1].distance_m - from_m;
+        Some((
+            from_m + part * length_m,
+            offset[0].hypot(offset[1]).copysign(left),
+        ))
+    }
+
+    /// Direction of the road around a distance, in its plane.
+    fn course_at(&self, distance_m: f64) -> [f64; 2] {
+        let at_m = distance_m.clamp(self.start_m(), self.end_m());
+        let (from, to) = (
+            self.plan_at(at_m - COURSE_REACH_M),
+            self.plan_at(at_m + COURSE_REACH_M),
+        );
+        [to[0] - from[0], to[1] - from[1]]
+    }
+
+    fn plan_at(&self, distance_m: f64) -> [f64; 2] {
+        let (i, part) = self.segment_at(distance_m);
+        let (a, b) = (self.plan[i], self.plan[i + 1]);
+        [a[0] + part * (b[0] - a[0]), a[1] + part * (b[1] - a[1])]
+    }
+
+    /// The segment that holds a distance, and the part of it that lies before the distance.
+    fn segment_at(&self, distance_m: f64) -> (usize, f64) {
+        let i = self
+            .points
+            .partition_point(|point| point.distance_m <= distance_m)
+            .clamp(1, self.points.len() - 1)
+            - 1;
+        let (from_m, to_m) = (self.points[i].distance_m, self.points[i + 1].distance_m);
+        let part = (distance_m - from_m) / (to_m - from_m);
+        (i, part.clamp(0.0, 1.0))
+    }
+}
+
+/// Angle from one direction to another, deg, positive to the right as a compass counts.
+fn turn_deg(from: [f64; 2], to: [f64; 2]) -> f64 {
+    let left = from[0] * to[1] - from[1] * to[0];
+    let ahead = from[0] * to[0] + from[1] * to[1];
+    (-left).atan2(ahead).to_degrees()
+}
+
+/// An angle within ±180°.
+fn wrapped_deg(angle_deg: f64) -> f64 {
+    (angle_deg + 180.0).rem_euclid(360.0) - 180.0
+}
