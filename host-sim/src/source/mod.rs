@@ -2,5 +2,6 @@
 
 pub mod can_frame;
 pub mod candump;
+pub mod candump_writer;
 pub mod signal_table;
 pub mod ztbus;
