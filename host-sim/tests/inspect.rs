@@ -4,7 +4,7 @@ use assert_cmd::Command;
 use estimator_core::signal::encode;
 use estimator_core::{Instant, Signal, Value};
 use host_sim::source::can_frame::{CanFrame, TimedFrame};
-use host_sim::source::candump::write_frame;
+use host_sim::source::candump_writer::write_frame;
 use predicates::prelude::*;
 use serde_json::{Value as Json, json};
 use std::path::{Path, PathBuf};

@@ -3,6 +3,7 @@
 pub mod can_frame;
 pub mod candump;
 mod candump_line;
+pub mod candump_writer;
 pub mod census;
 mod lines;
 pub mod log_file;

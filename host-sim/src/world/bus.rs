@@ -1,0 +1,211 @@
+//! The bus: each message at its own rate from its own controller, one frame after the other.
+
+use super::gnss::Gnss;
+use super::random::{Purpose, stream};
+use super::scenario::Scenario;
+use super::sensors::Sensors;
+use crate::source::can_frame::{CanFrame, TimedFrame};
+use estimator_core::Instant;
+use estimator_core::signal::{encode, messages};
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use std::collections::VecDeque;
+
+/// Source addresses (SAE J1939 preferred addresses; the receiver's is one of its own claiming).
+const ENGINE: u8 = 0x00;
+const GEARBOX: u8 = 0x03;
+const BRAKES: u8 = 0x0b;
+const RETARDER: u8 = 0x10;
+const CAB: u8 = 0x21;
+const RECEIVER: u8 = 0x1c;
+
+/// Silence before the first message, s: the slowest sensor has something to tell by then.
+const SILENCE_S: f64 = 0.5;
+/// Largest deviation from the period, as a part of it and in s.
+const JITTER: (f64, f64) = (0.02, 0.0005);
+/// Longest payload of a message.
+const PAYLOAD: usize = 64;
+/// Bits of a frame with a 29-bit identifier besides its data, stuffing and interframe space
+/// included, and of a data byte with its share of stuffing.
+const FRAME_BITS: (f64, f64) = (75.0, 9.0);
+/// 250 kbit/s.
+const BIT_S: f64 = 4e-6;
+
+/// When a message of one controller is sent next.
+#[derive(Clone, Copy, Debug)]
+struct Sender {
+    pgn: u32,
+    address: u8,
+    priority: u8,
+    period_s: f64,
+    /// Without jitter.
+    next_s: f64,
+    /// With jitter.
+    due_s: f64,
+    /// Number of the next fast packet, modulo 8.
+    sequence: u8,
+}
+
+/// The traffic of one run, in order of time.
+#[derive(Debug)]
+pub struct Bus<'a> {
+    sensors: Sensors<'a>,
+    gnss: Gnss<'a>,
+    gnss_latency_s: f64,
+    senders: Vec<Sender>,
+    log_start_s: f64,
+    end_s: f64,
+    /// When the bus is free again.
+    free_s: f64,
+    waiting: VecDeque<TimedFrame>,
+    rng: ChaCha8Rng,
+}
+
+impl<'a> Bus<'a> {
+    /// The bus of run `index`.
+    pub fn new(
+        scenario: &Scenario,
+        index: usize,
+        sensors: Sensors<'a>,
+        gnss: Gnss<'a>,
+        end_s: f64,
+    ) -> Self {
+        let mut rng = stream(scenario.seed, index, Purpose::Bus);
+        let senders = periods_ms(scenario.rates.fast_ms)
+            .into_iter()
+            .map(|(pgn, address, period_ms)| {
+                let period_s = 1e-3 * period_ms;
+                // What is sent rarely would else be missing from the log's first seconds.
+                let phase_s = rng.random_range(0.0..period_s.min(1.0));
+                Sender {
+                    pgn,
+                    address,
+                    priority: messages()
+                        .find(|message| message.pgn() == pgn)
+                        .map_or(6, |message| message.priority()),
+                    period_s,
+                    next_s: SILENCE_S + phase_s,
+                    due_s: SILENCE_S + phase_s,
+                    sequence: 0,
+                }
+            })
+            .collect();
+        Self {
+            sensors,
+            gnss,
+            gnss_latency_s: 1e-3 * scenario.latency_ms.gnss,
+            senders,
+            log_start_s: scenario.runs[index].start_time_s,
+            end_s,
+            free_s: 0.0,
+            waiting: VecDeque::new(),
+            rng,
+        }
+    }
+
+    /// Sends the message that is due first; false when the drive is over.
+    fn send(&mut self) -> bool {
+        let Some(sender) = self
+            .senders
+            .iter_mut()
+            .min_by(|a, b| a.due_s.total_cmp(&b.due_s))
+        else {
+            return false;
+        };
+        let Sender {
+            pgn,
+            address,
+            priority,
+            due_s,
+            sequence,
+            ..
+        } = *sender;
+        if due_s > self.end_s {
+            return false;
+        }
+        let jitter_s = (JITTER.0 * sender.period_s).min(JITTER.1);
+        sender.next_s += sender.period_s;
+        sender.due_s = sender.next_s + self.rng.random_range(-jitter_s..=jitter_s);
+        sender.sequence = (sequence + 1) % 8;
+
+        let mut payload = [0; PAYLOAD];
+        let length = if address == RECEIVER {
+            let fix = self.gnss.fix(due_s - self.gnss_latency_s);
+            encode(pgn, &mut payload, |signal| fix.value(signal))
+        } else {
+            encode(pgn, &mut payload, |signal| {
+                self.sensors.value(signal, due_s)
+            })
+        };
+        let payload = &payload[..length.unwrap_or(0)];
+        let id = u32::from(priority) << 26 | pgn << 8 | u32::from(address);
+        if payload.len() <= 8 {
+            self.transmit(due_s, id, payload);
+        } else {
+            for data in fast_packet(sequence, payload) {
+                self.transmit(due_s, id, &data);
+            }
+        }
+        true
+    }
+
+    /// Puts a frame on the bus as soon as it is free; it is received when its last bit is.
+    fn transmit(&mut self, due_s: f64, id: u32, data: &[u8]) {
+        let bits = FRAME_BITS.0 + FRAME_BITS.1 * data.len() as f64;
+        self.free_s = self.free_s.max(due_s) + bits * BIT_S;
+        let micros = ((self.log_start_s + self.free_s) * 1e6).round() as u64;
+        if let Some(frame) = CanFrame::extended(id, data) {
+            self.waiting.push_back(TimedFrame {
+                time: Instant::from_micros(micros),
+                frame,
+            });
+        }
+    }
+}
+
+impl Iterator for Bus<'_> {
+    type Item = TimedFrame;
+
+    fn next(&mut self) -> Option<TimedFrame> {
+        while self.waiting.is_empty() && self.send() {}
+        self.waiting.pop_front()
+    }
+}
+
+/// PGN, sender and period in ms of every message (SAE J1939-71, NMEA 2000).
+fn periods_ms(fast_ms: f64) -> [(u32, u8, f64); 16] {
+    [
+        (61_444, ENGINE, 10.0),
+        (65_247, ENGINE, 250.0),
+        (65_265, ENGINE, 100.0),
+        (65_269, ENGINE, 1000.0),
+        (65_213, ENGINE, 1000.0),
+        (61_442, GEARBOX, fast_ms),
+        (61_445, GEARBOX, 100.0),
+        (61_440, RETARDER, 100.0),
+        (61_441, BRAKES, 100.0),
+        (65_215, BRAKES, 100.0),
+        (61_449, BRAKES, fast_ms),
+        (65_136, CAB, 10_000.0),
+        (129_025, RECEIVER, 100.0),
+        (129_026, RECEIVER, 250.0),
+        (129_029, RECEIVER, 1000.0),
+        (129_539, RECEIVER, 1000.0),
+    ]
+}
+
+/// The frames of an NMEA 2000 fast packet: sequence and frame number in the first byte, the
+/// length in the first frame's second, padded with ones.
+fn fast_packet(sequence: u8, payload: &[u8]) -> impl Iterator<Item = [u8; 8]> {
+    let (head, tail) = payload.split_at(payload.len().min(6));
+    let first = [&[payload.len() as u8], head].concat();
+    std::iter::once(first)
+        .chain(tail.chunks(7).map(<[u8]>::to_vec))
+        .zip(0_u8..32)
+        .map(move |(part, number)| {
+            let mut data = [0xff; 8];
+            data[0] = sequence << 5 | number;
+            data[1..=part.len()].copy_from_slice(&part);
+            data
+        })
+}

@@ -1,0 +1,203 @@
+//! The automated gearbox: which gear, and the interruption of torque on the way to it.
+
+use super::driver::SET_SPEED_MPS;
+use super::truck::{IDLE_RPM, Truck};
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use std::ops::Range;
+
+/// Duration of a shift, s.
+const SHIFT_S: Range<f64> = 0.8..1.2;
+/// Part of a shift in which the torque is taken away before the driveline opens.
+const RAMP_DOWN_PART: f64 = 0.2;
+/// Engine speed below which a lower gear is wanted in any case, rpm.
+const LOWEST_RPM: f64 = 950.0;
+/// Engine speed up to which full load holds a gear, rpm.
+const FULL_LOAD_RPM: f64 = 1550.0;
+/// Engine speed above which a higher gear is wanted in any case, rpm.
+const HIGHEST_RPM: f64 = 2000.0;
+/// Engine speed that a higher gear must leave, rpm.
+const AFTER_UPSHIFT_RPM: f64 = 1050.0;
+/// Engine speed that a lower gear may bring, rpm.
+const AFTER_DOWNSHIFT_RPM: f64 = 1800.0;
+/// Force that a higher gear must have over what holds the truck back.
+const UPSHIFT_RESERVE: f64 = 1.1;
+/// Force that a lower gear must add to be worth an interruption.
+const DOWNSHIFT_GAIN: f64 = 1.05;
+/// Deceleration at full load that calls for a lower gear, m/s².
+const LOSING_MPS2: f64 = -0.02;
+/// Speed that full load may lose before it does, m/s.
+const TOLERATED_LOSS_MPS: f64 = 1.5;
+/// Least time between shifts, s.
+const REST_S: f64 = 2.0;
+/// Gears that one upshift may climb.
+const LONGEST_STEP: usize = 2;
+/// Acceleration that the gear for moving off must give on the level, m/s².
+const LAUNCH_MPS2: f64 = 0.6;
+
+/// What the gearbox sees of the drive.
+#[derive(Clone, Copy, Debug)]
+pub struct Situation {
+    /// Speed, m/s.
+    pub speed_mps: f64,
+    /// Acceleration, m/s².
+    pub acceleration_mps2: f64,
+    /// What holds the truck back: traction less what accelerates, N.
+    pub resisting_n: f64,
+    /// The engine gives all it has and more is wanted.
+    pub at_full_load: bool,
+}
+
+/// A shift under way.
+#[derive(Clone, Copy, Debug)]
+struct Shift {
+    to: usize,
+    elapsed_s: f64,
+    duration_s: f64,
+}
+
+/// Where the torque goes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Flow {
+    /// Through this gear; 0 is neutral.
+    Through(usize),
+    /// Through this gear, being taken away ahead of a shift.
+    Leaving(usize),
+    /// Nowhere; the engine is on its way to the next gear's speed, `left_s` before closing.
+    Open {
+        /// The next gear.
+        to: usize,
+        /// Time until the driveline closes again.
+        left_s: f64,
+    },
+}
+
+/// The gearbox.
+#[derive(Clone, Debug)]
+pub struct Gearbox {
+    gear: usize,
+    shift: Option<Shift>,
+    rested_s: f64,
+    rng: ChaCha8Rng,
+}
+
+impl Gearbox {
+    /// In `gear`, for a long time.
+    #[must_use]
+    pub const fn new(gear: usize, rng: ChaCha8Rng) -> Self {
+        Self {
+            gear,
+            shift: None,
+            rested_s: REST_S,
+            rng,
+        }
+    }
+
+    /// The gear as the bus tells it: the old one until a shift is over.
+    #[must_use]
+    pub const fn gear(&self) -> usize {
+        self.gear
+    }
+
+    /// The gear that is wanted.
+    #[must_use]
+    pub fn selected(&self) -> usize {
+        self.shift.map_or(self.gear, |shift| shift.to)
+    }
+
+    /// Whether a shift is going on.
+    #[must_use]
+    pub const fn is_shifting(&self) -> bool {
+        self.shift.is_some()
+    }
+
+    /// Puts a gear in while standing.
+    pub const fn engage(&mut self, gear: usize) {
+        self.gear = gear;
+    }
+
+    /// Moves on by `step_s`, and tells where the torque goes in it.
+    pub fn step(&mut self, truck: &Truck, now: &Situation, step_s: f64) -> Flow {
+        if self.shift.is_none() {
+            self.rested_s += step_s;
+            if let Some(to) = self.wanted(truck, now) {
+                self.shift = Some(Shift {
+                    to,
+                    elapsed_s: 0.0,
+                    duration_s: self.rng.random_range(SHIFT_S),
+                });
+            }
+        }
+        let Some(shift) = &mut self.shift else {
+            return Flow::Through(self.gear);
+        };
+        shift.elapsed_s += step_s;
+        let left_s = shift.duration_s - shift.elapsed_s;
+        if left_s <= 0.0 {
+            self.gear = shift.to;
+            self.shift = None;
+            self.rested_s = 0.0;
+            Flow::Through(self.gear)
+        } else if shift.elapsed_s < RAMP_DOWN_PART * shift.duration_s {
+            Flow::Leaving(self.gear)
+        } else {
+            Flow::Open {
+                to: shift.to,
+                left_s,
+            }
+        }
+    }
+
+    /// The gear to change to, if any.
+    fn wanted(&self, truck: &Truck, now: &Situation) -> Option<usize> {
+        if self.gear == 0 || self.rested_s < REST_S {
+            return None;
+        }
+        let rpm = |gear: usize| truck.engine_rpm(gear, now.speed_mps);
+        let force = |gear: usize| truck.full_load_nm(rpm(gear)) * truck.force_per_torque(gear);
+        let own = rpm(self.gear);
+        if own > HIGHEST_RPM && self.gear < truck.top_gear() {
+            return Some(self.gear + 1);
+        }
+        if own > FULL_LOAD_RPM || !now.at_full_load {
+            let higher = (self.gear + 1..=truck.top_gear())
+                .take(LONGEST_STEP)
+                .filter(|&gear| rpm(gear) >= AFTER_UPSHIFT_RPM)
+                .filter(|&gear| force(gear) >= UPSHIFT_RESERVE * now.resisting_n)
+                .last();
+            if higher.is_some() {
+                return higher;
+            }
+        }
+        let lower = self.gear.checked_sub(1).filter(|&gear| gear > 0)?;
+        let losing = now.at_full_load
+            && now.acceleration_mps2 < LOSING_MPS2
+            && now.speed_mps < SET_SPEED_MPS - TOLERATED_LOSS_MPS
+            && rpm(lower) < AFTER_DOWNSHIFT_RPM
+            && force(lower) > DOWNSHIFT_GAIN * force(self.gear);
+        let too_slow = own < LOWEST_RPM && own > IDLE_RPM && now.acceleration_mps2 < 0.0;
+        (losing || too_slow).then_some(lower)
+    }
+}
+
+/// The highest gear that keeps the engine above its lowest speed.
+#[must_use]
+pub fn cruising_gear(truck: &Truck, speed_mps: f64) -> usize {
+    (1..=truck.top_gear())
+        .rev()
+        .find(|&gear| truck.engine_rpm(gear, speed_mps) >= AFTER_UPSHIFT_RPM)
+        .unwrap_or(1)
+}
+
+/// The highest gear in which half of the idling engine's torque moves the truck off briskly.
+#[must_use]
+pub fn launch_gear(truck: &Truck, resistance_n: f64) -> usize {
+    let torque_nm = 0.5 * truck.full_load_nm(IDLE_RPM);
+    (1..=truck.top_gear())
+        .rev()
+        .find(|&gear| {
+            torque_nm * truck.force_per_torque(gear)
+                >= truck.accelerated_kg(0) * LAUNCH_MPS2 + resistance_n
+        })
+        .unwrap_or(1)
+}

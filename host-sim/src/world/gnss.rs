@@ -1,0 +1,134 @@
+//! The GNSS receiver: position and altitude with errors that keep their value for minutes.
+//!
+//! An Ornstein-Uhlenbeck process in time stands for what atmosphere, orbits and multipath make
+//! of a single-frequency fix; a little white noise on top is the receiver's own.
+
+use super::drive::Drive;
+use super::random::{OrnsteinUhlenbeck, Purpose, normal, stream};
+use super::scenario::Scenario;
+use super::scenario_file::GnssErrors;
+use estimator_core::{Signal, Value};
+use rand_chacha::ChaCha8Rng;
+
+/// Satellites in use: mean, standard deviation and correlation time, s.
+const SATELLITES: (f64, f64, f64) = (10.0, 1.2, 60.0);
+/// Vertical over horizontal dilution of precision.
+const VDOP_TO_HDOP: f64 = 1.4;
+
+/// What the receiver tells at one moment.
+#[derive(Clone, Copy, Debug)]
+pub struct Fix {
+    has_fix: bool,
+    latitude_e7: i32,
+    longitude_e7: i32,
+    altitude_m: f64,
+    speed_mps: f64,
+    course_deg: f64,
+    satellites: f64,
+    hdop: f64,
+}
+
+/// The receiver of one run.
+#[derive(Debug)]
+pub struct Gnss<'a> {
+    drive: &'a Drive,
+    errors: GnssErrors,
+    /// Stretches of the travelled road without reception, m.
+    outages_m: Vec<(f64, f64)>,
+    altitude: OrnsteinUhlenbeck,
+    north: OrnsteinUhlenbeck,
+    east: OrnsteinUhlenbeck,
+    satellites: OrnsteinUhlenbeck,
+    last_s: f64,
+    rng: ChaCha8Rng,
+}
+
+impl<'a> Gnss<'a> {
+    /// The receiver of run `index`.
+    #[must_use]
+    pub fn new(scenario: &Scenario, index: usize, drive: &'a Drive) -> Self {
+        let mut rng = stream(scenario.seed, index, Purpose::Gnss);
+        let errors = scenario.gnss.clone();
+        let length_m = drive.road.length_m();
+        let outages_m = errors
+            .outages_m
+            .iter()
+            .map(|&(from, to)| {
+                if scenario.runs[index].backward {
+                    (length_m - to, length_m - from)
+                } else {
+                    (from, to)
+                }
+            })
+            .collect();
+        let altitude =
+            OrnsteinUhlenbeck::new(errors.altitude_sigma_m, errors.altitude_time_s, &mut rng);
+        let mut position =
+            || OrnsteinUhlenbeck::new(errors.position_sigma_m, errors.position_time_s, &mut rng);
+        let (north, east) = (position(), position());
+        let satellites = OrnsteinUhlenbeck::new(SATELLITES.1, SATELLITES.2, &mut rng);
+        Self {
+            drive,
+            outages_m,
+            altitude,
+            north,
+            east,
+            satellites,
+            last_s: 0.0,
+            rng,
+            errors,
+        }
+    }
+
+    /// The fix for a moment of the drive; moments are asked for in order.
+    pub fn fix(&mut self, time_s: f64) -> Fix {
+        let seconds = (time_s - self.last_s).max(0.0);
+        self.last_s = time_s;
+        let rng = &mut self.rng;
+        let north_m = self.north.advance(seconds, rng);
+        let east_m = self.east.advance(seconds, rng);
+        let altitude_error_m =
+            self.altitude.advance(seconds, rng) + self.errors.altitude_white_sigma_m * normal(rng);
+        let satellites = (SATELLITES.0 + self.satellites.advance(seconds, rng)).round();
+        let satellites = satellites.clamp(5.0, 16.0);
+        let state = self.drive.at(time_s);
+        let road = &self.drive.road;
+        let place = road.position(state.distance_m).moved(north_m, east_m);
+        let course_deg = road.course_rad(state.distance_m).to_degrees()
+            + self.errors.course_sigma_deg * normal(rng);
+        Fix {
+            has_fix: !self
+                .outages_m
+                .iter()
+                .any(|&(from, to)| (from..to).contains(&state.distance_m)),
+            latitude_e7: (place.latitude_deg * 1e7).round() as i32,
+            longitude_e7: (place.longitude_deg * 1e7).round() as i32,
+            altitude_m: road.altitude_m(state.distance_m) + altitude_error_m,
+            speed_mps: (state.speed_mps + self.errors.speed_sigma_mps * normal(rng)).max(0.0),
+            course_deg: course_deg.rem_euclid(360.0),
+            satellites,
+            hdop: 0.6 + 2.0 / (satellites - 3.0),
+        }
+    }
+}
+
+impl Fix {
+    /// The value of one of the receiver's signals.
+    #[must_use]
+    pub fn value(&self, signal: Signal) -> Value {
+        match signal {
+            Signal::FixMethod => Value::Real(f32::from(u8::from(self.has_fix))),
+            Signal::Satellites if !self.has_fix => Value::Real(0.0),
+            _ if !self.has_fix => Value::NotAvailable,
+            Signal::Latitude => Value::DegreesE7(self.latitude_e7),
+            Signal::Longitude => Value::DegreesE7(self.longitude_e7),
+            Signal::Altitude => Value::Real(self.altitude_m as f32),
+            Signal::Course => Value::Real(self.course_deg as f32),
+            Signal::GnssSpeed => Value::Real(self.speed_mps as f32),
+            Signal::Satellites => Value::Real(self.satellites as f32),
+            Signal::Hdop => Value::Real(self.hdop as f32),
+            Signal::Vdop => Value::Real((VDOP_TO_HDOP * self.hdop) as f32),
+            _ => Value::NotAvailable,
+        }
+    }
+}
