@@ -43,6 +43,10 @@ pub struct Tuning {
     /// Wander of the scale, 1 sigma, per square root of a km.
     pub scale_walk_per_sqrt_km: f32,
 
+    /// Largest change of traction over weight in one cell that the road may have caused, %. The
+    /// sharpest crest for 80 km/h bends by 0.096 (AASHTO K = 26).
+    pub load_change_percent: f32,
+
     /// White noise of one GNSS altitude at a dilution of precision of one, 1 sigma, m.
     pub altitude_sigma_m: f32,
     /// Coloured error of GNSS altitude, 1 sigma, m.
@@ -75,6 +79,7 @@ impl Default for Tuning {
             bias_length_m: 20_000.0,
             scale_sigma: 0.1,
             scale_walk_per_sqrt_km: 0.002,
+            load_change_percent: 0.1,
             altitude_sigma_m: 0.7,
             gnss_error_sigma_m: 3.0,
             gnss_error_time_s: 200.0,

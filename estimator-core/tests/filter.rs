@@ -37,9 +37,31 @@ fn smooth<S: Scalar>(records: &[Record<S>]) -> Vec<Estimate> {
     estimates
 }
 
+/// Traction over weight in %, cell by cell, held while the model is invalid.
+fn loads(samples: &[Sample]) -> Vec<f64> {
+    let mut held = None;
+    samples
+        .iter()
+        .map(|sample| {
+            let weight = f64::from(sample.load.mass_kg) * 9.806_65;
+            let now = 100.0 * f64::from(sample.load.traction_n) / weight;
+            let load = match held {
+                Some(held) if !sample.place.condition.is_valid() => held,
+                _ => now,
+            };
+            held = Some(load);
+            load
+        })
+        .collect()
+}
+
 /// Transition and noise of one sample, written down from the model as a dense matrix: eq. 9 in
 /// e = v²/2 over one cell with the slope at its middle, Gauss-Markov slow states.
-fn dense_model(sample: &Sample, tuning: &Tuning) -> (DMatrix<f64>, DVector<f64>, DVector<f64>) {
+fn dense_model(
+    sample: &Sample,
+    load: (f64, f64),
+    tuning: &Tuning,
+) -> (DMatrix<f64>, DVector<f64>, DVector<f64>) {
     let vehicle = truck();
     let (mass, length) = (f64::from(sample.load.mass_kg), 2.5);
     let accelerated = mass + f64::from(sample.load.rotating_kg);
@@ -53,14 +75,19 @@ fn dense_model(sample: &Sample, tuning: &Tuning) -> (DMatrix<f64>, DVector<f64>,
     let energy = 1.0 - drag + 0.5 * drag * drag;
 
     let mut f = DMatrix::<f64>::identity(STATES, STATES);
+    let change = load.1 - load.0;
+    let limit = f64::from(tuning.load_change_percent);
+    let jump = change - change.clamp(-limit, limit);
     f[(ENERGY, ENERGY)] = energy;
     f[(ENERGY, SLOPE)] = -gravity * energy;
     f[(ENERGY, SLOPE_RATE)] = -gravity * 0.5 * length * energy;
-    f[(ENERGY, BIAS)] = -gravity * energy;
-    f[(ENERGY, SCALE)] = traction * energy;
+    f[(ENERGY, SCALE)] = gravity * jump * energy;
     f[(ALTITUDE, SLOPE)] = length / 100.0;
     f[(ALTITUDE, SLOPE_RATE)] = length * 0.5 * length / 100.0;
+    f[(ALTITUDE, BIAS)] = -length / 100.0;
+    f[(ALTITUDE, SCALE)] = (load.1 - jump) * length / 100.0;
     f[(SLOPE, SLOPE_RATE)] = length;
+    f[(SLOPE, SCALE)] = -jump;
     let rate = keep(length / f64::from(tuning.slope_rate_length_m));
     let bias = keep(length / f64::from(tuning.bias_length_m));
     let error = keep(f64::from(sample.duration_s) / f64::from(tuning.gnss_error_time_s));
@@ -100,13 +127,14 @@ fn batch(samples: &[Sample], records: &[Record<f64>], tuning: &Tuning) -> Vec<(f
     let size = n * STATES;
     let mut mean = DVector::zeros(size);
     let mut covariance = DMatrix::zeros(size, size);
+    let loads = loads(samples);
     let first = &records[0].predicted;
     mean.rows_mut(0, STATES).copy_from(&to_vector(&first.x));
     covariance
         .view_mut((0, 0), (STATES, STATES))
         .copy_from(&first.p.to_matrix());
     for (k, sample) in samples.iter().enumerate().skip(1) {
-        let (f, input, q) = dense_model(sample, tuning);
+        let (f, input, q) = dense_model(sample, (loads[k - 1], loads[k]), tuning);
         let (now, before) = (k * STATES, (k - 1) * STATES);
         let moved = &f * mean.rows(before, STATES) + input;
         mean.rows_mut(now, STATES).copy_from(&moved);
@@ -162,8 +190,11 @@ fn batch(samples: &[Sample], records: &[Record<f64>], tuning: &Tuning) -> Vec<(f
     let spread = &covariance - &cross * solve.solve(&cross.transpose());
     (0..n)
         .map(|k| {
-            let i = k * STATES + SLOPE;
-            (posterior[i], spread[(i, i)].sqrt())
+            let mut h = DVector::zeros(size);
+            h[k * STATES + SLOPE] = 1.0;
+            h[k * STATES + BIAS] = -1.0;
+            h[k * STATES + SCALE] = loads[k];
+            (h.dot(&posterior), (h.transpose() * &spread * &h)[0].sqrt())
         })
         .collect()
 }

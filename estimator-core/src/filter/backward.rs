@@ -7,7 +7,7 @@
 
 use super::covariance::Covariance;
 use super::record::{Link, Record};
-use super::state::{ALTITUDE, ENERGY, GNSS_ERROR, SLOPE, SLOPE_RATE, STATES, State, estimate};
+use super::state::{ALTITUDE, ENERGY, GNSS_ERROR, SLOPE, SLOPE_RATE, STATES, State, dot, estimate};
 use super::update::{Gain, Update};
 use crate::cell::Estimate;
 use crate::scalar::Scalar;
@@ -50,11 +50,8 @@ impl<S: Scalar> Backward<S> {
     fn undo(&mut self, update: &Update<S>, gain: &Gain<S>) {
         let per_variance = S::ONE / gain.innovation_variance;
         let spread = self.information.times(&gain.gain);
-        let (mut along, mut within) = (S::ZERO, S::ZERO);
-        for ((gain, lambda), spread) in gain.gain.iter().zip(&self.lambda).zip(&spread) {
-            along += *gain * *lambda;
-            within += *gain * *spread;
-        }
+        let along = dot(&gain.gain, &self.lambda);
+        let within = dot(&gain.gain, &spread);
         update.observation.add_to(
             &mut self.lambda,
             -(along + update.innovation * per_variance),
@@ -73,16 +70,11 @@ impl<S: Scalar> Backward<S> {
         for (x, correction) in x.iter_mut().zip(&correction) {
             *x += -*correction;
         }
-        let variance = |i: usize| {
-            let row = predicted.p.row(i);
-            let spread = self.information.times(&row);
-            let mut known = S::ZERO;
-            for (a, b) in row.iter().zip(&spread) {
-                known += *a * *b;
-            }
-            (predicted.p.get(i, i) - known).max(S::ZERO)
-        };
-        estimate(&x, variance, predicted.origin_m)
+        estimate(&x, predicted.load, predicted.origin_m, |h| {
+            let spread = predicted.p.times(h);
+            let known = dot(&spread, &self.information.times(&spread));
+            (dot(h, &spread) - known).max(S::ZERO)
+        })
     }
 
     /// Goes over the step into `record`, to the record before it.

@@ -11,9 +11,10 @@ pub const STATES: usize = 7;
 pub const ENERGY: usize = 0;
 /// Altitude above [`State::origin_m`], m.
 pub const ALTITUDE: usize = 1;
-/// Sine of the slope angle, %.
+/// Slope that the vehicle model reads at its nominal scale: sine of the angle, %. The slope of
+/// the road is this, less the bias, plus the scale's error times the load ([`State::load`]).
 pub const SLOPE: usize = 2;
-/// Change of the slope along the road, % per m.
+/// Change of [`SLOPE`] along the road, % per m.
 pub const SLOPE_RATE: usize = 3;
 /// Slope that the vehicle model reads too high, %.
 pub const BIAS: usize = 4;
@@ -29,6 +30,8 @@ pub struct State<S> {
     pub x: [S; STATES],
     /// Their covariance.
     pub p: Covariance<S>,
+    /// Traction over weight, %: the slope that an error of the scale amounts to.
+    pub load: S,
     /// Altitude that the altitude state counts from, m: keeps it small in single precision.
     /// `None` before the first fix.
     pub origin_m: Option<f32>,
@@ -44,7 +47,9 @@ impl<S: Scalar> State<S> {
     /// The estimate for the cell's end.
     #[must_use]
     pub fn estimate(&self) -> Estimate {
-        estimate(&self.x, |i| self.p.get(i, i), self.origin_m)
+        estimate(&self.x, self.load, self.origin_m, |h| {
+            dot(h, &self.p.times(h))
+        })
     }
 
     /// Whether every number is one.
@@ -59,40 +64,58 @@ impl<S: Scalar> State<S> {
         State {
             x: self.x.map(|x| T::from_f64(x.to_f64())),
             p: self.p.cast(),
+            load: T::from_f64(self.load.to_f64()),
             origin_m: self.origin_m,
         }
     }
 }
 
-/// Reads an estimate from a state and its variances.
+/// a b'.
+#[inline(always)]
+pub(super) fn dot<S: Scalar>(a: &[S; STATES], b: &[S; STATES]) -> S {
+    let mut sum = S::ZERO;
+    for (a, b) in a.iter().zip(b) {
+        sum += *a * *b;
+    }
+    sum
+}
+
+/// Reads an estimate from a mean; `variance` tells the variance of h x for a row h.
 pub(super) fn estimate<S: Scalar>(
     x: &[S; STATES],
-    variance: impl Fn(usize) -> S,
+    load: S,
     origin_m: Option<f32>,
+    variance: impl Fn(&[S; STATES]) -> S,
 ) -> Estimate {
-    let uncertain = |i: usize| Uncertain {
-        value: x[i].to_f32(),
-        sigma: variance(i).sqrt().to_f32(),
+    let read = |row: &[(usize, S)]| {
+        let mut h = [S::ZERO; STATES];
+        for (state, factor) in row {
+            h[*state] = *factor;
+        }
+        Uncertain {
+            value: dot(&h, x).to_f32(),
+            sigma: variance(&h).sqrt().to_f32(),
+        }
     };
-    let slope = uncertain(SLOPE);
+    let slope = read(&[(SLOPE, S::ONE), (BIAS, -S::ONE), (SCALE, load)]);
     // tan from sin; roads end far below 30 %.
     let sine = (slope.value * 0.01).clamp(-0.5, 0.5);
     let cosine = libm::sqrtf(1.0 - sine * sine);
-    let scale = uncertain(SCALE);
+    let scale = read(&[(SCALE, S::ONE)]);
     Estimate {
         grade_percent: Uncertain {
             value: 100.0 * sine / cosine,
             sigma: slope.sigma / (cosine * cosine * cosine),
         },
         altitude_m: origin_m.map(|origin_m| {
-            let altitude = uncertain(ALTITUDE);
+            let altitude = read(&[(ALTITUDE, S::ONE)]);
             Uncertain {
                 value: origin_m + altitude.value,
                 sigma: altitude.sigma,
             }
         }),
         speed_mps: (x[ENERGY] + x[ENERGY]).sqrt().to_f32(),
-        bias_percent: uncertain(BIAS),
+        bias_percent: read(&[(BIAS, S::ONE)]),
         scale: Uncertain {
             value: 1.0 + scale.value,
             sigma: scale.sigma,

@@ -39,7 +39,8 @@ impl<S: Scalar> Filter<S> {
         sample: &Sample,
         counters: &mut Counters,
     ) -> Option<Record<S>> {
-        let transition = Transition::new(vehicle, tuning, sample);
+        let load = self.state.as_ref().map(|state| state.load);
+        let transition = Transition::new(vehicle, tuning, sample, load);
         let mut link = Link::Chained;
         let (mut state, energy_before) = match (self.state, sample.speed) {
             (Some(mut state), _) if sample.gap_cells == 0 => {
@@ -49,7 +50,8 @@ impl<S: Scalar> Filter<S> {
             }
             (known, Some(speed)) => {
                 link = Link::Broken;
-                let state = begin(known.as_ref(), vehicle, tuning, sample, speed);
+                let mut state = begin(known.as_ref(), vehicle, tuning, sample, speed);
+                state.load = transition.load();
                 (state, state.x[ENERGY])
             }
             (_, None) => return None,
@@ -139,6 +141,7 @@ fn begin<S: Scalar>(
         State {
             x: [S::ZERO; STATES],
             p,
+            load: S::ZERO,
             origin_m: None,
         }
     });
@@ -160,7 +163,8 @@ fn begin<S: Scalar>(
 
 /// The altitude carried along the slope from where it was taken to the cell's end, m.
 fn altitude_at_end<S: Scalar>(state: &State<S>, altitude: &AltitudeMeasurement) -> f32 {
-    altitude.altitude_m + altitude.behind_m * 0.01 * state.x[SLOPE].to_f32()
+    let slope_percent = state.x[SLOPE] - state.x[BIAS] + state.load * state.x[SCALE];
+    altitude.altitude_m + altitude.behind_m * 0.01 * slope_percent.to_f32()
 }
 
 /// Altitude := fix − GNSS error, so that the two share the fix's error.

@@ -15,8 +15,12 @@ pub struct Transition<S> {
     keep_energy: S,
     /// Rolling resistance times length, m²/s².
     rolling: S,
-    /// Specific traction times length, m²/s²: the input, and what the scale acts on.
+    /// Specific traction times length, m²/s²: the input.
     traction: S,
+    /// Traction over weight at the end of the cell, % ([`State::load`]).
+    load: S,
+    /// What of its change no road can have caused, %.
+    load_jump: S,
     /// Specific weight times length, m²/s² for 1 %.
     gravity: S,
     /// Part of the slope rate that is left.
@@ -54,9 +58,22 @@ pub(super) fn bias_sigma(vehicle: &VehicleParameters, tuning: &Tuning, sample: &
 }
 
 impl<S: Scalar> Transition<S> {
-    /// The step over the cell of `sample`.
+    /// The step over the cell of `sample`, from a state with the load `load`.
+    ///
+    /// A cruise control answers the road: its force is no input from outside, and regressing the
+    /// speed on it (with the slope as the noise) would pull the scale towards zero, the more the
+    /// stiffer the road model is. So the slope that the model reads at its nominal scale is the
+    /// state that the road model and the speed speak about, and the scale's error enters where
+    /// that slope becomes climb: GNSS tells it. Only a force that changes faster than roads
+    /// bend (coasting begins, a gear is in) is an input: then the slope of the road stays, and
+    /// the slope that is read steps by the scale's error.
     #[must_use]
-    pub fn new(vehicle: &VehicleParameters, tuning: &Tuning, sample: &Sample) -> Self {
+    pub fn new(
+        vehicle: &VehicleParameters,
+        tuning: &Tuning,
+        sample: &Sample,
+        load: Option<S>,
+    ) -> Self {
         let length_m = CELL_LENGTH_M;
         let balance = vehicle.force_balance(&sample.load);
         let drag = balance.drag * length_m;
@@ -89,11 +106,25 @@ impl<S: Scalar> Transition<S> {
         );
         let walk = tuning.scale_walk_per_sqrt_km;
 
+        let weight_n = sample.load.mass_kg * GRAVITY;
+        let load_now = 100.0 * sample.load.traction_n / weight_n;
+        let load_before = load.map_or(load_now, S::to_f32);
+        let load_after = if sample.place.condition.is_valid() {
+            load_now
+        } else {
+            load_before
+        };
+        let change = load_after - load_before;
+        let of_the_road = tuning.load_change_percent;
+        let load_jump = change - change.clamp(-of_the_road, of_the_road);
+
         Self {
             // exp(-drag) to second order.
             keep_energy: S::from_f32(1.0 - drag * (1.0 - 0.5 * drag)),
             rolling: S::from_f32(balance.rolling * length_m),
             traction: S::from_f32(balance.traction * length_m),
+            load: S::from_f32(load_after),
+            load_jump: S::from_f32(load_jump),
             gravity: S::from_f32(gravity),
             keep_rate: S::from_f32(keep_rate),
             keep_bias: S::from_f32(keep_bias),
@@ -111,17 +142,18 @@ impl<S: Scalar> Transition<S> {
     /// Predicts mean and covariance to the end of the cell.
     #[inline]
     pub fn predict(&self, state: &mut State<S>) {
-        self.shears(|i, j, factor| {
+        for (i, j, factor) in self.shears() {
             let step = factor * state.x[j];
             state.x[i] += step;
             state.p.shear(i, j, factor);
-        });
+        }
         for (i, keep) in self.keeps() {
             state.x[i] *= keep;
             state.p.scale(i, keep);
         }
         state.x[ENERGY] += self.traction - self.rolling;
         state.x[ENERGY] = state.x[ENERGY].max(S::ZERO);
+        state.load = self.load;
         state.p.add_variance(ENERGY, self.noise.energy);
         state.p.add_variance(SLOPE_RATE, self.noise.slope_rate);
         state.p.add_variance(BIAS, self.noise.bias);
@@ -136,39 +168,28 @@ impl<S: Scalar> Transition<S> {
             lambda[i] *= keep;
             information.scale(i, keep);
         }
-        self.shears_reversed(|i, j, factor| {
+        for (i, j, factor) in self.shears().into_iter().rev() {
             let step = factor * lambda[i];
             lambda[j] += step;
             information.shear(j, i, factor);
-        });
+        }
     }
 
     /// Off-diagonal entries of the transition as `x_i += factor * x_j`, in order. The slope turns
     /// halfway through the cell, so that energy and altitude see its middle.
     #[inline(always)]
-    fn shears(&self, mut apply: impl FnMut(usize, usize, S)) {
-        let length = S::from_f32(CELL_LENGTH_M);
+    fn shears(&self) -> [(usize, usize, S); 7] {
         let half = S::from_f32(0.5 * CELL_LENGTH_M);
-        let percent = S::from_f32(0.01);
-        apply(SLOPE, SLOPE_RATE, half);
-        apply(ENERGY, SLOPE, -self.gravity);
-        apply(ENERGY, BIAS, -self.gravity);
-        apply(ENERGY, SCALE, self.traction);
-        apply(ALTITUDE, SLOPE, length * percent);
-        apply(SLOPE, SLOPE_RATE, half);
-    }
-
-    #[inline(always)]
-    fn shears_reversed(&self, mut apply: impl FnMut(usize, usize, S)) {
-        let length = S::from_f32(CELL_LENGTH_M);
-        let half = S::from_f32(0.5 * CELL_LENGTH_M);
-        let percent = S::from_f32(0.01);
-        apply(SLOPE, SLOPE_RATE, half);
-        apply(ALTITUDE, SLOPE, length * percent);
-        apply(ENERGY, SCALE, self.traction);
-        apply(ENERGY, BIAS, -self.gravity);
-        apply(ENERGY, SLOPE, -self.gravity);
-        apply(SLOPE, SLOPE_RATE, half);
+        let climb = S::from_f32(0.01 * CELL_LENGTH_M);
+        [
+            (SLOPE, SCALE, -self.load_jump),
+            (SLOPE, SLOPE_RATE, half),
+            (ENERGY, SLOPE, -self.gravity),
+            (ALTITUDE, SLOPE, climb),
+            (ALTITUDE, BIAS, -climb),
+            (ALTITUDE, SCALE, climb * self.load),
+            (SLOPE, SLOPE_RATE, half),
+        ]
     }
 
     /// Diagonal entries that are not one.
@@ -185,6 +206,11 @@ impl<S: Scalar> Transition<S> {
         ]
     }
 
+    /// Traction over weight at the end of the cell, %.
+    pub(super) const fn load(&self) -> S {
+        self.load
+    }
+
     /// In another number.
     #[must_use]
     pub fn cast<T: Scalar>(&self) -> Transition<T> {
@@ -193,6 +219,8 @@ impl<S: Scalar> Transition<S> {
             keep_energy: to(self.keep_energy),
             rolling: to(self.rolling),
             traction: to(self.traction),
+            load: to(self.load),
+            load_jump: to(self.load_jump),
             gravity: to(self.gravity),
             keep_rate: to(self.keep_rate),
             keep_bias: to(self.keep_bias),
