@@ -1,1 +1,4 @@
-//! x
+//! What tests across packages share.
+
+pub mod drive;
+pub mod emulator;

@@ -3,7 +3,7 @@
 mod powertrain;
 mod resistance;
 
-pub use powertrain::{Driveline, Gear, Powertrain, Traction};
+pub use powertrain::{Driveline, Gear, MAX_GEARS, Powertrain, Traction};
 pub use resistance::{STANDARD_AIR_DENSITY, air_density};
 
 /// Standard gravity, m/s².

@@ -1,0 +1,40 @@
+//! The emulated board: a Cortex-M4F whose files and console are QEMU's.
+//!
+//! In a folder with a `drive.bin` (see [`firmware::exchange`]), with the workspace's manifest:
+//!
+//! ```text
+//! cargo run -p firmware --release --target thumbv7em-none-eabihf
+//! ```
+//!
+//! Exit status: 0 done, 1 it could not be done, 101 the image panicked.
+
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(target_os = "none")]
+#[cortex_m_rt::entry]
+fn main() -> ! {
+    semihosting::process::exit(match firmware::replay::run() {
+        Ok(summary) => {
+            semihosting::println!("{summary}");
+            0
+        }
+        Err(problem) => {
+            semihosting::eprintln!("{problem}");
+            1
+        }
+    })
+}
+
+#[cfg(target_os = "none")]
+#[panic_handler]
+fn panicked(info: &core::panic::PanicInfo<'_>) -> ! {
+    semihosting::eprintln!("{info}");
+    semihosting::process::exit(101)
+}
+
+/// Lets `cargo build --workspace` and editors through on a host.
+#[cfg(not(target_os = "none"))]
+fn main() {
+    eprintln!("this is an image for a board: build it with --target thumbv7em-none-eabihf");
+    std::process::exit(2);
+}

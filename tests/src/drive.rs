@@ -1,0 +1,235 @@
+//! A small drive with all that a bus can bring, the same each time.
+
+use embedded_can::{ExtendedId, Frame, StandardId};
+use estimator_core::signal::encode;
+use estimator_core::vehicle::{Driveline, GRAVITY, STANDARD_AIR_DENSITY};
+use estimator_core::{Gear, Instant, Powertrain, Signal, Traction, Value, VehicleParameters};
+use host_sim::source::can_frame::{CanFrame, TimedFrame};
+use std::f64::consts::TAU;
+use std::ops::Range;
+
+/// A little above 2 km.
+const DURATION_S: f64 = 100.0;
+const GEAR: Gear = Gear {
+    ratio: 1.0,
+    efficiency: 0.985,
+};
+
+/// What is out of the ordinary, and when, in s.
+const NO_FIX_YET: Range<f64> = 0.0..8.0;
+const SHIFTING: Range<f64> = 40.0..41.0;
+const PACKET_WITH_A_HOLE: Range<f64> = 50.0..51.0;
+const BRAKING: Range<f64> = 60.0..62.0;
+const FEW_SATELLITES: Range<f64> = 70.0..74.0;
+const NO_SPEED: Range<f64> = 80.0..84.0;
+
+const EEC1: u32 = 61_444;
+const ETC1: u32 = 61_442;
+const ETC2: u32 = 61_445;
+const CCVS1: u32 = 65_265;
+const GNSS_POSITION: u32 = 129_029;
+
+/// A loaded truck in its highest gears.
+#[must_use]
+pub fn truck() -> VehicleParameters {
+    let lower = Gear {
+        ratio: 1.26,
+        ..GEAR
+    };
+    VehicleParameters {
+        mass_kg: 39_000.0,
+        drag_area_m2: 6.0,
+        rolling_resistance: 0.0065,
+        wheel_radius_m: 0.5,
+        wheel_inertia_kgm2: 100.0,
+        traction: Traction::Powertrain(Powertrain {
+            engine_inertia_kgm2: 3.8,
+            reference_torque_nm: 3_500.0,
+            final_drive_ratio: 2.92,
+            final_drive_efficiency: 0.98,
+            gears: [lower, GEAR].into_iter().collect(),
+        }),
+    }
+}
+
+/// The drive of [`truck`] over rolling hills.
+///
+/// Its bus carries a shift, braking, a fix with too few satellites, a broken fast packet, a gap
+/// without speed, frames of no interest and one that comes too late.
+#[must_use]
+pub fn drive() -> Vec<TimedFrame> {
+    let mut bus = Bus::default();
+    for ms in (0..(DURATION_S * 1e3) as u64).step_by(50) {
+        let now = Moment::at(ms as f64 * 1e-3);
+        bus.now = Instant::from_micros(ms * 1000);
+        bus.send(EEC1, |signal| now.engine(signal));
+        if ms % 100 == 0 {
+            bus.send(ETC1, |signal| now.gearbox(signal));
+            bus.send(ETC2, |signal| now.gearbox(signal));
+            if !NO_SPEED.contains(&now.seconds) {
+                bus.send(CCVS1, |signal| now.chassis(signal));
+            }
+        }
+        if ms % 1000 == 150 {
+            bus.send_position(&now);
+            bus.send_noise();
+        }
+    }
+    bus.frames
+}
+
+/// The truck at one time.
+struct Moment {
+    seconds: f64,
+    speed_mps: f64,
+    altitude_m: f64,
+    torque_percent: f64,
+    north_m: f64,
+}
+
+impl Moment {
+    fn at(seconds: f64) -> Self {
+        let vehicle = truck();
+        let swing = 0.07 * seconds;
+        let speed_mps = 22.0 + 0.6 * swing.sin();
+        let way_m = 22.0 * seconds + 0.6 / 0.07 * (1.0 - swing.cos());
+        let (hill_m, steepest) = (700.0, 0.015);
+        let phase = TAU * way_m / hill_m;
+        let grade = steepest * phase.sin();
+
+        let driveline = Driveline::Engaged(GEAR);
+        let mass = f64::from(vehicle.mass_kg);
+        let inertia_n =
+            (mass + f64::from(vehicle.rotating_kg(driveline))) * 0.6 * 0.07 * swing.cos();
+        let air_n =
+            0.5 * f64::from(vehicle.drag_area_m2 * STANDARD_AIR_DENSITY) * speed_mps * speed_mps;
+        let weight_n = mass * f64::from(GRAVITY);
+        let road_n = weight_n * (f64::from(vehicle.rolling_resistance) + grade.atan().sin());
+        Self {
+            seconds,
+            speed_mps,
+            altitude_m: 120.0 + steepest * hill_m / TAU * (1.0 - phase.cos()),
+            torque_percent: (inertia_n + air_n + road_n)
+                / f64::from(vehicle.traction_n(driveline, 1.0)),
+            north_m: way_m,
+        }
+    }
+
+    fn engine(&self, signal: Signal) -> Value {
+        match signal {
+            // The fraction refines the torque, which counts in whole percents.
+            Signal::EngineTorque => Value::Real(self.torque_percent.floor() as f32),
+            Signal::EngineTorqueFraction => Value::Real(self.torque_percent.rem_euclid(1.0) as f32),
+            Signal::EngineSpeed => Value::Real(1_200.0),
+            _ => Value::NotAvailable,
+        }
+    }
+
+    fn gearbox(&self, signal: Signal) -> Value {
+        match signal {
+            Signal::ShiftInProcess => switch(SHIFTING.contains(&self.seconds)),
+            Signal::DrivelineEngaged => switch(true),
+            Signal::GearRatio => Value::Real(GEAR.ratio),
+            Signal::CurrentGear => Value::Real(2.0),
+            _ => Value::NotAvailable,
+        }
+    }
+
+    fn chassis(&self, signal: Signal) -> Value {
+        match signal {
+            Signal::WheelSpeed => Value::Real(self.speed_mps as f32),
+            Signal::BrakeSwitch => switch(BRAKING.contains(&self.seconds)),
+            _ => Value::NotAvailable,
+        }
+    }
+
+    fn receiver(&self, signal: Signal) -> Value {
+        let satellites = if FEW_SATELLITES.contains(&self.seconds) {
+            3.0
+        } else {
+            9.0
+        };
+        let metres_per_e7 = 0.011_1;
+        match signal {
+            Signal::FixMethod => Value::Real(1.0),
+            Signal::Satellites => Value::Real(satellites),
+            Signal::Hdop => Value::Real(0.9),
+            Signal::Latitude => {
+                Value::DegreesE7(557_000_000 + (self.north_m / metres_per_e7) as i32)
+            }
+            Signal::Longitude => Value::DegreesE7(131_000_000),
+            Signal::Altitude => Value::Real(self.altitude_m as f32),
+            _ => Value::NotAvailable,
+        }
+    }
+}
+
+fn switch(on: bool) -> Value {
+    Value::Real(f32::from(u8::from(on)))
+}
+
+/// What was sent so far.
+#[derive(Default)]
+struct Bus {
+    now: Instant,
+    frames: Vec<TimedFrame>,
+    packets: u8,
+}
+
+impl Bus {
+    fn push(&mut self, frame: Option<CanFrame>) {
+        self.frames.push(TimedFrame {
+            time: self.now,
+            frame: frame.expect("identifier and length are those of CAN"),
+        });
+    }
+
+    /// A single frame.
+    fn send(&mut self, pgn: u32, value_of: impl FnMut(Signal) -> Value) {
+        let mut payload = [0; 8];
+        let length = encode(pgn, &mut payload, value_of).expect("a message of one frame");
+        self.push(CanFrame::extended(identifier(pgn), &payload[..length]));
+    }
+
+    /// A fix as the seven frames of a fast packet.
+    fn send_position(&mut self, now: &Moment) {
+        if NO_FIX_YET.contains(&now.seconds) {
+            return;
+        }
+        let mut payload = [0; 64];
+        let length = encode(GNSS_POSITION, &mut payload, |signal| now.receiver(signal))
+            .expect("a message that the core knows");
+        let sequence = self.packets << 5;
+        self.packets = (self.packets + 1) % 8;
+        // The first frame has the length where later ones have data: seven bytes each.
+        let mut stream = vec![length as u8];
+        stream.extend_from_slice(&payload[..length]);
+        for (index, part) in stream.chunks(7).enumerate() {
+            if index == 2 && PACKET_WITH_A_HOLE.contains(&now.seconds) {
+                continue;
+            }
+            let mut data = [0xff; 8];
+            data[0] = sequence | index as u8;
+            data[1..=part.len()].copy_from_slice(part);
+            self.push(CanFrame::extended(identifier(GNSS_POSITION), &data));
+        }
+    }
+
+    /// An 11-bit identifier, an unknown message, a remote frame, a frame cut short, a late one.
+    fn send_noise(&mut self) {
+        self.push(CanFrame::standard(0x123, &[1, 2, 3]));
+        self.push(CanFrame::extended(identifier(65_262), &[0x7d; 8]));
+        let id = ExtendedId::new(identifier(CCVS1)).expect("29 bits");
+        self.push(CanFrame::new_remote(id, 8));
+        self.push(CanFrame::extended(identifier(CCVS1), &[0xff, 0]));
+        let now = self.now;
+        self.now = Instant::from_micros(now.micros() - 1_000);
+        self.push(CanFrame::new(StandardId::ZERO, &[]));
+        self.now = now;
+    }
+}
+
+fn identifier(pgn: u32) -> u32 {
+    let (priority, source) = (6, 0x21);
+    priority << 26 | pgn << 8 | source
+}

@@ -1,0 +1,101 @@
+//! The firmware's image on the board that QEMU emulates.
+
+use assert_cmd::Command;
+use estimator_core::VehicleParameters;
+use firmware::exchange::{CELLS_FILE, DRIVE_FILE, frame, vehicle};
+use host_sim::source::can_frame::TimedFrame;
+use std::ffi::CStr;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+use std::{env, fs, process};
+
+const TARGET: &str = "thumbv7em-none-eabihf";
+const QEMU: &str = "qemu-system-arm";
+
+/// An image that hangs (a fault ends in a loop) does not end by itself.
+const LONGEST_RUN: Duration = Duration::from_secs(120);
+
+/// What a run on the board left behind.
+#[derive(Debug)]
+pub struct Ended {
+    /// Exit status of the image; none if it hung.
+    pub status: Option<i32>,
+    /// What it printed.
+    pub stdout: String,
+    /// What it complained about.
+    pub stderr: String,
+    /// The file of cells, if there is one.
+    pub cells: Option<Vec<u8>>,
+}
+
+/// What this machine lacks to build and run the image; `None` if nothing.
+#[must_use]
+pub fn missing() -> Option<String> {
+    let runs = |program: &str| process::Command::new(program).arg("--version").output();
+    if runs(QEMU).is_err() {
+        return Some(format!("{QEMU} is not installed"));
+    }
+    let rustc = env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
+    let libraries = process::Command::new(rustc)
+        .args(["--print", "target-libdir", "--target", TARGET])
+        .output()
+        .map(|output| PathBuf::from(String::from_utf8_lossy(&output.stdout).trim()));
+    match libraries {
+        Ok(folder) if folder.is_dir() => None,
+        _ => Some(format!("the Rust target {TARGET} is not installed")),
+    }
+}
+
+/// The file that hands a drive to the board.
+#[must_use]
+pub fn drive_file(vehicle: &VehicleParameters, frames: &[TimedFrame]) -> Vec<u8> {
+    let mut bytes = vehicle::encode(vehicle).to_vec();
+    for timed in frames {
+        let record = frame::encode(timed.time, &timed.frame);
+        bytes.extend_from_slice(&record.expect("a frame has at most 8 bytes"));
+    }
+    bytes
+}
+
+/// Builds the image and lets the board replay `drive`, or look for one in vain.
+///
+/// Through `cargo run` and the runner of `.cargo/config.toml`: the way a user takes.
+///
+/// # Panics
+/// When a temporary folder cannot be used or the image cannot be built.
+#[must_use]
+pub fn replay(drive: Option<&[u8]>) -> Ended {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    if let Some(drive) = drive {
+        fs::write(inside(folder.path(), DRIVE_FILE), drive).expect("the drive can be written");
+    }
+    cargo("build", folder.path()).assert().success();
+    let output = cargo("run", folder.path())
+        .timeout(LONGEST_RUN)
+        .output()
+        .expect("cargo runs");
+    Ended {
+        status: output.status.code(),
+        stdout: String::from_utf8_lossy(&output.stdout).into_owned(),
+        stderr: String::from_utf8_lossy(&output.stderr).into_owned(),
+        cells: fs::read(inside(folder.path(), CELLS_FILE)).ok(),
+    }
+}
+
+fn cargo(command: &str, folder: &Path) -> Command {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let mut cargo = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    cargo
+        .args([command, "--quiet", "--release", "--target", TARGET])
+        .args(["--package", "firmware", "--bin", "mps2_an386"])
+        .arg("--manifest-path")
+        .arg(root.join("Cargo.toml"))
+        .arg("--config")
+        .arg(root.join(".cargo/config.toml"))
+        .current_dir(folder);
+    cargo
+}
+
+fn inside(folder: &Path, name: &CStr) -> PathBuf {
+    folder.join(name.to_string_lossy().as_ref())
+}

@@ -1,0 +1,116 @@
+//! The image on the emulated board computes what the host computes, bit for bit.
+
+use cross_tests::drive::{drive, truck};
+use cross_tests::emulator::{drive_file, missing, replay};
+use estimator_core::{Cell, Estimator, Tuning, VehicleParameters};
+use firmware::exchange::cell::{self, CELL_BYTES};
+use firmware::exchange::frame::FRAME_BYTES;
+use firmware::exchange::vehicle::VEHICLE_BYTES;
+use host_sim::source::can_frame::TimedFrame;
+use std::iter::from_fn;
+
+fn on_host(vehicle: VehicleParameters, frames: &[TimedFrame]) -> Vec<Cell> {
+    let mut estimator = Estimator::<f32>::new(vehicle, Tuning::default()).unwrap();
+    let mut cells = Vec::new();
+    for timed in frames {
+        estimator.on_frame(timed.time, &timed.frame);
+        while estimator.step().is_some() {
+            cells.extend(from_fn(|| estimator.next_cell()));
+        }
+    }
+    cells.extend(from_fn(|| estimator.drain_cell()));
+    cells
+}
+
+/// Whether the board cannot be emulated here; says so.
+fn board_is_missing() -> bool {
+    let missing = missing();
+    if let Some(what) = &missing {
+        eprintln!("SKIPPED: the firmware was not run: {what}");
+    }
+    missing.is_some()
+}
+
+#[test]
+fn every_cell_is_that_of_the_host() {
+    if board_is_missing() {
+        return;
+    }
+    let frames = drive();
+    let expected = on_host(truck(), &frames);
+    let ended = replay(Some(&drive_file(&truck(), &frames)));
+    assert_eq!(ended.status, Some(0), "{}", ended.stderr);
+
+    let found = ended.cells.expect("an image that ends well wrote cells");
+    assert_eq!(found.len(), expected.len() * CELL_BYTES);
+    for (expected, found) in expected.iter().zip(found.chunks(CELL_BYTES)) {
+        assert_eq!(
+            cell::encode(expected),
+            found,
+            "host {expected:?}\nboard {:?}",
+            cell::decode(found)
+        );
+    }
+    let last = expected.last().unwrap().lagged.grade_percent;
+    let summary = format!(
+        "{} frames, {} cells, last grade {:.3} ± {:.3} %\n",
+        frames.len(),
+        expected.len(),
+        last.value,
+        last.sigma
+    );
+    assert_eq!(ended.stdout, summary);
+    println!("bit-identical on board and host: {summary}");
+}
+
+/// What is compared has to be worth it.
+#[test]
+fn the_drive_reaches_every_kind_of_cell() {
+    let cells = on_host(truck(), &drive());
+    let count = |what: fn(&Cell) -> bool| cells.iter().filter(|cell| what(cell)).count();
+    assert!(cells.len() > 800, "{} cells", cells.len());
+    assert!(count(|cell| cell.place.condition.shifting) > 5);
+    assert!(count(|cell| cell.place.condition.braking) > 5);
+    assert!(count(|cell| cell.place.condition.is_valid()) > 600);
+    assert!(count(|cell| cell.place.position_e7.is_none()) > 5);
+    assert!(count(|cell| cell.place.position_e7.is_some()) > 500);
+    assert!(count(|cell| cell.live.altitude_m.is_none()) > 5);
+    assert!(count(|cell| cell.lagged.altitude_m.is_some()) > 500);
+    assert!(count(|cell| cell.lagged.grade_percent.value > 1.0) > 100);
+    assert!(count(|cell| cell.lagged.grade_percent.value < -1.0) > 100);
+}
+
+#[test]
+fn an_unusable_drive_ends_with_status_1_and_its_reason() {
+    if board_is_missing() {
+        return;
+    }
+    let good = drive_file(&truck(), &drive()[..10]);
+    let weightless = VehicleParameters {
+        mass_kg: -1.0,
+        ..truck()
+    };
+    let mut long_frame = good.clone();
+    long_frame[VEHICLE_BYTES + 2 * FRAME_BYTES + 12] = 9;
+    let no_header = "\"drive.bin\": expected the header of a vehicle";
+    let cases: [(Option<&[u8]>, &str); 6] = [
+        (None, "\"drive.bin\": "),
+        (Some(&[]), no_header),
+        (Some(&good[1..]), no_header),
+        (
+            Some(&good[..good.len() - 1]),
+            "\"drive.bin\": frame 10 is malformed",
+        ),
+        (Some(&long_frame), "\"drive.bin\": frame 3 is malformed"),
+        (
+            Some(&drive_file(&weightless, &[])),
+            "\"drive.bin\": vehicle.mass_kg = -1: expected 500 to 200000 kg",
+        ),
+    ];
+    for (drive, reason) in cases {
+        let ended = replay(drive);
+        assert_eq!(ended.status, Some(1), "{}", ended.stderr);
+        assert!(ended.stderr.contains(reason), "{:?}", ended.stderr);
+        assert_eq!(ended.stdout, "");
+    }
+}
