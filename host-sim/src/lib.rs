@@ -12,6 +12,7 @@ pub mod score;
 pub mod smooth;
 pub mod source;
 pub mod study;
+pub mod text_table;
 pub mod truth_file;
 pub mod vehicle_file;
 pub mod world;

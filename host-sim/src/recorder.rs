@@ -1,13 +1,18 @@
 //! One drive through the core: traffic in, a run out.
 
+use crate::error::Error;
 use crate::run_file::RunRow;
 use crate::smooth::smooth;
 use crate::source::can_frame::TimedFrame;
+use crate::source::candump::CandumpReader;
+use crate::source::signal_table::SignalTableReader;
+use crate::source::{LogKind, kind_of};
 use estimator_core::filter::Record;
 use estimator_core::{
     Cell, Counters, Estimate, Estimator, Instant, ParameterError, Place, Reading, Scalar, Step,
     Tuning, VehicleParameters,
 };
+use std::path::Path;
 
 /// Feeds an estimator and keeps what it hands out.
 #[derive(Debug)]
@@ -89,6 +94,42 @@ impl<S: Scalar> Recorder<S> {
             counters: *self.estimator.counters(),
         }
     }
+}
+
+/// Feeds a whole log of either kind to the estimator. `progress` is told the bytes read so far,
+/// now and then.
+///
+/// # Errors
+/// An impossible vehicle; a log that cannot be read to its end, with file and line.
+pub fn estimate_log<S: Scalar>(
+    vehicle: &VehicleParameters,
+    log: &Path,
+    progress: impl Fn(u64),
+) -> Result<Run, Error> {
+    let mut recorder = Recorder::<S>::new(vehicle.clone(), Tuning::default())
+        .map_err(|e| Error::content(log, e.to_string()))?;
+    match kind_of(log)? {
+        LogKind::Candump => {
+            let mut reader = CandumpReader::open(log)?;
+            let mut frames = 0_u32;
+            while let Some(frame) = reader.next_frame()? {
+                recorder.on_frame(&frame);
+                frames = frames.wrapping_add(1);
+                if frames.is_multiple_of(8192) {
+                    progress(reader.file().bytes_read());
+                }
+            }
+        }
+        LogKind::SignalTable => {
+            let mut reader = SignalTableReader::open(log)?;
+            while let Some(row) = reader.next_row()? {
+                for reading in row.readings {
+                    recorder.on_reading(row.time, *reading);
+                }
+            }
+        }
+    }
+    Ok(recorder.finish())
 }
 
 fn row(start: Instant, place: &Place, cell: &Cell, smoothed: &Estimate) -> RunRow {

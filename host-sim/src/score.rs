@@ -6,8 +6,9 @@
 
 use crate::map::{MapRow, Place, RoadLine, RoadRow, TrackPoint, match_track};
 use crate::run_file::{RunRow, round};
+use crate::text_table::text_table;
 use crate::truth_file::TruthRow;
-use comfy_table::{CellAlignment, Table, presets};
+use comfy_table::Table;
 use serde::Serialize;
 
 /// Left out at both ends, m.
@@ -186,36 +187,38 @@ pub fn mean(rows: &[ScoreRow]) -> Vec<ScoreRow> {
         .collect()
 }
 
+/// Names of the columns of the error table.
+pub const HEADER: [&str; 7] = [
+    "run",
+    "estimate",
+    "cells",
+    "RMSE %",
+    "RMSE valid %",
+    "bias %",
+    "NEES",
+];
+
+/// The rows as text, one entry for each of [`HEADER`].
+pub fn text(rows: &[ScoreRow]) -> Vec<Vec<String>> {
+    rows.iter()
+        .map(|row| {
+            vec![
+                row.run.clone(),
+                row.estimate.into(),
+                row.cells.to_string(),
+                format!("{:.4}", row.rmse_percent),
+                row.rmse_valid_percent
+                    .map_or_else(|| "-".into(), |value| format!("{value:.4}")),
+                format!("{:+.4}", row.bias_percent),
+                format!("{:.2}", row.nees),
+            ]
+        })
+        .collect()
+}
+
 /// The rows as an aligned table.
 pub fn table(rows: &[ScoreRow]) -> Table {
-    let mut table = Table::new();
-    table.load_style(presets::ASCII_NO_BORDERS).set_header([
-        "run",
-        "estimate",
-        "cells",
-        "RMSE %",
-        "RMSE valid %",
-        "bias %",
-        "NEES",
-    ]);
-    for row in rows {
-        table.add_row([
-            row.run.clone(),
-            row.estimate.into(),
-            row.cells.to_string(),
-            format!("{:.4}", row.rmse_percent),
-            row.rmse_valid_percent
-                .map_or_else(|| "-".into(), |value| format!("{value:.4}")),
-            format!("{:+.4}", row.bias_percent),
-            format!("{:.2}", row.nees),
-        ]);
-    }
-    for column in 2..7 {
-        if let Some(column) = table.column_mut(column) {
-            column.set_cell_alignment(CellAlignment::Right);
-        }
-    }
-    table
+    text_table(&HEADER, &text(rows), 2)
 }
 
 /// The rows as a JSON array.

@@ -1,12 +1,241 @@
-//! `roadgrade demo`.
+//! `roadgrade demo`: the main job from end to end, on a built-in scenario.
 
-use crate::error::Result;
+use super::{estimate, simulate};
+use crate::error::{Error, Result};
+use crate::map::{self, GradeMap, MapRow, RoadLine, RoadRow};
+use crate::output::print;
+use crate::report::page::{Figure, Page, Section, Table};
+use crate::report::plot::{Mark, Plot, Series, colour};
+use crate::run_file::{self, RunRow};
+use crate::score::{self, ScoreRow};
+use crate::truth_file::{self, TruthRow};
+use crate::vehicle_file::VehicleFile;
+use crate::world::scenario::Scenario;
+use std::path::{Path, PathBuf};
 
 /// Arguments of `demo`.
 #[derive(Debug, clap::Args)]
-pub struct Args {}
+pub struct Args {
+    /// Where logs, runs, map, scores and the page go.
+    #[arg(long, value_name = "DIR", default_value = "roadgrade-demo")]
+    out: PathBuf,
+}
+
+/// One drive of the scenario, simulated and estimated.
+struct Drive {
+    name: String,
+    truck: String,
+    rows: Vec<RunRow>,
+    truth: Vec<TruthRow>,
+    scores: Vec<ScoreRow>,
+    true_scale: f64,
+}
 
 /// Runs it.
-pub fn run(_args: &Args) -> Result<()> {
-    Ok(())
+pub fn run(args: &Args) -> Result<()> {
+    let scenario = Scenario::builtin();
+    let out = &args.out;
+    eprintln!("1  simulate trucks whose parameters are not those of their files");
+    simulate::write(&scenario, out)?;
+    eprintln!("2  estimate each drive from its bus log");
+    let drives = (0..scenario.runs.len())
+        .map(|index| drive(&scenario, index, out))
+        .collect::<Result<Vec<_>>>()?;
+    eprintln!("3  fuse the runs into a map");
+    let (map, map_score) = fuse(&drives, out)?;
+    eprintln!("4  score against the truth, draw the page");
+    let mut scores: Vec<ScoreRow> = drives.iter().flat_map(|d| d.scores.clone()).collect();
+    let means = score::mean(&scores);
+    scores.extend(means);
+    scores.push(map_score);
+    run_file::write_csv(&out.join("score.csv"), scores.iter().map(ScoreRow::rounded))?;
+    let report = out.join("report.html");
+    page(&drives, &map, &scores).write(&report)?;
+    print(&format!("{}\n\n", score::table(&scores)))?;
+    print(&format!("page to open: {}\n", report.display()))
+}
+
+fn drive(scenario: &Scenario, index: usize, folder: &Path) -> Result<Drive> {
+    let run = &scenario.runs[index];
+    let file = |ending: &str| folder.join(format!("{}.{ending}", run.name));
+    let log = file("log");
+    let vehicle = VehicleFile::read(&file("vehicle.toml"))?;
+    let estimated = estimate::drive::<f32>(&vehicle, &log)?;
+    estimate::check(&log, &vehicle, &estimated)?;
+    let rows = estimated.rows;
+    run_file::write(&file("csv"), &rows)?;
+    let truth = truth_file::read(&file("truth.csv"))?;
+    let scored = score::score_run(&run.name, &rows, &truth)
+        .map_err(|e| Error::content(&log, e.to_string()))?;
+    Ok(Drive {
+        name: run.name.clone(),
+        truck: vehicle.name,
+        rows,
+        truth,
+        scores: scored.rows,
+        true_scale: run.true_scale(),
+    })
+}
+
+fn fuse(drives: &[Drive], folder: &Path) -> Result<(Vec<MapRow>, ScoreRow)> {
+    let road_file = folder.join("road.csv");
+    let reference: Vec<RoadRow> = map::read_road(&road_file)?;
+    let problem = |e: &dyn ToString| Error::content(&road_file, e.to_string());
+    let road =
+        RoadLine::new(reference.iter().map(RoadRow::point).collect()).map_err(|e| problem(&e))?;
+    let mut fused = GradeMap::new(&road);
+    for drive in drives {
+        fused.add_run(&drive.rows);
+    }
+    let rows = fused.rows();
+    map::write_map(&folder.join("map.csv"), &rows)?;
+    let mut row = score::score_map_on_road(&rows, &reference).map_err(|e| problem(&e))?;
+    row.run = "all".to_owned();
+    Ok((rows, row))
+}
+
+fn page(drives: &[Drive], map: &[MapRow], scores: &[ScoreRow]) -> Page {
+    let truth = |distance_of: fn(&TruthRow) -> f64, value: fn(&TruthRow) -> f64| {
+        drives[0]
+            .truth
+            .iter()
+            .map(move |row| (distance_of(row), value(row)))
+    };
+    let km = |row: &TruthRow| row.distance_m * 1e-3;
+    let grade = Plot::new("distance (km)", "grade (%)")
+        .with(Series::two_sigma(
+            "map, ± 2 sigma",
+            colour::BLUE,
+            map.iter().map(|row| {
+                (
+                    row.distance_m * 1e-3,
+                    row.grade_percent,
+                    row.grade_sigma_percent,
+                )
+            }),
+        ))
+        .with(Series::line(
+            "true grade",
+            colour::BLACK,
+            truth(km, |row| row.grade_percent),
+        ))
+        .with(
+            Series::line(
+                "map of all runs",
+                colour::BLUE,
+                map.iter()
+                    .map(|row| (row.distance_m * 1e-3, row.grade_percent)),
+            )
+            .drawn(Mark::Dashed),
+        );
+    let mut errors = Plot::new("distance (km)", "error of smoothed grade (%)");
+    errors.y_range = Some((-0.5, 0.5));
+    let mut altitude = Plot::new("distance (km)", "altitude (m)");
+    for (drive, colour) in drives.iter().zip(colour::CYCLE) {
+        let name = format!("{} ({})", drive.name, drive.truck);
+        errors = errors.with(Series::line(&name, colour, error_of(drive)));
+        altitude = altitude.with(Series::line(
+            &name,
+            colour,
+            drive
+                .rows
+                .iter()
+                .filter_map(|row| Some((row.distance_m * 1e-3, row.altitude_m?))),
+        ));
+    }
+    let altitude = altitude.with(Series::line(
+        "truth",
+        colour::BLACK,
+        truth(km, |row| row.altitude_m),
+    ));
+    Page {
+        title: "A grade map from bus traffic".to_owned(),
+        lead: "Five drives over the same ten kilometres, by two trucks whose mass, drag, rolling \
+               resistance and torque are up to 10 % off what their files say. Everything below \
+               was estimated from their CAN logs by the code that runs on the vehicle."
+            .to_owned(),
+        sections: vec![
+            Section {
+                heading: "Grade along the road".to_owned(),
+                words: "The five runs fused, each weighted by its variance.".to_owned(),
+                table: None,
+                figures: vec![
+                    Figure::new(&grade, "Fused map against the truth."),
+                    Figure::new(
+                        &errors,
+                        "What each run is off, smoothed over the whole run.",
+                    ),
+                ],
+            },
+            Section {
+                heading: "How far off".to_owned(),
+                words: "Root of the mean squared error, bias and mean normalised squared error \
+                        (NEES; 1 means that the stated sigmas are honest) in % grade, first and \
+                        last 500 m left out. Live is what the vehicle knows at once, lagged what \
+                        it knows 110 m later, smoothed what the whole run tells."
+                    .to_owned(),
+                table: Some(Table {
+                    header: score::HEADER.map(str::to_owned).to_vec(),
+                    rows: score::text(scores),
+                }),
+                figures: Vec::new(),
+            },
+            Section {
+                heading: "What the vehicles were found to be".to_owned(),
+                words: "The traction scale is true over believed traction per kilogram, found on \
+                        the way from GNSS and the vehicle model together."
+                    .to_owned(),
+                table: Some(scales(drives)),
+                figures: vec![Figure::new(
+                    &altitude,
+                    "Altitude: GNSS gives its level, with metres of slow error that the runs do \
+                     not share.",
+                )],
+            },
+        ],
+    }
+}
+
+fn error_of(drive: &Drive) -> Vec<(f64, f64)> {
+    let truth = &drive.truth;
+    drive
+        .rows
+        .iter()
+        .filter_map(|row| {
+            let after = truth.partition_point(|t| t.time_s < row.time_s);
+            let (a, b) = (truth.get(after.checked_sub(1)?)?, truth.get(after)?);
+            let part = (row.time_s - a.time_s) / (b.time_s - a.time_s);
+            let grade = a.grade_percent + part * (b.grade_percent - a.grade_percent);
+            Some((row.distance_m * 1e-3, row.grade_percent - grade))
+        })
+        .collect()
+}
+
+fn scales(drives: &[Drive]) -> Table {
+    Table {
+        header: [
+            "run",
+            "truck",
+            "scale found",
+            "true scale",
+            "mean bias found %",
+        ]
+        .map(str::to_owned)
+        .to_vec(),
+        rows: drives
+            .iter()
+            .map(|drive| {
+                let rows = &drive.rows;
+                let mean_bias =
+                    rows.iter().map(|row| row.bias_percent).sum::<f64>() / rows.len() as f64;
+                vec![
+                    drive.name.clone(),
+                    drive.truck.clone(),
+                    format!("{:.3}", rows.last().map_or(1.0, |row| row.scale)),
+                    format!("{:.3}", drive.true_scale),
+                    format!("{mean_bias:+.3}"),
+                ]
+            })
+            .collect(),
+    }
 }

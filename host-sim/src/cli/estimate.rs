@@ -3,16 +3,14 @@
 use super::progress;
 use crate::error::{Error, Result};
 use crate::output::print;
-use crate::recorder::{Recorder, Run};
+use crate::recorder::{self, Run};
 use crate::run_file;
 use crate::smooth::bytes_per_km;
-use crate::source::candump::CandumpReader;
-use crate::source::signal_table::SignalTableReader;
-use crate::source::{LogKind, kind_of};
+use crate::text_table::text_table;
 use crate::vehicle_file::VehicleFile;
-use comfy_table::{Cell, CellAlignment, Table, presets};
+use comfy_table::Table;
 use estimator_core::filter::Record;
-use estimator_core::{Counters, Scalar, Traction, Tuning};
+use estimator_core::{Counters, Scalar, Traction};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::Instant as Clock;
@@ -83,33 +81,12 @@ pub fn run(args: &Args) -> Result<()> {
     Ok(())
 }
 
-/// Feeds a log of either kind to the estimator.
+/// Estimates one log, with a progress bar on long ones.
 pub(super) fn drive<S: Scalar>(vehicle: &VehicleFile, log: &Path) -> Result<Run> {
-    let mut recorder = Recorder::<S>::new(vehicle.parameters.clone(), Tuning::default())
-        .map_err(|e| Error::content(log, e.to_string()))?;
-    match kind_of(log)? {
-        LogKind::Candump => {
-            let mut reader = CandumpReader::open(log)?;
-            let bar = progress::bytes(reader.file().bytes_total());
-            let mut count = 0_u32;
-            while let Some(frame) = reader.next_frame()? {
-                recorder.on_frame(&frame);
-                count = count.wrapping_add(1);
-                if count.is_multiple_of(8192) {
-                    bar.set_position(reader.file().bytes_read());
-                }
-            }
-        }
-        LogKind::SignalTable => {
-            let mut reader = SignalTableReader::open(log)?;
-            while let Some(row) = reader.next_row()? {
-                for reading in row.readings {
-                    recorder.on_reading(row.time, *reading);
-                }
-            }
-        }
-    }
-    Ok(recorder.finish())
+    let bar = progress::bytes(log.metadata().map_or(0, |file| file.len()));
+    let run = recorder::estimate_log::<S>(&vehicle.parameters, log, |read| bar.set_position(read));
+    bar.finish_and_clear();
+    run
 }
 
 /// Whether the log held what an estimate needs; if not, what is missing.
@@ -178,45 +155,41 @@ impl Summary {
     }
 
     fn table(&self) -> Table {
-        let mut table = Table::new();
-        table.load_style(presets::NOTHING);
+        let mut rows = Vec::new();
         let mut line = |name: &str, value: String, unit: &str| {
-            table.add_row([
-                Cell::new(name),
-                Cell::new(value).set_alignment(CellAlignment::Right),
-                Cell::new(unit),
-            ]);
+            rows.push(vec![name.to_owned(), unit.to_owned(), value]);
         };
         line("distance", format!("{:.3}", self.distance_km), "km");
         line("duration", format!("{:.1}", self.duration_s), "s");
         line("cells", self.cells.to_string(), "");
         line("valid", format!("{:.1}", self.valid_percent), "%");
         line("climb", format!("{:.1}", self.climb_m), "m");
+        let grade = "% grade";
         line(
             "sigma, smoothed",
             format!("{:.3}", self.grade_sigma_percent),
-            "% grade",
+            grade,
         );
         line(
             "sigma, lagged",
             format!("{:.3}", self.lagged_grade_sigma_percent),
-            "% grade",
+            grade,
         );
         line(
             "sigma, live",
             format!("{:.3}", self.live_grade_sigma_percent),
-            "% grade",
+            grade,
         );
         line(
             "model bias, mean",
             format!("{:+.3}", self.bias_percent),
-            "% grade",
+            grade,
         );
         line("traction scale, end", format!("{:.3}", self.scale), "");
         for (name, count) in &self.events {
             line(name, count.to_string(), "");
         }
-        table
+        text_table(&["", "unit", "value"], &rows, 2)
     }
 }
 

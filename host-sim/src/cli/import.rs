@@ -2,8 +2,9 @@
 
 use crate::error::Result;
 use crate::source::ztbus::{Mission, Pass};
+use crate::text_table::text_table;
 use clap::Subcommand;
-use comfy_table::{Table, presets};
+use comfy_table::Table;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -118,28 +119,30 @@ fn summary(mission: &Mission, passes: &[Pass], out: &Path) -> Summary {
 
 fn table(passes: &[PassSummary]) -> Table {
     let optional = |value: Option<f64>| value.map_or("-".to_owned(), |v| format!("{v:.1}"));
-    let mut table = Table::new();
-    table.load_style(presets::UTF8_FULL_CONDENSED).set_header([
+    let rows: Vec<Vec<String>> = passes
+        .iter()
+        .map(|pass| {
+            vec![
+                pass.number.to_string(),
+                pass.direction.to_owned(),
+                pass.file.display().to_string(),
+                format!("{:.0}", pass.start_s),
+                format!("{:.0}", pass.duration_s),
+                format!("{:.0}", pass.length_m),
+                optional(pass.climb_m),
+                optional(pass.passengers_mean),
+            ]
+        })
+        .collect();
+    let header = [
         "pass",
         "direction",
+        "file",
         "start s",
         "duration s",
         "length m",
         "climb m",
         "passengers",
-        "file",
-    ]);
-    for pass in passes {
-        table.add_row([
-            pass.number.to_string(),
-            pass.direction.to_owned(),
-            format!("{:.0}", pass.start_s),
-            format!("{:.0}", pass.duration_s),
-            format!("{:.0}", pass.length_m),
-            optional(pass.climb_m),
-            optional(pass.passengers_mean),
-            pass.file.display().to_string(),
-        ]);
-    }
-    table
+    ];
+    text_table(&header, &rows, 3)
 }

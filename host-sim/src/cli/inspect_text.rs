@@ -218,7 +218,7 @@ fn missing(out: &mut String, needs: &[Need]) {
 
 fn table(header: &[&str]) -> Table {
     let mut table = Table::new();
-    table.load_style(presets::NOTHING);
+    table.load_style(presets::ASCII_MARKDOWN);
     table.set_header(header);
     table
 }

@@ -31,25 +31,32 @@ pub struct Args {
 /// # Errors
 /// A scenario that cannot be, or what the file system says.
 pub fn run(args: &Args) -> Result<()> {
-    let scenario = Scenario::read(&args.scenario)?;
+    write(&Scenario::read(&args.scenario)?, &args.out)
+}
+
+/// Drives every run of a scenario and writes its files.
+///
+/// # Errors
+/// A truck that gets stuck, or what the file system says.
+pub(super) fn write(scenario: &Scenario, folder: &Path) -> Result<()> {
     let bar = progress::count(scenario.runs.len() as u64, "runs");
     // Every run is driven once before the first file is written, so that a truck that gets stuck
     // leaves none; driving costs little beside writing, and a drive is large to keep.
     let runs = 0..scenario.runs.len();
     runs.clone()
         .into_par_iter()
-        .try_for_each(|index| Recording::new(&scenario, index).map(drop))?;
+        .try_for_each(|index| Recording::new(scenario, index).map(drop))?;
     let reports = runs
         .into_par_iter()
         .map(|index| {
-            let report = write_run(&scenario, index, &args.out)?;
+            let report = write_run(scenario, index, folder)?;
             bar.inc(1);
             Ok(report)
         })
         .collect::<Result<Vec<_>>>()?;
-    road_file::write(&args.out.join("road.csv"), &scenario.road)?;
+    road_file::write(&folder.join("road.csv"), &scenario.road)?;
     if let Some(vehicle) = scenario.common_vehicle() {
-        vehicle.write(&args.out.join("vehicle.toml"))?;
+        vehicle.write(&folder.join("vehicle.toml"))?;
     }
     bar.finish_and_clear();
     for report in reports {

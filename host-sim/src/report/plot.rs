@@ -151,8 +151,10 @@ impl Plot {
 
     fn draw(&self, area: &Drawing<'_>) -> Result<(), Box<dyn Error + 'static>> {
         let (x, y) = self.ranges();
+        let legend_px = self.draw_legend(area)?;
         let mut chart = ChartBuilder::on(area)
             .margin(8)
+            .margin_top(8 + legend_px)
             .margin_right(18)
             .x_label_area_size(44)
             .y_label_area_size(64)
@@ -179,18 +181,47 @@ impl Plot {
         for series in &self.series {
             draw_series(&mut chart, series)?;
         }
-        if self.series.iter().any(|series| !series.name.is_empty()) {
-            chart
-                .configure_series_labels()
-                .position(SeriesLabelPosition::UpperRight)
-                .background_style(WHITE.mix(0.85))
-                .border_style(BLACK.mix(0.2))
-                .label_font(("sans-serif", 13))
-                .draw()
-                .map_err(|e| e.to_string())?;
-        }
         area.present().map_err(|e| e.to_string())?;
         Ok(())
+    }
+
+    /// Names of the series in rows above the plot, where they hide nothing; returns their height
+    /// in pixels.
+    fn draw_legend(&self, area: &Drawing<'_>) -> Result<i32, Box<dyn Error>> {
+        const ROW_PX: i32 = 20;
+        const LEFT_PX: i32 = 72;
+        let (mut x, mut y) = (LEFT_PX, 8);
+        let named: Vec<&Series> = self.series.iter().filter(|s| !s.name.is_empty()).collect();
+        for series in &named {
+            // About the width of 13 px sans-serif.
+            let width = 30 + 7 * series.name.chars().count() as i32 + 16;
+            if x + width > WIDTH as i32 && x > LEFT_PX {
+                (x, y) = (LEFT_PX, y + ROW_PX);
+            }
+            let middle = y + ROW_PX / 2;
+            let half = if matches!(series.mark, Mark::Band(_)) {
+                6
+            } else {
+                1
+            };
+            let strength = if half > 1 { 0.3 } else { 1.0 };
+            for (from, to) in match series.mark {
+                Mark::Dashed => vec![(x, x + 9), (x + 14, x + 23)],
+                Mark::Dots => vec![(x + 10, x + 13)],
+                Mark::Line | Mark::Band(_) => vec![(x, x + 23)],
+            } {
+                let key = Rectangle::new(
+                    [(from, middle - half), (to, middle + half)],
+                    series.colour.mix(strength).filled(),
+                );
+                area.draw(&key).map_err(|e| e.to_string())?;
+            }
+            let style = ("sans-serif", 13).into_font().color(&colour::BLACK);
+            let text = Text::new(series.name.clone(), (x + 30, middle - 7), style);
+            area.draw(&text).map_err(|e| e.to_string())?;
+            x += width;
+        }
+        Ok(if named.is_empty() { 0 } else { y + ROW_PX - 8 })
     }
 
     fn ranges(&self) -> ((f64, f64), (f64, f64)) {
@@ -242,52 +273,31 @@ fn short(value: f64) -> String {
 
 fn draw_series(chart: &mut Chart<'_, '_>, series: &Series) -> Result<(), Box<dyn Error>> {
     let colour = series.colour;
-    let drawn = match &series.mark {
-        Mark::Dots => chart
-            .draw_series(
-                series
-                    .points
-                    .iter()
-                    .map(|point| Circle::new(*point, 2, colour.filled())),
-            )
-            .map_err(|e| e.to_string())?,
-        Mark::Line => chart
-            .draw_series(LineSeries::new(
-                thinned(&series.points),
-                colour.stroke_width(2),
-            ))
-            .map_err(|e| e.to_string())?,
-        Mark::Dashed => chart
-            .draw_series(DashedLineSeries::new(
-                thinned(&series.points),
-                6,
-                4,
-                colour.stroke_width(2),
-            ))
-            .map_err(|e| e.to_string())?,
-        Mark::Band(lower) => {
-            let lower: Vec<_> = series
+    match &series.mark {
+        Mark::Dots => {
+            let dots = series
                 .points
                 .iter()
-                .zip(lower)
-                .map(|(p, y)| (p.0, *y))
-                .collect();
+                .map(|point| Circle::new(*point, 2, colour.filled()));
+            chart.draw_series(dots).map_err(|e| e.to_string())?;
+        }
+        Mark::Line => {
+            let line = LineSeries::new(thinned(&series.points), colour.stroke_width(2));
+            chart.draw_series(line).map_err(|e| e.to_string())?;
+        }
+        Mark::Dashed => {
+            let points = thinned(&series.points);
+            let line = DashedLineSeries::new(points, 6, 4, colour.stroke_width(2));
+            chart.draw_series(line).map_err(|e| e.to_string())?;
+        }
+        Mark::Band(lower) => {
+            let points = series.points.iter().zip(lower);
+            let lower: Vec<_> = points.map(|(point, y)| (point.0, *y)).collect();
             let mut outline = thinned(&series.points);
             outline.extend(thinned(&lower).into_iter().rev());
-            chart
-                .draw_series([Polygon::new(outline, colour.mix(0.2).filled())])
-                .map_err(|e| e.to_string())?
+            let band = Polygon::new(outline, colour.mix(0.2).filled());
+            chart.draw_series([band]).map_err(|e| e.to_string())?;
         }
-    };
-    if !series.name.is_empty() {
-        let is_band = matches!(series.mark, Mark::Band(_));
-        drawn.label(&series.name).legend(move |(x, y)| {
-            if is_band {
-                Rectangle::new([(x, y - 5), (x + 18, y + 5)], colour.mix(0.3).filled())
-            } else {
-                Rectangle::new([(x, y - 1), (x + 18, y + 1)], colour.filled())
-            }
-        });
     }
     Ok(())
 }

@@ -72,6 +72,21 @@ pub struct Run {
     pub from_standstill: bool,
 }
 
+impl Run {
+    /// True over believed traction per kilogram: what an estimator's scale should find.
+    #[must_use]
+    pub fn true_scale(&self) -> f64 {
+        let per_kg = |parameters: &VehicleParameters| {
+            let torque = match &parameters.traction {
+                Traction::Powertrain(powertrain) => f64::from(powertrain.reference_torque_nm),
+                Traction::Force => 1.0,
+            };
+            torque / f64::from(parameters.mass_kg)
+        };
+        per_kg(&self.true_parameters) / per_kg(&self.vehicle.parameters)
+    }
+}
+
 impl Scenario {
     /// Reads a scenario and everything it names.
     ///
