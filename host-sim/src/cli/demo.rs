@@ -3,7 +3,7 @@
 use super::{estimate, simulate};
 use crate::error::{Error, Result};
 use crate::map::{self, GradeMap, MapRow, RoadLine, RoadRow};
-use crate::output::print;
+use crate::output::{print, write_whole};
 use crate::report::page::{Figure, Page, Section, Table};
 use crate::report::plot::{Mark, Plot, Series, colour};
 use crate::run_file::{self, RunRow};
@@ -50,7 +50,11 @@ pub fn run(args: &Args) -> Result<()> {
     scores.push(map_score);
     run_file::write_csv(&out.join("score.csv"), scores.iter().map(ScoreRow::rounded))?;
     let report = out.join("report.html");
-    page(&drives, &map, &scores).write(&report)?;
+    let page = page(&drives, &map, &scores);
+    write_whole(&out.join("map.svg"), |file| {
+        file.write_all(page.sections[0].figures[0].svg.as_bytes())
+    })?;
+    page.write(&report)?;
     print(&format!("{}\n\n", score::table(&scores)))?;
     print(&format!("page to open: {}\n", report.display()))
 }
