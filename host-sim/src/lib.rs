@@ -1,11 +1,13 @@
 //! The bench around `estimator-core`: sources of traffic, whole-run smoothing, maps, reports.
 
+pub mod baseline;
 pub mod cli;
 pub mod error;
 pub mod map;
 pub mod output;
 pub mod recorder;
 pub mod report;
+pub mod robust_line;
 pub mod row_check;
 pub mod run_file;
 pub mod score;

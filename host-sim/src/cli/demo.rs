@@ -3,7 +3,7 @@
 use super::{estimate, simulate};
 use crate::error::{Error, Result};
 use crate::map::{self, GradeMap, MapRow, RoadLine, RoadRow};
-use crate::output::{print, write_whole};
+use crate::output::print;
 use crate::report::page::{Figure, Page, Section, Table};
 use crate::report::plot::{Mark, Plot, Series, colour};
 use crate::run_file::{self, RunRow};
@@ -49,12 +49,7 @@ pub fn run(args: &Args) -> Result<()> {
     scores.extend(means);
     scores.push(map_score);
     run_file::write_csv(&out.join("score.csv"), scores.iter().map(ScoreRow::rounded))?;
-    let report = out.join("report.html");
-    let page = page(&drives, &map, &scores);
-    write_whole(&out.join("map.svg"), |file| {
-        file.write_all(page.sections[0].figures[0].svg.as_bytes())
-    })?;
-    page.write(&report)?;
+    let report = page(&drives, &map, &scores).write(out)?;
     print(&format!("{}\n\n", score::table(&scores)))?;
     print(&format!("page to open: {}\n", report.display()))
 }
@@ -161,11 +156,12 @@ fn page(drives: &[Drive], map: &[MapRow], scores: &[ScoreRow]) -> Page {
         sections: vec![
             Section {
                 heading: "Grade along the road".to_owned(),
-                words: "The five runs fused, each weighted by its variance.".to_owned(),
-                table: None,
+                words: vec!["The five runs fused, each weighted by its variance.".to_owned()],
+                tables: Vec::new(),
                 figures: vec![
-                    Figure::new(&grade, "Fused map against the truth."),
+                    Figure::new("map_grade", &grade, "Fused map against the truth."),
                     Figure::new(
+                        "errors",
                         &errors,
                         "What each run is off, smoothed over the whole run.",
                     ),
@@ -173,24 +169,33 @@ fn page(drives: &[Drive], map: &[MapRow], scores: &[ScoreRow]) -> Page {
             },
             Section {
                 heading: "How far off".to_owned(),
-                words: "Root of the mean squared error, bias and mean normalised squared error \
-                        (NEES; 1 means that the stated sigmas are honest) in % grade, first and \
-                        last 500 m left out. Live is what the vehicle knows at once, lagged what \
-                        it knows 110 m later, smoothed what the whole run tells."
-                    .to_owned(),
-                table: Some(Table {
-                    header: score::HEADER.map(str::to_owned).to_vec(),
-                    rows: score::text(scores),
-                }),
+                words: vec![
+                    "Root of the mean squared error, bias and mean normalised squared error \
+                     (NEES; 1 means that the stated sigmas are honest) in % grade, first and last \
+                     500 m left out. Live is what the vehicle knows at once, lagged what it knows \
+                     110 m later, smoothed what the whole run tells."
+                        .to_owned(),
+                ],
+                tables: vec![
+                    Table::new(
+                        "score",
+                        "Each run, their mean, and the map of all.",
+                        &score::HEADER,
+                    )
+                    .with_rows(score::text(scores)),
+                ],
                 figures: Vec::new(),
             },
             Section {
                 heading: "What the vehicles were found to be".to_owned(),
-                words: "The traction scale is true over believed traction per kilogram, found on \
-                        the way from GNSS and the vehicle model together."
-                    .to_owned(),
-                table: Some(scales(drives)),
+                words: vec![
+                    "The traction scale is true over believed traction per kilogram, found on the \
+                     way from GNSS and the vehicle model together."
+                        .to_owned(),
+                ],
+                tables: vec![scales(drives)],
                 figures: vec![Figure::new(
+                    "altitude",
                     &altitude,
                     "Altitude: GNSS gives its level, with metres of slow error that the runs do \
                      not share.",
@@ -216,30 +221,25 @@ fn error_of(drive: &Drive) -> Vec<(f64, f64)> {
 }
 
 fn scales(drives: &[Drive]) -> Table {
-    Table {
-        header: [
-            "run",
-            "truck",
-            "scale found",
-            "true scale",
-            "mean bias found %",
-        ]
-        .map(str::to_owned)
-        .to_vec(),
-        rows: drives
-            .iter()
-            .map(|drive| {
-                let rows = &drive.rows;
-                let mean_bias =
-                    rows.iter().map(|row| row.bias_percent).sum::<f64>() / rows.len() as f64;
-                vec![
-                    drive.name.clone(),
-                    drive.truck.clone(),
-                    format!("{:.3}", rows.last().map_or(1.0, |row| row.scale)),
-                    format!("{:.3}", drive.true_scale),
-                    format!("{mean_bias:+.3}"),
-                ]
-            })
-            .collect(),
-    }
+    let header = [
+        "run",
+        "truck",
+        "scale found",
+        "true scale",
+        "mean bias found %",
+    ];
+    Table::new("scales", "Found at the end of each run.", &header).with_rows(drives.iter().map(
+        |drive| {
+            let rows = &drive.rows;
+            let mean_bias =
+                rows.iter().map(|row| row.bias_percent).sum::<f64>() / rows.len() as f64;
+            vec![
+                drive.name.clone(),
+                drive.truck.clone(),
+                format!("{:.3}", rows.last().map_or(1.0, |row| row.scale)),
+                format!("{:.3}", drive.true_scale),
+                format!("{mean_bias:+.3}"),
+            ]
+        },
+    ))
 }

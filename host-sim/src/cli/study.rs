@@ -2,223 +2,79 @@
 
 use crate::error::{Error, Result};
 use crate::output::print;
-use crate::report::page::{Figure, Page, Section, Table};
-use crate::report::plot::{Mark, Plot, Series, colour};
-use crate::run_file::write_csv;
-use crate::study::windows::WindowErrors;
-use crate::study::ztbus::{self, DirectionProfiles, PassErrors, Study, WINDOW_M};
+use crate::report::page::{Page, Section};
+use crate::study::{Outcome, STUDIES, Setting, Study};
 use crate::text_table::text_table;
-use clap::ValueEnum;
-use serde::Serialize;
-use std::fs;
-use std::path::{Path, PathBuf};
+use clap::builder::PossibleValuesParser;
+use std::path::PathBuf;
 
-/// Which study.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Name {
-    /// Every study whose data are there.
-    All,
-    /// The measured city bus (ZTBus): passes against each other and against terrain, and the
-    /// drift of the bare vehicle model.
-    Ztbus,
+/// The name that stands for all studies.
+const ALL: &str = "all";
+
+fn names() -> PossibleValuesParser {
+    PossibleValuesParser::new(
+        std::iter::once(clap::builder::PossibleValue::new(ALL).help("every study")).chain(
+            STUDIES
+                .iter()
+                .map(|study| clap::builder::PossibleValue::new(study.name).help(study.about)),
+        ),
+    )
 }
 
 /// Arguments of `study`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
     /// Which one.
-    name: Name,
-    /// Where tables, figures and the page go.
+    #[arg(value_parser = names())]
+    name: String,
+    /// Where the tables (CSV), the figures (SVG, and CSV of what is drawn) and report.html go.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Where the measured data lie: ztbus/*.csv and srtm/*.hgt.
     #[arg(long, value_name = "DIR", default_value = "../shared/data")]
     data: PathBuf,
+    /// Every random number follows from it.
+    #[arg(long, default_value_t = 2011)]
+    seed: u64,
 }
 
 /// Runs it.
 pub fn run(args: &Args) -> Result<()> {
-    match (args.name, mission_file(&args.data)) {
-        (_, Some(mission)) => measured_bus(&mission, &args.data.join("srtm"), &args.out),
-        (Name::All, None) => {
-            eprintln!(
-                "skipped ztbus: no ztbus/*.csv in {}; --data tells where it lies",
-                args.data.display()
-            );
-            Ok(())
-        }
-        (Name::Ztbus, None) => Err(Error::content(
-            &args.data,
-            "no ztbus/*.csv in it; expected a mission of the ZTBus data set (--data DIR)",
-        )),
-    }
-}
-
-/// The first mission of the data folder by name.
-fn mission_file(data: &Path) -> Option<PathBuf> {
-    let mut files: Vec<PathBuf> = fs::read_dir(data.join("ztbus"))
-        .ok()?
-        .filter_map(|entry| Some(entry.ok()?.path()))
-        .filter(|path| path.extension().is_some_and(|ending| ending == "csv"))
-        .collect();
-    files.sort();
-    files.into_iter().next()
-}
-
-fn measured_bus(mission: &Path, terrain: &Path, out: &Path) -> Result<()> {
-    let study = ztbus::study(mission, terrain)?;
-    write_csv(
-        &out.join("ztbus_passes.csv"),
-        study.passes.iter().map(PassLine::new),
-    )?;
-    write_csv(&out.join("ztbus_drift.csv"), &study.drifts)?;
-    let (passes, drifts) = (pass_table(&study.passes), drift_table(&study));
-    for table in [&passes, &drifts] {
-        print(&format!(
-            "{}\n\n",
-            text_table(&table.header, &table.rows, 1)
-        ))?;
-    }
-    let page = out.join("ztbus.html");
-    page_of(&study, passes, drifts).write(&page)?;
-    print(&format!("page to open: {}\n", page.display()))
-}
-
-/// One line of ztbus_passes.csv.
-#[derive(Serialize)]
-struct PassLine {
-    pass: usize,
-    direction: &'static str,
-    others_rmse_percent: Option<f64>,
-    others_bias_percent: Option<f64>,
-    terrain_rmse_percent: Option<f64>,
-    terrain_bias_percent: Option<f64>,
-    model_bias_percent: f64,
-    scale: f64,
-}
-
-impl PassLine {
-    fn new(errors: &PassErrors) -> Self {
-        let rmse = |e: &Option<WindowErrors>| e.as_ref().map(|e| e.rmse_percent);
-        let bias = |e: &Option<WindowErrors>| e.as_ref().map(|e| e.bias_percent);
-        Self {
-            pass: errors.pass,
-            direction: errors.direction,
-            others_rmse_percent: rmse(&errors.others),
-            others_bias_percent: bias(&errors.others),
-            terrain_rmse_percent: rmse(&errors.terrain),
-            terrain_bias_percent: bias(&errors.terrain),
-            model_bias_percent: errors.bias_percent,
-            scale: errors.scale,
-        }
-    }
-}
-
-fn pass_table(passes: &[PassErrors]) -> Table {
-    let header = [
-        "pass",
-        "against other passes: RMSE %",
-        "bias %",
-        "against terrain: RMSE %",
-        "bias %",
-        "model bias found %",
-        "scale found",
-    ];
-    let both = |errors: &Option<WindowErrors>| match errors {
-        Some(e) => [
-            format!("{:.3}", e.rmse_percent),
-            format!("{:+.3}", e.bias_percent),
-        ],
-        None => ["-".to_owned(), "-".to_owned()],
+    let setting = Setting {
+        data: args.data.clone(),
+        seed: args.seed,
     };
-    let rows = passes.iter().map(|pass| {
-        let mut row = vec![format!("{} {}", pass.pass, pass.direction)];
-        row.extend(both(&pass.others));
-        row.extend(both(&pass.terrain));
-        row.push(format!("{:+.3}", pass.bias_percent));
-        row.push(format!("{:.3}", pass.scale));
-        row
-    });
-    Table {
-        header: header.map(str::to_owned).to_vec(),
-        rows: rows.collect(),
+    let wanted = |study: &&Study| args.name == ALL || args.name == study.name;
+    let mut sections = Vec::new();
+    for study in STUDIES.iter().filter(wanted) {
+        eprintln!("{}: {}", study.name, study.about);
+        match (study.run)(&setting)? {
+            Outcome::Done(section) => {
+                print_tables(&section)?;
+                sections.push(section);
+            }
+            Outcome::Skipped(why) if args.name == ALL => eprintln!("skipped: {why}"),
+            Outcome::Skipped(why) => return Err(Error::content(&args.data, why)),
+        }
     }
-}
-
-fn drift_table(study: &Study) -> Table {
-    let header = [
-        "round trip",
-        "length km",
-        "drift m/km",
-        "mean grade error %",
-    ];
-    let rows = study.drifts.iter().zip(1..).map(|(drift, number)| {
-        vec![
-            number.to_string(),
-            format!("{:.2}", drift.length_m * 1e-3),
-            format!("{:+.2}", drift.drift_m_per_km),
-            format!("{:+.3}", drift.grade_error_percent),
-        ]
-    });
-    Table {
-        header: header.map(str::to_owned).to_vec(),
-        rows: rows.collect(),
-    }
-}
-
-fn page_of(study: &Study, passes: Table, drifts: Table) -> Page {
-    Page {
-        title: "A measured city bus".to_owned(),
-        lead: "Articulated trolleybus, 19 t empty, on a hilly city route; speed, traction force \
-               and raw GNSS once a second. No reference grade exists: passes are compared with \
-               the map of the other passes in their direction, and with radar terrain."
+    let page = Page {
+        title: "The thesis's tables and figures, computed".to_owned(),
+        lead: "P. Ståhl, \"Performance analysis of a grade estimation method by means of \
+               simulation\" (Stockholm 2011), and measured data. Numbers of the thesis stand \
+               beside ours."
             .to_owned(),
-        sections: vec![
-            Section {
-                heading: "Each pass".to_owned(),
-                words: format!(
-                    "Mean grades over windows of {WINDOW_M} m. The other passes share the \
-                     vehicle's own errors, the terrain shares none but sees roofs and trees."
-                ),
-                table: Some(passes),
-                figures: study.profiles.iter().map(grade_figure).collect(),
-            },
-            Section {
-                heading: "The bare vehicle model".to_owned(),
-                words: "Altitude that eq. 9 gains over complete round trips, which end where they \
-                        began, with the parameters that others use for this bus: what is gained \
-                        is the model's error. Nothing is fitted."
-                    .to_owned(),
-                table: Some(drifts),
-                figures: Vec::new(),
-            },
-        ],
-    }
+        sections,
+    };
+    print(&format!(
+        "page to open: {}\n",
+        page.write(&args.out)?.display()
+    ))
 }
 
-fn grade_figure(profiles: &DirectionProfiles) -> Figure {
-    let mut plot = Plot::new("distance (km)", "altitude (m)").with(
-        Series::line(
-            "terrain",
-            colour::BLACK,
-            profiles.terrain.iter().map(|(x, z)| (x * 1e-3, *z)),
-        )
-        .drawn(Mark::Dashed),
-    );
-    for ((number, rows), colour) in profiles.passes.iter().zip(colour::CYCLE) {
-        plot = plot.with(Series::line(
-            format!("pass {number}"),
-            colour,
-            rows.iter()
-                .filter_map(|row| Some((row.distance_m * 1e-3, row.altitude_m?))),
-        ));
+fn print_tables(section: &Section) -> Result<()> {
+    for table in &section.tables {
+        let text = text_table(&table.header, &table.rows, 1);
+        print(&format!("\n{}\n{text}\n", table.caption))?;
     }
-    Figure::new(
-        &plot,
-        format!(
-            "Estimated altitude, {} passes. GNSS gives the level, with metres of slow error in \
-             each pass.",
-            profiles.direction
-        ),
-    )
+    print("\n")
 }

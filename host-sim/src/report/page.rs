@@ -4,7 +4,7 @@ use super::plot::Plot;
 use crate::error::Result;
 use crate::output::write_whole;
 use askama::Template;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// A page.
 #[derive(Clone, Debug, Template)]
@@ -19,14 +19,14 @@ pub struct Page {
 }
 
 /// A part of a page.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Section {
     /// Its heading.
     pub heading: String,
-    /// What it shows, in words.
-    pub words: String,
-    /// A table, if there is one.
-    pub table: Option<Table>,
+    /// What it shows, in words; a paragraph each.
+    pub words: Vec<String>,
+    /// Tables.
+    pub tables: Vec<Table>,
     /// Figures.
     pub figures: Vec<Figure>,
 }
@@ -34,6 +34,10 @@ pub struct Section {
 /// A table: a header and rows of the same length.
 #[derive(Clone, Debug, Default)]
 pub struct Table {
+    /// What its file is called, without ending.
+    pub name: String,
+    /// What is to be seen in it.
+    pub caption: String,
     /// Names of the columns with their units.
     pub header: Vec<String>,
     /// Rows; numbers as text.
@@ -43,31 +47,81 @@ pub struct Table {
 /// A plot with its caption.
 #[derive(Clone, Debug)]
 pub struct Figure {
+    /// What its files are called, without ending.
+    pub name: String,
     /// The SVG text.
     pub svg: String,
+    /// What is drawn, as CSV.
+    pub csv: String,
     /// What is to be seen in it.
     pub caption: String,
 }
 
 impl Figure {
     /// Draws a plot.
-    pub fn new(plot: &Plot, caption: impl Into<String>) -> Self {
+    pub fn new(name: impl Into<String>, plot: &Plot, caption: impl Into<String>) -> Self {
         Self {
+            name: name.into(),
             svg: plot.to_svg(),
+            csv: plot.to_csv(),
             caption: caption.into(),
         }
     }
 }
 
+impl Table {
+    /// An empty table.
+    pub fn new(name: impl Into<String>, caption: impl Into<String>, header: &[&str]) -> Self {
+        Self {
+            name: name.into(),
+            caption: caption.into(),
+            header: header.iter().map(|&name| name.to_owned()).collect(),
+            rows: Vec::new(),
+        }
+    }
+
+    /// With these rows.
+    #[must_use]
+    pub fn with_rows(mut self, rows: impl IntoIterator<Item = Vec<String>>) -> Self {
+        self.rows.extend(rows);
+        self
+    }
+
+    /// As CSV.
+    fn to_csv(&self) -> String {
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        for row in std::iter::once(&self.header).chain(&self.rows) {
+            writer.write_record(row).expect("memory takes every row");
+        }
+        let bytes = writer.into_inner().expect("memory takes every row");
+        String::from_utf8(bytes).expect("made of strings")
+    }
+}
+
 impl Page {
-    /// Writes the page.
+    /// Writes `report.html` into a folder, and beside it each table as NAME.csv and each figure
+    /// as NAME.svg and NAME.csv; returns the path of the page.
     ///
     /// # Errors
     /// What the file system says.
-    pub fn write(&self, path: &Path) -> Result<()> {
-        write_whole(path, |out| {
+    pub fn write(&self, folder: &Path) -> Result<PathBuf> {
+        let write = |name: String, text: &str| {
+            write_whole(&folder.join(name), |out| out.write_all(text.as_bytes()))
+        };
+        for section in &self.sections {
+            for table in &section.tables {
+                write(format!("{}.csv", table.name), &table.to_csv())?;
+            }
+            for figure in &section.figures {
+                write(format!("{}.svg", figure.name), &figure.svg)?;
+                write(format!("{}.csv", figure.name), &figure.csv)?;
+            }
+        }
+        let path = folder.join("report.html");
+        write_whole(&path, |out| {
             let html = self.render().map_err(std::io::Error::other)?;
             out.write_all(html.as_bytes())
-        })
+        })?;
+        Ok(path)
     }
 }

@@ -149,6 +149,28 @@ impl Plot {
         text
     }
 
+    /// What is drawn, as CSV: series, x, y, and the lower edge of bands.
+    ///
+    /// # Panics
+    /// Never: memory takes every row.
+    #[must_use]
+    pub fn to_csv(&self) -> String {
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        let header = ["series", &self.x_label, &self.y_label, "lower"];
+        writer.write_record(header).expect("memory");
+        for series in &self.series {
+            for (k, (x, y)) in series.points.iter().enumerate() {
+                let lower = match &series.mark {
+                    Mark::Band(lower) => lower.get(k).map(f64::to_string).unwrap_or_default(),
+                    _ => String::new(),
+                };
+                let row = [&series.name, &x.to_string(), &y.to_string(), &lower];
+                writer.write_record(row).expect("memory");
+            }
+        }
+        String::from_utf8(writer.into_inner().expect("memory")).expect("made of strings")
+    }
+
     fn draw(&self, area: &Drawing<'_>) -> Result<(), Box<dyn Error + 'static>> {
         let (x, y) = self.ranges();
         let legend_px = self.draw_legend(area)?;

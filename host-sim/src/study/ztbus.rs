@@ -7,64 +7,92 @@
 
 use super::drift::{Drift, ForceSample, vehicle_model_drift};
 use super::windows::{GradeProfile, WindowErrors, window_errors};
+use super::{Outcome, Setting, Study};
 use crate::error::{Error, Result};
 use crate::map::{self, GradeMap, MapRow, RoadLine};
 use crate::recorder::estimate_log;
+use crate::report::page::{Figure, Section, Table};
+use crate::report::plot::{Mark, Plot, Series, colour};
 use crate::run_file::RunRow;
 use crate::source::terrain::Terrain;
 use crate::source::ztbus::{Direction, Mission, Pass, round_trips};
-use serde::Serialize;
-use std::path::Path;
+use std::fs;
+use std::path::{Path, PathBuf};
 
 /// Windows over which grades are compared, m.
-pub const WINDOW_M: f64 = 600.0;
+const WINDOW_M: f64 = 600.0;
 /// Base over which the terrain's altitudes become a grade, m.
 const TERRAIN_BASE_M: f64 = 200.0;
 
 /// One pass with its errors.
-#[derive(Clone, Debug, Serialize)]
-pub struct PassErrors {
+#[derive(Clone, Debug)]
+struct PassErrors {
     /// Number in the mission, from 1.
-    pub pass: usize,
+    pass: usize,
     /// Direction in words.
-    pub direction: &'static str,
+    direction: &'static str,
     /// Against the map of the other passes in its direction, over [`WINDOW_M`].
-    pub others: Option<WindowErrors>,
+    others: Option<WindowErrors>,
     /// Against terrain, over [`WINDOW_M`].
-    pub terrain: Option<WindowErrors>,
+    terrain: Option<WindowErrors>,
     /// What the vehicle model was found to read too high, mean over the pass, %.
-    pub bias_percent: f64,
+    bias_percent: f64,
     /// Traction scale found at the end.
-    pub scale: f64,
+    scale: f64,
 }
+
+/// The study, for the list.
+pub const STUDY: Study = Study {
+    name: "ztbus",
+    about: "a measured city bus: passes against each other and terrain, drift of the bare model",
+    run,
+};
 
 /// What the study found.
 #[derive(Debug)]
-pub struct Study {
+struct Findings {
     /// One for each pass.
-    pub passes: Vec<PassErrors>,
+    passes: Vec<PassErrors>,
     /// Bare vehicle model over each complete round trip.
-    pub drifts: Vec<Drift>,
+    drifts: Vec<Drift>,
     /// For each direction: terrain, and each pass with its number, as grade over distance.
-    pub profiles: Vec<DirectionProfiles>,
+    profiles: Vec<DirectionProfiles>,
 }
 
 /// Profiles of the passes in one direction, on one road.
 #[derive(Debug)]
-pub struct DirectionProfiles {
+struct DirectionProfiles {
     /// Direction in words.
-    pub direction: &'static str,
+    direction: &'static str,
     /// Terrain altitude, m, over distance, m.
-    pub terrain: Vec<(f64, f64)>,
+    terrain: Vec<(f64, f64)>,
     /// Pass number, and its grade mapped onto the road.
-    pub passes: Vec<(usize, Vec<MapRow>)>,
+    passes: Vec<(usize, Vec<MapRow>)>,
 }
 
-/// Runs the study on a mission and the terrain under it.
-///
-/// # Errors
-/// Files that cannot be read, or a mission without passes over one road.
-pub fn study(mission_file: &Path, terrain_folder: &Path) -> Result<Study> {
+fn run(setting: &Setting) -> Result<Outcome> {
+    let Some(mission) = mission_file(&setting.data) else {
+        return Ok(Outcome::Skipped(
+            "no ztbus/*.csv in it; expected a mission of the ZTBus data set (--data DIR)"
+                .to_owned(),
+        ));
+    };
+    let found = find(&mission, &setting.data.join("srtm"))?;
+    Ok(Outcome::Done(section(&found)))
+}
+
+/// The first mission of the data folder by name.
+fn mission_file(data: &Path) -> Option<PathBuf> {
+    let mut files: Vec<PathBuf> = fs::read_dir(data.join("ztbus"))
+        .ok()?
+        .filter_map(|entry| Some(entry.ok()?.path()))
+        .filter(|path| path.extension().is_some_and(|ending| ending == "csv"))
+        .collect();
+    files.sort();
+    files.into_iter().next()
+}
+
+fn find(mission_file: &Path, terrain_folder: &Path) -> Result<Findings> {
     let mission = Mission::read(mission_file)?;
     let mut terrain = Terrain::new(terrain_folder);
     let passes = mission.passes();
@@ -121,7 +149,7 @@ pub fn study(mission_file: &Path, terrain_folder: &Path) -> Result<Study> {
         profiles.push(of_direction);
     }
     found.sort_by_key(|errors| errors.pass);
-    Ok(Study {
+    Ok(Findings {
         passes: found,
         drifts: drifts(&mission, &passes),
         profiles,
@@ -180,4 +208,90 @@ fn drifts(mission: &Mission, passes: &[Pass]) -> Vec<Drift> {
             vehicle_model_drift(&samples, &vehicle, 0.0)
         })
         .collect()
+}
+
+fn section(found: &Findings) -> Section {
+    Section {
+        heading: "A measured city bus".to_owned(),
+        words: vec![
+            "Articulated trolleybus, 19 t empty, on a hilly city route; speed, traction force and \
+             raw GNSS once a second. No reference grade exists: passes are compared with the map \
+             of the other passes in their direction, which share the vehicle's own errors, and \
+             with radar terrain, which shares none but sees roofs and trees."
+                .to_owned(),
+        ],
+        tables: vec![pass_table(&found.passes), drift_table(&found.drifts)],
+        figures: found.profiles.iter().map(altitude_figure).collect(),
+    }
+}
+
+fn pass_table(passes: &[PassErrors]) -> Table {
+    let header = [
+        "pass",
+        "against other passes: RMSE %",
+        "bias %",
+        "against terrain: RMSE %",
+        "bias %",
+        "model bias found %",
+        "scale found",
+    ];
+    let both = |errors: &Option<WindowErrors>| match errors {
+        Some(e) => [
+            format!("{:.3}", e.rmse_percent),
+            format!("{:+.3}", e.bias_percent),
+        ],
+        None => ["-".to_owned(), "-".to_owned()],
+    };
+    let caption = format!("Mean grades over windows of {WINDOW_M} m.");
+    Table::new("ztbus_passes", caption, &header).with_rows(passes.iter().map(|pass| {
+        let mut row = vec![format!("{} {}", pass.pass, pass.direction)];
+        row.extend(both(&pass.others));
+        row.extend(both(&pass.terrain));
+        row.push(format!("{:+.3}", pass.bias_percent));
+        row.push(format!("{:.3}", pass.scale));
+        row
+    }))
+}
+
+fn drift_table(drifts: &[Drift]) -> Table {
+    let header = [
+        "round trip",
+        "length km",
+        "drift m/km",
+        "mean grade error %",
+    ];
+    let caption = "Altitude that the bare vehicle model (eq. 9) gains over complete round trips, \
+                   which end where they began, with the parameters that others use for this bus. \
+                   Nothing is fitted: what is gained is the model's error.";
+    Table::new("ztbus_drift", caption, &header).with_rows(drifts.iter().zip(1..).map(
+        |(drift, number)| {
+            vec![
+                number.to_string(),
+                format!("{:.2}", drift.length_m * 1e-3),
+                format!("{:+.2}", drift.drift_m_per_km),
+                format!("{:+.3}", drift.grade_error_percent),
+            ]
+        },
+    ))
+}
+
+fn altitude_figure(profiles: &DirectionProfiles) -> Figure {
+    let terrain = profiles.terrain.iter().map(|(x, z)| (x * 1e-3, *z));
+    let mut plot = Plot::new("distance (km)", "altitude (m)")
+        .with(Series::line("terrain", colour::BLACK, terrain).drawn(Mark::Dashed));
+    for ((number, rows), colour) in profiles.passes.iter().zip(colour::CYCLE) {
+        let altitude = rows
+            .iter()
+            .filter_map(|row| Some((row.distance_m * 1e-3, row.altitude_m?)));
+        plot = plot.with(Series::line(format!("pass {number}"), colour, altitude));
+    }
+    let direction = profiles.direction;
+    Figure::new(
+        format!("ztbus_{direction}"),
+        &plot,
+        format!(
+            "Estimated altitude, {direction} passes. GNSS gives the level, with metres of slow \
+             error in each pass."
+        ),
+    )
 }

@@ -1,0 +1,131 @@
+//! The thesis as it stands: what the estimator has to beat, weak points included.
+//!
+//! Everything here works in the distance domain, on points of 2.5 m that the core's sampler cut
+//! from the traffic, offline and in double precision, as the thesis does.
+//!
+//! * [`pointwise`]: grade from the vehicle model alone (eq. 9, forward difference);
+//! * [`original`]: the three-state filter with switched noise, smoothed;
+//! * [`modified`]: mass and bias corrections found against a GPS-heavy estimate (section 8).
+
+pub mod modified;
+pub mod original;
+pub mod pointwise;
+
+use estimator_core::sampler::Sample;
+use estimator_core::vehicle::{GRAVITY, Load};
+use estimator_core::{CELL_LENGTH_M, VehicleParameters};
+
+/// Length of a step, m.
+pub const STEP_M: f64 = CELL_LENGTH_M as f64;
+
+/// What was measured at one point of the way.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Point {
+    /// Driven distance, m.
+    pub distance_m: f64,
+    /// Wheel speed, m/s.
+    pub speed_mps: f64,
+    /// Force at the wheels, N.
+    pub traction_n: f64,
+    /// Mass that rotating parts add, kg.
+    pub rotating_kg: f64,
+    /// Air density, kg/m³.
+    pub air_density: f64,
+    /// GNSS altitude, linear between fixes, m; `None` without satellites.
+    pub altitude_m: Option<f64>,
+    /// A gear shift, or its hold time.
+    pub shifting: bool,
+    /// Braking, or its hold time.
+    pub braking: bool,
+}
+
+impl Point {
+    /// Whether the vehicle model holds here.
+    #[must_use]
+    pub const fn is_valid(&self) -> bool {
+        !(self.shifting || self.braking)
+    }
+}
+
+/// One drive in the distance domain, with the parameters that are believed.
+#[derive(Clone, Debug)]
+pub struct Drive {
+    /// Believed mass, kg.
+    pub mass_kg: f64,
+    /// Believed drag area, m².
+    pub drag_area_m2: f64,
+    /// Believed rolling resistance coefficient.
+    pub rolling_resistance: f64,
+    /// The points, one each [`STEP_M`].
+    pub points: Vec<Point>,
+}
+
+/// Grade and its standard deviation, point by point, %.
+#[derive(Clone, Debug, Default)]
+pub struct Profile {
+    /// Grade, 100 tan of the slope angle.
+    pub grade_percent: Vec<f64>,
+    /// As the method states it.
+    pub sigma_percent: Vec<f64>,
+}
+
+/// Weight over mass, m/s².
+pub(crate) const G: f64 = GRAVITY as f64;
+
+/// 100 tan from the sine of an angle.
+pub(crate) fn percent_of_sine(sine: f64) -> f64 {
+    let sine = sine.clamp(-0.7, 0.7);
+    100.0 * sine / (1.0 - sine * sine).sqrt()
+}
+
+impl Drive {
+    /// From the samples of one run. GNSS altitude is interpolated over the way between fixes,
+    /// over at most `longest_gap_m` (beyond it there were no satellites).
+    #[must_use]
+    pub fn new(vehicle: &VehicleParameters, samples: &[Sample], longest_gap_m: f64) -> Self {
+        let distances: Vec<f64> = samples.iter().map(|s| s.place.distance_m()).collect();
+        let fixes: Vec<(f64, f64)> = samples
+            .iter()
+            .zip(&distances)
+            .filter_map(|(sample, distance_m)| {
+                let fix = sample.altitude?;
+                Some((distance_m - f64::from(fix.behind_m), fix.altitude_m.into()))
+            })
+            .collect();
+        let points = samples
+            .iter()
+            .zip(&distances)
+            .map(|(sample, &distance_m)| {
+                let Load {
+                    traction_n,
+                    rotating_kg,
+                    air_density,
+                    ..
+                } = sample.load;
+                Point {
+                    distance_m,
+                    speed_mps: sample.place.speed_mps.into(),
+                    traction_n: traction_n.into(),
+                    rotating_kg: rotating_kg.into(),
+                    air_density: air_density.into(),
+                    altitude_m: interpolated(&fixes, distance_m, longest_gap_m),
+                    shifting: sample.place.condition.shifting,
+                    braking: sample.place.condition.braking,
+                }
+            })
+            .collect();
+        Self {
+            mass_kg: vehicle.mass_kg.into(),
+            drag_area_m2: vehicle.drag_area_m2.into(),
+            rolling_resistance: vehicle.rolling_resistance.into(),
+            points,
+        }
+    }
+}
+
+fn interpolated(fixes: &[(f64, f64)], at: f64, longest_gap: f64) -> Option<f64> {
+    let after = fixes.partition_point(|(x, _)| *x < at);
+    let (x1, z1) = *fixes.get(after)?;
+    let (x0, z0) = *fixes.get(after.checked_sub(1)?)?;
+    (x1 - x0 <= longest_gap).then(|| z0 + (z1 - z0) * (at - x0) / (x1 - x0).max(1e-9))
+}

@@ -1,0 +1,80 @@
+//! The modified method: mass and bias found against a GPS-heavy estimate, corrected, and the
+//! grade estimated again with less weight on GPS (thesis section 8.1).
+
+use super::original::{self, Noise};
+use super::pointwise;
+use super::{Drive, G, Profile, STEP_M};
+use crate::robust_line::{Line, fit};
+
+/// Length over which errors are averaged before a line is fitted, m.
+pub const SEGMENT_M: f64 = 3_000.0;
+
+/// What the method found.
+#[derive(Clone, Debug)]
+pub struct Modified {
+    /// The second estimate.
+    pub profile: Profile,
+    /// Model error against GPS-heavy grade; `None` with too few segments.
+    pub mass_line: Option<Line>,
+    /// Whether the slope passed the 2-sigma rule and the mass was corrected by 1 + slope.
+    pub mass_corrected: bool,
+    /// Model error in % against distance in m, after the mass correction.
+    pub bias_line: Option<Line>,
+}
+
+/// Runs the whole procedure.
+#[must_use]
+pub fn estimate(drive: &Drive) -> Modified {
+    let gps_heavy = original::estimate(drive, &Noise::GPS_HEAVY).grade_percent;
+    let mut corrected = drive.clone();
+
+    // e_m = α_p − α_G as a line in α_G (eq. 10), and m_c = m (1 + k) (eq. 11).
+    let segments = segments(&pointwise::grade_percent(drive), &gps_heavy);
+    let mass_line = fit(segments.iter().map(|s| (s.grade, s.error)));
+    let mass_corrected = mass_line.is_some_and(|line| line.slope.abs() > 2.0 * line.slope_sigma);
+    if let (true, Some(line)) = (mass_corrected, mass_line) {
+        corrected.mass_kg *= 1.0 + line.slope;
+    }
+
+    // e = α'_p − α_G as a line in the distance (eq. 12), entered through the torque.
+    let segments = self::segments(&pointwise::grade_percent(&corrected), &gps_heavy);
+    let bias_line = fit(segments.iter().map(|s| (s.distance, s.error)));
+    if let Some(line) = bias_line {
+        let weight = corrected.mass_kg * G;
+        for (k, point) in corrected.points.iter_mut().enumerate() {
+            point.traction_n -= weight * 0.01 * line.at(k as f64 * STEP_M);
+        }
+    }
+    Modified {
+        profile: original::estimate(&corrected, &Noise::GPS_LIGHT),
+        mass_line,
+        mass_corrected,
+        bias_line,
+    }
+}
+
+/// Means over a segment.
+#[derive(Clone, Copy, Debug)]
+struct Segment {
+    /// Way from the start of the drive to its middle, m.
+    distance: f64,
+    /// GPS-heavy grade, %.
+    grade: f64,
+    /// Pointwise less GPS-heavy grade, %.
+    error: f64,
+}
+
+fn segments(pointwise: &[f64], gps_heavy: &[f64]) -> Vec<Segment> {
+    let points = (SEGMENT_M / STEP_M) as usize;
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    pointwise
+        .chunks_exact(points)
+        .zip(gps_heavy.chunks_exact(points))
+        .enumerate()
+        .map(|(k, (pointwise, gps_heavy))| Segment {
+            distance: (k as f64 + 0.5) * SEGMENT_M,
+            grade: mean(gps_heavy),
+            error: mean(pointwise) - mean(gps_heavy),
+        })
+        .collect()
+}

@@ -1,0 +1,55 @@
+//! Grade from the vehicle model alone, point by point (thesis section 4.2).
+
+use super::{Drive, G, Point, STEP_M, percent_of_sine};
+
+/// Eq. 9 solved for the grade in %, with a forward difference for the acceleration.
+///
+/// The last point repeats the one before it.
+#[must_use]
+pub fn grade_percent(drive: &Drive) -> Vec<f64> {
+    let mut grade: Vec<f64> = drive
+        .points
+        .windows(2)
+        .map(|pair| {
+            // dv/dt = v dv/dx, and v dv is the difference of v²/2.
+            let acceleration =
+                (pair[1].speed_mps.powi(2) - pair[0].speed_mps.powi(2)) / (2.0 * STEP_M);
+            at(drive, &pair[0], acceleration)
+        })
+        .collect();
+    if let Some(last) = grade.last().copied() {
+        grade.push(last);
+    }
+    grade
+}
+
+/// Eq. 9 solved for the grade in % at a point with a known acceleration in m/s².
+#[must_use]
+pub fn at(drive: &Drive, point: &Point, acceleration: f64) -> f64 {
+    let air_n = 0.5 * drive.drag_area_m2 * point.air_density * point.speed_mps.powi(2);
+    let inertia_n = (drive.mass_kg + point.rotating_kg) * acceleration;
+    let sine =
+        (point.traction_n - air_n - inertia_n) / (drive.mass_kg * G) - drive.rolling_resistance;
+    percent_of_sine(sine)
+}
+
+/// A drive whose speed went through a low-pass filter: the mean over `length_m` about each point.
+#[must_use]
+pub fn with_smooth_speed(drive: &Drive, length_m: f64) -> Drive {
+    let half = (0.5 * length_m / STEP_M).round() as usize;
+    let n = drive.points.len();
+    let mut sums = Vec::with_capacity(n + 1);
+    let mut sum = 0.0;
+    sums.push(sum);
+    for point in &drive.points {
+        sum += point.speed_mps;
+        sums.push(sum);
+    }
+    let mut smooth = drive.clone();
+    for (k, point) in smooth.points.iter_mut().enumerate() {
+        // As far on one side as on the other, so that no end is shifted.
+        let reach = half.min(k).min(n - 1 - k);
+        point.speed_mps = (sums[k + reach + 1] - sums[k - reach]) / (2 * reach + 1) as f64;
+    }
+    smooth
+}
