@@ -4,11 +4,13 @@
 
 use super::driver::{Brake, CruiseControl, SET_SPEED_MPS};
 use super::gearbox::{Flow, Gearbox, Situation, cruising_gear, launch_gear};
-use super::random::{Purpose, stream};
+use super::random::{OrnsteinUhlenbeck, Purpose, stream};
 use super::road::{Road, sine};
 use super::scenario::Scenario;
+use super::scenario_file::{Tyres, Wind};
 use super::truck::{GRAVITY, IDLE_RPM, Truck};
 use crate::error::{Error, Result};
+use rand_chacha::ChaCha8Rng;
 
 /// Step of the integration, s. Speed changes by less than 0.02 m/s in it.
 pub const STEP_S: f64 = 0.01;
@@ -108,6 +110,12 @@ struct Journey<'a> {
     truck: &'a Truck,
     road: &'a Road,
     air_density: f64,
+    wind: Wind,
+    gust: OrnsteinUhlenbeck,
+    gust_mps: f64,
+    gust_rng: ChaCha8Rng,
+    tyres: Tyres,
+    time_s: f64,
     cruise: CruiseControl,
     brake: Brake,
     gearbox: Gearbox,
@@ -133,8 +141,7 @@ pub fn drive(scenario: &Scenario, index: usize) -> Result<Drive> {
         scenario.road.clone()
     };
     let truck = run.truck.clone();
-    let rng = stream(scenario.seed, index, Purpose::Gearbox);
-    let mut journey = Journey::new(&truck, &road, scenario.air_density(), rng);
+    let mut journey = Journey::new(&truck, &road, scenario, index);
     journey.distance_m = run.start_distance_m;
     if run.from_standstill {
         journey.stand();
@@ -171,19 +178,22 @@ pub fn drive(scenario: &Scenario, index: usize) -> Result<Drive> {
 }
 
 impl<'a> Journey<'a> {
-    fn new(
-        truck: &'a Truck,
-        road: &'a Road,
-        air_density: f64,
-        rng: rand_chacha::ChaCha8Rng,
-    ) -> Self {
+    fn new(truck: &'a Truck, road: &'a Road, scenario: &Scenario, index: usize) -> Self {
+        let wind = scenario.wind;
+        let mut gust_rng = stream(scenario.seed, index, Purpose::Wind);
         Self {
             truck,
             road,
-            air_density,
+            air_density: scenario.air_density(),
+            wind,
+            gust: OrnsteinUhlenbeck::new(wind.gust_sigma_mps, wind.gust_time_s, &mut gust_rng),
+            gust_mps: 0.0,
+            gust_rng,
+            tyres: scenario.tyres,
+            time_s: 0.0,
             cruise: CruiseControl::default(),
             brake: Brake::default(),
-            gearbox: Gearbox::new(0, rng),
+            gearbox: Gearbox::new(0, stream(scenario.seed, index, Purpose::Gearbox)),
             situation: Situation {
                 speed_mps: 0.0,
                 acceleration_mps2: 0.0,
@@ -219,12 +229,26 @@ impl<'a> Journey<'a> {
     /// Air, rolling and grade resistance half a step ahead, N.
     fn resistance_n(&self) -> f64 {
         let ahead_m = self.distance_m + 0.5 * STEP_S * self.speed_mps;
-        self.truck.resistance_n(self.speed_mps, self.air_density)
+        let airspeed_mps = self.speed_mps + self.headwind_mps();
+        let cold = self.tyres.cold_amount * (-self.time_s / self.tyres.cold_time_s).exp();
+        self.truck.air_resistance_n(airspeed_mps, self.air_density)
+            + self.truck.rolling_resistance_n() * (1.0 + cold)
             + self.truck.mass_kg * GRAVITY * sine(self.road.grade(ahead_m))
+    }
+
+    /// Wind against the direction of travel, m/s.
+    fn headwind_mps(&self) -> f64 {
+        let from_rad = self.wind.from_deg.to_radians();
+        let course_rad = self.road.course_rad(self.distance_m);
+        self.wind.speed_mps * (from_rad - course_rad).cos() + self.gust_mps
     }
 
     /// One step; returns what was true at its start.
     fn step(&mut self, waiting: bool) -> DriveState {
+        if self.wind.gust_sigma_mps > 0.0 {
+            self.gust_mps = self.gust.advance(STEP_S, &mut self.gust_rng);
+        }
+        self.time_s += STEP_S;
         let resistance_n = self.resistance_n();
         if !waiting && self.gearbox.gear() == 0 {
             self.gearbox.engage(launch_gear(self.truck, resistance_n));

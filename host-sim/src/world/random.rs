@@ -20,6 +20,8 @@ pub enum Purpose {
     Gnss,
     /// Moments at which messages are sent.
     Bus,
+    /// Gusts of wind.
+    Wind,
 }
 
 /// The stream of `purpose` in run `index` of the scenario seeded with `seed`.

@@ -5,7 +5,7 @@ use super::random::{Purpose, normal, stream};
 use super::road::Road;
 use super::scenario_file::{
     Air, Direction, Document, GnssErrors, Latencies, NoiseLevels, ParameterErrors, Rates,
-    RoadSource, RunTable, Start,
+    RoadSource, RunTable, Start, Tyres, Wind,
 };
 use super::truck::Truck;
 use super::{road_file, road_generator};
@@ -44,6 +44,10 @@ pub struct Scenario {
     pub rates: Rates,
     /// The air.
     pub air: Air,
+    /// Its movement.
+    pub wind: Wind,
+    /// How the tyres warm up.
+    pub tyres: Tyres,
     /// The traversals.
     pub runs: Vec<Run>,
 }
@@ -155,6 +159,8 @@ impl Scenario {
             latency_ms: document.latency_ms,
             rates: document.rates,
             air: document.air,
+            wind: document.wind,
+            tyres: document.tyres,
             runs,
         })
     }
@@ -313,8 +319,16 @@ fn check_document(document: &Document) -> std::result::Result<(), String> {
         latency_ms,
         rates,
         air,
+        wind,
+        tyres,
         ..
     } = document;
+    check("wind.speed_mps", wind.speed_mps, 0.0..=40.0)?;
+    check("wind.from_deg", wind.from_deg, 0.0..=360.0)?;
+    check("wind.gust_sigma_mps", wind.gust_sigma_mps, 0.0..=20.0)?;
+    check("wind.gust_time_s", wind.gust_time_s, 0.1..=1e6)?;
+    check("tyres.cold_amount", tyres.cold_amount, 0.0..=5.0)?;
+    check("tyres.cold_time_s", tyres.cold_time_s, 1.0..=1e6)?;
     check("noise.speed_sigma_mps", noise.speed_sigma_mps, 0.0..=5.0)?;
     check(
         "noise.yaw_rate_sigma_radps",

@@ -47,6 +47,16 @@
 //! pressure_pa = 101000.0
 //! temperature_celsius = 20.0
 //!
+//! [wind]
+//! speed_mps = 0.0                # steady part …
+//! from_deg = 270.0               # … and where it comes from, clockwise from north
+//! gust_sigma_mps = 0.0           # slow part along the road …
+//! gust_time_s = 60.0             # … and the time over which it keeps its value
+//!
+//! [tyres]                        # cold at the start: rolling resistance is (1 + amount) times as
+//! cold_amount = 0.0              # large and goes down exponentially
+//! cold_time_s = 1500.0
+//!
 //! [errors]                       # of every run that has no [runs.errors] of its own
 //!
 //! [[runs]]
@@ -93,6 +103,10 @@ pub struct Document {
     pub rates: Rates,
     #[serde(default)]
     pub air: Air,
+    #[serde(default)]
+    pub wind: Wind,
+    #[serde(default)]
+    pub tyres: Tyres,
     #[serde(default)]
     pub errors: ParameterErrors,
     #[serde(default)]
@@ -229,6 +243,44 @@ impl Default for Air {
         Self {
             pressure_pa: 101_000.0,
             temperature_celsius: 20.0,
+        }
+    }
+}
+
+/// `[wind]`, which nobody tells the estimator of.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Wind {
+    pub speed_mps: f64,
+    pub from_deg: f64,
+    pub gust_sigma_mps: f64,
+    pub gust_time_s: f64,
+}
+
+impl Default for Wind {
+    fn default() -> Self {
+        Self {
+            speed_mps: 0.0,
+            from_deg: 270.0,
+            gust_sigma_mps: 0.0,
+            gust_time_s: 60.0,
+        }
+    }
+}
+
+/// `[tyres]`, cold at the start of each run.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Tyres {
+    pub cold_amount: f64,
+    pub cold_time_s: f64,
+}
+
+impl Default for Tyres {
+    fn default() -> Self {
+        Self {
+            cold_amount: 0.0,
+            cold_time_s: 1_500.0,
         }
     }
 }

@@ -220,10 +220,16 @@ impl Truck {
         self.mass_kg + (self.wheel_inertia_kgm2 + engine) / self.wheel_radius_m.powi(2)
     }
 
-    /// Air and rolling resistance (eq. 5 and 6), N.
+    /// Air resistance (eq. 5) at a speed through the air, N; negative with a tail wind that is
+    /// faster.
     #[must_use]
-    pub fn resistance_n(&self, speed_mps: f64, air_density: f64) -> f64 {
-        0.5 * self.drag_area_m2 * air_density * speed_mps * speed_mps
-            + self.mass_kg * GRAVITY * self.rolling_resistance
+    pub fn air_resistance_n(&self, airspeed_mps: f64, air_density: f64) -> f64 {
+        0.5 * self.drag_area_m2 * air_density * airspeed_mps * airspeed_mps.abs()
+    }
+
+    /// Rolling resistance of warm tyres (eq. 6), N.
+    #[must_use]
+    pub fn rolling_resistance_n(&self) -> f64 {
+        self.mass_kg * GRAVITY * self.rolling_resistance
     }
 }
