@@ -33,8 +33,8 @@ pub struct Fix {
 pub struct Gnss<'a> {
     drive: &'a Drive,
     errors: GnssErrors,
-    /// Stretches of the travelled road without reception, m.
-    outages_m: Vec<(f64, f64)>,
+    /// Length of the road if it is driven against its direction, m: faults lie on it as stored.
+    turned_m: Option<f64>,
     altitude: OrnsteinUhlenbeck,
     north: OrnsteinUhlenbeck,
     east: OrnsteinUhlenbeck,
@@ -49,18 +49,7 @@ impl<'a> Gnss<'a> {
     pub fn new(scenario: &Scenario, index: usize, drive: &'a Drive) -> Self {
         let mut rng = stream(scenario.seed, index, Purpose::Gnss);
         let errors = scenario.gnss.clone();
-        let length_m = drive.road.length_m();
-        let outages_m = errors
-            .outages_m
-            .iter()
-            .map(|&(from, to)| {
-                if scenario.runs[index].backward {
-                    (length_m - to, length_m - from)
-                } else {
-                    (from, to)
-                }
-            })
-            .collect();
+        let turned_m = scenario.runs[index].backward.then(|| drive.road.length_m());
         let altitude =
             OrnsteinUhlenbeck::new(errors.altitude_sigma_m, errors.altitude_time_s, &mut rng);
         let mut position =
@@ -69,7 +58,7 @@ impl<'a> Gnss<'a> {
         let satellites = OrnsteinUhlenbeck::new(SATELLITES.1, SATELLITES.2, &mut rng);
         Self {
             drive,
-            outages_m,
+            turned_m,
             altitude,
             north,
             east,
@@ -87,20 +76,26 @@ impl<'a> Gnss<'a> {
         let rng = &mut self.rng;
         let north_m = self.north.advance(seconds, rng);
         let east_m = self.east.advance(seconds, rng);
-        let altitude_error_m =
+        let noise_m =
             self.altitude.advance(seconds, rng) + self.errors.altitude_white_sigma_m * normal(rng);
         let satellites = (SATELLITES.0 + self.satellites.advance(seconds, rng)).round();
         let satellites = satellites.clamp(5.0, 16.0);
         let state = self.drive.at(time_s);
         let road = &self.drive.road;
+        let stored_m = match self.turned_m {
+            Some(length_m) => length_m - state.distance_m,
+            None => state.distance_m,
+        };
+        let altitude_error_m = noise_m + self.errors.fault_m(stored_m, self.turned_m.is_some());
         let place = road.position(state.distance_m).moved(north_m, east_m);
         let course_deg = road.course_rad(state.distance_m).to_degrees()
             + self.errors.course_sigma_deg * normal(rng);
         Fix {
             has_fix: !self
+                .errors
                 .outages_m
                 .iter()
-                .any(|&(from, to)| (from..to).contains(&state.distance_m)),
+                .any(|&(from, to)| (from..to).contains(&stored_m)),
             latitude_e7: (place.latitude_deg * 1e7).round() as i32,
             longitude_e7: (place.longitude_deg * 1e7).round() as i32,
             altitude_m: road.altitude_m(state.distance_m) + altitude_error_m,
@@ -109,6 +104,27 @@ impl<'a> Gnss<'a> {
             satellites,
             hdop: 0.6 + 2.0 / (satellites - 3.0),
         }
+    }
+}
+
+impl GnssErrors {
+    /// What steps and ramps add to the altitude at a place of the stored road, m.
+    fn fault_m(&self, stored_m: f64, turned: bool) -> f64 {
+        let within = |from: f64, to: f64| (from..to).contains(&stored_m);
+        let steps = self
+            .steps
+            .iter()
+            .filter(|(from, to, _)| within(*from, *to))
+            .map(|(.., metres)| metres);
+        let ramps = self
+            .ramps
+            .iter()
+            .filter(|(from, to, _)| within(*from, *to))
+            .map(|(from, to, metres)| {
+                let part = (stored_m - from) / (to - from);
+                metres * if turned { 1.0 - part } else { part }
+            });
+        steps.sum::<f64>() + ramps.sum::<f64>()
     }
 }
 

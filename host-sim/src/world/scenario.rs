@@ -346,6 +346,13 @@ fn check_document(document: &Document) -> std::result::Result<(), String> {
     check("gnss.position_time_s", gnss.position_time_s, 0.1..=1e6)?;
     check("gnss.speed_sigma_mps", gnss.speed_sigma_mps, 0.0..=10.0)?;
     check("gnss.course_sigma_deg", gnss.course_sigma_deg, 0.0..=180.0)?;
+    for (name, faults) in [("gnss.steps", &gnss.steps), ("gnss.ramps", &gnss.ramps)] {
+        for &(from_m, to_m, metres) in faults {
+            check(&format!("{name} (start)"), from_m, 0.0..=1e9)?;
+            check(&format!("{name} (end)"), to_m, from_m..=1e9)?;
+            check(&format!("{name} (metres)"), metres, -1e4..=1e4)?;
+        }
+    }
     for outage in &gnss.outages_m {
         check("gnss.outages_m (start)", outage.0, 0.0..=1e9)?;
         check("gnss.outages_m (end)", outage.1, outage.0..=1e9)?;

@@ -32,6 +32,8 @@
 //! speed_sigma_mps = 0.05
 //! course_sigma_deg = 0.3
 //! outages_m = []                 # tunnels, e.g. [[5000.0, 5800.0]]; along the road as it is stored
+//! steps = []                     # [from_m, to_m, metres]: the altitude is off by so much in between
+//! ramps = []                     # [from_m, to_m, metres]: it drifts off to so much, and is right again
 //!
 //! [latency_ms]                   # age of a value when its message is sent
 //! torque = 10.0                  # engine: 61444, 65247
@@ -177,6 +179,8 @@ pub struct GnssErrors {
     pub speed_sigma_mps: f64,
     pub course_sigma_deg: f64,
     pub outages_m: Vec<(f64, f64)>,
+    pub steps: Vec<(f64, f64, f64)>,
+    pub ramps: Vec<(f64, f64, f64)>,
 }
 
 impl Default for GnssErrors {
@@ -190,6 +194,8 @@ impl Default for GnssErrors {
             speed_sigma_mps: 0.05,
             course_sigma_deg: 0.3,
             outages_m: Vec::new(),
+            steps: Vec::new(),
+            ramps: Vec::new(),
         }
     }
 }
