@@ -40,6 +40,10 @@ pub struct Counters {
     pub invalid_steps: u64,
     /// Altitudes used.
     pub altitudes_used: u64,
+    /// Altitudes left out because they did not fit.
+    pub altitudes_rejected: u64,
+    /// Steps of the GNSS altitude error taken up.
+    pub altitude_steps: u32,
     /// Altitude set anew.
     pub altitude_resets: u32,
     /// Steps that gave a number that is none; the filter was started anew.

@@ -10,11 +10,13 @@
 //! * [`transition`]: one cell of driving;
 //! * [`update`]: one scalar measurement;
 //! * [`step`]: the filter, which a sample moves over one cell;
+//! * `gate`: which altitudes to believe;
 //! * [`record`]: what a step leaves for smoothing;
 //! * [`backward`]: the smoothing recursion over records.
 
 pub mod backward;
 pub mod covariance;
+mod gate;
 pub mod record;
 pub mod state;
 pub mod step;

@@ -1,6 +1,7 @@
 //! The filter: one step is one cell.
 
 use super::covariance::Covariance;
+use super::gate::{Gate, Verdict};
 use super::record::{Link, Record};
 use super::state::{ALTITUDE, BIAS, ENERGY, GNSS_ERROR, SCALE, SLOPE, SLOPE_RATE, STATES, State};
 use super::transition::{Transition, bias_sigma};
@@ -16,13 +17,17 @@ use crate::vehicle::VehicleParameters;
 #[derive(Clone, Debug)]
 pub struct Filter<S> {
     state: Option<State<S>>,
+    gate: Gate,
 }
 
 impl<S: Scalar> Filter<S> {
     /// Before the first sample.
     #[must_use]
-    pub const fn new() -> Self {
-        Self { state: None }
+    pub fn new() -> Self {
+        Self {
+            state: None,
+            gate: Gate::default(),
+        }
     }
 
     /// The state now; `None` before the first speed.
@@ -39,8 +44,7 @@ impl<S: Scalar> Filter<S> {
         sample: &Sample,
         counters: &mut Counters,
     ) -> Option<Record<S>> {
-        let load = self.state.as_ref().map(|state| state.load);
-        let transition = Transition::new(vehicle, tuning, sample, load);
+        let transition = Transition::new(vehicle, tuning, sample, self.state.as_ref());
         let mut link = Link::Chained;
         let (mut state, energy_before) = match (self.state, sample.speed) {
             (Some(mut state), _) if sample.gap_cells == 0 => {
@@ -56,22 +60,33 @@ impl<S: Scalar> Filter<S> {
             }
             (_, None) => return None,
         };
-        let altitude = sample.altitude.map(|altitude| {
-            let value = altitude_at_end(&state, &altitude);
-            let sigma = tuning.altitude_sigma_m * altitude.dilution;
-            (value, S::from_f32(sigma * sigma), altitude.source_switched)
+        let fix = sample.altitude.map(|altitude| Fix {
+            altitude_m: altitude_at_end(&state, &altitude),
+            variance: {
+                let sigma = tuning.altitude_sigma_m * altitude.dilution;
+                S::from_f32(self.gate.spread() * sigma * sigma)
+            },
+            source_switched: altitude.source_switched,
         });
-        let mut fused_altitude = None;
-        if let Some((altitude_m, variance, source_switched)) = altitude {
-            if state.origin_m.is_none() || source_switched {
-                set_altitude(&mut state, altitude_m, variance);
+        let verdict = fix.as_ref().map(|fix| self.judge(&state, fix));
+        match (&fix, verdict) {
+            (Some(fix), Some(Verdict::SetAnew)) => {
+                set_altitude(&mut state, fix);
                 counters.altitude_resets = counters.altitude_resets.saturating_add(1);
                 if link == Link::Chained {
                     link = Link::AltitudeSet;
                 }
-            } else {
-                fused_altitude = Some((altitude_m, variance));
             }
+            (_, Some(Verdict::Reopen(offset_m))) => {
+                state
+                    .p
+                    .add_variance(GNSS_ERROR, S::from_f32(offset_m * offset_m));
+                counters.altitude_steps = counters.altitude_steps.saturating_add(1);
+            }
+            (_, Some(Verdict::Reject)) => {
+                counters.altitudes_rejected = counters.altitudes_rejected.saturating_add(1);
+            }
+            _ => {}
         }
 
         let predicted = state;
@@ -82,16 +97,13 @@ impl<S: Scalar> Filter<S> {
         if let Some(update) = &speed {
             update.apply(&mut state);
         }
-        let altitude = fused_altitude.map(|(altitude_m, variance)| {
-            let origin_m = state.origin_m.unwrap_or(altitude_m);
-            let innovation =
-                S::from_f32(altitude_m - origin_m) - Observation::Altitude.of(&state.x);
-            Update {
+        let altitude = fix
+            .filter(|_| matches!(verdict, Some(Verdict::Fuse | Verdict::Reopen(_))))
+            .map(|fix| Update {
                 observation: Observation::Altitude,
-                innovation,
-                variance,
-            }
-        });
+                innovation: fix.innovation(&state),
+                variance: fix.variance,
+            });
         if let Some(update) = &altitude {
             update.apply(&mut state);
             counters.altitudes_used = counters.altitudes_used.saturating_add(1);
@@ -115,6 +127,18 @@ impl<S: Scalar> Filter<S> {
             speed,
             altitude,
         })
+    }
+
+    /// What to do with a fix, by how it fits the state before the measurements.
+    fn judge(&mut self, state: &State<S>, fix: &Fix<S>) -> Verdict {
+        if state.origin_m.is_none() || fix.source_switched {
+            self.gate.forget();
+            return Verdict::SetAnew;
+        }
+        let observation = Observation::Altitude;
+        let cross = state.p.times(&observation.row());
+        let variance = observation.of(&cross) + fix.variance;
+        self.gate.judge(fix.innovation(state), variance)
     }
 }
 
@@ -167,13 +191,27 @@ fn altitude_at_end<S: Scalar>(state: &State<S>, altitude: &AltitudeMeasurement) 
     altitude.altitude_m + altitude.behind_m * 0.01 * slope_percent.to_f32()
 }
 
+/// A GNSS altitude at the cell's end.
+struct Fix<S> {
+    altitude_m: f32,
+    variance: S,
+    source_switched: bool,
+}
+
+impl<S: Scalar> Fix<S> {
+    fn innovation(&self, state: &State<S>) -> S {
+        let origin_m = state.origin_m.unwrap_or(self.altitude_m);
+        S::from_f32(self.altitude_m - origin_m) - Observation::Altitude.of(&state.x)
+    }
+}
+
 /// Altitude := fix − GNSS error, so that the two share the fix's error.
-fn set_altitude<S: Scalar>(state: &mut State<S>, altitude_m: f32, variance: S) {
-    let origin_m = *state.origin_m.get_or_insert(altitude_m);
-    state.x[ALTITUDE] = S::from_f32(altitude_m - origin_m) - state.x[GNSS_ERROR];
+fn set_altitude<S: Scalar>(state: &mut State<S>, fix: &Fix<S>) {
+    let origin_m = *state.origin_m.get_or_insert(fix.altitude_m);
+    state.x[ALTITUDE] = S::from_f32(fix.altitude_m - origin_m) - state.x[GNSS_ERROR];
     state.p.clear(ALTITUDE);
     state.p.shear(ALTITUDE, GNSS_ERROR, -S::ONE);
-    state.p.add_variance(ALTITUDE, variance);
+    state.p.add_variance(ALTITUDE, fix.variance);
 }
 
 /// The mean speed as a measurement of v²/2 at the cell's end, moved there along the predicted

@@ -58,7 +58,7 @@ pub(super) fn bias_sigma(vehicle: &VehicleParameters, tuning: &Tuning, sample: &
 }
 
 impl<S: Scalar> Transition<S> {
-    /// The step over the cell of `sample`, from a state with the load `load`.
+    /// The step over the cell of `sample`, from a state if there is one.
     ///
     /// A cruise control answers the road: its force is no input from outside, and regressing the
     /// speed on it (with the slope as the noise) would pull the scale towards zero, the more the
@@ -72,7 +72,7 @@ impl<S: Scalar> Transition<S> {
         vehicle: &VehicleParameters,
         tuning: &Tuning,
         sample: &Sample,
-        load: Option<S>,
+        from: Option<&State<S>>,
     ) -> Self {
         let length_m = CELL_LENGTH_M;
         let balance = vehicle.force_balance(&sample.load);
@@ -102,13 +102,15 @@ impl<S: Scalar> Transition<S> {
         );
         let (keep_gnss_error, gnss_noise) = markov(
             sample.duration_s / tuning.gnss_error_time_s,
-            tuning.gnss_error_sigma_m,
+            // An error that stepped far out does not come back as a small one would.
+            from.map_or(0.0, |state| state.x[GNSS_ERROR].to_f32().abs())
+                .max(tuning.gnss_error_sigma_m),
         );
         let walk = tuning.scale_walk_per_sqrt_km;
 
         let weight_n = sample.load.mass_kg * GRAVITY;
         let load_now = 100.0 * sample.load.traction_n / weight_n;
-        let load_before = load.map_or(load_now, S::to_f32);
+        let load_before = from.map_or(load_now, |state| state.load.to_f32());
         let load_after = if sample.place.condition.is_valid() {
             load_now
         } else {

@@ -99,7 +99,7 @@ impl Odometer {
             self.drive_interval(from, to, between, &mut closed);
         } else {
             let way_m = 0.5 * (from.value + to.value) * interval.seconds();
-            self.skip(way_m);
+            self.skip(way_m, interval);
         }
         self.open.speed_sum_mps += speed_mps;
         self.open.speed_place_sum_m += self.open.length_m;
@@ -108,11 +108,12 @@ impl Odometer {
     }
 
     /// Nothing is known of the way just driven but its rough length.
-    fn skip(&mut self, way_m: f32) {
+    fn skip(&mut self, way_m: f32, interval: Duration) {
         let cells = (way_m / CELL_LENGTH_M).clamp(0.0, 4e9) as u32;
         self.cell = self.cell.saturating_add(cells);
         self.open = OpenCell {
             gap_cells: self.open.gap_cells.saturating_add(cells.max(1)),
+            duration_s: interval.seconds(),
             ..OpenCell::default()
         };
     }
@@ -127,6 +128,11 @@ impl Odometer {
         let interval = to.time.since(from.time);
         let seconds = interval.seconds();
         let way_m = 0.5 * (from.value + to.value) * seconds;
+        if way_m <= 0.0 {
+            // Errors that live in time go on while the vehicle stands.
+            self.open.duration_s += seconds;
+            return;
+        }
         let mut left_m = way_m;
         // 70 m/s for LONGEST_INTERVAL at the most: 70 cells.
         while left_m > 0.0 {

@@ -205,6 +205,8 @@ fn events(c: &Counters) -> Vec<(&'static str, u64)> {
         ("poor fixes", c.poor_fixes.into()),
         ("gaps in speed", c.gaps.into()),
         ("cells lost", c.samples_lost.into()),
+        ("altitudes left out", c.altitudes_rejected),
+        ("steps of GNSS altitude", c.altitude_steps.into()),
         ("altitude set anew", c.altitude_resets.into()),
         ("filter restarts", c.restarts.into()),
     ]

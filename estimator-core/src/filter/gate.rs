@@ -1,0 +1,94 @@
+//! Which altitudes to believe.
+//!
+//! A fix whose innovation is beyond what its variance allows is left out. A single one is an
+//! outlier. Several in a row, all off by about as much, are a step of the receiver's slow error
+//! (other satellites, a street canyon): that error is reopened by as much and takes the step
+//! up; altitude, slope, bias and scale stay what they were.
+//!
+//! How noisy single fixes are is learned: receivers differ by a factor of ten, and a gate that
+//! takes a noisy one for a good one would pick the fixes that please it.
+
+use crate::scalar::Scalar;
+
+/// Normalised squared innovation beyond which a fix is left out: five standard deviations. Errors
+/// among houses have heavier tails than the normal distribution.
+const LIMIT: f32 = 25.0;
+/// Fixes left out in a row before they are believed after all.
+const PATIENCE: u8 = 4;
+/// A step is one if the fixes left out agree within this part of their offset.
+const AGREEMENT: f32 = 0.5;
+
+/// What to do with a fix.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Verdict {
+    /// Fuse it.
+    Fuse,
+    /// Leave it out.
+    Reject,
+    /// Fuse it with the slow error reopened by this much, m.
+    Reopen(f32),
+    /// Set the altitude from it: there was none, or it counts from another datum.
+    SetAnew,
+}
+
+/// Step by which the learned variance follows one normalised squared innovation: some hundred
+/// fixes.
+const LEARNING: f32 = 0.03;
+/// Learned over believed variance of a single fix; never below what is believed.
+const SPREADS: core::ops::RangeInclusive<f32> = 1.0..=100.0;
+
+/// Remembers the fixes left out in a row, and how noisy fixes were.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Gate {
+    rejected: u8,
+    offset_m: f32,
+    spread: f32,
+}
+
+impl Default for Gate {
+    fn default() -> Self {
+        Self {
+            rejected: 0,
+            offset_m: 0.0,
+            spread: *SPREADS.start(),
+        }
+    }
+}
+
+impl Gate {
+    /// Learned over believed variance of a single fix.
+    pub(super) const fn spread(&self) -> f32 {
+        self.spread
+    }
+
+    /// Forgets the fixes left out.
+    pub(super) fn forget(&mut self) {
+        self.rejected = 0;
+        self.offset_m = 0.0;
+    }
+
+    /// Judges a fix by its innovation, m, and the innovation's variance.
+    pub(super) fn judge<S: Scalar>(&mut self, innovation: S, variance: S) -> Verdict {
+        let offset_m = innovation.to_f32();
+        let normalised = offset_m * offset_m / variance.to_f32();
+        // A step must not pass for noise: what is beyond the limit teaches no more than the limit.
+        let lesson = 1.0 + LEARNING * (normalised.min(LIMIT) - 1.0);
+        self.spread = (self.spread * lesson).clamp(*SPREADS.start(), *SPREADS.end());
+        if normalised <= LIMIT {
+            self.forget();
+            return Verdict::Fuse;
+        }
+        let agrees = (offset_m - self.offset_m).abs() <= AGREEMENT * offset_m.abs();
+        self.rejected = if agrees {
+            self.rejected.saturating_add(1)
+        } else {
+            1
+        };
+        self.offset_m = offset_m;
+        if self.rejected < PATIENCE {
+            return Verdict::Reject;
+        }
+        self.forget();
+        Verdict::Reopen(offset_m)
+    }
+}
