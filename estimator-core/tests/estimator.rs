@@ -162,7 +162,7 @@ fn braking_makes_unsure_and_invalid_until_its_hold_is_over() {
     assert!(at(32.6).place.condition.braking, "hold time");
     assert!(at(34.0).place.condition.is_valid());
     assert!(
-        at(31.9).live.grade_percent.sigma > 1.5 * at(29.5).live.grade_percent.sigma,
+        at(31.9).live.grade_percent.sigma > 1.3 * at(29.5).live.grade_percent.sigma,
         "{} {}",
         at(31.9).live.grade_percent.sigma,
         at(29.5).live.grade_percent.sigma

@@ -161,16 +161,11 @@ fn batch(samples: &[Sample], records: &[Record<f64>], tuning: &Tuning) -> Vec<(f
             }
             rows.push((h, value, variance));
         };
-        if let Some(speed) = sample.speed {
+        if let (Some(speed), Some(used)) = (sample.speed, records[k].speed) {
             let v = f64::from(speed.mean_mps);
-            let sigma = f64::from(tuning.speed_sigma_mps);
-            push(
-                &[ENERGY],
-                0.5 * v * v,
-                (v * sigma).powi(2) + 0.5 * sigma.powi(4),
-            );
+            push(&[ENERGY], 0.5 * v * v, used.variance);
         }
-        // Those that the gate let pass, with the variance that it had learned by then.
+        // Those that the gate let pass; all with the variance that had been learned by then.
         if let (Some(altitude), Some(used)) = (sample.altitude, records[k].altitude) {
             let origin = f64::from(records[k].predicted.origin_m.unwrap());
             push(
@@ -387,4 +382,29 @@ fn a_noisy_receiver_is_learned_and_not_picked_from() {
         counters.altitudes_rejected
     );
     assert!(worst_grade(&records) < 0.25, "{}", worst_grade(&records));
+}
+
+#[test]
+fn the_noise_of_the_wheel_speed_is_learned() {
+    let vehicle = truck();
+    let live_sigma = |sigma: f32| {
+        let mut filter = Filter::<f64>::new();
+        let mut counters = Counters::default();
+        let mut noise = Noise(9);
+        let mut last = 0.0;
+        for k in 1..=4_000_u32 {
+            let mut s = sample(k, 4_000.0, 20.0);
+            s.speed = speed(20.0 + sigma * noise.next());
+            let record = filter.step(&vehicle, &Tuning::default(), &s, &mut counters);
+            last = record.unwrap().speed.unwrap().variance.sqrt();
+        }
+        last / 20.0
+    };
+    for sigma in [0.006, 0.013, 0.03] {
+        let learned = live_sigma(sigma);
+        assert!(
+            (learned / f64::from(sigma) - 1.0).abs() < 0.25,
+            "{sigma}: {learned}"
+        );
+    }
 }

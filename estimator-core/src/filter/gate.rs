@@ -8,6 +8,7 @@
 //! How noisy single fixes are is learned: receivers differ by a factor of ten, and a gate that
 //! takes a noisy one for a good one would pick the fixes that please it.
 
+use super::learned::Spread;
 use crate::scalar::Scalar;
 
 /// Normalised squared innovation beyond which a fix is left out: five standard deviations. Errors
@@ -31,18 +32,12 @@ pub(super) enum Verdict {
     SetAnew,
 }
 
-/// Step by which the learned variance follows one normalised squared innovation: some hundred
-/// fixes.
-const LEARNING: f32 = 0.03;
-/// Learned over believed variance of a single fix; never below what is believed.
-const SPREADS: core::ops::RangeInclusive<f32> = 1.0..=100.0;
-
 /// Remembers the fixes left out in a row, and how noisy fixes were.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Gate {
     rejected: u8,
     offset_m: f32,
-    spread: f32,
+    spread: Spread,
 }
 
 impl Default for Gate {
@@ -50,7 +45,8 @@ impl Default for Gate {
         Self {
             rejected: 0,
             offset_m: 0.0,
-            spread: *SPREADS.start(),
+            // Never surer than believed; some thirty fixes.
+            spread: Spread::new(1.0, 100.0, 0.03),
         }
     }
 }
@@ -58,7 +54,7 @@ impl Default for Gate {
 impl Gate {
     /// Learned over believed variance of a single fix.
     pub(super) const fn spread(&self) -> f32 {
-        self.spread
+        self.spread.ratio()
     }
 
     /// Forgets the fixes left out.
@@ -71,9 +67,7 @@ impl Gate {
     pub(super) fn judge<S: Scalar>(&mut self, innovation: S, variance: S) -> Verdict {
         let offset_m = innovation.to_f32();
         let normalised = offset_m * offset_m / variance.to_f32();
-        // A step must not pass for noise: what is beyond the limit teaches no more than the limit.
-        let lesson = 1.0 + LEARNING * (normalised.min(LIMIT) - 1.0);
-        self.spread = (self.spread * lesson).clamp(*SPREADS.start(), *SPREADS.end());
+        self.spread.learn(normalised);
         if normalised <= LIMIT {
             self.forget();
             return Verdict::Fuse;

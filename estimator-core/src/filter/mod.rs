@@ -10,13 +10,14 @@
 //! * [`transition`]: one cell of driving;
 //! * [`update`]: one scalar measurement;
 //! * [`step`]: the filter, which a sample moves over one cell;
-//! * `gate`: which altitudes to believe;
+//! * `gate`: which altitudes to believe; `learned`: how noisy the sensors are;
 //! * [`record`]: what a step leaves for smoothing;
 //! * [`backward`]: the smoothing recursion over records.
 
 pub mod backward;
 pub mod covariance;
 mod gate;
+mod learned;
 pub mod record;
 pub mod state;
 pub mod step;

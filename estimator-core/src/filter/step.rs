@@ -2,6 +2,7 @@
 
 use super::covariance::Covariance;
 use super::gate::{Gate, Verdict};
+use super::learned::Spread;
 use super::record::{Link, Record};
 use super::state::{ALTITUDE, BIAS, ENERGY, GNSS_ERROR, SCALE, SLOPE, SLOPE_RATE, STATES, State};
 use super::transition::{Transition, bias_sigma};
@@ -18,6 +19,7 @@ use crate::vehicle::VehicleParameters;
 pub struct Filter<S> {
     state: Option<State<S>>,
     gate: Gate,
+    speed_spread: Spread,
 }
 
 impl<S: Scalar> Filter<S> {
@@ -27,6 +29,8 @@ impl<S: Scalar> Filter<S> {
         Self {
             state: None,
             gate: Gate::default(),
+            // A third to five times the believed sigma; some hundred readings.
+            speed_spread: Spread::new(0.1, 25.0, 0.01),
         }
     }
 
@@ -92,9 +96,15 @@ impl<S: Scalar> Filter<S> {
         let predicted = state;
         let speed = sample.speed.map(|speed| {
             let gradient = (predicted.x[ENERGY] - energy_before) * S::from_f32(1.0 / CELL_LENGTH_M);
-            speed_update(&state, tuning, speed, gradient)
+            speed_update(&state, tuning, speed, gradient, self.speed_spread.ratio())
         });
         if let Some(update) = &speed {
+            let variance = state.p.get(ENERGY, ENERGY) + update.variance;
+            let normalised = update.innovation.squared() / variance;
+            let condition = sample.place.condition;
+            if link == Link::Chained && condition.is_valid() && !condition.crawling {
+                self.speed_spread.learn(normalised.to_f32());
+            }
             update.apply(&mut state);
         }
         let altitude = fix
@@ -221,6 +231,7 @@ fn speed_update<S: Scalar>(
     tuning: &Tuning,
     speed: SpeedMeasurement,
     gradient: S,
+    spread: f32,
 ) -> Update<S> {
     let mps = speed.mean_mps;
     let sigma = if mps < tuning.crawl_mps {
@@ -229,11 +240,12 @@ fn speed_update<S: Scalar>(
         tuning.speed_sigma_mps
     };
     let measured = S::from_f32(0.5 * mps * mps) + gradient * S::from_f32(speed.behind_m);
-    let variance = mps * mps * sigma * sigma / f32::from(speed.count.max(1));
+    let sigma_squared = spread * sigma * sigma;
+    let variance = mps * mps * sigma_squared / f32::from(speed.count.max(1));
     Update {
         observation: Observation::Energy,
         innovation: measured - state.x[ENERGY],
         // d(v²/2) = v dv, and dv²/2 where v itself is no larger than that.
-        variance: S::from_f32(variance + 0.5 * sigma * sigma * sigma * sigma),
+        variance: S::from_f32(variance + 0.5 * sigma_squared * sigma_squared),
     }
 }
