@@ -5,11 +5,13 @@
 //!
 //! * [`pointwise`]: grade from the vehicle model alone (eq. 9, forward difference);
 //! * [`original`]: the three-state filter with switched noise, smoothed;
+//! * [`simulated`]: drives of a vehicle whose every parameter is known (section 4);
 //! * [`modified`]: mass and bias corrections found against a GPS-heavy estimate (section 8).
 
 pub mod modified;
 pub mod original;
 pub mod pointwise;
+pub mod simulated;
 
 use estimator_core::sampler::Sample;
 use estimator_core::vehicle::{GRAVITY, Load};
