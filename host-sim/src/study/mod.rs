@@ -4,6 +4,7 @@
 //! are written beside the page by their names. Adding one takes a file and a line in [`STUDIES`].
 
 pub mod drift;
+pub mod gps;
 pub mod windows;
 pub mod ztbus;
 
@@ -41,4 +42,4 @@ pub struct Study {
 }
 
 /// Every study, in the order of the report.
-pub const STUDIES: &[Study] = &[ztbus::STUDY];
+pub const STUDIES: &[Study] = &[gps::STUDY, ztbus::STUDY];
