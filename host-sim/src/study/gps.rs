@@ -68,7 +68,7 @@ fn run(setting: &Setting) -> Result<Outcome> {
         Some(training) => sources.push(Source::new(
             "measured bus",
             "measured",
-            training,
+            &training,
             setting.seed,
         )),
         None => words.push(format!(
@@ -83,7 +83,7 @@ fn run(setting: &Setting) -> Result<Outcome> {
     sources.push(Source::new(
         "simulator",
         "simulated",
-        errors::simulated(setting.seed),
+        &errors::simulated(setting.seed),
         setting.seed,
     ));
     words.push(
@@ -107,8 +107,8 @@ fn run(setting: &Setting) -> Result<Outcome> {
 }
 
 impl Source {
-    fn new(name: &'static str, key: &'static str, training: Vec<Vec<f64>>, seed: u64) -> Self {
-        let chain = Chain::train(&training);
+    fn new(name: &'static str, key: &'static str, training: &[Vec<f64>], seed: u64) -> Self {
+        let chain = Chain::train(training);
         let lengths: Vec<usize> = training.iter().map(Vec::len).collect();
         Self {
             name,

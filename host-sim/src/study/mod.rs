@@ -5,6 +5,7 @@
 
 pub mod drift;
 pub mod gps;
+pub mod sensitivity;
 pub mod windows;
 pub mod ztbus;
 
@@ -42,4 +43,4 @@ pub struct Study {
 }
 
 /// Every study, in the order of the report.
-pub const STUDIES: &[Study] = &[gps::STUDY, ztbus::STUDY];
+pub const STUDIES: &[Study] = &[sensitivity::STUDY, gps::STUDY, ztbus::STUDY];
