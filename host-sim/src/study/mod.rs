@@ -4,6 +4,7 @@
 //! are written beside the page by their names. Adding one takes a file and a line in [`STUDIES`].
 
 pub mod drift;
+pub mod experiments;
 pub mod windows;
 pub mod ztbus;
 
@@ -41,4 +42,10 @@ pub struct Study {
 }
 
 /// Every study, in the order of the report.
-pub const STUDIES: &[Study] = &[ztbus::STUDY];
+pub const STUDIES: &[Study] = &[
+    experiments::pointwise::STUDY,
+    experiments::model_errors::STUDY,
+    experiments::tuning::STUDY,
+    experiments::modified::STUDY,
+    ztbus::STUDY,
+];
