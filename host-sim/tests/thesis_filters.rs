@@ -172,7 +172,7 @@ fn the_mass_correction_finds_a_planted_error() {
         let slope = found.mass_line.unwrap().slope;
         assert!(found.mass_corrected);
         // The filter rounds the road's crests off, so that α_G is a little off even here.
-        assert!((slope - k).abs() < 0.02, "planted {k}, found {slope}");
+        assert!((slope - k).abs() < 0.025, "planted {k}, found {slope}");
     }
 }
 

@@ -25,7 +25,13 @@ pub struct Modified {
 /// Runs the whole procedure.
 #[must_use]
 pub fn estimate(drive: &Drive) -> Modified {
-    let gps_heavy = original::estimate(drive, &Noise::GPS_HEAVY).grade_percent;
+    estimate_with(drive, &Noise::GPS_HEAVY, &Noise::GPS_LIGHT)
+}
+
+/// Runs it with other noise in the first and in the second estimate.
+#[must_use]
+pub fn estimate_with(drive: &Drive, first: &Noise, second: &Noise) -> Modified {
+    let gps_heavy = original::estimate(drive, first).grade_percent;
     let mut corrected = drive.clone();
 
     // e_m = α_p − α_G as a line in α_G (eq. 10), and m_c = m (1 + k) (eq. 11).
@@ -50,7 +56,7 @@ pub fn estimate(drive: &Drive) -> Modified {
         }
     }
     Modified {
-        profile: original::estimate(&corrected, &Noise::GPS_LIGHT),
+        profile: original::estimate(&corrected, second),
         mass_line,
         mass_corrected,
         bias_line,

@@ -23,24 +23,27 @@ pub struct Noise {
 
 impl Noise {
     /// The original method: "vehicle data is treated as a signal with large amounts of white
-    /// noise, thus giving more weight to GPS" (section 7.1).
+    /// noise, thus giving more weight to GPS" (section 7.1). How the numbers of all three were
+    /// chosen: `study::experiments::tuning`.
     pub const ORIGINAL: Self = Self {
         speed_mps: 0.013,
-        altitude_m: 1.5,
+        altitude_m: 12.0,
         model_percent: 1.0,
         model_invalid_percent: 30.0,
         climb_m: 0.01,
-        grade_percent: 0.03,
+        grade_percent: 0.06,
     };
     /// The first pass of the modified method: heavy on GPS (section 8.1).
     pub const GPS_HEAVY: Self = Self {
-        model_percent: 4.0,
+        model_percent: 2.0,
+        grade_percent: 0.12,
         ..Self::ORIGINAL
     };
-    /// Its second pass, on corrected data: "less weight on GPS".
+    /// Its second pass, on corrected data: "less weight on GPS". Its climb has the same noise, so
+    /// that a model of half the noise outweighs it.
     pub const GPS_LIGHT: Self = Self {
         altitude_m: 6.0,
-        model_percent: 0.3,
+        model_percent: 0.5,
         ..Self::ORIGINAL
     };
 }

@@ -3,6 +3,7 @@
 
 pub mod errors;
 
+use super::experiments::measure::rmse;
 use super::{Outcome, Setting, Study};
 use crate::baseline::STEP_M;
 use crate::baseline::markov::{BIN_M, Chain, STATES, centred, error_of};
@@ -28,8 +29,6 @@ const GRADE_BASES_M: [f64; 3] = [500.0, 1_250.0, 3_000.0];
 const LAGS_M: [f64; 3] = [100.0, 500.0, 1_250.0];
 /// As far as autocorrelation is drawn, m.
 const LONGEST_LAG_M: f64 = 3_000.0;
-/// Points left out at each end of a run (section 8.2).
-const UNSETTLED: usize = 200;
 /// Noise of wheel speed in the drives of the verification, m/s.
 const SPEED_NOISE_MPS: f64 = 0.013;
 
@@ -323,10 +322,5 @@ fn estimation_rmse(gps_m: &[f64], seed: u64) -> f64 {
     let run = simulated::simulate(&grades, &vehicle, &Belief::TRUTH, &errors, &mut rng)
         .expect("the preset has an engine and a gearbox");
     let estimate = original::estimate(&run.drive, &Noise::ORIGINAL).grade_percent;
-    let settled = UNSETTLED..grades.len() - UNSETTLED;
-    let squares = estimate[settled.clone()]
-        .iter()
-        .zip(&grades[settled.clone()])
-        .map(|(estimate, truth)| (estimate - truth).powi(2));
-    (squares.sum::<f64>() / settled.len() as f64).sqrt()
+    rmse(&grades, &estimate)
 }
