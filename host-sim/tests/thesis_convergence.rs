@@ -1,8 +1,7 @@
 //! Convergence of maps (figures 10 and 11).
 
-use host_sim::study::convergence::{
-    Conditions, Extent, POINTWISE_SIGMA_PERCENT, PowerLaw, Set, floor_percent,
-};
+use host_sim::study::convergence::curve::{PowerLaw, floor_percent};
+use host_sim::study::convergence::{Conditions, Extent, POINTWISE_SIGMA_PERCENT, Set};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// 10 km of hills.

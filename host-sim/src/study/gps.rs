@@ -89,8 +89,9 @@ fn run(setting: &Setting) -> Result<Outcome> {
         "What to see: with a memory of one step a chain cannot tell a rise from a fall. The \
          measured error goes on in its direction for some seconds, so that its chain has too \
          little error of grade over 500 m; the simulator's moves by less than half a metre a \
-         step, which rounding turns into too much. The thesis found its chain to be pessimistic; \
-         whether one is depends on how fast the error it was trained on moves."
+         step, which rounding turns into too much. The thesis found its chain to be pessimistic, \
+         ours of the measured bus is not; whether one is depends on how fast the error it was \
+         trained on moves."
             .to_owned(),
     );
     let mut figures = Vec::new();
