@@ -5,6 +5,7 @@ pub mod cli;
 pub mod error;
 pub mod map;
 pub mod output;
+pub mod progress;
 pub mod recorder;
 pub mod report;
 pub mod robust_line;

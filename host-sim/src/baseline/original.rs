@@ -23,24 +23,27 @@ pub struct Noise {
 
 impl Noise {
     /// The original method: "vehicle data is treated as a signal with large amounts of white
-    /// noise, thus giving more weight to GPS" (section 7.1).
+    /// noise, thus giving more weight to GPS" (section 7.1). How the numbers of all three were
+    /// chosen: `study::experiments::tuning`.
     pub const ORIGINAL: Self = Self {
         speed_mps: 0.013,
-        altitude_m: 1.5,
+        altitude_m: 12.0,
         model_percent: 1.0,
         model_invalid_percent: 30.0,
         climb_m: 0.01,
-        grade_percent: 0.03,
+        grade_percent: 0.06,
     };
     /// The first pass of the modified method: heavy on GPS (section 8.1).
     pub const GPS_HEAVY: Self = Self {
-        model_percent: 4.0,
+        model_percent: 2.0,
+        grade_percent: 0.12,
         ..Self::ORIGINAL
     };
-    /// Its second pass, on corrected data: "less weight on GPS".
+    /// Its second pass, on corrected data: "less weight on GPS". Its climb has the same noise, so
+    /// that a model of half the noise outweighs it.
     pub const GPS_LIGHT: Self = Self {
         altitude_m: 6.0,
-        model_percent: 0.3,
+        model_percent: 0.5,
         ..Self::ORIGINAL
     };
 }
@@ -53,11 +56,27 @@ struct Step {
     transition: Matrix3<f64>,
 }
 
-/// Speed, altitude and grade (as sine) along a drive; returns the smoothed grade.
+/// The smoothed grade of a drive.
 #[must_use]
 pub fn estimate(drive: &Drive, noise: &Noise) -> Profile {
+    smooth(&filter(drive, noise))
+}
+
+/// The grade as known at each point from what came before it.
+#[must_use]
+pub fn filtered(drive: &Drive, noise: &Noise) -> Profile {
+    let steps = filter(drive, noise);
+    let each = |f: fn(&Step) -> f64| steps.iter().map(f).collect();
+    Profile {
+        grade_percent: each(|step| percent_of_sine(step.filtered[2])),
+        sigma_percent: each(|step| sigma_percent(&step.filtered_p)),
+    }
+}
+
+/// Speed, altitude and grade (as sine) along a drive.
+fn filter(drive: &Drive, noise: &Noise) -> Vec<Step> {
     let Some(first) = drive.points.first() else {
-        return Profile::default();
+        return Vec::new();
     };
     let altitude = drive.points.iter().find_map(|point| point.altitude_m);
     let mut x = Vector3::new(first.speed_mps, altitude.unwrap_or(0.0), 0.0);
@@ -84,7 +103,7 @@ pub fn estimate(drive: &Drive, noise: &Noise) -> Profile {
         });
         before = Some(point);
     }
-    smooth(&steps)
+    steps
 }
 
 /// One step of eq. 9 in v, its Jacobian beside it.
@@ -156,8 +175,12 @@ fn smooth(steps: &[Step]) -> Profile {
             _ => (step.filtered, step.filtered_p),
         };
         profile.grade_percent[k] = percent_of_sine(x[2]);
-        profile.sigma_percent[k] = 100.0 * p[(2, 2)].max(0.0).sqrt();
+        profile.sigma_percent[k] = sigma_percent(&p);
         later = Some((x, p));
     }
     profile
+}
+
+fn sigma_percent(p: &Matrix3<f64>) -> f64 {
+    100.0 * p[(2, 2)].max(0.0).sqrt()
 }

@@ -1,8 +1,8 @@
 //! `roadgrade estimate`: one recorded drive becomes a run.
 
-use super::progress;
 use crate::error::{Error, Result};
 use crate::output::print;
+use crate::progress;
 use crate::recorder::{self, Run};
 use crate::run_file;
 use crate::smooth::bytes_per_km;

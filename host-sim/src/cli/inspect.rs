@@ -1,9 +1,9 @@
 //! `roadgrade inspect`.
 
 use super::inspect_text::text;
-use super::progress;
 use crate::error::Result;
 use crate::output::print;
+use crate::progress;
 use crate::source::candump::CandumpReader;
 use crate::source::census::{BusCounter, Census, TableCounter};
 use crate::source::needs::{Need, needs};

@@ -6,7 +6,6 @@ mod fuse;
 mod import;
 mod inspect;
 mod inspect_text;
-mod progress;
 mod score;
 mod simulate;
 mod study;

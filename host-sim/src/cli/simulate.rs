@@ -1,8 +1,8 @@
 //! `roadgrade simulate`.
 
-use super::progress;
 use crate::error::Result;
 use crate::output::write_whole;
+use crate::progress;
 use crate::source::candump_writer::write_frame;
 use crate::truth_file;
 use crate::world::Recording;

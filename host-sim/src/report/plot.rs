@@ -32,6 +32,8 @@ pub enum Mark {
     Dashed,
     /// A dot at each point.
     Dots,
+    /// A bar from zero to each point, as wide as the points are apart.
+    Bars,
     /// An area between `y` and the given lower edge, without outline.
     Band(Vec<f64>),
 }
@@ -101,6 +103,8 @@ pub struct Plot {
     pub series: Vec<Series>,
     /// Stretches of x with a grey background.
     pub shaded: Vec<(f64, f64)>,
+    /// Where short vertical lines stand on the x axis.
+    pub ticks: Vec<f64>,
     /// Range of y; of the data if `None`.
     pub y_range: Option<(f64, f64)>,
     /// One metre is as long in x as in y.
@@ -111,6 +115,8 @@ pub struct Plot {
 
 /// Width of every plot, pixels.
 pub const WIDTH: u32 = 960;
+/// Height of a tick, as a part of the plot's.
+const TICK_PART: f64 = 0.08;
 /// Points of a line beyond which only each column's extremes are drawn.
 const MOST_POINTS: usize = 2 * WIDTH as usize;
 
@@ -203,6 +209,11 @@ impl Plot {
         for series in &self.series {
             draw_series(&mut chart, series)?;
         }
+        let tick_top = y.0 + TICK_PART * (y.1 - y.0);
+        for &at in &self.ticks {
+            let tick = PathElement::new([(at, y.0), (at, tick_top)], colour::BLACK);
+            chart.draw_series([tick]).map_err(|e| e.to_string())?;
+        }
         area.present().map_err(|e| e.to_string())?;
         Ok(())
     }
@@ -221,7 +232,7 @@ impl Plot {
                 (x, y) = (LEFT_PX, y + ROW_PX);
             }
             let middle = y + ROW_PX / 2;
-            let half = if matches!(series.mark, Mark::Band(_)) {
+            let half = if matches!(series.mark, Mark::Band(_) | Mark::Bars) {
                 6
             } else {
                 1
@@ -230,7 +241,7 @@ impl Plot {
             for (from, to) in match series.mark {
                 Mark::Dashed => vec![(x, x + 9), (x + 14, x + 23)],
                 Mark::Dots => vec![(x + 10, x + 13)],
-                Mark::Line | Mark::Band(_) => vec![(x, x + 23)],
+                Mark::Line | Mark::Bars | Mark::Band(_) => vec![(x, x + 23)],
             } {
                 let key = Rectangle::new(
                     [(from, middle - half), (to, middle + half)],
@@ -302,6 +313,15 @@ fn draw_series(chart: &mut Chart<'_, '_>, series: &Series) -> Result<(), Box<dyn
                 .iter()
                 .map(|point| Circle::new(*point, 2, colour.filled()));
             chart.draw_series(dots).map_err(|e| e.to_string())?;
+        }
+        Mark::Bars => {
+            let apart = series.points.windows(2).next();
+            let half = apart.map_or(0.5, |pair| 0.5 * (pair[1].0 - pair[0].0));
+            let bars = series.points.iter().map(|(x, y)| {
+                let corners = [(x - half, 0.0), (x + half, *y)];
+                Rectangle::new(corners, colour.mix(0.3).filled())
+            });
+            chart.draw_series(bars).map_err(|e| e.to_string())?;
         }
         Mark::Line => {
             let line = LineSeries::new(thinned(&series.points), colour.stroke_width(2));

@@ -3,7 +3,11 @@
 //! A study is a function from [`Setting`] to a [`Section`] of the report; its tables and figures
 //! are written beside the page by their names. Adding one takes a file and a line in [`STUDIES`].
 
+pub mod convergence;
 pub mod drift;
+pub mod experiments;
+pub mod gps;
+pub mod sensitivity;
 pub mod windows;
 pub mod ztbus;
 
@@ -41,4 +45,13 @@ pub struct Study {
 }
 
 /// Every study, in the order of the report.
-pub const STUDIES: &[Study] = &[ztbus::STUDY];
+pub const STUDIES: &[Study] = &[
+    sensitivity::STUDY,
+    experiments::pointwise::STUDY,
+    gps::STUDY,
+    convergence::STUDY,
+    experiments::model_errors::STUDY,
+    experiments::tuning::STUDY,
+    experiments::modified::STUDY,
+    ztbus::STUDY,
+];

@@ -4,11 +4,13 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 
 /// A bar over a file's bytes.
+#[must_use]
 pub fn bytes(total: u64) -> ProgressBar {
     bar(total, "{bar:40} {bytes}/{total_bytes} {eta}")
 }
 
 /// A bar over a number of things.
+#[must_use]
 pub fn count(total: u64, what: &str) -> ProgressBar {
     bar(total, &format!("{{bar:40}} {{pos}}/{{len}} {what} {{eta}}"))
 }

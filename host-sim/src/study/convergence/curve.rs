@@ -1,0 +1,58 @@
+//! What is fitted to RMSE against the number of runs.
+
+/// RMSE = first · N^-exponent.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PowerLaw {
+    /// RMSE of one run, %.
+    pub first_percent: f64,
+    /// The thesis's c.
+    pub exponent: f64,
+}
+
+impl PowerLaw {
+    /// Least squares in the logarithms; values of 1, 2, 3, ... runs.
+    #[must_use]
+    pub fn fit(rmse_percent: &[f64]) -> Self {
+        let points: Vec<(f64, f64)> = (1..)
+            .zip(rmse_percent)
+            .map(|(n, rmse)| (f64::from(n).ln(), rmse.ln()))
+            .collect();
+        let (offset, slope) = line(&points);
+        Self {
+            first_percent: offset.exp(),
+            exponent: -slope,
+        }
+    }
+
+    /// RMSE of `n` runs, %.
+    #[must_use]
+    pub fn at(&self, n: usize) -> f64 {
+        self.first_percent * (n as f64).powf(-self.exponent)
+    }
+}
+
+/// What is left with runs without number: RMSE² = floor² + b/N, least squares in 1/N over the
+/// runs after `skipped`. Independent errors add by their squares; what all runs share stays.
+#[must_use]
+pub fn floor_percent(rmse_percent: &[f64], skipped: usize) -> f64 {
+    let points: Vec<(f64, f64)> = (1..)
+        .zip(rmse_percent)
+        .skip(skipped)
+        .map(|(n, rmse)| (1.0 / f64::from(n), rmse * rmse))
+        .collect();
+    line(&points).0.max(0.0).sqrt()
+}
+
+/// Offset and slope of the least-squares line.
+fn line(points: &[(f64, f64)]) -> (f64, f64) {
+    let n = points.len() as f64;
+    let (x, y) = points
+        .iter()
+        .fold((0.0, 0.0), |sum, p| (sum.0 + p.0, sum.1 + p.1));
+    let (x, y) = (x / n, y / n);
+    let (xy, xx) = points.iter().fold((0.0, 0.0), |sum, p| {
+        (sum.0 + (p.0 - x) * (p.1 - y), sum.1 + (p.0 - x).powi(2))
+    });
+    let slope = xy / xx;
+    (y - slope * x, slope)
+}

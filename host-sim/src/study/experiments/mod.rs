@@ -1,0 +1,18 @@
+//! The ten experiments of the thesis, replicated: trucks A (runs 1-3) and B (runs 4-5), south and
+//! north between Södertälje and Nyköping.
+//!
+//! * [`replica`]: what disturbs each run, and the two numbers of it that are fitted;
+//! * [`thesis`]: what the thesis measured;
+//! * [`measure`]: errors of a profile, and maps merged by P;
+//! * [`comparison`]: ours beside the thesis's, and what the errors are made of;
+//! * [`tuning`]: how the noise of the filters was chosen;
+//! * [`pointwise`], [`model_errors`], [`modified`]: sections 4.2, 7 and 8.
+
+pub mod comparison;
+pub mod measure;
+pub mod model_errors;
+pub mod modified;
+pub mod pointwise;
+pub mod replica;
+pub mod thesis;
+pub mod tuning;
