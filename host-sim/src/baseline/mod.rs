@@ -6,8 +6,10 @@
 //! * [`pointwise`]: grade from the vehicle model alone (eq. 9, forward difference);
 //! * [`original`]: the three-state filter with switched noise, smoothed;
 //! * [`simulated`]: drives of a vehicle whose every parameter is known (section 4);
+//! * [`markov`]: the error of GNSS altitude as a Markov chain (section 5);
 //! * [`modified`]: mass and bias corrections found against a GPS-heavy estimate (section 8).
 
+pub mod markov;
 pub mod modified;
 pub mod original;
 pub mod pointwise;
@@ -123,6 +125,27 @@ impl Drive {
             points,
         }
     }
+}
+
+/// The mean over `length_m` about each value of a series with one value each [`STEP_M`].
+#[must_use]
+pub fn moving_mean(values: &[f64], length_m: f64) -> Vec<f64> {
+    let half = (0.5 * length_m / STEP_M).round() as usize;
+    let n = values.len();
+    let mut sums = Vec::with_capacity(n + 1);
+    let mut sum = 0.0;
+    sums.push(sum);
+    for value in values {
+        sum += value;
+        sums.push(sum);
+    }
+    (0..n)
+        .map(|k| {
+            // As far on one side as on the other, so that no end is shifted.
+            let reach = half.min(k).min(n - 1 - k);
+            (sums[k + reach + 1] - sums[k - reach]) / (2 * reach + 1) as f64
+        })
+        .collect()
 }
 
 fn interpolated(fixes: &[(f64, f64)], at: f64, longest_gap: f64) -> Option<f64> {

@@ -1,6 +1,6 @@
 //! Grade from the vehicle model alone, point by point (thesis section 4.2).
 
-use super::{Drive, G, Point, STEP_M, percent_of_sine};
+use super::{Drive, G, Point, STEP_M, moving_mean, percent_of_sine};
 
 /// Eq. 9 solved for the grade in %, with a forward difference for the acceleration.
 ///
@@ -36,20 +36,11 @@ pub fn at(drive: &Drive, point: &Point, acceleration: f64) -> f64 {
 /// A drive whose speed went through a low-pass filter: the mean over `length_m` about each point.
 #[must_use]
 pub fn with_smooth_speed(drive: &Drive, length_m: f64) -> Drive {
-    let half = (0.5 * length_m / STEP_M).round() as usize;
-    let n = drive.points.len();
-    let mut sums = Vec::with_capacity(n + 1);
-    let mut sum = 0.0;
-    sums.push(sum);
-    for point in &drive.points {
-        sum += point.speed_mps;
-        sums.push(sum);
-    }
+    let speeds: Vec<f64> = drive.points.iter().map(|point| point.speed_mps).collect();
     let mut smooth = drive.clone();
-    for (k, point) in smooth.points.iter_mut().enumerate() {
-        // As far on one side as on the other, so that no end is shifted.
-        let reach = half.min(k).min(n - 1 - k);
-        point.speed_mps = (sums[k + reach + 1] - sums[k - reach]) / (2 * reach + 1) as f64;
+    let means = moving_mean(&speeds, length_m);
+    for (point, speed_mps) in smooth.points.iter_mut().zip(means) {
+        point.speed_mps = speed_mps;
     }
     smooth
 }

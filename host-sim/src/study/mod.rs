@@ -5,6 +5,7 @@
 
 pub mod drift;
 pub mod experiments;
+pub mod gps;
 pub mod windows;
 pub mod ztbus;
 
@@ -47,5 +48,6 @@ pub const STUDIES: &[Study] = &[
     experiments::model_errors::STUDY,
     experiments::tuning::STUDY,
     experiments::modified::STUDY,
+    gps::STUDY,
     ztbus::STUDY,
 ];

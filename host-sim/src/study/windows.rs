@@ -96,7 +96,7 @@ pub fn window_errors(
     })
 }
 
-fn forward(pairs: impl IntoIterator<Item = (f64, f64)>) -> Vec<(f64, f64)> {
+pub(crate) fn forward(pairs: impl IntoIterator<Item = (f64, f64)>) -> Vec<(f64, f64)> {
     let mut points: Vec<(f64, f64)> = Vec::new();
     for (at_m, value) in pairs {
         let goes_on = points.last().is_none_or(|last| at_m > last.0);
@@ -107,7 +107,7 @@ fn forward(pairs: impl IntoIterator<Item = (f64, f64)>) -> Vec<(f64, f64)> {
     points
 }
 
-fn linear(points: &[(f64, f64)], at_m: f64) -> Option<f64> {
+pub(crate) fn linear(points: &[(f64, f64)], at_m: f64) -> Option<f64> {
     let after = points.partition_point(|point| point.0 < at_m);
     let &(b_m, b) = points.get(after)?;
     if b_m == at_m {

@@ -82,7 +82,7 @@ fn run(setting: &Setting) -> Result<Outcome> {
 }
 
 /// The first mission of the data folder by name.
-fn mission_file(data: &Path) -> Option<PathBuf> {
+pub(super) fn mission_file(data: &Path) -> Option<PathBuf> {
     let mut files: Vec<PathBuf> = fs::read_dir(data.join("ztbus"))
         .ok()?
         .filter_map(|entry| Some(entry.ok()?.path()))

@@ -7,6 +7,7 @@
 
 use super::measure::{self, EDGE};
 use super::thesis;
+use crate::baseline::markov::Chain;
 use crate::baseline::simulated::{Belief, Errors, simulate};
 use crate::baseline::{Drive, G, STEP_M, pointwise};
 use crate::world::driver::SET_SPEED_MPS;
@@ -18,11 +19,6 @@ use rayon::prelude::*;
 
 /// Length of either road, m. Long enough for what happened at 42 km.
 pub const LENGTH_M: f64 = 47_000.0;
-/// GPS altitude error: standard deviation, m, and correlation time, s, as of a single-frequency
-/// receiver.
-const GPS: (f64, f64) = (3.0, 300.0);
-/// Time between GPS fixes, s; altitude is linear between them.
-const FIX_S: f64 = 1.0;
 /// A large GPS error is a bump of this standard length, m.
 const BUMP_M: f64 = 200.0;
 /// Wind along the road: standard deviation, m/s, and correlation length, m ("slow").
@@ -307,24 +303,18 @@ impl Campaign {
         self.drive(experiment, fitted, Sources::ALL)
     }
 
-    /// GPS altitude error at each point, m.
+    /// GPS altitude error at each point, m: from the chain of section 5, trained on measured errors,
+    /// and the large ones that the thesis shows.
     fn gps_error_m(&self, experiment: Experiment) -> Vec<f64> {
         let mut rng = stream(self.seed, experiment.index(), Purpose::Gnss);
-        let mut slow = OrnsteinUhlenbeck::new(GPS.0, GPS.1, &mut rng);
-        let fix_m = FIX_S * SET_SPEED_MPS;
-        let fixes: Vec<f64> = (0..(LENGTH_M / fix_m) as usize + 2)
-            .map(|_| slow.advance(FIX_S, &mut rng))
-            .collect();
-        (0..self.road(experiment.heading).len())
-            .map(|k| {
-                let at_m = k as f64 * STEP_M;
-                let (fix, part) = ((at_m / fix_m) as usize, at_m / fix_m % 1.0);
-                let bumps = experiment.gps_bumps().iter().map(|(centre_m, height_m)| {
-                    height_m * (-0.5 * ((at_m - centre_m) / BUMP_M).powi(2)).exp()
-                });
-                fixes[fix] + part * (fixes[fix + 1] - fixes[fix]) + bumps.sum::<f64>()
-            })
-            .collect()
+        let mut error_m = Chain::measured().generate(self.road(experiment.heading).len(), &mut rng);
+        for (k, error) in error_m.iter_mut().enumerate() {
+            for (centre_m, height_m) in experiment.gps_bumps() {
+                let away = (k as f64 * STEP_M - centre_m) / BUMP_M;
+                *error += height_m * (-0.5 * away * away).exp();
+            }
+        }
+        error_m
     }
 
     /// What the model reads too high at each point, %.

@@ -1,0 +1,188 @@
+//! Series of altitude errors to train the chain on, one value each 2.5 m.
+
+use crate::baseline::STEP_M;
+use crate::error::{Error, Result};
+use crate::map::{Place, RoadLine, RoadPoint, TrackPoint, match_track};
+use crate::source::ztbus::{Direction, Mission, Row};
+use crate::study::windows::{forward, linear};
+use crate::study::ztbus::mission_file;
+use crate::world::random::{OrnsteinUhlenbeck, Purpose, stream};
+use crate::world::scenario_file::GnssErrors;
+use std::ops::Range;
+use std::path::Path;
+
+/// Speed at which simulated errors are laid along the way, m/s: the thesis's 80 km/h.
+pub const SPEED_MPS: f64 = 80.0 / 3.6;
+/// Length of a simulated series, m.
+const LENGTH_M: f64 = 40_000.0;
+/// Simulated series; as many as the thesis has drives.
+const RUNS: usize = 10;
+/// Vertices of a road made from raw fixes are at least this far apart, m: more than their noise.
+const VERTEX_M: f64 = 10.0;
+
+/// Errors as this project's own simulator makes them, resampled at [`SPEED_MPS`]. The receiver's
+/// white noise is left out: linear interpolation between fixes a second apart would not be white.
+#[must_use]
+pub fn simulated(seed: u64) -> Vec<Vec<f64>> {
+    let errors = GnssErrors::default();
+    (0..RUNS)
+        .map(|run| {
+            let mut rng = stream(seed, run, Purpose::Gnss);
+            let mut slow =
+                OrnsteinUhlenbeck::new(errors.altitude_sigma_m, errors.altitude_time_s, &mut rng);
+            (0..(LENGTH_M / STEP_M) as usize)
+                .map(|_| slow.advance(STEP_M / SPEED_MPS, &mut rng))
+                .collect()
+        })
+        .collect()
+}
+
+/// [`measured`] of the first mission in the data folder; `None` if there is none.
+///
+/// # Errors
+/// As [`measured`].
+pub fn of_data(data: &Path) -> Result<Option<Vec<Vec<f64>>>> {
+    mission_file(data).as_deref().map(measured).transpose()
+}
+
+/// Errors of a measured mission: each pass's raw altitude less the mean over the passes in its
+/// direction at the same place of the road, over time, laid along the way at [`SPEED_MPS`].
+///
+/// By time and not by the bus's own way: atmosphere, multipath and the receiver's filter change
+/// with time, and at a bus's 5 m/s the same error would look five times as fast to a truck. What
+/// the receiver does while the bus stands is part of it.
+///
+/// The mean of N passes holds a part 1/N of each pass's own error, so that the differences are
+/// too small by √(1 - 1/N); they are scaled back.
+///
+/// # Errors
+/// A mission that cannot be read or whose passes have no common road.
+pub fn measured(mission_file: &Path) -> Result<Vec<Vec<f64>>> {
+    let mission = Mission::read(mission_file)?;
+    let passes = mission.passes();
+    let mut series = Vec::new();
+    for direction in [Direction::Outbound, Direction::Inbound] {
+        let tracks: Vec<Vec<Fix>> = passes
+            .iter()
+            .filter(|pass| pass.direction == direction)
+            .map(|pass| fixes(&mission, pass.rows.clone()))
+            .collect();
+        if tracks.len() < 2 {
+            continue;
+        }
+        let road = RoadLine::new(vertices(&tracks[0]))
+            .map_err(|problem| Error::content(mission_file, problem.to_string()))?;
+        let placed: Vec<Vec<Placed>> = tracks.iter().map(|track| place(&road, track)).collect();
+        series.extend(deviations(&placed));
+    }
+    if series.is_empty() {
+        return Err(Error::content(
+            mission_file,
+            "no two passes in one direction on a common road; expected a mission of several \
+             round trips",
+        ));
+    }
+    Ok(series)
+}
+
+/// One row with position and altitude.
+struct Fix {
+    time_s: f64,
+    track: TrackPoint,
+    altitude_m: f64,
+}
+
+/// A fix on the road.
+struct Placed {
+    time_s: f64,
+    distance_m: f64,
+    altitude_m: f64,
+}
+
+fn fixes(mission: &Mission, rows: Range<usize>) -> Vec<Fix> {
+    let odometer_m = &mission.odometer_m()[rows.clone()];
+    let fix = |(row, &odometer_m): (&Row, &f64)| {
+        Some(Fix {
+            time_s: row.time_s,
+            track: TrackPoint {
+                odometer_m,
+                position: Some(row.position_deg()?),
+            },
+            altitude_m: row.altitude_m?,
+        })
+    };
+    mission.rows()[rows]
+        .iter()
+        .zip(odometer_m)
+        .filter_map(fix)
+        .collect()
+}
+
+fn vertices(track: &[Fix]) -> Vec<RoadPoint> {
+    let mut road: Vec<RoadPoint> = Vec::new();
+    for TrackPoint {
+        odometer_m,
+        position,
+    } in track.iter().map(|fix| fix.track)
+    {
+        let far = |last: &RoadPoint| odometer_m - last.distance_m >= VERTEX_M;
+        if let Some((latitude_deg, longitude_deg)) = position
+            && road.last().is_none_or(far)
+        {
+            road.push(RoadPoint {
+                distance_m: odometer_m,
+                latitude_deg,
+                longitude_deg,
+            });
+        }
+    }
+    road
+}
+
+fn place(road: &RoadLine, track: &[Fix]) -> Vec<Placed> {
+    let points: Vec<TrackPoint> = track.iter().map(|fix| fix.track).collect();
+    match_track(road, &points)
+        .into_iter()
+        .zip(track)
+        .filter_map(|(place, fix)| match place {
+            Place::OnRoad(distance_m) => Some(Placed {
+                time_s: fix.time_s,
+                distance_m,
+                altitude_m: fix.altitude_m,
+            }),
+            _ => None,
+        })
+        .collect()
+}
+
+/// What each pass has above the mean of all, where all have been.
+fn deviations(passes: &[Vec<Placed>]) -> Vec<Vec<f64>> {
+    let profiles: Vec<Vec<(f64, f64)>> = passes
+        .iter()
+        .map(|pass| forward(pass.iter().map(|fix| (fix.distance_m, fix.altitude_m))))
+        .collect();
+    let n = passes.len() as f64;
+    let mean = |at_m| -> Option<f64> {
+        let sum: Option<f64> = profiles.iter().map(|profile| linear(profile, at_m)).sum();
+        Some(sum? / n)
+    };
+    let scale = (n / (n - 1.0)).sqrt();
+    passes
+        .iter()
+        .map(|pass| {
+            let errors = forward(pass.iter().filter_map(|fix| {
+                Some((fix.time_s, scale * (fix.altitude_m - mean(fix.distance_m)?)))
+            }));
+            by_way(&errors)
+        })
+        .filter(|series| series.len() > 1)
+        .collect()
+}
+
+/// Errors over time, one for each step of a drive at [`SPEED_MPS`].
+fn by_way(errors: &[(f64, f64)]) -> Vec<f64> {
+    let start_s = errors.first().map_or(0.0, |first| first.0);
+    (0..)
+        .map_while(|step| linear(errors, start_s + f64::from(step) * STEP_M / SPEED_MPS))
+        .collect()
+}
