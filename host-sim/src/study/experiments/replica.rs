@@ -55,41 +55,42 @@ impl Heading {
     }
 }
 
-/// What disturbs a run; all on in the experiments, single ones to see what an error is made of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// What disturbs a run, as factors of what is assumed: all 1 in the experiments, others to see what
+/// an error is made of.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sources {
     /// Noise on wheel speed.
-    pub speed: bool,
+    pub speed: f64,
     /// GPS altitude errors, the large ones included.
-    pub gps: bool,
+    pub gps: f64,
     /// Wind.
-    pub wind: bool,
+    pub wind: f64,
     /// The fitted constant.
-    pub constant: bool,
+    pub constant: f64,
     /// Cold tyres.
-    pub warm_up: bool,
+    pub warm_up: f64,
     /// False torque.
-    pub torque: bool,
+    pub torque: f64,
 }
 
 impl Sources {
     /// Everything, as in the experiments.
     pub const ALL: Self = Self {
-        speed: true,
-        gps: true,
-        wind: true,
-        constant: true,
-        warm_up: true,
-        torque: true,
+        speed: 1.0,
+        gps: 1.0,
+        wind: 1.0,
+        constant: 1.0,
+        warm_up: 1.0,
+        torque: 1.0,
     };
     /// Nothing.
     pub const NONE: Self = Self {
-        speed: false,
-        gps: false,
-        wind: false,
-        constant: false,
-        warm_up: false,
-        torque: false,
+        speed: 0.0,
+        gps: 0.0,
+        wind: 0.0,
+        constant: 0.0,
+        warm_up: 0.0,
+        torque: 0.0,
     };
 }
 
@@ -249,19 +250,15 @@ impl Campaign {
     pub fn drive(&self, experiment: Experiment, fitted: Fitted, sources: Sources) -> Replica {
         let truth = self.road(experiment.heading);
         let truck = experiment.preset().parameters();
-        let gps = if sources.gps {
-            self.gps_error_m(experiment)
-        } else {
-            vec![0.0; truth.len()]
-        };
+        let mut gps = self.gps_error_m(experiment);
+        gps.iter_mut().for_each(|error_m| *error_m *= sources.gps);
         let model = self.model_error_percent(experiment, fitted, sources);
-        let belief = if sources.torque {
-            experiment.belief()
-        } else {
-            Belief::TRUTH
+        let belief = Belief {
+            torque: 1.0 + sources.torque * (experiment.belief().torque - 1.0),
+            ..Belief::TRUTH
         };
         let errors = Errors {
-            speed_mps: if sources.speed { fitted.speed_mps } else { 0.0 },
+            speed_mps: sources.speed * fitted.speed_mps,
             gps_m: &gps,
             model_percent: &model,
         };
@@ -290,7 +287,7 @@ impl Campaign {
         for _ in 0..ROUNDS {
             let all = found(fitted, Sources::ALL);
             let silent = Sources {
-                speed: false,
+                speed: 0.0,
                 ..Sources::ALL
             };
             let rest = found(fitted, silent).sigma.powi(2);
@@ -331,18 +328,14 @@ impl Campaign {
         let mut wind = OrnsteinUhlenbeck::new(WIND.0, WIND.1, &mut rng);
         (0..self.road(experiment.heading).len())
             .map(|k| {
-                let against_mps = wind.advance(STEP_M, &mut rng);
-                let mut error = 0.0;
-                if sources.constant {
-                    error += fitted.constant_percent;
-                }
-                if sources.wind {
-                    let force_n = air * against_mps * (2.0 * SET_SPEED_MPS + against_mps);
-                    error += 100.0 * force_n / weight_n;
-                }
-                if sources.warm_up && experiment.is_morning() {
+                let against_mps = sources.wind * wind.advance(STEP_M, &mut rng);
+                let force_n = air * against_mps * (2.0 * SET_SPEED_MPS + against_mps);
+                let mut error = sources.constant * fitted.constant_percent;
+                error += 100.0 * force_n / weight_n;
+                if experiment.is_morning() {
                     let left = (-(k as f64) * STEP_M / COLD_TYRES.1).exp();
-                    error += 100.0 * COLD_TYRES.0 * f64::from(truck.rolling_resistance) * left;
+                    let cold = COLD_TYRES.0 * f64::from(truck.rolling_resistance) * left;
+                    error += 100.0 * sources.warm_up * cold;
                 }
                 error
             })
