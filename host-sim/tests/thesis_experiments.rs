@@ -3,6 +3,7 @@
 use host_sim::baseline::original::Noise;
 use host_sim::baseline::{Profile, pointwise};
 use host_sim::report::page::Section;
+use host_sim::report::plot::{Mark, Plot, Series, colour};
 use host_sim::study::experiments::measure::{errors, mean, merged, rmse};
 use host_sim::study::experiments::modified::{Estimated, Method};
 use host_sim::study::experiments::replica::{Campaign, Heading, Replica, Sources};
@@ -235,4 +236,20 @@ fn figures_mark_braking_and_gear_shifts() {
         .find(|f| f.name == "fig15_original")
         .unwrap();
     assert!(fig15.svg.matches("<rect").count() > 3);
+}
+
+#[test]
+fn ticks_stand_on_the_axis_and_bars_from_zero() {
+    let points = [(0.0, 1.0), (1.0, 3.0), (2.0, 2.0)];
+    let line = Plot::new("x", "y").with(Series::line("", colour::BLUE, points));
+    let ticked = Plot {
+        ticks: vec![0.5, 1.5],
+        ..line.clone()
+    };
+    let lines = |plot: &Plot| plot.to_svg().matches("<polyline").count();
+    assert_eq!(lines(&ticked), lines(&line) + 2);
+    let bars = Plot::new("x", "y").with(Series::line("", colour::BLUE, points).drawn(Mark::Bars));
+    let boxes = |plot: &Plot| plot.to_svg().matches("<rect").count();
+    assert_eq!(boxes(&bars), boxes(&line) + 3);
+    assert_eq!(bars.to_csv(), line.to_csv());
 }

@@ -13,7 +13,7 @@ use crate::study::{Outcome, Setting, Study};
 /// Length of the low-pass filter on speed in figure 6, m. The thesis does not tell its own.
 const LOW_PASS_M: f64 = 100.0;
 /// The section of northbound 3 that figure 6 shows, m: the large GPS error is in it.
-const SHOWN_M: (f64, f64) = (22_000.0, 28_000.0);
+const SHOWN_M: (f64, f64) = (22_500.0, 26_500.0);
 /// Bars of a histogram.
 const BARS: usize = 60;
 /// Widths of the fitted normal distribution that a histogram shows on either side.
