@@ -227,6 +227,12 @@ impl Truck {
         0.5 * self.drag_area_m2 * air_density * airspeed_mps * airspeed_mps.abs()
     }
 
+    /// Air and rolling resistance in still air with warm tyres (eq. 5 and 6), N.
+    #[must_use]
+    pub fn resistance_n(&self, speed_mps: f64, air_density: f64) -> f64 {
+        self.air_resistance_n(speed_mps, air_density) + self.rolling_resistance_n()
+    }
+
     /// Rolling resistance of warm tyres (eq. 6), N.
     #[must_use]
     pub fn rolling_resistance_n(&self) -> f64 {

@@ -147,7 +147,8 @@ fn warm_up(run: &Replica) -> Vec<Figure> {
             "fig12_top",
             pointwise::grade_percent(&smooth),
             "Figure 12, top: error of the vehicle model alone, southbound 4, speed averaged over \
-             100 m. It drifts down as the tyres warm up.",
+             100 m. It drifts down as the tyres warm up; beside braking, the averaged speed \
+             spoils it.",
         ),
         (
             "fig12_bottom",
