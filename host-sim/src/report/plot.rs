@@ -232,15 +232,14 @@ impl Plot {
                 (x, y) = (LEFT_PX, y + ROW_PX);
             }
             let middle = y + ROW_PX / 2;
-            let half = if matches!(series.mark, Mark::Band(_) | Mark::Bars) {
-                6
-            } else {
-                1
+            let (half, strength) = match series.mark {
+                Mark::Band(_) | Mark::Bars => (6, 0.3),
+                Mark::Dots => (2, 1.0),
+                Mark::Line | Mark::Dashed => (1, 1.0),
             };
-            let strength = if half > 1 { 0.3 } else { 1.0 };
             for (from, to) in match series.mark {
                 Mark::Dashed => vec![(x, x + 9), (x + 14, x + 23)],
-                Mark::Dots => vec![(x + 10, x + 13)],
+                Mark::Dots => vec![(x + 3, x + 7), (x + 14, x + 18)],
                 Mark::Line | Mark::Bars | Mark::Band(_) => vec![(x, x + 23)],
             } {
                 let key = Rectangle::new(

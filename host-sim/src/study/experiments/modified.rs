@@ -149,9 +149,10 @@ fn table(name: &str, method: Method, heading: Heading, all: &[Estimated]) -> Tab
         "thesis",
     ];
     let caption = format!(
-        "Error of the {} method, {} (thesis {name}).",
+        "Error of the {} method, {} (thesis table {}).",
         method.word(),
-        heading.word()
+        heading.word(),
+        name.trim_start_matches("table")
     );
     let rows = all
         .iter()

@@ -78,7 +78,11 @@ fn tables(runs: &[Replica]) -> Vec<Table> {
             "speed noise m/s",
             "constant %",
         ];
-        let caption = format!("Pointwise grade error, {} (thesis {name}).", heading.word());
+        let caption = format!(
+            "Pointwise grade error, {} (thesis table {}).",
+            heading.word(),
+            name.trim_start_matches("table")
+        );
         let mut table = Table::new(name, caption, &header);
         for run in runs.iter().filter(|run| run.experiment.heading == heading) {
             let grade = pointwise::grade_percent(&run.drive);
