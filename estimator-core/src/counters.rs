@@ -34,6 +34,8 @@ pub struct Counters {
     pub gaps: u32,
     /// Cells lost because `step` was not called often enough.
     pub samples_lost: u32,
+    /// Finished cells overwritten because nobody fetched them.
+    pub cells_lost: u32,
     /// Filter steps.
     pub steps: u64,
     /// Steps with an invalid model (shift, brake, no traction).

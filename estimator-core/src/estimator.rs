@@ -111,7 +111,8 @@ impl<S: Scalar> Estimator<S> {
             return Some(Step::Skipped);
         };
         self.place = record.place;
-        self.lag.push(record);
+        let lost = self.lag.push(record) as u32;
+        counters.cells_lost = counters.cells_lost.saturating_add(lost);
         Some(Step::Moved)
     }
 

@@ -194,6 +194,23 @@ fn a_gap_starts_the_slope_anew_and_keeps_counting_distance() {
 }
 
 #[test]
+fn cells_that_nobody_fetches_are_counted() {
+    let mut estimator = Estimator::<f32>::new(by_force(), Tuning::default()).unwrap();
+    for ms in (0..30_000).step_by(100) {
+        put(&mut estimator, ms * 1000, Signal::TractionForce, 4_000.0);
+        put(&mut estimator, ms * 1000, Signal::WheelSpeed, 20.0);
+        while estimator.step().is_some() {}
+    }
+    let mut kept = 0;
+    while estimator.drain_cell().is_some() {
+        kept += 1;
+    }
+    let counters = estimator.counters();
+    assert!(counters.cells_lost > 0);
+    assert_eq!(u64::from(counters.cells_lost) + kept, counters.steps);
+}
+
+#[test]
 fn time_running_backwards_is_counted_and_left_out() {
     let mut estimator = Estimator::<f32>::new(by_force(), Tuning::default()).unwrap();
     assert_eq!(

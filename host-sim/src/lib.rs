@@ -12,6 +12,7 @@ pub mod robust_line;
 pub mod row_check;
 pub mod run_file;
 pub mod score;
+pub mod series;
 pub mod smooth;
 pub mod source;
 pub mod study;

@@ -6,6 +6,7 @@
 
 use crate::map::{MapRow, Place, RoadLine, RoadRow, TrackPoint, match_track};
 use crate::run_file::{RunRow, round};
+use crate::series::linear;
 use crate::text_table::text_table;
 use crate::truth_file::TruthRow;
 use comfy_table::Table;
@@ -87,7 +88,7 @@ pub fn score_run(run: &str, rows: &[RunRow], truth: &[TruthRow]) -> Result<RunSc
     let mut sums = [Sums::default(); 3];
     let mut beyond_truth = 0;
     for row in rows {
-        let Some(true_percent) = interpolate(&truth, row.time_s) else {
+        let Some(true_percent) = linear(&truth, row.time_s) else {
             beyond_truth += 1;
             continue;
         };
@@ -238,7 +239,7 @@ fn score_placed(
         if is_end(ends.0, ends.1, row.distance_m) {
             continue;
         }
-        if let Some(true_percent) = place.and_then(|at| interpolate(reference, at)) {
+        if let Some(true_percent) = place.and_then(|at| linear(reference, at)) {
             sums.add(
                 row.grade_percent - true_percent,
                 row.grade_sigma_percent,
@@ -252,17 +253,6 @@ fn score_placed(
 
 fn is_end(first_m: f64, last_m: f64, at_m: f64) -> bool {
     at_m < first_m + END_CUT_M || at_m > last_m - END_CUT_M
-}
-
-/// Linear between the points of a sorted series; `None` outside of it.
-fn interpolate(series: &[(f64, f64)], at: f64) -> Option<f64> {
-    let after = series.partition_point(|point| point.0 < at);
-    let b = series.get(after)?;
-    if b.0 == at {
-        return Some(b.1);
-    }
-    let a = series.get(after.checked_sub(1)?)?;
-    Some(a.1 + (at - a.0) / (b.0 - a.0) * (b.1 - a.1))
 }
 
 #[derive(Clone, Copy, Default)]

@@ -99,13 +99,12 @@ impl<S: Scalar> Filter<S> {
             speed_update(&state, tuning, speed, gradient, self.speed_spread.ratio())
         });
         if let Some(update) = &speed {
-            let variance = state.p.get(ENERGY, ENERGY) + update.variance;
-            let normalised = update.innovation.squared() / variance;
+            let gain = update.apply(&mut state);
+            let normalised = update.innovation.squared() / gain.innovation_variance;
             let condition = sample.place.condition;
             if link == Link::Chained && condition.is_valid() && !condition.crawling {
                 self.speed_spread.learn(normalised.to_f32());
             }
-            update.apply(&mut state);
         }
         let altitude = fix
             .filter(|_| matches!(verdict, Some(Verdict::Fuse | Verdict::Reopen(_))))
@@ -146,8 +145,7 @@ impl<S: Scalar> Filter<S> {
             return Verdict::SetAnew;
         }
         let observation = Observation::Altitude;
-        let cross = state.p.times(&observation.row());
-        let variance = observation.of(&cross) + fix.variance;
+        let variance = observation.of(&observation.cross(&state.p)) + fix.variance;
         self.gate.judge(fix.innovation(state), variance)
     }
 }

@@ -1,5 +1,6 @@
 //! One scalar measurement.
 
+use super::covariance::Covariance;
 use super::state::{ALTITUDE, ENERGY, GNSS_ERROR, STATES, State};
 use crate::scalar::Scalar;
 
@@ -52,6 +53,21 @@ impl Observation {
         }
     }
 
+    /// P h'.
+    #[inline(always)]
+    pub(super) fn cross<S: Scalar>(self, p: &Covariance<S>) -> [S; STATES] {
+        match self {
+            Self::Energy => p.row(ENERGY),
+            Self::Altitude => {
+                let mut sum = p.row(ALTITUDE);
+                for (k, element) in sum.iter_mut().enumerate() {
+                    *element += p.get(GNSS_ERROR, k);
+                }
+                sum
+            }
+        }
+    }
+
     /// The row h.
     #[must_use]
     pub fn row<S: Scalar>(self) -> [S; STATES] {
@@ -65,16 +81,7 @@ impl<S: Scalar> Update<S> {
     /// Applies it, and tells the gain.
     #[inline]
     pub(super) fn apply(&self, state: &mut State<S>) -> Gain<S> {
-        let cross = match self.observation {
-            Observation::Energy => state.p.row(ENERGY),
-            Observation::Altitude => {
-                let mut sum = state.p.row(ALTITUDE);
-                for (k, element) in sum.iter_mut().enumerate() {
-                    *element += state.p.get(GNSS_ERROR, k);
-                }
-                sum
-            }
-        };
+        let cross = self.observation.cross(&state.p);
         let innovation_variance = self.observation.of(&cross) + self.variance;
         let per_variance = S::ONE / innovation_variance;
         let gain = cross.map(|element| element * per_variance);

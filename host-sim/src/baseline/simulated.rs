@@ -2,16 +2,12 @@
 //! PI cruise control, and what its sensors would have told.
 
 use super::{Drive, G, Point, STEP_M};
-use crate::world::driver::{CruiseControl, SET_SPEED_MPS};
+use crate::world::driver::{BRAKE_OFF_MPS, BRAKE_ON_MPS, CruiseControl, SET_SPEED_MPS};
 use crate::world::random::normal;
 use crate::world::truck::Truck;
 use estimator_core::{VehicleParameters, vehicle::STANDARD_AIR_DENSITY};
 use rand_chacha::ChaCha8Rng;
 
-/// "If the speed exceeds 89 km/h, brakes are applied" (section 4.3).
-const BRAKE_ABOVE_MPS: f64 = 89.0 / 3.6;
-/// Speed at which they are released again.
-const BRAKE_UNTIL_MPS: f64 = 85.0 / 3.6;
 /// Deceleration that the brakes add, m/s².
 const BRAKE_MPS2: f64 = 0.5;
 /// Time without torque at the wheels while the gear changes, s.
@@ -212,7 +208,7 @@ impl Vehicle {
 
     fn forces(&mut self) -> Forces {
         self.braking =
-            self.speed_mps > BRAKE_ABOVE_MPS || self.braking && self.speed_mps > BRAKE_UNTIL_MPS;
+            self.speed_mps > BRAKE_ON_MPS || self.braking && self.speed_mps > BRAKE_OFF_MPS;
         let brake_n = if self.braking {
             self.truck.mass_kg * BRAKE_MPS2
         } else {

@@ -8,6 +8,7 @@ use crate::report::page::{Figure, Page, Section, Table};
 use crate::report::plot::{Mark, Plot, Series, colour};
 use crate::run_file::{self, RunRow};
 use crate::score::{self, ScoreRow};
+use crate::series::linear;
 use crate::truth_file::{self, TruthRow};
 use crate::vehicle_file::VehicleFile;
 use crate::world::scenario::Scenario;
@@ -94,13 +95,10 @@ fn fuse(drives: &[Drive], folder: &Path) -> Result<(Vec<MapRow>, ScoreRow)> {
 }
 
 fn page(drives: &[Drive], map: &[MapRow], scores: &[ScoreRow]) -> Page {
-    let truth = |distance_of: fn(&TruthRow) -> f64, value: fn(&TruthRow) -> f64| {
-        drives[0]
-            .truth
-            .iter()
-            .map(move |row| (distance_of(row), value(row)))
+    let truth = |value: fn(&TruthRow) -> f64| {
+        let rows = drives[0].truth.iter();
+        rows.map(move |row| (row.distance_m * 1e-3, value(row)))
     };
-    let km = |row: &TruthRow| row.distance_m * 1e-3;
     let grade = Plot::new("distance (km)", "grade (%)")
         .with(Series::two_sigma(
             "map, ± 2 sigma",
@@ -116,7 +114,7 @@ fn page(drives: &[Drive], map: &[MapRow], scores: &[ScoreRow]) -> Page {
         .with(Series::line(
             "true grade",
             colour::BLACK,
-            truth(km, |row| row.grade_percent),
+            truth(|row| row.grade_percent),
         ))
         .with(
             Series::line(
@@ -145,7 +143,7 @@ fn page(drives: &[Drive], map: &[MapRow], scores: &[ScoreRow]) -> Page {
     let altitude = altitude.with(Series::line(
         "truth",
         colour::BLACK,
-        truth(km, |row| row.altitude_m),
+        truth(|row| row.altitude_m),
     ));
     Page {
         title: "A grade map from bus traffic".to_owned(),
@@ -206,16 +204,17 @@ fn page(drives: &[Drive], map: &[MapRow], scores: &[ScoreRow]) -> Page {
 }
 
 fn error_of(drive: &Drive) -> Vec<(f64, f64)> {
-    let truth = &drive.truth;
+    let truth: Vec<(f64, f64)> = drive
+        .truth
+        .iter()
+        .map(|row| (row.time_s, row.grade_percent))
+        .collect();
     drive
         .rows
         .iter()
         .filter_map(|row| {
-            let after = truth.partition_point(|t| t.time_s < row.time_s);
-            let (a, b) = (truth.get(after.checked_sub(1)?)?, truth.get(after)?);
-            let part = (row.time_s - a.time_s) / (b.time_s - a.time_s);
-            let grade = a.grade_percent + part * (b.grade_percent - a.grade_percent);
-            Some((row.distance_m * 1e-3, row.grade_percent - grade))
+            let true_percent = linear(&truth, row.time_s)?;
+            Some((row.distance_m * 1e-3, row.grade_percent - true_percent))
         })
         .collect()
 }

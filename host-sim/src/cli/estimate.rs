@@ -204,7 +204,10 @@ fn events(c: &Counters) -> Vec<(&'static str, u64)> {
         ("sender switches", c.source_switches.into()),
         ("poor fixes", c.poor_fixes.into()),
         ("gaps in speed", c.gaps.into()),
-        ("cells lost", c.samples_lost.into()),
+        (
+            "cells lost",
+            c.samples_lost.saturating_add(c.cells_lost).into(),
+        ),
         ("altitudes left out", c.altitudes_rejected),
         ("steps of GNSS altitude", c.altitude_steps.into()),
         ("altitude set anew", c.altitude_resets.into()),

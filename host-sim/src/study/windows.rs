@@ -3,6 +3,8 @@
 //! A reference made of GNSS altitudes is noisy in short windows; the mean grade of a window is
 //! the altitude change over its length, so that noise falls with the length.
 
+use crate::series::linear;
+
 /// Grade over the distance along one road, linear in between.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GradeProfile {
@@ -105,14 +107,4 @@ pub(crate) fn forward(pairs: impl IntoIterator<Item = (f64, f64)>) -> Vec<(f64, 
         }
     }
     points
-}
-
-pub(crate) fn linear(points: &[(f64, f64)], at_m: f64) -> Option<f64> {
-    let after = points.partition_point(|point| point.0 < at_m);
-    let &(b_m, b) = points.get(after)?;
-    if b_m == at_m {
-        return Some(b);
-    }
-    let &(a_m, a) = points.get(after.checked_sub(1)?)?;
-    Some(a + (b - a) * (at_m - a_m) / (b_m - a_m))
 }

@@ -3,9 +3,9 @@
 /// Set speed of the thesis: 80 km/h.
 pub const SET_SPEED_MPS: f64 = 80.0 / 3.6;
 /// Speed above which the brakes are used (thesis 4.3): 89 km/h.
-const BRAKE_ON_MPS: f64 = 89.0 / 3.6;
+pub const BRAKE_ON_MPS: f64 = 89.0 / 3.6;
 /// Speed at which the foot leaves the brake again.
-const BRAKE_OFF_MPS: f64 = 85.0 / 3.6;
+pub const BRAKE_OFF_MPS: f64 = 85.0 / 3.6;
 /// Pedal position while braking, %.
 const PEDAL_PERCENT: f64 = 20.0;
 /// Deceleration that a fully applied service brake gives at that pedal, m/s².

@@ -3,8 +3,9 @@
 use crate::baseline::STEP_M;
 use crate::error::{Error, Result};
 use crate::map::{Place, RoadLine, RoadPoint, TrackPoint, match_track};
+use crate::series::linear;
 use crate::source::ztbus::{Direction, Mission, Row};
-use crate::study::windows::{forward, linear};
+use crate::study::windows::forward;
 use crate::study::ztbus::mission_file;
 use crate::world::random::{OrnsteinUhlenbeck, Purpose, stream};
 use crate::world::scenario_file::GnssErrors;

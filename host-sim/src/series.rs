@@ -1,0 +1,13 @@
+//! Values over time or distance: sorted pairs, linear in between.
+
+/// The value at `at` on the line between the two points around it; `None` outside of the series.
+#[must_use]
+pub fn linear(points: &[(f64, f64)], at: f64) -> Option<f64> {
+    let after = points.partition_point(|point| point.0 < at);
+    let &(b_at, b) = points.get(after)?;
+    if b_at == at {
+        return Some(b);
+    }
+    let &(a_at, a) = points.get(after.checked_sub(1)?)?;
+    Some(a + (b - a) * (at - a_at) / (b_at - a_at))
+}
