@@ -38,6 +38,12 @@ pub struct Tuning {
     /// Distance over which the slow error keeps its value, m.
     pub bias_length_m: f32,
 
+    /// What cold tyres add to the rolling resistance where a drive begins and nothing is known,
+    /// as a part of it: between 0 (warm) and 0.3 to 0.8 (cold).
+    pub cold_tyres: f32,
+    /// The same, 1 sigma.
+    pub cold_tyres_sigma: f32,
+
     /// Error of the traction scale (mass or torque) at the start, 1 sigma, 1.
     pub scale_sigma: f32,
     /// Wander of the scale, 1 sigma, per square root of a km.
@@ -76,7 +82,9 @@ impl Default for Tuning {
             bias_force_n: 250.0,
             bias_rolling: 0.15,
             bias_drag: 0.1,
-            bias_length_m: 20_000.0,
+            bias_length_m: 30_000.0,
+            cold_tyres: 0.2,
+            cold_tyres_sigma: 0.2,
             scale_sigma: 0.1,
             scale_walk_per_sqrt_km: 0.002,
             load_change_percent: 0.1,

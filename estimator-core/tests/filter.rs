@@ -38,14 +38,20 @@ fn smooth<S: Scalar>(records: &[Record<S>]) -> Vec<Estimate> {
     estimates
 }
 
-/// Traction over weight in %, cell by cell, held while the model is invalid.
+/// Traction less air resistance over weight in %, cell by cell, held while the model is invalid.
 fn loads(samples: &[Sample]) -> Vec<f64> {
     let mut held = None;
     samples
         .iter()
         .map(|sample| {
             let weight = f64::from(sample.load.mass_kg) * 9.806_65;
-            let now = 100.0 * f64::from(sample.load.traction_n) / weight;
+            let mps = f64::from(sample.place.speed_mps);
+            let air_n = 0.5
+                * f64::from(truck().drag_area_m2)
+                * f64::from(sample.load.air_density)
+                * mps
+                * mps;
+            let now = 100.0 * (f64::from(sample.load.traction_n) - air_n) / weight;
             let load = match held {
                 Some(held) if !sample.place.condition.is_valid() => held,
                 _ => now,

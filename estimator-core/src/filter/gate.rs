@@ -5,10 +5,11 @@
 //! (other satellites, a street canyon): that error is reopened by as much and takes the step
 //! up; altitude, slope, bias and scale stay what they were.
 //!
-//! How noisy single fixes are is learned: receivers differ by a factor of ten, and a gate that
-//! takes a noisy one for a good one would pick the fixes that please it.
+//! How noisy single fixes are and how far the slow error wanders is learned: receivers differ by
+//! a factor of ten in both. A gate that takes a noisy one for a good one would pick the fixes that
+//! please it, and a filter that takes a good one for a noisy one would not learn the bias from it.
 
-use super::learned::Spread;
+use super::learned::{SlowSpread, Spread};
 use crate::scalar::Scalar;
 
 /// Normalised squared innovation beyond which a fix is left out: five standard deviations. Errors
@@ -18,6 +19,9 @@ const LIMIT: f32 = 25.0;
 const PATIENCE: u8 = 4;
 /// A step is one if the fixes left out agree within this part of their offset.
 const AGREEMENT: f32 = 0.5;
+
+/// Time over which the slow error of GNSS is told from the receiver's noise, s.
+const ERROR_STRETCH_S: f32 = 16.0;
 
 /// What to do with a fix.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,6 +42,7 @@ pub(super) struct Gate {
     rejected: u8,
     offset_m: f32,
     spread: Spread,
+    error_spread: SlowSpread,
 }
 
 impl Default for Gate {
@@ -45,8 +50,9 @@ impl Default for Gate {
         Self {
             rejected: 0,
             offset_m: 0.0,
-            // Never surer than believed; some thirty fixes.
-            spread: Spread::new(1.0, 100.0, 0.03),
+            // A fifth to ten times the believed sigma; some thirty fixes.
+            spread: Spread::new(0.05, 100.0, 0.03),
+            error_spread: SlowSpread::new(ERROR_STRETCH_S),
         }
     }
 }
@@ -55,6 +61,16 @@ impl Gate {
     /// Learned over believed variance of a single fix.
     pub(super) const fn spread(&self) -> f32 {
         self.spread.ratio()
+    }
+
+    /// Learned over believed variance of the slow error.
+    pub(super) const fn error_spread(&self) -> f32 {
+        self.error_spread.ratio()
+    }
+
+    /// Time goes on.
+    pub(super) fn pass(&mut self, duration_s: f32) {
+        self.error_spread.pass(duration_s);
     }
 
     /// Forgets the fixes left out.
@@ -69,9 +85,11 @@ impl Gate {
         let normalised = offset_m * offset_m / variance.to_f32();
         self.spread.learn(normalised);
         if normalised <= LIMIT {
+            self.error_spread.learn(offset_m / variance.sqrt().to_f32());
             self.forget();
             return Verdict::Fuse;
         }
+        self.error_spread.interrupt();
         let agrees = (offset_m - self.offset_m).abs() <= AGREEMENT * offset_m.abs();
         self.rejected = if agrees {
             self.rejected.saturating_add(1)

@@ -30,7 +30,8 @@ pub struct State<S> {
     pub x: [S; STATES],
     /// Their covariance.
     pub p: Covariance<S>,
-    /// Traction over weight, %: the slope that an error of the scale amounts to.
+    /// Traction less air resistance over weight, %: the slope that an error of the scale amounts
+    /// to.
     pub load: S,
     /// Altitude that the altitude state counts from, m: keeps it small in single precision.
     /// `None` before the first fix.

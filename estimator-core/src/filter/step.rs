@@ -48,7 +48,14 @@ impl<S: Scalar> Filter<S> {
         sample: &Sample,
         counters: &mut Counters,
     ) -> Option<Record<S>> {
-        let transition = Transition::new(vehicle, tuning, sample, self.state.as_ref());
+        let transition = Transition::new(
+            vehicle,
+            tuning,
+            sample,
+            self.state.as_ref(),
+            self.gate.error_spread(),
+        );
+        self.gate.pass(sample.duration_s);
         let mut link = Link::Chained;
         let (mut state, energy_before) = match (self.state, sample.speed) {
             (Some(mut state), _) if sample.gap_cells == 0 => {
@@ -167,11 +174,18 @@ fn begin<S: Scalar>(
     let square = |sigma: f32| S::from_f32(sigma * sigma);
     let mut state = known.copied().unwrap_or_else(|| {
         let mut p = Covariance::ZERO;
-        p.set(BIAS, BIAS, square(bias_sigma(vehicle, tuning, sample)));
+        let cold = 100.0 * vehicle.rolling_resistance * tuning.cold_tyres_sigma;
+        p.set(
+            BIAS,
+            BIAS,
+            square(bias_sigma(vehicle, tuning, sample)) + square(cold),
+        );
         p.set(SCALE, SCALE, square(tuning.scale_sigma));
         p.set(GNSS_ERROR, GNSS_ERROR, square(tuning.gnss_error_sigma_m));
+        let mut x = [S::ZERO; STATES];
+        x[BIAS] = S::from_f32(100.0 * vehicle.rolling_resistance * tuning.cold_tyres);
         State {
-            x: [S::ZERO; STATES],
+            x,
             p,
             load: S::ZERO,
             origin_m: None,

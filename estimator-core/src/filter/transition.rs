@@ -17,7 +17,7 @@ pub struct Transition<S> {
     rolling: S,
     /// Specific traction times length, m²/s²: the input.
     traction: S,
-    /// Traction over weight at the end of the cell, % ([`State::load`]).
+    /// Traction less air resistance over weight at the end of the cell, % ([`State::load`]).
     load: S,
     /// What of its change no road can have caused, %.
     load_jump: S,
@@ -49,16 +49,21 @@ struct Noise<S> {
 /// their resistance.
 pub(super) fn bias_sigma(vehicle: &VehicleParameters, tuning: &Tuning, sample: &Sample) -> f32 {
     let weight_n = sample.load.mass_kg * GRAVITY;
-    let speed = sample.place.speed_mps;
-    let drag_n = 0.5 * vehicle.drag_area_m2 * sample.load.air_density * speed * speed;
     let force = tuning.bias_force_n / weight_n;
     let rolling = tuning.bias_rolling * vehicle.rolling_resistance;
-    let drag = tuning.bias_drag * drag_n / weight_n;
+    let drag = tuning.bias_drag * drag_n(vehicle, sample) / weight_n;
     100.0 * libm::sqrtf(force * force + rolling * rolling + drag * drag)
 }
 
+/// Air resistance, N.
+fn drag_n(vehicle: &VehicleParameters, sample: &Sample) -> f32 {
+    let speed = sample.place.speed_mps;
+    0.5 * vehicle.drag_area_m2 * sample.load.air_density * speed * speed
+}
+
 impl<S: Scalar> Transition<S> {
-    /// The step over the cell of `sample`, from a state if there is one.
+    /// The step over the cell of `sample`, from a state if there is one, with the variance of the
+    /// GNSS error `gnss_error_spread` times what the tuning says.
     ///
     /// A cruise control answers the road: its force is no input from outside, and regressing the
     /// speed on it (with the slope as the noise) would pull the scale towards zero, the more the
@@ -73,6 +78,7 @@ impl<S: Scalar> Transition<S> {
         tuning: &Tuning,
         sample: &Sample,
         from: Option<&State<S>>,
+        gnss_error_spread: f32,
     ) -> Self {
         let length_m = CELL_LENGTH_M;
         let balance = vehicle.force_balance(&sample.load);
@@ -104,12 +110,14 @@ impl<S: Scalar> Transition<S> {
             sample.duration_s / tuning.gnss_error_time_s,
             // An error that stepped far out does not come back as a small one would.
             from.map_or(0.0, |state| state.x[GNSS_ERROR].to_f32().abs())
-                .max(tuning.gnss_error_sigma_m),
+                .max(tuning.gnss_error_sigma_m * libm::sqrtf(gnss_error_spread)),
         );
         let walk = tuning.scale_walk_per_sqrt_km;
 
+        // A wrong mass scales all forces but those that go with it; of what is unknown, mass is
+        // the largest part.
         let weight_n = sample.load.mass_kg * GRAVITY;
-        let load_now = 100.0 * sample.load.traction_n / weight_n;
+        let load_now = 100.0 * (sample.load.traction_n - drag_n(vehicle, sample)) / weight_n;
         let load_before = from.map_or(load_now, |state| state.load.to_f32());
         let load_after = if sample.place.condition.is_valid() {
             load_now
@@ -208,7 +216,7 @@ impl<S: Scalar> Transition<S> {
         ]
     }
 
-    /// Traction over weight at the end of the cell, %.
+    /// Traction less air resistance over weight at the end of the cell, %.
     pub(super) const fn load(&self) -> S {
         self.load
     }
