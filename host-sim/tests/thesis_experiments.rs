@@ -103,8 +103,9 @@ fn maps_get_better_with_runs_and_begin_with_the_first() {
     }
 }
 
-/// Runs of the default campaign in which ours is not better than the modified method. Bias and
-/// scale are what is missing there; to be emptied, never to grow.
+/// Runs of the default campaign in which ours is not better than the modified method. Northbound 1:
+/// a slow GPS error that happens to go with the grade is read as a scale. The others: truck B, with
+/// wind and GPS errors that neither method tells apart. Not to grow.
 const NOT_YET_BETTER: [(Heading, usize); 4] = [
     (Heading::South, 4),
     (Heading::South, 5),
@@ -141,6 +142,30 @@ fn ours_is_better_than_the_modified_method() {
         if map.heading == Heading::South {
             assert!(ours <= 0.045, "{map:?}");
         }
+    }
+}
+
+#[test]
+fn over_campaigns_ours_is_better_in_each_experiment_on_average() {
+    let section = section("campaigns", 2);
+    let tables: Vec<&str> = section.tables.iter().map(|t| t.name.as_str()).collect();
+    assert_eq!(tables, ["campaigns", "campaigns_maps"]);
+    let number = |text: &String| text.parse::<f64>().unwrap();
+    let rows = &section.tables[0].rows;
+    assert_eq!(rows.len(), 10);
+    for row in rows {
+        let [modified, ours] = [&row[1], &row[2]].map(number);
+        assert!(ours < modified, "{row:?}");
+    }
+    let better: f64 = rows.iter().map(|row| number(&row[6])).sum();
+    assert!(better >= 80.0, "{better}");
+    let words = section.words.join(" ");
+    assert!(
+        words.contains(&format!("{better} of 100 runs")) && words.contains("10 of the 10 exper"),
+        "{words}"
+    );
+    for row in &section.tables[1].rows {
+        assert!(number(&row[2]) < number(&row[1]), "{row:?}");
     }
 }
 
