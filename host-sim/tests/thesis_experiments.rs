@@ -4,10 +4,11 @@ use host_sim::baseline::original::Noise;
 use host_sim::baseline::{Profile, pointwise};
 use host_sim::report::page::Section;
 use host_sim::report::plot::{Mark, Plot, Series, colour};
-use host_sim::study::experiments::measure::{errors, mean, merged, rmse};
-use host_sim::study::experiments::modified::{Estimated, Method};
+use host_sim::study::experiments::beside::{judged_maps, not_better};
+use host_sim::study::experiments::measure::{errors, mean, merged, nees, rmse};
+use host_sim::study::experiments::method::{Estimated, Method};
 use host_sim::study::experiments::replica::{Campaign, Heading, Replica, Sources};
-use host_sim::study::experiments::tuning;
+use host_sim::study::experiments::{ours, tuning};
 use host_sim::study::{Outcome, STUDIES, Setting};
 use host_sim::world::truck::Preset;
 use std::path::PathBuf;
@@ -63,7 +64,7 @@ fn mean_of(found: &[Estimated], preset: Preset, value: fn(&Estimated) -> f64) ->
 #[test]
 fn the_modified_method_is_better_where_the_thesis_found_it_better() {
     let runs = replicas();
-    let [original, modified] = Method::BOTH.map(|method| method.apply(&runs));
+    let [original, modified] = Method::OF_THESIS.map(|method| method.apply(&runs));
     let a = [&original, &modified].map(|f| mean_of(f, Preset::A, |f| f.errors.rmse_valid));
     let b = [&original, &modified].map(|f| mean_of(f, Preset::B, |f| f.errors.rmse_valid));
     assert!(a[1] < 0.75 * a[0], "A: {a:?}");
@@ -89,7 +90,7 @@ fn the_modified_method_is_better_where_the_thesis_found_it_better() {
 #[test]
 fn maps_get_better_with_runs_and_begin_with_the_first() {
     let runs = replicas();
-    for method in Method::BOTH {
+    for method in Method::ALL {
         let found = method.apply(&runs);
         for direction in found.chunks(5) {
             let first = &direction[0];
@@ -100,6 +101,132 @@ fn maps_get_better_with_runs_and_begin_with_the_first() {
             );
         }
     }
+}
+
+/// Runs of the default campaign in which ours is not better than the modified method. Northbound 1:
+/// a slow GPS error that happens to go with the grade is read as a scale. The others: truck B, with
+/// wind and GPS errors that neither method tells apart. Not to grow.
+const NOT_YET_BETTER: [(Heading, usize); 4] = [
+    (Heading::South, 4),
+    (Heading::South, 5),
+    (Heading::North, 1),
+    (Heading::North, 5),
+];
+
+#[test]
+fn ours_is_better_than_the_modified_method() {
+    let runs = replicas();
+    let all = Method::ALL.map(|method| method.apply(&runs));
+    for experiment in not_better(&all) {
+        let run = (experiment.heading, experiment.number);
+        assert!(NOT_YET_BETTER.contains(&run), "{run:?}");
+    }
+    let [original, modified, ours] = &all;
+    let rmse_valid = |found: &Estimated| found.errors.rmse_valid;
+    let [of_modified, of_ours] = [modified, ours].map(|found| {
+        let each: Vec<f64> = found.iter().map(rmse_valid).collect();
+        mean(&each)
+    });
+    assert!(of_ours < 0.95 * of_modified, "{of_ours} {of_modified}");
+    let a = [modified, ours].map(|found| mean_of(found, Preset::A, rmse_valid));
+    assert!(a[1] < 0.87 * a[0], "A: {a:?}");
+    for (original, ours) in original.iter().zip(ours) {
+        assert!(ours.errors.rmse_valid < 0.5 * original.errors.rmse_valid);
+    }
+    // Every map is better; the southbound ones are as good as they should be.
+    let maps = judged_maps(&all);
+    assert_eq!(maps.len(), 4);
+    for map in maps {
+        let [_, modified, ours] = map.rmse;
+        assert!(ours < modified, "{map:?}");
+        if map.heading == Heading::South {
+            assert!(ours <= 0.045, "{map:?}");
+        }
+    }
+}
+
+#[test]
+fn over_campaigns_ours_is_better_in_each_experiment_on_average() {
+    let section = section("campaigns", 2);
+    let tables: Vec<&str> = section.tables.iter().map(|t| t.name.as_str()).collect();
+    assert_eq!(tables, ["campaigns", "campaigns_maps"]);
+    let number = |text: &String| text.parse::<f64>().unwrap();
+    let rows = &section.tables[0].rows;
+    assert_eq!(rows.len(), 10);
+    for row in rows {
+        let [modified, ours] = [&row[1], &row[2]].map(number);
+        assert!(ours < modified, "{row:?}");
+    }
+    let better: f64 = rows.iter().map(|row| number(&row[6])).sum();
+    assert!(better >= 80.0, "{better}");
+    let words = section.words.join(" ");
+    assert!(
+        words.contains(&format!("{better} of 100 runs")) && words.contains("10 of the 10 exper"),
+        "{words}"
+    );
+    for row in &section.tables[1].rows {
+        assert!(number(&row[2]) < number(&row[1]), "{row:?}");
+    }
+}
+
+#[test]
+fn ours_is_exact_on_drives_that_nothing_disturbs() {
+    let campaign = Campaign::new(SEED);
+    for run in campaign.replicas() {
+        let quiet = campaign.drive(run.experiment, run.fitted, Sources::NONE);
+        let records = ours::records(&quiet.drive);
+        assert_eq!(records.len(), quiet.truth.len());
+        let smoothed = ours::smoothed(&records);
+        let found = errors(&quiet, &smoothed.grade_percent);
+        assert!(found.rmse_all < 0.02, "{:?}: {found:?}", run.experiment);
+        // What is known later is known better.
+        let on_vehicle = ours::on_vehicle(&records);
+        let [lagged, live] = [on_vehicle.lagged, on_vehicle.live].map(|profile| {
+            assert_eq!(profile.grade_percent.len(), quiet.truth.len());
+            errors(&quiet, &profile.grade_percent).rmse_all
+        });
+        assert!(
+            lagged < 0.02 && lagged < live && live < 0.1,
+            "{:?}: {found:?} {lagged} {live}",
+            run.experiment
+        );
+    }
+}
+
+#[test]
+fn ours_is_told_an_altitude_once_a_second_and_none_without_satellites() {
+    let run = replicas().swap_remove(0);
+    let used = |drive| {
+        let records = ours::records(drive);
+        records.iter().filter(|r| r.altitude.is_some()).count() as f64
+    };
+    let seconds: f64 = run.drive.points.iter().map(|p| 2.5 / p.speed_mps).sum();
+    // The first fix sets the altitude, which is no update.
+    let fixes = used(&run.drive);
+    assert!(
+        (fixes + 1.0 - seconds).abs() <= 1.0,
+        "{fixes} in {seconds} s"
+    );
+
+    let mut silent = run.clone();
+    for point in &mut silent.drive.points[8_000..] {
+        point.altitude_m = None;
+    }
+    assert!((used(&silent.drive) / fixes - 8_000.0 / 18_800.0).abs() < 0.02);
+    let profile = ours::smoothed(&ours::records(&silent.drive));
+    // From the model alone it is less sure, and says so.
+    assert!(profile.sigma_percent[14_000] > 1.2 * profile.sigma_percent[4_000]);
+}
+
+#[test]
+fn squared_errors_are_normalised_by_sigma_between_the_ends() {
+    let mut profile = Profile {
+        grade_percent: vec![1.2; 500],
+        sigma_percent: vec![0.1; 500],
+    };
+    profile.grade_percent[0] = 50.0;
+    profile.grade_percent[499] = 50.0;
+    assert!((nees(&[1.0; 500], &profile) - 4.0).abs() < 1e-9);
 }
 
 #[test]
@@ -197,10 +324,11 @@ fn section(name: &str, threads: usize) -> Section {
 
 #[test]
 fn studies_are_the_same_on_one_and_on_two_threads() {
-    for name in ["pointwise", "model_errors", "modified"] {
+    for name in ["pointwise", "model_errors", "modified", "campaigns"] {
         let [one, two] = [1, 2].map(|threads| section(name, threads));
         assert_eq!(format!("{one:?}"), format!("{two:?}"), "{name}");
-        assert!(!one.tables.is_empty() && !one.figures.is_empty());
+        assert!(!one.tables.is_empty() && !one.words.is_empty());
+        assert_eq!(one.figures.is_empty(), name == "campaigns");
         for table in &one.tables {
             assert!(!table.rows.is_empty(), "{}", table.name);
             assert!(
@@ -217,7 +345,7 @@ fn figures_mark_braking_and_gear_shifts() {
     let section = section("modified", 2);
     let names: Vec<&str> = section.figures.iter().map(|f| f.name.as_str()).collect();
     for number in 15..=18 {
-        for method in ["original", "modified"] {
+        for method in ["original", "modified", "ours"] {
             assert!(
                 names.contains(&format!("fig{number}_{method}").as_str()),
                 "{names:?}"
@@ -227,7 +355,15 @@ fn figures_mark_braking_and_gear_shifts() {
     let tables: Vec<&str> = section.tables.iter().map(|t| t.name.as_str()).collect();
     assert_eq!(
         tables,
-        ["table5", "table6", "table7", "table8", "summary", "made_of"]
+        [
+            "table5", "table6", "table7", "table8", "beside", "maps", "summary", "made_of"
+        ]
+    );
+    // Whether ours is better is told in words.
+    let words = section.words.join(" ");
+    assert!(
+        words.contains("better than the modified method in"),
+        "{words}"
     );
     // Northbound 3 is driven by A, which brakes on this road.
     let fig15 = section

@@ -53,5 +53,6 @@ pub const STUDIES: &[Study] = &[
     experiments::model_errors::STUDY,
     experiments::tuning::STUDY,
     experiments::modified::STUDY,
+    experiments::campaigns::STUDY,
     ztbus::STUDY,
 ];

@@ -1,8 +1,8 @@
-//! Our predictions against the thesis's numbers, and what the errors are made of.
+//! What the replicas predict against the thesis's numbers, and what the errors are made of.
 
 use super::measure::{errors, mean};
-use super::modified::{Estimated, Method};
-use super::replica::{Campaign, Heading, Replica, Sources};
+use super::method::{Estimated, Method};
+use super::replica::{Campaign, Experiment, Heading, Replica, Sources};
 use crate::report::page::Table;
 use crate::world::truck::Preset;
 use rayon::prelude::*;
@@ -16,13 +16,13 @@ const EXPLAINING: (f64, f64) = (0.7, 1.7);
 /// Standard deviation of the thesis's reference grade (section 3.1), %.
 const REFERENCE_PERCENT: f64 = 0.05;
 
-/// One number, ours and the thesis's.
+/// One number, the replica's and the thesis's.
 #[derive(Clone, Debug)]
 pub struct Compared {
     /// What it is.
     pub what: String,
-    /// Ours.
-    pub ours: f64,
+    /// Of the replicated runs.
+    pub replica: f64,
     /// The thesis's.
     pub thesis: f64,
 }
@@ -35,14 +35,14 @@ impl Summary {
     /// As a table.
     #[must_use]
     pub fn table(&self) -> Table {
-        let header = ["what", "ours", "thesis", "ours over thesis"];
+        let header = ["what", "replica", "thesis", "replica over thesis"];
         let caption = "Predictions beside the thesis; errors in % grade, improvements in %.";
         Table::new("summary", caption, &header).with_rows(self.0.iter().map(|compared| {
             vec![
                 compared.what.clone(),
-                format!("{:.3}", compared.ours),
+                format!("{:.3}", compared.replica),
                 format!("{:.3}", compared.thesis),
-                format!("{:.2}", compared.ours / compared.thesis),
+                format!("{:.2}", compared.replica / compared.thesis),
             ]
         }))
     }
@@ -58,16 +58,12 @@ pub fn summary(original: &[Estimated], modified: &[Estimated]) -> Summary {
             mean(&members.map(value).collect::<Vec<f64>>())
         };
         let pairs = [(Method::Original, original), (Method::Modified, modified)];
-        let mut means = Vec::new();
         for (method, found) in pairs {
-            let ours = of(found, &|f| f.errors.rmse_valid);
-            let thesis = of(found, &|f| method.of_thesis(f.experiment)[2]);
-            means.push((ours, thesis));
-            let what = format!(
-                "mean RMSE(v) of the {} method, truck {truck}",
-                method.word()
-            );
-            all.push(Compared { what, ours, thesis });
+            all.push(Compared {
+                what: format!("mean RMSE(v) of the {}, truck {truck}", method.phrase()),
+                replica: of(found, &|f| f.errors.rmse_valid),
+                thesis: of(found, &|f| printed(method, f.experiment, 2)),
+            });
         }
         // The thesis's 46 % and -7 % are means over the runs' own improvements.
         let gains: Vec<(f64, f64)> = original
@@ -79,15 +75,15 @@ pub fn summary(original: &[Estimated], modified: &[Estimated]) -> Summary {
                 (
                     gain(before.errors.rmse_valid, after.errors.rmse_valid),
                     gain(
-                        Method::Original.of_thesis(before.experiment)[2],
-                        Method::Modified.of_thesis(before.experiment)[2],
+                        printed(Method::Original, before.experiment, 2),
+                        printed(Method::Modified, before.experiment, 2),
                     ),
                 )
             })
             .collect();
         all.push(Compared {
             what: format!("improvement by the modified method, truck {truck} (%)"),
-            ours: mean(&gains.iter().map(|gain| gain.0).collect::<Vec<f64>>()),
+            replica: mean(&gains.iter().map(|gain| gain.0).collect::<Vec<f64>>()),
             thesis: mean(&gains.iter().map(|gain| gain.1).collect::<Vec<f64>>()),
         });
     }
@@ -103,13 +99,19 @@ pub fn summary(original: &[Estimated], modified: &[Estimated]) -> Summary {
                         heading.word(),
                         method.word()
                     ),
-                    ours: found.rmse_merged,
-                    thesis: method.of_thesis(found.experiment)[4],
+                    replica: found.rmse_merged,
+                    thesis: printed(method, found.experiment, 4),
                 }));
             }
         }
     }
     Summary(all)
+}
+
+/// A column of tables 5-8 as the thesis printed it, %; NaN for a method that it does not have.
+fn printed(method: Method, experiment: Experiment, column: usize) -> f64 {
+    let row = method.of_thesis(experiment);
+    row.map_or(f64::NAN, |row| row[column])
 }
 
 /// Which numbers differ by more than a quarter, in words.
@@ -118,8 +120,8 @@ pub fn differences(summary: &Summary) -> Vec<String> {
     let far: Vec<String> = summary
         .0
         .iter()
-        .filter(|c| (c.ours - c.thesis).abs() > QUARTER * c.thesis.abs())
-        .map(|c| format!("{}: {:.3} instead of {:.3}", c.what, c.ours, c.thesis))
+        .filter(|c| (c.replica - c.thesis).abs() > QUARTER * c.thesis.abs())
+        .map(|c| format!("{}: {:.3} instead of {:.3}", c.what, c.replica, c.thesis))
         .collect();
     if far.is_empty() {
         return Vec::new();
@@ -131,9 +133,9 @@ pub fn differences(summary: &Summary) -> Vec<String> {
          give the thesis's RMSE. (The thesis found its own chain \"pessimistic\" as well.) What the \
          modified method leaves in B is nearly all wind, which is assumed as 1.5 m/s; the thesis's \
          numbers ask for 1.7 times that, 2.6 m/s. And the thesis's errors contain those of its \
-         reference, 0.05 %, ours do not. The two factors were found by hand, after the fact: they \
+         reference, 0.05 %, the replicas' do not. The two factors were found by hand, after the fact: they \
          show that these causes suffice, not that they are the only ones. With these three \
-         changes the four means come out as in the row above the thesis's. The improvements follow: less \
+         changes the four means of the thesis come out as in the row above the thesis's. The improvements follow: less \
          GPS error leaves the original less to improve, more wind leaves more in B."
             .to_owned(),
         "The thesis says that RMSE(v) of B rises by 7 % on average with the modified method. Its \
@@ -214,8 +216,10 @@ pub fn made_of(campaign: &Campaign, runs: &[Replica]) -> Table {
         "disturbed by",
         "original A %",
         "modified A %",
+        "ours A %",
         "original B %",
         "modified B %",
+        "ours B %",
     ];
     let caption = "What the errors are made of: mean RMSE(v) with one source at a time, and with \
                    sources changed.";
@@ -223,17 +227,17 @@ pub fn made_of(campaign: &Campaign, runs: &[Replica]) -> Table {
     table.rows = rows
         .into_par_iter()
         .map(|(name, sources, reference)| {
-            let means = four_means(|preset, method| {
+            let means = means(|preset, method| {
                 mean_rmse(campaign, runs, preset, method, sources).hypot(reference)
             });
             std::iter::once(name).chain(means).collect()
         })
         .collect();
-    let thesis = four_means(|preset, method| {
+    let thesis = means(|preset, method| {
         let members = runs.iter().filter(|run| run.experiment.preset() == preset);
         mean(
             &members
-                .map(|run| method.of_thesis(run.experiment)[2])
+                .map(|run| printed(method, run.experiment, 2))
                 .collect::<Vec<f64>>(),
         )
     });
@@ -243,12 +247,18 @@ pub fn made_of(campaign: &Campaign, runs: &[Replica]) -> Table {
     table
 }
 
-/// Original and modified for A, then for B.
-fn four_means(value: impl Fn(Preset, Method) -> f64) -> Vec<String> {
-    let text = |preset, method| format!("{:.3}", value(preset, method));
+/// Each method for A, then for B; empty where there is no number.
+fn means(value: impl Fn(Preset, Method) -> f64) -> Vec<String> {
     [Preset::A, Preset::B]
         .into_iter()
-        .flat_map(|preset| Method::BOTH.map(|method| text(preset, method)))
+        .flat_map(|preset| Method::ALL.map(|method| value(preset, method)))
+        .map(|mean| {
+            if mean.is_nan() {
+                String::new()
+            } else {
+                format!("{mean:.3}")
+            }
+        })
         .collect()
 }
 

@@ -49,6 +49,16 @@ pub fn rmse(truth: &[f64], grade_percent: &[f64]) -> f64 {
     rms((EDGE..truth.len() - EDGE).map(|k| grade_percent[k] - truth[k]))
 }
 
+/// Mean over all points between the ends of (error / sigma)²: 1 if the sigmas are honest.
+#[must_use]
+pub fn nees(truth: &[f64], profile: &Profile) -> f64 {
+    let normalised = |k: usize| {
+        let error = profile.grade_percent[k] - truth[k];
+        error / profile.sigma_percent[k]
+    };
+    rms((EDGE..truth.len() - EDGE).map(normalised)).powi(2)
+}
+
 fn rms(values: impl Iterator<Item = f64>) -> f64 {
     let (sum, count) = values.fold((0.0, 0.0), |(sum, n), v| (sum + v * v, n + 1.0));
     f64::sqrt(sum / count)

@@ -3,15 +3,22 @@
 //!
 //! * [`replica`]: what disturbs each run, and the two numbers of it that are fitted;
 //! * [`thesis`]: what the thesis measured;
+//! * [`method`], [`ours`]: the methods that are set side by side, and how ours is fed;
 //! * [`measure`]: errors of a profile, and maps merged by P;
-//! * [`comparison`]: ours beside the thesis's, and what the errors are made of;
+//! * [`beside`], [`campaigns`]: whether ours is better than the thesis's methods, on one campaign
+//!   and on ten;
+//! * [`comparison`]: the replicas beside the thesis, and what the errors are made of;
 //! * [`tuning`]: how the noise of the filters was chosen;
 //! * [`pointwise`], [`model_errors`], [`modified`]: sections 4.2, 7 and 8.
 
+pub mod beside;
+pub mod campaigns;
 pub mod comparison;
 pub mod measure;
+pub mod method;
 pub mod model_errors;
 pub mod modified;
+pub mod ours;
 pub mod pointwise;
 pub mod replica;
 pub mod thesis;

@@ -1,16 +1,16 @@
-//! The original and the modified method side by side (section 8, tables 5-8, figures 15-18).
+//! The original and the modified method side by side (section 8, tables 5-8, figures 15-18), and
+//! ours beside them on the same drives.
 
+use super::beside;
 use super::comparison::{differences, made_of, summary};
-use super::measure::{Errors, errors, merged, rmse};
-use super::replica::{Campaign, Experiment, Heading, Replica, inner};
-use super::thesis;
-use crate::baseline::original::{self, Noise};
-use crate::baseline::{Point, Profile, STEP_M, modified};
+use super::measure::{Errors, merged, rmse};
+use super::method::{Estimated, Method};
+use super::replica::{Campaign, Heading, Replica, inner};
+use crate::baseline::{Point, Profile, STEP_M};
 use crate::error::Result;
 use crate::report::page::{Figure, Section, Table};
 use crate::report::plot::{Plot, Series, colour, stretches};
 use crate::study::{Outcome, Setting, Study};
-use rayon::prelude::*;
 
 /// Range of grade errors in the figures, %.
 const SHOWN_PERCENT: (f64, f64) = (-1.2, 1.2);
@@ -18,107 +18,37 @@ const SHOWN_PERCENT: (f64, f64) = (-1.2, 1.2);
 /// The study, for the list.
 pub const STUDY: Study = Study {
     name: "modified",
-    about: "thesis tables 5-8, figures 15-18: original and modified method on the ten runs",
+    about: "thesis tables 5-8, figures 15-18: original and modified method on the ten runs, and ours",
     run,
 };
-
-/// A grade estimation method of the thesis.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Method {
-    /// Section 3.
-    Original,
-    /// Section 8.1.
-    Modified,
-}
-
-/// A run estimated by one method.
-#[derive(Clone, Debug)]
-pub struct Estimated {
-    /// Which run.
-    pub experiment: Experiment,
-    /// Its estimate.
-    pub profile: Profile,
-    /// Errors of it.
-    pub errors: Errors,
-    /// RMSE(m): of the map of this and all runs before it in the same direction, %.
-    pub rmse_merged: f64,
-}
-
-impl Method {
-    /// In the order in which they are compared.
-    pub const BOTH: [Self; 2] = [Self::Original, Self::Modified];
-
-    /// In words.
-    #[must_use]
-    pub const fn word(self) -> &'static str {
-        match self {
-            Self::Original => "original",
-            Self::Modified => "modified",
-        }
-    }
-
-    /// µ, σ, RMSE(v), RMSE(a) and RMSE(m) that the thesis measured in a run.
-    #[must_use]
-    pub const fn of_thesis(self, experiment: Experiment) -> [f64; 5] {
-        let all = match self {
-            Self::Original => thesis::original(experiment.heading),
-            Self::Modified => thesis::modified(experiment.heading),
-        };
-        all[experiment.number - 1]
-    }
-
-    /// The grade of a run.
-    #[must_use]
-    pub fn estimate(self, run: &Replica) -> Profile {
-        match self {
-            Self::Original => original::estimate(&run.drive, &Noise::ORIGINAL),
-            Self::Modified => modified::estimate(&run.drive).profile,
-        }
-    }
-
-    /// All runs, estimated and merged one by one in each direction.
-    #[must_use]
-    pub fn apply(self, runs: &[Replica]) -> Vec<Estimated> {
-        let profiles: Vec<Profile> = runs.par_iter().map(|run| self.estimate(run)).collect();
-        let mut found: Vec<Estimated> = Vec::new();
-        for (run, profile) in runs.iter().zip(profiles) {
-            let mut members: Vec<&Profile> = found
-                .iter()
-                .filter(|before| before.experiment.heading == run.experiment.heading)
-                .map(|before| &before.profile)
-                .collect();
-            members.push(&profile);
-            found.push(Estimated {
-                experiment: run.experiment,
-                errors: errors(run, &profile.grade_percent),
-                rmse_merged: rmse(&run.truth, &merged(&members)),
-                profile,
-            });
-        }
-        found
-    }
-}
 
 fn run(setting: &Setting) -> Result<Outcome> {
     let campaign = Campaign::new(setting.seed);
     let runs = campaign.replicas();
-    let [original, modified] = Method::BOTH.map(|method| method.apply(&runs));
+    let all = Method::ALL.map(|method| method.apply(&runs));
+    let [original, modified, ours] = &all;
+    let table = |number, method, heading, found| table(number, method, heading, found, ours);
     let mut tables = vec![
-        table("table5", Method::Modified, Heading::South, &modified),
-        table("table6", Method::Modified, Heading::North, &modified),
-        table("table7", Method::Original, Heading::South, &original),
-        table("table8", Method::Original, Heading::North, &original),
+        table(5, Method::Modified, Heading::South, modified),
+        table(6, Method::Modified, Heading::North, modified),
+        table(7, Method::Original, Heading::South, original),
+        table(8, Method::Original, Heading::North, original),
+        beside::each_run(&runs, &all),
+        beside::maps(&all),
     ];
-    let compared = summary(&original, &modified);
+    let compared = summary(original, modified);
     tables.push(compared.table());
     tables.push(made_of(&campaign, &runs));
     let mut words = words();
+    words.extend(beside::words(&all));
     words.extend(differences(&compared));
+    let mut figures = beside::figures(&all);
+    figures.extend(error_figures(&runs, &all));
     Ok(Outcome::Done(Section {
-        heading: "Original and modified method (thesis 8)".to_owned(),
+        heading: "Original and modified method, and ours (thesis 8)".to_owned(),
         words,
         tables,
-        figures: figures(&runs, &original, &modified),
+        figures,
     }))
 }
 
@@ -134,48 +64,54 @@ fn words() -> Vec<String> {
     ]
 }
 
-fn table(name: &str, method: Method, heading: Heading, all: &[Estimated]) -> Table {
-    let header = [
-        "run",
-        "µ %",
-        "thesis",
-        "σ %",
-        "thesis",
-        "RMSE(v) %",
-        "thesis",
-        "RMSE(a) %",
-        "thesis",
-        "RMSE(m) %",
-        "thesis",
-    ];
+/// One of tables 5-8: a method of the thesis as replicated and as printed, and ours on the same
+/// runs.
+fn table(
+    number: usize,
+    method: Method,
+    heading: Heading,
+    all: &[Estimated],
+    ours: &[Estimated],
+) -> Table {
+    let mut header = vec!["run"];
+    for quantity in ["µ %", "σ %", "RMSE(v) %", "RMSE(a) %", "RMSE(m) %"] {
+        header.extend([quantity, "thesis", "ours"]);
+    }
     let caption = format!(
-        "Error of the {} method, {} (thesis table {}).",
-        method.word(),
+        "Error of the {}, {} (thesis table {number}): as replicated, as the thesis printed it, \
+         and of our estimator on the same drives.",
+        method.phrase(),
         heading.word(),
-        name.trim_start_matches("table")
     );
     let rows = all
         .iter()
-        .filter(|found| found.experiment.heading == heading)
-        .map(|found| {
-            let Errors {
-                mu,
-                sigma,
-                rmse_valid,
-                rmse_all,
-            } = found.errors;
-            let ours = [mu, sigma, rmse_valid, rmse_all, found.rmse_merged];
+        .zip(ours)
+        .filter(|(found, _)| found.experiment.heading == heading)
+        .filter_map(|(found, ours)| {
+            let printed = method.of_thesis(found.experiment)?;
             let mut row = vec![found.experiment.number.to_string()];
-            for (ours, thesis) in ours.into_iter().zip(method.of_thesis(found.experiment)) {
-                row.push(format!("{ours:.4}"));
-                row.push(format!("{thesis:.4}"));
+            for ((replicated, printed), ours) in
+                five(found).into_iter().zip(printed).zip(five(ours))
+            {
+                row.extend([replicated, printed, ours].map(|value| format!("{value:.4}")));
             }
-            row
+            Some(row)
         });
-    Table::new(name, caption, &header).with_rows(rows)
+    Table::new(format!("table{number}"), caption, &header).with_rows(rows)
 }
 
-fn figures(runs: &[Replica], original: &[Estimated], modified: &[Estimated]) -> Vec<Figure> {
+/// µ, σ, RMSE(v), RMSE(a) and RMSE(m).
+fn five(found: &Estimated) -> [f64; 5] {
+    let Errors {
+        mu,
+        sigma,
+        rmse_valid,
+        rmse_all,
+    } = found.errors;
+    [mu, sigma, rmse_valid, rmse_all, found.rmse_merged]
+}
+
+fn error_figures(runs: &[Replica], all: &[Vec<Estimated>; 3]) -> Vec<Figure> {
     // Northbound run 3, northbound run 4, the first three merged, all five merged.
     let shown = [
         (
@@ -205,16 +141,16 @@ fn figures(runs: &[Replica], original: &[Estimated], modified: &[Estimated]) -> 
     ];
     let mut figures = Vec::new();
     for (name, number, what, wanted) in shown {
-        for (method, all) in Method::BOTH.into_iter().zip([original, modified]) {
+        for (method, found) in Method::ALL.into_iter().zip(all) {
             let chosen: Vec<(&Replica, &Estimated)> = runs
                 .iter()
-                .zip(all)
+                .zip(found)
                 .filter(|(run, _)| run.experiment.heading == Heading::North)
                 .filter(|(run, _)| wanted.contains(&run.experiment.number))
                 .collect();
             figures.extend(error_figure(
                 &format!("{name}_{}", method.word()),
-                &format!("{number}, {} method: {what}.", method.word()),
+                &format!("{number}, {}: {what}.", method.phrase()),
                 &chosen,
             ));
         }

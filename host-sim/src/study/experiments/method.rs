@@ -1,0 +1,106 @@
+//! The methods that are set side by side on the same drives.
+
+use super::measure::{Errors, errors, merged, nees, rmse};
+use super::ours;
+use super::replica::{Experiment, Replica};
+use super::thesis;
+use crate::baseline::original::{self, Noise};
+use crate::baseline::{Profile, modified};
+use rayon::prelude::*;
+
+/// A grade estimation method, with all of the drive known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// Section 3 of the thesis.
+    Original,
+    /// Section 8.1 of the thesis.
+    Modified,
+    /// Our estimator, smoothed.
+    Ours,
+}
+
+/// A run estimated by one method.
+#[derive(Clone, Debug)]
+pub struct Estimated {
+    /// Which run.
+    pub experiment: Experiment,
+    /// Its estimate.
+    pub profile: Profile,
+    /// Errors of it.
+    pub errors: Errors,
+    /// Mean normalised squared error: 1 if the stated sigmas are honest.
+    pub nees: f64,
+    /// RMSE(m): of the map of this and all runs before it in the same direction, %.
+    pub rmse_merged: f64,
+}
+
+impl Method {
+    /// In the order in which they are compared.
+    pub const ALL: [Self; 3] = [Self::Original, Self::Modified, Self::Ours];
+    /// Those of the thesis.
+    pub const OF_THESIS: [Self; 2] = [Self::Original, Self::Modified];
+
+    /// In a word, as names of files and columns have it.
+    #[must_use]
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Original => "original",
+            Self::Modified => "modified",
+            Self::Ours => "ours",
+        }
+    }
+
+    /// As captions call it.
+    #[must_use]
+    pub const fn phrase(self) -> &'static str {
+        match self {
+            Self::Original => "original method",
+            Self::Modified => "modified method",
+            Self::Ours => "our estimator",
+        }
+    }
+
+    /// µ, σ, RMSE(v), RMSE(a) and RMSE(m) that the thesis measured in a run, if it has the method.
+    #[must_use]
+    pub fn of_thesis(self, experiment: Experiment) -> Option<[f64; 5]> {
+        let all = match self {
+            Self::Original => thesis::original(experiment.heading),
+            Self::Modified => thesis::modified(experiment.heading),
+            Self::Ours => return None,
+        };
+        all.get(experiment.number - 1).copied()
+    }
+
+    /// The grade of a run.
+    #[must_use]
+    pub fn estimate(self, run: &Replica) -> Profile {
+        match self {
+            Self::Original => original::estimate(&run.drive, &Noise::ORIGINAL),
+            Self::Modified => modified::estimate(&run.drive).profile,
+            Self::Ours => ours::smoothed(&ours::records(&run.drive)),
+        }
+    }
+
+    /// All runs, estimated and merged one by one in each direction.
+    #[must_use]
+    pub fn apply(self, runs: &[Replica]) -> Vec<Estimated> {
+        let profiles: Vec<Profile> = runs.par_iter().map(|run| self.estimate(run)).collect();
+        let mut found: Vec<Estimated> = Vec::new();
+        for (run, profile) in runs.iter().zip(profiles) {
+            let mut members: Vec<&Profile> = found
+                .iter()
+                .filter(|before| before.experiment.heading == run.experiment.heading)
+                .map(|before| &before.profile)
+                .collect();
+            members.push(&profile);
+            found.push(Estimated {
+                experiment: run.experiment,
+                errors: errors(run, &profile.grade_percent),
+                nees: nees(&run.truth, &profile),
+                rmse_merged: rmse(&run.truth, &merged(&members)),
+                profile,
+            });
+        }
+        found
+    }
+}

@@ -1,0 +1,148 @@
+//! Our estimator on a drive of the thesis's kind: the very filter of the vehicle, in single
+//! precision and with its default tuning, fed with what the other methods get.
+
+use crate::baseline::{Drive, Point, Profile, STEP_M};
+use crate::smooth::smooth;
+use estimator_core::filter::{Filter, Record};
+use estimator_core::lag::Lag;
+use estimator_core::sampler::{AltitudeMeasurement, Sample, SpeedMeasurement};
+use estimator_core::vehicle::Load;
+use estimator_core::{
+    Cell, Condition, Counters, Estimate, Instant, Place, Traction, Tuning, VehicleParameters,
+};
+use std::iter::from_fn;
+
+/// Time between two fixes of a receiver, s.
+const FIX_INTERVAL_S: f64 = 1.0;
+
+/// What is known on the vehicle.
+#[derive(Clone, Debug)]
+pub struct OnVehicle {
+    /// A fixed lag after each point.
+    pub lagged: Profile,
+    /// At each point.
+    pub live: Profile,
+}
+
+/// Drives the filter over a drive: one record a point.
+#[must_use]
+pub fn records(drive: &Drive) -> Vec<Record<f32>> {
+    let vehicle = believed(drive);
+    let tuning = Tuning::default();
+    let mut filter = Filter::new();
+    let mut counters = Counters::default();
+    samples(drive)
+        .iter()
+        .filter_map(|sample| filter.step(&vehicle, &tuning, sample, &mut counters))
+        .collect()
+}
+
+/// The grade with all of the drive known.
+#[must_use]
+pub fn smoothed(records: &[Record<f32>]) -> Profile {
+    profile(smooth(records))
+}
+
+/// The grade as known on the vehicle.
+#[must_use]
+pub fn on_vehicle(records: &[Record<f32>]) -> OnVehicle {
+    let mut lag = Lag::new();
+    let mut cells: Vec<Cell> = Vec::with_capacity(records.len());
+    for record in records {
+        lag.push(*record);
+        cells.extend(from_fn(|| lag.next_cell()));
+    }
+    cells.extend(from_fn(|| lag.drain_cell()));
+    OnVehicle {
+        lagged: profile(cells.iter().map(|cell| cell.lagged)),
+        live: profile(cells.iter().map(|cell| cell.live)),
+    }
+}
+
+/// The vehicle as the drive believes it. The force and what rotates come with each point: how large
+/// a wheel is does not matter.
+fn believed(drive: &Drive) -> VehicleParameters {
+    VehicleParameters {
+        mass_kg: drive.mass_kg as f32,
+        drag_area_m2: drive.drag_area_m2 as f32,
+        rolling_resistance: drive.rolling_resistance as f32,
+        wheel_radius_m: 0.5,
+        wheel_inertia_kgm2: 0.0,
+        traction: Traction::Force,
+    }
+}
+
+/// One sample a point, which ends the cell before it: speed and altitude are those of the point,
+/// force and condition those of the way that led there. The drive has altitude at each point; a
+/// receiver tells it once a second.
+fn samples(drive: &Drive) -> Vec<Sample> {
+    let points = &drive.points;
+    let mut elapsed_s = 0.0;
+    let mut next_fix_s = 0.0;
+    let mut samples = Vec::with_capacity(points.len());
+    for (k, point) in points.iter().enumerate() {
+        let before = &points[k.saturating_sub(1)];
+        let duration_s = 2.0 * STEP_M / (before.speed_mps + point.speed_mps);
+        elapsed_s += duration_s;
+        let mut altitude = None;
+        if elapsed_s >= next_fix_s {
+            next_fix_s += FIX_INTERVAL_S;
+            altitude = point.altitude_m.map(altitude_measurement);
+        }
+        samples.push(Sample {
+            place: Place {
+                cell: k as u32,
+                time: Instant::from_micros((elapsed_s * 1e6) as u64),
+                position_e7: None,
+                speed_mps: point.speed_mps as f32,
+                condition: condition(before),
+            },
+            gap_cells: 0,
+            duration_s: duration_s as f32,
+            load: Load {
+                traction_n: before.traction_n as f32,
+                rotating_kg: before.rotating_kg as f32,
+                mass_kg: drive.mass_kg as f32,
+                air_density: before.air_density as f32,
+            },
+            speed: Some(SpeedMeasurement {
+                mean_mps: point.speed_mps as f32,
+                behind_m: 0.0,
+                count: 1,
+            }),
+            altitude,
+        });
+    }
+    samples
+}
+
+fn altitude_measurement(altitude_m: f64) -> AltitudeMeasurement {
+    AltitudeMeasurement {
+        altitude_m: altitude_m as f32,
+        behind_m: 0.0,
+        dilution: 1.0,
+        source_switched: false,
+    }
+}
+
+fn condition(point: &Point) -> Condition {
+    Condition {
+        shifting: point.shifting,
+        braking: point.braking,
+        ..Condition::default()
+    }
+}
+
+fn profile(estimates: impl IntoIterator<Item = Estimate>) -> Profile {
+    let (grade_percent, sigma_percent) = estimates
+        .into_iter()
+        .map(|estimate| {
+            let grade = estimate.grade_percent;
+            (f64::from(grade.value), f64::from(grade.sigma))
+        })
+        .unzip();
+    Profile {
+        grade_percent,
+        sigma_percent,
+    }
+}
