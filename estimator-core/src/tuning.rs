@@ -38,6 +38,11 @@ pub struct Tuning {
     /// Distance over which the slow error keeps its value, m.
     pub bias_length_m: f32,
 
+    /// Wind along the road that comes and goes, 1 sigma, m/s.
+    pub wind_sigma_mps: f32,
+    /// Distance over which it keeps its value, m.
+    pub wind_length_m: f32,
+
     /// What cold tyres add to the rolling resistance where a drive begins and nothing is known,
     /// as a part of it: between 0 (warm) and 0.3 to 0.8 (cold).
     pub cold_tyres: f32,
@@ -82,7 +87,9 @@ impl Default for Tuning {
             bias_force_n: 250.0,
             bias_rolling: 0.15,
             bias_drag: 0.1,
-            bias_length_m: 30_000.0,
+            bias_length_m: 100_000.0,
+            wind_sigma_mps: 1.0,
+            wind_length_m: 3_000.0,
             cold_tyres: 0.0,
             cold_tyres_sigma: 0.5,
             scale_sigma: 0.1,

@@ -5,23 +5,25 @@ use crate::cell::{Estimate, Uncertain};
 use crate::scalar::Scalar;
 
 /// Number of states.
-pub const STATES: usize = 7;
+pub const STATES: usize = 8;
 
 /// Kinetic energy per kilogram, v²/2, m²/s².
 pub const ENERGY: usize = 0;
 /// Altitude above [`State::origin_m`], m.
 pub const ALTITUDE: usize = 1;
 /// Slope that the vehicle model reads at its nominal scale: sine of the angle, %. The slope of
-/// the road is this, less the bias, plus the scale's error times the load ([`State::load`]).
+/// the road is this, less the bias and the wind, plus the scale's error times the load ([`State::load`]).
 pub const SLOPE: usize = 2;
 /// Change of [`SLOPE`] along the road, % per m.
 pub const SLOPE_RATE: usize = 3;
-/// Slope that the vehicle model reads too high, %.
+/// Slope that the vehicle model reads too high for long, %: tyres, shape, wrong parameters.
 pub const BIAS: usize = 4;
+/// Slope that it reads too high for some kilometres, %: wind, and whatever else comes and goes.
+pub const WIND: usize = 5;
 /// True over modelled traction per kilogram, less one.
-pub const SCALE: usize = 5;
+pub const SCALE: usize = 6;
 /// Coloured error of the GNSS altitude, m.
-pub const GNSS_ERROR: usize = 6;
+pub const GNSS_ERROR: usize = 7;
 
 /// Mean and covariance.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -98,7 +100,12 @@ pub(super) fn estimate<S: Scalar>(
             sigma: variance(&h).sqrt().to_f32(),
         }
     };
-    let slope = read(&[(SLOPE, S::ONE), (BIAS, -S::ONE), (SCALE, load)]);
+    let slope = read(&[
+        (SLOPE, S::ONE),
+        (BIAS, -S::ONE),
+        (WIND, -S::ONE),
+        (SCALE, load),
+    ]);
     // tan from sin; roads end far below 30 %.
     let sine = (slope.value * 0.01).clamp(-0.5, 0.5);
     let cosine = libm::sqrtf(1.0 - sine * sine);
@@ -116,7 +123,7 @@ pub(super) fn estimate<S: Scalar>(
             }
         }),
         speed_mps: (x[ENERGY] + x[ENERGY]).sqrt().to_f32(),
-        bias_percent: read(&[(BIAS, S::ONE)]),
+        bias_percent: read(&[(BIAS, S::ONE), (WIND, S::ONE)]),
         scale: Uncertain {
             value: 1.0 + scale.value,
             sigma: scale.sigma,

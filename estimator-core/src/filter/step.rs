@@ -4,8 +4,10 @@ use super::covariance::Covariance;
 use super::gate::{Gate, Verdict};
 use super::learned::Spread;
 use super::record::{Link, Record};
-use super::state::{ALTITUDE, BIAS, ENERGY, GNSS_ERROR, SCALE, SLOPE, SLOPE_RATE, STATES, State};
-use super::transition::{Transition, bias_sigma};
+use super::state::{
+    ALTITUDE, BIAS, ENERGY, GNSS_ERROR, SCALE, SLOPE, SLOPE_RATE, STATES, State, WIND,
+};
+use super::transition::{Transition, bias_sigma, wind_sigma};
 use super::update::{Observation, Update};
 use crate::cell::CELL_LENGTH_M;
 use crate::counters::Counters;
@@ -180,6 +182,7 @@ fn begin<S: Scalar>(
             BIAS,
             square(bias_sigma(vehicle, tuning, sample)) + square(cold),
         );
+        p.set(WIND, WIND, square(wind_sigma(vehicle, tuning, sample)));
         p.set(SCALE, SCALE, square(tuning.scale_sigma));
         p.set(GNSS_ERROR, GNSS_ERROR, square(tuning.gnss_error_sigma_m));
         let mut x = [S::ZERO; STATES];
@@ -209,7 +212,8 @@ fn begin<S: Scalar>(
 
 /// The altitude carried along the slope from where it was taken to the cell's end, m.
 fn altitude_at_end<S: Scalar>(state: &State<S>, altitude: &AltitudeMeasurement) -> f32 {
-    let slope_percent = state.x[SLOPE] - state.x[BIAS] + state.load * state.x[SCALE];
+    let slope_percent =
+        state.x[SLOPE] - state.x[BIAS] - state.x[WIND] + state.load * state.x[SCALE];
     altitude.altitude_m + altitude.behind_m * 0.01 * slope_percent.to_f32()
 }
 

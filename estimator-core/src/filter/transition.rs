@@ -1,7 +1,9 @@
 //! One cell of driving, as shears on mean and covariance.
 
 use super::Covariance;
-use super::state::{ALTITUDE, BIAS, ENERGY, GNSS_ERROR, SCALE, SLOPE, SLOPE_RATE, STATES, State};
+use super::state::{
+    ALTITUDE, BIAS, ENERGY, GNSS_ERROR, SCALE, SLOPE, SLOPE_RATE, STATES, State, WIND,
+};
 use crate::cell::CELL_LENGTH_M;
 use crate::sampler::Sample;
 use crate::scalar::Scalar;
@@ -27,6 +29,8 @@ pub struct Transition<S> {
     keep_rate: S,
     /// Part of the bias that is left.
     keep_bias: S,
+    /// Part of the wind that is left.
+    keep_wind: S,
     /// Part of the coloured GNSS error that is left.
     keep_gnss_error: S,
     /// Variances that the step adds.
@@ -39,6 +43,7 @@ struct Noise<S> {
     energy: S,
     slope_rate: S,
     bias: S,
+    wind: S,
     scale: S,
     gnss_error: S,
 }
@@ -53,6 +58,14 @@ pub(super) fn bias_sigma(vehicle: &VehicleParameters, tuning: &Tuning, sample: &
     let rolling = tuning.bias_rolling * vehicle.rolling_resistance;
     let drag = tuning.bias_drag * drag_n(vehicle, sample) / weight_n;
     100.0 * libm::sqrtf(force * force + rolling * rolling + drag * drag)
+}
+
+/// Standard deviation of what the wind's coming and going makes of air resistance, %.
+pub(super) fn wind_sigma(vehicle: &VehicleParameters, tuning: &Tuning, sample: &Sample) -> f32 {
+    let weight_n = sample.load.mass_kg * GRAVITY;
+    let speed = sample.place.speed_mps;
+    let per_mps_n = vehicle.drag_area_m2 * sample.load.air_density * speed;
+    100.0 * per_mps_n * tuning.wind_sigma_mps / weight_n
 }
 
 /// Air resistance, N.
@@ -106,6 +119,10 @@ impl<S: Scalar> Transition<S> {
             length_m / tuning.bias_length_m,
             bias_sigma(vehicle, tuning, sample),
         );
+        let (keep_wind, wind_noise) = markov(
+            length_m / tuning.wind_length_m,
+            wind_sigma(vehicle, tuning, sample),
+        );
         let (keep_gnss_error, gnss_noise) = markov(
             sample.duration_s / tuning.gnss_error_time_s,
             // An error that stepped far out does not come back as a small one would.
@@ -138,11 +155,13 @@ impl<S: Scalar> Transition<S> {
             gravity: S::from_f32(gravity),
             keep_rate: S::from_f32(keep_rate),
             keep_bias: S::from_f32(keep_bias),
+            keep_wind: S::from_f32(keep_wind),
             keep_gnss_error: S::from_f32(keep_gnss_error),
             noise: Noise {
                 energy: S::from_f32(energy_sigma * energy_sigma),
                 slope_rate: S::from_f32(rate_noise),
                 bias: S::from_f32(bias_noise),
+                wind: S::from_f32(wind_noise),
                 scale: S::from_f32(walk * walk * length_m * 0.001),
                 gnss_error: S::from_f32(gnss_noise),
             },
@@ -167,6 +186,7 @@ impl<S: Scalar> Transition<S> {
         state.p.add_variance(ENERGY, self.noise.energy);
         state.p.add_variance(SLOPE_RATE, self.noise.slope_rate);
         state.p.add_variance(BIAS, self.noise.bias);
+        state.p.add_variance(WIND, self.noise.wind);
         state.p.add_variance(SCALE, self.noise.scale);
         state.p.add_variance(GNSS_ERROR, self.noise.gnss_error);
     }
@@ -188,7 +208,7 @@ impl<S: Scalar> Transition<S> {
     /// Off-diagonal entries of the transition as `x_i += factor * x_j`, in order. The slope turns
     /// halfway through the cell, so that energy and altitude see its middle.
     #[inline(always)]
-    fn shears(&self) -> [(usize, usize, S); 7] {
+    fn shears(&self) -> [(usize, usize, S); 8] {
         let half = S::from_f32(0.5 * CELL_LENGTH_M);
         let climb = S::from_f32(0.01 * CELL_LENGTH_M);
         [
@@ -197,6 +217,7 @@ impl<S: Scalar> Transition<S> {
             (ENERGY, SLOPE, -self.gravity),
             (ALTITUDE, SLOPE, climb),
             (ALTITUDE, BIAS, -climb),
+            (ALTITUDE, WIND, -climb),
             (ALTITUDE, SCALE, climb * self.load),
             (SLOPE, SLOPE_RATE, half),
         ]
@@ -207,11 +228,12 @@ impl<S: Scalar> Transition<S> {
     /// They act after the shears; the forces of the cell thus lose to air resistance a part in a
     /// thousand of what the energy does, which is nothing.
     #[inline(always)]
-    fn keeps(&self) -> [(usize, S); 4] {
+    fn keeps(&self) -> [(usize, S); 5] {
         [
             (ENERGY, self.keep_energy),
             (SLOPE_RATE, self.keep_rate),
             (BIAS, self.keep_bias),
+            (WIND, self.keep_wind),
             (GNSS_ERROR, self.keep_gnss_error),
         ]
     }
@@ -234,11 +256,13 @@ impl<S: Scalar> Transition<S> {
             gravity: to(self.gravity),
             keep_rate: to(self.keep_rate),
             keep_bias: to(self.keep_bias),
+            keep_wind: to(self.keep_wind),
             keep_gnss_error: to(self.keep_gnss_error),
             noise: Noise {
                 energy: to(self.noise.energy),
                 slope_rate: to(self.noise.slope_rate),
                 bias: to(self.noise.bias),
+                wind: to(self.noise.wind),
                 scale: to(self.noise.scale),
                 gnss_error: to(self.noise.gnss_error),
             },
