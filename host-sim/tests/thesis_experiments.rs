@@ -1,11 +1,11 @@
 //! The ten experiments replicated: what was fitted fits, and what is predicted holds together.
 
 use host_sim::baseline::original::Noise;
-use host_sim::baseline::{Profile, pointwise};
+use host_sim::baseline::{Method, Profile, pointwise};
 use host_sim::report::page::Section;
 use host_sim::report::plot::{Mark, Plot, Series, colour};
 use host_sim::study::experiments::measure::{errors, mean, merged, rmse};
-use host_sim::study::experiments::modified::{Estimated, Method};
+use host_sim::study::experiments::modified::Estimated;
 use host_sim::study::experiments::replica::{Campaign, Heading, Replica, Sources};
 use host_sim::study::experiments::tuning;
 use host_sim::study::{Outcome, STUDIES, Setting};

@@ -1,8 +1,9 @@
 //! Our predictions against the thesis's numbers, and what the errors are made of.
 
 use super::measure::{errors, mean};
-use super::modified::{Estimated, Method};
+use super::modified::Estimated;
 use super::replica::{Campaign, Heading, Replica, Sources};
+use crate::baseline::Method;
 use crate::report::page::Table;
 use crate::world::truck::Preset;
 use rayon::prelude::*;
@@ -264,7 +265,7 @@ fn mean_rmse(
         .filter(|run| run.experiment.preset() == preset)
         .map(|run| {
             let alone = campaign.drive(run.experiment, run.fitted, sources);
-            errors(&alone, &method.estimate(&alone).grade_percent).rmse_valid
+            errors(&alone, &method.estimate(&alone.drive).grade_percent).rmse_valid
         })
         .collect();
     mean(&each)

@@ -4,8 +4,7 @@ use super::comparison::{differences, made_of, summary};
 use super::measure::{Errors, errors, merged, rmse};
 use super::replica::{Campaign, Experiment, Heading, Replica, inner};
 use super::thesis;
-use crate::baseline::original::{self, Noise};
-use crate::baseline::{Point, Profile, STEP_M, modified};
+use crate::baseline::{Method, Point, Profile, STEP_M};
 use crate::error::Result;
 use crate::report::page::{Figure, Section, Table};
 use crate::report::plot::{Plot, Series, colour, stretches};
@@ -22,15 +21,6 @@ pub const STUDY: Study = Study {
     run,
 };
 
-/// A grade estimation method of the thesis.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Method {
-    /// Section 3.
-    Original,
-    /// Section 8.1.
-    Modified,
-}
-
 /// A run estimated by one method.
 #[derive(Clone, Debug)]
 pub struct Estimated {
@@ -45,18 +35,6 @@ pub struct Estimated {
 }
 
 impl Method {
-    /// In the order in which they are compared.
-    pub const BOTH: [Self; 2] = [Self::Original, Self::Modified];
-
-    /// In words.
-    #[must_use]
-    pub const fn word(self) -> &'static str {
-        match self {
-            Self::Original => "original",
-            Self::Modified => "modified",
-        }
-    }
-
     /// µ, σ, RMSE(v), RMSE(a) and RMSE(m) that the thesis measured in a run.
     #[must_use]
     pub const fn of_thesis(self, experiment: Experiment) -> [f64; 5] {
@@ -67,19 +45,13 @@ impl Method {
         all[experiment.number - 1]
     }
 
-    /// The grade of a run.
-    #[must_use]
-    pub fn estimate(self, run: &Replica) -> Profile {
-        match self {
-            Self::Original => original::estimate(&run.drive, &Noise::ORIGINAL),
-            Self::Modified => modified::estimate(&run.drive).profile,
-        }
-    }
-
     /// All runs, estimated and merged one by one in each direction.
     #[must_use]
     pub fn apply(self, runs: &[Replica]) -> Vec<Estimated> {
-        let profiles: Vec<Profile> = runs.par_iter().map(|run| self.estimate(run)).collect();
+        let profiles: Vec<Profile> = runs
+            .par_iter()
+            .map(|run| self.estimate(&run.drive))
+            .collect();
         let mut found: Vec<Estimated> = Vec::new();
         for (run, profile) in runs.iter().zip(profiles) {
             let mut members: Vec<&Profile> = found
