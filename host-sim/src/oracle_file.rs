@@ -166,7 +166,7 @@ impl OracleFile {
             .remove("noise")
             .ok_or_else(|| key("missing [noise] (true levels of the noise)".to_owned()))?
             .try_into()
-            .map_err(toml_error)?;
+            .map_err(|e: toml::de::Error| key(format!("[noise]: {}", e.to_string().trim_end())))?;
         noise.check().map_err(key)?;
         let vehicle = VehicleFile::from_table(document, path)?;
         Ok(Self { vehicle, noise })

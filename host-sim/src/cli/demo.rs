@@ -180,7 +180,9 @@ fn page(drives: &[Drive], map: &[MapRow], scores: &[ScoreRow]) -> Page {
                         .to_owned(),
                     "Beside them, from the same logs: the thesis's original filter, its modified \
                      method, and an oracle, which is this filter told the true vehicle and how \
-                     large every noise is. The last column is the error over the oracle's."
+                     large every noise is. These drives have neither wind nor cold tyres, so that \
+                     an oracle's vehicle model is exact. The last column is the error over the \
+                     oracle's."
                         .to_owned(),
                 ],
                 tables: vec![

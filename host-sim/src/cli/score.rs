@@ -6,6 +6,7 @@ use crate::error::{Error, Result};
 use crate::output::print;
 use crate::progress;
 use crate::run_file::{self, write_csv};
+use crate::score::rivals::Rival;
 use crate::score::{self, ScoreRow, mean, score_run_beside};
 use crate::truth_file::{self, TruthRow};
 use clap::CommandFactory;
@@ -129,9 +130,13 @@ fn check_counts(args: &Args) {
 
 fn judge(path: &Path, truth: &[TruthRow], files: &Companions) -> Result<Judged> {
     let run = run_file::read(path)?;
+    let name = path.display().to_string();
+    let beside = |rivals: &[Rival]| {
+        score_run_beside(&name, &run, truth, rivals)
+            .map_err(|problem| Error::content(path, problem.to_string()))
+    };
     let rivals = files.rivals(&run)?;
-    let scored = score_run_beside(&path.display().to_string(), &run, truth, &rivals)
-        .map_err(|problem| Error::content(path, problem.to_string()))?;
+    let mut scored = beside(&rivals)?;
     let mut notes: Vec<String> = files.missing().into_iter().map(String::from).collect();
     if scored.beyond_truth > 0 {
         notes.push(format!(
@@ -141,27 +146,26 @@ fn judge(path: &Path, truth: &[TruthRow], files: &Companions) -> Result<Judged> 
         ));
     }
     let cells = scored.rows[0].cells;
-    let shared = |rival: &score::rivals::Rival| {
+    let shared = |rival: &Rival| {
         let mut rows = scored.rows.iter();
-        rows.find(|row| row.estimate == rival.estimate)
-            .map_or(0, |row| row.cells)
+        let row = rows.find(|row| row.estimate == rival.estimate);
+        row.map_or(0, |row| row.cells)
     };
     let fewest = rivals.iter().map(shared).min().unwrap_or(cells);
-    if fewest == 0 {
-        let problem = "shares no cell with the run; expected the log that it was estimated from";
-        if let Some(log) = files.named_log() {
-            return Err(Error::content(
-                log,
-                format!("{problem} ({})", path.display()),
+    if fewest < cells {
+        let problem = format!("shares {fewest} of {cells} cells with the run");
+        if 2 * fewest >= cells {
+            notes.push(format!(
+                "the log {problem}; the run itself has no ratio to the oracle"
             ));
+        } else if let Some(log) = files.named_log() {
+            let wanted = "expected the log that the run was estimated from";
+            return Err(Error::content(log, format!("{problem} {name}; {wanted}")));
+        } else {
+            let left_out = "original, modified and oracle left out";
+            notes.push(format!("{left_out}: the log beside the truth {problem}"));
+            scored = beside(&[])?;
         }
-        notes.push(format!(
-            "original, modified and oracle left out: the log beside the truth {problem}"
-        ));
-    } else if fewest < cells {
-        notes.push(format!(
-            "the log shares only {fewest} of {cells} cells with the run; no ratio to the oracle"
-        ));
     }
     Ok(Judged {
         rows: scored.rows,
