@@ -47,10 +47,11 @@ impl Companions {
             .file_name()
             .and_then(|file| file.to_str()?.strip_suffix(TRUTH));
         let beside = |patterns: &[&str]| {
+            let name = name?;
             patterns
                 .iter()
-                .map(|pattern| Some(truth.with_file_name(pattern.replace(NAME, name?))))
-                .find(|path| path.as_ref().is_none_or(|path| path.exists()))?
+                .map(|pattern| truth.with_file_name(pattern.replace(NAME, name)))
+                .find(|path| path.exists())
         };
         let find = |named: &[PathBuf], patterns: &[&str]| match named {
             [] => beside(patterns),
