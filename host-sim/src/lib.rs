@@ -4,6 +4,7 @@ pub mod baseline;
 pub mod cli;
 pub mod error;
 pub mod map;
+pub mod oracle_file;
 pub mod output;
 pub mod progress;
 pub mod recorder;

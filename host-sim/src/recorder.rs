@@ -4,9 +4,7 @@ use crate::error::Error;
 use crate::run_file::RunRow;
 use crate::smooth::smooth;
 use crate::source::can_frame::TimedFrame;
-use crate::source::candump::CandumpReader;
-use crate::source::signal_table::SignalTableReader;
-use crate::source::{LogKind, kind_of};
+use crate::source::input::{Input, for_each_input};
 use estimator_core::filter::Record;
 use estimator_core::{
     Cell, Counters, Estimate, Estimator, Instant, ParameterError, Place, Reading, Scalar, Step,
@@ -60,6 +58,14 @@ impl<S: Scalar> Recorder<S> {
         self.collect();
     }
 
+    /// Takes one input of a log.
+    pub fn on_input(&mut self, input: &Input) {
+        match input {
+            Input::Frame(frame) => self.on_frame(frame),
+            Input::Reading(time, reading) => self.on_reading(*time, *reading),
+        }
+    }
+
     fn collect(&mut self) {
         while let Some(step) = self.estimator.step() {
             if step == Step::Moved {
@@ -108,27 +114,7 @@ pub fn estimate_log<S: Scalar>(
 ) -> Result<Run, Error> {
     let mut recorder = Recorder::<S>::new(vehicle.clone(), Tuning::default())
         .map_err(|e| Error::content(log, e.to_string()))?;
-    match kind_of(log)? {
-        LogKind::Candump => {
-            let mut reader = CandumpReader::open(log)?;
-            let mut frames = 0_u32;
-            while let Some(frame) = reader.next_frame()? {
-                recorder.on_frame(&frame);
-                frames = frames.wrapping_add(1);
-                if frames.is_multiple_of(8192) {
-                    progress(reader.file().bytes_read());
-                }
-            }
-        }
-        LogKind::SignalTable => {
-            let mut reader = SignalTableReader::open(log)?;
-            while let Some(row) = reader.next_row()? {
-                for reading in row.readings {
-                    recorder.on_reading(row.time, *reading);
-                }
-            }
-        }
-    }
+    for_each_input(log, progress, |input| recorder.on_input(&input))?;
     Ok(recorder.finish())
 }
 

@@ -53,6 +53,24 @@ pub(crate) fn round(value: f64, decimals: i32) -> f64 {
 }
 
 impl RunRow {
+    /// Smoothed grade and its standard deviation, %.
+    #[must_use]
+    pub const fn smoothed(&self) -> (f64, f64) {
+        (self.grade_percent, self.grade_sigma_percent)
+    }
+
+    /// Lagged grade and its standard deviation, %.
+    #[must_use]
+    pub const fn lagged(&self) -> (f64, f64) {
+        (self.lagged_grade_percent, self.lagged_grade_sigma_percent)
+    }
+
+    /// Live grade and its standard deviation, %.
+    #[must_use]
+    pub const fn live(&self) -> (f64, f64) {
+        (self.live_grade_percent, self.live_grade_sigma_percent)
+    }
+
     /// Whether the row can follow `before` in a run.
     fn check(before: Option<&Self>, row: &Self) -> std::result::Result<(), Flaw> {
         row_check::finite(&[

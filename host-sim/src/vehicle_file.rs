@@ -73,12 +73,26 @@ impl VehicleFile {
     /// Unknown keys, missing keys and impossible values, each named.
     pub fn read(path: &Path) -> Result<Self> {
         let text = fs::read_to_string(path).map_err(Error::io(path))?;
+        Self::checked(toml::from_str(&text), path)
+    }
+
+    /// From the tables of such a file; `path` is for messages.
+    ///
+    /// # Errors
+    /// As [`read`](Self::read).
+    pub(crate) fn from_table(table: toml::Table, path: &Path) -> Result<Self> {
+        Self::checked(table.try_into(), path)
+    }
+
+    fn checked(
+        document: std::result::Result<Document, toml::de::Error>,
+        path: &Path,
+    ) -> Result<Self> {
         let key = |problem: String| Error::Key {
             path: path.to_owned(),
             problem,
         };
-        let document: Document =
-            toml::from_str(&text).map_err(|e| key(e.to_string().trim_end().to_owned()))?;
+        let document = document.map_err(|e| key(e.to_string().trim_end().to_owned()))?;
         let parameters = document.parameters().map_err(key)?;
         parameters
             .check()

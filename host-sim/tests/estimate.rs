@@ -318,6 +318,13 @@ fn the_demo_ends_with_a_table_and_a_page() {
     let page = fs::read_to_string(out.join("report.html")).unwrap();
     assert_eq!(page.matches("<svg").count(), 3);
     assert!(!page.contains("NaN"));
+    for estimate in ["smoothed", "original", "modified", "oracle"] {
+        assert!(page.contains(estimate), "{estimate}");
+    }
+    // Five runs and their mean with eight rows each, and the map.
+    let table = fs::read_to_string(out.join("score.csv")).unwrap();
+    assert!(table.starts_with("run,estimate,cells,rmse_percent,"));
+    assert_eq!(table.lines().count(), 1 + 6 * 8 + 1);
     for name in [
         "a1.log",
         "a1.truth.csv",

@@ -218,15 +218,15 @@ fn the_table_is_printed_and_written() {
     let lines: Vec<&str> = table.lines().collect();
     assert_eq!(
         lines[0],
-        "run,estimate,cells,rmse_percent,rmse_valid_percent,bias_percent,nees"
+        "run,estimate,cells,rmse_percent,rmse_valid_percent,bias_percent,nees,oracle_ratio"
     );
     assert_eq!(lines.len(), 10);
     assert!(
-        lines[1] == "runs/a.csv,smoothed,2001,0.3,0.3,0.3,4.0",
+        lines[1] == "runs/a.csv,smoothed,2001,0.3,0.3,0.3,4.0,",
         "{}",
         lines[1]
     );
-    assert_eq!(lines[4], "runs/b.csv,smoothed,801,0.0,0.0,0.0,0.0");
+    assert_eq!(lines[4], "runs/b.csv,smoothed,801,0.0,0.0,0.0,0.0,");
     assert!(
         lines[7].starts_with("mean,smoothed,2802,0.15,0.15,0.15,2.0"),
         "{}",

@@ -1,6 +1,8 @@
 //! `roadgrade simulate` from the outside: files, repeatability, bad scenarios.
 
 use assert_cmd::cargo::cargo_bin_cmd;
+use estimator_core::Traction;
+use host_sim::oracle_file::OracleFile;
 use host_sim::source::can_frame::{CanFrame, TimedFrame};
 use host_sim::source::candump_writer::write_frame;
 use host_sim::truth_file;
@@ -59,9 +61,11 @@ fn every_run_leaves_its_files() {
         names,
         [
             "a.log",
+            "a.oracle.toml",
             "a.truth.csv",
             "a.vehicle.toml",
             "b.log",
+            "b.oracle.toml",
             "b.truth.csv",
             "b.vehicle.toml",
             "road.csv"
@@ -79,6 +83,42 @@ fn runs_with_one_vehicle_share_its_file() {
     // What the true mass is, the estimator is not told.
     assert_eq!(files["vehicle.toml"], files["a.vehicle.toml"]);
     assert_eq!(files["vehicle.toml"], files["b.vehicle.toml"]);
+}
+
+#[test]
+fn the_oracle_file_tells_the_truth() {
+    let folder = tempfile::tempdir().unwrap();
+    let exact = "errors = { mass_factor = 1.1, torque_factor = 0.96 }";
+    let windy = format!(
+        "{}[wind]\nspeed_mps = 3.0\nfrom_deg = 225.0\n[tyres]\ncold_amount = 0.4\n\
+         [gnss]\naltitude_sigma_m = 7.0\n[latency_ms]\ngnss = 250.0\n",
+        SHORT.replace("errors = { mass_sigma = 0.1 }", exact)
+    );
+    simulate(&windy, folder.path()).success();
+    let read = |name: &str| OracleFile::read(&folder.path().join("out").join(name)).unwrap();
+    let (a, b) = (read("a.oracle.toml"), read("b.oracle.toml"));
+    assert_eq!(a.vehicle.parameters.mass_kg, 39_000.0);
+    assert_eq!(b.vehicle.name, "B");
+    assert!((b.vehicle.parameters.mass_kg - 13_200.0).abs() < 0.1);
+    let Traction::Powertrain(powertrain) = &b.vehicle.parameters.traction else {
+        panic!("it has one");
+    };
+    assert!((powertrain.reference_torque_nm - 0.96 * 2370.0).abs() < 0.1);
+    let noise = b.noise;
+    assert_eq!(noise.speed_sigma_mps, 0.011);
+    assert_eq!(
+        (noise.gnss_slow.sigma_m, noise.gnss_slow.time_s),
+        (7.0, 250.0)
+    );
+    assert_eq!(
+        (noise.gnss_white_sigma_m, noise.gnss_latency_s),
+        (0.3, 0.25)
+    );
+    assert_eq!(noise.cold_tyres.unwrap().amount, 0.4);
+    // The road starts out against the wind.
+    let headwind = a.noise.headwind.unwrap();
+    assert!((2.5..=3.0).contains(&headwind.sigma_mps), "{headwind:?}");
+    assert!(headwind.time_s > 100.0, "{headwind:?}");
 }
 
 #[test]

@@ -15,12 +15,21 @@ pub mod original;
 pub mod pointwise;
 pub mod simulated;
 
+mod method;
+
+pub use method::Method;
+
 use estimator_core::sampler::Sample;
 use estimator_core::vehicle::{GRAVITY, Load};
 use estimator_core::{CELL_LENGTH_M, VehicleParameters};
 
 /// Length of a step, m.
 pub const STEP_M: f64 = CELL_LENGTH_M as f64;
+
+/// Longest way between two fixes on which altitude is taken from the line between them, m. The
+/// slowest receivers tell one a second, each 30 m on a motorway; two or three may be missing. Beyond
+/// it there were no satellites.
+const LONGEST_GNSS_GAP_M: f64 = 100.0;
 
 /// What was measured at one point of the way.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -83,10 +92,13 @@ pub(crate) fn percent_of_sine(sine: f64) -> f64 {
 }
 
 impl Drive {
-    /// From the samples of one run. GNSS altitude is interpolated over the way between fixes,
-    /// over at most `longest_gap_m` (beyond it there were no satellites).
+    /// From the samples of one run, which must have no gap between them. GNSS altitude is
+    /// interpolated over the way between fixes.
+    ///
+    /// The mass is the mean of what the vehicle told on the way, or the parameter where it told
+    /// none: what an estimator on board had to go by.
     #[must_use]
-    pub fn new(vehicle: &VehicleParameters, samples: &[Sample], longest_gap_m: f64) -> Self {
+    pub fn new(vehicle: &VehicleParameters, samples: &[Sample]) -> Self {
         let distances: Vec<f64> = samples.iter().map(|s| s.place.distance_m()).collect();
         let fixes: Vec<(f64, f64)> = samples
             .iter()
@@ -106,25 +118,34 @@ impl Drive {
                     air_density,
                     ..
                 } = sample.load;
+                let condition = sample.place.condition;
                 Point {
                     distance_m,
                     speed_mps: sample.place.speed_mps.into(),
                     traction_n: traction_n.into(),
                     rotating_kg: rotating_kg.into(),
                     air_density: air_density.into(),
-                    altitude_m: interpolated(&fixes, distance_m, longest_gap_m),
-                    shifting: sample.place.condition.shifting,
-                    braking: sample.place.condition.braking,
+                    altitude_m: interpolated(&fixes, distance_m),
+                    // The thesis always knows the torque; a stretch without is as bad as a shift.
+                    shifting: condition.shifting || condition.no_traction,
+                    braking: condition.braking,
                 }
             })
             .collect();
+        let masses = samples.iter().map(|sample| f64::from(sample.load.mass_kg));
         Self {
-            mass_kg: vehicle.mass_kg.into(),
+            mass_kg: masses.sum::<f64>() / samples.len().max(1) as f64,
             drag_area_m2: vehicle.drag_area_m2.into(),
             rolling_resistance: vehicle.rolling_resistance.into(),
             points,
         }
     }
+}
+
+/// The samples of a run cut where cells are missing: each part is a drive of its own, as the thesis
+/// knows no gaps.
+pub fn without_gaps(samples: &[Sample]) -> impl Iterator<Item = &[Sample]> {
+    samples.chunk_by(|_, next| next.gap_cells == 0)
 }
 
 /// The mean over `length_m` about each value of a series with one value each [`STEP_M`].
@@ -148,9 +169,9 @@ pub fn moving_mean(values: &[f64], length_m: f64) -> Vec<f64> {
         .collect()
 }
 
-fn interpolated(fixes: &[(f64, f64)], at: f64, longest_gap: f64) -> Option<f64> {
+fn interpolated(fixes: &[(f64, f64)], at: f64) -> Option<f64> {
     let after = fixes.partition_point(|(x, _)| *x < at);
     let (x1, z1) = *fixes.get(after)?;
     let (x0, z0) = *fixes.get(after.checked_sub(1)?)?;
-    (x1 - x0 <= longest_gap).then(|| z0 + (z1 - z0) * (at - x0) / (x1 - x0).max(1e-9))
+    (x1 - x0 <= LONGEST_GNSS_GAP_M).then(|| z0 + (z1 - z0) * (at - x0) / (x1 - x0).max(1e-9))
 }

@@ -3,11 +3,12 @@
 use super::{estimate, simulate};
 use crate::error::{Error, Result};
 use crate::map::{self, GradeMap, MapRow, RoadLine, RoadRow};
+use crate::oracle_file::{OracleFile, RunSize};
 use crate::output::print;
 use crate::report::page::{Figure, Page, Section, Table};
 use crate::report::plot::{Mark, Plot, Series, colour};
 use crate::run_file::{self, RunRow};
-use crate::score::{self, ScoreRow};
+use crate::score::{self, ScoreRow, rivals};
 use crate::series::linear;
 use crate::truth_file::{self, TruthRow};
 use crate::vehicle_file::VehicleFile;
@@ -46,12 +47,14 @@ pub fn run(args: &Args) -> Result<()> {
     let (map, map_score) = fuse(&drives, out)?;
     eprintln!("4  score against the truth, draw the page");
     let mut scores: Vec<ScoreRow> = drives.iter().flat_map(|d| d.scores.clone()).collect();
-    let means = score::mean(&scores);
-    scores.extend(means);
-    scores.push(map_score);
-    run_file::write_csv(&out.join("score.csv"), scores.iter().map(ScoreRow::rounded))?;
+    let mut overall = score::mean(&scores);
+    overall.push(map_score);
+    scores.extend_from_slice(&overall);
     let report = page(&drives, &map, &scores).write(out)?;
-    print(&format!("{}\n\n", score::table(&scores)))?;
+    let table = out.join("score.csv");
+    run_file::write_csv(&table, scores.iter().map(ScoreRow::rounded))?;
+    print(&format!("{}\n\n", score::table(&overall)))?;
+    print(&format!("each run: {}\n", table.display()))?;
     print(&format!("page to open: {}\n", report.display()))
 }
 
@@ -65,7 +68,9 @@ fn drive(scenario: &Scenario, index: usize, folder: &Path) -> Result<Drive> {
     let rows = estimated.rows;
     run_file::write(&file("csv"), &rows)?;
     let truth = truth_file::read(&file("truth.csv"))?;
-    let scored = score::score_run(&run.name, &rows, &truth)
+    let oracle = OracleFile::read(&file("oracle.toml"))?;
+    let rivals = rivals::of_log(&log, Some(&vehicle), Some(&oracle), &RunSize::of(&rows))?;
+    let scored = score::score_run_beside(&run.name, &rows, &truth, &rivals)
         .map_err(|e| Error::content(&log, e.to_string()))?;
     Ok(Drive {
         name: run.name.clone(),
@@ -173,10 +178,16 @@ fn page(drives: &[Drive], map: &[MapRow], scores: &[ScoreRow]) -> Page {
                      500 m left out. Live is what the vehicle knows at once, lagged what it knows \
                      110 m later, smoothed what the whole run tells."
                         .to_owned(),
+                    "Beside them, from the same logs: the thesis's original filter, its modified \
+                     method, and an oracle, which is this filter told the true vehicle and how \
+                     large every noise is. These drives have neither wind nor cold tyres, so that \
+                     an oracle's vehicle model is exact. The last column is the error over the \
+                     oracle's."
+                        .to_owned(),
                 ],
                 tables: vec![
                     Table::new(
-                        "score",
+                        "errors_table",
                         "Each run, their mean, and the map of all.",
                         &score::HEADER,
                     )

@@ -1,5 +1,6 @@
 //! The command line: one file a subcommand.
 
+mod companions;
 mod demo;
 mod estimate;
 mod fuse;

@@ -1,27 +1,50 @@
 //! `roadgrade score`.
 
 use super::Cli;
+use super::companions::{Companions, Options};
 use crate::error::{Error, Result};
+use crate::output::print;
+use crate::progress;
 use crate::run_file::{self, write_csv};
-use crate::score::{self, ScoreRow, mean, score_run};
-use crate::truth_file;
+use crate::score::rivals::Rival;
+use crate::score::{self, ScoreRow, mean, score_run_beside};
+use crate::truth_file::{self, TruthRow};
 use clap::CommandFactory;
+use clap::error::ErrorKind;
+use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
 /// Arguments of `score`.
 #[derive(Debug, clap::Args)]
-#[command(
-    after_help = "Cells are compared with the truth at their time, both counted from the log's first frame. \
-    The first and last 500 m of each run are left out. For the smoothed, the lagged and the live \
-    grade: RMSE over all cells and over valid cells (neither a gear shift nor braking), bias \
-    (estimate minus truth), and the mean normalised squared error (near 1 if the sigmas are \
-    honest); then the means over runs.\n\n\
-    Example: roadgrade score --truth a1.truth.csv --truth a2.truth.csv a1.csv a2.csv"
-)]
+#[command(after_help = "\
+Cells are compared with the truth at their time, both counted from the log's first frame. The first \
+and last 500 m of each run are left out. In each row: RMSE over all cells and over valid cells \
+(neither a gear shift nor braking), bias (estimate minus truth), the mean normalised squared error \
+(NEES, near 1 if the sigmas are honest), and the RMSE over the oracle's. Last the means over runs.
+
+Rows of each run:
+  smoothed, lagged, live  what RUN.csv holds
+  original                the thesis's filter (section 3), smoothed
+  modified                the thesis's filter after its corrections of mass and bias (section 8)
+  oracle, oracle_lagged,  our filter, told the true vehicle and how large every noise is (not what \
+it came
+  oracle_live             to): what better knowledge could gain. The lagged and the live grade are \
+set
+                          against its lagged and live, all else against its smoothed.
+
+The last five need the log; the thesis's methods also the vehicle file, the oracle an oracle file. \
+`simulate` writes all of them beside the truth, where they are found; what is not there is left \
+out. Keys of an oracle file: documentation of host_sim::oracle_file, or any that `simulate` writes.
+
+Examples:
+  roadgrade score --truth sim/a1.truth.csv --truth sim/a2.truth.csv a1.csv a2.csv
+  roadgrade score --truth a.csv --log a.log --vehicle a.toml --oracle true.toml run.csv")]
 pub struct Args {
     /// The truth of the drive; once for all runs, or repeated, one for each run in their order.
     #[arg(long, required = true, value_name = "TRUTH.csv")]
     truth: Vec<PathBuf>,
+    #[command(flatten)]
+    companions: Options,
     /// Where the table goes as CSV [default: score.csv beside the first run].
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -33,52 +56,138 @@ pub struct Args {
     runs: Vec<PathBuf>,
 }
 
+/// A run with its rows, and what has to be said about them.
+struct Judged {
+    rows: Vec<ScoreRow>,
+    notes: Vec<String>,
+}
+
 /// Runs it.
+///
+/// # Errors
+/// A file that cannot be read or used; a run without a cell to compare.
 pub fn run(args: &Args) -> Result<()> {
-    if args.truth.len() != 1 && args.truth.len() != args.runs.len() {
-        let problem = format!(
-            "{} times --truth for {} runs; expected one for all, or one for each run",
-            args.truth.len(),
-            args.runs.len()
-        );
-        Cli::command()
-            .error(clap::error::ErrorKind::WrongNumberOfValues, problem)
-            .exit();
-    }
-    let mut rows = Vec::new();
-    let mut truth = Vec::new();
-    for (i, path) in args.runs.iter().enumerate() {
-        if let Some(truth_path) = args.truth.get(i) {
-            truth = truth_file::read(truth_path)?;
-        }
-        let run = run_file::read(path)?;
-        let scored = score_run(&path.display().to_string(), &run, &truth)
-            .map_err(|problem| Error::content(path, problem.to_string()))?;
-        if scored.beyond_truth > 0 {
-            eprintln!(
-                "{}: {} of {} cells left out, beyond the time span of the truth",
-                path.display(),
-                scored.beyond_truth,
-                run.len()
-            );
-        }
-        rows.extend(scored.rows);
-    }
+    check_counts(args);
+    let truths = args
+        .truth
+        .iter()
+        .map(|path| truth_file::read(path))
+        .collect::<Result<Vec<_>>>()?;
+    let bar = progress::count(args.runs.len() as u64, "runs");
+    let judged: Vec<Result<Judged>> = (0..args.runs.len())
+        .into_par_iter()
+        .map(|index| {
+            let of_run = index.min(truths.len() - 1);
+            let files = Companions::of(&args.companions, index, &args.truth[of_run]);
+            let judged = judge(&args.runs[index], &truths[of_run], &files);
+            bar.inc(1);
+            judged
+        })
+        .collect();
+    bar.finish_and_clear();
+    // The first run that fails is told, whichever was done first.
+    let judged = judged.into_iter().collect::<Result<Vec<_>>>()?;
+    tell(&args.runs, &judged);
+    let mut rows: Vec<ScoreRow> = judged.into_iter().flat_map(|judged| judged.rows).collect();
     if args.runs.len() > 1 {
         rows.extend(mean(&rows));
     }
     let out = args.out.clone().unwrap_or_else(|| {
-        args.runs[0]
-            .parent()
-            .unwrap_or(Path::new(""))
-            .join("score.csv")
+        let folder = args.runs[0].parent().unwrap_or(Path::new(""));
+        folder.join("score.csv")
     });
     write_csv(&out, rows.iter().map(ScoreRow::rounded))?;
     if args.json {
-        println!("{}", score::json(&rows));
+        print(&format!("{}\n", score::json(&rows)))?;
     } else {
-        println!("{}", score::table(&rows));
+        print(&format!("{}\n", score::table(&rows)))?;
     }
     eprintln!("{}", out.display());
     Ok(())
+}
+
+/// Ends with wrong usage unless each kind of file is named once for all runs or once for each.
+fn check_counts(args: &Args) {
+    let runs = args.runs.len();
+    let options = &args.companions;
+    for (option, count) in [
+        ("truth", args.truth.len()),
+        ("log", options.log.len()),
+        ("vehicle", options.vehicle.len()),
+        ("oracle", options.oracle.len()),
+    ] {
+        if count > 1 && count != runs {
+            let problem = format!(
+                "{count} times --{option} for {runs} runs; expected one for all, or one for each \
+                 run"
+            );
+            Cli::command()
+                .error(ErrorKind::WrongNumberOfValues, problem)
+                .exit();
+        }
+    }
+}
+
+fn judge(path: &Path, truth: &[TruthRow], files: &Companions) -> Result<Judged> {
+    let run = run_file::read(path)?;
+    let name = path.display().to_string();
+    let beside = |rivals: &[Rival]| {
+        score_run_beside(&name, &run, truth, rivals)
+            .map_err(|problem| Error::content(path, problem.to_string()))
+    };
+    let rivals = files.rivals(&run)?;
+    let mut scored = beside(&rivals)?;
+    let mut notes: Vec<String> = files.missing().into_iter().map(String::from).collect();
+    if scored.beyond_truth > 0 {
+        notes.push(format!(
+            "{} of {} cells left out, beyond the time span of the truth",
+            scored.beyond_truth,
+            run.len()
+        ));
+    }
+    let cells = scored.rows[0].cells;
+    let shared = |rival: &Rival| {
+        let mut rows = scored.rows.iter();
+        let row = rows.find(|row| row.estimate == rival.estimate);
+        row.map_or(0, |row| row.cells)
+    };
+    let fewest = rivals.iter().map(shared).min().unwrap_or(cells);
+    if fewest < cells {
+        let problem = format!("shares {fewest} of {cells} cells with the run");
+        if 2 * fewest >= cells {
+            notes.push(format!(
+                "the log {problem}; the run itself has no ratio to the oracle"
+            ));
+        } else if let Some(log) = files.named_log() {
+            let wanted = "expected the log that the run was estimated from";
+            return Err(Error::content(log, format!("{problem} {name}; {wanted}")));
+        } else {
+            let left_out = "original, modified and oracle left out";
+            notes.push(format!("{left_out}: the log beside the truth {problem}"));
+            scored = beside(&[])?;
+        }
+    }
+    Ok(Judged {
+        rows: scored.rows,
+        notes,
+    })
+}
+
+/// Says on stderr what has to be said, once for all runs of which it is true.
+fn tell(runs: &[PathBuf], judged: &[Judged]) {
+    let mut told: Vec<(&str, Vec<&Path>)> = Vec::new();
+    for (run, judged) in runs.iter().zip(judged) {
+        for note in &judged.notes {
+            match told.iter_mut().find(|(known, _)| known == note) {
+                Some((_, of)) => of.push(run),
+                None => told.push((note, vec![run])),
+            }
+        }
+    }
+    for (note, of) in told {
+        match of.as_slice() {
+            [run] => eprintln!("{}: {note}", run.display()),
+            of => eprintln!("{} and {} more: {note}", of[0].display(), of.len() - 1),
+        }
+    }
 }

@@ -20,8 +20,9 @@ pub struct Args {
     /// What to simulate (TOML); see `host-sim/scenarios` for examples.
     #[arg(long, value_name = "FILE")]
     scenario: PathBuf,
-    /// Where NAME.log, NAME.truth.csv and NAME.vehicle.toml of each run go, the road.csv, and
-    /// vehicle.toml if all runs share one vehicle.
+    /// Where NAME.log, NAME.truth.csv, NAME.vehicle.toml (what is believed of the vehicle) and
+    /// NAME.oracle.toml (what is true of it, and of the noise; for `score`) of each run go, the
+    /// road.csv, and vehicle.toml if all runs share one vehicle.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
 }
@@ -73,6 +74,7 @@ fn write_run(scenario: &Scenario, index: usize, folder: &Path) -> Result<String>
     let frames = write_log(&file("log"), &recording)?;
     truth_file::write(&file("truth.csv"), &recording.truth())?;
     run.vehicle.write(&file("vehicle.toml"))?;
+    recording.oracle().write(&file("oracle.toml"))?;
     Ok(format!(
         "{}: truck {}, {:.1} km in {:.0} s, {frames} frames",
         run.name,

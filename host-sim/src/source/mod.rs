@@ -5,6 +5,7 @@ pub mod candump;
 mod candump_line;
 pub mod candump_writer;
 pub mod census;
+pub mod input;
 mod lines;
 pub mod log_file;
 pub mod needs;

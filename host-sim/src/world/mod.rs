@@ -15,6 +15,7 @@ pub mod driver;
 pub mod gearbox;
 pub mod geodesy;
 pub mod gnss;
+mod oracle;
 pub mod random;
 pub mod road;
 pub mod road_file;

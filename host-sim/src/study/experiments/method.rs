@@ -4,8 +4,7 @@ use super::measure::{Errors, errors, merged, nees, rmse};
 use super::ours;
 use super::replica::{Experiment, Replica};
 use super::thesis;
-use crate::baseline::original::{self, Noise};
-use crate::baseline::{Profile, modified};
+use crate::baseline::{self, Profile};
 use rayon::prelude::*;
 
 /// A grade estimation method, with all of the drive known.
@@ -75,8 +74,8 @@ impl Method {
     #[must_use]
     pub fn estimate(self, run: &Replica) -> Profile {
         match self {
-            Self::Original => original::estimate(&run.drive, &Noise::ORIGINAL),
-            Self::Modified => modified::estimate(&run.drive).profile,
+            Self::Original => baseline::Method::Original.estimate(&run.drive),
+            Self::Modified => baseline::Method::Modified.estimate(&run.drive),
             Self::Ours => ours::smoothed(&ours::records(&run.drive)),
         }
     }

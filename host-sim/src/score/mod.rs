@@ -3,13 +3,24 @@
 //! The first and last 500 m are left out: there a smoother lacks one side (thesis section 7, 200
 //! points cut at both ends). RMSE and bias are in % grade; the mean normalised squared error is
 //! the mean of (error / sigma)², 1 if the sigmas are honest.
+//!
+//! * here: a run, alone or beside others;
+//! * [`rivals`]: those others, estimated from the same log;
+//! * [`of_map`]: a map against a reference;
+//! * [`table`](mod@table): all of it as text.
 
-use crate::map::{MapRow, Place, RoadLine, RoadRow, TrackPoint, match_track};
+pub mod of_map;
+pub mod rivals;
+pub mod table;
+
+pub use of_map::{score_map, score_map_on_road};
+pub use table::{HEADER, json, table, text};
+
+use crate::baseline::Method;
 use crate::run_file::{RunRow, round};
 use crate::series::linear;
-use crate::text_table::text_table;
 use crate::truth_file::TruthRow;
-use comfy_table::Table;
+use rivals::{ORACLE, Rival};
 use serde::Serialize;
 
 /// Left out at both ends, m.
@@ -23,7 +34,7 @@ pub const MEAN: &str = "mean";
 pub struct ScoreRow {
     /// Which run, or [`MEAN`].
     pub run: String,
-    /// `smoothed`, `lagged`, `live`, or `map`.
+    /// `smoothed`, `lagged`, `live`, one of the [`rivals`], or `map`.
     pub estimate: &'static str,
     pub cells: usize,
     pub rmse_percent: f64,
@@ -33,6 +44,9 @@ pub struct ScoreRow {
     pub bias_percent: f64,
     /// Mean normalised squared error.
     pub nees: f64,
+    /// RMSE over that of the oracle on the same cells: the lagged over the oracle's lagged, the
+    /// live over its live, all else over its smoothed.
+    pub oracle_ratio: Option<f64>,
 }
 
 impl ScoreRow {
@@ -46,6 +60,7 @@ impl ScoreRow {
             rmse_valid_percent: self.rmse_valid_percent.map(|value| round(value, 5)),
             bias_percent: round(self.bias_percent, 5),
             nees: round(self.nees, 4),
+            oracle_ratio: self.oracle_ratio.map(|value| round(value, 4)),
         }
     }
 }
@@ -53,7 +68,7 @@ impl ScoreRow {
 /// The errors of one run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RunScore {
-    /// Smoothed, lagged, live.
+    /// Smoothed, lagged, live, then the rivals that share cells with the run.
     pub rows: Vec<ScoreRow>,
     /// Cells left out because the truth does not reach there.
     pub beyond_truth: usize,
@@ -81,85 +96,84 @@ pub enum Unscorable {
 /// # Errors
 /// If no cell is left to compare.
 pub fn score_run(run: &str, rows: &[RunRow], truth: &[TruthRow]) -> Result<RunScore, Unscorable> {
+    score_run_beside(run, rows, truth, &[])
+}
+
+/// The same, with others judged on the same cells.
+///
+/// # Errors
+/// If no cell is left to compare.
+pub fn score_run_beside(
+    run: &str,
+    rows: &[RunRow],
+    truth: &[TruthRow],
+    rivals: &[Rival],
+) -> Result<RunScore, Unscorable> {
     let truth: Vec<(f64, f64)> = truth
         .iter()
         .map(|row| (row.time_s, row.grade_percent))
         .collect();
-    let mut sums = [Sums::default(); 3];
-    let mut beyond_truth = 0;
-    for row in rows {
-        let Some(true_percent) = linear(&truth, row.time_s) else {
-            beyond_truth += 1;
-            continue;
-        };
-        if is_end(
-            rows[0].distance_m,
-            rows[rows.len() - 1].distance_m,
-            row.distance_m,
-        ) {
-            continue;
-        }
-        let estimates = [
-            (row.grade_percent, row.grade_sigma_percent),
-            (row.lagged_grade_percent, row.lagged_grade_sigma_percent),
-            (row.live_grade_percent, row.live_grade_sigma_percent),
-        ];
-        for (sums, (percent, sigma_percent)) in sums.iter_mut().zip(estimates) {
-            sums.add(percent - true_percent, sigma_percent, row.valid == 1);
-        }
-    }
-    let rows = ["smoothed", "lagged", "live"]
+    let within: Vec<(&RunRow, f64)> = rows
         .iter()
-        .zip(&sums)
-        .map(|(estimate, sums)| sums.row(run, estimate))
-        .collect::<Option<Vec<_>>>()
-        .ok_or(Unscorable::NothingLeft { cells: rows.len() })?;
+        .filter_map(|row| Some((row, linear(&truth, row.time_s)?)))
+        .collect();
+    let beyond_truth = rows.len() - within.len();
+    let judged: Vec<(&RunRow, f64)> = within
+        .into_iter()
+        .filter(|(row, _)| {
+            let ends = (rows[0].distance_m, rows[rows.len() - 1].distance_m);
+            !is_end(ends.0, ends.1, row.distance_m)
+        })
+        .collect();
+    if judged.is_empty() {
+        return Err(Unscorable::NothingLeft { cells: rows.len() });
+    }
+    let score = |estimate, value: &dyn Fn(&RunRow) -> Option<(f64, f64)>| {
+        let mut sums = Sums::default();
+        for (row, true_percent) in &judged {
+            if let Some((percent, sigma_percent)) = value(row) {
+                sums.add(percent - true_percent, sigma_percent, row.valid == 1);
+            }
+        }
+        sums.row(run, estimate)
+    };
+    let own = [
+        score("smoothed", &|row| Some(row.smoothed())),
+        score("lagged", &|row| Some(row.lagged())),
+        score("live", &|row| Some(row.live())),
+    ];
+    let others = rivals
+        .iter()
+        .map(|rival| score(rival.estimate, &|row| rival.at(row)));
+    let mut rows: Vec<ScoreRow> = own.into_iter().chain(others).flatten().collect();
+    compare_with_oracle(&mut rows);
     Ok(RunScore { rows, beyond_truth })
 }
 
-/// Compares a map with a reference by distance: pairs of distance, m, and grade, %, sorted. Both
-/// must count distance from the same point.
-///
-/// # Errors
-/// If no cell is left to compare.
-pub fn score_map(map: &[MapRow], reference: &[(f64, f64)]) -> Result<ScoreRow, Unscorable> {
-    let places: Vec<Option<f64>> = map.iter().map(|row| Some(row.distance_m)).collect();
-    score_placed(map, &places, reference)
-}
-
-/// Compares a map with a reference road that carries grades, by position and course: their
-/// distances may count from different points.
-///
-/// # Errors
-/// If the reference is no road or has no grade, or no cell is left to compare.
-pub fn score_map_on_road(map: &[MapRow], reference: &[RoadRow]) -> Result<ScoreRow, Unscorable> {
-    let road = RoadLine::new(reference.iter().map(RoadRow::point).collect())?;
-    let grades: Vec<(f64, f64)> = reference
-        .iter()
-        .filter_map(|row| Some((row.distance_m, row.grade_percent?)))
-        .collect();
-    if grades.is_empty() {
-        return Err(Unscorable::NoGrade);
+/// Fills in the ratio of each row of a run, where the oracle has an estimate on the same cells.
+fn compare_with_oracle(rows: &mut [ScoreRow]) {
+    let [oracle, oracle_lagged, oracle_live] = ORACLE;
+    let [original, modified] = Method::BOTH.map(Method::word);
+    for (estimate, oracle) in [
+        ("smoothed", oracle),
+        ("lagged", oracle_lagged),
+        ("live", oracle_live),
+        (original, oracle),
+        (modified, oracle),
+    ] {
+        let find = |name| rows.iter().position(|row| row.estimate == name);
+        let (Some(row), Some(best)) = (find(estimate), find(oracle)) else {
+            continue;
+        };
+        if rows[row].cells == rows[best].cells && rows[best].rmse_percent > 0.0 {
+            rows[row].oracle_ratio = Some(rows[row].rmse_percent / rows[best].rmse_percent);
+        }
     }
-    let track: Vec<TrackPoint> = map
-        .iter()
-        .map(|row| TrackPoint {
-            odometer_m: row.distance_m,
-            position: Some((row.latitude_deg, row.longitude_deg)),
-        })
-        .collect();
-    let places: Vec<Option<f64>> = match_track(&road, &track)
-        .into_iter()
-        .map(|place| match place {
-            Place::OnRoad(distance_m) => Some(distance_m),
-            _ => None,
-        })
-        .collect();
-    score_placed(map, &places, &grades)
 }
 
 /// Means over runs, one row for each estimate; cells are summed. Estimates come in the order in
-/// which they first appear.
+/// which they first appear. The ratio to the oracle is that of mean RMSEs, over the runs that have
+/// an oracle.
 pub fn mean(rows: &[ScoreRow]) -> Vec<ScoreRow> {
     let mut estimates: Vec<&'static str> = Vec::new();
     for row in rows {
@@ -183,72 +197,20 @@ pub fn mean(rows: &[ScoreRow]) -> Vec<ScoreRow> {
                 rmse_valid_percent: mean_of(|row| row.rmse_valid_percent),
                 bias_percent: mean_of(|row| Some(row.bias_percent)).unwrap_or_default(),
                 nees: mean_of(|row| Some(row.nees)).unwrap_or_default(),
+                oracle_ratio: ratio_of_means(&of),
             }
         })
         .collect()
 }
 
-/// Names of the columns of the error table.
-pub const HEADER: [&str; 7] = [
-    "run",
-    "estimate",
-    "cells",
-    "RMSE %",
-    "RMSE valid %",
-    "bias %",
-    "NEES",
-];
-
-/// The rows as text, one entry for each of [`HEADER`].
-pub fn text(rows: &[ScoreRow]) -> Vec<Vec<String>> {
-    rows.iter()
-        .map(|row| {
-            vec![
-                row.run.clone(),
-                row.estimate.into(),
-                row.cells.to_string(),
-                format!("{:.4}", row.rmse_percent),
-                row.rmse_valid_percent
-                    .map_or_else(|| "-".into(), |value| format!("{value:.4}")),
-                format!("{:+.4}", row.bias_percent),
-                format!("{:.2}", row.nees),
-            ]
-        })
-        .collect()
-}
-
-/// The rows as an aligned table.
-pub fn table(rows: &[ScoreRow]) -> Table {
-    text_table(&HEADER, &text(rows), 2)
-}
-
-/// The rows as a JSON array.
-pub fn json(rows: &[ScoreRow]) -> String {
-    let rows: Vec<ScoreRow> = rows.iter().map(ScoreRow::rounded).collect();
-    serde_json::json!(rows).to_string()
-}
-
-fn score_placed(
-    map: &[MapRow],
-    places: &[Option<f64>],
-    reference: &[(f64, f64)],
-) -> Result<ScoreRow, Unscorable> {
-    let mut sums = Sums::default();
-    for (row, place) in map.iter().zip(places) {
-        let ends = (map[0].distance_m, map[map.len() - 1].distance_m);
-        if is_end(ends.0, ends.1, row.distance_m) {
-            continue;
-        }
-        if let Some(true_percent) = place.and_then(|at| linear(reference, at)) {
-            sums.add(
-                row.grade_percent - true_percent,
-                row.grade_sigma_percent,
-                true,
-            );
-        }
-    }
-    sums.row("map", "map")
-        .ok_or(Unscorable::NothingLeft { cells: map.len() })
+fn ratio_of_means(rows: &[&ScoreRow]) -> Option<f64> {
+    let (ours, oracles) = rows
+        .iter()
+        .filter_map(|row| Some((row.rmse_percent, row.oracle_ratio.filter(|r| *r > 0.0)?)))
+        .fold((0.0, 0.0), |sum, (rmse, ratio)| {
+            (sum.0 + rmse, sum.1 + rmse / ratio)
+        });
+    (oracles > 0.0).then(|| ours / oracles)
 }
 
 fn is_end(first_m: f64, last_m: f64, at_m: f64) -> bool {
@@ -290,6 +252,7 @@ impl Sums {
                 .then(|| (self.valid_squared / self.valid_cells as f64).sqrt()),
             bias_percent: self.error / cells,
             nees: self.normalised / cells,
+            oracle_ratio: None,
         })
     }
 }
