@@ -85,7 +85,7 @@ fn fuse(drives: &[Drive], folder: &Path) -> Result<(Vec<MapRow>, ScoreRow)> {
         RoadLine::new(reference.iter().map(RoadRow::point).collect()).map_err(|e| problem(&e))?;
     let mut fused = GradeMap::new(&road);
     for drive in drives {
-        // Every drive has a load of its own, so none is of another's session.
+        // The errors of every drive's parameters are its own: no two are of one session.
         fused.add_run(&SessionRun {
             session: None,
             rows: &drive.rows,
