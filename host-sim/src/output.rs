@@ -4,7 +4,28 @@ use crate::error::{Error, Result};
 use std::fs::{self, Permissions};
 use std::io::{self, BufWriter, ErrorKind, Write};
 use std::os::unix::fs::PermissionsExt;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use tempfile::NamedTempFile;
+
+/// A file that is written but has not yet appeared under its name. Dropped, it leaves nothing.
+#[derive(Debug)]
+#[must_use = "it appears when it is committed"]
+pub struct Staged {
+    path: PathBuf,
+    file: NamedTempFile,
+}
+
+impl Staged {
+    /// Lets it appear, in place of what was there.
+    ///
+    /// # Errors
+    /// What the file system says; `path` is then as it was before.
+    pub fn commit(self) -> Result<()> {
+        let Self { path, file } = self;
+        file.persist(&path).map_err(|e| Error::io(&path)(e.error))?;
+        Ok(())
+    }
+}
 
 /// Writes `path` through `content`: into a temporary file beside it, renamed when complete.
 ///
@@ -14,6 +35,18 @@ pub fn write_whole(
     path: &Path,
     content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<()> {
+    stage(path, content)?.commit()
+}
+
+/// As [`write_whole`], but the file appears only when it is committed: so that several files
+/// appear together or not at all.
+///
+/// # Errors
+/// Whatever `content` says, or the file system.
+pub fn stage(
+    path: &Path,
+    content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> Result<Staged> {
     let folder = match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
@@ -29,8 +62,10 @@ pub fn write_whole(
     let file = writer
         .into_inner()
         .map_err(|e| Error::io(path)(e.into_error()))?;
-    file.persist(path).map_err(|e| Error::io(path)(e.error))?;
-    Ok(())
+    Ok(Staged {
+        path: path.to_owned(),
+        file,
+    })
 }
 
 /// Prints to stdout. A reader that has seen enough (`| head`) is no error.

@@ -1,7 +1,7 @@
 //! RUN.csv: one row a cell of one traversal.
 
 use crate::error::{Error, Result};
-use crate::output::write_whole;
+use crate::output::{Staged, stage};
 use crate::row_check::{self, Flaw};
 use serde::{Deserialize, Deserializer, Serialize};
 use std::path::Path;
@@ -42,7 +42,9 @@ pub struct RunRow {
 }
 
 /// An optional value of a column that must be there (serde takes a missing column for empty).
-fn column<'de, D: Deserializer<'de>>(cell: D) -> std::result::Result<Option<f64>, D::Error> {
+pub(crate) fn column<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
+    cell: D,
+) -> std::result::Result<Option<T>, D::Error> {
     Option::deserialize(cell)
 }
 
@@ -164,7 +166,15 @@ pub fn read(path: &Path) -> Result<Vec<RunRow>> {
 /// # Errors
 /// What the file system says.
 pub fn write_csv<T: Serialize>(path: &Path, rows: impl IntoIterator<Item = T>) -> Result<()> {
-    write_whole(path, |out| {
+    stage_csv(path, rows)?.commit()
+}
+
+/// Writes rows as CSV with a header, to appear when committed.
+///
+/// # Errors
+/// What the file system says.
+pub fn stage_csv<T: Serialize>(path: &Path, rows: impl IntoIterator<Item = T>) -> Result<Staged> {
+    stage(path, |out| {
         let mut writer = csv::Writer::from_writer(out);
         for row in rows {
             writer.serialize(row).map_err(std::io::Error::other)?;
@@ -189,8 +199,20 @@ pub fn read_checked<T: for<'de> Deserialize<'de>>(
     path: &Path,
     check: impl Fn(Option<&T>, &T) -> std::result::Result<(), Flaw>,
 ) -> Result<Vec<T>> {
+    read_checked_with(&csv::ReaderBuilder::new(), path, check)
+}
+
+/// As [`read_checked`], with the reader that `builder` makes.
+///
+/// # Errors
+/// As [`read_checked`].
+pub fn read_checked_with<T: for<'de> Deserialize<'de>>(
+    builder: &csv::ReaderBuilder,
+    path: &Path,
+    check: impl Fn(Option<&T>, &T) -> std::result::Result<(), Flaw>,
+) -> Result<Vec<T>> {
     let file = std::fs::File::open(path).map_err(Error::io(path))?;
-    let mut reader = csv::Reader::from_reader(file);
+    let mut reader = builder.from_reader(file);
     let headers = reader
         .headers()
         .map_err(|e| csv_error(path, &e, None))?

@@ -2,8 +2,8 @@
 
 mod roads;
 
-use host_sim::map::{RoadLine, fuse, road_of_run};
-use roads::{Spot, drive, hill_percent, hills, points, run};
+use host_sim::map::{RoadLine, road_of_run};
+use roads::{Spot, drive, fuse, hill_percent, hills, points, run};
 
 #[test]
 fn without_a_road_the_first_track_serves() {
@@ -16,7 +16,7 @@ fn without_a_road_the_first_track_serves() {
         "{}",
         road_line.end_m()
     );
-    let map = fuse(&road_line, &[&rows]).map.rows();
+    let map = fuse(&road_line, &[&rows]).map.fused().rows;
     assert!(map.len() > 2390);
     // The track's own ruler: within centimetres of the driven distance.
     for row in map {

@@ -2,7 +2,7 @@
 
 use super::{estimate, simulate};
 use crate::error::{Error, Result};
-use crate::map::{self, GradeMap, MapRow, RoadLine, RoadRow};
+use crate::map::{self, GradeMap, MapRow, RoadLine, RoadRow, SessionRun};
 use crate::oracle_file::{OracleFile, RunSize};
 use crate::output::print;
 use crate::report::page::{Figure, Page, Section, Table};
@@ -90,9 +90,13 @@ fn fuse(drives: &[Drive], folder: &Path) -> Result<(Vec<MapRow>, ScoreRow)> {
         RoadLine::new(reference.iter().map(RoadRow::point).collect()).map_err(|e| problem(&e))?;
     let mut fused = GradeMap::new(&road);
     for drive in drives {
-        fused.add_run(&drive.rows);
+        // The errors of every drive's parameters are its own: no two are of one session.
+        fused.add_run(&SessionRun {
+            session: None,
+            rows: &drive.rows,
+        });
     }
-    let rows = fused.rows();
+    let rows = fused.fused().rows;
     map::write_map(&folder.join("map.csv"), &rows)?;
     let mut row = score::score_map_on_road(&rows, &reference).map_err(|e| problem(&e))?;
     row.run = "all".to_owned();

@@ -1,8 +1,9 @@
 //! MAP.csv: the cells of one road, fused over runs.
 
 use crate::error::Result;
+use crate::output::Staged;
 use crate::row_check::{self, Flaw};
-use crate::run_file::{read_checked, round, write_csv};
+use crate::run_file::{read_checked, round, stage_csv};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -17,7 +18,7 @@ pub struct MapRow {
     pub altitude_m: Option<f64>,
     /// 100 tan of the slope angle, positive uphill in the road's direction.
     pub grade_percent: f64,
-    /// What the runs' own sigmas promise if their errors are independent.
+    /// From the runs' own sigmas, what runs of one session share, and what all share.
     pub grade_sigma_percent: f64,
     /// How many traversals went in.
     pub runs: u32,
@@ -47,7 +48,15 @@ impl MapRow {
 /// # Errors
 /// What the file system says.
 pub fn write(path: &Path, rows: &[MapRow]) -> Result<()> {
-    write_csv(
+    stage(path, rows)?.commit()
+}
+
+/// Writes a map that appears when it is committed.
+///
+/// # Errors
+/// What the file system says.
+pub fn stage(path: &Path, rows: &[MapRow]) -> Result<Staged> {
+    stage_csv(
         path,
         rows.iter().map(|row| MapRow {
             distance_m: round(row.distance_m, 2),

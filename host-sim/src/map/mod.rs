@@ -5,6 +5,8 @@
 //! one position to the next.
 
 mod alignment;
+mod cell_sums;
+mod dependence;
 mod fusion;
 mod local_fit;
 mod map_file;
@@ -12,13 +14,17 @@ mod matching;
 mod plane;
 mod road_file;
 mod road_line;
+mod store;
 mod track;
 
-pub use fusion::{Coverage, Fusion, GradeMap, MapCell, fuse};
-pub use map_file::{MapRow, read as read_map, write as write_map};
+pub use cell_sums::CellSums;
+pub use dependence::{BETWEEN_SESSIONS, Dependence, Disagreement, Expectation, WITHIN_SESSION};
+pub use fusion::{Agreement, Coverage, FusedMap, Fusion, GradeMap, SessionRun, fuse};
+pub use map_file::{MapRow, read as read_map, stage as stage_map, write as write_map};
 pub use matching::{Place, TrackPoint, match_track};
 pub use road_file::{RoadRow, read as read_road};
 pub use road_line::{Located, RoadLine, RoadPoint, RoadProblem};
+pub use store::{Store, check_session_name, read as read_store, stage as stage_store};
 pub use track::{road_of_run, track_of_run};
 
 /// Step of a map, m: that of a cell.

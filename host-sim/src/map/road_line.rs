@@ -1,9 +1,11 @@
 //! A road as a line on Earth, and where on it a position lies.
 
+use super::GRID_M;
 use super::plane::LocalPlane;
 use rstar::primitives::{GeomWithData, Line};
 use rstar::{AABB, RTree};
 use std::cmp::Ordering::Less;
+use std::ops::RangeInclusive;
 
 /// Half the chord over which a course is taken, m: long against position noise of 2-3 m, short
 /// against bends. Runs and roads use the same, so that both cut a corner alike.
@@ -111,6 +113,26 @@ impl RoadLine {
     /// Where the road ends, m.
     pub fn end_m(&self) -> f64 {
         self.points[self.points.len() - 1].distance_m
+    }
+
+    /// Numbers of the cells on the road: their distances over 2.5 m.
+    pub(super) fn cell_numbers(&self) -> RangeInclusive<i64> {
+        (self.start_m() / GRID_M).ceil() as i64..=(self.end_m() / GRID_M).floor() as i64
+    }
+
+    /// The road as a point at each of its cells: the form in which maps are stored.
+    pub fn on_grid(&self) -> Vec<RoadPoint> {
+        self.cell_numbers()
+            .map(|number| {
+                let distance_m = number as f64 * GRID_M;
+                let (latitude_deg, longitude_deg) = self.position_at(distance_m);
+                RoadPoint {
+                    distance_m,
+                    latitude_deg,
+                    longitude_deg,
+                }
+            })
+            .collect()
     }
 
     /// Latitude and longitude at a distance along the road, deg; beyond its ends, those of the

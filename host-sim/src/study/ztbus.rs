@@ -9,7 +9,7 @@ use super::drift::{Drift, ForceSample, vehicle_model_drift};
 use super::windows::{GradeProfile, WindowErrors, window_errors};
 use super::{Outcome, Setting, Study};
 use crate::error::{Error, Result};
-use crate::map::{self, GradeMap, MapRow, RoadLine};
+use crate::map::{self, GradeMap, MapRow, RoadLine, SessionRun};
 use crate::recorder::estimate_log;
 use crate::report::page::{Figure, Section, Table};
 use crate::report::plot::{Mark, Plot, Series, colour};
@@ -166,10 +166,13 @@ fn estimate(mission: &Mission, pass: &Pass, folder: &Path) -> Result<Vec<RunRow>
 
 fn mapped(road: &RoadLine, runs: &[&[RunRow]]) -> Vec<MapRow> {
     let mut grades = GradeMap::new(road);
-    for run in runs {
-        grades.add_run(run);
+    for rows in runs {
+        grades.add_run(&SessionRun {
+            session: Some("bus"),
+            rows,
+        });
     }
-    grades.rows()
+    grades.fused().rows
 }
 
 fn profile(rows: &[MapRow]) -> GradeProfile {

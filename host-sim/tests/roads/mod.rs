@@ -2,7 +2,7 @@
 
 #![allow(dead_code, reason = "each test binary uses its part")]
 
-use host_sim::map::{RoadPoint, RoadRow};
+use host_sim::map::{self, Fusion, RoadLine, RoadPoint, RoadRow, SessionRun};
 use host_sim::run_file::RunRow;
 use map_3d::Ellipsoid::WGS84;
 use rand::SeedableRng;
@@ -182,4 +182,18 @@ pub fn with_position_noise(spots: &[Spot], sigma_m: f64, fade_m: f64, seed: u64)
             }
         })
         .collect()
+}
+
+/// Fuses runs, each a session of its own.
+pub fn fuse<'a>(road: &'a RoadLine, runs: &[&[RunRow]]) -> Fusion<'a> {
+    let runs: Vec<SessionRun> = runs.iter().map(|rows| alone(rows)).collect();
+    map::fuse(road, &runs)
+}
+
+/// A run that is a session of its own.
+pub fn alone(rows: &[RunRow]) -> SessionRun<'_> {
+    SessionRun {
+        session: None,
+        rows,
+    }
 }
