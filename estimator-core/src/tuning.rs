@@ -43,11 +43,9 @@ pub struct Tuning {
     /// Distance over which it keeps its value, m.
     pub wind_length_m: f32,
 
-    /// What cold tyres add to the rolling resistance where a drive begins and nothing is known,
-    /// as a part of it: between 0 (warm) and 0.3 to 0.8 (cold).
-    pub cold_tyres: f32,
-    /// The same, 1 sigma.
-    pub cold_tyres_sigma: f32,
+    /// What the slow error may be besides where a drive begins and nothing is known, as a part of
+    /// the rolling resistance, 1 sigma: cold tyres add 0.3 to 0.8 of it.
+    pub bias_start_rolling: f32,
 
     /// Error of the traction scale (mass or torque) at the start, 1 sigma, 1.
     pub scale_sigma: f32,
@@ -90,8 +88,7 @@ impl Default for Tuning {
             bias_length_m: 100_000.0,
             wind_sigma_mps: 1.0,
             wind_length_m: 3_000.0,
-            cold_tyres: 0.0,
-            cold_tyres_sigma: 0.5,
+            bias_start_rolling: 0.5,
             scale_sigma: 0.1,
             scale_walk_per_sqrt_km: 0.002,
             load_change_percent: 0.1,

@@ -42,19 +42,14 @@ fn drain(estimator: &mut Estimator<f32>, cells: &mut Vec<Cell>) {
     }
 }
 
-/// A steady climb of `grade` percent at 20 m/s on warm tyres with force, speed and altitude at
-/// these periods.
+/// A steady climb of `grade` percent at 20 m/s with force, speed and altitude at these periods.
 fn climb(grade: f32, force_ms: u64, speed_ms: u64, seconds: u64) -> Vec<Cell> {
     let vehicle = by_force();
     let sine = 0.01 * grade / (1.0 + 1e-4 * grade * grade).sqrt();
     let weight = vehicle.mass_kg * 9.806_65;
     let force =
         0.5 * vehicle.drag_area_m2 * 1.2 * 400.0 + weight * (vehicle.rolling_resistance + sine);
-    let warm = Tuning {
-        cold_tyres: 0.0,
-        ..Tuning::default()
-    };
-    let mut estimator = Estimator::new(vehicle, warm).unwrap();
+    let mut estimator = Estimator::new(vehicle, Tuning::default()).unwrap();
     let mut cells = Vec::new();
     for ms in 0..seconds * 1000 {
         let micros = ms * 1000;

@@ -26,7 +26,7 @@ use crate::error::{Error, Result};
 use crate::output::write_whole;
 use crate::run_file::RunRow;
 use crate::vehicle_file::VehicleFile;
-use estimator_core::vehicle::{GRAVITY, STANDARD_AIR_DENSITY};
+use estimator_core::vehicle::STANDARD_AIR_DENSITY;
 use estimator_core::{Duration, Tuning};
 use serde::{Deserialize, Serialize};
 use std::fs;
@@ -40,6 +40,10 @@ mod least {
     pub const ALTITUDE_M: f64 = 0.01;
     /// Force, N.
     pub const FORCE_N: f64 = 1.0;
+    /// Air density times drag area, kg/m.
+    pub const AIR: f64 = 0.1;
+    /// Wind, m/s.
+    pub const WIND_MPS: f64 = 0.01;
     /// Traction scale, 1.
     pub const SCALE: f32 = 1e-3;
     /// Its wander, per square root of a km.
@@ -124,29 +128,11 @@ pub struct ColdTyres {
     pub time_s: f64,
 }
 
-/// What of a run the size of its model errors depends on.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RunSize {
-    /// Mean speed, m/s.
-    pub speed_mps: f64,
-    /// Duration, s.
-    pub duration_s: f64,
-}
-
-impl RunSize {
-    /// Of a run; at least 1 m/s and 1 s.
-    #[must_use]
-    pub fn of(rows: &[RunRow]) -> Self {
-        let speeds = rows.iter().map(|row| row.speed_mps);
-        let duration_s = rows
-            .first()
-            .zip(rows.last())
-            .map_or(0.0, |(first, last)| last.time_s - first.time_s);
-        Self {
-            speed_mps: (speeds.sum::<f64>() / rows.len().max(1) as f64).max(1.0),
-            duration_s: duration_s.max(1.0),
-        }
-    }
+/// Mean speed of a run, m/s; at least 1.
+#[must_use]
+pub fn mean_speed_mps(rows: &[RunRow]) -> f64 {
+    let sum: f64 = rows.iter().map(|row| row.speed_mps).sum();
+    (sum / rows.len().max(1) as f64).max(1.0)
 }
 
 impl OracleFile {
@@ -187,31 +173,27 @@ impl OracleFile {
         })
     }
 
-    /// What the filter is to be told: no doubt about the vehicle, and the true noise. The road, the
-    /// hold times and whatever else no simulator decides stay as they are.
+    /// What the filter is to be told of a run of this mean speed: no doubt about the vehicle, and
+    /// the true noise. The road, the hold times and whatever else no simulator decides stay as they
+    /// are.
     ///
-    /// The filter has one slow error. Its variance is the sum of the variances of wind, tyres and
-    /// other forces; it keeps its value as long as the sum does, in that each step adds as much
-    /// variance as they do together.
+    /// Wind and other slow forces are one process to the filter. Its variance is the sum of theirs;
+    /// it keeps its value as long as the sum does, in that each step adds as much variance as they
+    /// do together. Tyres are the slow bias, which begins with their error and forgets it as they
+    /// warm up.
     #[must_use]
-    pub fn tuning(&self, run: &RunSize) -> Tuning {
+    pub fn tuning(&self, run_mps: f64) -> Tuning {
         let noise = &self.noise;
         let vehicle = &self.vehicle.parameters;
         let at_least = |value: f64, least: f64| value.max(least) as f32;
 
-        let air = f64::from(STANDARD_AIR_DENSITY * vehicle.drag_area_m2);
+        let air = f64::from(STANDARD_AIR_DENSITY * vehicle.drag_area_m2).max(least::AIR);
         let force = noise.force_slow.map(|force| (force.sigma_n, force.time_s));
         // d(ρ/2 cd A (v + w)²)/dw at w = 0.
         let wind = noise
             .headwind
-            .map(|wind| (air * run.speed_mps * wind.sigma_mps, wind.time_s));
-        let tyres = noise
-            .cold_tyres
-            .map(|tyres| (tyres.rms(run.duration_s), tyres.time_s));
-        let rolling_n = f64::from(vehicle.rolling_resistance * vehicle.mass_kg * GRAVITY);
-        let rolling = tyres.map(|(part, time_s)| (part * rolling_n, time_s));
-
-        let (variance, per_s) = [force, wind, rolling]
+            .map(|wind| (air * run_mps * wind.sigma_mps, wind.time_s));
+        let (variance, per_s) = [force, wind]
             .into_iter()
             .flatten()
             .map(|(sigma_n, time_s)| (sigma_n * sigma_n, sigma_n * sigma_n / time_s))
@@ -224,29 +206,23 @@ impl OracleFile {
             gnss_error_time_s: noise.gnss_slow.time_s as f32,
             gnss_latency: Duration::from_micros((noise.gnss_latency_s * 1e6) as u64),
             force_noise_n: at_least(noise.force_white_sigma_n, least::FORCE_N),
-            bias_force_n: at_least(
-                force.map_or(0.0, |f| f.0).hypot(wind.map_or(0.0, |w| w.0)),
-                least::FORCE_N,
-            ),
-            bias_rolling: tyres.map_or(0.0, |(part, _)| part) as f32,
+            bias_force_n: least::FORCE_N as f32,
+            bias_rolling: 0.0,
             bias_drag: 0.0,
-            bias_length_m: if per_s > 0.0 {
-                (run.speed_mps * variance / per_s) as f32
+            bias_start_rolling: noise.cold_tyres.map_or(0.0, |tyres| tyres.amount) as f32,
+            bias_length_m: noise.cold_tyres.map_or(default.bias_length_m, |tyres| {
+                (run_mps * tyres.time_s) as f32
+            }),
+            wind_sigma_mps: at_least(variance.sqrt() / (air * run_mps), least::WIND_MPS),
+            wind_length_m: if per_s > 0.0 {
+                (run_mps * variance / per_s) as f32
             } else {
-                default.bias_length_m
+                default.wind_length_m
             },
             scale_sigma: least::SCALE,
             scale_walk_per_sqrt_km: least::SCALE_WALK,
             ..default
         }
-    }
-}
-
-impl ColdTyres {
-    /// Root of the mean square over a run from the start on, as a part of the rolling resistance.
-    fn rms(&self, duration_s: f64) -> f64 {
-        let decays = 2.0 * duration_s / self.time_s;
-        self.amount * (-(-decays).exp_m1() / decays).sqrt()
     }
 }
 

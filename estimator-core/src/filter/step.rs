@@ -176,19 +176,17 @@ fn begin<S: Scalar>(
     let square = |sigma: f32| S::from_f32(sigma * sigma);
     let mut state = known.copied().unwrap_or_else(|| {
         let mut p = Covariance::ZERO;
-        let cold = 100.0 * vehicle.rolling_resistance * tuning.cold_tyres_sigma;
+        let start = 100.0 * vehicle.rolling_resistance * tuning.bias_start_rolling;
         p.set(
             BIAS,
             BIAS,
-            square(bias_sigma(vehicle, tuning, sample)) + square(cold),
+            square(bias_sigma(vehicle, tuning, sample)) + square(start),
         );
         p.set(WIND, WIND, square(wind_sigma(vehicle, tuning, sample)));
         p.set(SCALE, SCALE, square(tuning.scale_sigma));
         p.set(GNSS_ERROR, GNSS_ERROR, square(tuning.gnss_error_sigma_m));
-        let mut x = [S::ZERO; STATES];
-        x[BIAS] = S::from_f32(100.0 * vehicle.rolling_resistance * tuning.cold_tyres);
         State {
-            x,
+            x: [S::ZERO; STATES],
             p,
             load: S::ZERO,
             origin_m: None,

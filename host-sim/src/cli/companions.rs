@@ -2,7 +2,7 @@
 //! line, or found beside the truth by their names.
 
 use crate::error::Result;
-use crate::oracle_file::{OracleFile, RunSize};
+use crate::oracle_file::{OracleFile, mean_speed_mps};
 use crate::run_file::RunRow;
 use crate::score::rivals::{self, Rival};
 use crate::source;
@@ -104,6 +104,6 @@ impl Companions {
         if vehicle.is_none() && oracle.is_none() {
             return Ok(Vec::new());
         }
-        rivals::of_log(log, vehicle.as_ref(), oracle.as_ref(), &RunSize::of(rows))
+        rivals::of_log(log, vehicle.as_ref(), oracle.as_ref(), mean_speed_mps(rows))
     }
 }

@@ -3,7 +3,7 @@
 use super::{estimate, simulate};
 use crate::error::{Error, Result};
 use crate::map::{self, GradeMap, MapRow, RoadLine, RoadRow, SessionRun};
-use crate::oracle_file::{OracleFile, RunSize};
+use crate::oracle_file::{OracleFile, mean_speed_mps};
 use crate::output::print;
 use crate::report::page::{Figure, Page, Section, Table};
 use crate::report::plot::{Mark, Plot, Series, colour};
@@ -69,7 +69,7 @@ fn drive(scenario: &Scenario, index: usize, folder: &Path) -> Result<Drive> {
     run_file::write(&file("csv"), &rows)?;
     let truth = truth_file::read(&file("truth.csv"))?;
     let oracle = OracleFile::read(&file("oracle.toml"))?;
-    let rivals = rivals::of_log(&log, Some(&vehicle), Some(&oracle), &RunSize::of(&rows))?;
+    let rivals = rivals::of_log(&log, Some(&vehicle), Some(&oracle), mean_speed_mps(&rows))?;
     let scored = score::score_run_beside(&run.name, &rows, &truth, &rivals)
         .map_err(|e| Error::content(&log, e.to_string()))?;
     Ok(Drive {

@@ -2,7 +2,7 @@
 
 use crate::baseline::{Drive, Method, without_gaps};
 use crate::error::{Error, Result};
-use crate::oracle_file::{OracleFile, RunSize};
+use crate::oracle_file::OracleFile;
 use crate::recorder::{Recorder, Run};
 use crate::run_file::RunRow;
 use crate::source::input::{Input, for_each_input};
@@ -56,7 +56,7 @@ fn number_of(row: &RunRow) -> u32 {
 }
 
 /// Estimates a run's log by the thesis's methods (if the believed vehicle is known) and by an
-/// oracle (if it is). `size` is that of the run.
+/// oracle (if it is). `run_mps` is the mean speed of the run.
 ///
 /// # Errors
 /// A log that cannot be read to its end, with file and line; an impossible vehicle.
@@ -64,7 +64,7 @@ pub fn of_log(
     log: &Path,
     believed: Option<&VehicleFile>,
     oracle: Option<&OracleFile>,
-    size: &RunSize,
+    run_mps: f64,
 ) -> Result<Vec<Rival>> {
     let impossible = |e: &dyn ToString| Error::content(log, e.to_string());
     let mut intake = believed
@@ -73,7 +73,9 @@ pub fn of_log(
         .map_err(|e| impossible(&e))?;
     // In double precision: what is known nearly exactly has variances near nothing.
     let mut knowing = oracle
-        .map(|oracle| Recorder::<f64>::new(oracle.vehicle.parameters.clone(), oracle.tuning(size)))
+        .map(|oracle| {
+            Recorder::<f64>::new(oracle.vehicle.parameters.clone(), oracle.tuning(run_mps))
+        })
         .transpose()
         .map_err(|e| impossible(&e))?;
     let mut start = None;
