@@ -2,9 +2,10 @@
 
 use crate::cell::{Cell, Estimate, Place};
 use crate::counters::Counters;
-use crate::filter::{Filter, Record};
+use crate::filter::{Filter, SensorNoise};
 use crate::intake::{Intake, Outcome};
 use crate::lag::Lag;
+use crate::sampler::Sample;
 use crate::scalar::Scalar;
 use crate::signal::Reading;
 use crate::time::Instant;
@@ -26,7 +27,7 @@ pub struct Live {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Step {
-    /// The filter moved over a cell; [`Estimator::record`] has what it did.
+    /// The filter moved over a cell.
     Moved,
     /// A cell without an estimate: no speed was read yet, or the filter was started anew.
     Skipped,
@@ -71,6 +72,7 @@ pub struct Estimator<S> {
     filter: Filter<S>,
     lag: Lag<S>,
     place: Place,
+    sample: Option<Sample>,
 }
 
 impl<S: Scalar> Estimator<S> {
@@ -84,6 +86,7 @@ impl<S: Scalar> Estimator<S> {
             filter: Filter::new(),
             lag: Lag::new(),
             place: Place::default(),
+            sample: None,
         })
     }
 
@@ -101,6 +104,7 @@ impl<S: Scalar> Estimator<S> {
     /// Moves the filter over one cell; `None` if none is ready. Call it until it says so.
     pub fn step(&mut self) -> Option<Step> {
         let sample = self.intake.next_sample()?;
+        self.sample = Some(sample);
         let Intake {
             vehicle,
             tuning,
@@ -136,16 +140,28 @@ impl<S: Scalar> Estimator<S> {
         self.lag.drain_cell()
     }
 
-    /// The newest step, for smoothing a whole run on a host.
+    /// What the last step saw, for going over a whole run again on a host.
     #[must_use]
-    pub fn record(&self) -> Option<&Record<S>> {
-        self.lag.newest()
+    pub const fn sample(&self) -> Option<&Sample> {
+        self.sample.as_ref()
+    }
+
+    /// What has been learned of the sensors' noise.
+    #[must_use]
+    pub const fn noise(&self) -> SensorNoise {
+        self.filter.noise()
     }
 
     /// What happened so far.
     #[must_use]
     pub const fn counters(&self) -> &Counters {
         self.intake.counters()
+    }
+
+    /// The tuning as given.
+    #[must_use]
+    pub const fn tuning(&self) -> &Tuning {
+        self.intake.tuning()
     }
 
     /// The vehicle as given.

@@ -45,12 +45,6 @@ impl<S: Scalar> Lag<S> {
         lost
     }
 
-    /// The newest record.
-    #[must_use]
-    pub fn newest(&self) -> Option<&Record<S>> {
-        self.records.back()
-    }
-
     /// The next finished cell.
     pub fn next_cell(&mut self) -> Option<Cell> {
         self.finished.pop_front()

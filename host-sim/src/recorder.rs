@@ -2,13 +2,12 @@
 
 use crate::error::Error;
 use crate::run_file::RunRow;
-use crate::smooth::smooth;
+use crate::smooth::{Smoothed, smooth_run};
 use crate::source::can_frame::TimedFrame;
 use crate::source::input::{Input, for_each_input};
-use estimator_core::filter::Record;
+use estimator_core::sampler::Sample;
 use estimator_core::{
-    Cell, Counters, Estimate, Estimator, Instant, ParameterError, Place, Reading, Scalar, Step,
-    Tuning, VehicleParameters,
+    Cell, Counters, Estimator, Instant, ParameterError, Reading, Scalar, Tuning, VehicleParameters,
 };
 use std::path::Path;
 
@@ -17,7 +16,7 @@ use std::path::Path;
 pub struct Recorder<S> {
     estimator: Estimator<S>,
     start: Option<Instant>,
-    records: Vec<Record<S>>,
+    samples: Vec<Sample>,
     cells: Vec<Cell>,
 }
 
@@ -39,7 +38,7 @@ impl<S: Scalar> Recorder<S> {
         Ok(Self {
             estimator: Estimator::new(vehicle, tuning)?,
             start: None,
-            records: Vec::new(),
+            samples: Vec::new(),
             cells: Vec::new(),
         })
     }
@@ -67,10 +66,8 @@ impl<S: Scalar> Recorder<S> {
     }
 
     fn collect(&mut self) {
-        while let Some(step) = self.estimator.step() {
-            if step == Step::Moved {
-                self.records.extend(self.estimator.record().copied());
-            }
+        while self.estimator.step().is_some() {
+            self.samples.extend(self.estimator.sample().copied());
             while let Some(cell) = self.estimator.next_cell() {
                 self.cells.push(cell);
             }
@@ -89,11 +86,16 @@ impl<S: Scalar> Recorder<S> {
             self.cells.push(cell);
         }
         let start = self.start.unwrap_or_default();
-        let rows = self
-            .cells
+        let smoothed = smooth_run(
+            self.estimator.vehicle(),
+            self.estimator.tuning(),
+            &self.estimator.noise(),
+            &self.samples,
+        );
+        let rows = smoothed
             .iter()
-            .zip(smooth(&self.records))
-            .map(|(cell, smoothed)| row(start, &cell.place, cell, &smoothed))
+            .zip(&self.cells)
+            .map(|(smoothed, cell)| row(start, cell, smoothed))
             .collect();
         Run {
             rows,
@@ -118,7 +120,12 @@ pub fn estimate_log<S: Scalar>(
     Ok(recorder.finish())
 }
 
-fn row(start: Instant, place: &Place, cell: &Cell, smoothed: &Estimate) -> RunRow {
+fn row(start: Instant, cell: &Cell, smoothed: &Smoothed) -> RunRow {
+    let Smoothed {
+        place,
+        estimate: smoothed,
+    } = smoothed;
+    debug_assert_eq!(place, &cell.place, "both passes begin with the first speed");
     let degrees = |e7: i32| f64::from(e7) * 1e-7;
     RunRow {
         time_s: place.time.since(start).micros() as f64 * 1e-6,

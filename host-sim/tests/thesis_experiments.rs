@@ -106,9 +106,8 @@ fn maps_get_better_with_runs_and_begin_with_the_first() {
 /// Runs of the default campaign in which ours is not better than the modified method. Northbound 1:
 /// a slow GPS error that happens to go with the grade is read as a scale. The others: truck B, with
 /// wind and GPS errors that neither method tells apart. Not to grow.
-const NOT_YET_BETTER: [(Heading, usize); 4] = [
+const NOT_YET_BETTER: [(Heading, usize); 3] = [
     (Heading::South, 4),
-    (Heading::South, 5),
     (Heading::North, 1),
     (Heading::North, 5),
 ];
@@ -127,43 +126,39 @@ fn ours_is_better_than_the_modified_method() {
         let each: Vec<f64> = found.iter().map(rmse_valid).collect();
         mean(&each)
     });
-    assert!(of_ours < 0.95 * of_modified, "{of_ours} {of_modified}");
+    assert!(of_ours < 0.9 * of_modified, "{of_ours} {of_modified}");
     let a = [modified, ours].map(|found| mean_of(found, Preset::A, rmse_valid));
-    assert!(a[1] < 0.87 * a[0], "A: {a:?}");
+    assert!(a[1] < 0.8 * a[0], "A: {a:?}");
     for (original, ours) in original.iter().zip(ours) {
         assert!(ours.errors.rmse_valid < 0.5 * original.errors.rmse_valid);
     }
-    // Every map is better; the southbound ones are as good as they should be.
+    // Every map is better, and as good as it should be.
     let maps = judged_maps(&all);
     assert_eq!(maps.len(), 4);
     for map in maps {
         let [_, modified, ours] = map.rmse;
         assert!(ours < modified, "{map:?}");
-        if map.heading == Heading::South {
-            assert!(ours <= 0.045, "{map:?}");
-        }
+        assert!(ours <= 0.045, "{map:?}");
     }
 }
 
 #[test]
-fn over_campaigns_ours_is_better_in_each_experiment_on_average() {
+fn over_campaigns_ours_is_better_on_average() {
     let section = section("campaigns", 2);
     let tables: Vec<&str> = section.tables.iter().map(|t| t.name.as_str()).collect();
     assert_eq!(tables, ["campaigns", "campaigns_maps"]);
     let number = |text: &String| text.parse::<f64>().unwrap();
     let rows = &section.tables[0].rows;
     assert_eq!(rows.len(), 10);
+    // In the mean of the truck with the strong wind the two are as good as each other.
     for row in rows {
         let [modified, ours] = [&row[1], &row[2]].map(number);
-        assert!(ours < modified, "{row:?}");
+        assert!(ours < 1.03 * modified, "{row:?}");
     }
     let better: f64 = rows.iter().map(|row| number(&row[6])).sum();
     assert!(better >= 80.0, "{better}");
     let words = section.words.join(" ");
-    assert!(
-        words.contains(&format!("{better} of 100 runs")) && words.contains("10 of the 10 exper"),
-        "{words}"
-    );
+    assert!(words.contains(&format!("{better} of 100 runs")), "{words}");
     for row in &section.tables[1].rows {
         assert!(number(&row[2]) < number(&row[1]), "{row:?}");
     }
@@ -174,14 +169,11 @@ fn ours_is_exact_on_drives_that_nothing_disturbs() {
     let campaign = Campaign::new(SEED);
     for run in campaign.replicas() {
         let quiet = campaign.drive(run.experiment, run.fitted, Sources::NONE);
-        let records = ours::records(&quiet.drive);
-        assert_eq!(records.len(), quiet.truth.len());
-        let smoothed = ours::smoothed(&records);
-        let found = errors(&quiet, &smoothed.grade_percent);
+        let ours = ours::estimate(&quiet.drive);
+        let found = errors(&quiet, &ours.smoothed.grade_percent);
         assert!(found.rmse_all < 0.02, "{:?}: {found:?}", run.experiment);
         // What is known later is known better.
-        let on_vehicle = ours::on_vehicle(&records);
-        let [lagged, live] = [on_vehicle.lagged, on_vehicle.live].map(|profile| {
+        let [lagged, live] = [ours.lagged, ours.live].map(|profile| {
             assert_eq!(profile.grade_percent.len(), quiet.truth.len());
             errors(&quiet, &profile.grade_percent).rmse_all
         });
@@ -196,10 +188,7 @@ fn ours_is_exact_on_drives_that_nothing_disturbs() {
 #[test]
 fn ours_is_told_an_altitude_once_a_second_and_none_without_satellites() {
     let run = replicas().swap_remove(0);
-    let used = |drive| {
-        let records = ours::records(drive);
-        records.iter().filter(|r| r.altitude.is_some()).count() as f64
-    };
+    let used = |drive| ours::estimate(drive).counters.altitudes_used as f64;
     let seconds: f64 = run.drive.points.iter().map(|p| 2.5 / p.speed_mps).sum();
     // The first fix sets the altitude, which is no update.
     let fixes = used(&run.drive);
@@ -213,7 +202,7 @@ fn ours_is_told_an_altitude_once_a_second_and_none_without_satellites() {
         point.altitude_m = None;
     }
     assert!((used(&silent.drive) / fixes - 8_000.0 / 18_800.0).abs() < 0.02);
-    let profile = ours::smoothed(&ours::records(&silent.drive));
+    let profile = ours::estimate(&silent.drive).smoothed;
     // From the model alone it is less sure, and says so.
     assert!(profile.sigma_percent[14_000] > 1.2 * profile.sigma_percent[4_000]);
 }

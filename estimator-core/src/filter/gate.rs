@@ -9,7 +9,7 @@
 //! a factor of ten in both. A gate that takes a noisy one for a good one would pick the fixes that
 //! please it, and a filter that takes a good one for a noisy one would not learn the bias from it.
 
-use super::learned::{SlowSpread, Spread};
+use super::learned::{SensorNoise, SlowSpread, Spread};
 use crate::scalar::Scalar;
 
 /// Normalised squared innovation beyond which a fix is left out: five standard deviations. Errors
@@ -45,19 +45,18 @@ pub(super) struct Gate {
     error_spread: SlowSpread,
 }
 
-impl Default for Gate {
-    fn default() -> Self {
+impl Gate {
+    /// With nothing left out, and what is known of the noise.
+    pub(super) fn new(noise: &SensorNoise) -> Self {
         Self {
             rejected: 0,
             offset_m: 0.0,
             // A fifth to ten times the believed sigma; some thirty fixes.
-            spread: Spread::new(0.05, 100.0, 0.03),
-            error_spread: SlowSpread::new(ERROR_STRETCH_S),
+            spread: Spread::new(noise.altitude, 0.05, 100.0, 0.03),
+            error_spread: SlowSpread::new(noise.gnss_error, ERROR_STRETCH_S),
         }
     }
-}
 
-impl Gate {
     /// Learned over believed variance of a single fix.
     pub(super) const fn spread(&self) -> f32 {
         self.spread.ratio()

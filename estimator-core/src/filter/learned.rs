@@ -5,6 +5,31 @@
 //! follows it (R. K. Mehra, "On the identification of variances and adaptive Kalman filtering",
 //! IEEE Trans. Automatic Control 15:175, 1970).
 
+/// How noisy the sensors turned out to be: learned over believed variance of each noise. Sensors
+/// change less than drives do, so it may be kept for the next drive, or for a second look at this
+/// one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct SensorNoise {
+    /// Wheel speed, white.
+    pub speed: f32,
+    /// GNSS altitude, white.
+    pub altitude: f32,
+    /// GNSS altitude, slow.
+    pub gnss_error: f32,
+}
+
+impl Default for SensorNoise {
+    /// As believed.
+    fn default() -> Self {
+        Self {
+            speed: 1.0,
+            altitude: 1.0,
+            gnss_error: 1.0,
+        }
+    }
+}
+
 /// Learned over believed variance.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Spread {
@@ -18,10 +43,10 @@ pub(super) struct Spread {
 const LARGEST_LESSON: f32 = 25.0;
 
 impl Spread {
-    /// One at first, and from `least` to `most`; `step` is the part of a lesson that is taken.
-    pub(super) const fn new(least: f32, most: f32, step: f32) -> Self {
+    /// `ratio` at first, and from `least` to `most`; `step` is the part of a lesson that is taken.
+    pub(super) fn new(ratio: f32, least: f32, most: f32, step: f32) -> Self {
         Self {
-            ratio: 1.0,
+            ratio: ratio.clamp(least, most),
             least,
             most,
             step,
@@ -65,15 +90,16 @@ const LARGEST_SUM: f32 = 9.0;
 const RATIOS: core::ops::RangeInclusive<f32> = 0.01..=100.0;
 
 impl SlowSpread {
-    /// As believed; `stretch_s` is the length of a sum.
-    pub(super) const fn new(stretch_s: f32) -> Self {
+    /// `ratio` at first, of which nothing is sure if it is one; `stretch_s` is the length of a sum.
+    pub(super) fn new(ratio: f32, stretch_s: f32) -> Self {
+        let known = ratio != 1.0;
         Self {
-            ratio: 1.0,
+            ratio: ratio.clamp(*RATIOS.start(), *RATIOS.end()),
             stretch_s,
             passed_s: 0.0,
             sum: 0.0,
             count: 0,
-            weight: WEIGHTS.start,
+            weight: if known { WEIGHTS.end } else { WEIGHTS.start },
         }
     }
 

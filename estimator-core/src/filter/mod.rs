@@ -26,6 +26,7 @@ pub mod update;
 
 pub use backward::Backward;
 pub use covariance::Covariance;
+pub use learned::SensorNoise;
 pub use record::Record;
 pub use state::{STATES, State};
 pub use step::Filter;

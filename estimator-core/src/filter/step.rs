@@ -2,7 +2,7 @@
 
 use super::covariance::Covariance;
 use super::gate::{Gate, Verdict};
-use super::learned::Spread;
+use super::learned::{SensorNoise, Spread};
 use super::record::{Link, Record};
 use super::state::{
     ALTITUDE, BIAS, ENERGY, GNSS_ERROR, SCALE, SLOPE, SLOPE_RATE, STATES, State, WIND,
@@ -28,11 +28,27 @@ impl<S: Scalar> Filter<S> {
     /// Before the first sample.
     #[must_use]
     pub fn new() -> Self {
+        Self::with_noise(&SensorNoise::default())
+    }
+
+    /// Before the first sample, with what is known of the sensors' noise.
+    #[must_use]
+    pub fn with_noise(noise: &SensorNoise) -> Self {
         Self {
             state: None,
-            gate: Gate::default(),
+            gate: Gate::new(noise),
             // A third to five times the believed sigma; some hundred readings.
-            speed_spread: Spread::new(0.1, 25.0, 0.01),
+            speed_spread: Spread::new(noise.speed, 0.1, 25.0, 0.01),
+        }
+    }
+
+    /// What has been learned of the sensors' noise.
+    #[must_use]
+    pub const fn noise(&self) -> SensorNoise {
+        SensorNoise {
+            speed: self.speed_spread.ratio(),
+            altitude: self.gate.spread(),
+            gnss_error: self.gate.error_spread(),
         }
     }
 

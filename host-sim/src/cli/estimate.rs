@@ -71,11 +71,7 @@ pub fn run(args: &Args) -> Result<()> {
     }
     eprintln!(
         "whole-run smoothing held {} kB a km ({record_bytes} bytes a cell)",
-        if args.double {
-            bytes_per_km::<f64>()
-        } else {
-            bytes_per_km::<f32>()
-        } / 1000
+        bytes_per_km() / 1000
     );
     eprintln!("wrote {}", args.out.display());
     Ok(())

@@ -1,23 +1,57 @@
-//! Smoothing of a whole run from the records that the core left.
+//! Smoothing of a whole run.
 //!
-//! The same recursion as the core's fixed lag, over every record and in double precision. It
-//! needs all records of the run in memory: [`bytes_per_km`].
+//! The samples that the core saw go through its filter a second time, in double precision and with
+//! the sensor noise that was known only at the end of the first; then the recursion of the core's
+//! fixed lag goes back over all of it. All records are in memory meanwhile: [`bytes_per_km`].
 
-use estimator_core::filter::{Backward, Record};
-use estimator_core::{CELL_LENGTH_M, Estimate, Scalar};
+use estimator_core::filter::{Backward, Filter, Record, SensorNoise};
+use estimator_core::sampler::Sample;
+use estimator_core::{CELL_LENGTH_M, Counters, Estimate, Place, Scalar, Tuning, VehicleParameters};
+
+/// A cell of a smoothed run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Smoothed {
+    /// Where and when.
+    pub place: Place,
+    /// What is known there with all of the run.
+    pub estimate: Estimate,
+}
+
+/// The smoothed run: one cell for each sample from the first speed on.
+#[must_use]
+pub fn smooth_run(
+    vehicle: &VehicleParameters,
+    tuning: &Tuning,
+    noise: &SensorNoise,
+    samples: &[Sample],
+) -> Vec<Smoothed> {
+    let mut filter = Filter::<f64>::with_noise(noise);
+    let mut counters = Counters::default();
+    let records: Vec<Record<f64>> = samples
+        .iter()
+        .filter_map(|sample| filter.step(vehicle, tuning, sample, &mut counters))
+        .collect();
+    records
+        .iter()
+        .zip(smooth(&records))
+        .map(|(record, estimate)| Smoothed {
+            place: record.place,
+            estimate,
+        })
+        .collect()
+}
 
 /// The smoothed estimate of each record.
 #[must_use]
 pub fn smooth<S: Scalar>(records: &[Record<S>]) -> Vec<Estimate> {
-    let mut backward = Backward::<f64>::new();
+    let mut backward = Backward::new();
     let mut estimates: Vec<Estimate> = records
         .iter()
         .rev()
         .map(|record| {
-            let record = record.cast();
-            backward.absorb(&record);
-            let estimate = backward.estimate(&record);
-            backward.retreat(&record);
+            backward.absorb(record);
+            let estimate = backward.estimate(record);
+            backward.retreat(record);
             estimate
         })
         .collect();
@@ -25,8 +59,9 @@ pub fn smooth<S: Scalar>(records: &[Record<S>]) -> Vec<Estimate> {
     estimates
 }
 
-/// Memory that whole-run smoothing needs for each kilometre driven, bytes.
+/// Memory that smoothing needs for each kilometre driven, bytes.
 #[must_use]
-pub fn bytes_per_km<S: Scalar>() -> usize {
-    (1_000.0 / CELL_LENGTH_M) as usize * size_of::<Record<S>>()
+pub const fn bytes_per_km() -> usize {
+    let cell = size_of::<Sample>() + size_of::<Record<f64>>() + size_of::<Estimate>();
+    (1_000.0 / CELL_LENGTH_M) as usize * cell
 }

@@ -148,7 +148,7 @@ pub fn each_run(runs: &[Replica], all: &[Vec<Estimated>; 3]) -> Table {
         .par_iter()
         .enumerate()
         .map(|(k, run)| {
-            let on_vehicle = ours::on_vehicle(&ours::records(&run.drive));
+            let on_vehicle = ours::estimate(&run.drive);
             let [lagged, live] = [on_vehicle.lagged, on_vehicle.live]
                 .map(|profile| errors(run, &profile.grade_percent).rmse_valid);
             let [original, modified, ours] = [original, modified, ours].map(|found| &found[k]);

@@ -76,7 +76,7 @@ impl Method {
         match self {
             Self::Original => baseline::Method::Original.estimate(&run.drive),
             Self::Modified => baseline::Method::Modified.estimate(&run.drive),
-            Self::Ours => ours::smoothed(&ours::records(&run.drive)),
+            Self::Ours => ours::estimate(&run.drive).smoothed,
         }
     }
 

@@ -1,9 +1,9 @@
-//! Our estimator on a drive of the thesis's kind: the very filter of the vehicle, in single
-//! precision and with its default tuning, fed with what the other methods get.
+//! Our estimator on a drive of the thesis's kind: the very filter of the vehicle with its default
+//! tuning, fed with what the other methods get.
 
 use crate::baseline::{Drive, Point, Profile, STEP_M};
-use crate::smooth::smooth;
-use estimator_core::filter::{Filter, Record};
+use crate::smooth::smooth_run;
+use estimator_core::filter::Filter;
 use estimator_core::lag::Lag;
 use estimator_core::sampler::{AltitudeMeasurement, Sample, SpeedMeasurement};
 use estimator_core::vehicle::Load;
@@ -15,47 +15,42 @@ use std::iter::from_fn;
 /// Time between two fixes of a receiver, s.
 const FIX_INTERVAL_S: f64 = 1.0;
 
-/// What is known on the vehicle.
+/// Our estimator on one drive.
 #[derive(Clone, Debug)]
-pub struct OnVehicle {
+pub struct Ours {
+    /// The grade with all of the drive known.
+    pub smoothed: Profile,
     /// A fixed lag after each point.
     pub lagged: Profile,
     /// At each point.
     pub live: Profile,
+    /// What the filter used and left out on the vehicle.
+    pub counters: Counters,
 }
 
-/// Drives the filter over a drive: one record a point.
+/// Drives the filter over a drive, on the vehicle and after it.
 #[must_use]
-pub fn records(drive: &Drive) -> Vec<Record<f32>> {
+pub fn estimate(drive: &Drive) -> Ours {
     let vehicle = believed(drive);
     let tuning = Tuning::default();
-    let mut filter = Filter::new();
+    let samples = samples(drive);
+    let mut filter = Filter::<f32>::new();
     let mut counters = Counters::default();
-    samples(drive)
-        .iter()
-        .filter_map(|sample| filter.step(&vehicle, &tuning, sample, &mut counters))
-        .collect()
-}
-
-/// The grade with all of the drive known.
-#[must_use]
-pub fn smoothed(records: &[Record<f32>]) -> Profile {
-    profile(smooth(records))
-}
-
-/// The grade as known on the vehicle.
-#[must_use]
-pub fn on_vehicle(records: &[Record<f32>]) -> OnVehicle {
     let mut lag = Lag::new();
-    let mut cells: Vec<Cell> = Vec::with_capacity(records.len());
-    for record in records {
-        lag.push(*record);
+    let mut cells: Vec<Cell> = Vec::with_capacity(samples.len());
+    for sample in &samples {
+        if let Some(record) = filter.step(&vehicle, &tuning, sample, &mut counters) {
+            lag.push(record);
+        }
         cells.extend(from_fn(|| lag.next_cell()));
     }
     cells.extend(from_fn(|| lag.drain_cell()));
-    OnVehicle {
+    let smoothed = smooth_run(&vehicle, &tuning, &filter.noise(), &samples);
+    Ours {
+        smoothed: profile(smoothed.iter().map(|cell| cell.estimate)),
         lagged: profile(cells.iter().map(|cell| cell.lagged)),
         live: profile(cells.iter().map(|cell| cell.live)),
+        counters,
     }
 }
 
