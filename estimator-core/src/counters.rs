@@ -44,6 +44,10 @@ pub struct Counters {
     pub altitudes_used: u64,
     /// Altitudes left out because they did not fit.
     pub altitudes_rejected: u64,
+    /// Cells in which, without any brake signal, the vehicle slowed down as only brakes make it.
+    pub brakes_guessed: u64,
+    /// Stops after which what was learned of scale and bias was given up, wholly or in part.
+    pub loads_reopened: u32,
     /// Steps of the GNSS altitude error taken up.
     pub altitude_steps: u32,
     /// Altitude set anew.

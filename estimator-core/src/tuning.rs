@@ -69,6 +69,24 @@ pub struct Tuning {
     pub shift_hold: Duration,
     /// How long the model stays invalid after braking.
     pub brake_hold: Duration,
+    /// How long the model stays invalid after a retarder's torque is gone: it empties slowly.
+    pub retarder_hold: Duration,
+    /// Speed from which an open driveline is one that coasts, m/s. Below it a clutch that is not
+    /// closed slips at launch and passes torque.
+    pub coast_mps: f32,
+
+    /// Slope of the moment over that of the last 100 m from which, where no brake signal is heard,
+    /// it is taken for a brake, %.
+    pub slowing_percent: f32,
+
+    /// Shortest standstill at which the vehicle may be weighed.
+    pub stop: Duration,
+    /// Standstill, or silence, so long that anything may have been loaded or coupled, and tyres
+    /// are cold again: scale and bias are as uncertain as at the start.
+    pub long_stop: Duration,
+    /// Change of the mass told at stops, since the last such, that does the same, 1. Less is
+    /// within what weighings and passenger counts tell well enough.
+    pub mass_change: f32,
 }
 
 impl Default for Tuning {
@@ -98,6 +116,12 @@ impl Default for Tuning {
             gnss_latency: Duration::from_millis(150),
             shift_hold: Duration::from_millis(1000),
             brake_hold: Duration::from_millis(1000),
+            retarder_hold: Duration::from_millis(2000),
+            coast_mps: 5.0,
+            slowing_percent: 3.0,
+            stop: Duration::from_millis(3_000),
+            long_stop: Duration::from_millis(600_000),
+            mass_change: 0.15,
         }
     }
 }

@@ -66,6 +66,12 @@ impl<S: Scalar> Filter<S> {
         sample: &Sample,
         counters: &mut Counters,
     ) -> Option<Record<S>> {
+        if let Some(state) = &mut self.state
+            && sample.reopened
+        {
+            reopen(state, vehicle, tuning, sample);
+            counters.loads_reopened = counters.loads_reopened.saturating_add(1);
+        }
         let transition = Transition::new(
             vehicle,
             tuning,
@@ -192,14 +198,10 @@ fn begin<S: Scalar>(
     let square = |sigma: f32| S::from_f32(sigma * sigma);
     let mut state = known.copied().unwrap_or_else(|| {
         let mut p = Covariance::ZERO;
-        let start = 100.0 * vehicle.rolling_resistance * tuning.bias_start_rolling;
-        p.set(
-            BIAS,
-            BIAS,
-            square(bias_sigma(vehicle, tuning, sample)) + square(start),
-        );
+        for (i, variance) in unlearned(vehicle, tuning, sample) {
+            p.set(i, i, S::from_f32(variance));
+        }
         p.set(WIND, WIND, square(wind_sigma(vehicle, tuning, sample)));
-        p.set(SCALE, SCALE, square(tuning.scale_sigma));
         p.set(GNSS_ERROR, GNSS_ERROR, square(tuning.gnss_error_sigma_m));
         State {
             x: [S::ZERO; STATES],
@@ -222,6 +224,32 @@ fn begin<S: Scalar>(
         .p
         .set(SLOPE_RATE, SLOPE_RATE, square(tuning.slope_rate_sigma));
     state
+}
+
+/// Variances of bias and scale when nothing is known of them.
+fn unlearned(vehicle: &VehicleParameters, tuning: &Tuning, sample: &Sample) -> [(usize, f32); 2] {
+    let bias = bias_sigma(vehicle, tuning, sample);
+    let start = 100.0 * vehicle.rolling_resistance * tuning.bias_start_rolling;
+    [
+        (BIAS, bias * bias + start * start),
+        (SCALE, tuning.scale_sigma * tuning.scale_sigma),
+    ]
+}
+
+/// Gives up what was learned of bias and scale before a stop. The means stay: there are no better
+/// ones, and noise that is added leaves the smoothing as it is.
+fn reopen<S: Scalar>(
+    state: &mut State<S>,
+    vehicle: &VehicleParameters,
+    tuning: &Tuning,
+    sample: &Sample,
+) {
+    for (i, variance) in unlearned(vehicle, tuning, sample) {
+        let known = state.p.get(i, i).to_f32();
+        state
+            .p
+            .add_variance(i, S::from_f32((variance - known).max(0.0)));
+    }
 }
 
 /// The altitude carried along the slope from where it was taken to the cell's end, m.

@@ -22,6 +22,14 @@ impl Latest {
         self.0 = value.map(|value| Timed { value, time });
     }
 
+    /// A reading of a switch: where there is none, the last one stands until it is stale. A brake
+    /// that was pressed when its sensor failed is not released by that.
+    pub(super) fn keep(&mut self, value: Option<f32>, time: Instant) {
+        if value.is_some() {
+            self.set(value, time);
+        }
+    }
+
     /// Whatever its age.
     pub(super) fn last(&self) -> Option<f32> {
         self.0.map(|timed| timed.value)

@@ -4,9 +4,12 @@
 //! time and the force is the mean of what was read in between, so that the work done equals the
 //! integral of the force whatever the rates. Each interval is then cut at the ends of cells.
 
+mod driveline;
 mod gnss;
 mod latest;
 mod odometer;
+mod slowing;
+mod stops;
 mod switches;
 mod traction;
 
@@ -15,11 +18,14 @@ use crate::counters::Counters;
 use crate::signal::{Reading, Signal};
 use crate::time::Instant;
 use crate::tuning::Tuning;
-use crate::vehicle::{Load, VehicleParameters, air_density};
+use crate::vehicle::{Load, Traction, VehicleParameters, air_density};
+use driveline::DrivelineInput;
 use gnss::{FixOutcome, Gnss};
 use heapless::Deque;
 use latest::Latest;
-use odometer::{Between, DrivenCell, LONGEST_INTERVAL, Odometer};
+use odometer::{Between, LONGEST_INTERVAL, Odometer};
+use slowing::Slowing;
+use stops::Stops;
 use switches::Switches;
 use traction::TractionInput;
 
@@ -27,13 +33,11 @@ use traction::TractionInput;
 const QUEUE: usize = 32;
 /// Speeds of road vehicles, m/s.
 const SPEEDS_MPS: core::ops::RangeInclusive<f32> = 0.0..=70.0;
-/// Masses that a vehicle may have, as parts of its parameter.
-const MASSES: core::ops::Range<f32> = 0.2..5.0;
 
 /// Mean of the speed readings in a cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpeedMeasurement {
-    /// Mean, m/s.
+    /// Quadratic mean, m/s: it is v²/2 that grows evenly with distance.
     pub mean_mps: f32,
     /// How far behind the cell's end it was taken, m.
     pub behind_m: f32,
@@ -69,13 +73,18 @@ pub struct Sample {
     pub speed: Option<SpeedMeasurement>,
     /// GNSS altitude taken in it.
     pub altitude: Option<AltitudeMeasurement>,
+    /// The vehicle stood before it, for long or to be loaded: what was learned of it may be wrong.
+    pub reopened: bool,
 }
 
 /// Collects readings and cuts the drive into samples.
 #[derive(Clone, Debug)]
 pub struct Sampler {
+    driveline: DrivelineInput,
     traction: TractionInput,
     switches: Switches,
+    slowing: Slowing,
+    stops: Stops,
     gnss: Gnss,
     odometer: Odometer,
     wheel_speed: Latest,
@@ -86,7 +95,6 @@ pub struct Sampler {
 /// What changes slowly.
 #[derive(Clone, Copy, Debug, Default)]
 struct Surroundings {
-    mass: Latest,
     ambient: Latest,
     pressure: Latest,
 }
@@ -96,8 +104,11 @@ impl Sampler {
     #[must_use]
     pub fn new() -> Self {
         Self {
+            driveline: DrivelineInput::default(),
             traction: TractionInput::new(),
             switches: Switches::default(),
+            slowing: Slowing::default(),
+            stops: Stops::default(),
             gnss: Gnss::default(),
             odometer: Odometer::default(),
             wheel_speed: Latest::default(),
@@ -127,29 +138,30 @@ impl Sampler {
         match reading.signal {
             Signal::EngineTorqueFraction
             | Signal::FrictionTorque
-            | Signal::EngineSpeed
-            | Signal::GearRatio
-            | Signal::CurrentGear
             | Signal::EngineTorque
-            | Signal::TractionForce
-            | Signal::DrivelineEngaged => {
-                let speed_mps = self.odometer.speed_mps();
-                self.switches.record(tuning, now, reading.signal, value);
-                if self
-                    .traction
-                    .record(vehicle, now, reading.signal, value, speed_mps)
-                {
+            | Signal::TractionForce => {
+                if self.traction.record(vehicle, now, reading.signal, value) {
                     counters.tractions_used = counters.tractions_used.saturating_add(1);
                 }
             }
-            Signal::ShiftInProcess
-            | Signal::BrakeSwitch
+            Signal::EngineSpeed
+            | Signal::DrivelineEngaged
+            | Signal::ShiftInProcess
+            | Signal::ClutchSlip
+            | Signal::ClutchSwitch
+            | Signal::GearRatio
+            | Signal::CurrentGear => {
+                self.driveline.record(now, reading.signal, value);
+                self.follow_driveline(vehicle, tuning, now, self.odometer.speed_mps());
+            }
+            Signal::BrakeSwitch
             | Signal::BrakePedal
             | Signal::BrakePressure
+            | Signal::ParkingBrake
             | Signal::RetarderTorque => {
                 self.switches.record(tuning, now, reading.signal, value);
             }
-            Signal::Mass => self.surroundings.mass.set(value, now),
+            Signal::Mass => self.stops.mass(vehicle, tuning, now, value),
             Signal::AmbientTemperature => self.surroundings.ambient.set(value, now),
             Signal::AirPressure => self.surroundings.pressure.set(value, now),
             Signal::FixMethod | Signal::Satellites | Signal::Hdop | Signal::Vdop => {
@@ -178,16 +190,31 @@ impl Sampler {
             }
             Signal::EngineTorqueMode
             | Signal::ParasiticTorque
-            | Signal::ClutchSlip
-            | Signal::ClutchSwitch
             | Signal::OutputShaftSpeed
             | Signal::SelectedGear
-            | Signal::ParkingBrake
             | Signal::Passengers
             | Signal::Fan
             | Signal::YawRate
             | Signal::Course
             | Signal::GnssSpeed => {}
+        }
+    }
+
+    /// What the driveline passes now, and what its changes disturb.
+    fn follow_driveline(
+        &mut self,
+        vehicle: &VehicleParameters,
+        tuning: &Tuning,
+        now: Instant,
+        speed_mps: Option<f32>,
+    ) {
+        let net_percent = self.traction.net_torque_percent(now);
+        let passage = self
+            .driveline
+            .passage(vehicle, tuning, now, speed_mps, net_percent);
+        let changed = self.traction.driveline_is(vehicle, now, passage.driveline);
+        if changed || passage.in_transit {
+            self.switches.driveline_in_transit(tuning, now);
         }
     }
 
@@ -203,6 +230,9 @@ impl Sampler {
             return;
         };
         counters.speeds_used = counters.speeds_used.saturating_add(1);
+        self.follow_driveline(vehicle, tuning, now, Some(speed_mps));
+        self.switches.hold(tuning, now);
+        self.stops.speed(tuning, now, speed_mps);
         let slower = self
             .odometer
             .speed_mps()
@@ -216,8 +246,12 @@ impl Sampler {
                 crawling: slower < tuning.crawl_mps,
             },
         };
+        let guesses_brakes =
+            vehicle.traction != Traction::Force && !self.switches.tells_brakes(now);
         let Self {
             traction,
+            slowing,
+            stops,
             gnss,
             odometer,
             surroundings,
@@ -225,7 +259,37 @@ impl Sampler {
             ..
         } = self;
         let bridged = odometer.drive(now, speed_mps, between, |driven| {
-            let sample = surroundings.sample(vehicle, traction, gnss, driven);
+            let load = Load {
+                traction_n: driven.mean_force_n,
+                rotating_kg: traction.rotating_kg(vehicle),
+                mass_kg: stops.mass_kg(vehicle),
+                air_density: surroundings.air_density(),
+            };
+            let mut condition = driven.condition;
+            if guesses_brakes {
+                let told = !condition.is_valid() || condition.crawling;
+                if slowing.brakes(vehicle, tuning, &load, driven.speed_mps, told) {
+                    condition.braking = true;
+                    counters.brakes_guessed = counters.brakes_guessed.saturating_add(1);
+                }
+            } else {
+                slowing.forget();
+            }
+            let sample = Sample {
+                place: Place {
+                    cell: driven.number,
+                    time: driven.time,
+                    position_e7: gnss.position_at(CELL_LENGTH_M),
+                    speed_mps: driven.speed_mps,
+                    condition,
+                },
+                gap_cells: driven.gap_cells,
+                duration_s: driven.duration_s,
+                load,
+                speed: driven.speed,
+                altitude: gnss.altitude_before(CELL_LENGTH_M),
+                reopened: stops.take_reopening(vehicle, tuning),
+            };
             gnss.cell_closed();
             if samples.push_back(sample).is_err() {
                 counters.samples_lost = counters.samples_lost.saturating_add(1);
@@ -233,46 +297,15 @@ impl Sampler {
         });
         if !bridged {
             gnss.forget_places();
+            slowing.forget();
             counters.gaps = counters.gaps.saturating_add(1);
         }
     }
 }
 
 impl Surroundings {
-    fn sample(
-        &self,
-        vehicle: &VehicleParameters,
-        traction: &TractionInput,
-        gnss: &mut Gnss,
-        driven: DrivenCell,
-    ) -> Sample {
-        Sample {
-            place: Place {
-                cell: driven.number,
-                time: driven.time,
-                position_e7: gnss.position_at(CELL_LENGTH_M),
-                speed_mps: driven.speed_mps,
-                condition: driven.condition,
-            },
-            gap_cells: driven.gap_cells,
-            duration_s: driven.duration_s,
-            load: Load {
-                traction_n: driven.mean_force_n,
-                rotating_kg: traction.rotating_kg(vehicle),
-                mass_kg: self.mass_kg(vehicle),
-                air_density: air_density(self.pressure.last(), self.ambient.last()),
-            },
-            speed: driven.speed,
-            altitude: gnss.altitude_before(CELL_LENGTH_M),
-        }
-    }
-
-    /// The mass last told, if a vehicle like this one can have it, else the parameter.
-    fn mass_kg(&self, vehicle: &VehicleParameters) -> f32 {
-        self.mass
-            .last()
-            .filter(|mass_kg| MASSES.contains(&(mass_kg / vehicle.mass_kg)))
-            .unwrap_or(vehicle.mass_kg)
+    fn air_density(&self) -> f32 {
+        air_density(self.pressure.last(), self.ambient.last())
     }
 }
 

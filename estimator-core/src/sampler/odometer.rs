@@ -15,7 +15,7 @@ struct OpenCell {
     duration_s: f32,
     work_nm: f32,
     condition: Condition,
-    speed_sum_mps: f32,
+    square_sum: f32,
     speed_place_sum_m: f32,
     speed_count: u8,
     gap_cells: u32,
@@ -101,9 +101,12 @@ impl Odometer {
             let way_m = 0.5 * (from.value + to.value) * interval.seconds();
             self.skip(way_m, interval);
         }
-        self.open.speed_sum_mps += speed_mps;
-        self.open.speed_place_sum_m += self.open.length_m;
-        self.open.speed_count = self.open.speed_count.saturating_add(1);
+        // Of a standstill one reading tells it all, and the counter of readings is short.
+        if self.open.speed_count < u8::MAX && (speed_mps > 0.0 || from.value > 0.0) {
+            self.open.square_sum += speed_mps * speed_mps;
+            self.open.speed_place_sum_m += self.open.length_m;
+            self.open.speed_count += 1;
+        }
         bridged
     }
 
@@ -165,7 +168,7 @@ impl Odometer {
             mean_force_n: open.work_nm / CELL_LENGTH_M,
             condition: open.condition,
             speed: (open.speed_count > 0).then(|| SpeedMeasurement {
-                mean_mps: open.speed_sum_mps / count,
+                mean_mps: libm::sqrtf(open.square_sum / count),
                 behind_m: CELL_LENGTH_M - open.speed_place_sum_m / count,
                 count: open.speed_count,
             }),

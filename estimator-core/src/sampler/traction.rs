@@ -3,22 +3,18 @@
 use super::latest::{Latest, Timed};
 use crate::signal::Signal;
 use crate::time::{Duration, Instant};
-use crate::vehicle::{Driveline, Powertrain, Traction, VehicleParameters};
+use crate::vehicle::{Driveline, Traction, VehicleParameters};
 
 /// A torque older than this says nothing about the force now.
-const STALE: Duration = Duration::from_millis(2_500);
+pub(super) const STALE: Duration = Duration::from_millis(2_500);
 
-/// What is known of the driveline and of the force at the wheels.
+/// What is known of the force at the wheels.
 #[derive(Clone, Debug)]
 pub(super) struct TractionInput {
     fraction: Latest,
     torque: Latest,
     friction: Latest,
-    engine_speed: Latest,
     force: Latest,
-    engaged: Latest,
-    gear_ratio: Latest,
-    gear: Latest,
     driveline: Driveline,
     integral: ForceIntegral,
 }
@@ -29,11 +25,7 @@ impl TractionInput {
             fraction: Latest::default(),
             torque: Latest::default(),
             friction: Latest::default(),
-            engine_speed: Latest::default(),
             force: Latest::default(),
-            engaged: Latest::default(),
-            gear_ratio: Latest::default(),
-            gear: Latest::default(),
             driveline: Driveline::Unknown,
             integral: ForceIntegral::default(),
         }
@@ -46,27 +38,13 @@ impl TractionInput {
         now: Instant,
         signal: Signal,
         value: Option<f32>,
-        speed_mps: Option<f32>,
     ) -> bool {
         match signal {
             Signal::EngineTorqueFraction => self.fraction.set(value, now),
             Signal::FrictionTorque => self.friction.set(value, now),
-            Signal::EngineSpeed => self.engine_speed.set(value, now),
-            Signal::DrivelineEngaged => {
-                self.engaged.set(value, now);
-                self.driveline_changed(vehicle, now);
-            }
-            Signal::GearRatio => {
-                self.gear_ratio.set(value, now);
-                self.driveline_changed(vehicle, now);
-            }
-            Signal::CurrentGear => {
-                self.gear.set(value, now);
-                self.driveline_changed(vehicle, now);
-            }
             Signal::EngineTorque => {
                 self.torque.set(value, now);
-                return self.torque_changed(vehicle, now, speed_mps);
+                return self.torque_changed(vehicle, now);
             }
             Signal::TractionForce => {
                 self.force.set(value, now);
@@ -78,6 +56,25 @@ impl TractionInput {
             _ => {}
         }
         false
+    }
+
+    /// The driveline is now as told. True if it opened, closed or changed gear.
+    pub(super) fn driveline_is(
+        &mut self,
+        vehicle: &VehicleParameters,
+        now: Instant,
+        driveline: Driveline,
+    ) -> bool {
+        if driveline == self.driveline {
+            return false;
+        }
+        let is_step = !driveline.is_nearly(&self.driveline);
+        self.driveline = driveline;
+        if let Some(net_percent) = self.net_torque_percent(now) {
+            self.integral
+                .step_to(vehicle.traction_n(driveline, net_percent), now);
+        }
+        is_step
     }
 
     /// Whether the force is known now.
@@ -102,17 +99,9 @@ impl TractionInput {
         vehicle.rotating_kg(self.driveline)
     }
 
-    fn torque_changed(
-        &mut self,
-        vehicle: &VehicleParameters,
-        now: Instant,
-        speed_mps: Option<f32>,
-    ) -> bool {
-        let Traction::Powertrain(powertrain) = &vehicle.traction else {
+    fn torque_changed(&mut self, vehicle: &VehicleParameters, now: Instant) -> bool {
+        if vehicle.traction == Traction::Force {
             return false;
-        };
-        if self.gear_ratio.state(now).is_none() && self.gear.state(now).is_none() {
-            self.driveline = self.driveline_of_speeds(powertrain, vehicle, now, speed_mps);
         }
         let Some(net_percent) = self.net_torque_percent(now) else {
             return false;
@@ -123,54 +112,11 @@ impl TractionInput {
     }
 
     /// SPN 513 + 4154 − 514: 513 is indicated torque and holds what friction takes.
-    fn net_torque_percent(&self, now: Instant) -> Option<f32> {
+    pub(super) fn net_torque_percent(&self, now: Instant) -> Option<f32> {
         let torque = self.torque.within(now, STALE)?;
         let fraction = self.fraction.within(now, STALE).unwrap_or(0.0);
         let friction = self.friction.state(now).unwrap_or(0.0);
         Some(torque + fraction - friction)
-    }
-
-    fn driveline_of_speeds(
-        &self,
-        powertrain: &Powertrain,
-        vehicle: &VehicleParameters,
-        now: Instant,
-        speed_mps: Option<f32>,
-    ) -> Driveline {
-        match (self.engine_speed.within(now, STALE), speed_mps) {
-            (Some(rpm), Some(speed_mps)) => powertrain
-                .gear_of_speeds(rpm, speed_mps, vehicle.wheel_radius_m)
-                .map_or(Driveline::Unknown, Driveline::Engaged),
-            _ => Driveline::Unknown,
-        }
-    }
-
-    fn driveline_changed(&mut self, vehicle: &VehicleParameters, now: Instant) {
-        let Traction::Powertrain(powertrain) = &vehicle.traction else {
-            return;
-        };
-        let number = self.gear.state(now);
-        let is_open = self.engaged.state(now).is_some_and(|engaged| engaged < 0.5)
-            || number.is_some_and(|number| number.abs() < 0.5);
-        let driveline = if is_open {
-            Driveline::Open
-        } else {
-            let of_ratio = self
-                .gear_ratio
-                .state(now)
-                .and_then(|ratio| powertrain.gear_of_ratio(ratio));
-            let of_number = number.and_then(|number| powertrain.gear(number as i32));
-            of_ratio
-                .or(of_number)
-                .map_or(Driveline::Unknown, Driveline::Engaged)
-        };
-        if driveline != self.driveline {
-            self.driveline = driveline;
-            if let Some(net_percent) = self.net_torque_percent(now) {
-                self.integral
-                    .step_to(vehicle.traction_n(driveline, net_percent), now);
-            }
-        }
     }
 }
 

@@ -2,7 +2,8 @@
 //!
 //! Two controllers may send the same parameter group (a brake and an engine controller both send
 //! CCVS1), and two groups the same signal (a position comes in 129025 and in 129029). Mixing
-//! them would add their offsets as noise.
+//! them would add their offsets as noise. A truck may have two retarders, though, one at the engine
+//! and one at the gearbox, and each tells of its own: they all have the word.
 
 use super::Signal;
 use crate::time::{Duration, Instant};
@@ -52,6 +53,9 @@ impl SourceLock {
         now: Instant,
         available: bool,
     ) -> Admission {
+        if signal == Signal::RetarderTorque {
+            return Admission::Admitted;
+        }
         let source = ((message as u16) << 8) | u16::from(address);
         let Some(place) = self.holders.get_mut(signal as usize) else {
             return Admission::Refused;

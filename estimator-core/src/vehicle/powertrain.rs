@@ -54,6 +54,19 @@ pub enum Driveline {
     Unknown,
 }
 
+impl Driveline {
+    /// Whether this is the same state, in a gear whose ratio was only measured a little
+    /// differently.
+    pub(crate) fn is_nearly(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Engaged(a), Self::Engaged(b)) => {
+                (a.ratio - b.ratio).abs() <= RATIO_TOLERANCE * b.ratio
+            }
+            _ => self == other,
+        }
+    }
+}
+
 /// How far a measured ratio may be from a gear's to be that gear.
 const RATIO_TOLERANCE: f32 = 0.05;
 
@@ -145,8 +158,7 @@ impl Powertrain {
         speed_mps: f32,
         wheel_radius_m: f32,
     ) -> Option<Gear> {
-        let shaft_rpm =
-            speed_mps / wheel_radius_m * self.final_drive_ratio * (30.0 / core::f32::consts::PI);
+        let shaft_rpm = self.shaft_rpm(speed_mps, wheel_radius_m);
         if shaft_rpm < 30.0 {
             return None;
         }
@@ -155,6 +167,17 @@ impl Powertrain {
             .iter()
             .find(|gear| (gear.ratio - ratio).abs() <= RATIO_TOLERANCE * gear.ratio)
             .copied()
+    }
+
+    /// Engine speed at which this gear turns without slip, rpm.
+    #[must_use]
+    pub fn engine_rpm(&self, gear: Gear, speed_mps: f32, wheel_radius_m: f32) -> f32 {
+        self.shaft_rpm(speed_mps, wheel_radius_m) * gear.ratio
+    }
+
+    /// Speed of the gearbox's output shaft, rpm.
+    fn shaft_rpm(&self, speed_mps: f32, wheel_radius_m: f32) -> f32 {
+        speed_mps / wheel_radius_m * self.final_drive_ratio * (30.0 / core::f32::consts::PI)
     }
 }
 

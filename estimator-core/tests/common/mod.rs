@@ -55,6 +55,7 @@ pub fn sample(cell: u32, traction_n: f32, speed_mps: f32) -> Sample {
         },
         speed: None,
         altitude: None,
+        reopened: false,
     }
 }
 

@@ -106,6 +106,7 @@ fn samples(drive: &Drive) -> Vec<Sample> {
                 count: 1,
             }),
             altitude,
+            reopened: false,
         });
     }
     samples
