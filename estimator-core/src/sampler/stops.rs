@@ -6,7 +6,7 @@ use crate::vehicle::VehicleParameters;
 
 /// Speed below which a vehicle stands, m/s; wheel sensors tell zero from about there.
 const STANDING_MPS: f32 = 0.1;
-/// Time after a stop in which a weighing still belongs to it: SPN 1760 has no fixed rate.
+/// Time after a stop in which weighings still belong to it: SPN 1760 has no fixed rate.
 const WEIGHING: Duration = Duration::from_millis(30_000);
 /// Masses that a vehicle may have, as parts of its parameter.
 const MASSES: core::ops::Range<f32> = 0.2..5.0;
@@ -63,10 +63,11 @@ impl Stops {
         let stands = self
             .standing_since
             .is_some_and(|since| now.since(since) >= tuning.stop);
-        let stood = self.weighing_until.is_some_and(|until| now <= until);
-        if stands || stood || self.told_kg.is_none() {
+        if stands || self.weighing_until.is_some() || self.told_kg.is_none() {
             self.told_kg = Some(mass_kg);
         }
+        // Closed by a reading, so that a slow sender has its say too.
+        self.weighing_until = self.weighing_until.filter(|until| now < *until);
     }
 
     /// The mass that counts, kg; the parameter if none was told.

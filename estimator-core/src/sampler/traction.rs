@@ -16,6 +16,7 @@ pub(super) struct TractionInput {
     friction: Latest,
     force: Latest,
     driveline: Driveline,
+    driveline_was_known: bool,
     integral: ForceIntegral,
 }
 
@@ -27,6 +28,7 @@ impl TractionInput {
             friction: Latest::default(),
             force: Latest::default(),
             driveline: Driveline::Unknown,
+            driveline_was_known: false,
             integral: ForceIntegral::default(),
         }
     }
@@ -68,7 +70,9 @@ impl TractionInput {
         if driveline == self.driveline {
             return false;
         }
-        let is_step = !driveline.is_nearly(&self.driveline);
+        // What is told for the first time did not just happen.
+        let is_step = self.driveline_was_known && !driveline.is_nearly(&self.driveline);
+        self.driveline_was_known = true;
         self.driveline = driveline;
         if let Some(net_percent) = self.net_torque_percent(now) {
             self.integral

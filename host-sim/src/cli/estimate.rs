@@ -204,6 +204,8 @@ fn events(c: &Counters) -> Vec<(&'static str, u64)> {
             "cells lost",
             c.samples_lost.saturating_add(c.cells_lost).into(),
         ),
+        ("cells with brakes guessed", c.brakes_guessed),
+        ("stops that reopened the load", c.loads_reopened.into()),
         ("altitudes left out", c.altitudes_rejected),
         ("steps of GNSS altitude", c.altitude_steps.into()),
         ("altitude set anew", c.altitude_resets.into()),

@@ -99,7 +99,7 @@ const LIST: &[(&str, Importance, &[Signal], &str)] = &[
         "gear shift flags",
         Importance::Optional,
         &[Signal::ShiftInProcess, Signal::DrivelineEngaged],
-        "the model is trusted while the driveline is open: errors at every shift",
+        "an open driveline is told from engine speed alone, and late: errors at every shift",
     ),
     (
         "brake flags",
@@ -109,7 +109,7 @@ const LIST: &[(&str, Importance, &[Signal], &str)] = &[
             Signal::BrakePedal,
             Signal::BrakePressure,
         ],
-        "braking reads as an uphill",
+        "hard braking is guessed from how the vehicle slows down, gentle braking reads as an uphill",
     ),
     (
         "retarder torque",
@@ -138,7 +138,7 @@ const LIST: &[(&str, Importance, &[Signal], &str)] = &[
         "gross mass",
         Importance::Optional,
         &[Signal::Mass],
-        "the mass of vehicle.toml holds for the whole drive",
+        "the mass of vehicle.toml holds for the whole drive, and another load is found out slowly",
     ),
 ];
 
