@@ -1,0 +1,50 @@
+//! A drive by readings.
+
+use estimator_core::sampler::Sample;
+use estimator_core::{Instant, Intake, Reading, Signal, Tuning, Value, VehicleParameters};
+
+/// A drive by readings every 100 ms.
+pub struct Drive {
+    pub intake: Intake,
+    pub now_ms: u64,
+    pub samples: Vec<Sample>,
+}
+
+impl Drive {
+    pub fn of(vehicle: VehicleParameters) -> Self {
+        Self {
+            intake: Intake::new(vehicle, Tuning::default()).unwrap(),
+            now_ms: 0,
+            samples: Vec::new(),
+        }
+    }
+
+    fn put(&mut self, signal: Signal, value: Value) {
+        let now = Instant::from_micros(self.now_ms * 1000);
+        self.intake.on_reading(now, Reading { signal, value });
+    }
+
+    /// Drives on for some seconds with these readings every 100 ms, in their order; the samples of
+    /// that time.
+    pub fn on(&mut self, seconds: f64, readings: &[(Signal, f32)]) -> Vec<Sample> {
+        let values: Vec<(Signal, Value)> = readings
+            .iter()
+            .map(|&(signal, value)| (signal, Value::Real(value)))
+            .collect();
+        self.on_values(seconds, &values)
+    }
+
+    pub fn on_values(&mut self, seconds: f64, readings: &[(Signal, Value)]) -> Vec<Sample> {
+        let first = self.samples.len();
+        for _ in 0..(10.0 * seconds).round() as u64 {
+            for &(signal, value) in readings {
+                self.put(signal, value);
+            }
+            while let Some(sample) = self.intake.next_sample() {
+                self.samples.push(sample);
+            }
+            self.now_ms += 100;
+        }
+        self.samples[first..].to_vec()
+    }
+}
