@@ -60,7 +60,7 @@ pub enum Step {
 /// #     }
 /// while estimator.step().is_some() {}
 /// while let Some(cell) = estimator.next_cell() {
-///     println!("{:.1} m {:.2} %", cell.place.distance_m(), cell.lagged.grade_percent.value);
+///     println!("{:.1} m {:.2} %", cell.place.distance_m(), cell.lagged_grade_percent.value);
 /// }
 /// # }
 /// # assert!(estimator.live().is_some());
@@ -115,7 +115,7 @@ impl<S: Scalar> Estimator<S> {
             return Some(Step::Skipped);
         };
         self.place = record.place;
-        let lost = self.lag.push(record) as u32;
+        let lost = self.lag.push(&record) as u32;
         counters.cells_lost = counters.cells_lost.saturating_add(lost);
         Some(Step::Moved)
     }

@@ -112,7 +112,7 @@ fn single_precision_is_double_precision_within_five_thousandths() {
     ];
     for grade in grades {
         let difference = rms(&single, &double, grade);
-        assert!(difference <= 0.005, "{difference} %");
+        assert!(difference <= 0.002, "{difference} %");
     }
 }
 

@@ -3,13 +3,12 @@
 use super::covariance::Covariance;
 use super::gate::{Gate, Verdict};
 use super::learned::{SensorNoise, Spread};
-use super::record::{Link, Record};
+use super::record::{Link, Record, Trace};
 use super::state::{
     ALTITUDE, BIAS, ENERGY, GNSS_ERROR, SCALE, SLOPE, SLOPE_RATE, STATES, State, WIND,
 };
 use super::transition::{Transition, bias_sigma, wind_sigma};
 use super::update::{Observation, Update};
-use crate::cell::CELL_LENGTH_M;
 use crate::counters::Counters;
 use crate::sampler::{AltitudeMeasurement, Sample, SpeedMeasurement};
 use crate::scalar::Scalar;
@@ -84,7 +83,7 @@ impl<S: Scalar> Filter<S> {
             (known, Some(speed)) => {
                 link = Link::Broken;
                 let mut state = begin(known.as_ref(), vehicle, tuning, sample, speed);
-                state.load = transition.load();
+                state.load = transition.motion().load;
                 (state, state.x[ENERGY])
             }
             (_, None) => return None,
@@ -102,9 +101,10 @@ impl<S: Scalar> Filter<S> {
             (Some(fix), Some(Verdict::SetAnew)) => {
                 set_altitude(&mut state, fix);
                 counters.altitude_resets = counters.altitude_resets.saturating_add(1);
-                if link == Link::Chained {
-                    link = Link::AltitudeSet;
-                }
+                link = match link {
+                    Link::Chained => Link::AltitudeSet,
+                    _ => Link::BrokenAltitudeSet,
+                };
             }
             (_, Some(Verdict::Reopen(offset_m))) => {
                 state
@@ -118,14 +118,13 @@ impl<S: Scalar> Filter<S> {
             _ => {}
         }
 
-        let predicted = state;
         let speed = sample.speed.map(|speed| {
-            let gradient = (predicted.x[ENERGY] - energy_before) * S::from_f32(1.0 / CELL_LENGTH_M);
+            let gradient = (state.x[ENERGY] - energy_before) * S::from_f32(1.0 / sample.length_m);
             speed_update(&state, tuning, speed, gradient, self.speed_spread.ratio())
+                .apply(&mut state)
         });
-        if let Some(update) = &speed {
-            let gain = update.apply(&mut state);
-            let normalised = update.innovation.squared() / gain.innovation_variance;
+        if let Some(applied) = &speed {
+            let normalised = applied.innovation.squared() / applied.innovation_variance;
             let condition = sample.place.condition;
             if link == Link::Chained && condition.is_valid() && !condition.crawling {
                 self.speed_spread.learn(normalised.to_f32());
@@ -133,20 +132,20 @@ impl<S: Scalar> Filter<S> {
         }
         let altitude = fix
             .filter(|_| matches!(verdict, Some(Verdict::Fuse | Verdict::Reopen(_))))
-            .map(|fix| Update {
-                observation: Observation::Altitude,
-                innovation: fix.innovation(&state),
-                variance: fix.variance,
+            .map(|fix| {
+                let update = Update {
+                    observation: Observation::Altitude,
+                    innovation: fix.innovation(&state),
+                    variance: fix.variance,
+                };
+                counters.altitudes_used = counters.altitudes_used.saturating_add(1);
+                update.apply(&mut state)
             });
-        if let Some(update) = &altitude {
-            update.apply(&mut state);
-            counters.altitudes_used = counters.altitudes_used.saturating_add(1);
-        }
         counters.steps = counters.steps.saturating_add(1);
         if !sample.place.condition.is_valid() {
             counters.invalid_steps = counters.invalid_steps.saturating_add(1);
         }
-        if !(state.is_sound() && predicted.is_sound()) {
+        if !state.is_sound() {
             // Cannot come from sound input; if it does, the next speed starts the filter anew.
             counters.restarts = counters.restarts.saturating_add(1);
             self.state = None;
@@ -155,11 +154,13 @@ impl<S: Scalar> Filter<S> {
         self.state = Some(state);
         Some(Record {
             place: sample.place,
-            transition,
-            link,
-            predicted,
-            speed,
-            altitude,
+            trace: Trace {
+                motion: *transition.motion(),
+                link,
+                speed,
+                altitude,
+            },
+            state,
         })
     }
 

@@ -180,7 +180,7 @@ fn page(drives: &[Drive], map: &[MapRow], scores: &[ScoreRow]) -> Page {
                     "Root of the mean squared error, bias and mean normalised squared error \
                      (NEES; 1 means that the stated sigmas are honest) in % grade, first and last \
                      500 m left out. Live is what the vehicle knows at once, lagged what it knows \
-                     110 m later, smoothed what the whole run tells."
+                     500 m later, smoothed what the whole run tells."
                         .to_owned(),
                     "Beside them, from the same logs: the thesis's original filter, its modified \
                      method, and an oracle, which is this filter told the true vehicle and how \

@@ -22,7 +22,7 @@ Needed on the bus: wheel speed (CCVS1 or EBC2), engine torque (EEC1) and frictio
 (ETC2; or engine speed, from which it is told), GNSS altitude (129029, or VDS). `roadgrade inspect \
 LOG` tells what a log has. In a signal table the same by the names of its columns.
 
-RUN.csv has one row for each 2.5 m: grade in % (smoothed over the whole run, lagged by 110 m, \
+RUN.csv has one row for each 2.5 m: grade in % (smoothed over the whole run, lagged by 500 m, \
 live), each with its standard deviation, position, altitude, and what the vehicle model was found \
 to be off by.")]
 pub struct Args {

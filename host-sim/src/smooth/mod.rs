@@ -49,9 +49,8 @@ pub fn smooth<S: Scalar>(records: &[Record<S>]) -> Vec<Estimate> {
         .iter()
         .rev()
         .map(|record| {
-            backward.absorb(record);
-            let estimate = backward.estimate(record);
-            backward.retreat(record);
+            let estimate = backward.estimate(&record.state);
+            backward.retreat(&record.trace);
             estimate
         })
         .collect();
