@@ -19,6 +19,14 @@ pub const LAG_CELLS: usize = LAG_BLOCKS * BLOCK_CELLS;
 /// Blocks in memory: one more, which is being finished.
 const BLOCKS: usize = LAG_BLOCKS + 1;
 
+/// Memory that a lag of this many blocks takes, bytes.
+#[must_use]
+pub const fn bytes<S>(lag_blocks: usize) -> usize {
+    let filling = BLOCK_CELLS * size_of::<Passed<S>>();
+    let finished = BLOCK_CELLS * size_of::<Cell>();
+    filling + (lag_blocks + 1) * size_of::<Block<S>>() + finished
+}
+
 /// A step of the block being filled.
 #[derive(Clone, Copy, Debug)]
 struct Passed<S> {
