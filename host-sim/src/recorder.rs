@@ -7,7 +7,8 @@ use crate::source::can_frame::TimedFrame;
 use crate::source::input::{Input, for_each_input};
 use estimator_core::sampler::Sample;
 use estimator_core::{
-    Cell, Counters, Estimator, Instant, ParameterError, Reading, Scalar, Tuning, VehicleParameters,
+    Cell, Counters, Estimator, Instant, Kept, ParameterError, Reading, Scalar, Tuning,
+    VehicleParameters,
 };
 use std::path::Path;
 
@@ -27,6 +28,8 @@ pub struct Run {
     pub rows: Vec<RunRow>,
     /// What happened on the way.
     pub counters: Counters,
+    /// What it leaves for the next drive, if it was long enough.
+    pub kept: Option<Kept>,
 }
 
 impl<S: Scalar> Recorder<S> {
@@ -35,12 +38,7 @@ impl<S: Scalar> Recorder<S> {
     /// # Errors
     /// The first parameter that no vehicle can have.
     pub fn new(vehicle: VehicleParameters, tuning: Tuning) -> Result<Self, ParameterError> {
-        Ok(Self {
-            estimator: Estimator::new(vehicle, tuning)?,
-            start: None,
-            samples: Vec::new(),
-            cells: Vec::new(),
-        })
+        Estimator::new(vehicle, tuning).map(Self::from)
     }
 
     /// Takes one frame.
@@ -89,7 +87,7 @@ impl<S: Scalar> Recorder<S> {
         let smoothed = smooth_run(
             self.estimator.vehicle(),
             self.estimator.tuning(),
-            &self.estimator.noise(),
+            self.estimator.filter_anew(),
             &self.samples,
         );
         let rows = smoothed
@@ -100,6 +98,7 @@ impl<S: Scalar> Recorder<S> {
         Run {
             rows,
             counters: *self.estimator.counters(),
+            kept: self.estimator.kept(),
         }
     }
 }
@@ -118,6 +117,18 @@ pub fn estimate_log<S: Scalar>(
         .map_err(|e| Error::content(log, e.to_string()))?;
     for_each_input(log, progress, |input| recorder.on_input(&input))?;
     Ok(recorder.finish())
+}
+
+impl<S> From<Estimator<S>> for Recorder<S> {
+    /// A recorder of the drive that this estimator begins.
+    fn from(estimator: Estimator<S>) -> Self {
+        Self {
+            estimator,
+            start: None,
+            samples: Vec::new(),
+            cells: Vec::new(),
+        }
+    }
 }
 
 fn row(start: Instant, cell: &Cell, smoothed: &Smoothed) -> RunRow {

@@ -11,6 +11,7 @@
 //! * [`update`]: one scalar measurement;
 //! * [`step`]: the filter, which a sample moves over one cell;
 //! * `gate`: which altitudes to believe; `learned`: how noisy the sensors are;
+//! * [`prior`]: what is believed where a drive begins;
 //! * [`record`]: what a step leaves for smoothing;
 //! * [`backward`]: the smoothing recursion over records.
 
@@ -18,6 +19,7 @@ pub mod backward;
 pub mod covariance;
 mod gate;
 mod learned;
+pub mod prior;
 pub mod record;
 pub mod state;
 pub mod step;
@@ -27,6 +29,7 @@ pub mod update;
 pub use backward::Backward;
 pub use covariance::Covariance;
 pub use learned::SensorNoise;
+pub use prior::SlowStates;
 pub use record::Record;
 pub use state::{STATES, State};
 pub use step::Filter;
