@@ -7,7 +7,7 @@ use crate::source::can_frame::TimedFrame;
 use crate::source::input::{Input, for_each_input};
 use estimator_core::sampler::Sample;
 use estimator_core::{
-    Cell, Counters, Estimator, Instant, Kept, ParameterError, Reading, Scalar, Tuning,
+    Cell, Counters, Estimator, Instant, Kept, KeptError, ParameterError, Reading, Scalar, Tuning,
     VehicleParameters,
 };
 use std::path::Path;
@@ -103,18 +103,24 @@ impl<S: Scalar> Recorder<S> {
     }
 }
 
-/// Feeds a whole log of either kind to the estimator. `progress` is told the bytes read so far,
-/// now and then.
+/// Feeds a whole log of either kind to an estimator that begins with what the last drive left, if
+/// anything. `progress` is told the bytes read so far, now and then.
 ///
 /// # Errors
-/// An impossible vehicle; a log that cannot be read to its end, with file and line.
+/// An impossible vehicle, or not that of the last drive; a log that cannot be read to its end, with
+/// file and line.
 pub fn estimate_log<S: Scalar>(
     vehicle: &VehicleParameters,
+    kept: Option<&Kept>,
     log: &Path,
     progress: impl Fn(u64),
 ) -> Result<Run, Error> {
-    let mut recorder = Recorder::<S>::new(vehicle.clone(), Tuning::default())
-        .map_err(|e| Error::content(log, e.to_string()))?;
+    let (vehicle, tuning) = (vehicle.clone(), Tuning::default());
+    let estimator = match kept {
+        Some(kept) => Estimator::<S>::with_kept(vehicle, tuning, kept),
+        None => Estimator::new(vehicle, tuning).map_err(KeptError::from),
+    };
+    let mut recorder = Recorder::from(estimator.map_err(|e| Error::content(log, e.to_string()))?);
     for_each_input(log, progress, |input| recorder.on_input(&input))?;
     Ok(recorder.finish())
 }
