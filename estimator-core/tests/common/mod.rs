@@ -1,6 +1,8 @@
 //! A vehicle and samples for tests.
 #![allow(dead_code)]
 
+pub mod hilly_drive;
+
 use estimator_core::sampler::{AltitudeMeasurement, Sample, SpeedMeasurement};
 use estimator_core::vehicle::Load;
 use estimator_core::{
