@@ -14,8 +14,8 @@ use crate::tuning::Tuning;
 use crate::vehicle::{ParameterError, VehicleParameters};
 use embedded_can::Frame;
 
-/// Cells driven and altitudes used before a drive leaves anything: 5 km, in which GNSS has told
-/// the climb of at least one.
+/// Cells driven and altitudes used before a drive leaves anything: 5 km, with GNSS on some of it.
+/// How much they told is in the variances; what is kept is just not worth a write before.
 const LEAST_STEPS: u64 = 2_000;
 const LEAST_ALTITUDES: u64 = 100;
 
@@ -169,9 +169,8 @@ impl<S: Scalar> Estimator<S> {
         self.sample.as_ref()
     }
 
-    /// What this drive leaves for the next one; `None` before it has learned anything worth
-    /// keeping, some kilometres with GNSS. Whatever is there may be kept at any time: the next
-    /// drive knows how sure it was.
+    /// What this drive leaves for the next one; `None` before 5 km with GNSS, or if its state is
+    /// out of all reason. It may be taken at any time: the next drive knows how sure it was.
     #[must_use]
     pub fn kept(&self) -> Option<Kept> {
         let counters = self.counters();

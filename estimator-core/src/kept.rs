@@ -2,7 +2,7 @@
 //!
 //! Kept are the slow states with how sure they are, and how noisy the sensors were; the rest is
 //! found anew within seconds. Wind is not kept: it is another one the next day. How much is
-//! believed of it where the next drive begins is told in [`SlowStates`] and its module.
+//! believed of them where the next drive begins is told in [`crate::filter::prior`].
 //!
 //! The blob has [`Kept::LEN`] bytes, numbers little endian, `f32` as in IEEE 754:
 //!
