@@ -12,6 +12,7 @@
 //! * [`update`]: one scalar measurement;
 //! * [`step`]: the filter, which a sample moves over one cell;
 //! * `gate`: which altitudes to believe; `learned`: how noisy the sensors are;
+//! * [`prior`]: what is believed where a drive begins;
 //! * [`record`]: what a step leaves for smoothing;
 //! * [`backward`]: the smoothing recursion over them.
 
@@ -20,6 +21,7 @@ pub mod covariance;
 mod gate;
 mod learned;
 pub mod motion;
+pub mod prior;
 pub mod record;
 pub mod state;
 pub mod step;
@@ -29,6 +31,7 @@ pub mod update;
 pub use backward::{Backward, Passage};
 pub use covariance::Covariance;
 pub use learned::SensorNoise;
+pub use prior::SlowStates;
 pub use record::{Record, Trace};
 pub use state::{Look, Quantity, STATES, State};
 pub use step::Filter;

@@ -1,13 +1,11 @@
 //! The filter: one step is one cell.
 
-use super::covariance::Covariance;
 use super::gate::{Gate, Verdict};
 use super::learned::{SensorNoise, Spread};
+use super::prior::{SlowStates, state_at_start};
 use super::record::{Link, Record, Trace};
-use super::state::{
-    ALTITUDE, BIAS, ENERGY, GNSS_ERROR, SCALE, SLOPE, SLOPE_RATE, STATES, State, WIND,
-};
-use super::transition::{Transition, bias_sigma, wind_sigma};
+use super::state::{ALTITUDE, BIAS, ENERGY, GNSS_ERROR, SCALE, SLOPE, SLOPE_RATE, State, WIND};
+use super::transition::Transition;
 use super::update::{Observation, Update};
 use crate::counters::Counters;
 use crate::sampler::{AltitudeMeasurement, Sample, SpeedMeasurement};
@@ -19,6 +17,7 @@ use crate::vehicle::VehicleParameters;
 #[derive(Clone, Debug)]
 pub struct Filter<S> {
     state: Option<State<S>>,
+    prior: Option<SlowStates>,
     gate: Gate,
     speed_spread: Spread,
 }
@@ -33,8 +32,16 @@ impl<S: Scalar> Filter<S> {
     /// Before the first sample, with what is known of the sensors' noise.
     #[must_use]
     pub fn with_noise(noise: &SensorNoise) -> Self {
+        Self::with_known(noise, None)
+    }
+
+    /// Before the first sample, with what is known of the sensors' noise and, from an earlier
+    /// drive, of the slow states.
+    #[must_use]
+    pub fn with_known(noise: &SensorNoise, prior: Option<SlowStates>) -> Self {
         Self {
             state: None,
+            prior,
             gate: Gate::new(noise),
             // A third to five times the believed sigma; some hundred readings.
             speed_spread: Spread::new(noise.speed, 0.1, 25.0, 0.01),
@@ -49,6 +56,13 @@ impl<S: Scalar> Filter<S> {
             altitude: self.gate.spread(),
             gnss_error: self.gate.error_spread(),
         }
+    }
+
+    /// A filter before its first sample that knows of the slow states what this one knew at its
+    /// own, and of the sensors' noise what this one knows now: for a second look at the same drive.
+    #[must_use]
+    pub fn anew<T: Scalar>(&self) -> Filter<T> {
+        Filter::with_known(&self.noise(), self.prior)
     }
 
     /// The state now; `None` before the first speed.
@@ -82,7 +96,14 @@ impl<S: Scalar> Filter<S> {
             }
             (known, Some(speed)) => {
                 link = Link::Broken;
-                let mut state = begin(known.as_ref(), vehicle, tuning, sample, speed);
+                let mut state = begin(
+                    known.as_ref(),
+                    self.prior.as_ref(),
+                    vehicle,
+                    tuning,
+                    sample,
+                    speed,
+                );
                 state.load = transition.motion().load;
                 (state, state.x[ENERGY])
             }
@@ -185,30 +206,16 @@ impl<S: Scalar> Default for Filter<S> {
 /// The state at a first cell, or behind a gap, which leaves the slow states as they were.
 fn begin<S: Scalar>(
     known: Option<&State<S>>,
+    prior: Option<&SlowStates>,
     vehicle: &VehicleParameters,
     tuning: &Tuning,
     sample: &Sample,
     speed: SpeedMeasurement,
 ) -> State<S> {
     let square = |sigma: f32| S::from_f32(sigma * sigma);
-    let mut state = known.copied().unwrap_or_else(|| {
-        let mut p = Covariance::ZERO;
-        let start = 100.0 * vehicle.rolling_resistance * tuning.bias_start_rolling;
-        p.set(
-            BIAS,
-            BIAS,
-            square(bias_sigma(vehicle, tuning, sample)) + square(start),
-        );
-        p.set(WIND, WIND, square(wind_sigma(vehicle, tuning, sample)));
-        p.set(SCALE, SCALE, square(tuning.scale_sigma));
-        p.set(GNSS_ERROR, GNSS_ERROR, square(tuning.gnss_error_sigma_m));
-        State {
-            x: [S::ZERO; STATES],
-            p,
-            load: S::ZERO,
-            origin_m: None,
-        }
-    });
+    let mut state = known
+        .copied()
+        .unwrap_or_else(|| state_at_start(prior, vehicle, tuning, sample));
     for i in [ENERGY, ALTITUDE, SLOPE, SLOPE_RATE] {
         state.x[i] = S::ZERO;
         state.p.clear(i);

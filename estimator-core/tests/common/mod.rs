@@ -2,6 +2,7 @@
 #![allow(dead_code)]
 
 pub mod dense;
+pub mod hilly_drive;
 
 use estimator_core::filter::{Backward, Filter, Record};
 use estimator_core::sampler::{AltitudeMeasurement, Sample, SpeedMeasurement};

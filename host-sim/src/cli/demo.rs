@@ -63,7 +63,7 @@ fn drive(scenario: &Scenario, index: usize, folder: &Path) -> Result<Drive> {
     let file = |ending: &str| folder.join(format!("{}.{ending}", run.name));
     let log = file("log");
     let vehicle = VehicleFile::read(&file("vehicle.toml"))?;
-    let estimated = estimate::drive::<f32>(&vehicle, &log)?;
+    let estimated = estimate::drive::<f32>(&vehicle, None, &log)?;
     estimate::check(&log, &vehicle, &estimated)?;
     let rows = estimated.rows;
     run_file::write(&file("csv"), &rows)?;
