@@ -10,7 +10,6 @@ use crate::smooth::bytes_per_km;
 use crate::text_table::text_table;
 use crate::vehicle_file::VehicleFile;
 use comfy_table::Table;
-use estimator_core::filter::Record;
 use estimator_core::{Counters, Kept, Scalar, Traction};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -58,12 +57,10 @@ pub fn run(args: &Args) -> Result<()> {
         None => None,
     };
     let last = last.as_ref();
-    let (run, record_bytes) = if args.double {
-        let run = drive::<f64>(&vehicle, last, &args.log)?;
-        (run, size_of::<Record<f64>>())
+    let run = if args.double {
+        drive::<f64>(&vehicle, last, &args.log)?
     } else {
-        let run = drive::<f32>(&vehicle, last, &args.log)?;
-        (run, size_of::<Record<f32>>())
+        drive::<f32>(&vehicle, last, &args.log)?
     };
     let seconds = started.elapsed().as_secs_f64();
     check(&args.log, &vehicle, &run)?;
@@ -91,10 +88,7 @@ pub fn run(args: &Args) -> Result<()> {
             frames as f64 / seconds
         );
     }
-    eprintln!(
-        "whole-run smoothing held {} kB a km ({record_bytes} bytes a cell)",
-        bytes_per_km() / 1000
-    );
+    eprintln!("whole-run smoothing held {} kB a km", bytes_per_km() / 1000);
     eprintln!("wrote {}", args.out.display());
     if let Some(file) = file {
         let file = file.display();
