@@ -130,9 +130,9 @@ impl<S: Scalar> Covariance<S> {
         }
         let mut sum = *self;
         for (of_product, of_a) in product.iter().zip(columns) {
-            for i in 0..STATES {
-                for j in i..STATES {
-                    sum.set(i, j, sum.get(i, j) + of_product[i] * of_a[j]);
+            for (i, left) in of_product.iter().enumerate() {
+                for (j, right) in of_a.iter().enumerate().skip(i) {
+                    sum.set(i, j, sum.get(i, j) + *left * *right);
                 }
             }
         }
