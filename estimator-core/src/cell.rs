@@ -88,14 +88,17 @@ pub struct Estimate {
     pub scale: Uncertain,
 }
 
-/// A finished cell: the live estimate at its end and the one a fixed lag later.
+/// A finished cell: the live grade at its end and the one a fixed lag later.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Cell {
     /// Where and when.
     pub place: Place,
-    /// With what was known at its end.
-    pub live: Estimate,
-    /// With what was known a lag later.
-    pub lagged: Estimate,
+    /// Grade with what was known at the cell's end, %.
+    pub live_grade_percent: Uncertain,
+    /// Grade with what was known a lag later, %.
+    pub lagged_grade_percent: Uncertain,
+    /// Altitude in m, in the datum of the GNSS source, with what was known some metres later; not
+    /// known before the first fix.
+    pub altitude_m: Option<Uncertain>,
 }

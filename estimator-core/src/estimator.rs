@@ -2,8 +2,9 @@
 
 use crate::cell::{Cell, Estimate, Place};
 use crate::counters::Counters;
-use crate::filter::{Filter, SensorNoise};
+use crate::filter::{Filter, SensorNoise, SlowStates};
 use crate::intake::{Intake, Outcome};
+use crate::kept::{Kept, KeptError};
 use crate::lag::Lag;
 use crate::sampler::Sample;
 use crate::scalar::Scalar;
@@ -12,6 +13,11 @@ use crate::time::Instant;
 use crate::tuning::Tuning;
 use crate::vehicle::{ParameterError, VehicleParameters};
 use embedded_can::Frame;
+
+/// Cells driven and altitudes used before a drive leaves anything: 5 km, with GNSS on some of it.
+/// How much they told is in the variances; what is kept is just not worth a write before.
+const LEAST_STEPS: u64 = 2_000;
+const LEAST_ALTITUDES: u64 = 100;
 
 /// The estimate now.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,7 +66,7 @@ pub enum Step {
 /// #     }
 /// while estimator.step().is_some() {}
 /// while let Some(cell) = estimator.next_cell() {
-///     println!("{:.1} m {:.2} %", cell.place.distance_m(), cell.lagged.grade_percent.value);
+///     println!("{:.1} m {:.2} %", cell.place.distance_m(), cell.lagged_grade_percent.value);
 /// }
 /// # }
 /// # assert!(estimator.live().is_some());
@@ -90,6 +96,23 @@ impl<S: Scalar> Estimator<S> {
         })
     }
 
+    /// An estimator for this vehicle that begins with what an earlier drive left.
+    ///
+    /// # Errors
+    /// [`KeptError::Parameter`] for a parameter that no vehicle can have, [`KeptError::Vehicle`]
+    /// if it was another vehicle, or other parameters, that the drive was estimated with.
+    pub fn with_kept(
+        vehicle: VehicleParameters,
+        tuning: Tuning,
+        kept: &Kept,
+    ) -> Result<Self, KeptError> {
+        let mut estimator = Self::new(vehicle, tuning)?;
+        kept.check_vehicle(estimator.vehicle())?;
+        let noise = kept.noise(estimator.tuning());
+        estimator.filter = Filter::with_known(&noise, Some(*kept.slow_states()));
+        Ok(estimator)
+    }
+
     /// Takes one frame, received at `now`.
     pub fn on_frame<F: Frame>(&mut self, now: Instant, frame: &F) -> Outcome {
         self.intake.on_frame(now, frame)
@@ -115,7 +138,7 @@ impl<S: Scalar> Estimator<S> {
             return Some(Step::Skipped);
         };
         self.place = record.place;
-        let lost = self.lag.push(record) as u32;
+        let lost = self.lag.push(&record) as u32;
         counters.cells_lost = counters.cells_lost.saturating_add(lost);
         Some(Step::Moved)
     }
@@ -144,6 +167,25 @@ impl<S: Scalar> Estimator<S> {
     #[must_use]
     pub const fn sample(&self) -> Option<&Sample> {
         self.sample.as_ref()
+    }
+
+    /// What this drive leaves for the next one; `None` before 5 km with GNSS, or if its state is
+    /// out of all reason. It may be taken at any time: the next drive knows how sure it was.
+    #[must_use]
+    pub fn kept(&self) -> Option<Kept> {
+        let counters = self.counters();
+        if counters.steps < LEAST_STEPS || counters.altitudes_used < LEAST_ALTITUDES {
+            return None;
+        }
+        let slow = SlowStates::of(self.filter.state()?, self.sample()?.load.mass_kg);
+        Kept::new(self.vehicle(), self.tuning(), slow, &self.noise())
+    }
+
+    /// A filter that begins as this estimator's did, with what it has learned of the sensors'
+    /// noise since: for going over a whole run again on a host.
+    #[must_use]
+    pub fn filter_anew<T: Scalar>(&self) -> Filter<T> {
+        self.filter.anew()
     }
 
     /// What has been learned of the sensors' noise.

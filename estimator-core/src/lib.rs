@@ -16,6 +16,7 @@
 //! * [`vehicle`] holds the parameters and the force balance;
 //! * [`filter`] is the Kalman filter, [`lag`] its fixed-lag smoother;
 //! * [`cell`] is what comes out;
+//! * [`kept`] is what one drive leaves for the next, and its form in non-volatile memory;
 //! * [`estimator`] is the facade over all of it: most users need only [`Estimator`].
 //!
 //! It knows no clock, no bus driver and no log: time is an argument, frames are anything that
@@ -40,6 +41,7 @@ pub mod counters;
 pub mod estimator;
 pub mod filter;
 pub mod intake;
+pub mod kept;
 pub mod lag;
 pub mod sampler;
 pub mod scalar;
@@ -52,6 +54,7 @@ pub use cell::{CELL_LENGTH_M, Cell, Condition, Estimate, Place, Uncertain};
 pub use counters::Counters;
 pub use estimator::{Estimator, Live, Step};
 pub use intake::{Intake, Outcome};
+pub use kept::{Kept, KeptError};
 pub use scalar::Scalar;
 pub use signal::{Decoder, Reading, Signal, Value};
 pub use time::{Duration, Instant};

@@ -104,7 +104,7 @@ impl Default for Tuning {
             bias_rolling: 0.15,
             bias_drag: 0.1,
             bias_length_m: 100_000.0,
-            wind_sigma_mps: 1.0,
+            wind_sigma_mps: 0.7,
             wind_length_m: 3_000.0,
             bias_start_rolling: 0.5,
             scale_sigma: 0.1,

@@ -2,130 +2,22 @@
 
 mod common;
 
-use common::{altitude, sample, speed, truck};
+use common::dense::{dense_model, loads};
+use common::{Noise, altitude, run, sample, smooth, speed, truck};
 use estimator_core::filter::covariance::to_vector;
 use estimator_core::filter::record::Link;
-use estimator_core::filter::state::{ALTITUDE, BIAS, ENERGY, GNSS_ERROR, SCALE, SLOPE, SLOPE_RATE};
-use estimator_core::filter::{Backward, Filter, Record, STATES};
+use estimator_core::filter::state::{ALTITUDE, BIAS, ENERGY, GNSS_ERROR, SCALE, SLOPE, WIND};
+use estimator_core::filter::update::Applied;
+use estimator_core::filter::{Filter, Record, STATES};
 use estimator_core::sampler::Sample;
-use estimator_core::{Counters, Estimate, Scalar, Tuning};
+use estimator_core::{Counters, Tuning};
 use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
 
-fn run<S: Scalar>(samples: &[Sample], tuning: &Tuning) -> Vec<Record<S>> {
-    let vehicle = truck();
-    let mut filter = Filter::new();
-    let mut counters = Counters::default();
-    samples
-        .iter()
-        .filter_map(|sample| filter.step(&vehicle, tuning, sample, &mut counters))
-        .collect()
-}
-
-fn smooth<S: Scalar>(records: &[Record<S>]) -> Vec<Estimate> {
-    let mut backward = Backward::new();
-    let mut estimates: Vec<_> = records
-        .iter()
-        .rev()
-        .map(|record| {
-            backward.absorb(record);
-            let estimate = backward.estimate(record);
-            backward.retreat(record);
-            estimate
-        })
-        .collect();
-    estimates.reverse();
-    estimates
-}
-
-/// Traction less air resistance over weight in %, cell by cell, held while the model is invalid.
-fn loads(samples: &[Sample]) -> Vec<f64> {
-    let mut held = None;
-    samples
-        .iter()
-        .map(|sample| {
-            let weight = f64::from(sample.load.mass_kg) * 9.806_65;
-            let mps = f64::from(sample.place.speed_mps);
-            let air_n = 0.5
-                * f64::from(truck().drag_area_m2)
-                * f64::from(sample.load.air_density)
-                * mps
-                * mps;
-            let now = 100.0 * (f64::from(sample.load.traction_n) - air_n) / weight;
-            let load = match held {
-                Some(held) if !sample.place.condition.is_valid() => held,
-                _ => now,
-            };
-            held = Some(load);
-            load
-        })
-        .collect()
-}
-
-/// Transition and noise of one sample, written down from the model as a dense matrix: eq. 9 in
-/// e = v²/2 over one cell with the slope at its middle, Gauss-Markov slow states.
-fn dense_model(
-    sample: &Sample,
-    load: (f64, f64),
-    tuning: &Tuning,
-) -> (DMatrix<f64>, DVector<f64>, DVector<f64>) {
-    let vehicle = truck();
-    let (mass, length) = (f64::from(sample.load.mass_kg), 2.5);
-    let accelerated = mass + f64::from(sample.load.rotating_kg);
-    let g = 9.806_65;
-    let drag =
-        f64::from(vehicle.drag_area_m2) * f64::from(sample.load.air_density) / accelerated * length;
-    let gravity = mass * g / accelerated * length / 100.0;
-    let rolling = mass * g * f64::from(vehicle.rolling_resistance) / accelerated * length;
-    let traction = f64::from(sample.load.traction_n) / accelerated * length;
-    let keep = |ratio: f64| 1.0 / (1.0 + ratio);
-    let energy = 1.0 - drag + 0.5 * drag * drag;
-
-    let mut f = DMatrix::<f64>::identity(STATES, STATES);
-    let change = load.1 - load.0;
-    let limit = f64::from(tuning.load_change_percent);
-    let jump = change - change.clamp(-limit, limit);
-    f[(ENERGY, ENERGY)] = energy;
-    f[(ENERGY, SLOPE)] = -gravity * energy;
-    f[(ENERGY, SLOPE_RATE)] = -gravity * 0.5 * length * energy;
-    f[(ENERGY, SCALE)] = gravity * jump * energy;
-    f[(ALTITUDE, SLOPE)] = length / 100.0;
-    f[(ALTITUDE, SLOPE_RATE)] = length * 0.5 * length / 100.0;
-    f[(ALTITUDE, BIAS)] = -length / 100.0;
-    f[(ALTITUDE, SCALE)] = (load.1 - jump) * length / 100.0;
-    f[(SLOPE, SLOPE_RATE)] = length;
-    f[(SLOPE, SCALE)] = -jump;
-    let rate = keep(length / f64::from(tuning.slope_rate_length_m));
-    let bias = keep(length / f64::from(tuning.bias_length_m));
-    let error = keep(f64::from(sample.duration_s) / f64::from(tuning.gnss_error_time_s));
-    f[(SLOPE_RATE, SLOPE_RATE)] = rate;
-    f[(BIAS, BIAS)] = bias;
-    f[(GNSS_ERROR, GNSS_ERROR)] = error;
-
-    let mut input = DVector::zeros(STATES);
-    input[ENERGY] = traction - rolling;
-
-    let weight = mass * g;
-    let mps = f64::from(sample.place.speed_mps);
-    let air_n =
-        0.5 * f64::from(vehicle.drag_area_m2) * f64::from(sample.load.air_density) * mps * mps;
-    let bias_sigma = 100.0
-        * ((f64::from(tuning.bias_force_n) / weight).powi(2)
-            + (f64::from(tuning.bias_rolling) * f64::from(vehicle.rolling_resistance)).powi(2)
-            + (f64::from(tuning.bias_drag) * air_n / weight).powi(2))
-        .sqrt();
-    let model = if sample.place.condition.is_valid() {
-        100.0 * f64::from(tuning.force_noise_n) / weight
-    } else {
-        f64::from(tuning.invalid_noise_percent)
-    };
-    let mut q = DVector::zeros(STATES);
-    q[ENERGY] = (gravity * model).powi(2);
-    q[SLOPE_RATE] = (1.0 - rate * rate) * f64::from(tuning.slope_rate_sigma).powi(2);
-    q[BIAS] = (1.0 - bias * bias) * bias_sigma * bias_sigma;
-    q[SCALE] = f64::from(tuning.scale_walk_per_sqrt_km).powi(2) * length / 1000.0;
-    q[GNSS_ERROR] = (1.0 - error * error) * f64::from(tuning.gnss_error_sigma_m).powi(2);
-    (f, input, q)
+/// Variance of a measurement of a sum of states, from its innovation's s and gain K: s (1 − h K).
+fn measured_variance(applied: &Applied<f64>, states: &[usize]) -> f64 {
+    let known: f64 = states.iter().map(|state| applied.gain[*state]).sum();
+    applied.innovation_variance * (1.0 - known)
 }
 
 /// The joint distribution of all states of all cells, conditioned on all measurements at once.
@@ -135,7 +27,7 @@ fn batch(samples: &[Sample], records: &[Record<f64>], tuning: &Tuning) -> Vec<(f
     let mut mean = DVector::zeros(size);
     let mut covariance = DMatrix::zeros(size, size);
     let loads = loads(samples);
-    let first = &records[0].predicted;
+    let first = &records[0].state;
     mean.rows_mut(0, STATES).copy_from(&to_vector(&first.x));
     covariance
         .view_mut((0, 0), (STATES, STATES))
@@ -159,7 +51,8 @@ fn batch(samples: &[Sample], records: &[Record<f64>], tuning: &Tuning) -> Vec<(f
             .copy_from(&within);
     }
     let mut rows = Vec::new();
-    for (k, sample) in samples.iter().enumerate() {
+    // The first state has its cell's measurements in it.
+    for (k, sample) in samples.iter().enumerate().skip(1) {
         let mut push = |states: &[usize], value: f64, variance: f64| {
             let mut h = DVector::zeros(size);
             for state in states {
@@ -167,17 +60,17 @@ fn batch(samples: &[Sample], records: &[Record<f64>], tuning: &Tuning) -> Vec<(f
             }
             rows.push((h, value, variance));
         };
-        if let (Some(speed), Some(used)) = (sample.speed, records[k].speed) {
+        if let (Some(speed), Some(used)) = (sample.speed, records[k].trace.speed) {
             let v = f64::from(speed.mean_mps);
-            push(&[ENERGY], 0.5 * v * v, used.variance);
+            push(&[ENERGY], 0.5 * v * v, measured_variance(&used, &[ENERGY]));
         }
         // Those that the gate let pass; all with the variance that had been learned by then.
-        if let (Some(altitude), Some(used)) = (sample.altitude, records[k].altitude) {
-            let origin = f64::from(records[k].predicted.origin_m.unwrap());
+        if let (Some(altitude), Some(used)) = (sample.altitude, records[k].trace.altitude) {
+            let origin = f64::from(records[k].state.origin_m.unwrap());
             push(
                 &[ALTITUDE, GNSS_ERROR],
                 f64::from(altitude.altitude_m) - origin,
-                used.variance,
+                measured_variance(&used, &[ALTITUDE, GNSS_ERROR]),
             );
         }
     }
@@ -193,6 +86,7 @@ fn batch(samples: &[Sample], records: &[Record<f64>], tuning: &Tuning) -> Vec<(f
             let mut h = DVector::zeros(size);
             h[k * STATES + SLOPE] = 1.0;
             h[k * STATES + BIAS] = -1.0;
+            h[k * STATES + WIND] = -1.0;
             h[k * STATES + SCALE] = loads[k];
             (h.dot(&posterior), (h.transpose() * &spread * &h)[0].sqrt())
         })
@@ -234,7 +128,7 @@ proptest! {
         let tuning = Tuning::default();
         let records = run::<f64>(&samples, &tuning);
         // A drive whose altitude was set anew has no single joint distribution.
-        prop_assume!(records[1..].iter().all(|record| record.link == Link::Chained));
+        prop_assume!(records[1..].iter().all(|record| record.trace.link == Link::Chained));
         // The core forms its coefficients in single precision: agreement to 1e-4 %, not more.
         let reference = batch(&samples, &records, &tuning);
         for (k, (smoothed, (slope, sigma))) in smooth(&records).iter().zip(&reference).enumerate() {
@@ -254,7 +148,7 @@ proptest! {
         let records = run::<f64>(&samples, &Tuning::default());
         let last = records.last().unwrap();
         let smoothed = *smooth(&records).last().unwrap();
-        let filtered = last.filtered().estimate();
+        let filtered = last.state.estimate();
         prop_assert!((smoothed.grade_percent.value - filtered.grade_percent.value).abs() < 1e-5);
         prop_assert!((smoothed.grade_percent.sigma - filtered.grade_percent.sigma).abs() < 1e-5);
     }
@@ -271,23 +165,6 @@ proptest! {
     }
 }
 
-/// Noise that a computer with a pencil can repeat.
-struct Noise(u64);
-
-impl Noise {
-    fn next(&mut self) -> f32 {
-        let mut sum = 0.0;
-        for _ in 0..12 {
-            self.0 = self
-                .0
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1);
-            sum += (self.0 >> 40) as f32 / (1_u64 << 24) as f32;
-        }
-        sum - 6.0
-    }
-}
-
 #[test]
 fn covariance_stays_symmetric_and_positive_in_single_precision() {
     let (vehicle, tuning) = (truck(), Tuning::default());
@@ -295,7 +172,7 @@ fn covariance_stays_symmetric_and_positive_in_single_precision() {
     let mut counters = Counters::default();
     let mut noise = Noise(1);
     let mut least = f64::INFINITY;
-    for k in 1..=300_000_u32 {
+    for k in 1..=10_000_000_u32 {
         let mut s = sample(k, 5_000.0 + 3_000.0 * noise.next(), 22.0);
         s.speed = speed(22.0 + 0.013 * noise.next());
         if k % 9 == 0 {
@@ -303,7 +180,7 @@ fn covariance_stays_symmetric_and_positive_in_single_precision() {
         }
         s.place.condition.shifting = k % 1_000 < 12;
         filter.step(&vehicle, &tuning, &s, &mut counters);
-        if k % 1_000 == 0 {
+        if k % 10_007 == 0 {
             let p = filter.state().unwrap().p.to_matrix();
             // Correlations, so that the units of the states do not matter.
             let scale = p.diagonal().map(|v| 1.0 / v.sqrt());
@@ -371,7 +248,7 @@ fn a_step_of_the_receiver_moves_neither_slope_nor_altitude() {
     assert!((1..=2).contains(&counters.altitude_steps));
     assert!(counters.altitudes_rejected < 10);
     assert!(worst_grade(&records) < worst_grade(&clean) + 0.02);
-    let altitude = |k: usize| records[k].filtered().estimate().altitude_m.unwrap().value;
+    let altitude = |k: usize| records[k].state.estimate().altitude_m.unwrap().value;
     assert!((altitude(1_700) - altitude(1_400)).abs() < 3.0);
     assert!((altitude(2_300) - altitude(1_400)).abs() < 3.0);
 }
@@ -402,7 +279,7 @@ fn the_noise_of_the_wheel_speed_is_learned() {
             let mut s = sample(k, 4_000.0, 20.0);
             s.speed = speed(20.0 + sigma * noise.next());
             let record = filter.step(&vehicle, &Tuning::default(), &s, &mut counters);
-            last = record.unwrap().speed.unwrap().variance.sqrt();
+            last = measured_variance(&record.unwrap().trace.speed.unwrap(), &[ENERGY]).sqrt();
         }
         last / 20.0
     };

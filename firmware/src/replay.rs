@@ -95,7 +95,7 @@ impl Summary {
     /// Writes one more cell.
     fn write(&mut self, file: &mut File, cell: &Cell) -> Result<(), Problem> {
         self.cells += 1;
-        self.last_grade_percent = Some(cell.lagged.grade_percent);
+        self.last_grade_percent = Some(cell.lagged_grade_percent);
         file.write_all(&cell::encode(cell)).map_err(Problem::Write)
     }
 }

@@ -3,6 +3,7 @@
 pub mod baseline;
 pub mod cli;
 pub mod error;
+pub mod kept_file;
 pub mod map;
 pub mod oracle_file;
 pub mod output;

@@ -7,7 +7,8 @@ use crate::source::can_frame::TimedFrame;
 use crate::source::input::{Input, for_each_input};
 use estimator_core::sampler::Sample;
 use estimator_core::{
-    Cell, Counters, Estimator, Instant, ParameterError, Reading, Scalar, Tuning, VehicleParameters,
+    Cell, Counters, Estimator, Instant, Kept, KeptError, ParameterError, Reading, Scalar, Tuning,
+    VehicleParameters,
 };
 use std::path::Path;
 
@@ -27,6 +28,8 @@ pub struct Run {
     pub rows: Vec<RunRow>,
     /// What happened on the way.
     pub counters: Counters,
+    /// What it leaves for the next drive, if it was long enough.
+    pub kept: Option<Kept>,
 }
 
 impl<S: Scalar> Recorder<S> {
@@ -35,12 +38,7 @@ impl<S: Scalar> Recorder<S> {
     /// # Errors
     /// The first parameter that no vehicle can have.
     pub fn new(vehicle: VehicleParameters, tuning: Tuning) -> Result<Self, ParameterError> {
-        Ok(Self {
-            estimator: Estimator::new(vehicle, tuning)?,
-            start: None,
-            samples: Vec::new(),
-            cells: Vec::new(),
-        })
+        Estimator::new(vehicle, tuning).map(Self::from)
     }
 
     /// Takes one frame.
@@ -89,7 +87,7 @@ impl<S: Scalar> Recorder<S> {
         let smoothed = smooth_run(
             self.estimator.vehicle(),
             self.estimator.tuning(),
-            &self.estimator.noise(),
+            self.estimator.filter_anew(),
             &self.samples,
         );
         let rows = smoothed
@@ -100,24 +98,43 @@ impl<S: Scalar> Recorder<S> {
         Run {
             rows,
             counters: *self.estimator.counters(),
+            kept: self.estimator.kept(),
         }
     }
 }
 
-/// Feeds a whole log of either kind to the estimator. `progress` is told the bytes read so far,
-/// now and then.
+/// Feeds a whole log of either kind to an estimator that begins with what the last drive left, if
+/// anything. `progress` is told the bytes read so far, now and then.
 ///
 /// # Errors
-/// An impossible vehicle; a log that cannot be read to its end, with file and line.
+/// An impossible vehicle, or not that of the last drive; a log that cannot be read to its end, with
+/// file and line.
 pub fn estimate_log<S: Scalar>(
     vehicle: &VehicleParameters,
+    kept: Option<&Kept>,
     log: &Path,
     progress: impl Fn(u64),
 ) -> Result<Run, Error> {
-    let mut recorder = Recorder::<S>::new(vehicle.clone(), Tuning::default())
-        .map_err(|e| Error::content(log, e.to_string()))?;
+    let (vehicle, tuning) = (vehicle.clone(), Tuning::default());
+    let estimator = match kept {
+        Some(kept) => Estimator::<S>::with_kept(vehicle, tuning, kept),
+        None => Estimator::new(vehicle, tuning).map_err(KeptError::from),
+    };
+    let mut recorder = Recorder::from(estimator.map_err(|e| Error::content(log, e.to_string()))?);
     for_each_input(log, progress, |input| recorder.on_input(&input))?;
     Ok(recorder.finish())
+}
+
+impl<S> From<Estimator<S>> for Recorder<S> {
+    /// A recorder of the drive that this estimator begins.
+    fn from(estimator: Estimator<S>) -> Self {
+        Self {
+            estimator,
+            start: None,
+            samples: Vec::new(),
+            cells: Vec::new(),
+        }
+    }
 }
 
 fn row(start: Instant, cell: &Cell, smoothed: &Smoothed) -> RunRow {
@@ -136,10 +153,10 @@ fn row(start: Instant, cell: &Cell, smoothed: &Smoothed) -> RunRow {
         altitude_sigma_m: smoothed.altitude_m.map(|z| z.sigma.into()),
         grade_percent: smoothed.grade_percent.value.into(),
         grade_sigma_percent: smoothed.grade_percent.sigma.into(),
-        lagged_grade_percent: cell.lagged.grade_percent.value.into(),
-        lagged_grade_sigma_percent: cell.lagged.grade_percent.sigma.into(),
-        live_grade_percent: cell.live.grade_percent.value.into(),
-        live_grade_sigma_percent: cell.live.grade_percent.sigma.into(),
+        lagged_grade_percent: cell.lagged_grade_percent.value.into(),
+        lagged_grade_sigma_percent: cell.lagged_grade_percent.sigma.into(),
+        live_grade_percent: cell.live_grade_percent.value.into(),
+        live_grade_sigma_percent: cell.live_grade_percent.sigma.into(),
         speed_mps: smoothed.speed_mps.into(),
         bias_percent: smoothed.bias_percent.value.into(),
         scale: smoothed.scale.value.into(),

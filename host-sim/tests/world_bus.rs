@@ -320,7 +320,7 @@ fn the_core_finds_the_grade_of_a_simulated_road() {
             let [from, to] = [run.truth[row], run.truth[row + 1]];
             let grade = from.grade_percent + part * (to.grade_percent - from.grade_percent);
             if from.distance_m > 500.0 {
-                squares += (f64::from(cell.lagged.grade_percent.value) - grade).powi(2);
+                squares += (f64::from(cell.lagged_grade_percent.value) - grade).powi(2);
                 road_squares += grade * grade;
                 count += 1.0;
             }

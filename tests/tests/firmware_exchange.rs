@@ -3,7 +3,7 @@
 use cross_tests::drive::{drive, truck};
 use embedded_can::{ExtendedId, Frame, StandardId};
 use estimator_core::{
-    Cell, Condition, Estimate, Gear, Instant, Place, Traction, Uncertain, VehicleParameters,
+    Cell, Condition, Gear, Instant, Place, Traction, Uncertain, VehicleParameters,
 };
 use firmware::exchange::{cell, frame, vehicle};
 use host_sim::source::can_frame::CanFrame;
@@ -102,14 +102,7 @@ fn cells_survive() {
         value: -0.1 * f32::from(n),
         sigma: 0.3 * f32::from(n),
     };
-    let estimate = |n: u8, altitude_known: bool| Estimate {
-        grade_percent: number(n),
-        altitude_m: altitude_known.then_some(number(n + 1)),
-        speed_mps: f32::from(n),
-        bias_percent: number(n + 2),
-        scale: number(n + 3),
-    };
-    for bits in 0_u8..128 {
+    for bits in 0_u8..64 {
         let flag = |bit: u8| bits >> bit & 1 == 1;
         let cell = Cell {
             place: Place {
@@ -124,8 +117,9 @@ fn cells_survive() {
                     crawling: flag(4),
                 },
             },
-            live: estimate(10, flag(5)),
-            lagged: estimate(20, flag(6)),
+            live_grade_percent: number(10),
+            lagged_grade_percent: number(20),
+            altitude_m: flag(5).then_some(number(30)),
         };
         assert_eq!(cell::decode(&cell::encode(&cell)), Some(cell));
     }

@@ -51,7 +51,7 @@ fn every_cell_is_that_of_the_host() {
             cell::decode(found)
         );
     }
-    let last = expected.last().unwrap().lagged.grade_percent;
+    let last = expected.last().unwrap().lagged_grade_percent;
     let summary = format!(
         "{} frames, {} cells, last grade {:.3} ± {:.3} %\n",
         frames.len(),
@@ -74,10 +74,10 @@ fn the_drive_reaches_every_kind_of_cell() {
     assert!(count(|cell| cell.place.condition.is_valid()) > 600);
     assert!(count(|cell| cell.place.position_e7.is_none()) > 5);
     assert!(count(|cell| cell.place.position_e7.is_some()) > 500);
-    assert!(count(|cell| cell.live.altitude_m.is_none()) > 5);
-    assert!(count(|cell| cell.lagged.altitude_m.is_some()) > 500);
-    assert!(count(|cell| cell.lagged.grade_percent.value > 1.0) > 100);
-    assert!(count(|cell| cell.lagged.grade_percent.value < -1.0) > 100);
+    assert!(count(|cell| cell.altitude_m.is_none()) > 5);
+    assert!(count(|cell| cell.altitude_m.is_some()) > 500);
+    assert!(count(|cell| cell.lagged_grade_percent.value > 1.0) > 100);
+    assert!(count(|cell| cell.lagged_grade_percent.value < -1.0) > 100);
 }
 
 #[test]

@@ -1,18 +1,20 @@
-//! The smoothing recursion, backwards over records: Bryson-Frazier as modified by Bierman.
+//! The smoothing recursion, backwards over steps: Bryson-Frazier as modified by Bierman.
 //!
 //! It carries the adjoint λ and its information Λ, so that no covariance is ever inverted:
-//! smoothed mean x − P λ, smoothed covariance P − P Λ P, with x and P as predicted at each cell
-//! (G. J. Bierman, "Fixed interval smoothing with discrete measurements", Int. J. Control 18:65,
-//! 1973). One step costs about as much as one of the filter.
+//! smoothed mean x − P λ, smoothed covariance P − P Λ P, with x and P as the filter had them at each
+//! cell (G. J. Bierman, "Fixed interval smoothing with discrete measurements", Int. J. Control
+//! 18:65, 1973). One step costs less than one of the filter, whose gains it finds in the trace.
 
 use super::covariance::Covariance;
-use super::record::{Link, Record};
-use super::state::{ALTITUDE, ENERGY, GNSS_ERROR, SLOPE, SLOPE_RATE, STATES, State, dot, estimate};
-use super::update::{Gain, Update};
-use crate::cell::Estimate;
+use super::record::Trace;
+use super::state::{
+    ALTITUDE, ENERGY, GNSS_ERROR, Look, Quantity, SLOPE, SLOPE_RATE, STATES, State, dot,
+};
+use super::update::{Applied, Observation};
+use crate::cell::{Estimate, Uncertain};
 use crate::scalar::Scalar;
 
-/// What later records say about earlier ones.
+/// What later steps say about earlier ones.
 #[derive(Clone, Copy, Debug)]
 pub struct Backward<S> {
     lambda: [S; STATES],
@@ -20,7 +22,7 @@ pub struct Backward<S> {
 }
 
 impl<S: Scalar> Backward<S> {
-    /// At the newest record: nothing later is known.
+    /// At the newest step: nothing later is known.
     #[must_use]
     pub const fn new() -> Self {
         Self {
@@ -29,85 +31,142 @@ impl<S: Scalar> Backward<S> {
         }
     }
 
-    /// Takes in the measurements of `record`, going backwards, and tells its state after them
-    /// as the filter had it.
-    pub fn absorb(&mut self, record: &Record<S>) -> State<S> {
-        let mut state = record.predicted;
-        let speed = record
-            .speed
-            .map(|update| (update, update.apply(&mut state)));
-        let altitude = record
-            .altitude
-            .map(|update| (update, update.apply(&mut state)));
-        for (update, gain) in [altitude, speed].into_iter().flatten() {
-            self.undo(&update, &gain);
+    /// A quantity as the filter had it at the cell, corrected by what came later.
+    #[must_use]
+    pub fn correct(&self, look: &Look<S>) -> Look<S> {
+        let spread = self.information.times(&look.cross);
+        let known = dot(&look.cross, &spread);
+        Look {
+            mean: look.mean - dot(&look.cross, &self.lambda),
+            variance: (look.variance - known).max(S::ZERO),
+            cross: look.cross,
         }
-        state
+    }
+
+    /// The smoothed estimate where the filter had `state`.
+    #[must_use]
+    pub fn estimate(&self, state: &State<S>) -> Estimate {
+        let look = |quantity| self.correct(&state.look(quantity));
+        let scale = look(Quantity::Scale).known();
+        let correction = self.correct_energy(state);
+        Estimate {
+            grade_percent: look(Quantity::Slope).grade(),
+            altitude_m: look(Quantity::Altitude).altitude(state.origin_m),
+            speed_mps: (correction + correction).sqrt().to_f32(),
+            bias_percent: look(Quantity::Bias).known(),
+            scale: Uncertain {
+                value: 1.0 + scale.value,
+                ..scale
+            },
+        }
+    }
+
+    fn correct_energy(&self, state: &State<S>) -> S {
+        state.x[ENERGY] - dot(&state.p.row(ENERGY), &self.lambda)
+    }
+
+    /// Goes back over a step, from after its measurements to after those of the step before.
+    pub fn retreat(&mut self, trace: &Trace<S>) {
+        // In the reverse of the order in which the filter took them in.
+        for (observation, applied) in trace.measurements() {
+            self.undo(observation, applied);
+        }
+        if trace.link.sets_altitude() {
+            self.information.shear(GNSS_ERROR, ALTITUDE, -S::ONE);
+            self.information.clear(ALTITUDE);
+        }
+        if trace.link.breaks() {
+            for i in BROKEN {
+                self.information.clear(i);
+            }
+        } else {
+            trace.motion.transpose_matrix(&mut self.information);
+        }
+        trace.retreat_behind_measurements(&mut self.lambda);
     }
 
     /// λ ← (I − K h)' λ − h' ν/s and Λ ← (I − K h)' Λ (I − K h) + h' h/s: only the states that
     /// the measurement saw change.
-    fn undo(&mut self, update: &Update<S>, gain: &Gain<S>) {
-        let per_variance = S::ONE / gain.innovation_variance;
-        let spread = self.information.times(&gain.gain);
-        let along = dot(&gain.gain, &self.lambda);
-        let within = dot(&gain.gain, &spread);
-        update.observation.add_to(
-            &mut self.lambda,
-            -(along + update.innovation * per_variance),
-        );
-        let row = update.observation.row::<S>();
-        let added = within + per_variance;
-        self.information.add_products(&row, &spread, added);
+    fn undo(&mut self, observation: Observation, applied: &Applied<S>) {
+        let per_variance = S::ONE / applied.innovation_variance;
+        let spread = self.information.times(&applied.gain);
+        let within = dot(&applied.gain, &spread);
+        applied.undo(observation, &mut self.lambda);
+        observation.add_to(&mut self.lambda, -(applied.innovation * per_variance));
+        let row = observation.row::<S>();
+        self.information
+            .add_products(&row, &spread, within + per_variance);
     }
 
-    /// The smoothed estimate at `record`, whose measurements have been absorbed.
+    /// Goes back over many steps at once.
+    pub fn retreat_through(&mut self, passage: &Passage<S>) {
+        let mut lambda = passage.backward.lambda;
+        for (factor, image) in self.lambda.iter().zip(&passage.images) {
+            for (element, image) in lambda.iter_mut().zip(image) {
+                *element += *factor * *image;
+            }
+        }
+        self.lambda = lambda;
+        self.information = passage
+            .backward
+            .information
+            .plus_congruence(&passage.images, &self.information);
+    }
+}
+
+/// States of which a gap leaves nothing.
+pub(super) const BROKEN: [usize; 4] = [ENERGY, ALTITUDE, SLOPE, SLOPE_RATE];
+
+/// The way back over many steps, whatever comes after them: λ ← λ₀ + Ψ λ and Λ ← Λ₀ + Ψ Λ Ψ'.
+///
+/// With it a fixed lag goes back over each step once, and over blocks of steps from then on.
+#[derive(Clone, Copy, Debug)]
+pub struct Passage<S> {
+    /// λ₀ and Λ₀: what the steps themselves say.
+    backward: Backward<S>,
+    /// Columns of Ψ: what becomes of each element of λ.
+    images: [[S; STATES]; STATES],
+}
+
+impl<S: Scalar> Passage<S> {
+    /// Over no step.
     #[must_use]
-    pub fn estimate(&self, record: &Record<S>) -> Estimate {
-        let predicted = &record.predicted;
-        let correction = predicted.p.times(&self.lambda);
-        let mut x = predicted.x;
-        for (x, correction) in x.iter_mut().zip(&correction) {
-            *x += -*correction;
+    pub fn new() -> Self {
+        let mut images = [[S::ZERO; STATES]; STATES];
+        for (i, image) in images.iter_mut().enumerate() {
+            image[i] = S::ONE;
         }
-        estimate(&x, predicted.load, predicted.origin_m, |h| {
-            let spread = predicted.p.times(h);
-            let known = dot(&spread, &self.information.times(&spread));
-            (dot(h, &spread) - known).max(S::ZERO)
-        })
+        Self {
+            backward: Backward::new(),
+            images,
+        }
     }
 
-    /// Goes over the step into `record`, to the record before it.
-    pub fn retreat(&mut self, record: &Record<S>) {
-        match record.link {
-            Link::Chained => {}
-            Link::AltitudeSet => {
-                let step = -self.lambda[ALTITUDE];
-                self.lambda[GNSS_ERROR] += step;
-                self.information.shear(GNSS_ERROR, ALTITUDE, -S::ONE);
-                self.forget(ALTITUDE);
+    /// Goes back over one more step.
+    pub fn retreat(&mut self, trace: &Trace<S>) {
+        self.backward.retreat(trace);
+        for image in &mut self.images {
+            for (observation, applied) in trace.measurements() {
+                applied.undo(observation, image);
             }
-            Link::Broken => {
-                // A fix that set the altitude in this very cell tied it to the GNSS error.
-                if record.predicted.origin_m.is_some() {
-                    let step = -self.lambda[ALTITUDE];
-                    self.lambda[GNSS_ERROR] += step;
-                    self.information.shear(GNSS_ERROR, ALTITUDE, -S::ONE);
-                }
-                for i in [ENERGY, ALTITUDE, SLOPE, SLOPE_RATE] {
-                    self.forget(i);
-                }
-                return;
-            }
+            trace.retreat_behind_measurements(image);
         }
-        record
-            .transition
-            .transpose(&mut self.lambda, &mut self.information);
     }
 
-    fn forget(&mut self, i: usize) {
-        self.lambda[i] = S::ZERO;
-        self.information.clear(i);
+    /// A quantity as the filter had it here, corrected by the steps gone over; what hangs on the
+    /// states here then hangs on those where they end.
+    #[must_use]
+    pub fn correct(&self, look: &Look<S>) -> Look<S> {
+        Look {
+            cross: self.images.map(|image| dot(&look.cross, &image)),
+            ..self.backward.correct(look)
+        }
+    }
+}
+
+impl<S: Scalar> Default for Passage<S> {
+    fn default() -> Self {
+        Self::new()
     }
 }
 

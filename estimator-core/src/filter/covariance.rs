@@ -115,6 +115,30 @@ impl<S: Scalar> Covariance<S> {
         }
     }
 
+    /// `M + A N A'`, with A given by its columns.
+    #[must_use]
+    pub fn plus_congruence(&self, columns: &[[S; STATES]; STATES], other: &Self) -> Self {
+        // A N, by columns.
+        let mut product = [[S::ZERO; STATES]; STATES];
+        for (j, column) in product.iter_mut().enumerate() {
+            for (k, of_a) in columns.iter().enumerate() {
+                let factor = other.get(k, j);
+                for (element, of_a) in column.iter_mut().zip(of_a) {
+                    *element += factor * *of_a;
+                }
+            }
+        }
+        let mut sum = *self;
+        for (of_product, of_a) in product.iter().zip(columns) {
+            for (i, left) in of_product.iter().enumerate() {
+                for (j, right) in of_a.iter().enumerate().skip(i) {
+                    sum.set(i, j, sum.get(i, j) + *left * *right);
+                }
+            }
+        }
+        sum
+    }
+
     /// `M v`.
     #[inline(always)]
     #[must_use]

@@ -7,26 +7,31 @@
 //!
 //! * [`state`]: which states there are, and an estimate read from them;
 //! * [`covariance`]: a packed symmetric matrix and what a filter does to one;
-//! * [`transition`]: one cell of driving;
+//! * [`motion`]: how the states move over a cell; [`transition`]: that, with the noise, in numbers
+//!   of the vehicle;
 //! * [`update`]: one scalar measurement;
 //! * [`step`]: the filter, which a sample moves over one cell;
 //! * `gate`: which altitudes to believe; `learned`: how noisy the sensors are;
+//! * [`prior`]: what is believed where a drive begins;
 //! * [`record`]: what a step leaves for smoothing;
-//! * [`backward`]: the smoothing recursion over records.
+//! * [`backward`]: the smoothing recursion over them.
 
 pub mod backward;
 pub mod covariance;
 mod gate;
 mod learned;
+pub mod motion;
+pub mod prior;
 pub mod record;
 pub mod state;
 pub mod step;
 pub mod transition;
 pub mod update;
 
-pub use backward::Backward;
+pub use backward::{Backward, Passage};
 pub use covariance::Covariance;
 pub use learned::SensorNoise;
-pub use record::Record;
-pub use state::{STATES, State};
+pub use prior::SlowStates;
+pub use record::{Record, Trace};
+pub use state::{Look, Quantity, STATES, State};
 pub use step::Filter;

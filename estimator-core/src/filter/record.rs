@@ -1,8 +1,9 @@
 //! What a step of the filter leaves for smoothing.
 
-use super::state::State;
-use super::transition::Transition;
-use super::update::Update;
+use super::backward::BROKEN;
+use super::motion::Motion;
+use super::state::{ALTITUDE, GNSS_ERROR, STATES, State};
+use super::update::{Applied, Observation};
 use crate::cell::Place;
 use crate::scalar::Scalar;
 
@@ -15,46 +16,69 @@ pub enum Link {
     AltitudeSet,
     /// A gap: speed, slope and altitude begin anew; bias, scale and GNSS error go on.
     Broken,
+    /// A gap, with the altitude set behind it.
+    BrokenAltitudeSet,
 }
 
-/// One step: all that smoothing needs.
+impl Link {
+    /// Whether the altitude was set from a fix.
+    pub(super) const fn sets_altitude(self) -> bool {
+        matches!(self, Self::AltitudeSet | Self::BrokenAltitudeSet)
+    }
+
+    /// Whether there was a gap.
+    pub(super) const fn breaks(self) -> bool {
+        matches!(self, Self::Broken | Self::BrokenAltitudeSet)
+    }
+}
+
+/// The way back over a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Trace<S> {
+    /// How the states moved into this cell.
+    pub motion: Motion<S>,
+    /// What else happened before the measurements.
+    pub link: Link,
+    /// The speed, if there was one.
+    pub speed: Option<Applied<S>>,
+    /// The altitude, if there was one.
+    pub altitude: Option<Applied<S>>,
+}
+
+impl<S: Scalar> Trace<S> {
+    /// What was measured, the last first.
+    #[inline(always)]
+    pub(super) fn measurements(&self) -> impl Iterator<Item = (Observation, &Applied<S>)> {
+        let altitude = self.altitude.as_ref().map(|a| (Observation::Altitude, a));
+        let speed = self.speed.as_ref().map(|s| (Observation::Energy, s));
+        altitude.into_iter().chain(speed)
+    }
+
+    /// Takes a vector of the smoother's back over all but the measurements.
+    #[inline]
+    pub(super) fn retreat_behind_measurements(&self, vector: &mut [S; STATES]) {
+        if self.link.sets_altitude() {
+            let step = -vector[ALTITUDE];
+            vector[GNSS_ERROR] += step;
+            vector[ALTITUDE] = S::ZERO;
+        }
+        if self.link.breaks() {
+            for i in BROKEN {
+                vector[i] = S::ZERO;
+            }
+        } else {
+            self.motion.transpose_vector(vector);
+        }
+    }
+}
+
+/// One step, and where it led.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Record<S> {
     /// Where and when.
     pub place: Place,
-    /// The step into this cell.
-    pub transition: Transition<S>,
-    /// What else happened before the measurements.
-    pub link: Link,
-    /// State before the measurements.
-    pub predicted: State<S>,
-    /// The speed, if there was one.
-    pub speed: Option<Update<S>>,
-    /// The altitude, if there was one.
-    pub altitude: Option<Update<S>>,
-}
-
-impl<S: Scalar> Record<S> {
-    /// State after the measurements.
-    #[must_use]
-    pub fn filtered(&self) -> State<S> {
-        let mut state = self.predicted;
-        for update in [&self.speed, &self.altitude].into_iter().flatten() {
-            update.apply(&mut state);
-        }
-        state
-    }
-
-    /// In another number.
-    #[must_use]
-    pub fn cast<T: Scalar>(&self) -> Record<T> {
-        Record {
-            place: self.place,
-            transition: self.transition.cast(),
-            link: self.link,
-            predicted: self.predicted.cast(),
-            speed: self.speed.as_ref().map(Update::cast),
-            altitude: self.altitude.as_ref().map(Update::cast),
-        }
-    }
+    /// The way back.
+    pub trace: Trace<S>,
+    /// The state at the cell's end, measurements included.
+    pub state: State<S>,
 }

@@ -40,6 +40,30 @@ pub struct State<S> {
     pub origin_m: Option<f32>,
 }
 
+/// What can be read from the states.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// Slope of the road, sine in %.
+    Slope,
+    /// Altitude above [`State::origin_m`], m.
+    Altitude,
+    /// Slope that the vehicle model reads too high, all in all, %.
+    Bias,
+    /// True over modelled traction per kilogram, less one.
+    Scale,
+}
+
+/// A quantity h x as it was known at one place: enough to correct it by what came later.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Look<S> {
+    /// h x.
+    pub mean: S,
+    /// h P h'.
+    pub variance: S,
+    /// P h'.
+    pub cross: [S; STATES],
+}
+
 impl<S: Scalar> State<S> {
     /// Standard deviation of state `i`.
     #[must_use]
@@ -50,9 +74,43 @@ impl<S: Scalar> State<S> {
     /// The estimate for the cell's end.
     #[must_use]
     pub fn estimate(&self) -> Estimate {
-        estimate(&self.x, self.load, self.origin_m, |h| {
-            dot(h, &self.p.times(h))
-        })
+        let [bias, scale] = [Quantity::Bias, Quantity::Scale].map(|q| self.look(q).known());
+        Estimate {
+            grade_percent: self.look(Quantity::Slope).grade(),
+            altitude_m: self.look(Quantity::Altitude).altitude(self.origin_m),
+            speed_mps: (self.x[ENERGY] + self.x[ENERGY]).sqrt().to_f32(),
+            bias_percent: bias,
+            scale: Uncertain {
+                value: 1.0 + scale.value,
+                ..scale
+            },
+        }
+    }
+
+    /// How a quantity hangs on the states.
+    #[must_use]
+    pub fn look(&self, quantity: Quantity) -> Look<S> {
+        let mut h = [S::ZERO; STATES];
+        match quantity {
+            Quantity::Slope => {
+                h[SLOPE] = S::ONE;
+                h[BIAS] = -S::ONE;
+                h[WIND] = -S::ONE;
+                h[SCALE] = self.load;
+            }
+            Quantity::Altitude => h[ALTITUDE] = S::ONE,
+            Quantity::Bias => {
+                h[BIAS] = S::ONE;
+                h[WIND] = S::ONE;
+            }
+            Quantity::Scale => h[SCALE] = S::ONE,
+        }
+        let cross = self.p.times(&h);
+        Look {
+            mean: dot(&h, &self.x),
+            variance: dot(&h, &cross),
+            cross,
+        }
     }
 
     /// Whether every number is one.
@@ -83,50 +141,38 @@ pub(super) fn dot<S: Scalar>(a: &[S; STATES], b: &[S; STATES]) -> S {
     sum
 }
 
-/// Reads an estimate from a mean; `variance` tells the variance of h x for a row h.
-pub(super) fn estimate<S: Scalar>(
-    x: &[S; STATES],
-    load: S,
-    origin_m: Option<f32>,
-    variance: impl Fn(&[S; STATES]) -> S,
-) -> Estimate {
-    let read = |row: &[(usize, S)]| {
-        let mut h = [S::ZERO; STATES];
-        for (state, factor) in row {
-            h[*state] = *factor;
-        }
+impl<S: Scalar> Look<S> {
+    /// Mean and standard deviation.
+    #[must_use]
+    pub fn known(&self) -> Uncertain {
         Uncertain {
-            value: dot(&h, x).to_f32(),
-            sigma: variance(&h).sqrt().to_f32(),
+            value: self.mean.to_f32(),
+            sigma: self.variance.sqrt().to_f32(),
         }
-    };
-    let slope = read(&[
-        (SLOPE, S::ONE),
-        (BIAS, -S::ONE),
-        (WIND, -S::ONE),
-        (SCALE, load),
-    ]);
-    // tan from sin; roads end far below 30 %.
-    let sine = (slope.value * 0.01).clamp(-0.5, 0.5);
-    let cosine = libm::sqrtf(1.0 - sine * sine);
-    let scale = read(&[(SCALE, S::ONE)]);
-    Estimate {
-        grade_percent: Uncertain {
+    }
+
+    /// A slope as a grade: 100 tan from the sine in %.
+    #[must_use]
+    pub fn grade(&self) -> Uncertain {
+        let slope = self.known();
+        // Roads end far below 30 %.
+        let sine = (slope.value * 0.01).clamp(-0.5, 0.5);
+        let cosine = libm::sqrtf(1.0 - sine * sine);
+        Uncertain {
             value: 100.0 * sine / cosine,
             sigma: slope.sigma / (cosine * cosine * cosine),
-        },
-        altitude_m: origin_m.map(|origin_m| {
-            let altitude = read(&[(ALTITUDE, S::ONE)]);
+        }
+    }
+
+    /// An altitude that counts from an origin, if there is one.
+    #[must_use]
+    pub fn altitude(&self, origin_m: Option<f32>) -> Option<Uncertain> {
+        origin_m.map(|origin_m| {
+            let altitude = self.known();
             Uncertain {
                 value: origin_m + altitude.value,
-                sigma: altitude.sigma,
+                ..altitude
             }
-        }),
-        speed_mps: (x[ENERGY] + x[ENERGY]).sqrt().to_f32(),
-        bias_percent: read(&[(BIAS, S::ONE), (WIND, S::ONE)]),
-        scale: Uncertain {
-            value: 1.0 + scale.value,
-            sigma: scale.sigma,
-        },
+        })
     }
 }

@@ -1,15 +1,12 @@
 //! The filter: one step is one cell.
 
-use super::covariance::Covariance;
 use super::gate::{Gate, Verdict};
 use super::learned::{SensorNoise, Spread};
-use super::record::{Link, Record};
-use super::state::{
-    ALTITUDE, BIAS, ENERGY, GNSS_ERROR, SCALE, SLOPE, SLOPE_RATE, STATES, State, WIND,
-};
-use super::transition::{Transition, bias_sigma, wind_sigma};
+use super::prior::{SlowStates, reopen, state_at_start};
+use super::record::{Link, Record, Trace};
+use super::state::{ALTITUDE, BIAS, ENERGY, GNSS_ERROR, SCALE, SLOPE, SLOPE_RATE, State, WIND};
+use super::transition::Transition;
 use super::update::{Observation, Update};
-use crate::cell::CELL_LENGTH_M;
 use crate::counters::Counters;
 use crate::sampler::{AltitudeMeasurement, Sample, SpeedMeasurement};
 use crate::scalar::Scalar;
@@ -20,6 +17,7 @@ use crate::vehicle::VehicleParameters;
 #[derive(Clone, Debug)]
 pub struct Filter<S> {
     state: Option<State<S>>,
+    prior: Option<SlowStates>,
     gate: Gate,
     speed_spread: Spread,
 }
@@ -34,8 +32,16 @@ impl<S: Scalar> Filter<S> {
     /// Before the first sample, with what is known of the sensors' noise.
     #[must_use]
     pub fn with_noise(noise: &SensorNoise) -> Self {
+        Self::with_known(noise, None)
+    }
+
+    /// Before the first sample, with what is known of the sensors' noise and, from an earlier
+    /// drive, of the slow states.
+    #[must_use]
+    pub fn with_known(noise: &SensorNoise, prior: Option<SlowStates>) -> Self {
         Self {
             state: None,
+            prior,
             gate: Gate::new(noise),
             // A third to five times the believed sigma; some hundred readings.
             speed_spread: Spread::new(noise.speed, 0.1, 25.0, 0.01),
@@ -50,6 +56,13 @@ impl<S: Scalar> Filter<S> {
             altitude: self.gate.spread(),
             gnss_error: self.gate.error_spread(),
         }
+    }
+
+    /// A filter before its first sample that knows of the slow states what this one knew at its
+    /// own, and of the sensors' noise what this one knows now: for a second look at the same drive.
+    #[must_use]
+    pub fn anew<T: Scalar>(&self) -> Filter<T> {
+        Filter::with_known(&self.noise(), self.prior)
     }
 
     /// The state now; `None` before the first speed.
@@ -89,8 +102,15 @@ impl<S: Scalar> Filter<S> {
             }
             (known, Some(speed)) => {
                 link = Link::Broken;
-                let mut state = begin(known.as_ref(), vehicle, tuning, sample, speed);
-                state.load = transition.load();
+                let mut state = begin(
+                    known.as_ref(),
+                    self.prior.as_ref(),
+                    vehicle,
+                    tuning,
+                    sample,
+                    speed,
+                );
+                state.load = transition.motion().load;
                 (state, state.x[ENERGY])
             }
             (_, None) => return None,
@@ -108,9 +128,10 @@ impl<S: Scalar> Filter<S> {
             (Some(fix), Some(Verdict::SetAnew)) => {
                 set_altitude(&mut state, fix);
                 counters.altitude_resets = counters.altitude_resets.saturating_add(1);
-                if link == Link::Chained {
-                    link = Link::AltitudeSet;
-                }
+                link = match link {
+                    Link::Chained => Link::AltitudeSet,
+                    _ => Link::BrokenAltitudeSet,
+                };
             }
             (_, Some(Verdict::Reopen(offset_m))) => {
                 state
@@ -124,14 +145,13 @@ impl<S: Scalar> Filter<S> {
             _ => {}
         }
 
-        let predicted = state;
         let speed = sample.speed.map(|speed| {
-            let gradient = (predicted.x[ENERGY] - energy_before) * S::from_f32(1.0 / CELL_LENGTH_M);
+            let gradient = (state.x[ENERGY] - energy_before) * S::from_f32(1.0 / sample.length_m);
             speed_update(&state, tuning, speed, gradient, self.speed_spread.ratio())
+                .apply(&mut state)
         });
-        if let Some(update) = &speed {
-            let gain = update.apply(&mut state);
-            let normalised = update.innovation.squared() / gain.innovation_variance;
+        if let Some(applied) = &speed {
+            let normalised = applied.innovation.squared() / applied.innovation_variance;
             let condition = sample.place.condition;
             if link == Link::Chained && condition.is_valid() && !condition.crawling {
                 self.speed_spread.learn(normalised.to_f32());
@@ -139,20 +159,20 @@ impl<S: Scalar> Filter<S> {
         }
         let altitude = fix
             .filter(|_| matches!(verdict, Some(Verdict::Fuse | Verdict::Reopen(_))))
-            .map(|fix| Update {
-                observation: Observation::Altitude,
-                innovation: fix.innovation(&state),
-                variance: fix.variance,
+            .map(|fix| {
+                let update = Update {
+                    observation: Observation::Altitude,
+                    innovation: fix.innovation(&state),
+                    variance: fix.variance,
+                };
+                counters.altitudes_used = counters.altitudes_used.saturating_add(1);
+                update.apply(&mut state)
             });
-        if let Some(update) = &altitude {
-            update.apply(&mut state);
-            counters.altitudes_used = counters.altitudes_used.saturating_add(1);
-        }
         counters.steps = counters.steps.saturating_add(1);
         if !sample.place.condition.is_valid() {
             counters.invalid_steps = counters.invalid_steps.saturating_add(1);
         }
-        if !(state.is_sound() && predicted.is_sound()) {
+        if !state.is_sound() {
             // Cannot come from sound input; if it does, the next speed starts the filter anew.
             counters.restarts = counters.restarts.saturating_add(1);
             self.state = None;
@@ -161,11 +181,13 @@ impl<S: Scalar> Filter<S> {
         self.state = Some(state);
         Some(Record {
             place: sample.place,
-            transition,
-            link,
-            predicted,
-            speed,
-            altitude,
+            trace: Trace {
+                motion: *transition.motion(),
+                link,
+                speed,
+                altitude,
+            },
+            state,
         })
     }
 
@@ -190,26 +212,16 @@ impl<S: Scalar> Default for Filter<S> {
 /// The state at a first cell, or behind a gap, which leaves the slow states as they were.
 fn begin<S: Scalar>(
     known: Option<&State<S>>,
+    prior: Option<&SlowStates>,
     vehicle: &VehicleParameters,
     tuning: &Tuning,
     sample: &Sample,
     speed: SpeedMeasurement,
 ) -> State<S> {
     let square = |sigma: f32| S::from_f32(sigma * sigma);
-    let mut state = known.copied().unwrap_or_else(|| {
-        let mut p = Covariance::ZERO;
-        for (i, variance) in unlearned(vehicle, tuning, sample) {
-            p.set(i, i, S::from_f32(variance));
-        }
-        p.set(WIND, WIND, square(wind_sigma(vehicle, tuning, sample)));
-        p.set(GNSS_ERROR, GNSS_ERROR, square(tuning.gnss_error_sigma_m));
-        State {
-            x: [S::ZERO; STATES],
-            p,
-            load: S::ZERO,
-            origin_m: None,
-        }
-    });
+    let mut state = known
+        .copied()
+        .unwrap_or_else(|| state_at_start(prior, vehicle, tuning, sample));
     for i in [ENERGY, ALTITUDE, SLOPE, SLOPE_RATE] {
         state.x[i] = S::ZERO;
         state.p.clear(i);
@@ -224,32 +236,6 @@ fn begin<S: Scalar>(
         .p
         .set(SLOPE_RATE, SLOPE_RATE, square(tuning.slope_rate_sigma));
     state
-}
-
-/// Variances of bias and scale when nothing is known of them.
-fn unlearned(vehicle: &VehicleParameters, tuning: &Tuning, sample: &Sample) -> [(usize, f32); 2] {
-    let bias = bias_sigma(vehicle, tuning, sample);
-    let start = 100.0 * vehicle.rolling_resistance * tuning.bias_start_rolling;
-    [
-        (BIAS, bias * bias + start * start),
-        (SCALE, tuning.scale_sigma * tuning.scale_sigma),
-    ]
-}
-
-/// Gives up what was learned of bias and scale before a stop. The means stay: there are no better
-/// ones, and noise that is added leaves the smoothing as it is.
-fn reopen<S: Scalar>(
-    state: &mut State<S>,
-    vehicle: &VehicleParameters,
-    tuning: &Tuning,
-    sample: &Sample,
-) {
-    for (i, variance) in unlearned(vehicle, tuning, sample) {
-        let known = state.p.get(i, i).to_f32();
-        state
-            .p
-            .add_variance(i, S::from_f32((variance - known).max(0.0)));
-    }
 }
 
 /// The altitude carried along the slope from where it was taken to the cell's end, m.

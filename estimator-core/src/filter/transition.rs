@@ -1,38 +1,19 @@
-//! One cell of driving, as shears on mean and covariance.
+//! One cell of driving: the vehicle and the noise in numbers.
 
-use super::Covariance;
-use super::state::{
-    ALTITUDE, BIAS, ENERGY, GNSS_ERROR, SCALE, SLOPE, SLOPE_RATE, STATES, State, WIND,
-};
-use crate::cell::CELL_LENGTH_M;
+use super::motion::Motion;
+use super::state::{BIAS, ENERGY, GNSS_ERROR, SCALE, SLOPE_RATE, State, WIND};
 use crate::sampler::Sample;
 use crate::scalar::Scalar;
 use crate::tuning::Tuning;
 use crate::vehicle::{GRAVITY, VehicleParameters};
 
-/// Coefficients of one step.
+/// One step: how the states move, what drives them, and what variance that adds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transition<S> {
-    /// Part of the kinetic energy that air resistance leaves.
-    keep_energy: S,
-    /// Rolling resistance times length, m²/s².
-    rolling: S,
-    /// Specific traction times length, m²/s²: the input.
-    traction: S,
-    /// Traction less air resistance over weight at the end of the cell, % ([`State::load`]).
-    load: S,
-    /// What of its change no road can have caused, %.
-    load_jump: S,
-    /// Specific weight times length, m²/s² for 1 %.
-    gravity: S,
-    /// Part of the slope rate that is left.
-    keep_rate: S,
-    /// Part of the bias that is left.
-    keep_bias: S,
-    /// Part of the wind that is left.
-    keep_wind: S,
-    /// Part of the coloured GNSS error that is left.
-    keep_gnss_error: S,
+    /// The linear part.
+    motion: Motion<S>,
+    /// Specific traction less rolling resistance times length, m²/s²: the input.
+    work: S,
     /// Variances that the step adds.
     noise: Noise<S>,
 }
@@ -93,7 +74,7 @@ impl<S: Scalar> Transition<S> {
         from: Option<&State<S>>,
         gnss_error_spread: f32,
     ) -> Self {
-        let length_m = CELL_LENGTH_M;
+        let length_m = sample.length_m;
         let balance = vehicle.force_balance(&sample.load);
         let drag = balance.drag * length_m;
         let gravity = balance.gravity * length_m;
@@ -146,17 +127,19 @@ impl<S: Scalar> Transition<S> {
         let load_jump = change - change.clamp(-of_the_road, of_the_road);
 
         Self {
-            // exp(-drag) to second order.
-            keep_energy: S::from_f32(1.0 - drag * (1.0 - 0.5 * drag)),
-            rolling: S::from_f32(balance.rolling * length_m),
-            traction: S::from_f32(balance.traction * length_m),
-            load: S::from_f32(load_after),
-            load_jump: S::from_f32(load_jump),
-            gravity: S::from_f32(gravity),
-            keep_rate: S::from_f32(keep_rate),
-            keep_bias: S::from_f32(keep_bias),
-            keep_wind: S::from_f32(keep_wind),
-            keep_gnss_error: S::from_f32(keep_gnss_error),
+            motion: Motion {
+                length: S::from_f32(length_m),
+                // exp(-drag) to second order.
+                keep_energy: S::from_f32(1.0 - drag * (1.0 - 0.5 * drag)),
+                load: S::from_f32(load_after),
+                load_jump: S::from_f32(load_jump),
+                gravity: S::from_f32(gravity),
+                keep_rate: S::from_f32(keep_rate),
+                keep_bias: S::from_f32(keep_bias),
+                keep_wind: S::from_f32(keep_wind),
+                keep_gnss_error: S::from_f32(keep_gnss_error),
+            },
+            work: S::from_f32((balance.traction - balance.rolling) * length_m),
             noise: Noise {
                 energy: S::from_f32(energy_sigma * energy_sigma),
                 slope_rate: S::from_f32(rate_noise),
@@ -171,18 +154,9 @@ impl<S: Scalar> Transition<S> {
     /// Predicts mean and covariance to the end of the cell.
     #[inline]
     pub fn predict(&self, state: &mut State<S>) {
-        for (i, j, factor) in self.shears() {
-            let step = factor * state.x[j];
-            state.x[i] += step;
-            state.p.shear(i, j, factor);
-        }
-        for (i, keep) in self.keeps() {
-            state.x[i] *= keep;
-            state.p.scale(i, keep);
-        }
-        state.x[ENERGY] += self.traction - self.rolling;
+        self.motion.forward(state);
+        state.x[ENERGY] += self.work;
         state.x[ENERGY] = state.x[ENERGY].max(S::ZERO);
-        state.load = self.load;
         state.p.add_variance(ENERGY, self.noise.energy);
         state.p.add_variance(SLOPE_RATE, self.noise.slope_rate);
         state.p.add_variance(BIAS, self.noise.bias);
@@ -191,81 +165,8 @@ impl<S: Scalar> Transition<S> {
         state.p.add_variance(GNSS_ERROR, self.noise.gnss_error);
     }
 
-    /// The transposed step, backwards: on the smoother's vector and matrix.
-    #[inline]
-    pub fn transpose(&self, lambda: &mut [S; STATES], information: &mut Covariance<S>) {
-        for (i, keep) in self.keeps() {
-            lambda[i] *= keep;
-            information.scale(i, keep);
-        }
-        for (i, j, factor) in self.shears().into_iter().rev() {
-            let step = factor * lambda[i];
-            lambda[j] += step;
-            information.shear(j, i, factor);
-        }
-    }
-
-    /// Off-diagonal entries of the transition as `x_i += factor * x_j`, in order. The slope turns
-    /// halfway through the cell, so that energy and altitude see its middle.
-    #[inline(always)]
-    fn shears(&self) -> [(usize, usize, S); 8] {
-        let half = S::from_f32(0.5 * CELL_LENGTH_M);
-        let climb = S::from_f32(0.01 * CELL_LENGTH_M);
-        [
-            (SLOPE, SCALE, -self.load_jump),
-            (SLOPE, SLOPE_RATE, half),
-            (ENERGY, SLOPE, -self.gravity),
-            (ALTITUDE, SLOPE, climb),
-            (ALTITUDE, BIAS, -climb),
-            (ALTITUDE, WIND, -climb),
-            (ALTITUDE, SCALE, climb * self.load),
-            (SLOPE, SLOPE_RATE, half),
-        ]
-    }
-
-    /// Diagonal entries that are not one.
-    ///
-    /// They act after the shears; the forces of the cell thus lose to air resistance a part in a
-    /// thousand of what the energy does, which is nothing.
-    #[inline(always)]
-    fn keeps(&self) -> [(usize, S); 5] {
-        [
-            (ENERGY, self.keep_energy),
-            (SLOPE_RATE, self.keep_rate),
-            (BIAS, self.keep_bias),
-            (WIND, self.keep_wind),
-            (GNSS_ERROR, self.keep_gnss_error),
-        ]
-    }
-
-    /// Traction less air resistance over weight at the end of the cell, %.
-    pub(super) const fn load(&self) -> S {
-        self.load
-    }
-
-    /// In another number.
-    #[must_use]
-    pub fn cast<T: Scalar>(&self) -> Transition<T> {
-        let to = |value: S| T::from_f64(value.to_f64());
-        Transition {
-            keep_energy: to(self.keep_energy),
-            rolling: to(self.rolling),
-            traction: to(self.traction),
-            load: to(self.load),
-            load_jump: to(self.load_jump),
-            gravity: to(self.gravity),
-            keep_rate: to(self.keep_rate),
-            keep_bias: to(self.keep_bias),
-            keep_wind: to(self.keep_wind),
-            keep_gnss_error: to(self.keep_gnss_error),
-            noise: Noise {
-                energy: to(self.noise.energy),
-                slope_rate: to(self.noise.slope_rate),
-                bias: to(self.noise.bias),
-                wind: to(self.noise.wind),
-                scale: to(self.noise.scale),
-                gnss_error: to(self.noise.gnss_error),
-            },
-        }
+    /// The linear part.
+    pub(super) const fn motion(&self) -> &Motion<S> {
+        &self.motion
     }
 }

@@ -1,7 +1,7 @@
 //! One scalar measurement.
 
 use super::covariance::Covariance;
-use super::state::{ALTITUDE, ENERGY, GNSS_ERROR, STATES, State};
+use super::state::{ALTITUDE, ENERGY, GNSS_ERROR, STATES, State, dot};
 use crate::scalar::Scalar;
 
 /// What a measurement sees of the state: a sum of states.
@@ -13,7 +13,7 @@ pub enum Observation {
     Altitude,
 }
 
-/// A measurement as taken: its innovation and variance.
+/// A measurement to be taken in: its innovation and variance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Update<S> {
     /// What was seen.
@@ -24,11 +24,23 @@ pub struct Update<S> {
     pub variance: S,
 }
 
-/// The gain of an update, with what it came from.
+/// A measurement taken in: what the smoother needs to go back over it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Gain<S> {
-    pub gain: [S; STATES],
+pub struct Applied<S> {
+    /// Measured minus predicted.
+    pub innovation: S,
+    /// Variance of the innovation.
     pub innovation_variance: S,
+    /// The gain.
+    pub gain: [S; STATES],
+}
+
+impl<S: Scalar> Applied<S> {
+    /// v ← (I − K h)' v, for the smoother.
+    #[inline]
+    pub(super) fn undo(&self, observation: Observation, vector: &mut [S; STATES]) {
+        observation.add_to(vector, -dot(&self.gain, vector));
+    }
 }
 
 impl Observation {
@@ -78,9 +90,9 @@ impl Observation {
 }
 
 impl<S: Scalar> Update<S> {
-    /// Applies it, and tells the gain.
+    /// Applies it.
     #[inline]
-    pub(super) fn apply(&self, state: &mut State<S>) -> Gain<S> {
+    pub(super) fn apply(&self, state: &mut State<S>) -> Applied<S> {
         let cross = self.observation.cross(&state.p);
         let innovation_variance = self.observation.of(&cross) + self.variance;
         let per_variance = S::ONE / innovation_variance;
@@ -89,19 +101,10 @@ impl<S: Scalar> Update<S> {
             *x += *gain * self.innovation;
         }
         state.p.joseph(&gain, &cross, innovation_variance);
-        Gain {
-            gain,
+        Applied {
+            innovation: self.innovation,
             innovation_variance,
-        }
-    }
-
-    /// In another number.
-    #[must_use]
-    pub fn cast<T: Scalar>(&self) -> Update<T> {
-        Update {
-            observation: self.observation,
-            innovation: T::from_f64(self.innovation.to_f64()),
-            variance: T::from_f64(self.variance.to_f64()),
+            gain,
         }
     }
 }

@@ -65,6 +65,8 @@ pub struct Sample {
     pub place: Place,
     /// Cells driven since the last sample without one (a gap in the traffic), normally 0.
     pub gap_cells: u32,
+    /// Length of the step, m: [`CELL_LENGTH_M`].
+    pub length_m: f32,
     /// Time taken, s.
     pub duration_s: f32,
     /// Mean force and mass over the cell.
@@ -284,6 +286,7 @@ impl Sampler {
                     condition,
                 },
                 gap_cells: driven.gap_cells,
+                length_m: CELL_LENGTH_M,
                 duration_s: driven.duration_s,
                 load,
                 speed: driven.speed,

@@ -1,12 +1,16 @@
 //! A vehicle and samples for tests.
 #![allow(dead_code)]
 
+pub mod dense;
 pub mod drive;
+pub mod hilly_drive;
 
+use estimator_core::filter::{Backward, Filter, Record};
 use estimator_core::sampler::{AltitudeMeasurement, Sample, SpeedMeasurement};
 use estimator_core::vehicle::Load;
 use estimator_core::{
-    CELL_LENGTH_M, Condition, Gear, Instant, Place, Powertrain, Traction, VehicleParameters,
+    CELL_LENGTH_M, Condition, Counters, Estimate, Gear, Instant, Place, Powertrain, Scalar,
+    Traction, Tuning, VehicleParameters,
 };
 
 /// A 39 t semi-trailer combination.
@@ -48,6 +52,7 @@ pub fn sample(cell: u32, traction_n: f32, speed_mps: f32) -> Sample {
             condition: Condition::default(),
         },
         gap_cells: 0,
+        length_m: CELL_LENGTH_M,
         duration_s,
         load: Load {
             traction_n,
@@ -147,4 +152,48 @@ pub fn frames_of(pgn: u32, source: u8, sequence: u8, payload: &[u8]) -> Vec<Test
         frames.push(TestFrame::of_pgn(pgn, source, &bytes));
     }
     frames
+}
+
+/// Noise that a computer with a pencil can repeat.
+pub struct Noise(pub u64);
+
+impl Noise {
+    pub fn next(&mut self) -> f32 {
+        let mut sum = 0.0;
+        for _ in 0..12 {
+            self.0 = self
+                .0
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
+            sum += (self.0 >> 40) as f32 / (1_u64 << 24) as f32;
+        }
+        sum - 6.0
+    }
+}
+
+/// The records of a drive of [`truck`].
+pub fn run<S: Scalar>(samples: &[Sample], tuning: &Tuning) -> Vec<Record<S>> {
+    let vehicle = truck();
+    let mut filter = Filter::new();
+    let mut counters = Counters::default();
+    samples
+        .iter()
+        .filter_map(|sample| filter.step(&vehicle, tuning, sample, &mut counters))
+        .collect()
+}
+
+/// Smoothed over all of them.
+pub fn smooth<S: Scalar>(records: &[Record<S>]) -> Vec<Estimate> {
+    let mut backward = Backward::new();
+    let mut estimates: Vec<_> = records
+        .iter()
+        .rev()
+        .map(|record| {
+            let estimate = backward.estimate(&record.state);
+            backward.retreat(&record.trace);
+            estimate
+        })
+        .collect();
+    estimates.reverse();
+    estimates
 }

@@ -4,21 +4,20 @@
 //! |-------|----------------------------------------------------------------------------------------|
 //! | 2     | time, µs                                                                               |
 //! | 1     | number of the cell                                                                     |
-//! | 1     | flags, from bit 0: shifting, braking, no traction, crawling, position known, live altitude known, lagged altitude known |
+//! | 1     | flags, from bit 0: shifting, braking, no traction, crawling, position known, altitude known |
 //! | 2     | latitude and longitude, 1e-7 degrees                                                   |
 //! | 1     | measured speed, m/s                                                                    |
-//! | 9     | live: grade %, altitude m, bias %, scale, each followed by its sigma; speed, m/s       |
-//! | 9     | lagged: the same                                                                       |
+//! | 6     | live grade %, lagged grade %, altitude m, each followed by its sigma                   |
 //!
 //! What is not known is zero.
 
 use super::{halves, next_f32, next_u64, to_bytes, to_words};
-use estimator_core::{Cell, Condition, Estimate, Instant, Place, Uncertain};
+use estimator_core::{Cell, Condition, Instant, Place, Uncertain};
 
 /// Length of a record, bytes.
-pub const CELL_BYTES: usize = 100;
+pub const CELL_BYTES: usize = 52;
 
-const FLAGS: usize = 7;
+const FLAGS: usize = 6;
 
 /// The record of a cell.
 #[must_use]
@@ -31,8 +30,7 @@ pub fn encode(cell: &Cell) -> [u8; CELL_BYTES] {
         place.condition.no_traction,
         place.condition.crawling,
         place.position_e7.is_some(),
-        cell.live.altitude_m.is_some(),
-        cell.lagged.altitude_m.is_some(),
+        cell.altitude_m.is_some(),
     ];
     let flags = flags
         .iter()
@@ -48,24 +46,19 @@ pub fn encode(cell: &Cell) -> [u8; CELL_BYTES] {
         longitude.cast_unsigned(),
         place.speed_mps.to_bits(),
     ];
+    let estimates = [
+        cell.live_grade_percent,
+        cell.lagged_grade_percent,
+        cell.altitude_m.unwrap_or_default(),
+    ];
     to_bytes(
-        head.into_iter()
-            .chain(estimate_words(&cell.live))
-            .chain(estimate_words(&cell.lagged)),
+        head.into_iter().chain(
+            estimates
+                .into_iter()
+                .flat_map(|known| [known.value, known.sigma])
+                .map(f32::to_bits),
+        ),
     )
-}
-
-fn estimate_words(estimate: &Estimate) -> impl Iterator<Item = u32> {
-    [
-        estimate.grade_percent,
-        estimate.altitude_m.unwrap_or_default(),
-        estimate.bias_percent,
-        estimate.scale,
-    ]
-    .into_iter()
-    .flat_map(|uncertain| [uncertain.value, uncertain.sigma])
-    .chain([estimate.speed_mps])
-    .map(f32::to_bits)
 }
 
 /// The cell of a record.
@@ -81,38 +74,28 @@ pub fn decode(record: &[u8]) -> Option<Cell> {
     let flag = |bit: u32| flags >> bit & 1 == 1;
     let latitude = words.next()?.cast_signed();
     let longitude = words.next()?.cast_signed();
-    Some(Cell {
-        place: Place {
-            cell,
-            time,
-            position_e7: flag(4).then_some((latitude, longitude)),
-            speed_mps: next_f32(&mut words)?,
-            condition: Condition {
-                shifting: flag(0),
-                braking: flag(1),
-                no_traction: flag(2),
-                crawling: flag(3),
-            },
+    let place = Place {
+        cell,
+        time,
+        position_e7: flag(4).then_some((latitude, longitude)),
+        speed_mps: next_f32(&mut words)?,
+        condition: Condition {
+            shifting: flag(0),
+            braking: flag(1),
+            no_traction: flag(2),
+            crawling: flag(3),
         },
-        live: estimate(&mut words, flag(5))?,
-        lagged: estimate(&mut words, flag(6))?,
-    })
-}
-
-fn estimate(words: &mut impl Iterator<Item = u32>, altitude_known: bool) -> Option<Estimate> {
+    };
     let mut uncertain = || {
         Some(Uncertain {
-            value: next_f32(words)?,
-            sigma: next_f32(words)?,
+            value: next_f32(&mut words)?,
+            sigma: next_f32(&mut words)?,
         })
     };
-    let grade_percent = uncertain()?;
-    let altitude_m = uncertain()?;
-    Some(Estimate {
-        grade_percent,
-        altitude_m: altitude_known.then_some(altitude_m),
-        bias_percent: uncertain()?,
-        scale: uncertain()?,
-        speed_mps: next_f32(words)?,
+    Some(Cell {
+        place,
+        live_grade_percent: uncertain()?,
+        lagged_grade_percent: uncertain()?,
+        altitude_m: uncertain().map(|altitude_m| flag(5).then_some(altitude_m))?,
     })
 }

@@ -63,7 +63,7 @@ fn drive(scenario: &Scenario, index: usize, folder: &Path) -> Result<Drive> {
     let file = |ending: &str| folder.join(format!("{}.{ending}", run.name));
     let log = file("log");
     let vehicle = VehicleFile::read(&file("vehicle.toml"))?;
-    let estimated = estimate::drive::<f32>(&vehicle, &log)?;
+    let estimated = estimate::drive::<f32>(&vehicle, None, &log)?;
     estimate::check(&log, &vehicle, &estimated)?;
     let rows = estimated.rows;
     run_file::write(&file("csv"), &rows)?;
@@ -180,7 +180,7 @@ fn page(drives: &[Drive], map: &[MapRow], scores: &[ScoreRow]) -> Page {
                     "Root of the mean squared error, bias and mean normalised squared error \
                      (NEES; 1 means that the stated sigmas are honest) in % grade, first and last \
                      500 m left out. Live is what the vehicle knows at once, lagged what it knows \
-                     110 m later, smoothed what the whole run tells."
+                     500 m later, smoothed what the whole run tells."
                         .to_owned(),
                     "Beside them, from the same logs: the thesis's original filter, its modified \
                      method, and an oracle, which is this filter told the true vehicle and how \

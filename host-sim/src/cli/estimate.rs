@@ -1,6 +1,7 @@
 //! `roadgrade estimate`: one recorded drive becomes a run.
 
 use crate::error::{Error, Result};
+use crate::kept_file;
 use crate::output::print;
 use crate::progress;
 use crate::recorder::{self, Run};
@@ -9,8 +10,7 @@ use crate::smooth::bytes_per_km;
 use crate::text_table::text_table;
 use crate::vehicle_file::VehicleFile;
 use comfy_table::Table;
-use estimator_core::filter::Record;
-use estimator_core::{Counters, Scalar, Traction};
+use estimator_core::{Counters, Kept, Scalar, Traction};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::Instant as Clock;
@@ -22,9 +22,11 @@ Needed on the bus: wheel speed (CCVS1 or EBC2), engine torque (EEC1) and frictio
 (ETC2; or engine speed, from which it is told), GNSS altitude (129029, or VDS). `roadgrade inspect \
 LOG` tells what a log has. In a signal table the same by the names of its columns.
 
-RUN.csv has one row for each 2.5 m: grade in % (smoothed over the whole run, lagged by 110 m, \
+RUN.csv has one row for each 2.5 m: grade in % (smoothed over the whole run, lagged by 500 m, \
 live), each with its standard deviation, position, altitude, and what the vehicle model was found \
-to be off by.")]
+to be off by.
+
+--kept FILE is the vehicle's memory from one drive to the next, as its ECU would have it: what the model was found to be off by, and how noisy the sensors were, so that the first kilometres are better. Where there is no FILE yet, the drive begins as without. Estimate the drives once each, in the order in which they were driven. A FILE that is damaged, or that another vehicle or an edited V.toml left, is refused: then remove it, or give the vehicle another. Wind, cold tyres and a load that may have changed are allowed for; a drive with less than 5 km leaves FILE as it was.")]
 pub struct Args {
     /// Vehicle parameters.
     #[arg(long, value_name = "V.toml")]
@@ -32,6 +34,9 @@ pub struct Args {
     /// Where the run goes.
     #[arg(long, value_name = "RUN.csv")]
     out: PathBuf,
+    /// What the vehicle's last drive left, and what this one leaves for the next.
+    #[arg(long, value_name = "FILE")]
+    kept: Option<PathBuf>,
     /// Compute in double instead of single precision.
     #[arg(long)]
     double: bool,
@@ -46,14 +51,28 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<()> {
     let vehicle = VehicleFile::read(&args.vehicle)?;
     let started = Clock::now();
-    let (run, record_bytes) = if args.double {
-        (drive::<f64>(&vehicle, &args.log)?, size_of::<Record<f64>>())
+    let file = args.kept.as_deref();
+    let last = match file {
+        Some(file) => kept_file::read(file, &vehicle.parameters)?,
+        None => None,
+    };
+    let last = last.as_ref();
+    let run = if args.double {
+        drive::<f64>(&vehicle, last, &args.log)?
     } else {
-        (drive::<f32>(&vehicle, &args.log)?, size_of::<Record<f32>>())
+        drive::<f32>(&vehicle, last, &args.log)?
     };
     let seconds = started.elapsed().as_secs_f64();
     check(&args.log, &vehicle, &run)?;
+    let keeping = match file.zip(run.kept.as_ref()) {
+        Some((file, kept)) => Some(kept_file::stage(file, kept)?),
+        None => None,
+    };
     run_file::write(&args.out, &run.rows)?;
+    let is_kept = keeping.is_some();
+    if let Some(keeping) = keeping {
+        keeping.commit()?;
+    }
 
     let summary = Summary::new(&run);
     if args.json {
@@ -69,18 +88,28 @@ pub fn run(args: &Args) -> Result<()> {
             frames as f64 / seconds
         );
     }
-    eprintln!(
-        "whole-run smoothing held {} kB a km ({record_bytes} bytes a cell)",
-        bytes_per_km() / 1000
-    );
+    eprintln!("whole-run smoothing held {} kB a km", bytes_per_km() / 1000);
     eprintln!("wrote {}", args.out.display());
+    if let Some(file) = file {
+        let file = file.display();
+        if is_kept {
+            eprintln!("kept for the next drive: {file}");
+        } else {
+            eprintln!("nothing to keep, 5 km with GNSS are needed: {file} is as it was");
+        }
+    }
     Ok(())
 }
 
 /// Estimates one log, with a progress bar on long ones.
-pub(super) fn drive<S: Scalar>(vehicle: &VehicleFile, log: &Path) -> Result<Run> {
+pub(super) fn drive<S: Scalar>(
+    vehicle: &VehicleFile,
+    last: Option<&Kept>,
+    log: &Path,
+) -> Result<Run> {
     let bar = progress::bytes(log.metadata().map_or(0, |file| file.len()));
-    let run = recorder::estimate_log::<S>(&vehicle.parameters, log, |read| bar.set_position(read));
+    let progress = |read| bar.set_position(read);
+    let run = recorder::estimate_log::<S>(&vehicle.parameters, last, log, progress);
     bar.finish_and_clear();
     run
 }

@@ -4,7 +4,7 @@
 //! the sensor noise that was known only at the end of the first; then the recursion of the core's
 //! fixed lag goes back over all of it. All records are in memory meanwhile: [`bytes_per_km`].
 
-use estimator_core::filter::{Backward, Filter, Record, SensorNoise};
+use estimator_core::filter::{Backward, Filter, Record};
 use estimator_core::sampler::Sample;
 use estimator_core::{CELL_LENGTH_M, Counters, Estimate, Place, Scalar, Tuning, VehicleParameters};
 
@@ -17,15 +17,15 @@ pub struct Smoothed {
     pub estimate: Estimate,
 }
 
-/// The smoothed run: one cell for each sample from the first speed on.
+/// The smoothed run: one cell for each sample from the first speed on. `filter` is the one that the
+/// run begins with: that of the first pass [anew](Filter::anew).
 #[must_use]
 pub fn smooth_run(
     vehicle: &VehicleParameters,
     tuning: &Tuning,
-    noise: &SensorNoise,
+    mut filter: Filter<f64>,
     samples: &[Sample],
 ) -> Vec<Smoothed> {
-    let mut filter = Filter::<f64>::with_noise(noise);
     let mut counters = Counters::default();
     let records: Vec<Record<f64>> = samples
         .iter()
@@ -49,9 +49,8 @@ pub fn smooth<S: Scalar>(records: &[Record<S>]) -> Vec<Estimate> {
         .iter()
         .rev()
         .map(|record| {
-            backward.absorb(record);
-            let estimate = backward.estimate(record);
-            backward.retreat(record);
+            let estimate = backward.estimate(&record.state);
+            backward.retreat(&record.trace);
             estimate
         })
         .collect();

@@ -3,6 +3,7 @@
 //! A study is a function from [`Setting`] to a [`Section`] of the report; its tables and figures
 //! are written beside the page by their names. Adding one takes a file and a line in [`STUDIES`].
 
+pub mod accuracy;
 pub mod convergence;
 pub mod drift;
 pub mod experiments;
@@ -54,5 +55,6 @@ pub const STUDIES: &[Study] = &[
     experiments::tuning::STUDY,
     experiments::modified::STUDY,
     experiments::campaigns::STUDY,
+    accuracy::STUDY,
     ztbus::STUDY,
 ];

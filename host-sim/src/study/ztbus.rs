@@ -161,7 +161,7 @@ fn estimate(mission: &Mission, pass: &Pass, folder: &Path) -> Result<Vec<RunRow>
     let table = folder.join("pass.csv");
     mission.write_pass(&table, pass)?;
     let vehicle = mission.vehicle().parameters;
-    Ok(estimate_log::<f32>(&vehicle, &table, |_| ())?.rows)
+    Ok(estimate_log::<f32>(&vehicle, None, &table, |_| ())?.rows)
 }
 
 fn mapped(road: &RoadLine, runs: &[&[RunRow]]) -> Vec<MapRow> {

@@ -141,7 +141,7 @@ pub fn each_run(runs: &[Replica], all: &[Vec<Estimated>; 3]) -> Table {
         "NEES ours",
     ];
     let caption = "RMSE(v) of the three methods on the same drives; ours also as known on the \
-                   vehicle 110 m later and at once. NEES is the mean normalised squared error: 1 \
+                   vehicle 500 m later and at once. NEES is the mean normalised squared error: 1 \
                    if the stated sigmas are honest, less if they are too wide.";
     let mut table = Table::new("beside", caption, &header);
     table.rows = runs

@@ -8,7 +8,7 @@ use estimator_core::lag::Lag;
 use estimator_core::sampler::{AltitudeMeasurement, Sample, SpeedMeasurement};
 use estimator_core::vehicle::Load;
 use estimator_core::{
-    Cell, Condition, Counters, Estimate, Instant, Place, Traction, Tuning, VehicleParameters,
+    Cell, Condition, Counters, Instant, Place, Traction, Tuning, Uncertain, VehicleParameters,
 };
 use std::iter::from_fn;
 
@@ -40,16 +40,16 @@ pub fn estimate(drive: &Drive) -> Ours {
     let mut cells: Vec<Cell> = Vec::with_capacity(samples.len());
     for sample in &samples {
         if let Some(record) = filter.step(&vehicle, &tuning, sample, &mut counters) {
-            lag.push(record);
+            lag.push(&record);
         }
         cells.extend(from_fn(|| lag.next_cell()));
     }
     cells.extend(from_fn(|| lag.drain_cell()));
-    let smoothed = smooth_run(&vehicle, &tuning, &filter.noise(), &samples);
+    let smoothed = smooth_run(&vehicle, &tuning, filter.anew(), &samples);
     Ours {
-        smoothed: profile(smoothed.iter().map(|cell| cell.estimate)),
-        lagged: profile(cells.iter().map(|cell| cell.lagged)),
-        live: profile(cells.iter().map(|cell| cell.live)),
+        smoothed: profile(smoothed.iter().map(|cell| cell.estimate.grade_percent)),
+        lagged: profile(cells.iter().map(|cell| cell.lagged_grade_percent)),
+        live: profile(cells.iter().map(|cell| cell.live_grade_percent)),
         counters,
     }
 }
@@ -93,6 +93,7 @@ fn samples(drive: &Drive) -> Vec<Sample> {
                 condition: condition(before),
             },
             gap_cells: 0,
+            length_m: STEP_M as f32,
             duration_s: duration_s as f32,
             load: Load {
                 traction_n: before.traction_n as f32,
@@ -129,13 +130,10 @@ fn condition(point: &Point) -> Condition {
     }
 }
 
-fn profile(estimates: impl IntoIterator<Item = Estimate>) -> Profile {
-    let (grade_percent, sigma_percent) = estimates
+fn profile(grades: impl IntoIterator<Item = Uncertain>) -> Profile {
+    let (grade_percent, sigma_percent) = grades
         .into_iter()
-        .map(|estimate| {
-            let grade = estimate.grade_percent;
-            (f64::from(grade.value), f64::from(grade.sigma))
-        })
+        .map(|grade| (f64::from(grade.value), f64::from(grade.sigma)))
         .unzip();
     Profile {
         grade_percent,
