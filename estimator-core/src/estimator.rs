@@ -48,7 +48,7 @@ pub enum Step {
 /// [`counters`](Self::counters).
 ///
 /// ```
-/// use estimator_core::{Estimator, Tuning, VehicleParameters, Traction};
+/// use estimator_core::{Effects, Estimator, Tuning, VehicleParameters, Traction};
 /// # use estimator_core::{Instant, Reading, Signal, Value};
 /// let vehicle = VehicleParameters {
 ///     mass_kg: 19_000.0,
@@ -57,6 +57,7 @@ pub enum Step {
 ///     wheel_radius_m: 0.48,
 ///     wheel_inertia_kgm2: 60.0,
 ///     traction: Traction::Force,
+///     effects: Effects::default(),
 /// };
 /// let mut estimator = Estimator::<f32>::new(vehicle, Tuning::default())?;
 /// # for second in 0..60 {

@@ -34,6 +34,7 @@
 //! #     wheel_radius_m: 0.48,
 //! #     wheel_inertia_kgm2: 60.0,
 //! #     traction: Traction::Force,
+//! #     effects: Default::default(),
 //! # };
 //! # let slot = [0xff; Kept::LEN];
 //! # let mut written = None;
@@ -314,7 +315,8 @@ impl Kept {
     }
 }
 
-/// Tells vehicles, and edits of one, apart: CRC-32 over all parameters in a fixed order.
+/// Tells vehicles, and edits of one, apart: CRC-32 over all parameters in a fixed order, effects
+/// with their names.
 fn fingerprint(vehicle: &VehicleParameters) -> u32 {
     let mut digest = CHECKSUM.digest();
     let mut add = |number: f32| digest.update(&number.to_le_bytes());
@@ -332,6 +334,17 @@ fn fingerprint(vehicle: &VehicleParameters) -> u32 {
         for gear in &powertrain.gears {
             add(gear.ratio);
             add(gear.efficiency);
+        }
+    }
+    for adopted in vehicle.effects.iter() {
+        let amount = [
+            ("amount", adopted.amount),
+            ("amount_sigma", adopted.amount_sigma),
+        ];
+        digest.update(adopted.effect.name.as_bytes());
+        for (key, value) in amount.into_iter().chain(adopted.given()) {
+            digest.update(key.as_bytes());
+            digest.update(&value.to_le_bytes());
         }
     }
     digest.finalize()

@@ -13,7 +13,7 @@
 //! * [`signal`] decodes J1939 and NMEA 2000 frames into physical readings;
 //! * [`sampler`] turns readings of different rates and ages into one sample a cell;
 //! * [`intake`] is the way from frames to samples, with what was wrong counted;
-//! * [`vehicle`] holds the parameters and the force balance;
+//! * [`vehicle`] holds the parameters and the force balance; [`effect`] what that balance lacks;
 //! * [`filter`] is the Kalman filter, [`lag`] its fixed-lag smoother;
 //! * [`cell`] is what comes out;
 //! * [`kept`] is what one drive leaves for the next, and its form in non-volatile memory;
@@ -38,11 +38,13 @@
 
 pub mod cell;
 pub mod counters;
+pub mod effect;
 pub mod estimator;
 pub mod filter;
 pub mod intake;
 pub mod kept;
 pub mod lag;
+pub mod maybe;
 pub mod sampler;
 pub mod scalar;
 pub mod signal;
@@ -52,9 +54,11 @@ pub mod vehicle;
 
 pub use cell::{CELL_LENGTH_M, Cell, Condition, Estimate, Place, Uncertain};
 pub use counters::Counters;
+pub use effect::{Adopted, Effect, Effects};
 pub use estimator::{Estimator, Live, Step};
 pub use intake::{Intake, Outcome};
 pub use kept::{Kept, KeptError};
+pub use maybe::Maybe;
 pub use scalar::Scalar;
 pub use signal::{Decoder, Reading, Signal, Value};
 pub use time::{Duration, Instant};

@@ -1,5 +1,7 @@
 //! `vehicle.toml`: read, checked, written.
 
+mod effects;
+
 use crate::error::{Error, Result};
 use crate::output::write_whole;
 use estimator_core::{Gear, ParameterError, Powertrain, Traction, VehicleParameters};
@@ -24,6 +26,8 @@ struct Document {
     powertrain: Option<PowertrainTable>,
     #[serde(skip_serializing_if = "Option::is_none")]
     traction: Option<TractionTable>,
+    #[serde(default, skip_serializing_if = "effects::Tables::is_empty")]
+    effects: effects::Tables,
 }
 
 #[derive(Debug, Serialize, Deserialize)]
@@ -136,6 +140,7 @@ impl VehicleFile {
             },
             powertrain,
             traction,
+            effects: effects::to_tables(&p.effects),
         };
         toml::to_string(&document).expect("plain numbers and strings are TOML")
     }
@@ -206,6 +211,7 @@ impl Document {
             wheel_radius_m: self.vehicle.wheel_radius_m,
             wheel_inertia_kgm2: self.vehicle.wheel_inertia_kgm2,
             traction,
+            effects: effects::from_tables(&self.effects)?,
         })
     }
 }

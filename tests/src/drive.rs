@@ -3,7 +3,9 @@
 use embedded_can::{ExtendedId, Frame, StandardId};
 use estimator_core::signal::encode;
 use estimator_core::vehicle::{Driveline, GRAVITY, STANDARD_AIR_DENSITY};
-use estimator_core::{Gear, Instant, Powertrain, Signal, Traction, Value, VehicleParameters};
+use estimator_core::{
+    Effects, Gear, Instant, Powertrain, Signal, Traction, Value, VehicleParameters,
+};
 use host_sim::source::can_frame::{CanFrame, TimedFrame};
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -42,6 +44,7 @@ pub fn truck() -> VehicleParameters {
         rolling_resistance: 0.0065,
         wheel_radius_m: 0.5,
         wheel_inertia_kgm2: 100.0,
+        effects: Effects::default(),
         traction: Traction::Powertrain(Powertrain {
             engine_inertia_kgm2: 3.8,
             reference_torque_nm: 3_500.0,

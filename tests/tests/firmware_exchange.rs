@@ -2,8 +2,9 @@
 
 use cross_tests::drive::{drive, truck};
 use embedded_can::{ExtendedId, Frame, StandardId};
+use estimator_core::effect::CATALOGUE;
 use estimator_core::{
-    Cell, Condition, Gear, Instant, Place, Traction, Uncertain, VehicleParameters,
+    Adopted, Cell, Condition, Gear, Instant, Place, Traction, Uncertain, VehicleParameters,
 };
 use firmware::exchange::{cell, frame, vehicle};
 use host_sim::source::can_frame::CanFrame;
@@ -23,7 +24,12 @@ fn vehicles_survive() {
         let efficiency = 0.9;
         powertrain.gears.push(Gear { ratio, efficiency }).unwrap();
     }
-    for vehicle in [truck(), by_force, many_gears] {
+    let mut many_effects = truck();
+    for (k, effect) in CATALOGUE.into_iter().enumerate() {
+        let adopted = Adopted::new(effect, k as f32, 0.5);
+        many_effects.effects.adopt(adopted).unwrap();
+    }
+    for vehicle in [truck(), by_force, many_gears, many_effects] {
         assert_eq!(vehicle::decode(&vehicle::encode(&vehicle)), Some(vehicle));
     }
 }
@@ -33,11 +39,14 @@ fn what_is_no_vehicle_is_refused() {
     let good = vehicle::encode(&truck());
     assert_eq!(vehicle::decode(&good[..good.len() - 1]), None);
     let mut other_file = good;
-    other_file[7] = b'2';
+    other_file[7] = b'1';
     assert_eq!(vehicle::decode(&other_file), None);
     let mut too_many_gears = good;
     too_many_gears[28] = 25;
     assert_eq!(vehicle::decode(&too_many_gears), None);
+    let mut no_such_effect = good;
+    no_such_effect[240..244].copy_from_slice(&12_u32.to_le_bytes());
+    assert_eq!(vehicle::decode(&no_such_effect), None);
 }
 
 #[test]

@@ -12,12 +12,14 @@
 //! * [`update`]: one scalar measurement;
 //! * [`step`]: the filter, which a sample moves over one cell;
 //! * `gate`: which altitudes to believe; `learned`: how noisy the sensors are;
+//! * `doubt`: what is not sure of adopted effects;
 //! * [`prior`]: what is believed where a drive begins;
 //! * [`record`]: what a step leaves for smoothing;
 //! * [`backward`]: the smoothing recursion over them.
 
 pub mod backward;
 pub mod covariance;
+mod doubt;
 mod gate;
 mod learned;
 pub mod motion;

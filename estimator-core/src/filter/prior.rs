@@ -6,6 +6,7 @@
 //! again.
 
 use super::covariance::Covariance;
+use super::doubt;
 use super::state::{BIAS, GNSS_ERROR, SCALE, STATES, State, WIND};
 use super::transition::{bias_sigma, wind_sigma};
 use crate::sampler::Sample;
@@ -114,6 +115,9 @@ pub(super) fn state_at_start<S: Scalar>(
     ] {
         state.p.set(i, i, S::from_f32(sigma * sigma));
     }
+    let (bias, scale) = doubt::variances(vehicle, sample);
+    state.p.add_variance(BIAS, S::from_f32(bias));
+    state.p.add_variance(SCALE, S::from_f32(scale));
     if let Some(known) = known {
         known.carry_over(&mut state, sample.load.mass_kg);
     }
@@ -134,7 +138,11 @@ pub(super) fn reopen<S: Scalar>(
     let bias = bias_sigma(vehicle, tuning, sample);
     let cold = cold_tyres(vehicle, tuning);
     let scale = tuning.scale_sigma;
-    for (i, variance) in [(BIAS, bias * bias + cold * cold), (SCALE, scale * scale)] {
+    let (bias_doubt, scale_doubt) = doubt::variances(vehicle, sample);
+    for (i, variance) in [
+        (BIAS, bias * bias + cold * cold + bias_doubt),
+        (SCALE, scale * scale + scale_doubt),
+    ] {
         let known = state.p.get(i, i).to_f32();
         state
             .p

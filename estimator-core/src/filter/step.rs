@@ -1,5 +1,6 @@
 //! The filter: one step is one cell.
 
+use super::doubt::Doubt;
 use super::gate::{Gate, Verdict};
 use super::learned::{SensorNoise, Spread};
 use super::prior::{SlowStates, reopen, state_at_start};
@@ -20,6 +21,7 @@ pub struct Filter<S> {
     prior: Option<SlowStates>,
     gate: Gate,
     speed_spread: Spread,
+    doubt: Doubt,
 }
 
 impl<S: Scalar> Filter<S> {
@@ -45,6 +47,7 @@ impl<S: Scalar> Filter<S> {
             gate: Gate::new(noise),
             // A third to five times the believed sigma; some hundred readings.
             speed_spread: Spread::new(noise.speed, 0.1, 25.0, 0.01),
+            doubt: Doubt::new(),
         }
     }
 
@@ -91,6 +94,7 @@ impl<S: Scalar> Filter<S> {
             sample,
             self.state.as_ref(),
             self.gate.error_spread(),
+            self.doubt.pass(vehicle, sample),
         );
         self.gate.pass(sample.duration_s);
         let mut link = Link::Chained;

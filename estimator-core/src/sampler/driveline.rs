@@ -115,7 +115,7 @@ impl DrivelineInput {
             .or_else(|| number.and_then(|number| powertrain.gear(number as i32)));
         let gear = match (told, engine_rpm, speed_mps) {
             (None, Some(rpm), Some(mps)) if ratio.is_none() && number.is_none() => {
-                powertrain.gear_of_speeds(rpm, mps, vehicle.wheel_radius_m)
+                powertrain.gear_of_speeds(rpm, mps, vehicle.believed_radius_m())
             }
             // A gear is told whether it is in or not: where nothing else tells, and at launch,
             // the engine must turn with it.
@@ -125,7 +125,7 @@ impl DrivelineInput {
                 } else {
                     SPEED_TOLERANCE
                 };
-                let turned_rpm = powertrain.engine_rpm(gear, mps, vehicle.wheel_radius_m);
+                let turned_rpm = powertrain.engine_rpm(gear, mps, vehicle.believed_radius_m());
                 ((rpm - turned_rpm).abs() <= tolerance * turned_rpm).then_some(gear)
             }
             (told, ..) => told,

@@ -42,6 +42,11 @@ impl Latest {
             .map(|timed| timed.value)
     }
 
+    /// With its age.
+    pub(super) fn since(&self, now: Instant) -> Option<(f32, Duration)> {
+        self.0.map(|timed| (timed.value, now.since(timed.time)))
+    }
+
     /// Of a state that holds until it is told otherwise, if its sender is still heard.
     pub(super) fn state(&self, now: Instant) -> Option<f32> {
         self.within(now, STATE_STALE)

@@ -4,6 +4,7 @@
 //! time and the force is the mean of what was read in between, so that the work done equals the
 //! integral of the force whatever the rates. Each interval is then cut at the ends of cells.
 
+mod circumstances;
 mod driveline;
 mod gnss;
 mod latest;
@@ -15,10 +16,13 @@ mod traction;
 
 use crate::cell::{CELL_LENGTH_M, Condition, Place};
 use crate::counters::Counters;
+use crate::effect::Acts;
 use crate::signal::{Reading, Signal};
 use crate::time::Instant;
 use crate::tuning::Tuning;
 use crate::vehicle::{Load, Traction, VehicleParameters, air_density};
+pub use circumstances::Circumstances;
+use circumstances::CircumstancesInput;
 use driveline::DrivelineInput;
 use gnss::{FixOutcome, Gnss};
 use heapless::Deque;
@@ -69,8 +73,10 @@ pub struct Sample {
     pub length_m: f32,
     /// Time taken, s.
     pub duration_s: f32,
-    /// Mean force and mass over the cell.
+    /// Mean force and mass over the cell, scaled by the effects that the vehicle has adopted.
     pub load: Load,
+    /// What else effects depend on.
+    pub circumstances: Circumstances,
     /// Speed readings in it.
     pub speed: Option<SpeedMeasurement>,
     /// GNSS altitude taken in it.
@@ -91,6 +97,7 @@ pub struct Sampler {
     odometer: Odometer,
     wheel_speed: Latest,
     surroundings: Surroundings,
+    circumstances: CircumstancesInput,
     samples: Deque<Sample, QUEUE>,
 }
 
@@ -115,6 +122,7 @@ impl Sampler {
             odometer: Odometer::default(),
             wheel_speed: Latest::default(),
             surroundings: Surroundings::default(),
+            circumstances: CircumstancesInput::default(),
             samples: Deque::new(),
         }
     }
@@ -194,11 +202,12 @@ impl Sampler {
             | Signal::ParasiticTorque
             | Signal::OutputShaftSpeed
             | Signal::SelectedGear
-            | Signal::Passengers
-            | Signal::Fan
-            | Signal::YawRate
-            | Signal::Course
-            | Signal::GnssSpeed => {}
+            | Signal::Passengers => {}
+            Signal::Fan | Signal::YawRate | Signal::Course | Signal::GnssSpeed => {
+                let speed_mps = self.odometer.speed_mps();
+                self.circumstances
+                    .record(now, reading.signal, value, speed_mps);
+            }
         }
     }
 
@@ -228,9 +237,10 @@ impl Sampler {
         value: Option<f32>,
         counters: &mut Counters,
     ) {
-        let Some(speed_mps) = value.filter(|mps| SPEEDS_MPS.contains(mps)) else {
+        let Some(told_mps) = value.filter(|mps| SPEEDS_MPS.contains(mps)) else {
             return;
         };
+        let speed_mps = told_mps * vehicle.effects.factor(Acts::WheelRadius);
         counters.speeds_used = counters.speeds_used.saturating_add(1);
         self.follow_driveline(vehicle, tuning, now, Some(speed_mps));
         self.switches.hold(tuning, now);
@@ -257,12 +267,14 @@ impl Sampler {
             gnss,
             odometer,
             surroundings,
+            circumstances,
             samples,
             ..
         } = self;
+        let traction_factor = vehicle.effects.factor(Acts::Traction);
         let bridged = odometer.drive(now, speed_mps, between, |driven| {
             let load = Load {
-                traction_n: driven.mean_force_n,
+                traction_n: driven.mean_force_n * traction_factor,
                 rotating_kg: traction.rotating_kg(vehicle),
                 mass_kg: stops.mass_kg(vehicle),
                 air_density: surroundings.air_density(),
@@ -289,6 +301,12 @@ impl Sampler {
                 length_m: CELL_LENGTH_M,
                 duration_s: driven.duration_s,
                 load,
+                circumstances: Circumstances {
+                    driven_s: stops.driven_s(),
+                    ambient_celsius: surroundings.ambient.last().into(),
+                    engaged: traction.arrives(vehicle),
+                    ..circumstances.take(driven.time, driven.speed_mps)
+                },
                 speed: driven.speed,
                 altitude: gnss.altitude_before(CELL_LENGTH_M),
                 reopened: stops.take_reopening(vehicle, tuning),

@@ -1,5 +1,6 @@
 //! What a stop may change: the mass as the vehicle tells it, and all that was learned of the load.
 
+use crate::effect::Acts;
 use crate::time::{Duration, Instant};
 use crate::tuning::Tuning;
 use crate::vehicle::VehicleParameters;
@@ -24,6 +25,8 @@ pub(super) struct Stops {
     /// The mass at which scale and bias were last as good as unknown.
     learned_kg: Option<f32>,
     was_long: bool,
+    /// Time in motion since the start or the last long stop.
+    driven: Duration,
 }
 
 impl Stops {
@@ -37,12 +40,18 @@ impl Stops {
             // Nobody knows what happened meanwhile; that it stood is the most likely.
             self.was_long = true;
             self.weighing_until = Some(now + WEIGHING);
+            self.driven = Duration::default();
+        } else if self.standing_since.is_none() {
+            self.driven = Duration::from_micros(self.driven.micros() + silent.micros());
         }
         if speed_mps < STANDING_MPS {
             self.standing_since.get_or_insert(now);
         } else if let Some(since) = self.standing_since.take() {
             let stood = now.since(since);
-            self.was_long |= stood >= tuning.long_stop;
+            if stood >= tuning.long_stop {
+                self.was_long = true;
+                self.driven = Duration::default();
+            }
             if stood >= tuning.stop {
                 self.weighing_until = Some(now + WEIGHING);
             }
@@ -72,7 +81,14 @@ impl Stops {
 
     /// The mass that counts, kg; the parameter if none was told.
     pub(super) fn mass_kg(&self, vehicle: &VehicleParameters) -> f32 {
-        self.told_kg.unwrap_or(vehicle.mass_kg)
+        self.told_kg.unwrap_or(vehicle.mass_kg) * vehicle.effects.factor(Acts::Mass)
+    }
+
+    /// Time in motion since the start or the last long stop, s. Tyres cool down in such a stop, not
+    /// in one that only changes the load.
+    pub(super) fn driven_s(&self) -> f32 {
+        // Days, unlike other spans.
+        self.driven.micros() as f32 * 1e-6
     }
 
     /// Whether a stop since the last call may have undone what was learned of the vehicle.

@@ -93,6 +93,14 @@ impl TractionInput {
         }
     }
 
+    /// Whether the driveline passes torque now; a measured force always arrives.
+    pub(super) fn arrives(&self, vehicle: &VehicleParameters) -> bool {
+        match vehicle.traction {
+            Traction::Force => true,
+            Traction::Powertrain(_) => matches!(self.driveline, Driveline::Engaged(_)),
+        }
+    }
+
     /// Mean force since the last call, N.
     pub(super) fn take_mean_n(&mut self, now: Instant) -> f32 {
         self.integral.take_mean(now)

@@ -1,5 +1,7 @@
 //! The vehicle: parameters, and the force balance of the thesis (eq. 1-9).
 
+use crate::effect::{Acts, Effects};
+
 mod powertrain;
 mod resistance;
 
@@ -24,12 +26,16 @@ pub struct VehicleParameters {
     pub wheel_inertia_kgm2: f32,
     /// Where the traction force comes from.
     pub traction: Traction,
+    /// What it is known to have besides.
+    pub effects: Effects,
 }
 
 /// A parameter that no vehicle can have.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct ParameterError {
+    /// The effect that it is of, if it is of one.
+    pub effect: Option<&'static str>,
     /// Key in the vehicle file.
     pub key: &'static str,
     /// The value found.
@@ -40,11 +46,24 @@ pub struct ParameterError {
 
 impl core::fmt::Display for ParameterError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        if let Some(effect) = self.effect {
+            write!(f, "effects.{effect}.")?;
+        }
         write!(
             f,
             "{} = {}: expected {}",
             self.key, self.value, self.expected
         )
+    }
+}
+
+impl ParameterError {
+    /// The same of an effect.
+    pub(crate) const fn of_effect(self, name: &'static str) -> Self {
+        Self {
+            effect: Some(name),
+            ..self
+        }
     }
 }
 
@@ -61,6 +80,7 @@ pub(crate) fn check(
         Ok(())
     } else {
         Err(ParameterError {
+            effect: None,
             key,
             value,
             expected,
@@ -110,9 +130,15 @@ impl VehicleParameters {
             "0 to 10000 kg m²",
         )?;
         match &self.traction {
-            Traction::Powertrain(powertrain) => powertrain.check(),
-            Traction::Force => Ok(()),
+            Traction::Powertrain(powertrain) => powertrain.check()?,
+            Traction::Force => {}
         }
+        self.effects.check()
+    }
+
+    /// Radius that the driven wheels are believed to have, m.
+    pub(crate) fn believed_radius_m(&self) -> f32 {
+        self.wheel_radius_m * self.effects.factor(Acts::WheelRadius)
     }
 }
 

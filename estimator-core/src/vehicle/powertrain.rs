@@ -103,6 +103,7 @@ impl Powertrain {
         )?;
         if self.gears.is_empty() {
             return Err(ParameterError {
+                effect: None,
                 key: "powertrain.gears",
                 value: 0.0,
                 expected: "at least one gear, first gear first",
@@ -194,7 +195,7 @@ impl VehicleParameters {
                     * gear.efficiency
                     * p.final_drive_ratio
                     * p.final_drive_efficiency
-                    / self.wheel_radius_m
+                    / self.believed_radius_m()
             }
             _ => 0.0,
         }
@@ -210,6 +211,7 @@ impl VehicleParameters {
             }
             _ => 0.0,
         };
-        (self.wheel_inertia_kgm2 + engine) / (self.wheel_radius_m * self.wheel_radius_m)
+        let radius_m = self.believed_radius_m();
+        (self.wheel_inertia_kgm2 + engine) / (radius_m * radius_m)
     }
 }

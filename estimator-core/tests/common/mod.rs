@@ -6,11 +6,11 @@ pub mod drive;
 pub mod hilly_drive;
 
 use estimator_core::filter::{Backward, Filter, Record};
-use estimator_core::sampler::{AltitudeMeasurement, Sample, SpeedMeasurement};
+use estimator_core::sampler::{AltitudeMeasurement, Circumstances, Sample, SpeedMeasurement};
 use estimator_core::vehicle::Load;
 use estimator_core::{
-    CELL_LENGTH_M, Condition, Counters, Estimate, Gear, Instant, Place, Powertrain, Scalar,
-    Traction, Tuning, VehicleParameters,
+    CELL_LENGTH_M, Condition, Counters, Effects, Estimate, Gear, Instant, Place, Powertrain,
+    Scalar, Traction, Tuning, VehicleParameters,
 };
 
 /// A 39 t semi-trailer combination.
@@ -30,6 +30,7 @@ pub fn truck() -> VehicleParameters {
         rolling_resistance: 0.0065,
         wheel_radius_m: 0.5,
         wheel_inertia_kgm2: 100.0,
+        effects: Effects::default(),
         traction: Traction::Powertrain(Powertrain {
             engine_inertia_kgm2: 3.8,
             reference_torque_nm: 1_750.0,
@@ -60,6 +61,7 @@ pub fn sample(cell: u32, traction_n: f32, speed_mps: f32) -> Sample {
             mass_kg: 39_000.0,
             air_density: 1.2,
         },
+        circumstances: Circumstances::default(),
         speed: None,
         altitude: None,
         reopened: false,

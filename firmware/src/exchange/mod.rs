@@ -6,7 +6,7 @@
 //!
 //! | `drive.bin`          | words | content                                                     |
 //! |----------------------|-------|-------------------------------------------------------------|
-//! | header, once         | 60    | see [`vehicle`]                                             |
+//! | header, once         | 132   | see [`vehicle`]                                             |
 //! | record, one a frame  | 6     | time in µs (2), identifier, length, data (2); see [`frame`] |
 //!
 //! | `cells.bin`          | words | content                                                     |

@@ -13,7 +13,7 @@ pub use split::{Direction, Pass};
 
 use crate::error::Result;
 use crate::vehicle_file::VehicleFile;
-use estimator_core::{Traction, VehicleParameters};
+use estimator_core::{Effects, Traction, VehicleParameters};
 use std::ops::Range;
 use std::path::Path;
 
@@ -142,6 +142,7 @@ impl Mission {
                 rolling_resistance: 0.008,
                 wheel_radius_m: 0.48,
                 wheel_inertia_kgm2: 100.0,
+                effects: Effects::default(),
                 traction: Traction::Force,
             },
         }

@@ -5,10 +5,11 @@ use crate::baseline::{Drive, Point, Profile, STEP_M};
 use crate::smooth::smooth_run;
 use estimator_core::filter::Filter;
 use estimator_core::lag::Lag;
-use estimator_core::sampler::{AltitudeMeasurement, Sample, SpeedMeasurement};
+use estimator_core::sampler::{AltitudeMeasurement, Circumstances, Sample, SpeedMeasurement};
 use estimator_core::vehicle::Load;
 use estimator_core::{
-    Cell, Condition, Counters, Instant, Place, Traction, Tuning, Uncertain, VehicleParameters,
+    Cell, Condition, Counters, Effects, Instant, Place, Traction, Tuning, Uncertain,
+    VehicleParameters,
 };
 use std::iter::from_fn;
 
@@ -63,6 +64,7 @@ fn believed(drive: &Drive) -> VehicleParameters {
         rolling_resistance: drive.rolling_resistance as f32,
         wheel_radius_m: 0.5,
         wheel_inertia_kgm2: 0.0,
+        effects: Effects::default(),
         traction: Traction::Force,
     }
 }
@@ -101,6 +103,8 @@ fn samples(drive: &Drive) -> Vec<Sample> {
                 mass_kg: drive.mass_kg as f32,
                 air_density: before.air_density as f32,
             },
+            // What effects depend on: the vehicle has none.
+            circumstances: Circumstances::default(),
             speed: Some(SpeedMeasurement {
                 mean_mps: point.speed_mps as f32,
                 behind_m: 0.0,

@@ -1,0 +1,16 @@
+//! A drag area that the parameter does not have.
+
+use super::{Acts, Bounds, Effect, drag_n};
+
+/// F = ½ ρ a v².
+pub static EFFECT: Effect = Effect {
+    name: "air_drag",
+    unit: "m²",
+    about: "The drag area is larger by the amount: another trailer or load, or a parameter that is wrong.",
+    source: "thesis eq. 5",
+    typical: 0.6,
+    range: Bounds::new(-20.0, 30.0, "-20 to 30 m²"),
+    details: &[],
+    acts: Acts::Resists,
+    physics: |_, sample, _, amount| drag_n(amount, sample, sample.place.speed_mps),
+};

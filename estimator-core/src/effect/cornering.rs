@@ -1,0 +1,24 @@
+//! Tyres that run at an angle in a bend.
+
+use super::{Acts, Bounds, Effect, weight_n};
+use crate::vehicle::GRAVITY;
+
+/// F = a m g (v ψ' / g)²: the side force over the cornering stiffness is the slip angle, and the
+/// side force has a part along the road of as much.
+pub static EFFECT: Effect = Effect {
+    name: "cornering",
+    unit: "rad",
+    about: "In a bend tyres slip sideways; the amount is the angle for a side force as large as the weight (one over the cornering stiffness).",
+    source: "linear tyre, stiffness 5.5 a radian; bogies that scrub have more: TRL report SR 484",
+    typical: 0.2,
+    range: Bounds::new(-1.0, 5.0, "-1 to 5 rad"),
+    details: &[],
+    acts: Acts::Resists,
+    physics: |_, sample, _, amount| {
+        let Some(yaw_rate_radps) = sample.circumstances.yaw_rate_radps.get() else {
+            return 0.0;
+        };
+        let sideways = sample.place.speed_mps * yaw_rate_radps / GRAVITY;
+        amount * weight_n(sample) * sideways * sideways
+    },
+};

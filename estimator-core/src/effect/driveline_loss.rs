@@ -1,0 +1,22 @@
+//! A driveline that loses more than its efficiency says.
+
+use super::{Acts, Bounds, Effect};
+
+/// F = a |traction|, driving and driven.
+pub static EFFECT: Effect = Effect {
+    name: "driveline_loss",
+    unit: "1",
+    about: "Gearbox, shafts and axle lose this part of the traction force besides the losses that are known, in either direction.",
+    source: "thesis eq. 2 to 4; cold oil takes 0.03 to 0.12 (Transport Canada 1994)",
+    typical: 0.04,
+    range: Bounds::new(-0.3, 0.5, "-0.3 to 0.5"),
+    details: &[],
+    acts: Acts::Resists,
+    physics: |_, sample, _, amount| {
+        if sample.circumstances.engaged {
+            amount * sample.load.traction_n.abs()
+        } else {
+            0.0
+        }
+    },
+};

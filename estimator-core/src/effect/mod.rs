@@ -1,0 +1,160 @@
+//! What the force balance of the thesis (eq. 9) lacks: one file an effect.
+//!
+//! An effect is a force that resists, or a scale of what the model is told. Each has one number,
+//! its amount, with a unit, and says what force a model misses that does not have it. A positive
+//! amount resists: without the effect the road reads as steeper than it is (only
+//! [`torque_scale`] is the other way round, as more torque drives).
+//!
+//! A vehicle adopts effects with amounts and their uncertainty ([`VehicleParameters::effects`]);
+//! the estimator then counts with them. Another effect takes its file and one line in the list
+//! below.
+
+mod adopted;
+mod details;
+
+pub use adopted::{Adopted, Effects};
+pub use details::{Bounds, Detail, Details, MAX_DETAILS};
+
+use crate::sampler::Sample;
+use crate::vehicle::{GRAVITY, VehicleParameters};
+
+macro_rules! catalogue {
+    ($($name:ident,)*) => {
+        $(pub mod $name;)*
+
+        /// Number of effects that there are.
+        pub const MAX_EFFECTS: usize = [$(stringify!($name)),*].len();
+
+        /// Every effect.
+        pub static CATALOGUE: [&Effect; MAX_EFFECTS] = [$(&$name::EFFECT),*];
+    };
+}
+
+catalogue! {
+    rolling_resistance,
+    tyre_warmup,
+    air_drag,
+    headwind,
+    cornering,
+    driveline_loss,
+    auxiliary_load,
+    mass,
+    torque_scale,
+    wheel_radius,
+    brake_drag,
+    road_surface,
+}
+
+/// Something that the base model lacks.
+#[derive(Debug)]
+pub struct Effect {
+    /// Its name, in vehicle files and reports.
+    pub name: &'static str,
+    /// Unit of the amount; "1" if it has none.
+    pub unit: &'static str,
+    /// Its physics in a sentence.
+    pub about: &'static str,
+    /// Where that and the usual amounts come from.
+    pub source: &'static str,
+    /// 1 sigma of the amounts that vehicles and roads have.
+    pub typical: f32,
+    /// Amounts that can be.
+    pub range: Bounds,
+    /// What else it depends on besides its amount.
+    pub details: &'static [Detail],
+    /// Where it enters the model.
+    pub acts: Acts,
+    /// What [`force_n`](Self::force_n) is.
+    pub physics: Physics,
+}
+
+/// Force in N that the model misses in a cell without an effect of this amount.
+pub type Physics = fn(&VehicleParameters, &Sample, &Details, f32) -> f32;
+
+/// Where an effect enters the model.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Acts {
+    /// As a force that resists.
+    Resists,
+    /// The mass is larger by the amount, the parameter and what is told on the bus.
+    Mass,
+    /// The traction force is larger by the amount, whatever tells it.
+    Traction,
+    /// The wheels are larger by the amount: so are speed and distance, and the force of a torque is
+    /// smaller.
+    WheelRadius,
+}
+
+impl Effect {
+    /// The effect of this name.
+    #[must_use]
+    pub fn named(name: &str) -> Option<&'static Self> {
+        CATALOGUE.into_iter().find(|effect| effect.name == name)
+    }
+
+    /// Force in N that a model without it misses in a cell, positive if it resists; none where the
+    /// circumstances that it depends on are not known.
+    ///
+    /// For effects that scale what the model is told, to first order, for a sample made without.
+    #[must_use]
+    pub fn force_n(
+        &self,
+        vehicle: &VehicleParameters,
+        sample: &Sample,
+        details: &Details,
+        amount: f32,
+    ) -> f32 {
+        let force_n = (self.physics)(vehicle, sample, details, amount);
+        if force_n.is_finite() { force_n } else { 0.0 }
+    }
+
+    /// Change of [`force_n`](Self::force_n) with the amount, N per unit of it.
+    #[must_use]
+    pub fn derivative_n(
+        &self,
+        vehicle: &VehicleParameters,
+        sample: &Sample,
+        details: &Details,
+        amount: f32,
+    ) -> f32 {
+        // Central: exact for forces that are linear or square in the amount.
+        let step = 0.5 * self.typical;
+        let at = |amount| self.force_n(vehicle, sample, details, amount);
+        (at(amount + step) - at(amount - step)) / (2.0 * step)
+    }
+
+    /// The slope that one unit of the amount reads as where the model lacks it, %.
+    #[must_use]
+    pub fn slope_percent(
+        &self,
+        vehicle: &VehicleParameters,
+        sample: &Sample,
+        details: &Details,
+        amount: f32,
+    ) -> f32 {
+        let weight_n = sample.load.mass_kg * GRAVITY;
+        100.0 * self.derivative_n(vehicle, sample, details, amount) / weight_n
+    }
+}
+
+/// Effects are told apart by their names.
+impl PartialEq for Effect {
+    fn eq(&self, other: &Self) -> bool {
+        self.name == other.name
+    }
+}
+
+/// Weight, N.
+fn weight_n(sample: &Sample) -> f32 {
+    sample.load.mass_kg * GRAVITY
+}
+
+/// Air resistance as the base model has it (thesis eq. 5), N.
+fn base_drag_n(vehicle: &VehicleParameters, sample: &Sample) -> f32 {
+    drag_n(vehicle.drag_area_m2, sample, sample.place.speed_mps)
+}
+
+/// Air resistance of an area in air that comes at a speed; air from behind pushes, N.
+fn drag_n(area_m2: f32, sample: &Sample, air_mps: f32) -> f32 {
+    0.5 * area_m2 * sample.load.air_density * air_mps * air_mps.abs()
+}

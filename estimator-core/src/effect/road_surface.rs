@@ -1,0 +1,61 @@
+//! A rough stretch of road.
+
+use super::{Acts, Bounds, Detail, Effect, weight_n};
+use crate::maybe::Maybe;
+
+/// Metres in a degree of latitude: the meridian of 40,008 km over 360.
+const M_PER_DEG: f32 = 111_132.0;
+
+/// F = a m g within half the length around the place. A coordinate that is absent does not count.
+pub static EFFECT: Effect = Effect {
+    name: "road_surface",
+    unit: "1",
+    about: "On a stretch of road the coefficient of rolling resistance is larger by the amount: gravel, coarse or broken surface.",
+    source: "rough texture adds 0.001 to 0.0017 a mm of mean profile depth",
+    typical: 0.0015,
+    range: Bounds::new(-0.02, 0.1, "-0.02 to 0.1"),
+    details: &[
+        Detail {
+            key: "latitude_deg",
+            about: "latitude of the middle of the stretch, °; absent: any",
+            default: Maybe::NONE,
+            range: Bounds::new(-90.0, 90.0, "-90 to 90°"),
+        },
+        Detail {
+            key: "longitude_deg",
+            about: "longitude of the middle of the stretch, °; absent: any",
+            default: Maybe::NONE,
+            range: Bounds::new(-180.0, 180.0, "-180 to 180°"),
+        },
+        Detail {
+            key: "length_m",
+            about: "length of the stretch, m",
+            default: Maybe::some(1_000.0),
+            range: Bounds::new(1.0, 1e6, "1 to 1000000 m"),
+        },
+    ],
+    acts: Acts::Resists,
+    physics: |_, sample, details, amount| {
+        let [latitude_deg, longitude_deg, Some(length_m)] = details.map(Maybe::get) else {
+            return 0.0;
+        };
+        let somewhere = latitude_deg.is_some() || longitude_deg.is_some();
+        let off_m = match sample.place.position_e7 {
+            Some((latitude_e7, longitude_e7)) => {
+                let degrees = |e7: i32| e7 as f32 * 1e-7;
+                let here_deg = degrees(latitude_e7);
+                let north_deg = here_deg - latitude_deg.unwrap_or(here_deg);
+                let east_deg = longitude_deg.map_or(0.0, |there| degrees(longitude_e7) - there);
+                let east_deg = east_deg * libm::cosf(here_deg.to_radians());
+                M_PER_DEG * libm::sqrtf(north_deg * north_deg + east_deg * east_deg)
+            }
+            None if somewhere => return 0.0,
+            None => 0.0,
+        };
+        if off_m <= 0.5 * length_m {
+            amount * weight_n(sample)
+        } else {
+            0.0
+        }
+    },
+};

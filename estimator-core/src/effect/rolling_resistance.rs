@@ -1,0 +1,16 @@
+//! A rolling resistance that the parameter does not have.
+
+use super::{Acts, Bounds, Effect, weight_n};
+
+/// F = a m g.
+pub static EFFECT: Effect = Effect {
+    name: "rolling_resistance",
+    unit: "1",
+    about: "The coefficient of rolling resistance is larger by the amount: weather, wet or rough roads, tyres.",
+    source: "thesis eq. 6; ISO 28580 (0.6 % of it a kelvin); rough texture 0.001 to 0.0017 a mm of depth",
+    typical: 0.001,
+    range: Bounds::new(-0.02, 0.1, "-0.02 to 0.1"),
+    details: &[],
+    acts: Acts::Resists,
+    physics: |_, sample, _, amount| amount * weight_n(sample),
+};
