@@ -3,6 +3,7 @@
 
 pub mod dense;
 pub mod drive;
+pub mod effect_drive;
 pub mod hilly_drive;
 
 use estimator_core::filter::{Backward, Filter, Record};
