@@ -72,12 +72,21 @@ fn reads_percent(adopted: &Adopted, vehicle: &VehicleParameters, sample: &Sample
     100.0 * adopted.force_n(vehicle, sample) / (sample.load.mass_kg * GRAVITY)
 }
 
+/// Effect, amount, details, slope in %, and what it reads as on A and B, %.
+type Row = (
+    &'static str,
+    f32,
+    &'static [(&'static str, f32)],
+    f32,
+    [f32; 2],
+);
+
 #[test]
 fn forces_are_those_of_the_literature() {
     // Grade-equivalent at 80 km/h, worked out by hand: A, B.
     let flat = 0.0;
     #[rustfmt::skip]
-    let table: [(&str, f32, &[(&str, f32)], f32, [f32; 2]); 24] = [
+    let table: [Row; 24] = [
         // The whole of the resistances.
         ("rolling_resistance", 0.007, &[], flat, [0.70, 0.70]),
         ("air_drag", 6.0, &[], flat, [0.464, 1.508]),

@@ -42,8 +42,11 @@ fn difference(one: &[Estimate], other: &[Estimate]) -> f32 {
     (squares.sum::<f32>() / count as f32).sqrt()
 }
 
+/// Traction as the bus tells it, N.
+type Told = fn(&Moment) -> f32;
+
 /// What a vehicle has, and how the bus then tells its traction.
-fn resisting() -> Vec<(Adopted, fn(&Moment) -> f32)> {
+fn resisting() -> Vec<(Adopted, Told)> {
     let half_way = START_LATITUDE_DEG + 4.0 * DEG_PER_KM;
     let stretch = [("latitude_deg", half_way), ("length_m", 4_000.0)];
     let wind = [("from_deg", 60.0)];

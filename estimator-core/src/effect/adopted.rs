@@ -130,6 +130,7 @@ impl Effects {
 
     /// What a quantity of the model is to be multiplied with.
     #[must_use]
+    #[inline(never)] // One copy for all the places that ask: flash is dear.
     pub fn factor(&self, acts: Acts) -> f32 {
         self.acting(acts)
             .map(|adopted| 1.0 + adopted.amount)

@@ -6,8 +6,44 @@
 //! [`torque_scale`] is the other way round, as more torque drives).
 //!
 //! A vehicle adopts effects with amounts and their uncertainty ([`VehicleParameters::effects`]);
-//! the estimator then counts with them. Another effect takes its file and one line in the list
-//! below.
+//! the estimator then counts with them.
+//!
+//! # Another effect
+//!
+//! It takes its file in this folder and its line in the list below; vehicle files, `check`, the
+//! filter's covariance and what is kept between drives know it from then on. Say that roads are wet
+//! just above freezing, and that this adds to the rolling resistance. The file,
+//! `wet_road.rs`:
+//!
+//! ```
+//! # use estimator_core::vehicle::GRAVITY;
+//! use estimator_core::effect::{Acts, Bounds, Effect}; // in the folder: use super::{…}
+//!
+//! /// F = a m g between 0 and 5 °C.
+//! pub static EFFECT: Effect = Effect {
+//!     name: "wet_road",
+//!     unit: "1",
+//!     about: "Near freezing roads are wet: the coefficient of rolling resistance is larger by the amount.",
+//!     source: "wet roads add 10 to 20 % of it",
+//!     typical: 0.001,
+//!     range: Bounds::new(0.0, 0.01, "0 to 0.01"),
+//!     details: &[],
+//!     acts: Acts::Resists,
+//!     physics: |_vehicle, sample, _details, amount| {
+//!         let Some(celsius) = sample.circumstances.ambient_celsius.get() else {
+//!             return 0.0;
+//!         };
+//!         if (0.0..=5.0).contains(&celsius) {
+//!             amount * sample.load.mass_kg * GRAVITY
+//!         } else {
+//!             0.0
+//!         }
+//!     },
+//! };
+//! ```
+//!
+//! and its line, `wet_road,`. A vehicle file may then have `[effects.wet_road]` with `amount` and
+//! `amount_sigma`.
 
 mod adopted;
 mod details;
