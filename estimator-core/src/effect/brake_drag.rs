@@ -7,7 +7,7 @@ pub static EFFECT: Effect = Effect {
     name: "brake_drag",
     unit: "N",
     about: "Brakes that do not let go, or bearings, resist with a constant force that does not grow with the load.",
-    source: "a force in the balance of thesis eq. 9; some 100 N a dragging disc",
+    source: "a constant force in thesis eq. 9; its usual size is a guess: 0.1 % of 39 t",
     typical: 300.0,
     range: Bounds::new(-5_000.0, 20_000.0, "-5000 to 20000 N"),
     details: &[],
