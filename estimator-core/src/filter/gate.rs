@@ -1,15 +1,21 @@
 //! Which altitudes to believe.
 //!
-//! A fix whose innovation is beyond what its variance allows is left out. A single one is an
-//! outlier. Several in a row, all off by about as much, are a step of the receiver's slow error
-//! (other satellites, a street canyon): that error is reopened by as much and takes the step
-//! up; altitude, slope, bias and scale stay what they were.
+//! * A fix whose innovation is beyond what its variance allows is left out. A single one is an
+//!   outlier. Several in a row, all off by about as much, are a step of the receiver's slow error
+//!   (other satellites, a street canyon): that error is reopened by as much and takes the step
+//!   up; altitude, slope, bias and scale stay what they were.
+//! * Fixes that climb unlike the vehicle model over hundreds of metres drift: they are left out
+//!   until they climb with it again. If they never do, it is the model that is off, and they are
+//!   believed.
+//! * After another source took over, or a long silence, the altitude is set anew, and only that.
 //!
 //! How noisy single fixes are and how far the slow error wanders is learned: receivers differ by
 //! a factor of ten in both. A gate that takes a noisy one for a good one would pick the fixes that
 //! please it, and a filter that takes a good one for a noisy one would not learn the bias from it.
 
+use super::climb::{Climb, Fixed, Way};
 use super::learned::{SensorNoise, SlowSpread, Spread};
+use super::state::State;
 use crate::scalar::Scalar;
 
 /// Normalised squared innovation beyond which a fix is left out: five standard deviations. Errors
@@ -20,8 +26,38 @@ const PATIENCE: u8 = 4;
 /// A step is one if the fixes left out agree within this part of their offset.
 const AGREEMENT: f32 = 0.5;
 
+/// Normalised squared difference of the climbs from which fixes drift, and below which they do no
+/// longer.
+const DRIFTS: f32 = 16.0;
+const CLIMBS: f32 = 4.0;
+/// Fixes in a row that must say so.
+const CERTAINTY: u8 = 3;
+/// Way over which they must climb with the model again, m.
+const STEADY_M: f32 = 300.0;
+/// Way after which it is the model that is off, and for how long it is then, m.
+const LONGEST_DRIFT_M: f32 = 2_500.0;
+const MODEL_IS_OFF_M: f32 = 5_000.0;
+
 /// Time over which the slow error of GNSS is told from the receiver's noise, s.
 const ERROR_STRETCH_S: f32 = 16.0;
+
+/// What became of an altitude, beyond being used.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum AltitudeEvent {
+    /// Left out: it did not fit.
+    Outlier,
+    /// The receiver's slow error stepped by about this much, m.
+    Stepped(f32),
+    /// It climbs unlike the road since this cell, and is left out from now on.
+    DriftBegan(u32),
+    /// The drift that began at this cell is over.
+    DriftEnded(u32),
+    /// What looked like a drift lasts too long for one: it is believed.
+    DriftBelieved,
+    /// The altitude was set from it: the first one, from another source, or after a long silence.
+    SetAnew,
+}
 
 /// What to do with a fix.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,15 +70,44 @@ pub(super) enum Verdict {
     Reopen(f32),
     /// Set the altitude from it: there was none, or it counts from another datum.
     SetAnew,
+    /// The same, and the slope that the model reads may be off by this much, %.
+    Believe(f32),
+}
+
+/// Whether fixes drift.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Drift {
+    /// No; so many fixes in a row say otherwise.
+    None { doubts: u8 },
+    /// Since a cell, and left out for a way so far.
+    Since { cell: u32, for_m: f32 },
+    /// The model is off, for this way yet.
+    Believed { for_m: f32 },
 }
 
 /// Remembers the fixes left out in a row, and how noisy fixes were.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Gate {
     rejected: u8,
     offset_m: f32,
+    silent_s: f32,
+    drift: Drift,
+    climb: Climb,
     spread: Spread,
     error_spread: SlowSpread,
+}
+
+/// A fix as the filter sees it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Judged<S> {
+    /// Measured minus predicted, m.
+    pub innovation: S,
+    /// Variance of that, m².
+    pub variance: S,
+    /// Cell at whose end it is.
+    pub cell: u32,
+    /// For the comparison of climbs.
+    pub fixed: Fixed,
 }
 
 impl Gate {
@@ -51,6 +116,9 @@ impl Gate {
         Self {
             rejected: 0,
             offset_m: 0.0,
+            silent_s: 0.0,
+            drift: Drift::None { doubts: 0 },
+            climb: Climb::default(),
             // A fifth to ten times the believed sigma; some thirty fixes.
             spread: Spread::new(noise.altitude, 0.05, 100.0, 0.03),
             error_spread: SlowSpread::new(noise.gnss_error, ERROR_STRETCH_S),
@@ -67,27 +135,76 @@ impl Gate {
         self.error_spread.ratio()
     }
 
-    /// Time goes on.
-    pub(super) fn pass(&mut self, duration_s: f32) {
-        self.error_spread.pass(duration_s);
+    /// Time since the last fix, s.
+    pub(super) const fn silent_s(&self) -> f32 {
+        self.silent_s
     }
 
-    /// Forgets the fixes left out.
+    /// Goes over a cell.
+    pub(super) fn pass(&mut self, way: Way) {
+        self.error_spread.pass(way.duration_s);
+        self.silent_s += way.duration_s;
+        self.climb.drive(way);
+        match &mut self.drift {
+            Drift::None { .. } => {}
+            Drift::Since { for_m, .. } => *for_m += way.length_m,
+            Drift::Believed { for_m } => {
+                *for_m -= way.length_m;
+                if *for_m <= 0.0 {
+                    self.drift = Drift::None { doubts: 0 };
+                }
+            }
+        }
+    }
+
+    /// What came before says nothing of what comes.
     pub(super) fn forget(&mut self) {
+        self.forget_rejected();
+        self.silent_s = 0.0;
+        self.drift = Drift::None { doubts: 0 };
+        self.climb.forget();
+        self.error_spread.interrupt();
+    }
+
+    fn forget_rejected(&mut self) {
         self.rejected = 0;
         self.offset_m = 0.0;
     }
 
-    /// Judges a fix by its innovation, m, and the innovation's variance.
-    pub(super) fn judge<S: Scalar>(&mut self, innovation: S, variance: S) -> Verdict {
-        let offset_m = innovation.to_f32();
-        let normalised = offset_m * offset_m / variance.to_f32();
-        self.spread.learn(normalised);
-        if normalised <= LIMIT {
-            self.error_spread.learn(offset_m / variance.sqrt().to_f32());
-            self.forget();
-            return Verdict::Fuse;
+    /// Judges a fix by how it fits the state before the measurements.
+    pub(super) fn judge<S: Scalar>(
+        &mut self,
+        judged: &Judged<S>,
+        state: &State<S>,
+    ) -> (Verdict, Option<AltitudeEvent>) {
+        self.silent_s = 0.0;
+        let offset_m = judged.innovation.to_f32();
+        let variance = judged.variance.to_f32();
+        let normalised = offset_m * offset_m / variance;
+        if let Drift::Since { cell, for_m } = self.drift {
+            return self.while_drifting(judged, state, (cell, for_m));
         }
+        self.spread.learn(normalised);
+        if normalised > LIMIT {
+            return self.beyond(offset_m);
+        }
+        self.forget_rejected();
+        if let Some(since_cell) = self.found_drift(&judged.fixed) {
+            self.drift = Drift::Since {
+                cell: since_cell,
+                for_m: 0.0,
+            };
+            self.climb.forget();
+            self.error_spread.interrupt();
+            return (Verdict::Reject, Some(AltitudeEvent::DriftBegan(since_cell)));
+        }
+        self.climb.remember(judged.cell, &judged.fixed, state);
+        self.error_spread.learn(offset_m / libm::sqrtf(variance));
+        (Verdict::Fuse, None)
+    }
+
+    /// A single fix that does not fit.
+    fn beyond(&mut self, offset_m: f32) -> (Verdict, Option<AltitudeEvent>) {
         self.error_spread.interrupt();
         let agrees = (offset_m - self.offset_m).abs() <= AGREEMENT * offset_m.abs();
         self.rejected = if agrees {
@@ -97,9 +214,57 @@ impl Gate {
         };
         self.offset_m = offset_m;
         if self.rejected < PATIENCE {
-            return Verdict::Reject;
+            return (Verdict::Reject, Some(AltitudeEvent::Outlier));
         }
-        self.forget();
-        Verdict::Reopen(offset_m)
+        self.forget_rejected();
+        self.climb.forget();
+        (
+            Verdict::Reopen(offset_m),
+            Some(AltitudeEvent::Stepped(offset_m)),
+        )
+    }
+
+    /// The cell since which fixes climb unlike the road, once that is certain.
+    fn found_drift(&mut self, fixed: &Fixed) -> Option<u32> {
+        let Drift::None { doubts } = &mut self.drift else {
+            return None;
+        };
+        let misfit = self
+            .climb
+            .compare(fixed, f32::INFINITY)
+            .filter(|misfit| misfit.normalised > DRIFTS);
+        *doubts = if misfit.is_some() { *doubts + 1 } else { 0 };
+        misfit
+            .filter(|_| *doubts >= CERTAINTY)
+            .map(|misfit| misfit.since_cell)
+    }
+
+    fn while_drifting<S: Scalar>(
+        &mut self,
+        judged: &Judged<S>,
+        state: &State<S>,
+        (since_cell, for_m): (u32, f32),
+    ) -> (Verdict, Option<AltitudeEvent>) {
+        let climbs_again = self
+            .climb
+            .compare(&judged.fixed, STEADY_M)
+            .is_some_and(|misfit| misfit.compared_m >= STEADY_M && misfit.normalised < CLIMBS);
+        let offset_m = judged.innovation.to_f32();
+        if climbs_again {
+            self.forget();
+            let event = AltitudeEvent::DriftEnded(since_cell);
+            (Verdict::Reopen(offset_m), Some(event))
+        } else if for_m > LONGEST_DRIFT_M {
+            self.forget();
+            self.drift = Drift::Believed {
+                for_m: MODEL_IS_OFF_M,
+            };
+            let off_percent = 100.0 * offset_m / for_m;
+            let event = AltitudeEvent::DriftBelieved;
+            (Verdict::Believe(off_percent), Some(event))
+        } else {
+            self.climb.remember(judged.cell, &judged.fixed, state);
+            (Verdict::Reject, None)
+        }
     }
 }

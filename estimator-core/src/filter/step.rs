@@ -1,14 +1,15 @@
 //! The filter: one step is one cell.
 
-use super::gate::{Gate, Verdict};
+use super::climb::{Fixed, Way};
+use super::gate::{AltitudeEvent, Gate, Judged, Verdict};
 use super::learned::{SensorNoise, Spread};
 use super::prior::{SlowStates, reopen, state_at_start};
 use super::record::{Link, Record, Trace};
 use super::state::{ALTITUDE, BIAS, ENERGY, GNSS_ERROR, SCALE, SLOPE, SLOPE_RATE, State, WIND};
-use super::transition::Transition;
+use super::transition::{Transition, wind_sigma};
 use super::update::{Observation, Update};
 use crate::counters::Counters;
-use crate::sampler::{AltitudeMeasurement, Sample, SpeedMeasurement};
+use crate::sampler::{AltitudeMeasurement, Continuity, Sample, SpeedMeasurement};
 use crate::scalar::Scalar;
 use crate::tuning::Tuning;
 use crate::vehicle::VehicleParameters;
@@ -92,7 +93,6 @@ impl<S: Scalar> Filter<S> {
             self.state.as_ref(),
             self.gate.error_spread(),
         );
-        self.gate.pass(sample.duration_s);
         let mut link = Link::Chained;
         let (mut state, energy_before) = match (self.state, sample.speed) {
             (Some(mut state), _) if sample.gap_cells == 0 => {
@@ -115,34 +115,42 @@ impl<S: Scalar> Filter<S> {
             }
             (_, None) => return None,
         };
+        self.gate.pass(way(&state, sample));
         let fix = sample.altitude.map(|altitude| Fix {
             altitude_m: altitude_at_end(&state, &altitude),
             variance: {
                 let sigma = tuning.altitude_sigma_m * altitude.dilution;
                 S::from_f32(self.gate.spread() * sigma * sigma)
             },
-            source_switched: altitude.source_switched,
+            continuity: altitude.continuity,
         });
-        let verdict = fix.as_ref().map(|fix| self.judge(&state, fix));
+        let (verdict, event) = fix.as_ref().map_or((Verdict::Reject, None), |fix| {
+            self.judge(&state, fix, vehicle, tuning, sample)
+        });
         match (&fix, verdict) {
-            (Some(fix), Some(Verdict::SetAnew)) => {
+            (Some(fix), Verdict::SetAnew | Verdict::Believe(_)) => {
+                if let Verdict::Believe(off_percent) = verdict {
+                    let variance = S::from_f32(off_percent * off_percent);
+                    state.p.add_variance(BIAS, variance);
+                }
                 set_altitude(&mut state, fix);
-                counters.altitude_resets = counters.altitude_resets.saturating_add(1);
                 link = match link {
                     Link::Chained => Link::AltitudeSet,
                     _ => Link::BrokenAltitudeSet,
                 };
             }
-            (_, Some(Verdict::Reopen(offset_m))) => {
+            (_, Verdict::Reopen(offset_m)) => {
                 state
                     .p
                     .add_variance(GNSS_ERROR, S::from_f32(offset_m * offset_m));
-                counters.altitude_steps = counters.altitude_steps.saturating_add(1);
             }
-            (_, Some(Verdict::Reject)) => {
+            (Some(_), Verdict::Reject) => {
                 counters.altitudes_rejected = counters.altitudes_rejected.saturating_add(1);
             }
             _ => {}
+        }
+        if let Some(event) = event {
+            count(counters, event);
         }
 
         let speed = sample.speed.map(|speed| {
@@ -158,7 +166,7 @@ impl<S: Scalar> Filter<S> {
             }
         }
         let altitude = fix
-            .filter(|_| matches!(verdict, Some(Verdict::Fuse | Verdict::Reopen(_))))
+            .filter(|_| matches!(verdict, Verdict::Fuse | Verdict::Reopen(_)))
             .map(|fix| {
                 let update = Update {
                     observation: Observation::Altitude,
@@ -188,18 +196,50 @@ impl<S: Scalar> Filter<S> {
                 altitude,
             },
             state,
+            event,
         })
     }
 
     /// What to do with a fix, by how it fits the state before the measurements.
-    fn judge(&mut self, state: &State<S>, fix: &Fix<S>) -> Verdict {
-        if state.origin_m.is_none() || fix.source_switched {
+    fn judge(
+        &mut self,
+        state: &State<S>,
+        fix: &Fix<S>,
+        vehicle: &VehicleParameters,
+        tuning: &Tuning,
+        sample: &Sample,
+    ) -> (Verdict, Option<AltitudeEvent>) {
+        if state.origin_m.is_none()
+            || fix.continuity == Continuity::Switched
+            || self.gate.silent_s() >= tuning.gnss_silence.seconds()
+        {
             self.gate.forget();
-            return Verdict::SetAnew;
+            return (Verdict::SetAnew, Some(AltitudeEvent::SetAnew));
+        }
+        let innovation = fix.innovation(state);
+        if fix.continuity == Continuity::Drifted {
+            self.gate.forget();
+            return (Verdict::Reopen(innovation.to_f32()), None);
         }
         let observation = Observation::Altitude;
-        let variance = observation.of(&observation.cross(&state.p)) + fix.variance;
-        self.gate.judge(fix.innovation(state), variance)
+        let error_m = state.x[GNSS_ERROR].to_f32();
+        let error_sigma_m = tuning.gnss_error_sigma_m;
+        let wind = wind_sigma(vehicle, tuning, sample);
+        let judged = Judged {
+            innovation,
+            variance: observation.of(&observation.cross(&state.p)) + fix.variance,
+            cell: sample.place.cell,
+            fixed: Fixed {
+                altitude_m: fix.altitude_m,
+                variance: fix.variance.to_f32(),
+                error_variance: (self.gate.error_spread() * error_sigma_m * error_sigma_m)
+                    .max(error_m * error_m),
+                error_time_s: tuning.gnss_error_time_s,
+                wind_variance: wind * wind,
+                wind_length_m: tuning.wind_length_m,
+            },
+        };
+        self.gate.judge(&judged, state)
     }
 }
 
@@ -238,6 +278,34 @@ fn begin<S: Scalar>(
     state
 }
 
+/// What the model reads of the way over a cell.
+fn way<S: Scalar>(state: &State<S>, sample: &Sample) -> Way {
+    let per_percent = 0.01 * sample.length_m;
+    Way {
+        length_m: sample.length_m,
+        duration_s: sample.duration_s,
+        climb_m: per_percent * state.x[SLOPE].to_f32(),
+        load_climb_m: per_percent * state.load.to_f32(),
+        doubt_m: if sample.place.condition.is_valid() {
+            0.0
+        } else {
+            per_percent * state.sigma(SLOPE).to_f32()
+        },
+    }
+}
+
+fn count(counters: &mut Counters, event: AltitudeEvent) {
+    let counter = match event {
+        AltitudeEvent::Outlier => &mut counters.altitude_outliers,
+        AltitudeEvent::Stepped(_) => &mut counters.altitude_steps,
+        AltitudeEvent::DriftBegan(_) => &mut counters.altitude_drifts,
+        AltitudeEvent::DriftEnded(_) => return,
+        AltitudeEvent::DriftBelieved => &mut counters.altitude_drifts_believed,
+        AltitudeEvent::SetAnew => &mut counters.altitude_resets,
+    };
+    *counter = counter.saturating_add(1);
+}
+
 /// The altitude carried along the slope from where it was taken to the cell's end, m.
 fn altitude_at_end<S: Scalar>(state: &State<S>, altitude: &AltitudeMeasurement) -> f32 {
     let slope_percent =
@@ -249,7 +317,7 @@ fn altitude_at_end<S: Scalar>(state: &State<S>, altitude: &AltitudeMeasurement) 
 struct Fix<S> {
     altitude_m: f32,
     variance: S,
-    source_switched: bool,
+    continuity: Continuity,
 }
 
 impl<S: Scalar> Fix<S> {
