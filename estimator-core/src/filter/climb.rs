@@ -74,11 +74,13 @@ pub(super) struct Fixed {
     pub wind_length_m: f32,
 }
 
-/// The worst disagreement found.
+/// How far the climbs differ.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Misfit {
-    /// Squared difference of the climbs over its variance.
+    /// Squared difference of the climbs over its variance, where that is largest.
     pub normalised: f32,
+    /// Its mean over all stretches; one, if all variances are right.
+    pub mean: f32,
     /// The cell since which they differ so.
     pub since_cell: u32,
     /// Length of the longest stretch compared, m.
@@ -109,6 +111,7 @@ impl Climb {
     pub(super) fn compare(&self, fixed: &Fixed, way_m: f32) -> Option<Misfit> {
         let mut worst: Option<Misfit> = None;
         let mut way = Way::default();
+        let (mut sum, mut count) = (0.0, 0.0);
         for stretch in self.stretches.iter().rev() {
             if way.length_m >= way_m {
                 break;
@@ -119,15 +122,19 @@ impl Climb {
             let difference_m = fixed.altitude_m - stretch.altitude_m - model_m;
             let variance = stretch.variance + fixed.variance + stretch.variance_over(&way, fixed);
             let normalised = difference_m * difference_m / variance;
+            sum += normalised;
+            count += 1.0;
             if worst.is_none_or(|worst| normalised >= worst.normalised) {
                 worst = Some(Misfit {
                     normalised,
+                    mean: 0.0,
                     since_cell: stretch.cell,
                     compared_m: 0.0,
                 });
             }
         }
         worst.map(|worst| Misfit {
+            mean: sum / count,
             compared_m: way.length_m,
             ..worst
         })

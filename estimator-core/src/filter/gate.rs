@@ -30,6 +30,8 @@ const AGREEMENT: f32 = 0.5;
 /// longer.
 const DRIFTS: f32 = 16.0;
 const CLIMBS: f32 = 4.0;
+/// Largest mean that teaches what is usual: a drift is not.
+const LARGEST_LESSON: f32 = 2.0;
 /// Fixes in a row that must say so.
 const CERTAINTY: u8 = 3;
 /// Way over which they must climb with the model again, m.
@@ -95,6 +97,7 @@ pub(super) struct Gate {
     climb: Climb,
     spread: Spread,
     error_spread: SlowSpread,
+    climb_spread: Spread,
 }
 
 /// A fix as the filter sees it.
@@ -122,6 +125,8 @@ impl Gate {
             // A fifth to ten times the believed sigma; some thirty fixes.
             spread: Spread::new(noise.altitude, 0.05, 100.0, 0.03),
             error_spread: SlowSpread::new(noise.gnss_error, ERROR_STRETCH_S),
+            // Up to three times what the slow error's sigma says of its growth; some hundred fixes.
+            climb_spread: Spread::new(1.0, 1.0, 10.0, 0.005),
         }
     }
 
@@ -229,10 +234,11 @@ impl Gate {
         let Drift::None { doubts } = &mut self.drift else {
             return None;
         };
-        let misfit = self
-            .climb
-            .compare(fixed, f32::INFINITY)
-            .filter(|misfit| misfit.normalised > DRIFTS);
+        let misfit = self.climb.compare(fixed, f32::INFINITY)?;
+        let spread = self.climb_spread.ratio();
+        self.climb_spread
+            .learn((misfit.mean / spread).min(LARGEST_LESSON));
+        let misfit = (misfit.normalised > DRIFTS * spread).then_some(misfit);
         *doubts = if misfit.is_some() { *doubts + 1 } else { 0 };
         misfit
             .filter(|_| *doubts >= CERTAINTY)
