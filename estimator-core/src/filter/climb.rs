@@ -12,6 +12,9 @@ use heapless::Deque;
 /// Stretches that are remembered, and the length of each, m.
 const STRETCHES: usize = 10;
 const STRETCH_M: f32 = 100.0;
+/// Largest sigma of what bias, wind and scale make of the slope with which the model can judge a
+/// receiver, %: where a drive begins, it is the model that is off.
+const LARGEST_SIGMA_PERCENT: f32 = 0.15;
 /// Error of the model's climb that grows with nothing: reading noise at both ends, m.
 const MODEL_SIGMA_M: f32 = 0.1;
 
@@ -153,6 +156,10 @@ impl Climb {
             self.stretches.pop_front();
         }
         let x = |i: usize| state.x[i].to_f32();
+        let slope_variance = correction_variance(state);
+        if slope_variance > LARGEST_SIGMA_PERCENT * LARGEST_SIGMA_PERCENT {
+            return;
+        }
         // There is room.
         let _ = self.stretches.push_back(Stretch {
             cell,
@@ -160,7 +167,7 @@ impl Climb {
             variance: fixed.variance,
             bias_percent: x(BIAS) + x(WIND),
             scale: x(SCALE),
-            slope_variance: correction_variance(state),
+            slope_variance,
             way: Way::default(),
         });
     }

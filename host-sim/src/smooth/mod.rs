@@ -22,7 +22,8 @@ pub struct Smoothed {
 /// run begins with: that of the first pass [anew](Filter::anew).
 ///
 /// Where the filter finds that GNSS drifts, it has already followed it for some hundred metres: it
-/// then goes over the run once more, without the fixes since the drift began.
+/// then goes over the run once more, without the fixes since the drift began. That pass counts if
+/// the other fixes fit it better; else it was the model that was off.
 #[must_use]
 pub fn smooth_run(
     vehicle: &VehicleParameters,
@@ -41,7 +42,10 @@ pub fn smooth_run(
     let mut records = pass(samples);
     let drifts = drifts(&records);
     if !drifts.is_empty() {
-        records = pass(&without_drifts(samples, &drifts));
+        let without = pass(&without_drifts(samples, &drifts));
+        if surprise(&without) < surprise(&records) {
+            records = without;
+        }
     }
     records
         .iter()
@@ -62,6 +66,17 @@ fn drifts(records: &[Record<f64>]) -> Vec<RangeInclusive<u32>> {
             _ => None,
         })
         .collect()
+}
+
+/// Mean of minus twice the logarithm of the likelihood of an altitude, but for a constant.
+fn surprise(records: &[Record<f64>]) -> f64 {
+    let altitudes = || records.iter().filter_map(|record| record.trace.altitude);
+    let sum: f64 = altitudes()
+        .map(|used| {
+            used.innovation.powi(2) / used.innovation_variance + used.innovation_variance.ln()
+        })
+        .sum();
+    sum / altitudes().count() as f64
 }
 
 /// The samples without the altitudes of drifts.
