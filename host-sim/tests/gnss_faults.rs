@@ -91,6 +91,7 @@ fn a_fault_costs_less_than_half_as_much_again() {
         assert_eq!(drifts, 0, "{truck}: no drift where none is");
         for (name, fault) in FAULTS {
             let (with, honest, _) = rmse(fault);
+            println!("{truck} {name:24} {with:.4} % {:.2}", with / without);
             assert!(
                 with < 1.5 * without,
                 "{truck}, {name}: {with:.4} %, {without:.4} without"

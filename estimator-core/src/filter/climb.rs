@@ -14,7 +14,7 @@ const STRETCHES: usize = 10;
 const STRETCH_M: f32 = 100.0;
 /// Largest sigma of what bias, wind and scale make of the slope with which the model can judge a
 /// receiver, %: where a drive begins, it is the model that is off.
-const LARGEST_SIGMA_PERCENT: f32 = 0.15;
+const LARGEST_SIGMA_PERCENT: f32 = 0.25;
 /// Error of the model's climb that grows with nothing: reading noise at both ends, m.
 const MODEL_SIGMA_M: f32 = 0.1;
 
@@ -26,12 +26,38 @@ struct Stretch {
     /// Altitude of the fix there, m, and its variance, m².
     altitude_m: f32,
     variance: f32,
-    /// Bias and wind, %, and scale error known there, and the variance of the slope that they
-    /// make, %².
-    bias_percent: f32,
-    scale: f32,
-    slope_variance: f32,
+    known: Correction,
     way: Way,
+}
+
+/// What was known, at one place, of how the model errs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Correction {
+    /// Grade that it reads too high for long, and as the wind comes and goes, %.
+    pub bias_percent: f32,
+    pub wind_percent: f32,
+    /// Scale error, 1.
+    pub scale: f32,
+    /// Variance of the slope that they make, %².
+    pub slope_variance: f32,
+}
+
+impl Correction {
+    /// As a state knows it.
+    pub(super) fn of<S: Scalar>(state: &State<S>) -> Self {
+        let p = |i: usize, j: usize| state.p.get(i, j).to_f32();
+        let load = state.load.to_f32();
+        let variance = p(BIAS, BIAS)
+            + p(WIND, WIND)
+            + load * load * p(SCALE, SCALE)
+            + 2.0 * (p(BIAS, WIND) - load * (p(BIAS, SCALE) + p(WIND, SCALE)));
+        Self {
+            bias_percent: state.x[BIAS].to_f32(),
+            wind_percent: state.x[WIND].to_f32(),
+            scale: state.x[SCALE].to_f32(),
+            slope_variance: variance.max(0.0),
+        }
+    }
 }
 
 /// What was driven.
@@ -84,8 +110,9 @@ pub(super) struct Misfit {
     pub normalised: f32,
     /// Its mean over all stretches; one, if all variances are right.
     pub mean: f32,
-    /// The cell since which they differ so.
+    /// The cell since which they differ so, and what was known there.
     pub since_cell: u32,
+    pub known: Correction,
     /// Length of the longest stretch compared, m.
     pub compared_m: f32,
 }
@@ -120,8 +147,10 @@ impl Climb {
                 break;
             }
             way = stretch.way.and(way);
-            let model_m = way.climb_m - 0.01 * stretch.bias_percent * way.length_m
-                + stretch.scale * way.load_climb_m;
+            let known = &stretch.known;
+            let bias_percent = known.bias_percent + known.wind_percent;
+            let model_m =
+                way.climb_m - 0.01 * bias_percent * way.length_m + known.scale * way.load_climb_m;
             let difference_m = fixed.altitude_m - stretch.altitude_m - model_m;
             let variance = stretch.variance + fixed.variance + stretch.variance_over(&way, fixed);
             let normalised = difference_m * difference_m / variance;
@@ -132,6 +161,7 @@ impl Climb {
                     normalised,
                     mean: 0.0,
                     since_cell: stretch.cell,
+                    known: *known,
                     compared_m: 0.0,
                 });
             }
@@ -144,30 +174,24 @@ impl Climb {
     }
 
     /// Remembers a fix, if the last one that was lies a stretch behind.
-    pub(super) fn remember<S: Scalar>(&mut self, cell: u32, fixed: &Fixed, state: &State<S>) {
-        if self
-            .stretches
-            .back()
-            .is_some_and(|last| last.way.length_m < STRETCH_M)
+    pub(super) fn remember(&mut self, cell: u32, fixed: &Fixed, known: Correction) {
+        if known.slope_variance > LARGEST_SIGMA_PERCENT * LARGEST_SIGMA_PERCENT
+            || self
+                .stretches
+                .back()
+                .is_some_and(|last| last.way.length_m < STRETCH_M)
         {
             return;
         }
         if self.stretches.is_full() {
             self.stretches.pop_front();
         }
-        let x = |i: usize| state.x[i].to_f32();
-        let slope_variance = correction_variance(state);
-        if slope_variance > LARGEST_SIGMA_PERCENT * LARGEST_SIGMA_PERCENT {
-            return;
-        }
         // There is room.
         let _ = self.stretches.push_back(Stretch {
             cell,
             altitude_m: fixed.altitude_m,
             variance: fixed.variance,
-            bias_percent: x(BIAS) + x(WIND),
-            scale: x(SCALE),
-            slope_variance,
+            known,
             way: Way::default(),
         });
     }
@@ -182,19 +206,8 @@ impl Stretch {
         let gusts = fixed.wind_variance * (way.length_m / fixed.wind_length_m).min(1.0);
         let per_percent = 0.01 * way.length_m;
         2.0 * fixed.error_variance * turned
-            + per_percent * per_percent * (self.slope_variance + gusts)
+            + per_percent * per_percent * (self.known.slope_variance + gusts)
             + way.doubt_m * way.doubt_m
             + MODEL_SIGMA_M * MODEL_SIGMA_M
     }
-}
-
-/// Variance of what bias, wind and scale make of the slope, %².
-fn correction_variance<S: Scalar>(state: &State<S>) -> f32 {
-    let p = |i: usize, j: usize| state.p.get(i, j).to_f32();
-    let load = state.load.to_f32();
-    let variance = p(BIAS, BIAS)
-        + p(WIND, WIND)
-        + load * load * p(SCALE, SCALE)
-        + 2.0 * (p(BIAS, WIND) - load * (p(BIAS, SCALE) + p(WIND, SCALE)));
-    variance.max(0.0)
 }

@@ -1,11 +1,11 @@
 //! Which altitudes to believe.
 //!
 //! * A fix whose innovation is beyond what its variance allows is left out. A single one is an
-//!   outlier. Several in a row, all off by about as much, are a step of the receiver's slow error
-//!   (other satellites, a street canyon): that error is reopened by as much and takes the step
-//!   up; altitude, slope, bias and scale stay what they were.
+//!   outlier. Several in a row, all off by about as much, are a step of the receiver (other
+//!   satellites, a street canyon): its datum moves by as much, and how far is as unsure as the
+//!   altitude was; altitude, slope, bias and scale stay what they were.
 //! * Fixes that climb unlike the vehicle model over hundreds of metres drift: they are left out
-//!   until they climb with it again. If they never do, it is the model that is off, and they are
+//!   until they climb with it again, and what they taught meanwhile of the model is undone. If they never do, it is the model that is off, and they are
 //!   believed.
 //! * After another source took over, or a long silence, the altitude is set anew, and only that.
 //!
@@ -13,7 +13,7 @@
 //! a factor of ten in both. A gate that takes a noisy one for a good one would pick the fixes that
 //! please it, and a filter that takes a good one for a noisy one would not learn the bias from it.
 
-use super::climb::{Climb, Fixed, Way};
+use super::climb::{Climb, Correction, Fixed, Misfit, Way};
 use super::learned::{SensorNoise, SlowSpread, Spread};
 use super::state::State;
 use crate::scalar::Scalar;
@@ -68,8 +68,10 @@ pub(super) enum Verdict {
     Fuse,
     /// Leave it out.
     Reject,
-    /// Fuse it with the slow error reopened by this much, m.
-    Reopen(f32),
+    /// Leave it out, and return to what was known of the model before fixes drifted.
+    Undo(Correction),
+    /// Move the datum of the receiver so that it fits.
+    MoveDatum,
     /// Set the altitude from it: there was none, or it counts from another datum.
     SetAnew,
     /// The same, and the slope that the model reads may be off by this much, %.
@@ -81,8 +83,12 @@ pub(super) enum Verdict {
 enum Drift {
     /// No; so many fixes in a row say otherwise.
     None { doubts: u8 },
-    /// Since a cell, and left out for a way so far.
-    Since { cell: u32, for_m: f32 },
+    /// Since a cell, where this was known of the model, and left out for a way so far.
+    Since {
+        cell: u32,
+        known: Correction,
+        for_m: f32,
+    },
     /// The model is off, for this way yet.
     Believed { for_m: f32 },
 }
@@ -186,24 +192,30 @@ impl Gate {
         let offset_m = judged.innovation.to_f32();
         let variance = judged.variance.to_f32();
         let normalised = offset_m * offset_m / variance;
-        if let Drift::Since { cell, for_m } = self.drift {
-            return self.while_drifting(judged, state, (cell, for_m));
+        if let Drift::Since { cell, known, for_m } = self.drift {
+            return self.while_drifting(judged, (cell, known, for_m));
         }
         self.spread.learn(normalised);
         if normalised > LIMIT {
             return self.beyond(offset_m);
         }
         self.forget_rejected();
-        if let Some(since_cell) = self.found_drift(&judged.fixed) {
+        if let Some(misfit) = self.found_drift(&judged.fixed) {
+            let since_cell = misfit.since_cell;
             self.drift = Drift::Since {
                 cell: since_cell,
+                known: misfit.known,
                 for_m: 0.0,
             };
             self.climb.forget();
             self.error_spread.interrupt();
-            return (Verdict::Reject, Some(AltitudeEvent::DriftBegan(since_cell)));
+            return (
+                Verdict::Undo(misfit.known),
+                Some(AltitudeEvent::DriftBegan(since_cell)),
+            );
         }
-        self.climb.remember(judged.cell, &judged.fixed, state);
+        self.climb
+            .remember(judged.cell, &judged.fixed, Correction::of(state));
         self.error_spread.learn(offset_m / libm::sqrtf(variance));
         (Verdict::Fuse, None)
     }
@@ -223,14 +235,11 @@ impl Gate {
         }
         self.forget_rejected();
         self.climb.forget();
-        (
-            Verdict::Reopen(offset_m),
-            Some(AltitudeEvent::Stepped(offset_m)),
-        )
+        (Verdict::MoveDatum, Some(AltitudeEvent::Stepped(offset_m)))
     }
 
-    /// The cell since which fixes climb unlike the road, once that is certain.
-    fn found_drift(&mut self, fixed: &Fixed) -> Option<u32> {
+    /// How fixes climb unlike the road, once that is certain.
+    fn found_drift(&mut self, fixed: &Fixed) -> Option<Misfit> {
         let Drift::None { doubts } = &mut self.drift else {
             return None;
         };
@@ -240,36 +249,32 @@ impl Gate {
             .learn((misfit.mean / spread).min(LARGEST_LESSON));
         let misfit = (misfit.normalised > DRIFTS * spread).then_some(misfit);
         *doubts = if misfit.is_some() { *doubts + 1 } else { 0 };
-        misfit
-            .filter(|_| *doubts >= CERTAINTY)
-            .map(|misfit| misfit.since_cell)
+        misfit.filter(|_| *doubts >= CERTAINTY)
     }
 
     fn while_drifting<S: Scalar>(
         &mut self,
         judged: &Judged<S>,
-        state: &State<S>,
-        (since_cell, for_m): (u32, f32),
+        (since_cell, known, for_m): (u32, Correction, f32),
     ) -> (Verdict, Option<AltitudeEvent>) {
         let climbs_again = self
             .climb
             .compare(&judged.fixed, STEADY_M)
             .is_some_and(|misfit| misfit.compared_m >= STEADY_M && misfit.normalised < CLIMBS);
-        let offset_m = judged.innovation.to_f32();
         if climbs_again {
             self.forget();
             let event = AltitudeEvent::DriftEnded(since_cell);
-            (Verdict::Reopen(offset_m), Some(event))
+            (Verdict::MoveDatum, Some(event))
         } else if for_m > LONGEST_DRIFT_M {
             self.forget();
             self.drift = Drift::Believed {
                 for_m: MODEL_IS_OFF_M,
             };
-            let off_percent = 100.0 * offset_m / for_m;
+            let off_percent = 100.0 * judged.innovation.to_f32() / for_m;
             let event = AltitudeEvent::DriftBelieved;
             (Verdict::Believe(off_percent), Some(event))
         } else {
-            self.climb.remember(judged.cell, &judged.fixed, state);
+            self.climb.remember(judged.cell, &judged.fixed, known);
             (Verdict::Reject, None)
         }
     }

@@ -1,6 +1,6 @@
 //! The filter: one step is one cell.
 
-use super::climb::{Fixed, Way};
+use super::climb::{Correction, Fixed, Way};
 use super::gate::{AltitudeEvent, Gate, Judged, Verdict};
 use super::learned::{SensorNoise, Spread};
 use super::prior::{SlowStates, reopen, state_at_start};
@@ -20,6 +20,8 @@ pub struct Filter<S> {
     state: Option<State<S>>,
     prior: Option<SlowStates>,
     gate: Gate,
+    /// How far the receiver's altitudes have stepped since the altitude was set from them, m.
+    datum_m: f32,
     speed_spread: Spread,
 }
 
@@ -44,6 +46,7 @@ impl<S: Scalar> Filter<S> {
             state: None,
             prior,
             gate: Gate::new(noise),
+            datum_m: 0.0,
             // A third to five times the believed sigma; some hundred readings.
             speed_spread: Spread::new(noise.speed, 0.1, 25.0, 0.01),
         }
@@ -116,8 +119,8 @@ impl<S: Scalar> Filter<S> {
             (_, None) => return None,
         };
         self.gate.pass(way(&state, sample));
-        let fix = sample.altitude.map(|altitude| Fix {
-            altitude_m: altitude_at_end(&state, &altitude),
+        let mut fix = sample.altitude.map(|altitude| Fix {
+            altitude_m: altitude_at_end(&state, &altitude) - self.datum_m,
             variance: {
                 let sigma = tuning.altitude_sigma_m * altitude.dilution;
                 S::from_f32(self.gate.spread() * sigma * sigma)
@@ -127,24 +130,31 @@ impl<S: Scalar> Filter<S> {
         let (verdict, event) = fix.as_ref().map_or((Verdict::Reject, None), |fix| {
             self.judge(&state, fix, vehicle, tuning, sample)
         });
-        match (&fix, verdict) {
+        match (&mut fix, verdict) {
             (Some(fix), Verdict::SetAnew | Verdict::Believe(_)) => {
                 if let Verdict::Believe(off_percent) = verdict {
                     let variance = S::from_f32(off_percent * off_percent);
                     state.p.add_variance(BIAS, variance);
                 }
+                fix.altitude_m += self.datum_m;
+                self.datum_m = 0.0;
                 set_altitude(&mut state, fix);
                 link = match link {
                     Link::Chained => Link::AltitudeSet,
                     _ => Link::BrokenAltitudeSet,
                 };
             }
-            (_, Verdict::Reopen(offset_m)) => {
-                state
-                    .p
-                    .add_variance(GNSS_ERROR, S::from_f32(offset_m * offset_m));
+            (Some(fix), Verdict::MoveDatum) => {
+                let step_m = fix.innovation(&state).to_f32();
+                let unsure = fix.innovation_variance(&state);
+                fix.altitude_m -= step_m;
+                self.datum_m += step_m;
+                state.p.add_variance(GNSS_ERROR, unsure);
             }
-            (Some(_), Verdict::Reject) => {
+            (Some(_), Verdict::Reject | Verdict::Undo(_)) => {
+                if let Verdict::Undo(known) = verdict {
+                    undo(&mut state, &known);
+                }
                 counters.altitudes_rejected = counters.altitudes_rejected.saturating_add(1);
             }
             _ => {}
@@ -166,7 +176,7 @@ impl<S: Scalar> Filter<S> {
             }
         }
         let altitude = fix
-            .filter(|_| matches!(verdict, Verdict::Fuse | Verdict::Reopen(_)))
+            .filter(|_| matches!(verdict, Verdict::Fuse | Verdict::MoveDatum))
             .map(|fix| {
                 let update = Update {
                     observation: Observation::Altitude,
@@ -216,24 +226,20 @@ impl<S: Scalar> Filter<S> {
             self.gate.forget();
             return (Verdict::SetAnew, Some(AltitudeEvent::SetAnew));
         }
-        let innovation = fix.innovation(state);
         if fix.continuity == Continuity::Drifted {
             self.gate.forget();
-            return (Verdict::Reopen(innovation.to_f32()), None);
+            return (Verdict::MoveDatum, None);
         }
-        let observation = Observation::Altitude;
-        let error_m = state.x[GNSS_ERROR].to_f32();
         let error_sigma_m = tuning.gnss_error_sigma_m;
         let wind = wind_sigma(vehicle, tuning, sample);
         let judged = Judged {
-            innovation,
-            variance: observation.of(&observation.cross(&state.p)) + fix.variance,
+            innovation: fix.innovation(state),
+            variance: fix.innovation_variance(state),
             cell: sample.place.cell,
             fixed: Fixed {
                 altitude_m: fix.altitude_m,
                 variance: fix.variance.to_f32(),
-                error_variance: (self.gate.error_spread() * error_sigma_m * error_sigma_m)
-                    .max(error_m * error_m),
+                error_variance: self.gate.error_spread() * error_sigma_m * error_sigma_m,
                 error_time_s: tuning.gnss_error_time_s,
                 wind_variance: wind * wind,
                 wind_length_m: tuning.wind_length_m,
@@ -324,6 +330,25 @@ impl<S: Scalar> Fix<S> {
     fn innovation(&self, state: &State<S>) -> S {
         let origin_m = state.origin_m.unwrap_or(self.altitude_m);
         S::from_f32(self.altitude_m - origin_m) - Observation::Altitude.of(&state.x)
+    }
+
+    fn innovation_variance(&self, state: &State<S>) -> S {
+        let observation = Observation::Altitude;
+        observation.of(&observation.cross(&state.p)) + self.variance
+    }
+}
+
+/// Returns to what was known of the model before fixes drifted; what they moved it by is doubt.
+fn undo<S: Scalar>(state: &mut State<S>, known: &Correction) {
+    for (i, before) in [
+        (BIAS, known.bias_percent),
+        (WIND, known.wind_percent),
+        (SCALE, known.scale),
+    ] {
+        let before = S::from_f32(before);
+        let moved = state.x[i] - before;
+        state.x[i] = before;
+        state.p.add_variance(i, moved * moved);
     }
 }
 
