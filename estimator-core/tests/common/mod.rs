@@ -7,7 +7,9 @@ pub mod effect_drive;
 pub mod hilly_drive;
 
 use estimator_core::filter::{Backward, Filter, Record};
-use estimator_core::sampler::{AltitudeMeasurement, Circumstances, Sample, SpeedMeasurement};
+use estimator_core::sampler::{
+    AltitudeMeasurement, Circumstances, Continuity, Sample, SpeedMeasurement,
+};
 use estimator_core::vehicle::Load;
 use estimator_core::{
     CELL_LENGTH_M, Condition, Counters, Effects, Estimate, Gear, Instant, Place, Powertrain,
@@ -84,7 +86,7 @@ pub fn altitude(altitude_m: f32) -> Option<AltitudeMeasurement> {
         altitude_m,
         behind_m: 0.0,
         dilution: 1.0,
-        source_switched: false,
+        continuity: Continuity::Followed,
     })
 }
 
