@@ -40,6 +40,8 @@ use gnss::Gnss;
 use scenario::Scenario;
 use sensors::Sensors;
 
+pub use unmodelled::Unmodelled;
+
 /// Time between two rows of the truth, s.
 const TRUTH_STEP_S: f64 = 0.1;
 

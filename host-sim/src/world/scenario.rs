@@ -21,8 +21,9 @@ use std::path::{Path, PathBuf};
 
 /// Specific gas constant of dry air, J/(kg K).
 const GAS_CONSTANT: f64 = 287.05;
-/// What a random factor is kept within.
-const FACTOR_RANGE: RangeInclusive<f64> = 0.3..=1.7;
+/// What a factor may be, and what a random one is kept within.
+const FACTOR_RANGE: RangeInclusive<f64> = 0.2..=3.0;
+const DRAWN_RANGE: RangeInclusive<f64> = 0.3..=1.7;
 
 /// The embedded default of the main job.
 const BUILTIN: &str = include_str!("../../scenarios/demo.toml");
@@ -292,7 +293,7 @@ fn disturbed(
             (None, Some(sigma)) => {
                 check(&format!("errors.{name}_sigma"), sigma, 0.0..=0.5)?;
                 let factor = 1.0 + sigma * draw;
-                Ok(factor.clamp(*FACTOR_RANGE.start(), *FACTOR_RANGE.end()) as f32)
+                Ok(factor.clamp(*DRAWN_RANGE.start(), *DRAWN_RANGE.end()) as f32)
             }
             (None, None) => Ok(1.0),
         }
