@@ -49,7 +49,7 @@ pub struct RoadShape {
     pub largest_change_percent_per_m: f64,
     /// Radius of the tightest arc.
     pub smallest_radius_m: f64,
-    /// Radius of the widest arc; left out, the tightest over [`ARC_SHARPNESS`]'s start.
+    /// Radius of the widest arc; left out, 1/0.15 of the tightest.
     pub largest_radius_m: Option<f64>,
     /// Where it starts.
     pub start_latitude_deg: f64,
