@@ -30,6 +30,8 @@ pub struct Counters {
     pub tractions_used: u64,
     /// GNSS fixes without a usable altitude.
     pub poor_fixes: u32,
+    /// GNSS fixes that repeated an altitude along a way on which no receiver would.
+    pub frozen_fixes: u32,
     /// Stretches without speed.
     pub gaps: u32,
     /// Cells lost because `step` was not called often enough.
@@ -44,12 +46,18 @@ pub struct Counters {
     pub altitudes_used: u64,
     /// Altitudes left out because they did not fit.
     pub altitudes_rejected: u64,
+    /// Of these, single ones.
+    pub altitude_outliers: u32,
     /// Cells in which, without any brake signal, the vehicle slowed down as only brakes make it.
     pub brakes_guessed: u64,
     /// Stops after which what was learned of scale and bias was given up, wholly or in part.
     pub loads_reopened: u32,
     /// Steps of the GNSS altitude error taken up.
     pub altitude_steps: u32,
+    /// Stretches whose altitudes climbed unlike the road.
+    pub altitude_drifts: u32,
+    /// Of these, such as lasted too long for a drift and were believed.
+    pub altitude_drifts_believed: u32,
     /// Altitude set anew.
     pub altitude_resets: u32,
     /// Steps that gave a number that is none; the filter was started anew.

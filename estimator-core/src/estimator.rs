@@ -2,7 +2,7 @@
 
 use crate::cell::{Cell, Estimate, Place};
 use crate::counters::Counters;
-use crate::filter::{Filter, SensorNoise, SlowStates};
+use crate::filter::{AltitudeEvent, Filter, SensorNoise, SlowStates};
 use crate::intake::{Intake, Outcome};
 use crate::kept::{Kept, KeptError};
 use crate::lag::Lag;
@@ -30,11 +30,12 @@ pub struct Live {
 }
 
 /// What a step did.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Step {
-    /// The filter moved over a cell.
-    Moved,
+    /// The filter moved over a cell; and what became of an altitude there, if more than that it
+    /// was used.
+    Moved(Option<AltitudeEvent>),
     /// A cell without an estimate: no speed was read yet, or the filter was started anew.
     Skipped,
 }
@@ -140,7 +141,7 @@ impl<S: Scalar> Estimator<S> {
         self.place = record.place;
         let lost = self.lag.push(&record) as u32;
         counters.cells_lost = counters.cells_lost.saturating_add(lost);
-        Some(Step::Moved)
+        Some(Step::Moved(record.event))
     }
 
     /// The estimate at the end of the newest cell; `None` before the first.

@@ -5,7 +5,7 @@ mod common;
 use common::{Noise, altitude, run, sample, speed};
 use estimator_core::filter::{Backward, Record};
 use estimator_core::lag::{BLOCK_CELLS, LAG_CELLS, Lag};
-use estimator_core::sampler::Sample;
+use estimator_core::sampler::{Continuity, Sample};
 use estimator_core::{Cell, Scalar, Tuning};
 use std::iter::from_fn;
 
@@ -24,7 +24,9 @@ fn drive() -> Vec<Sample> {
                 let step = if k > 250 { 25.0 } else { 0.0 };
                 s.altitude = altitude(datum + step + 0.5 * noise.next());
                 if let Some(altitude) = &mut s.altitude {
-                    altitude.source_switched = k == 427;
+                    if k == 427 {
+                        altitude.continuity = Continuity::Switched;
+                    }
                 }
             }
             if k == 333 {

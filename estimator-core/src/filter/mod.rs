@@ -11,12 +11,14 @@
 //!   of the vehicle;
 //! * [`update`]: one scalar measurement;
 //! * [`step`]: the filter, which a sample moves over one cell;
-//! * `gate`: which altitudes to believe; `learned`: how noisy the sensors are;
+//! * `gate`: which altitudes to believe; `climb`: theirs against the model's; `learned`: how noisy
+//!   the sensors are;
 //! * [`prior`]: what is believed where a drive begins;
 //! * [`record`]: what a step leaves for smoothing;
 //! * [`backward`]: the smoothing recursion over them.
 
 pub mod backward;
+mod climb;
 pub mod covariance;
 mod gate;
 mod learned;
@@ -30,6 +32,7 @@ pub mod update;
 
 pub use backward::{Backward, Passage};
 pub use covariance::Covariance;
+pub use gate::AltitudeEvent;
 pub use learned::SensorNoise;
 pub use prior::SlowStates;
 pub use record::{Record, Trace};

@@ -1,6 +1,7 @@
 //! What a step of the filter leaves for smoothing.
 
 use super::backward::BROKEN;
+use super::gate::AltitudeEvent;
 use super::motion::Motion;
 use super::state::{ALTITUDE, GNSS_ERROR, STATES, State};
 use super::update::{Applied, Observation};
@@ -81,4 +82,6 @@ pub struct Record<S> {
     pub trace: Trace<S>,
     /// The state at the cell's end, measurements included.
     pub state: State<S>,
+    /// What became of the altitude, if more than that it was used.
+    pub event: Option<AltitudeEvent>,
 }

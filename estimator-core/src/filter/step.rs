@@ -1,14 +1,15 @@
 //! The filter: one step is one cell.
 
-use super::gate::{Gate, Verdict};
+use super::climb::{Correction, Fixed, Way};
+use super::gate::{AltitudeEvent, Gate, Judged, Verdict};
 use super::learned::{SensorNoise, Spread};
 use super::prior::{SlowStates, reopen, state_at_start};
 use super::record::{Link, Record, Trace};
 use super::state::{ALTITUDE, BIAS, ENERGY, GNSS_ERROR, SCALE, SLOPE, SLOPE_RATE, State, WIND};
-use super::transition::Transition;
+use super::transition::{Transition, wind_sigma};
 use super::update::{Observation, Update};
 use crate::counters::Counters;
-use crate::sampler::{AltitudeMeasurement, Sample, SpeedMeasurement};
+use crate::sampler::{AltitudeMeasurement, Continuity, Sample, SpeedMeasurement};
 use crate::scalar::Scalar;
 use crate::tuning::Tuning;
 use crate::vehicle::VehicleParameters;
@@ -19,6 +20,8 @@ pub struct Filter<S> {
     state: Option<State<S>>,
     prior: Option<SlowStates>,
     gate: Gate,
+    /// How far the receiver's altitudes have stepped since the altitude was set from them, m.
+    datum_m: f32,
     speed_spread: Spread,
 }
 
@@ -43,6 +46,7 @@ impl<S: Scalar> Filter<S> {
             state: None,
             prior,
             gate: Gate::new(noise),
+            datum_m: 0.0,
             // A third to five times the believed sigma; some hundred readings.
             speed_spread: Spread::new(noise.speed, 0.1, 25.0, 0.01),
         }
@@ -92,7 +96,6 @@ impl<S: Scalar> Filter<S> {
             self.state.as_ref(),
             self.gate.error_spread(),
         );
-        self.gate.pass(sample.duration_s);
         let mut link = Link::Chained;
         let (mut state, energy_before) = match (self.state, sample.speed) {
             (Some(mut state), _) if sample.gap_cells == 0 => {
@@ -115,34 +118,49 @@ impl<S: Scalar> Filter<S> {
             }
             (_, None) => return None,
         };
-        let fix = sample.altitude.map(|altitude| Fix {
-            altitude_m: altitude_at_end(&state, &altitude),
+        self.gate.pass(way(&state, sample));
+        let mut fix = sample.altitude.map(|altitude| Fix {
+            altitude_m: altitude_at_end(&state, &altitude) - self.datum_m,
             variance: {
                 let sigma = tuning.altitude_sigma_m * altitude.dilution;
                 S::from_f32(self.gate.spread() * sigma * sigma)
             },
-            source_switched: altitude.source_switched,
+            continuity: altitude.continuity,
         });
-        let verdict = fix.as_ref().map(|fix| self.judge(&state, fix));
-        match (&fix, verdict) {
-            (Some(fix), Some(Verdict::SetAnew)) => {
+        let (verdict, event) = fix.as_ref().map_or((Verdict::Reject, None), |fix| {
+            self.judge(&state, fix, vehicle, tuning, sample)
+        });
+        match (&mut fix, verdict) {
+            (Some(fix), Verdict::SetAnew | Verdict::Believe(_)) => {
+                if let Verdict::Believe(off_percent) = verdict {
+                    let variance = S::from_f32(off_percent * off_percent);
+                    state.p.add_variance(BIAS, variance);
+                }
+                fix.altitude_m += self.datum_m;
+                self.datum_m = 0.0;
                 set_altitude(&mut state, fix);
-                counters.altitude_resets = counters.altitude_resets.saturating_add(1);
                 link = match link {
                     Link::Chained => Link::AltitudeSet,
                     _ => Link::BrokenAltitudeSet,
                 };
             }
-            (_, Some(Verdict::Reopen(offset_m))) => {
-                state
-                    .p
-                    .add_variance(GNSS_ERROR, S::from_f32(offset_m * offset_m));
-                counters.altitude_steps = counters.altitude_steps.saturating_add(1);
+            (Some(fix), Verdict::MoveDatum) => {
+                let step_m = fix.innovation(&state).to_f32();
+                let unsure = fix.innovation_variance(&state);
+                fix.altitude_m -= step_m;
+                self.datum_m += step_m;
+                state.p.add_variance(GNSS_ERROR, unsure);
             }
-            (_, Some(Verdict::Reject)) => {
+            (Some(_), Verdict::Reject | Verdict::Undo(_)) => {
+                if let Verdict::Undo(known) = verdict {
+                    undo(&mut state, &known);
+                }
                 counters.altitudes_rejected = counters.altitudes_rejected.saturating_add(1);
             }
             _ => {}
+        }
+        if let Some(event) = event {
+            count(counters, event);
         }
 
         let speed = sample.speed.map(|speed| {
@@ -158,7 +176,7 @@ impl<S: Scalar> Filter<S> {
             }
         }
         let altitude = fix
-            .filter(|_| matches!(verdict, Some(Verdict::Fuse | Verdict::Reopen(_))))
+            .filter(|_| matches!(verdict, Verdict::Fuse | Verdict::MoveDatum))
             .map(|fix| {
                 let update = Update {
                     observation: Observation::Altitude,
@@ -188,18 +206,46 @@ impl<S: Scalar> Filter<S> {
                 altitude,
             },
             state,
+            event,
         })
     }
 
     /// What to do with a fix, by how it fits the state before the measurements.
-    fn judge(&mut self, state: &State<S>, fix: &Fix<S>) -> Verdict {
-        if state.origin_m.is_none() || fix.source_switched {
+    fn judge(
+        &mut self,
+        state: &State<S>,
+        fix: &Fix<S>,
+        vehicle: &VehicleParameters,
+        tuning: &Tuning,
+        sample: &Sample,
+    ) -> (Verdict, Option<AltitudeEvent>) {
+        if state.origin_m.is_none()
+            || fix.continuity == Continuity::Switched
+            || self.gate.silent_s() >= tuning.gnss_silence.seconds()
+        {
             self.gate.forget();
-            return Verdict::SetAnew;
+            return (Verdict::SetAnew, Some(AltitudeEvent::SetAnew));
         }
-        let observation = Observation::Altitude;
-        let variance = observation.of(&observation.cross(&state.p)) + fix.variance;
-        self.gate.judge(fix.innovation(state), variance)
+        if fix.continuity == Continuity::Drifted {
+            self.gate.forget();
+            return (Verdict::MoveDatum, None);
+        }
+        let error_sigma_m = tuning.gnss_error_sigma_m;
+        let wind = wind_sigma(vehicle, tuning, sample);
+        let judged = Judged {
+            innovation: fix.innovation(state),
+            variance: fix.innovation_variance(state),
+            cell: sample.place.cell,
+            fixed: Fixed {
+                altitude_m: fix.altitude_m,
+                variance: fix.variance.to_f32(),
+                error_variance: self.gate.error_spread() * error_sigma_m * error_sigma_m,
+                error_time_s: tuning.gnss_error_time_s,
+                wind_variance: wind * wind,
+                wind_length_m: tuning.wind_length_m,
+            },
+        };
+        self.gate.judge(&judged, state)
     }
 }
 
@@ -238,6 +284,34 @@ fn begin<S: Scalar>(
     state
 }
 
+/// What the model reads of the way over a cell.
+fn way<S: Scalar>(state: &State<S>, sample: &Sample) -> Way {
+    let per_percent = 0.01 * sample.length_m;
+    Way {
+        length_m: sample.length_m,
+        duration_s: sample.duration_s,
+        climb_m: per_percent * state.x[SLOPE].to_f32(),
+        load_climb_m: per_percent * state.load.to_f32(),
+        doubt_m: if sample.place.condition.is_valid() {
+            0.0
+        } else {
+            per_percent * state.sigma(SLOPE).to_f32()
+        },
+    }
+}
+
+fn count(counters: &mut Counters, event: AltitudeEvent) {
+    let counter = match event {
+        AltitudeEvent::Outlier => &mut counters.altitude_outliers,
+        AltitudeEvent::Stepped(_) => &mut counters.altitude_steps,
+        AltitudeEvent::DriftBegan(_) => &mut counters.altitude_drifts,
+        AltitudeEvent::DriftEnded(_) => return,
+        AltitudeEvent::DriftBelieved => &mut counters.altitude_drifts_believed,
+        AltitudeEvent::SetAnew => &mut counters.altitude_resets,
+    };
+    *counter = counter.saturating_add(1);
+}
+
 /// The altitude carried along the slope from where it was taken to the cell's end, m.
 fn altitude_at_end<S: Scalar>(state: &State<S>, altitude: &AltitudeMeasurement) -> f32 {
     let slope_percent =
@@ -249,13 +323,32 @@ fn altitude_at_end<S: Scalar>(state: &State<S>, altitude: &AltitudeMeasurement) 
 struct Fix<S> {
     altitude_m: f32,
     variance: S,
-    source_switched: bool,
+    continuity: Continuity,
 }
 
 impl<S: Scalar> Fix<S> {
     fn innovation(&self, state: &State<S>) -> S {
         let origin_m = state.origin_m.unwrap_or(self.altitude_m);
         S::from_f32(self.altitude_m - origin_m) - Observation::Altitude.of(&state.x)
+    }
+
+    fn innovation_variance(&self, state: &State<S>) -> S {
+        let observation = Observation::Altitude;
+        observation.of(&observation.cross(&state.p)) + self.variance
+    }
+}
+
+/// Returns to what was known of the model before fixes drifted; what they moved it by is doubt.
+fn undo<S: Scalar>(state: &mut State<S>, known: &Correction) {
+    for (i, before) in [
+        (BIAS, known.bias_percent),
+        (WIND, known.wind_percent),
+        (SCALE, known.scale),
+    ] {
+        let before = S::from_f32(before);
+        let moved = state.x[i] - before;
+        state.x[i] = before;
+        state.p.add_variance(i, moved * moved);
     }
 }
 

@@ -106,9 +106,7 @@ impl<S: Scalar> Transition<S> {
         );
         let (keep_gnss_error, gnss_noise) = markov(
             sample.duration_s / tuning.gnss_error_time_s,
-            // An error that stepped far out does not come back as a small one would.
-            from.map_or(0.0, |state| state.x[GNSS_ERROR].to_f32().abs())
-                .max(tuning.gnss_error_sigma_m * libm::sqrtf(gnss_error_spread)),
+            tuning.gnss_error_sigma_m * libm::sqrtf(gnss_error_spread),
         );
         let walk = tuning.scale_walk_per_sqrt_km;
 

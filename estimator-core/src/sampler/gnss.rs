@@ -1,15 +1,23 @@
 //! GNSS fixes, placed on the driven way.
 
-use super::AltitudeMeasurement;
 use super::latest::Latest;
+use super::{AltitudeMeasurement, Continuity};
 use crate::cell::CELL_LENGTH_M;
 use crate::signal::{Signal, Value};
 use crate::time::Instant;
 
 /// A position this far behind is no longer extended along the road, m.
 const POSITION_REACH_M: f32 = 200.0;
-/// Fewest satellites that give an altitude.
+/// Fewest satellites that give an altitude, and how many it takes until more do not help.
 const FEWEST_SATELLITES: f32 = 4.0;
+const MANY_SATELLITES: f32 = 8.0;
+/// Dilution of precision that each of the missing ones adds. Geometry tells more (and is told by
+/// most receivers); on average four satellites have about three times the vertical error of many.
+const DILUTION_PER_MISSING: f32 = 0.5;
+/// Way along which, and fixes in which, no receiver tells the same altitude to the last digit
+/// unless it is stuck, m.
+const FROZEN_M: f32 = 100.0;
+const FROZEN_FIXES: u8 = 6;
 /// Altitudes of roads, m.
 const ALTITUDES_M: core::ops::Range<f32> = -1_000.0..10_000.0;
 
@@ -28,6 +36,17 @@ pub(super) enum FixOutcome {
     Taken,
     /// Too few satellites, or no fix at all.
     Poor,
+    /// The receiver is stuck.
+    Frozen,
+}
+
+/// The altitude told last, and for how long.
+#[derive(Clone, Copy, Debug)]
+struct Repeated {
+    altitude_m: f32,
+    /// Where it was first told, as metres from the start of the open cell.
+    from_m: f32,
+    fixes: u8,
 }
 
 /// The newest positions, and the altitude that waits for its cell.
@@ -41,6 +60,7 @@ pub(super) struct Gnss {
     fix: Option<Fix>,
     earlier_fix: Option<Fix>,
     altitude: Option<(AltitudeMeasurement, f32)>,
+    repeated: Option<Repeated>,
 }
 
 impl Gnss {
@@ -90,7 +110,7 @@ impl Gnss {
         now: Instant,
         value: Option<f32>,
         at_m: f32,
-        source_switched: bool,
+        continuity: Continuity,
     ) -> FixOutcome {
         let Some(altitude_m) = value.filter(|altitude_m| ALTITUDES_M.contains(altitude_m)) else {
             return FixOutcome::Taken;
@@ -103,15 +123,36 @@ impl Gnss {
         if no_fix || too_few {
             return FixOutcome::Poor;
         }
+        if self.is_frozen(altitude_m, at_m) {
+            return FixOutcome::Frozen;
+        }
         let dilution = self.vdop.state(now).or(self.hdop.state(now)).unwrap_or(1.0);
+        let few = self.satellites.state(now).map_or(1.0, |count| {
+            1.0 + DILUTION_PER_MISSING * (MANY_SATELLITES - count).max(0.0)
+        });
         let measurement = AltitudeMeasurement {
             altitude_m,
             behind_m: 0.0,
-            dilution: dilution.clamp(1.0, 50.0),
-            source_switched,
+            dilution: dilution.max(few).clamp(1.0, 50.0),
+            continuity,
         };
         self.altitude = Some((measurement, at_m));
         FixOutcome::Taken
+    }
+
+    /// Whether an altitude has been told for so long that the receiver is stuck.
+    fn is_frozen(&mut self, altitude_m: f32, at_m: f32) -> bool {
+        let repeated = self
+            .repeated
+            .filter(|repeated| repeated.altitude_m == altitude_m)
+            .unwrap_or(Repeated {
+                altitude_m,
+                from_m: at_m,
+                fixes: 0,
+            });
+        let fixes = repeated.fixes.saturating_add(1);
+        self.repeated = Some(Repeated { fixes, ..repeated });
+        fixes >= FROZEN_FIXES && at_m - repeated.from_m > FROZEN_M
     }
 
     /// The waiting altitude, if it was taken before `end_m`; else it waits for the next cell.
@@ -155,6 +196,9 @@ impl Gnss {
         if let Some((_, at_m)) = &mut self.altitude {
             *at_m -= CELL_LENGTH_M;
         }
+        if let Some(repeated) = &mut self.repeated {
+            repeated.from_m -= CELL_LENGTH_M;
+        }
     }
 
     /// Nothing is known of the way since the last fix.
@@ -162,5 +206,6 @@ impl Gnss {
         self.fix = None;
         self.earlier_fix = None;
         self.altitude = None;
+        self.repeated = None;
     }
 }

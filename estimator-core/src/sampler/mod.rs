@@ -54,8 +54,21 @@ pub struct AltitudeMeasurement {
     pub behind_m: f32,
     /// Dilution of precision, at least 1.
     pub dilution: f32,
+    /// How it follows from the one before.
+    pub continuity: Continuity,
+}
+
+/// How an altitude follows from the one before it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Continuity {
+    /// From the same receiver.
+    #[default]
+    Followed,
+    /// The slow error may have gone anywhere since. No sender tells this; a second look at a drive
+    /// may know it from the first.
+    Drifted,
     /// The source is another one than before: its datum may differ by tens of metres.
-    pub source_switched: bool,
+    Switched,
 }
 
 /// What the filter sees of one cell.
@@ -176,9 +189,17 @@ impl Sampler {
             }
             Signal::Altitude => {
                 let at_m = self.odometer.place_m(now, tuning.gnss_latency);
-                if self.gnss.altitude(now, value, at_m, source_switched) == FixOutcome::Poor {
-                    counters.poor_fixes = counters.poor_fixes.saturating_add(1);
-                }
+                let continuity = if source_switched {
+                    Continuity::Switched
+                } else {
+                    Continuity::Followed
+                };
+                let counter = match self.gnss.altitude(now, value, at_m, continuity) {
+                    FixOutcome::Taken => return,
+                    FixOutcome::Poor => &mut counters.poor_fixes,
+                    FixOutcome::Frozen => &mut counters.frozen_fixes,
+                };
+                *counter = counter.saturating_add(1);
             }
             Signal::WheelSpeed => {
                 self.wheel_speed.set(value, now);

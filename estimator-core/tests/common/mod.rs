@@ -6,7 +6,7 @@ pub mod drive;
 pub mod hilly_drive;
 
 use estimator_core::filter::{Backward, Filter, Record};
-use estimator_core::sampler::{AltitudeMeasurement, Sample, SpeedMeasurement};
+use estimator_core::sampler::{AltitudeMeasurement, Continuity, Sample, SpeedMeasurement};
 use estimator_core::vehicle::Load;
 use estimator_core::{
     CELL_LENGTH_M, Condition, Counters, Estimate, Gear, Instant, Place, Powertrain, Scalar,
@@ -81,7 +81,7 @@ pub fn altitude(altitude_m: f32) -> Option<AltitudeMeasurement> {
         altitude_m,
         behind_m: 0.0,
         dilution: 1.0,
-        source_switched: false,
+        continuity: Continuity::Followed,
     })
 }
 

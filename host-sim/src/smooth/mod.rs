@@ -4,9 +4,10 @@
 //! the sensor noise that was known only at the end of the first; then the recursion of the core's
 //! fixed lag goes back over all of it. All records are in memory meanwhile: [`bytes_per_km`].
 
-use estimator_core::filter::{Backward, Filter, Record};
-use estimator_core::sampler::Sample;
+use estimator_core::filter::{AltitudeEvent, Backward, Filter, Record};
+use estimator_core::sampler::{Continuity, Sample};
 use estimator_core::{CELL_LENGTH_M, Counters, Estimate, Place, Scalar, Tuning, VehicleParameters};
+use std::ops::RangeInclusive;
 
 /// A cell of a smoothed run.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,24 +20,85 @@ pub struct Smoothed {
 
 /// The smoothed run: one cell for each sample from the first speed on. `filter` is the one that the
 /// run begins with: that of the first pass [anew](Filter::anew).
+///
+/// Where the filter finds that GNSS drifts, it has already followed it for some hundred metres: it
+/// then goes over the run once more, without the fixes since the drift began. That pass counts if
+/// the other fixes fit it better; else it was the model that was off.
 #[must_use]
 pub fn smooth_run(
     vehicle: &VehicleParameters,
     tuning: &Tuning,
-    mut filter: Filter<f64>,
+    filter: Filter<f64>,
     samples: &[Sample],
 ) -> Vec<Smoothed> {
-    let mut counters = Counters::default();
-    let records: Vec<Record<f64>> = samples
-        .iter()
-        .filter_map(|sample| filter.step(vehicle, tuning, sample, &mut counters))
-        .collect();
+    let pass = |samples: &[Sample]| -> Vec<Record<f64>> {
+        let mut filter = filter.clone();
+        let mut counters = Counters::default();
+        samples
+            .iter()
+            .filter_map(|sample| filter.step(vehicle, tuning, sample, &mut counters))
+            .collect()
+    };
+    let mut records = pass(samples);
+    let drifts = drifts(&records);
+    if !drifts.is_empty() {
+        let without = pass(&without_drifts(samples, &drifts));
+        if surprise(&without) < surprise(&records) {
+            records = without;
+        }
+    }
     records
         .iter()
         .zip(smooth(&records))
         .map(|(record, estimate)| Smoothed {
             place: record.place,
             estimate,
+        })
+        .collect()
+}
+
+/// Cells from where GNSS began to drift to where it did no longer, in the order of the run.
+fn drifts(records: &[Record<f64>]) -> Vec<RangeInclusive<u32>> {
+    records
+        .iter()
+        .filter_map(|record| match record.event {
+            Some(AltitudeEvent::DriftEnded(since)) => Some(since..=record.place.cell),
+            _ => None,
+        })
+        .collect()
+}
+
+/// Mean of minus twice the logarithm of the likelihood of an altitude, but for a constant.
+fn surprise(records: &[Record<f64>]) -> f64 {
+    let altitudes = || records.iter().filter_map(|record| record.trace.altitude);
+    let sum: f64 = altitudes()
+        .map(|used| {
+            used.innovation.powi(2) / used.innovation_variance + used.innovation_variance.ln()
+        })
+        .sum();
+    sum / altitudes().count() as f64
+}
+
+/// The samples without the altitudes of drifts.
+fn without_drifts(samples: &[Sample], drifts: &[RangeInclusive<u32>]) -> Vec<Sample> {
+    let mut has_drifted = false;
+    samples
+        .iter()
+        .map(|sample| {
+            let mut sample = *sample;
+            if drifts
+                .iter()
+                .any(|cells| cells.contains(&sample.place.cell))
+            {
+                sample.altitude = None;
+                has_drifted = true;
+            } else if let Some(altitude) = sample.altitude.as_mut().filter(|_| has_drifted) {
+                if altitude.continuity == Continuity::Followed {
+                    altitude.continuity = Continuity::Drifted;
+                }
+                has_drifted = false;
+            }
+            sample
         })
         .collect()
 }

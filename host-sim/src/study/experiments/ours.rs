@@ -5,7 +5,7 @@ use crate::baseline::{Drive, Point, Profile, STEP_M};
 use crate::smooth::smooth_run;
 use estimator_core::filter::Filter;
 use estimator_core::lag::Lag;
-use estimator_core::sampler::{AltitudeMeasurement, Sample, SpeedMeasurement};
+use estimator_core::sampler::{AltitudeMeasurement, Continuity, Sample, SpeedMeasurement};
 use estimator_core::vehicle::Load;
 use estimator_core::{
     Cell, Condition, Counters, Instant, Place, Traction, Tuning, Uncertain, VehicleParameters,
@@ -118,7 +118,7 @@ fn altitude_measurement(altitude_m: f64) -> AltitudeMeasurement {
         altitude_m: altitude_m as f32,
         behind_m: 0.0,
         dilution: 1.0,
-        source_switched: false,
+        continuity: Continuity::Followed,
     }
 }
 
