@@ -1,9 +1,10 @@
 //! One traversal in time: the force balance (thesis eq. 9) integrated in fine steps.
 //!
-//! v' = (F_traction − F_air − F_roll − F_grade − F_brake) / m_accelerated
+//! v' = (F_traction − F_air − F_roll − F_grade − F_planted − F_brake) / m_accelerated
 
 use super::driver::{Brake, CruiseControl, SET_SPEED_MPS};
 use super::gearbox::{Flow, Gearbox, Situation, cruising_gear, launch_gear};
+use super::planted::{Place, Planted};
 use super::random::{OrnsteinUhlenbeck, Purpose, stream};
 use super::road::{Road, sine};
 use super::scenario::Scenario;
@@ -32,7 +33,7 @@ pub struct DriveState {
     pub speed_mps: f64,
     /// Acceleration, m/s².
     pub acceleration_mps2: f64,
-    /// Traction force, N.
+    /// Traction force, before anything planted takes from it, N.
     pub traction_n: f64,
     /// Mass that accelerates, kg.
     pub accelerated_kg: f64,
@@ -58,6 +59,8 @@ pub struct DriveState {
     pub engaged: bool,
     /// Slip of the clutch, %.
     pub clutch_slip_percent: f64,
+    /// The fan as the bus tells it, %.
+    pub fan_percent: f64,
 }
 
 impl DriveState {
@@ -115,7 +118,13 @@ struct Journey<'a> {
     gust_mps: f64,
     gust_rng: ChaCha8Rng,
     tyres: Tyres,
-    time_s: f64,
+    /// How long the tyres have rolled, s.
+    rolled_s: f64,
+    planted: Planted,
+    /// Length of the road if it is driven against its direction, m.
+    turned_m: Option<f64>,
+    /// What the log's clock shows, s.
+    clock_s: f64,
     cruise: CruiseControl,
     brake: Brake,
     gearbox: Gearbox,
@@ -179,7 +188,8 @@ pub fn drive(scenario: &Scenario, index: usize) -> Result<Drive> {
 
 impl<'a> Journey<'a> {
     fn new(truck: &'a Truck, road: &'a Road, scenario: &Scenario, index: usize) -> Self {
-        let wind = scenario.wind;
+        let run = &scenario.runs[index];
+        let wind = run.wind;
         let mut gust_rng = stream(scenario.seed, index, Purpose::Wind);
         Self {
             truck,
@@ -190,7 +200,10 @@ impl<'a> Journey<'a> {
             gust_mps: 0.0,
             gust_rng,
             tyres: scenario.tyres,
-            time_s: 0.0,
+            rolled_s: run.tyres_driven_s,
+            planted: Planted::new(&scenario.planted, scenario.seed, index),
+            turned_m: run.backward.then(|| road.length_m()),
+            clock_s: run.start_time_s,
             cruise: CruiseControl::default(),
             brake: Brake::default(),
             gearbox: Gearbox::new(0, stream(scenario.seed, index, Purpose::Gearbox)),
@@ -219,21 +232,38 @@ impl<'a> Journey<'a> {
         self.gearbox.engage(gear);
         let rpm = self.truck.engine_rpm(gear, self.speed_mps);
         let per_torque = self.truck.force_per_torque(gear);
-        let balance_nm = self.resistance_n() / per_torque;
+        let resistance_n = self.resistance_n();
+        let lost_n =
+            self.planted
+                .driveline_n(self.truck, resistance_n / per_torque, per_torque, rpm);
+        let balance_nm = (resistance_n + lost_n) / per_torque;
         self.net_torque_nm =
             balance_nm.clamp(-self.truck.friction_nm(rpm), self.truck.full_load_nm(rpm));
         let force_n = self.net_torque_nm * per_torque;
         self.cruise = CruiseControl::balanced_at(force_n / self.truck.mass_kg);
     }
 
-    /// Air, rolling and grade resistance half a step ahead, N.
+    /// Air, rolling and grade resistance and what is planted beside them, half a step ahead, N.
     fn resistance_n(&self) -> f64 {
         let ahead_m = self.distance_m + 0.5 * STEP_S * self.speed_mps;
         let airspeed_mps = self.speed_mps + self.headwind_mps();
-        let cold = self.tyres.cold_amount * (-self.time_s / self.tyres.cold_time_s).exp();
+        let cold = self.tyres.cold_amount * (-self.rolled_s / self.tyres.cold_time_s).exp();
         self.truck.air_resistance_n(airspeed_mps, self.air_density)
             + self.truck.rolling_resistance_n() * (1.0 + cold)
             + self.truck.mass_kg * GRAVITY * sine(self.road.grade(ahead_m))
+            + self
+                .planted
+                .resistance_n(self.truck, self.place(ahead_m), self.speed_mps)
+    }
+
+    fn place(&self, distance_m: f64) -> Place {
+        Place {
+            stored_m: self
+                .turned_m
+                .map_or(distance_m, |length_m| length_m - distance_m),
+            forward: self.turned_m.is_none(),
+            curvature_per_m: self.road.curvature_per_m(distance_m),
+        }
     }
 
     /// Wind against the direction of travel, m/s.
@@ -248,7 +278,9 @@ impl<'a> Journey<'a> {
         if self.wind.gust_sigma_mps > 0.0 {
             self.gust_mps = self.gust.advance(STEP_S, &mut self.gust_rng);
         }
-        self.time_s += STEP_S;
+        self.rolled_s += STEP_S;
+        self.clock_s += STEP_S;
+        self.planted.advance(self.clock_s, STEP_S);
         let resistance_n = self.resistance_n();
         if !waiting && self.gearbox.gear() == 0 {
             self.gearbox.engage(launch_gear(self.truck, resistance_n));
@@ -263,8 +295,11 @@ impl<'a> Journey<'a> {
             Flow::Open { .. } => 0.0,
         };
         let traction_n = self.net_torque_nm * per_torque;
+        let lost_n =
+            self.planted
+                .driveline_n(self.truck, self.net_torque_nm, per_torque, self.engine_rpm);
         let accelerated_kg = self.truck.accelerated_kg(closed_gear);
-        let mut acceleration = (traction_n - resistance_n - brake_n) / accelerated_kg;
+        let mut acceleration = (traction_n - resistance_n - lost_n - brake_n) / accelerated_kg;
         if self.speed_mps + acceleration * STEP_S < 0.0 {
             // Brakes and tyres hold the truck; they do not push it back.
             acceleration = -self.speed_mps / STEP_S;
@@ -286,6 +321,7 @@ impl<'a> Journey<'a> {
             shifting: self.gearbox.is_shifting(),
             engaged: closed_gear > 0,
             clutch_slip_percent: slip_percent,
+            fan_percent: self.planted.fan_percent(),
         };
         self.situation.acceleration_mps2 = acceleration;
         self.situation.resisting_n = traction_n - accelerated_kg * acceleration;

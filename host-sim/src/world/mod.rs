@@ -16,14 +16,18 @@ pub mod gearbox;
 pub mod geodesy;
 pub mod gnss;
 mod oracle;
+pub mod planted;
+pub mod planted_file;
 pub mod random;
 pub mod road;
 pub mod road_file;
 pub mod road_generator;
 pub mod scenario;
+mod scenario_check;
 pub mod scenario_file;
 pub mod sensors;
 pub mod truck;
+mod unmodelled;
 
 use crate::error::Result;
 use crate::source::can_frame::TimedFrame;
@@ -35,6 +39,8 @@ use estimator_core::VehicleParameters;
 use gnss::Gnss;
 use scenario::Scenario;
 use sensors::Sensors;
+
+pub use unmodelled::Unmodelled;
 
 /// Time between two rows of the truth, s.
 const TRUTH_STEP_S: f64 = 0.1;

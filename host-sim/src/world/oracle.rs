@@ -23,6 +23,7 @@ impl Recording<'_> {
         let run = &scenario.runs[self.index];
         let gnss = &scenario.gnss;
         let tyres = scenario.tyres;
+        let cold_amount = tyres.cold_amount * (-run.tyres_driven_s / tyres.cold_time_s).exp();
         OracleFile {
             vehicle: VehicleFile {
                 name: run.vehicle.name.clone(),
@@ -38,9 +39,9 @@ impl Recording<'_> {
                     time_s: gnss.altitude_time_s,
                 },
                 force_slow: None,
-                headwind: self.headwind(&scenario.wind),
+                headwind: self.headwind(&run.wind),
                 cold_tyres: (tyres.cold_amount > 0.0).then_some(ColdTyres {
-                    amount: tyres.cold_amount,
+                    amount: cold_amount,
                     time_s: tyres.cold_time_s,
                 }),
             },

@@ -22,6 +22,8 @@ pub enum Purpose {
     Bus,
     /// Gusts of wind.
     Wind,
+    /// When a planted fan runs.
+    Fan,
 }
 
 /// The stream of `purpose` in run `index` of the scenario seeded with `seed`.

@@ -26,6 +26,8 @@ const ALTITUDE_RETURN_M: f64 = 40.0;
 const ARC_M: Range<f64> = 200.0..1_200.0;
 /// Lengths of clothoids, m.
 const CLOTHOID_M: Range<f64> = 80.0..200.0;
+/// Turn of one arc, rad: tight ones are short, or the road would cross itself.
+const LONGEST_TURN_RAD: f64 = 0.8;
 /// Part of the pieces that are straight.
 const STRAIGHT_PART: f64 = 0.4;
 /// Curvature of an arc, as a part of the largest one.
@@ -47,6 +49,8 @@ pub struct RoadShape {
     pub largest_change_percent_per_m: f64,
     /// Radius of the tightest arc.
     pub smallest_radius_m: f64,
+    /// Radius of the widest arc; left out, 1/0.15 of the tightest.
+    pub largest_radius_m: Option<f64>,
     /// Where it starts.
     pub start_latitude_deg: f64,
     /// Where it starts.
@@ -66,6 +70,7 @@ impl Default for RoadShape {
             largest_grade_percent: 5.0,
             largest_change_percent_per_m: 0.0135,
             smallest_radius_m: 1_500.0,
+            largest_radius_m: None,
             start_latitude_deg: 59.14,
             start_longitude_deg: 17.62,
             start_altitude_m: 40.0,
@@ -133,8 +138,14 @@ fn profile(shape: &RoadShape, rng: &mut ChaCha8Rng) -> Vec<(f64, f64)> {
 
 /// Corners of curvature in 1/m along the road.
 fn plan(shape: &RoadShape, rng: &mut ChaCha8Rng) -> Vec<(f64, f64)> {
-    pieces(shape.length_m, |_, turned_rad| {
-        let size = rng.random_range(ARC_SHARPNESS) / shape.smallest_radius_m;
+    let least = shape
+        .largest_radius_m
+        .map_or(ARC_SHARPNESS.start, |largest_m| {
+            shape.smallest_radius_m / largest_m
+        });
+    let sharpness = least..ARC_SHARPNESS.end;
+    pieces(shape.length_m, |curvature_per_m, turned_rad| {
+        let size = rng.random_range(sharpness.clone()) / shape.smallest_radius_m;
         let right = if turned_rad.abs() > COURSE_RETURN_RAD {
             turned_rad < 0.0
         } else {
@@ -148,7 +159,9 @@ fn plan(shape: &RoadShape, rng: &mut ChaCha8Rng) -> Vec<(f64, f64)> {
             -size
         };
         Piece {
-            hold_m: rng.random_range(ARC_M),
+            hold_m: rng
+                .random_range(ARC_M)
+                .min(LONGEST_TURN_RAD / curvature_per_m.abs()),
             ramp_m: rng.random_range(CLOTHOID_M),
             target,
         }

@@ -1,8 +1,10 @@
 //! A scenario: the file made sure of, its road built and its vehicles drawn. The keys of the
 //! file are documented in [`scenario_file`](super::scenario_file).
 
+use super::planted_file::PlantedTable;
 use super::random::{Purpose, normal, stream};
 use super::road::Road;
+use super::scenario_check::{check, check_document, check_shape, check_steady_wind};
 use super::scenario_file::{
     Air, Direction, Document, GnssErrors, Latencies, NoiseLevels, ParameterErrors, Rates,
     RoadSource, RunTable, Start, Tyres, Wind,
@@ -19,8 +21,9 @@ use std::path::{Path, PathBuf};
 
 /// Specific gas constant of dry air, J/(kg K).
 const GAS_CONSTANT: f64 = 287.05;
-/// What a random factor is kept within.
-const FACTOR_RANGE: RangeInclusive<f64> = 0.3..=1.7;
+/// What a factor may be, and what a random one is kept within.
+const FACTOR_RANGE: RangeInclusive<f64> = 0.2..=3.0;
+const DRAWN_RANGE: RangeInclusive<f64> = 0.3..=1.7;
 
 /// The embedded default of the main job.
 const BUILTIN: &str = include_str!("../../scenarios/demo.toml");
@@ -44,10 +47,10 @@ pub struct Scenario {
     pub rates: Rates,
     /// The air.
     pub air: Air,
-    /// Its movement.
-    pub wind: Wind,
     /// How the tyres warm up.
     pub tyres: Tyres,
+    /// What no vehicle file tells.
+    pub planted: PlantedTable,
     /// The traversals.
     pub runs: Vec<Run>,
 }
@@ -74,6 +77,10 @@ pub struct Run {
     pub start_time_s: f64,
     /// Starts from standstill, else at the set speed.
     pub from_standstill: bool,
+    /// How long its tyres have rolled before, s.
+    pub tyres_driven_s: f64,
+    /// The movement of the air.
+    pub wind: Wind,
 }
 
 impl Run {
@@ -147,8 +154,7 @@ impl Scenario {
             }
             let vehicle = nominal(table, folder, &named)?;
             let mut rng = stream(document.seed, index, Purpose::Parameters);
-            let errors = table.errors.unwrap_or(document.errors);
-            runs.push(run(table, &road, vehicle, &errors, &mut rng).map_err(named)?);
+            runs.push(run(table, &document, &road, vehicle, &mut rng).map_err(named)?);
         }
         Ok(Self {
             origin: origin.to_owned(),
@@ -159,8 +165,8 @@ impl Scenario {
             latency_ms: document.latency_ms,
             rates: document.rates,
             air: document.air,
-            wind: document.wind,
             tyres: document.tyres,
+            planted: document.planted,
             runs,
         })
     }
@@ -215,9 +221,9 @@ fn nominal(
 /// A run with its true vehicle; the error is a problem that starts with the key's name.
 fn run(
     table: &RunTable,
+    document: &Document,
     road: &Road,
     vehicle: VehicleFile,
-    errors: &ParameterErrors,
     rng: &mut ChaCha8Rng,
 ) -> std::result::Result<Run, String> {
     let plain = |c: char| c.is_ascii_alphanumeric() || "_-.".contains(c);
@@ -239,7 +245,16 @@ fn run(
     let length_m = table.length_m.unwrap_or(rest_m);
     check("length_m", length_m, 1.0..=rest_m)?;
     check("start_time_s", table.start_time_s, 0.0..=1e12)?;
-    let true_parameters = disturbed(&vehicle.parameters, errors, rng)?;
+    check("tyres_driven_s", table.tyres_driven_s, 0.0..=1e6)?;
+    let mut wind = document.wind;
+    if let Some(steady) = table.wind {
+        check_steady_wind(steady.speed_mps, steady.from_deg)?;
+        (wind.speed_mps, wind.from_deg) = (steady.speed_mps, steady.from_deg);
+    }
+    let errors = table.errors.unwrap_or(document.errors);
+    let mut true_parameters = vehicle.parameters.clone();
+    true_parameters.wheel_radius_m *= document.planted.wheel_radius_factor as f32;
+    let true_parameters = disturbed(true_parameters, &errors, rng)?;
     let truck = Truck::new(&true_parameters).ok_or(
         "vehicle: has a measured traction force; expected one with a [powertrain]".to_owned(),
     )?;
@@ -253,12 +268,14 @@ fn run(
         length_m,
         start_time_s: table.start_time_s,
         from_standstill: table.start == Start::Standstill,
+        tyres_driven_s: table.tyres_driven_s,
+        wind,
     })
 }
 
-/// The true vehicle.
+/// The vehicle with its errors.
 fn disturbed(
-    nominal: &VehicleParameters,
+    mut parameters: VehicleParameters,
     errors: &ParameterErrors,
     rng: &mut ChaCha8Rng,
 ) -> std::result::Result<VehicleParameters, String> {
@@ -276,12 +293,11 @@ fn disturbed(
             (None, Some(sigma)) => {
                 check(&format!("errors.{name}_sigma"), sigma, 0.0..=0.5)?;
                 let factor = 1.0 + sigma * draw;
-                Ok(factor.clamp(*FACTOR_RANGE.start(), *FACTOR_RANGE.end()) as f32)
+                Ok(factor.clamp(*DRAWN_RANGE.start(), *DRAWN_RANGE.end()) as f32)
             }
             (None, None) => Ok(1.0),
         }
     };
-    let mut parameters = nominal.clone();
     parameters.mass_kg *= factor("mass", errors.mass_factor, errors.mass_sigma)?;
     parameters.drag_area_m2 *= factor("drag", errors.drag_factor, errors.drag_sigma)?;
     parameters.rolling_resistance *=
@@ -294,127 +310,4 @@ fn disturbed(
         .check()
         .map_err(|e| format!("errors: the true {e}"))?;
     Ok(parameters)
-}
-
-/// A number within a range, or a problem that names the key.
-fn check(name: &str, value: f64, range: RangeInclusive<f64>) -> std::result::Result<(), String> {
-    if range.contains(&value) {
-        Ok(())
-    } else {
-        Err(format!(
-            "{name} = {value}: expected {} to {}",
-            range.start(),
-            range.end()
-        ))
-    }
-}
-
-fn check_document(document: &Document) -> std::result::Result<(), String> {
-    if document.runs.is_empty() {
-        return Err("runs: there are none; expected at least one [[runs]]".to_owned());
-    }
-    let Document {
-        noise,
-        gnss,
-        latency_ms,
-        rates,
-        air,
-        wind,
-        tyres,
-        ..
-    } = document;
-    check("wind.speed_mps", wind.speed_mps, 0.0..=40.0)?;
-    check("wind.from_deg", wind.from_deg, 0.0..=360.0)?;
-    check("wind.gust_sigma_mps", wind.gust_sigma_mps, 0.0..=20.0)?;
-    check("wind.gust_time_s", wind.gust_time_s, 0.1..=1e6)?;
-    check("tyres.cold_amount", tyres.cold_amount, 0.0..=5.0)?;
-    check("tyres.cold_time_s", tyres.cold_time_s, 1.0..=1e6)?;
-    check("noise.speed_sigma_mps", noise.speed_sigma_mps, 0.0..=5.0)?;
-    check(
-        "noise.yaw_rate_sigma_radps",
-        noise.yaw_rate_sigma_radps,
-        0.0..=1.0,
-    )?;
-    check("gnss.altitude_sigma_m", gnss.altitude_sigma_m, 0.0..=100.0)?;
-    check("gnss.altitude_time_s", gnss.altitude_time_s, 0.1..=1e6)?;
-    check(
-        "gnss.altitude_white_sigma_m",
-        gnss.altitude_white_sigma_m,
-        0.0..=100.0,
-    )?;
-    check("gnss.position_sigma_m", gnss.position_sigma_m, 0.0..=1000.0)?;
-    check("gnss.position_time_s", gnss.position_time_s, 0.1..=1e6)?;
-    check("gnss.speed_sigma_mps", gnss.speed_sigma_mps, 0.0..=10.0)?;
-    check("gnss.course_sigma_deg", gnss.course_sigma_deg, 0.0..=180.0)?;
-    for (name, faults) in [("gnss.steps", &gnss.steps), ("gnss.ramps", &gnss.ramps)] {
-        for &(from_m, to_m, metres) in faults {
-            check(&format!("{name} (start)"), from_m, 0.0..=1e9)?;
-            check(&format!("{name} (end)"), to_m, from_m..=1e9)?;
-            check(&format!("{name} (metres)"), metres, -1e4..=1e4)?;
-        }
-    }
-    for outage in &gnss.outages_m {
-        check("gnss.outages_m (start)", outage.0, 0.0..=1e9)?;
-        check("gnss.outages_m (end)", outage.1, outage.0..=1e9)?;
-    }
-    for (name, value) in [
-        ("torque", latency_ms.torque),
-        ("speed", latency_ms.speed),
-        ("gearbox", latency_ms.gearbox),
-        ("chassis", latency_ms.chassis),
-        ("gnss", latency_ms.gnss),
-    ] {
-        check(&format!("latency_ms.{name}"), value, 0.0..=5_000.0)?;
-    }
-    check("rates.fast_ms", rates.fast_ms, 10.0..=1_000.0)?;
-    check("air.pressure_pa", air.pressure_pa, 50_000.0..=110_000.0)?;
-    check(
-        "air.temperature_celsius",
-        air.temperature_celsius,
-        -60.0..=60.0,
-    )
-}
-
-fn check_shape(shape: &road_generator::RoadShape) -> std::result::Result<(), String> {
-    check("road.length_m", shape.length_m, 100.0..=1e6)?;
-    check(
-        "road.grade_sigma_percent",
-        shape.grade_sigma_percent,
-        0.0..=10.0,
-    )?;
-    check(
-        "road.largest_grade_percent",
-        shape.largest_grade_percent,
-        0.0..=15.0,
-    )?;
-    check(
-        "road.largest_change_percent_per_m",
-        shape.largest_change_percent_per_m,
-        1e-4..=0.2,
-    )?;
-    check(
-        "road.smallest_radius_m",
-        shape.smallest_radius_m,
-        100.0..=1e6,
-    )?;
-    check(
-        "road.start_latitude_deg",
-        shape.start_latitude_deg,
-        -80.0..=80.0,
-    )?;
-    check(
-        "road.start_longitude_deg",
-        shape.start_longitude_deg,
-        -170.0..=170.0,
-    )?;
-    check(
-        "road.start_altitude_m",
-        shape.start_altitude_m,
-        -400.0..=6_000.0,
-    )?;
-    check(
-        "road.start_course_deg",
-        shape.start_course_deg,
-        -360.0..=360.0,
-    )
 }

@@ -12,6 +12,7 @@
 //! largest_grade_percent = 5.0
 //! largest_change_percent_per_m = 0.0135   # sharpest vertical curve: 1 / (K in m per %)
 //! smallest_radius_m = 1500.0     # tightest horizontal curve
+//! # largest_radius_m = 10000.0   # widest, at least 1.01 times the tightest; left out: 6.7 times
 //! start_latitude_deg = 59.14
 //! start_longitude_deg = 17.62
 //! start_altitude_m = 40.0
@@ -59,6 +60,20 @@
 //! cold_amount = 0.0              # large and goes down exponentially
 //! cold_time_s = 1500.0
 //!
+//! [planted]                      # what no vehicle file tells; units and ranges: planted_file
+//! cornering_compliance_rad = 0.0
+//! driveline_loss = 0.0
+//! auxiliary_w = 0.0
+//! fan_w = 0.0                    # told as SPN 975 …
+//! fan_period_s = 120.0           # … on for 0.4 of the time
+//! brake_drag_n = 0.0
+//! wheel_radius_factor = 1.0
+//! rough = []                     # [from_m, to_m, rolling resistance more]: in both directions
+//! side_resistance = []           # likewise, in the forward direction only
+//! torque_hysteresis = 0.0        # % of the reference torque
+//! thermostat_w = 0.0             # told by nobody …
+//! thermostat_period_s = 90.0     # … on in the first half of each period
+//!
 //! [errors]                       # of every run that has no [runs.errors] of its own
 //!
 //! [[runs]]
@@ -70,6 +85,8 @@
 //! length_m = 40000.0             # left out: to the end of the road
 //! start_time_s = 0.0             # of the log's clock
 //! start = "set_speed"            # or "standstill"
+//! tyres_driven_s = 0.0           # time already driven: tyres that are warm, among cold ones
+//! # wind = { speed_mps = 3.0, from_deg = 90.0 }   # another steady wind than that of [wind]
 //!
 //! [runs.errors]                  # true over believed value; each either as a factor …
 //! mass_factor = 1.0
@@ -82,6 +99,7 @@
 //!
 //! Files are looked for beside the scenario.
 
+use super::planted_file::PlantedTable;
 use super::road_generator::RoadShape;
 use super::truck::Preset;
 use serde::Deserialize;
@@ -109,6 +127,8 @@ pub struct Document {
     pub wind: Wind,
     #[serde(default)]
     pub tyres: Tyres,
+    #[serde(default)]
+    pub planted: PlantedTable,
     #[serde(default)]
     pub errors: ParameterErrors,
     #[serde(default)]
@@ -274,7 +294,15 @@ impl Default for Wind {
     }
 }
 
-/// `[tyres]`, cold at the start of each run.
+/// `[[runs]]`, `wind`: the steady part on another day.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SteadyWind {
+    pub speed_mps: f64,
+    pub from_deg: f64,
+}
+
+/// `[tyres]`, cold at the start of each run that has not driven before.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Tyres {
@@ -340,5 +368,8 @@ pub struct RunTable {
     pub start_time_s: f64,
     #[serde(default)]
     pub start: Start,
+    #[serde(default)]
+    pub tyres_driven_s: f64,
+    pub wind: Option<SteadyWind>,
     pub errors: Option<ParameterErrors>,
 }

@@ -21,6 +21,8 @@ pub struct Sensors<'a> {
     latency_ms: Latencies,
     air: Air,
     believed_mass_kg: f32,
+    /// True over believed radius.
+    wheel_radius_factor: f64,
     rng: ChaCha8Rng,
 }
 
@@ -34,6 +36,7 @@ impl<'a> Sensors<'a> {
             latency_ms: scenario.latency_ms,
             air: scenario.air,
             believed_mass_kg: scenario.runs[index].vehicle.parameters.mass_kg,
+            wheel_radius_factor: scenario.planted.wheel_radius_factor,
             rng: stream(scenario.seed, index, Purpose::Sensors),
         }
     }
@@ -57,7 +60,8 @@ impl<'a> Sensors<'a> {
             Signal::BrakeSwitch => switch(state.brake_pedal_percent > 0.0),
             Signal::BrakePedal => state.brake_pedal_percent as f32,
             Signal::ParkingBrake => switch(state.parked),
-            Signal::RetarderTorque | Signal::Fan => 0.0,
+            Signal::RetarderTorque => 0.0,
+            Signal::Fan => state.fan_percent as f32,
             Signal::Mass => self.believed_mass_kg,
             Signal::AmbientTemperature => self.air.temperature_celsius as f32,
             Signal::AirPressure => self.air.pressure_pa as f32,
@@ -68,9 +72,11 @@ impl<'a> Sensors<'a> {
             }
             Signal::WheelSpeed | Signal::FrontAxleSpeed => {
                 let noise = self.noise.speed_sigma_mps * normal(&mut self.rng);
+                // Pulses are counted, and the way from one to the next is believed.
+                let told_mps = state.speed_mps / self.wheel_radius_factor;
                 // Wheels that stand give no pulses, and none that are negative.
                 if state.speed_mps > 0.0 {
-                    (state.speed_mps + noise).max(0.0) as f32
+                    (told_mps + noise).max(0.0) as f32
                 } else {
                     0.0
                 }

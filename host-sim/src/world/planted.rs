@@ -1,0 +1,152 @@
+//! What is planted in one drive: the forces of [`PlantedTable`] as they act, moment by moment.
+
+use super::planted_file::{PlantedTable, Stretch};
+use super::random::{Purpose, stream};
+use super::truck::{GRAVITY, Truck};
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use std::f64::consts::PI;
+use std::ops::Range;
+
+/// Part of the time in which the fan is on.
+const FAN_SHARE: f64 = 0.4;
+/// Time that the fan stays on or off, as a part of the mean.
+const FAN_SPREAD: Range<f64> = 0.3..1.7;
+
+/// A place as the road's surface and the tyres meet it.
+#[derive(Clone, Copy, Debug)]
+pub struct Place {
+    /// Along the road in its forward direction, m.
+    pub stored_m: f64,
+    /// Driven in that direction.
+    pub forward: bool,
+    /// Change of course with the way, rad/m.
+    pub curvature_per_m: f64,
+}
+
+/// The effects of one drive.
+#[derive(Clone, Debug)]
+pub struct Planted {
+    table: PlantedTable,
+    fan: Fan,
+    /// Torque that arrives at the driveline, a play behind the engine's, Nm.
+    followed_nm: f64,
+    thermostat_on: bool,
+}
+
+/// A fan that its own controller switches.
+#[derive(Clone, Debug)]
+struct Fan {
+    on: bool,
+    /// Until it is switched, s.
+    left_s: f64,
+    rng: ChaCha8Rng,
+}
+
+impl Fan {
+    /// In the middle of its ways.
+    fn new(period_s: f64, mut rng: ChaCha8Rng) -> Self {
+        let on = rng.random_bool(FAN_SHARE);
+        let mut fan = Self {
+            on,
+            left_s: 0.0,
+            rng,
+        };
+        fan.left_s = fan.draw_s(period_s) * fan.rng.random_range(0.0..1.0);
+        fan
+    }
+
+    fn draw_s(&mut self, period_s: f64) -> f64 {
+        let share = if self.on { FAN_SHARE } else { 1.0 - FAN_SHARE };
+        period_s * share * self.rng.random_range(FAN_SPREAD)
+    }
+
+    fn advance(&mut self, period_s: f64, step_s: f64) {
+        self.left_s -= step_s;
+        if self.left_s <= 0.0 {
+            self.on = !self.on;
+            self.left_s += self.draw_s(period_s);
+        }
+    }
+}
+
+impl Planted {
+    /// What is planted in run `index` of the scenario seeded with `seed`.
+    #[must_use]
+    pub fn new(table: &PlantedTable, seed: u64, index: usize) -> Self {
+        Self {
+            fan: Fan::new(table.fan_period_s, stream(seed, index, Purpose::Fan)),
+            table: table.clone(),
+            followed_nm: 0.0,
+            thermostat_on: false,
+        }
+    }
+
+    /// Moves on by `step_s`, to a time of the log's clock.
+    pub fn advance(&mut self, clock_s: f64, step_s: f64) {
+        self.fan.advance(self.table.fan_period_s, step_s);
+        let period_s = self.table.thermostat_period_s;
+        self.thermostat_on = clock_s.rem_euclid(period_s) < 0.5 * period_s;
+    }
+
+    /// The fan as SPN 975 tells it, %.
+    #[must_use]
+    pub fn fan_percent(&self) -> f64 {
+        if self.table.fan_w > 0.0 && self.fan.on {
+            100.0
+        } else {
+            0.0
+        }
+    }
+
+    /// What holds the vehicle back from outside or at its wheels, N.
+    #[must_use]
+    pub fn resistance_n(&self, truck: &Truck, place: Place, speed_mps: f64) -> f64 {
+        let weight_n = truck.mass_kg * GRAVITY;
+        let lateral = speed_mps * speed_mps * place.curvature_per_m / GRAVITY;
+        let cornering = self.table.cornering_compliance_rad * lateral * lateral;
+        let mut rolling = rolling_at(&self.table.rough, place.stored_m);
+        if place.forward {
+            rolling += rolling_at(&self.table.side_resistance, place.stored_m);
+        }
+        weight_n * (cornering + rolling) + self.table.brake_drag_n
+    }
+
+    /// What is lost between an engine that gives `net_torque_nm` at `engine_rpm` and wheels on
+    /// which each newton metre makes `per_torque` newtons, N. Nothing through an open driveline.
+    pub fn driveline_n(
+        &mut self,
+        truck: &Truck,
+        net_torque_nm: f64,
+        per_torque: f64,
+        engine_rpm: f64,
+    ) -> f64 {
+        let play_nm = 0.01 * self.table.torque_hysteresis * truck.reference_torque_nm;
+        self.followed_nm = self
+            .followed_nm
+            .clamp(net_torque_nm - play_nm, net_torque_nm + play_nm);
+        if per_torque == 0.0 {
+            return 0.0;
+        }
+        let lagging_nm = net_torque_nm - self.followed_nm;
+        let auxiliary_nm = self.power_w() / (engine_rpm * (PI / 30.0));
+        let traction_n = net_torque_nm * per_torque;
+        (lagging_nm + auxiliary_nm) * per_torque + self.table.driveline_loss * traction_n.abs()
+    }
+
+    /// Power that the engine gives beside the wheels, W.
+    fn power_w(&self) -> f64 {
+        let while_on = |power_w: f64, on: bool| if on { power_w } else { 0.0 };
+        self.table.auxiliary_w
+            + while_on(self.table.fan_w, self.fan.on)
+            + while_on(self.table.thermostat_w, self.thermostat_on)
+    }
+}
+
+fn rolling_at(stretches: &[Stretch], stored_m: f64) -> f64 {
+    stretches
+        .iter()
+        .filter(|&&(from_m, to_m, _)| (from_m..to_m).contains(&stored_m))
+        .map(|&(.., rolling)| rolling)
+        .sum()
+}

@@ -1,0 +1,108 @@
+//! How the simulator is told of each effect.
+
+use super::FAN;
+
+/// Course in which the generated road heads, so that a wind can blow along it.
+pub const COURSE_DEG: f64 = 225.0;
+
+/// How the simulator is told of an effect.
+#[derive(Debug)]
+pub struct Known {
+    /// Its name.
+    pub effect: &'static str,
+    /// Where the search for the right amount begins.
+    pub first_amount: f64,
+    /// Of the scenario.
+    pub table: &'static str,
+    /// Keys for an amount and a seed.
+    pub keys: fn(f64, u64) -> String,
+}
+
+const fn effect(
+    effect: &'static str,
+    first_amount: f64,
+    table: &'static str,
+    keys: fn(f64, u64) -> String,
+) -> Known {
+    Known {
+        effect,
+        first_amount,
+        table,
+        keys,
+    }
+}
+
+const KNOWN: [Known; 16] = [
+    effect("rolling_resistance", 0.1, "errors", |amount, _| {
+        format!("rolling_factor = {:?}", 1.0 + amount)
+    }),
+    effect("tyre_warmup", 0.2, "tyres", |amount, _| {
+        format!("cold_amount = {amount:?}")
+    }),
+    effect("air_drag", 0.1, "errors", |amount, _| {
+        format!("drag_factor = {:?}", 1.0 + amount)
+    }),
+    effect("headwind", 1.0, "wind", |amount, seed| {
+        // More or less along the road.
+        let from_deg = COURSE_DEG - 40.0 + spread(seed, 80.0);
+        format!("speed_mps = {amount:?}\nfrom_deg = {from_deg:?}")
+    }),
+    effect("cornering", 0.1, "planted", |amount, _| {
+        format!("cornering_compliance_rad = {amount:?}")
+    }),
+    effect("driveline_loss", 0.02, "planted", |amount, _| {
+        format!("driveline_loss = {amount:?}")
+    }),
+    effect("auxiliary_load", 2_000.0, "planted", |amount, _| {
+        format!("auxiliary_w = {amount:?}")
+    }),
+    effect("mass", 0.05, "errors", |amount, _| {
+        format!("mass_factor = {:?}", 1.0 + amount)
+    }),
+    effect("torque_scale", 0.02, "errors", |amount, _| {
+        format!("torque_factor = {:?}", 1.0 + amount)
+    }),
+    effect("wheel_radius", 0.01, "planted", |amount, _| {
+        format!("wheel_radius_factor = {:?}", 1.0 + amount)
+    }),
+    effect("brake_drag", 100.0, "planted", |amount, _| {
+        format!("brake_drag_n = {amount:?}")
+    }),
+    effect("road_surface", 1e-3, "planted", |amount, seed| {
+        stretch("rough", seed, 2_000.0, amount)
+    }),
+    effect("torque_hysteresis", 1.0, "planted", |amount, _| {
+        format!("torque_hysteresis = {amount:?}")
+    }),
+    effect("side_resistance", 1e-3, "planted", |amount, seed| {
+        stretch("side_resistance", seed, 4_000.0, amount)
+    }),
+    effect("thermostat", 2_000.0, "planted", |amount, seed| {
+        let period_s = 60.0 + spread(seed, 90.0);
+        format!("thermostat_w = {amount:?}\nthermostat_period_s = {period_s:?}")
+    }),
+    effect(FAN, 5_000.0, "planted", |amount, _| {
+        format!("fan_w = {amount:?}")
+    }),
+];
+
+/// A stretch of the road, away from its ends.
+fn stretch(key: &str, seed: u64, length_m: f64, amount: f64) -> String {
+    let from_m = 3_000.0 + spread(seed, 14_000.0 - length_m);
+    format!(
+        "{key} = [[{from_m:?}, {:?}, {amount:?}]]",
+        from_m + length_m
+    )
+}
+
+/// From 0 to `span`, elsewhere for each seed: steps of the golden ratio spread evenly.
+fn spread(seed: u64, span: f64) -> f64 {
+    let part = seed as f64 * 0.618_033_988_75;
+    (span * part.fract()).round()
+}
+
+/// The effect of that name.
+#[must_use]
+pub fn known(effect: &str) -> Option<&'static Known> {
+    KNOWN.iter().find(|known| known.effect == effect)
+}
