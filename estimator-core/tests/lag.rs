@@ -23,10 +23,8 @@ fn drive() -> Vec<Sample> {
                 let datum = if k > 420 { 140.0 } else { 100.0 };
                 let step = if k > 250 { 25.0 } else { 0.0 };
                 s.altitude = altitude(datum + step + 0.5 * noise.next());
-                if let Some(altitude) = &mut s.altitude {
-                    if k == 427 {
-                        altitude.continuity = Continuity::Switched;
-                    }
+                if let Some(altitude) = s.altitude.as_mut().filter(|_| k == 427) {
+                    altitude.continuity = Continuity::Switched;
                 }
             }
             if k == 333 {

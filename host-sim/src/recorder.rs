@@ -87,7 +87,7 @@ impl<S: Scalar> Recorder<S> {
         let smoothed = smooth_run(
             self.estimator.vehicle(),
             self.estimator.tuning(),
-            self.estimator.filter_anew(),
+            &self.estimator.filter_anew(),
             &self.samples,
         );
         let rows = smoothed

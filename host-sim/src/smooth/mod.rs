@@ -28,7 +28,7 @@ pub struct Smoothed {
 pub fn smooth_run(
     vehicle: &VehicleParameters,
     tuning: &Tuning,
-    filter: Filter<f64>,
+    filter: &Filter<f64>,
     samples: &[Sample],
 ) -> Vec<Smoothed> {
     let pass = |samples: &[Sample]| -> Vec<Record<f64>> {

@@ -48,7 +48,7 @@ pub fn estimate(drive: &Drive) -> Ours {
         cells.extend(from_fn(|| lag.next_cell()));
     }
     cells.extend(from_fn(|| lag.drain_cell()));
-    let smoothed = smooth_run(&vehicle, &tuning, filter.anew(), &samples);
+    let smoothed = smooth_run(&vehicle, &tuning, &filter.anew(), &samples);
     Ours {
         smoothed: profile(smoothed.iter().map(|cell| cell.estimate.grade_percent)),
         lagged: profile(cells.iter().map(|cell| cell.lagged_grade_percent)),
