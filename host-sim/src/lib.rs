@@ -2,6 +2,7 @@
 
 pub mod baseline;
 pub mod cli;
+pub mod diagnose;
 pub mod error;
 pub mod kept_file;
 pub mod map;

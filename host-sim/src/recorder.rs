@@ -79,7 +79,13 @@ impl<S: Scalar> Recorder<S> {
 
     /// Ends the drive: the last cells, and smoothing over the whole of it.
     #[must_use]
-    pub fn finish(mut self) -> Run {
+    pub fn finish(self) -> Run {
+        self.finish_with_samples().0
+    }
+
+    /// As [`finish`](Self::finish), with what the core sampled for each row.
+    #[must_use]
+    pub fn finish_with_samples(mut self) -> (Run, Vec<Sample>) {
         while let Some(cell) = self.estimator.drain_cell() {
             self.cells.push(cell);
         }
@@ -90,16 +96,20 @@ impl<S: Scalar> Recorder<S> {
             &self.estimator.filter_anew(),
             &self.samples,
         );
-        let rows = smoothed
+        let rows: Vec<RunRow> = smoothed
             .iter()
             .zip(&self.cells)
             .map(|(smoothed, cell)| row(start, cell, smoothed))
             .collect();
-        Run {
-            rows,
+        let run = Run {
             counters: *self.estimator.counters(),
             kept: self.estimator.kept(),
-        }
+            rows,
+        };
+        // Before the first speed there is a sample and no row.
+        let without_row = self.samples.len().saturating_sub(run.rows.len());
+        self.samples.drain(..without_row);
+        (run, self.samples)
     }
 }
 

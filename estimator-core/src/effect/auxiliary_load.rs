@@ -1,29 +1,36 @@
 //! Power that does not get to the wheels.
 
-use super::{Acts, Bounds, Effect};
+use super::{Acts, Bounds, Detail, Effect};
+use crate::maybe::Maybe;
 
 /// Speed below which the force of a power grows no more, m/s: torque is limited.
 const SLOWEST_MPS: f32 = 2.0;
 
-/// F = a / v, and of it the part at which the fan runs where that is told.
+/// F = a / v; with the fan, of it the part at which that runs.
 pub static EFFECT: Effect = Effect {
     name: "auxiliary_load",
     unit: "W",
-    about: "Fan, compressor, alternator, steering or cooling take this power from the driveline; with a fan signal (SPN 975), at full speed of the fan.",
+    about: "Fan, compressor, alternator, steering or cooling take this power from the driveline, all the time or with the fan.",
     source: "VECTO long haul: 4 to 6 kW all in all; a fan engaged takes 15 to 30 kW",
     typical: 10_000.0,
     range: Bounds::new(-50_000.0, 200_000.0, "-50000 to 200000 W"),
-    details: &[],
+    details: &[Detail {
+        key: "with_fan",
+        about: "1: the power goes with the fan (SPN 975), which takes all of it at full speed; 0: it is always there",
+        default: Maybe::some(0.0),
+        range: Bounds::new(0.0, 1.0, "0 or 1"),
+    }],
     acts: Acts::Resists,
-    physics: |_, sample, _, amount| {
+    physics: |_, sample, details, amount| {
         if !sample.circumstances.engaged {
             return 0.0;
         }
-        let part = sample
-            .circumstances
-            .fan_percent
-            .get()
-            .map_or(1.0, |percent| 0.01 * percent);
+        let with_fan = details[0].get().is_some_and(|with_fan| with_fan > 0.5);
+        let part = match sample.circumstances.fan_percent.get() {
+            Some(percent) if with_fan => 0.01 * percent,
+            None if with_fan => 0.0,
+            _ => 1.0,
+        };
         amount * part / sample.place.speed_mps.max(SLOWEST_MPS)
     },
 };

@@ -41,6 +41,12 @@ impl Bounds {
     }
 
     /// Whether a value is within.
+    #[must_use]
+    pub fn holds(self, value: f32) -> bool {
+        (self.low..=self.high).contains(&value)
+    }
+
+    /// Checks that a value is within.
     ///
     /// # Errors
     /// If not, or if it is no number.

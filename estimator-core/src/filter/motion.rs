@@ -45,6 +45,18 @@ impl<S: Scalar> Motion<S> {
         state.load = self.load;
     }
 
+    /// Moves a mean alone.
+    #[inline]
+    pub(super) fn forward_vector(&self, vector: &mut [S; STATES]) {
+        for (i, j, factor) in self.shears() {
+            let step = factor * vector[j];
+            vector[i] += step;
+        }
+        for (i, keep) in self.keeps() {
+            vector[i] *= keep;
+        }
+    }
+
     /// The transposed step on a vector of the smoother's: backwards.
     #[inline]
     pub(super) fn transpose_vector(&self, vector: &mut [S; STATES]) {

@@ -47,6 +47,41 @@ pub struct Trace<S> {
 }
 
 impl<S: Scalar> Trace<S> {
+    /// Carries over this step what a state is off, in the mean, because something is missing from
+    /// the model, without which this cell climbs `missing_climb_m` less than the model reads.
+    /// Returns what the innovation of the altitude is off by then.
+    ///
+    /// The filter is linear, so this is the derivative of its innovations, divided by the amount
+    /// of what is missing (B. Rosenberg, "Random coefficients models", Annals of Economic and
+    /// Social Measurement 2:399, 1973; P. de Jong, "The diffuse Kalman filter", Annals of
+    /// Statistics 19:1073, 1991). What is missing is taken for a part of the slope that is read,
+    /// as the bias is, and not for a force that acts on the speed: drivers answer the road, so
+    /// that force and road are no strangers, and only the altitude can tell one from the other.
+    pub fn carry_error(&self, error: &mut [S; STATES], missing_climb_m: S) -> Option<S> {
+        if self.link.breaks() {
+            for i in BROKEN {
+                error[i] = S::ZERO;
+            }
+        } else {
+            self.motion.forward_vector(error);
+            error[ALTITUDE] -= missing_climb_m;
+        }
+        if self.link.sets_altitude() {
+            error[ALTITUDE] = -error[GNSS_ERROR];
+        }
+        let mut measure = |applied: &Option<Applied<S>>, observation: Observation| {
+            applied.as_ref().map(|applied| {
+                let seen = observation.of(error);
+                for (error, gain) in error.iter_mut().zip(&applied.gain) {
+                    *error -= *gain * seen;
+                }
+                seen
+            })
+        };
+        measure(&self.speed, Observation::Energy);
+        measure(&self.altitude, Observation::Altitude)
+    }
+
     /// What was measured, the last first.
     #[inline(always)]
     pub(super) fn measurements(&self) -> impl Iterator<Item = (Observation, &Applied<S>)> {

@@ -1,0 +1,113 @@
+//! A log as the diagnosis sees it: what the core sampled, and where each cell lies.
+
+use crate::error::{Error, Result};
+use crate::map::{Place, RoadLine, match_track, road_of_run, track_of_run};
+use crate::recorder::{Recorder, Run};
+use crate::source::input::for_each_input;
+use estimator_core::filter::Filter;
+use estimator_core::sampler::Sample;
+use estimator_core::{Tuning, VehicleParameters};
+use std::path::{Path, PathBuf};
+
+/// One log, read with a vehicle.
+#[derive(Debug)]
+pub struct LoggedDrive {
+    /// The log.
+    pub path: PathBuf,
+    /// What the core sampled, one for each row of the run.
+    pub samples: Vec<Sample>,
+    /// The estimate.
+    pub run: Run,
+    /// A filter that begins as the estimator's did and knows the sensors' noise.
+    pub filter: Filter<f64>,
+}
+
+impl LoggedDrive {
+    /// Reads a log.
+    ///
+    /// # Errors
+    /// An impossible vehicle; a log that cannot be read, with file and line; one without movement.
+    pub fn read(path: &Path, vehicle: &VehicleParameters) -> Result<Self> {
+        let mut recorder = Recorder::<f32>::new(vehicle.clone(), Tuning::default())
+            .map_err(|e| Error::content(path, e.to_string()))?;
+        for_each_input(path, |_| (), |input| recorder.on_input(&input))?;
+        let filter = recorder.estimator().filter_anew();
+        let (run, samples) = recorder.finish_with_samples();
+        if run.rows.is_empty() {
+            return Err(Error::content(
+                path,
+                "the vehicle does not move in it; expected a drive".to_owned(),
+            ));
+        }
+        Ok(Self {
+            path: path.to_owned(),
+            samples,
+            run,
+            filter,
+        })
+    }
+}
+
+/// Where on a common road a cell lies, and whether it is driven in the road's direction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RoadPlace {
+    /// Distance along the road, m.
+    pub at_m: f64,
+    /// In the road's direction.
+    pub forward: bool,
+}
+
+/// The road of the first drive that has one, both ways.
+#[derive(Debug)]
+pub struct CommonRoad {
+    ways: [RoadLine; 2],
+    length_m: f64,
+}
+
+impl CommonRoad {
+    /// The road that the longest of these drives took; `None` if none has positions.
+    #[must_use]
+    pub fn of(drives: &[&LoggedDrive]) -> Option<Self> {
+        let longest = drives.iter().max_by_key(|drive| drive.run.rows.len())?;
+        let points = road_of_run(&longest.run.rows)?;
+        let length_m = points.last()?.distance_m;
+        let back = points
+            .iter()
+            .rev()
+            .map(|point| crate::map::RoadPoint {
+                distance_m: length_m - point.distance_m,
+                ..*point
+            })
+            .collect();
+        let ways = [RoadLine::new(points).ok()?, RoadLine::new(back).ok()?];
+        Some(Self { ways, length_m })
+    }
+
+    /// Its length, m.
+    #[must_use]
+    pub const fn length_m(&self) -> f64 {
+        self.length_m
+    }
+
+    /// Where each sample of a drive lies.
+    #[must_use]
+    pub fn places(&self, drive: &LoggedDrive) -> Vec<Option<RoadPlace>> {
+        let track = track_of_run(&drive.run.rows);
+        let [there, back] = [&self.ways[0], &self.ways[1]].map(|way| match_track(way, &track));
+        there
+            .iter()
+            .zip(&back)
+            .map(|(there, back)| match (there, back) {
+                (Place::OnRoad(at_m), _) => Some(RoadPlace {
+                    at_m: *at_m,
+                    forward: true,
+                }),
+                (_, Place::OnRoad(at_m)) => Some(RoadPlace {
+                    at_m: self.length_m - at_m,
+                    forward: false,
+                }),
+                _ => None,
+            })
+            .collect()
+    }
+}

@@ -1,0 +1,145 @@
+//! What drives say about forces that the model lacks.
+//!
+//! The filter is linear: a missing force that is proportional to an unknown amount moves its
+//! normalised innovations by that amount times a known response. With the right model innovations
+//! are white and of unit variance whatever the road does, so that amounts follow from them by
+//! least squares, with the errors of GNSS, wind, road and slow bias weighed as the filter weighs
+//! them: these are the generalised least squares estimates, and the gain in fit is the likelihood
+//! ratio (Rosenberg 1973; de Jong 1991).
+//!
+//! Real errors are longer in correlation than any model of them. The sums are therefore kept for
+//! each stretch of a drive: how much they scatter from stretch to stretch tells what an estimate is
+//! worth (a sandwich with clusters: H. White, "Maximum likelihood estimation of misspecified
+//! models", Econometrica 50:1, 1982).
+
+use super::drive::LoggedDrive;
+use estimator_core::filter::{Filter, Record, STATES};
+use estimator_core::vehicle::GRAVITY;
+use estimator_core::{CELL_LENGTH_M, Counters, Tuning, VehicleParameters};
+use nalgebra::{DMatrix, DVector};
+
+/// Length of a stretch, m.
+const STRETCH_M: f64 = 4_000.0;
+
+/// Force in N that the model lacks in each cell of a drive, for one unit of an amount.
+pub type Column = Vec<f32>;
+
+/// Sums over one stretch of a drive: of response times response, and of response times innovation.
+#[derive(Clone, Debug)]
+pub struct Stretch {
+    /// Which drive it is of.
+    pub drive: usize,
+    /// Responses.
+    pub information: DMatrix<f64>,
+    /// Responses times innovations.
+    pub score: DVector<f64>,
+    /// Minus twice the logarithm of the likelihood of the altitudes with nothing missing, but for a
+    /// constant.
+    pub surprise: f64,
+}
+
+/// All stretches of all drives.
+#[derive(Clone, Debug, Default)]
+pub struct Evidence {
+    /// In the order of the drives.
+    pub stretches: Vec<Stretch>,
+}
+
+impl FromIterator<Stretch> for Evidence {
+    fn from_iter<I: IntoIterator<Item = Stretch>>(stretches: I) -> Self {
+        Self {
+            stretches: stretches.into_iter().collect(),
+        }
+    }
+}
+
+/// Winds that come and go that are tried, 1 sigma, m/s.
+pub const WINDS_MPS: [f32; 5] = [0.1, 0.2, 0.4, 0.8, 1.6];
+
+/// The tuning with which drives are judged: what is the same on all drives of a vehicle is looked
+/// for, so that the filter's own slow states keep only what differs from drive to drive, and in the
+/// kilometres of wind.
+#[must_use]
+pub fn judging_tuning(wind_sigma_mps: f32) -> Tuning {
+    Tuning {
+        wind_sigma_mps,
+        bias_force_n: 20.0,
+        bias_rolling: 0.01,
+        bias_drag: 0.01,
+        bias_start_rolling: 0.0,
+        bias_length_m: 20_000.0,
+        scale_sigma: 0.02,
+        ..Tuning::default()
+    }
+}
+
+/// What a drive says about the forces in `columns`, stretch by stretch.
+#[must_use]
+pub fn stretches(
+    drive: usize,
+    logged: &LoggedDrive,
+    vehicle: &VehicleParameters,
+    tuning: &Tuning,
+    columns: &[Column],
+) -> Vec<Stretch> {
+    let mut filter: Filter<f64> = Filter::with_noise(&logged.filter.noise());
+    let mut counters = Counters::default();
+    let mut errors = vec![[0.0; STATES]; columns.len()];
+    let mut response = DVector::zeros(columns.len());
+    let empty = || Stretch {
+        drive,
+        information: DMatrix::zeros(columns.len(), columns.len()),
+        score: DVector::zeros(columns.len()),
+        surprise: 0.0,
+    };
+    let mut found = Vec::new();
+    let mut stretch = empty();
+    let mut way_m = 0.0;
+    for (k, sample) in logged.samples.iter().enumerate() {
+        let Some(record) = filter.step(vehicle, tuning, sample, &mut counters) else {
+            continue;
+        };
+        let weight_n = sample.load.mass_kg * GRAVITY;
+        let per_newton = f64::from(sample.length_m / weight_n);
+        for (j, (error, column)) in errors.iter_mut().zip(columns).enumerate() {
+            let missing_m = f64::from(column[k]) * per_newton;
+            response[j] = record.trace.carry_error(error, missing_m).unwrap_or(0.0);
+        }
+        stretch.take(&record, &response);
+        way_m += f64::from(CELL_LENGTH_M);
+        if way_m >= STRETCH_M {
+            found.push(std::mem::replace(&mut stretch, empty()));
+            way_m = 0.0;
+        }
+    }
+    found.push(stretch);
+    found
+}
+
+impl Evidence {
+    /// Sums over all stretches of the drives that count.
+    #[must_use]
+    pub fn sums(&self, counts: impl Fn(usize) -> bool) -> (DMatrix<f64>, DVector<f64>) {
+        let size = self.stretches.first().map_or(0, |s| s.score.len());
+        let mut sums = (DMatrix::zeros(size, size), DVector::zeros(size));
+        for stretch in self.stretches.iter().filter(|s| counts(s.drive)) {
+            sums.0 += &stretch.information;
+            sums.1 += &stretch.score;
+        }
+        sums
+    }
+}
+
+impl Stretch {
+    fn take(&mut self, record: &Record<f64>, response: &DVector<f64>) {
+        let Some(applied) = &record.trace.altitude else {
+            return;
+        };
+        let per_variance = 1.0 / applied.innovation_variance;
+        self.surprise +=
+            applied.innovation.powi(2) * per_variance + applied.innovation_variance.ln();
+        self.information.ger(per_variance, response, response, 1.0);
+        self.score
+            .axpy(applied.innovation * per_variance, response, 1.0);
+    }
+}
