@@ -15,6 +15,19 @@ pub fn count(total: u64, what: &str) -> ProgressBar {
     bar(total, &format!("{{bar:40}} {{pos}}/{{len}} {what} {{eta}}"))
 }
 
+/// Something that turns while work of unknown length goes on.
+#[must_use]
+pub fn spinner(what: &str) -> ProgressBar {
+    let spinner = if std::io::stderr().is_terminal() {
+        ProgressBar::new_spinner()
+    } else {
+        ProgressBar::hidden()
+    };
+    spinner.set_message(what.to_owned());
+    spinner.enable_steady_tick(std::time::Duration::from_millis(100));
+    spinner
+}
+
 fn bar(total: u64, template: &str) -> ProgressBar {
     let bar = ProgressBar::with_draw_target(
         Some(total),

@@ -2,6 +2,7 @@
 
 mod companions;
 mod demo;
+mod diagnose;
 mod estimate;
 mod fuse;
 mod import;
@@ -38,6 +39,8 @@ enum Command {
     Fuse(fuse::Args),
     /// Compare runs with the truth.
     Score(score::Args),
+    /// Find what the vehicle model lacks, and add it.
+    Diagnose(diagnose::Args),
     /// Compute tables and figures from measured data and from the thesis.
     Study(study::Args),
 }
@@ -56,6 +59,7 @@ impl Cli {
             Command::Inspect(args) => inspect::run(args),
             Command::Fuse(args) => fuse::run(args),
             Command::Score(args) => score::run(args),
+            Command::Diagnose(args) => diagnose::run(args),
             Command::Study(args) => study::run(args),
         }
     }

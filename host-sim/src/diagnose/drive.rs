@@ -89,6 +89,12 @@ impl CommonRoad {
         self.length_m
     }
 
+    /// Latitude and longitude at a distance, deg.
+    #[must_use]
+    pub fn position_at(&self, at_m: f64) -> (f64, f64) {
+        self.ways[0].position_at(at_m)
+    }
+
     /// Where each sample of a drive lies.
     #[must_use]
     pub fn places(&self, drive: &LoggedDrive) -> Vec<Option<RoadPlace>> {

@@ -408,27 +408,34 @@ fn step(cases: &[Case], menu: &Menu) -> Option<Step> {
     let asked = |case: &&Case| {
         case.evidence - price >= ADOPTED && case.held_out > -1.0 && is_possible(case, menu)
     };
-    let best = cases
+    let best = cases.iter().filter(asked).max_by(by(|case| case.evidence))?;
+    let rivals: Vec<&Case> = cases
         .iter()
-        .filter(asked)
-        .max_by(|a, b| a.evidence.total_cmp(&b.evidence))?;
-    let name = |case: &Case| menu.candidates[case.candidate].name;
-    let adopted = cases
+        .filter(|case| best.evidence - case.evidence <= TOLD_APART && is_possible(case, menu))
+        .collect();
+    // Among those that the drives to fit cannot tell apart, the drives held out decide; and a
+    // parameter of the base model comes first where they do not either.
+    let merit = |case: &Case| {
+        let is_base = BASE.contains(&menu.candidates[case.candidate].name);
+        case.evidence + case.held_out + if is_base { PREFERENCE } else { 0.0 }
+    };
+    let adopted = *rivals
         .iter()
-        .filter(asked)
-        .filter(|case| best.evidence - case.evidence <= PREFERENCE && BASE.contains(&name(case)))
-        .max_by(|a, b| a.evidence.total_cmp(&b.evidence))
-        .unwrap_or(best);
-    let group = cases
+        .filter(|case| asked(case))
+        .max_by(|a, b| merit(a).total_cmp(&merit(b)))?;
+    let group = rivals
         .iter()
         .filter(|case| case.candidate != adopted.candidate)
-        .filter(|case| best.evidence - case.evidence <= TOLD_APART && is_possible(case, menu))
-        .cloned()
+        .map(|&case| case.clone())
         .collect();
     Some(Step {
         adopted: adopted.clone(),
         group,
     })
+}
+
+fn by(value: impl Fn(&Case) -> f64) -> impl Fn(&&Case, &&Case) -> std::cmp::Ordering {
+    move |a, b| value(a).total_cmp(&value(b))
 }
 
 /// Whether a vehicle can have it.

@@ -1,0 +1,113 @@
+//! Wheels that are larger or smaller than told: GNSS speed against the speed from the wheels.
+//!
+//! A wrong radius hardly shows in the slope, but in every speed. Speeds of the two kinds are
+//! compared where the vehicle neither speeds up nor slows down, since they are of unlike age.
+
+use super::drive::LoggedDrive;
+use super::judgement::Judgement;
+use super::selection::ADOPTED;
+use super::{CandidateCase, Finding};
+use estimator_core::CELL_LENGTH_M;
+use estimator_core::effect::{Adopted, Effect, wheel_radius};
+
+/// Slowest speed at which the two are compared, m/s.
+const SLOWEST_MPS: f32 = 8.0;
+/// Largest change of speed over the last cells for a steady one, m/s.
+const STEADY_MPS: f32 = 0.15;
+const STEADY_CELLS: usize = 10;
+/// Length of a block, whose means count as independent, m.
+const BLOCK_M: f64 = 2_000.0;
+/// What the comparison itself may be off: latency, slip, climb of the road.
+const FLOOR: f64 = 5e-4;
+
+/// What GNSS says of the wheels.
+#[derive(Clone, Copy, Debug)]
+pub struct Wheels {
+    /// True radius over the one believed, less one.
+    pub amount: f64,
+    /// Its sigma.
+    pub sigma: f64,
+}
+
+impl Wheels {
+    /// From all drives; `None` without speeds to compare.
+    #[must_use]
+    pub fn measured(drives: &[LoggedDrive]) -> Option<Self> {
+        let blocks: Vec<f64> = drives.iter().flat_map(blocks).collect();
+        if blocks.len() < 3 {
+            return None;
+        }
+        let count = blocks.len() as f64;
+        let mean = blocks.iter().sum::<f64>() / count;
+        let square = blocks.iter().map(|b| (b - mean).powi(2)).sum::<f64>();
+        let sigma = (square / (count - 1.0) / count).sqrt().hypot(FLOOR);
+        Some(Self {
+            amount: mean,
+            sigma,
+        })
+    }
+
+    /// Twice the logarithm of the Bayes factor against wheels as told.
+    #[must_use]
+    pub fn evidence(&self) -> f64 {
+        let typical = f64::from(wheel_radius::EFFECT.typical).powi(2);
+        let own = self.sigma.powi(2);
+        self.amount.powi(2) / own * typical / (typical + own) - (1.0 + typical / own).ln()
+    }
+
+    fn adopted(&self) -> Adopted {
+        static EFFECT: &Effect = &wheel_radius::EFFECT;
+        Adopted::new(EFFECT, self.amount as f32, self.sigma as f32)
+    }
+
+    /// As an effect to adopt, if the evidence asks for it.
+    #[must_use]
+    pub fn finding(&self) -> Option<Finding> {
+        (self.evidence() >= ADOPTED).then(|| Finding {
+            adopted: self.adopted(),
+            evidence: self.evidence(),
+            group: Vec::new(),
+        })
+    }
+
+    /// Among the candidates.
+    #[must_use]
+    pub fn case(&self, before: &Judgement) -> CandidateCase {
+        CandidateCase {
+            name: wheel_radius::EFFECT.name,
+            amount: self.amount,
+            sigma: self.sigma,
+            unit: wheel_radius::EFFECT.unit,
+            evidence: self.evidence(),
+            after: before.clone(),
+        }
+    }
+}
+
+/// Mean of GNSS over wheel speed, less one, in each block of a drive.
+fn blocks(drive: &LoggedDrive) -> Vec<f64> {
+    let mut blocks = Vec::new();
+    let (mut sum, mut count, mut way_m) = (0.0, 0.0, 0.0);
+    let mut last = None;
+    for window in drive.samples.windows(STEADY_CELLS) {
+        let (first, sample) = (&window[0], &window[STEADY_CELLS - 1]);
+        way_m += f64::from(CELL_LENGTH_M);
+        let gnss_mps = sample.circumstances.gnss_speed_mps.get();
+        // A fix counts once.
+        let is_new = gnss_mps.is_some() && gnss_mps != last;
+        last = gnss_mps;
+        let mps = sample.place.speed_mps;
+        let steady = (mps - first.place.speed_mps).abs() < STEADY_MPS && mps > SLOWEST_MPS;
+        if let Some(gnss_mps) = gnss_mps.filter(|_| is_new && steady) {
+            sum += f64::from(gnss_mps / mps) - 1.0;
+            count += 1.0;
+        }
+        if way_m >= BLOCK_M {
+            if count > 5.0 {
+                blocks.push(sum / count);
+            }
+            (sum, count, way_m) = (0.0, 0.0, 0.0);
+        }
+    }
+    blocks
+}

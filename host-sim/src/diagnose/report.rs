@@ -1,0 +1,275 @@
+//! report.json and the page.
+
+use super::judgement::{Judgement, WINDOW_M};
+use super::{Diagnosis, Finding};
+use crate::error::Result;
+use crate::output::write_whole;
+use crate::report::page::{Figure, Page, Section, Table};
+use crate::report::plot::{Mark, Plot, Series, colour};
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+
+/// A number for a file: JSON has none that is not finite.
+fn number(value: f64) -> Value {
+    serde_json::Number::from_f64(value).map_or(Value::Null, Value::Number)
+}
+
+fn errors(judgement: &Judgement) -> Value {
+    let interval = |(low, high): (f64, f64)| [number(low), number(high)];
+    json!({
+        "rmse_percent": number(judgement.rmse_percent),
+        "rmse_interval_percent": interval(judgement.rmse_interval),
+        "bias_percent": number(judgement.bias_percent),
+        "bias_interval_percent": interval(judgement.bias_interval),
+        "drift_m_per_km": number(judgement.drift_m_per_km),
+        "windows": judgement.windows.len(),
+    })
+}
+
+/// What report.json says.
+#[must_use]
+pub fn to_json(diagnosis: &Diagnosis) -> Value {
+    let adopted: Vec<Value> = diagnosis
+        .findings
+        .iter()
+        .map(|finding| {
+            let details: serde_json::Map<String, Value> = finding
+                .adopted
+                .given()
+                .map(|(key, value)| (key.to_owned(), number(f64::from(value))))
+                .collect();
+            json!({
+                "name": finding.adopted.effect.name,
+                "amount": number(f64::from(finding.adopted.amount)),
+                "sigma": number(f64::from(finding.adopted.amount_sigma)),
+                "unit": finding.adopted.effect.unit,
+                "details": details,
+                "evidence": number(finding.evidence),
+                "cannot_be_told_from": finding.group,
+                "told_apart_by": finding.group.iter().filter_map(|name| told_apart_by(name)).collect::<Vec<_>>(),
+            })
+        })
+        .collect();
+    let candidates: Vec<Value> = diagnosis
+        .candidates
+        .iter()
+        .map(|case| {
+            json!({
+                "name": case.name,
+                "amount": number(case.amount),
+                "sigma": number(case.sigma),
+                "unit": case.unit,
+                "evidence": number(case.evidence),
+                "holdout_before_percent": number(diagnosis.before.rmse_percent),
+                "holdout_after_percent": number(case.after.rmse_percent),
+            })
+        })
+        .collect();
+    let first = diagnosis.unexplained.first();
+    json!({
+        "adopted": adopted,
+        "candidates": candidates,
+        "before": errors(&diagnosis.before),
+        "after": errors(&diagnosis.after),
+        "judged_on_runs_to_fit": diagnosis.judged_on_fitted,
+        "unexplained": {
+            "rms_percent": number(first.map_or(0.0, |rest| rest.rms_percent)),
+            "depends_on": first.map(|rest| rest.depends_on.clone()),
+        },
+        "unexplained_all": diagnosis.unexplained.iter().map(|rest| json!({
+            "rms_percent": number(rest.rms_percent),
+            "depends_on": rest.depends_on,
+            "evidence": number(rest.evidence),
+        })).collect::<Vec<_>>(),
+    })
+}
+
+/// What data would tell an effect from others.
+#[must_use]
+pub fn told_apart_by(name: &str) -> Option<&'static str> {
+    Some(match name {
+        "rolling_resistance" | "brake_drag" => {
+            "drives with another load: rolling resistance goes with the weight, a dragging brake does not"
+        }
+        "air_drag" => "drives at other speeds: air resistance goes with the square of the speed",
+        "headwind" => "drives both ways, or on other days: wind turns with the course",
+        "auxiliary_load" => "drives at other speeds, and coasting with an open driveline: the force of a power goes down with speed",
+        "tyre_warmup" => "drives that begin warm: tyres are warm after half an hour",
+        "mass" => "coasting, and speeding up: mass takes part in both, torque in neither or only one",
+        "torque_scale" => "coasting in neutral, where no torque acts, and engine braking",
+        "driveline_loss" => "engine braking and long descents: losses brake there too, a torque scale drives",
+        "cornering" => "straight roads",
+        "road_surface" => "drives over other roads, and both ways over this one",
+        "wheel_radius" => "GNSS speed",
+        _ => return None,
+    })
+}
+
+/// Writes report.json, vehicle.toml and the page with its tables and figures.
+///
+/// # Errors
+/// What the file system says.
+pub fn write(diagnosis: &Diagnosis, folder: &Path) -> Result<PathBuf> {
+    let page = page(diagnosis).write(folder)?;
+    diagnosis.vehicle.write(&folder.join("vehicle.toml"))?;
+    let text = format!("{:#}\n", to_json(diagnosis));
+    write_whole(&folder.join("report.json"), |out| out.write_all(text.as_bytes()))?;
+    Ok(page)
+}
+
+fn page(diagnosis: &Diagnosis) -> Page {
+    Page {
+        title: format!("What the model of {} lacks", diagnosis.vehicle.name),
+        lead: in_a_sentence(diagnosis),
+        sections: vec![
+            residual_section(diagnosis),
+            candidates_section(diagnosis),
+            adopted_section(diagnosis),
+        ],
+    }
+}
+
+/// The outcome in words.
+#[must_use]
+pub fn in_a_sentence(diagnosis: &Diagnosis) -> String {
+    let names: Vec<String> = diagnosis.findings.iter().map(amount_in_words).collect();
+    let mut words = if names.is_empty() {
+        "Nothing is adopted: the drives do not ask for any effect beyond the model.".to_owned()
+    } else {
+        format!("Adopted: {}.", names.join("; "))
+    };
+    words += &format!(
+        " On drives {}, the bare model is {:.3} % grade off before and {:.3} % after (RMSE over \
+         windows of {WINDOW_M:.0} m), {:+.2} and {:+.2} m per km.",
+        if diagnosis.judged_on_fitted { "that were fitted too" } else { "held out" },
+        diagnosis.before.rmse_percent,
+        diagnosis.after.rmse_percent,
+        diagnosis.before.drift_m_per_km,
+        diagnosis.after.drift_m_per_km,
+    );
+    for rest in &diagnosis.unexplained {
+        words += &format!(
+            " Unexplained: {:.2} % that depends on {}.",
+            rest.rms_percent, rest.depends_on
+        );
+    }
+    words
+}
+
+fn amount_in_words(finding: &Finding) -> String {
+    let adopted = &finding.adopted;
+    let unit = match adopted.effect.unit {
+        "1" => String::new(),
+        unit => format!(" {unit}"),
+    };
+    let mut words = format!(
+        "{} {}{unit} ± {}",
+        adopted.effect.name,
+        short(f64::from(adopted.amount)),
+        short(f64::from(adopted.amount_sigma)),
+    );
+    if !finding.group.is_empty() {
+        words += &format!(" (or {}, which these drives cannot tell from it)", finding.group.join(", "));
+    }
+    words
+}
+
+/// Three digits that mean something.
+fn short(value: f64) -> String {
+    let digits = if value == 0.0 { 0 } else { (2.0 - value.abs().log10().floor()).max(0.0) as usize };
+    format!("{value:.digits$}")
+}
+
+fn residual_section(diagnosis: &Diagnosis) -> Section {
+    let series = |judgement: &Judgement, name: &str, colour| {
+        let points = judgement.windows.iter().enumerate();
+        Series::line(
+            name,
+            colour,
+            points.map(|(i, window)| (i as f64 * WINDOW_M * 1e-3, window.error_percent)),
+        )
+    };
+    let plot = Plot::new("way on the drives judged (km)", "model less reference (% grade)")
+        .with(series(&diagnosis.before, "before", colour::CYCLE[0]))
+        .with(series(&diagnosis.after, "after", colour::CYCLE[1]).drawn(Mark::Dashed));
+    Section {
+        heading: "Residual, before and after".to_owned(),
+        words: vec![format!(
+            "The slope that the force balance alone reads, less that of the reference, over windows \
+             of {WINDOW_M:.0} m in which the model holds. The reference is the map that was given, \
+             else the map of the other drives in this direction, else the drive's own estimate."
+        )],
+        tables: vec![before_after(diagnosis)],
+        figures: vec![Figure::new("residual", &plot, "The drives one after the other.")],
+    }
+}
+
+fn before_after(diagnosis: &Diagnosis) -> Table {
+    let header = ["bare model", "RMSE %", "90 % within", "bias %", "90 % within", "drift m/km", "windows"];
+    let row = |name: &str, j: &Judgement| {
+        let interval = |(low, high): (f64, f64)| format!("{low:+.3} to {high:+.3}");
+        vec![
+            name.to_owned(),
+            format!("{:.3}", j.rmse_percent),
+            interval(j.rmse_interval),
+            format!("{:+.3}", j.bias_percent),
+            interval(j.bias_interval),
+            format!("{:+.2}", j.drift_m_per_km),
+            j.windows.len().to_string(),
+        ]
+    };
+    Table::new("before_after", "Intervals by block bootstrap over 3 km.", &header)
+        .with_rows([row("before", &diagnosis.before), row("after", &diagnosis.after)])
+}
+
+fn candidates_section(diagnosis: &Diagnosis) -> Section {
+    let header = ["effect", "amount", "sigma", "unit", "evidence", "RMSE before %", "with it alone %"];
+    let caption = "Evidence is twice the logarithm of the Bayes factor against having nothing, the \
+                   choices within an effect paid for: above 6 is strong. Each effect stands alone \
+                   here; what is adopted together is below.";
+    let rows = diagnosis.candidates.iter().map(|case| {
+        vec![
+            case.name.to_owned(),
+            short(case.amount),
+            short(case.sigma),
+            case.unit.to_owned(),
+            format!("{:+.1}", case.evidence),
+            format!("{:.3}", diagnosis.before.rmse_percent),
+            format!("{:.3}", case.after.rmse_percent),
+        ]
+    });
+    Section {
+        heading: "Each candidate's case".to_owned(),
+        words: vec![
+            "Every effect is tried for what it would have done to the altitudes that GNSS told, \
+             weighed against the errors that GNSS, wind and road have anyway."
+                .to_owned(),
+        ],
+        tables: vec![Table::new("candidates", caption, &header).with_rows(rows)],
+        figures: Vec::new(),
+    }
+}
+
+fn adopted_section(diagnosis: &Diagnosis) -> Section {
+    let mut words = vec![in_a_sentence(diagnosis)];
+    for finding in &diagnosis.findings {
+        words.push(format!("{}: {}", finding.adopted.effect.name, finding.adopted.effect.about));
+        for name in &finding.group {
+            if let Some(data) = told_apart_by(name) {
+                words.push(format!("What would tell {name} from it: {data}."));
+            }
+        }
+    }
+    if !diagnosis.unexplained.is_empty() {
+        words.push(
+            "What is unexplained waits for an effect that does not exist yet: a file in \
+             estimator-core/src/effect, whose module page shows how to write one."
+                .to_owned(),
+        );
+    }
+    Section {
+        heading: "What is adopted".to_owned(),
+        words,
+        ..Section::default()
+    }
+}
