@@ -81,6 +81,12 @@ fn tables(found: &Diagnosis) -> String {
             ]
         })
         .collect();
-    let header = ["effect", "amount", "sigma", "unit", "evidence", "before %", "alone %"];
-    format!("{}\n{}\n", text_table(&header, &rows, 1), report::in_a_sentence(found))
+    let header = [
+        "effect", "amount", "sigma", "unit", "evidence", "before %", "alone %",
+    ];
+    format!(
+        "{}\n{}\n",
+        text_table(&header, &rows, 1),
+        report::in_a_sentence(found)
+    )
 }

@@ -3,10 +3,10 @@
 
 use super::drive::{LoggedDrive, RoadPlace};
 use super::evidence::Column;
+use estimator_core::effect::{Acts, CATALOGUE, Details, Effect};
 use estimator_core::sampler::Sample;
 use estimator_core::vehicle::GRAVITY;
 use estimator_core::{Instant, VehicleParameters};
-use estimator_core::effect::{Acts, CATALOGUE, Details, Effect};
 use nalgebra::DMatrix;
 
 /// Times in which tyres warm up that are tried, s.
@@ -189,9 +189,12 @@ impl Menu {
 
     fn basis(&mut self, bases: &[Basis], detail: Detail) -> Choice {
         let first = self.columns.len();
-        self.columns.extend(bases.iter().map(|&basis| Kind::Basis(basis)));
+        self.columns
+            .extend(bases.iter().map(|&basis| Kind::Basis(basis)));
         Choice {
-            amounts: (first..self.columns.len()).map(|column| vec![column]).collect(),
+            amounts: (first..self.columns.len())
+                .map(|column| vec![column])
+                .collect(),
             detail,
         }
     }
@@ -206,12 +209,7 @@ impl Menu {
         self.columns.len() - 1
     }
 
-    fn choice(
-        &mut self,
-        effect: &'static Effect,
-        given: &[Option<f32>],
-        detail: Detail,
-    ) -> Choice {
+    fn choice(&mut self, effect: &'static Effect, given: &[Option<f32>], detail: Detail) -> Choice {
         Choice {
             amounts: vec![vec![self.column(effect, given)]],
             detail,
@@ -250,7 +248,10 @@ impl Menu {
             for from in 0..=pieces - length {
                 choices.push(Choice {
                     amounts: vec![(first + from..first + from + length).collect()],
-                    detail: Detail::Stretch(from as f64 * piece_m, (from + length) as f64 * piece_m),
+                    detail: Detail::Stretch(
+                        from as f64 * piece_m,
+                        (from + length) as f64 * piece_m,
+                    ),
                 });
             }
         }
@@ -319,8 +320,7 @@ impl Basis {
                 let mut behind: Option<f32> = None;
                 let mut column = Column::with_capacity(samples.len());
                 for sample in samples {
-                    let percent =
-                        100.0 * sample.load.traction_n / (sample.load.mass_kg * GRAVITY);
+                    let percent = 100.0 * sample.load.traction_n / (sample.load.mass_kg * GRAVITY);
                     let before = behind.unwrap_or(percent);
                     let now = before.clamp(percent - play_percent, percent + play_percent);
                     behind = Some(now);
@@ -341,8 +341,8 @@ impl Basis {
                 let is_in = |value: &Option<f32>| {
                     value.is_some_and(|v| v >= low && (last || v < high)) && high > low
                 };
-                let share = values.iter().filter(|v| is_in(v)).count() as f32
-                    / values.len().max(1) as f32;
+                let share =
+                    values.iter().filter(|v| is_in(v)).count() as f32 / values.len().max(1) as f32;
                 let member = |value: &Option<f32>| if is_in(value) { 1.0 - share } else { -share };
                 let pairs = samples.iter().zip(&values);
                 pairs.map(|(s, value)| unit_n(s) * member(value)).collect()

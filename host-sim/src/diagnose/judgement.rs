@@ -5,7 +5,10 @@
 //! smoothed estimate. Single cells say little, since every reference is noisy there.
 
 use super::drive::LoggedDrive;
-use crate::map::{GradeMap, MapRow, Place, RoadLine, RoadPoint, SessionRun, match_track, road_of_run, track_of_run};
+use crate::map::{
+    GradeMap, MapRow, Place, RoadLine, RoadPoint, SessionRun, match_track, road_of_run,
+    track_of_run,
+};
 use crate::series::linear;
 use estimator_core::vehicle::VehicleParameters;
 use rand::RngExt;
@@ -64,7 +67,8 @@ pub fn references(drives: &[LoggedDrive], given: Option<&[MapRow]>) -> Vec<Refer
                 })
                 .unwrap_or_else(|| {
                     let rows = drives[number].run.rows.iter();
-                    rows.map(|row| (row.distance_m, row.grade_percent)).collect()
+                    rows.map(|row| (row.distance_m, row.grade_percent))
+                        .collect()
                 })
         })
         .collect()
@@ -80,7 +84,10 @@ fn along_map(drive: &LoggedDrive, map: &[MapRow]) -> Option<Reference> {
             longitude_deg: row.longitude_deg,
         })
         .collect();
-    let grades: Vec<(f64, f64)> = map.iter().map(|r| (r.distance_m, r.grade_percent)).collect();
+    let grades: Vec<(f64, f64)> = map
+        .iter()
+        .map(|r| (r.distance_m, r.grade_percent))
+        .collect();
     let end_m = points.last()?.distance_m;
     let back = points
         .iter()
@@ -197,7 +204,8 @@ fn windows(
             let holds = sample.place.condition.is_valid() && !sample.place.condition.crawling;
             let grade = linear(reference, at_m).filter(|_| holds);
             if let Some(grade_percent) = grade {
-                sum += model_slope_percent(vehicle, sample, from, energy) - sine_percent(grade_percent);
+                sum += model_slope_percent(vehicle, sample, from, energy)
+                    - sine_percent(grade_percent);
                 valid += 1.0;
             }
         }

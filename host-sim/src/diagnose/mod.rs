@@ -27,8 +27,11 @@ use evidence::{Evidence, WINDS_MPS, judging_tuning, stretches};
 use judgement::{Judgement, judge};
 use radius::Wheels;
 use rayon::prelude::*;
-use selection::{Case, Selection, Selector};
+use selection::{Case, Selection, Selector, Step};
 use std::path::PathBuf;
+
+/// Part of the error at which one effect does clearly better than another.
+const CLEARLY: f64 = 0.95;
 
 /// What is to be diagnosed.
 #[derive(Clone, Debug)]
@@ -128,51 +131,66 @@ pub fn diagnose(request: &Request) -> Result<Diagnosis> {
     }
     let with_wheels = vehicle.parameters.clone();
     let work = Work::new(&drives, fit.len(), &with_wheels);
-    let selection = work.select();
-    let mut unexplained = Vec::new();
-    for step in &selection.steps {
-        match work.adopted(&step.adopted) {
-            Some(adopted) => {
-                let _ = vehicle.parameters.effects.adopt(adopted);
-                findings.push(Finding {
-                    adopted,
-                    evidence: step.adopted.evidence,
-                    group: work.names(&step.group),
-                });
-            }
-            None => unexplained.push(work.unexplained(&step.adopted)),
-        }
-    }
-
-    let after_drives = read(&vehicle.parameters)?;
-    let judged = if judged_on_fitted { 0..fit.len() } else { fit.len()..paths.len() };
-    let references = judgement::references(&after_drives, request.reference.as_deref());
+    let (evidence, selection) = work.evidence();
+    let judged = if judged_on_fitted {
+        0..fit.len()
+    } else {
+        fit.len()..paths.len()
+    };
+    // The reference is estimated with what was found first, whatever is adopted in the end.
+    let found = work.vehicle_with(&vehicle, &selection);
+    let references = judgement::references(&read(&found.parameters)?, request.reference.as_deref());
     let judged_with = |vehicle: &VehicleParameters| -> Result<Judgement> {
         let read = |path: &PathBuf| LoggedDrive::read(path, vehicle);
-        let drives: Vec<LoggedDrive> =
-            paths[judged.clone()].par_iter().map(read).collect::<Result<_>>()?;
+        let drives: Vec<LoggedDrive> = paths[judged.clone()]
+            .par_iter()
+            .map(read)
+            .collect::<Result<_>>()?;
         Ok(judge(&drives, vehicle, &references[judged.clone()]))
     };
     let before = judged_with(&request.vehicle.parameters)?;
+    let alone = |case: &Case| -> Result<Option<CandidateCase>> {
+        let Some(adopted) = work.adopted(case) else {
+            return Ok(None);
+        };
+        let mut with = vehicle.parameters.clone();
+        let possible = with.effects.adopt(adopted).is_ok() && with.check().is_ok();
+        Ok(Some(CandidateCase {
+            name: adopted.effect.name,
+            amount: f64::from(adopted.amount),
+            sigma: f64::from(adopted.amount_sigma),
+            unit: adopted.effect.unit,
+            evidence: case.evidence,
+            after: if possible {
+                judged_with(&with)?
+            } else {
+                before.clone()
+            },
+        }))
+    };
+    // Each with the case that it is of.
+    let mut cases: Vec<(usize, CandidateCase)> = Vec::new();
+    for case in &selection.alone {
+        cases.extend(alone(case)?.map(|alone| (case.candidate, alone)));
+    }
+    let selection = match selection.steps.first().and_then(|step| lead(step, &cases)) {
+        Some(first) => work.select(&evidence, Some(first)),
+        None => selection,
+    };
+    let mut unexplained = Vec::new();
+    for step in &selection.steps {
+        match work.adopted(&step.adopted) {
+            Some(adopted) => findings.push(Finding {
+                adopted,
+                evidence: step.adopted.evidence,
+                group: work.names(&step.group),
+            }),
+            None => unexplained.push(work.unexplained(&step.adopted)),
+        }
+    }
+    let vehicle = work.vehicle_with(&vehicle, &selection);
     let after = judged_with(&vehicle.parameters)?;
-    let mut candidates = selection
-        .alone
-        .iter()
-        .filter_map(|case| Some((case, work.adopted(case)?)))
-        .map(|(case, adopted)| {
-            let mut alone = request.vehicle.parameters.clone();
-            let possible = alone.effects.adopt(adopted).is_ok() && alone.check().is_ok();
-            let after = if possible { judged_with(&alone)? } else { before.clone() };
-            Ok(CandidateCase {
-                name: adopted.effect.name,
-                amount: f64::from(adopted.amount),
-                sigma: f64::from(adopted.amount_sigma),
-                unit: adopted.effect.unit,
-                evidence: case.evidence,
-                after,
-            })
-        })
-        .collect::<Result<Vec<_>>>()?;
+    let mut candidates: Vec<CandidateCase> = cases.into_iter().map(|(_, case)| case).collect();
     if let Some(wheels) = &wheels {
         candidates.push(wheels.case(&before));
     }
@@ -186,6 +204,22 @@ pub fn diagnose(request: &Request) -> Result<Diagnosis> {
         judged_on_fitted,
         vehicle,
     })
+}
+
+/// Which of a group that the evidence cannot tell apart does clearly best on the drives judged, if
+/// it is not the one adopted.
+fn lead(step: &Step, cases: &[(usize, CandidateCase)]) -> Option<usize> {
+    let rmse = |candidate: usize| {
+        let mut own = cases.iter().filter(|(of, _)| *of == candidate);
+        own.next().map(|(_, case)| case.after.rmse_percent)
+    };
+    let adopted = rmse(step.adopted.candidate)?;
+    step.group
+        .iter()
+        .filter_map(|case| Some((case.candidate, rmse(case.candidate)?)))
+        .filter(|(_, rmse)| *rmse < CLEARLY * adopted)
+        .min_by(|a, b| a.1.total_cmp(&b.1))
+        .map(|(candidate, _)| candidate)
 }
 
 /// Drives with their menu.
@@ -211,8 +245,8 @@ impl<'a> Work<'a> {
         }
     }
 
-    /// With the wind that makes the drives most likely.
-    fn select(&self) -> Selection {
+    /// What the drives say, with the wind that makes them most likely, and what that asks for.
+    fn evidence(&self) -> (Evidence, Selection) {
         let columns: Vec<Vec<evidence::Column>> = self
             .drives
             .par_iter()
@@ -223,7 +257,9 @@ impl<'a> Work<'a> {
                     .columns(self.vehicle, number, drive, places.as_deref())
             })
             .collect();
-        let of_wind = |wind_mps: f32| {
+        let mut best: Option<(Evidence, Selection)> = None;
+        // One after the other: the sums of a fleet's drives are large.
+        for wind_mps in WINDS_MPS {
             let tuning = judging_tuning(wind_mps);
             let drives: Vec<_> = self.drives.iter().zip(&columns).enumerate().collect();
             let evidence: Evidence = drives
@@ -235,14 +271,28 @@ impl<'a> Work<'a> {
                 .into_iter()
                 .flatten()
                 .collect();
-            Selector::new(&self.menu, &evidence, |drive| drive >= self.fitted).select()
-        };
-        let selections = WINDS_MPS.map(of_wind);
-        let mut best = selections.into_iter();
-        let first = best.next().unwrap_or_default();
-        best.fold(first, |best, other| {
-            if other.surprise < best.surprise { other } else { best }
-        })
+            let selection = self.select(&evidence, None);
+            let is_better = |(_, best): &(_, Selection)| selection.surprise < best.surprise;
+            if best.as_ref().is_none_or(is_better) {
+                best = Some((evidence, selection));
+            }
+        }
+        best.unwrap_or_default()
+    }
+
+    fn select(&self, evidence: &Evidence, first: Option<usize>) -> Selection {
+        Selector::new(&self.menu, evidence, |drive| drive >= self.fitted).select(first)
+    }
+
+    /// The vehicle with all effects of a selection.
+    fn vehicle_with(&self, vehicle: &VehicleFile, selection: &Selection) -> VehicleFile {
+        let mut vehicle = vehicle.clone();
+        for step in &selection.steps {
+            if let Some(adopted) = self.adopted(&step.adopted) {
+                let _ = vehicle.parameters.effects.adopt(adopted);
+            }
+        }
+        vehicle
     }
 
     fn names(&self, group: &[Case]) -> Vec<&'static str> {
@@ -276,7 +326,10 @@ impl<'a> Work<'a> {
                 let along = |n: f64, e: f64| (n * north + e * east) / speed.max(1e-9);
                 let sigma = along(case.sigmas[0], 0.0).hypot(along(0.0, case.sigmas[1]));
                 adopted = Adopted::new(effect, speed as f32, sigma as f32);
-                let _ = adopted.set("from_deg", east.atan2(north).to_degrees().rem_euclid(360.0) as f32);
+                let _ = adopted.set(
+                    "from_deg",
+                    east.atan2(north).to_degrees().rem_euclid(360.0) as f32,
+                );
             }
             Detail::Stretch(from_m, to_m) => {
                 if let Some(road) = &self.road {
@@ -294,14 +347,18 @@ impl<'a> Work<'a> {
         let candidate = &self.menu.candidates[case.candidate];
         let size = case.amounts.iter().map(|a| a * a).sum::<f64>().sqrt();
         let (where_or_when, rms_percent) = match candidate.choices[case.choice].detail {
-            Detail::Period(period_s) => {
-                (format!(", period {period_s:.0} s"), 0.1 * size / 2f64.sqrt())
-            }
+            Detail::Period(period_s) => (
+                format!(", period {period_s:.0} s"),
+                0.1 * size / 2f64.sqrt(),
+            ),
             Detail::Stretch(from_m, to_m) => (
                 format!(", km {:.1} to {:.1}", from_m * 1e-3, to_m * 1e-3),
                 100.0 * size,
             ),
-            _ => (String::new(), 0.1 * size / (case.amounts.len() as f64).sqrt()),
+            _ => (
+                String::new(),
+                0.1 * size / (case.amounts.len() as f64).sqrt(),
+            ),
         };
         Unexplained {
             depends_on: format!("{}{where_or_when}", candidate.name),

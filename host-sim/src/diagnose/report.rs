@@ -93,11 +93,17 @@ pub fn told_apart_by(name: &str) -> Option<&'static str> {
         }
         "air_drag" => "drives at other speeds: air resistance goes with the square of the speed",
         "headwind" => "drives both ways, or on other days: wind turns with the course",
-        "auxiliary_load" => "drives at other speeds, and coasting with an open driveline: the force of a power goes down with speed",
+        "auxiliary_load" => {
+            "drives at other speeds, and coasting with an open driveline: the force of a power goes down with speed"
+        }
         "tyre_warmup" => "drives that begin warm: tyres are warm after half an hour",
-        "mass" => "coasting, and speeding up: mass takes part in both, torque in neither or only one",
+        "mass" => {
+            "coasting, and speeding up: mass takes part in both, torque in neither or only one"
+        }
         "torque_scale" => "coasting in neutral, where no torque acts, and engine braking",
-        "driveline_loss" => "engine braking and long descents: losses brake there too, a torque scale drives",
+        "driveline_loss" => {
+            "engine braking and long descents: losses brake there too, a torque scale drives"
+        }
         "cornering" => "straight roads",
         "road_surface" => "drives over other roads, and both ways over this one",
         "wheel_radius" => "GNSS speed",
@@ -113,7 +119,9 @@ pub fn write(diagnosis: &Diagnosis, folder: &Path) -> Result<PathBuf> {
     let page = page(diagnosis).write(folder)?;
     diagnosis.vehicle.write(&folder.join("vehicle.toml"))?;
     let text = format!("{:#}\n", to_json(diagnosis));
-    write_whole(&folder.join("report.json"), |out| out.write_all(text.as_bytes()))?;
+    write_whole(&folder.join("report.json"), |out| {
+        out.write_all(text.as_bytes())
+    })?;
     Ok(page)
 }
 
@@ -141,7 +149,11 @@ pub fn in_a_sentence(diagnosis: &Diagnosis) -> String {
     words += &format!(
         " On drives {}, the bare model is {:.3} % grade off before and {:.3} % after (RMSE over \
          windows of {WINDOW_M:.0} m), {:+.2} and {:+.2} m per km.",
-        if diagnosis.judged_on_fitted { "that were fitted too" } else { "held out" },
+        if diagnosis.judged_on_fitted {
+            "that were fitted too"
+        } else {
+            "held out"
+        },
         diagnosis.before.rmse_percent,
         diagnosis.after.rmse_percent,
         diagnosis.before.drift_m_per_km,
@@ -169,14 +181,21 @@ fn amount_in_words(finding: &Finding) -> String {
         short(f64::from(adopted.amount_sigma)),
     );
     if !finding.group.is_empty() {
-        words += &format!(" (or {}, which these drives cannot tell from it)", finding.group.join(", "));
+        words += &format!(
+            " (or {}, which these drives cannot tell from it)",
+            finding.group.join(", ")
+        );
     }
     words
 }
 
 /// Three digits that mean something.
 fn short(value: f64) -> String {
-    let digits = if value == 0.0 { 0 } else { (2.0 - value.abs().log10().floor()).max(0.0) as usize };
+    let digits = if value == 0.0 {
+        0
+    } else {
+        (2.0 - value.abs().log10().floor()).max(0.0) as usize
+    };
     format!("{value:.digits$}")
 }
 
@@ -189,9 +208,12 @@ fn residual_section(diagnosis: &Diagnosis) -> Section {
             points.map(|(i, window)| (i as f64 * WINDOW_M * 1e-3, window.error_percent)),
         )
     };
-    let plot = Plot::new("way on the drives judged (km)", "model less reference (% grade)")
-        .with(series(&diagnosis.before, "before", colour::CYCLE[0]))
-        .with(series(&diagnosis.after, "after", colour::CYCLE[1]).drawn(Mark::Dashed));
+    let plot = Plot::new(
+        "way on the drives judged (km)",
+        "model less reference (% grade)",
+    )
+    .with(series(&diagnosis.before, "before", colour::CYCLE[0]))
+    .with(series(&diagnosis.after, "after", colour::CYCLE[1]).drawn(Mark::Dashed));
     Section {
         heading: "Residual, before and after".to_owned(),
         words: vec![format!(
@@ -200,12 +222,24 @@ fn residual_section(diagnosis: &Diagnosis) -> Section {
              else the map of the other drives in this direction, else the drive's own estimate."
         )],
         tables: vec![before_after(diagnosis)],
-        figures: vec![Figure::new("residual", &plot, "The drives one after the other.")],
+        figures: vec![Figure::new(
+            "residual",
+            &plot,
+            "The drives one after the other.",
+        )],
     }
 }
 
 fn before_after(diagnosis: &Diagnosis) -> Table {
-    let header = ["bare model", "RMSE %", "90 % within", "bias %", "90 % within", "drift m/km", "windows"];
+    let header = [
+        "bare model",
+        "RMSE %",
+        "90 % within",
+        "bias %",
+        "90 % within",
+        "drift m/km",
+        "windows",
+    ];
     let row = |name: &str, j: &Judgement| {
         let interval = |(low, high): (f64, f64)| format!("{low:+.3} to {high:+.3}");
         vec![
@@ -218,12 +252,27 @@ fn before_after(diagnosis: &Diagnosis) -> Table {
             j.windows.len().to_string(),
         ]
     };
-    Table::new("before_after", "Intervals by block bootstrap over 3 km.", &header)
-        .with_rows([row("before", &diagnosis.before), row("after", &diagnosis.after)])
+    Table::new(
+        "before_after",
+        "Intervals by block bootstrap over 3 km.",
+        &header,
+    )
+    .with_rows([
+        row("before", &diagnosis.before),
+        row("after", &diagnosis.after),
+    ])
 }
 
 fn candidates_section(diagnosis: &Diagnosis) -> Section {
-    let header = ["effect", "amount", "sigma", "unit", "evidence", "RMSE before %", "with it alone %"];
+    let header = [
+        "effect",
+        "amount",
+        "sigma",
+        "unit",
+        "evidence",
+        "RMSE before %",
+        "with it alone %",
+    ];
     let caption = "Evidence is twice the logarithm of the Bayes factor against having nothing, the \
                    choices within an effect paid for: above 6 is strong. Each effect stands alone \
                    here; what is adopted together is below.";
@@ -253,7 +302,10 @@ fn candidates_section(diagnosis: &Diagnosis) -> Section {
 fn adopted_section(diagnosis: &Diagnosis) -> Section {
     let mut words = vec![in_a_sentence(diagnosis)];
     for finding in &diagnosis.findings {
-        words.push(format!("{}: {}", finding.adopted.effect.name, finding.adopted.effect.about));
+        words.push(format!(
+            "{}: {}",
+            finding.adopted.effect.name, finding.adopted.effect.about
+        ));
         for name in &finding.group {
             if let Some(data) = told_apart_by(name) {
                 words.push(format!("What would tell {name} from it: {data}."));

@@ -51,6 +51,16 @@ pub struct Step {
     pub group: Vec<Case>,
 }
 
+impl Step {
+    /// Has another of the group stand for it.
+    fn lead(&mut self, candidate: usize) {
+        let same = |case: &Case| case.candidate == candidate;
+        if let Some(index) = self.group.iter().position(same) {
+            std::mem::swap(&mut self.adopted, &mut self.group[index]);
+        }
+    }
+}
+
 /// The result.
 #[derive(Clone, Debug, Default)]
 pub struct Selection {
@@ -126,9 +136,10 @@ impl<'a> Selector<'a> {
         }
     }
 
-    /// Adopts one effect after the other as long as the evidence asks for one.
+    /// Adopts one effect after the other as long as the evidence asks for one; `first` is that which
+    /// stands for those that the evidence cannot tell apart in the first step, if it is given.
     #[must_use]
-    pub fn select(&self) -> Selection {
+    pub fn select(&self, first: Option<usize>) -> Selection {
         let mut basis = Basis::empty(self.menu.width());
         let mut selection = Selection {
             alone: self.cases(&basis, &[]),
@@ -136,7 +147,10 @@ impl<'a> Selector<'a> {
         };
         let mut cases = selection.alone.clone();
         let mut taken: Vec<usize> = Vec::new();
-        while let Some(step) = step(&cases, self.menu).filter(|_| taken.len() < MOST_ADOPTED) {
+        while let Some(mut step) = step(&cases, self.menu).filter(|_| taken.len() < MOST_ADOPTED) {
+            if let Some(first) = first.filter(|_| taken.is_empty()) {
+                step.lead(first);
+            }
             let candidate = &self.menu.candidates[step.adopted.candidate];
             let choice = &candidate.choices[step.adopted.choice];
             taken.push(step.adopted.candidate);
@@ -190,10 +204,7 @@ impl<'a> Selector<'a> {
             .enumerate()
             .filter_map(|(i, choice)| Some((i, gain(choice)?)))
             .collect();
-        let (choice, best) = gains
-            .iter()
-            .copied()
-            .max_by(|a, b| a.1.total_cmp(&b.1))?;
+        let (choice, best) = gains.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1))?;
         // All choices are equally likely beforehand: the mean of their Bayes factors.
         let mean = gains
             .iter()
@@ -335,7 +346,11 @@ impl<'a> Selector<'a> {
                 spread += own * own.transpose();
                 count += 1.0;
             }
-            let correction = if count > 1.0 { count / (count - 1.0) } else { 1.0 };
+            let correction = if count > 1.0 {
+                count / (count - 1.0)
+            } else {
+                1.0
+            };
             &inverse * spread * &inverse * correction
         };
         let by_stretch = sandwich(&mut scores.iter().map(|(_, score)| score));
@@ -408,7 +423,10 @@ fn step(cases: &[Case], menu: &Menu) -> Option<Step> {
     let asked = |case: &&Case| {
         case.evidence - price >= ADOPTED && case.held_out > -1.0 && is_possible(case, menu)
     };
-    let best = cases.iter().filter(asked).max_by(by(|case| case.evidence))?;
+    let best = cases
+        .iter()
+        .filter(asked)
+        .max_by(by(|case| case.evidence))?;
     let rivals: Vec<&Case> = cases
         .iter()
         .filter(|case| best.evidence - case.evidence <= TOLD_APART && is_possible(case, menu))
@@ -452,7 +470,11 @@ fn is_possible(case: &Case, menu: &Menu) -> bool {
         }
         _ => {
             let square: f64 = case.amounts.iter().map(|a| a * a).sum();
-            let size = if case.amounts.len() == 1 { case.amounts[0] } else { square.sqrt() };
+            let size = if case.amounts.len() == 1 {
+                case.amounts[0]
+            } else {
+                square.sqrt()
+            };
             range.holds(size as f32)
         }
     }
