@@ -44,6 +44,19 @@ pub enum Detail {
     Period(f64),
 }
 
+/// What a plain dependence is drawn over.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Variable {
+    /// Distance along the common road, m, in one direction.
+    Road(bool),
+    /// The clock since the drive's start within a period, s.
+    Phase(f64),
+    /// A signal.
+    Signal(Told),
+    /// Whether traction rises (1) or falls (−1), with this play.
+    Rises(f32),
+}
+
 /// Something to try, with its choices.
 #[derive(Clone, Debug)]
 pub struct Candidate {
@@ -91,10 +104,14 @@ enum Basis {
 
 /// A signal on which the rest may depend.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Told {
+pub enum Told {
+    /// m/s.
     Speed,
+    /// Traction over weight, %.
     Traction,
+    /// s.
     TimeInMotion,
+    /// °C.
     Temperature,
 }
 
@@ -295,6 +312,19 @@ impl Menu {
             .collect()
     }
 
+    /// What a choice of a plain dependence is drawn over; none for effects.
+    #[must_use]
+    pub fn variable(&self, choice: &Choice) -> Option<Variable> {
+        let column = *choice.amounts.first()?.first()?;
+        match (self.columns[column], choice.detail) {
+            (Kind::Piece(_, _, Some(forward)), _) => Some(Variable::Road(forward)),
+            (Kind::Basis(_), Detail::Period(period_s)) => Some(Variable::Phase(period_s)),
+            (Kind::Basis(Basis::Bin(told, _)), _) => Some(Variable::Signal(told)),
+            (Kind::Basis(Basis::Rises(play)), _) => Some(Variable::Rises(play)),
+            _ => None,
+        }
+    }
+
     /// Number of columns.
     #[must_use]
     pub fn width(&self) -> usize {
@@ -307,27 +337,18 @@ impl Basis {
         let samples = &drive.samples;
         let unit_n = |sample: &Sample| BASIS_UNIT * sample.load.mass_kg * GRAVITY;
         let of_phase = |period_s: f64, wave: fn(f64) -> f64| {
-            let phase = |sample: &Sample| {
-                let time_s = 1e-6 * sample.place.time.since(Instant::default()).micros() as f64;
-                wave(std::f64::consts::TAU * time_s / period_s) as f32
-            };
+            let phase =
+                |sample: &Sample| wave(std::f64::consts::TAU * clock_s(sample) / period_s) as f32;
             samples.iter().map(|s| unit_n(s) * phase(s)).collect()
         };
         match self {
             Self::Cosine(period_s) => of_phase(period_s, f64::cos),
             Self::Sine(period_s) => of_phase(period_s, f64::sin),
-            Self::Rises(play_percent) => {
-                let mut behind: Option<f32> = None;
-                let mut column = Column::with_capacity(samples.len());
-                for sample in samples {
-                    let percent = 100.0 * sample.load.traction_n / (sample.load.mass_kg * GRAVITY);
-                    let before = behind.unwrap_or(percent);
-                    let now = before.clamp(percent - play_percent, percent + play_percent);
-                    behind = Some(now);
-                    column.push(-unit_n(sample) * (percent - now) / play_percent);
-                }
-                column
-            }
+            Self::Rises(play_percent) => rises(samples, play_percent)
+                .iter()
+                .zip(samples)
+                .map(|(rises, sample)| -unit_n(sample) * rises)
+                .collect(),
             Self::Bin(told, bin) => {
                 let values: Vec<Option<f32>> = samples.iter().map(|s| told.value(s)).collect();
                 let mut sorted: Vec<f32> = values.iter().copied().flatten().collect();
@@ -349,6 +370,76 @@ impl Basis {
             }
         }
     }
+}
+
+impl Variable {
+    /// With its unit, for an axis.
+    #[must_use]
+    pub fn label(self) -> String {
+        match self {
+            Self::Road(true) => "distance along the road (m), in its direction".to_owned(),
+            Self::Road(false) => "distance along the road (m), against its direction".to_owned(),
+            Self::Phase(period_s) => format!("clock within {period_s:.0} s (s)"),
+            Self::Signal(Told::Speed) => "speed (m/s)".to_owned(),
+            Self::Signal(Told::Traction) => "traction over weight (%)".to_owned(),
+            Self::Signal(Told::TimeInMotion) => "time in motion (s)".to_owned(),
+            Self::Signal(Told::Temperature) => "temperature (°C)".to_owned(),
+            Self::Rises(_) => "traction falls (-1) or rises (1)".to_owned(),
+        }
+    }
+
+    /// Its value in each cell of a drive.
+    #[must_use]
+    pub fn values(
+        self,
+        drive: &LoggedDrive,
+        places: Option<&[Option<RoadPlace>]>,
+    ) -> Vec<Option<f64>> {
+        let samples = &drive.samples;
+        match self {
+            Self::Road(forward) => (0..samples.len())
+                .map(|k| {
+                    let place = places?[k]?;
+                    (place.forward == forward).then_some(place.at_m)
+                })
+                .collect(),
+            Self::Phase(period_s) => samples
+                .iter()
+                .map(|s| Some(clock_s(s).rem_euclid(period_s)))
+                .collect(),
+            Self::Signal(told) => samples
+                .iter()
+                .map(|s| {
+                    let percent = if told == Told::Traction { 100.0 } else { 1.0 };
+                    told.value(s).map(|value| percent * f64::from(value))
+                })
+                .collect(),
+            Self::Rises(play) => rises(samples, play)
+                .into_iter()
+                .map(|rises| Some(f64::from(rises)))
+                .collect(),
+        }
+    }
+}
+
+/// What the log's clock shows, s.
+fn clock_s(sample: &Sample) -> f64 {
+    1e-6 * sample.place.time.since(Instant::default()).micros() as f64
+}
+
+/// 1 where traction over weight rises, −1 where it falls, with a play in %.
+fn rises(samples: &[Sample], play_percent: f32) -> Vec<f32> {
+    let mut behind: Option<f32> = None;
+    samples
+        .iter()
+        .map(|sample| {
+            let percent = 100.0 * sample.load.traction_n / (sample.load.mass_kg * GRAVITY);
+            let before = behind.unwrap_or(percent);
+            let now = before.clamp(percent - play_percent, percent + play_percent);
+            behind = Some(now);
+            (percent - now) / play_percent
+        })
+        .collect()
 }
 
 impl Told {

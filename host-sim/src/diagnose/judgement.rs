@@ -184,6 +184,28 @@ fn interval(errors: &[f64], statistic: impl Fn(&[f64]) -> f64) -> (f64, f64) {
     (found[DRAWS / 20], found[DRAWS - 1 - DRAWS / 20])
 }
 
+/// The model's error in each cell of a drive in which it holds, %.
+#[must_use]
+pub fn errors(
+    drive: &LoggedDrive,
+    vehicle: &VehicleParameters,
+    reference: &Reference,
+) -> Vec<Option<f64>> {
+    let mut before: Option<f64> = None;
+    drive
+        .samples
+        .iter()
+        .map(|sample| {
+            let energy = 0.5 * f64::from(sample.place.speed_mps).powi(2);
+            let from = before.replace(energy).filter(|_| sample.gap_cells == 0)?;
+            let condition = sample.place.condition;
+            let holds = condition.is_valid() && !condition.crawling;
+            let grade = linear(reference, sample.place.distance_m()).filter(|_| holds)?;
+            Some(model_slope_percent(vehicle, sample, from, energy) - sine_percent(grade))
+        })
+        .collect()
+}
+
 fn windows(
     number: usize,
     drive: &LoggedDrive,
@@ -192,22 +214,15 @@ fn windows(
 ) -> Vec<Window> {
     let mut windows = Vec::new();
     let (mut sum, mut valid, mut all, mut start_m) = (0.0, 0.0, 0.0, f64::NAN);
-    let mut before: Option<f64> = None;
-    for sample in &drive.samples {
+    for (sample, error) in drive.samples.iter().zip(errors(drive, vehicle, reference)) {
         let at_m = sample.place.distance_m();
         if start_m.is_nan() {
             start_m = at_m;
         }
-        let energy = 0.5 * f64::from(sample.place.speed_mps).powi(2);
-        if let Some(from) = before.replace(energy).filter(|_| sample.gap_cells == 0) {
-            all += 1.0;
-            let holds = sample.place.condition.is_valid() && !sample.place.condition.crawling;
-            let grade = linear(reference, at_m).filter(|_| holds);
-            if let Some(grade_percent) = grade {
-                sum += model_slope_percent(vehicle, sample, from, energy)
-                    - sine_percent(grade_percent);
-                valid += 1.0;
-            }
+        all += 1.0;
+        if let Some(error) = error {
+            sum += error;
+            valid += 1.0;
         }
         if at_m - start_m >= WINDOW_M {
             if valid >= VALID * all {

@@ -6,20 +6,22 @@
 //!   adopted;
 //! * [`radius`]: wheels, which show in speed and distance rather than in slope;
 //! * [`judgement`]: the bare model against a reference, before and after;
-//! * [`report`]: report.json and the page.
+//! * [`picture`]: what stays unexplained, drawn; [`report`]: report.json and the page.
 
 pub mod candidates;
 pub mod drive;
 pub mod evidence;
 pub mod judgement;
+pub mod picture;
 pub mod radius;
 pub mod report;
 pub mod selection;
 
 use crate::error::Result;
 use crate::map::MapRow;
+use crate::report::page::Figure;
 use crate::vehicle_file::VehicleFile;
-use candidates::{Detail, Menu};
+use candidates::{Detail, Menu, Variable};
 use drive::{CommonRoad, LoggedDrive};
 use estimator_core::VehicleParameters;
 use estimator_core::effect::{Adopted, Effect};
@@ -31,7 +33,7 @@ use selection::{Case, Selection, Selector, Step};
 use std::path::PathBuf;
 
 /// Part of the error at which one effect does clearly better than another.
-const CLEARLY: f64 = 0.95;
+const CLEARLY: f64 = 0.9;
 
 /// What is to be diagnosed.
 #[derive(Clone, Debug)]
@@ -82,6 +84,10 @@ pub struct Unexplained {
     pub rms_percent: f64,
     /// Twice the logarithm of the Bayes factor.
     pub evidence: f64,
+    /// What it is drawn over.
+    pub variable: Option<Variable>,
+    /// The picture.
+    pub figure: Option<Figure>,
 }
 
 /// All that was found.
@@ -190,6 +196,17 @@ pub fn diagnose(request: &Request) -> Result<Diagnosis> {
     }
     let vehicle = work.vehicle_with(&vehicle, &selection);
     let after = judged_with(&vehicle.parameters)?;
+    if !unexplained.is_empty() {
+        let drives = read(&vehicle.parameters)?;
+        for (number, rest) in unexplained.iter_mut().enumerate() {
+            let name = format!("unexplained_{}", number + 1);
+            let road = work.road.as_ref();
+            rest.figure = rest.variable.map(|variable| {
+                let vehicle = &vehicle.parameters;
+                picture::picture(&name, variable, &drives, vehicle, &references, road)
+            });
+        }
+    }
     let mut candidates: Vec<CandidateCase> = cases.into_iter().map(|(_, case)| case).collect();
     if let Some(wheels) = &wheels {
         candidates.push(wheels.case(&before));
@@ -364,6 +381,8 @@ impl<'a> Work<'a> {
             depends_on: format!("{}{where_or_when}", candidate.name),
             rms_percent,
             evidence: case.evidence,
+            variable: self.menu.variable(&candidate.choices[case.choice]),
+            figure: None,
         }
     }
 }

@@ -194,7 +194,7 @@ fn short(value: f64) -> String {
     let digits = if value == 0.0 {
         0
     } else {
-        (2.0 - value.abs().log10().floor()).max(0.0) as usize
+        (2.0 - value.abs().log10().floor()).clamp(0.0, 6.0) as usize
     };
     format!("{value:.digits$}")
 }
@@ -322,6 +322,11 @@ fn adopted_section(diagnosis: &Diagnosis) -> Section {
     Section {
         heading: "What is adopted".to_owned(),
         words,
-        ..Section::default()
+        tables: Vec::new(),
+        figures: diagnosis
+            .unexplained
+            .iter()
+            .filter_map(|rest| rest.figure.clone())
+            .collect(),
     }
 }
