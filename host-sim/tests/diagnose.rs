@@ -295,3 +295,17 @@ fn what_was_there_stays_when_it_fails() {
     assert_eq!(names.len(), 1);
     assert_eq!(fs::read_to_string(&kept).unwrap(), "as it was");
 }
+
+#[test]
+fn a_folder_that_cannot_be_is_named() {
+    let Drives { vehicle, logs, .. } = drives();
+    let (_folder, out) = scratch();
+    fs::write(&out, "no folder").unwrap();
+    diagnose(vehicle, &out)
+        .arg(&logs[0])
+        .assert()
+        .code(1)
+        .stdout("")
+        .stderr(contains(out.to_str().unwrap()));
+    assert_eq!(fs::read_to_string(&out).unwrap(), "no folder");
+}
