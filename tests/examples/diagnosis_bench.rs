@@ -1,0 +1,84 @@
+//! The bench of the diagnosis: every effect planted, in several sizes, on both trucks; what is found?
+//!
+//!     cargo run --release -p cross-tests --example diagnosis_bench -- --seeds 10
+//!
+//! prints the confusion table, and with `--cases` a line a case on stderr as it is done. A case
+//! takes some seconds; `--effects clean,cornering` and `--sizes 0.3` choose some.
+
+use clap::Parser;
+use cross_tests::diagnosed::{Outcome, cases, effects, table};
+use host_sim::progress;
+use std::process::ExitCode;
+
+/// Plants effects in simulated logs and counts what the diagnosis makes of them.
+#[derive(Debug, Parser)]
+struct Args {
+    /// Simulations of each effect and size on each truck, with seeds 1, 2 and so on.
+    #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u64).range(1..))]
+    seeds: u64,
+    /// Grade errors that the effects make, RMS, %; ten times that for the radius of the wheels, %.
+    #[arg(long, value_delimiter = ',', default_value = "0.05,0.1,0.3")]
+    sizes: Vec<f64>,
+    /// Effects to plant; all if none is given.
+    #[arg(long, value_delimiter = ',')]
+    effects: Vec<String>,
+    /// Tell of each case on stderr.
+    #[arg(long)]
+    cases: bool,
+}
+
+fn main() -> ExitCode {
+    let mut args = Args::parse();
+    if args.effects.is_empty() {
+        args.effects = effects().map(str::to_owned).collect();
+    }
+    match cases(&args.effects, &args.sizes, args.seeds).and_then(|cases| {
+        let bar = progress::count(cases.len() as u64, "cases");
+        let done = |outcome: &Outcome| {
+            if args.cases {
+                bar.suspend(|| eprintln!("{}", line(outcome)));
+            }
+            bar.inc(1);
+        };
+        table(&cases, done)
+    }) {
+        Ok(_) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("{error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// A case and all that was found.
+fn line(outcome: &Outcome) -> String {
+    let case = &outcome.case;
+    let found = outcome.diagnosis.findings.iter().map(|finding| {
+        let adopted = &finding.adopted;
+        format!(
+            "{} {:.4} ± {:.4} (evidence {:.0}; or {:?})",
+            adopted.effect.name,
+            adopted.amount,
+            adopted.amount_sigma,
+            finding.evidence,
+            finding.group
+        )
+    });
+    let rest = outcome.diagnosis.unexplained.iter().map(|rest| {
+        format!(
+            "[{} {:.3} % (evidence {:.0})]",
+            rest.depends_on, rest.rms_percent, rest.evidence
+        )
+    });
+    format!(
+        "{} {} % {} seed {}: {:?}: {}; {:.3} -> {:.3} %",
+        case.effect,
+        case.size_percent,
+        case.truck,
+        case.seed,
+        outcome.verdict(),
+        found.chain(rest).collect::<Vec<_>>().join("; "),
+        outcome.diagnosis.before.rmse_percent,
+        outcome.diagnosis.after.rmse_percent
+    )
+}

@@ -1,0 +1,316 @@
+//! What a diagnosis says of logs with a planted effect, case by case and as a confusion table.
+//!
+//! The diagnosis gets the logs and the vehicle file, no more: what was planted lies in a folder
+//! that it is not told of.
+
+use crate::planted::{self, CATALOGUE, CLEAN, FAN, OUTSIDE};
+use host_sim::diagnose::{Diagnosis, Request, diagnose};
+use host_sim::error::{Error, Result};
+use host_sim::text_table::text_table;
+use host_sim::vehicle_file::VehicleFile;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use std::path::Path;
+
+/// Both of the bench.
+pub const TRUCKS: [&str; 2] = ["A", "B"];
+/// Size of a case of `wheel_radius`, in % of the radius, over that of other effects, in % grade:
+/// 1 % of the radius goes with 0.1 % grade.
+const RADIUS_SIZE: f64 = 10.0;
+
+/// One set of logs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Case {
+    /// Of the catalogue, outside it, [`FAN`] or [`CLEAN`].
+    pub effect: String,
+    /// As [`planted::logs`] takes it, %.
+    pub size_percent: f64,
+    /// "A" or "B".
+    pub truck: &'static str,
+    /// Of all that is random.
+    pub seed: u64,
+}
+
+/// How a diagnosis stands to what was planted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Verdict {
+    /// It names the effect; outside the catalogue, what the rest depends on. Of clean logs: it
+    /// adopts nothing.
+    Named,
+    /// It adopts another and says that the data cannot tell the effect from it.
+    InGroup,
+    /// It adopts others only, or finds another dependence.
+    Other,
+    /// It finds nothing.
+    Nothing,
+}
+
+/// A case and its diagnosis.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// What was asked.
+    pub case: Case,
+    /// What was found.
+    pub diagnosis: Diagnosis,
+}
+
+/// Effects that have a row in the table: the catalogue, the fan, those outside, and none.
+pub fn effects() -> impl Iterator<Item = &'static str> {
+    CATALOGUE
+        .into_iter()
+        .chain([FAN])
+        .chain(OUTSIDE)
+        .chain([CLEAN])
+}
+
+/// Every effect in every size (% grade), on both trucks, with seeds 1 to `seeds`; clean logs have
+/// no size.
+///
+/// # Errors
+/// An effect that there is not.
+pub fn cases(effects: &[String], sizes: &[f64], seeds: u64) -> Result<Vec<Case>> {
+    let mut cases = Vec::new();
+    for effect in effects {
+        if !self::effects().any(|known| known == effect) {
+            let known: Vec<&str> = self::effects().collect();
+            let problem = format!("effect \"{effect}\": expected one of {}", known.join(", "));
+            return Err(Error::content(Path::new("bench"), problem));
+        }
+        let sizes: Vec<f64> = match effect.as_str() {
+            CLEAN => vec![0.0],
+            "wheel_radius" => sizes.iter().map(|size| RADIUS_SIZE * size).collect(),
+            _ => sizes.to_vec(),
+        };
+        for (size_percent, truck, seed) in sizes.into_iter().flat_map(|size| {
+            TRUCKS
+                .into_iter()
+                .flat_map(move |truck| (1..=seeds).map(move |seed| (size, truck, seed)))
+        }) {
+            cases.push(Case {
+                effect: effect.clone(),
+                size_percent,
+                truck,
+                seed,
+            });
+        }
+    }
+    Ok(cases)
+}
+
+impl Case {
+    /// Simulates the logs and diagnoses them.
+    ///
+    /// # Errors
+    /// What [`planted::logs`] or the diagnosis says.
+    pub fn outcome(&self) -> Result<Outcome> {
+        let folder = tempfile::tempdir().map_err(Error::io(Path::new("temporary folder")))?;
+        let logs = planted::logs(
+            &self.effect,
+            self.size_percent,
+            self.truck,
+            self.seed,
+            &folder.path().join("case"),
+        )?;
+        let diagnosis = diagnose(&Request {
+            vehicle: VehicleFile::read(&logs.vehicle)?,
+            logs: logs.fit,
+            held_out: logs.held_out,
+            reference: None,
+        })?;
+        Ok(Outcome {
+            case: self.clone(),
+            diagnosis,
+        })
+    }
+}
+
+/// Name in the catalogue of a planted effect.
+fn catalogue_name(effect: &str) -> &str {
+    if effect == FAN {
+        "auxiliary_load"
+    } else {
+        effect
+    }
+}
+
+/// How the diagnosis words what an effect outside the catalogue depends on.
+fn dependence(effect: &str) -> Option<&'static str> {
+    match effect {
+        "torque_hysteresis" => Some("torque (rising or falling)"),
+        "side_resistance" => Some("place and direction"),
+        "thermostat" => Some("time (a cycle)"),
+        _ => None,
+    }
+}
+
+impl Outcome {
+    /// How it stands to what was planted.
+    #[must_use]
+    pub fn verdict(&self) -> Verdict {
+        let (findings, unexplained) = (&self.diagnosis.findings, &self.diagnosis.unexplained);
+        let effect = self.case.effect.as_str();
+        let wanted = catalogue_name(effect);
+        let is_named = match dependence(effect) {
+            Some(words) => unexplained.iter().any(|u| u.depends_on.starts_with(words)),
+            None if effect == CLEAN => findings.is_empty(),
+            None => findings.iter().any(|f| f.adopted.effect.name == wanted),
+        };
+        if is_named {
+            Verdict::Named
+        } else if findings.iter().any(|f| f.group.contains(&wanted)) {
+            Verdict::InGroup
+        } else if findings.is_empty() && unexplained.is_empty() {
+            Verdict::Nothing
+        } else {
+            Verdict::Other
+        }
+    }
+
+    /// What it says beyond the planted effect: adopted effects by name, and in brackets what a
+    /// dependence is on.
+    fn besides(&self) -> impl Iterator<Item = String> {
+        let effect = self.case.effect.as_str();
+        let wanted = catalogue_name(effect);
+        let findings = self.diagnosis.findings.iter();
+        let adopted = findings
+            .map(|finding| finding.adopted.effect.name)
+            .filter(move |&name| name != wanted)
+            .map(str::to_owned);
+        let unexplained = self.diagnosis.unexplained.iter();
+        let dependences = unexplained
+            .map(|rest| rest.depends_on.split(", ").next().unwrap_or_default())
+            .filter(move |&words| dependence(effect) != Some(words))
+            .map(|words| format!("[{words}]"));
+        adopted.chain(dependences)
+    }
+}
+
+/// Diagnoses all cases, on all processors, prints the confusion table and gives the outcomes in
+/// the order of the cases. `done` is called after each.
+///
+/// # Errors
+/// The first that a case gives.
+pub fn table(cases: &[Case], done: impl Fn(&Outcome) + Sync) -> Result<Vec<Outcome>> {
+    let outcomes: Vec<Outcome> = cases
+        .par_iter()
+        .map(|case| case.outcome().inspect(&done))
+        .collect::<Result<_>>()?;
+    println!("{}", confusion(&outcomes));
+    Ok(outcomes)
+}
+
+/// Row of the table: effect and size.
+type RowKey<'a> = (&'a str, String);
+
+/// The confusion table, and what is right over all, in words.
+#[must_use]
+pub fn confusion(outcomes: &[Outcome]) -> String {
+    let mut keys: Vec<RowKey> = Vec::new();
+    let mut of_row: BTreeMap<RowKey, Vec<&Outcome>> = BTreeMap::new();
+    for outcome in outcomes {
+        let key = (
+            outcome.case.effect.as_str(),
+            format!("{}", outcome.case.size_percent),
+        );
+        if !of_row.contains_key(&key) {
+            keys.push(key.clone());
+        }
+        of_row.entry(key).or_default().push(outcome);
+    }
+    let rows: Vec<Vec<String>> = keys
+        .iter()
+        .map(|key| {
+            let mut row = vec![key.0.to_owned(), key.1.clone()];
+            row.extend(TRUCKS.iter().flat_map(|truck| {
+                let of_truck = of_row[key].iter().filter(|o| o.case.truck == *truck);
+                cells(&of_truck.copied().collect::<Vec<_>>())
+            }));
+            row.push(all_besides(&of_row[key]));
+            row
+        })
+        .collect();
+    let header = [
+        "effect",
+        "size %",
+        "A: n/g/o/-",
+        "before %",
+        "after %",
+        "B: n/g/o/-",
+        "before %",
+        "after %",
+        "besides",
+    ];
+    format!(
+        "n named, g in the group of another, o something else only, - nothing; RMSE of the bare \
+         model on runs held out; besides: adopted, or [unexplained], beyond what is planted\n{}\n{}",
+        text_table(&header, &rows, 1),
+        in_words(outcomes)
+    )
+}
+
+/// Counts of verdicts and errors before and after.
+fn cells(outcomes: &[&Outcome]) -> [String; 3] {
+    let count = |verdict| outcomes.iter().filter(|o| o.verdict() == verdict).count();
+    let rms = |rmse_percent: fn(&Diagnosis) -> f64| {
+        let squares = outcomes.iter().map(|o| rmse_percent(&o.diagnosis).powi(2));
+        format!(
+            "{:.3}",
+            (squares.sum::<f64>() / outcomes.len() as f64).sqrt()
+        )
+    };
+    if outcomes.is_empty() {
+        return Default::default();
+    }
+    [
+        format!(
+            "{}/{}/{}/{}",
+            count(Verdict::Named),
+            count(Verdict::InGroup),
+            count(Verdict::Other),
+            count(Verdict::Nothing)
+        ),
+        rms(|diagnosis| diagnosis.before.rmse_percent),
+        rms(|diagnosis| diagnosis.after.rmse_percent),
+    ]
+}
+
+fn all_besides(outcomes: &[&Outcome]) -> String {
+    let mut counts: BTreeMap<String, usize> = BTreeMap::new();
+    for name in outcomes.iter().flat_map(|outcome| outcome.besides()) {
+        *counts.entry(name).or_default() += 1;
+    }
+    let words: Vec<String> = counts
+        .iter()
+        .map(|(name, count)| format!("{name} {count}"))
+        .collect();
+    words.join(", ")
+}
+
+fn in_words(outcomes: &[Outcome]) -> String {
+    let mut words = String::new();
+    let mut share = |what: &str, is_of: &dyn Fn(&Case) -> bool, verdicts: &[Verdict]| {
+        let own: Vec<&Outcome> = outcomes.iter().filter(|o| is_of(&o.case)).collect();
+        let right = own.iter().filter(|o| verdicts.contains(&o.verdict()));
+        if !own.is_empty() {
+            let _ = writeln!(words, "{what}: {} of {}", right.count(), own.len());
+        }
+    };
+    let in_catalogue = |case: &Case| case.effect != CLEAN && dependence(&case.effect).is_none();
+    share(
+        "of the catalogue, named or in the group",
+        &in_catalogue,
+        &[Verdict::Named, Verdict::InGroup],
+    );
+    share(
+        "outside the catalogue, unexplained with the right dependence",
+        &|case| dependence(&case.effect).is_some(),
+        &[Verdict::Named],
+    );
+    share(
+        "clean, something adopted",
+        &|case| case.effect == CLEAN,
+        &[Verdict::Other],
+    );
+    words
+}
