@@ -71,9 +71,10 @@ fn resisting() -> Vec<(Adopted, Told)> {
         (adopted("driveline_loss", 0.1, &[]), |m| {
             m.force_n / if m.force_n > 0.0 { 0.9 } else { 1.1 }
         }),
-        (adopted("auxiliary_load", 30_000.0, &[]), |m| {
-            m.force_n + 30_000.0 * 0.01 * m.fan_percent / m.speed_mps
-        }),
+        (
+            adopted("auxiliary_load", 30_000.0, &[("with_fan", 1.0)]),
+            |m| m.force_n + 30_000.0 * 0.01 * m.fan_percent / m.speed_mps,
+        ),
         (adopted("brake_drag", 800.0, &[]), |m| m.force_n + 800.0),
         (adopted("road_surface", 0.003, &stretch), |m| {
             let inside = (m.way_m - 4_000.0).abs() < 2_000.0;
@@ -207,10 +208,9 @@ fn doubt_comes_with_what_it_depends_on() {
     let vehicle = by_force();
     let fan = Effect::named("auxiliary_load").unwrap();
     let bias_sigma = |amount_sigma: f32| -> Vec<f32> {
-        let knows = with(
-            vehicle.clone(),
-            &[Adopted::new(fan, 20_000.0, amount_sigma)],
-        );
+        let mut adopted = Adopted::new(fan, 20_000.0, amount_sigma);
+        assert!(adopted.set("with_fan", 1.0));
+        let knows = with(vehicle.clone(), &[adopted]);
         drive(&knows, &vehicle, PLAIN, 110.0)
             .iter()
             .map(|estimate| estimate.bias_percent.sigma)

@@ -18,6 +18,10 @@ pub const ADOPTED: f64 = 3.0;
 pub const TOLD_APART: f64 = 6.0;
 /// A parameter of the base model is preferred where others are better by no more than this.
 const PREFERENCE: f64 = 2.0;
+/// A prior this much wider than usual leaves an amount free.
+const FREE: f64 = 100.0;
+/// Amounts that are this many times as large as usual are still faults.
+const UNUSUAL: f64 = 4.0;
 /// Fewest drives whose scatter says anything.
 const FEWEST_DRIVES: usize = 3;
 /// Most effects that are adopted.
@@ -38,6 +42,10 @@ pub struct Case {
     pub sigmas: Vec<f64>,
     /// Twice the logarithm of the Bayes factor against not having it.
     pub evidence: f64,
+    /// Twice the gain in log likelihood, the prior left out.
+    pub gain: f64,
+    /// Width of the prior of each amount.
+    pub width: f64,
     /// Twice the gain in log likelihood on the drives held out, with the amounts of the others.
     pub held_out: f64,
 }
@@ -160,7 +168,7 @@ impl<'a> Selector<'a> {
                 cases.retain(|case| !taken.contains(&case.candidate));
                 continue;
             }
-            basis = basis.with(&choice.pattern(self.menu.width()), candidate.typical);
+            basis = basis.with(&choice.pattern(self.menu.width()), step.adopted.width);
             selection.steps.push(step);
             cases = self.cases(&basis, &taken);
         }
@@ -211,19 +219,25 @@ impl<'a> Selector<'a> {
             .map(|(_, gain)| (0.5 * (gain - best)).exp())
             .sum::<f64>()
             / candidate.choices.len() as f64;
-        let with = basis.with(
-            &candidate.choices[choice].pattern(self.menu.width()),
-            candidate.typical,
-        );
+        let pattern = candidate.choices[choice].pattern(self.menu.width());
+        let own = basis.pattern.ncols()..basis.pattern.ncols() + pattern.ncols();
+        // A prior as wide as such amounts usually are, or, since faults are unusual, as this one
+        // is, up to a few times that.
+        let free = self.fit(&basis.with(&pattern, FREE * candidate.typical))?;
+        let square: f64 = own.clone().map(|i| free.amounts[i].powi(2)).sum();
+        let size = (square / pattern.ncols() as f64).sqrt();
+        let width = size.clamp(candidate.typical, UNUSUAL * candidate.typical);
+        let with = basis.with(&pattern, width);
         let fit = self.fit(&with)?;
         let amounts = with.pattern.ncols() - basis.pattern.ncols();
-        let own = basis.pattern.ncols()..with.pattern.ncols();
         Some(Case {
             candidate: index,
             choice,
             amounts: own.clone().map(|i| fit.amounts[i]).collect(),
             sigmas: own.map(|i| fit.covariance[(i, i)].sqrt()).collect(),
             evidence: self.gain_with_scatter(basis, &with, amounts)? + 2.0 * mean.ln(),
+            gain: (self.explained(&with) - self.explained(basis)) / fit.scatter,
+            width,
             held_out: self.held_out_gain(basis, &with)?,
         })
     }
@@ -275,6 +289,8 @@ impl<'a> Selector<'a> {
             amounts: vec![best.1.sqrt()],
             sigmas: vec![0.0],
             evidence: best.0[0] + 2.0 * mean.ln(),
+            gain: best.0[0],
+            width: candidate.typical,
             held_out: best.0[1],
         })
     }
@@ -429,7 +445,7 @@ fn step(cases: &[Case], menu: &Menu) -> Option<Step> {
         .max_by(by(|case| case.evidence))?;
     let rivals: Vec<&Case> = cases
         .iter()
-        .filter(|case| best.evidence - case.evidence <= TOLD_APART && is_possible(case, menu))
+        .filter(|case| is_rival(case, best) && is_possible(case, menu))
         .collect();
     // Among those that the drives to fit cannot tell apart, the drives held out decide; and a
     // parameter of the base model comes first where they do not either.
@@ -450,6 +466,18 @@ fn step(cases: &[Case], menu: &Menu) -> Option<Step> {
         adopted: adopted.clone(),
         group,
     })
+}
+
+/// Whether the drives cannot tell a case from the best: it fits as well, whatever its prior, and is
+/// no less likely after all by more than that.
+fn is_rival(case: &Case, best: &Case) -> bool {
+    best.evidence - case.evidence <= TOLD_APART
+        || (best.gain - case.gain <= TOLD_APART
+            && case.amounts.len() <= best.amounts.len()
+            && case
+                .amounts
+                .iter()
+                .all(|amount| amount.abs() <= 1.5 * case.width))
 }
 
 fn by(value: impl Fn(&Case) -> f64) -> impl Fn(&&Case, &&Case) -> std::cmp::Ordering {
