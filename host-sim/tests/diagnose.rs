@@ -241,6 +241,9 @@ fn logs_that_are_missing_or_broken_are_named() {
     let mut held_out = diagnose(vehicle, &out);
     held_out.args([one, two]).arg("--holdout").arg(&missing);
     refused(&mut held_out, &out, 1, &["missing.log"]);
+    let mut twice = diagnose(vehicle, &out);
+    twice.args([one, two]).arg("--holdout").arg(one);
+    refused(&mut twice, &out, 1, &["given twice"]);
 }
 
 #[test]

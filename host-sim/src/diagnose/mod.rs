@@ -17,7 +17,7 @@ pub mod radius;
 pub mod report;
 pub mod selection;
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::map::MapRow;
 use crate::report::page::Figure;
 use crate::vehicle_file::VehicleFile;
@@ -30,6 +30,7 @@ use judgement::{Judgement, judge};
 use radius::Wheels;
 use rayon::prelude::*;
 use selection::{Case, Selection, Selector, Step};
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 /// Part of the error at which one effect does clearly better than another.
@@ -111,7 +112,7 @@ pub struct Diagnosis {
 /// Diagnoses.
 ///
 /// # Errors
-/// Logs that cannot be read, with file and line; an impossible vehicle.
+/// Logs that cannot be read, with file and line, or are given twice; an impossible vehicle.
 pub fn diagnose(request: &Request) -> Result<Diagnosis> {
     let mut fit = request.logs.clone();
     let mut held_out = request.held_out.clone();
@@ -119,6 +120,13 @@ pub fn diagnose(request: &Request) -> Result<Diagnosis> {
         held_out.extend(fit.pop());
     }
     let judged_on_fitted = held_out.is_empty();
+    let mut seen = BTreeSet::new();
+    if let Some(twice) = fit.iter().chain(&held_out).find(|path| !seen.insert(*path)) {
+        return Err(Error::content(
+            twice,
+            "given twice; expected each drive once, to fit or held out".to_owned(),
+        ));
+    }
     let paths: Vec<PathBuf> = fit.iter().chain(&held_out).cloned().collect();
     let read = |vehicle: &VehicleParameters| -> Result<Vec<LoggedDrive>> {
         let read = |path: &PathBuf| LoggedDrive::read(path, vehicle);
