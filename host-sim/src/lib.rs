@@ -1,5 +1,6 @@
 //! The bench around `estimator-core`: sources of traffic, whole-run smoothing, maps, reports.
 
+pub mod bare_model;
 pub mod baseline;
 pub mod cli;
 pub mod diagnose;

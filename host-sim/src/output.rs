@@ -68,6 +68,14 @@ pub fn stage(
     })
 }
 
+/// As [`stage`], of a text.
+///
+/// # Errors
+/// What the file system says.
+pub fn stage_text(path: &Path, text: &str) -> Result<Staged> {
+    stage(path, |out| out.write_all(text.as_bytes()))
+}
+
 /// Prints to stdout. A reader that has seen enough (`| head`) is no error.
 ///
 /// # Errors

@@ -5,8 +5,8 @@
 //!   satellites, a street canyon): its datum moves by as much, and how far is as unsure as the
 //!   altitude was; altitude, slope, bias and scale stay what they were.
 //! * Fixes that climb unlike the vehicle model over hundreds of metres drift: they are left out
-//!   until they climb with it again, and what they taught meanwhile of the model is undone. If they never do, it is the model that is off, and they are
-//!   believed.
+//!   until they climb with it again, and what they taught meanwhile of the model is undone. If
+//!   they never do, it is the model that is off, and they are believed.
 //! * After another source took over, or a long silence, the altitude is set anew, and only that.
 //!
 //! How noisy single fixes are and how far the slow error wanders is learned: receivers differ by

@@ -2,7 +2,6 @@
 
 use crate::diagnose::{Diagnosis, Request, diagnose, report};
 use crate::error::Result;
-use crate::map::read_map;
 use crate::output::print;
 use crate::progress;
 use crate::text_table::text_table;
@@ -50,7 +49,7 @@ pub fn run(args: &Args) -> Result<()> {
         vehicle: VehicleFile::read(&args.vehicle)?,
         logs: args.logs.clone(),
         held_out: args.holdout.clone(),
-        reference: args.reference.as_deref().map(read_map).transpose()?,
+        reference: args.reference.clone(),
     };
     let wait = progress::spinner("reading and judging drives");
     let found = diagnose(&request)?;

@@ -49,7 +49,7 @@ pub enum Detail {
 pub enum Variable {
     /// Distance along the common road, m, in one direction.
     Road(bool),
-    /// The clock since the drive's start within a period, s.
+    /// The log's clock within a period, s.
     Phase(f64),
     /// A signal.
     Signal(Told),
@@ -454,6 +454,12 @@ impl Told {
 }
 
 impl Choice {
+    /// Whether it is a cycle, whose phase is each drive's own.
+    #[must_use]
+    pub const fn is_cycle(&self) -> bool {
+        matches!(self.detail, Detail::Period(_))
+    }
+
     /// The matrix that takes its amounts to columns.
     #[must_use]
     pub fn pattern(&self, width: usize) -> DMatrix<f64> {

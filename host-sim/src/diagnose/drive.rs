@@ -1,19 +1,17 @@
 //! A log as the diagnosis sees it: what the core sampled, and where each cell lies.
 
 use crate::error::{Error, Result};
-use crate::map::{Place, RoadLine, match_track, road_of_run, track_of_run};
+use crate::map::{Place, RoadLine, RoadPoint, match_track, road_of_run, track_of_run};
 use crate::recorder::{Recorder, Run};
 use crate::source::input::for_each_input;
 use estimator_core::filter::Filter;
 use estimator_core::sampler::Sample;
 use estimator_core::{Tuning, VehicleParameters};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// One log, read with a vehicle.
 #[derive(Debug)]
 pub struct LoggedDrive {
-    /// The log.
-    pub path: PathBuf,
     /// What the core sampled, one for each row of the run.
     pub samples: Vec<Sample>,
     /// The estimate.
@@ -40,7 +38,6 @@ impl LoggedDrive {
             ));
         }
         Ok(Self {
-            path: path.to_owned(),
             samples,
             run,
             filter,
@@ -57,11 +54,11 @@ pub struct RoadPlace {
     pub forward: bool,
 }
 
-/// The road of the first drive that has one, both ways.
+/// A road, both ways.
 #[derive(Debug)]
 pub struct CommonRoad {
     ways: [RoadLine; 2],
-    length_m: f64,
+    end_m: f64,
 }
 
 impl CommonRoad {
@@ -69,24 +66,26 @@ impl CommonRoad {
     #[must_use]
     pub fn of(drives: &[&LoggedDrive]) -> Option<Self> {
         let longest = drives.iter().max_by_key(|drive| drive.run.rows.len())?;
-        let points = road_of_run(&longest.run.rows)?;
-        let length_m = points.last()?.distance_m;
-        let back = points
-            .iter()
-            .rev()
-            .map(|point| crate::map::RoadPoint {
-                distance_m: length_m - point.distance_m,
-                ..*point
-            })
-            .collect();
-        let ways = [RoadLine::new(points).ok()?, RoadLine::new(back).ok()?];
-        Some(Self { ways, length_m })
+        Self::through(road_of_run(&longest.run.rows)?)
+    }
+
+    /// The road through these points; `None` if they make none.
+    #[must_use]
+    pub fn through(points: Vec<RoadPoint>) -> Option<Self> {
+        let end_m = points.last()?.distance_m;
+        let back = points.iter().rev().map(|point| RoadPoint {
+            distance_m: end_m - point.distance_m,
+            ..*point
+        });
+        let back = RoadLine::new(back.collect()).ok()?;
+        let ways = [RoadLine::new(points).ok()?, back];
+        Some(Self { ways, end_m })
     }
 
     /// Its length, m.
     #[must_use]
     pub const fn length_m(&self) -> f64 {
-        self.length_m
+        self.end_m
     }
 
     /// Latitude and longitude at a distance, deg.
@@ -109,7 +108,7 @@ impl CommonRoad {
                     forward: true,
                 }),
                 (_, Place::OnRoad(at_m)) => Some(RoadPlace {
-                    at_m: self.length_m - at_m,
+                    at_m: self.end_m - at_m,
                     forward: false,
                 }),
                 _ => None,

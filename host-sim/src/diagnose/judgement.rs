@@ -4,12 +4,12 @@
 //! that was given, else the map of all other drives in the same direction, else the drive's own
 //! smoothed estimate. Single cells say little, since every reference is noisy there.
 
-use super::drive::LoggedDrive;
-use crate::map::{
-    GradeMap, MapRow, Place, RoadLine, RoadPoint, SessionRun, match_track, road_of_run,
-    track_of_run,
-};
+use super::drive::{CommonRoad, LoggedDrive};
+use crate::bare_model;
+use crate::map::{GradeMap, MapRow, RoadLine, SessionRun, road_of_run};
 use crate::series::linear;
+use crate::world::road::sine;
+use estimator_core::sampler::Sample;
 use estimator_core::vehicle::VehicleParameters;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -25,17 +25,6 @@ const SEED: u64 = 1;
 /// Windows that are drawn together, since neighbours err alike: 3 km.
 const BLOCK: usize = 5;
 
-/// One window of one drive.
-#[derive(Clone, Copy, Debug)]
-pub struct Window {
-    /// Number of the drive.
-    pub drive: usize,
-    /// Middle, along the drive, m.
-    pub at_m: f64,
-    /// Slope that the model reads less that of the reference, %.
-    pub error_percent: f64,
-}
-
 /// Errors of the bare model.
 #[derive(Clone, Debug, Default)]
 pub struct Judgement {
@@ -47,76 +36,65 @@ pub struct Judgement {
     pub bias_interval: (f64, f64),
     /// Altitude that the model gains over the reference in each km, m.
     pub drift_m_per_km: f64,
-    /// The windows.
-    pub windows: Vec<Window>,
+    /// In each window of the drives one after the other: slope that the model reads less that of the
+    /// reference, %.
+    pub windows: Vec<f64>,
 }
 
 /// Reference grade along each drive: distance, m, and grade, %.
 pub type Reference = Vec<(f64, f64)>;
 
-/// The reference of each drive.
+/// The reference of each drive: the map of all others, else its own estimate.
 #[must_use]
-pub fn references(drives: &[LoggedDrive], given: Option<&[MapRow]>) -> Vec<Reference> {
+pub fn references(drives: &[LoggedDrive]) -> Vec<Reference> {
     (0..drives.len())
-        .map(|number| {
-            given
-                .and_then(|map| along_map(&drives[number], map))
-                .or_else(|| {
-                    let others = map_of_others(drives, number)?;
-                    along_map(&drives[number], &others)
-                })
-                .unwrap_or_else(|| {
-                    let rows = drives[number].run.rows.iter();
-                    rows.map(|row| (row.distance_m, row.grade_percent))
-                        .collect()
-                })
-        })
+        .map(|number| by_others(drives, number))
         .collect()
 }
 
-/// A map's grade along a drive in its direction or against it; `None` if they hardly meet.
+/// The reference of each drive where the map has its road, else as without a map; `None` if the map
+/// has the road of no drive.
+#[must_use]
+pub fn references_by_map(drives: &[LoggedDrive], map: &[MapRow]) -> Option<Vec<Reference>> {
+    let of_map: Vec<Option<Reference>> = drives.iter().map(|drive| along_map(drive, map)).collect();
+    let met = of_map.iter().any(Option::is_some);
+    let numbered = of_map.into_iter().enumerate();
+    met.then(|| {
+        numbered
+            .map(|(number, of_map)| of_map.unwrap_or_else(|| by_others(drives, number)))
+            .collect()
+    })
+}
+
+fn by_others(drives: &[LoggedDrive], number: usize) -> Reference {
+    let drive = &drives[number];
+    let of_map = map_of_others(drives, number).and_then(|map| along_map(drive, &map));
+    of_map.unwrap_or_else(|| {
+        let rows = drive.run.rows.iter();
+        rows.map(|row| (row.distance_m, row.grade_percent))
+            .collect()
+    })
+}
+
+/// A map's grade along a drive, in its direction or against it; `None` if they hardly meet.
 fn along_map(drive: &LoggedDrive, map: &[MapRow]) -> Option<Reference> {
-    let points: Vec<RoadPoint> = map
-        .iter()
-        .map(|row| RoadPoint {
-            distance_m: row.distance_m,
-            latitude_deg: row.latitude_deg,
-            longitude_deg: row.longitude_deg,
-        })
-        .collect();
     let grades: Vec<(f64, f64)> = map
         .iter()
         .map(|r| (r.distance_m, r.grade_percent))
         .collect();
-    let end_m = points.last()?.distance_m;
-    let back = points
+    let road = CommonRoad::through(map.iter().map(MapRow::point).collect())?;
+    let rows = &drive.run.rows;
+    let found: Reference = road
+        .places(drive)
         .iter()
-        .rev()
-        .map(|point| RoadPoint {
-            distance_m: end_m - point.distance_m,
-            ..*point
+        .zip(rows)
+        .filter_map(|(place, row)| {
+            let place = (*place)?;
+            let sign = if place.forward { 1.0 } else { -1.0 };
+            Some((row.distance_m, sign * linear(&grades, place.at_m)?))
         })
         .collect();
-    let rows = &drive.run.rows;
-    let track = track_of_run(rows);
-    for (road, sign) in [(points, 1.0), (back, -1.0)] {
-        let road = RoadLine::new(road).ok()?;
-        let found: Reference = match_track(&road, &track)
-            .iter()
-            .zip(rows)
-            .filter_map(|(place, row)| {
-                let Place::OnRoad(at_m) = place else {
-                    return None;
-                };
-                let at_m = if sign > 0.0 { *at_m } else { end_m - at_m };
-                Some((row.distance_m, sign * linear(&grades, at_m)?))
-            })
-            .collect();
-        if 2 * found.len() > rows.len() {
-            return Some(found);
-        }
-    }
-    None
+    (2 * found.len() > rows.len()).then_some(found)
 }
 
 fn map_of_others(drives: &[LoggedDrive], number: usize) -> Option<Vec<MapRow>> {
@@ -141,13 +119,11 @@ pub fn judge(
     vehicle: &VehicleParameters,
     references: &[Reference],
 ) -> Judgement {
-    let windows: Vec<Window> = drives
+    let errors: Vec<f64> = drives
         .iter()
         .zip(references)
-        .enumerate()
-        .flat_map(|(number, (drive, reference))| windows(number, drive, vehicle, reference))
+        .flat_map(|(drive, reference)| windows(drive, vehicle, reference))
         .collect();
-    let errors: Vec<f64> = windows.iter().map(|window| window.error_percent).collect();
     let rms = |errors: &[f64]| {
         (errors.iter().map(|e| e * e).sum::<f64>() / errors.len().max(1) as f64).sqrt()
     };
@@ -159,7 +135,7 @@ pub fn judge(
         bias_percent,
         bias_interval: interval(&errors, mean),
         drift_m_per_km: 10.0 * bias_percent,
-        windows,
+        windows: errors,
     }
 }
 
@@ -201,17 +177,12 @@ pub fn errors(
             let condition = sample.place.condition;
             let holds = condition.is_valid() && !condition.crawling;
             let grade = linear(reference, sample.place.distance_m()).filter(|_| holds)?;
-            Some(model_slope_percent(vehicle, sample, from, energy) - sine_percent(grade))
+            Some(model_slope_percent(vehicle, sample, (from, energy)) - 100.0 * sine(0.01 * grade))
         })
         .collect()
 }
 
-fn windows(
-    number: usize,
-    drive: &LoggedDrive,
-    vehicle: &VehicleParameters,
-    reference: &Reference,
-) -> Vec<Window> {
+fn windows(drive: &LoggedDrive, vehicle: &VehicleParameters, reference: &Reference) -> Vec<f64> {
     let mut windows = Vec::new();
     let (mut sum, mut valid, mut all, mut start_m) = (0.0, 0.0, 0.0, f64::NAN);
     for (sample, error) in drive.samples.iter().zip(errors(drive, vehicle, reference)) {
@@ -226,11 +197,7 @@ fn windows(
         }
         if at_m - start_m >= WINDOW_M {
             if valid >= VALID * all {
-                windows.push(Window {
-                    drive: number,
-                    at_m: 0.5 * (start_m + at_m),
-                    error_percent: sum / valid,
-                });
+                windows.push(sum / valid);
             }
             (sum, valid, all, start_m) = (0.0, 0.0, 0.0, at_m);
         }
@@ -238,28 +205,14 @@ fn windows(
     windows
 }
 
-fn sine_percent(grade_percent: f64) -> f64 {
-    let tangent = 0.01 * grade_percent;
-    100.0 * tangent / (1.0 + tangent * tangent).sqrt()
-}
-
-/// Sine of the slope in % that the force balance (thesis eq. 9) reads over a cell, adopted effects
-/// included, between two kinetic energies a kilogram, m²/s².
-#[must_use]
-pub fn model_slope_percent(
-    vehicle: &VehicleParameters,
-    sample: &estimator_core::sampler::Sample,
-    from: f64,
-    to: f64,
-) -> f64 {
-    let balance = vehicle.force_balance(&sample.load);
+/// Sine of the slope in % that the force balance reads over a cell, adopted effects included,
+/// between two kinetic energies a kilogram, m²/s².
+fn model_slope_percent(vehicle: &VehicleParameters, sample: &Sample, energies: (f64, f64)) -> f64 {
     let accelerated_kg = f64::from(sample.load.mass_kg + sample.load.rotating_kg);
-    let effects = f64::from(vehicle.effects.force_n(vehicle, sample)) / accelerated_kg;
-    let gained = (to - from) / f64::from(sample.length_m);
-    let left = f64::from(balance.traction)
-        - f64::from(balance.drag) * 0.5 * (from + to)
-        - f64::from(balance.rolling)
-        - effects
-        - gained;
-    left / f64::from(balance.gravity)
+    bare_model::slope_percent(
+        &vehicle.force_balance(&sample.load),
+        f64::from(vehicle.effects.force_n(vehicle, sample)) / accelerated_kg,
+        energies,
+        f64::from(sample.length_m),
+    )
 }

@@ -2,8 +2,9 @@
 //! and after on drives that were not used.
 //!
 //! * [`drive`]: a log as it is seen here, and where its cells lie on a common road;
-//! * [`candidates`]: what is tried; [`evidence`]: what drives say about it; [`selection`]: what is
-//!   adopted;
+//! * [`candidates`]: what is tried; [`evidence`]: what drives say about it; [`regression`]: amounts
+//!   and likelihoods from that; [`selection`]: what is adopted; [`search`]: these, one after the
+//!   other;
 //! * [`radius`]: wheels, which show in speed and distance rather than in slope;
 //! * [`judgement`]: the bare model against a reference, before and after;
 //! * [`picture`]: what stays unexplained, drawn; [`report`]: report.json and the page.
@@ -14,23 +15,26 @@ pub mod evidence;
 pub mod judgement;
 pub mod picture;
 pub mod radius;
+pub mod regression;
 pub mod report;
+pub mod search;
 pub mod selection;
 
 use crate::error::{Error, Result};
-use crate::map::MapRow;
+use crate::map::read_map;
 use crate::report::page::Figure;
 use crate::vehicle_file::VehicleFile;
-use candidates::{Detail, Menu, Variable};
-use drive::{CommonRoad, LoggedDrive};
+use candidates::Variable;
+use drive::LoggedDrive;
 use estimator_core::VehicleParameters;
-use estimator_core::effect::{Adopted, Effect};
-use evidence::{Evidence, WINDS_MPS, judging_tuning, stretches};
-use judgement::{Judgement, judge};
+use estimator_core::effect::Adopted;
+use judgement::{Judgement, Reference, judge};
 use radius::Wheels;
 use rayon::prelude::*;
-use selection::{Case, Selection, Selector, Step};
+use search::Search;
+use selection::Step;
 use std::collections::BTreeSet;
+use std::ops::Range;
 use std::path::PathBuf;
 
 /// Part of the error at which one effect does clearly better than another.
@@ -45,8 +49,8 @@ pub struct Request {
     pub logs: Vec<PathBuf>,
     /// Logs that are not used to fit. With none, and at least three to fit, the last of those.
     pub held_out: Vec<PathBuf>,
-    /// Grade to judge by.
-    pub reference: Option<Vec<MapRow>>,
+    /// Map to judge by.
+    pub reference: Option<PathBuf>,
 }
 
 /// An effect that was adopted.
@@ -112,113 +116,70 @@ pub struct Diagnosis {
 /// Diagnoses.
 ///
 /// # Errors
-/// Logs that cannot be read, with file and line, or are given twice; an impossible vehicle.
+/// Logs that cannot be read, with file and line, or are given twice; an impossible vehicle; a
+/// reference that cannot be read or lies elsewhere.
 pub fn diagnose(request: &Request) -> Result<Diagnosis> {
-    let mut fit = request.logs.clone();
-    let mut held_out = request.held_out.clone();
-    if held_out.is_empty() && fit.len() >= 3 {
-        held_out.extend(fit.pop());
-    }
-    let judged_on_fitted = held_out.is_empty();
-    let mut seen = BTreeSet::new();
-    if let Some(twice) = fit.iter().chain(&held_out).find(|path| !seen.insert(*path)) {
-        return Err(Error::content(
-            twice,
-            "given twice; expected each drive once, to fit or held out".to_owned(),
-        ));
-    }
-    let paths: Vec<PathBuf> = fit.iter().chain(&held_out).cloned().collect();
-    let read = |vehicle: &VehicleParameters| -> Result<Vec<LoggedDrive>> {
-        let read = |path: &PathBuf| LoggedDrive::read(path, vehicle);
-        paths.par_iter().map(read).collect()
-    };
+    let logs = Logs::of(request)?;
     let mut vehicle = request.vehicle.clone();
     let mut findings = Vec::new();
-
-    let mut drives = read(&vehicle.parameters)?;
-    let wheels = Wheels::measured(&drives[..fit.len()]);
+    let mut drives = logs.read(&vehicle.parameters)?;
+    let wheels = Wheels::measured(&drives[..logs.fitted]);
     if let Some(finding) = wheels.as_ref().and_then(Wheels::finding) {
         // The others are looked for with the right speeds and distances.
         let _ = vehicle.parameters.effects.adopt(finding.adopted);
         findings.push(finding);
-        drives = read(&vehicle.parameters)?;
+        drives = logs.read(&vehicle.parameters)?;
     }
     let with_wheels = vehicle.parameters.clone();
-    let work = Work::new(&drives, fit.len(), &with_wheels);
-    let (evidence, selection) = work.evidence();
-    let judged = if judged_on_fitted {
-        0..fit.len()
-    } else {
-        fit.len()..paths.len()
-    };
+    let search = Search::new(&drives, logs.fitted, &with_wheels);
+    let (evidence, selection) = search.evidence();
     // The reference is estimated with what was found first, whatever is adopted in the end.
-    let found = work.vehicle_with(&vehicle, &selection);
-    let references = judgement::references(&read(&found.parameters)?, request.reference.as_deref());
-    let judged_with = |vehicle: &VehicleParameters| -> Result<Judgement> {
-        let read = |path: &PathBuf| LoggedDrive::read(path, vehicle);
-        let drives: Vec<LoggedDrive> = paths[judged.clone()]
-            .par_iter()
-            .map(read)
-            .collect::<Result<_>>()?;
-        Ok(judge(&drives, vehicle, &references[judged.clone()]))
+    let found = search.vehicle_with(&vehicle, &selection).parameters;
+    let judge = Judge {
+        references: references(&logs.read(&found)?, request.reference.as_ref())?,
+        logs: &logs,
     };
-    let before = judged_with(&request.vehicle.parameters)?;
-    let alone = |case: &Case| -> Result<Option<CandidateCase>> {
-        let Some(adopted) = work.adopted(case) else {
-            return Ok(None);
-        };
-        let mut with = vehicle.parameters.clone();
-        let possible = with.effects.adopt(adopted).is_ok() && with.check().is_ok();
-        Ok(Some(CandidateCase {
-            name: adopted.effect.name,
-            amount: f64::from(adopted.amount),
-            sigma: f64::from(adopted.amount_sigma),
-            unit: adopted.effect.unit,
-            evidence: case.evidence,
-            after: if possible {
-                judged_with(&with)?
-            } else {
-                before.clone()
-            },
-        }))
-    };
-    // Each with the case that it is of.
-    let mut cases: Vec<(usize, CandidateCase)> = Vec::new();
+    let before = judge.judge(&request.vehicle.parameters)?;
+    // Each with the number of its candidate.
+    let mut cases: Vec<(Option<usize>, CandidateCase)> = Vec::new();
     for case in &selection.alone {
-        cases.extend(alone(case)?.map(|alone| (case.candidate, alone)));
+        if let Some(adopted) = search.adopted(case) {
+            let alone = judge.alone(&with_wheels, adopted, case.evidence)?;
+            cases.push((Some(case.candidate), alone));
+        }
+    }
+    if let Some(wheels) = &wheels {
+        let (bare, adopted) = (&request.vehicle.parameters, wheels.adopted());
+        cases.push((None, judge.alone(bare, adopted, wheels.evidence())?));
     }
     let selection = match selection.steps.first().and_then(|step| lead(step, &cases)) {
-        Some(first) => work.select(&evidence, Some(first)),
+        Some(first) => search.select(&evidence, Some(first)),
         None => selection,
     };
     let mut unexplained = Vec::new();
     for step in &selection.steps {
-        match work.adopted(&step.adopted) {
+        match search.adopted(&step.adopted) {
             Some(adopted) => findings.push(Finding {
                 adopted,
                 evidence: step.adopted.evidence,
-                group: work.names(&step.group),
+                group: search.names(&step.group),
             }),
-            None => unexplained.push(work.unexplained(&step.adopted)),
+            None => unexplained.push(search.unexplained(&step.adopted)),
         }
     }
-    let vehicle = work.vehicle_with(&vehicle, &selection);
-    let after = judged_with(&vehicle.parameters)?;
+    let vehicle = search.vehicle_with(&vehicle, &selection);
+    let after = judge.judge(&vehicle.parameters)?;
     if !unexplained.is_empty() {
-        let drives = read(&vehicle.parameters)?;
+        let drives = logs.read(&vehicle.parameters)?;
         for (number, rest) in unexplained.iter_mut().enumerate() {
             let name = format!("unexplained_{}", number + 1);
-            let road = work.road.as_ref();
+            let (vehicle, road) = (&vehicle.parameters, search.road.as_ref());
             rest.figure = rest.variable.map(|variable| {
-                let vehicle = &vehicle.parameters;
-                picture::picture(&name, variable, &drives, vehicle, &references, road)
+                picture::picture(&name, variable, &drives, vehicle, &judge.references, road)
             });
         }
     }
     let mut candidates: Vec<CandidateCase> = cases.into_iter().map(|(_, case)| case).collect();
-    if let Some(wheels) = &wheels {
-        candidates.push(wheels.case(&before));
-    }
     candidates.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
     Ok(Diagnosis {
         findings,
@@ -226,16 +187,107 @@ pub fn diagnose(request: &Request) -> Result<Diagnosis> {
         unexplained,
         before,
         after,
-        judged_on_fitted,
+        judged_on_fitted: logs.judged.start == 0,
         vehicle,
+    })
+}
+
+/// The logs of a request, those to fit first.
+struct Logs {
+    paths: Vec<PathBuf>,
+    fitted: usize,
+    /// Those that before and after are judged on.
+    judged: Range<usize>,
+}
+
+impl Logs {
+    fn of(request: &Request) -> Result<Self> {
+        let mut paths = request.logs.clone();
+        let held_out = match request.held_out.len() {
+            0 => usize::from(paths.len() >= 3),
+            given => given,
+        };
+        paths.extend_from_slice(&request.held_out);
+        let mut seen = BTreeSet::new();
+        if let Some(twice) = paths.iter().find(|path| !seen.insert(*path)) {
+            return Err(Error::content(
+                twice,
+                "given twice; expected each drive once, to fit or held out".to_owned(),
+            ));
+        }
+        let fitted = paths.len() - held_out;
+        let judged = if held_out > 0 { fitted } else { 0 }..paths.len();
+        Ok(Self {
+            paths,
+            fitted,
+            judged,
+        })
+    }
+
+    fn read(&self, vehicle: &VehicleParameters) -> Result<Vec<LoggedDrive>> {
+        Self::read_each(&self.paths, vehicle)
+    }
+
+    fn read_judged(&self, vehicle: &VehicleParameters) -> Result<Vec<LoggedDrive>> {
+        Self::read_each(&self.paths[self.judged.clone()], vehicle)
+    }
+
+    fn read_each(paths: &[PathBuf], vehicle: &VehicleParameters) -> Result<Vec<LoggedDrive>> {
+        let read = |path: &PathBuf| LoggedDrive::read(path, vehicle);
+        paths.par_iter().map(read).collect()
+    }
+}
+
+/// What vehicles are judged by.
+struct Judge<'a> {
+    logs: &'a Logs,
+    /// Of all drives.
+    references: Vec<Reference>,
+}
+
+impl Judge<'_> {
+    fn judge(&self, vehicle: &VehicleParameters) -> Result<Judgement> {
+        let drives = self.logs.read_judged(vehicle)?;
+        let references = &self.references[self.logs.judged.clone()];
+        Ok(judge(&drives, vehicle, references))
+    }
+
+    /// One effect added to a vehicle; judged without it if the vehicle cannot have it.
+    fn alone(
+        &self,
+        vehicle: &VehicleParameters,
+        adopted: Adopted,
+        evidence: f64,
+    ) -> Result<CandidateCase> {
+        let mut with = vehicle.clone();
+        let possible = with.effects.adopt(adopted).is_ok() && with.check().is_ok();
+        Ok(CandidateCase {
+            name: adopted.effect.name,
+            amount: f64::from(adopted.amount),
+            sigma: f64::from(adopted.amount_sigma),
+            unit: adopted.effect.unit,
+            evidence,
+            after: self.judge(if possible { &with } else { vehicle })?,
+        })
+    }
+}
+
+/// Of each drive, by a map if one is given.
+fn references(drives: &[LoggedDrive], map: Option<&PathBuf>) -> Result<Vec<Reference>> {
+    let Some(path) = map else {
+        return Ok(judgement::references(drives));
+    };
+    judgement::references_by_map(drives, &read_map(path)?).ok_or_else(|| {
+        let problem = "no drive is on this road; expected a map of the road that was driven";
+        Error::content(path, problem.to_owned())
     })
 }
 
 /// Which of a group that the evidence cannot tell apart does clearly best on the drives judged, if
 /// it is not the one adopted.
-fn lead(step: &Step, cases: &[(usize, CandidateCase)]) -> Option<usize> {
+fn lead(step: &Step, cases: &[(Option<usize>, CandidateCase)]) -> Option<usize> {
     let rmse = |candidate: usize| {
-        let mut own = cases.iter().filter(|(of, _)| *of == candidate);
+        let mut own = cases.iter().filter(|(of, _)| *of == Some(candidate));
         own.next().map(|(_, case)| case.after.rmse_percent)
     };
     let adopted = rmse(step.adopted.candidate)?;
@@ -245,152 +297,4 @@ fn lead(step: &Step, cases: &[(usize, CandidateCase)]) -> Option<usize> {
         .filter(|(_, rmse)| *rmse < CLEARLY * adopted)
         .min_by(|a, b| a.1.total_cmp(&b.1))
         .map(|(candidate, _)| candidate)
-}
-
-/// Drives with their menu.
-struct Work<'a> {
-    drives: &'a [LoggedDrive],
-    fitted: usize,
-    vehicle: &'a VehicleParameters,
-    road: Option<CommonRoad>,
-    menu: Menu,
-}
-
-impl<'a> Work<'a> {
-    fn new(drives: &'a [LoggedDrive], fitted: usize, vehicle: &'a VehicleParameters) -> Self {
-        let road = CommonRoad::of(&drives.iter().collect::<Vec<_>>());
-        let numbers: Vec<usize> = (0..fitted).collect();
-        let menu = Menu::new(road.as_ref().map(CommonRoad::length_m), &numbers);
-        Self {
-            drives,
-            fitted,
-            vehicle,
-            road,
-            menu,
-        }
-    }
-
-    /// What the drives say, with the wind that makes them most likely, and what that asks for.
-    fn evidence(&self) -> (Evidence, Selection) {
-        let columns: Vec<Vec<evidence::Column>> = self
-            .drives
-            .par_iter()
-            .enumerate()
-            .map(|(number, drive)| {
-                let places = self.road.as_ref().map(|road| road.places(drive));
-                self.menu
-                    .columns(self.vehicle, number, drive, places.as_deref())
-            })
-            .collect();
-        let mut best: Option<(Evidence, Selection)> = None;
-        // One after the other: the sums of a fleet's drives are large.
-        for wind_mps in WINDS_MPS {
-            let tuning = judging_tuning(wind_mps);
-            let drives: Vec<_> = self.drives.iter().zip(&columns).enumerate().collect();
-            let evidence: Evidence = drives
-                .into_par_iter()
-                .map(|(number, (drive, columns))| {
-                    stretches(number, drive, self.vehicle, &tuning, columns)
-                })
-                .collect::<Vec<_>>()
-                .into_iter()
-                .flatten()
-                .collect();
-            let selection = self.select(&evidence, None);
-            let is_better = |(_, best): &(_, Selection)| selection.surprise < best.surprise;
-            if best.as_ref().is_none_or(is_better) {
-                best = Some((evidence, selection));
-            }
-        }
-        best.unwrap_or_default()
-    }
-
-    fn select(&self, evidence: &Evidence, first: Option<usize>) -> Selection {
-        Selector::new(&self.menu, evidence, |drive| drive >= self.fitted).select(first)
-    }
-
-    /// The vehicle with all effects of a selection.
-    fn vehicle_with(&self, vehicle: &VehicleFile, selection: &Selection) -> VehicleFile {
-        let mut vehicle = vehicle.clone();
-        for step in &selection.steps {
-            if let Some(adopted) = self.adopted(&step.adopted) {
-                let _ = vehicle.parameters.effects.adopt(adopted);
-            }
-        }
-        vehicle
-    }
-
-    fn names(&self, group: &[Case]) -> Vec<&'static str> {
-        let name = |case: &Case| self.menu.candidates[case.candidate].name;
-        group.iter().map(name).collect()
-    }
-
-    /// The effect of a case, ready for a vehicle file; none for a plain dependence.
-    fn adopted(&self, case: &Case) -> Option<Adopted> {
-        let candidate = &self.menu.candidates[case.candidate];
-        let effect: &'static Effect = candidate.effect?;
-        let (amount, sigma) = (case.amounts[0] as f32, case.sigmas[0] as f32);
-        let mut adopted = Adopted::new(effect, amount, sigma);
-        match candidate.choices[case.choice].detail {
-            Detail::None | Detail::Period(_) => {}
-            Detail::Fan(with_fan) => {
-                let _ = adopted.set("with_fan", with_fan);
-            }
-            Detail::Time(time_s) => {
-                // How cold they are differs from drive to drive, and the next one is not known.
-                let count = case.amounts.len() as f64;
-                let mean = case.amounts.iter().sum::<f64>() / count;
-                let between = case.amounts.iter().map(|a| (a - mean).powi(2)).sum::<f64>() / count;
-                let own = case.sigmas.iter().map(|s| s * s).sum::<f64>() / count;
-                adopted = Adopted::new(effect, mean.max(0.0) as f32, (between + own).sqrt() as f32);
-                let _ = adopted.set("time_s", time_s);
-            }
-            Detail::Compass => {
-                let (north, east) = (case.amounts[0], case.amounts[1]);
-                let speed = north.hypot(east);
-                let along = |n: f64, e: f64| (n * north + e * east) / speed.max(1e-9);
-                let sigma = along(case.sigmas[0], 0.0).hypot(along(0.0, case.sigmas[1]));
-                adopted = Adopted::new(effect, speed as f32, sigma as f32);
-                let _ = adopted.set(
-                    "from_deg",
-                    east.atan2(north).to_degrees().rem_euclid(360.0) as f32,
-                );
-            }
-            Detail::Stretch(from_m, to_m) => {
-                if let Some(road) = &self.road {
-                    let (latitude, longitude) = road.position_at(0.5 * (from_m + to_m));
-                    let _ = adopted.set("latitude_deg", latitude as f32);
-                    let _ = adopted.set("longitude_deg", longitude as f32);
-                    let _ = adopted.set("length_m", (to_m - from_m) as f32);
-                }
-            }
-        }
-        Some(adopted)
-    }
-
-    fn unexplained(&self, case: &Case) -> Unexplained {
-        let candidate = &self.menu.candidates[case.candidate];
-        let size = case.amounts.iter().map(|a| a * a).sum::<f64>().sqrt();
-        let (where_or_when, rms_percent) = match candidate.choices[case.choice].detail {
-            Detail::Period(period_s) => (
-                format!(", period {period_s:.0} s"),
-                0.1 * size / 2f64.sqrt(),
-            ),
-            Detail::Stretch(from_m, to_m) => (
-                format!(", km {:.1} to {:.1}", from_m * 1e-3, to_m * 1e-3),
-                100.0 * size,
-            ),
-            _ => (
-                String::new(),
-                0.1 * size / (case.amounts.len() as f64).sqrt(),
-            ),
-        };
-        Unexplained {
-            depends_on: format!("{}{where_or_when}", candidate.name),
-            rms_percent,
-            evidence: case.evidence,
-            variable: self.menu.variable(&candidate.choices[case.choice]),
-            figure: None,
-        }
-    }
 }

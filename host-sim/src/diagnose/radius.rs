@@ -3,10 +3,9 @@
 //! A wrong radius hardly shows in the slope, but in every speed. Speeds of the two kinds are
 //! compared where the vehicle neither speeds up nor slows down, since they are of unlike age.
 
+use super::Finding;
 use super::drive::LoggedDrive;
-use super::judgement::Judgement;
 use super::selection::ADOPTED;
-use super::{CandidateCase, Finding};
 use estimator_core::CELL_LENGTH_M;
 use estimator_core::effect::{Adopted, Effect, wheel_radius};
 
@@ -55,12 +54,14 @@ impl Wheels {
         self.amount.powi(2) / own * typical / (typical + own) - (1.0 + typical / own).ln()
     }
 
-    fn adopted(&self) -> Adopted {
+    /// As an effect.
+    #[must_use]
+    pub fn adopted(&self) -> Adopted {
         static EFFECT: &Effect = &wheel_radius::EFFECT;
         Adopted::new(EFFECT, self.amount as f32, self.sigma as f32)
     }
 
-    /// As an effect to adopt, if the evidence asks for it.
+    /// To adopt, if the evidence asks for it.
     #[must_use]
     pub fn finding(&self) -> Option<Finding> {
         (self.evidence() >= ADOPTED).then(|| Finding {
@@ -68,19 +69,6 @@ impl Wheels {
             evidence: self.evidence(),
             group: Vec::new(),
         })
-    }
-
-    /// Among the candidates.
-    #[must_use]
-    pub fn case(&self, before: &Judgement) -> CandidateCase {
-        CandidateCase {
-            name: wheel_radius::EFFECT.name,
-            amount: self.amount,
-            sigma: self.sigma,
-            unit: wheel_radius::EFFECT.unit,
-            evidence: self.evidence(),
-            after: before.clone(),
-        }
     }
 }
 

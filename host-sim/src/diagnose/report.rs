@@ -3,8 +3,8 @@
 use super::judgement::{Judgement, WINDOW_M};
 use super::{Diagnosis, Finding};
 use crate::error::Result;
-use crate::output::write_whole;
-use crate::report::page::{Figure, Page, Section, Table};
+use crate::output::stage_text;
+use crate::report::page::{Figure, PAGE, Page, Section, Table};
 use crate::report::plot::{Mark, Plot, Series, colour};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -111,18 +111,20 @@ pub fn told_apart_by(name: &str) -> Option<&'static str> {
     })
 }
 
-/// Writes report.json, vehicle.toml and the page with its tables and figures.
+/// Writes report.json, vehicle.toml and the page with its tables and figures, all or none.
 ///
 /// # Errors
 /// What the file system says.
 pub fn write(diagnosis: &Diagnosis, folder: &Path) -> Result<PathBuf> {
-    let page = page(diagnosis).write(folder)?;
-    diagnosis.vehicle.write(&folder.join("vehicle.toml"))?;
-    let text = format!("{:#}\n", to_json(diagnosis));
-    write_whole(&folder.join("report.json"), |out| {
-        out.write_all(text.as_bytes())
-    })?;
-    Ok(page)
+    let mut files = page(diagnosis).stage(folder)?;
+    let vehicle = folder.join("vehicle.toml");
+    files.push(stage_text(&vehicle, &diagnosis.vehicle.to_toml())?);
+    let json = format!("{:#}\n", to_json(diagnosis));
+    files.push(stage_text(&folder.join("report.json"), &json)?);
+    for file in files {
+        file.commit()?;
+    }
+    Ok(folder.join(PAGE))
 }
 
 fn page(diagnosis: &Diagnosis) -> Page {
@@ -205,7 +207,7 @@ fn residual_section(diagnosis: &Diagnosis) -> Section {
         Series::line(
             name,
             colour,
-            points.map(|(i, window)| (i as f64 * WINDOW_M * 1e-3, window.error_percent)),
+            points.map(|(i, error_percent)| (i as f64 * WINDOW_M * 1e-3, *error_percent)),
         )
     };
     let plot = Plot::new(

@@ -1,5 +1,6 @@
 //! MAP.csv: the cells of one road, fused over runs.
 
+use super::RoadPoint;
 use crate::error::Result;
 use crate::output::Staged;
 use crate::row_check::{self, Flaw};
@@ -25,6 +26,16 @@ pub struct MapRow {
 }
 
 impl MapRow {
+    /// Where it lies.
+    #[must_use]
+    pub const fn point(&self) -> RoadPoint {
+        RoadPoint {
+            distance_m: self.distance_m,
+            latitude_deg: self.latitude_deg,
+            longitude_deg: self.longitude_deg,
+        }
+    }
+
     /// Whether the row can follow `before` in a map.
     fn check(before: Option<&Self>, row: &Self) -> std::result::Result<(), Flaw> {
         row_check::finite(&[

@@ -1,10 +1,13 @@
 //! One self-contained HTML page: sections of words, tables and inline SVG.
 
 use super::plot::Plot;
-use crate::error::Result;
-use crate::output::write_whole;
+use crate::error::{Error, Result};
+use crate::output::{Staged, stage_text};
 use askama::Template;
 use std::path::{Path, PathBuf};
+
+/// File name of a page.
+pub const PAGE: &str = "report.html";
 
 /// A page.
 #[derive(Clone, Debug, Template)]
@@ -105,23 +108,33 @@ impl Page {
     /// # Errors
     /// What the file system says.
     pub fn write(&self, folder: &Path) -> Result<PathBuf> {
-        let write = |name: String, text: &str| {
-            write_whole(&folder.join(name), |out| out.write_all(text.as_bytes()))
+        for file in self.stage(folder)? {
+            file.commit()?;
+        }
+        Ok(folder.join(PAGE))
+    }
+
+    /// The files that [`Self::write`] writes, which appear when they are committed.
+    ///
+    /// # Errors
+    /// What the file system says.
+    pub fn stage(&self, folder: &Path) -> Result<Vec<Staged>> {
+        let mut files = Vec::new();
+        let mut stage = |name: &str, text: &str| -> Result<()> {
+            files.push(stage_text(&folder.join(name), text)?);
+            Ok(())
         };
         for section in &self.sections {
             for table in &section.tables {
-                write(format!("{}.csv", table.name), &table.to_csv())?;
+                stage(&format!("{}.csv", table.name), &table.to_csv())?;
             }
             for figure in &section.figures {
-                write(format!("{}.svg", figure.name), &figure.svg)?;
-                write(format!("{}.csv", figure.name), &figure.csv)?;
+                stage(&format!("{}.svg", figure.name), &figure.svg)?;
+                stage(&format!("{}.csv", figure.name), &figure.csv)?;
             }
         }
-        let path = folder.join("report.html");
-        write_whole(&path, |out| {
-            let html = self.render().map_err(std::io::Error::other)?;
-            out.write_all(html.as_bytes())
-        })?;
-        Ok(path)
+        let html = self.render().map_err(std::io::Error::other);
+        stage(PAGE, &html.map_err(Error::io(&folder.join(PAGE)))?)?;
+        Ok(files)
     }
 }

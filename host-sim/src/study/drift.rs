@@ -1,5 +1,6 @@
 //! How far the bare vehicle model's altitude drifts: no GNSS, no filter, nothing fitted.
 
+use crate::bare_model;
 use estimator_core::vehicle::{Driveline, Load, VehicleParameters, air_density};
 
 /// What the force balance needs of one row of a signal table.
@@ -79,11 +80,6 @@ fn slope_percent(
         mass_kg: real(from.mass_kg).unwrap_or(vehicle.mass_kg),
         air_density: air_density(real(from.air_pressure_pa), real(from.ambient_celsius)),
     });
-    // Kinetic energy a kilogram, the mean over the interval, and its change along the way.
-    let (before, after) = (0.5 * from.speed_mps.powi(2), 0.5 * to.speed_mps.powi(2));
-    let force = f64::from(balance.traction)
-        - f64::from(balance.drag) * 0.5 * (before + after)
-        - f64::from(balance.rolling)
-        - (after - before) / way_m;
-    force / f64::from(balance.gravity)
+    let energies = (0.5 * from.speed_mps.powi(2), 0.5 * to.speed_mps.powi(2));
+    bare_model::slope_percent(&balance, 0.0, energies, way_m)
 }

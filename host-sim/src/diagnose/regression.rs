@@ -1,0 +1,221 @@
+//! Least squares on what drives say: amounts, their sigmas, and how likely a set of them is.
+
+use super::evidence::Evidence;
+use nalgebra::{DMatrix, DVector};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Fewest drives whose scatter says anything.
+const FEWEST_DRIVES: usize = 3;
+
+/// Patterns of what is adopted, side by side, with the prior precision of each amount.
+#[derive(Clone, Debug)]
+pub struct Basis {
+    /// Columns by amounts.
+    pub pattern: DMatrix<f64>,
+    precision: DVector<f64>,
+}
+
+impl Basis {
+    /// Number of amounts.
+    #[must_use]
+    pub fn size(&self) -> usize {
+        self.pattern.ncols()
+    }
+
+    /// Nothing, of so many columns.
+    #[must_use]
+    pub fn empty(width: usize) -> Self {
+        Self {
+            pattern: DMatrix::zeros(width, 0),
+            precision: DVector::zeros(0),
+        }
+    }
+
+    /// With more amounts, whose prior is this wide.
+    #[must_use]
+    pub fn with(&self, pattern: &DMatrix<f64>, typical: f64) -> Self {
+        let mut wide = DMatrix::zeros(self.pattern.nrows(), self.pattern.ncols() + pattern.ncols());
+        wide.columns_mut(0, self.pattern.ncols())
+            .copy_from(&self.pattern);
+        wide.columns_mut(self.pattern.ncols(), pattern.ncols())
+            .copy_from(pattern);
+        let mut precision: Vec<f64> = self.precision.iter().copied().collect();
+        precision.extend(std::iter::repeat_n(typical.powi(-2), pattern.ncols()));
+        Self {
+            pattern: wide,
+            precision: precision.into(),
+        }
+    }
+}
+
+/// Estimates of the amounts of a basis.
+#[derive(Clone, Debug)]
+pub struct Fit {
+    /// The amounts.
+    pub amounts: DVector<f64>,
+    /// Their covariance, widened by the scatter of the scores.
+    pub covariance: DMatrix<f64>,
+    /// How much more the score of the last amount scatters (squared) than the model says, at least
+    /// one.
+    pub scatter: f64,
+}
+
+/// What one drive alone says, beyond what is fitted.
+pub struct OfDrive {
+    /// Whether it is held out.
+    pub held_out: bool,
+    /// Sums of the drive.
+    pub information: DMatrix<f64>,
+    pub score: DVector<f64>,
+}
+
+/// The evidence, and which drives are held out.
+pub struct Regression<'a> {
+    evidence: &'a Evidence,
+    is_held_out: Box<dyn Fn(usize) -> bool + 'a>,
+    information: DMatrix<f64>,
+    score: DVector<f64>,
+    held_information: DMatrix<f64>,
+    held_score: DVector<f64>,
+}
+
+impl<'a> Regression<'a> {
+    /// On these drives.
+    pub fn new(evidence: &'a Evidence, is_held_out: impl Fn(usize) -> bool + 'a) -> Self {
+        let (information, score) = evidence.sums(|drive| !is_held_out(drive));
+        let (held_information, held_score) = evidence.sums(&is_held_out);
+        Self {
+            evidence,
+            is_held_out: Box::new(is_held_out),
+            information,
+            score,
+            held_information,
+            held_score,
+        }
+    }
+
+    /// Minus twice the logarithm of the likelihood of the drives to fit with nothing missing.
+    #[must_use]
+    pub fn surprise(&self) -> f64 {
+        let stretches = self.evidence.stretches.iter();
+        stretches
+            .filter(|stretch| !(self.is_held_out)(stretch.drive))
+            .map(|stretch| stretch.surprise)
+            .sum()
+    }
+
+    /// Twice the gain in log likelihood of a basis, its priors left out.
+    #[must_use]
+    pub fn explained(&self, basis: &Basis) -> f64 {
+        let (information, score) = self.of(basis);
+        let solution = information.cholesky().map(|c| c.solve(&score));
+        solution.map_or(0.0, |amounts| score.dot(&amounts))
+    }
+
+    /// Twice the logarithm of the Bayes factor of a basis against nothing, with scores that scatter
+    /// `scatter` times as much (squared) as the model says.
+    #[must_use]
+    pub fn bayes(&self, basis: &Basis, scatter: f64) -> Option<f64> {
+        if basis.size() == 0 {
+            return Some(0.0);
+        }
+        let (information, score) = self.of(basis);
+        let information = information / scatter + DMatrix::from_diagonal(&basis.precision);
+        let score = score / scatter;
+        let cholesky = information.cholesky()?;
+        let quadratic = score.dot(&cholesky.solve(&score));
+        let determinant = 2.0 * cholesky.l().diagonal().iter().map(|d| d.ln()).sum::<f64>()
+            - basis.precision.iter().map(|p| p.ln()).sum::<f64>();
+        Some(quadratic - determinant)
+    }
+
+    /// Twice the gain in log likelihood of these amounts of the columns on the drives held out.
+    #[must_use]
+    pub fn held_out(&self, columns: &DVector<f64>) -> f64 {
+        let square = columns.dot(&(&self.held_information * columns));
+        2.0 * columns.dot(&self.held_score) - square
+    }
+
+    /// What each drive says beyond these amounts of the columns.
+    #[must_use]
+    pub fn drives(&self, columns: &DVector<f64>) -> Vec<OfDrive> {
+        let drives: BTreeSet<usize> = self.evidence.stretches.iter().map(|s| s.drive).collect();
+        let of_drive = |drive| {
+            let (information, score) = self.evidence.sums(|other| other == drive);
+            OfDrive {
+                held_out: (self.is_held_out)(drive),
+                score: score - &information * columns,
+                information,
+            }
+        };
+        drives.into_iter().map(of_drive).collect()
+    }
+
+    /// The amounts of a basis of at least one; `None` if they cannot be told from each other.
+    #[must_use]
+    pub fn fit(&self, basis: &Basis) -> Option<Fit> {
+        let pattern = basis.pattern.transpose();
+        let (information, score) = self.of(basis);
+        let prior = DMatrix::from_diagonal(&basis.precision);
+        let inverse = (&information + &prior).try_inverse()?;
+        let amounts = &inverse * score;
+        // Scatter of the scores around the fit, from stretch to stretch and from drive to drive.
+        let scores: Vec<(usize, DVector<f64>)> = self
+            .evidence
+            .stretches
+            .iter()
+            .filter(|stretch| !(self.is_held_out)(stretch.drive))
+            .map(|stretch| {
+                let left = &stretch.score - &stretch.information * (&basis.pattern * &amounts);
+                (stretch.drive, &pattern * left)
+            })
+            .collect();
+        let mut of_drives: BTreeMap<usize, DVector<f64>> = BTreeMap::new();
+        for (drive, score) in &scores {
+            *of_drives
+                .entry(*drive)
+                .or_insert_with(|| DVector::zeros(score.len())) += score;
+        }
+        let sandwich = |clusters: &mut dyn Iterator<Item = &DVector<f64>>| {
+            let mut spread: DMatrix<f64> = DMatrix::zeros(amounts.len(), amounts.len());
+            let mut count = 0.0;
+            for own in clusters {
+                spread += own * own.transpose();
+                count += 1.0;
+            }
+            let correction = if count > 1.0 {
+                count / (count - 1.0)
+            } else {
+                1.0
+            };
+            &inverse * spread * &inverse * correction
+        };
+        let by_stretch = sandwich(&mut scores.iter().map(|(_, score)| score));
+        let by_drive = sandwich(&mut of_drives.values());
+        let sandwich = if of_drives.len() >= FEWEST_DRIVES {
+            by_stretch.sup(&by_drive)
+        } else {
+            by_stretch
+        };
+        // The last amounts are the new ones: their scatter is what is asked for.
+        let last = amounts.len() - 1;
+        let scatter = (sandwich[(last, last)] / inverse[(last, last)]).max(1.0);
+        let mut covariance = inverse;
+        for i in 0..amounts.len() {
+            let widened = covariance[(i, i)].max(sandwich[(i, i)]);
+            covariance[(i, i)] = widened;
+        }
+        Some(Fit {
+            amounts,
+            covariance,
+            scatter,
+        })
+    }
+
+    /// Sums over the drives to fit.
+    fn of(&self, basis: &Basis) -> (DMatrix<f64>, DVector<f64>) {
+        let pattern = basis.pattern.transpose();
+        let information = &pattern * &self.information * &basis.pattern;
+        (information, &pattern * &self.score)
+    }
+}

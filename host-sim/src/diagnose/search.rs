@@ -1,0 +1,171 @@
+//! What drives ask for: the candidates of a set of drives, weighed, and read as effects.
+
+use super::Unexplained;
+use super::candidates::{Detail, Menu};
+use super::drive::{CommonRoad, LoggedDrive};
+use super::evidence::{self, Evidence, WINDS_MPS, judging_tuning, stretches};
+use super::selection::{Case, Selection, Selector};
+use crate::vehicle_file::VehicleFile;
+use estimator_core::VehicleParameters;
+use estimator_core::effect::{Adopted, Effect};
+use rayon::prelude::*;
+
+/// Drives with what is tried on them.
+pub struct Search<'a> {
+    drives: &'a [LoggedDrive],
+    fitted: usize,
+    vehicle: &'a VehicleParameters,
+    /// The road that they share.
+    pub road: Option<CommonRoad>,
+    menu: Menu,
+}
+
+impl<'a> Search<'a> {
+    /// The first `fitted` of the drives, which were read with this vehicle, are to fit.
+    #[must_use]
+    pub fn new(drives: &'a [LoggedDrive], fitted: usize, vehicle: &'a VehicleParameters) -> Self {
+        let road = CommonRoad::of(&drives.iter().collect::<Vec<_>>());
+        let numbers: Vec<usize> = (0..fitted).collect();
+        let menu = Menu::new(road.as_ref().map(CommonRoad::length_m), &numbers);
+        Self {
+            drives,
+            fitted,
+            vehicle,
+            road,
+            menu,
+        }
+    }
+
+    /// What the drives say, with the wind that makes them most likely, and what that asks for.
+    #[must_use]
+    pub fn evidence(&self) -> (Evidence, Selection) {
+        let columns: Vec<Vec<evidence::Column>> = self
+            .drives
+            .par_iter()
+            .enumerate()
+            .map(|(number, drive)| {
+                let places = self.road.as_ref().map(|road| road.places(drive));
+                self.menu
+                    .columns(self.vehicle, number, drive, places.as_deref())
+            })
+            .collect();
+        let mut best: Option<(Evidence, Selection)> = None;
+        // One after the other: the sums of a fleet's drives are large.
+        for wind_mps in WINDS_MPS {
+            let tuning = judging_tuning(wind_mps);
+            let drives: Vec<_> = self.drives.iter().zip(&columns).enumerate().collect();
+            let evidence: Evidence = drives
+                .into_par_iter()
+                .map(|(number, (drive, columns))| {
+                    stretches(number, drive, self.vehicle, &tuning, columns)
+                })
+                .collect::<Vec<_>>()
+                .into_iter()
+                .flatten()
+                .collect();
+            let selection = self.select(&evidence, None);
+            let is_better = |(_, best): &(_, Selection)| selection.surprise < best.surprise;
+            if best.as_ref().is_none_or(is_better) {
+                best = Some((evidence, selection));
+            }
+        }
+        best.unwrap_or_default()
+    }
+
+    /// What the evidence asks for; `first` as in [`Selector::select`].
+    #[must_use]
+    pub fn select(&self, evidence: &Evidence, first: Option<usize>) -> Selection {
+        Selector::new(&self.menu, evidence, |drive| drive >= self.fitted).select(first)
+    }
+
+    /// The vehicle with all effects of a selection.
+    #[must_use]
+    pub fn vehicle_with(&self, vehicle: &VehicleFile, selection: &Selection) -> VehicleFile {
+        let mut vehicle = vehicle.clone();
+        for step in &selection.steps {
+            if let Some(adopted) = self.adopted(&step.adopted) {
+                let _ = vehicle.parameters.effects.adopt(adopted);
+            }
+        }
+        vehicle
+    }
+
+    /// Names of the effects of a group.
+    #[must_use]
+    pub fn names(&self, group: &[Case]) -> Vec<&'static str> {
+        let name = |case: &Case| self.menu.candidates[case.candidate].name;
+        group.iter().map(name).collect()
+    }
+
+    /// The effect of a case, ready for a vehicle file; none for a plain dependence.
+    #[must_use]
+    pub fn adopted(&self, case: &Case) -> Option<Adopted> {
+        let candidate = &self.menu.candidates[case.candidate];
+        let effect: &'static Effect = candidate.effect?;
+        let (amount, sigma) = (case.amounts[0] as f32, case.sigmas[0] as f32);
+        let mut adopted = Adopted::new(effect, amount, sigma);
+        match candidate.choices[case.choice].detail {
+            Detail::None | Detail::Period(_) => {}
+            Detail::Fan(with_fan) => {
+                let _ = adopted.set("with_fan", with_fan);
+            }
+            Detail::Time(time_s) => {
+                // How cold they are differs from drive to drive, and the next one is not known.
+                let count = case.amounts.len() as f64;
+                let mean = case.amounts.iter().sum::<f64>() / count;
+                let between = case.amounts.iter().map(|a| (a - mean).powi(2)).sum::<f64>() / count;
+                let own = case.sigmas.iter().map(|s| s * s).sum::<f64>() / count;
+                adopted = Adopted::new(effect, mean.max(0.0) as f32, (between + own).sqrt() as f32);
+                let _ = adopted.set("time_s", time_s);
+            }
+            Detail::Compass => {
+                let (north, east) = (case.amounts[0], case.amounts[1]);
+                let speed = north.hypot(east);
+                let along = |n: f64, e: f64| (n * north + e * east) / speed.max(1e-9);
+                let sigma = along(case.sigmas[0], 0.0).hypot(along(0.0, case.sigmas[1]));
+                adopted = Adopted::new(effect, speed as f32, sigma as f32);
+                let _ = adopted.set(
+                    "from_deg",
+                    east.atan2(north).to_degrees().rem_euclid(360.0) as f32,
+                );
+            }
+            Detail::Stretch(from_m, to_m) => {
+                if let Some(road) = &self.road {
+                    let (latitude, longitude) = road.position_at(0.5 * (from_m + to_m));
+                    let _ = adopted.set("latitude_deg", latitude as f32);
+                    let _ = adopted.set("longitude_deg", longitude as f32);
+                    let _ = adopted.set("length_m", (to_m - from_m) as f32);
+                }
+            }
+        }
+        Some(adopted)
+    }
+
+    /// A plain dependence that was adopted.
+    #[must_use]
+    pub fn unexplained(&self, case: &Case) -> Unexplained {
+        let candidate = &self.menu.candidates[case.candidate];
+        let size = case.amounts.iter().map(|a| a * a).sum::<f64>().sqrt();
+        let (where_or_when, rms_percent) = match candidate.choices[case.choice].detail {
+            Detail::Period(period_s) => (
+                format!(", period {period_s:.0} s"),
+                0.1 * size / 2f64.sqrt(),
+            ),
+            Detail::Stretch(from_m, to_m) => (
+                format!(", km {:.1} to {:.1}", from_m * 1e-3, to_m * 1e-3),
+                100.0 * size,
+            ),
+            _ => (
+                String::new(),
+                0.1 * size / (case.amounts.len() as f64).sqrt(),
+            ),
+        };
+        Unexplained {
+            depends_on: format!("{}{where_or_when}", candidate.name),
+            rms_percent,
+            evidence: case.evidence,
+            variable: self.menu.variable(&candidate.choices[case.choice]),
+            figure: None,
+        }
+    }
+}
