@@ -280,6 +280,31 @@ fn vehicles_and_references_that_cannot_be_are_named() {
     let nowhere = folder.path().join("nowhere.csv");
     without_map.args(logs).arg("--reference").arg(&nowhere);
     refused(&mut without_map, &out, 1, &["nowhere.csv"]);
+    // A map of another road, a degree further north.
+    let rows = (0..400).map(|cell| {
+        let north_deg = 60.0 + 2.5e-5 * f64::from(cell);
+        format!(
+            "{},{north_deg},17.0,10.0,1.0,0.1,1\n",
+            2.5 * f64::from(cell)
+        )
+    });
+    let header = "distance_m,latitude_deg,longitude_deg,altitude_m,grade_percent,\
+                  grade_sigma_percent,runs\n";
+    let elsewhere = write(
+        "elsewhere.csv",
+        &(header.to_owned() + &rows.collect::<String>()),
+    );
+    let mut on_another_road = diagnose(vehicle, &out);
+    on_another_road
+        .args(logs)
+        .arg("--reference")
+        .arg(&elsewhere);
+    refused(
+        &mut on_another_road,
+        &out,
+        1,
+        &["elsewhere.csv", "no drive is on this road"],
+    );
 }
 
 #[test]

@@ -7,7 +7,6 @@ use estimator_core::effect::{Acts, CATALOGUE, Details, Effect};
 use estimator_core::sampler::Sample;
 use estimator_core::vehicle::GRAVITY;
 use estimator_core::{Instant, VehicleParameters};
-use nalgebra::DMatrix;
 
 /// Times in which tyres warm up that are tried, s.
 const WARMUP_TIMES_S: [f32; 4] = [600.0, 1_000.0, 1_700.0, 2_800.0];
@@ -458,17 +457,5 @@ impl Choice {
     #[must_use]
     pub const fn is_cycle(&self) -> bool {
         matches!(self.detail, Detail::Period(_))
-    }
-
-    /// The matrix that takes its amounts to columns.
-    #[must_use]
-    pub fn pattern(&self, width: usize) -> DMatrix<f64> {
-        let mut pattern = DMatrix::zeros(width, self.amounts.len());
-        for (j, columns) in self.amounts.iter().enumerate() {
-            for &i in columns {
-                pattern[(i, j)] = 1.0;
-            }
-        }
-        pattern
     }
 }

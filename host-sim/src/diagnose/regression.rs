@@ -7,45 +7,49 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Fewest drives whose scatter says anything.
 const FEWEST_DRIVES: usize = 3;
 
-/// Patterns of what is adopted, side by side, with the prior precision of each amount.
-#[derive(Clone, Debug)]
+/// Amounts to estimate, each with the columns of force that go with it and its prior precision.
+#[derive(Clone, Debug, Default)]
 pub struct Basis {
-    /// Columns by amounts.
-    pub pattern: DMatrix<f64>,
-    precision: DVector<f64>,
+    amounts: Vec<Vec<usize>>,
+    precision: Vec<f64>,
 }
 
 impl Basis {
     /// Number of amounts.
     #[must_use]
     pub fn size(&self) -> usize {
-        self.pattern.ncols()
-    }
-
-    /// Nothing, of so many columns.
-    #[must_use]
-    pub fn empty(width: usize) -> Self {
-        Self {
-            pattern: DMatrix::zeros(width, 0),
-            precision: DVector::zeros(0),
-        }
+        self.amounts.len()
     }
 
     /// With more amounts, whose prior is this wide.
     #[must_use]
-    pub fn with(&self, pattern: &DMatrix<f64>, typical: f64) -> Self {
-        let mut wide = DMatrix::zeros(self.pattern.nrows(), self.pattern.ncols() + pattern.ncols());
-        wide.columns_mut(0, self.pattern.ncols())
-            .copy_from(&self.pattern);
-        wide.columns_mut(self.pattern.ncols(), pattern.ncols())
-            .copy_from(pattern);
-        let mut precision: Vec<f64> = self.precision.iter().copied().collect();
-        precision.extend(std::iter::repeat_n(typical.powi(-2), pattern.ncols()));
-        Self {
-            pattern: wide,
-            precision: precision.into(),
-        }
+    pub fn with(&self, amounts: &[Vec<usize>], typical: f64) -> Self {
+        let mut basis = self.clone();
+        basis.amounts.extend_from_slice(amounts);
+        basis.precision.resize(basis.size(), typical.powi(-2));
+        basis
     }
+
+    fn prior(&self) -> DMatrix<f64> {
+        DMatrix::from_diagonal(&DVector::from_column_slice(&self.precision))
+    }
+}
+
+/// Sums of the information about amounts, each of which has the given columns.
+fn information_of(amounts: &[Vec<usize>], columns: &DMatrix<f64>) -> DMatrix<f64> {
+    DMatrix::from_fn(amounts.len(), amounts.len(), |a, b| {
+        let pairs = amounts[a]
+            .iter()
+            .flat_map(|&i| amounts[b].iter().map(move |&j| (i, j)));
+        pairs.map(|pair| columns[pair]).sum()
+    })
+}
+
+fn score_of(amounts: &[Vec<usize>], columns: &DVector<f64>) -> DVector<f64> {
+    let own = amounts
+        .iter()
+        .map(|own| own.iter().map(|&i| columns[i]).sum());
+    DVector::from_iterator(amounts.len(), own)
 }
 
 /// Estimates of the amounts of a basis.
@@ -64,9 +68,17 @@ pub struct Fit {
 pub struct OfDrive {
     /// Whether it is held out.
     pub held_out: bool,
-    /// Sums of the drive.
-    pub information: DMatrix<f64>,
-    pub score: DVector<f64>,
+    information: DMatrix<f64>,
+    score: DVector<f64>,
+}
+
+impl OfDrive {
+    /// Information and score of amounts.
+    #[must_use]
+    pub fn of(&self, amounts: &[Vec<usize>]) -> (DMatrix<f64>, DVector<f64>) {
+        let information = information_of(amounts, &self.information);
+        (information, score_of(amounts, &self.score))
+    }
 }
 
 /// The evidence, and which drives are held out.
@@ -120,7 +132,7 @@ impl<'a> Regression<'a> {
             return Some(0.0);
         }
         let (information, score) = self.of(basis);
-        let information = information / scatter + DMatrix::from_diagonal(&basis.precision);
+        let information = information / scatter + basis.prior();
         let score = score / scatter;
         let cholesky = information.cholesky()?;
         let quadratic = score.dot(&cholesky.solve(&score));
@@ -154,11 +166,10 @@ impl<'a> Regression<'a> {
     /// The amounts of a basis of at least one; `None` if they cannot be told from each other.
     #[must_use]
     pub fn fit(&self, basis: &Basis) -> Option<Fit> {
-        let pattern = basis.pattern.transpose();
         let (information, score) = self.of(basis);
-        let prior = DMatrix::from_diagonal(&basis.precision);
-        let inverse = (&information + &prior).try_inverse()?;
+        let inverse = (information + basis.prior()).try_inverse()?;
         let amounts = &inverse * score;
+        let columns = self.columns(basis, &amounts);
         // Scatter of the scores around the fit, from stretch to stretch and from drive to drive.
         let scores: Vec<(usize, DVector<f64>)> = self
             .evidence
@@ -166,8 +177,8 @@ impl<'a> Regression<'a> {
             .iter()
             .filter(|stretch| !(self.is_held_out)(stretch.drive))
             .map(|stretch| {
-                let left = &stretch.score - &stretch.information * (&basis.pattern * &amounts);
-                (stretch.drive, &pattern * left)
+                let left = &stretch.score - &stretch.information * &columns;
+                (stretch.drive, score_of(&basis.amounts, &left))
             })
             .collect();
         let mut of_drives: BTreeMap<usize, DVector<f64>> = BTreeMap::new();
@@ -212,10 +223,21 @@ impl<'a> Regression<'a> {
         })
     }
 
+    /// The columns' amounts.
+    #[must_use]
+    pub fn columns(&self, basis: &Basis, amounts: &DVector<f64>) -> DVector<f64> {
+        let mut columns = DVector::zeros(self.score.len());
+        for (own, amount) in basis.amounts.iter().zip(amounts) {
+            for &column in own {
+                columns[column] += amount;
+            }
+        }
+        columns
+    }
+
     /// Sums over the drives to fit.
     fn of(&self, basis: &Basis) -> (DMatrix<f64>, DVector<f64>) {
-        let pattern = basis.pattern.transpose();
-        let information = &pattern * &self.information * &basis.pattern;
-        (information, &pattern * &self.score)
+        let information = information_of(&basis.amounts, &self.information);
+        (information, score_of(&basis.amounts, &self.score))
     }
 }

@@ -114,7 +114,7 @@ impl<'a> Selector<'a> {
     /// stands for those that the evidence cannot tell apart in the first step, if it is given.
     #[must_use]
     pub fn select(&self, first: Option<usize>) -> Selection {
-        let mut basis = Basis::empty(self.menu.width());
+        let mut basis = Basis::default();
         let mut selection = Selection {
             alone: self.cases(&basis, &[]),
             ..Selection::default()
@@ -131,7 +131,7 @@ impl<'a> Selector<'a> {
                 // Its phases are each drive's own.
                 cases.retain(|case| !taken.contains(&case.candidate));
             } else {
-                basis = basis.with(&choice.pattern(self.menu.width()), step.adopted.width);
+                basis = basis.with(&choice.amounts, step.adopted.width);
                 cases = self.cases(&basis, &taken);
             }
             selection.steps.push(step);
@@ -149,7 +149,8 @@ impl<'a> Selector<'a> {
         let columns = if basis.size() == 0 {
             DVector::zeros(self.menu.width())
         } else {
-            &basis.pattern * self.regression.fit(basis)?.amounts
+            let fit = self.regression.fit(basis)?;
+            self.regression.columns(basis, &fit.amounts)
         };
         Some(Ground {
             explained: self.regression.explained(basis),
@@ -177,9 +178,8 @@ impl<'a> Selector<'a> {
             return self.cycle(ground, index, candidate);
         }
         let (basis, regression) = (&ground.basis, &self.regression);
-        let pattern = |choice: &Choice| choice.pattern(self.menu.width());
         let gain = |choice: &Choice| -> Option<f64> {
-            let with = basis.with(&pattern(choice), candidate.typical);
+            let with = basis.with(&choice.amounts, candidate.typical);
             Some(regression.bayes(&with, 1.0)? - ground.bayes)
         };
         let gains: Vec<(usize, f64)> = candidate
@@ -192,15 +192,15 @@ impl<'a> Selector<'a> {
         // All choices are equally likely beforehand: the mean of their Bayes factors.
         let relative = gains.iter().map(|(_, gain)| (0.5 * (gain - best)).exp());
         let mean = relative.sum::<f64>() / candidate.choices.len() as f64;
-        let pattern = pattern(&candidate.choices[choice]);
-        let own = basis.size()..basis.size() + pattern.ncols();
+        let amounts = &candidate.choices[choice].amounts;
+        let own = basis.size()..basis.size() + amounts.len();
         // A prior as wide as such amounts usually are, or, since faults are unusual, as this one
         // is, up to a few times that.
-        let free = regression.fit(&basis.with(&pattern, FREE * candidate.typical))?;
+        let free = regression.fit(&basis.with(amounts, FREE * candidate.typical))?;
         let square: f64 = own.clone().map(|i| free.amounts[i].powi(2)).sum();
-        let size = (square / pattern.ncols() as f64).sqrt();
+        let size = (square / amounts.len() as f64).sqrt();
         let width = size.clamp(candidate.typical, UNUSUAL * candidate.typical);
-        let with = basis.with(&pattern, width);
+        let with = basis.with(amounts, width);
         let fit = regression.fit(&with)?;
         let bayes = regression.bayes(&with, fit.scatter)? - regression.bayes(basis, fit.scatter)?;
         Some(Case {
@@ -211,7 +211,8 @@ impl<'a> Selector<'a> {
             evidence: bayes + 2.0 * mean.ln(),
             gain: (regression.explained(&with) - ground.explained) / fit.scatter,
             width,
-            held_out: regression.held_out(&(&with.pattern * &fit.amounts)) - ground.held_out,
+            held_out: regression.held_out(&regression.columns(&with, &fit.amounts))
+                - ground.held_out,
         })
     }
 
@@ -221,12 +222,10 @@ impl<'a> Selector<'a> {
         let prior = DMatrix::from_diagonal_element(2, 2, candidate.typical.powi(-2));
         // Gains on drives to fit and held out, and the mean square of the size.
         let gain = |choice: &Choice| -> Option<([f64; 2], f64)> {
-            let pattern = choice.pattern(self.menu.width());
             let mut gains = [0.0; 2];
             let mut square = 0.0;
             for drive in &drives {
-                let own = pattern.transpose() * &drive.information * &pattern;
-                let score = pattern.transpose() * &drive.score;
+                let (own, score) = drive.of(&choice.amounts);
                 let inverse = (&own + &prior).try_inverse()?;
                 let amounts = &inverse * &score;
                 let determinant = ((&own + &prior) / prior[(0, 0)]).determinant();
