@@ -62,6 +62,9 @@ pub struct Tuning {
     pub gnss_error_sigma_m: f32,
     /// Time over which it keeps its value, s.
     pub gnss_error_time_s: f32,
+    /// How far fixes may climb unlike the road, in sigmas of what model and receiver may be off,
+    /// before they are taken to drift.
+    pub drift_sigmas: f32,
     /// Silence of GNSS after which the altitude is set anew from the next fix: it says no more what
     /// the way climbed.
     pub gnss_silence: Duration,
@@ -116,6 +119,7 @@ impl Default for Tuning {
             altitude_sigma_m: 0.5,
             gnss_error_sigma_m: 3.0,
             gnss_error_time_s: 200.0,
+            drift_sigmas: 4.0,
             gnss_silence: Duration::from_millis(300_000),
             gnss_latency: Duration::from_millis(150),
             shift_hold: Duration::from_millis(1000),

@@ -3,10 +3,13 @@
 //! The diagnosis gets the logs and the vehicle file, no more: what was planted lies in a folder
 //! that it is not told of.
 
-use crate::planted::{self, CATALOGUE, CLEAN, FAN, OUTSIDE};
+use crate::planted::{self, CATALOGUE, CLEAN, FAN, Logs, OUTSIDE};
+use host_sim::diagnose::drive::LoggedDrive;
 use host_sim::diagnose::{Diagnosis, Request, diagnose};
 use host_sim::error::{Error, Result};
+use host_sim::score::score_run;
 use host_sim::text_table::text_table;
+use host_sim::truth_file;
 use host_sim::vehicle_file::VehicleFile;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -53,6 +56,18 @@ pub struct Outcome {
     pub case: Case,
     /// What was found.
     pub diagnosis: Diagnosis,
+    /// Grade errors of the filter on the runs held out: with the vehicle as it was believed, as
+    /// diagnosed, and as believed where nothing was planted.
+    pub filtered: [GradeErrors; 3],
+}
+
+/// Root mean squares over all cells, %.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct GradeErrors {
+    /// Smoothed over the whole run.
+    pub smoothed: f64,
+    /// As told on the way.
+    pub live: f64,
 }
 
 /// Effects that have a row in the table: the catalogue, the fan, those outside, and none.
@@ -112,15 +127,52 @@ impl Case {
             self.seed,
             &folder.path().join("case"),
         )?;
+        let believed = VehicleFile::read(&logs.vehicle)?;
         let diagnosis = diagnose(&Request {
-            vehicle: VehicleFile::read(&logs.vehicle)?,
-            logs: logs.fit,
-            held_out: logs.held_out,
+            vehicle: believed.clone(),
+            logs: logs.fit.clone(),
+            held_out: logs.held_out.clone(),
             reference: None,
         })?;
+        let without = folder.path().join("without");
+        let without = planted::logs(&self.effect, 0.0, self.truck, self.seed, &without)?;
+        let filtered = [
+            GradeErrors::of(&logs, &believed)?,
+            GradeErrors::of(&logs, &diagnosis.vehicle)?,
+            GradeErrors::of(&without, &believed)?,
+        ];
         Ok(Outcome {
             case: self.clone(),
             diagnosis,
+            filtered,
+        })
+    }
+}
+
+impl GradeErrors {
+    /// Of the runs held out, estimated with a vehicle.
+    fn of(logs: &Logs, vehicle: &VehicleFile) -> Result<Self> {
+        let (mut smoothed, mut live, mut cells) = (0.0, 0.0, 0.0);
+        for (log, truth) in logs.held_out.iter().zip(&logs.truth.held_out) {
+            let run = LoggedDrive::read(log, &vehicle.parameters)?.run;
+            let truth = truth_file::read(truth)?;
+            let score = score_run("held out", &run.rows, &truth)
+                .map_err(|problem| Error::content(log, problem.to_string()))?;
+            for row in score.rows {
+                let squares = row.cells as f64 * row.rmse_percent.powi(2);
+                match row.estimate {
+                    "smoothed" => {
+                        smoothed += squares;
+                        cells += row.cells as f64;
+                    }
+                    "live" => live += squares,
+                    _ => {}
+                }
+            }
+        }
+        Ok(Self {
+            smoothed: (smoothed / cells).sqrt(),
+            live: (live / cells).sqrt(),
         })
     }
 }
@@ -203,30 +255,32 @@ pub fn table(cases: &[Case], done: impl Fn(&Outcome) + Sync) -> Result<Vec<Outco
 /// Row of the table: effect and size.
 type RowKey<'a> = (&'a str, String);
 
-/// The confusion table, and what is right over all, in words.
+/// Outcomes of each effect and size, in the order in which they come.
+fn rows(outcomes: &[Outcome]) -> Vec<(RowKey<'_>, Vec<&Outcome>)> {
+    let mut rows: Vec<(RowKey, Vec<&Outcome>)> = Vec::new();
+    for outcome in outcomes {
+        let case = &outcome.case;
+        let key = (case.effect.as_str(), format!("{}", case.size_percent));
+        match rows.iter_mut().find(|(known, _)| *known == key) {
+            Some((_, own)) => own.push(outcome),
+            None => rows.push((key, vec![outcome])),
+        }
+    }
+    rows
+}
+
+/// The confusion table, what is right over all, in words, and what the filter makes of it.
 #[must_use]
 pub fn confusion(outcomes: &[Outcome]) -> String {
-    let mut keys: Vec<RowKey> = Vec::new();
-    let mut of_row: BTreeMap<RowKey, Vec<&Outcome>> = BTreeMap::new();
-    for outcome in outcomes {
-        let key = (
-            outcome.case.effect.as_str(),
-            format!("{}", outcome.case.size_percent),
-        );
-        if !of_row.contains_key(&key) {
-            keys.push(key.clone());
-        }
-        of_row.entry(key).or_default().push(outcome);
-    }
-    let rows: Vec<Vec<String>> = keys
+    let found: Vec<Vec<String>> = rows(outcomes)
         .iter()
-        .map(|key| {
+        .map(|(key, own)| {
             let mut row = vec![key.0.to_owned(), key.1.clone()];
             row.extend(TRUCKS.iter().flat_map(|truck| {
-                let of_truck = of_row[key].iter().filter(|o| o.case.truck == *truck);
+                let of_truck = own.iter().filter(|o| o.case.truck == *truck);
                 cells(&of_truck.copied().collect::<Vec<_>>())
             }));
-            row.push(all_besides(&of_row[key]));
+            row.push(all_besides(own));
             row
         })
         .collect();
@@ -243,10 +297,47 @@ pub fn confusion(outcomes: &[Outcome]) -> String {
     ];
     format!(
         "n named, g in the group of another, o something else only, - nothing; RMSE of the bare \
-         model on runs held out; besides: adopted, or [unexplained], beyond what is planted\n{}\n{}",
-        text_table(&header, &rows, 1),
-        in_words(outcomes)
+         model on runs held out; besides: adopted, or [unexplained], beyond what is planted\n{}\n{}\n\
+         RMSE of the filter's grade on runs held out, all trucks: as believed, as diagnosed, and \
+         where nothing is planted\n{}\n",
+        text_table(&header, &found, 1),
+        in_words(outcomes),
+        filtered(outcomes)
     )
+}
+
+/// What the filter makes of each effect and size.
+fn filtered(outcomes: &[Outcome]) -> String {
+    let rows: Vec<Vec<String>> = rows(outcomes)
+        .iter()
+        .map(|(key, own)| {
+            let rms = |of: &dyn Fn(&Outcome) -> f64| {
+                let squares: f64 = own.iter().map(|outcome| of(outcome).powi(2)).sum();
+                (squares / own.len() as f64).sqrt()
+            };
+            let mut row = vec![key.0.to_owned(), key.1.clone()];
+            for value in [|e: &GradeErrors| e.smoothed, |e: &GradeErrors| e.live] {
+                let [before, after, without] =
+                    [0, 1, 2].map(|which| rms(&|outcome| value(&outcome.filtered[which])));
+                row.extend([before, after, without].map(|error| format!("{error:.4}")));
+                row.push(format!("{:+.1}", 100.0 * (after / before - 1.0)));
+            }
+            row
+        })
+        .collect();
+    let header = [
+        "effect",
+        "size %",
+        "smoothed: before",
+        "after",
+        "without",
+        "change %",
+        "live: before",
+        "after",
+        "without",
+        "change %",
+    ];
+    text_table(&header, &rows, 1).to_string()
 }
 
 /// Counts of verdicts and errors before and after.

@@ -99,8 +99,8 @@ pub struct Truth {
     pub amounts: Vec<Amount>,
 }
 
-/// Simulates runs of truck "A" or "B" with one effect of `size_percent` in them (none if it is
-/// [`CLEAN`]).
+/// Simulates runs of truck "A" or "B" with one effect of `size_percent` in them; with none if it is
+/// [`CLEAN`], or of 0 %, on the road that this effect is planted on.
 ///
 /// The size is the effect's force over the truck's weight, as RMS over the way of all six runs
 /// without shift or brake, in %; for `wheel_radius` that of the radius. A negative size makes the opposite of
@@ -134,7 +134,7 @@ pub fn logs_of(effects: &[(&str, f64)], truck: &str, seed: u64, folder: &Path) -
     };
     let amounts = effects
         .iter()
-        .filter(|&&(effect, _)| effect != CLEAN)
+        .filter(|&&(effect, size_percent)| effect != CLEAN && size_percent != 0.0)
         .map(|&(effect, size_percent)| bench.calibrated(effect, size_percent))
         .collect::<Result<Vec<_>>>()?;
     let text = bench.text(&amounts)?;

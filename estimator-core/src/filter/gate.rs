@@ -26,9 +26,7 @@ const PATIENCE: u8 = 4;
 /// A step is one if the fixes left out agree within this part of their offset.
 const AGREEMENT: f32 = 0.5;
 
-/// Normalised squared difference of the climbs from which fixes drift, and below which they do no
-/// longer.
-const DRIFTS: f32 = 16.0;
+/// Normalised squared difference of the climbs below which fixes that drifted do no longer.
 const CLIMBS: f32 = 4.0;
 /// Largest mean that teaches what is usual: a drift is not.
 const LARGEST_LESSON: f32 = 2.0;
@@ -117,6 +115,8 @@ pub(super) struct Judged<S> {
     pub cell: u32,
     /// For the comparison of climbs.
     pub fixed: Fixed,
+    /// Normalised squared difference of the climbs from which it drifts.
+    pub drifts: f32,
 }
 
 impl Gate {
@@ -200,7 +200,7 @@ impl Gate {
             return self.beyond(offset_m);
         }
         self.forget_rejected();
-        if let Some(misfit) = self.found_drift(&judged.fixed) {
+        if let Some(misfit) = self.found_drift(&judged.fixed, judged.drifts) {
             let since_cell = misfit.since_cell;
             self.drift = Drift::Since {
                 cell: since_cell,
@@ -239,7 +239,7 @@ impl Gate {
     }
 
     /// How fixes climb unlike the road, once that is certain.
-    fn found_drift(&mut self, fixed: &Fixed) -> Option<Misfit> {
+    fn found_drift(&mut self, fixed: &Fixed, drifts: f32) -> Option<Misfit> {
         let Drift::None { doubts } = &mut self.drift else {
             return None;
         };
@@ -247,7 +247,7 @@ impl Gate {
         let spread = self.climb_spread.ratio();
         self.climb_spread
             .learn((misfit.mean / spread).min(LARGEST_LESSON));
-        let misfit = (misfit.normalised > DRIFTS * spread).then_some(misfit);
+        let misfit = (misfit.normalised > drifts * spread).then_some(misfit);
         *doubts = if misfit.is_some() { *doubts + 1 } else { 0 };
         misfit.filter(|_| *doubts >= CERTAINTY)
     }

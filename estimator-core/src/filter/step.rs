@@ -248,6 +248,7 @@ impl<S: Scalar> Filter<S> {
                 wind_variance: wind * wind,
                 wind_length_m: tuning.wind_length_m,
             },
+            drifts: tuning.drift_sigmas * tuning.drift_sigmas,
         };
         self.gate.judge(&judged, state)
     }
