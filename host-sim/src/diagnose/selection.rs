@@ -42,10 +42,26 @@ pub struct Case {
     pub evidence: f64,
     /// Twice the gain in log likelihood, the prior left out.
     pub gain: f64,
+    /// How much more its score scatters (squared) than the model says; evidence and gain are so
+    /// much less.
+    pub scatter: f64,
     /// Width of the prior of each amount.
     pub width: f64,
     /// Twice the gain in log likelihood on the drives held out, with the amounts of the others.
     pub held_out: f64,
+}
+
+impl Case {
+    /// Its gain if scores scattered so much more than the model says. An amount of its own for each
+    /// drive leaves no scatter from drive to drive: two cases are compared as if both had the same.
+    fn gain_at(&self, scatter: f64) -> f64 {
+        self.gain * self.scatter / scatter
+    }
+
+    /// The same of its evidence.
+    fn evidence_at(&self, scatter: f64) -> f64 {
+        self.evidence - self.gain + self.gain_at(scatter)
+    }
 }
 
 /// What was adopted in one step of the selection, and what could have been instead.
@@ -74,8 +90,7 @@ pub struct Selection {
     pub steps: Vec<Step>,
     /// Every candidate as it stood before the first step.
     pub alone: Vec<Case>,
-    /// Minus twice the logarithm of the likelihood of the drives to fit, the evidence for what was
-    /// adopted taken off.
+    /// Minus twice the logarithm of the likelihood of the drives to fit with what was adopted.
     pub surprise: f64,
 }
 
@@ -136,7 +151,8 @@ impl<'a> Selector<'a> {
             }
             selection.steps.push(step);
         }
-        selection.surprise = self.regression.surprise() - self.regression.explained(&basis);
+        let explained = self.regression.bayes(&basis, 1.0).unwrap_or_default();
+        selection.surprise = self.regression.surprise() - explained;
         self.refit(&basis, &mut selection.steps);
         selection
     }
@@ -210,6 +226,7 @@ impl<'a> Selector<'a> {
             sigmas: own.map(|i| fit.covariance[(i, i)].sqrt()).collect(),
             evidence: bayes + 2.0 * mean.ln(),
             gain: (regression.explained(&with) - ground.explained) / fit.scatter,
+            scatter: fit.scatter,
             width,
             held_out: regression.held_out(&regression.columns(&with, &fit.amounts))
                 - ground.held_out,
@@ -249,6 +266,7 @@ impl<'a> Selector<'a> {
             sigmas: vec![0.0],
             evidence: best.0[0] + 2.0 * mean.ln(),
             gain: best.0[0],
+            scatter: 1.0,
             width: candidate.typical,
             held_out: best.0[1],
         })
@@ -285,16 +303,17 @@ fn step(cases: &[Case], menu: &Menu) -> Option<Step> {
     let best = cases
         .iter()
         .filter(asked)
-        .max_by(by(|case| case.evidence))?;
+        .max_by(by(|case| case.evidence_at(1.0)))?;
     let rivals: Vec<&Case> = cases
         .iter()
         .filter(|case| is_rival(case, best) && is_possible(case, menu))
         .collect();
     // Among those that the drives to fit cannot tell apart, the drives held out decide; and a
     // parameter of the base model comes first where they do not either.
+    let scatter = rivals.iter().map(|case| case.scatter).fold(1.0, f64::max);
     let merit = |case: &Case| {
         let is_base = BASE.contains(&menu.candidates[case.candidate].name);
-        case.evidence + case.held_out + if is_base { PREFERENCE } else { 0.0 }
+        case.evidence_at(scatter) + case.held_out + if is_base { PREFERENCE } else { 0.0 }
     };
     let adopted = *rivals
         .iter()
@@ -314,13 +333,14 @@ fn step(cases: &[Case], menu: &Menu) -> Option<Step> {
 /// Whether the drives cannot tell a case from the best: it fits as well, whatever its prior, and is
 /// no less likely after all by more than that.
 fn is_rival(case: &Case, best: &Case) -> bool {
-    best.evidence - case.evidence <= TOLD_APART
-        || (best.gain - case.gain <= TOLD_APART
+    let scatter = best.scatter.max(case.scatter);
+    let is_usual = |amount: &f64| amount.abs() <= 1.5 * case.width;
+    let fits_as_well = best.evidence_at(scatter) - case.evidence_at(scatter) <= TOLD_APART
+        || (best.gain_at(scatter) - case.gain_at(scatter) <= TOLD_APART
             && case.amounts.len() <= best.amounts.len()
-            && case
-                .amounts
-                .iter()
-                .all(|amount| amount.abs() <= 1.5 * case.width))
+            && case.amounts.iter().all(is_usual));
+    // What is less likely than nothing is no rival of anything.
+    fits_as_well && case.evidence > 0.0
 }
 
 fn by(value: impl Fn(&Case) -> f64) -> impl Fn(&&Case, &&Case) -> std::cmp::Ordering {
