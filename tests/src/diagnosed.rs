@@ -22,10 +22,20 @@ pub const TRUCKS: [&str; 2] = ["A", "B"];
 /// 1 % of the radius goes with 0.1 % grade.
 const RADIUS_SIZE: f64 = 10.0;
 
+/// Two effects at once, of the same size each, that differ in what they depend on.
+pub const PAIRS: [&str; 6] = [
+    "rolling_resistance+cornering",
+    "driveline_loss+headwind",
+    "mass+air_drag",
+    "tyre_warmup+fan",
+    "road_surface+torque_scale",
+    "wheel_radius+rolling_resistance",
+];
+
 /// One set of logs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Case {
-    /// Of the catalogue, outside it, [`FAN`] or [`CLEAN`].
+    /// Of the catalogue, outside it, [`FAN`] or [`CLEAN`]; or two, joined by a plus.
     pub effect: String,
     /// As [`planted::logs`] takes it, %.
     pub size_percent: f64,
@@ -70,12 +80,13 @@ pub struct GradeErrors {
     pub live: f64,
 }
 
-/// Effects that have a row in the table: the catalogue, the fan, those outside, and none.
+/// Effects that have a row in the table: the catalogue, the fan, those outside, pairs, and none.
 pub fn effects() -> impl Iterator<Item = &'static str> {
     CATALOGUE
         .into_iter()
         .chain([FAN])
         .chain(OUTSIDE)
+        .chain(PAIRS)
         .chain([CLEAN])
 }
 
@@ -114,19 +125,28 @@ pub fn cases(effects: &[String], sizes: &[f64], seeds: u64) -> Result<Vec<Case>>
 }
 
 impl Case {
+    /// The effects planted, each with its size.
+    fn planted(&self, size_percent: f64) -> Vec<(&str, f64)> {
+        let of_pair = |effect| match effect {
+            "wheel_radius" if self.effect.contains('+') => RADIUS_SIZE * size_percent,
+            _ => size_percent,
+        };
+        let effects = self.effect.split('+');
+        effects.map(|effect| (effect, of_pair(effect))).collect()
+    }
+
     /// Simulates the logs and diagnoses them.
     ///
     /// # Errors
     /// What [`planted::logs`] or the diagnosis says.
     pub fn outcome(&self) -> Result<Outcome> {
         let folder = tempfile::tempdir().map_err(Error::io(Path::new("temporary folder")))?;
-        let logs = planted::logs(
-            &self.effect,
-            self.size_percent,
-            self.truck,
-            self.seed,
-            &folder.path().join("case"),
-        )?;
+        let logs = |name: &str, size_percent: f64| {
+            let planted = self.planted(size_percent);
+            planted::logs_of(&planted, self.truck, self.seed, &folder.path().join(name))
+        };
+        let without = logs("without", 0.0)?;
+        let logs = logs("case", self.size_percent)?;
         let believed = VehicleFile::read(&logs.vehicle)?;
         let diagnosis = diagnose(&Request {
             vehicle: believed.clone(),
@@ -134,8 +154,6 @@ impl Case {
             held_out: logs.held_out.clone(),
             reference: None,
         })?;
-        let without = folder.path().join("without");
-        let without = planted::logs(&self.effect, 0.0, self.truck, self.seed, &without)?;
         let filtered = [
             GradeErrors::of(&logs, &believed)?,
             GradeErrors::of(&logs, &diagnosis.vehicle)?,
@@ -197,11 +215,16 @@ fn dependence(effect: &str) -> Option<&'static str> {
 }
 
 impl Outcome {
-    /// How it stands to what was planted.
+    /// How it stands to what was planted; to the worse found of two.
     #[must_use]
     pub fn verdict(&self) -> Verdict {
+        let planted = self.case.planted(0.0).into_iter();
+        let verdicts = planted.map(|(effect, _)| self.verdict_of(effect));
+        verdicts.max().unwrap_or(Verdict::Nothing)
+    }
+
+    fn verdict_of(&self, effect: &str) -> Verdict {
         let (findings, unexplained) = (&self.diagnosis.findings, &self.diagnosis.unexplained);
-        let effect = self.case.effect.as_str();
         let wanted = catalogue_name(effect);
         let is_named = match dependence(effect) {
             Some(words) => unexplained.iter().any(|u| u.depends_on.starts_with(words)),
@@ -219,20 +242,21 @@ impl Outcome {
         }
     }
 
-    /// What it says beyond the planted effect: adopted effects by name, and in brackets what a
+    /// What it says beyond what is planted: adopted effects by name, and in brackets what a
     /// dependence is on.
     fn besides(&self) -> impl Iterator<Item = String> {
-        let effect = self.case.effect.as_str();
-        let wanted = catalogue_name(effect);
+        let planted = || self.case.planted(0.0).into_iter().map(|(effect, _)| effect);
+        let is_wanted = move |name: &str| planted().any(|effect| catalogue_name(effect) == name);
+        let is_told = move |words: &str| planted().any(|effect| dependence(effect) == Some(words));
         let findings = self.diagnosis.findings.iter();
         let adopted = findings
             .map(|finding| finding.adopted.effect.name)
-            .filter(move |&name| name != wanted)
+            .filter(move |&name| !is_wanted(name))
             .map(str::to_owned);
         let unexplained = self.diagnosis.unexplained.iter();
         let dependences = unexplained
             .map(|rest| rest.depends_on.split(", ").next().unwrap_or_default())
-            .filter(move |&words| dependence(effect) != Some(words))
+            .filter(move |&words| !is_told(words))
             .map(|words| format!("[{words}]"));
         adopted.chain(dependences)
     }
@@ -387,10 +411,17 @@ fn in_words(outcomes: &[Outcome]) -> String {
             let _ = writeln!(words, "{what}: {} of {}", right.count(), own.len());
         }
     };
-    let in_catalogue = |case: &Case| case.effect != CLEAN && dependence(&case.effect).is_none();
+    let is_pair = |case: &Case| case.effect.contains('+');
+    let in_catalogue =
+        |case: &Case| case.effect != CLEAN && dependence(&case.effect).is_none() && !is_pair(case);
     share(
         "of the catalogue, named or in the group",
         &in_catalogue,
+        &[Verdict::Named, Verdict::InGroup],
+    );
+    share(
+        "pairs, both named or in a group",
+        &is_pair,
         &[Verdict::Named, Verdict::InGroup],
     );
     share(

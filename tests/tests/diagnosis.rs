@@ -75,8 +75,8 @@ fn said(outcome: &Outcome) -> String {
 fn the_full_bench_has_every_effect_and_size_on_both_trucks() {
     let all: Vec<String> = effects().map(str::to_owned).collect();
     let asked = cases(&all, &[0.1, 0.3], 3).unwrap();
-    // Twelve effects, the fan and three outside, each in two sizes, and clean logs.
-    assert_eq!(asked.len(), (16 * 2 + 1) * 2 * 3);
+    // Twelve effects, the fan, three outside and six pairs, each in two sizes, and clean logs.
+    assert_eq!(asked.len(), (22 * 2 + 1) * 2 * 3);
     let sizes = |effect: &str| {
         let own = asked.iter().filter(|case| case.effect == effect);
         let mut sizes: Vec<f64> = own.map(|case| case.size_percent).collect();
