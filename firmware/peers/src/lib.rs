@@ -112,14 +112,9 @@ fn count<const N: usize>(
         let measured = measurements(number);
         deepest = deepest.max(depth(|| step(measured)).1);
     }
-    for word in [
-        tally.mean(),
-        tally.worst(),
-        deepest as u32,
-        bytes as u32,
-    ]
-    .into_iter()
-    .chain(state.map(f32::to_bits))
+    for word in [tally.mean(), tally.worst(), deepest as u32, bytes as u32]
+        .into_iter()
+        .chain(state.map(f32::to_bits))
     {
         print(word);
     }

@@ -10,13 +10,17 @@ fn main() -> ! {
 
     static ESTIMATOR: StaticCell<Estimator<f32>> = StaticCell::new();
     firmware::alone::run(&ESTIMATOR);
-    loop {}
+    loop {
+        cortex_m::asm::wfi();
+    }
 }
 
 #[cfg(target_os = "none")]
 #[panic_handler]
 fn panicked(_: &core::panic::PanicInfo<'_>) -> ! {
-    loop {}
+    loop {
+        cortex_m::asm::wfi();
+    }
 }
 
 /// Lets `cargo build --workspace` and editors through on a host.
