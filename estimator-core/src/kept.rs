@@ -271,7 +271,8 @@ impl Kept {
         else {
             return Err(KeptError::Length(bytes.len()));
         };
-        if CHECKSUM.checksum(&bytes[..CHECKED]) != word(&checksum) {
+        let checked = bytes.get(..CHECKED).unwrap_or_default();
+        if CHECKSUM.checksum(checked) != word(&checksum) {
             return Err(KeptError::Checksum);
         }
         let number = f32::from_le_bytes;
