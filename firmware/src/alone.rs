@@ -3,12 +3,21 @@
 
 use crate::exchange::frame::RecordedFrame;
 use core::hint::black_box;
-use estimator_core::{Estimator, Instant, Kept, Scalar, Tuning, VehicleParameters};
+use estimator_core::effect::CATALOGUE;
+use estimator_core::{Adopted, Estimator, Instant, Kept, Scalar, Tuning, VehicleParameters};
 use static_cell::StaticCell;
 
-/// A program that uses all of the estimator; `None` when there is no more input.
+/// A program that uses all of the estimator, with every effect to choose from; `None` when there is no more input.
 pub fn run<S: Scalar>(place: &'static StaticCell<Estimator<S>>) -> Option<()> {
-    let vehicle: VehicleParameters = input()?;
+    let mut vehicle: VehicleParameters = input()?;
+    for effect in CATALOGUE {
+        if let Some((amount, sigma)) = input() {
+            vehicle
+                .effects
+                .adopt(Adopted::new(effect, amount, sigma))
+                .ok()?;
+        }
+    }
     let tuning = Tuning::default();
     let stored: Option<[u8; Kept::LEN]> = input();
     let kept = stored.and_then(|bytes| Kept::from_bytes(&bytes).ok());
