@@ -109,9 +109,15 @@ pub fn measure() -> Result<Budgets> {
     let vehicles = [("", truck()), (" effects", truck_with_every_effect())];
     for board in BOARDS {
         let images = build(&root().join("firmware"), board.target, "release")?;
+        let linked: Vec<Column> = board
+            .scalars
+            .iter()
+            .map(|scalar| read_off(&images, scalar))
+            .collect::<Result<_>>()?;
         for (suffix, vehicle) in &vehicles {
-            for (scalar, mut column) in counted(&board, &images, vehicle)? {
-                column.extend(read_off(&images, &scalar)?);
+            let counted = counted(&board, &images, vehicle)?;
+            for ((scalar, mut column), linked) in counted.into_iter().zip(&linked) {
+                column.extend(linked.clone());
                 let name = format!("{} {scalar}{suffix}", board.machine);
                 budgets.columns.insert(name, column);
             }

@@ -354,9 +354,11 @@ fn undo<S: Scalar>(state: &mut State<S>, known: &Correction) {
         (SCALE, known.scale),
     ] {
         let before = S::from_f32(before);
-        let moved = state.x[i] - before;
-        state.x[i] = before;
-        state.p.add_variance(i, moved * moved);
+        if let Some(x) = state.x.get_mut(i) {
+            let moved = *x - before;
+            *x = before;
+            state.p.add_variance(i, moved * moved);
+        }
     }
 }
 
