@@ -83,7 +83,7 @@ pub fn replay(drive: Option<&[u8]>) -> Ended {
     }
 }
 
-/// Starts an image on a machine that counts instructions ([`firmware::meter`]), with `drive` for
+/// Starts an image on a machine that counts instructions (`firmware::meter`), with `drive` for
 /// it if it wants one; returns what it printed.
 ///
 /// # Errors

@@ -1,6 +1,6 @@
 //! Counts what the estimator costs on the emulated board, in each scalar.
 //!
-//! For an emulator that counts instructions (`-icount`, see [`firmware::meter`]); the command
+//! For an emulator that counts instructions (`-icount`, see `firmware::meter`); the command
 //! that starts it so and shows the figures is
 //!
 //! ```text

@@ -14,7 +14,7 @@ const WORD: usize = size_of::<u32>();
 
 /// Does the work; returns how many bytes of stack it took.
 ///
-/// The image must have [`PAINTED_BYTES`] of stack to spare.
+/// The image must have 128 kB of stack to spare.
 #[inline(never)]
 pub fn depth<R>(work: impl FnOnce() -> R) -> (R, usize) {
     let top = msp::read() as usize;
