@@ -8,6 +8,7 @@ use clap::Parser;
 use cross_tests::budgets::{Budgets, committed_file, measure};
 use cross_tests::{emulator, peers};
 use host_sim::error::{Error, Result};
+use host_sim::output::{print, write_whole};
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -39,14 +40,13 @@ fn run(options: &Options) -> Result<()> {
         return Err(Error::content(Path::new("budgets"), what));
     }
     if options.peers {
-        println!("{}", peers::table()?);
-        return Ok(());
+        return print(&(peers::table()? + "\n"));
     }
     let budgets = measure()?;
-    println!("{}", budgets.to_text());
+    print(&(budgets.to_text() + "\n"))?;
     let path = committed_file();
     if options.write {
-        host_sim::output::write_whole(&path, |file| file.write_all(budgets.to_csv().as_bytes()))?;
+        write_whole(&path, |file| file.write_all(budgets.to_csv().as_bytes()))?;
     }
     if options.check {
         let excesses = budgets.excesses(&Budgets::read(&path)?);

@@ -93,7 +93,7 @@ pub fn count(machine: &str, image: &Path, drive: &[u8]) -> Result<Vec<u8>> {
     let drive_file = inside(folder.path(), DRIVE_FILE);
     fs::write(&drive_file, drive).map_err(Error::io(&drive_file))?;
     let output = Command::new(QEMU)
-        .args(["-machine", machine, "-icount", "shift=7", "-nographic"])
+        .args(["-machine", machine, "-icount", "shift=6", "-nographic"])
         .args(["-semihosting-config", "enable=on,target=native"])
         .arg("-kernel")
         .arg(image)

@@ -1,8 +1,9 @@
 //! Counts instead of times: instructions, by the emulator's clock, and bytes of stack.
 //!
 //! QEMU with `-icount shift=N` lets each instruction last 2^N ns of its own time, in which the
-//! SysTick of the board ticks. With N = 7 an instruction takes about three ticks, so that they
-//! give its count to the last one; 24 bits of ticks last for five million.
+//! SysTick of the board ticks every 40 ns. With N = 6 an instruction takes more than one tick, so
+//! that they give its count, and 24 bits of them last for ten million. Whatever it is, the ratio
+//! is measured on a loop whose instructions are known.
 
 mod stack;
 mod tally;
@@ -102,7 +103,7 @@ impl fmt::Display for Uncountable {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::NoTimer => "the timer is taken",
-            Self::TooCoarse => "the clock is too coarse: start QEMU with -icount shift=7",
+            Self::TooCoarse => "the clock is too coarse: start QEMU with -icount shift=6",
             Self::TooMany => "a call took more instructions than can be counted",
         })
     }
