@@ -55,7 +55,7 @@
 use crate::filter::{SensorNoise, SlowStates};
 use crate::tuning::Tuning;
 use crate::vehicle::{ParameterError, Traction, VehicleParameters};
-use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
+use crc::{CRC_32_ISO_HDLC, Crc, Digest, NoTable};
 
 /// First bytes of a blob.
 const MAGIC: u32 = u32::from_le_bytes(*b"rgk\x1a");
@@ -271,7 +271,8 @@ impl Kept {
         else {
             return Err(KeptError::Length(bytes.len()));
         };
-        if CHECKSUM.checksum(&bytes[..CHECKED]) != word(&checksum) {
+        let checked = bytes.get(..CHECKED).unwrap_or_default();
+        if CHECKSUM.checksum(checked) != word(&checksum) {
             return Err(KeptError::Checksum);
         }
         let number = f32::from_le_bytes;
@@ -319,7 +320,7 @@ impl Kept {
 /// with their names.
 fn fingerprint(vehicle: &VehicleParameters) -> u32 {
     let mut digest = CHECKSUM.digest();
-    let mut add = |number: f32| digest.update(&number.to_le_bytes());
+    let mut add = |number: f32| add_bytes(&mut digest, &number.to_le_bytes());
     add(vehicle.mass_kg);
     add(vehicle.drag_area_m2);
     add(vehicle.rolling_resistance);
@@ -341,11 +342,17 @@ fn fingerprint(vehicle: &VehicleParameters) -> u32 {
             ("amount", adopted.amount),
             ("amount_sigma", adopted.amount_sigma),
         ];
-        digest.update(adopted.effect.name.as_bytes());
+        add_bytes(&mut digest, adopted.effect.name.as_bytes());
         for (key, value) in amount.into_iter().chain(adopted.given()) {
-            digest.update(key.as_bytes());
-            digest.update(&value.to_le_bytes());
+            add_bytes(&mut digest, key.as_bytes());
+            add_bytes(&mut digest, &value.to_le_bytes());
         }
     }
     digest.finalize()
+}
+
+/// Not inlined: a checksum without a table is a loop over bits, of which one is enough.
+#[inline(never)]
+fn add_bytes(digest: &mut Digest<'_, u32, NoTable>, bytes: &[u8]) {
+    digest.update(bytes);
 }

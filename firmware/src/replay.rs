@@ -1,17 +1,13 @@
 //! A recorded drive through the estimator, its files reached by semihosting.
 
+use crate::exchange::CELLS_FILE;
 use crate::exchange::cell;
-use crate::exchange::frame::{self, FRAME_BYTES};
-use crate::exchange::vehicle::{self, VEHICLE_BYTES};
-use crate::exchange::{CELLS_FILE, DRIVE_FILE};
+use crate::recorded::{Recorded, Unusable};
 use core::fmt;
-use estimator_core::{Cell, Estimator, ParameterError, Tuning, Uncertain};
+use estimator_core::{Cell, Estimator, Tuning, Uncertain};
 use semihosting::fs::File;
-use semihosting::io::{self, Read, Write};
+use semihosting::io::{self, Write};
 use static_cell::StaticCell;
-
-/// Frames fetched at once: each fetch stops the processor for the debugger.
-const BLOCK_FRAMES: usize = 128;
 
 /// Too large for a controller's stack, and in `.bss` its size can be read off the image.
 static ESTIMATOR: StaticCell<Estimator<f32>> = StaticCell::new();
@@ -27,19 +23,19 @@ pub struct Summary {
 /// Why a replay ended early.
 #[derive(Debug)]
 pub enum Problem {
-    /// The drive cannot be read.
-    Read(io::Error),
+    /// The drive cannot be used.
+    Drive(Unusable),
     /// The cells cannot be written.
     Write(io::Error),
-    /// The drive does not begin with the header of a vehicle.
-    Header,
-    /// The record of this frame, from 1, is none.
-    Frame(u32),
-    /// No vehicle has such a parameter.
-    Vehicle(ParameterError),
 }
 
-/// Feeds every frame of [`DRIVE_FILE`] to the estimator and writes the cells to [`CELLS_FILE`].
+impl From<Unusable> for Problem {
+    fn from(unusable: Unusable) -> Self {
+        Self::Drive(unusable)
+    }
+}
+
+/// Feeds every frame of the recorded drive to the estimator and writes the cells to [`CELLS_FILE`].
 ///
 /// # Errors
 /// An unusable drive, or no place for the cells.
@@ -47,24 +43,19 @@ pub enum Problem {
 /// # Panics
 /// When called twice: there is one estimator.
 pub fn run() -> Result<Summary, Problem> {
-    let mut drive = File::open(DRIVE_FILE).map_err(Problem::Read)?;
-    let mut header = [0; VEHICLE_BYTES];
-    let filled = fill(&mut drive, &mut header)?;
-    let vehicle = vehicle::decode(&header[..filled]).ok_or(Problem::Header)?;
-    let estimator = Estimator::new(vehicle, Tuning::default()).map_err(Problem::Vehicle)?;
+    let (vehicle, mut drive) = Recorded::open()?;
+    let estimator = Estimator::new(vehicle, Tuning::default()).map_err(Unusable::Vehicle)?;
     let estimator = ESTIMATOR.init(estimator);
 
     let mut cells = File::create(CELLS_FILE).map_err(Problem::Write)?;
     let mut summary = Summary::default();
-    let mut block = [0; BLOCK_FRAMES * FRAME_BYTES];
     loop {
-        let filled = fill(&mut drive, &mut block)?;
-        if filled == 0 {
+        let block = drive.next_block()?;
+        if block.len() == 0 {
             break;
         }
-        for record in block[..filled].chunks(FRAME_BYTES) {
-            summary.frames += 1;
-            let (time, frame) = frame::decode(record).ok_or(Problem::Frame(summary.frames))?;
+        for frame in block {
+            let (time, frame) = frame?;
             estimator.on_frame(time, &frame);
             while estimator.step().is_some() {
                 while let Some(cell) = estimator.next_cell() {
@@ -76,19 +67,8 @@ pub fn run() -> Result<Summary, Problem> {
     while let Some(cell) = estimator.drain_cell() {
         summary.write(&mut cells, &cell)?;
     }
+    summary.frames = drive.frames();
     Ok(summary)
-}
-
-/// Reads until the buffer is full or the file ends; returns how much was read.
-fn fill(file: &mut File, buffer: &mut [u8]) -> Result<usize, Problem> {
-    let mut filled = 0;
-    while filled < buffer.len() {
-        match file.read(&mut buffer[filled..]).map_err(Problem::Read)? {
-            0 => break,
-            count => filled += count,
-        }
-    }
-    Ok(filled)
 }
 
 impl Summary {
@@ -113,11 +93,8 @@ impl fmt::Display for Summary {
 impl fmt::Display for Problem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Read(error) => write!(f, "{DRIVE_FILE:?}: {error}"),
+            Self::Drive(unusable) => write!(f, "{unusable}"),
             Self::Write(error) => write!(f, "{CELLS_FILE:?}: {error}"),
-            Self::Header => write!(f, "{DRIVE_FILE:?}: expected the header of a vehicle"),
-            Self::Frame(number) => write!(f, "{DRIVE_FILE:?}: frame {number} is malformed"),
-            Self::Vehicle(error) => write!(f, "{DRIVE_FILE:?}: {error}"),
         }
     }
 }

@@ -1,10 +1,11 @@
 //! A small drive with all that a bus can bring, the same each time.
 
 use embedded_can::{ExtendedId, Frame, StandardId};
+use estimator_core::effect::CATALOGUE;
 use estimator_core::signal::encode;
 use estimator_core::vehicle::{Driveline, GRAVITY, STANDARD_AIR_DENSITY};
 use estimator_core::{
-    Effects, Gear, Instant, Powertrain, Signal, Traction, Value, VehicleParameters,
+    Adopted, Effects, Gear, Instant, Powertrain, Signal, Traction, Value, VehicleParameters,
 };
 use host_sim::source::can_frame::{CanFrame, TimedFrame};
 use std::f64::consts::TAU;
@@ -53,6 +54,24 @@ pub fn truck() -> VehicleParameters {
             gears: [lower, GEAR].into_iter().collect(),
         }),
     }
+}
+
+/// The truck with something of every effect that there is.
+///
+/// # Panics
+/// When the catalogue has an effect that cannot be adopted.
+#[must_use]
+pub fn truck_with_every_effect() -> VehicleParameters {
+    let mut vehicle = truck();
+    for effect in CATALOGUE {
+        let mut adopted = Adopted::new(effect, 0.2 * effect.typical, 0.5 * effect.typical);
+        if effect.name == "road_surface" {
+            assert!(adopted.set("latitude_deg", 58.0) && adopted.set("length_m", 3_000.0));
+        }
+        let adopted = vehicle.effects.adopt(adopted);
+        adopted.expect("there is room for each effect once");
+    }
+    vehicle
 }
 
 /// The drive of [`truck`] over rolling hills.

@@ -3,6 +3,7 @@
 use assert_cmd::Command;
 use estimator_core::VehicleParameters;
 use firmware::exchange::{CELLS_FILE, DRIVE_FILE, frame, vehicle};
+use host_sim::error::{Error, Result};
 use host_sim::source::can_frame::TimedFrame;
 use std::ffi::CStr;
 use std::path::{Path, PathBuf};
@@ -80,6 +81,32 @@ pub fn replay(drive: Option<&[u8]>) -> Ended {
         stderr: String::from_utf8_lossy(&output.stderr).into_owned(),
         cells: fs::read(inside(folder.path(), CELLS_FILE)).ok(),
     }
+}
+
+/// Starts an image on a machine that counts instructions (`firmware::meter`), with `drive` for
+/// it if it wants one; returns what it printed.
+///
+/// # Errors
+/// QEMU cannot be started, or the image did not end well.
+pub fn count(machine: &str, image: &Path, drive: &[u8]) -> Result<Vec<u8>> {
+    let folder = tempfile::tempdir().map_err(Error::io(Path::new("temporary folder")))?;
+    let drive_file = inside(folder.path(), DRIVE_FILE);
+    fs::write(&drive_file, drive).map_err(Error::io(&drive_file))?;
+    let output = Command::new(QEMU)
+        .args(["-machine", machine, "-icount", "shift=6", "-nographic"])
+        .args(["-semihosting-config", "enable=on,target=native"])
+        .arg("-kernel")
+        .arg(image)
+        .current_dir(folder.path())
+        .timeout(LONGEST_RUN)
+        .output()
+        .map_err(Error::io(Path::new(QEMU)))?;
+    if output.status.success() {
+        return Ok(output.stdout);
+    }
+    let status = output.status;
+    let complaint = String::from_utf8_lossy(&output.stderr);
+    Err(Error::content(image, format!("{status}: {complaint}")))
 }
 
 fn cargo(command: &str, folder: &Path) -> Command {

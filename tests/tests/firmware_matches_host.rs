@@ -1,9 +1,8 @@
 //! The image on the emulated board computes what the host computes, bit for bit.
 
-use cross_tests::drive::{drive, truck};
+use cross_tests::drive::{drive, truck, truck_with_every_effect};
 use cross_tests::emulator::{drive_file, missing, replay};
-use estimator_core::effect::CATALOGUE;
-use estimator_core::{Adopted, Cell, Estimator, Tuning, VehicleParameters};
+use estimator_core::{Cell, Estimator, Tuning, VehicleParameters};
 use firmware::exchange::cell::{self, CELL_BYTES};
 use firmware::exchange::frame::FRAME_BYTES;
 use firmware::exchange::vehicle::VEHICLE_BYTES;
@@ -37,22 +36,9 @@ fn every_cell_is_that_of_the_host() {
     if board_is_missing() {
         return;
     }
-    for vehicle in [truck(), with_every_effect()] {
+    for vehicle in [truck(), truck_with_every_effect()] {
         compare(&vehicle);
     }
-}
-
-/// A truck with something of everything.
-fn with_every_effect() -> VehicleParameters {
-    let mut vehicle = truck();
-    for effect in CATALOGUE {
-        let mut adopted = Adopted::new(effect, 0.2 * effect.typical, 0.5 * effect.typical);
-        if effect.name == "road_surface" {
-            assert!(adopted.set("latitude_deg", 58.0) && adopted.set("length_m", 3_000.0));
-        }
-        vehicle.effects.adopt(adopted).unwrap();
-    }
-    vehicle
 }
 
 fn compare(vehicle: &VehicleParameters) {

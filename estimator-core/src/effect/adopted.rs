@@ -4,6 +4,7 @@ use super::{Acts, Bounds, Details, Effect, MAX_DETAILS, MAX_EFFECTS};
 use crate::maybe::Maybe;
 use crate::sampler::Sample;
 use crate::vehicle::{ParameterError, VehicleParameters, check};
+use core::mem;
 use heapless::Vec;
 
 /// An effect with its amount.
@@ -96,16 +97,22 @@ impl Effects {
     /// # Errors
     /// Gives it back if there is no room: only for effects that the catalogue does not have.
     pub fn adopt(&mut self, adopted: Adopted) -> Result<(), Adopted> {
-        // In the order of their names: sums do not depend on which came first.
-        let name = adopted.effect.name;
-        match self.0.iter().position(|other| other.effect.name >= name) {
-            Some(place) if self.0[place].effect == adopted.effect => {
-                self.0[place] = adopted;
-                Ok(())
-            }
-            Some(place) => self.0.insert(place, adopted),
-            None => self.0.push(adopted),
+        let mut known = self.0.iter_mut();
+        if let Some(same) = known.find(|other| other.effect == adopted.effect) {
+            *same = adopted;
+            return Ok(());
         }
+        if self.0.is_full() {
+            return Err(adopted);
+        }
+        // In the order of their names: sums do not depend on which came first.
+        let mut adopted = adopted;
+        for other in &mut self.0 {
+            if other.effect.name > adopted.effect.name {
+                mem::swap(other, &mut adopted);
+            }
+        }
+        self.0.push(adopted)
     }
 
     /// Those adopted, by name.

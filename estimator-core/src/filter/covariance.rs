@@ -31,19 +31,23 @@ impl<S: Scalar> Covariance<S> {
     #[inline(always)]
     #[must_use]
     pub fn get(&self, i: usize, j: usize) -> S {
-        self.upper[at(i, j)]
+        // Not by `[]`: a controller's image has no panics, not even where the compiler does not
+        // see that there is such an element.
+        self.upper.get(at(i, j)).copied().unwrap_or(S::ZERO)
     }
 
     /// Sets the elements (i, j) and (j, i).
     #[inline(always)]
     pub fn set(&mut self, i: usize, j: usize, value: S) {
-        self.upper[at(i, j)] = value;
+        if let Some(element) = self.upper.get_mut(at(i, j)) {
+            *element = value;
+        }
     }
 
     /// Adds to the variance of state `i`.
     #[inline(always)]
     pub fn add_variance(&mut self, i: usize, variance: S) {
-        self.upper[at(i, i)] += variance;
+        self.set(i, i, self.get(i, i) + variance);
     }
 
     /// Row (and column) `i`.

@@ -46,7 +46,7 @@ impl Spread {
     /// `ratio` at first, and from `least` to `most`; `step` is the part of a lesson that is taken.
     pub(super) fn new(ratio: f32, least: f32, most: f32, step: f32) -> Self {
         Self {
-            ratio: ratio.clamp(least, most),
+            ratio: ratio.max(least).min(most),
             least,
             most,
             step,
@@ -61,7 +61,8 @@ impl Spread {
     /// Takes in a normalised squared innovation.
     pub(super) fn learn(&mut self, normalised: f32) {
         let lesson = 1.0 + self.step * (normalised.min(LARGEST_LESSON) - 1.0);
-        self.ratio = (self.ratio * lesson).clamp(self.least, self.most);
+        // Not `clamp`: it panics, with a message that drags the printing of floats into the image.
+        self.ratio = (self.ratio * lesson).max(self.least).min(self.most);
     }
 }
 

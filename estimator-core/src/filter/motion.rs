@@ -33,68 +33,85 @@ impl<S: Scalar> Motion<S> {
     /// Moves mean and covariance.
     #[inline]
     pub(super) fn forward(&self, state: &mut State<S>) {
-        for (i, j, factor) in self.shears() {
-            let step = factor * state.x[j];
-            state.x[i] += step;
-            state.p.shear(i, j, factor);
-        }
-        for (i, keep) in self.keeps() {
-            state.x[i] *= keep;
-            state.p.scale(i, keep);
-        }
+        self.forward_on(&mut state.x);
+        self.forward_on(&mut state.p);
         state.load = self.load;
     }
 
     /// Moves a mean alone.
     #[inline]
     pub(super) fn forward_vector(&self, vector: &mut [S; STATES]) {
-        for (i, j, factor) in self.shears() {
-            let step = factor * vector[j];
-            vector[i] += step;
-        }
-        for (i, keep) in self.keeps() {
-            vector[i] *= keep;
-        }
+        self.forward_on(vector);
     }
 
     /// The transposed step on a vector of the smoother's: backwards.
     #[inline]
     pub(super) fn transpose_vector(&self, vector: &mut [S; STATES]) {
-        for (i, keep) in self.keeps() {
-            vector[i] *= keep;
-        }
-        for (i, j, factor) in self.shears().into_iter().rev() {
-            let step = factor * vector[i];
-            vector[j] += step;
-        }
+        self.transpose_on(vector);
     }
 
     /// The transposed step on its matrix.
     #[inline]
     pub(super) fn transpose_matrix(&self, information: &mut Covariance<S>) {
-        for (i, keep) in self.keeps() {
-            information.scale(i, keep);
-        }
-        for (i, j, factor) in self.shears().into_iter().rev() {
-            information.shear(j, i, factor);
-        }
+        self.transpose_on(information);
+    }
+
+    // Written out and not as loops, so that the compiler knows every index: else it computes
+    // places in the packed triangle again and again, and checks them.
+
+    #[inline(always)]
+    fn forward_on(&self, moved: &mut impl Moved<S>) {
+        let [a, b, c, d, e, f, g, h] = self.shears();
+        moved.shear(a);
+        moved.shear(b);
+        moved.shear(c);
+        moved.shear(d);
+        moved.shear(e);
+        moved.shear(f);
+        moved.shear(g);
+        moved.shear(h);
+        self.keep_on(moved);
+    }
+
+    #[inline(always)]
+    fn transpose_on(&self, moved: &mut impl Moved<S>) {
+        let [a, b, c, d, e, f, g, h] = self.shears();
+        self.keep_on(moved);
+        moved.shear(h.transposed());
+        moved.shear(g.transposed());
+        moved.shear(f.transposed());
+        moved.shear(e.transposed());
+        moved.shear(d.transposed());
+        moved.shear(c.transposed());
+        moved.shear(b.transposed());
+        moved.shear(a.transposed());
+    }
+
+    #[inline(always)]
+    fn keep_on(&self, moved: &mut impl Moved<S>) {
+        let [a, b, c, d, e] = self.keeps();
+        moved.scale(a);
+        moved.scale(b);
+        moved.scale(c);
+        moved.scale(d);
+        moved.scale(e);
     }
 
     /// Off-diagonal entries of the transition as `x_i += factor * x_j`, in order. The slope turns
     /// halfway through the cell, so that energy and altitude see its middle.
     #[inline(always)]
-    fn shears(&self) -> [(usize, usize, S); 8] {
+    fn shears(&self) -> [Shear<S>; 8] {
         let half = self.length * S::from_f32(0.5);
         let climb = self.length * S::from_f32(0.01);
         [
-            (SLOPE, SCALE, -self.load_jump),
-            (SLOPE, SLOPE_RATE, half),
-            (ENERGY, SLOPE, -self.gravity),
-            (ALTITUDE, SLOPE, climb),
-            (ALTITUDE, BIAS, -climb),
-            (ALTITUDE, WIND, -climb),
-            (ALTITUDE, SCALE, climb * self.load),
-            (SLOPE, SLOPE_RATE, half),
+            Shear(SLOPE, SCALE, -self.load_jump),
+            Shear(SLOPE, SLOPE_RATE, half),
+            Shear(ENERGY, SLOPE, -self.gravity),
+            Shear(ALTITUDE, SLOPE, climb),
+            Shear(ALTITUDE, BIAS, -climb),
+            Shear(ALTITUDE, WIND, -climb),
+            Shear(ALTITUDE, SCALE, climb * self.load),
+            Shear(SLOPE, SLOPE_RATE, half),
         ]
     }
 
@@ -111,5 +128,49 @@ impl<S: Scalar> Motion<S> {
             (WIND, self.keep_wind),
             (GNSS_ERROR, self.keep_gnss_error),
         ]
+    }
+}
+
+/// `x_i += factor * x_j`.
+#[derive(Clone, Copy)]
+struct Shear<S>(usize, usize, S);
+
+impl<S> Shear<S> {
+    #[inline(always)]
+    fn transposed(self) -> Self {
+        let Self(i, j, factor) = self;
+        Self(j, i, factor)
+    }
+}
+
+/// What a motion moves: a vector, or a symmetric matrix by rows and columns.
+trait Moved<S> {
+    fn shear(&mut self, shear: Shear<S>);
+    /// `x_i *= factor`.
+    fn scale(&mut self, keep: (usize, S));
+}
+
+impl<S: Scalar> Moved<S> for [S; STATES] {
+    #[inline(always)]
+    fn shear(&mut self, Shear(i, j, factor): Shear<S>) {
+        let step = factor * self[j];
+        self[i] += step;
+    }
+
+    #[inline(always)]
+    fn scale(&mut self, (i, factor): (usize, S)) {
+        self[i] *= factor;
+    }
+}
+
+impl<S: Scalar> Moved<S> for Covariance<S> {
+    #[inline(always)]
+    fn shear(&mut self, Shear(i, j, factor): Shear<S>) {
+        Self::shear(self, i, j, factor);
+    }
+
+    #[inline(always)]
+    fn scale(&mut self, (i, factor): (usize, S)) {
+        Self::scale(self, i, factor);
     }
 }

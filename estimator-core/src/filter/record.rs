@@ -99,8 +99,10 @@ impl<S: Scalar> Trace<S> {
             vector[ALTITUDE] = S::ZERO;
         }
         if self.link.breaks() {
-            for i in BROKEN {
-                vector[i] = S::ZERO;
+            for (i, element) in vector.iter_mut().enumerate() {
+                if BROKEN.contains(&i) {
+                    *element = S::ZERO;
+                }
             }
         } else {
             self.motion.transpose_vector(vector);

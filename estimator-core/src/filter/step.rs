@@ -1,5 +1,6 @@
 //! The filter: one step is one cell.
 
+use super::backward::BROKEN;
 use super::climb::{Correction, Fixed, Way};
 use super::doubt::Doubt;
 use super::gate::{AltitudeEvent, Gate, Judged, Verdict};
@@ -273,9 +274,11 @@ fn begin<S: Scalar>(
     let mut state = known
         .copied()
         .unwrap_or_else(|| state_at_start(prior, vehicle, tuning, sample));
-    for i in [ENERGY, ALTITUDE, SLOPE, SLOPE_RATE] {
-        state.x[i] = S::ZERO;
-        state.p.clear(i);
+    for (i, x) in state.x.iter_mut().enumerate() {
+        if BROKEN.contains(&i) {
+            *x = S::ZERO;
+            state.p.clear(i);
+        }
     }
     state.origin_m = None;
     let mps = speed.mean_mps;
@@ -351,9 +354,11 @@ fn undo<S: Scalar>(state: &mut State<S>, known: &Correction) {
         (SCALE, known.scale),
     ] {
         let before = S::from_f32(before);
-        let moved = state.x[i] - before;
-        state.x[i] = before;
-        state.p.add_variance(i, moved * moved);
+        if let Some(x) = state.x.get_mut(i) {
+            let moved = *x - before;
+            *x = before;
+            state.p.add_variance(i, moved * moved);
+        }
     }
 }
 

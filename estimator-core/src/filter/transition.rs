@@ -126,7 +126,8 @@ impl<S: Scalar> Transition<S> {
         };
         let change = load_after - load_before;
         let of_the_road = tuning.load_change_percent;
-        let load_jump = change - change.clamp(-of_the_road, of_the_road);
+        // Not `clamp`, which panics if the tuning is nonsense.
+        let load_jump = change - change.max(-of_the_road).min(of_the_road);
 
         Self {
             motion: Motion {

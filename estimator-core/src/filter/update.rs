@@ -46,7 +46,8 @@ impl<S: Scalar> Applied<S> {
 impl Observation {
     /// h x.
     #[inline(always)]
-    pub(super) fn of<S: Scalar>(self, x: &[S; STATES]) -> S {
+    #[must_use]
+    pub fn of<S: Scalar>(self, x: &[S; STATES]) -> S {
         match self {
             Self::Energy => x[ENERGY],
             Self::Altitude => x[ALTITUDE] + x[GNSS_ERROR],
@@ -92,7 +93,7 @@ impl Observation {
 impl<S: Scalar> Update<S> {
     /// Applies it.
     #[inline]
-    pub(super) fn apply(&self, state: &mut State<S>) -> Applied<S> {
+    pub fn apply(&self, state: &mut State<S>) -> Applied<S> {
         let cross = self.observation.cross(&state.p);
         let innovation_variance = self.observation.of(&cross) + self.variance;
         let per_variance = S::ONE / innovation_variance;

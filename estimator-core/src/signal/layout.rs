@@ -156,9 +156,10 @@ impl Field {
                 } else {
                     divisor / 2
                 };
-                match i32::try_from((number.saturating_add(half)) / divisor + offset) {
-                    Ok(angle) => Value::DegreesE7(angle),
-                    Err(_) => Value::Error,
+                let angle = number.saturating_add(half).checked_div(divisor);
+                match angle.and_then(|angle| i32::try_from(angle + offset).ok()) {
+                    Some(angle) => Value::DegreesE7(angle),
+                    None => Value::Error,
                 }
             }
         }

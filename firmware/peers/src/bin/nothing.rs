@@ -1,0 +1,4 @@
+#![no_std]
+#![no_main]
+
+peers::image!(peers::dense::nothing());

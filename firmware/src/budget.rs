@@ -1,0 +1,200 @@
+//! What the estimator costs on the board: a recorded drive, its instructions and stack counted.
+//!
+//! The drive passes twice: through the estimator, call by call as a program makes them, and
+//! through its parts, so that the filter and the smoothing can be told apart.
+
+use crate::meter::{Meter, Tally, Uncountable, depth};
+use crate::recorded::{Recorded, Unusable};
+use core::fmt;
+use estimator_core::filter::Filter;
+use estimator_core::lag::{BLOCK_CELLS, LAG_CELLS, Lag};
+use estimator_core::{Counters, Estimator, Instant, Intake, Scalar, Tuning};
+
+/// Steps before the lag is full, and each block of cells finishes another.
+const FILLING_STEPS: u32 = (LAG_CELLS + BLOCK_CELLS) as u32;
+
+/// What was counted, of one scalar.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Budget {
+    estimator_bytes: usize,
+    /// Beside the estimator itself, which may be made in its place.
+    start_stack_bytes: usize,
+    stack_bytes: usize,
+    ignored_frame: Tally,
+    relevant_frame: Tally,
+    /// A call of `step` and the cells fetched after it.
+    cell: Tally,
+    /// The filter's part, with both measurements.
+    full_step: Tally,
+    /// The filter's part, whatever was measured.
+    step: Tally,
+    /// The smoother's part, once the lag is full.
+    lag: Tally,
+    /// The estimate now.
+    live: Tally,
+}
+
+/// Why nothing was counted.
+#[derive(Debug)]
+pub enum Problem {
+    /// The drive cannot be used.
+    Drive(Unusable),
+    /// Instructions cannot be counted.
+    Count(Uncountable),
+}
+
+impl From<Uncountable> for Problem {
+    fn from(uncountable: Uncountable) -> Self {
+        Self::Count(uncountable)
+    }
+}
+
+impl From<Unusable> for Problem {
+    fn from(unusable: Unusable) -> Self {
+        Self::Drive(unusable)
+    }
+}
+
+/// Counts in this scalar.
+///
+/// # Errors
+/// An unusable drive, or a call too long to count.
+pub fn run<S: Scalar>(meter: &mut Meter) -> Result<Budget, Problem> {
+    let mut budget = Budget {
+        estimator_bytes: size_of::<Estimator<S>>(),
+        ..Budget::default()
+    };
+    budget.through_estimator::<S>(meter)?;
+    budget.through_parts::<S>(meter)?;
+    Ok(budget)
+}
+
+impl Budget {
+    /// What a program that uses the estimator sees.
+    fn through_estimator<S: Scalar>(&mut self, meter: &mut Meter) -> Result<(), Problem> {
+        let (vehicle, mut drive) = Recorded::open()?;
+        let (estimator, start_stack_bytes) =
+            depth(|| Estimator::<S>::new(vehicle, Tuning::default()));
+        let mut estimator = estimator.map_err(Unusable::Vehicle)?;
+        self.start_stack_bytes = start_stack_bytes;
+        loop {
+            let block = drive.next_block()?;
+            if block.len() == 0 {
+                return Ok(());
+            }
+            let (done, stack_bytes) = depth(|| {
+                for frame in block {
+                    let (time, frame) = frame?;
+                    self.frame(meter, &mut estimator, time, &frame)?;
+                }
+                Ok::<(), Problem>(())
+            });
+            done?;
+            self.stack_bytes = self.stack_bytes.max(stack_bytes);
+        }
+    }
+
+    fn frame<S: Scalar>(
+        &mut self,
+        meter: &mut Meter,
+        estimator: &mut Estimator<S>,
+        time: Instant,
+        frame: &impl embedded_can::Frame,
+    ) -> Result<(), Problem> {
+        let ignored_before = estimator.counters().frames_ignored;
+        let (_, count) = meter.count(|| estimator.on_frame(time, frame))?;
+        if estimator.counters().frames_ignored > ignored_before {
+            self.ignored_frame.add(count);
+        } else {
+            self.relevant_frame.add(count);
+        }
+        loop {
+            let (moved, count) = meter.count(|| {
+                let moved = estimator.step().is_some();
+                while estimator.next_cell().is_some() {}
+                moved
+            })?;
+            if !moved {
+                return Ok(());
+            }
+            self.cell.add(count);
+            let (_, count) = meter.count(|| estimator.live())?;
+            self.live.add(count);
+        }
+    }
+
+    /// The same drive, with the filter and the smoother called one after the other.
+    fn through_parts<S: Scalar>(&mut self, meter: &mut Meter) -> Result<(), Problem> {
+        let (vehicle, mut drive) = Recorded::open()?;
+        let mut intake = Intake::new(vehicle, Tuning::default()).map_err(Unusable::Vehicle)?;
+        let mut filter = Filter::<S>::new();
+        let mut lag = Lag::<S>::new();
+        let mut counters = Counters::default();
+        let mut steps = 0;
+        // Whole blocks only: a mean over a part of one would miss, or overrate, its end.
+        let mut block_of_lag = Tally::default();
+        loop {
+            let block = drive.next_block()?;
+            if block.len() == 0 {
+                return Ok(());
+            }
+            for frame in block {
+                let (time, frame) = frame?;
+                intake.on_frame(time, &frame);
+                while let Some(sample) = intake.next_sample() {
+                    let (record, count) = meter.count(|| {
+                        filter.step(intake.vehicle(), intake.tuning(), &sample, &mut counters)
+                    })?;
+                    self.step.add(count);
+                    let Some(record) = record else { continue };
+                    if record.trace.speed.is_some() && record.trace.altitude.is_some() {
+                        self.full_step.add(count);
+                    }
+                    let (_, count) = meter.count(|| {
+                        lag.push(&record);
+                        while lag.next_cell().is_some() {}
+                    })?;
+                    steps += 1;
+                    if steps > FILLING_STEPS {
+                        block_of_lag.add(count);
+                    }
+                    if block_of_lag.calls() == BLOCK_CELLS as u32 {
+                        self.lag.add_all(&block_of_lag);
+                        block_of_lag = Tally::default();
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// One figure a line, name and number.
+impl fmt::Display for Budget {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "estimator_bytes {}", self.estimator_bytes)?;
+        writeln!(f, "start_stack_bytes {}", self.start_stack_bytes)?;
+        writeln!(f, "stack_bytes {}", self.stack_bytes)?;
+        for (name, tally) in [
+            ("ignored_frame", &self.ignored_frame),
+            ("relevant_frame", &self.relevant_frame),
+            ("full_step", &self.full_step),
+            ("step", &self.step),
+            ("lag", &self.lag),
+            ("cell", &self.cell),
+            ("live", &self.live),
+        ] {
+            writeln!(f, "{name}_mean {}", tally.mean())?;
+            writeln!(f, "{name}_worst {}", tally.worst())?;
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Display for Problem {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Drive(unusable) => write!(f, "{unusable}"),
+            Self::Count(uncountable) => write!(f, "{uncountable}"),
+        }
+    }
+}

@@ -1,0 +1,47 @@
+//! Counts of the same work done many times.
+
+/// How often, how much in all, and how much at the most.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Tally {
+    calls: u32,
+    sum: u64,
+    worst: u32,
+}
+
+impl Tally {
+    /// One more count.
+    pub fn add(&mut self, count: u32) {
+        self.calls += 1;
+        self.sum += u64::from(count);
+        self.worst = self.worst.max(count);
+    }
+
+    /// All counts of another.
+    pub fn add_all(&mut self, other: &Self) {
+        self.calls += other.calls;
+        self.sum += other.sum;
+        self.worst = self.worst.max(other.worst);
+    }
+
+    /// How often.
+    #[must_use]
+    pub const fn calls(&self) -> u32 {
+        self.calls
+    }
+
+    /// The mean, rounded; zero of none.
+    #[must_use]
+    pub const fn mean(&self) -> u32 {
+        let calls = self.calls as u64;
+        match (self.sum + calls / 2).checked_div(calls) {
+            Some(mean) => mean as u32,
+            None => 0,
+        }
+    }
+
+    /// The largest.
+    #[must_use]
+    pub const fn worst(&self) -> u32 {
+        self.worst
+    }
+}

@@ -1,0 +1,99 @@
+//! A recorded drive, fetched by semihosting in blocks: each fetch stops the processor.
+
+use crate::exchange::DRIVE_FILE;
+use crate::exchange::frame::{self, FRAME_BYTES, RecordedFrame};
+use crate::exchange::vehicle::{self, VEHICLE_BYTES};
+use core::fmt;
+use estimator_core::{Instant, ParameterError, VehicleParameters};
+use semihosting::fs::File;
+use semihosting::io::{self, Read};
+
+/// Frames fetched at once.
+const BLOCK_FRAMES: usize = 128;
+
+/// An open [`DRIVE_FILE`].
+#[derive(Debug)]
+pub struct Recorded {
+    file: File,
+    block: [u8; BLOCK_FRAMES * FRAME_BYTES],
+    frames: u32,
+}
+
+/// Why a drive cannot be used.
+#[derive(Debug)]
+pub enum Unusable {
+    /// It cannot be read.
+    Read(io::Error),
+    /// It does not begin with the header of a vehicle.
+    Header,
+    /// The record of this frame, from 1, is none.
+    Frame(u32),
+    /// No vehicle has such a parameter.
+    Vehicle(ParameterError),
+}
+
+impl Recorded {
+    /// Opens it; returns the vehicle that drove.
+    ///
+    /// # Errors
+    /// It cannot be read or has no header.
+    pub fn open() -> Result<(VehicleParameters, Self), Unusable> {
+        let mut file = File::open(DRIVE_FILE).map_err(Unusable::Read)?;
+        let mut header = [0; VEHICLE_BYTES];
+        let filled = fill(&mut file, &mut header)?;
+        let vehicle = vehicle::decode(&header[..filled]).ok_or(Unusable::Header)?;
+        let recorded = Self {
+            file,
+            block: [0; BLOCK_FRAMES * FRAME_BYTES],
+            frames: 0,
+        };
+        Ok((vehicle, recorded))
+    }
+
+    /// The next frames and when they were received; none at the end.
+    ///
+    /// # Errors
+    /// They cannot be read; and each that is malformed.
+    pub fn next_block(
+        &mut self,
+    ) -> Result<
+        impl ExactSizeIterator<Item = Result<(Instant, RecordedFrame), Unusable>> + '_,
+        Unusable,
+    > {
+        let filled = fill(&mut self.file, &mut self.block)?;
+        let frames = &mut self.frames;
+        Ok(self.block[..filled].chunks(FRAME_BYTES).map(|record| {
+            *frames += 1;
+            frame::decode(record).ok_or(Unusable::Frame(*frames))
+        }))
+    }
+
+    /// Frames handed out so far.
+    #[must_use]
+    pub const fn frames(&self) -> u32 {
+        self.frames
+    }
+}
+
+/// Reads until the buffer is full or the file ends; returns how much was read.
+fn fill(file: &mut File, buffer: &mut [u8]) -> Result<usize, Unusable> {
+    let mut filled = 0;
+    while filled < buffer.len() {
+        match file.read(&mut buffer[filled..]).map_err(Unusable::Read)? {
+            0 => break,
+            count => filled += count,
+        }
+    }
+    Ok(filled)
+}
+
+impl fmt::Display for Unusable {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Read(error) => write!(f, "{DRIVE_FILE:?}: {error}"),
+            Self::Header => write!(f, "{DRIVE_FILE:?}: expected the header of a vehicle"),
+            Self::Frame(number) => write!(f, "{DRIVE_FILE:?}: frame {number} is malformed"),
+            Self::Vehicle(error) => write!(f, "{DRIVE_FILE:?}: {error}"),
+        }
+    }
+}

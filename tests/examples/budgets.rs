@@ -1,0 +1,58 @@
+//! Counts what the estimator costs on each target and in each scalar, on the emulated board:
+//!
+//! ```text
+//! cargo run -p cross-tests --release --example budgets [-- --check | --write | --peers]
+//! ```
+
+use clap::Parser;
+use cross_tests::budgets::{Budgets, committed_file, measure};
+use cross_tests::{emulator, peers};
+use host_sim::error::{Error, Result};
+use host_sim::output::{print, write_whole};
+use std::path::Path;
+use std::process::ExitCode;
+
+#[derive(Parser)]
+struct Options {
+    /// Fail if a figure exceeds the committed one.
+    #[arg(long)]
+    check: bool,
+    /// Commit the figures: write them to firmware/budgets.csv.
+    #[arg(long, conflicts_with = "check")]
+    write: bool,
+    /// Count other Kalman filters instead.
+    #[arg(long, conflicts_with_all = ["check", "write"])]
+    peers: bool,
+}
+
+fn main() -> ExitCode {
+    match run(&Options::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("{error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(options: &Options) -> Result<()> {
+    if let Some(what) = emulator::missing() {
+        return Err(Error::content(Path::new("budgets"), what));
+    }
+    if options.peers {
+        return print(&(peers::table()? + "\n"));
+    }
+    let budgets = measure()?;
+    print(&(budgets.to_text() + "\n"))?;
+    let path = committed_file();
+    if options.write {
+        write_whole(&path, |file| file.write_all(budgets.to_csv().as_bytes()))?;
+    }
+    if options.check {
+        let excesses = budgets.excesses(&Budgets::read(&path)?);
+        if !excesses.is_empty() {
+            return Err(Error::content(&path, excesses.join("\n")));
+        }
+    }
+    Ok(())
+}

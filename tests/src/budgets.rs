@@ -1,0 +1,339 @@
+//! What the estimator costs on each target and in each scalar: bytes and instructions, counted.
+//!
+//! The counts are the emulator's and do not depend on the machine that it runs on, so a table of
+//! them is committed, and a count that has grown fails the check.
+
+use crate::drive::{drive, truck, truck_with_every_effect};
+use crate::emulator::{count, drive_file};
+use crate::image::{Image, build, root};
+use estimator_core::VehicleParameters;
+use host_sim::error::{Error, Result};
+use host_sim::text_table::text_table;
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// A board that images run on, and what its images compute in.
+#[derive(Clone, Copy, Debug)]
+pub struct Board {
+    /// As QEMU calls it.
+    pub machine: &'static str,
+    /// As Rust calls it.
+    pub target: &'static str,
+    /// As `src/bin/budget.rs` and the names of `src/bin/alone_*.rs` call them.
+    pub scalars: &'static [&'static str],
+}
+
+/// All of them; the bars are for the first.
+pub const BOARDS: [Board; 2] = [CORTEX_M4F, CORTEX_M0];
+/// Cortex-M4F.
+pub const CORTEX_M4F: Board = Board {
+    machine: "mps2-an386",
+    target: "thumbv7em-none-eabihf",
+    scalars: &["f32"],
+};
+
+/// What a Cortex-M0 computes, without a float unit; QEMU has a Cortex-M3 with the same memory.
+pub const CORTEX_M0: Board = Board {
+    machine: "mps2-an385",
+    target: "thumbv6m-none-eabi",
+    scalars: &["f32"],
+};
+
+/// A row of the table.
+#[derive(Clone, Copy, Debug)]
+struct Figure {
+    name: &'static str,
+    words: &'static str,
+    /// What is wanted at most, for `f32` on a Cortex-M4F.
+    bar: Option<u32>,
+}
+
+const fn figure(name: &'static str, words: &'static str, bar: Option<u32>) -> Figure {
+    Figure { name, words, bar }
+}
+
+const FIGURES: [Figure; 22] = [
+    figure("flash_bytes", "flash of the estimator, bytes", Some(64_000)),
+    figure("image_flash_bytes", "flash of its whole image", None),
+    figure("estimator_bytes", "RAM of the estimator", Some(40_000)),
+    figure("image_ram_bytes", "static RAM of its image", None),
+    figure("stack_bytes", "deepest stack", Some(4_000)),
+    figure("start_stack_bytes", "deepest stack of its making", None),
+    figure("panics", "panicking functions in the image", Some(0)),
+    figure(
+        "ignored_frame_mean",
+        "instructions an ignored frame",
+        Some(100),
+    ),
+    figure("ignored_frame_worst", "worst", None),
+    figure("relevant_frame_mean", "a relevant frame", Some(400)),
+    figure("relevant_frame_worst", "worst", None),
+    figure("full_step_mean", "a filter step, both updates", Some(1_500)),
+    figure("full_step_worst", "worst", None),
+    figure("step_mean", "a filter step, whatever is there", None),
+    figure("step_worst", "worst", None),
+    figure("lag_mean", "lag smoothing a cell", Some(15_000)),
+    figure("lag_worst", "worst", None),
+    figure("cell_mean", "all of a cell", None),
+    figure("cell_worst", "worst", None),
+    figure("live_mean", "the live estimate", None),
+    figure("live_worst", "worst", None),
+    figure(FULL_BUS, "full bus, millionths of 168 MHz", Some(10_000)),
+];
+const FULL_BUS: &str = "full_bus_millionths";
+
+/// Frames of eight bytes with 29-bit identifiers, and no stuffed bit, that fit in a second.
+const FULL_BUS_FRAMES: u64 = 250_000 / 131;
+/// Cells in a second, at 90 km/h.
+const CELLS: u64 = 10;
+const INSTRUCTIONS: u64 = 168_000_000;
+
+/// A count may exceed the committed one by this, %.
+const SLACK_PERCENT: u32 = 3;
+
+/// Figures by name.
+type Column = BTreeMap<String, u32>;
+
+/// Figures of each target, scalar and vehicle.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Budgets {
+    columns: Vec<(String, Column)>,
+}
+
+/// The committed table.
+#[must_use]
+pub fn committed_file() -> PathBuf {
+    root().join("firmware/budgets.csv")
+}
+
+/// Builds the images and counts.
+///
+/// # Errors
+/// What building or running an image says.
+pub fn measure() -> Result<Budgets> {
+    let mut budgets = Budgets::default();
+    let vehicles = [("", truck()), (" effects", truck_with_every_effect())];
+    for board in BOARDS {
+        let images = build(&root().join("firmware"), board.target, "release")?;
+        let linked: Vec<Column> = board
+            .scalars
+            .iter()
+            .map(|scalar| read_off(&images, scalar))
+            .collect::<Result<_>>()?;
+        for (suffix, vehicle) in &vehicles {
+            let counted = counted(&board, &images, vehicle)?;
+            for ((scalar, mut column), linked) in counted.into_iter().zip(&linked) {
+                column.extend(linked.clone());
+                let name = format!("{} {scalar}{suffix}", board.target);
+                budgets.columns.push((name, column));
+            }
+        }
+    }
+    Ok(budgets)
+}
+
+/// What the board counts, by scalar.
+fn counted(
+    board: &Board,
+    images: &Path,
+    vehicle: &VehicleParameters,
+) -> Result<Vec<(String, Column)>> {
+    let image = images.join("budget");
+    let printed = count(board.machine, &image, &drive_file(vehicle, &drive()))?;
+    let printed = String::from_utf8_lossy(&printed);
+    let mut columns: Vec<(String, Column)> = Vec::new();
+    for line in printed.lines() {
+        let problem = || Error::content(&image, format!("printed \"{line}\": expected a figure"));
+        if let Some(scalar) = line.strip_prefix('[').and_then(|l| l.strip_suffix(']')) {
+            columns.push((scalar.to_owned(), Column::new()));
+            continue;
+        }
+        let (name, number) = line.split_once(' ').ok_or_else(problem)?;
+        let number = number.parse().map_err(|_| problem())?;
+        let (_, column) = columns.last_mut().ok_or_else(problem)?;
+        column.insert(name.to_owned(), number);
+    }
+    for (scalar, column) in &mut columns {
+        let of = |name: &str| {
+            let figure = column.get(name).map(|figure| u64::from(*figure));
+            figure.ok_or_else(|| Error::content(&image, format!("no {name} of {scalar}")))
+        };
+        let a_second = FULL_BUS_FRAMES * of("relevant_frame_mean")? + CELLS * of("cell_mean")?;
+        let millionths = (a_second * 1_000_000).div_ceil(INSTRUCTIONS);
+        column.insert(FULL_BUS.to_owned(), millionths as u32);
+    }
+    let found: Vec<&str> = columns.iter().map(|(scalar, _)| scalar.as_str()).collect();
+    if found != board.scalars {
+        let problem = format!("counted {found:?}: expected {:?}", board.scalars);
+        return Err(Error::content(&image, problem));
+    }
+    Ok(columns)
+}
+
+/// What the linked images tell.
+fn read_off(images: &Path, scalar: &str) -> Result<Column> {
+    let nothing = Image::read(&images.join("alone_nothing"))?;
+    let alone = images.join(format!("alone_{scalar}"));
+    let image = Image::read(&alone)?;
+    for panic in &image.panics {
+        eprintln!("{}: may call {panic}", alone.display());
+    }
+    let figures = [
+        ("flash_bytes", image.flash_bytes - nothing.flash_bytes),
+        ("image_flash_bytes", image.flash_bytes),
+        ("image_ram_bytes", image.ram_bytes),
+        ("panics", image.panics.len() as u32),
+    ];
+    Ok(figures
+        .map(|(name, figure)| (name.to_owned(), figure))
+        .into())
+}
+
+impl Budgets {
+    /// Reads a table.
+    ///
+    /// # Errors
+    /// The file cannot be read, or has something else than figures in it.
+    pub fn read(path: &Path) -> Result<Self> {
+        let text = fs::read_to_string(path).map_err(Error::io(path))?;
+        let mut lines = text.lines();
+        let names = lines.next().unwrap_or_default().split(',').skip(1);
+        let columns = names.map(|name| (name.to_owned(), Column::new()));
+        let mut budgets = Self {
+            columns: columns.collect(),
+        };
+        for (number, line) in (2..).zip(lines) {
+            let mut fields = line.split(',');
+            let figure = fields.next().unwrap_or_default();
+            let figures: Vec<u32> = fields
+                .map(str::parse)
+                .collect::<std::result::Result<_, _>>()
+                .unwrap_or_default();
+            if !FIGURES.iter().any(|known| known.name == figure)
+                || figures.len() != budgets.columns.len()
+            {
+                let problem = format!("line {number}: expected a figure of each column");
+                return Err(Error::content(path, problem));
+            }
+            for ((_, column), value) in budgets.columns.iter_mut().zip(figures) {
+                column.insert(figure.to_owned(), value);
+            }
+        }
+        Ok(budgets)
+    }
+
+    /// As a table that [`Budgets::read`] reads.
+    #[must_use]
+    pub fn to_csv(&self) -> String {
+        let lines = FIGURES.iter().map(|figure| self.row(figure, figure.name));
+        let header = self.header("figure");
+        let lines = std::iter::once(header).chain(lines);
+        lines.map(|line| line.join(",") + "\n").collect()
+    }
+
+    /// As a table for people, with the bars.
+    #[must_use]
+    pub fn to_text(&self) -> String {
+        let mut header = self.header("");
+        header.push("bar".to_owned());
+        let rows: Vec<Vec<String>> = FIGURES
+            .iter()
+            .map(|figure| {
+                let mut row = self.row(figure, figure.words);
+                row.push(figure.bar.map(|bar| bar.to_string()).unwrap_or_default());
+                row
+            })
+            .collect();
+        text_table(&header, &rows, 1).to_string()
+    }
+
+    fn header(&self, first: &str) -> Vec<String> {
+        let names = self.columns.iter().map(|(name, _)| name.clone());
+        std::iter::once(first.to_owned()).chain(names).collect()
+    }
+
+    fn column(&self, name: &str) -> Option<&Column> {
+        let mut columns = self.columns.iter();
+        columns.find(|known| known.0 == name).map(|known| &known.1)
+    }
+
+    fn row(&self, figure: &Figure, first: &str) -> Vec<String> {
+        let figures = self.columns.iter().map(|(_, column)| {
+            let value = column.get(figure.name);
+            value.map(u32::to_string).unwrap_or_default()
+        });
+        std::iter::once(first.to_owned()).chain(figures).collect()
+    }
+
+    /// What is worse here than `committed` allows, or is not in both, one line each.
+    #[must_use]
+    pub fn excesses(&self, committed: &Self) -> Vec<String> {
+        let mut excesses = Vec::new();
+        for (name, _) in &committed.columns {
+            if self.column(name).is_none() {
+                excesses.push(format!("{name}: committed, but not counted"));
+            }
+        }
+        for (name, column) in &self.columns {
+            let Some(allowed) = committed.column(name) else {
+                excesses.push(format!("{name}: counted, but not committed"));
+                continue;
+            };
+            for (figure, &value) in column {
+                match allowed.get(figure) {
+                    None => excesses.push(format!("{name}: {figure}: not committed")),
+                    Some(&least) if exceeds(value, least) => excesses.push(format!(
+                        "{name}: {figure}: {value}, more than {SLACK_PERCENT} % above {least}"
+                    )),
+                    Some(_) => {}
+                }
+            }
+        }
+        excesses
+    }
+}
+
+fn exceeds(value: u32, committed: u32) -> bool {
+    u64::from(value) * 100 > u64::from(committed) * u64::from(100 + SLACK_PERCENT)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn budgets(step: u32) -> Budgets {
+        let column = [("full_step_mean".to_owned(), step)].into();
+        let columns = vec![("board f32".to_owned(), column)];
+        Budgets { columns }
+    }
+
+    #[test]
+    fn a_count_may_grow_by_the_slack_and_no_more() {
+        let committed = budgets(1_000);
+        assert!(budgets(900).excesses(&committed).is_empty());
+        assert!(budgets(1_030).excesses(&committed).is_empty());
+        let excesses = budgets(1_031).excesses(&committed);
+        let expected = "board f32: full_step_mean: 1031, more than 3 % above 1000";
+        assert_eq!(excesses, [expected]);
+        // No panic allowed is none, whatever the slack.
+        assert_eq!(budgets(1).excesses(&budgets(0)).len(), 1);
+    }
+
+    #[test]
+    fn what_is_not_in_both_tables_is_told() {
+        let (none, one) = (Budgets::default(), budgets(1));
+        assert_eq!(one.excesses(&none).len(), 1);
+        assert_eq!(none.excesses(&one).len(), 1);
+    }
+
+    #[test]
+    fn the_committed_table_is_read_as_it_is_written() {
+        let path = committed_file();
+        let committed = Budgets::read(&path).unwrap();
+        assert_eq!(committed.to_csv(), fs::read_to_string(&path).unwrap());
+        for (_, column) in committed.columns {
+            assert_eq!(column.len(), FIGURES.len());
+        }
+    }
+}
