@@ -33,5 +33,6 @@ fn main() {
         fs::copy(&script, folder.join("memory.x")).expect("the build folder takes the script");
         println!("cargo::rustc-link-arg-bin={image}=-L{}", folder.display());
         println!("cargo::rustc-link-arg-bin={image}=-Tlink.x");
+        println!("cargo::rustc-link-arg-bin={image}=-Tdefmt.x");
     }
 }

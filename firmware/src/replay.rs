@@ -4,7 +4,7 @@ use crate::exchange::CELLS_FILE;
 use crate::exchange::cell;
 use crate::recorded::{Recorded, Unusable};
 use core::fmt;
-use estimator_core::{Cell, Estimator, Tuning, Uncertain};
+use estimator_core::{Cell, Estimator, Step, Tuning, Uncertain};
 use semihosting::fs::File;
 use semihosting::io::{self, Write};
 use static_cell::StaticCell;
@@ -12,13 +12,8 @@ use static_cell::StaticCell;
 /// Too large for a controller's stack, and in `.bss` its size can be read off the image.
 static ESTIMATOR: StaticCell<Estimator<f32>> = StaticCell::new();
 
-/// What a replay came to; shown as one line.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Summary {
-    frames: u32,
-    cells: u32,
-    last_grade_percent: Option<Uncertain>,
-}
+/// How often the estimate is logged.
+const CELLS_PER_KM: u32 = 400;
 
 /// Why a replay ended early.
 #[derive(Debug)]
@@ -35,20 +30,24 @@ impl From<Unusable> for Problem {
     }
 }
 
-/// Feeds every frame of the recorded drive to the estimator and writes the cells to [`CELLS_FILE`].
+/// Feeds every frame of the recorded drive to the estimator, writes the cells to [`CELLS_FILE`], and
+/// logs the estimate each kilometre and what became of altitudes that did not fit.
 ///
 /// # Errors
 /// An unusable drive, or no place for the cells.
 ///
 /// # Panics
 /// When called twice: there is one estimator.
-pub fn run() -> Result<Summary, Problem> {
+pub fn run() -> Result<(), Problem> {
     let (vehicle, mut drive) = Recorded::open()?;
     let estimator = Estimator::new(vehicle, Tuning::default()).map_err(Unusable::Vehicle)?;
     let estimator = ESTIMATOR.init(estimator);
 
-    let mut cells = File::create(CELLS_FILE).map_err(Problem::Write)?;
-    let mut summary = Summary::default();
+    let mut cells = Cells {
+        file: File::create(CELLS_FILE).map_err(Problem::Write)?,
+        count: 0,
+        last_grade_percent: Uncertain::default(),
+    };
     loop {
         let block = drive.next_block()?;
         if block.len() == 0 {
@@ -57,36 +56,54 @@ pub fn run() -> Result<Summary, Problem> {
         for frame in block {
             let (time, frame) = frame?;
             estimator.on_frame(time, &frame);
-            while estimator.step().is_some() {
+            while let Some(step) = estimator.step() {
+                tell(estimator, step);
                 while let Some(cell) = estimator.next_cell() {
-                    summary.write(&mut cells, &cell)?;
+                    cells.write(&cell)?;
                 }
             }
         }
     }
     while let Some(cell) = estimator.drain_cell() {
-        summary.write(&mut cells, &cell)?;
+        cells.write(&cell)?;
     }
-    summary.frames = drive.frames();
-    Ok(summary)
+    defmt::info!("{}", estimator.counters());
+    let grade = cells.last_grade_percent;
+    defmt::info!(
+        "{} frames, {} cells, last grade {} ± {} %",
+        drive.frames(),
+        cells.count,
+        grade.value,
+        grade.sigma
+    );
+    Ok(())
 }
 
-impl Summary {
-    /// Writes one more cell.
-    fn write(&mut self, file: &mut File, cell: &Cell) -> Result<(), Problem> {
-        self.cells += 1;
-        self.last_grade_percent = Some(cell.lagged_grade_percent);
-        file.write_all(&cell::encode(cell)).map_err(Problem::Write)
+/// What a fleet would like to know while it drives.
+fn tell(estimator: &Estimator<f32>, step: Step) {
+    if let Step::Moved(Some(event)) = step {
+        defmt::warn!("altitude: {}", event);
+    }
+    if let Some(live) = estimator.live()
+        && live.place.cell % CELLS_PER_KM == 0
+    {
+        defmt::info!("{}", live);
     }
 }
 
-impl fmt::Display for Summary {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} frames, {} cells", self.frames, self.cells)?;
-        match self.last_grade_percent {
-            Some(grade) => write!(f, ", last grade {:.3} ± {:.3} %", grade.value, grade.sigma),
-            None => Ok(()),
-        }
+/// [`CELLS_FILE`] while it is written.
+struct Cells {
+    file: File,
+    count: u32,
+    last_grade_percent: Uncertain,
+}
+
+impl Cells {
+    fn write(&mut self, cell: &Cell) -> Result<(), Problem> {
+        self.count += 1;
+        self.last_grade_percent = cell.lagged_grade_percent;
+        let record = cell::encode(cell);
+        self.file.write_all(&record).map_err(Problem::Write)
     }
 }
 

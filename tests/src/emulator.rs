@@ -1,6 +1,8 @@
 //! The firmware's image on the board that QEMU emulates.
 
+use crate::image::root;
 use assert_cmd::Command;
+use defmt_decoder::Table;
 use estimator_core::VehicleParameters;
 use firmware::exchange::{CELLS_FILE, DRIVE_FILE, frame, vehicle};
 use host_sim::error::{Error, Result};
@@ -12,6 +14,7 @@ use std::{env, fs, process};
 
 const TARGET: &str = "thumbv7em-none-eabihf";
 const QEMU: &str = "qemu-system-arm";
+const IMAGE: &str = "mps2_an386";
 
 /// An image that hangs (a fault ends in a loop) does not end by itself.
 const LONGEST_RUN: Duration = Duration::from_secs(120);
@@ -21,8 +24,8 @@ const LONGEST_RUN: Duration = Duration::from_secs(120);
 pub struct Ended {
     /// Exit status of the image; none if it hung.
     pub status: Option<i32>,
-    /// What it printed.
-    pub stdout: String,
+    /// What it logged, a line each.
+    pub log: Vec<String>,
     /// What it complained about.
     pub stderr: String,
     /// The file of cells, if there is one.
@@ -77,10 +80,27 @@ pub fn replay(drive: Option<&[u8]>) -> Ended {
         .expect("cargo runs");
     Ended {
         status: output.status.code(),
-        stdout: String::from_utf8_lossy(&output.stdout).into_owned(),
+        log: logged(&output.stdout),
         stderr: String::from_utf8_lossy(&output.stderr).into_owned(),
         cells: fs::read(inside(folder.path(), CELLS_FILE)).ok(),
     }
+}
+
+/// Lines of a defmt log; the image has their words.
+fn logged(bytes: &[u8]) -> Vec<String> {
+    let folder = env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), Into::into);
+    let image = folder.join(TARGET).join("release").join(IMAGE);
+    let image = fs::read(&image).expect("it was just built");
+    let table = Table::parse(&image)
+        .expect("an image that logs has a table")
+        .expect("an image that logs has a table");
+    let mut decoder = table.new_stream_decoder();
+    decoder.received(bytes);
+    let mut lines = Vec::new();
+    while let Ok(frame) = decoder.decode() {
+        lines.push(frame.display_message().to_string());
+    }
+    lines
 }
 
 /// Starts an image on a machine that counts instructions (`firmware::meter`), with `drive` for
@@ -110,11 +130,11 @@ pub fn count(machine: &str, image: &Path, drive: &[u8]) -> Result<Vec<u8>> {
 }
 
 fn cargo(command: &str, folder: &Path) -> Command {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let root = root();
     let mut cargo = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     cargo
         .args([command, "--quiet", "--release", "--target", TARGET])
-        .args(["--package", "firmware", "--bin", "mps2_an386"])
+        .args(["--package", "firmware", "--bin", IMAGE])
         .arg("--manifest-path")
         .arg(root.join("Cargo.toml"))
         .arg("--config")

@@ -6,18 +6,20 @@
 //! cargo run -p firmware --release --target thumbv7em-none-eabihf
 //! ```
 //!
-//! Exit status: 0 done, 1 it could not be done, 101 the image panicked.
+//! It logs with defmt on stdout, for `defmt-print -e IMAGE` or the example `emulate` of
+//! `cross-tests`, which does all of it for a log. Exit status: 0 done, 1 it could not be done, 101
+//! the image panicked; why is on stderr.
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(target_os = "none")]
+use defmt_semihosting as _;
 
 #[cfg(target_os = "none")]
 #[cortex_m_rt::entry]
 fn main() -> ! {
     semihosting::process::exit(match firmware::replay::run() {
-        Ok(summary) => {
-            semihosting::println!("{summary}");
-            0
-        }
+        Ok(()) => 0,
         Err(problem) => {
             semihosting::eprintln!("{problem}");
             1

@@ -1,0 +1,52 @@
+//! CAN controllers: what they take, and what becomes of it.
+
+use crate::inbox::{Input, Sender};
+use embassy_stm32::can::filter::{ExtendedFilter, StandardFilter};
+use embassy_stm32::can::{Can, CanConfigurator, CanRx, config, filter};
+use embassy_time::{Duration, Timer};
+use estimator_core::Instant;
+
+/// Bit rate of J1939-11 and NMEA 2000.
+const BITS_PER_SECOND: u32 = 250_000;
+/// Rest after an error of the bus, which may last: an interrupt that finds it again and again would
+/// leave no time for anything else.
+const AFTER_ERROR: Duration = Duration::from_millis(10);
+
+/// Has a controller take all frames with long identifiers, which are all that J1939 and NMEA 2000
+/// have. After bus-off it comes back by itself, as ISO 11898-1 allows it: after 128 times eleven
+/// recessive bits.
+pub fn configure(mut can: CanConfigurator<'static>) -> Can<'static> {
+    let properties = can.properties();
+    properties.set_standard_filter(filter::StandardFilterSlot::_0, StandardFilter::reject_all());
+    properties.set_extended_filter(
+        filter::ExtendedFilterSlot::_0,
+        ExtendedFilter::accept_all_into_fifo0(),
+    );
+    can.set_config(
+        config::FdCanConfig::default()
+            .set_automatic_bus_off_recovery(true)
+            .set_timestamp_source(config::TimestampSource::Prescaler(
+                config::TimestampPrescaler::_1,
+            )),
+    );
+    can.set_bitrate(BITS_PER_SECOND);
+    can.into_normal_mode()
+}
+
+/// Takes frames off a controller into the inbox, for ever.
+#[embassy_executor::task(pool_size = 2)]
+pub async fn receive(mut can: CanRx<'static>, inbox: &'static Sender) {
+    loop {
+        match can.read().await {
+            Ok(envelope) => {
+                let (frame, time) = envelope.parts();
+                let time = Instant::from_micros(time.as_micros());
+                inbox.put(Input::Frame(time, frame));
+            }
+            Err(error) => {
+                defmt::debug!("bus error: {}", error);
+                Timer::after(AFTER_ERROR).await;
+            }
+        }
+    }
+}

@@ -1,0 +1,75 @@
+//! What outlasts a power cycle, in the last 16 KB of flash.
+//!
+//! | offset   | length | what                                                                     |
+//! |----------|--------|--------------------------------------------------------------------------|
+//! | 0x7_C000 | 2 KB   | the vehicle, flashed from a host as [`firmware::exchange::vehicle`] codes it |
+//! | 0x7_D000 | 12 KB  | what the last drive left, again and again: pages wear evenly             |
+//!
+//! All of it lies in the second bank of the flash and the image in the first, so that the image runs
+//! on while a page is erased.
+
+use embassy_embedded_hal::adapter::BlockingAsync;
+use embassy_stm32::Peri;
+use embassy_stm32::flash::{Blocking, Flash};
+use embassy_stm32::peripherals::FLASH;
+use estimator_core::{Kept, VehicleParameters};
+use firmware::exchange::vehicle::{self, VEHICLE_BYTES};
+use sequential_storage::cache::{Cache, Uncached};
+use sequential_storage::map::{MapConfig, MapStorage};
+
+const VEHICLE_OFFSET: u32 = 0x7_C000;
+const KEPT_RANGE: core::ops::Range<u32> = 0x7_D000..0x8_0000;
+/// There is one item.
+const KEPT_KEY: u8 = 0;
+/// Room for the item with its key.
+const BUFFER: usize = 64;
+
+type Storage = MapStorage<
+    u8,
+    BlockingAsync<Flash<'static, Blocking>>,
+    Cache<Uncached, Uncached, Uncached, u8>,
+>;
+
+/// The flash behind the image.
+pub struct Store {
+    vehicle: Option<VehicleParameters>,
+    kept: Storage,
+}
+
+impl Store {
+    /// Reads the vehicle.
+    pub fn new(flash: Peri<'static, FLASH>) -> Self {
+        let mut flash = Flash::new_blocking(flash);
+        let mut header = [0; VEHICLE_BYTES];
+        let read = flash.blocking_read(VEHICLE_OFFSET, &mut header);
+        let vehicle = read.ok().and_then(|()| vehicle::decode(&header));
+        let config = MapConfig::new(KEPT_RANGE);
+        Self {
+            vehicle,
+            kept: MapStorage::new(BlockingAsync::new(flash), config, Cache::new_uncached()),
+        }
+    }
+
+    /// The vehicle; `None` if none was flashed.
+    pub fn vehicle(&self) -> Option<&VehicleParameters> {
+        self.vehicle.as_ref()
+    }
+
+    /// What the last drive left; `None` if there is nothing, or nothing that is sound.
+    pub async fn kept(&mut self) -> Option<Kept> {
+        let mut buffer = [0; BUFFER];
+        let bytes: &[u8] = self.kept.fetch_item(&mut buffer, &KEPT_KEY).await.ok()??;
+        Kept::from_bytes(bytes).ok()
+    }
+
+    /// Keeps what this drive leaves. False if the flash refuses it.
+    pub async fn keep(&mut self, kept: &Kept) -> bool {
+        let mut buffer = [0; BUFFER];
+        let bytes: [u8; Kept::LEN] = kept.to_bytes();
+        let stored = self
+            .kept
+            .store_item(&mut buffer, &KEPT_KEY, &bytes.as_slice())
+            .await;
+        stored.is_ok()
+    }
+}

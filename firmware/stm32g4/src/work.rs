@@ -1,0 +1,133 @@
+//! The estimator at work: takes what arrived, sends what it knows, keeps what it learned.
+
+use crate::inbox::{Input, Receiver};
+use crate::store::Store;
+use embassy_futures::select::select;
+use embassy_stm32::can::{CanTx, Frame, Properties};
+use embassy_stm32::peripherals::IWDG;
+use embassy_stm32::wdg::IndependentWatchdog;
+use embassy_time::{Duration, Ticker, with_timeout};
+use estimator_core::{Estimator, Step, Tuning, broadcast};
+use static_cell::StaticCell;
+
+/// J1939 source address of this controller: one that is free for any use on the vehicle.
+const SOURCE: u8 = 0xFE;
+/// How often the estimate is sent.
+const PERIOD: Duration = Duration::from_millis(100);
+/// Longest wait for a mailbox: on a bus that is off, frames are dropped.
+const SENDING: Duration = Duration::from_millis(5);
+/// Ticks without a new cell after which the vehicle stands, 10 s, and cells since the last time,
+/// 1 km, after which it is worth a write.
+const STANDS_TICKS: u32 = 100;
+const WORTH_CELLS: u32 = 400;
+
+/// Too large for a stack, and in `.bss` its size can be read off the image.
+static ESTIMATOR: StaticCell<Estimator<f32>> = StaticCell::new();
+
+/// The estimator of the vehicle that was flashed, with what the last drive left; `None`, and said
+/// why, without a vehicle that can be.
+pub async fn estimator(store: &mut Store) -> Option<&'static mut Estimator<f32>> {
+    let Some(vehicle) = store.vehicle().cloned() else {
+        defmt::error!("no vehicle is flashed: nothing will be estimated");
+        return None;
+    };
+    if let Some(kept) = store.kept().await {
+        match Estimator::with_kept(vehicle.clone(), Tuning::default(), &kept) {
+            Ok(estimator) => return Some(ESTIMATOR.init(estimator)),
+            Err(problem) => defmt::warn!("the last drive is not used: {}", problem),
+        }
+    }
+    match Estimator::new(vehicle, Tuning::default()) {
+        Ok(estimator) => Some(ESTIMATOR.init(estimator)),
+        Err(problem) => {
+            defmt::error!("no such vehicle: {}", problem);
+            None
+        }
+    }
+}
+
+/// Works, for ever.
+pub async fn run(
+    mut estimator: Option<&'static mut Estimator<f32>>,
+    mut inbox: Receiver,
+    mut sender: CanTx<'static>,
+    bus: Properties,
+    mut store: Store,
+    mut watchdog: IndependentWatchdog<'static, IWDG>,
+) -> ! {
+    watchdog.unleash();
+    let mut ticker = Ticker::every(PERIOD);
+    let mut stop = Stop::default();
+    let mut lost = 0;
+    loop {
+        let woken = select(ticker.next(), inbox.arrived()).await;
+        while let Some(input) = inbox.take() {
+            if let Some(estimator) = estimator.as_deref_mut() {
+                take(estimator, &input);
+                while let Some(cell) = estimator.next_cell() {
+                    send(&mut sender, broadcast::cell(&cell, SOURCE)).await;
+                }
+            }
+        }
+        if woken.is_second() {
+            continue;
+        }
+        watchdog.pet();
+        let live = estimator.as_deref().and_then(Estimator::live);
+        send(&mut sender, broadcast::live(live.as_ref(), SOURCE)).await;
+        if inbox.lost() != lost {
+            lost = inbox.lost();
+            defmt::warn!("{} inputs found the queue full", lost);
+        }
+        if let Some(estimator) = estimator.as_deref()
+            && stop.is_worth_keeping(estimator.live().map_or(0, |live| live.place.cell))
+            && let Some(kept) = estimator.kept()
+        {
+            let stored = store.keep(&kept).await;
+            defmt::info!("kept: {}, bus {}", stored, bus.bus_error_mode());
+            defmt::info!("{}", estimator.counters());
+        }
+    }
+}
+
+fn take(estimator: &mut Estimator<f32>, input: &Input) {
+    match input {
+        Input::Frame(time, frame) => estimator.on_frame(*time, frame),
+        Input::Reading(time, reading) => estimator.on_reading(*time, *reading),
+    };
+    while let Some(step) = estimator.step() {
+        if let Step::Moved(Some(event)) = step {
+            defmt::info!("{}", event);
+        }
+    }
+}
+
+async fn send(sender: &mut CanTx<'static>, frame: Option<Frame>) {
+    if let Some(frame) = frame {
+        let _ = with_timeout(SENDING, sender.write(&frame)).await;
+    }
+}
+
+/// When the vehicle stands, and what it learned since it did last.
+#[derive(Default)]
+struct Stop {
+    cell: u32,
+    ticks: u32,
+    kept_cell: u32,
+}
+
+impl Stop {
+    /// At each tick, with the newest cell; true once at each stop that is worth it.
+    fn is_worth_keeping(&mut self, cell: u32) -> bool {
+        if cell != self.cell {
+            (self.cell, self.ticks) = (cell, 0);
+            return false;
+        }
+        self.ticks = self.ticks.saturating_add(1);
+        let is_worth = self.ticks == STANDS_TICKS && cell - self.kept_cell >= WORTH_CELLS;
+        if is_worth {
+            self.kept_cell = cell;
+        }
+        is_worth
+    }
+}

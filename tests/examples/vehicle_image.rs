@@ -1,0 +1,38 @@
+//! A vehicle file as a board reads it from its flash:
+//!
+//!     cargo run --release -p cross-tests --example vehicle_image -- V.toml VEHICLE.bin
+
+use clap::Parser;
+use firmware::exchange::vehicle;
+use host_sim::error::Result;
+use host_sim::output::write_whole;
+use host_sim::vehicle_file::VehicleFile;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Codes a vehicle file for a board's flash.
+#[derive(Debug, Parser)]
+struct Args {
+    /// The vehicle.
+    #[arg(value_name = "V.toml")]
+    vehicle: PathBuf,
+    /// What is to be flashed.
+    #[arg(value_name = "VEHICLE.bin")]
+    image: PathBuf,
+}
+
+fn main() -> ExitCode {
+    match run(&Args::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("{error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(args: &Args) -> Result<()> {
+    let vehicle = VehicleFile::read(&args.vehicle)?;
+    let image = vehicle::encode(&vehicle.parameters);
+    write_whole(&args.image, |out| out.write_all(&image))
+}
