@@ -2,10 +2,11 @@
 //!
 //!     cargo run --release -p cross-tests --example emulate -- --vehicle V.toml --out CELLS.csv LOG
 //!
-//! builds the image, hands it the frames, shows what it logs, and writes its cells.
+//! builds the image, hands it the frames, shows what it logs, compares its cells with those of the
+//! estimator on this machine, bit for bit, and writes them.
 
 use clap::Parser;
-use cross_tests::emulator::{drive_file, missing, replay};
+use cross_tests::emulator::{drive_file, missing, on_host, replay};
 use estimator_core::Cell;
 use firmware::exchange::cell::{self, CELL_BYTES};
 use host_sim::error::{Error, Result};
@@ -65,6 +66,15 @@ fn run(args: &Args) -> Result<()> {
         return Err(Error::content(&args.log, ended.stderr));
     }
     let cells = ended.cells.unwrap_or_default();
+    let on_host: Vec<u8> = on_host(&vehicle.parameters, &frames)
+        .iter()
+        .flat_map(cell::encode)
+        .collect();
+    if cells != on_host {
+        let problem = "the board's cells are not those of this machine";
+        return Err(Error::content(&args.log, problem.to_owned()));
+    }
+    println!("each cell is that of this machine, bit for bit");
     write_whole(&args.out, |out| {
         writeln!(
             out,

@@ -3,11 +3,12 @@
 use crate::image::root;
 use assert_cmd::Command;
 use defmt_decoder::Table;
-use estimator_core::VehicleParameters;
+use estimator_core::{Cell, Estimator, Tuning, VehicleParameters};
 use firmware::exchange::{CELLS_FILE, DRIVE_FILE, frame, vehicle};
 use host_sim::error::{Error, Result};
 use host_sim::source::can_frame::TimedFrame;
 use std::ffi::CStr;
+use std::iter::from_fn;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 use std::{env, fs, process};
@@ -101,6 +102,25 @@ fn logged(bytes: &[u8]) -> Vec<String> {
         lines.push(frame.display_message().to_string());
     }
     lines
+}
+
+/// The cells of this machine for the same drive, in single precision as well.
+///
+/// # Panics
+/// For a vehicle that cannot be.
+#[must_use]
+pub fn on_host(vehicle: &VehicleParameters, frames: &[TimedFrame]) -> Vec<Cell> {
+    let mut estimator =
+        Estimator::<f32>::new(vehicle.clone(), Tuning::default()).expect("a vehicle that can be");
+    let mut cells = Vec::new();
+    for timed in frames {
+        estimator.on_frame(timed.time, &timed.frame);
+        while estimator.step().is_some() {
+            cells.extend(from_fn(|| estimator.next_cell()));
+        }
+    }
+    cells.extend(from_fn(|| estimator.drain_cell()));
+    cells
 }
 
 /// Starts an image on a machine that counts instructions (`firmware::meter`), with `drive` for

@@ -1,26 +1,11 @@
 //! The image on the emulated board computes what the host computes, bit for bit.
 
 use cross_tests::drive::{drive, truck, truck_with_every_effect};
-use cross_tests::emulator::{drive_file, missing, replay};
-use estimator_core::{Cell, Estimator, Tuning, VehicleParameters};
+use cross_tests::emulator::{drive_file, missing, on_host, replay};
+use estimator_core::{Cell, VehicleParameters};
 use firmware::exchange::cell::{self, CELL_BYTES};
 use firmware::exchange::frame::FRAME_BYTES;
 use firmware::exchange::vehicle::VEHICLE_BYTES;
-use host_sim::source::can_frame::TimedFrame;
-use std::iter::from_fn;
-
-fn on_host(vehicle: VehicleParameters, frames: &[TimedFrame]) -> Vec<Cell> {
-    let mut estimator = Estimator::<f32>::new(vehicle, Tuning::default()).unwrap();
-    let mut cells = Vec::new();
-    for timed in frames {
-        estimator.on_frame(timed.time, &timed.frame);
-        while estimator.step().is_some() {
-            cells.extend(from_fn(|| estimator.next_cell()));
-        }
-    }
-    cells.extend(from_fn(|| estimator.drain_cell()));
-    cells
-}
 
 /// Whether the board cannot be emulated here; says so.
 fn board_is_missing() -> bool {
@@ -43,7 +28,7 @@ fn every_cell_is_that_of_the_host() {
 
 fn compare(vehicle: &VehicleParameters) {
     let frames = drive();
-    let expected = on_host(vehicle.clone(), &frames);
+    let expected = on_host(vehicle, &frames);
     let ended = replay(Some(&drive_file(vehicle, &frames)));
     assert_eq!(ended.status, Some(0), "{}", ended.stderr);
 
@@ -76,7 +61,7 @@ fn compare(vehicle: &VehicleParameters) {
 /// What is compared has to be worth it.
 #[test]
 fn the_drive_reaches_every_kind_of_cell() {
-    let cells = on_host(truck(), &drive());
+    let cells = on_host(&truck(), &drive());
     let count = |what: fn(&Cell) -> bool| cells.iter().filter(|cell| what(cell)).count();
     assert!(cells.len() > 800, "{} cells", cells.len());
     assert!(count(|cell| cell.place.condition.shifting) > 5);
