@@ -34,6 +34,7 @@ pub mod update;
 
 pub use backward::{Backward, Passage};
 pub use covariance::Covariance;
+pub use doubt::Felt;
 pub use gate::AltitudeEvent;
 pub use learned::SensorNoise;
 pub use prior::SlowStates;

@@ -1,5 +1,6 @@
 //! One cell of driving: the vehicle and the noise in numbers.
 
+use super::doubt::Felt;
 use super::motion::Motion;
 use super::state::{BIAS, ENERGY, GNSS_ERROR, SCALE, SLOPE_RATE, State, WIND};
 use crate::sampler::Sample;
@@ -57,8 +58,7 @@ fn drag_n(vehicle: &VehicleParameters, sample: &Sample) -> f32 {
 
 impl<S: Scalar> Transition<S> {
     /// The step over the cell of `sample`, from a state if there is one, with the variance of the
-    /// GNSS error `gnss_error_spread` times what the tuning says, and `doubt` more of the bias, %²:
-    /// what is not sure of effects.
+    /// GNSS error `gnss_error_spread` times what the tuning says.
     ///
     /// A cruise control answers the road: its force is no input from outside, and regressing the
     /// speed on it (with the slope as the noise) would pull the scale towards zero, the more the
@@ -74,14 +74,14 @@ impl<S: Scalar> Transition<S> {
         sample: &Sample,
         from: Option<&State<S>>,
         gnss_error_spread: f32,
-        doubt: f32,
+        felt: Felt,
     ) -> Self {
         let length_m = sample.length_m;
         let balance = vehicle.force_balance(&sample.load);
         let drag = balance.drag * length_m;
         let gravity = balance.gravity * length_m;
         let accelerated_kg = sample.load.mass_kg + sample.load.rotating_kg;
-        let effects = vehicle.effects.force_n(vehicle, sample) / accelerated_kg;
+        let effects = felt.force_n / accelerated_kg;
 
         let force_percent = 100.0 * tuning.force_noise_n / (sample.load.mass_kg * GRAVITY);
         let model_percent = if sample.place.condition.is_valid() {
@@ -146,7 +146,7 @@ impl<S: Scalar> Transition<S> {
             noise: Noise {
                 energy: S::from_f32(energy_sigma * energy_sigma),
                 slope_rate: S::from_f32(rate_noise),
-                bias: S::from_f32(bias_noise + doubt),
+                bias: S::from_f32(bias_noise + felt.doubt),
                 wind: S::from_f32(wind_noise),
                 scale: S::from_f32(walk * walk * length_m * 0.001),
                 gnss_error: S::from_f32(gnss_noise),
