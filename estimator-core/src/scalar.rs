@@ -39,6 +39,11 @@ pub trait Scalar:
     /// Neither infinite nor "not a number".
     fn is_finite(self) -> bool;
 
+    /// None of them infinite or "not a number".
+    fn are_finite(values: &[Self]) -> bool {
+        values.iter().all(|value| value.is_finite())
+    }
+
     /// The larger of two.
     #[must_use]
     fn max(self, other: Self) -> Self {
@@ -98,6 +103,14 @@ macro_rules! float_scalar {
             #[inline]
             fn is_finite(self) -> bool {
                 self.is_finite()
+            }
+
+            #[inline]
+            fn are_finite(values: &[Self]) -> bool {
+                // Nought times one that is not is none, and so is every sum with it: without a
+                // branch for each.
+                let nought: Self = values.iter().map(|value| 0.0 * value).sum();
+                nought == 0.0
             }
         }
     };
