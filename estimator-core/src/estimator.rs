@@ -128,15 +128,14 @@ impl<S: Scalar> Estimator<S> {
 
     /// Moves the filter over one cell; `None` if none is ready. Call it until it says so.
     pub fn step(&mut self) -> Option<Step> {
-        let sample = self.intake.next_sample()?;
-        self.sample = Some(sample);
+        let sample = self.sample.insert(self.intake.next_sample()?);
         let Intake {
             vehicle,
             tuning,
             counters,
             ..
         } = &mut self.intake;
-        let Some(record) = self.filter.step(vehicle, tuning, &sample, counters) else {
+        let Some(record) = self.filter.step(vehicle, tuning, sample, counters) else {
             return Some(Step::Skipped);
         };
         self.place = record.place;
