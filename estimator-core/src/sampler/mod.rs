@@ -20,10 +20,10 @@ use crate::effect::Acts;
 use crate::signal::{Reading, Signal};
 use crate::time::Instant;
 use crate::tuning::Tuning;
-use crate::vehicle::{Load, Traction, VehicleParameters, air_density};
+use crate::vehicle::{Driveline, Load, Traction, VehicleParameters, air_density};
 pub use circumstances::Circumstances;
 use circumstances::CircumstancesInput;
-use driveline::DrivelineInput;
+use driveline::{DrivelineInput, Passage};
 use gnss::{FixOutcome, Gnss};
 use heapless::Deque;
 use latest::Latest;
@@ -102,6 +102,7 @@ pub struct Sample {
 #[derive(Clone, Debug)]
 pub struct Sampler {
     driveline: DrivelineInput,
+    passage: Passage,
     traction: TractionInput,
     switches: Switches,
     slowing: Slowing,
@@ -127,6 +128,7 @@ impl Sampler {
     pub fn new() -> Self {
         Self {
             driveline: DrivelineInput::default(),
+            passage: Passage::UNKNOWN,
             traction: TractionInput::new(),
             switches: Switches::default(),
             slowing: Slowing::default(),
@@ -174,8 +176,7 @@ impl Sampler {
             | Signal::ClutchSwitch
             | Signal::GearRatio
             | Signal::CurrentGear => {
-                self.driveline.record(now, reading.signal, value);
-                self.follow_driveline(vehicle, tuning, now, self.odometer.speed_mps());
+                self.driveline(vehicle, tuning, now, reading.signal, value);
             }
             Signal::BrakeSwitch
             | Signal::BrakePedal
@@ -232,6 +233,26 @@ impl Sampler {
         }
     }
 
+    /// Takes a reading of the driveline. Most repeat what was told before: then only the hold time
+    /// of what goes on begins anew.
+    fn driveline(
+        &mut self,
+        vehicle: &VehicleParameters,
+        tuning: &Tuning,
+        now: Instant,
+        signal: Signal,
+        value: Option<f32>,
+    ) {
+        let changed = self.driveline.record(now, signal, value);
+        let counts = signal != Signal::EngineSpeed || self.passage.asks_engine_speed;
+        // Of an open one the torque tells whether it coasts.
+        if changed && counts || self.passage.driveline == Driveline::Open {
+            self.follow_driveline(vehicle, tuning, now, self.odometer.speed_mps());
+        } else if self.passage.in_transit {
+            self.switches.driveline_in_transit(tuning, now);
+        }
+    }
+
     /// What the driveline passes now, and what its changes disturb.
     fn follow_driveline(
         &mut self,
@@ -248,6 +269,7 @@ impl Sampler {
         if changed || passage.in_transit {
             self.switches.driveline_in_transit(tuning, now);
         }
+        self.passage = passage;
     }
 
     fn speed(

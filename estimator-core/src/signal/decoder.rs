@@ -134,12 +134,7 @@ impl Default for Decoder {
 
 /// Hands out the readings of a payload, all or none; false if it is too short.
 fn read(message: &Message, payload: &[u8], mut sink: impl FnMut(Reading)) -> bool {
-    let end = message
-        .fields
-        .iter()
-        .map(|f| f.start_bit + u16::from(f.bits))
-        .max();
-    if payload.len() * 8 < usize::from(end.unwrap_or(0)) {
+    if payload.len() * 8 < usize::from(message.end_bit) {
         return false;
     }
     for field in message.fields {

@@ -76,20 +76,18 @@ impl FastPackets {
         else {
             return Assembly::OutOfOrder;
         };
-        match place.take() {
-            Some(mut slot) if slot.next_frame == frame => {
-                slot.next_frame += 1;
-                slot.append(rest);
-                if slot.is_whole() {
-                    whole(slot.payload());
-                    Assembly::Complete
-                } else {
-                    *place = Some(slot);
-                    Assembly::Partial
-                }
-            }
-            _ => Assembly::OutOfOrder,
+        let Some(slot) = place.as_mut().filter(|slot| slot.next_frame == frame) else {
+            *place = None;
+            return Assembly::OutOfOrder;
+        };
+        slot.next_frame += 1;
+        slot.append(rest);
+        if !slot.is_whole() {
+            return Assembly::Partial;
         }
+        whole(slot.payload());
+        *place = None;
+        Assembly::Complete
     }
 
     fn keep(&mut self, slot: Slot, whole: impl FnOnce(&[u8])) -> Assembly {

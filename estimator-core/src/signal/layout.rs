@@ -37,6 +37,8 @@ pub(super) struct Message {
     pub name: &'static str,
     pub priority: u8,
     pub length: u8,
+    /// Where the last field ends.
+    pub end_bit: u16,
     pub convention: Convention,
     pub fields: &'static [Field],
 }
@@ -86,32 +88,43 @@ pub fn messages() -> impl Iterator<Item = MessageInfo> {
 impl Field {
     /// The value in `payload`; `None` if the payload ends before the field does.
     pub(super) fn read(&self, convention: Convention, payload: &[u8]) -> Option<Value> {
-        let raw = self.raw(payload)?;
+        let rest = payload.get(usize::from(self.start_bit / 8)..)?;
+        if self.bits > 32 {
+            return rest
+                .first_chunk()
+                .map(|bytes| self.wide(i64::from_le_bytes(*bytes)));
+        }
+        // In words of four bytes, as a controller has them.
+        let word = match rest.first_chunk() {
+            Some(bytes) => u32::from_le_bytes(*bytes),
+            None => rest
+                .iter()
+                .rev()
+                .fold(0, |word, byte| (word << 8) | u32::from(*byte)),
+        };
+        let unused = 32 - u32::from(self.bits);
+        let raw = (word >> (self.start_bit % 8)) & (u32::MAX >> unused);
         Some(match self.code(convention, raw) {
             Some(code) => code,
-            None => self.physical(raw),
+            None if self.signed => {
+                let number = ((raw << unused) as i32) >> unused;
+                self.physical(number as f32, || number.into())
+            }
+            None => self.physical(raw as f32, || raw.into()),
         })
     }
 
-    /// The raw bits, zero-extended.
-    fn raw(&self, payload: &[u8]) -> Option<u64> {
-        let first = usize::from(self.start_bit / 8);
-        let shift = u32::from(self.start_bit % 8);
-        let bytes = (usize::from(self.bits) + shift as usize).div_ceil(8);
-        let window = payload.get(first..first + bytes)?;
-        let word = window
-            .iter()
-            .rev()
-            .fold(0_u64, |word, byte| (word << 8) | u64::from(*byte));
-        Some((word >> shift) & self.mask())
+    /// The value of eight bytes, which only NMEA 2000 has, and signed.
+    fn wide(&self, number: i64) -> Value {
+        match i64::MAX - number.max(0) {
+            0 => Value::NotAvailable,
+            1 | 2 => Value::Error,
+            _ => self.physical(number as f32, || number),
+        }
     }
 
-    const fn mask(&self) -> u64 {
-        u64::MAX >> (64 - self.bits as u32)
-    }
-
-    fn code(&self, convention: Convention, raw: u64) -> Option<Value> {
-        let mask = self.mask();
+    fn code(&self, convention: Convention, raw: u32) -> Option<Value> {
+        let mask = self.mask() as u32;
         match (convention, self.bits) {
             // Two bits: 10 error, 11 not available; the measurement is 00 or 01.
             (Convention::J1939, 2) => match raw {
@@ -141,16 +154,12 @@ impl Field {
         }
     }
 
-    fn physical(&self, raw: u64) -> Value {
-        let unused = 64 - u32::from(self.bits);
-        let number = if self.signed {
-            ((raw << unused) as i64) >> unused
-        } else {
-            raw as i64
-        };
+    /// The value of a number, as it is next to, and as it is.
+    fn physical(&self, nearest: f32, exact: impl FnOnce() -> i64) -> Value {
         match self.scaling {
-            Scaling::Real { scale, offset } => Value::Real(number as f32 * scale + offset),
+            Scaling::Real { scale, offset } => Value::Real(nearest * scale + offset),
             Scaling::DegreesE7 { divisor, offset } => {
+                let number = exact();
                 let half = if number < 0 {
                     -divisor / 2
                 } else {
@@ -163,6 +172,10 @@ impl Field {
                 }
             }
         }
+    }
+
+    const fn mask(&self) -> u64 {
+        u64::MAX >> (64 - self.bits as u32)
     }
 
     /// Writes `value` into `payload`, the nearest raw number that is a measurement.
