@@ -44,7 +44,7 @@ fn main() {
         )
         .unwrap();
         for signal in &message.signals {
-            writeln!(code, "    {},", field(message, signal)).unwrap();
+            writeln!(code, "    {},", field(message, convention, signal)).unwrap();
         }
         writeln!(code, "] }},").unwrap();
     }
@@ -85,7 +85,7 @@ fn end_bit(message: &Message) -> u64 {
 }
 
 /// One table entry; the units of the file become those of `Signal`.
-fn field(message: &Message, signal: &Signal) -> String {
+fn field(message: &Message, convention: &str, signal: &Signal) -> String {
     assert!(
         signal.byte_order == ByteOrder::LittleEndian,
         "{}.{}: J1939 and NMEA 2000 are little endian",
@@ -100,7 +100,7 @@ fn field(message: &Message, signal: &Signal) -> String {
     );
     assert!(
         match signal.size {
-            1..=25 => true,
+            2..=25 => true,
             32 => signal.start_bit % 8 == 0,
             64 => signal.start_bit % 8 == 0 && signal.value_type == ValueType::Signed,
             _ => false,
@@ -131,7 +131,7 @@ fn field(message: &Message, signal: &Signal) -> String {
         )
     };
     format!(
-        "Field {{ signal: Signal::{}, start_bit: {}, bits: {}, signed: {}, scaling: {scaling} }}",
+        "Field::new(Convention::{convention}, Signal::{}, {}, {}, {}, {scaling})",
         signal.name,
         signal.start_bit,
         signal.size,

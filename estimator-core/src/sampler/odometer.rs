@@ -53,7 +53,9 @@ pub(super) struct Odometer {
 impl Odometer {
     /// Something was heard: distance counts from the first frame, not from the first speed.
     pub(super) fn start(&mut self, now: Instant) {
-        self.started.get_or_insert(now);
+        if self.started.is_none() {
+            self.started = Some(now);
+        }
     }
 
     /// The last speed, m/s.

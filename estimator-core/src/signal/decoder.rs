@@ -138,7 +138,7 @@ fn read(message: &Message, payload: &[u8], mut sink: impl FnMut(Reading)) -> boo
         return false;
     }
     for field in message.fields {
-        if let Some(value) = field.read(message.convention, payload) {
+        if let Some(value) = field.read(payload) {
             sink(Reading {
                 signal: field.signal,
                 value,

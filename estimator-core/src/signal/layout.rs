@@ -24,10 +24,47 @@ pub(super) enum Scaling {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Field {
     pub signal: Signal,
-    pub start_bit: u16,
-    pub bits: u8,
-    pub signed: bool,
-    pub scaling: Scaling,
+    /// Byte in which it begins, and the bit there.
+    first_byte: u8,
+    shift: u8,
+    bits: u8,
+    signed: bool,
+    /// Raw numbers from which on it is an error or "not available", up to the largest, which of a
+    /// signed one is half as large. Not used beyond four bytes.
+    error_from: u32,
+    not_available_from: u32,
+    scaling: Scaling,
+}
+
+impl Field {
+    const fn new(
+        convention: Convention,
+        signal: Signal,
+        start_bit: u16,
+        bits: u8,
+        signed: bool,
+        scaling: Scaling,
+    ) -> Self {
+        let largest = (u64::MAX >> (64 - bits)) as u32 >> signed as u32;
+        let (error_from, not_available_from) = match convention {
+            // Two bits: 10 error, 11 not available; the measurement is 00 or 01. Up to a byte
+            // likewise.
+            _ if bits < 8 => (largest - 1, largest),
+            // The head byte tells: FF not available, FE error, FB to FD reserved.
+            Convention::J1939 => (0xfb << (bits - 8), 0xff << (bits - 8)),
+            Convention::Nmea2000 => (largest - 2, largest),
+        };
+        Self {
+            signal,
+            first_byte: (start_bit / 8) as u8,
+            shift: (start_bit % 8) as u8,
+            bits,
+            signed,
+            error_from,
+            not_available_from,
+            scaling,
+        }
+    }
 }
 
 /// One message: a parameter group with the fields of interest.
@@ -87,8 +124,8 @@ pub fn messages() -> impl Iterator<Item = MessageInfo> {
 
 impl Field {
     /// The value in `payload`; `None` if the payload ends before the field does.
-    pub(super) fn read(&self, convention: Convention, payload: &[u8]) -> Option<Value> {
-        let rest = payload.get(usize::from(self.start_bit / 8)..)?;
+    pub(super) fn read(&self, payload: &[u8]) -> Option<Value> {
+        let rest = payload.get(usize::from(self.first_byte)..)?;
         if self.bits > 32 {
             return rest
                 .first_chunk()
@@ -103,14 +140,16 @@ impl Field {
                 .fold(0, |word, byte| (word << 8) | u32::from(*byte)),
         };
         let unused = 32 - u32::from(self.bits);
-        let raw = (word >> (self.start_bit % 8)) & (u32::MAX >> unused);
-        Some(match self.code(convention, raw) {
-            Some(code) => code,
-            None if self.signed => {
-                let number = ((raw << unused) as i32) >> unused;
-                self.physical(number as f32, || number.into())
-            }
-            None => self.physical(raw as f32, || raw.into()),
+        let raw = (word >> self.shift) << unused >> unused;
+        let number = ((raw << unused) as i32) >> unused;
+        Some(if self.signed && number < 0 {
+            self.physical(number as f32, || number.into())
+        } else if raw < self.error_from {
+            self.physical(raw as f32, || raw.into())
+        } else if raw < self.not_available_from {
+            Value::Error
+        } else {
+            Value::NotAvailable
         })
     }
 
@@ -120,37 +159,6 @@ impl Field {
             0 => Value::NotAvailable,
             1 | 2 => Value::Error,
             _ => self.physical(number as f32, || number),
-        }
-    }
-
-    fn code(&self, convention: Convention, raw: u32) -> Option<Value> {
-        let mask = self.mask() as u32;
-        match (convention, self.bits) {
-            // Two bits: 10 error, 11 not available; the measurement is 00 or 01.
-            (Convention::J1939, 2) => match raw {
-                2 => Some(Value::Error),
-                3 => Some(Value::NotAvailable),
-                _ => None,
-            },
-            (_, 1..=7) => match mask - raw {
-                0 => Some(Value::NotAvailable),
-                1 => Some(Value::Error),
-                _ => None,
-            },
-            // The head byte tells: FF not available, FE error, FB to FD reserved.
-            (Convention::J1939, bits) => match raw >> (bits - 8) {
-                0xff => Some(Value::NotAvailable),
-                0xfb..=0xfe => Some(Value::Error),
-                _ => None,
-            },
-            (Convention::Nmea2000, _) => {
-                let top = if self.signed { mask >> 1 } else { mask };
-                match top.checked_sub(raw) {
-                    Some(0) => Some(Value::NotAvailable),
-                    Some(1 | 2) => Some(Value::Error),
-                    _ => None,
-                }
-            }
         }
     }
 
@@ -204,8 +212,8 @@ impl Field {
             Value::Error if self.signed => (mask >> 1) - 1,
             Value::Error => mask - 1,
         };
-        let first = usize::from(self.start_bit / 8);
-        let shift = u32::from(self.start_bit % 8);
+        let first = usize::from(self.first_byte);
+        let shift = u32::from(self.shift);
         let bytes = (usize::from(self.bits) + shift as usize).div_ceil(8);
         for (k, byte) in payload.iter_mut().skip(first).take(bytes).enumerate() {
             let place = 8 * k as u32;

@@ -28,18 +28,25 @@ struct Holder {
     heard: Instant,
 }
 
+/// A source that no message has: there are not so many.
+const NOBODY: u16 = u16::MAX;
+
 /// The source heard for each signal.
 #[derive(Clone, Debug)]
 pub struct SourceLock {
-    holders: [Option<Holder>; Signal::ALL.len()],
+    holders: [Holder; Signal::ALL.len()],
 }
 
 impl SourceLock {
     /// Nobody heard yet.
     #[must_use]
     pub const fn new() -> Self {
+        let nobody = Holder {
+            source: NOBODY,
+            heard: Instant::ZERO,
+        };
         Self {
-            holders: [None; Signal::ALL.len()],
+            holders: [nobody; Signal::ALL.len()],
         }
     }
 
@@ -57,17 +64,18 @@ impl SourceLock {
             return Admission::Admitted;
         }
         let source = ((message as u16) << 8) | u16::from(address);
-        let Some(place) = self.holders.get_mut(signal as usize) else {
+        let Some(holder) = self.holders.get_mut(signal as usize) else {
             return Admission::Refused;
         };
-        let admission = match place {
-            None => Admission::Admitted,
-            Some(holder) if holder.source == source => Admission::Admitted,
-            Some(holder) if available && now.since(holder.heard) > TIMEOUT => Admission::Switched,
-            Some(_) => return Admission::Refused,
+        let admission = if holder.source == source || holder.source == NOBODY {
+            Admission::Admitted
+        } else if available && now.since(holder.heard) > TIMEOUT {
+            Admission::Switched
+        } else {
+            return Admission::Refused;
         };
         if available {
-            *place = Some(Holder { source, heard: now });
+            *holder = Holder { source, heard: now };
         }
         admission
     }
