@@ -28,6 +28,8 @@ struct Stretch {
     variance: f32,
     known: Correction,
     way: Way,
+    /// Part of the slow error that is left at its end, once another follows.
+    error_kept: Option<f32>,
 }
 
 /// What was known, at one place, of how the model errs.
@@ -76,6 +78,11 @@ pub(super) struct Way {
 }
 
 impl Way {
+    /// Part of the slow error that is left at its end.
+    fn error_kept(&self, fixed: &Fixed) -> f32 {
+        libm::expf(-self.duration_s / fixed.error_time_s)
+    }
+
     /// Followed by another.
     fn and(self, next: Self) -> Self {
         Self {
@@ -141,18 +148,23 @@ impl Climb {
     pub(super) fn compare(&self, fixed: &Fixed, way_m: f32) -> Option<Misfit> {
         let mut worst: Option<Misfit> = None;
         let mut way = Way::default();
+        let mut error_kept = 1.0;
         let (mut sum, mut count) = (0.0, 0.0);
         for stretch in self.stretches.iter().rev() {
             if way.length_m >= way_m {
                 break;
             }
             way = stretch.way.and(way);
+            error_kept *= stretch
+                .error_kept
+                .unwrap_or_else(|| stretch.way.error_kept(fixed));
             let known = &stretch.known;
             let bias_percent = known.bias_percent + known.wind_percent;
             let model_m =
                 way.climb_m - 0.01 * bias_percent * way.length_m + known.scale * way.load_climb_m;
             let difference_m = fixed.altitude_m - stretch.altitude_m - model_m;
-            let variance = stretch.variance + fixed.variance + stretch.variance_over(&way, fixed);
+            let variance =
+                stretch.variance + fixed.variance + stretch.variance_over(&way, error_kept, fixed);
             let normalised = difference_m * difference_m / variance;
             sum += normalised;
             count += 1.0;
@@ -175,13 +187,14 @@ impl Climb {
 
     /// Remembers a fix, if the last one that was lies a stretch behind.
     pub(super) fn remember(&mut self, cell: u32, fixed: &Fixed, known: Correction) {
-        if known.slope_variance > LARGEST_SIGMA_PERCENT * LARGEST_SIGMA_PERCENT
-            || self
-                .stretches
-                .back()
-                .is_some_and(|last| last.way.length_m < STRETCH_M)
-        {
+        if known.slope_variance > LARGEST_SIGMA_PERCENT * LARGEST_SIGMA_PERCENT {
             return;
+        }
+        if let Some(last) = self.stretches.back_mut() {
+            if last.way.length_m < STRETCH_M {
+                return;
+            }
+            last.error_kept = Some(last.way.error_kept(fixed));
         }
         if self.stretches.is_full() {
             self.stretches.pop_front();
@@ -193,15 +206,16 @@ impl Climb {
             variance: fixed.variance,
             known,
             way: Way::default(),
+            error_kept: None,
         });
     }
 }
 
 impl Stretch {
     /// Variance of the difference of the climbs that grows on the way from its start, m².
-    fn variance_over(&self, way: &Way, fixed: &Fixed) -> f32 {
+    fn variance_over(&self, way: &Way, error_kept: f32, fixed: &Fixed) -> f32 {
         // Of an Ornstein-Uhlenbeck process: 2 σ² (1 − exp(−t/τ)).
-        let turned = -libm::expm1f(-way.duration_s / fixed.error_time_s);
+        let turned = 1.0 - error_kept;
         // Of the mean of one that begins at a known value, for short ways: ⅔ σ² L/λ.
         let gusts = fixed.wind_variance * (way.length_m / fixed.wind_length_m).min(1.0);
         let per_percent = 0.01 * way.length_m;

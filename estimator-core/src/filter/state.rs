@@ -159,7 +159,7 @@ impl<S: Scalar> Look<S> {
         let slope = self.known();
         // Roads end far below 30 %.
         let sine = (slope.value * 0.01).clamp(-0.5, 0.5);
-        let cosine = libm::sqrtf(1.0 - sine * sine);
+        let cosine = Scalar::sqrt(1.0 - sine * sine);
         Uncertain {
             value: 100.0 * sine / cosine,
             sigma: slope.sigma / (cosine * cosine * cosine),

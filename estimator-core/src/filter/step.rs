@@ -8,7 +8,7 @@ use super::learned::{SensorNoise, Spread};
 use super::prior::{SlowStates, reopen, state_at_start};
 use super::record::{Link, Record, Trace};
 use super::state::{ALTITUDE, BIAS, ENERGY, GNSS_ERROR, SCALE, SLOPE, SLOPE_RATE, State, WIND};
-use super::transition::{Transition, wind_sigma};
+use super::transition::{Transition, wind_variance};
 use super::update::{Observation, Update};
 use crate::counters::Counters;
 use crate::sampler::{AltitudeMeasurement, Continuity, Sample, SpeedMeasurement};
@@ -246,7 +246,6 @@ fn judge<S: Scalar>(
         return (Verdict::MoveDatum, None);
     }
     let error_sigma_m = tuning.gnss_error_sigma_m;
-    let wind = wind_sigma(vehicle, tuning, sample);
     let judged = Judged {
         innovation: fix.innovation(state),
         variance: fix.innovation_variance(state),
@@ -256,7 +255,7 @@ fn judge<S: Scalar>(
             variance: fix.variance.to_f32(),
             error_variance: gate.error_spread() * error_sigma_m * error_sigma_m,
             error_time_s: tuning.gnss_error_time_s,
-            wind_variance: wind * wind,
+            wind_variance: wind_variance(vehicle, tuning, sample),
             wind_length_m: tuning.wind_length_m,
         },
         drifts: tuning.drift_sigmas * tuning.drift_sigmas,

@@ -30,24 +30,25 @@ struct Noise<S> {
     gnss_error: S,
 }
 
-/// Standard deviation of the bias for a vehicle at a speed, %.
+/// Variance of the bias for a vehicle at a speed, %².
 ///
 /// Wind and auxiliaries are forces and weigh less on a heavy vehicle; tyres and shape go with
 /// their resistance.
-pub(super) fn bias_sigma(vehicle: &VehicleParameters, tuning: &Tuning, sample: &Sample) -> f32 {
+pub(super) fn bias_variance(vehicle: &VehicleParameters, tuning: &Tuning, sample: &Sample) -> f32 {
     let weight_n = sample.load.mass_kg * GRAVITY;
     let force = tuning.bias_force_n / weight_n;
     let rolling = tuning.bias_rolling * vehicle.rolling_resistance;
     let drag = tuning.bias_drag * drag_n(vehicle, sample) / weight_n;
-    100.0 * libm::sqrtf(force * force + rolling * rolling + drag * drag)
+    1e4 * (force * force + rolling * rolling + drag * drag)
 }
 
-/// Standard deviation of what the wind's coming and going makes of air resistance, %.
-pub(super) fn wind_sigma(vehicle: &VehicleParameters, tuning: &Tuning, sample: &Sample) -> f32 {
+/// Variance of what the wind's coming and going makes of air resistance, %².
+pub(super) fn wind_variance(vehicle: &VehicleParameters, tuning: &Tuning, sample: &Sample) -> f32 {
     let weight_n = sample.load.mass_kg * GRAVITY;
     let speed = sample.place.speed_mps;
     let per_mps_n = vehicle.drag_area_m2 * sample.load.air_density * speed;
-    100.0 * per_mps_n * tuning.wind_sigma_mps / weight_n
+    let sigma = 100.0 * per_mps_n * tuning.wind_sigma_mps / weight_n;
+    sigma * sigma
 }
 
 /// Air resistance, N.
@@ -91,26 +92,26 @@ impl<S: Scalar> Transition<S> {
         };
         let energy_sigma = gravity * model_percent;
 
-        // First-order Gauss-Markov processes: x+ = k x + w, var w = (1 - k²) sigma².
-        let markov = |steps: f32, sigma: f32| {
+        // First-order Gauss-Markov processes: x+ = k x + w, var w = (1 - k²) var x.
+        let markov = |steps: f32, variance: f32| {
             let keep = 1.0 / (1.0 + steps);
-            (keep, (1.0 - keep * keep) * sigma * sigma)
+            (keep, (1.0 - keep * keep) * variance)
         };
         let (keep_rate, rate_noise) = markov(
             length_m / tuning.slope_rate_length_m,
-            tuning.slope_rate_sigma,
+            tuning.slope_rate_sigma * tuning.slope_rate_sigma,
         );
         let (keep_bias, bias_noise) = markov(
             length_m / tuning.bias_length_m,
-            bias_sigma(vehicle, tuning, sample),
+            bias_variance(vehicle, tuning, sample),
         );
         let (keep_wind, wind_noise) = markov(
             length_m / tuning.wind_length_m,
-            wind_sigma(vehicle, tuning, sample),
+            wind_variance(vehicle, tuning, sample),
         );
         let (keep_gnss_error, gnss_noise) = markov(
             sample.duration_s / tuning.gnss_error_time_s,
-            tuning.gnss_error_sigma_m * libm::sqrtf(gnss_error_spread),
+            gnss_error_spread * tuning.gnss_error_sigma_m * tuning.gnss_error_sigma_m,
         );
         let walk = tuning.scale_walk_per_sqrt_km;
 

@@ -3,6 +3,7 @@
 use super::SpeedMeasurement;
 use super::latest::Timed;
 use crate::cell::{CELL_LENGTH_M, Condition};
+use crate::scalar::Scalar;
 use crate::time::{Duration, Instant};
 
 /// Longest time between two speed readings that is still bridged.
@@ -170,7 +171,7 @@ impl Odometer {
             mean_force_n: open.work_nm / CELL_LENGTH_M,
             condition: open.condition,
             speed: (open.speed_count > 0).then(|| SpeedMeasurement {
-                mean_mps: libm::sqrtf(open.square_sum / count),
+                mean_mps: Scalar::sqrt(open.square_sum / count),
                 behind_m: CELL_LENGTH_M - open.speed_place_sum_m / count,
                 count: open.speed_count,
             }),
