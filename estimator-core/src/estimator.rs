@@ -3,7 +3,7 @@
 use crate::cell::{Cell, Estimate, Place};
 use crate::counters::Counters;
 use crate::filter::{AltitudeEvent, Filter, SensorNoise, SlowStates};
-use crate::intake::{Intake, Outcome};
+use crate::intake::{Desk, Intake, Outcome};
 use crate::kept::{Kept, KeptError};
 use crate::lag::Lag;
 use crate::sampler::Sample;
@@ -129,12 +129,12 @@ impl<S: Scalar> Estimator<S> {
     /// Moves the filter over one cell; `None` if none is ready. Call it until it says so.
     pub fn step(&mut self) -> Option<Step> {
         let sample = self.sample.insert(self.intake.next_sample()?);
-        let Intake {
+        let Desk {
             vehicle,
             tuning,
             counters,
             ..
-        } = &mut self.intake;
+        } = &mut self.intake.desk;
         let Some(record) = self.filter.step(vehicle, tuning, sample, counters) else {
             return Some(Step::Skipped);
         };

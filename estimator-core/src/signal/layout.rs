@@ -124,6 +124,7 @@ pub fn messages() -> impl Iterator<Item = MessageInfo> {
 
 impl Field {
     /// The value in `payload`; `None` if the payload ends before the field does.
+    #[inline(always)] // In the one loop over fields.
     pub(super) fn read(&self, payload: &[u8]) -> Option<Value> {
         let rest = payload.get(usize::from(self.first_byte)..)?;
         if self.bits > 32 {
