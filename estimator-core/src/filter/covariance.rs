@@ -146,17 +146,16 @@ impl<S: Scalar> Covariance<S> {
     }
 
     /// `M v`.
+    #[inline(never)] // Long, as it is written out by the compiler.
     #[must_use]
     pub fn times(&self, vector: &[S; STATES]) -> [S; STATES] {
-        // Each element once, in the order in which they lie.
         let mut product = [S::ZERO; STATES];
-        let mut elements = self.upper.iter();
         for i in 0..STATES {
-            for (j, element) in (i..STATES).zip(&mut elements) {
-                product[i] += *element * vector[j];
-                if j != i {
-                    product[j] += *element * vector[i];
-                }
+            product[i] += self.get(i, i) * vector[i];
+            for j in i + 1..STATES {
+                let element = self.get(i, j);
+                product[i] += element * vector[j];
+                product[j] += element * vector[i];
             }
         }
         product

@@ -5,7 +5,7 @@ use super::traction::STALE;
 use crate::signal::Signal;
 use crate::time::Instant;
 use crate::tuning::Tuning;
-use crate::vehicle::{Driveline, Powertrain, Traction, VehicleParameters};
+use crate::vehicle::{Driveline, Gear, Powertrain, Traction, VehicleParameters};
 
 /// Slip of the clutch that is more than a sensor's offset, %; and what is left to full slip when
 /// it is open.
@@ -27,6 +27,8 @@ pub(super) struct DrivelineInput {
     clutch_slip: Latest,
     clutch_pedal: Latest,
     gear_ratio: Latest,
+    /// The gear of that ratio, so that it is looked for once.
+    gear_of_ratio: Option<Gear>,
     gear: Latest,
     engine_speed: Latest,
 }
@@ -53,8 +55,14 @@ impl Passage {
 
 impl DrivelineInput {
     /// Takes a reading; true if it tells something else than the one before.
-    pub(super) fn record(&mut self, now: Instant, signal: Signal, value: Option<f32>) -> bool {
-        // A gear that is no longer told is one that nobody knows.
+    pub(super) fn record(
+        &mut self,
+        vehicle: &VehicleParameters,
+        now: Instant,
+        signal: Signal,
+        value: Option<f32>,
+    ) -> bool {
+        // A switch that is no longer told stays as it was; a gear is then one that nobody knows.
         let (latest, keeps) = match signal {
             Signal::DrivelineEngaged => (&mut self.engaged, true),
             Signal::ShiftInProcess => (&mut self.shifting, true),
@@ -65,13 +73,20 @@ impl DrivelineInput {
             Signal::EngineSpeed => (&mut self.engine_speed, false),
             _ => return false,
         };
-        let before = latest.state(now);
-        if keeps {
-            latest.keep(value, now);
-        } else {
-            latest.set(value, now);
+        if keeps && value.is_none() {
+            return false;
         }
-        latest.state(now) != before
+        let changed = latest.state(now) != value;
+        latest.set(value, now);
+        if changed && signal == Signal::GearRatio {
+            self.gear_of_ratio = match &vehicle.traction {
+                Traction::Powertrain(powertrain) => {
+                    value.and_then(|ratio| powertrain.gear_of_ratio(ratio))
+                }
+                Traction::Force => None,
+            };
+        }
+        changed
     }
 
     /// The driveline now, at a speed.
@@ -135,7 +150,7 @@ impl DrivelineInput {
         let ratio = self.gear_ratio.state(now);
         let number = self.gear.state(now);
         let told = ratio
-            .and_then(|ratio| powertrain.gear_of_ratio(ratio))
+            .and_then(|_| self.gear_of_ratio)
             .or_else(|| number.and_then(|number| powertrain.gear(number as i32)));
         let is_told = ratio.is_some() || number.is_some();
         let in_doubt = launches || !clutch_told;

@@ -244,7 +244,7 @@ impl Sampler {
         signal: Signal,
         value: Option<f32>,
     ) {
-        let changed = self.driveline.record(now, signal, value);
+        let changed = self.driveline.record(vehicle, now, signal, value);
         let counts = signal != Signal::EngineSpeed || self.passage.asks_engine_speed;
         // Of an open one the torque tells whether it coasts.
         if changed && counts || self.passage.driveline == Driveline::Open {

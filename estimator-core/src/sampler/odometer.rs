@@ -133,6 +133,8 @@ impl Odometer {
     ) {
         let interval = to.time.since(from.time);
         let seconds = interval.seconds();
+        // No more than LONGEST_INTERVAL: half as wide a number as time has.
+        let micros = interval.micros() as u32 as f32;
         let way_m = 0.5 * (from.value + to.value) * seconds;
         if way_m <= 0.0 {
             // Errors that live in time go on while the vehicle stands.
@@ -153,7 +155,7 @@ impl Odometer {
                 break;
             }
             let done = 1.0 - left_m / way_m;
-            let into = Duration::from_micros((interval.micros() as f32 * done) as u64);
+            let into = Duration::from_micros(u64::from((micros * done) as u32));
             let speed_mps = from.value + done * (to.value - from.value);
             closed(self.close(from.time + into, speed_mps));
         }
