@@ -146,19 +146,30 @@ impl<S: Scalar> Covariance<S> {
     }
 
     /// `M v`.
-    #[inline(never)] // Long, as it is written out by the compiler.
+    #[inline(never)] // Long: every element is written out.
     #[must_use]
     pub fn times(&self, vector: &[S; STATES]) -> [S; STATES] {
         let mut product = [S::ZERO; STATES];
-        for i in 0..STATES {
-            product[i] += self.get(i, i) * vector[i];
-            for j in i + 1..STATES {
-                let element = self.get(i, j);
-                product[i] += element * vector[j];
-                product[j] += element * vector[i];
-            }
-        }
+        self.add_times::<0>(vector, &mut product);
+        self.add_times::<1>(vector, &mut product);
+        self.add_times::<2>(vector, &mut product);
+        self.add_times::<3>(vector, &mut product);
+        self.add_times::<4>(vector, &mut product);
+        self.add_times::<5>(vector, &mut product);
+        self.add_times::<6>(vector, &mut product);
+        self.add_times::<7>(vector, &mut product);
         product
+    }
+
+    /// What the part of row and column I from the diagonal on adds to the product.
+    #[inline(always)]
+    fn add_times<const I: usize>(&self, vector: &[S; STATES], product: &mut [S; STATES]) {
+        product[I] += self.get(I, I) * vector[I];
+        for j in I + 1..STATES {
+            let element = self.get(I, j);
+            product[I] += element * vector[j];
+            product[j] += element * vector[I];
+        }
     }
 
     /// Whether every element is a number and every variance positive.
