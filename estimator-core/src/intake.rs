@@ -2,7 +2,9 @@
 
 use crate::counters::Counters;
 use crate::sampler::{Sample, Sampler};
-use crate::signal::{Admission, Decoder, FrameOutcome, Reading, Rejection, SourceLock, Value};
+use crate::signal::{
+    Admission, Decoder, FrameOutcome, Reading, Rejection, Sender, SourceLock, Value,
+};
 use crate::time::Instant;
 use crate::tuning::Tuning;
 use crate::vehicle::{ParameterError, VehicleParameters};
@@ -71,7 +73,7 @@ impl Intake {
         }
         let mut used = false;
         let outcome = decoder.decode(frame, |message, pgn, reading| {
-            used |= desk.take(Some((message, pgn.source)), reading);
+            used |= desk.take(Some(Sender::new(message, pgn.source)), reading);
         });
         let counters = &mut desk.counters;
         match outcome {
@@ -148,7 +150,7 @@ impl Desk {
     /// Takes a reading, from a message and an address if it comes from a bus; true if it is a
     /// measurement that counts.
     #[inline(never)] // The loop over the readings of a frame stays small: its state in registers.
-    fn take(&mut self, sender: Option<(usize, u8)>, reading: Reading) -> bool {
+    fn take(&mut self, sender: Option<Sender>, reading: Reading) -> bool {
         let Self {
             vehicle,
             tuning,
@@ -159,8 +161,8 @@ impl Desk {
         } = self;
         let available = reading.value.is_available();
         let mut switched = false;
-        if let Some((message, address)) = sender {
-            match sources.admit(reading.signal, message, address, *now, available) {
+        if let Some(sender) = sender {
+            match sources.admit(reading.signal, sender, *now, available) {
                 Admission::Admitted => {}
                 Admission::Switched => {
                     switched = true;

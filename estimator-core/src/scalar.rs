@@ -121,6 +121,9 @@ macro_rules! float_scalar {
 /// The float unit of a controller has an instruction for it, but `core` does not offer that yet;
 /// libm's function, to the last digit always, takes five times as long.
 fn heron(square: f32) -> f32 {
+    if square == f32::INFINITY {
+        return square;
+    }
     // Half the exponent: off by 4 % at most, which each turn squares, and halves.
     let mut root = f32::from_bits((square.to_bits() >> 1) + 0x1fbd_1df5);
     for _ in 0..3 {

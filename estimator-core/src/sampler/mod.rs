@@ -236,6 +236,7 @@ impl Sampler {
 
     /// Takes a reading of the driveline. Most repeat what was told before: then only the hold time
     /// of what goes on begins anew.
+    #[inline(always)] // In Sampler::record.
     fn driveline(
         &mut self,
         vehicle: &VehicleParameters,

@@ -22,14 +22,26 @@ pub enum Admission {
     Refused,
 }
 
-#[derive(Clone, Copy, Debug)]
-struct Holder {
-    source: u16,
-    heard: Instant,
+/// Who sends a signal: an address, and in which message.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sender(u16);
+
+impl Sender {
+    /// Of no message: there are not so many.
+    const NOBODY: Self = Self(u16::MAX);
+
+    /// In the message with this index.
+    #[must_use]
+    pub const fn new(message: usize, address: u8) -> Self {
+        Self(((message as u16) << 8) | address as u16)
+    }
 }
 
-/// A source that no message has: there are not so many.
-const NOBODY: u16 = u16::MAX;
+#[derive(Clone, Copy, Debug)]
+struct Holder {
+    sender: Sender,
+    heard: Instant,
+}
 
 /// The source heard for each signal.
 #[derive(Clone, Debug)]
@@ -42,7 +54,7 @@ impl SourceLock {
     #[must_use]
     pub const fn new() -> Self {
         let nobody = Holder {
-            source: NOBODY,
+            sender: Sender::NOBODY,
             heard: Instant::ZERO,
         };
         Self {
@@ -50,24 +62,22 @@ impl SourceLock {
         }
     }
 
-    /// Whether the reading of `signal` in the message with index `message` sent from `address`
-    /// counts. Only a measurement (`available`) takes or keeps the word.
+    /// Whether a reading of `signal` counts. Only a measurement (`available`) takes or keeps the
+    /// word.
     pub fn admit(
         &mut self,
         signal: Signal,
-        message: usize,
-        address: u8,
+        sender: Sender,
         now: Instant,
         available: bool,
     ) -> Admission {
         if signal == Signal::RetarderTorque {
             return Admission::Admitted;
         }
-        let source = ((message as u16) << 8) | u16::from(address);
         let Some(holder) = self.holders.get_mut(signal as usize) else {
             return Admission::Refused;
         };
-        let admission = if holder.source == source || holder.source == NOBODY {
+        let admission = if holder.sender == sender || holder.sender == Sender::NOBODY {
             Admission::Admitted
         } else if available && now.since(holder.heard) > TIMEOUT {
             Admission::Switched
@@ -75,7 +85,7 @@ impl SourceLock {
             return Admission::Refused;
         };
         if available {
-            *holder = Holder { source, heard: now };
+            *holder = Holder { sender, heard: now };
         }
         admission
     }
