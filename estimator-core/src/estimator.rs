@@ -135,13 +135,14 @@ impl<S: Scalar> Estimator<S> {
             counters,
             ..
         } = &mut self.intake.desk;
-        let Some(record) = self.filter.step(vehicle, tuning, sample, counters) else {
+        let moved = self.filter.advance(vehicle, tuning, sample, counters);
+        let (Some(moved), Some(state)) = (moved, self.filter.state()) else {
             return Some(Step::Skipped);
         };
-        self.place = record.place;
-        let lost = self.lag.push(&record) as u32;
+        self.place = moved.place;
+        let lost = self.lag.push(&moved, state) as u32;
         counters.cells_lost = counters.cells_lost.saturating_add(lost);
-        Some(Step::Moved(record.event))
+        Some(Step::Moved(moved.event))
     }
 
     /// The estimate at the end of the newest cell; `None` before the first.

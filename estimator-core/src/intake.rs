@@ -67,7 +67,7 @@ impl Intake {
     /// Takes one frame, received at `now`.
     pub fn on_frame<F: Frame>(&mut self, now: Instant, frame: &F) -> Outcome {
         let Self { decoder, desk } = self;
-        desk.counters.frames = desk.counters.frames.saturating_add(1);
+        desk.counters.frames += 1;
         if !desk.begin(now) {
             return Outcome::TimeBackwards;
         }
@@ -78,7 +78,7 @@ impl Intake {
         let counters = &mut desk.counters;
         match outcome {
             FrameOutcome::Decoded { .. } => {
-                counters.frames_decoded = counters.frames_decoded.saturating_add(1);
+                counters.frames_decoded += 1;
                 if used {
                     Outcome::Used
                 } else {
@@ -87,7 +87,7 @@ impl Intake {
             }
             FrameOutcome::Partial => Outcome::Ignored,
             FrameOutcome::Ignored => {
-                counters.frames_ignored = counters.frames_ignored.saturating_add(1);
+                counters.frames_ignored += 1;
                 Outcome::Ignored
             }
             FrameOutcome::Rejected(rejection) => {

@@ -6,7 +6,7 @@
 //! that of a pass over all steps of the lag, for a tenth of the work and a third of the memory.
 
 use crate::cell::{Cell, Place, Uncertain};
-use crate::filter::{Backward, Look, Passage, Quantity, Record, Trace};
+use crate::filter::{Backward, Look, Moved, Passage, Quantity, State, Trace};
 use crate::scalar::Scalar;
 use heapless::{Deque, Vec};
 
@@ -77,16 +77,16 @@ impl<S: Scalar> Lag<S> {
         }
     }
 
-    /// Takes the newest record; returns how many finished cells were overwritten because nobody
-    /// fetched them.
-    pub fn push(&mut self, record: &Record<S>) -> usize {
+    /// Takes the newest step and the state to which it led; returns how many finished cells were
+    /// overwritten because nobody fetched them.
+    pub fn push(&mut self, moved: &Moved<S>, state: &State<S>) -> usize {
         // There is room: close_block() empties a full one.
         let _ = self.passed.push(Passed {
-            place: record.place,
-            trace: record.trace,
-            slope: record.state.look(Quantity::Slope),
-            altitude: record.state.look(Quantity::Altitude),
-            origin_m: record.state.origin_m,
+            place: moved.place,
+            trace: moved.trace,
+            slope: state.look(Quantity::Slope),
+            altitude: state.look(Quantity::Altitude),
+            origin_m: state.origin_m,
         });
         if !self.passed.is_full() {
             return 0;

@@ -146,11 +146,12 @@ impl Climb {
     /// Compares a fix with those that are remembered, from the newest back until `way_m` are
     /// compared.
     pub(super) fn compare(&self, fixed: &Fixed, way_m: f32) -> Option<Misfit> {
-        let mut worst: Option<Misfit> = None;
+        let mut worst: Option<(f32, &Stretch)> = None;
         let mut way = Way::default();
         let mut error_kept = 1.0;
         let (mut sum, mut count) = (0.0, 0.0);
-        for stretch in self.stretches.iter().rev() {
+        let (older, newer) = self.stretches.as_slices();
+        for stretch in newer.iter().rev().chain(older.iter().rev()) {
             if way.length_m >= way_m {
                 break;
             }
@@ -158,30 +159,19 @@ impl Climb {
             error_kept *= stretch
                 .error_kept
                 .unwrap_or_else(|| stretch.way.error_kept(fixed));
-            let known = &stretch.known;
-            let bias_percent = known.bias_percent + known.wind_percent;
-            let model_m =
-                way.climb_m - 0.01 * bias_percent * way.length_m + known.scale * way.load_climb_m;
-            let difference_m = fixed.altitude_m - stretch.altitude_m - model_m;
-            let variance =
-                stretch.variance + fixed.variance + stretch.variance_over(&way, error_kept, fixed);
-            let normalised = difference_m * difference_m / variance;
+            let normalised = stretch.misfit(&way, error_kept, fixed);
             sum += normalised;
             count += 1.0;
-            if worst.is_none_or(|worst| normalised >= worst.normalised) {
-                worst = Some(Misfit {
-                    normalised,
-                    mean: 0.0,
-                    since_cell: stretch.cell,
-                    known: *known,
-                    compared_m: 0.0,
-                });
+            if worst.is_none_or(|(most, _)| normalised >= most) {
+                worst = Some((normalised, stretch));
             }
         }
-        worst.map(|worst| Misfit {
+        worst.map(|(normalised, stretch)| Misfit {
+            normalised,
             mean: sum / count,
+            since_cell: stretch.cell,
+            known: stretch.known,
             compared_m: way.length_m,
-            ..worst
         })
     }
 
@@ -212,12 +202,23 @@ impl Climb {
 }
 
 impl Stretch {
+    /// Squared difference of the climbs over the way from its start to a fix, over its variance.
+    fn misfit(&self, way: &Way, error_kept: f32, fixed: &Fixed) -> f32 {
+        let known = &self.known;
+        let bias_percent = known.bias_percent + known.wind_percent;
+        let model_m =
+            way.climb_m - 0.01 * bias_percent * way.length_m + known.scale * way.load_climb_m;
+        let difference_m = fixed.altitude_m - self.altitude_m - model_m;
+        let variance = self.variance + fixed.variance + self.variance_over(way, error_kept, fixed);
+        difference_m * difference_m / variance
+    }
+
     /// Variance of the difference of the climbs that grows on the way from its start, m².
     fn variance_over(&self, way: &Way, error_kept: f32, fixed: &Fixed) -> f32 {
         // Of an Ornstein-Uhlenbeck process: 2 σ² (1 − exp(−t/τ)).
         let turned = 1.0 - error_kept;
         // Of the mean of one that begins at a known value, for short ways: ⅔ σ² L/λ.
-        let gusts = fixed.wind_variance * (way.length_m / fixed.wind_length_m).min(1.0);
+        let gusts = fixed.wind_variance * Scalar::min(way.length_m / fixed.wind_length_m, 1.0);
         let per_percent = 0.01 * way.length_m;
         2.0 * fixed.error_variance * turned
             + per_percent * per_percent * (self.known.slope_variance + gusts)

@@ -6,7 +6,7 @@ use super::doubt::Doubt;
 use super::gate::{AltitudeEvent, Gate, Judged, Verdict};
 use super::learned::{SensorNoise, Spread};
 use super::prior::{SlowStates, reopen, state_at_start};
-use super::record::{Link, Record, Trace};
+use super::record::{Link, Moved, Record, Trace};
 use super::state::{ALTITUDE, BIAS, ENERGY, GNSS_ERROR, SCALE, SLOPE, SLOPE_RATE, State, WIND};
 use super::transition::{Transition, wind_variance};
 use super::update::{Observation, Update};
@@ -79,7 +79,7 @@ impl<S: Scalar> Filter<S> {
         self.state.as_ref()
     }
 
-    /// Moves over one cell. `None` as long as no speed has been read.
+    /// Moves over one cell, and notes where that led. `None` as long as no speed has been read.
     pub fn step(
         &mut self,
         vehicle: &VehicleParameters,
@@ -87,6 +87,23 @@ impl<S: Scalar> Filter<S> {
         sample: &Sample,
         counters: &mut Counters,
     ) -> Option<Record<S>> {
+        let moved = self.advance(vehicle, tuning, sample, counters)?;
+        self.state.map(|state| Record {
+            place: moved.place,
+            trace: moved.trace,
+            state,
+            event: moved.event,
+        })
+    }
+
+    /// The same without the note: a state is half of it.
+    pub fn advance(
+        &mut self,
+        vehicle: &VehicleParameters,
+        tuning: &Tuning,
+        sample: &Sample,
+        counters: &mut Counters,
+    ) -> Option<Moved<S>> {
         let Self {
             state: known,
             prior,
@@ -165,7 +182,7 @@ impl<S: Scalar> Filter<S> {
                 if let Verdict::Undo(known) = verdict {
                     undo(state, &known);
                 }
-                counters.altitudes_rejected = counters.altitudes_rejected.saturating_add(1);
+                counters.altitudes_rejected += 1;
             }
             _ => {}
         }
@@ -192,12 +209,12 @@ impl<S: Scalar> Filter<S> {
                     innovation: fix.innovation(state),
                     variance: fix.variance,
                 };
-                counters.altitudes_used = counters.altitudes_used.saturating_add(1);
+                counters.altitudes_used += 1;
                 update.apply(state)
             });
-        counters.steps = counters.steps.saturating_add(1);
+        counters.steps += 1;
         if !sample.place.condition.is_valid() {
-            counters.invalid_steps = counters.invalid_steps.saturating_add(1);
+            counters.invalid_steps += 1;
         }
         if !state.is_sound() {
             // Cannot come from sound input; if it does, the next speed starts the filter anew.
@@ -205,7 +222,7 @@ impl<S: Scalar> Filter<S> {
             *known = None;
             return None;
         }
-        Some(Record {
+        Some(Moved {
             place: sample.place,
             trace: Trace {
                 motion: *transition.motion(),
@@ -213,7 +230,6 @@ impl<S: Scalar> Filter<S> {
                 speed,
                 altitude,
             },
-            state: *state,
             event,
         })
     }

@@ -128,7 +128,7 @@ impl<S: Scalar> Transition<S> {
         let change = load_after - load_before;
         let of_the_road = tuning.load_change_percent;
         // Not `clamp`, which panics if the tuning is nonsense.
-        let load_jump = change - change.max(-of_the_road).min(of_the_road);
+        let load_jump = change - Scalar::min(of_the_road, Scalar::max(-of_the_road, change));
 
         Self {
             motion: Motion {

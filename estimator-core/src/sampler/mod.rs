@@ -17,6 +17,7 @@ mod traction;
 use crate::cell::{CELL_LENGTH_M, Condition, Place};
 use crate::counters::Counters;
 use crate::effect::Acts;
+use crate::scalar::Scalar;
 use crate::signal::{Reading, Signal};
 use crate::time::Instant;
 use crate::tuning::Tuning;
@@ -167,7 +168,7 @@ impl Sampler {
             | Signal::EngineTorque
             | Signal::TractionForce => {
                 if self.traction.record(vehicle, now, reading.signal, value) {
-                    counters.tractions_used = counters.tractions_used.saturating_add(1);
+                    counters.tractions_used += 1;
                 }
             }
             Signal::EngineSpeed
@@ -286,14 +287,14 @@ impl Sampler {
             return;
         };
         let speed_mps = told_mps * vehicle.effects.factor(Acts::WheelRadius);
-        counters.speeds_used = counters.speeds_used.saturating_add(1);
+        counters.speeds_used += 1;
         self.follow_driveline(vehicle, tuning, now, Some(speed_mps));
         self.switches.hold(tuning, now);
         self.stops.speed(tuning, now, speed_mps);
         let slower = self
             .odometer
             .speed_mps()
-            .map_or(speed_mps, |last| last.min(speed_mps));
+            .map_or(speed_mps, |last| Scalar::min(last, speed_mps));
         let between = Between {
             mean_force_n: self.traction.take_mean_n(now),
             condition: Condition {
@@ -329,7 +330,7 @@ impl Sampler {
                 let told = !condition.is_valid() || condition.crawling;
                 if slowing.brakes(vehicle, tuning, &load, driven.speed_mps, told) {
                     condition.braking = true;
-                    counters.brakes_guessed = counters.brakes_guessed.saturating_add(1);
+                    counters.brakes_guessed += 1;
                 }
             } else {
                 slowing.forget();

@@ -145,7 +145,7 @@ impl Odometer {
         // 70 m/s for LONGEST_INTERVAL at the most: 70 cells.
         while left_m > 0.0 {
             let room_m = CELL_LENGTH_M - self.open.length_m;
-            let piece_m = left_m.min(room_m);
+            let piece_m = Scalar::min(left_m, room_m);
             self.open.work_nm += between.mean_force_n * piece_m;
             self.open.duration_s += seconds * piece_m / way_m;
             self.open.condition = self.open.condition.or(between.condition);
