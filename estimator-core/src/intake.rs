@@ -78,6 +78,7 @@ impl Intake {
         let counters = &mut desk.counters;
         match outcome {
             FrameOutcome::Decoded { .. } => {
+                desk.sampler.start(now);
                 counters.frames_decoded += 1;
                 if used {
                     Outcome::Used
@@ -108,6 +109,7 @@ impl Intake {
             return Outcome::TimeBackwards;
         }
         self.desk.take(None, reading);
+        self.desk.sampler.start(now);
         Outcome::Used
     }
 

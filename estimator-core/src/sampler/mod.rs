@@ -148,6 +148,11 @@ impl Sampler {
         self.samples.pop_front()
     }
 
+    /// Something was heard: the drive counts from the first time on.
+    pub fn start(&mut self, now: Instant) {
+        self.odometer.start(now);
+    }
+
     /// Takes one reading. `source_switched` tells that it comes from another sender than the
     /// signal did before.
     #[inline(always)] // In the one place that hands readings on, whatever they came with.
@@ -160,7 +165,6 @@ impl Sampler {
         source_switched: bool,
         counters: &mut Counters,
     ) {
-        self.odometer.start(now);
         let value = reading.value.real();
         match reading.signal {
             Signal::EngineTorqueFraction
