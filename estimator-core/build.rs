@@ -101,8 +101,8 @@ fn field(message: &Message, convention: &str, signal: &Signal) -> String {
     assert!(
         match signal.size {
             2..=25 => true,
-            32 => signal.start_bit % 8 == 0,
-            64 => signal.start_bit % 8 == 0 && signal.value_type == ValueType::Signed,
+            32 => signal.start_bit.is_multiple_of(8),
+            64 => signal.start_bit.is_multiple_of(8) && signal.value_type == ValueType::Signed,
             _ => false,
         },
         "{}.{}: neither within four bytes nor a signed number of eight",

@@ -133,6 +133,10 @@ impl<S: Scalar> Covariance<S> {
     }
 
     /// All rows.
+    #[allow(
+        clippy::needless_range_loop,
+        reason = "each element goes to a row and a column"
+    )]
     fn rows(&self) -> [[S; STATES]; STATES] {
         let mut rows = [[S::ZERO; STATES]; STATES];
         let mut elements = self.upper.iter();

@@ -105,9 +105,9 @@ fn add_products<S: Scalar, const SEEN: usize>(
     factor: S,
 ) {
     for (n, i) in seen.into_iter().enumerate() {
-        for k in 0..STATES {
+        for (k, element) in b.iter().enumerate() {
             if !seen.contains(&k) {
-                matrix.set(i, k, matrix.get(i, k) - b[k]);
+                matrix.set(i, k, matrix.get(i, k) - *element);
             }
         }
         for j in seen.into_iter().skip(n) {

@@ -150,7 +150,7 @@ impl DrivelineInput {
         let ratio = self.gear_ratio.state(now);
         let number = self.gear.state(now);
         let told = ratio
-            .and_then(|_| self.gear_of_ratio)
+            .and(self.gear_of_ratio)
             .or_else(|| number.and_then(|number| powertrain.gear(number as i32)));
         let is_told = ratio.is_some() || number.is_some();
         let in_doubt = launches || !clutch_told;

@@ -3,10 +3,10 @@
 
 use crate::report;
 use core::hint::black_box;
-use estimator_core::filter::{Covariance, Felt};
 use estimator_core::filter::state::{ENERGY, STATES, State};
 use estimator_core::filter::transition::Transition;
 use estimator_core::filter::update::{Observation, Update};
+use estimator_core::filter::{Covariance, Felt};
 use estimator_core::sampler::{Circumstances, Sample};
 use estimator_core::vehicle::{Load, STANDARD_AIR_DENSITY};
 use estimator_core::{CELL_LENGTH_M, Effects, Place, Traction, Tuning, VehicleParameters};
