@@ -36,14 +36,15 @@ fn main() {
     for (pgn, convention, message) in &messages {
         writeln!(
             code,
-            "Message {{ pgn: {pgn}, name: \"{}\", priority: {}, length: {}, convention: Convention::{convention}, fields: &[",
+            "Message {{ pgn: {pgn}, name: \"{}\", priority: {}, length: {}, end_bit: {}, convention: Convention::{convention}, fields: &[",
             message.name,
             priority(message),
-            message.size
+            message.size,
+            end_bit(message)
         )
         .unwrap();
         for signal in &message.signals {
-            writeln!(code, "    {},", field(message, signal)).unwrap();
+            writeln!(code, "    {},", field(message, convention, signal)).unwrap();
         }
         writeln!(code, "] }},").unwrap();
     }
@@ -77,8 +78,14 @@ fn priority(message: &Message) -> u32 {
     extended_id(message) >> 26
 }
 
+/// Where its last signal ends.
+fn end_bit(message: &Message) -> u64 {
+    let ends = message.signals.iter().map(|s| s.start_bit + s.size);
+    ends.max().expect("a message has signals")
+}
+
 /// One table entry; the units of the file become those of `Signal`.
-fn field(message: &Message, signal: &Signal) -> String {
+fn field(message: &Message, convention: &str, signal: &Signal) -> String {
     assert!(
         signal.byte_order == ByteOrder::LittleEndian,
         "{}.{}: J1939 and NMEA 2000 are little endian",
@@ -88,6 +95,17 @@ fn field(message: &Message, signal: &Signal) -> String {
     assert!(
         signal.start_bit + signal.size <= 8 * message.size,
         "{}.{}: beyond the end of the message",
+        message.name,
+        signal.name
+    );
+    assert!(
+        match signal.size {
+            2..=25 => true,
+            32 => signal.start_bit.is_multiple_of(8),
+            64 => signal.start_bit.is_multiple_of(8) && signal.value_type == ValueType::Signed,
+            _ => false,
+        },
+        "{}.{}: neither within four bytes nor a signed number of eight",
         message.name,
         signal.name
     );
@@ -113,7 +131,7 @@ fn field(message: &Message, signal: &Signal) -> String {
         )
     };
     format!(
-        "Field {{ signal: Signal::{}, start_bit: {}, bits: {}, signed: {}, scaling: {scaling} }}",
+        "Field::new(Convention::{convention}, Signal::{}, {}, {}, {}, {scaling})",
         signal.name,
         signal.start_bit,
         signal.size,

@@ -1,6 +1,7 @@
 //! What happened, counted by kind. Counters saturate.
 
-/// Counts since the start.
+/// Counts since the start. Those of 64 bits are added to without a look at their end, which no drive
+/// comes near.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Counters {

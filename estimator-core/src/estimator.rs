@@ -3,7 +3,7 @@
 use crate::cell::{Cell, Estimate, Place};
 use crate::counters::Counters;
 use crate::filter::{AltitudeEvent, Filter, SensorNoise, SlowStates};
-use crate::intake::{Intake, Outcome};
+use crate::intake::{Desk, Intake, Outcome};
 use crate::kept::{Kept, KeptError};
 use crate::lag::Lag;
 use crate::sampler::Sample;
@@ -128,21 +128,21 @@ impl<S: Scalar> Estimator<S> {
 
     /// Moves the filter over one cell; `None` if none is ready. Call it until it says so.
     pub fn step(&mut self) -> Option<Step> {
-        let sample = self.intake.next_sample()?;
-        self.sample = Some(sample);
-        let Intake {
+        let sample = self.sample.insert(self.intake.next_sample()?);
+        let Desk {
             vehicle,
             tuning,
             counters,
             ..
-        } = &mut self.intake;
-        let Some(record) = self.filter.step(vehicle, tuning, &sample, counters) else {
+        } = &mut self.intake.desk;
+        let moved = self.filter.advance(vehicle, tuning, sample, counters);
+        let (Some(moved), Some(state)) = (moved, self.filter.state()) else {
             return Some(Step::Skipped);
         };
-        self.place = record.place;
-        let lost = self.lag.push(&record) as u32;
+        self.place = moved.place;
+        let lost = self.lag.push(&moved, state) as u32;
         counters.cells_lost = counters.cells_lost.saturating_add(lost);
-        Some(Step::Moved(record.event))
+        Some(Step::Moved(moved.event))
     }
 
     /// The estimate at the end of the newest cell; `None` before the first.

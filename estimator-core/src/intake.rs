@@ -2,7 +2,9 @@
 
 use crate::counters::Counters;
 use crate::sampler::{Sample, Sampler};
-use crate::signal::{Admission, Decoder, FrameOutcome, Reading, Rejection, SourceLock, Value};
+use crate::signal::{
+    Admission, Decoder, FrameOutcome, Reading, Rejection, Sender, SourceLock, Value,
+};
 use crate::time::Instant;
 use crate::tuning::Tuning;
 use crate::vehicle::{ParameterError, VehicleParameters};
@@ -25,14 +27,21 @@ pub enum Outcome {
 /// The way in: everything before the filter.
 #[derive(Clone, Debug)]
 pub struct Intake {
+    decoder: Decoder,
+    pub(crate) desk: Desk,
+}
+
+/// Where readings are taken, and what happened is counted.
+#[derive(Clone, Debug)]
+pub(crate) struct Desk {
     pub(crate) vehicle: VehicleParameters,
     pub(crate) tuning: Tuning,
-    decoder: Decoder,
+    /// The filter counts here too.
+    pub(crate) counters: Counters,
     sources: SourceLock,
     sampler: Sampler,
-    newest: Instant,
-    /// What happened so far; the filter counts here too.
-    pub(crate) counters: Counters,
+    /// Time of the newest input.
+    now: Instant,
 }
 
 impl Intake {
@@ -43,54 +52,34 @@ impl Intake {
     pub fn new(vehicle: VehicleParameters, tuning: Tuning) -> Result<Self, ParameterError> {
         vehicle.check()?;
         Ok(Self {
-            vehicle,
-            tuning,
             decoder: Decoder::new(),
-            sources: SourceLock::new(),
-            sampler: Sampler::new(),
-            newest: Instant::ZERO,
-            counters: Counters::default(),
+            desk: Desk {
+                vehicle,
+                tuning,
+                counters: Counters::default(),
+                sources: SourceLock::new(),
+                sampler: Sampler::new(),
+                now: Instant::ZERO,
+            },
         })
     }
 
     /// Takes one frame, received at `now`.
     pub fn on_frame<F: Frame>(&mut self, now: Instant, frame: &F) -> Outcome {
-        let Self {
-            vehicle,
-            tuning,
-            decoder,
-            sources,
-            sampler,
-            newest,
-            counters,
-        } = self;
-        counters.frames = counters.frames.saturating_add(1);
-        if now < *newest {
-            counters.time_backwards = counters.time_backwards.saturating_add(1);
+        let Self { decoder, desk } = self;
+        desk.counters.frames += 1;
+        if !desk.begin(now) {
             return Outcome::TimeBackwards;
         }
-        *newest = now;
         let mut used = false;
         let outcome = decoder.decode(frame, |message, pgn, reading| {
-            let available = reading.value.is_available();
-            match sources.admit(reading.signal, message, pgn.source, now, available) {
-                Admission::Refused => {
-                    counters.other_source = counters.other_source.saturating_add(1);
-                }
-                admission => {
-                    let switched = admission == Admission::Switched;
-                    if switched {
-                        counters.source_switches = counters.source_switches.saturating_add(1);
-                    }
-                    count_value(reading.value, counters);
-                    sampler.record(vehicle, tuning, now, reading, switched, counters);
-                    used |= available;
-                }
-            }
+            used |= desk.take(Some(Sender::new(message, pgn.source)), reading);
         });
+        let counters = &mut desk.counters;
         match outcome {
             FrameOutcome::Decoded { .. } => {
-                counters.frames_decoded = counters.frames_decoded.saturating_add(1);
+                desk.sampler.start(now);
+                counters.frames_decoded += 1;
                 if used {
                     Outcome::Used
                 } else {
@@ -99,7 +88,7 @@ impl Intake {
             }
             FrameOutcome::Partial => Outcome::Ignored,
             FrameOutcome::Ignored => {
-                counters.frames_ignored = counters.frames_ignored.saturating_add(1);
+                counters.frames_ignored += 1;
                 Outcome::Ignored
             }
             FrameOutcome::Rejected(rejection) => {
@@ -116,44 +105,80 @@ impl Intake {
     /// Takes one reading that came without a bus. Simultaneous readings go in the order of
     /// [`Signal`](crate::Signal).
     pub fn on_reading(&mut self, now: Instant, reading: Reading) -> Outcome {
-        if now < self.newest {
-            self.counters.time_backwards = self.counters.time_backwards.saturating_add(1);
+        if !self.desk.begin(now) {
             return Outcome::TimeBackwards;
         }
-        self.newest = now;
-        count_value(reading.value, &mut self.counters);
-        self.sampler.record(
-            &self.vehicle,
-            &self.tuning,
-            now,
-            reading,
-            false,
-            &mut self.counters,
-        );
+        self.desk.take(None, reading);
+        self.desk.sampler.start(now);
         Outcome::Used
     }
 
     /// The next cell that was driven to its end.
     pub fn next_sample(&mut self) -> Option<Sample> {
-        self.sampler.next_sample()
+        self.desk.sampler.next_sample()
     }
 
     /// What happened so far.
     #[must_use]
     pub const fn counters(&self) -> &Counters {
-        &self.counters
+        &self.desk.counters
     }
 
     /// The vehicle as given.
     #[must_use]
     pub const fn vehicle(&self) -> &VehicleParameters {
-        &self.vehicle
+        &self.desk.vehicle
     }
 
     /// The tuning as given.
     #[must_use]
     pub const fn tuning(&self) -> &Tuning {
-        &self.tuning
+        &self.desk.tuning
+    }
+}
+
+impl Desk {
+    /// Time has come to `now`; false, and counted, if it was later already.
+    fn begin(&mut self, now: Instant) -> bool {
+        let forward = now >= self.now;
+        if forward {
+            self.now = now;
+        } else {
+            self.counters.time_backwards = self.counters.time_backwards.saturating_add(1);
+        }
+        forward
+    }
+
+    /// Takes a reading, from a message and an address if it comes from a bus; true if it is a
+    /// measurement that counts.
+    #[inline(never)] // The loop over the readings of a frame stays small: its state in registers.
+    fn take(&mut self, sender: Option<Sender>, reading: Reading) -> bool {
+        let Self {
+            vehicle,
+            tuning,
+            counters,
+            sources,
+            sampler,
+            now,
+        } = self;
+        let available = reading.value.is_available();
+        let mut switched = false;
+        if let Some(sender) = sender {
+            match sources.admit(reading.signal, sender, *now, available) {
+                Admission::Admitted => {}
+                Admission::Switched => {
+                    switched = true;
+                    counters.source_switches = counters.source_switches.saturating_add(1);
+                }
+                Admission::Refused => {
+                    counters.other_source = counters.other_source.saturating_add(1);
+                    return false;
+                }
+            }
+        }
+        count_value(reading.value, counters);
+        sampler.record(vehicle, tuning, *now, reading, switched, counters);
+        available
     }
 }
 

@@ -53,6 +53,7 @@
 //! ```
 
 use crate::filter::{SensorNoise, SlowStates};
+use crate::scalar::Scalar;
 use crate::tuning::Tuning;
 use crate::vehicle::{ParameterError, Traction, VehicleParameters};
 use crc::{CRC_32_ISO_HDLC, Crc, Digest, NoTable};
@@ -155,7 +156,7 @@ impl Kept {
         slow: SlowStates,
         noise: &SensorNoise,
     ) -> Option<Self> {
-        let learned = |ratio: f32, sigma: f32| libm::sqrtf(ratio) * sigma;
+        let learned = |ratio: f32, sigma: f32| Scalar::sqrt(ratio) * sigma;
         let kept = Self {
             fingerprint: fingerprint(vehicle),
             slow,

@@ -6,7 +6,7 @@
 //! that of a pass over all steps of the lag, for a tenth of the work and a third of the memory.
 
 use crate::cell::{Cell, Place, Uncertain};
-use crate::filter::{Backward, Look, Passage, Quantity, Record, Trace};
+use crate::filter::{Backward, Look, Moved, Passage, Quantity, State, Trace};
 use crate::scalar::Scalar;
 use heapless::{Deque, Vec};
 
@@ -24,7 +24,8 @@ const BLOCKS: usize = LAG_BLOCKS + 1;
 pub const fn bytes<S>(lag_blocks: usize) -> usize {
     let filling = BLOCK_CELLS * size_of::<Passed<S>>();
     let finished = BLOCK_CELLS * size_of::<Cell>();
-    filling + (lag_blocks + 1) * size_of::<Block<S>>() + finished
+    let block = size_of::<Block<S>>() + BLOCK_CELLS * size_of::<Waiting<S>>();
+    filling + (lag_blocks + 1) * block + finished
 }
 
 /// A step of the block being filled.
@@ -47,11 +48,11 @@ struct Waiting<S> {
     slope: Look<S>,
 }
 
-/// A full block.
+/// A full block: the way back over it, and the number of its cells.
 #[derive(Clone, Debug)]
 struct Block<S> {
     passage: Passage<S>,
-    cells: Vec<Waiting<S>, BLOCK_CELLS>,
+    cells: usize,
 }
 
 /// The blocks, and the finished cells that nobody has fetched.
@@ -59,6 +60,8 @@ struct Block<S> {
 pub struct Lag<S> {
     passed: Vec<Passed<S>, BLOCK_CELLS>,
     blocks: Deque<Block<S>, BLOCKS>,
+    /// Their cells: the oldest block's first, but of each block the last one first.
+    waiting: Deque<Waiting<S>, { BLOCKS * BLOCK_CELLS }>,
     finished: Deque<Cell, BLOCK_CELLS>,
 }
 
@@ -69,20 +72,21 @@ impl<S: Scalar> Lag<S> {
         Self {
             passed: Vec::new(),
             blocks: Deque::new(),
+            waiting: Deque::new(),
             finished: Deque::new(),
         }
     }
 
-    /// Takes the newest record; returns how many finished cells were overwritten because nobody
-    /// fetched them.
-    pub fn push(&mut self, record: &Record<S>) -> usize {
+    /// Takes the newest step and the state to which it led; returns how many finished cells were
+    /// overwritten because nobody fetched them.
+    pub fn push(&mut self, moved: &Moved<S>, state: &State<S>) -> usize {
         // There is room: close_block() empties a full one.
         let _ = self.passed.push(Passed {
-            place: record.place,
-            trace: record.trace,
-            slope: record.state.look(Quantity::Slope),
-            altitude: record.state.look(Quantity::Altitude),
-            origin_m: record.state.origin_m,
+            place: moved.place,
+            trace: moved.trace,
+            slope: state.look(Quantity::Slope),
+            altitude: state.look(Quantity::Altitude),
+            origin_m: state.origin_m,
         });
         if !self.passed.is_full() {
             return 0;
@@ -114,20 +118,20 @@ impl<S: Scalar> Lag<S> {
     /// Goes back over the steps since the last block, which make one.
     fn close_block(&mut self) {
         let mut passage = Passage::new();
-        let mut cells = Vec::new();
-        for passed in self.passed.iter().rev() {
-            // As many as there are steps.
-            let _ = cells.push(Waiting {
+        let cells = self.passed.len();
+        while let Some(passed) = self.passed.pop() {
+            // finish() keeps a block's place free.
+            let _ = self.waiting.push_back(Waiting {
                 place: passed.place,
                 live_grade_percent: passed.slope.grade(),
-                altitude_m: passage.correct(&passed.altitude).altitude(passed.origin_m),
+                altitude_m: passage
+                    .backward()
+                    .correct(&passed.altitude)
+                    .altitude(passed.origin_m),
                 slope: passage.correct(&passed.slope),
             });
             passage.retreat(&passed.trace);
         }
-        cells.reverse();
-        self.passed.clear();
-        // finish() keeps a place free.
         let _ = self.blocks.push_back(Block { passage, cells });
     }
 
@@ -142,9 +146,12 @@ impl<S: Scalar> Lag<S> {
         };
         let lost = self.finished.len();
         self.finished.clear();
-        for waiting in &block.cells {
+        for _ in 0..block.cells {
+            let Some(waiting) = self.waiting.pop_front() else {
+                break;
+            };
             // At most a block, and the queue was emptied.
-            let _ = self.finished.push_back(Cell {
+            let _ = self.finished.push_front(Cell {
                 place: waiting.place,
                 live_grade_percent: waiting.live_grade_percent,
                 lagged_grade_percent: backward.correct(&waiting.slope).grade(),

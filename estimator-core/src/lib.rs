@@ -36,6 +36,7 @@
 #![warn(missing_docs)]
 #![deny(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+mod angle;
 pub mod broadcast;
 pub mod cell;
 pub mod counters;

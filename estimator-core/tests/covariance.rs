@@ -69,4 +69,27 @@ proptest! {
         packed.joseph(&gain, &cross, cross[seen] + noise);
         prop_assert!(close(&packed.to_matrix(), &expected));
     }
+
+    #[test]
+    fn a_product_is_that_of_the_dense_matrix(
+        numbers in prop::collection::vec(-2.0..2.0_f64, STATES * STATES),
+        vector in prop::array::uniform8(-3.0..3.0_f64),
+    ) {
+        let packed = positive(&numbers);
+        let product = packed.times(&vector);
+        let dense = packed.to_matrix() * SVector::from(vector);
+        prop_assert!((SVector::from(product) - dense).amax() <= 1e-9 * (1.0 + dense.amax()));
+    }
+
+    #[test]
+    fn what_is_added_is_a_congruence(
+        numbers in prop::collection::vec(-2.0..2.0_f64, STATES * STATES),
+        others in prop::collection::vec(-2.0..2.0_f64, STATES * STATES),
+        columns in prop::array::uniform8(prop::array::uniform8(-2.0..2.0_f64)),
+    ) {
+        let (base, other) = (positive(&numbers), positive(&others));
+        let sum = base.plus_congruence(&columns, &other).to_matrix();
+        let a = Dense::from_fn(|i, j| columns[j][i]);
+        prop_assert!(close(&sum, &(base.to_matrix() + a * other.to_matrix() * a.transpose())));
+    }
 }

@@ -41,7 +41,7 @@ fn cells<S: Scalar>(records: &[Record<S>]) -> Vec<Cell> {
     let mut lag = Lag::new();
     let mut cells = Vec::new();
     for record in records {
-        assert_eq!(lag.push(record), 0);
+        assert_eq!(lag.push(&record.moved(), &record.state), 0);
         cells.extend(from_fn(|| lag.next_cell()));
     }
     cells.extend(from_fn(|| lag.drain_cell()));
@@ -92,7 +92,10 @@ fn single_precision_follows_double() {
 fn cells_that_nobody_fetched_are_told() {
     let mut lag = Lag::new();
     let records = run::<f32>(&drive(), &Tuning::default());
-    let lost: usize = records.iter().map(|record| lag.push(record)).sum();
+    let lost: usize = records
+        .iter()
+        .map(|record| lag.push(&record.moved(), &record.state))
+        .sum();
     let kept = from_fn(|| lag.drain_cell()).count();
     assert!(lost > 0);
     assert_eq!(lost + kept, records.len());

@@ -142,16 +142,18 @@ impl Budget {
                 let (time, frame) = frame?;
                 intake.on_frame(time, &frame);
                 while let Some(sample) = intake.next_sample() {
-                    let (record, count) = meter.count(|| {
-                        filter.step(intake.vehicle(), intake.tuning(), &sample, &mut counters)
+                    let (moved, count) = meter.count(|| {
+                        filter.advance(intake.vehicle(), intake.tuning(), &sample, &mut counters)
                     })?;
                     self.step.add(count);
-                    let Some(record) = record else { continue };
-                    if record.trace.speed.is_some() && record.trace.altitude.is_some() {
+                    let (Some(moved), Some(state)) = (moved, filter.state()) else {
+                        continue;
+                    };
+                    if moved.trace.speed.is_some() && moved.trace.altitude.is_some() {
                         self.full_step.add(count);
                     }
                     let (_, count) = meter.count(|| {
-                        lag.push(&record);
+                        lag.push(&moved, state);
                         while lag.next_cell().is_some() {}
                     })?;
                     steps += 1;

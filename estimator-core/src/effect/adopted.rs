@@ -1,6 +1,6 @@
 //! The effects that a vehicle is believed to have.
 
-use super::{Acts, Bounds, Details, Effect, MAX_DETAILS, MAX_EFFECTS};
+use super::{Acts, Bounds, Details, Effect, Force, MAX_DETAILS, MAX_EFFECTS};
 use crate::maybe::Maybe;
 use crate::sampler::Sample;
 use crate::vehicle::{ParameterError, VehicleParameters, check};
@@ -21,8 +21,15 @@ pub struct Adopted {
 }
 
 /// Effects, each at most once.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Effects(Vec<Adopted, MAX_EFFECTS>);
+#[derive(Clone, Debug, PartialEq)]
+pub struct Effects {
+    /// In the order of their names: sums do not depend on which came first.
+    adopted: Vec<Adopted, MAX_EFFECTS>,
+    // What follows from them, and is asked for with every reading.
+    mass: f32,
+    traction: f32,
+    wheel_radius: f32,
+}
 
 impl Adopted {
     /// An effect with the usual details.
@@ -56,20 +63,17 @@ impl Adopted {
         details.filter_map(|(detail, value)| Some((detail.key, value.get()?)))
     }
 
+    /// [`Effect::force`] of its amount.
+    #[must_use]
+    pub fn force(&self, vehicle: &VehicleParameters, sample: &Sample) -> Force {
+        self.effect
+            .force(vehicle, sample, &self.details, self.amount)
+    }
+
     /// [`Effect::force_n`] of its amount.
     #[must_use]
     pub fn force_n(&self, vehicle: &VehicleParameters, sample: &Sample) -> f32 {
-        self.effect
-            .force_n(vehicle, sample, &self.details, self.amount)
-    }
-
-    /// What its uncertainty makes of the slope in a cell, 1 sigma with the sign of the force, %.
-    #[must_use]
-    pub fn slope_sigma_percent(&self, vehicle: &VehicleParameters, sample: &Sample) -> f32 {
-        let slope = self
-            .effect
-            .slope_percent(vehicle, sample, &self.details, self.amount);
-        self.amount_sigma * slope
+        self.force(vehicle, sample).force_n
     }
 
     fn check(&self) -> Result<(), ParameterError> {
@@ -97,33 +101,43 @@ impl Effects {
     /// # Errors
     /// Gives it back if there is no room: only for effects that the catalogue does not have.
     pub fn adopt(&mut self, adopted: Adopted) -> Result<(), Adopted> {
-        let mut known = self.0.iter_mut();
+        self.insert(adopted)?;
+        let factor = |acts| -> f32 {
+            self.acting(acts)
+                .map(|adopted| 1.0 + adopted.amount)
+                .product()
+        };
+        let factors = [Acts::Mass, Acts::Traction, Acts::WheelRadius].map(factor);
+        [self.mass, self.traction, self.wheel_radius] = factors;
+        Ok(())
+    }
+
+    fn insert(&mut self, mut adopted: Adopted) -> Result<(), Adopted> {
+        let mut known = self.adopted.iter_mut();
         if let Some(same) = known.find(|other| other.effect == adopted.effect) {
             *same = adopted;
             return Ok(());
         }
-        if self.0.is_full() {
+        if self.adopted.is_full() {
             return Err(adopted);
         }
-        // In the order of their names: sums do not depend on which came first.
-        let mut adopted = adopted;
-        for other in &mut self.0 {
+        for other in &mut self.adopted {
             if other.effect.name > adopted.effect.name {
                 mem::swap(other, &mut adopted);
             }
         }
-        self.0.push(adopted)
+        self.adopted.push(adopted)
     }
 
     /// Those adopted, by name.
     pub fn iter(&self) -> impl Iterator<Item = &Adopted> {
-        self.0.iter()
+        self.adopted.iter()
     }
 
     /// Whether there is none.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.0.is_empty()
+        self.adopted.is_empty()
     }
 
     /// Force in N that resists in a cell besides what the base model has. Effects that scale what
@@ -137,11 +151,13 @@ impl Effects {
 
     /// What a quantity of the model is to be multiplied with.
     #[must_use]
-    #[inline(never)] // One copy for all the places that ask: flash is dear.
-    pub fn factor(&self, acts: Acts) -> f32 {
-        self.acting(acts)
-            .map(|adopted| 1.0 + adopted.amount)
-            .product()
+    pub const fn factor(&self, acts: Acts) -> f32 {
+        match acts {
+            Acts::Resists => 1.0,
+            Acts::Mass => self.mass,
+            Acts::Traction => self.traction,
+            Acts::WheelRadius => self.wheel_radius,
+        }
     }
 
     /// Those that enter the model there.
@@ -156,5 +172,17 @@ impl Effects {
                 .check()
                 .map_err(|error| error.of_effect(adopted.effect.name))
         })
+    }
+}
+
+impl Default for Effects {
+    /// None.
+    fn default() -> Self {
+        Self {
+            adopted: Vec::new(),
+            mass: 1.0,
+            traction: 1.0,
+            wheel_radius: 1.0,
+        }
     }
 }

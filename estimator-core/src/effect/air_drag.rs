@@ -1,6 +1,6 @@
 //! A drag area that the parameter does not have.
 
-use super::{Acts, Bounds, Effect, drag_n};
+use super::{Acts, Bounds, Effect, Physics, drag_n};
 
 /// F = ½ ρ a v².
 pub static EFFECT: Effect = Effect {
@@ -12,5 +12,5 @@ pub static EFFECT: Effect = Effect {
     range: Bounds::new(-20.0, 30.0, "-20 to 30 m²"),
     details: &[],
     acts: Acts::Resists,
-    physics: |_, sample, _, amount| drag_n(amount, sample, sample.place.speed_mps),
+    physics: Physics::PerUnit(|_, sample, _| drag_n(1.0, sample, sample.place.speed_mps)),
 };

@@ -1,6 +1,6 @@
 //! Power that does not get to the wheels.
 
-use super::{Acts, Bounds, Detail, Effect};
+use super::{Acts, Bounds, Detail, Effect, Physics};
 use crate::maybe::Maybe;
 
 /// Speed below which the force of a power grows no more, m/s: torque is limited.
@@ -21,7 +21,7 @@ pub static EFFECT: Effect = Effect {
         range: Bounds::new(0.0, 1.0, "0 or 1"),
     }],
     acts: Acts::Resists,
-    physics: |_, sample, details, amount| {
+    physics: Physics::PerUnit(|_, sample, details| {
         if !sample.circumstances.engaged {
             return 0.0;
         }
@@ -31,6 +31,6 @@ pub static EFFECT: Effect = Effect {
             None if with_fan => 0.0,
             _ => 1.0,
         };
-        amount * part / sample.place.speed_mps.max(SLOWEST_MPS)
-    },
+        part / sample.place.speed_mps.max(SLOWEST_MPS)
+    }),
 };

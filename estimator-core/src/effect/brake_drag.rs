@@ -1,6 +1,6 @@
 //! Brakes that drag.
 
-use super::{Acts, Bounds, Effect};
+use super::{Acts, Bounds, Effect, Physics};
 
 /// F = a while the vehicle moves, as it does in every cell.
 pub static EFFECT: Effect = Effect {
@@ -12,5 +12,5 @@ pub static EFFECT: Effect = Effect {
     range: Bounds::new(-5_000.0, 20_000.0, "-5000 to 20000 N"),
     details: &[],
     acts: Acts::Resists,
-    physics: |_, _, _, amount| amount,
+    physics: Physics::PerUnit(|_, _, _| 1.0),
 };

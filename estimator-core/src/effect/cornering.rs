@@ -1,6 +1,6 @@
 //! Tyres that run at an angle in a bend.
 
-use super::{Acts, Bounds, Effect, weight_n};
+use super::{Acts, Bounds, Effect, Physics, weight_n};
 use crate::vehicle::GRAVITY;
 
 /// F = a m g (v ψ' / g)²: the side force over the cornering stiffness is the slip angle, and the
@@ -14,11 +14,11 @@ pub static EFFECT: Effect = Effect {
     range: Bounds::new(-1.0, 5.0, "-1 to 5 rad"),
     details: &[],
     acts: Acts::Resists,
-    physics: |_, sample, _, amount| {
+    physics: Physics::PerUnit(|_, sample, _| {
         let Some(yaw_rate_radps) = sample.circumstances.yaw_rate_radps.get() else {
             return 0.0;
         };
         let sideways = sample.place.speed_mps * yaw_rate_radps / GRAVITY;
-        amount * weight_n(sample) * sideways * sideways
-    },
+        weight_n(sample) * sideways * sideways
+    }),
 };

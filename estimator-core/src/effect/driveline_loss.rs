@@ -1,6 +1,6 @@
 //! A driveline that loses more than its efficiency says.
 
-use super::{Acts, Bounds, Effect};
+use super::{Acts, Bounds, Effect, Physics};
 
 /// F = a |traction|, driving and driven.
 pub static EFFECT: Effect = Effect {
@@ -12,11 +12,11 @@ pub static EFFECT: Effect = Effect {
     range: Bounds::new(-0.3, 0.5, "-0.3 to 0.5"),
     details: &[],
     acts: Acts::Resists,
-    physics: |_, sample, _, amount| {
+    physics: Physics::PerUnit(|_, sample, _| {
         if sample.circumstances.engaged {
-            amount * sample.load.traction_n.abs()
+            sample.load.traction_n.abs()
         } else {
             0.0
         }
-    },
+    }),
 };

@@ -1,6 +1,7 @@
 //! Wind along the road.
 
-use super::{Acts, Bounds, Detail, Effect, base_drag_n, drag_n};
+use super::{Acts, Bounds, Detail, Effect, Physics, base_drag_n, drag_n};
+use crate::angle::cos_deg;
 use crate::maybe::Maybe;
 
 /// F = ½ ρ cd A ((v + w)² − v²), w the wind from ahead.
@@ -18,13 +19,13 @@ pub static EFFECT: Effect = Effect {
         range: Bounds::new(0.0, 360.0, "0 to 360°"),
     }],
     acts: Acts::Resists,
-    physics: |vehicle, sample, details, amount| {
+    physics: Physics::Of(|vehicle, sample, details, amount| {
         let ahead = match (details[0].get(), sample.circumstances.course_deg.get()) {
             (None, _) => 1.0,
-            (Some(from_deg), Some(course_deg)) => libm::cosf((course_deg - from_deg).to_radians()),
+            (Some(from_deg), Some(course_deg)) => cos_deg(course_deg - from_deg),
             (Some(_), None) => return 0.0,
         };
         let air_mps = sample.place.speed_mps + amount * ahead;
         drag_n(vehicle.drag_area_m2, sample, air_mps) - base_drag_n(vehicle, sample)
-    },
+    }),
 };

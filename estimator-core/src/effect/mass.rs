@@ -1,6 +1,6 @@
 //! Another mass than the model takes.
 
-use super::{Acts, Bounds, Effect, base_drag_n};
+use super::{Acts, Bounds, Effect, Physics, base_drag_n};
 
 /// m → m (1 + a). Without it the road reads as steeper by a of all that the mass takes: what is
 /// left of traction after air resistance.
@@ -13,7 +13,7 @@ pub static EFFECT: Effect = Effect {
     range: Bounds::new(-0.6, 3.0, "-0.6 to 3"),
     details: &[],
     acts: Acts::Mass,
-    physics: |vehicle, sample, _, amount| {
-        amount * (sample.load.traction_n - base_drag_n(vehicle, sample))
-    },
+    physics: Physics::PerUnit(|vehicle, sample, _| {
+        sample.load.traction_n - base_drag_n(vehicle, sample)
+    }),
 };

@@ -17,7 +17,7 @@
 //!
 //! ```
 //! # use estimator_core::vehicle::GRAVITY;
-//! use estimator_core::effect::{Acts, Bounds, Effect}; // in the folder: use super::{…}
+//! use estimator_core::effect::{Acts, Bounds, Effect, Physics}; // in the folder: use super::{…}
 //!
 //! /// F = a m g between 0 and 5 °C.
 //! pub static EFFECT: Effect = Effect {
@@ -29,16 +29,16 @@
 //!     range: Bounds::new(0.0, 0.01, "0 to 0.01"),
 //!     details: &[],
 //!     acts: Acts::Resists,
-//!     physics: |_vehicle, sample, _details, amount| {
+//!     physics: Physics::PerUnit(|_vehicle, sample, _details| {
 //!         let Some(celsius) = sample.circumstances.ambient_celsius.get() else {
 //!             return 0.0;
 //!         };
 //!         if (0.0..=5.0).contains(&celsius) {
-//!             amount * sample.load.mass_kg * GRAVITY
+//!             sample.load.mass_kg * GRAVITY
 //!         } else {
 //!             0.0
 //!         }
-//!     },
+//!     }),
 //! };
 //! ```
 //!
@@ -100,12 +100,27 @@ pub struct Effect {
     pub details: &'static [Detail],
     /// Where it enters the model.
     pub acts: Acts,
-    /// What [`force_n`](Self::force_n) is.
+    /// What [`force`](Self::force) is.
     pub physics: Physics,
 }
 
-/// Force in N that the model misses in a cell without an effect of this amount.
-pub type Physics = fn(&VehicleParameters, &Sample, &Details, f32) -> f32;
+/// Force that the model misses in a cell without an effect of some amount.
+#[derive(Clone, Copy, Debug)]
+pub enum Physics {
+    /// In proportion to the amount: N per unit of it.
+    PerUnit(fn(&VehicleParameters, &Sample, &Details) -> f32),
+    /// In any other way: N for an amount.
+    Of(fn(&VehicleParameters, &Sample, &Details, f32) -> f32),
+}
+
+/// What an effect does in a cell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Force {
+    /// The force, positive if it resists, N.
+    pub force_n: f32,
+    /// Its change with the amount, N per unit of it.
+    pub per_unit_n: f32,
+}
 
 /// Where an effect enters the model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -128,10 +143,40 @@ impl Effect {
         CATALOGUE.into_iter().find(|effect| effect.name == name)
     }
 
-    /// Force in N that a model without it misses in a cell, positive if it resists; none where the
-    /// circumstances that it depends on are not known.
+    /// What a model without it misses in a cell; nothing where the circumstances that it depends on
+    /// are not known.
     ///
     /// For effects that scale what the model is told, to first order, for a sample made without.
+    #[must_use]
+    pub fn force(
+        &self,
+        vehicle: &VehicleParameters,
+        sample: &Sample,
+        details: &Details,
+        amount: f32,
+    ) -> Force {
+        match self.physics {
+            Physics::PerUnit(per_unit_n) => {
+                let per_unit_n = or_none(per_unit_n(vehicle, sample, details));
+                Force {
+                    force_n: or_none(amount * per_unit_n),
+                    per_unit_n,
+                }
+            }
+            Physics::Of(force_n) => {
+                // Central: exact for forces that are linear or square in the amount.
+                let step = 0.5 * self.typical;
+                let [less_n, force_n, more_n] = [amount - step, amount, amount + step]
+                    .map(|amount| or_none(force_n(vehicle, sample, details, amount)));
+                Force {
+                    force_n,
+                    per_unit_n: (more_n - less_n) / (2.0 * step),
+                }
+            }
+        }
+    }
+
+    /// The force of [`force`](Self::force), N.
     #[must_use]
     pub fn force_n(
         &self,
@@ -140,11 +185,10 @@ impl Effect {
         details: &Details,
         amount: f32,
     ) -> f32 {
-        let force_n = (self.physics)(vehicle, sample, details, amount);
-        if force_n.is_finite() { force_n } else { 0.0 }
+        self.force(vehicle, sample, details, amount).force_n
     }
 
-    /// Change of [`force_n`](Self::force_n) with the amount, N per unit of it.
+    /// Its change with the amount, N per unit of it.
     #[must_use]
     pub fn derivative_n(
         &self,
@@ -153,10 +197,7 @@ impl Effect {
         details: &Details,
         amount: f32,
     ) -> f32 {
-        // Central: exact for forces that are linear or square in the amount.
-        let step = 0.5 * self.typical;
-        let at = |amount| self.force_n(vehicle, sample, details, amount);
-        (at(amount + step) - at(amount - step)) / (2.0 * step)
+        self.force(vehicle, sample, details, amount).per_unit_n
     }
 
     /// The slope that one unit of the amount reads as where the model lacks it, %.
@@ -168,9 +209,22 @@ impl Effect {
         details: &Details,
         amount: f32,
     ) -> f32 {
-        let weight_n = sample.load.mass_kg * GRAVITY;
-        100.0 * self.derivative_n(vehicle, sample, details, amount) / weight_n
+        self.force(vehicle, sample, details, amount)
+            .slope_percent(sample)
     }
+}
+
+impl Force {
+    /// The slope that one unit of the amount reads as where the model lacks it, %.
+    #[must_use]
+    pub fn slope_percent(&self, sample: &Sample) -> f32 {
+        100.0 * self.per_unit_n / weight_n(sample)
+    }
+}
+
+/// A force; none if it is no number.
+fn or_none(force_n: f32) -> f32 {
+    if force_n.is_finite() { force_n } else { 0.0 }
 }
 
 /// Effects are told apart by their names.

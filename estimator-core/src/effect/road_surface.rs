@@ -1,6 +1,7 @@
 //! A rough stretch of road.
 
-use super::{Acts, Bounds, Detail, Effect, weight_n};
+use super::{Acts, Bounds, Detail, Effect, Physics, weight_n};
+use crate::angle::cos_deg;
 use crate::maybe::Maybe;
 
 /// Metres in a degree of latitude: the meridian of 40,008 km over 360.
@@ -35,27 +36,31 @@ pub static EFFECT: Effect = Effect {
         },
     ],
     acts: Acts::Resists,
-    physics: |_, sample, details, amount| {
+    physics: Physics::PerUnit(|_, sample, details| {
         let [latitude_deg, longitude_deg, Some(length_m)] = details.map(Maybe::get) else {
             return 0.0;
         };
         let somewhere = latitude_deg.is_some() || longitude_deg.is_some();
-        let off_m = match sample.place.position_e7 {
+        let off_squared_m2 = match sample.place.position_e7 {
             Some((latitude_e7, longitude_e7)) => {
                 let degrees = |e7: i32| e7 as f32 * 1e-7;
                 let here_deg = degrees(latitude_e7);
                 let north_deg = here_deg - latitude_deg.unwrap_or(here_deg);
                 let east_deg = longitude_deg.map_or(0.0, |there| degrees(longitude_e7) - there);
-                let east_deg = east_deg * libm::cosf(here_deg.to_radians());
-                M_PER_DEG * libm::sqrtf(north_deg * north_deg + east_deg * east_deg)
+                let (north_m, east_m) = (
+                    M_PER_DEG * north_deg,
+                    M_PER_DEG * east_deg * cos_deg(here_deg),
+                );
+                north_m * north_m + east_m * east_m
             }
             None if somewhere => return 0.0,
             None => 0.0,
         };
-        if off_m <= 0.5 * length_m {
-            amount * weight_n(sample)
+        let reach_m = 0.5 * length_m;
+        if off_squared_m2 <= reach_m * reach_m {
+            weight_n(sample)
         } else {
             0.0
         }
-    },
+    }),
 };

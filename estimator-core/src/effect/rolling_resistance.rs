@@ -1,6 +1,6 @@
 //! A rolling resistance that the parameter does not have.
 
-use super::{Acts, Bounds, Effect, weight_n};
+use super::{Acts, Bounds, Effect, Physics, weight_n};
 
 /// F = a m g.
 pub static EFFECT: Effect = Effect {
@@ -12,5 +12,5 @@ pub static EFFECT: Effect = Effect {
     range: Bounds::new(-0.02, 0.1, "-0.02 to 0.1"),
     details: &[],
     acts: Acts::Resists,
-    physics: |_, sample, _, amount| amount * weight_n(sample),
+    physics: Physics::PerUnit(|_, sample, _| weight_n(sample)),
 };

@@ -1,6 +1,6 @@
 //! A torque, or a traction force, that is told too small or too large.
 
-use super::{Acts, Bounds, Effect};
+use super::{Acts, Bounds, Effect, Physics};
 
 /// Traction → traction (1 + a): F = −a traction.
 pub static EFFECT: Effect = Effect {
@@ -12,5 +12,5 @@ pub static EFFECT: Effect = Effect {
     range: Bounds::new(-0.5, 1.0, "-0.5 to 1"),
     details: &[],
     acts: Acts::Traction,
-    physics: |_, sample, _, amount| -amount * sample.load.traction_n,
+    physics: Physics::PerUnit(|_, sample, _| -sample.load.traction_n),
 };

@@ -1,6 +1,6 @@
 //! Tyres that are cold where a drive begins.
 
-use super::{Acts, Bounds, Detail, Effect, weight_n};
+use super::{Acts, Bounds, Detail, Effect, Physics, weight_n};
 use crate::maybe::Maybe;
 
 /// F = a c_r m g exp(−t/τ), t the time in motion.
@@ -18,11 +18,11 @@ pub static EFFECT: Effect = Effect {
         range: Bounds::new(30.0, 20_000.0, "30 to 20000 s"),
     }],
     acts: Acts::Resists,
-    physics: |vehicle, sample, details, amount| {
+    physics: Physics::PerUnit(|vehicle, sample, details| {
         let Some(time_s) = details[0].get() else {
             return 0.0;
         };
         let left = libm::expf(-sample.circumstances.driven_s / time_s);
-        amount * vehicle.rolling_resistance * weight_n(sample) * left
-    },
+        vehicle.rolling_resistance * weight_n(sample) * left
+    }),
 };

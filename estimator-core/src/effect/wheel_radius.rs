@@ -1,6 +1,6 @@
 //! Wheels that are larger than the parameter, and the bus's own figure, say.
 
-use super::{Acts, Bounds, Effect, base_drag_n};
+use super::{Acts, Bounds, Effect, Physics, base_drag_n};
 use crate::vehicle::Traction;
 
 /// r → r (1 + a): speed and distance → × (1 + a), the force of a torque → ÷ (1 + a). The force
@@ -14,11 +14,11 @@ pub static EFFECT: Effect = Effect {
     range: Bounds::new(-0.2, 0.2, "-0.2 to 0.2"),
     details: &[],
     acts: Acts::WheelRadius,
-    physics: |vehicle, sample, _, amount| {
+    physics: Physics::Of(|vehicle, sample, _, amount| {
         let lost_n = match vehicle.traction {
             Traction::Powertrain(_) => sample.load.traction_n * amount / (1.0 + amount),
             Traction::Force => 0.0,
         };
         lost_n + base_drag_n(vehicle, sample) * amount * (2.0 + amount)
-    },
+    }),
 };

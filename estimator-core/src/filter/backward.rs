@@ -93,9 +93,7 @@ impl<S: Scalar> Backward<S> {
         let within = dot(&applied.gain, &spread);
         applied.undo(observation, &mut self.lambda);
         observation.add_to(&mut self.lambda, -(applied.innovation * per_variance));
-        let row = observation.row::<S>();
-        self.information
-            .add_products(&row, &spread, within + per_variance);
+        observation.add_products(&mut self.information, &spread, within + per_variance);
     }
 
     /// Goes back over many steps at once.
@@ -151,6 +149,12 @@ impl<S: Scalar> Passage<S> {
             }
             trace.retreat_behind_measurements(image);
         }
+    }
+
+    /// What the steps gone over say, and nothing after them.
+    #[must_use]
+    pub const fn backward(&self) -> &Backward<S> {
+        &self.backward
     }
 
     /// A quantity as the filter had it here, corrected by the steps gone over; what hangs on the

@@ -28,6 +28,8 @@ struct Stretch {
     variance: f32,
     known: Correction,
     way: Way,
+    /// Part of the slow error that is left at its end, once another follows.
+    error_kept: Option<f32>,
 }
 
 /// What was known, at one place, of how the model errs.
@@ -76,6 +78,11 @@ pub(super) struct Way {
 }
 
 impl Way {
+    /// Part of the slow error that is left at its end.
+    fn error_kept(&self, fixed: &Fixed) -> f32 {
+        libm::expf(-self.duration_s / fixed.error_time_s)
+    }
+
     /// Followed by another.
     fn and(self, next: Self) -> Self {
         Self {
@@ -139,49 +146,45 @@ impl Climb {
     /// Compares a fix with those that are remembered, from the newest back until `way_m` are
     /// compared.
     pub(super) fn compare(&self, fixed: &Fixed, way_m: f32) -> Option<Misfit> {
-        let mut worst: Option<Misfit> = None;
+        let mut worst: Option<(f32, &Stretch)> = None;
         let mut way = Way::default();
+        let mut error_kept = 1.0;
         let (mut sum, mut count) = (0.0, 0.0);
-        for stretch in self.stretches.iter().rev() {
+        let (older, newer) = self.stretches.as_slices();
+        for stretch in newer.iter().rev().chain(older.iter().rev()) {
             if way.length_m >= way_m {
                 break;
             }
             way = stretch.way.and(way);
-            let known = &stretch.known;
-            let bias_percent = known.bias_percent + known.wind_percent;
-            let model_m =
-                way.climb_m - 0.01 * bias_percent * way.length_m + known.scale * way.load_climb_m;
-            let difference_m = fixed.altitude_m - stretch.altitude_m - model_m;
-            let variance = stretch.variance + fixed.variance + stretch.variance_over(&way, fixed);
-            let normalised = difference_m * difference_m / variance;
+            error_kept *= stretch
+                .error_kept
+                .unwrap_or_else(|| stretch.way.error_kept(fixed));
+            let normalised = stretch.misfit(&way, error_kept, fixed);
             sum += normalised;
             count += 1.0;
-            if worst.is_none_or(|worst| normalised >= worst.normalised) {
-                worst = Some(Misfit {
-                    normalised,
-                    mean: 0.0,
-                    since_cell: stretch.cell,
-                    known: *known,
-                    compared_m: 0.0,
-                });
+            if worst.is_none_or(|(most, _)| normalised >= most) {
+                worst = Some((normalised, stretch));
             }
         }
-        worst.map(|worst| Misfit {
+        worst.map(|(normalised, stretch)| Misfit {
+            normalised,
             mean: sum / count,
+            since_cell: stretch.cell,
+            known: stretch.known,
             compared_m: way.length_m,
-            ..worst
         })
     }
 
     /// Remembers a fix, if the last one that was lies a stretch behind.
     pub(super) fn remember(&mut self, cell: u32, fixed: &Fixed, known: Correction) {
-        if known.slope_variance > LARGEST_SIGMA_PERCENT * LARGEST_SIGMA_PERCENT
-            || self
-                .stretches
-                .back()
-                .is_some_and(|last| last.way.length_m < STRETCH_M)
-        {
+        if known.slope_variance > LARGEST_SIGMA_PERCENT * LARGEST_SIGMA_PERCENT {
             return;
+        }
+        if let Some(last) = self.stretches.back_mut() {
+            if last.way.length_m < STRETCH_M {
+                return;
+            }
+            last.error_kept = Some(last.way.error_kept(fixed));
         }
         if self.stretches.is_full() {
             self.stretches.pop_front();
@@ -193,17 +196,29 @@ impl Climb {
             variance: fixed.variance,
             known,
             way: Way::default(),
+            error_kept: None,
         });
     }
 }
 
 impl Stretch {
+    /// Squared difference of the climbs over the way from its start to a fix, over its variance.
+    fn misfit(&self, way: &Way, error_kept: f32, fixed: &Fixed) -> f32 {
+        let known = &self.known;
+        let bias_percent = known.bias_percent + known.wind_percent;
+        let model_m =
+            way.climb_m - 0.01 * bias_percent * way.length_m + known.scale * way.load_climb_m;
+        let difference_m = fixed.altitude_m - self.altitude_m - model_m;
+        let variance = self.variance + fixed.variance + self.variance_over(way, error_kept, fixed);
+        difference_m * difference_m / variance
+    }
+
     /// Variance of the difference of the climbs that grows on the way from its start, m².
-    fn variance_over(&self, way: &Way, fixed: &Fixed) -> f32 {
+    fn variance_over(&self, way: &Way, error_kept: f32, fixed: &Fixed) -> f32 {
         // Of an Ornstein-Uhlenbeck process: 2 σ² (1 − exp(−t/τ)).
-        let turned = -libm::expm1f(-way.duration_s / fixed.error_time_s);
+        let turned = 1.0 - error_kept;
         // Of the mean of one that begins at a known value, for short ways: ⅔ σ² L/λ.
-        let gusts = fixed.wind_variance * (way.length_m / fixed.wind_length_m).min(1.0);
+        let gusts = fixed.wind_variance * Scalar::min(way.length_m / fixed.wind_length_m, 1.0);
         let per_percent = 0.01 * way.length_m;
         2.0 * fixed.error_variance * turned
             + per_percent * per_percent * (self.known.slope_variance + gusts)

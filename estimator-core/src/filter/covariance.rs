@@ -108,59 +108,78 @@ impl<S: Scalar> Covariance<S> {
         }
     }
 
-    /// `M + f a a' - a b' - b a'`.
-    #[inline(always)]
-    pub fn add_products(&mut self, a: &[S; STATES], b: &[S; STATES], factor: S) {
-        for i in 0..STATES {
-            for j in i..STATES {
-                let change = a[i] * a[j] * factor - a[i] * b[j] - b[i] * a[j];
-                self.set(i, j, self.get(i, j) + change);
-            }
-        }
-    }
-
     /// `M + A N A'`, with A given by its columns.
     #[must_use]
     pub fn plus_congruence(&self, columns: &[[S; STATES]; STATES], other: &Self) -> Self {
         // A N, by columns.
         let mut product = [[S::ZERO; STATES]; STATES];
-        for (j, column) in product.iter_mut().enumerate() {
-            for (k, of_a) in columns.iter().enumerate() {
-                let factor = other.get(k, j);
-                for (element, of_a) in column.iter_mut().zip(of_a) {
-                    *element += factor * *of_a;
+        for (column, factors) in product.iter_mut().zip(&other.rows()) {
+            for (i, element) in column.iter_mut().enumerate() {
+                for (factor, of_a) in factors.iter().zip(columns) {
+                    *element += *factor * of_a[i];
                 }
             }
         }
         let mut sum = *self;
-        for (of_product, of_a) in product.iter().zip(columns) {
-            for (i, left) in of_product.iter().enumerate() {
-                for (j, right) in of_a.iter().enumerate().skip(i) {
-                    sum.set(i, j, sum.get(i, j) + *left * *right);
+        let mut elements = sum.upper.iter_mut();
+        for i in 0..STATES {
+            for (j, element) in (i..STATES).zip(&mut elements) {
+                for (of_product, of_a) in product.iter().zip(columns) {
+                    *element += of_product[i] * of_a[j];
                 }
             }
         }
         sum
     }
 
+    /// All rows.
+    #[allow(
+        clippy::needless_range_loop,
+        reason = "each element goes to a row and a column"
+    )]
+    fn rows(&self) -> [[S; STATES]; STATES] {
+        let mut rows = [[S::ZERO; STATES]; STATES];
+        let mut elements = self.upper.iter();
+        for i in 0..STATES {
+            for (j, element) in (i..STATES).zip(&mut elements) {
+                rows[i][j] = *element;
+                rows[j][i] = *element;
+            }
+        }
+        rows
+    }
+
     /// `M v`.
-    #[inline(always)]
+    #[inline(never)] // Long: every element is written out.
     #[must_use]
     pub fn times(&self, vector: &[S; STATES]) -> [S; STATES] {
         let mut product = [S::ZERO; STATES];
-        for (i, element) in product.iter_mut().enumerate() {
-            for (k, factor) in vector.iter().enumerate() {
-                *element += self.get(i, k) * *factor;
-            }
-        }
+        self.add_times::<0>(vector, &mut product);
+        self.add_times::<1>(vector, &mut product);
+        self.add_times::<2>(vector, &mut product);
+        self.add_times::<3>(vector, &mut product);
+        self.add_times::<4>(vector, &mut product);
+        self.add_times::<5>(vector, &mut product);
+        self.add_times::<6>(vector, &mut product);
+        self.add_times::<7>(vector, &mut product);
         product
+    }
+
+    /// What the part of row and column I from the diagonal on adds to the product.
+    #[inline(always)]
+    fn add_times<const I: usize>(&self, vector: &[S; STATES], product: &mut [S; STATES]) {
+        product[I] += self.get(I, I) * vector[I];
+        for j in I + 1..STATES {
+            let element = self.get(I, j);
+            product[I] += element * vector[j];
+            product[j] += element * vector[I];
+        }
     }
 
     /// Whether every element is a number and every variance positive.
     #[must_use]
     pub fn is_sound(&self) -> bool {
-        self.upper.iter().all(|element| element.is_finite())
-            && (0..STATES).all(|i| self.get(i, i) >= S::ZERO)
+        S::are_finite(&self.upper) && (0..STATES).all(|i| self.get(i, i) >= S::ZERO)
     }
 
     /// As a full matrix.

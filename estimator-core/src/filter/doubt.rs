@@ -22,29 +22,39 @@ pub(super) struct Doubt {
     means: Option<[f32; MAX_EFFECTS]>,
 }
 
+/// Effects in a cell.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Felt {
+    /// Force that resists besides what the base model has, N.
+    pub force_n: f32,
+    /// Variance that what is not sure of them adds to the bias, %².
+    pub doubt: f32,
+}
+
 impl Doubt {
     /// Before the first sample.
     pub(super) const fn new() -> Self {
         Self { means: None }
     }
 
-    /// Goes over a cell: the variance that it adds to the bias, %².
-    pub(super) fn pass(&mut self, vehicle: &VehicleParameters, sample: &Sample) -> f32 {
-        let slopes = || slope_sigmas(vehicle, sample);
-        let means = self.means.get_or_insert_with(|| {
-            let mut means = [0.0; MAX_EFFECTS];
-            for (mean, slope) in means.iter_mut().zip(slopes()) {
-                *mean = slope;
+    /// Goes over a cell.
+    pub(super) fn pass(&mut self, vehicle: &VehicleParameters, sample: &Sample) -> Felt {
+        let begins = self.means.is_none();
+        let means = self.means.get_or_insert([0.0; MAX_EFFECTS]);
+        let (mut force_n, mut doubt) = (0.0, 0.0);
+        for (adopted, mean) in vehicle.effects.iter().zip(means) {
+            let force = adopted.force(vehicle, sample);
+            if adopted.effect.acts == Acts::Resists {
+                force_n += force.force_n;
             }
-            means
-        });
-        let mut variance = 0.0;
-        for (mean, slope) in means.iter_mut().zip(slopes()) {
-            let away = slope - *mean;
-            variance += (1.0 - KEEP * KEEP) * away * away;
-            *mean = slope - KEEP * away;
+            if !is_scale(adopted) {
+                let slope = adopted.amount_sigma * force.slope_percent(sample);
+                let away = if begins { 0.0 } else { slope - *mean };
+                doubt += (1.0 - KEEP * KEEP) * away * away;
+                *mean = slope - KEEP * away;
+            }
         }
-        variance
+        Felt { force_n, doubt }
     }
 }
 
@@ -52,26 +62,19 @@ impl Doubt {
 ///
 /// An error of mass or torque is one of the scale, which has a state of its own.
 pub(super) fn variances(vehicle: &VehicleParameters, sample: &Sample) -> (f32, f32) {
-    let bias = slope_sigmas(vehicle, sample)
-        .map(|slope| slope * slope)
-        .sum();
-    let scale = vehicle
-        .effects
-        .iter()
-        .filter(|adopted| is_scale(adopted))
-        // Of what the scale is then: true over modelled.
-        .map(|adopted| adopted.amount_sigma / (1.0 + adopted.amount))
-        .map(|sigma| sigma * sigma)
-        .sum();
+    let (mut bias, mut scale) = (0.0, 0.0);
+    for adopted in vehicle.effects.iter() {
+        let sigma = adopted.amount_sigma;
+        if is_scale(adopted) {
+            // Of what the scale is then: true over modelled.
+            let sigma = sigma / (1.0 + adopted.amount);
+            scale += sigma * sigma;
+        } else {
+            let slope = sigma * adopted.force(vehicle, sample).slope_percent(sample);
+            bias += slope * slope;
+        }
+    }
     (bias, scale)
-}
-
-fn slope_sigmas(vehicle: &VehicleParameters, sample: &Sample) -> impl Iterator<Item = f32> {
-    vehicle
-        .effects
-        .iter()
-        .filter(|adopted| !is_scale(adopted))
-        .map(|adopted| adopted.slope_sigma_percent(vehicle, sample))
 }
 
 fn is_scale(adopted: &Adopted) -> bool {

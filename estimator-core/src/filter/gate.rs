@@ -216,7 +216,7 @@ impl Gate {
         }
         self.climb
             .remember(judged.cell, &judged.fixed, Correction::of(state));
-        self.error_spread.learn(offset_m / libm::sqrtf(variance));
+        self.error_spread.learn(offset_m / Scalar::sqrt(variance));
         (Verdict::Fuse, None)
     }
 

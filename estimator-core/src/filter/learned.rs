@@ -5,6 +5,8 @@
 //! follows it (R. K. Mehra, "On the identification of variances and adaptive Kalman filtering",
 //! IEEE Trans. Automatic Control 15:175, 1970).
 
+use crate::scalar::Scalar;
+
 /// How noisy the sensors turned out to be: learned over believed variance of each noise. Sensors
 /// change less than drives do, so it may be kept for the next drive, or for a second look at this
 /// one.
@@ -60,9 +62,9 @@ impl Spread {
 
     /// Takes in a normalised squared innovation.
     pub(super) fn learn(&mut self, normalised: f32) {
-        let lesson = 1.0 + self.step * (normalised.min(LARGEST_LESSON) - 1.0);
+        let lesson = 1.0 + self.step * (Scalar::min(LARGEST_LESSON, normalised) - 1.0);
         // Not `clamp`: it panics, with a message that drags the printing of floats into the image.
-        self.ratio = (self.ratio * lesson).max(self.least).min(self.most);
+        self.ratio = Scalar::min(self.most, Scalar::max(self.least, self.ratio * lesson));
     }
 }
 

@@ -34,9 +34,10 @@ pub mod update;
 
 pub use backward::{Backward, Passage};
 pub use covariance::Covariance;
+pub use doubt::Felt;
 pub use gate::AltitudeEvent;
 pub use learned::SensorNoise;
 pub use prior::SlowStates;
-pub use record::{Record, Trace};
+pub use record::{Moved, Record, Trace};
 pub use state::{Look, Quantity, STATES, State};
 pub use step::Filter;

@@ -62,7 +62,9 @@ impl<S: Scalar> Motion<S> {
     #[inline(always)]
     fn forward_on(&self, moved: &mut impl Moved<S>) {
         let [a, b, c, d, e, f, g, h] = self.shears();
-        moved.shear(a);
+        if self.jumps() {
+            moved.shear(a);
+        }
         moved.shear(b);
         moved.shear(c);
         moved.shear(d);
@@ -84,7 +86,15 @@ impl<S: Scalar> Motion<S> {
         moved.shear(d.transposed());
         moved.shear(c.transposed());
         moved.shear(b.transposed());
-        moved.shear(a.transposed());
+        if self.jumps() {
+            moved.shear(a.transposed());
+        }
+    }
+
+    /// Whether the load changed as no road makes it: seldom.
+    #[inline(always)]
+    fn jumps(&self) -> bool {
+        self.load_jump != S::ZERO
     }
 
     #[inline(always)]

@@ -8,7 +8,7 @@
 use super::covariance::Covariance;
 use super::doubt;
 use super::state::{BIAS, GNSS_ERROR, SCALE, STATES, State, WIND};
-use super::transition::{bias_sigma, wind_sigma};
+use super::transition::{bias_variance, wind_variance};
 use crate::sampler::Sample;
 use crate::scalar::Scalar;
 use crate::tuning::Tuning;
@@ -107,13 +107,14 @@ pub(super) fn state_at_start<S: Scalar>(
         load: S::ZERO,
         origin_m: None,
     };
-    for (i, sigma) in [
-        (BIAS, bias_sigma(vehicle, tuning, sample)),
-        (WIND, wind_sigma(vehicle, tuning, sample)),
-        (SCALE, tuning.scale_sigma),
-        (GNSS_ERROR, tuning.gnss_error_sigma_m),
+    let square = |sigma: f32| sigma * sigma;
+    for (i, variance) in [
+        (BIAS, bias_variance(vehicle, tuning, sample)),
+        (WIND, wind_variance(vehicle, tuning, sample)),
+        (SCALE, square(tuning.scale_sigma)),
+        (GNSS_ERROR, square(tuning.gnss_error_sigma_m)),
     ] {
-        state.p.set(i, i, S::from_f32(sigma * sigma));
+        state.p.set(i, i, S::from_f32(variance));
     }
     let (bias, scale) = doubt::variances(vehicle, sample);
     state.p.add_variance(BIAS, S::from_f32(bias));
@@ -135,12 +136,12 @@ pub(super) fn reopen<S: Scalar>(
     tuning: &Tuning,
     sample: &Sample,
 ) {
-    let bias = bias_sigma(vehicle, tuning, sample);
+    let bias = bias_variance(vehicle, tuning, sample);
     let cold = cold_tyres(vehicle, tuning);
     let scale = tuning.scale_sigma;
     let (bias_doubt, scale_doubt) = doubt::variances(vehicle, sample);
     for (i, variance) in [
-        (BIAS, bias * bias + cold * cold + bias_doubt),
+        (BIAS, bias + cold * cold + bias_doubt),
         (SCALE, scale * scale + scale_doubt),
     ] {
         let known = state.p.get(i, i).to_f32();

@@ -110,6 +110,29 @@ impl<S: Scalar> Trace<S> {
     }
 }
 
+/// One step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Moved<S> {
+    /// Where and when.
+    pub place: Place,
+    /// The way back.
+    pub trace: Trace<S>,
+    /// What became of the altitude, if more than that it was used.
+    pub event: Option<AltitudeEvent>,
+}
+
+impl<S: Scalar> Record<S> {
+    /// The step alone.
+    #[must_use]
+    pub const fn moved(&self) -> Moved<S> {
+        Moved {
+            place: self.place,
+            trace: self.trace,
+            event: self.event,
+        }
+    }
+}
+
 /// One step, and where it led.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Record<S> {

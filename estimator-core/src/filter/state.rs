@@ -53,6 +53,19 @@ pub enum Quantity {
     Scale,
 }
 
+impl Quantity {
+    /// h v, of the elements of a vector v.
+    #[inline(always)]
+    fn of<S: Scalar>(self, load: S, v: impl Fn(usize) -> S) -> S {
+        match self {
+            Self::Slope => v(SLOPE) - v(BIAS) - v(WIND) + load * v(SCALE),
+            Self::Altitude => v(ALTITUDE),
+            Self::Bias => v(BIAS) + v(WIND),
+            Self::Scale => v(SCALE),
+        }
+    }
+}
+
 /// A quantity h x as it was known at one place: enough to correct it by what came later.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Look<S> {
@@ -88,27 +101,16 @@ impl<S: Scalar> State<S> {
     }
 
     /// How a quantity hangs on the states.
+    #[inline(always)] // Known where it is asked for, a quantity is a handful of elements.
     #[must_use]
     pub fn look(&self, quantity: Quantity) -> Look<S> {
-        let mut h = [S::ZERO; STATES];
-        match quantity {
-            Quantity::Slope => {
-                h[SLOPE] = S::ONE;
-                h[BIAS] = -S::ONE;
-                h[WIND] = -S::ONE;
-                h[SCALE] = self.load;
-            }
-            Quantity::Altitude => h[ALTITUDE] = S::ONE,
-            Quantity::Bias => {
-                h[BIAS] = S::ONE;
-                h[WIND] = S::ONE;
-            }
-            Quantity::Scale => h[SCALE] = S::ONE,
+        let mut cross = [S::ZERO; STATES];
+        for (k, element) in cross.iter_mut().enumerate() {
+            *element = quantity.of(self.load, |i| self.p.get(i, k));
         }
-        let cross = self.p.times(&h);
         Look {
-            mean: dot(&h, &self.x),
-            variance: dot(&h, &cross),
+            mean: quantity.of(self.load, |i| self.x[i]),
+            variance: quantity.of(self.load, |i| cross[i]),
             cross,
         }
     }
@@ -116,7 +118,7 @@ impl<S: Scalar> State<S> {
     /// Whether every number is one.
     #[must_use]
     pub fn is_sound(&self) -> bool {
-        self.x.iter().all(|x| x.is_finite()) && self.p.is_sound()
+        S::are_finite(&self.x) && self.p.is_sound()
     }
 
     /// In another number.
@@ -157,7 +159,7 @@ impl<S: Scalar> Look<S> {
         let slope = self.known();
         // Roads end far below 30 %.
         let sine = (slope.value * 0.01).clamp(-0.5, 0.5);
-        let cosine = libm::sqrtf(1.0 - sine * sine);
+        let cosine = Scalar::sqrt(1.0 - sine * sine);
         Uncertain {
             value: 100.0 * sine / cosine,
             sigma: slope.sigma / (cosine * cosine * cosine),

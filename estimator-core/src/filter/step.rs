@@ -6,9 +6,9 @@ use super::doubt::Doubt;
 use super::gate::{AltitudeEvent, Gate, Judged, Verdict};
 use super::learned::{SensorNoise, Spread};
 use super::prior::{SlowStates, reopen, state_at_start};
-use super::record::{Link, Record, Trace};
+use super::record::{Link, Moved, Record, Trace};
 use super::state::{ALTITUDE, BIAS, ENERGY, GNSS_ERROR, SCALE, SLOPE, SLOPE_RATE, State, WIND};
-use super::transition::{Transition, wind_sigma};
+use super::transition::{Transition, wind_variance};
 use super::update::{Observation, Update};
 use crate::counters::Counters;
 use crate::sampler::{AltitudeMeasurement, Continuity, Sample, SpeedMeasurement};
@@ -79,7 +79,7 @@ impl<S: Scalar> Filter<S> {
         self.state.as_ref()
     }
 
-    /// Moves over one cell. `None` as long as no speed has been read.
+    /// Moves over one cell, and notes where that led. `None` as long as no speed has been read.
     pub fn step(
         &mut self,
         vehicle: &VehicleParameters,
@@ -87,7 +87,32 @@ impl<S: Scalar> Filter<S> {
         sample: &Sample,
         counters: &mut Counters,
     ) -> Option<Record<S>> {
-        if let Some(state) = &mut self.state
+        let moved = self.advance(vehicle, tuning, sample, counters)?;
+        self.state.map(|state| Record {
+            place: moved.place,
+            trace: moved.trace,
+            state,
+            event: moved.event,
+        })
+    }
+
+    /// The same without the note: a state is half of it.
+    pub fn advance(
+        &mut self,
+        vehicle: &VehicleParameters,
+        tuning: &Tuning,
+        sample: &Sample,
+        counters: &mut Counters,
+    ) -> Option<Moved<S>> {
+        let Self {
+            state: known,
+            prior,
+            gate,
+            datum_m,
+            speed_spread,
+            doubt,
+        } = self;
+        if let Some(state) = known
             && sample.reopened
         {
             reopen(state, vehicle, tuning, sample);
@@ -97,43 +122,40 @@ impl<S: Scalar> Filter<S> {
             vehicle,
             tuning,
             sample,
-            self.state.as_ref(),
-            self.gate.error_spread(),
-            self.doubt.pass(vehicle, sample),
+            known.as_ref(),
+            gate.error_spread(),
+            doubt.pass(vehicle, sample),
         );
         let mut link = Link::Chained;
-        let (mut state, energy_before) = match (self.state, sample.speed) {
-            (Some(mut state), _) if sample.gap_cells == 0 => {
+        // In its place: copies of a state cost more than its prediction.
+        let (state, energy_before) = match (&mut *known, sample.speed) {
+            (Some(state), _) if sample.gap_cells == 0 => {
                 let before = state.x[ENERGY];
-                transition.predict(&mut state);
+                transition.predict(state);
                 (state, before)
             }
-            (known, Some(speed)) => {
+            (_, Some(speed)) => {
                 link = Link::Broken;
-                let mut state = begin(
-                    known.as_ref(),
-                    self.prior.as_ref(),
-                    vehicle,
-                    tuning,
-                    sample,
-                    speed,
-                );
+                let state = known
+                    .get_or_insert_with(|| state_at_start(prior.as_ref(), vehicle, tuning, sample));
+                begin(state, tuning, speed);
                 state.load = transition.motion().load;
-                (state, state.x[ENERGY])
+                let energy = state.x[ENERGY];
+                (state, energy)
             }
             (_, None) => return None,
         };
-        self.gate.pass(way(&state, sample));
+        gate.pass(way(state, sample));
         let mut fix = sample.altitude.map(|altitude| Fix {
-            altitude_m: altitude_at_end(&state, &altitude) - self.datum_m,
+            altitude_m: altitude_at_end(state, &altitude) - *datum_m,
             variance: {
                 let sigma = tuning.altitude_sigma_m * altitude.dilution;
-                S::from_f32(self.gate.spread() * sigma * sigma)
+                S::from_f32(gate.spread() * sigma * sigma)
             },
             continuity: altitude.continuity,
         });
         let (verdict, event) = fix.as_ref().map_or((Verdict::Reject, None), |fix| {
-            self.judge(&state, fix, vehicle, tuning, sample)
+            judge(gate, state, fix, vehicle, tuning, sample)
         });
         match (&mut fix, verdict) {
             (Some(fix), Verdict::SetAnew | Verdict::Believe(_)) => {
@@ -141,26 +163,26 @@ impl<S: Scalar> Filter<S> {
                     let variance = S::from_f32(off_percent * off_percent);
                     state.p.add_variance(BIAS, variance);
                 }
-                fix.altitude_m += self.datum_m;
-                self.datum_m = 0.0;
-                set_altitude(&mut state, fix);
+                fix.altitude_m += *datum_m;
+                *datum_m = 0.0;
+                set_altitude(state, fix);
                 link = match link {
                     Link::Chained => Link::AltitudeSet,
                     _ => Link::BrokenAltitudeSet,
                 };
             }
             (Some(fix), Verdict::MoveDatum) => {
-                let step_m = fix.innovation(&state).to_f32();
-                let unsure = fix.innovation_variance(&state);
+                let step_m = fix.innovation(state).to_f32();
+                let unsure = fix.innovation_variance(state);
                 fix.altitude_m -= step_m;
-                self.datum_m += step_m;
+                *datum_m += step_m;
                 state.p.add_variance(GNSS_ERROR, unsure);
             }
             (Some(_), Verdict::Reject | Verdict::Undo(_)) => {
                 if let Verdict::Undo(known) = verdict {
-                    undo(&mut state, &known);
+                    undo(state, &known);
                 }
-                counters.altitudes_rejected = counters.altitudes_rejected.saturating_add(1);
+                counters.altitudes_rejected += 1;
             }
             _ => {}
         }
@@ -170,14 +192,13 @@ impl<S: Scalar> Filter<S> {
 
         let speed = sample.speed.map(|speed| {
             let gradient = (state.x[ENERGY] - energy_before) * S::from_f32(1.0 / sample.length_m);
-            speed_update(&state, tuning, speed, gradient, self.speed_spread.ratio())
-                .apply(&mut state)
+            speed_update(state, tuning, speed, gradient, speed_spread.ratio()).apply(state)
         });
         if let Some(applied) = &speed {
             let normalised = applied.innovation.squared() / applied.innovation_variance;
             let condition = sample.place.condition;
             if link == Link::Chained && condition.is_valid() && !condition.crawling {
-                self.speed_spread.learn(normalised.to_f32());
+                speed_spread.learn(normalised.to_f32());
             }
         }
         let altitude = fix
@@ -185,24 +206,23 @@ impl<S: Scalar> Filter<S> {
             .map(|fix| {
                 let update = Update {
                     observation: Observation::Altitude,
-                    innovation: fix.innovation(&state),
+                    innovation: fix.innovation(state),
                     variance: fix.variance,
                 };
-                counters.altitudes_used = counters.altitudes_used.saturating_add(1);
-                update.apply(&mut state)
+                counters.altitudes_used += 1;
+                update.apply(state)
             });
-        counters.steps = counters.steps.saturating_add(1);
+        counters.steps += 1;
         if !sample.place.condition.is_valid() {
-            counters.invalid_steps = counters.invalid_steps.saturating_add(1);
+            counters.invalid_steps += 1;
         }
         if !state.is_sound() {
             // Cannot come from sound input; if it does, the next speed starts the filter anew.
             counters.restarts = counters.restarts.saturating_add(1);
-            self.state = None;
+            *known = None;
             return None;
         }
-        self.state = Some(state);
-        Some(Record {
+        Some(Moved {
             place: sample.place,
             trace: Trace {
                 motion: *transition.motion(),
@@ -210,48 +230,8 @@ impl<S: Scalar> Filter<S> {
                 speed,
                 altitude,
             },
-            state,
             event,
         })
-    }
-
-    /// What to do with a fix, by how it fits the state before the measurements.
-    fn judge(
-        &mut self,
-        state: &State<S>,
-        fix: &Fix<S>,
-        vehicle: &VehicleParameters,
-        tuning: &Tuning,
-        sample: &Sample,
-    ) -> (Verdict, Option<AltitudeEvent>) {
-        if state.origin_m.is_none()
-            || fix.continuity == Continuity::Switched
-            || self.gate.silent_s() >= tuning.gnss_silence.seconds()
-        {
-            self.gate.forget();
-            return (Verdict::SetAnew, Some(AltitudeEvent::SetAnew));
-        }
-        if fix.continuity == Continuity::Drifted {
-            self.gate.forget();
-            return (Verdict::MoveDatum, None);
-        }
-        let error_sigma_m = tuning.gnss_error_sigma_m;
-        let wind = wind_sigma(vehicle, tuning, sample);
-        let judged = Judged {
-            innovation: fix.innovation(state),
-            variance: fix.innovation_variance(state),
-            cell: sample.place.cell,
-            fixed: Fixed {
-                altitude_m: fix.altitude_m,
-                variance: fix.variance.to_f32(),
-                error_variance: self.gate.error_spread() * error_sigma_m * error_sigma_m,
-                error_time_s: tuning.gnss_error_time_s,
-                wind_variance: wind * wind,
-                wind_length_m: tuning.wind_length_m,
-            },
-            drifts: tuning.drift_sigmas * tuning.drift_sigmas,
-        };
-        self.gate.judge(&judged, state)
     }
 }
 
@@ -261,19 +241,47 @@ impl<S: Scalar> Default for Filter<S> {
     }
 }
 
-/// The state at a first cell, or behind a gap, which leaves the slow states as they were.
-fn begin<S: Scalar>(
-    known: Option<&State<S>>,
-    prior: Option<&SlowStates>,
+/// What to do with a fix, by how it fits the state before the measurements.
+fn judge<S: Scalar>(
+    gate: &mut Gate,
+    state: &State<S>,
+    fix: &Fix<S>,
     vehicle: &VehicleParameters,
     tuning: &Tuning,
     sample: &Sample,
-    speed: SpeedMeasurement,
-) -> State<S> {
+) -> (Verdict, Option<AltitudeEvent>) {
+    if state.origin_m.is_none()
+        || fix.continuity == Continuity::Switched
+        || gate.silent_s() >= tuning.gnss_silence.seconds()
+    {
+        gate.forget();
+        return (Verdict::SetAnew, Some(AltitudeEvent::SetAnew));
+    }
+    if fix.continuity == Continuity::Drifted {
+        gate.forget();
+        return (Verdict::MoveDatum, None);
+    }
+    let error_sigma_m = tuning.gnss_error_sigma_m;
+    let judged = Judged {
+        innovation: fix.innovation(state),
+        variance: fix.innovation_variance(state),
+        cell: sample.place.cell,
+        fixed: Fixed {
+            altitude_m: fix.altitude_m,
+            variance: fix.variance.to_f32(),
+            error_variance: gate.error_spread() * error_sigma_m * error_sigma_m,
+            error_time_s: tuning.gnss_error_time_s,
+            wind_variance: wind_variance(vehicle, tuning, sample),
+            wind_length_m: tuning.wind_length_m,
+        },
+        drifts: tuning.drift_sigmas * tuning.drift_sigmas,
+    };
+    gate.judge(&judged, state)
+}
+
+/// Begins anew at a first cell, or behind a gap, which leaves the slow states as they were.
+fn begin<S: Scalar>(state: &mut State<S>, tuning: &Tuning, speed: SpeedMeasurement) {
     let square = |sigma: f32| S::from_f32(sigma * sigma);
-    let mut state = known
-        .copied()
-        .unwrap_or_else(|| state_at_start(prior, vehicle, tuning, sample));
     for (i, x) in state.x.iter_mut().enumerate() {
         if BROKEN.contains(&i) {
             *x = S::ZERO;
@@ -289,7 +297,6 @@ fn begin<S: Scalar>(
     state
         .p
         .set(SLOPE_RATE, SLOPE_RATE, square(tuning.slope_rate_sigma));
-    state
 }
 
 /// What the model reads of the way over a cell.

@@ -1,5 +1,6 @@
 //! One cell of driving: the vehicle and the noise in numbers.
 
+use super::doubt::Felt;
 use super::motion::Motion;
 use super::state::{BIAS, ENERGY, GNSS_ERROR, SCALE, SLOPE_RATE, State, WIND};
 use crate::sampler::Sample;
@@ -29,24 +30,25 @@ struct Noise<S> {
     gnss_error: S,
 }
 
-/// Standard deviation of the bias for a vehicle at a speed, %.
+/// Variance of the bias for a vehicle at a speed, %².
 ///
 /// Wind and auxiliaries are forces and weigh less on a heavy vehicle; tyres and shape go with
 /// their resistance.
-pub(super) fn bias_sigma(vehicle: &VehicleParameters, tuning: &Tuning, sample: &Sample) -> f32 {
+pub(super) fn bias_variance(vehicle: &VehicleParameters, tuning: &Tuning, sample: &Sample) -> f32 {
     let weight_n = sample.load.mass_kg * GRAVITY;
     let force = tuning.bias_force_n / weight_n;
     let rolling = tuning.bias_rolling * vehicle.rolling_resistance;
     let drag = tuning.bias_drag * drag_n(vehicle, sample) / weight_n;
-    100.0 * libm::sqrtf(force * force + rolling * rolling + drag * drag)
+    1e4 * (force * force + rolling * rolling + drag * drag)
 }
 
-/// Standard deviation of what the wind's coming and going makes of air resistance, %.
-pub(super) fn wind_sigma(vehicle: &VehicleParameters, tuning: &Tuning, sample: &Sample) -> f32 {
+/// Variance of what the wind's coming and going makes of air resistance, %².
+pub(super) fn wind_variance(vehicle: &VehicleParameters, tuning: &Tuning, sample: &Sample) -> f32 {
     let weight_n = sample.load.mass_kg * GRAVITY;
     let speed = sample.place.speed_mps;
     let per_mps_n = vehicle.drag_area_m2 * sample.load.air_density * speed;
-    100.0 * per_mps_n * tuning.wind_sigma_mps / weight_n
+    let sigma = 100.0 * per_mps_n * tuning.wind_sigma_mps / weight_n;
+    sigma * sigma
 }
 
 /// Air resistance, N.
@@ -57,8 +59,7 @@ fn drag_n(vehicle: &VehicleParameters, sample: &Sample) -> f32 {
 
 impl<S: Scalar> Transition<S> {
     /// The step over the cell of `sample`, from a state if there is one, with the variance of the
-    /// GNSS error `gnss_error_spread` times what the tuning says, and `doubt` more of the bias, %²:
-    /// what is not sure of effects.
+    /// GNSS error `gnss_error_spread` times what the tuning says.
     ///
     /// A cruise control answers the road: its force is no input from outside, and regressing the
     /// speed on it (with the slope as the noise) would pull the scale towards zero, the more the
@@ -74,14 +75,14 @@ impl<S: Scalar> Transition<S> {
         sample: &Sample,
         from: Option<&State<S>>,
         gnss_error_spread: f32,
-        doubt: f32,
+        felt: Felt,
     ) -> Self {
         let length_m = sample.length_m;
         let balance = vehicle.force_balance(&sample.load);
         let drag = balance.drag * length_m;
         let gravity = balance.gravity * length_m;
         let accelerated_kg = sample.load.mass_kg + sample.load.rotating_kg;
-        let effects = vehicle.effects.force_n(vehicle, sample) / accelerated_kg;
+        let effects = felt.force_n / accelerated_kg;
 
         let force_percent = 100.0 * tuning.force_noise_n / (sample.load.mass_kg * GRAVITY);
         let model_percent = if sample.place.condition.is_valid() {
@@ -91,26 +92,26 @@ impl<S: Scalar> Transition<S> {
         };
         let energy_sigma = gravity * model_percent;
 
-        // First-order Gauss-Markov processes: x+ = k x + w, var w = (1 - k²) sigma².
-        let markov = |steps: f32, sigma: f32| {
+        // First-order Gauss-Markov processes: x+ = k x + w, var w = (1 - k²) var x.
+        let markov = |steps: f32, variance: f32| {
             let keep = 1.0 / (1.0 + steps);
-            (keep, (1.0 - keep * keep) * sigma * sigma)
+            (keep, (1.0 - keep * keep) * variance)
         };
         let (keep_rate, rate_noise) = markov(
             length_m / tuning.slope_rate_length_m,
-            tuning.slope_rate_sigma,
+            tuning.slope_rate_sigma * tuning.slope_rate_sigma,
         );
         let (keep_bias, bias_noise) = markov(
             length_m / tuning.bias_length_m,
-            bias_sigma(vehicle, tuning, sample),
+            bias_variance(vehicle, tuning, sample),
         );
         let (keep_wind, wind_noise) = markov(
             length_m / tuning.wind_length_m,
-            wind_sigma(vehicle, tuning, sample),
+            wind_variance(vehicle, tuning, sample),
         );
         let (keep_gnss_error, gnss_noise) = markov(
             sample.duration_s / tuning.gnss_error_time_s,
-            tuning.gnss_error_sigma_m * libm::sqrtf(gnss_error_spread),
+            gnss_error_spread * tuning.gnss_error_sigma_m * tuning.gnss_error_sigma_m,
         );
         let walk = tuning.scale_walk_per_sqrt_km;
 
@@ -127,7 +128,7 @@ impl<S: Scalar> Transition<S> {
         let change = load_after - load_before;
         let of_the_road = tuning.load_change_percent;
         // Not `clamp`, which panics if the tuning is nonsense.
-        let load_jump = change - change.max(-of_the_road).min(of_the_road);
+        let load_jump = change - Scalar::min(of_the_road, Scalar::max(-of_the_road, change));
 
         Self {
             motion: Motion {
@@ -146,7 +147,7 @@ impl<S: Scalar> Transition<S> {
             noise: Noise {
                 energy: S::from_f32(energy_sigma * energy_sigma),
                 slope_rate: S::from_f32(rate_noise),
-                bias: S::from_f32(bias_noise + doubt),
+                bias: S::from_f32(bias_noise + felt.doubt),
                 wind: S::from_f32(wind_noise),
                 scale: S::from_f32(walk * walk * length_m * 0.001),
                 gnss_error: S::from_f32(gnss_noise),

@@ -81,12 +81,38 @@ impl Observation {
         }
     }
 
-    /// The row h.
-    #[must_use]
-    pub fn row<S: Scalar>(self) -> [S; STATES] {
-        let mut row = [S::ZERO; STATES];
-        self.add_to(&mut row, S::ONE);
-        row
+    /// `M + f h' h - h' b - b' h`: only what the measurement sees changes.
+    #[inline(always)]
+    pub(super) fn add_products<S: Scalar>(
+        self,
+        matrix: &mut Covariance<S>,
+        b: &[S; STATES],
+        factor: S,
+    ) {
+        match self {
+            Self::Energy => add_products(matrix, [ENERGY], b, factor),
+            Self::Altitude => add_products(matrix, [ALTITUDE, GNSS_ERROR], b, factor),
+        }
+    }
+}
+
+/// The same, with the states that h sums.
+#[inline(always)]
+fn add_products<S: Scalar, const SEEN: usize>(
+    matrix: &mut Covariance<S>,
+    seen: [usize; SEEN],
+    b: &[S; STATES],
+    factor: S,
+) {
+    for (n, i) in seen.into_iter().enumerate() {
+        for (k, element) in b.iter().enumerate() {
+            if !seen.contains(&k) {
+                matrix.set(i, k, matrix.get(i, k) - *element);
+            }
+        }
+        for j in seen.into_iter().skip(n) {
+            matrix.set(i, j, matrix.get(i, j) + (factor - b[j] - b[i]));
+        }
     }
 }
 

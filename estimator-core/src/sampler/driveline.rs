@@ -5,7 +5,7 @@ use super::traction::STALE;
 use crate::signal::Signal;
 use crate::time::Instant;
 use crate::tuning::Tuning;
-use crate::vehicle::{Driveline, Powertrain, Traction, VehicleParameters};
+use crate::vehicle::{Driveline, Gear, Powertrain, Traction, VehicleParameters};
 
 /// Slip of the clutch that is more than a sensor's offset, %; and what is left to full slip when
 /// it is open.
@@ -27,6 +27,8 @@ pub(super) struct DrivelineInput {
     clutch_slip: Latest,
     clutch_pedal: Latest,
     gear_ratio: Latest,
+    /// The gear of that ratio, so that it is looked for once.
+    gear_of_ratio: Option<Gear>,
     gear: Latest,
     engine_speed: Latest,
 }
@@ -38,22 +40,53 @@ pub(super) struct Passage {
     pub driveline: Driveline,
     /// A shift, or a clutch that slips or may be about to: what arrives at the wheels is not told.
     pub in_transit: bool,
+    /// Whether the engine's speed has a say in it.
+    pub asks_engine_speed: bool,
+}
+
+impl Passage {
+    /// Of a driveline that nothing is known of.
+    pub(super) const UNKNOWN: Self = Self {
+        driveline: Driveline::Unknown,
+        in_transit: false,
+        asks_engine_speed: true,
+    };
 }
 
 impl DrivelineInput {
-    /// Takes a reading.
-    pub(super) fn record(&mut self, now: Instant, signal: Signal, value: Option<f32>) {
-        match signal {
-            Signal::DrivelineEngaged => self.engaged.keep(value, now),
-            Signal::ShiftInProcess => self.shifting.keep(value, now),
-            Signal::ClutchSlip => self.clutch_slip.keep(value, now),
-            Signal::ClutchSwitch => self.clutch_pedal.keep(value, now),
-            // A gear that is no longer told is one that nobody knows.
-            Signal::GearRatio => self.gear_ratio.set(value, now),
-            Signal::CurrentGear => self.gear.set(value, now),
-            Signal::EngineSpeed => self.engine_speed.set(value, now),
-            _ => {}
+    /// Takes a reading; true if it tells something else than the one before.
+    pub(super) fn record(
+        &mut self,
+        vehicle: &VehicleParameters,
+        now: Instant,
+        signal: Signal,
+        value: Option<f32>,
+    ) -> bool {
+        // A switch that is no longer told stays as it was; a gear is then one that nobody knows.
+        let (latest, keeps) = match signal {
+            Signal::DrivelineEngaged => (&mut self.engaged, true),
+            Signal::ShiftInProcess => (&mut self.shifting, true),
+            Signal::ClutchSlip => (&mut self.clutch_slip, true),
+            Signal::ClutchSwitch => (&mut self.clutch_pedal, true),
+            Signal::GearRatio => (&mut self.gear_ratio, false),
+            Signal::CurrentGear => (&mut self.gear, false),
+            Signal::EngineSpeed => (&mut self.engine_speed, false),
+            _ => return false,
+        };
+        if keeps && value.is_none() {
+            return false;
         }
+        let changed = latest.state(now) != value;
+        latest.set(value, now);
+        if changed && signal == Signal::GearRatio {
+            self.gear_of_ratio = match &vehicle.traction {
+                Traction::Powertrain(powertrain) => {
+                    value.and_then(|ratio| powertrain.gear_of_ratio(ratio))
+                }
+                Traction::Force => None,
+            };
+        }
+        changed
     }
 
     /// The driveline now, at a speed.
@@ -70,6 +103,7 @@ impl DrivelineInput {
             return Passage {
                 driveline: Driveline::Unknown,
                 in_transit: shifting,
+                asks_engine_speed: false,
             };
         };
         let engaged = self.engaged.state(now).map(|engaged| engaged > 0.5);
@@ -88,15 +122,20 @@ impl DrivelineInput {
             return Passage {
                 driveline: Driveline::Open,
                 in_transit: shifting || pedal || half_open || !coasts,
+                asks_engine_speed: false,
             };
         }
+        let (driveline, asks_engine_speed) =
+            self.closed(powertrain, vehicle, tuning, now, speed_mps);
         Passage {
-            driveline: self.closed(powertrain, vehicle, tuning, now, speed_mps),
+            driveline,
             in_transit: shifting || slips,
+            asks_engine_speed,
         }
     }
 
-    /// The gear of a driveline that nothing tells to be open.
+    /// The gear of a driveline that nothing tells to be open, and whether that hangs on the speed of
+    /// the engine.
     fn closed(
         &self,
         powertrain: &Powertrain,
@@ -104,22 +143,24 @@ impl DrivelineInput {
         tuning: &Tuning,
         now: Instant,
         speed_mps: Option<f32>,
-    ) -> Driveline {
+    ) -> (Driveline, bool) {
         let launches = speed_mps.is_none_or(|mps| mps < tuning.coast_mps);
         let clutch_told = self.is_clutch_told(now);
         let engine_rpm = self.engine_speed.within(now, STALE);
         let ratio = self.gear_ratio.state(now);
         let number = self.gear.state(now);
         let told = ratio
-            .and_then(|ratio| powertrain.gear_of_ratio(ratio))
+            .and(self.gear_of_ratio)
             .or_else(|| number.and_then(|number| powertrain.gear(number as i32)));
+        let is_told = ratio.is_some() || number.is_some();
+        let in_doubt = launches || !clutch_told;
         let gear = match (told, engine_rpm, speed_mps) {
-            (None, Some(rpm), Some(mps)) if ratio.is_none() && number.is_none() => {
+            (None, Some(rpm), Some(mps)) if !is_told => {
                 powertrain.gear_of_speeds(rpm, mps, vehicle.believed_radius_m())
             }
             // A gear is told whether it is in or not: where nothing else tells, and at launch,
             // the engine must turn with it.
-            (Some(gear), Some(rpm), Some(mps)) if launches || !clutch_told => {
+            (Some(gear), Some(rpm), Some(mps)) if in_doubt => {
                 let tolerance = if launches {
                     LAUNCH_TOLERANCE
                 } else {
@@ -130,7 +171,8 @@ impl DrivelineInput {
             }
             (told, ..) => told,
         };
-        gear.map_or(Driveline::Unknown, Driveline::Engaged)
+        let driveline = gear.map_or(Driveline::Unknown, Driveline::Engaged);
+        (driveline, in_doubt || !is_told)
     }
 
     /// Whether anything tells of shifts or of the clutch.

@@ -1,5 +1,6 @@
 //! The newest value of a signal, and how long it may be believed.
 
+use crate::maybe::Maybe;
 use crate::time::{Duration, Instant};
 
 /// A gear, a switch or a quality figure older than this is forgotten.
@@ -14,12 +15,18 @@ pub(super) struct Timed {
 
 /// The newest value of a signal.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Latest(Option<Timed>);
+pub(super) struct Latest {
+    value: Maybe,
+    time: Instant,
+}
 
 impl Latest {
     /// A reading: a value, or the news that there is none.
     pub(super) fn set(&mut self, value: Option<f32>, time: Instant) {
-        self.0 = value.map(|value| Timed { value, time });
+        *self = Self {
+            value: value.into(),
+            time,
+        };
     }
 
     /// A reading of a switch: where there is none, the last one stands until it is stale. A brake
@@ -32,19 +39,19 @@ impl Latest {
 
     /// Whatever its age.
     pub(super) fn last(&self) -> Option<f32> {
-        self.0.map(|timed| timed.value)
+        self.value.get()
     }
 
     /// If it is no older than `age`.
+    #[inline]
     pub(super) fn within(&self, now: Instant, age: Duration) -> Option<f32> {
-        self.0
-            .filter(|timed| now.since(timed.time) <= age)
-            .map(|timed| timed.value)
+        // Not by its own age: the oldest time is the same for all that are asked at once.
+        self.value.get().filter(|_| self.time >= now - age)
     }
 
     /// With its age.
     pub(super) fn since(&self, now: Instant) -> Option<(f32, Duration)> {
-        self.0.map(|timed| (timed.value, now.since(timed.time)))
+        self.value.get().map(|value| (value, now.since(self.time)))
     }
 
     /// Of a state that holds until it is told otherwise, if its sender is still heard.

@@ -17,13 +17,14 @@ mod traction;
 use crate::cell::{CELL_LENGTH_M, Condition, Place};
 use crate::counters::Counters;
 use crate::effect::Acts;
+use crate::scalar::Scalar;
 use crate::signal::{Reading, Signal};
 use crate::time::Instant;
 use crate::tuning::Tuning;
-use crate::vehicle::{Load, Traction, VehicleParameters, air_density};
+use crate::vehicle::{Driveline, Load, Traction, VehicleParameters, air_density};
 pub use circumstances::Circumstances;
 use circumstances::CircumstancesInput;
-use driveline::DrivelineInput;
+use driveline::{DrivelineInput, Passage};
 use gnss::{FixOutcome, Gnss};
 use heapless::Deque;
 use latest::Latest;
@@ -102,6 +103,7 @@ pub struct Sample {
 #[derive(Clone, Debug)]
 pub struct Sampler {
     driveline: DrivelineInput,
+    passage: Passage,
     traction: TractionInput,
     switches: Switches,
     slowing: Slowing,
@@ -127,6 +129,7 @@ impl Sampler {
     pub fn new() -> Self {
         Self {
             driveline: DrivelineInput::default(),
+            passage: Passage::UNKNOWN,
             traction: TractionInput::new(),
             switches: Switches::default(),
             slowing: Slowing::default(),
@@ -145,8 +148,14 @@ impl Sampler {
         self.samples.pop_front()
     }
 
+    /// Something was heard: the drive counts from the first time on.
+    pub fn start(&mut self, now: Instant) {
+        self.odometer.start(now);
+    }
+
     /// Takes one reading. `source_switched` tells that it comes from another sender than the
     /// signal did before.
+    #[inline(always)] // In the one place that hands readings on, whatever they came with.
     pub fn record(
         &mut self,
         vehicle: &VehicleParameters,
@@ -156,7 +165,6 @@ impl Sampler {
         source_switched: bool,
         counters: &mut Counters,
     ) {
-        self.odometer.start(now);
         let value = reading.value.real();
         match reading.signal {
             Signal::EngineTorqueFraction
@@ -164,7 +172,7 @@ impl Sampler {
             | Signal::EngineTorque
             | Signal::TractionForce => {
                 if self.traction.record(vehicle, now, reading.signal, value) {
-                    counters.tractions_used = counters.tractions_used.saturating_add(1);
+                    counters.tractions_used += 1;
                 }
             }
             Signal::EngineSpeed
@@ -174,8 +182,7 @@ impl Sampler {
             | Signal::ClutchSwitch
             | Signal::GearRatio
             | Signal::CurrentGear => {
-                self.driveline.record(now, reading.signal, value);
-                self.follow_driveline(vehicle, tuning, now, self.odometer.speed_mps());
+                self.driveline(vehicle, tuning, now, reading.signal, value);
             }
             Signal::BrakeSwitch
             | Signal::BrakePedal
@@ -232,6 +239,27 @@ impl Sampler {
         }
     }
 
+    /// Takes a reading of the driveline. Most repeat what was told before: then only the hold time
+    /// of what goes on begins anew.
+    #[inline(always)] // In Sampler::record.
+    fn driveline(
+        &mut self,
+        vehicle: &VehicleParameters,
+        tuning: &Tuning,
+        now: Instant,
+        signal: Signal,
+        value: Option<f32>,
+    ) {
+        let changed = self.driveline.record(vehicle, now, signal, value);
+        let counts = signal != Signal::EngineSpeed || self.passage.asks_engine_speed;
+        // Of an open one the torque tells whether it coasts.
+        if changed && counts || self.passage.driveline == Driveline::Open {
+            self.follow_driveline(vehicle, tuning, now, self.odometer.speed_mps());
+        } else if self.passage.in_transit {
+            self.switches.driveline_in_transit(tuning, now);
+        }
+    }
+
     /// What the driveline passes now, and what its changes disturb.
     fn follow_driveline(
         &mut self,
@@ -248,6 +276,7 @@ impl Sampler {
         if changed || passage.in_transit {
             self.switches.driveline_in_transit(tuning, now);
         }
+        self.passage = passage;
     }
 
     fn speed(
@@ -262,14 +291,14 @@ impl Sampler {
             return;
         };
         let speed_mps = told_mps * vehicle.effects.factor(Acts::WheelRadius);
-        counters.speeds_used = counters.speeds_used.saturating_add(1);
+        counters.speeds_used += 1;
         self.follow_driveline(vehicle, tuning, now, Some(speed_mps));
         self.switches.hold(tuning, now);
         self.stops.speed(tuning, now, speed_mps);
         let slower = self
             .odometer
             .speed_mps()
-            .map_or(speed_mps, |last| last.min(speed_mps));
+            .map_or(speed_mps, |last| Scalar::min(last, speed_mps));
         let between = Between {
             mean_force_n: self.traction.take_mean_n(now),
             condition: Condition {
@@ -305,7 +334,7 @@ impl Sampler {
                 let told = !condition.is_valid() || condition.crawling;
                 if slowing.brakes(vehicle, tuning, &load, driven.speed_mps, told) {
                     condition.braking = true;
-                    counters.brakes_guessed = counters.brakes_guessed.saturating_add(1);
+                    counters.brakes_guessed += 1;
                 }
             } else {
                 slowing.forget();

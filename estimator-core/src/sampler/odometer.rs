@@ -3,6 +3,7 @@
 use super::SpeedMeasurement;
 use super::latest::Timed;
 use crate::cell::{CELL_LENGTH_M, Condition};
+use crate::scalar::Scalar;
 use crate::time::{Duration, Instant};
 
 /// Longest time between two speed readings that is still bridged.
@@ -53,7 +54,9 @@ pub(super) struct Odometer {
 impl Odometer {
     /// Something was heard: distance counts from the first frame, not from the first speed.
     pub(super) fn start(&mut self, now: Instant) {
-        self.started.get_or_insert(now);
+        if self.started.is_none() {
+            self.started = Some(now);
+        }
     }
 
     /// The last speed, m/s.
@@ -130,6 +133,8 @@ impl Odometer {
     ) {
         let interval = to.time.since(from.time);
         let seconds = interval.seconds();
+        // No more than LONGEST_INTERVAL: half as wide a number as time has.
+        let micros = interval.micros() as u32 as f32;
         let way_m = 0.5 * (from.value + to.value) * seconds;
         if way_m <= 0.0 {
             // Errors that live in time go on while the vehicle stands.
@@ -140,7 +145,7 @@ impl Odometer {
         // 70 m/s for LONGEST_INTERVAL at the most: 70 cells.
         while left_m > 0.0 {
             let room_m = CELL_LENGTH_M - self.open.length_m;
-            let piece_m = left_m.min(room_m);
+            let piece_m = Scalar::min(left_m, room_m);
             self.open.work_nm += between.mean_force_n * piece_m;
             self.open.duration_s += seconds * piece_m / way_m;
             self.open.condition = self.open.condition.or(between.condition);
@@ -150,7 +155,7 @@ impl Odometer {
                 break;
             }
             let done = 1.0 - left_m / way_m;
-            let into = Duration::from_micros((interval.micros() as f32 * done) as u64);
+            let into = Duration::from_micros(u64::from((micros * done) as u32));
             let speed_mps = from.value + done * (to.value - from.value);
             closed(self.close(from.time + into, speed_mps));
         }
@@ -168,7 +173,7 @@ impl Odometer {
             mean_force_n: open.work_nm / CELL_LENGTH_M,
             condition: open.condition,
             speed: (open.speed_count > 0).then(|| SpeedMeasurement {
-                mean_mps: libm::sqrtf(open.square_sum / count),
+                mean_mps: Scalar::sqrt(open.square_sum / count),
                 behind_m: CELL_LENGTH_M - open.speed_place_sum_m / count,
                 count: open.speed_count,
             }),

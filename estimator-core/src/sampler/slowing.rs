@@ -6,6 +6,7 @@
 //! makes larger steps than brakes do.
 
 use crate::cell::CELL_LENGTH_M;
+use crate::scalar::Scalar;
 use crate::tuning::Tuning;
 use crate::vehicle::{Load, VehicleParameters};
 
@@ -63,7 +64,7 @@ impl Slowing {
         let weight = |cells: f32| 1.0 / f32::from(self.cells).min(cells);
         self.moment_percent += weight(MOMENT_CELLS) * (slope_percent - self.moment_percent);
         let excess_percent = self.moment_percent - self.road_percent;
-        let limit_percent = (SPREADS * libm::sqrtf(self.spread)).max(tuning.slowing_percent);
+        let limit_percent = (SPREADS * Scalar::sqrt(self.spread)).max(tuning.slowing_percent);
         // Nobody brakes and drives at once.
         let rolls = load.traction_n <= 0.0;
         self.braked_cells = match self.braked_cells {

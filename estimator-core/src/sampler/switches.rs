@@ -29,6 +29,7 @@ pub(super) struct Switches {
 
 impl Switches {
     /// Takes a reading.
+    #[inline(always)] // In Sampler::record.
     pub(super) fn record(
         &mut self,
         tuning: &Tuning,

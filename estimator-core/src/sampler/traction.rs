@@ -34,6 +34,7 @@ impl TractionInput {
     }
 
     /// Takes a reading; true if it told the force.
+    #[inline(always)] // In Sampler::record.
     pub(super) fn record(
         &mut self,
         vehicle: &VehicleParameters,

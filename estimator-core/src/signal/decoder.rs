@@ -1,7 +1,7 @@
 //! Frames to readings.
 
 use super::Reading;
-use super::fast_packet::{Assembly, FastPackets};
+use super::fast_packet::{FastPackets, Unfinished};
 use super::layout::{MESSAGES, Message, index_of};
 use embedded_can::{Frame, Id};
 
@@ -99,29 +99,26 @@ impl Decoder {
         if frame.is_remote_frame() {
             return FrameOutcome::Rejected(Rejection::Remote);
         }
-        let decoded = FrameOutcome::Decoded {
-            message: index,
-            source: pgn.source,
-        };
-        if message.length <= 8 {
-            return if read(message, frame.data(), |r| sink(index, pgn, r)) {
-                decoded
-            } else {
-                FrameOutcome::Rejected(Rejection::Truncated)
-            };
-        }
-        let key = (pgn.number << 8) | u32::from(pgn.source);
-        let mut readable = false;
-        let assembly = self.packets.push(key, frame.data(), |payload| {
-            readable = read(message, payload, |r| sink(index, pgn, r));
-        });
-        match assembly {
-            Assembly::Partial => FrameOutcome::Partial,
-            Assembly::Complete if readable => decoded,
-            Assembly::Complete | Assembly::Truncated => {
-                FrameOutcome::Rejected(Rejection::Truncated)
+        let payload = if message.length <= 8 {
+            frame.data()
+        } else {
+            let key = (pgn.number << 8) | u32::from(pgn.source);
+            match self.packets.push(key, frame.data()) {
+                Ok(payload) => payload,
+                Err(Unfinished::Partial) => return FrameOutcome::Partial,
+                Err(Unfinished::Truncated) => return FrameOutcome::Rejected(Rejection::Truncated),
+                Err(Unfinished::OutOfOrder) => {
+                    return FrameOutcome::Rejected(Rejection::FastPacketOrder);
+                }
             }
-            Assembly::OutOfOrder => FrameOutcome::Rejected(Rejection::FastPacketOrder),
+        };
+        if read(message, payload, |reading| sink(index, pgn, reading)) {
+            FrameOutcome::Decoded {
+                message: index,
+                source: pgn.source,
+            }
+        } else {
+            FrameOutcome::Rejected(Rejection::Truncated)
         }
     }
 }
@@ -134,16 +131,11 @@ impl Default for Decoder {
 
 /// Hands out the readings of a payload, all or none; false if it is too short.
 fn read(message: &Message, payload: &[u8], mut sink: impl FnMut(Reading)) -> bool {
-    let end = message
-        .fields
-        .iter()
-        .map(|f| f.start_bit + u16::from(f.bits))
-        .max();
-    if payload.len() * 8 < usize::from(end.unwrap_or(0)) {
+    if payload.len() * 8 < usize::from(message.end_bit) {
         return false;
     }
     for field in message.fields {
-        if let Some(value) = field.read(message.convention, payload) {
+        if let Some(value) = field.read(payload) {
             sink(Reading {
                 signal: field.signal,
                 value,

@@ -11,6 +11,8 @@ const SLOTS: usize = 4;
 
 #[derive(Clone, Copy, Debug)]
 struct Slot {
+    /// Whether a packet is under way in it.
+    open: bool,
     key: u32,
     sequence: u8,
     next_frame: u8,
@@ -19,13 +21,11 @@ struct Slot {
     bytes: [u8; CAPACITY],
 }
 
-/// What a frame did to its packet.
+/// Why a frame gave no packet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Assembly {
+pub(super) enum Unfinished {
     /// The packet wants more frames.
     Partial,
-    /// The packet is whole.
-    Complete,
     /// A frame out of order: it and what it belonged to are dropped.
     OutOfOrder,
     /// Too short to hold what it must.
@@ -35,85 +35,78 @@ pub(super) enum Assembly {
 /// Reassembly of the packets of several senders.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FastPackets {
-    slots: [Option<Slot>; SLOTS],
+    slots: [Slot; SLOTS],
     oldest: usize,
 }
 
 impl FastPackets {
     pub(super) const fn new() -> Self {
         Self {
-            slots: [None; SLOTS],
+            slots: [Slot::FREE; SLOTS],
             oldest: 0,
         }
     }
 
-    /// Takes one frame of the packet `key` (PGN and source address); on [`Assembly::Complete`]
-    /// the payload is handed to `whole`. What lies beyond 64 bytes is left out of it.
-    pub(super) fn push(&mut self, key: u32, data: &[u8], whole: impl FnOnce(&[u8])) -> Assembly {
-        let Some((&head, rest)) = data.split_first() else {
-            return Assembly::Truncated;
-        };
+    /// Takes one frame of the packet `key` (PGN and source address); returns the payload that it
+    /// completes. What lies beyond 64 bytes is left out of it.
+    pub(super) fn push(&mut self, key: u32, data: &[u8]) -> Result<&[u8], Unfinished> {
+        let (&head, rest) = data.split_first().ok_or(Unfinished::Truncated)?;
         let (sequence, frame) = (head >> 5, head & 0x1f);
         if frame == 0 {
-            let Some((&length, rest)) = rest.split_first() else {
-                return Assembly::Truncated;
-            };
-            let mut slot = Slot {
-                key,
-                sequence,
-                next_frame: 1,
-                length,
-                filled: 0,
-                bytes: [0; CAPACITY],
-            };
-            slot.append(rest);
-            return self.keep(slot, whole);
+            let (&length, rest) = rest.split_first().ok_or(Unfinished::Truncated)?;
+            let slot = self.place_for(key).ok_or(Unfinished::OutOfOrder)?;
+            slot.begin(key, sequence, length);
+            return slot.take(rest);
         }
-        let Some(place) = self
+        let slot = self
             .slots
             .iter_mut()
-            .find(|slot| matches!(slot, Some(s) if s.key == key && s.sequence == sequence))
-        else {
-            return Assembly::OutOfOrder;
-        };
-        match place.take() {
-            Some(mut slot) if slot.next_frame == frame => {
-                slot.next_frame += 1;
-                slot.append(rest);
-                if slot.is_whole() {
-                    whole(slot.payload());
-                    Assembly::Complete
-                } else {
-                    *place = Some(slot);
-                    Assembly::Partial
-                }
-            }
-            _ => Assembly::OutOfOrder,
+            .find(|slot| slot.open && slot.key == key && slot.sequence == sequence)
+            .ok_or(Unfinished::OutOfOrder)?;
+        if slot.next_frame != frame {
+            slot.open = false;
+            return Err(Unfinished::OutOfOrder);
         }
+        slot.next_frame += 1;
+        slot.take(rest)
     }
 
-    fn keep(&mut self, slot: Slot, whole: impl FnOnce(&[u8])) -> Assembly {
-        if slot.is_whole() {
-            whole(slot.payload());
-            return Assembly::Complete;
-        }
-        // The sender's earlier packet is superseded, else a free place, else the oldest.
+    /// Where a packet begins: the sender's earlier one is superseded, else a free place is taken,
+    /// else the oldest.
+    fn place_for(&mut self, key: u32) -> Option<&mut Slot> {
         let index = self
             .slots
             .iter()
-            .position(|s| matches!(s, Some(s) if s.key == slot.key))
-            .or_else(|| self.slots.iter().position(Option::is_none))
+            .position(|slot| slot.open && slot.key == key)
+            .or_else(|| self.slots.iter().position(|slot| !slot.open))
             .unwrap_or(self.oldest);
         self.oldest = (index + 1) % SLOTS;
-        if let Some(place) = self.slots.get_mut(index) {
-            *place = Some(slot);
-        }
-        Assembly::Partial
+        self.slots.get_mut(index)
     }
 }
 
 impl Slot {
-    fn append(&mut self, data: &[u8]) {
+    const FREE: Self = Self {
+        open: false,
+        key: 0,
+        sequence: 0,
+        next_frame: 0,
+        length: 0,
+        filled: 0,
+        bytes: [0; CAPACITY],
+    };
+
+    fn begin(&mut self, key: u32, sequence: u8, length: u8) {
+        self.open = true;
+        self.key = key;
+        self.sequence = sequence;
+        self.next_frame = 1;
+        self.length = length;
+        self.filled = 0;
+    }
+
+    /// Takes what a frame adds; returns the payload, if that is all of it.
+    fn take(&mut self, data: &[u8]) -> Result<&[u8], Unfinished> {
         let start = usize::from(self.filled);
         if let Some(space) = self.bytes.get_mut(start..) {
             for (to, from) in space.iter_mut().zip(data) {
@@ -121,14 +114,11 @@ impl Slot {
             }
         }
         self.filled = self.filled.saturating_add(data.len().min(7) as u8);
-    }
-
-    const fn is_whole(&self) -> bool {
-        self.filled >= self.length
-    }
-
-    fn payload(&self) -> &[u8] {
+        if self.filled < self.length {
+            return Err(Unfinished::Partial);
+        }
+        self.open = false;
         let length = usize::from(self.length).min(CAPACITY);
-        self.bytes.get(..length).unwrap_or_default()
+        Ok(self.bytes.get(..length).unwrap_or_default())
     }
 }

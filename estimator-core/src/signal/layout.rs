@@ -24,10 +24,47 @@ pub(super) enum Scaling {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Field {
     pub signal: Signal,
-    pub start_bit: u16,
-    pub bits: u8,
-    pub signed: bool,
-    pub scaling: Scaling,
+    /// Byte in which it begins, and the bit there.
+    first_byte: u8,
+    shift: u8,
+    bits: u8,
+    signed: bool,
+    /// Raw numbers from which on it is an error or "not available", up to the largest, which of a
+    /// signed one is half as large. Not used beyond four bytes.
+    error_from: u32,
+    not_available_from: u32,
+    scaling: Scaling,
+}
+
+impl Field {
+    const fn new(
+        convention: Convention,
+        signal: Signal,
+        start_bit: u16,
+        bits: u8,
+        signed: bool,
+        scaling: Scaling,
+    ) -> Self {
+        let largest = (u64::MAX >> (64 - bits)) as u32 >> signed as u32;
+        let (error_from, not_available_from) = match convention {
+            // Two bits: 10 error, 11 not available; the measurement is 00 or 01. Up to a byte
+            // likewise.
+            _ if bits < 8 => (largest - 1, largest),
+            // The head byte tells: FF not available, FE error, FB to FD reserved.
+            Convention::J1939 => (0xfb << (bits - 8), 0xff << (bits - 8)),
+            Convention::Nmea2000 => (largest - 2, largest),
+        };
+        Self {
+            signal,
+            first_byte: (start_bit / 8) as u8,
+            shift: (start_bit % 8) as u8,
+            bits,
+            signed,
+            error_from,
+            not_available_from,
+            scaling,
+        }
+    }
 }
 
 /// One message: a parameter group with the fields of interest.
@@ -37,6 +74,8 @@ pub(super) struct Message {
     pub name: &'static str,
     pub priority: u8,
     pub length: u8,
+    /// Where the last field ends.
+    pub end_bit: u16,
     pub convention: Convention,
     pub fields: &'static [Field],
 }
@@ -85,72 +124,51 @@ pub fn messages() -> impl Iterator<Item = MessageInfo> {
 
 impl Field {
     /// The value in `payload`; `None` if the payload ends before the field does.
-    pub(super) fn read(&self, convention: Convention, payload: &[u8]) -> Option<Value> {
-        let raw = self.raw(payload)?;
-        Some(match self.code(convention, raw) {
-            Some(code) => code,
-            None => self.physical(raw),
+    #[inline(always)] // In the one loop over fields.
+    pub(super) fn read(&self, payload: &[u8]) -> Option<Value> {
+        let rest = payload.get(usize::from(self.first_byte)..)?;
+        if self.bits > 32 {
+            return rest
+                .first_chunk()
+                .map(|bytes| self.wide(i64::from_le_bytes(*bytes)));
+        }
+        // In words of four bytes, as a controller has them.
+        let word = match rest.first_chunk() {
+            Some(bytes) => u32::from_le_bytes(*bytes),
+            None => rest
+                .iter()
+                .rev()
+                .fold(0, |word, byte| (word << 8) | u32::from(*byte)),
+        };
+        let unused = 32 - u32::from(self.bits);
+        let raw = (word >> self.shift) << unused >> unused;
+        let number = ((raw << unused) as i32) >> unused;
+        Some(if self.signed && number < 0 {
+            self.physical(number as f32, || number.into())
+        } else if raw < self.error_from {
+            self.physical(raw as f32, || raw.into())
+        } else if raw < self.not_available_from {
+            Value::Error
+        } else {
+            Value::NotAvailable
         })
     }
 
-    /// The raw bits, zero-extended.
-    fn raw(&self, payload: &[u8]) -> Option<u64> {
-        let first = usize::from(self.start_bit / 8);
-        let shift = u32::from(self.start_bit % 8);
-        let bytes = (usize::from(self.bits) + shift as usize).div_ceil(8);
-        let window = payload.get(first..first + bytes)?;
-        let word = window
-            .iter()
-            .rev()
-            .fold(0_u64, |word, byte| (word << 8) | u64::from(*byte));
-        Some((word >> shift) & self.mask())
-    }
-
-    const fn mask(&self) -> u64 {
-        u64::MAX >> (64 - self.bits as u32)
-    }
-
-    fn code(&self, convention: Convention, raw: u64) -> Option<Value> {
-        let mask = self.mask();
-        match (convention, self.bits) {
-            // Two bits: 10 error, 11 not available; the measurement is 00 or 01.
-            (Convention::J1939, 2) => match raw {
-                2 => Some(Value::Error),
-                3 => Some(Value::NotAvailable),
-                _ => None,
-            },
-            (_, 1..=7) => match mask - raw {
-                0 => Some(Value::NotAvailable),
-                1 => Some(Value::Error),
-                _ => None,
-            },
-            // The head byte tells: FF not available, FE error, FB to FD reserved.
-            (Convention::J1939, bits) => match raw >> (bits - 8) {
-                0xff => Some(Value::NotAvailable),
-                0xfb..=0xfe => Some(Value::Error),
-                _ => None,
-            },
-            (Convention::Nmea2000, _) => {
-                let top = if self.signed { mask >> 1 } else { mask };
-                match top.checked_sub(raw) {
-                    Some(0) => Some(Value::NotAvailable),
-                    Some(1 | 2) => Some(Value::Error),
-                    _ => None,
-                }
-            }
+    /// The value of eight bytes, which only NMEA 2000 has, and signed.
+    fn wide(&self, number: i64) -> Value {
+        match i64::MAX - number.max(0) {
+            0 => Value::NotAvailable,
+            1 | 2 => Value::Error,
+            _ => self.physical(number as f32, || number),
         }
     }
 
-    fn physical(&self, raw: u64) -> Value {
-        let unused = 64 - u32::from(self.bits);
-        let number = if self.signed {
-            ((raw << unused) as i64) >> unused
-        } else {
-            raw as i64
-        };
+    /// The value of a number, as it is next to, and as it is.
+    fn physical(&self, nearest: f32, exact: impl FnOnce() -> i64) -> Value {
         match self.scaling {
-            Scaling::Real { scale, offset } => Value::Real(number as f32 * scale + offset),
+            Scaling::Real { scale, offset } => Value::Real(nearest * scale + offset),
             Scaling::DegreesE7 { divisor, offset } => {
+                let number = exact();
                 let half = if number < 0 {
                     -divisor / 2
                 } else {
@@ -163,6 +181,10 @@ impl Field {
                 }
             }
         }
+    }
+
+    const fn mask(&self) -> u64 {
+        u64::MAX >> (64 - self.bits as u32)
     }
 
     /// Writes `value` into `payload`, the nearest raw number that is a measurement.
@@ -191,8 +213,8 @@ impl Field {
             Value::Error if self.signed => (mask >> 1) - 1,
             Value::Error => mask - 1,
         };
-        let first = usize::from(self.start_bit / 8);
-        let shift = u32::from(self.start_bit % 8);
+        let first = usize::from(self.first_byte);
+        let shift = u32::from(self.shift);
         let bytes = (usize::from(self.bits) + shift as usize).div_ceil(8);
         for (k, byte) in payload.iter_mut().skip(first).take(bytes).enumerate() {
             let place = 8 * k as u32;

@@ -11,7 +11,7 @@ mod source_lock;
 
 pub use decoder::{Decoder, FrameOutcome, Pgn, Rejection};
 pub use layout::{MessageInfo, encode, messages};
-pub use source_lock::{Admission, SourceLock};
+pub use source_lock::{Admission, Sender, SourceLock};
 
 /// The value of a signal, or why there is none.
 #[derive(Clone, Copy, Debug, PartialEq)]

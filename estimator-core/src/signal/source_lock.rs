@@ -22,52 +22,70 @@ pub enum Admission {
     Refused,
 }
 
+/// Who sends a signal: an address, and in which message.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sender(u16);
+
+impl Sender {
+    /// Of no message: there are not so many.
+    const NOBODY: Self = Self(u16::MAX);
+
+    /// In the message with this index.
+    #[must_use]
+    pub const fn new(message: usize, address: u8) -> Self {
+        Self(((message as u16) << 8) | address as u16)
+    }
+}
+
 #[derive(Clone, Copy, Debug)]
 struct Holder {
-    source: u16,
+    sender: Sender,
     heard: Instant,
 }
 
 /// The source heard for each signal.
 #[derive(Clone, Debug)]
 pub struct SourceLock {
-    holders: [Option<Holder>; Signal::ALL.len()],
+    holders: [Holder; Signal::ALL.len()],
 }
 
 impl SourceLock {
     /// Nobody heard yet.
     #[must_use]
     pub const fn new() -> Self {
+        let nobody = Holder {
+            sender: Sender::NOBODY,
+            heard: Instant::ZERO,
+        };
         Self {
-            holders: [None; Signal::ALL.len()],
+            holders: [nobody; Signal::ALL.len()],
         }
     }
 
-    /// Whether the reading of `signal` in the message with index `message` sent from `address`
-    /// counts. Only a measurement (`available`) takes or keeps the word.
+    /// Whether a reading of `signal` counts. Only a measurement (`available`) takes or keeps the
+    /// word.
     pub fn admit(
         &mut self,
         signal: Signal,
-        message: usize,
-        address: u8,
+        sender: Sender,
         now: Instant,
         available: bool,
     ) -> Admission {
         if signal == Signal::RetarderTorque {
             return Admission::Admitted;
         }
-        let source = ((message as u16) << 8) | u16::from(address);
-        let Some(place) = self.holders.get_mut(signal as usize) else {
+        let Some(holder) = self.holders.get_mut(signal as usize) else {
             return Admission::Refused;
         };
-        let admission = match place {
-            None => Admission::Admitted,
-            Some(holder) if holder.source == source => Admission::Admitted,
-            Some(holder) if available && now.since(holder.heard) > TIMEOUT => Admission::Switched,
-            Some(_) => return Admission::Refused,
+        let admission = if holder.sender == sender || holder.sender == Sender::NOBODY {
+            Admission::Admitted
+        } else if available && now.since(holder.heard) > TIMEOUT {
+            Admission::Switched
+        } else {
+            return Admission::Refused;
         };
         if available {
-            *place = Some(Holder { source, heard: now });
+            *holder = Holder { sender, heard: now };
         }
         admission
     }

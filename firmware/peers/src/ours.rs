@@ -3,10 +3,10 @@
 
 use crate::report;
 use core::hint::black_box;
-use estimator_core::filter::Covariance;
 use estimator_core::filter::state::{ENERGY, STATES, State};
 use estimator_core::filter::transition::Transition;
 use estimator_core::filter::update::{Observation, Update};
+use estimator_core::filter::{Covariance, Felt};
 use estimator_core::sampler::{Circumstances, Sample};
 use estimator_core::vehicle::{Load, STANDARD_AIR_DENSITY};
 use estimator_core::{CELL_LENGTH_M, Effects, Place, Traction, Tuning, VehicleParameters};
@@ -39,7 +39,7 @@ pub fn ours() {
         reopened: false,
     };
     let tuning = Tuning::default();
-    let transition = Transition::new(&vehicle, &tuning, &sample, None, 1.0, 0.0);
+    let transition = Transition::new(&vehicle, &tuning, &sample, None, 1.0, Felt::default());
     let mut covariance = Covariance::ZERO;
     for i in 0..STATES {
         covariance.add_variance(i, 1.0);

@@ -84,15 +84,19 @@ impl Meter {
     /// Not inlined: what is counted must not depend on what the compiler makes of the caller.
     #[inline(never)]
     fn ticks<R>(&mut self, work: impl FnOnce() -> R) -> Result<(R, u32), Uncountable> {
-        // Reading the flag clears it.
-        self.timer.has_wrapped();
+        // Reading the flag clears it. It is read within, so that a wrap beside the work is not
+        // taken for one too many.
         let before = SYST::get_current();
+        self.timer.has_wrapped();
         compiler_fence(Ordering::SeqCst);
-        let result = black_box(work());
+        // By reference: handed over, a large result would be copied, and the copy counted.
+        let result = work();
+        black_box(&result);
         compiler_fence(Ordering::SeqCst);
+        let wrapped = self.timer.has_wrapped();
         let after = SYST::get_current();
         // It counts down. Around once is what the mask undoes, but not further.
-        if self.timer.has_wrapped() && after <= before {
+        if wrapped && after <= before {
             return Err(Uncountable::TooMany);
         }
         Ok((result, before.wrapping_sub(after) & FULL))

@@ -43,7 +43,7 @@ pub fn estimate(drive: &Drive) -> Ours {
     let mut cells: Vec<Cell> = Vec::with_capacity(samples.len());
     for sample in &samples {
         if let Some(record) = filter.step(&vehicle, &tuning, sample, &mut counters) {
-            lag.push(&record);
+            lag.push(&record.moved(), &record.state);
         }
         cells.extend(from_fn(|| lag.next_cell()));
     }
