@@ -59,19 +59,45 @@ const fn sum(a: i64, b: i64) -> i64 {
     }
 }
 
+/// The half of a word behind the point, and half of its last bit.
+const FRACTION: i64 = 0xffff_ffff;
+const HALF: u64 = 1 << 31;
+
 /// Bits of the product, rounded to the nearest.
 ///
 /// Not inlined where a word takes two registers: a call is not longer than what would have to be
 /// put aside for it, and flash is dear.
 #[cfg_attr(target_pointer_width = "32", inline(never))]
-const fn product(a: i64, b: i64) -> i64 {
-    const HALF: u64 = 1 << 31;
-    const LOW: i64 = 0xffff_ffff;
+fn product(a: i64, b: i64) -> i64 {
+    /// Half of what is large: products of less are numbers without a look at them.
+    const SMALL: u32 = 1 << 14;
+    let [a_high, b_high] = [(a >> 32) as u32, (b >> 32) as u32];
+    let [a_low, b_low] = [a as u32, b as u32];
+    if (a_high.wrapping_add(SMALL) | b_high.wrapping_add(SMALL)) >= 2 * SMALL {
+        return large_product(a, b);
+    }
+    // Of words without a sign, then less what the signs make of it: a controller has an
+    // instruction for that.
+    let low = u64::from(a_low) * u64::from(b_low);
+    let middle = ((low >> 32) + u64::from(low as u32 >> 31))
+        .wrapping_add(u64::from(a_low) * u64::from(b_high))
+        .wrapping_add(u64::from(a_high) * u64::from(b_low));
+    let of_sign = |high: u32, other: u32| ((high as i32) >> 31) as u32 & other;
+    let high = (a_high.wrapping_mul(b_high))
+        .wrapping_sub(of_sign(a_high, b_low))
+        .wrapping_sub(of_sign(b_high, a_low));
+    middle.wrapping_add(u64::from(high) << 32) as i64
+}
+
+/// The same of any words.
+#[cold]
+#[inline(never)]
+const fn large_product(a: i64, b: i64) -> i64 {
     if is_none_of(a, b) {
         return Fixed::NAN.bits();
     }
     let [a_high, b_high] = [a >> 32, b >> 32];
-    let [a_low, b_low] = [a & LOW, b & LOW];
+    let [a_low, b_low] = [a & FRACTION, b & FRACTION];
     let low = (a_low as u64 * b_low as u64 + HALF) >> 32;
     // Of 2³⁰ times 2³² each, but for the last: they fit.
     let middle = a_high * b_low + a_low * b_high + low as i64;
@@ -79,7 +105,7 @@ const fn product(a: i64, b: i64) -> i64 {
     if high < -(LIMIT >> 32) || high >= LIMIT >> 32 {
         return Fixed::NAN.bits();
     }
-    (high << 32) | (middle & LOW)
+    (high << 32) | (middle & FRACTION)
 }
 
 /// The upper half of the product.
