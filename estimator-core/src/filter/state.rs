@@ -116,7 +116,7 @@ impl<S: Scalar> State<S> {
     /// Whether every number is one.
     #[must_use]
     pub fn is_sound(&self) -> bool {
-        self.x.iter().all(|x| x.is_finite()) && self.p.is_sound()
+        self.x.iter().all(|x| x.is_finite()) && self.load.is_finite() && self.p.is_sound()
     }
 
     /// In another number.

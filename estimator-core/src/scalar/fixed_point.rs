@@ -24,20 +24,24 @@ const LIMIT: i64 = 1 << 62;
 
 impl Fixed {
     /// Not a number: too large, or nothing over nothing.
-    pub const NAN: Self = Self::of_bits(i64::MAX);
+    pub const NAN: Self = Self::from_bits(i64::MAX);
 
-    const fn of_bits(bits: i64) -> Self {
+    /// That of a word: so many times 2⁻³².
+    #[must_use]
+    pub const fn from_bits(bits: i64) -> Self {
         Self(I32F32::from_bits(bits))
     }
 
-    const fn bits(self) -> i64 {
+    /// The word.
+    #[must_use]
+    pub const fn to_bits(self) -> i64 {
         self.0.to_bits()
     }
 
     /// Of a magnitude in bits, if it is one of a number.
     fn signed(magnitude: u64, negative: bool) -> Self {
         match i64::try_from(magnitude) {
-            Ok(bits) if bits < LIMIT => Self::of_bits(if negative { -bits } else { bits }),
+            Ok(bits) if bits < LIMIT => Self::from_bits(if negative { -bits } else { bits }),
             _ => Self::NAN,
         }
     }
@@ -53,7 +57,7 @@ const fn is_none_of(a: i64, b: i64) -> bool {
 #[inline(always)]
 const fn sum(a: i64, b: i64) -> i64 {
     if is_none_of(a, b) {
-        Fixed::NAN.bits()
+        Fixed::NAN.to_bits()
     } else {
         a.wrapping_add(b)
     }
@@ -94,7 +98,7 @@ fn product(a: i64, b: i64) -> i64 {
 #[inline(never)]
 const fn large_product(a: i64, b: i64) -> i64 {
     if is_none_of(a, b) {
-        return Fixed::NAN.bits();
+        return Fixed::NAN.to_bits();
     }
     let [a_high, b_high] = [a >> 32, b >> 32];
     let [a_low, b_low] = [a & FRACTION, b & FRACTION];
@@ -103,7 +107,7 @@ const fn large_product(a: i64, b: i64) -> i64 {
     let middle = a_high * b_low + a_low * b_high + low as i64;
     let high = a_high * b_high + (middle >> 32);
     if high < -(LIMIT >> 32) || high >= LIMIT >> 32 {
-        return Fixed::NAN.bits();
+        return Fixed::NAN.to_bits();
     }
     (high << 32) | (middle & FRACTION)
 }
@@ -156,8 +160,8 @@ fn quotient(dividend: u64, divisor: u64) -> Option<u64> {
 }
 
 impl Scalar for Fixed {
-    const ZERO: Self = Self::of_bits(0);
-    const ONE: Self = Self::of_bits(1 << 32);
+    const ZERO: Self = Self::from_bits(0);
+    const ONE: Self = Self::from_bits(1 << 32);
 
     #[cfg_attr(target_pointer_width = "32", inline(never))]
     fn from_f32(value: f32) -> Self {
@@ -182,7 +186,7 @@ impl Scalar for Fixed {
     fn to_f32(self) -> f32 {
         const LAST: f32 = 1.0 / (1_u64 << 32) as f32;
         if self.is_finite() {
-            self.bits() as f32 * LAST
+            self.to_bits() as f32 * LAST
         } else {
             f32::NAN
         }
@@ -210,7 +214,7 @@ impl Scalar for Fixed {
 
     #[inline(always)]
     fn is_finite(self) -> bool {
-        self.bits().wrapping_add(LIMIT) >= 0
+        self.to_bits().wrapping_add(LIMIT) >= 0
     }
 }
 
@@ -219,7 +223,7 @@ impl Add for Fixed {
 
     #[inline(always)]
     fn add(self, other: Self) -> Self {
-        Self::of_bits(sum(self.bits(), other.bits()))
+        Self::from_bits(sum(self.to_bits(), other.to_bits()))
     }
 }
 
@@ -228,11 +232,11 @@ impl Sub for Fixed {
 
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
-        let (a, b) = (self.bits(), other.bits());
+        let (a, b) = (self.to_bits(), other.to_bits());
         if is_none_of(a, b) {
             Self::NAN
         } else {
-            Self::of_bits(a.wrapping_sub(b))
+            Self::from_bits(a.wrapping_sub(b))
         }
     }
 }
@@ -242,7 +246,7 @@ impl Mul for Fixed {
 
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
-        Self::of_bits(product(self.bits(), other.bits()))
+        Self::from_bits(product(self.to_bits(), other.to_bits()))
     }
 }
 
@@ -250,7 +254,7 @@ impl Div for Fixed {
     type Output = Self;
 
     fn div(self, other: Self) -> Self {
-        let (a, b) = (self.bits(), other.bits());
+        let (a, b) = (self.to_bits(), other.to_bits());
         if is_none_of(a, b) {
             return Self::NAN;
         }
@@ -264,7 +268,7 @@ impl Neg for Fixed {
 
     #[inline(always)]
     fn neg(self) -> Self {
-        Self::of_bits(self.bits().wrapping_neg())
+        Self::from_bits(self.to_bits().wrapping_neg())
     }
 }
 
@@ -299,7 +303,7 @@ impl PartialEq for Fixed {
 impl PartialOrd for Fixed {
     #[inline(always)]
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        let (a, b) = (self.bits(), other.bits());
+        let (a, b) = (self.to_bits(), other.to_bits());
         if is_none_of(a, b) {
             None
         } else {
