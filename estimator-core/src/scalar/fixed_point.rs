@@ -56,11 +56,13 @@ const fn is_none_of(a: i64, b: i64) -> bool {
 /// Bits of the sum. That of two numbers fits, if not always as a number.
 #[inline(always)]
 const fn sum(a: i64, b: i64) -> i64 {
-    if is_none_of(a, b) {
-        Fixed::NAN.to_bits()
-    } else {
-        a.wrapping_add(b)
-    }
+    none_if(is_none_of(a, b), a.wrapping_add(b))
+}
+
+/// The bits, or those of what is none.
+#[inline(always)]
+const fn none_if(is_none: bool, bits: i64) -> i64 {
+    if is_none { Fixed::NAN.to_bits() } else { bits }
 }
 
 /// The half of a word behind the point, and half of its last bit.
@@ -82,15 +84,36 @@ fn product(a: i64, b: i64) -> i64 {
     }
     // Of words without a sign, then less what the signs make of it: a controller has an
     // instruction for that.
-    let low = u64::from(a_low) * u64::from(b_low);
+    let low = wide_product(a_low, b_low);
     let middle = ((low >> 32) + u64::from(low as u32 >> 31))
-        .wrapping_add(u64::from(a_low) * u64::from(b_high))
-        .wrapping_add(u64::from(a_high) * u64::from(b_low));
+        .wrapping_add(wide_product(a_low, b_high))
+        .wrapping_add(wide_product(a_high, b_low));
     let of_sign = |high: u32, other: u32| ((high as i32) >> 31) as u32 & other;
     let high = (a_high.wrapping_mul(b_high))
         .wrapping_sub(of_sign(a_high, b_low))
         .wrapping_sub(of_sign(b_high, a_low));
     middle.wrapping_add(u64::from(high) << 32) as i64
+}
+
+/// The whole product.
+#[cfg(target_has_atomic = "32")]
+#[inline(always)]
+const fn wide_product(a: u32, b: u32) -> u64 {
+    a as u64 * b as u64
+}
+
+/// The whole product. A Cortex-M0, which has no atomics, has no instruction for it either, and
+/// the compiler would call for one of 64 by 64 bits.
+#[cfg(not(target_has_atomic = "32"))]
+#[inline(always)]
+const fn wide_product(a: u32, b: u32) -> u64 {
+    const LOW: u32 = 0xffff;
+    let [a_high, a_low, b_high, b_low] = [a >> 16, a & LOW, b >> 16, b & LOW];
+    let low = a_low * b_low;
+    let middle = a_high * b_low + (low >> 16);
+    let other = a_low * b_high + (middle & LOW);
+    let high = a_high * b_high + (middle >> 16) + (other >> 16);
+    (high as u64) << 32 | (other << 16 | (low & LOW)) as u64
 }
 
 /// The same of any words.
@@ -140,7 +163,6 @@ const fn reciprocal(of: u64) -> u64 {
 }
 
 /// Bits of the quotient of two magnitudes in bits, if it is that of a number.
-#[cfg_attr(target_pointer_width = "32", inline(never))]
 fn quotient(dividend: u64, divisor: u64) -> Option<u64> {
     if divisor == 0 {
         return None;
@@ -233,11 +255,7 @@ impl Sub for Fixed {
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
         let (a, b) = (self.to_bits(), other.to_bits());
-        if is_none_of(a, b) {
-            Self::NAN
-        } else {
-            Self::from_bits(a.wrapping_sub(b))
-        }
+        Self::from_bits(none_if(is_none_of(a, b), a.wrapping_sub(b)))
     }
 }
 
@@ -253,6 +271,7 @@ impl Mul for Fixed {
 impl Div for Fixed {
     type Output = Self;
 
+    #[cfg_attr(target_pointer_width = "32", inline(never))]
     fn div(self, other: Self) -> Self {
         let (a, b) = (self.to_bits(), other.to_bits());
         if is_none_of(a, b) {
