@@ -6,8 +6,34 @@
 //! [`Filter::step`](crate::filter::Filter::step) finds it in the state, counts it
 //! ([`Counters::restarts`](crate::Counters::restarts)) and starts anew.
 //!
-//! The crate's own product of such words goes by way of 128 bits and is not checked; ours takes
-//! the parts that are needed of 32 by 32 bits.
+//! # Scaling
+//!
+//! The units of the states ([`crate::filter::state`]) keep all of them near one, so that no state
+//! needs a scale of its own. Over simulated drives of 30 km with and without faults of GNSS, in
+//! `f64`:
+//!
+//! | state | unit | largest | its variance, from | to |
+//! |---|---|---|---|---|
+//! | kinetic energy | m²/s² | 310 | 5e-3 | 0.1, at first 620 |
+//! | altitude | m | 70 | 0 | 15,000 after 30 km without GNSS |
+//! | slope | % | 4.1 | 4e-3 | 9 |
+//! | slope rate | % per m | 0.013 | 1e-5 | 4e-5 |
+//! | bias | % | 0.5 | 2e-3 | 0.2 |
+//! | wind | % | 0.08 | 7e-4 | 0.02 |
+//! | scale | 1 | 0.25 | 5e-4 | 0.01 |
+//! | GNSS error | m | 1.8 | 2.8 | 9 |
+//!
+//! The last bit is 2.3e-10; the least that is ever added to a variance, the scale's wander over a
+//! cell, is 43 of them. Nothing in the filter exceeds 1.5e4 and nothing in the smoothing 5e4 (its
+//! information is about one over a variance): the least number that is none, 1.1e9, is four
+//! decades off. 32 bits would not do: variances span nine decades, and the smoothing needs their
+//! inverses in the same number.
+//!
+//! # Cost
+//!
+//! The crate's own product of such words goes by way of 128 bits, which takes a controller
+//! thousands of instructions a step of the smallest filter; ours takes the parts that are needed of
+//! 32 by 32 bits.
 
 use super::Scalar;
 use core::cmp::Ordering;
