@@ -39,6 +39,8 @@ pub struct Counters {
     pub samples_lost: u32,
     /// Finished cells overwritten because nobody fetched them.
     pub cells_lost: u32,
+    /// Finished cells whose smoothing gave a number that is none.
+    pub cells_unsound: u32,
     /// Filter steps.
     pub steps: u64,
     /// Steps with an invalid model (shift, brake, no traction).

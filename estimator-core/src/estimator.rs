@@ -156,13 +156,26 @@ impl<S: Scalar> Estimator<S> {
 
     /// The next cell whose lag is over.
     pub fn next_cell(&mut self) -> Option<Cell> {
-        self.lag.next_cell()
+        let cell = self.lag.next_cell();
+        self.judged(cell)
     }
 
     /// The next of the last cells of a drive, which have seen less than the full lag. For the
     /// end of a drive: what comes after it starts a new chain of cells.
     pub fn drain_cell(&mut self) -> Option<Cell> {
-        self.lag.drain_cell()
+        let cell = self.lag.drain_cell();
+        self.judged(cell)
+    }
+
+    /// The cell, counted if its numbers are none: where a scalar is too narrow for the smoothing.
+    fn judged(&mut self, cell: Option<Cell>) -> Option<Cell> {
+        if let Some(cell) = &cell
+            && !(cell.lagged_grade_percent.value + cell.lagged_grade_percent.sigma).is_finite()
+        {
+            let unsound = &mut self.intake.desk.counters.cells_unsound;
+            *unsound = unsound.saturating_add(1);
+        }
+        cell
     }
 
     /// What the last step saw, for going over a whole run again on a host.

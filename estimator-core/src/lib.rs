@@ -61,6 +61,8 @@ pub use estimator::{Estimator, Live, Step};
 pub use intake::{Intake, Outcome};
 pub use kept::{Kept, KeptError};
 pub use maybe::Maybe;
+#[cfg(feature = "fixed")]
+pub use scalar::Fixed;
 pub use scalar::Scalar;
 pub use signal::{Decoder, Reading, Signal, Value};
 pub use time::{Duration, Instant};

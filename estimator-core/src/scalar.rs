@@ -3,6 +3,12 @@
 use core::fmt::Debug;
 use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
 
+#[cfg(feature = "fixed")]
+mod fixed_point;
+
+#[cfg(feature = "fixed")]
+pub use fixed_point::Fixed;
+
 /// What the estimator asks of a number.
 ///
 /// Values are kept near one by the choice of units (grade in %, altitude relative to a local

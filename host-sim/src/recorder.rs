@@ -93,7 +93,7 @@ impl<S: Scalar> Recorder<S> {
         let smoothed = smooth_run(
             self.estimator.vehicle(),
             self.estimator.tuning(),
-            &self.estimator.filter_anew(),
+            &self.estimator.filter_anew::<f64>(),
             &self.samples,
         );
         let rows: Vec<RunRow> = smoothed

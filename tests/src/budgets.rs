@@ -30,14 +30,14 @@ pub const BOARDS: [Board; 2] = [CORTEX_M4F, CORTEX_M0];
 pub const CORTEX_M4F: Board = Board {
     machine: "mps2-an386",
     target: "thumbv7em-none-eabihf",
-    scalars: &["f32"],
+    scalars: &["f32", "fixed"],
 };
 
 /// What a Cortex-M0 computes, without a float unit; QEMU has a Cortex-M3 with the same memory.
 pub const CORTEX_M0: Board = Board {
     machine: "mps2-an385",
     target: "thumbv6m-none-eabi",
-    scalars: &["f32"],
+    scalars: &["f32", "fixed"],
 };
 
 /// A row of the table.

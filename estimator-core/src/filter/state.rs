@@ -118,7 +118,7 @@ impl<S: Scalar> State<S> {
     /// Whether every number is one.
     #[must_use]
     pub fn is_sound(&self) -> bool {
-        S::are_finite(&self.x) && self.p.is_sound()
+        S::are_finite(&self.x) && self.load.is_finite() && self.p.is_sound()
     }
 
     /// In another number.

@@ -233,6 +233,7 @@ fn events(c: &Counters) -> Vec<(&'static str, u64)> {
             "cells lost",
             c.samples_lost.saturating_add(c.cells_lost).into(),
         ),
+        ("cells that are no numbers", c.cells_unsound.into()),
         ("cells with brakes guessed", c.brakes_guessed),
         ("stops that reopened the load", c.loads_reopened.into()),
         ("fixes of a frozen receiver", c.frozen_fixes.into()),

@@ -25,13 +25,13 @@ pub struct Smoothed {
 /// then goes over the run once more, without the fixes since the drift began. That pass counts if
 /// the other fixes fit it better; else it was the model that was off.
 #[must_use]
-pub fn smooth_run(
+pub fn smooth_run<S: Scalar>(
     vehicle: &VehicleParameters,
     tuning: &Tuning,
-    filter: &Filter<f64>,
+    filter: &Filter<S>,
     samples: &[Sample],
 ) -> Vec<Smoothed> {
-    let pass = |samples: &[Sample]| -> Vec<Record<f64>> {
+    let pass = |samples: &[Sample]| -> Vec<Record<S>> {
         let mut filter = filter.clone();
         let mut counters = Counters::default();
         samples
@@ -58,7 +58,7 @@ pub fn smooth_run(
 }
 
 /// Cells from where GNSS began to drift to where it did no longer, in the order of the run.
-fn drifts(records: &[Record<f64>]) -> Vec<RangeInclusive<u32>> {
+fn drifts<S>(records: &[Record<S>]) -> Vec<RangeInclusive<u32>> {
     records
         .iter()
         .filter_map(|record| match record.event {
@@ -69,11 +69,12 @@ fn drifts(records: &[Record<f64>]) -> Vec<RangeInclusive<u32>> {
 }
 
 /// Mean of minus twice the logarithm of the likelihood of an altitude, but for a constant.
-fn surprise(records: &[Record<f64>]) -> f64 {
+fn surprise<S: Scalar>(records: &[Record<S>]) -> f64 {
     let altitudes = || records.iter().filter_map(|record| record.trace.altitude);
     let sum: f64 = altitudes()
         .map(|used| {
-            used.innovation.powi(2) / used.innovation_variance + used.innovation_variance.ln()
+            let variance = used.innovation_variance.to_f64();
+            used.innovation.to_f64().powi(2) / variance + variance.ln()
         })
         .sum();
     sum / altitudes().count() as f64

@@ -113,7 +113,7 @@ fn drive(text: &str, lags: &[usize]) -> Result<Drive> {
         }
     }
     let vehicle = estimator.vehicle();
-    let smoothed = smooth_run(vehicle, &tuning, &estimator.filter_anew(), &samples);
+    let smoothed = smooth_run(vehicle, &tuning, &estimator.filter_anew::<f64>(), &samples);
     let mut filter = Filter::<f32>::new();
     let mut counters = Counters::default();
     let records: Vec<Record<f32>> = samples

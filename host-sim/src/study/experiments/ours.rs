@@ -10,7 +10,7 @@ use estimator_core::sampler::{
 };
 use estimator_core::vehicle::Load;
 use estimator_core::{
-    Cell, Condition, Counters, Effects, Instant, Place, Traction, Tuning, Uncertain,
+    Cell, Condition, Counters, Effects, Instant, Place, Scalar, Traction, Tuning, Uncertain,
     VehicleParameters,
 };
 use std::iter::from_fn;
@@ -31,13 +31,19 @@ pub struct Ours {
     pub counters: Counters,
 }
 
-/// Drives the filter over a drive, on the vehicle and after it.
+/// Drives the filter over a drive, on the vehicle in single precision and after it in double.
 #[must_use]
 pub fn estimate(drive: &Drive) -> Ours {
+    estimate_in::<f32, f64>(drive)
+}
+
+/// The same in these numbers, on the vehicle and after it.
+#[must_use]
+pub fn estimate_in<Live: Scalar, After: Scalar>(drive: &Drive) -> Ours {
     let vehicle = believed(drive);
     let tuning = Tuning::default();
     let samples = samples(drive);
-    let mut filter = Filter::<f32>::new();
+    let mut filter = Filter::<Live>::new();
     let mut counters = Counters::default();
     let mut lag = Lag::new();
     let mut cells: Vec<Cell> = Vec::with_capacity(samples.len());
@@ -48,7 +54,7 @@ pub fn estimate(drive: &Drive) -> Ours {
         cells.extend(from_fn(|| lag.next_cell()));
     }
     cells.extend(from_fn(|| lag.drain_cell()));
-    let smoothed = smooth_run(&vehicle, &tuning, &filter.anew(), &samples);
+    let smoothed = smooth_run(&vehicle, &tuning, &filter.anew::<After>(), &samples);
     Ours {
         smoothed: profile(smoothed.iter().map(|cell| cell.estimate.grade_percent)),
         lagged: profile(cells.iter().map(|cell| cell.lagged_grade_percent)),

@@ -1,0 +1,138 @@
+//! The fixed-point number against whole numbers of 128 bits, and against floats.
+
+use estimator_core::{Fixed, Scalar};
+use proptest::prelude::*;
+
+/// Bits of the least number that is none.
+const LIMIT: i64 = 1 << 62;
+/// Bits of one.
+const ONE: i128 = 1 << 32;
+
+/// Words of every size, both signs.
+fn word() -> impl Strategy<Value = i64> {
+    (any::<i64>(), 1..63_u32).prop_map(|(bits, shift)| bits >> shift)
+}
+
+fn number(bits: i64) -> Fixed {
+    Fixed::from_bits(bits)
+}
+
+/// The word, if it is one of a number.
+fn bits(number: Fixed) -> Option<i64> {
+    number.is_finite().then(|| number.to_bits())
+}
+
+/// What is exact, if there is such a number.
+fn exact(bits: i128) -> Option<i64> {
+    let limit = i128::from(LIMIT);
+    (-limit..limit).contains(&bits).then_some(bits as i64)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(4_000))]
+
+    #[test]
+    fn sums_are_exact_or_none(a in word(), b in word()) {
+        let (wide_a, wide_b) = (i128::from(a), i128::from(b));
+        prop_assert_eq!(bits(number(a) + number(b)), exact(wide_a + wide_b));
+        prop_assert_eq!(bits(number(a) - number(b)), exact(wide_a - wide_b));
+        prop_assert_eq!(bits(-number(a)), exact(-wide_a));
+        let mut sum = number(a);
+        sum += number(b);
+        sum -= number(a);
+        if exact(wide_a + wide_b).is_some() {
+            prop_assert_eq!(bits(sum), Some(b));
+        } else {
+            prop_assert!(!sum.is_finite(), "what is none stays none");
+        }
+    }
+
+    #[test]
+    fn products_are_the_nearest_number_or_none(a in word(), b in word()) {
+        // One half is rounded up, whatever the sign.
+        let nearest = (i128::from(a) * i128::from(b) + ONE / 2) >> 32;
+        prop_assert_eq!(bits(number(a) * number(b)), exact(nearest));
+        let mut product = number(a);
+        product *= number(b);
+        prop_assert_eq!(bits(product), exact(nearest));
+    }
+
+    #[test]
+    fn quotients_are_right_to_the_last_bit_or_56(a in word(), b in word()) {
+        let quotient = number(a) / number(b);
+        if b == 0 {
+            prop_assert!(!quotient.is_finite());
+        } else {
+            let nearest = i128::from(a) * ONE / i128::from(b);
+            let allowed = 1 + (nearest.abs() >> 56);
+            match bits(quotient) {
+                Some(found) => prop_assert!((i128::from(found) - nearest).abs() <= allowed),
+                None => prop_assert!(nearest.abs() + allowed >= i128::from(LIMIT)),
+            }
+        }
+    }
+
+    #[test]
+    fn roots_are_right_to_the_last_bit(a in word()) {
+        let root = bits(number(a).sqrt());
+        if a <= 0 {
+            prop_assert_eq!(root, Some(0));
+        } else {
+            let square = i128::from(a) * ONE;
+            let root = i128::from(root.unwrap());
+            prop_assert!((root - 1).pow(2) <= square && square <= (root + 1).pow(2));
+        }
+    }
+
+    #[test]
+    fn order_is_that_of_numbers(a in word(), b in word()) {
+        prop_assert_eq!(number(a).partial_cmp(&number(b)), a.partial_cmp(&b));
+        prop_assert_eq!(number(a) == number(b), a == b);
+        prop_assert_eq!(bits(number(a).max(number(b))), Some(a.max(b)));
+        prop_assert_eq!(bits(number(a).min(number(b))), Some(a.min(b)));
+        prop_assert_eq!(bits(number(a).abs()), exact(i128::from(a).abs()));
+    }
+
+    #[test]
+    fn floats_come_in_to_the_last_bit_and_go_out_to_theirs(value in any::<f32>(), a in word()) {
+        let wide = f64::from(value) * ONE as f64;
+        for found in [Fixed::from_f32(value), Fixed::from_f64(value.into())] {
+            match bits(found) {
+                Some(found) => prop_assert!((found as f64 - wide).abs() <= 0.5),
+                None => prop_assert!(wide.is_nan() || wide.abs() >= LIMIT as f64),
+            }
+        }
+        prop_assert_eq!(number(a).to_f32(), (a as f64 / ONE as f64) as f32);
+        prop_assert_eq!(number(a).to_f64(), a as f64 / ONE as f64);
+    }
+
+    #[test]
+    fn what_is_none_stays_none(a in word()) {
+        let (none, some) = (Fixed::NAN, number(a));
+        for computed in [
+            none + some, some + none, none - some, some - none, none - none, none + none,
+            none * some, some * none, none * none, none / some, some / none, -none,
+            none.sqrt(), none.max(some), none.abs(), none.squared(),
+        ] {
+            prop_assert!(!computed.is_finite());
+            prop_assert!(computed.to_f32().is_nan() && computed.to_f64().is_nan());
+        }
+        prop_assert!(none.partial_cmp(&some).is_none() && none != none);
+    }
+}
+
+#[test]
+fn known_numbers() {
+    assert_eq!(Fixed::from_f32(-1.5).to_bits(), -(3 << 31));
+    assert_eq!((Fixed::ONE + Fixed::ONE).sqrt().to_f32(), 2.0_f32.sqrt());
+    assert_eq!((Fixed::ONE / Fixed::from_f32(3.0)).to_bits(), (1 << 32) / 3);
+    assert_eq!(Fixed::from_f32(f32::MIN_POSITIVE), Fixed::ZERO);
+    for none in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1_073_741_824.0] {
+        assert!(!Fixed::from_f32(none).is_finite(), "{none}");
+        assert!(!Fixed::from_f64(none.into()).is_finite(), "{none}");
+    }
+    assert_eq!(
+        format!("{:?} {:?}", Fixed::from_f32(-0.25), Fixed::NAN),
+        "-0.25 NaN"
+    );
+}
