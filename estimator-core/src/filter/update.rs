@@ -104,6 +104,7 @@ fn add_products<S: Scalar, const SEEN: usize>(
     b: &[S; STATES],
     factor: S,
 ) {
+    let at = |i: usize| b.get(i).copied().unwrap_or(S::ZERO);
     for (n, i) in seen.into_iter().enumerate() {
         for (k, element) in b.iter().enumerate() {
             if !seen.contains(&k) {
@@ -111,7 +112,7 @@ fn add_products<S: Scalar, const SEEN: usize>(
             }
         }
         for j in seen.into_iter().skip(n) {
-            matrix.set(i, j, matrix.get(i, j) + (factor - b[j] - b[i]));
+            matrix.set(i, j, matrix.get(i, j) + (factor - at(j) - at(i)));
         }
     }
 }
