@@ -132,11 +132,13 @@ pub fn logs_of(effects: &[(&str, f64)], truck: &str, seed: u64, folder: &Path) -
         seed,
         curvy: effects.iter().any(|&(effect, _)| effect == "cornering"),
     };
-    let amounts = effects
-        .iter()
-        .filter(|&&(effect, size_percent)| effect != CLEAN && size_percent != 0.0)
-        .map(|&(effect, size_percent)| bench.calibrated(effect, size_percent))
-        .collect::<Result<Vec<_>>>()?;
+    let mut amounts = Vec::new();
+    for &(effect, size_percent) in effects.iter().filter(|&&(effect, _)| effect != CLEAN) {
+        named(effect)?;
+        if size_percent != 0.0 {
+            amounts.push(bench.calibrated(effect, size_percent)?);
+        }
+    }
     let text = bench.text(&amounts)?;
     let scenario = parse(&text)?;
     let truth_folder = beside(folder);

@@ -188,7 +188,8 @@ fn what_cannot_be_is_refused() {
         ("mass", 50.0, "A", "mass_factor"),
         ("brake_drag", -0.1, "A", "planted.brake_drag_n"),
         ("headwind", f64::NAN, "A", "headwind"),
-        ("road_surface", 0.0, "B", "road_surface"),
+        ("road_surface", f64::INFINITY, "B", "road_surface"),
+        ("magic", 0.0, "A", "magic"),
     ] {
         let message = logs(effect, size_percent, truck, 1, &case)
             .expect_err(effect)
@@ -196,6 +197,20 @@ fn what_cannot_be_is_refused() {
         assert!(message.contains(problem), "{message}");
         assert!(!case.exists());
     }
+}
+
+#[test]
+fn nothing_is_planted_in_a_size_of_nought_on_the_road_of_the_effect() {
+    let folder = tempfile::tempdir().unwrap();
+    let road = |name: &str, effect: &str, size_percent: f64| {
+        let logs = logs(effect, size_percent, "A", 1, &folder.path().join(name)).unwrap();
+        let planted = logs.truth.amounts.len();
+        (planted, fs::read(&logs.truth.road).unwrap())
+    };
+    let (planted, curvy) = road("curvy", "cornering", 0.0);
+    assert_eq!(planted, 0);
+    assert_eq!(road("bent", "cornering", 0.1), (1, curvy.clone()));
+    assert_ne!(road("straight", "mass", 0.0).1, curvy);
 }
 
 /// Values of every signal of a log with their times in s from its first frame.
