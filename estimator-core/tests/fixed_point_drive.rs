@@ -2,13 +2,12 @@
 
 mod common;
 
-use common::{Noise, altitude, run, sample, smooth, speed, truck};
+use common::{Noise, altitude, cells, run, sample, smooth, speed, truck};
 use estimator_core::filter::{Filter, Record};
-use estimator_core::lag::Lag;
 use estimator_core::sampler::Sample;
 use estimator_core::{
-    Cell, Counters, Estimate, Estimator, Fixed, Instant, Reading, Scalar, Signal, Traction, Tuning,
-    Uncertain, Value,
+    Counters, Estimate, Estimator, Fixed, Instant, Reading, Signal, Traction, Tuning, Uncertain,
+    Value,
 };
 use std::iter::from_fn;
 
@@ -35,17 +34,6 @@ fn drive() -> Vec<Sample> {
             s
         })
         .collect()
-}
-
-fn cells<S: Scalar>(records: &[Record<S>]) -> Vec<Cell> {
-    let mut lag = Lag::new();
-    let mut cells = Vec::new();
-    for record in records {
-        lag.push(&record.moved(), &record.state);
-        cells.extend(from_fn(|| lag.next_cell()));
-    }
-    cells.extend(from_fn(|| lag.drain_cell()));
-    cells
 }
 
 fn assert_near(fixed: Uncertain, double: Uncertain) {

@@ -2,11 +2,11 @@
 
 mod common;
 
-use common::{Noise, altitude, run, sample, speed};
-use estimator_core::filter::{Backward, Record};
+use common::{Noise, altitude, cells, run, sample, speed};
+use estimator_core::Tuning;
+use estimator_core::filter::Backward;
 use estimator_core::lag::{BLOCK_CELLS, LAG_CELLS, Lag};
 use estimator_core::sampler::{Continuity, Sample};
-use estimator_core::{Cell, Scalar, Tuning};
 use std::iter::from_fn;
 
 /// A drive with everything that breaks a chain of cells: a gap, a new datum, a step of the GNSS
@@ -35,17 +35,6 @@ fn drive() -> Vec<Sample> {
             s
         })
         .collect()
-}
-
-fn cells<S: Scalar>(records: &[Record<S>]) -> Vec<Cell> {
-    let mut lag = Lag::new();
-    let mut cells = Vec::new();
-    for record in records {
-        assert_eq!(lag.push(&record.moved(), &record.state), 0);
-        cells.extend(from_fn(|| lag.next_cell()));
-    }
-    cells.extend(from_fn(|| lag.drain_cell()));
-    cells
 }
 
 #[test]

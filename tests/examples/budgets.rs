@@ -6,7 +6,7 @@
 
 use clap::Parser;
 use cross_tests::budgets::{Budgets, committed_file, measure};
-use cross_tests::{emulator, peers};
+use cross_tests::{emulator, exit_code, peers};
 use host_sim::error::{Error, Result};
 use host_sim::output::{print, write_whole};
 use std::path::Path;
@@ -26,13 +26,7 @@ struct Options {
 }
 
 fn main() -> ExitCode {
-    match run(&Options::parse()) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("{error}");
-            ExitCode::FAILURE
-        }
-    }
+    exit_code(run(&Options::parse()))
 }
 
 fn run(options: &Options) -> Result<()> {

@@ -7,6 +7,8 @@
 
 use clap::Parser;
 use cross_tests::diagnosed::{Outcome, cases, effects, table};
+use cross_tests::exit_code;
+use host_sim::error::Result;
 use host_sim::progress;
 use std::process::ExitCode;
 
@@ -32,22 +34,19 @@ fn main() -> ExitCode {
     if args.effects.is_empty() {
         args.effects = effects().map(str::to_owned).collect();
     }
-    match cases(&args.effects, &args.sizes, args.seeds).and_then(|cases| {
-        let bar = progress::count(cases.len() as u64, "cases");
-        let done = |outcome: &Outcome| {
-            if args.cases {
-                bar.suspend(|| eprintln!("{}", line(outcome)));
-            }
-            bar.inc(1);
-        };
-        table(&cases, done)
-    }) {
-        Ok(_) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("{error}");
-            ExitCode::FAILURE
+    exit_code(run(&args))
+}
+
+fn run(args: &Args) -> Result<()> {
+    let cases = cases(&args.effects, &args.sizes, args.seeds)?;
+    let bar = progress::count(cases.len() as u64, "cases");
+    let done = |outcome: &Outcome| {
+        if args.cases {
+            bar.suspend(|| eprintln!("{}", line(outcome)));
         }
-    }
+        bar.inc(1);
+    };
+    table(&cases, done).map(drop)
 }
 
 /// A case and all that was found.

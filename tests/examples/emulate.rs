@@ -7,6 +7,7 @@
 
 use clap::Parser;
 use cross_tests::emulator::{drive_file, missing, on_host, replay};
+use cross_tests::exit_code;
 use estimator_core::Cell;
 use firmware::exchange::cell::{self, CELL_BYTES};
 use host_sim::error::{Error, Result};
@@ -30,13 +31,7 @@ struct Args {
 }
 
 fn main() -> ExitCode {
-    match run(&Args::parse()) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("{error}");
-            ExitCode::FAILURE
-        }
-    }
+    exit_code(run(&Args::parse()))
 }
 
 fn run(args: &Args) -> Result<()> {

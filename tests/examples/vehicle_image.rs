@@ -3,6 +3,7 @@
 //!     cargo run --release -p cross-tests --example vehicle_image -- V.toml VEHICLE.bin
 
 use clap::Parser;
+use cross_tests::exit_code;
 use firmware::exchange::vehicle;
 use host_sim::error::Result;
 use host_sim::output::write_whole;
@@ -22,13 +23,7 @@ struct Args {
 }
 
 fn main() -> ExitCode {
-    match run(&Args::parse()) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("{error}");
-            ExitCode::FAILURE
-        }
-    }
+    exit_code(run(&Args::parse()))
 }
 
 fn run(args: &Args) -> Result<()> {

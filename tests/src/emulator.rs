@@ -1,6 +1,6 @@
 //! The firmware's image on the board that QEMU emulates.
 
-use crate::image::root;
+use crate::image::{root, target_folder};
 use assert_cmd::Command;
 use defmt_decoder::Table;
 use estimator_core::{Cell, Estimator, Tuning, VehicleParameters};
@@ -89,8 +89,7 @@ pub fn replay(drive: Option<&[u8]>) -> Ended {
 
 /// Lines of a defmt log; the image has their words.
 fn logged(bytes: &[u8]) -> Vec<String> {
-    let folder = env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), Into::into);
-    let image = folder.join(TARGET).join("release").join(IMAGE);
+    let image = target_folder().join(TARGET).join("release").join(IMAGE);
     let image = fs::read(&image).expect("it was just built");
     let table = Table::parse(&image)
         .expect("an image that logs has a table")

@@ -14,6 +14,12 @@ pub fn root() -> PathBuf {
     tests.parent().unwrap_or(tests).to_owned()
 }
 
+/// Where cargo builds.
+#[must_use]
+pub fn target_folder() -> PathBuf {
+    env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), Into::into)
+}
+
 /// Builds all images of a package for a target; returns the folder that they are in.
 ///
 /// # Errors
@@ -21,8 +27,7 @@ pub fn root() -> PathBuf {
 pub fn build(package: &Path, target: &str, profile: &str) -> Result<PathBuf> {
     let manifest = package.join("Cargo.toml");
     // Packages with a workspace of their own would have a folder of their own.
-    let folder: PathBuf =
-        env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), Into::into);
+    let folder = target_folder();
     let status = Command::new(env::var_os("CARGO").unwrap_or_else(|| OsString::from("cargo")))
         .args(["build", "--quiet", "--bins", "--profile", profile])
         .args(["--target", target, "--manifest-path"])

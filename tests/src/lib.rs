@@ -7,3 +7,18 @@ pub mod emulator;
 pub mod image;
 pub mod peers;
 pub mod planted;
+
+use host_sim::error::Result;
+use std::process::ExitCode;
+
+/// How a program of this package ends; why is told on stderr.
+#[must_use]
+pub fn exit_code(result: Result<()>) -> ExitCode {
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("{error}");
+            ExitCode::FAILURE
+        }
+    }
+}

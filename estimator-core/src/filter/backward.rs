@@ -76,9 +76,7 @@ impl<S: Scalar> Backward<S> {
             self.information.clear(ALTITUDE);
         }
         if trace.link.breaks() {
-            for i in BROKEN {
-                self.information.clear(i);
-            }
+            break_matrix(&mut self.information);
         } else {
             trace.motion.transpose_matrix(&mut self.information);
         }
@@ -113,7 +111,25 @@ impl<S: Scalar> Backward<S> {
 }
 
 /// States of which a gap leaves nothing.
-pub(super) const BROKEN: [usize; 4] = [ENERGY, ALTITUDE, SLOPE, SLOPE_RATE];
+const BROKEN: [usize; 4] = [ENERGY, ALTITUDE, SLOPE, SLOPE_RATE];
+
+/// Leaves nothing of the states that a gap breaks, in a vector.
+#[inline(always)]
+pub(super) fn break_vector<S: Scalar>(vector: &mut [S; STATES]) {
+    for (i, element) in vector.iter_mut().enumerate() {
+        if BROKEN.contains(&i) {
+            *element = S::ZERO;
+        }
+    }
+}
+
+/// The same in a symmetric matrix, by rows and columns.
+#[inline(always)]
+pub(super) fn break_matrix<S: Scalar>(matrix: &mut Covariance<S>) {
+    for i in BROKEN {
+        matrix.clear(i);
+    }
+}
 
 /// The way back over many steps, whatever comes after them: λ ← λ₀ + Ψ λ and Λ ← Λ₀ + Ψ Λ Ψ'.
 ///

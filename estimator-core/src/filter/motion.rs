@@ -60,7 +60,7 @@ impl<S: Scalar> Motion<S> {
     // places in the packed triangle again and again, and checks them.
 
     #[inline(always)]
-    fn forward_on(&self, moved: &mut impl Moved<S>) {
+    fn forward_on(&self, moved: &mut impl Sheared<S>) {
         let [a, b, c, d, e, f, g, h] = self.shears();
         if self.jumps() {
             moved.shear(a);
@@ -76,7 +76,7 @@ impl<S: Scalar> Motion<S> {
     }
 
     #[inline(always)]
-    fn transpose_on(&self, moved: &mut impl Moved<S>) {
+    fn transpose_on(&self, moved: &mut impl Sheared<S>) {
         let [a, b, c, d, e, f, g, h] = self.shears();
         self.keep_on(moved);
         moved.shear(h.transposed());
@@ -98,7 +98,7 @@ impl<S: Scalar> Motion<S> {
     }
 
     #[inline(always)]
-    fn keep_on(&self, moved: &mut impl Moved<S>) {
+    fn keep_on(&self, moved: &mut impl Sheared<S>) {
         let [a, b, c, d, e] = self.keeps();
         moved.scale(a);
         moved.scale(b);
@@ -154,13 +154,13 @@ impl<S> Shear<S> {
 }
 
 /// What a motion moves: a vector, or a symmetric matrix by rows and columns.
-trait Moved<S> {
+trait Sheared<S> {
     fn shear(&mut self, shear: Shear<S>);
     /// `x_i *= factor`.
     fn scale(&mut self, keep: (usize, S));
 }
 
-impl<S: Scalar> Moved<S> for [S; STATES] {
+impl<S: Scalar> Sheared<S> for [S; STATES] {
     #[inline(always)]
     fn shear(&mut self, Shear(i, j, factor): Shear<S>) {
         let step = factor * self[j];
@@ -173,7 +173,7 @@ impl<S: Scalar> Moved<S> for [S; STATES] {
     }
 }
 
-impl<S: Scalar> Moved<S> for Covariance<S> {
+impl<S: Scalar> Sheared<S> for Covariance<S> {
     #[inline(always)]
     fn shear(&mut self, Shear(i, j, factor): Shear<S>) {
         Self::shear(self, i, j, factor);

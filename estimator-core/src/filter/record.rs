@@ -1,6 +1,6 @@
 //! What a step of the filter leaves for smoothing.
 
-use super::backward::BROKEN;
+use super::backward::break_vector;
 use super::gate::AltitudeEvent;
 use super::motion::Motion;
 use super::state::{ALTITUDE, GNSS_ERROR, STATES, State};
@@ -59,9 +59,7 @@ impl<S: Scalar> Trace<S> {
     /// that force and road are no strangers, and only the altitude can tell one from the other.
     pub fn carry_error(&self, error: &mut [S; STATES], missing_climb_m: S) -> Option<S> {
         if self.link.breaks() {
-            for i in BROKEN {
-                error[i] = S::ZERO;
-            }
+            break_vector(error);
         } else {
             self.motion.forward_vector(error);
             error[ALTITUDE] -= missing_climb_m;
@@ -99,11 +97,7 @@ impl<S: Scalar> Trace<S> {
             vector[ALTITUDE] = S::ZERO;
         }
         if self.link.breaks() {
-            for (i, element) in vector.iter_mut().enumerate() {
-                if BROKEN.contains(&i) {
-                    *element = S::ZERO;
-                }
-            }
+            break_vector(vector);
         } else {
             self.motion.transpose_vector(vector);
         }

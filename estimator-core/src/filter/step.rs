@@ -1,6 +1,6 @@
 //! The filter: one step is one cell.
 
-use super::backward::BROKEN;
+use super::backward::{break_matrix, break_vector};
 use super::climb::{Correction, Fixed, Way};
 use super::doubt::Doubt;
 use super::gate::{AltitudeEvent, Gate, Judged, Verdict};
@@ -282,12 +282,8 @@ fn judge<S: Scalar>(
 /// Begins anew at a first cell, or behind a gap, which leaves the slow states as they were.
 fn begin<S: Scalar>(state: &mut State<S>, tuning: &Tuning, speed: SpeedMeasurement) {
     let square = |sigma: f32| S::from_f32(sigma * sigma);
-    for (i, x) in state.x.iter_mut().enumerate() {
-        if BROKEN.contains(&i) {
-            *x = S::ZERO;
-            state.p.clear(i);
-        }
-    }
+    break_vector(&mut state.x);
+    break_matrix(&mut state.p);
     state.origin_m = None;
     let mps = speed.mean_mps;
     state.x[ENERGY] = S::from_f32(0.5 * mps * mps);

@@ -7,14 +7,16 @@ pub mod effect_drive;
 pub mod hilly_drive;
 
 use estimator_core::filter::{Backward, Filter, Record};
+use estimator_core::lag::Lag;
 use estimator_core::sampler::{
     AltitudeMeasurement, Circumstances, Continuity, Sample, SpeedMeasurement,
 };
 use estimator_core::vehicle::Load;
 use estimator_core::{
-    CELL_LENGTH_M, Condition, Counters, Effects, Estimate, Gear, Instant, Place, Powertrain,
+    CELL_LENGTH_M, Cell, Condition, Counters, Effects, Estimate, Gear, Instant, Place, Powertrain,
     Scalar, Traction, Tuning, VehicleParameters,
 };
+use std::iter::from_fn;
 
 /// A 39 t semi-trailer combination.
 pub fn truck() -> VehicleParameters {
@@ -201,4 +203,16 @@ pub fn smooth<S: Scalar>(records: &[Record<S>]) -> Vec<Estimate> {
         .collect();
     estimates.reverse();
     estimates
+}
+
+/// The cells of a drive, none lost.
+pub fn cells<S: Scalar>(records: &[Record<S>]) -> Vec<Cell> {
+    let mut lag = Lag::new();
+    let mut cells = Vec::new();
+    for record in records {
+        assert_eq!(lag.push(&record.moved(), &record.state), 0);
+        cells.extend(from_fn(|| lag.next_cell()));
+    }
+    cells.extend(from_fn(|| lag.drain_cell()));
+    cells
 }

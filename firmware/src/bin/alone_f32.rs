@@ -10,22 +10,7 @@ fn main() -> ! {
 
     static ESTIMATOR: StaticCell<Estimator<f32>> = StaticCell::new();
     firmware::alone::run(&ESTIMATOR);
-    loop {
-        cortex_m::asm::wfi();
-    }
+    firmware::wait()
 }
 
-#[cfg(target_os = "none")]
-#[panic_handler]
-fn panicked(_: &core::panic::PanicInfo<'_>) -> ! {
-    loop {
-        cortex_m::asm::wfi();
-    }
-}
-
-/// Lets `cargo build --workspace` and editors through on a host.
-#[cfg(not(target_os = "none"))]
-fn main() {
-    eprintln!("this is an image for a board: build it with --target thumbv7em-none-eabihf");
-    std::process::exit(2);
-}
+firmware::ending!(silent);

@@ -27,16 +27,4 @@ fn main() -> ! {
     })
 }
 
-#[cfg(target_os = "none")]
-#[panic_handler]
-fn panicked(info: &core::panic::PanicInfo<'_>) -> ! {
-    semihosting::eprintln!("{info}");
-    semihosting::process::exit(101)
-}
-
-/// Lets `cargo build --workspace` and editors through on a host.
-#[cfg(not(target_os = "none"))]
-fn main() {
-    eprintln!("this is an image for a board: build it with --target thumbv7em-none-eabihf");
-    std::process::exit(2);
-}
+firmware::ending!(told);

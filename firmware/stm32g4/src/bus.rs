@@ -2,7 +2,7 @@
 
 use crate::inbox::{Input, Sender};
 use embassy_stm32::can::filter::{ExtendedFilter, StandardFilter};
-use embassy_stm32::can::{Can, CanConfigurator, CanRx, config, filter};
+use embassy_stm32::can::{Can, CanConfigurator, CanRx, filter};
 use embassy_time::{Duration, Timer};
 use estimator_core::Instant;
 
@@ -22,13 +22,8 @@ pub fn configure(mut can: CanConfigurator<'static>) -> Can<'static> {
         filter::ExtendedFilterSlot::_0,
         ExtendedFilter::accept_all_into_fifo0(),
     );
-    can.set_config(
-        config::FdCanConfig::default()
-            .set_automatic_bus_off_recovery(true)
-            .set_timestamp_source(config::TimestampSource::Prescaler(
-                config::TimestampPrescaler::_1,
-            )),
-    );
+    let config = can.config().set_automatic_bus_off_recovery(true);
+    can.set_config(config);
     can.set_bitrate(BITS_PER_SECOND);
     can.into_normal_mode()
 }

@@ -64,7 +64,7 @@ pub struct CommonRoad {
 impl CommonRoad {
     /// The road that the longest of these drives took; `None` if none has positions.
     #[must_use]
-    pub fn of(drives: &[&LoggedDrive]) -> Option<Self> {
+    pub fn of(drives: &[LoggedDrive]) -> Option<Self> {
         let longest = drives.iter().max_by_key(|drive| drive.run.rows.len())?;
         Self::through(road_of_run(&longest.run.rows)?)
     }

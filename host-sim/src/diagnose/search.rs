@@ -24,7 +24,7 @@ impl<'a> Search<'a> {
     /// The first `fitted` of the drives, which were read with this vehicle, are to fit.
     #[must_use]
     pub fn new(drives: &'a [LoggedDrive], fitted: usize, vehicle: &'a VehicleParameters) -> Self {
-        let road = CommonRoad::of(&drives.iter().collect::<Vec<_>>());
+        let road = CommonRoad::of(drives);
         let numbers: Vec<usize> = (0..fitted).collect();
         let menu = Menu::new(road.as_ref().map(CommonRoad::length_m), &numbers);
         Self {
