@@ -13,6 +13,9 @@ use std::{env, fs};
 /// Files and the convention of their "not available" and "error" codes.
 const FILES: [(&str, &str); 2] = [("j1939.dbc", "J1939"), ("nmea2000.dbc", "Nmea2000")];
 
+/// What the layouts call the estimator.
+const RECEIVER: &str = "Estimator";
+
 fn main() {
     let mut messages = Vec::new();
     for (file, convention) in FILES {
@@ -43,10 +46,11 @@ fn main() {
             end_bit(message)
         )
         .unwrap();
-        for signal in &message.signals {
+        let (read, unread): (Vec<_>, Vec<_>) = message.signals.iter().partition(|s| is_read(s));
+        for signal in read.iter().chain(&unread) {
             writeln!(code, "    {},", field(message, convention, signal)).unwrap();
         }
-        writeln!(code, "] }},").unwrap();
+        writeln!(code, "], read: {} }},", read.len()).unwrap();
     }
     writeln!(code, "];\n").unwrap();
     writeln!(
@@ -61,6 +65,11 @@ fn main() {
 
     let out = PathBuf::from(env::var("OUT_DIR").unwrap()).join("layout_tables.rs");
     fs::write(out, code).expect("the build folder takes the generated tables");
+}
+
+/// Whether the estimator is among those that the layout names as receivers.
+fn is_read(signal: &Signal) -> bool {
+    signal.receivers.iter().any(|node| node == RECEIVER)
 }
 
 fn extended_id(message: &Message) -> u32 {

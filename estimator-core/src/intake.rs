@@ -3,7 +3,7 @@
 use crate::counters::Counters;
 use crate::sampler::{Sample, Sampler};
 use crate::signal::{
-    Admission, Decoder, FrameOutcome, Reading, Rejection, Sender, SourceLock, Value,
+    Admission, Decoder, FrameOutcome, Reading, Rejection, Sender, Signal, SourceLock, Value,
 };
 use crate::time::Instant;
 use crate::tuning::Tuning;
@@ -72,8 +72,9 @@ impl Intake {
             return Outcome::TimeBackwards;
         }
         let mut used = false;
-        let outcome = decoder.decode(frame, |message, pgn, reading| {
-            used |= desk.take(Some(Sender::new(message, pgn.source)), reading);
+        let outcome = decoder.decode_read(frame, |message, pgn, reading| {
+            let sender = Some(Sender::new(message, pgn.source));
+            used |= desk.take(reading.signal, reading.value, sender);
         });
         let counters = &mut desk.counters;
         match outcome {
@@ -108,7 +109,7 @@ impl Intake {
         if !self.desk.begin(now) {
             return Outcome::TimeBackwards;
         }
-        self.desk.take(None, reading);
+        self.desk.take(reading.signal, reading.value, None);
         self.desk.sampler.start(now);
         Outcome::Used
     }
@@ -152,7 +153,7 @@ impl Desk {
     /// Takes a reading, from a message and an address if it comes from a bus; true if it is a
     /// measurement that counts.
     #[inline(never)] // The loop over the readings of a frame stays small: its state in registers.
-    fn take(&mut self, sender: Option<Sender>, reading: Reading) -> bool {
+    fn take(&mut self, signal: Signal, value: Value, sender: Option<Sender>) -> bool {
         let Self {
             vehicle,
             tuning,
@@ -161,10 +162,10 @@ impl Desk {
             sampler,
             now,
         } = self;
-        let available = reading.value.is_available();
+        let available = value.is_available();
         let mut switched = false;
         if let Some(sender) = sender {
-            match sources.admit(reading.signal, sender, *now, available) {
+            match sources.admit(signal, sender, *now, available) {
                 Admission::Admitted => {}
                 Admission::Switched => {
                     switched = true;
@@ -176,21 +177,21 @@ impl Desk {
                 }
             }
         }
-        count_value(reading.value, counters);
+        if !available {
+            count_missing(value, counters);
+        }
+        let reading = Reading { signal, value };
         sampler.record(vehicle, tuning, *now, reading, switched, counters);
         available
     }
 }
 
-fn count_value(value: Value, counters: &mut Counters) {
-    match value {
-        Value::NotAvailable => {
-            counters.not_available = counters.not_available.saturating_add(1);
-        }
-        Value::Error => counters.errors = counters.errors.saturating_add(1),
-        Value::Real(value) if !value.is_finite() => {
-            counters.errors = counters.errors.saturating_add(1);
-        }
-        Value::Real(_) | Value::DegreesE7(_) => {}
-    }
+/// Counts a value that is no measurement.
+#[inline(never)] // Seldom.
+fn count_missing(value: Value, counters: &mut Counters) {
+    let counter = match value {
+        Value::NotAvailable => &mut counters.not_available,
+        Value::Error | Value::Real(_) | Value::DegreesE7(_) => &mut counters.errors,
+    };
+    *counter = counter.saturating_add(1);
 }

@@ -45,9 +45,14 @@ pub trait Scalar:
     /// Neither infinite nor "not a number".
     fn is_finite(self) -> bool;
 
-    /// None of them infinite or "not a number".
+    /// None of them infinite or "not a number", nor their sum.
     fn are_finite(values: &[Self]) -> bool {
         values.iter().all(|value| value.is_finite())
+    }
+
+    /// None of them below zero.
+    fn are_positive(values: &[Self]) -> bool {
+        values.iter().all(|value| *value >= Self::ZERO)
     }
 
     /// The larger of two.
@@ -72,6 +77,31 @@ pub trait Scalar:
     #[must_use]
     fn squared(self) -> Self {
         self * self
+    }
+
+    /// `sums += factor * others`, element by element: what nearly all of a filter's work is.
+    #[inline(always)]
+    fn add_products(sums: &mut [Self], factor: Self, others: &[Self]) {
+        for (sum, other) in sums.iter_mut().zip(others) {
+            sum.add_product(factor, other);
+        }
+    }
+
+    /// `self += factor * other`.
+    #[inline(always)]
+    fn add_product(&mut self, factor: Self, other: &Self) {
+        *self += factor * *other;
+    }
+
+    /// Sum of the products of two lists.
+    #[inline(always)]
+    #[must_use]
+    fn dot<const N: usize>(a: &[Self; N], b: &[Self; N]) -> Self {
+        let mut sum = Self::ZERO;
+        for (a, b) in a.iter().zip(b) {
+            sum += *a * *b;
+        }
+        sum
     }
 }
 
@@ -113,10 +143,17 @@ macro_rules! float_scalar {
 
             #[inline]
             fn are_finite(values: &[Self]) -> bool {
-                // Nought times one that is not is none, and so is every sum with it: without a
-                // branch for each.
-                let nought: Self = values.iter().map(|value| 0.0 * value).sum();
-                nought == 0.0
+                // A sum with one that is not is none: without a branch for each.
+                values.iter().sum::<Self>().is_finite()
+            }
+
+            #[inline]
+            fn are_positive(values: &[Self]) -> bool {
+                let none = Self::ZERO.to_bits();
+                let signs = values
+                    .iter()
+                    .fold(none, |signs, value| signs | value.to_bits());
+                Self::from_bits(signs).is_sign_positive()
             }
         }
     };

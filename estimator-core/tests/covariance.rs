@@ -51,23 +51,41 @@ proptest! {
     }
 
     #[test]
-    fn joseph_update_holds_for_any_gain(
+    fn a_reduction_is_josephs_form_at_its_gain(
         numbers in prop::collection::vec(-2.0..2.0_f64, STATES * STATES),
-        gain in prop::collection::vec(-2.0..2.0_f64, STATES),
         seen in 0..STATES, noise in 0.01..5.0_f64,
     ) {
         let mut packed = positive(&numbers);
         let dense = packed.to_matrix();
-        let k = SVector::<f64, STATES>::from_column_slice(&gain);
         let mut h = SVector::<f64, STATES>::zeros().transpose();
         h[seen] = 1.0;
+        let k = dense * h.transpose() / ((h * dense * h.transpose())[0] + noise);
         let keep = Dense::identity() - k * h;
         let expected = keep * dense * keep.transpose() + k * noise * k.transpose();
 
         let cross = packed.row(seen);
-        let gain: [f64; STATES] = std::array::from_fn(|i| gain[i]);
-        packed.joseph(&gain, &cross, cross[seen] + noise);
+        let gain = cross.map(|element| element / (cross[seen] + noise));
+        packed.reduce(&gain, &cross);
         prop_assert!(close(&packed.to_matrix(), &expected));
+    }
+
+    #[test]
+    fn a_shear_by_a_look_is_a_congruence(
+        numbers in prop::collection::vec(-2.0..2.0_f64, STATES * STATES),
+        looks in prop::array::uniform8(-2.0..2.0_f64),
+        i in 0..STATES, factor in -3.0..3.0_f64,
+    ) {
+        let mut packed = positive(&numbers);
+        let dense = packed.to_matrix();
+        let mut h = SVector::<f64, STATES>::from(looks).transpose();
+        h[i] = 0.0;
+        let cross = dense * h.transpose();
+        let variance = (h * cross)[0];
+        packed.shear_by(i, factor, &std::array::from_fn(|k| cross[k]), variance);
+        let mut f = Dense::identity();
+        let row = f.row(i) + factor * h;
+        f.set_row(i, &row);
+        prop_assert!(close(&packed.to_matrix(), &(f * dense * f.transpose())));
     }
 
     #[test]

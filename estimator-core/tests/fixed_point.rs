@@ -94,7 +94,7 @@ proptest! {
     }
 
     #[test]
-    fn floats_come_in_to_the_last_bit_and_go_out_to_theirs(value in any::<f32>(), a in word()) {
+    fn floats_come_in_to_the_last_bit_and_go_out_to_a_digit(value in any::<f32>(), a in word()) {
         let wide = f64::from(value) * ONE as f64;
         for found in [Fixed::from_f32(value), Fixed::from_f64(value.into())] {
             match bits(found) {
@@ -102,8 +102,27 @@ proptest! {
                 None => prop_assert!(wide.is_nan() || wide.abs() >= LIMIT as f64),
             }
         }
-        prop_assert_eq!(number(a).to_f32(), (a as f64 / ONE as f64) as f32);
+        let nearest = (a as f64 / ONE as f64) as f32;
+        prop_assert!(number(a).to_f32().to_bits().abs_diff(nearest.to_bits()) <= 1);
         prop_assert_eq!(number(a).to_f64(), a as f64 / ONE as f64);
+    }
+
+    #[test]
+    fn sums_of_products_are_those_of_their_parts(
+        a in prop::array::uniform4(word()), b in prop::array::uniform4(word()), factor in word(),
+    ) {
+        let (a, b, factor) = (a.map(number), b.map(number), number(factor));
+        let one_by_one = |sum: Fixed, (a, b): (&Fixed, &Fixed)| sum + *a * *b;
+        let sum = a.iter().zip(&b).fold(Fixed::ZERO, one_by_one);
+        prop_assert_eq!(bits(Fixed::dot(&a, &b)), bits(sum));
+        let mut sums = a;
+        Fixed::add_products(&mut sums, factor, &b);
+        for ((sum, a), b) in sums.iter().zip(a).zip(b) {
+            prop_assert_eq!(bits(*sum), bits(a + factor * b));
+            let mut same = a;
+            same.add_product(factor, &b);
+            prop_assert_eq!(bits(same), bits(*sum));
+        }
     }
 
     #[test]

@@ -8,7 +8,7 @@
 use super::covariance::Covariance;
 use super::record::Trace;
 use super::state::{
-    ALTITUDE, ENERGY, GNSS_ERROR, Look, Quantity, SLOPE, SLOPE_RATE, STATES, State, dot,
+    ALTITUDE, ENERGY, GNSS_ERROR, Look, Quantity, SLOPE, SLOPE_RATE, STATES, State,
 };
 use super::update::{Applied, Observation};
 use crate::cell::{Estimate, Uncertain};
@@ -35,9 +35,9 @@ impl<S: Scalar> Backward<S> {
     #[must_use]
     pub fn correct(&self, look: &Look<S>) -> Look<S> {
         let spread = self.information.times(&look.cross);
-        let known = dot(&look.cross, &spread);
+        let known = S::dot(&look.cross, &spread);
         Look {
-            mean: look.mean - dot(&look.cross, &self.lambda),
+            mean: look.mean - S::dot(&look.cross, &self.lambda),
             variance: (look.variance - known).max(S::ZERO),
             cross: look.cross,
         }
@@ -62,7 +62,7 @@ impl<S: Scalar> Backward<S> {
     }
 
     fn correct_energy(&self, state: &State<S>) -> S {
-        state.x[ENERGY] - dot(&state.p.row(ENERGY), &self.lambda)
+        state.x[ENERGY] - S::dot(&state.p.row(ENERGY), &self.lambda)
     }
 
     /// Goes back over a step, from after its measurements to after those of the step before.
@@ -88,7 +88,7 @@ impl<S: Scalar> Backward<S> {
     fn undo(&mut self, observation: Observation, applied: &Applied<S>) {
         let per_variance = S::ONE / applied.innovation_variance;
         let spread = self.information.times(&applied.gain);
-        let within = dot(&applied.gain, &spread);
+        let within = S::dot(&applied.gain, &spread);
         applied.undo(observation, &mut self.lambda);
         observation.add_to(&mut self.lambda, -(applied.innovation * per_variance));
         observation.add_products(&mut self.information, &spread, within + per_variance);
@@ -99,7 +99,7 @@ impl<S: Scalar> Backward<S> {
         let mut lambda = passage.backward.lambda;
         for (factor, image) in self.lambda.iter().zip(&passage.images) {
             for (element, image) in lambda.iter_mut().zip(image) {
-                *element += *factor * *image;
+                element.add_product(*factor, image);
             }
         }
         self.lambda = lambda;
@@ -178,7 +178,7 @@ impl<S: Scalar> Passage<S> {
     #[must_use]
     pub fn correct(&self, look: &Look<S>) -> Look<S> {
         Look {
-            cross: self.images.map(|image| dot(&look.cross, &image)),
+            cross: self.images.map(|image| S::dot(&look.cross, &image)),
             ..self.backward.correct(look)
         }
     }

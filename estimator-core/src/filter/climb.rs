@@ -4,6 +4,9 @@
 //! cannot climb by GNSS and not by the forces: over a stretch, the slope that the model read, with
 //! the bias, wind and scale that were known where the stretch began, leaves less room than a drift
 //! takes.
+//!
+//! A fix is compared with one remembered place a cell, so that no step takes much longer than
+//! another; fixes that come meanwhile are not compared, and say nearly the same.
 
 use super::state::{BIAS, SCALE, State, WIND};
 use crate::scalar::Scalar;
@@ -23,13 +26,12 @@ const MODEL_SIGMA_M: f32 = 0.1;
 struct Stretch {
     /// Cell before its first.
     cell: u32,
+    /// What was known there.
+    known: Correction,
     /// Altitude of the fix there, m, and its variance, m².
     altitude_m: f32,
     variance: f32,
-    known: Correction,
     way: Way,
-    /// Part of the slow error that is left at its end, once another follows.
-    error_kept: Option<f32>,
 }
 
 /// What was known, at one place, of how the model errs.
@@ -57,18 +59,18 @@ impl Correction {
             bias_percent: state.x[BIAS].to_f32(),
             wind_percent: state.x[WIND].to_f32(),
             scale: state.x[SCALE].to_f32(),
-            slope_variance: variance.max(0.0),
+            slope_variance: Scalar::max(variance, 0.0),
         }
     }
 }
 
 /// What was driven.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Way {
     /// Length, m.
     pub length_m: f32,
-    /// Time, s.
-    pub duration_s: f32,
+    /// Part of the slow error that is left at its end.
+    pub error_kept: f32,
     /// Climb at the slope that the model reads, m.
     pub climb_m: f32,
     /// Climb at the slope that an error of the scale amounts to, m.
@@ -78,16 +80,20 @@ pub(super) struct Way {
 }
 
 impl Way {
-    /// Part of the slow error that is left at its end.
-    fn error_kept(&self, fixed: &Fixed) -> f32 {
-        libm::expf(-self.duration_s / fixed.error_time_s)
-    }
+    /// None.
+    const NONE: Self = Self {
+        length_m: 0.0,
+        error_kept: 1.0,
+        climb_m: 0.0,
+        load_climb_m: 0.0,
+        doubt_m: 0.0,
+    };
 
     /// Followed by another.
     fn and(self, next: Self) -> Self {
         Self {
             length_m: self.length_m + next.length_m,
-            duration_s: self.duration_s + next.duration_s,
+            error_kept: self.error_kept * next.error_kept,
             climb_m: self.climb_m + next.climb_m,
             load_climb_m: self.load_climb_m + next.load_climb_m,
             doubt_m: self.doubt_m + next.doubt_m,
@@ -102,12 +108,11 @@ pub(super) struct Fixed {
     pub altitude_m: f32,
     /// Variance of its white noise, m².
     pub variance: f32,
-    /// Variance of the slow error, m², and how long it keeps its value, s.
+    /// Variance of the slow error, m².
     pub error_variance: f32,
-    pub error_time_s: f32,
-    /// Variance of wind, %², and how long it keeps its value, m.
+    /// Variance of wind, %², and over how long it turns, a way, 1/m.
     pub wind_variance: f32,
-    pub wind_length_m: f32,
+    pub per_wind_length: f32,
 }
 
 /// How far the climbs differ.
@@ -124,16 +129,32 @@ pub(super) struct Misfit {
     pub compared_m: f32,
 }
 
+/// A fix that is being compared.
+#[derive(Clone, Copy, Debug)]
+struct Comparison {
+    fixed: Fixed,
+    /// How far to go back, m.
+    way_m: f32,
+    /// How far that is done: the way from there to the fix, and its stretches.
+    way: Way,
+    stretches: u8,
+    /// Sum of their misfits, and the worst, with the cell and what was known there.
+    sum: f32,
+    worst: Option<(f32, u32, Correction)>,
+}
+
 /// The last stretches, oldest first.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Climb {
     stretches: Deque<Stretch, STRETCHES>,
+    comparison: Option<Comparison>,
 }
 
 impl Climb {
     /// Forgets all.
     pub(super) fn forget(&mut self) {
         self.stretches.clear();
+        self.comparison = None;
     }
 
     /// Goes over a cell.
@@ -141,88 +162,122 @@ impl Climb {
         if let Some(stretch) = self.stretches.back_mut() {
             stretch.way = stretch.way.and(way);
         }
-    }
-
-    /// Compares a fix with those that are remembered, from the newest back until `way_m` are
-    /// compared.
-    pub(super) fn compare(&self, fixed: &Fixed, way_m: f32) -> Option<Misfit> {
-        let mut worst: Option<(f32, &Stretch)> = None;
-        let mut way = Way::default();
-        let mut error_kept = 1.0;
-        let (mut sum, mut count) = (0.0, 0.0);
-        let (older, newer) = self.stretches.as_slices();
-        for stretch in newer.iter().rev().chain(older.iter().rev()) {
-            if way.length_m >= way_m {
-                break;
-            }
-            way = stretch.way.and(way);
-            error_kept *= stretch
-                .error_kept
-                .unwrap_or_else(|| stretch.way.error_kept(fixed));
-            let normalised = stretch.misfit(&way, error_kept, fixed);
-            sum += normalised;
-            count += 1.0;
-            if worst.is_none_or(|(most, _)| normalised >= most) {
-                worst = Some((normalised, stretch));
-            }
+        if let Some(comparison) = &mut self.comparison
+            && comparison.goes_on(self.stretches.len())
+            && let Some(stretch) = self.stretches.iter().nth_back(comparison.stretches.into())
+        {
+            comparison.add(stretch);
         }
-        worst.map(|(normalised, stretch)| Misfit {
-            normalised,
-            mean: sum / count,
-            since_cell: stretch.cell,
-            known: stretch.known,
-            compared_m: way.length_m,
-        })
     }
 
-    /// Remembers a fix, if the last one that was lies a stretch behind.
-    pub(super) fn remember(&mut self, cell: u32, fixed: &Fixed, known: Correction) {
-        if known.slope_variance > LARGEST_SIGMA_PERCENT * LARGEST_SIGMA_PERCENT {
+    /// How an earlier fix compared, once that is known.
+    pub(super) fn compared(&mut self) -> Option<Misfit> {
+        let misfit = self.comparison.as_ref()?.misfit(self.stretches.len())?;
+        self.comparison = None;
+        Some(misfit)
+    }
+
+    /// Remembers a fix, if the last one that was lies a stretch behind; else begins to compare it
+    /// with those, the newest first, until `way_m` are compared. Does neither while another is.
+    pub(super) fn take(
+        &mut self,
+        cell: u32,
+        fixed: &Fixed,
+        known: impl FnOnce() -> Correction,
+        way_m: f32,
+    ) {
+        if self.comparison.is_some() || self.remember(cell, fixed, known) {
             return;
         }
-        if let Some(last) = self.stretches.back_mut() {
-            if last.way.length_m < STRETCH_M {
-                return;
-            }
-            last.error_kept = Some(last.way.error_kept(fixed));
+        if let Some(newest) = self.stretches.back() {
+            let comparison = self.comparison.insert(Comparison::new(*fixed, way_m));
+            comparison.add(newest);
+        }
+    }
+
+    fn remember(&mut self, cell: u32, fixed: &Fixed, known: impl FnOnce() -> Correction) -> bool {
+        let last = self.stretches.back();
+        if last.is_some_and(|last| last.way.length_m < STRETCH_M) {
+            return false;
+        }
+        let known = known();
+        if known.slope_variance > LARGEST_SIGMA_PERCENT * LARGEST_SIGMA_PERCENT {
+            return false;
         }
         if self.stretches.is_full() {
             self.stretches.pop_front();
         }
-        // There is room.
-        let _ = self.stretches.push_back(Stretch {
+        let stretch = Stretch {
             cell,
-            altitude_m: fixed.altitude_m,
-            variance: fixed.variance,
             known,
-            way: Way::default(),
-            error_kept: None,
-        });
+            altitude_m: fixed.altitude_m,
+            variance: fixed.variance + MODEL_SIGMA_M * MODEL_SIGMA_M,
+            way: Way::NONE,
+        };
+        // There is room.
+        self.stretches.push_back(stretch).is_ok()
+    }
+}
+
+impl Comparison {
+    const fn new(fixed: Fixed, way_m: f32) -> Self {
+        Self {
+            fixed,
+            way_m,
+            way: Way::NONE,
+            stretches: 0,
+            sum: 0.0,
+            worst: None,
+        }
+    }
+
+    /// Whether there is another to be compared, of so many.
+    fn goes_on(&self, stretches: usize) -> bool {
+        usize::from(self.stretches) < stretches && self.way.length_m < self.way_m
+    }
+
+    /// The next older stretch.
+    #[inline(never)] // Seldom the first of its cell.
+    fn add(&mut self, stretch: &Stretch) {
+        self.way = stretch.way.and(self.way);
+        self.stretches += 1;
+        let normalised = stretch.misfit(&self.way, &self.fixed);
+        self.sum += normalised;
+        if self.worst.is_none_or(|(most, ..)| normalised >= most) {
+            self.worst = Some((normalised, stretch.cell, stretch.known));
+        }
+    }
+
+    fn misfit(&self, stretches: usize) -> Option<Misfit> {
+        if self.goes_on(stretches) {
+            return None;
+        }
+        self.worst.map(|(normalised, since_cell, known)| Misfit {
+            normalised,
+            mean: self.sum / f32::from(self.stretches),
+            since_cell,
+            known,
+            compared_m: self.way.length_m,
+        })
     }
 }
 
 impl Stretch {
     /// Squared difference of the climbs over the way from its start to a fix, over its variance.
-    fn misfit(&self, way: &Way, error_kept: f32, fixed: &Fixed) -> f32 {
+    fn misfit(&self, way: &Way, fixed: &Fixed) -> f32 {
         let known = &self.known;
-        let bias_percent = known.bias_percent + known.wind_percent;
-        let model_m =
-            way.climb_m - 0.01 * bias_percent * way.length_m + known.scale * way.load_climb_m;
+        let per_percent_m = 0.01 * way.length_m;
+        let model_m = way.climb_m - per_percent_m * (known.bias_percent + known.wind_percent)
+            + known.scale * way.load_climb_m;
         let difference_m = fixed.altitude_m - self.altitude_m - model_m;
-        let variance = self.variance + fixed.variance + self.variance_over(way, error_kept, fixed);
-        difference_m * difference_m / variance
-    }
-
-    /// Variance of the difference of the climbs that grows on the way from its start, m².
-    fn variance_over(&self, way: &Way, error_kept: f32, fixed: &Fixed) -> f32 {
-        // Of an Ornstein-Uhlenbeck process: 2 σ² (1 − exp(−t/τ)).
-        let turned = 1.0 - error_kept;
         // Of the mean of one that begins at a known value, for short ways: ⅔ σ² L/λ.
-        let gusts = fixed.wind_variance * Scalar::min(way.length_m / fixed.wind_length_m, 1.0);
-        let per_percent = 0.01 * way.length_m;
-        2.0 * fixed.error_variance * turned
-            + per_percent * per_percent * (self.known.slope_variance + gusts)
-            + way.doubt_m * way.doubt_m
-            + MODEL_SIGMA_M * MODEL_SIGMA_M
+        let gusts = fixed.wind_variance * Scalar::min(way.length_m * fixed.per_wind_length, 1.0);
+        let variance = self.variance
+            + fixed.variance
+            // Of an Ornstein-Uhlenbeck process: 2 σ² (1 − exp(−t/τ)).
+            + 2.0 * fixed.error_variance * (1.0 - way.error_kept)
+            + per_percent_m * per_percent_m * (known.slope_variance + gusts)
+            + way.doubt_m * way.doubt_m;
+        difference_m * difference_m / variance
     }
 }

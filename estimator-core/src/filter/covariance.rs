@@ -76,7 +76,23 @@ impl<S: Scalar> Covariance<S> {
             self.get(i, i) + factor * (self.get(i, j) + self.get(i, j) + factor * self.get(j, j));
         for k in 0..STATES {
             if k != i {
-                let sheared = self.get(i, k) + factor * self.get(j, k);
+                let mut sheared = self.get(i, k);
+                sheared.add_product(factor, &self.get(j, k));
+                self.set(i, k, sheared);
+            }
+        }
+        self.set(i, i, variance);
+    }
+
+    /// `x_i += factor * h x`, with the cross covariance P h' and the variance h P h': row and
+    /// column.
+    #[inline(always)]
+    pub fn shear_by(&mut self, i: usize, factor: S, cross: &[S; STATES], variance: S) {
+        let variance = self.get(i, i) + factor * (cross[i] + cross[i] + factor * variance);
+        for (k, cross) in cross.iter().enumerate() {
+            if k != i {
+                let mut sheared = self.get(i, k);
+                sheared.add_product(factor, cross);
                 self.set(i, k, sheared);
             }
         }
@@ -94,17 +110,21 @@ impl<S: Scalar> Covariance<S> {
         self.set(i, i, variance);
     }
 
-    /// `P - K b' - b K' + K s K'`, the Joseph form of a scalar update written out: with
-    /// b = P h', s = h b + r it equals (I - K h) P (I - K h)' + K r K' for any gain K, and errors
-    /// in K enter squared.
+    /// `P - K b'` for the gain K = b / s: a scalar update.
+    ///
+    /// Joseph's form costs half as much again and guards a gain that is not quite right; here the
+    /// gain is b / s to a rounding, and tests hold single precision against double.
     #[inline(always)]
-    pub fn joseph(&mut self, gain: &[S; STATES], cross: &[S; STATES], innovation_variance: S) {
-        for i in 0..STATES {
-            let stretched = gain[i] * innovation_variance - cross[i];
-            for j in i..STATES {
-                let updated = self.get(i, j) + stretched * gain[j] - gain[i] * cross[j];
-                self.set(i, j, updated);
-            }
+    pub fn reduce(&mut self, gain: &[S; STATES], cross: &[S; STATES]) {
+        let mut upper = self.upper.as_mut_slice();
+        let mut crosses = cross.as_slice();
+        for gain in gain {
+            let Some((row, later)) = upper.split_at_mut_checked(crosses.len()) else {
+                return;
+            };
+            S::add_products(row, -*gain, crosses);
+            upper = later;
+            crosses = crosses.get(1..).unwrap_or_default();
         }
     }
 
@@ -114,10 +134,8 @@ impl<S: Scalar> Covariance<S> {
         // A N, by columns.
         let mut product = [[S::ZERO; STATES]; STATES];
         for (column, factors) in product.iter_mut().zip(&other.rows()) {
-            for (i, element) in column.iter_mut().enumerate() {
-                for (factor, of_a) in factors.iter().zip(columns) {
-                    *element += *factor * of_a[i];
-                }
+            for (factor, of_a) in factors.iter().zip(columns) {
+                S::add_products(column, *factor, of_a);
             }
         }
         let mut sum = *self;
@@ -125,7 +143,7 @@ impl<S: Scalar> Covariance<S> {
         for i in 0..STATES {
             for (j, element) in (i..STATES).zip(&mut elements) {
                 for (of_product, of_a) in product.iter().zip(columns) {
-                    *element += of_product[i] * of_a[j];
+                    element.add_product(of_product[i], &of_a[j]);
                 }
             }
         }
@@ -168,18 +186,24 @@ impl<S: Scalar> Covariance<S> {
     /// What the part of row and column I from the diagonal on adds to the product.
     #[inline(always)]
     fn add_times<const I: usize>(&self, vector: &[S; STATES], product: &mut [S; STATES]) {
-        product[I] += self.get(I, I) * vector[I];
+        product[I].add_product(self.get(I, I), &vector[I]);
         for j in I + 1..STATES {
             let element = self.get(I, j);
-            product[I] += element * vector[j];
-            product[j] += element * vector[I];
+            product[I].add_product(element, &vector[j]);
+            product[j].add_product(element, &vector[I]);
         }
     }
 
-    /// Whether every element is a number and every variance positive.
+    /// Whether every variance is a finite number, and none negative. What lies beyond the
+    /// diagonal cannot be infinite then: |p_ij|² is at most p_ii p_jj.
+    #[inline]
     #[must_use]
     pub fn is_sound(&self) -> bool {
-        S::are_finite(&self.upper) && (0..STATES).all(|i| self.get(i, i) >= S::ZERO)
+        let mut variances = [S::ZERO; STATES];
+        for (i, variance) in variances.iter_mut().enumerate() {
+            *variance = self.get(i, i);
+        }
+        S::are_positive(&variances) && S::are_finite(&variances)
     }
 
     /// As a full matrix.

@@ -13,7 +13,7 @@
 //! a factor of ten in both. A gate that takes a noisy one for a good one would pick the fixes that
 //! please it, and a filter that takes a good one for a noisy one would not learn the bias from it.
 
-use super::climb::{Climb, Correction, Fixed, Misfit, Way};
+use super::climb::{Climb, Correction, Fixed, Way};
 use super::learned::{SensorNoise, SlowSpread, Spread};
 use super::state::State;
 use crate::scalar::Scalar;
@@ -30,7 +30,7 @@ const AGREEMENT: f32 = 0.5;
 const CLIMBS: f32 = 4.0;
 /// Largest mean that teaches what is usual: a drift is not.
 const LARGEST_LESSON: f32 = 2.0;
-/// Fixes in a row that must say so.
+/// Fixes compared in a row that must say so.
 const CERTAINTY: u8 = 3;
 /// Way over which they must climb with the model again, m.
 const STEADY_M: f32 = 300.0;
@@ -152,9 +152,9 @@ impl Gate {
     }
 
     /// Goes over a cell.
-    pub(super) fn pass(&mut self, way: Way) {
-        self.error_spread.pass(way.duration_s);
-        self.silent_s += way.duration_s;
+    pub(super) fn pass(&mut self, way: Way, duration_s: f32) {
+        self.error_spread.pass(duration_s);
+        self.silent_s += duration_s;
         self.climb.drive(way);
         match &mut self.drift {
             Drift::None { .. } => {}
@@ -200,23 +200,20 @@ impl Gate {
             return self.beyond(offset_m);
         }
         self.forget_rejected();
-        if let Some(misfit) = self.found_drift(&judged.fixed, judged.drifts) {
-            let since_cell = misfit.since_cell;
+        if let Some((cell, known)) = self.found_drift(judged.drifts) {
             self.drift = Drift::Since {
-                cell: since_cell,
-                known: misfit.known,
+                cell,
+                known,
                 for_m: 0.0,
             };
             self.climb.forget();
             self.error_spread.interrupt();
-            return (
-                Verdict::Undo(misfit.known),
-                Some(AltitudeEvent::DriftBegan(since_cell)),
-            );
+            return (Verdict::Undo(known), Some(AltitudeEvent::DriftBegan(cell)));
         }
+        let known = || Correction::of(state);
         self.climb
-            .remember(judged.cell, &judged.fixed, Correction::of(state));
-        self.error_spread.learn(offset_m / Scalar::sqrt(variance));
+            .take(judged.cell, &judged.fixed, known, f32::INFINITY);
+        self.error_spread.learn(offset_m, variance);
         (Verdict::Fuse, None)
     }
 
@@ -238,18 +235,21 @@ impl Gate {
         (Verdict::MoveDatum, Some(AltitudeEvent::Stepped(offset_m)))
     }
 
-    /// How fixes climb unlike the road, once that is certain.
-    fn found_drift(&mut self, fixed: &Fixed, drifts: f32) -> Option<Misfit> {
+    /// Since which cell fixes climb unlike the road, once that is certain, and what was known there.
+    fn found_drift(&mut self, drifts: f32) -> Option<(u32, Correction)> {
+        let misfit = self.climb.compared()?;
         let Drift::None { doubts } = &mut self.drift else {
             return None;
         };
-        let misfit = self.climb.compare(fixed, f32::INFINITY)?;
         let spread = self.climb_spread.ratio();
         self.climb_spread
-            .learn((misfit.mean / spread).min(LARGEST_LESSON));
-        let misfit = (misfit.normalised > drifts * spread).then_some(misfit);
-        *doubts = if misfit.is_some() { *doubts + 1 } else { 0 };
-        misfit.filter(|_| *doubts >= CERTAINTY)
+            .learn(Scalar::min(misfit.mean / spread, LARGEST_LESSON));
+        if misfit.normalised <= drifts * spread {
+            *doubts = 0;
+            return None;
+        }
+        *doubts += 1;
+        (*doubts >= CERTAINTY).then_some((misfit.since_cell, misfit.known))
     }
 
     fn while_drifting<S: Scalar>(
@@ -259,7 +259,7 @@ impl Gate {
     ) -> (Verdict, Option<AltitudeEvent>) {
         let climbs_again = self
             .climb
-            .compare(&judged.fixed, STEADY_M)
+            .compared()
             .is_some_and(|misfit| misfit.compared_m >= STEADY_M && misfit.normalised < CLIMBS);
         if climbs_again {
             self.forget();
@@ -274,7 +274,8 @@ impl Gate {
             let event = AltitudeEvent::DriftBelieved;
             (Verdict::Believe(off_percent), Some(event))
         } else {
-            self.climb.remember(judged.cell, &judged.fixed, known);
+            self.climb
+                .take(judged.cell, &judged.fixed, || known, STEADY_M);
             (Verdict::Reject, None)
         }
     }

@@ -72,22 +72,23 @@ impl Spread {
 ///
 /// An error that keeps its value over many readings hardly shows in a single innovation, which
 /// white noise fills, but it moves them all the same way: if its variance were right, innovations
-/// would be uncorrelated (Mehra, as above) and the squared sum of N normalised ones would be N on
-/// average. It is more if the slow error is larger than believed, less if it is smaller. The sum
-/// runs over a stretch in which faster errors average out and the slow one does not turn round.
+/// would be uncorrelated (Mehra, as above) and the square of their sum would be the sum of their
+/// variances on average. It is more if the slow error is larger than believed, less if it is
+/// smaller. The sum runs over a stretch in which faster errors average out and the slow one does
+/// not turn round.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SlowSpread {
     ratio: f32,
     stretch_s: f32,
     passed_s: f32,
     sum: f32,
-    count: u16,
+    variance: f32,
     weight: u8,
 }
 
 /// Stretches that count as much as the newest one: at first, and in the end.
 const WEIGHTS: core::ops::Range<u8> = 3..25;
-/// Largest squared sum over N that teaches.
+/// Largest squared sum over its variance that teaches.
 const LARGEST_SUM: f32 = 9.0;
 /// Least and largest ratio.
 const RATIOS: core::ops::RangeInclusive<f32> = 0.01..=100.0;
@@ -101,7 +102,7 @@ impl SlowSpread {
             stretch_s,
             passed_s: 0.0,
             sum: 0.0,
-            count: 0,
+            variance: 0.0,
             weight: if known { WEIGHTS.end } else { WEIGHTS.start },
         }
     }
@@ -120,17 +121,18 @@ impl SlowSpread {
     pub(super) fn interrupt(&mut self) {
         self.passed_s = 0.0;
         self.sum = 0.0;
-        self.count = 0;
+        self.variance = 0.0;
     }
 
-    /// Takes in a normalised innovation.
-    pub(super) fn learn(&mut self, normalised: f32) {
-        self.sum += normalised;
-        self.count = self.count.saturating_add(1);
+    /// Takes in an innovation and its variance.
+    #[inline]
+    pub(super) fn learn(&mut self, innovation: f32, variance: f32) {
+        self.sum += innovation;
+        self.variance += variance;
         if self.passed_s < self.stretch_s {
             return;
         }
-        let squared = (self.sum * self.sum / f32::from(self.count)).min(LARGEST_SUM);
+        let squared = Scalar::min(self.sum * self.sum / self.variance, LARGEST_SUM);
         let lesson = 1.0 + (squared - 1.0) / f32::from(self.weight);
         self.ratio = (self.ratio * lesson).clamp(*RATIOS.start(), *RATIOS.end());
         self.weight = (self.weight + 1).min(WEIGHTS.end);

@@ -2,15 +2,15 @@
 
 use super::covariance::Covariance;
 use super::state::{
-    ALTITUDE, BIAS, ENERGY, GNSS_ERROR, SCALE, SLOPE, SLOPE_RATE, STATES, State, WIND,
+    ALTITUDE, BIAS, ENERGY, GNSS_ERROR, Quantity, SCALE, SLOPE, SLOPE_RATE, STATES, State, WIND,
 };
 use crate::scalar::Scalar;
 
 /// Coefficients of the linear step: all of it that the smoother needs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion<S> {
-    /// Length of the step, m.
-    pub(super) length: S,
+    /// Half the length of the step, m.
+    pub(super) half_length: S,
     /// Part of the kinetic energy that air resistance leaves.
     pub(super) keep_energy: S,
     /// Traction less air resistance over weight at the end of the cell, % ([`State::load`]).
@@ -61,33 +61,29 @@ impl<S: Scalar> Motion<S> {
 
     #[inline(always)]
     fn forward_on(&self, moved: &mut impl Sheared<S>) {
-        let [a, b, c, d, e, f, g, h] = self.shears();
         if self.jumps() {
-            moved.shear(a);
+            moved.shear(self.load_step());
         }
-        moved.shear(b);
-        moved.shear(c);
-        moved.shear(d);
-        moved.shear(e);
-        moved.shear(f);
-        moved.shear(g);
-        moved.shear(h);
+        moved.shear(self.half_turn());
+        moved.shear(self.weight());
+        moved.climb(self.climb(), self.load);
+        moved.shear(self.half_turn());
         self.keep_on(moved);
     }
 
     #[inline(always)]
     fn transpose_on(&self, moved: &mut impl Sheared<S>) {
-        let [a, b, c, d, e, f, g, h] = self.shears();
+        let climb = self.climb();
         self.keep_on(moved);
-        moved.shear(h.transposed());
-        moved.shear(g.transposed());
-        moved.shear(f.transposed());
-        moved.shear(e.transposed());
-        moved.shear(d.transposed());
-        moved.shear(c.transposed());
-        moved.shear(b.transposed());
+        moved.shear(self.half_turn().transposed());
+        moved.shear(Shear(SCALE, ALTITUDE, climb * self.load));
+        moved.shear(Shear(WIND, ALTITUDE, -climb));
+        moved.shear(Shear(BIAS, ALTITUDE, -climb));
+        moved.shear(Shear(SLOPE, ALTITUDE, climb));
+        moved.shear(self.weight().transposed());
+        moved.shear(self.half_turn().transposed());
         if self.jumps() {
-            moved.shear(a.transposed());
+            moved.shear(self.load_step().transposed());
         }
     }
 
@@ -107,22 +103,27 @@ impl<S: Scalar> Motion<S> {
         moved.scale(e);
     }
 
-    /// Off-diagonal entries of the transition as `x_i += factor * x_j`, in order. The slope turns
-    /// halfway through the cell, so that energy and altitude see its middle.
+    /// The slope that is read steps by the scale's error.
     #[inline(always)]
-    fn shears(&self) -> [Shear<S>; 8] {
-        let half = self.length * S::from_f32(0.5);
-        let climb = self.length * S::from_f32(0.01);
-        [
-            Shear(SLOPE, SCALE, -self.load_jump),
-            Shear(SLOPE, SLOPE_RATE, half),
-            Shear(ENERGY, SLOPE, -self.gravity),
-            Shear(ALTITUDE, SLOPE, climb),
-            Shear(ALTITUDE, BIAS, -climb),
-            Shear(ALTITUDE, WIND, -climb),
-            Shear(ALTITUDE, SCALE, climb * self.load),
-            Shear(SLOPE, SLOPE_RATE, half),
-        ]
+    fn load_step(&self) -> Shear<S> {
+        Shear(SLOPE, SCALE, -self.load_jump)
+    }
+
+    /// The slope turns, half in the middle of the cell, so that energy and altitude see that.
+    #[inline(always)]
+    fn half_turn(&self) -> Shear<S> {
+        Shear(SLOPE, SLOPE_RATE, self.half_length)
+    }
+
+    #[inline(always)]
+    fn weight(&self) -> Shear<S> {
+        Shear(ENERGY, SLOPE, -self.gravity)
+    }
+
+    /// What a slope of the road becomes in altitude, m for 1 %.
+    #[inline(always)]
+    fn climb(&self) -> S {
+        self.half_length * S::from_f32(0.02)
     }
 
     /// Diagonal entries that are not one.
@@ -156,6 +157,8 @@ impl<S> Shear<S> {
 /// What a motion moves: a vector, or a symmetric matrix by rows and columns.
 trait Sheared<S> {
     fn shear(&mut self, shear: Shear<S>);
+    /// `altitude += factor * slope of the road` ([`Quantity::Slope`]): four shears in one.
+    fn climb(&mut self, factor: S, load: S);
     /// `x_i *= factor`.
     fn scale(&mut self, keep: (usize, S));
 }
@@ -163,8 +166,14 @@ trait Sheared<S> {
 impl<S: Scalar> Sheared<S> for [S; STATES] {
     #[inline(always)]
     fn shear(&mut self, Shear(i, j, factor): Shear<S>) {
-        let step = factor * self[j];
-        self[i] += step;
+        let moving = self[j];
+        self[i].add_product(factor, &moving);
+    }
+
+    #[inline(always)]
+    fn climb(&mut self, factor: S, load: S) {
+        let slope = Quantity::Slope.of(load, |i| self[i]);
+        self[ALTITUDE] += factor * slope;
     }
 
     #[inline(always)]
@@ -177,6 +186,13 @@ impl<S: Scalar> Sheared<S> for Covariance<S> {
     #[inline(always)]
     fn shear(&mut self, Shear(i, j, factor): Shear<S>) {
         Self::shear(self, i, j, factor);
+    }
+
+    #[inline(always)]
+    fn climb(&mut self, factor: S, load: S) {
+        let cross = Quantity::Slope.cross(load, self);
+        let variance = Quantity::Slope.of(load, |i| cross[i]);
+        self.shear_by(ALTITUDE, factor, &cross, variance);
     }
 
     #[inline(always)]

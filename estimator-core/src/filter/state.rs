@@ -56,13 +56,23 @@ pub enum Quantity {
 impl Quantity {
     /// h v, of the elements of a vector v.
     #[inline(always)]
-    fn of<S: Scalar>(self, load: S, v: impl Fn(usize) -> S) -> S {
+    pub(super) fn of<S: Scalar>(self, load: S, v: impl Fn(usize) -> S) -> S {
         match self {
             Self::Slope => v(SLOPE) - v(BIAS) - v(WIND) + load * v(SCALE),
             Self::Altitude => v(ALTITUDE),
             Self::Bias => v(BIAS) + v(WIND),
             Self::Scale => v(SCALE),
         }
+    }
+
+    /// P h'.
+    #[inline(always)] // Known where it is asked for, a quantity is a handful of elements.
+    pub(super) fn cross<S: Scalar>(self, load: S, p: &Covariance<S>) -> [S; STATES] {
+        let mut cross = [S::ZERO; STATES];
+        for (k, element) in cross.iter_mut().enumerate() {
+            *element = self.of(load, |i| p.get(i, k));
+        }
+        cross
     }
 }
 
@@ -101,13 +111,10 @@ impl<S: Scalar> State<S> {
     }
 
     /// How a quantity hangs on the states.
-    #[inline(always)] // Known where it is asked for, a quantity is a handful of elements.
+    #[inline(always)]
     #[must_use]
     pub fn look(&self, quantity: Quantity) -> Look<S> {
-        let mut cross = [S::ZERO; STATES];
-        for (k, element) in cross.iter_mut().enumerate() {
-            *element = quantity.of(self.load, |i| self.p.get(i, k));
-        }
+        let cross = quantity.cross(self.load, &self.p);
         Look {
             mean: quantity.of(self.load, |i| self.x[i]),
             variance: quantity.of(self.load, |i| cross[i]),
@@ -131,16 +138,6 @@ impl<S: Scalar> State<S> {
             origin_m: self.origin_m,
         }
     }
-}
-
-/// a b'.
-#[inline(always)]
-pub(super) fn dot<S: Scalar>(a: &[S; STATES], b: &[S; STATES]) -> S {
-    let mut sum = S::ZERO;
-    for (a, b) in a.iter().zip(b) {
-        sum += *a * *b;
-    }
-    sum
 }
 
 impl<S: Scalar> Look<S> {

@@ -145,7 +145,7 @@ impl<S: Scalar> Filter<S> {
             }
             (_, None) => return None,
         };
-        gate.pass(way(state, sample));
+        gate.pass(way(state, &transition, sample), sample.duration_s);
         let mut fix = sample.altitude.map(|altitude| Fix {
             altitude_m: altitude_at_end(state, &altitude) - *datum_m,
             variance: {
@@ -270,9 +270,8 @@ fn judge<S: Scalar>(
             altitude_m: fix.altitude_m,
             variance: fix.variance.to_f32(),
             error_variance: gate.error_spread() * error_sigma_m * error_sigma_m,
-            error_time_s: tuning.gnss_error_time_s,
             wind_variance: wind_variance(vehicle, tuning, sample),
-            wind_length_m: tuning.wind_length_m,
+            per_wind_length: 1.0 / tuning.wind_length_m,
         },
         drifts: tuning.drift_sigmas * tuning.drift_sigmas,
     };
@@ -296,11 +295,11 @@ fn begin<S: Scalar>(state: &mut State<S>, tuning: &Tuning, speed: SpeedMeasureme
 }
 
 /// What the model reads of the way over a cell.
-fn way<S: Scalar>(state: &State<S>, sample: &Sample) -> Way {
+fn way<S: Scalar>(state: &State<S>, transition: &Transition<S>, sample: &Sample) -> Way {
     let per_percent = 0.01 * sample.length_m;
     Way {
         length_m: sample.length_m,
-        duration_s: sample.duration_s,
+        error_kept: transition.motion().keep_gnss_error.to_f32(),
         climb_m: per_percent * state.x[SLOPE].to_f32(),
         load_climb_m: per_percent * state.load.to_f32(),
         doubt_m: if sample.place.condition.is_valid() {

@@ -132,7 +132,7 @@ impl<S: Scalar> Transition<S> {
 
         Self {
             motion: Motion {
-                length: S::from_f32(length_m),
+                half_length: S::from_f32(0.5 * length_m),
                 // exp(-drag) to second order.
                 keep_energy: S::from_f32(1.0 - drag * (1.0 - 0.5 * drag)),
                 load: S::from_f32(load_after),

@@ -1,7 +1,7 @@
 //! One scalar measurement.
 
 use super::covariance::Covariance;
-use super::state::{ALTITUDE, ENERGY, GNSS_ERROR, STATES, State, dot};
+use super::state::{ALTITUDE, ENERGY, GNSS_ERROR, STATES, State};
 use crate::scalar::Scalar;
 
 /// What a measurement sees of the state: a sum of states.
@@ -39,7 +39,7 @@ impl<S: Scalar> Applied<S> {
     /// v ← (I − K h)' v, for the smoother.
     #[inline]
     pub(super) fn undo(&self, observation: Observation, vector: &mut [S; STATES]) {
-        observation.add_to(vector, -dot(&self.gain, vector));
+        observation.add_to(vector, -S::dot(&self.gain, vector));
     }
 }
 
@@ -126,9 +126,9 @@ impl<S: Scalar> Update<S> {
         let per_variance = S::ONE / innovation_variance;
         let gain = cross.map(|element| element * per_variance);
         for (x, gain) in state.x.iter_mut().zip(&gain) {
-            *x += *gain * self.innovation;
+            x.add_product(self.innovation, gain);
         }
-        state.p.joseph(&gain, &cross, innovation_variance);
+        state.p.reduce(&gain, &cross);
         Applied {
             innovation: self.innovation,
             innovation_variance,

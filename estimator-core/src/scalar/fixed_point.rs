@@ -73,6 +73,20 @@ impl Fixed {
     }
 }
 
+impl Fixed {
+    /// `self += a * b`.
+    #[inline(always)]
+    fn plus_product(&mut self, a: Self, b: Self) {
+        let [sum, a, b] = [*self, a, b].map(Self::to_bits);
+        let bits = if any_large([sum, a, b].map(|bits| (bits >> 32) as u32)) {
+            self::sum(sum, large_product(a, b))
+        } else {
+            sum.wrapping_add(small_product(a, b))
+        };
+        *self = Self::from_bits(bits);
+    }
+}
+
 /// Whether either is none.
 #[inline(always)]
 const fn is_none_of(a: i64, b: i64) -> bool {
@@ -95,30 +109,46 @@ const fn none_if(is_none: bool, bits: i64) -> i64 {
 const FRACTION: i64 = 0xffff_ffff;
 const HALF: u64 = 1 << 31;
 
+/// Half of what is large, in the half of a word before the point: products of less are numbers
+/// without a look at them, and so are sums with one.
+const SMALL: u32 = 1 << 14;
+
+/// Whether any of these is large, by its half before the point.
+#[inline(always)]
+fn any_large<const N: usize>(highs: [u32; N]) -> bool {
+    let largest = highs
+        .iter()
+        .fold(0, |largest, high| largest | high.wrapping_add(SMALL));
+    largest >= 2 * SMALL
+}
+
 /// Bits of the product, rounded to the nearest.
 ///
 /// Not inlined where a word takes two registers: a call is not longer than what would have to be
 /// put aside for it, and flash is dear.
 #[cfg_attr(target_pointer_width = "32", inline(never))]
 fn product(a: i64, b: i64) -> i64 {
-    /// Half of what is large: products of less are numbers without a look at them.
-    const SMALL: u32 = 1 << 14;
-    let [a_high, b_high] = [(a >> 32) as u32, (b >> 32) as u32];
-    let [a_low, b_low] = [a as u32, b as u32];
-    if (a_high.wrapping_add(SMALL) | b_high.wrapping_add(SMALL)) >= 2 * SMALL {
+    if any_large([(a >> 32) as u32, (b >> 32) as u32]) {
         return large_product(a, b);
     }
+    small_product(a, b)
+}
+
+/// The same, where neither is large.
+#[inline(always)]
+const fn small_product(a: i64, b: i64) -> i64 {
+    let [a_high, b_high] = [(a >> 32) as u32, (b >> 32) as u32];
+    let [a_low, b_low] = [a as u32, b as u32];
     // Of words without a sign, then less what the signs make of it: a controller has an
     // instruction for that.
     let low = wide_product(a_low, b_low);
-    let middle = ((low >> 32) + u64::from(low as u32 >> 31))
+    let middle = ((low >> 32) + (low as u32 >> 31) as u64)
         .wrapping_add(wide_product(a_low, b_high))
         .wrapping_add(wide_product(a_high, b_low));
-    let of_sign = |high: u32, other: u32| ((high as i32) >> 31) as u32 & other;
     let high = (a_high.wrapping_mul(b_high))
-        .wrapping_sub(of_sign(a_high, b_low))
-        .wrapping_sub(of_sign(b_high, a_low));
-    middle.wrapping_add(u64::from(high) << 32) as i64
+        .wrapping_sub(((a_high as i32) >> 31) as u32 & b_low)
+        .wrapping_sub(((b_high as i32) >> 31) as u32 & a_low);
+    middle.wrapping_add((high as u64) << 32) as i64
 }
 
 /// The whole product.
@@ -233,11 +263,14 @@ impl Scalar for Fixed {
     #[cfg_attr(target_pointer_width = "32", inline(never))]
     fn to_f32(self) -> f32 {
         const LAST: f32 = 1.0 / (1_u64 << 32) as f32;
-        if self.is_finite() {
-            self.to_bits() as f32 * LAST
-        } else {
-            f32::NAN
+        if !self.is_finite() {
+            return f32::NAN;
         }
+        // By halves: a controller has instructions for 32 bits. Off by a last digit at most.
+        let bits = self.to_bits();
+        let magnitude = bits.unsigned_abs();
+        let sum = (magnitude >> 32) as u32 as f32 + magnitude as u32 as f32 * LAST;
+        if bits < 0 { -sum } else { sum }
     }
 
     fn to_f64(self) -> f64 {
@@ -258,6 +291,29 @@ impl Scalar for Fixed {
             return Self::NAN;
         }
         Self(self.0.checked_sqrt().unwrap_or(I32F32::ZERO))
+    }
+
+    // A sum is looked at once with its products, and its words stay in registers.
+
+    #[cfg_attr(target_pointer_width = "32", inline(never))]
+    fn add_products(sums: &mut [Self], factor: Self, others: &[Self]) {
+        for (sum, other) in sums.iter_mut().zip(others) {
+            sum.plus_product(factor, *other);
+        }
+    }
+
+    #[cfg_attr(target_pointer_width = "32", inline(never))]
+    fn add_product(&mut self, factor: Self, other: &Self) {
+        self.plus_product(factor, *other);
+    }
+
+    #[cfg_attr(target_pointer_width = "32", inline(never))]
+    fn dot<const N: usize>(a: &[Self; N], b: &[Self; N]) -> Self {
+        let mut sum = Self::ZERO;
+        for (a, b) in a.iter().zip(b) {
+            sum.plus_product(*a, *b);
+        }
+        sum
     }
 
     #[inline(always)]

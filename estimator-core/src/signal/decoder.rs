@@ -2,7 +2,7 @@
 
 use super::Reading;
 use super::fast_packet::{FastPackets, Unfinished};
-use super::layout::{MESSAGES, Message, index_of};
+use super::layout::{Field, MESSAGES, Message, index_of};
 use embedded_can::{Frame, Id};
 
 /// A 29-bit identifier taken apart (SAE J1939-21).
@@ -84,6 +84,27 @@ impl Decoder {
     pub fn decode<F: Frame>(
         &mut self,
         frame: &F,
+        sink: impl FnMut(usize, Pgn, Reading),
+    ) -> FrameOutcome {
+        self.decode_fields(frame, |message| message.fields, sink)
+    }
+
+    /// The same for the signals alone that the estimator reads.
+    #[inline]
+    pub(crate) fn decode_read<F: Frame>(
+        &mut self,
+        frame: &F,
+        sink: impl FnMut(usize, Pgn, Reading),
+    ) -> FrameOutcome {
+        let read = |message: &Message| message.fields.get(..message.read).unwrap_or_default();
+        self.decode_fields(frame, read, sink)
+    }
+
+    #[inline]
+    fn decode_fields<F: Frame>(
+        &mut self,
+        frame: &F,
+        fields: impl Fn(&'static Message) -> &'static [Field],
         mut sink: impl FnMut(usize, Pgn, Reading),
     ) -> FrameOutcome {
         let Id::Extended(id) = frame.id() else {
@@ -112,13 +133,19 @@ impl Decoder {
                 }
             }
         };
-        if read(message, payload, |reading| sink(index, pgn, reading)) {
-            FrameOutcome::Decoded {
-                message: index,
-                source: pgn.source,
+        // All of its readings or none.
+        if payload.len() * 8 < usize::from(message.end_bit) {
+            return FrameOutcome::Rejected(Rejection::Truncated);
+        }
+        for field in fields(message) {
+            if let Some(value) = field.read(payload) {
+                let signal = field.signal;
+                sink(index, pgn, Reading { signal, value });
             }
-        } else {
-            FrameOutcome::Rejected(Rejection::Truncated)
+        }
+        FrameOutcome::Decoded {
+            message: index,
+            source: pgn.source,
         }
     }
 }
@@ -127,20 +154,4 @@ impl Default for Decoder {
     fn default() -> Self {
         Self::new()
     }
-}
-
-/// Hands out the readings of a payload, all or none; false if it is too short.
-fn read(message: &Message, payload: &[u8], mut sink: impl FnMut(Reading)) -> bool {
-    if payload.len() * 8 < usize::from(message.end_bit) {
-        return false;
-    }
-    for field in message.fields {
-        if let Some(value) = field.read(payload) {
-            sink(Reading {
-                signal: field.signal,
-                value,
-            });
-        }
-    }
-    true
 }

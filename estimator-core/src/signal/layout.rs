@@ -78,6 +78,8 @@ pub(super) struct Message {
     pub end_bit: u16,
     pub convention: Convention,
     pub fields: &'static [Field],
+    /// How many of them, the first, the estimator reads; the others are for tools.
+    pub read: usize,
 }
 
 include!(concat!(env!("OUT_DIR"), "/layout_tables.rs"));

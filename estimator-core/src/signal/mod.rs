@@ -49,7 +49,11 @@ impl Value {
     /// Whether this is a measurement.
     #[must_use]
     pub const fn is_available(self) -> bool {
-        matches!(self, Self::Real(_) | Self::DegreesE7(_))
+        match self {
+            Self::Real(value) => value.is_finite(),
+            Self::DegreesE7(_) => true,
+            Self::NotAvailable | Self::Error => false,
+        }
     }
 }
 
