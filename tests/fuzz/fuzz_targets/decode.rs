@@ -1,0 +1,20 @@
+//! Frames and fast packets: what is decoded is a number of its signal, or is said to be none.
+
+#![no_main]
+
+use estimator_core::{Decoder, Value};
+use fuzz_targets::{Bus, Event};
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|events: Vec<Event>| {
+    let (mut bus, mut decoder) = (Bus::default(), Decoder::new());
+    for event in &events {
+        bus.play(event, &mut |timed| {
+            decoder.decode(&timed.frame, |_, _, reading| {
+                if let Value::Real(value) = reading.value {
+                    assert!(value.is_finite(), "{reading:?}");
+                }
+            });
+        });
+    }
+});

@@ -1,0 +1,93 @@
+//! The whole estimator on arbitrary traffic: whatever arrives, what it tells is finite, and its
+//! covariance is one.
+
+#![no_main]
+
+use estimator_core::filter::{Filter, State};
+use estimator_core::{Cell, Counters, Estimator, Fixed, Intake, Scalar, Tuning, Uncertain};
+use fuzz_targets::{Bus, Event, truck};
+use libfuzzer_sys::fuzz_target;
+use nalgebra::SymmetricEigen;
+
+/// Least eigenvalue of a correlation matrix that rounding may leave.
+const ROUNDING: f64 = -1e-6;
+/// Steps between looks at a whole covariance.
+const LOOK: u64 = 16;
+
+fuzz_target!(|events: Vec<Event>| {
+    through_estimator::<f32>(&events);
+    through_estimator::<Fixed>(&events);
+    through_filter(&events);
+});
+
+fn through_estimator<S: Scalar>(events: &[Event]) {
+    let mut estimator = Box::new(Estimator::<S>::new(truck(), Tuning::default()).expect("a truck"));
+    let mut bus = Bus::default();
+    for event in events {
+        bus.play(event, &mut |timed| {
+            estimator.on_frame(timed.time, &timed.frame);
+            while estimator.step().is_some() {
+                if let Some(live) = estimator.live() {
+                    sound(live.estimate.grade_percent);
+                    sound(live.estimate.bias_percent);
+                    sound(live.estimate.scale);
+                    live.estimate.altitude_m.into_iter().for_each(sound);
+                }
+                while let Some(cell) = estimator.next_cell() {
+                    sound_cell(&cell);
+                }
+            }
+        });
+    }
+    while let Some(cell) = estimator.drain_cell() {
+        sound_cell(&cell);
+    }
+    let counters = estimator.counters();
+    assert_eq!(counters.restarts, 0);
+    assert_eq!(counters.cells_unsound, 0);
+}
+
+fn sound_cell(cell: &Cell) {
+    sound(cell.lagged_grade_percent);
+    cell.altitude_m.into_iter().for_each(sound);
+}
+
+fn sound(known: Uncertain) {
+    assert!(known.value.is_finite(), "{known:?}");
+    assert!(known.sigma.is_finite() && known.sigma >= 0.0, "{known:?}");
+}
+
+fn through_filter(events: &[Event]) {
+    let mut intake = Intake::new(truck(), Tuning::default()).expect("a truck");
+    let mut filter = Filter::<f32>::new();
+    let mut counters = Counters::default();
+    let mut bus = Bus::default();
+    for event in events {
+        bus.play(event, &mut |timed| {
+            intake.on_frame(timed.time, &timed.frame);
+            while let Some(sample) = intake.next_sample() {
+                filter.advance(intake.vehicle(), intake.tuning(), &sample, &mut counters);
+                if let Some(state) = filter
+                    .state()
+                    .filter(|_| counters.steps.is_multiple_of(LOOK))
+                {
+                    positive(state);
+                }
+            }
+        });
+    }
+    filter.state().into_iter().for_each(positive);
+}
+
+/// Whether the covariance is positive, up to rounding, in units in which its variances are one.
+fn positive(state: &State<f32>) {
+    let p = state.p.to_matrix();
+    let sigmas = p.diagonal().map(|variance| {
+        assert!(variance >= 0.0 && variance.is_finite());
+        variance.max(f64::MIN_POSITIVE).sqrt()
+    });
+    let correlation = p.component_div(&(sigmas * sigmas.transpose()));
+    assert!(correlation.iter().all(|element| element.is_finite()), "{p}");
+    let least = SymmetricEigen::new(correlation).eigenvalues.min();
+    assert!(least >= ROUNDING, "{least}: {p}");
+}

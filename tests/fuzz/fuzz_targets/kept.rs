@@ -1,0 +1,27 @@
+//! What a drive leaves: bytes that are taken survive being written, and start an estimator.
+
+#![no_main]
+
+use crc::{CRC_32_ISO_HDLC, Crc};
+use estimator_core::{Estimator, Kept, Tuning};
+use fuzz_targets::truck;
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|input: &[u8]| {
+    let Some((mends, bytes)) = input.split_first() else {
+        return;
+    };
+    let mut bytes = bytes.to_vec();
+    if mends & 1 != 0 && let Some((content, checksum)) = bytes.split_last_chunk_mut() {
+        // With a checksum that fits, what is inside is looked at.
+        *checksum = Crc::<u32>::new(&CRC_32_ISO_HDLC)
+            .checksum(content)
+            .to_le_bytes();
+    }
+    if let Ok(kept) = Kept::from_bytes(&bytes) {
+        assert_eq!(kept.to_bytes().as_slice(), bytes);
+        if let Ok(estimator) = Estimator::<f32>::with_kept(truck(), Tuning::default(), &kept) {
+            assert!(estimator.live().is_none());
+        }
+    }
+});

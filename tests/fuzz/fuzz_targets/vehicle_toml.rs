@@ -1,0 +1,23 @@
+//! Vehicle files: parameters that an estimator takes and that survive being written, or an error
+//! that names the file.
+
+#![no_main]
+
+use estimator_core::{Intake, Tuning};
+use fuzz_targets::as_file;
+use host_sim::vehicle_file::VehicleFile;
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|bytes: &[u8]| {
+    as_file(".toml", bytes, |path| match VehicleFile::read(path) {
+        Ok(vehicle) => {
+            let intake = Intake::new(vehicle.parameters.clone(), Tuning::default());
+            assert!(intake.is_ok(), "{:?}", intake.err());
+            as_file(".toml", vehicle.to_toml().as_bytes(), |written| {
+                let again = VehicleFile::read(written).expect("what was written can be read");
+                assert_eq!(again, vehicle);
+            });
+        }
+        Err(error) => assert!(error.to_string().contains(&path.display().to_string())),
+    });
+});
