@@ -213,13 +213,15 @@ impl<'a> Listening<'a> {
             let Some(stretch) = self.receiver.next(patience) else {
                 return Ok(());
             };
+            let mut is_over = false;
             for received in &stretch {
-                if self.take(received)? {
-                    return Ok(());
-                }
+                is_over |= self.take(received)?;
             }
             if let Some(publisher) = &mut self.publisher {
                 publisher.publish(self.session.live().as_ref(), self.session.cells());
+            }
+            if is_over {
+                return Ok(());
             }
             if self.show.due_in().is_zero() {
                 let unsent = self.publisher.as_ref().and_then(Publisher::unsent);

@@ -71,7 +71,7 @@ impl BusEvent {
 #[must_use]
 pub fn of_error_frame(frame: &CanErrorFrame) -> Vec<BusEvent> {
     let mut events = Vec::new();
-    for cause in frame.clone().into_error().causes() {
+    for cause in (*frame).into_error().causes() {
         let event = match cause {
             ErrorCause::BusOff => BusEvent::BusOff,
             ErrorCause::Restarted => BusEvent::Restarted,

@@ -34,7 +34,7 @@ pub(super) struct Interface {
 #[derive(Debug)]
 enum State {
     Up(CanSocket),
-    Lost { look_at: Monotonic },
+    Lost { look_at: Monotonic, is_gone: bool },
 }
 
 /// What reading gave.
@@ -107,29 +107,34 @@ impl Interface {
         }
     }
 
-    /// Looks now and then whether a lost interface is back; true if it just came.
-    pub(super) fn look_for(&mut self, now: Monotonic) -> bool {
-        let State::Lost { look_at } = self.state else {
-            return false;
+    /// Looks now and then whether a lost interface is back; tells what it finds, once.
+    pub(super) fn look_for(&mut self, now: Monotonic) -> Option<BusEvent> {
+        let State::Lost { look_at, is_gone } = &mut self.state else {
+            return None;
         };
-        if now < look_at {
-            return false;
+        if now < *look_at {
+            return None;
         }
-        let found = open(&self.name, &self.filters);
-        let is_back = found.is_ok();
-        self.drops_told = 0;
-        self.state = match found {
-            Ok(socket) => State::Up(socket),
-            Err(_) => State::Lost {
-                look_at: now + RETRY,
-            },
-        };
-        is_back
+        *look_at = now + RETRY;
+        match open(&self.name, &self.filters) {
+            Ok(socket) => {
+                self.state = State::Up(socket);
+                self.drops_told = 0;
+                Some(BusEvent::InterfaceBack)
+            }
+            // What is removed is set down first.
+            Err(error) if error.raw_os_error() == Some(libc::ENODEV) && !*is_gone => {
+                *is_gone = true;
+                Some(BusEvent::InterfaceGone)
+            }
+            Err(_) => None,
+        }
     }
 
     fn lose(&mut self, event: BusEvent) -> Read {
         self.state = State::Lost {
             look_at: Monotonic::now(),
+            is_gone: event == BusEvent::InterfaceGone,
         };
         Read::Events(vec![event])
     }

@@ -165,8 +165,8 @@ impl Reading {
                     what,
                 });
             };
-            if interface.look_for(begun) {
-                push(now, What::Event(BusEvent::InterfaceBack));
+            if let Some(event) = interface.look_for(begun) {
+                push(now, What::Event(event));
             }
             let mut left = STRETCH;
             while left > 0 {
