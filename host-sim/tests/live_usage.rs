@@ -53,6 +53,11 @@ fn wrong_usage_is_told() {
     for (arguments, words) in [
         (vec!["listen", "--vehicle", "vehicle.toml"], "--can"),
         (vec!["listen", "--can", "vcan0"], "--vehicle"),
+        (with(&["--can", "vcan0"]), "named twice"),
+        (
+            with(&["--can", "vcan1", "--log-time"]),
+            "several interfaces",
+        ),
         (with(&["--publish", "--address", "255"]), "0..=254"),
         (with(&["--address", "3"]), "--publish"),
         (with(&["--end-after-silence", "0"]), "above 0"),
@@ -80,18 +85,6 @@ fn wrong_usage_is_told() {
 fn what_cannot_be_used_is_named() {
     let files = Files::new();
     for (arguments, words) in [
-        (
-            vec![
-                "listen",
-                "--can",
-                "a",
-                "--can",
-                "a",
-                "--vehicle",
-                "vehicle.toml",
-            ],
-            "a: named twice",
-        ),
         (
             vec!["listen", "--can", "a", "--vehicle", "none.toml"],
             "none.toml: No such file",

@@ -1,5 +1,6 @@
 //! `roadgrade listen`: a live bus becomes a run.
 
+use super::Cli;
 use super::conclusion::{self, Summary};
 use super::signals::stop_flag;
 use crate::error::{Error, Result};
@@ -10,6 +11,8 @@ use crate::recorder::{Recorder, Run};
 use crate::source::log_time;
 use crate::source::socketcan::{BusEvent, Received, Receiver, of_group, wanted};
 use crate::vehicle_file::VehicleFile;
+use clap::CommandFactory;
+use clap::error::ErrorKind;
 use estimator_core::{Estimator, KeptError, Tuning};
 use serde_json::json;
 use std::collections::BTreeMap;
@@ -41,8 +44,11 @@ The kernel is asked only for the messages that an estimate needs, whoever sends 
 Try it without a truck:
   ip link add dev vcan0 type vcan && ip link set vcan0 up
   roadgrade simulate --scenario host-sim/scenarios/demo.toml --out sim
-  roadgrade listen --can vcan0 --vehicle sim/VEHICLE.toml --out run.csv &
-  roadgrade replay --can vcan0 --speed 10 sim/NAME.log")]
+  roadgrade replay --can vcan0 sim/a1.log &
+  roadgrade listen --can vcan0 --vehicle sim/a1.vehicle.toml --out run.csv
+All of it in a few seconds:
+  roadgrade replay --can vcan0 --log-time --speed max sim/a1.log &
+  roadgrade listen --can vcan0 --log-time --vehicle sim/a1.vehicle.toml --out run.csv")]
 pub struct Args {
     /// CAN interface; more than once for several buses of one vehicle.
     #[arg(long = "can", value_name = "INTERFACE", required = true)]
@@ -87,12 +93,7 @@ fn seconds(text: &str) -> std::result::Result<Duration, String> {
 
 /// Runs it.
 pub fn run(args: &Args) -> Result<()> {
-    if let Some(twice) = duplicate(&args.interfaces) {
-        return Err(Error::content(
-            Path::new(twice),
-            "named twice; expected each interface once",
-        ));
-    }
+    check(args);
     let vehicle = VehicleFile::read(&args.vehicle)?;
     let mut listening = Listening::begin(args, &vehicle)?;
     listening.run()?;
@@ -124,13 +125,19 @@ pub fn run(args: &Args) -> Result<()> {
     }
 }
 
-fn duplicate(names: &[String]) -> Option<&str> {
-    let repeated = |(index, name): &(usize, &String)| names[..*index].contains(name);
-    names
-        .iter()
-        .enumerate()
-        .find(repeated)
-        .map(|(_, name)| name.as_str())
+/// Ends the program if the interfaces make no sense together.
+fn check(args: &Args) {
+    let names = &args.interfaces;
+    let is_repeated = |(index, name): (usize, &String)| names[..index].contains(name);
+    let problem = if names.iter().enumerate().any(is_repeated) {
+        "an interface is named twice; expected each once"
+    } else if args.log_time && names.len() > 1 {
+        "--log-time with several interfaces; expected one, which all of the log is replayed to"
+    } else {
+        return;
+    };
+    let kind = ErrorKind::ArgumentConflict;
+    Cli::command().error(kind, problem).exit();
 }
 
 /// Writes what the drive left. What was driven for hours is not thrown away because something was

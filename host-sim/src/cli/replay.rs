@@ -23,11 +23,11 @@ Frames go out at the times that the log has, or so many times faster. All frames
 
 While the interface's queue is full (ENOBUFS) replay waits. A virtual interface has no such limit: with --speed max frames come faster than any listener reads them, and what does not fit into the listener's buffer is lost there; `roadgrade listen` counts such frames as lost.
 
---log-time sends the log's own time ahead of each change of it (PGN 65352, eight bytes, of the range for manufacturers), and asks the listener every hundred frames whether it has read them. `roadgrade listen --log-time` answers and takes the log's time for that of the frames: nothing is lost at any speed, and its cells are those that `roadgrade estimate` finds in the file, to the last digit. Replay waits ten seconds for the listener to appear. Without --log-time frames have the kernel's stamps, which differ from the log's by fractions of a millisecond and so the cells by fractions of their sigma.
+--log-time sends the log's own time ahead of each change of it (PGN 65352, eight bytes, of the range for manufacturers), and asks the listener every hundred frames whether it has read them. `roadgrade listen --log-time` answers and takes the log's time for that of the frames: nothing is lost at any speed, and its cells are those that `roadgrade estimate` finds in the file, to the last digit. Replay waits ten seconds for the listener to appear. Without --log-time frames have the kernel's stamps: at speed 1 they differ from the log's by fractions of a millisecond, and so the cells by fractions of their sigma; at another speed an estimate from them is of a vehicle so many times faster, and of no use.
 
 Examples:
   roadgrade replay --can vcan0 drive.log
-  roadgrade replay --can vcan0 --speed 10 drive.log.gz
+  roadgrade replay --can vcan0 --speed 10 --log-time drive.log.gz
   roadgrade replay --can vcan0 --speed max --log-time drive.log")]
 pub struct Args {
     /// CAN interface.

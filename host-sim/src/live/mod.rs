@@ -9,5 +9,5 @@ mod show;
 pub mod view;
 
 pub use publisher::Publisher;
-pub use session::{Reaction, Session, Timing};
+pub use session::{Reaction, Session};
 pub use show::Show;

@@ -7,12 +7,19 @@ use std::time::{Duration, Instant as Monotonic};
 const WINDOW: Duration = Duration::from_secs(1);
 
 /// The rate of something that is counted.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(super) struct Rate {
     counts: VecDeque<(Monotonic, u64)>,
 }
 
 impl Rate {
+    /// Begins with nothing counted.
+    pub(super) fn new(now: Monotonic) -> Self {
+        Self {
+            counts: VecDeque::from([(now, 0)]),
+        }
+    }
+
     /// Takes the count as it is now, and returns the rate over the last second or a little more, 1/s.
     pub(super) fn update(&mut self, now: Monotonic, count: u64) -> f64 {
         self.counts.push_back((now, count));

@@ -18,11 +18,11 @@ const SILENCE: Duration = Duration::from_secs(2);
 
 /// Whose time frames have.
 #[derive(Clone, Debug)]
-pub enum Timing {
+enum Timing {
     /// The kernel's, at which they came.
     Kernel,
-    /// The log's that is being replayed, by interface, once it was told.
-    Log(Vec<Option<Instant>>),
+    /// The log's that is being replayed, once it was told.
+    Log(Option<Instant>),
 }
 
 /// What is to be done about something received.
@@ -62,9 +62,13 @@ impl Session {
         is_log_timed: bool,
         log: Option<&Path>,
     ) -> Result<Self> {
-        let view = |name: &String| InterfaceView {
-            name: name.clone(),
-            ..InterfaceView::default()
+        let now = Monotonic::now();
+        let counted = |name: &String| {
+            let view = InterfaceView {
+                name: name.clone(),
+                ..InterfaceView::default()
+            };
+            (view, Rate::new(now))
         };
         let log = match log {
             Some(path) => Some((path.to_owned(), Writing::begin(path)?)),
@@ -73,18 +77,15 @@ impl Session {
         Ok(Self {
             recorder,
             timing: if is_log_timed {
-                Timing::Log(vec![None; names.len()])
+                Timing::Log(None)
             } else {
                 Timing::Kernel
             },
-            interfaces: names
-                .iter()
-                .map(|name| (view(name), Rate::default()))
-                .collect(),
+            interfaces: names.iter().map(counted).collect(),
             log,
             start: None,
             newest: Instant::ZERO,
-            heard: Monotonic::now(),
+            heard: now,
             untimed: 0,
         })
     }
@@ -107,10 +108,9 @@ impl Session {
             What::Frame(frame) => {
                 self.heard = Monotonic::now();
                 let mut time = received.time;
-                if let Timing::Log(told) = &mut self.timing {
-                    let told = &mut told[received.interface];
+                if let Timing::Log(told) = &self.timing {
                     if let Some(message) = LogTime::read(&frame) {
-                        return Ok(self.on_log_time(message, received.interface));
+                        return Ok(self.on_log_time(message));
                     }
                     let Some(told) = told else {
                         self.untimed += 1;
@@ -125,14 +125,12 @@ impl Session {
         }
     }
 
-    fn on_log_time(&mut self, message: LogTime, interface: usize) -> Reaction {
+    fn on_log_time(&mut self, message: LogTime) -> Reaction {
         let (LogTime::Now(time) | LogTime::Ready(time) | LogTime::End(time)) = message else {
             // That of another listener.
             return Reaction::None;
         };
-        if let Timing::Log(told) = &mut self.timing {
-            told[interface] = Some(time);
-        }
+        self.timing = Timing::Log(Some(time));
         self.start.get_or_insert(time);
         self.recorder.begin(time);
         match message {

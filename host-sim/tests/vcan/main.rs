@@ -16,6 +16,7 @@ mod peers;
 mod publish;
 mod recording;
 mod same_cells;
+mod watching;
 
 use assert_cmd::Command;
 

@@ -79,3 +79,28 @@ fn canplayer_feeds_a_listener_and_cangen_does_not_disturb_it() {
         drive.read("live.csv")
     );
 }
+
+#[test]
+#[ignore = "needs a CAN interface: tests/run vcan"]
+fn a_recording_of_two_senders_is_one_that_estimate_reads() {
+    let vcan = Vcan::new("rgboth");
+    let drive = Drive::new("A", 300.0);
+    let recording = drive.file("candump.log");
+    let candump = candump(&vcan, "", &recording);
+    let options = ["--publish", "--out", "live.csv"];
+    let listener = Listener::start(&drive, &[vcan.0], &options);
+    replay(vcan.0, &drive.log(), &["--speed", "2"]);
+    listener.signal("INT");
+    let heard = listener.finish();
+    assert_eq!(heard.frames(0), drive.frames.len() as u64);
+    let lines = || std::fs::read_to_string(&recording).unwrap().lines().count();
+    wait_until("candump has the drive and the estimate", || {
+        lines() > drive.frames.len() + 10
+    });
+    drop(candump);
+    // candump may have been at its last line.
+    let text = std::fs::read_to_string(&recording).unwrap();
+    let whole = text.rsplit_once('\n').unwrap().0.to_owned() + "\n";
+    std::fs::write(&recording, whole).unwrap();
+    assert!(drive.estimate(&recording).lines().count() > 10);
+}
