@@ -6,7 +6,7 @@ use super::signals::stop_flag;
 use crate::error::{Error, Result};
 use crate::kept_file;
 use crate::live::{Publisher, Reaction, Session, Show};
-use crate::output::print;
+use crate::output::{Staged, print};
 use crate::recorder::{Recorder, Run};
 use crate::source::log_time;
 use crate::source::socketcan::{BusEvent, Received, Receiver, of_group, wanted};
@@ -96,7 +96,8 @@ pub fn run(args: &Args) -> Result<()> {
     check(args);
     let vehicle = VehicleFile::read(&args.vehicle)?;
     let mut listening = Listening::begin(args, &vehicle)?;
-    listening.run()?;
+    // What fails on the way ends the drive, and is told when the drive is written.
+    let ended = listening.run();
     let Listening {
         mut session,
         publisher,
@@ -104,17 +105,15 @@ pub fn run(args: &Args) -> Result<()> {
         ..
     } = listening;
     let view = session.view(publisher.and_then(|publisher| publisher.unsent()));
-    show.show_last(&view)?;
-    let (run, log) = session.finish()?;
-    if let Some(log) = log {
-        log.commit()?;
-    }
-    if let Some(log) = &args.log {
+    let shown = show.show_last(&view);
+    let (run, log) = session.finish();
+    let logged = log.and_then(|log| log.map_or(Ok(()), Staged::commit));
+    if let (Ok(()), Some(log)) = (&logged, &args.log) {
         eprintln!("wrote {}", log.display());
     }
     conclude(args, &vehicle, &run)?;
     let summary = Summary::new(&run);
-    if args.json {
+    let told = if args.json {
         let last = json!({ "summary": summary, "interfaces": view.interfaces });
         print(&format!("{last}\n"))
     } else if show.takes_stdout() {
@@ -122,7 +121,8 @@ pub fn run(args: &Args) -> Result<()> {
         Ok(())
     } else {
         print(&format!("{}\n", summary.table()))
-    }
+    };
+    ended.and(shown).and(logged).and(told)
 }
 
 /// Ends the program if the interfaces make no sense together.

@@ -192,16 +192,10 @@ impl Session {
         self.recorder.cells()
     }
 
-    /// Ends the drive; the log, if there is one, is to be committed.
-    ///
-    /// # Errors
-    /// If the log cannot be ended.
-    pub fn finish(self) -> Result<(Run, Option<Staged>)> {
-        let log = match self.log {
-            Some((_, log)) => Some(log.finish()?),
-            None => None,
-        };
-        Ok((self.recorder.finish(), log))
+    /// Ends the drive; the log, if there is one and it could be ended, is to be committed.
+    pub fn finish(self) -> (Run, Result<Option<Staged>>) {
+        let log = self.log.map(|(_, log)| log.finish()).transpose();
+        (self.recorder.finish(), log)
     }
 
     /// The estimate now.

@@ -4,6 +4,9 @@ use crate::bus::Vcan;
 use crate::drive::{Drive, replay};
 use crate::roadgrade;
 use host_sim::live::panel::header;
+use host_sim::run_file;
+use std::fs::File;
+use std::process::Command;
 use std::thread;
 
 #[test]
@@ -48,4 +51,27 @@ fn piped_there_is_a_line_a_second_and_the_summary_apart_from_them() {
     let said = String::from_utf8(output.stderr).unwrap();
     assert!(said.contains("| traction scale, end"), "{said}");
     assert!(drive.file("live.csv").exists());
+}
+
+#[test]
+#[ignore = "needs a CAN interface: tests/run vcan"]
+fn a_drive_whose_lines_cannot_be_written_ends_and_is_kept() {
+    let vcan = Vcan::new("rgfull");
+    let drive = Drive::new("A", 300.0);
+    let output = thread::scope(|scope| {
+        // Before the listener, which is to have something to keep when its first line fails.
+        scope.spawn(|| replay(vcan.0, &drive.log(), &["--speed", "2"]));
+        Command::new(env!("CARGO_BIN_EXE_roadgrade"))
+            .args(["listen", "--json", "--can", vcan.0, "--vehicle"])
+            .arg(drive.vehicle())
+            .arg("--out")
+            .arg(drive.file("live.csv"))
+            .stdout(File::create("/dev/full").unwrap())
+            .output()
+            .unwrap()
+    });
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(said.contains("stdout: No space left"), "{said}");
+    assert!(!run_file::read(&drive.file("live.csv")).unwrap().is_empty());
 }

@@ -81,7 +81,8 @@ impl Interface {
                 frame.map_or(Read::Nothing, |frame| Read::Frame(frame, stamp))
             }
             Err(error) => match error.raw_os_error() {
-                Some(libc::EAGAIN | libc::EINTR) => Read::Nothing,
+                // Without a code it is not the kernel's: a frame of another kind.
+                Some(libc::EAGAIN | libc::EINTR) | None => Read::Nothing,
                 Some(libc::ENETDOWN) => self.lose(BusEvent::InterfaceDown),
                 _ => self.lose(BusEvent::InterfaceGone),
             },
