@@ -7,6 +7,7 @@ use estimator_core::Counters;
 pub fn events(c: &Counters) -> Vec<(&'static str, u64)> {
     [
         ("frames malformed", c.frames_malformed.into()),
+        ("inputs back in time", c.time_backwards.into()),
         ("fast packets broken", c.fast_packets_broken.into()),
         ("values not available", c.not_available.into()),
         ("values in error", c.errors.into()),
