@@ -87,6 +87,6 @@ fn a_wanted_message_from_a_wrong_address_is_refused() {
     let babbled = beside("rgliar", frame, 3);
     assert!(babbled.read > 100);
     let [with, without] = babbled.refused;
-    // Torque, its fraction, mode and engine speed.
-    assert!(with - without >= 4 * babbled.read);
+    // Torque, its fraction and engine speed.
+    assert_eq!(with - without, 3 * babbled.read);
 }
