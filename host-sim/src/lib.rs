@@ -3,9 +3,12 @@
 pub mod bare_model;
 pub mod baseline;
 pub mod cli;
+pub mod counter_words;
 pub mod diagnose;
 pub mod error;
 pub mod kept_file;
+#[cfg(target_os = "linux")]
+pub mod live;
 pub mod map;
 pub mod oracle_file;
 pub mod output;

@@ -27,6 +27,58 @@ impl Staged {
     }
 }
 
+/// A file that is written bit by bit. Dropped, it leaves nothing.
+#[derive(Debug)]
+pub struct Writing {
+    path: PathBuf,
+    file: BufWriter<NamedTempFile>,
+}
+
+impl Writing {
+    /// Begins a file that is to appear as `path`, in a temporary one beside it.
+    ///
+    /// # Errors
+    /// What the file system says.
+    pub fn begin(path: &Path) -> Result<Self> {
+        let folder = match path.parent() {
+            Some(parent) if !parent.as_os_str().is_empty() => parent,
+            _ => Path::new("."),
+        };
+        fs::create_dir_all(folder).map_err(Error::io(folder))?;
+        // Readable as any other new file; a temporary file is its owner's alone.
+        let file = tempfile::Builder::new()
+            .permissions(Permissions::from_mode(0o666))
+            .tempfile_in(folder)
+            .map_err(Error::io(path))?;
+        Ok(Self {
+            path: path.to_owned(),
+            file: BufWriter::new(file),
+        })
+    }
+
+    /// Ends it.
+    ///
+    /// # Errors
+    /// What the file system says.
+    pub fn finish(self) -> Result<Staged> {
+        let Self { path, file } = self;
+        let file = file
+            .into_inner()
+            .map_err(|e| Error::io(&path)(e.into_error()))?;
+        Ok(Staged { path, file })
+    }
+}
+
+impl Write for Writing {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.file.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}
+
 /// Writes `path` through `content`: into a temporary file beside it, renamed when complete.
 ///
 /// # Errors
@@ -47,25 +99,9 @@ pub fn stage(
     path: &Path,
     content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<Staged> {
-    let folder = match path.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
-    fs::create_dir_all(folder).map_err(Error::io(folder))?;
-    // Readable as any other new file; a temporary file is its owner's alone.
-    let file = tempfile::Builder::new()
-        .permissions(Permissions::from_mode(0o666))
-        .tempfile_in(folder)
-        .map_err(Error::io(path))?;
-    let mut writer = BufWriter::new(file);
-    content(&mut writer).map_err(Error::io(path))?;
-    let file = writer
-        .into_inner()
-        .map_err(|e| Error::io(path)(e.into_error()))?;
-    Ok(Staged {
-        path: path.to_owned(),
-        file,
-    })
+    let mut writing = Writing::begin(path)?;
+    content(&mut writing).map_err(Error::io(path))?;
+    writing.finish()
 }
 
 /// As [`stage`], of a text.

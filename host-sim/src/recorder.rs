@@ -41,6 +41,12 @@ impl<S: Scalar> Recorder<S> {
         Estimator::new(vehicle, tuning).map(Self::from)
     }
 
+    /// Tells when the drive began, if before the first input that comes here: `time_s` counts from
+    /// the first frame on the bus, wanted or not.
+    pub fn begin(&mut self, start: Instant) {
+        self.start.get_or_insert(start);
+    }
+
     /// Takes one frame.
     pub fn on_frame(&mut self, timed: &TimedFrame) {
         self.start.get_or_insert(timed.time);
@@ -70,6 +76,11 @@ impl<S: Scalar> Recorder<S> {
                 self.cells.push(cell);
             }
         }
+    }
+
+    /// The cells finished so far.
+    pub fn cells(&self) -> &[Cell] {
+        &self.cells
     }
 
     /// The state of the estimator.

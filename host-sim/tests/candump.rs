@@ -300,13 +300,26 @@ fn gzip_data_that_are_cut_off_or_damaged_are_refused() {
 #[test]
 fn time_that_runs_backwards_is_refused_with_both_times() {
     let message =
-        error(b"(1.000000) can0 123#01\n(12.345678) can0 123#01\n(12.345677) can1 1AB#01\n");
+        error(b"(1.000000) can0 123#01\n(12.345678) can0 123#01\n(12.335677) can1 1AB#01\n");
     assert!(
         message.starts_with(
-            "drive.log:3: time runs backwards, from 12.345678 s to 12.345677 s; expected"
+            "drive.log:3: time runs backwards, from 12.345678 s to 12.335677 s; expected"
         ),
         "{message}"
     );
+}
+
+#[test]
+fn frames_that_two_processors_swapped_are_of_the_same_time() {
+    let swapped = b"(1.000000) can0 123#01\n(1.000050) can0 123#02\n(1.000049) can1 123#03\n\
+        (0.990050) can1 123#04\n(1.000051) can0 123#05\n";
+    let micros = [1_000_000, 1_000_050, 1_000_050, 1_000_050, 1_000_051];
+    let frames: Vec<_> = micros
+        .into_iter()
+        .zip(1..)
+        .map(|(micros, k)| standard(micros, 0x123, &[k]))
+        .collect();
+    assert_eq!(read(swapped), Ok(frames));
 }
 
 #[test]

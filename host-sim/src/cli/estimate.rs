@@ -1,17 +1,14 @@
 //! `roadgrade estimate`: one recorded drive becomes a run.
 
+use super::conclusion::{self, Summary};
 use crate::error::{Error, Result};
 use crate::kept_file;
 use crate::output::print;
 use crate::progress;
 use crate::recorder::{self, Run};
-use crate::run_file;
 use crate::smooth::bytes_per_km;
-use crate::text_table::text_table;
 use crate::vehicle_file::VehicleFile;
-use comfy_table::Table;
-use estimator_core::{Counters, Kept, Scalar, Traction};
-use serde::Serialize;
+use estimator_core::{Kept, Scalar};
 use std::path::{Path, PathBuf};
 use std::time::Instant as Clock;
 
@@ -64,15 +61,7 @@ pub fn run(args: &Args) -> Result<()> {
     };
     let seconds = started.elapsed().as_secs_f64();
     check(&args.log, &vehicle, &run)?;
-    let keeping = match file.zip(run.kept.as_ref()) {
-        Some((file, kept)) => Some(kept_file::stage(file, kept)?),
-        None => None,
-    };
-    run_file::write(&args.out, &run.rows)?;
-    let is_kept = keeping.is_some();
-    if let Some(keeping) = keeping {
-        keeping.commit()?;
-    }
+    conclusion::write(&run, Some(&args.out), file)?;
 
     let summary = Summary::new(&run);
     if args.json {
@@ -89,15 +78,6 @@ pub fn run(args: &Args) -> Result<()> {
         );
     }
     eprintln!("whole-run smoothing held {} kB a km", bytes_per_km() / 1000);
-    eprintln!("wrote {}", args.out.display());
-    if let Some(file) = file {
-        let file = file.display();
-        if is_kept {
-            eprintln!("kept for the next drive: {file}");
-        } else {
-            eprintln!("nothing to keep, 5 km with GNSS are needed: {file} is as it was");
-        }
-    }
     Ok(())
 }
 
@@ -116,136 +96,8 @@ pub(super) fn drive<S: Scalar>(
 
 /// Whether the log held what an estimate needs; if not, what is missing.
 pub(super) fn check(log: &Path, vehicle: &VehicleFile, run: &Run) -> Result<()> {
-    let counters = &run.counters;
-    let problem = if counters.speeds_used == 0 {
-        "no speed: expected wheel-based speed (CCVS1, PGN 65265, or EBC2, PGN 65215; column \
-         wheel_speed_mps)"
-    } else if run.rows.is_empty() {
-        "the vehicle never moved: no grade to estimate"
-    } else if counters.tractions_used == 0 {
-        match vehicle.parameters.traction {
-            Traction::Powertrain(_) => {
-                "no engine torque with a known gear: expected EEC1 (PGN 61444; column \
-                 engine_torque_percent) and ETC2 (PGN 61445; column gear or gear_ratio) or engine \
-                 speed"
-            }
-            Traction::Force => {
-                "no traction force: expected column traction_force_n, as [traction] source = \
-                 \"force\" in the vehicle file says"
-            }
-        }
-    } else if counters.altitudes_used == 0 {
-        "no GNSS altitude: expected NMEA 2000 129029 (or VDS, PGN 65256; column altitude_m)"
-    } else {
-        return Ok(());
-    };
-    Err(Error::content(log, problem))
-}
-
-#[derive(Debug, Serialize)]
-struct Summary {
-    distance_km: f64,
-    duration_s: f64,
-    cells: usize,
-    valid_percent: f64,
-    grade_sigma_percent: f64,
-    lagged_grade_sigma_percent: f64,
-    live_grade_sigma_percent: f64,
-    climb_m: f64,
-    bias_percent: f64,
-    scale: f64,
-    events: Vec<(&'static str, u64)>,
-}
-
-impl Summary {
-    fn new(run: &Run) -> Self {
-        let rows = &run.rows;
-        let mean = |f: &dyn Fn(&run_file::RunRow) -> f64| {
-            rows.iter().map(f).sum::<f64>() / rows.len().max(1) as f64
-        };
-        let altitudes = || rows.iter().filter_map(|row| row.altitude_m);
-        Self {
-            distance_km: rows.last().map_or(0.0, |row| row.distance_m * 1e-3),
-            duration_s: rows.last().map_or(0.0, |row| row.time_s),
-            cells: rows.len(),
-            valid_percent: 100.0 * mean(&|row| row.valid.into()),
-            grade_sigma_percent: mean(&|row| row.grade_sigma_percent),
-            lagged_grade_sigma_percent: mean(&|row| row.lagged_grade_sigma_percent),
-            live_grade_sigma_percent: mean(&|row| row.live_grade_sigma_percent),
-            climb_m: altitudes().next_back().unwrap_or(0.0) - altitudes().next().unwrap_or(0.0),
-            bias_percent: mean(&|row| row.bias_percent),
-            scale: rows.last().map_or(1.0, |row| row.scale),
-            events: events(&run.counters),
-        }
+    match conclusion::missing(vehicle, run) {
+        Some(problem) => Err(Error::content(log, problem)),
+        None => Ok(()),
     }
-
-    fn table(&self) -> Table {
-        let mut rows = Vec::new();
-        let mut line = |name: &str, value: String, unit: &str| {
-            rows.push(vec![name.to_owned(), unit.to_owned(), value]);
-        };
-        line("distance", format!("{:.3}", self.distance_km), "km");
-        line("duration", format!("{:.1}", self.duration_s), "s");
-        line("cells", self.cells.to_string(), "");
-        line("valid", format!("{:.1}", self.valid_percent), "%");
-        line("climb", format!("{:.1}", self.climb_m), "m");
-        let grade = "% grade";
-        line(
-            "sigma, smoothed",
-            format!("{:.3}", self.grade_sigma_percent),
-            grade,
-        );
-        line(
-            "sigma, lagged",
-            format!("{:.3}", self.lagged_grade_sigma_percent),
-            grade,
-        );
-        line(
-            "sigma, live",
-            format!("{:.3}", self.live_grade_sigma_percent),
-            grade,
-        );
-        line(
-            "model bias, mean",
-            format!("{:+.3}", self.bias_percent),
-            grade,
-        );
-        line("traction scale, end", format!("{:.3}", self.scale), "");
-        for (name, count) in &self.events {
-            line(name, count.to_string(), "");
-        }
-        text_table(&["", "unit", "value"], &rows, 2)
-    }
-}
-
-/// What happened, without what did not.
-fn events(c: &Counters) -> Vec<(&'static str, u64)> {
-    [
-        ("frames malformed", c.frames_malformed.into()),
-        ("fast packets broken", c.fast_packets_broken.into()),
-        ("values not available", c.not_available.into()),
-        ("values in error", c.errors.into()),
-        ("values of other senders", c.other_source.into()),
-        ("sender switches", c.source_switches.into()),
-        ("poor fixes", c.poor_fixes.into()),
-        ("gaps in speed", c.gaps.into()),
-        (
-            "cells lost",
-            c.samples_lost.saturating_add(c.cells_lost).into(),
-        ),
-        ("cells that are no numbers", c.cells_unsound.into()),
-        ("cells with brakes guessed", c.brakes_guessed),
-        ("stops that reopened the load", c.loads_reopened.into()),
-        ("fixes of a frozen receiver", c.frozen_fixes.into()),
-        ("altitudes left out", c.altitudes_rejected),
-        ("altitudes left out singly", c.altitude_outliers.into()),
-        ("drifts of GNSS altitude", c.altitude_drifts.into()),
-        ("of these taken for true", c.altitude_drifts_believed.into()),
-        ("steps of GNSS altitude", c.altitude_steps.into()),
-        ("altitude set anew", c.altitude_resets.into()),
-        ("filter restarts", c.restarts.into()),
-    ]
-    .into_iter()
-    .filter(|(_, count)| *count > 0)
-    .collect()
 }

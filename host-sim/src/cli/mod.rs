@@ -1,6 +1,7 @@
 //! The command line: one file a subcommand.
 
 mod companions;
+mod conclusion;
 mod demo;
 mod diagnose;
 mod estimate;
@@ -8,9 +9,21 @@ mod fuse;
 mod import;
 mod inspect;
 mod inspect_text;
+#[cfg(target_os = "linux")]
+mod listen;
+#[cfg(target_os = "linux")]
+mod replay;
 mod score;
+#[cfg(target_os = "linux")]
+mod signals;
 mod simulate;
 mod study;
+#[cfg(not(target_os = "linux"))]
+mod without_can;
+#[cfg(not(target_os = "linux"))]
+use without_can as listen;
+#[cfg(not(target_os = "linux"))]
+use without_can as replay;
 
 use crate::error::Result;
 use clap::{Parser, Subcommand};
@@ -35,6 +48,10 @@ enum Command {
     Import(import::Args),
     /// Show what is on a bus, and what an estimate would miss.
     Inspect(inspect::Args),
+    /// Put a recorded log on a CAN interface.
+    Replay(replay::Args),
+    /// Estimate the grade live, from CAN interfaces.
+    Listen(listen::Args),
     /// Fuse runs over the same road into one map.
     Fuse(fuse::Args),
     /// Compare runs with the truth.
@@ -57,6 +74,8 @@ impl Cli {
             Command::Estimate(args) => estimate::run(args),
             Command::Import(args) => import::run(args),
             Command::Inspect(args) => inspect::run(args),
+            Command::Replay(args) => replay::run(args),
+            Command::Listen(args) => listen::run(args),
             Command::Fuse(args) => fuse::run(args),
             Command::Score(args) => score::run(args),
             Command::Diagnose(args) => diagnose::run(args),

@@ -10,6 +10,7 @@
 //!
 //! * The interface's name is not looked at: frames of all interfaces of a log are one stream.
 //! * CAN FD frames and the kernel's bus error reports are left out and counted in [`Skipped`].
+//! * A frame up to 10 ms older than the one before it has that one's time.
 //! * A last line without a line end counts only if nothing can be missing from it.
 
 use super::can_frame::TimedFrame;
@@ -17,7 +18,7 @@ use super::candump_line::{Content, Problem, parse};
 use super::lines::Lines;
 use super::log_file::LogFile;
 use crate::error::{Error, Result};
-use estimator_core::Instant;
+use estimator_core::{Duration, Instant};
 
 use std::path::Path;
 
@@ -32,6 +33,10 @@ pub struct Skipped {
     /// Bus errors that the interface reported.
     pub bus_errors: u64,
 }
+
+/// Frames of two interfaces, or of two senders on a virtual one, reach candump through two
+/// processors, which may swap them. One that is no later than this has the time of the one before.
+const DISORDER: Duration = Duration::from_millis(10);
 
 /// Reads a log frame by frame.
 ///
@@ -62,8 +67,8 @@ impl CandumpReader {
     ///
     /// # Errors
     /// With file, line and what was expected: a line that is none of candump's, a last line or
-    /// gzip stream that is cut off, time that runs backwards, a file without any frame. What was
-    /// handed out before such an error is a part of a damaged log.
+    /// gzip stream that is cut off, time that runs backwards by more than 10 ms, a file without any
+    /// frame. What was handed out before such an error is a part of a damaged log.
     pub fn next_frame(&mut self) -> Result<Option<TimedFrame>> {
         loop {
             if !self.lines.advance()? {
@@ -76,10 +81,11 @@ impl CandumpReader {
                 Err(_) if !self.lines.has_end() && self.frames > 0 => return Err(self.cut_off()),
                 Err(problem) => return Err(self.wrong_line(&problem)),
             };
-            let time = Instant::from_micros(line.micros);
-            if time < self.newest {
-                return Err(self.time_backwards(time));
+            let told = Instant::from_micros(line.micros);
+            if self.newest.since(told) > DISORDER {
+                return Err(self.time_backwards(told));
             }
+            let time = self.newest.max(told);
             self.newest = time;
             match line.content {
                 Content::Frame(frame) => {
@@ -148,7 +154,7 @@ impl CandumpReader {
                 Seconds(self.newest),
                 Seconds(time)
             ),
-            "times that do not decrease",
+            "times that do not decrease by more than 10 ms",
         )
     }
 

@@ -8,9 +8,12 @@ pub mod census;
 pub mod input;
 mod lines;
 pub mod log_file;
+pub mod log_time;
 pub mod needs;
 pub mod pgn_names;
 pub mod signal_table;
+#[cfg(target_os = "linux")]
+pub mod socketcan;
 pub mod terrain;
 pub mod ztbus;
 

@@ -1,0 +1,274 @@
+//! `roadgrade listen`: a live bus becomes a run.
+
+use super::Cli;
+use super::conclusion::{self, Summary};
+use super::signals::stop_flag;
+use crate::error::{Error, Result};
+use crate::kept_file;
+use crate::live::{Publisher, Reaction, Session, Show};
+use crate::output::{Staged, print};
+use crate::recorder::{Recorder, Run};
+use crate::source::log_time;
+use crate::source::socketcan::{BusEvent, Received, Receiver, of_group, wanted};
+use crate::vehicle_file::VehicleFile;
+use clap::CommandFactory;
+use clap::error::ErrorKind;
+use estimator_core::{Estimator, KeptError, Tuning};
+use serde_json::json;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant as Monotonic};
+
+/// An event that repeats is told no more often.
+const TELL_AGAIN: Duration = Duration::from_secs(1);
+
+/// Arguments of `listen`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+On a terminal a panel shows the grade with its sigma, what the estimate is worth now (mode), speed, bias and scale of the vehicle model, frames a second and events. Where output goes elsewhere, one line a second goes to stdout, and the summary of the end to stderr; with --json both are JSON, one object a line.
+
+mode: valid, or what the vehicle model suffers from: shifting, braking, no-traction, crawling, joined by +; waiting before the first speed; silent when no frame has come for two seconds.
+
+Ctrl-C (or SIGTERM) ends the drive: the run is smoothed as a whole and RUN.csv written, as `roadgrade estimate` does. A second Ctrl-C ends at once and writes nothing.
+
+The kernel is asked only for the messages that an estimate needs, whoever sends them, and stamps them. Frames that it had to drop because they were not read fast enough are counted as lost. An interface that goes down or vanishes is waited for. Setting the computer's clock does no harm.
+
+--log FILE writes what was received, in candump's layout and with the times that the estimate used: `roadgrade estimate` of FILE gives the very same cells.
+
+--log-time goes with `roadgrade replay --log-time`: frames have the time of the log that is replayed, so that the cells are those of the file, to the last digit and at any speed; the drive ends with the log.
+
+--publish sends the estimate ten times a second, and each finished cell, on the first interface; the layout is estimator-core/dbc/grade.dbc. No address is claimed (J1939-81): give one that is free. With --address 254 the identifiers are those of the file, for tools that know nothing of J1939 addresses.
+
+Try it without a truck:
+  ip link add dev vcan0 type vcan && ip link set vcan0 up
+  roadgrade simulate --scenario host-sim/scenarios/demo.toml --out sim
+  roadgrade replay --can vcan0 sim/a1.log &
+  roadgrade listen --can vcan0 --vehicle sim/a1.vehicle.toml --out run.csv
+All of it in a few seconds:
+  roadgrade replay --can vcan0 --log-time --speed max sim/a1.log &
+  roadgrade listen --can vcan0 --log-time --vehicle sim/a1.vehicle.toml --out run.csv")]
+pub struct Args {
+    /// CAN interface; more than once for several buses of one vehicle.
+    #[arg(long = "can", value_name = "INTERFACE", required = true)]
+    interfaces: Vec<String>,
+    /// Vehicle parameters.
+    #[arg(long, value_name = "V.toml")]
+    vehicle: PathBuf,
+    /// Where the run goes when the drive ends.
+    #[arg(long, value_name = "RUN.csv")]
+    out: Option<PathBuf>,
+    /// What the vehicle's last drive left, and what this one leaves for the next.
+    #[arg(long, value_name = "FILE")]
+    kept: Option<PathBuf>,
+    /// Where the frames received go, as a candump log.
+    #[arg(long, value_name = "FILE.log")]
+    log: Option<PathBuf>,
+    /// Send the estimate on the first interface.
+    #[arg(long)]
+    publish: bool,
+    /// J1939 address to send from.
+    #[arg(long, value_name = "N", default_value_t = 128, requires = "publish",
+          value_parser = clap::value_parser!(u8).range(0..=254))]
+    address: u8,
+    /// Frames have the time of the log that `replay --log-time` sends.
+    #[arg(long)]
+    log_time: bool,
+    /// End the drive when no frame has come for so long.
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    end_after_silence: Option<Duration>,
+    /// JSON instead of lines, panel and table.
+    #[arg(long)]
+    json: bool,
+}
+
+fn seconds(text: &str) -> std::result::Result<Duration, String> {
+    let positive = |seconds: &f64| *seconds > 0.0;
+    let seconds = text.parse().ok().filter(positive);
+    seconds
+        .and_then(|seconds| Duration::try_from_secs_f64(seconds).ok())
+        .ok_or_else(|| "expected a number of seconds above 0".to_owned())
+}
+
+/// Runs it.
+pub fn run(args: &Args) -> Result<()> {
+    check(args);
+    let vehicle = VehicleFile::read(&args.vehicle)?;
+    let mut listening = Listening::begin(args, &vehicle)?;
+    // What fails on the way ends the drive, and is told when the drive is written.
+    let ended = listening.run();
+    let Listening {
+        mut session,
+        publisher,
+        mut show,
+        ..
+    } = listening;
+    let view = session.view(publisher.and_then(|publisher| publisher.unsent()));
+    let shown = show.show_last(&view);
+    let (run, log) = session.finish();
+    let logged = log.and_then(|log| log.map_or(Ok(()), Staged::commit));
+    if let (Ok(()), Some(log)) = (&logged, &args.log) {
+        eprintln!("wrote {}", log.display());
+    }
+    conclude(args, &vehicle, &run)?;
+    let summary = Summary::new(&run);
+    let told = if args.json {
+        let last = json!({ "summary": summary, "interfaces": view.interfaces });
+        print(&format!("{last}\n"))
+    } else if show.takes_stdout() {
+        eprintln!("{}", summary.table());
+        Ok(())
+    } else {
+        print(&format!("{}\n", summary.table()))
+    };
+    ended.and(shown).and(logged).and(told)
+}
+
+/// Ends the program if the interfaces make no sense together.
+fn check(args: &Args) {
+    let names = &args.interfaces;
+    let is_repeated = |(index, name): (usize, &String)| names[..index].contains(name);
+    let problem = if names.iter().enumerate().any(is_repeated) {
+        "an interface is named twice; expected each once"
+    } else if args.log_time && names.len() > 1 {
+        "--log-time with several interfaces; expected one, which all of the log is replayed to"
+    } else {
+        return;
+    };
+    let kind = ErrorKind::ArgumentConflict;
+    Cli::command().error(kind, problem).exit();
+}
+
+/// Writes what the drive left. What was driven for hours is not thrown away because something was
+/// missing: that is said.
+fn conclude(args: &Args, vehicle: &VehicleFile, run: &Run) -> Result<()> {
+    if let Some(problem) = conclusion::missing(vehicle, run) {
+        let bus = args.interfaces.join(", ");
+        if run.rows.is_empty() && args.out.is_some() {
+            return Err(Error::content(Path::new(&bus), problem));
+        }
+        eprintln!("roadgrade: {bus}: {problem}");
+    }
+    conclusion::write(run, args.out.as_deref(), args.kept.as_deref())
+}
+
+struct Listening<'a> {
+    args: &'a Args,
+    receiver: Receiver,
+    session: Session,
+    publisher: Option<Publisher>,
+    show: Show,
+    stop: Arc<AtomicBool>,
+    told: BTreeMap<(usize, BusEvent), Monotonic>,
+}
+
+impl<'a> Listening<'a> {
+    fn begin(args: &'a Args, vehicle: &VehicleFile) -> Result<Self> {
+        let (parameters, tuning) = (vehicle.parameters.clone(), Tuning::default());
+        let kept = match &args.kept {
+            Some(file) => kept_file::read(file, &parameters)?,
+            None => None,
+        };
+        let estimator = match &kept {
+            Some(kept) => Estimator::<f32>::with_kept(parameters, tuning, kept),
+            None => Estimator::new(parameters, tuning).map_err(KeptError::from),
+        };
+        let estimator = estimator.map_err(|e| Error::content(&args.vehicle, e.to_string()))?;
+        let session = Session::begin(
+            Recorder::from(estimator),
+            &args.interfaces,
+            args.log_time,
+            args.log.as_deref(),
+        )?;
+        let mut filters = wanted();
+        if args.log_time {
+            filters.push(of_group(log_time::PGN));
+        }
+        let stop = stop_flag()?;
+        let receiver = Receiver::start(&args.interfaces, &filters, Arc::clone(&stop))?;
+        let address = args.publish.then_some(args.address);
+        let publisher = if args.publish || args.log_time {
+            Some(Publisher::open(&args.interfaces[0], address)?)
+        } else {
+            None
+        };
+        let show = Show::new(args.json);
+        show.say(&format!(
+            "listening on {}; Ctrl-C ends the drive",
+            args.interfaces.join(", ")
+        ));
+        show.begin()?;
+        Ok(Self {
+            args,
+            receiver,
+            session,
+            publisher,
+            show,
+            stop,
+            told: BTreeMap::new(),
+        })
+    }
+
+    /// Until it is told to end, or the log or its traffic is over.
+    fn run(&mut self) -> Result<()> {
+        loop {
+            let mut patience = self.show.due_in();
+            if let Some(due) = self.publisher.as_ref().and_then(Publisher::due_in) {
+                patience = patience.min(due);
+            }
+            let Some(stretch) = self.receiver.next(patience) else {
+                return Ok(());
+            };
+            let mut is_over = false;
+            for received in &stretch {
+                is_over |= self.take(received)?;
+            }
+            if let Some(publisher) = &mut self.publisher {
+                publisher.publish(self.session.live().as_ref(), self.session.cells());
+            }
+            if is_over {
+                return Ok(());
+            }
+            if self.show.due_in().is_zero() {
+                let unsent = self.publisher.as_ref().and_then(Publisher::unsent);
+                let view = self.session.view(unsent);
+                self.show.show(&view)?;
+            }
+            let silence = self.session.silence();
+            if self
+                .args
+                .end_after_silence
+                .is_some_and(|longest| silence >= longest)
+            {
+                // The receiver hands out what it still has, and ends.
+                self.stop.store(true, Ordering::Relaxed);
+            }
+        }
+    }
+
+    /// Takes what was received; true if the log is over.
+    fn take(&mut self, received: &Received) -> Result<bool> {
+        let reaction = self.session.take(received)?;
+        match reaction {
+            Reaction::None => {}
+            Reaction::Tell(event) => self.tell(received.interface, event),
+            Reaction::Answer(answer) | Reaction::End(answer) => {
+                if let Some(publisher) = &mut self.publisher {
+                    publisher.answer(answer);
+                }
+            }
+        }
+        Ok(matches!(reaction, Reaction::End(_)))
+    }
+
+    fn tell(&mut self, interface: usize, event: BusEvent) {
+        let now = Monotonic::now();
+        let is_new = |told: &Monotonic| now.duration_since(*told) >= TELL_AGAIN;
+        if event.is_change() && self.told.get(&(interface, event)).is_none_or(is_new) {
+            self.told.insert((interface, event), now);
+            let name = &self.args.interfaces[interface];
+            self.show.say(&format!("{name}: {}", event.words()));
+        }
+    }
+}

@@ -1,0 +1,13 @@
+//! The estimator on a live bus, and a recorded bus put on an interface.
+
+pub mod panel;
+mod publisher;
+mod rate;
+pub mod replay;
+mod session;
+mod show;
+pub mod view;
+
+pub use publisher::Publisher;
+pub use session::{Reaction, Session};
+pub use show::Show;

@@ -1,0 +1,200 @@
+//! A view as text: a panel to watch, lines to keep, JSON to process.
+
+use super::view::{InterfaceView, View};
+use crate::counter_words::events;
+use serde_json::{Value, json};
+use std::fmt::Write as _;
+
+/// Columns of [`line`]: name, width, and decimals of its number.
+const COLUMNS: [(&str, usize); 12] = [
+    ("time_s", 9),
+    ("distance_m", 11),
+    ("speed_mps", 9),
+    ("grade_percent", 13),
+    ("sigma_percent", 13),
+    ("mode", 16),
+    ("bias_percent", 12),
+    ("scale", 6),
+    ("cells", 7),
+    ("frames_per_s", 12),
+    ("lost", 6),
+    ("events", 6),
+];
+/// What stands where nothing is known.
+const UNKNOWN: &str = "-";
+
+/// The head of the lines.
+#[must_use]
+pub fn header() -> String {
+    joined(&COLUMNS.map(|(name, _)| name.to_owned()))
+}
+
+/// One line, under [`header`]; words and numbers apart by blanks, `-` for what is not known.
+#[must_use]
+pub fn line(view: &View) -> String {
+    let live = view.live.as_ref();
+    let number = |value: Option<f32>, decimals: usize, signed: bool| match value {
+        Some(value) if signed => format!("{value:+.decimals$}"),
+        Some(value) => format!("{value:.decimals$}"),
+        None => UNKNOWN.to_owned(),
+    };
+    let estimate = live.map(|live| &live.estimate);
+    let distance_m = live.map_or(UNKNOWN.to_owned(), |live| {
+        format!("{:.1}", live.place.distance_m())
+    });
+    joined(&[
+        format!("{:.1}", view.time_s),
+        distance_m,
+        number(estimate.map(|e| e.speed_mps), 2, false),
+        number(estimate.map(|e| e.grade_percent.value), 3, true),
+        number(estimate.map(|e| e.grade_percent.sigma), 3, false),
+        view.mode(),
+        number(estimate.map(|e| e.bias_percent.value), 3, true),
+        number(estimate.map(|e| e.scale.value), 3, false),
+        view.cells_finished.to_string(),
+        format!("{:.0}", view.frames_per_s()),
+        view.lost().to_string(),
+        view.events().to_string(),
+    ])
+}
+
+fn joined(cells: &[String; COLUMNS.len()]) -> String {
+    let mut line = String::new();
+    for (cell, (_, width)) in cells.iter().zip(COLUMNS) {
+        let gap = if line.is_empty() { "" } else { " " };
+        let _ = write!(line, "{gap}{cell:>width$}");
+    }
+    line
+}
+
+/// The same and more as JSON.
+#[must_use]
+pub fn json(view: &View) -> Value {
+    let live = view.live.as_ref();
+    let uncertain =
+        |value: estimator_core::Uncertain| json!({ "value": value.value, "sigma": value.sigma });
+    json!({
+        "time_s": view.time_s,
+        "mode": view.mode(),
+        "distance_m": live.map(|live| live.place.distance_m()),
+        "speed_mps": live.map(|live| live.estimate.speed_mps),
+        "grade_percent": live.map(|live| uncertain(live.estimate.grade_percent)),
+        "altitude_m": live.and_then(|live| live.estimate.altitude_m).map(uncertain),
+        "bias_percent": live.map(|live| uncertain(live.estimate.bias_percent)),
+        "scale": live.map(|live| uncertain(live.estimate.scale)),
+        "cells": view.cells_finished,
+        "interfaces": view.interfaces,
+        "events": counts(view),
+    })
+}
+
+/// The core's counts, and those of this program, by name.
+fn counts(view: &View) -> Value {
+    let mut counts: serde_json::Map<String, Value> = events(&view.counters)
+        .into_iter()
+        .map(|(name, count)| (name.to_owned(), count.into()))
+        .collect();
+    for (name, count) in own_counts(view) {
+        counts.insert(name.to_owned(), count.into());
+    }
+    counts.into()
+}
+
+fn own_counts(view: &View) -> Vec<(&'static str, u64)> {
+    let mut counts = Vec::new();
+    if view.untimed > 0 {
+        counts.push(("frames without a log time", view.untimed));
+    }
+    if let Some(unpublished) = view.unpublished.filter(|count| *count > 0) {
+        counts.push(("frames not published", unpublished));
+    }
+    counts
+}
+
+/// The panel, several lines of it.
+#[must_use]
+pub fn panel(view: &View) -> String {
+    let mut out = String::new();
+    let _ = writeln!(out, "time      {}   {}", clock(view.time_s), view.mode());
+    match &view.live {
+        None => {
+            let _ = writeln!(out, "grade     not yet: no speed was read");
+        }
+        Some(live) => {
+            let e = &live.estimate;
+            let (grade, sigma) = (e.grade_percent.value, e.grade_percent.sigma);
+            let (way, speed) = (live.place.distance_m() * 1e-3, e.speed_mps * 3.6);
+            let bar = gauge(grade);
+            let _ = writeln!(out, "grade     {grade:+7.2} % ± {sigma:.2}   {bar}");
+            let altitude = e.altitude_m.map_or("not known".to_owned(), |z| {
+                format!("{:.1} m ± {:.1}", z.value, z.sigma)
+            });
+            let _ = writeln!(out, "place     {way:.3} km   altitude {altitude}");
+            let _ = writeln!(out, "speed     {speed:.1} km/h");
+            let (bias, scale) = (e.bias_percent, e.scale);
+            let _ = writeln!(
+                out,
+                "model     bias {:+.2} % ± {:.2}   scale {:.3} ± {:.3}",
+                bias.value, bias.sigma, scale.value, scale.sigma
+            );
+        }
+    }
+    let newest = view
+        .newest_cell_percent
+        .map_or(String::new(), |(grade, sigma)| {
+            format!("   newest {grade:+.2} % ± {sigma:.2}")
+        });
+    let _ = writeln!(out, "cells     {} finished{newest}", view.cells_finished);
+    for interface in &view.interfaces {
+        let _ = writeln!(out, "{}", of_interface(interface));
+    }
+    let words: Vec<String> = events(&view.counters)
+        .into_iter()
+        .chain(own_counts(view))
+        .map(|(name, count)| format!("{count} {name}"))
+        .collect();
+    let words = if words.is_empty() {
+        "none".to_owned()
+    } else {
+        words.join(", ")
+    };
+    let _ = write!(out, "events    {words}");
+    out
+}
+
+fn of_interface(interface: &InterfaceView) -> String {
+    let InterfaceView {
+        name,
+        frames,
+        frames_per_s,
+        lost,
+        events,
+    } = interface;
+    let mut line = format!("{name:<9} {frames_per_s:.0} frames/s   {frames} in all, {lost} lost");
+    for (event, count) in events {
+        let _ = write!(line, ", {count} × {}", event.words());
+    }
+    line
+}
+
+/// Half the width of the gauge, in signs of half a percent.
+const HALF_GAUGE: usize = 16;
+
+/// The grade from -8 to 8 % as a bar from its middle.
+fn gauge(grade_percent: f32) -> String {
+    let signs = (grade_percent.abs() * 2.0).round() as usize;
+    let filled = signs.min(HALF_GAUGE);
+    let (bar, space) = ("=".repeat(filled), " ".repeat(HALF_GAUGE - filled));
+    let empty = " ".repeat(HALF_GAUGE);
+    if grade_percent < 0.0 {
+        format!("[{space}{bar}|{empty}]")
+    } else {
+        format!("[{empty}|{bar}{space}]")
+    }
+}
+
+fn clock(seconds: f64) -> String {
+    let seconds = seconds as u64;
+    let (hours, minutes) = (seconds / 3600, seconds / 60 % 60);
+    format!("{hours:02}:{minutes:02}:{:02}", seconds % 60)
+}

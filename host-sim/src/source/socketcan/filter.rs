@@ -1,0 +1,40 @@
+//! Which frames the kernel is asked for: those that the decoder reads, whoever sends them.
+
+use estimator_core::signal;
+
+/// Bit of a 29-bit identifier in SocketCAN's identifier word (`CAN_EFF_FLAG`).
+const EXTENDED: u32 = 0x8000_0000;
+/// The bits of a parameter group in an identifier: extended data page, data page, PDU format,
+/// PDU specific; without priority and source address (J1939-21).
+const GROUP: u32 = 0x03ff_ff00;
+/// The same where PDU specific is a destination.
+const GROUP_TO_DESTINATION: u32 = 0x03ff_0000;
+/// PDU formats below have a destination (PDU1).
+const FIRST_BROADCAST_FORMAT: u32 = 0xf0;
+
+/// The filter for a parameter group: identifier and mask, in words of SocketCAN. It passes every
+/// priority, source address and destination.
+#[must_use]
+pub const fn of_group(pgn: u32) -> (u32, u32) {
+    let mask = if (pgn >> 8) & 0xff < FIRST_BROADCAST_FORMAT {
+        GROUP_TO_DESTINATION
+    } else {
+        GROUP
+    };
+    (EXTENDED | (pgn << 8 & mask), EXTENDED | mask)
+}
+
+/// The filters for every message that the decoder knows, from the layouts in
+/// `estimator-core/dbc`.
+#[must_use]
+pub fn wanted() -> Vec<(u32, u32)> {
+    signal::messages()
+        .map(|message| of_group(message.pgn()))
+        .collect()
+}
+
+/// Whether any of `filters` lets an identifier word pass, as the kernel decides it.
+#[must_use]
+pub fn accepts(filters: &[(u32, u32)], word: u32) -> bool {
+    filters.iter().any(|(id, mask)| word & mask == id & mask)
+}

@@ -1,0 +1,215 @@
+//! Interfaces read in a thread of their own, and merged by time.
+
+use super::bus_event::BusEvent;
+use super::interface::{Interface, Read};
+use super::steady_clock::SteadyClock;
+use crate::error::{Error, Result};
+use crate::source::can_frame::{CanFrame, TimedFrame};
+use estimator_core::{Duration as Span, Instant};
+use nix::poll::{PollFd, PollFlags, poll};
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver as Channel, RecvTimeoutError, SyncSender, sync_channel};
+use std::thread;
+use std::time::{Duration, Instant as Monotonic, SystemTime};
+
+/// What came from an interface.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Received {
+    /// Number of the interface, in the order in which they were named.
+    pub interface: usize,
+    /// When, by the kernel's stamp for frames.
+    pub time: Instant,
+    /// What.
+    pub what: What,
+}
+
+/// One thing that an interface gave.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum What {
+    /// A frame.
+    Frame(CanFrame),
+    /// Something happened to the bus.
+    Event(BusEvent),
+    /// So many frames came faster than they were read and are lost.
+    Dropped(u32),
+}
+
+impl Received {
+    /// The frame, if it is one.
+    #[must_use]
+    pub fn frame(&self) -> Option<TimedFrame> {
+        match self.what {
+            What::Frame(frame) => Some(TimedFrame {
+                time: self.time,
+                frame,
+            }),
+            _ => None,
+        }
+    }
+}
+
+/// Frames of an interface read at a stretch, before the next one has its turn.
+const STRETCH: usize = 4096;
+/// Stretches that may wait for their reader: millions of frames, minutes of a full bus.
+const WAITING: usize = 4096;
+/// Longest wait for a frame, before lost interfaces and the end are thought of.
+const WAIT_MILLIS: u16 = 50;
+/// How long a frame is kept back for an older one of another interface.
+const MERGE: Span = Span::from_millis(2);
+
+/// The reading end of the thread.
+#[derive(Debug)]
+pub struct Receiver {
+    stretches: Channel<Vec<Received>>,
+}
+
+impl Receiver {
+    /// Opens the interfaces and reads what passes `filters` until `stop` is set.
+    ///
+    /// # Errors
+    /// An interface that is not there or not up, with what to do about it.
+    pub fn start(names: &[String], filters: &[(u32, u32)], stop: Arc<AtomicBool>) -> Result<Self> {
+        let interfaces = names
+            .iter()
+            .map(|name| Interface::open(name, filters))
+            .collect::<Result<_>>()?;
+        let (sink, stretches) = sync_channel(WAITING);
+        let reading = Reading {
+            interfaces,
+            clock: SteadyClock::new(Monotonic::now(), SystemTime::now()),
+            held: Vec::new(),
+            newest: Instant::ZERO,
+        };
+        thread::Builder::new()
+            .name("can".to_owned())
+            .spawn(move || reading.run(&sink, &stop))
+            .map_err(Error::io(Path::new("reading thread")))?;
+        Ok(Self { stretches })
+    }
+
+    /// What came next, in order of time; empty if nothing came for `patience`, `None` when it was
+    /// told to stop and everything that had come is handed out.
+    #[must_use]
+    pub fn next(&self, patience: Duration) -> Option<Vec<Received>> {
+        match self.stretches.recv_timeout(patience) {
+            Ok(stretch) => Some(stretch),
+            Err(RecvTimeoutError::Timeout) => Some(Vec::new()),
+            Err(RecvTimeoutError::Disconnected) => None,
+        }
+    }
+}
+
+struct Reading {
+    interfaces: Vec<Interface>,
+    clock: SteadyClock,
+    /// Read, but perhaps not yet in their order.
+    held: Vec<Received>,
+    newest: Instant,
+}
+
+impl Reading {
+    fn run(mut self, sink: &SyncSender<Vec<Received>>, stop: &AtomicBool) {
+        while !stop.load(Ordering::Relaxed) {
+            self.wait();
+            let complete_to = self.read();
+            let stretch = self.in_order(complete_to);
+            if !stretch.is_empty() && sink.send(stretch).is_err() {
+                return;
+            }
+        }
+        let rest = self.in_order(Instant::from_micros(u64::MAX));
+        // Nobody may be left to read it.
+        let _ = sink.send(rest);
+    }
+
+    /// Until a frame comes.
+    fn wait(&self) {
+        let wait = if self.held.is_empty() {
+            WAIT_MILLIS
+        } else {
+            MERGE.micros().div_ceil(1000) as u16
+        };
+        let mut descriptors: Vec<PollFd> = self
+            .interfaces
+            .iter()
+            .filter_map(Interface::descriptor)
+            .map(|descriptor| PollFd::new(descriptor, PollFlags::POLLIN))
+            .collect();
+        // A signal ends the wait early, and nothing else can go wrong with it.
+        let _ = poll(&mut descriptors, wait);
+    }
+
+    /// Reads what is there; returns the time up to which nothing is missing.
+    fn read(&mut self) -> Instant {
+        let begun = Monotonic::now();
+        let time_of_day = SystemTime::now();
+        let now = self.clock.time(time_of_day, begun);
+        let mut complete_to = now;
+        if self.clock.check(begun, time_of_day) {
+            let event = What::Event(BusEvent::ClockSet);
+            self.held
+                .extend((0..self.interfaces.len()).map(|interface| Received {
+                    interface,
+                    time: now,
+                    what: event,
+                }));
+        }
+        for (number, interface) in self.interfaces.iter_mut().enumerate() {
+            let mut newest = now;
+            let mut push = |time, what| {
+                self.held.push(Received {
+                    interface: number,
+                    time,
+                    what,
+                });
+            };
+            if let Some(event) = interface.look_for(begun) {
+                push(now, What::Event(event));
+            }
+            let mut left = STRETCH;
+            while left > 0 {
+                left -= 1;
+                match interface.read() {
+                    Read::Frame(frame, stamp) => {
+                        newest = self.clock.time(stamp, Monotonic::now());
+                        push(newest, What::Frame(frame));
+                    }
+                    Read::Events(events) => {
+                        for event in events {
+                            push(newest, What::Event(event));
+                        }
+                    }
+                    Read::Nothing => break,
+                }
+            }
+            if left == 0 {
+                complete_to = complete_to.min(newest);
+            }
+            match interface.dropped() {
+                0 => {}
+                dropped => push(newest, What::Dropped(dropped)),
+            }
+        }
+        complete_to
+    }
+
+    /// What was read, as far as nothing older can come any more; of a single interface all of it.
+    fn in_order(&mut self, complete_to: Instant) -> Vec<Received> {
+        let mut ready = if self.interfaces.len() == 1 {
+            std::mem::take(&mut self.held)
+        } else {
+            self.held.sort_by_key(|received| received.time);
+            let is_ready = |received: &Received| received.time <= complete_to - MERGE;
+            let count = self.held.partition_point(is_ready);
+            self.held.drain(..count).collect()
+        };
+        // Where the clock was set, a stamp or two may be off.
+        for received in &mut ready {
+            self.newest = self.newest.max(received.time);
+            received.time = self.newest;
+        }
+        ready
+    }
+}

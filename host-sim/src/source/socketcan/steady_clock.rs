@@ -1,0 +1,62 @@
+//! Time stamps that go on when the computer's clock is set.
+//!
+//! The kernel stamps frames with the time of day. A truck's computer often starts in 1970 and
+//! learns the time from its GNSS receiver minutes later; and a clock that is set back would make
+//! every frame older than the one before it, until the old time is reached again.
+
+use estimator_core::Instant;
+use std::time::{Duration, Instant as Monotonic, SystemTime, UNIX_EPOCH};
+
+/// A change of the clock that counts. Reading both clocks takes microseconds; what delays it by
+/// more than this between the two is waited out by reading again.
+const LEAST_CHANGE: Duration = Duration::from_millis(20);
+
+/// Turns time stamps of the day into times that do not leap.
+#[derive(Clone, Debug)]
+pub struct SteadyClock {
+    start: Monotonic,
+    start_of_day: SystemTime,
+    /// What the clock was set forward by since, in µs.
+    set_by_micros: i64,
+}
+
+impl SteadyClock {
+    /// Begins with the clock as it is.
+    #[must_use]
+    pub fn new(now: Monotonic, time_of_day: SystemTime) -> Self {
+        Self {
+            start: now,
+            start_of_day: time_of_day,
+            set_by_micros: 0,
+        }
+    }
+
+    /// Compares both clocks; true if that of the day was set since the last time.
+    pub fn check(&mut self, now: Monotonic, time_of_day: SystemTime) -> bool {
+        let expected = self.start_of_day + now.duration_since(self.start);
+        let set_by = micros_between(expected, time_of_day);
+        let is_set = set_by.abs_diff(self.set_by_micros) > LEAST_CHANGE.as_micros() as u64;
+        if is_set {
+            self.set_by_micros = set_by;
+        }
+        is_set
+    }
+
+    /// The steady time of a stamp that was read at `now`: the time of day if the clock had never been
+    /// set.
+    #[must_use]
+    pub fn time(&self, stamp: SystemTime, now: Monotonic) -> Instant {
+        let since_epoch = micros_between(UNIX_EPOCH, stamp).saturating_sub(self.set_by_micros);
+        let latest = self.start_of_day + now.duration_since(self.start);
+        let latest = micros_between(UNIX_EPOCH, latest).max(0) as u64;
+        // A stamp from the moment at which the clock was set is of either time.
+        Instant::from_micros((since_epoch.max(0) as u64).min(latest))
+    }
+}
+
+fn micros_between(from: SystemTime, to: SystemTime) -> i64 {
+    match to.duration_since(from) {
+        Ok(forward) => forward.as_micros() as i64,
+        Err(backward) => -(backward.duration().as_micros() as i64),
+    }
+}

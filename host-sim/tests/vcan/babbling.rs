@@ -1,0 +1,92 @@
+//! A node that floods the bus.
+
+use crate::bus::Vcan;
+use crate::drive::{Drive, replay};
+use crate::listener::Listener;
+use host_sim::source::can_frame::CanFrame;
+use host_sim::source::socketcan::Sender;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::thread;
+use std::time::Duration;
+
+/// What came of a drive beside a babbling node.
+struct Babbled {
+    /// Frames that the node sent.
+    sent: u64,
+    /// Of these, read by the listener.
+    read: u64,
+    /// Values that the estimator refused because another address sends them, and those that it
+    /// refuses without the node.
+    refused: [u64; 2],
+}
+
+const REFUSED: &str = "values of other senders";
+
+/// A drive beside a node that sends `frame` over and over, `burst` times a millisecond. The cells
+/// must be those from the file.
+fn beside(name: &'static str, frame: CanFrame, burst: usize) -> Babbled {
+    let vcan = Vcan::new(name);
+    let drive = Drive::new("A", 1_000.0);
+    let options = ["--log-time", "--out", "live.csv"];
+    let undisturbed = Listener::start(&drive, &[vcan.0], &options);
+    replay(vcan.0, &drive.log(), &["--log-time", "--speed", "max"]);
+    let undisturbed = undisturbed.finish();
+    let from_file = drive.estimate(&drive.log());
+    let is_over = AtomicBool::new(false);
+    let sent = AtomicU64::new(0);
+    let heard = thread::scope(|scope| {
+        let listener = Listener::start(&drive, &[vcan.0], &options);
+        scope.spawn(|| {
+            let sender = Sender::open(name, &[]).unwrap();
+            // The drive's own senders are heard first, as on a truck on which a node goes wrong.
+            thread::sleep(Duration::from_millis(500));
+            while !is_over.load(Ordering::Relaxed) {
+                for _ in 0..burst {
+                    sender.send(&frame).unwrap();
+                    sent.fetch_add(1, Ordering::Relaxed);
+                }
+                thread::sleep(Duration::from_millis(1));
+            }
+        });
+        // A third of a minute of the drive passes in each second.
+        replay(vcan.0, &drive.log(), &["--log-time", "--speed", "20"]);
+        is_over.store(true, Ordering::Relaxed);
+        listener.finish()
+    });
+    assert_eq!(heard.lost(0), 0);
+    assert_eq!(drive.read("live.csv"), from_file);
+    let babbled = Babbled {
+        sent: sent.into_inner(),
+        read: heard.frames(0) - drive.frames.len() as u64,
+        refused: [heard.counted(REFUSED), undisturbed.counted(REFUSED)],
+    };
+    let Babbled {
+        sent,
+        read,
+        refused,
+    } = &babbled;
+    println!("{sent} frames of the babbling node, {read} read, {refused:?} values refused");
+    babbled
+}
+
+#[test]
+#[ignore = "needs a CAN interface: tests/run vcan"]
+fn the_kernel_keeps_away_what_nobody_wants() {
+    // The highest priority there is, as fast as the interface takes it.
+    let frame = CanFrame::extended(0, &[0; 8]).unwrap();
+    let babbled = beside("rgbabble", frame, 200);
+    assert!(babbled.sent > 1_000);
+    assert_eq!(babbled.read, 0);
+}
+
+#[test]
+#[ignore = "needs a CAN interface: tests/run vcan"]
+fn a_wanted_message_from_a_wrong_address_is_refused() {
+    // EEC1 with full torque at 2,000 rpm, from the address of a trailer.
+    let frame = CanFrame::extended(0x0CF0_04C8, &[0, 225, 225, 0x80, 0x3e, 0, 0, 225]).unwrap();
+    let babbled = beside("rgliar", frame, 3);
+    assert!(babbled.read > 100);
+    let [with, without] = babbled.refused;
+    // Torque, its fraction and engine speed.
+    assert_eq!(with - without, 3 * babbled.read);
+}

@@ -1,0 +1,72 @@
+//! Virtual interfaces.
+
+use std::fs;
+use std::process::Command;
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// Longest wait for something that another process does; no more than a bound on a hanging test.
+pub const PATIENCE: Duration = Duration::from_secs(60);
+
+/// A virtual interface that is up, and removed with its value.
+pub struct Vcan(pub &'static str);
+
+impl Vcan {
+    pub fn new(name: &'static str) -> Self {
+        let vcan = Self(name);
+        vcan.add();
+        vcan
+    }
+
+    pub fn add(&self) {
+        ip(&["link", "add", "dev", self.0, "type", "vcan"]);
+        self.up();
+    }
+
+    pub fn up(&self) {
+        ip(&["link", "set", self.0, "up"]);
+    }
+
+    pub fn down(&self) {
+        ip(&["link", "set", self.0, "down"]);
+    }
+
+    pub fn remove(&self) {
+        ip(&["link", "del", "dev", self.0]);
+    }
+
+    /// Until candump listens, to all frames or to some.
+    pub fn wait_for_candump(&self) {
+        wait_until("candump listens", || {
+            ["all", "fil"].iter().any(|list| {
+                let list = format!("/proc/net/can/rcvlist_{list}");
+                let listeners = fs::read_to_string(list).unwrap();
+                listeners
+                    .lines()
+                    .any(|line| line.trim_start().starts_with(self.0))
+            })
+        });
+    }
+}
+
+impl Drop for Vcan {
+    fn drop(&mut self) {
+        // A test may have removed it.
+        let _ = Command::new("ip")
+            .args(["link", "del", "dev", self.0])
+            .output();
+    }
+}
+
+pub fn ip(args: &[&str]) {
+    let output = Command::new("ip").args(args).output().unwrap();
+    assert!(output.status.success(), "ip {args:?}: {output:?}");
+}
+
+pub fn wait_until(what: &str, mut is_so: impl FnMut() -> bool) {
+    let begun = Instant::now();
+    while !is_so() {
+        assert!(begun.elapsed() < PATIENCE, "waited in vain until {what}");
+        thread::sleep(Duration::from_millis(10));
+    }
+}

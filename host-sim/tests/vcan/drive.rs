@@ -1,0 +1,101 @@
+//! A simulated drive in files.
+
+use crate::roadgrade;
+use host_sim::source::can_frame::{CanFrame, TimedFrame};
+use host_sim::source::candump::CandumpReader;
+use host_sim::source::candump_writer::write_frame;
+use host_sim::world::scenario::Scenario;
+use host_sim::world::simulate;
+use std::fs::{self, File};
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+use tempfile::TempDir;
+
+/// A drive, its log and its vehicle.
+pub struct Drive {
+    folder: TempDir,
+    pub frames: Vec<TimedFrame>,
+}
+
+impl Drive {
+    /// A kilometre or more by truck A or B.
+    pub fn new(truck: &str, length_m: f64) -> Self {
+        let text = format!(
+            "seed = 7\n[road]\nlength_m = {length_m}\n[[runs]]\nname = \"x\"\ntruck = \"{truck}\"\n"
+        );
+        let scenario = Scenario::parse(&text, Path::new("a drive")).unwrap();
+        let run = simulate(&scenario, 0).unwrap();
+        let folder = TempDir::new().unwrap();
+        run.vehicle
+            .write(&folder.path().join("vehicle.toml"))
+            .unwrap();
+        let drive = Self {
+            folder,
+            frames: run.frames,
+        };
+        write_log(&drive.file("drive.log"), &drive.frames);
+        drive
+    }
+
+    pub fn file(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    pub fn log(&self) -> PathBuf {
+        self.file("drive.log")
+    }
+
+    pub fn vehicle(&self) -> PathBuf {
+        self.file("vehicle.toml")
+    }
+
+    /// The run file that `roadgrade estimate` makes of a log.
+    pub fn estimate(&self, log: &Path) -> String {
+        let out = self.file("estimated.csv");
+        roadgrade()
+            .args(["estimate", "--vehicle"])
+            .arg(self.vehicle())
+            .arg("--out")
+            .arg(&out)
+            .arg(log)
+            .assert()
+            .success();
+        fs::read_to_string(out).unwrap()
+    }
+
+    pub fn read(&self, name: &str) -> String {
+        fs::read_to_string(self.file(name)).unwrap()
+    }
+}
+
+pub fn write_log(path: &Path, frames: &[TimedFrame]) {
+    let mut out = BufWriter::new(File::create(path).unwrap());
+    for frame in frames {
+        write_frame(&mut out, frame, "can0").unwrap();
+    }
+    out.flush().unwrap();
+}
+
+/// The frames of a log, without their times.
+pub fn frames_of(path: &Path) -> Vec<CanFrame> {
+    let log = CandumpReader::open(path).unwrap();
+    log.map(|timed| timed.unwrap().frame).collect()
+}
+
+/// The frames of a drive, without their times.
+pub fn untimed(frames: &[TimedFrame]) -> Vec<CanFrame> {
+    frames.iter().map(|timed| timed.frame).collect()
+}
+
+/// Replays a log; returns the summary.
+pub fn replay(interface: &str, log: &Path, options: &[&str]) -> serde_json::Value {
+    let output = roadgrade()
+        .args(["replay", "--json", "--can", interface])
+        .args(options)
+        .arg(log)
+        .output()
+        .unwrap();
+    let complaint = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "{complaint}");
+    serde_json::from_slice(&output.stdout).unwrap()
+}

@@ -1,0 +1,139 @@
+//! `roadgrade listen` while it runs.
+
+use crate::bus::PATIENCE;
+use crate::drive::Drive;
+use serde_json::Value;
+use std::io::{BufRead, BufReader, Read};
+use std::process::{Child, Command, Stdio};
+use std::sync::mpsc::{Receiver, channel};
+use std::thread::{self, JoinHandle};
+
+/// A listener that is listening.
+pub struct Listener {
+    child: Child,
+    /// What it said so far.
+    pub said: Vec<String>,
+    messages: Receiver<String>,
+    results: JoinHandle<String>,
+}
+
+/// What it left.
+pub struct Heard {
+    /// The last line of its JSON: summary and interfaces.
+    pub end: Value,
+    /// The lines before.
+    pub lines: Vec<Value>,
+    pub said: Vec<String>,
+}
+
+impl Heard {
+    pub fn frames(&self, interface: usize) -> u64 {
+        self.end["interfaces"][interface]["frames"]
+            .as_u64()
+            .unwrap()
+    }
+
+    pub fn lost(&self, interface: usize) -> u64 {
+        self.end["interfaces"][interface]["lost"].as_u64().unwrap()
+    }
+
+    pub fn event(&self, interface: usize, name: &str) -> u64 {
+        let events = &self.end["interfaces"][interface]["events"];
+        events[name].as_u64().unwrap_or(0)
+    }
+
+    /// A count of the core, by its words.
+    pub fn counted(&self, words: &str) -> u64 {
+        let counts = self.end["summary"]["events"].as_array().unwrap();
+        let count = counts.iter().find(|count| count[0] == words);
+        count.map_or(0, |count| count[1].as_u64().unwrap())
+    }
+}
+
+impl Listener {
+    /// Starts one; returns when it has its interfaces open.
+    pub fn start(drive: &Drive, interfaces: &[&str], options: &[&str]) -> Self {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_roadgrade"));
+        command
+            .args(["listen", "--json", "--vehicle"])
+            .arg(drive.vehicle());
+        for interface in interfaces {
+            command.args(["--can", interface]);
+        }
+        let mut child = command
+            .args(options)
+            .current_dir(drive.file("").as_path())
+            .stdin(Stdio::null())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let (sink, messages) = channel();
+        let stderr = BufReader::new(child.stderr.take().unwrap());
+        thread::spawn(move || {
+            for line in stderr.lines().map_while(Result::ok) {
+                if sink.send(line).is_err() {
+                    break;
+                }
+            }
+        });
+        let mut stdout = child.stdout.take().unwrap();
+        let results = thread::spawn(move || {
+            let mut text = String::new();
+            stdout.read_to_string(&mut text).unwrap();
+            text
+        });
+        let mut listener = Self {
+            child,
+            said: Vec::new(),
+            messages,
+            results,
+        };
+        listener.wait_for("listening on");
+        listener
+    }
+
+    /// Until it says something with these words.
+    pub fn wait_for(&mut self, words: &str) {
+        loop {
+            let Ok(message) = self.messages.recv_timeout(PATIENCE) else {
+                panic!("waited in vain for {words:?}; it said {:?}", self.said);
+            };
+            let is_it = message.contains(words);
+            self.said.push(message);
+            if is_it {
+                return;
+            }
+        }
+    }
+
+    /// Sends it a signal.
+    pub fn signal(&self, name: &str) {
+        let id = self.child.id().to_string();
+        let signal = format!("-{name}");
+        assert!(
+            Command::new("kill")
+                .args([&signal, &id])
+                .status()
+                .unwrap()
+                .success()
+        );
+    }
+
+    /// Waits for its end, which must be a good one.
+    pub fn finish(mut self) -> Heard {
+        let status = self.child.wait().unwrap();
+        self.said.extend(self.messages.iter());
+        assert!(status.success(), "{status}: {:?}", self.said);
+        let text = self.results.join().unwrap();
+        let mut lines: Vec<Value> = text
+            .lines()
+            .map(|line| serde_json::from_str(line).unwrap())
+            .collect();
+        Heard {
+            end: lines.pop().expect("a summary"),
+            lines,
+            said: self.said,
+        }
+    }
+}

@@ -1,0 +1,130 @@
+//! Interfaces that are not there, go, and come back.
+
+use crate::bus::{Vcan, ip};
+use crate::drive::{Drive, replay, write_log};
+use crate::listener::{Heard, Listener};
+use crate::roadgrade;
+use host_sim::run_file;
+use predicates::str::contains;
+
+/// A drive whose interface is lost in its middle by `lose` and found by `find`.
+fn interrupted(
+    name: &'static str,
+    words: &str,
+    lose: fn(&Vcan),
+    find: fn(&Vcan),
+) -> (Drive, Heard) {
+    let vcan = Vcan::new(name);
+    let drive = Drive::new("A", 400.0);
+    let (first, second) = drive.frames.split_at(drive.frames.len() / 2);
+    write_log(&drive.file("first.log"), first);
+    write_log(&drive.file("second.log"), second);
+    let mut listener = Listener::start(&drive, &[vcan.0], &["--out", "live.csv"]);
+    let speed = ["--speed", "2"];
+    replay(vcan.0, &drive.file("first.log"), &speed);
+    lose(&vcan);
+    listener.wait_for(words);
+    find(&vcan);
+    listener.wait_for("interface back");
+    replay(vcan.0, &drive.file("second.log"), &speed);
+    listener.signal("INT");
+    let heard = listener.finish();
+    assert_eq!(heard.frames(0), drive.frames.len() as u64);
+    assert_eq!(heard.lost(0), 0);
+    assert_eq!(heard.event(0, "interface_back"), 1);
+    let rows = run_file::read(&drive.file("live.csv")).unwrap();
+    let last_s = rows.last().unwrap().time_s;
+    assert!(rows.iter().filter(|row| row.time_s < 0.5 * last_s).count() > 10);
+    assert!(rows.iter().filter(|row| row.time_s > 0.5 * last_s).count() > 10);
+    (drive, heard)
+}
+
+#[test]
+#[ignore = "needs a CAN interface: tests/run vcan"]
+fn an_interface_that_vanishes_is_found_again() {
+    let (_, heard) = interrupted("rggone", "interface gone", Vcan::remove, Vcan::add);
+    assert_eq!(heard.event(0, "interface_gone"), 1);
+}
+
+#[test]
+#[ignore = "needs a CAN interface: tests/run vcan"]
+fn an_interface_that_is_set_down_is_found_again() {
+    let (_, heard) = interrupted("rgdown", "interface down", Vcan::down, Vcan::up);
+    assert_eq!(heard.event(0, "interface_down"), 1);
+    let told = heard
+        .said
+        .iter()
+        .filter(|said| said.contains("interface down"))
+        .count();
+    assert_eq!(told, 1);
+}
+
+#[test]
+#[ignore = "needs a CAN interface: tests/run vcan"]
+fn an_interface_that_is_down_or_missing_at_the_start_is_an_error() {
+    let vcan = Vcan::new("rgoff");
+    vcan.down();
+    let drive = Drive::new("A", 300.0);
+    let listen = |interface: &str| {
+        roadgrade()
+            .args(["listen", "--can", interface, "--vehicle"])
+            .arg(drive.vehicle())
+            .assert()
+    };
+    let replay = |interface: &str| {
+        roadgrade()
+            .args(["replay", "--can", interface])
+            .arg(drive.log())
+            .assert()
+    };
+    for assert in [listen("rgoff"), replay("rgoff")] {
+        assert.code(1).stderr(contains("ip link set rgoff up"));
+    }
+    for assert in [listen("rgnone"), replay("rgnone")] {
+        assert
+            .code(1)
+            .stderr(contains("ip link add dev rgnone type vcan"));
+    }
+    ip(&["link", "set", "lo", "up"]);
+    for assert in [listen("lo"), replay("lo")] {
+        assert
+            .code(1)
+            .stderr(contains("no CAN interface of that name"));
+    }
+}
+
+#[test]
+#[ignore = "needs a CAN interface: tests/run vcan"]
+fn a_bus_without_traffic_gives_no_run_and_says_why() {
+    let vcan = Vcan::new("rgmute");
+    let drive = Drive::new("A", 300.0);
+    roadgrade()
+        .args([
+            "listen",
+            "--can",
+            vcan.0,
+            "--end-after-silence",
+            "0.5",
+            "--vehicle",
+        ])
+        .arg(drive.vehicle())
+        .arg("--out")
+        .arg(drive.file("live.csv"))
+        .assert()
+        .code(1)
+        .stderr(contains("rgmute: no speed"));
+    assert!(!drive.file("live.csv").exists());
+}
+
+#[test]
+#[ignore = "needs a CAN interface: tests/run vcan"]
+fn a_replay_with_its_time_needs_somebody_who_answers() {
+    let vcan = Vcan::new("rgalone");
+    let drive = Drive::new("A", 300.0);
+    roadgrade()
+        .args(["replay", "--log-time", "--can", vcan.0])
+        .arg(drive.log())
+        .assert()
+        .code(1)
+        .stderr(contains("roadgrade listen --can rgalone --log-time"));
+}

@@ -1,0 +1,106 @@
+//! can-utils on the same bus.
+
+use crate::bus::{PATIENCE, Vcan, wait_until};
+use crate::drive::{Drive, frames_of, replay, untimed};
+use crate::listener::Listener;
+use std::fs::File;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+
+/// A process that is ended with its value.
+pub struct Running(Child);
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// `candump -L`, of what passes a filter if there is one; its output in a file.
+pub fn candump(vcan: &Vcan, filter: &str, to: &Path) -> Running {
+    let child = Command::new("candump")
+        .arg("-L")
+        .arg(format!("{}{filter}", vcan.0))
+        .stdin(Stdio::null())
+        .stdout(File::create(to).unwrap())
+        .spawn()
+        .unwrap();
+    vcan.wait_for_candump();
+    Running(child)
+}
+
+#[test]
+#[ignore = "needs a CAN interface: tests/run vcan"]
+fn candump_records_a_replay_that_estimate_reads() {
+    let vcan = Vcan::new("rgdump");
+    let drive = Drive::new("A", 300.0);
+    let recording = drive.file("candump.log");
+    let candump = candump(&vcan, "", &recording);
+    replay(vcan.0, &drive.log(), &["--speed", "2"]);
+    let lines = || std::fs::read_to_string(&recording).unwrap().lines().count();
+    wait_until("candump has all", || lines() == drive.frames.len());
+    drop(candump);
+    assert_eq!(frames_of(&recording), untimed(&drive.frames));
+    assert!(drive.estimate(&recording).lines().count() > 10);
+}
+
+#[test]
+#[ignore = "needs a CAN interface: tests/run vcan"]
+fn canplayer_feeds_a_listener_and_cangen_does_not_disturb_it() {
+    let vcan = Vcan::new("rgplay");
+    let drive = Drive::new("A", 300.0);
+    let listener = Listener::start(
+        &drive,
+        &[vcan.0],
+        &["--out", "live.csv", "--log", "heard.log"],
+    );
+    // 11-bit identifiers of any length, every millisecond.
+    let cangen = Command::new("cangen")
+        .args([vcan.0, "-g", "1"])
+        .spawn()
+        .unwrap();
+    let cangen = Running(cangen);
+    let status = Command::new("canplayer")
+        .arg("-I")
+        .arg(drive.log())
+        .arg(format!("{}=can0", vcan.0))
+        .stdin(Stdio::null())
+        .status()
+        .unwrap();
+    assert!(status.success(), "{status} within {PATIENCE:?}");
+    drop(cangen);
+    listener.signal("INT");
+    let heard = listener.finish();
+    assert_eq!(heard.lost(0), 0);
+    assert_eq!(frames_of(&drive.file("heard.log")), untimed(&drive.frames));
+    assert_eq!(
+        drive.estimate(&drive.file("heard.log")),
+        drive.read("live.csv")
+    );
+}
+
+#[test]
+#[ignore = "needs a CAN interface: tests/run vcan"]
+fn a_recording_of_two_senders_is_one_that_estimate_reads() {
+    let vcan = Vcan::new("rgboth");
+    let drive = Drive::new("A", 300.0);
+    let recording = drive.file("candump.log");
+    let candump = candump(&vcan, "", &recording);
+    let options = ["--publish", "--out", "live.csv"];
+    let listener = Listener::start(&drive, &[vcan.0], &options);
+    replay(vcan.0, &drive.log(), &["--speed", "2"]);
+    listener.signal("INT");
+    let heard = listener.finish();
+    assert_eq!(heard.frames(0), drive.frames.len() as u64);
+    let lines = || std::fs::read_to_string(&recording).unwrap().lines().count();
+    wait_until("candump has the drive and the estimate", || {
+        lines() > drive.frames.len() + 10
+    });
+    drop(candump);
+    // candump may have been at its last line.
+    let text = std::fs::read_to_string(&recording).unwrap();
+    let whole = text.rsplit_once('\n').unwrap().0.to_owned() + "\n";
+    std::fs::write(&recording, whole).unwrap();
+    assert!(drive.estimate(&recording).lines().count() > 10);
+}

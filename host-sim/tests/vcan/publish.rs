@@ -1,0 +1,93 @@
+//! The estimate on the bus, as a foreign listener sees it.
+
+use crate::bus::{Vcan, wait_until};
+use crate::drive::{Drive, replay};
+use crate::listener::Listener;
+use crate::peers::candump;
+use host_sim::run_file::{self, RunRow};
+use std::fs;
+use std::path::Path;
+
+/// What candump keeps: the two messages of `grade.dbc`, from address 254.
+const FILTER: &str = ",18FF46FE:1FFFFEFF";
+const LIVE: &str = "18FF46FE";
+const CELL: &str = "18FF47FE";
+
+/// The payloads of one message in a recording.
+fn payloads(recording: &Path, id: &str) -> Vec<[u8; 8]> {
+    let text = fs::read_to_string(recording).unwrap();
+    // candump may be at its last line.
+    let whole = text.rsplit_once('\n').map_or("", |(whole, _)| whole);
+    whole
+        .lines()
+        .filter_map(|line| line.split(' ').nth(2)?.strip_prefix(id)?.strip_prefix('#'))
+        .map(|data| u64::from_str_radix(data, 16).unwrap().to_be_bytes())
+        .collect()
+}
+
+fn word(data: &[u8; 8], at: usize) -> f64 {
+    f64::from(u16::from_le_bytes([data[at], data[at + 1]]))
+}
+
+fn check_cell(data: &[u8; 8], rows: &[RunRow]) {
+    let number = u32::from_le_bytes([data[0], data[1], data[2], 0]);
+    let distance_m = 2.5 * f64::from(number);
+    let is_it = |row: &&RunRow| (row.distance_m - distance_m).abs() < 0.1;
+    let row = rows.iter().find(is_it).unwrap();
+    let grade = word(data, 3) * 0.002 - 64.0;
+    assert!(
+        (grade - row.lagged_grade_percent).abs() < 0.002,
+        "at {distance_m} m"
+    );
+    let sigma = 0.02 * f64::from(data[5]);
+    assert!((sigma - row.lagged_grade_sigma_percent).abs() < 0.011);
+}
+
+#[test]
+#[ignore = "needs a CAN interface: tests/run vcan"]
+fn the_estimate_is_sent_with_each_finished_cell_and_not_read_back() {
+    let vcan = Vcan::new("rgpub");
+    let drive = Drive::new("A", 1_200.0);
+    let recording = drive.file("candump.log");
+    let candump = candump(&vcan, FILTER, &recording);
+    let options = [
+        "--log-time",
+        "--out",
+        "live.csv",
+        "--publish",
+        "--address",
+        "254",
+    ];
+    let listener = Listener::start(&drive, &[vcan.0], &options);
+    replay(vcan.0, &drive.log(), &["--log-time", "--speed", "20"]);
+    let heard = listener.finish();
+    assert_eq!(heard.frames(0), drive.frames.len() as u64);
+
+    // All that had seen the full lag when the log ended.
+    let finished = heard.lines.last().unwrap()["cells"].as_u64().unwrap() as usize;
+    assert!(finished > 100);
+    wait_until("candump has all", || {
+        payloads(&recording, CELL).len() >= finished
+    });
+    drop(candump);
+    let rows = run_file::read(&drive.file("live.csv")).unwrap();
+    let cells = payloads(&recording, CELL);
+    assert_eq!(cells.len(), finished);
+    for cell in &cells {
+        check_cell(cell, &rows);
+    }
+
+    let lives = payloads(&recording, LIVE);
+    let known: Vec<_> = lives.iter().filter(|data| **data != [0xff; 8]).collect();
+    assert!(known.len() > 5);
+    for data in known {
+        assert!((word(data, 0) * 0.002 - 64.0).abs() < 20.0);
+    }
+    println!(
+        "{} estimates and {} cells on the bus",
+        lives.len(),
+        cells.len()
+    );
+    // For who decodes them with the layout file.
+    print!("{}", fs::read_to_string(&recording).unwrap());
+}
