@@ -1,0 +1,53 @@
+//! Every package that is built in, tests and boards included, may be used and passed on.
+
+use cargo_metadata::{CargoOpt, MetadataCommand};
+use cross_tests::image::root;
+use spdx::{Expression, LicenseReq};
+
+/// Licences that ask for no more than their own text.
+const ALLOWED: [&str; 13] = [
+    "0BSD",
+    "Apache-2.0",
+    "BSD-2-Clause",
+    "BSD-3-Clause",
+    "BSL-1.0",
+    "CC0-1.0",
+    "ISC",
+    "MIT",
+    "MIT-0",
+    "Unicode-3.0",
+    "Unlicense",
+    "WTFPL",
+    "Zlib",
+];
+/// Workspaces: what runs on a host, peers that are measured, a board, fuzz targets.
+const WORKSPACES: [&str; 4] = [".", "firmware/peers", "firmware/stm32g4", "tests/fuzz"];
+
+#[test]
+fn licences_of_all_packages_are_permissive() {
+    let mut problems = Vec::new();
+    let mut packages = 0;
+    for workspace in WORKSPACES {
+        let metadata = MetadataCommand::new()
+            .manifest_path(root().join(workspace).join("Cargo.toml"))
+            .features(CargoOpt::AllFeatures)
+            .other_options(vec!["--locked".into()])
+            .exec()
+            .unwrap_or_else(|e| panic!("{workspace}: {e}"));
+        for package in &metadata.packages {
+            packages += 1;
+            let licence = package.license.as_deref().unwrap_or("none told");
+            let expression = Expression::parse_mode(licence, spdx::ParseMode::LAX);
+            if !expression.is_ok_and(|licence| licence.evaluate(allows)) {
+                problems.push(format!("{} {}: {licence}", package.name, package.version));
+            }
+        }
+    }
+    assert!(packages > 100, "{packages}");
+    assert!(problems.is_empty(), "{problems:#?}");
+}
+
+fn allows(required: &LicenseReq) -> bool {
+    let name = required.license.id().map(|id| id.name);
+    name.is_some_and(|name| ALLOWED.contains(&name))
+}
