@@ -5,6 +5,7 @@ pub mod baseline;
 pub mod cli;
 pub mod diagnose;
 pub mod error;
+pub mod events;
 pub mod kept_file;
 pub mod map;
 pub mod oracle_file;

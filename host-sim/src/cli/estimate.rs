@@ -1,6 +1,7 @@
 //! `roadgrade estimate`: one recorded drive becomes a run.
 
 use crate::error::{Error, Result};
+use crate::events::events;
 use crate::kept_file;
 use crate::output::print;
 use crate::progress;
@@ -10,7 +11,7 @@ use crate::smooth::bytes_per_km;
 use crate::text_table::text_table;
 use crate::vehicle_file::VehicleFile;
 use comfy_table::Table;
-use estimator_core::{Counters, Kept, Scalar, Traction};
+use estimator_core::{Kept, Scalar, Traction};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::Instant as Clock;
@@ -216,36 +217,4 @@ impl Summary {
         }
         text_table(&["", "unit", "value"], &rows, 2)
     }
-}
-
-/// What happened, without what did not.
-fn events(c: &Counters) -> Vec<(&'static str, u64)> {
-    [
-        ("frames malformed", c.frames_malformed.into()),
-        ("fast packets broken", c.fast_packets_broken.into()),
-        ("values not available", c.not_available.into()),
-        ("values in error", c.errors.into()),
-        ("values of other senders", c.other_source.into()),
-        ("sender switches", c.source_switches.into()),
-        ("poor fixes", c.poor_fixes.into()),
-        ("gaps in speed", c.gaps.into()),
-        (
-            "cells lost",
-            c.samples_lost.saturating_add(c.cells_lost).into(),
-        ),
-        ("cells that are no numbers", c.cells_unsound.into()),
-        ("cells with brakes guessed", c.brakes_guessed),
-        ("stops that reopened the load", c.loads_reopened.into()),
-        ("fixes of a frozen receiver", c.frozen_fixes.into()),
-        ("altitudes left out", c.altitudes_rejected),
-        ("altitudes left out singly", c.altitude_outliers.into()),
-        ("drifts of GNSS altitude", c.altitude_drifts.into()),
-        ("of these taken for true", c.altitude_drifts_believed.into()),
-        ("steps of GNSS altitude", c.altitude_steps.into()),
-        ("altitude set anew", c.altitude_resets.into()),
-        ("filter restarts", c.restarts.into()),
-    ]
-    .into_iter()
-    .filter(|(_, count)| *count > 0)
-    .collect()
 }
