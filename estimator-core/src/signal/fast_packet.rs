@@ -28,6 +28,8 @@ pub(super) enum Unfinished {
     Partial,
     /// A frame out of order: it and what it belonged to are dropped.
     OutOfOrder,
+    /// The packet wants more frames, and the one before it never got all of its own.
+    CutOff,
     /// Too short to hold what it must.
     Truncated,
 }
@@ -55,8 +57,13 @@ impl FastPackets {
         if frame == 0 {
             let (&length, rest) = rest.split_first().ok_or(Unfinished::Truncated)?;
             let slot = self.place_for(key).ok_or(Unfinished::OutOfOrder)?;
+            let cut_off = slot.open && slot.key == key;
             slot.begin(key, sequence, length);
-            return slot.take(rest);
+            let taken = slot.take(rest);
+            return match taken {
+                Err(Unfinished::Partial) if cut_off => Err(Unfinished::CutOff),
+                taken => taken,
+            };
         }
         let slot = self
             .slots
