@@ -16,6 +16,10 @@ use crate::scalar::Scalar;
 use crate::tuning::Tuning;
 use crate::vehicle::VehicleParameters;
 
+/// Normalised squared innovation beyond which a speed is a step: five standard deviations, as of
+/// altitudes.
+const SPEED_LIMIT: f32 = 25.0;
+
 /// The filter: a state that samples move.
 #[derive(Clone, Debug)]
 pub struct Filter<S> {
@@ -192,7 +196,13 @@ impl<S: Scalar> Filter<S> {
 
         let speed = sample.speed.map(|speed| {
             let gradient = (state.x[ENERGY] - energy_before) * S::from_f32(1.0 / sample.length_m);
-            speed_update(state, tuning, speed, gradient, speed_spread.ratio()).apply(state)
+            let update = speed_update(state, tuning, speed, gradient, speed_spread.ratio());
+            if is_step(state, &update) {
+                // Of the speed, and not of what moves it: it may be there and nowhere else.
+                state.p.add_variance(ENERGY, update.innovation.squared());
+                counters.speed_steps = counters.speed_steps.saturating_add(1);
+            }
+            update.apply(state)
         });
         if let Some(applied) = &speed {
             let normalised = applied.innovation.squared() / applied.innovation_variance;
@@ -371,6 +381,13 @@ fn set_altitude<S: Scalar>(state: &mut State<S>, fix: &Fix<S>) {
     state.p.clear(ALTITUDE);
     state.p.shear(ALTITUDE, GNSS_ERROR, -S::ONE);
     state.p.add_variance(ALTITUDE, fix.variance);
+}
+
+/// Whether the speed is another than model and noise allow: a sensor that slipped, stuck or was
+/// changed. No road and no brake moves a vehicle so within a cell.
+fn is_step<S: Scalar>(state: &State<S>, update: &Update<S>) -> bool {
+    let variance = state.p.get(ENERGY, ENERGY) + update.variance;
+    update.innovation.squared() > S::from_f32(SPEED_LIMIT) * variance
 }
 
 /// The mean speed as a measurement of v²/2 at the cell's end, moved there along the predicted
