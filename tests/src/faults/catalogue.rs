@@ -144,7 +144,9 @@ fn of_the_bus() -> Vec<Fault> {
     };
     vec![
         bus("every tenth frame lost", 120.0, |f, w| every_lost(f, w, 10)),
-        bus("half of the frames lost", 120.0, |f, w| randomly_lost(f, w, 0.5)),
+        bus("half of the frames lost", 120.0, |f, w| {
+            randomly_lost(f, w, 0.5)
+        }),
         bus("silence of 1 s", 1.0, |f, w| lost(f, w, |_| true)),
         bus("silence of 10 s", 10.0, |f, w| lost(f, w, |_| true)),
         bus("silence of 60 s", 60.0, |f, w| lost(f, w, |_| true)),
@@ -153,12 +155,22 @@ fn of_the_bus() -> Vec<Fault> {
         bus("up to 0.2 s late at random", 120.0, |f, w| {
             delayed(f, w, |rng| seconds(rng.random_range(0.0..0.2)))
         }),
-        bus("neighbours swapped, with their times", 120.0, |f, w| swapped(f, w, true)),
-        bus("neighbours swapped before timing", 120.0, |f, w| swapped(f, w, false)),
-        bus("one frame in five cut short", 120.0, |f, w| truncated(f, w, 5)),
+        bus("neighbours swapped, with their times", 120.0, |f, w| {
+            swapped(f, w, true)
+        }),
+        bus("neighbours swapped before timing", 120.0, |f, w| {
+            swapped(f, w, false)
+        }),
+        bus("one frame in five cut short", 120.0, |f, w| {
+            truncated(f, w, 5)
+        }),
         bus("over-long fast packets", 120.0, overlong_packets),
-        bus("a bit flipped in one frame of 100", 120.0, |f, w| bit_flipped(f, w, 100)),
-        bus("fast packets' counters stand", 120.0, |f, w| sequenced(f, w, |_| 0)),
+        bus("a bit flipped in one frame of 100", 120.0, |f, w| {
+            bit_flipped(f, w, 100)
+        }),
+        bus("fast packets' counters stand", 120.0, |f, w| {
+            sequenced(f, w, |_| 0)
+        }),
         bus("fast packets' counters at random", 120.0, |f, w| {
             let mut rng = random();
             sequenced(f, w, move |_| rng.random_range(0..8))
@@ -166,7 +178,11 @@ fn of_the_bus() -> Vec<Fault> {
         bus("one source address in ten wrong", 120.0, |f, w| {
             let mut rng = random();
             readdressed(f, w, move |own| {
-                if rng.random_ratio(1, 10) { rng.random() } else { own }
+                if rng.random_ratio(1, 10) {
+                    rng.random()
+                } else {
+                    own
+                }
             })
         }),
         bus("all senders at another address", 60.0, |f, w| {
@@ -211,17 +227,29 @@ fn of_signals() -> Vec<Fault> {
         signal("torque stuck", 60.0, |f, w| stuck(f, w, TORQUE)),
         signal("engine speed stuck", 60.0, |f, w| stuck(f, w, ENGINE_SPEED)),
         signal("gear stuck a gear too low", 60.0, |f, w| {
-            altered(f, w, GEAR, |_, gear| if gear > 2.0 && gear.fract() == 0.0 { gear - 1.0 } else { 1.26 * gear })
+            altered(f, w, GEAR, |_, gear| {
+                if gear > 2.0 && gear.fract() == 0.0 {
+                    gear - 1.0
+                } else {
+                    1.26 * gear
+                }
+            })
         }),
         signal("brake switch stuck on", 120.0, |f, w| {
             replaced(f, w, BRAKE_SWITCH, Value::Real(1.0))
         }),
-        signal("shift stuck on", 120.0, |f, w| replaced(f, w, SHIFT, Value::Real(1.0))),
+        signal("shift stuck on", 120.0, |f, w| {
+            replaced(f, w, SHIFT, Value::Real(1.0))
+        }),
         signal("one wheel speed in 20 off by up to 5 m/s", 120.0, |f, w| {
             let mut rng = random();
             altered(f, w, SPEED, move |_, mps| {
                 let off = rng.random_range(-5.0..5.0);
-                if rng.random_ratio(1, 20) { mps + off } else { mps }
+                if rng.random_ratio(1, 20) {
+                    mps + off
+                } else {
+                    mps
+                }
             })
         }),
         signal("wheel speed jumps to 0 each 10 s", 120.0, |f, w| {
@@ -231,15 +259,20 @@ fn of_signals() -> Vec<Fault> {
             let mut rng = random();
             altered(f, w, TORQUE, move |_, percent| {
                 let off = rng.random_range(-50.0_f32..50.0).round();
-                if percent >= 1.0 && rng.random_ratio(1, 20) { percent + off } else { percent }
+                if percent >= 1.0 && rng.random_ratio(1, 20) {
+                    percent + off
+                } else {
+                    percent
+                }
             })
         }),
-        signal("speed 3 % high for 120 s", 120.0, |f, w| altered(f, w, SPEEDS, |_, v| 1.03 * v)),
+        signal("speed 3 % high for 120 s", 120.0, |f, w| {
+            altered(f, w, SPEEDS, |_, v| 1.03 * v)
+        }),
         signal("speed 3 % high for ever", FOR_EVER_S, |f, w| {
             altered(f, w, SPEEDS, |_, v| 1.03 * v)
         })
         .from(0.0),
-        signal("torque 20 % high for 120 s", 120.0, |f, w| altered(f, w, TORQUE, |_, v| 1.2 * v)),
     ]);
     faults
 }
@@ -257,17 +290,28 @@ pub fn of_the_receiver() -> Vec<Fault> {
         })
     };
     vec![
-        gnss("no fix for 120 s", 120.0, |f, w| replaced(f, w, FIX, Value::Real(0.0))),
-        gnss("no fix for 600 s", 600.0, |f, w| replaced(f, w, FIX, Value::Real(0.0))),
-        gnss("never a fix", FOR_EVER_S, |f, w| replaced(f, w, FIX, Value::Real(0.0))).from(0.0),
+        gnss("no fix for 120 s", 120.0, |f, w| {
+            replaced(f, w, FIX, Value::Real(0.0))
+        }),
+        gnss("no fix for 600 s", 600.0, |f, w| {
+            replaced(f, w, FIX, Value::Real(0.0))
+        }),
+        gnss("never a fix", FOR_EVER_S, |f, w| {
+            replaced(f, w, FIX, Value::Real(0.0))
+        })
+        .from(0.0),
         gnss("silent for 120 s", 120.0, |f, w| {
-            lost(f, w, |timed| pgn(&timed.frame).is_some_and(|pgn| pgn >= 129_000))
+            lost(f, w, |timed| {
+                pgn(&timed.frame).is_some_and(|pgn| pgn >= 129_000)
+            })
         }),
         gnss("altitude not available for 120 s", 120.0, |f, w| {
             replaced(f, w, ALTITUDE, Value::NotAvailable)
         }),
         gnss("frozen for 120 s", 120.0, |f, w| stuck(f, w, POSITION)),
-        gnss("25 m off for 60 s", 60.0, |f, w| altered(f, w, ALTITUDE, |_, m| m + 25.0)),
+        gnss("25 m off for 60 s", 60.0, |f, w| {
+            altered(f, w, ALTITUDE, |_, m| m + 25.0)
+        }),
         gnss("single fixes 40 m off", 120.0, |f, w| {
             let mut rng = random();
             altered(f, w, ALTITUDE, move |_, m| {
@@ -286,16 +330,25 @@ fn of_the_clock() -> Vec<Fault> {
     };
     let leap = |name, ahead_s: f64| Fault {
         ahead_s,
-        ..wraps_frames(Kind::Clock, name, 1.0, move |f, w| leaps(f, w, seconds(ahead_s)))
+        ..wraps_frames(Kind::Clock, name, 1.0, move |f, w| {
+            leaps(f, w, seconds(ahead_s))
+        })
     };
     vec![
-        clock("set back by 0.3 s", |f, w| set_back(f, w, seconds(0.3))),
+        Fault {
+            ahead_s: -0.3,
+            ..clock("set back by 0.3 s", |f, w| set_back(f, w, seconds(0.3)))
+        },
         clock("set back by 1 h", |f, w| set_back(f, w, seconds(3600.0))),
         clock("counter of 32 bits begins anew", |f, w| wraps(f, w)),
         leap("leaps ahead by 60 s", 60.0),
         leap("leaps ahead by 1 h", 3600.0),
-        clock("single frames an hour early", |f, w| strays(f, w, 100, seconds(3600.0), false)),
-        clock("single frames a day late", |f, w| strays(f, w, 100, seconds(86_400.0), true)),
+        clock("single frames an hour early", |f, w| {
+            strays(f, w, 100, seconds(3600.0), false)
+        }),
+        clock("single frames a day late", |f, w| {
+            strays(f, w, 100, seconds(86_400.0), true)
+        }),
     ]
 }
 
@@ -313,18 +366,34 @@ fn attacks() -> Vec<Fault> {
     vec![
         with("repeats from another address", 120.0, 1, |_| STRANGER),
         with("the same, five times as fast", 120.0, 5, |_| STRANGER),
-        attack("is there before the true senders", 60.0, |recording, window| {
-            let silent = window.start..window.start + seconds(5.0);
-            let theirs = foretold(recording, window, seconds(120.0), STRANGER);
-            both(lost(true_frames(recording), silent, |_| true), theirs)
-        })
+        attack(
+            "is there before the true senders",
+            60.0,
+            |recording, window| {
+                let silent = window.start..window.start + seconds(5.0);
+                let theirs = foretold(recording, window, seconds(120.0), STRANGER);
+                both(lost(true_frames(recording), silent, |_| true), theirs)
+            },
+        )
         .from(0.0),
-        attack("speaks while the true senders pause for 15 s", 60.0, |recording, window| {
-            let silent = window.start..window.start + seconds(15.0);
-            let theirs = replayed(recording, window, seconds(20.0), 1, |_| STRANGER);
-            both(lost(true_frames(recording), silent, |_| true), out_of_step(theirs))
-        }),
+        attack(
+            "speaks while the true senders pause for 15 s",
+            60.0,
+            |recording, window| {
+                let silent = window.start..window.start + seconds(15.0);
+                let theirs = replayed(recording, window, seconds(20.0), 1, |_| STRANGER);
+                both(
+                    lost(true_frames(recording), silent, |_| true),
+                    out_of_step(theirs),
+                )
+            },
+        ),
         with("repeats from the true addresses", 60.0, 1, |own| own),
-        with("the same, five times as fast, true addresses", 60.0, 5, |own| own),
+        with(
+            "the same, five times as fast, true addresses",
+            60.0,
+            5,
+            |own| own,
+        ),
     ]
 }

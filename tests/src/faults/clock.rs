@@ -6,14 +6,22 @@ use estimator_core::{Duration, Instant};
 /// The clock is set back when the window opens, and stays so.
 pub fn set_back<'a>(frames: Frames<'a>, window: Window, by: Duration) -> Frames<'a> {
     stamped(frames, move |time| {
-        if time >= window.start { time - by } else { time }
+        if time >= window.start {
+            time - by
+        } else {
+            time
+        }
     })
 }
 
 /// The clock leaps ahead when the window opens, and stays so.
 pub fn leaps<'a>(frames: Frames<'a>, window: Window, by: Duration) -> Frames<'a> {
     stamped(frames, move |time| {
-        if time >= window.start { time + by } else { time }
+        if time >= window.start {
+            time + by
+        } else {
+            time
+        }
     })
 }
 
@@ -47,10 +55,7 @@ pub fn wraps(frames: Frames<'_>, window: Window) -> Frames<'_> {
     })
 }
 
-fn stamped<'a>(
-    frames: Frames<'a>,
-    mut stamp: impl FnMut(Instant) -> Instant + 'a,
-) -> Frames<'a> {
+fn stamped<'a>(frames: Frames<'a>, mut stamp: impl FnMut(Instant) -> Instant + 'a) -> Frames<'a> {
     Box::new(frames.map(move |mut timed| {
         timed.time = stamp(timed.time);
         timed

@@ -14,7 +14,9 @@ pub fn lost<'a>(
     window: Window,
     mut lost: impl FnMut(&TimedFrame) -> bool + 'a,
 ) -> Frames<'a> {
-    changed(frames, window, move |timed| (!lost(&timed)).then_some(timed))
+    changed(frames, window, move |timed| {
+        (!lost(&timed)).then_some(timed)
+    })
 }
 
 /// Loses one frame of `n`.
@@ -34,7 +36,9 @@ pub fn randomly_lost<'a>(frames: Frames<'a>, window: Window, probability: f64) -
 
 /// Each frame comes so many times, one right after the other.
 pub fn repeated<'a>(frames: Frames<'a>, window: Window, times: usize) -> Frames<'a> {
-    changed(frames, window, move |timed| std::iter::repeat_n(timed, times))
+    changed(frames, window, move |timed| {
+        std::iter::repeat_n(timed, times)
+    })
 }
 
 /// Each frame is received later by what `delay` tells.
@@ -96,21 +100,25 @@ pub fn swapped<'a>(frames: Frames<'a>, window: Window, with_times: bool) -> Fram
     let mut waiting: Option<TimedFrame> = None;
     // One more, for who still waits when the window closes.
     let end = window.end;
-    let frames = changed(frames, window.start..Instant::from_micros(u64::MAX), move |timed| {
-        let (mut first, second) = match waiting.take() {
-            Some(before) => (timed, Some(before)),
-            None if timed.time < end => {
-                waiting = Some(timed);
-                return Vec::new();
+    let frames = changed(
+        frames,
+        window.start..Instant::from_micros(u64::MAX),
+        move |timed| {
+            let (mut first, second) = match waiting.take() {
+                Some(before) => (timed, Some(before)),
+                None if timed.time < end => {
+                    waiting = Some(timed);
+                    return Vec::new();
+                }
+                None => (timed, None),
+            };
+            let mut second = second;
+            if let (Some(second), false) = (&mut second, with_times) {
+                std::mem::swap(&mut first.time, &mut second.time);
             }
-            None => (timed, None),
-        };
-        let mut second = second;
-        if let (Some(second), false) = (&mut second, with_times) {
-            std::mem::swap(&mut first.time, &mut second.time);
-        }
-        std::iter::once(first).chain(second).collect()
-    });
+            std::iter::once(first).chain(second).collect()
+        },
+    );
     frames
 }
 

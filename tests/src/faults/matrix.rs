@@ -59,9 +59,18 @@ impl Subject {
     /// The drive without a fault, judged at its times.
     #[must_use]
     pub fn phases_of(&self, rows: &[host_sim::run_file::RunRow], fault: &Fault) -> Phases {
-        self.truth.phases(rows, &Times { window_s: fault.window_s, ahead_s: 0.0 })
+        self.truth.phases(
+            rows,
+            &Times {
+                window_s: fault.window_s,
+                ahead_s: 0.0,
+            },
+        )
     }
     pub fn clean(&self) -> host_sim::recorder::Run {
-        estimated::<f32>(&self.run.vehicle.parameters, Box::new(self.run.frames.iter().copied()))
+        estimated::<f32>(
+            &self.run.vehicle.parameters,
+            Box::new(self.run.frames.iter().copied()),
+        )
     }
 }

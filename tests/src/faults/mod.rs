@@ -51,8 +51,6 @@ pub fn changed<'a, I: IntoIterator<Item = TimedFrame> + 'a>(
         } else {
             (Some(timed), None)
         };
-        as_it_was
-            .into_iter()
-            .chain(changed.into_iter().flatten())
+        as_it_was.into_iter().chain(changed.into_iter().flatten())
     }))
 }

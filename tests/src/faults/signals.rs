@@ -96,11 +96,12 @@ impl<C: FnMut(f64, Signal, Value) -> Value> Rewritten<'_, C> {
 
     /// Writes the message that is in the last frame, or ends there, anew.
     fn rewrite(&mut self, message: usize, readings: &[Reading]) {
-        let Some((last, pgn)) = self.open.last().copied().zip(
-            messages()
-                .nth(message)
-                .map(|message| message.pgn()),
-        ) else {
+        let Some((last, pgn)) = self
+            .open
+            .last()
+            .copied()
+            .zip(messages().nth(message).map(|message| message.pgn()))
+        else {
             return;
         };
         let seconds = in_window(&self.window, last.time);
@@ -114,7 +115,10 @@ impl<C: FnMut(f64, Signal, Value) -> Value> Rewritten<'_, C> {
             return;
         };
         let mut rest = &payload[..length];
-        let parts = self.open.iter_mut().filter(|t| t.frame.id() == last.frame.id());
+        let parts = self
+            .open
+            .iter_mut()
+            .filter(|t| t.frame.id() == last.frame.id());
         for (index, part) in parts.enumerate() {
             // A fast packet begins with two bytes of its own, and each later frame with one.
             let head = match (length > 8, index) {
