@@ -172,6 +172,9 @@ impl Sampler {
         counters: &mut Counters,
     ) {
         let value = reading.value.real();
+        if source_switched {
+            self.switched_to(reading.signal);
+        }
         match reading.signal {
             Signal::EngineTorqueFraction
             | Signal::FrictionTorque
@@ -238,6 +241,20 @@ impl Sampler {
                     .record(now, reading.signal, value, speed_mps);
             }
         }
+    }
+
+    /// Another sender tells a signal from now on. Forces and speeds of two do not go together: a
+    /// difference that nothing drove would be read as a slope, and as a scale.
+    #[inline(never)] // Seldom.
+    fn switched_to(&mut self, signal: Signal) {
+        match signal {
+            Signal::EngineTorque | Signal::TractionForce => {}
+            Signal::WheelSpeed => self.wheels = Speedometer::default(),
+            Signal::FrontAxleSpeed => self.front_axle = Speedometer::default(),
+            _ => return,
+        }
+        self.odometer.interrupt();
+        self.slowing.forget();
     }
 
     /// Takes a reading of the driveline. Most repeat what was told before: then only the hold time
