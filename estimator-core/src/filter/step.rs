@@ -14,7 +14,7 @@ use crate::counters::Counters;
 use crate::sampler::{AltitudeMeasurement, Continuity, Sample, SpeedMeasurement};
 use crate::scalar::Scalar;
 use crate::tuning::Tuning;
-use crate::vehicle::VehicleParameters;
+use crate::vehicle::{GRAVITY, VehicleParameters};
 
 /// Normalised squared innovation beyond which a speed is a step: five standard deviations, as of
 /// altitudes.
@@ -197,7 +197,7 @@ impl<S: Scalar> Filter<S> {
         let speed = sample.speed.map(|speed| {
             let gradient = (state.x[ENERGY] - energy_before) * S::from_f32(1.0 / sample.length_m);
             let update = speed_update(state, tuning, speed, gradient, speed_spread.ratio());
-            if is_step(state, &update) {
+            if is_step(state, tuning, sample, &update) {
                 // Of the speed, and not of what moves it: it may be there and nowhere else.
                 state.p.add_variance(ENERGY, update.innovation.squared());
                 counters.speed_steps = counters.speed_steps.saturating_add(1);
@@ -383,11 +383,18 @@ fn set_altitude<S: Scalar>(state: &mut State<S>, fix: &Fix<S>) {
     state.p.add_variance(ALTITUDE, fix.variance);
 }
 
-/// Whether the speed is another than model and noise allow: a sensor that slipped, stuck or was
-/// changed. No road and no brake moves a vehicle so within a cell.
-fn is_step<S: Scalar>(state: &State<S>, update: &Update<S>) -> bool {
+/// Whether the speed is another than noise, a road or a brake can make it within a cell: a sensor
+/// that slipped, stuck or was changed.
+fn is_step<S: Scalar>(
+    state: &State<S>,
+    tuning: &Tuning,
+    sample: &Sample,
+    update: &Update<S>,
+) -> bool {
+    let most = 0.01 * GRAVITY * tuning.invalid_noise_percent * sample.length_m;
     let variance = state.p.get(ENERGY, ENERGY) + update.variance;
-    update.innovation.squared() > S::from_f32(SPEED_LIMIT) * variance
+    update.innovation.abs() > S::from_f32(most)
+        && update.innovation.squared() > S::from_f32(SPEED_LIMIT) * variance
 }
 
 /// The mean speed as a measurement of v²/2 at the cell's end, moved there along the predicted
