@@ -32,6 +32,7 @@ pub fn events(c: &Counters) -> Vec<(&'static str, u64)> {
         ("fixes of a frozen receiver", c.frozen_fixes.into()),
         ("altitudes left out", c.altitudes_rejected),
         ("altitudes left out singly", c.altitude_outliers.into()),
+        ("gaps in altitude", c.altitude_gaps.into()),
         ("drifts of GNSS altitude", c.altitude_drifts.into()),
         ("of these taken for true", c.altitude_drifts_believed.into()),
         ("steps of GNSS altitude", c.altitude_steps.into()),

@@ -1,44 +1,52 @@
-//! draft
-use cross_tests::faults::catalogue::catalogue;
-use cross_tests::faults::matrix::Subject;
-use host_sim::events::events;
-fn main() {
-    let only = std::env::args().nth(1);
-    for (truck, seed) in [("A", 1), ("B", 1)] {
-        let subject = Subject::new(truck, seed).unwrap();
-        let clean = subject.clean();
-        let clean_events = events(&clean.counters);
-        eprintln!("{truck} clean {clean_events:?}");
-        for fault in catalogue() {
-            if only.as_ref().is_some_and(|o| !fault.name.contains(o)) {
-                continue;
-            }
-            let o = subject.with(&fault);
-            let c = subject.phases_of(&clean.rows, &fault);
-            let p = &o.phases;
-            let f = |e: [f64; 3]| format!("{:.3}/{:.3}/{:.3}", e[0], e[1], e[2]);
-            let g = |e: [f64; 3]| format!("{:.1}/{:.1}/{:.1}", e[0], e[1], e[2]);
-            let moved: Vec<String> = events(&o.counters)
-                .into_iter()
-                .filter_map(|(n, v)| {
-                    let b = clean_events.iter().find(|x| x.0 == n).map_or(0, |x| x.1);
-                    (v != b).then(|| format!("{n} {:+}", v as i64 - b as i64))
-                })
-                .collect();
-            println!(
-                "{truck} {:45} during {} (clean {}) nees {} (whole {}) after {} (clean {}) sound {} way {:+.0} m cells {:+} | {}",
-                fault.name,
-                f(p.during.rmse_percent),
-                f(c.during.rmse_percent),
-                g(p.during.normalised),
-                g(p.whole.normalised),
-                f(p.after.rmse_percent),
-                f(c.after.rmse_percent),
-                o.is_sound,
-                o.way_m - clean.rows.last().unwrap().distance_m,
-                o.cells as i64 - clean.rows.len() as i64,
-                moved.join(", ")
-            );
-        }
+//! Every fault on simulated drives, and what comes of it:
+//!
+//! ```text
+//! cargo run -p cross-tests --release --example faults [-- --check | --write]
+//! ```
+
+use clap::Parser;
+use cross_tests::exit_code;
+use cross_tests::faults::matrix::{Row, matrix};
+use cross_tests::faults::table::{committed_file, table};
+use host_sim::error::{Error, Result};
+use host_sim::output::{print, write_whole};
+use std::fs;
+use std::process::ExitCode;
+
+/// Puts faults into simulated drives, and tells what they cost and how they were counted.
+#[derive(Parser)]
+struct Options {
+    /// Fail if the table is not that of tests/faults.md.
+    #[arg(long)]
+    check: bool,
+    /// Write the table to tests/faults.md.
+    #[arg(long, conflicts_with = "check")]
+    write: bool,
+}
+
+fn main() -> ExitCode {
+    exit_code(run(&Options::parse()))
+}
+
+fn run(options: &Options) -> Result<()> {
+    let rows = matrix()?;
+    let text = table(&rows);
+    print(&text)?;
+    let path = committed_file();
+    if options.write {
+        write_whole(&path, |file| file.write_all(text.as_bytes()))?;
     }
+    if options.check && fs::read_to_string(&path).map_err(Error::io(&path))? != text {
+        return Err(Error::content(&path, "is not this table; write it anew"));
+    }
+    let complaints: Vec<String> = rows.iter().flat_map(named).collect();
+    if complaints.is_empty() {
+        return Ok(());
+    }
+    Err(Error::content(&path, complaints.join("\n")))
+}
+
+fn named(row: &Row) -> impl Iterator<Item = String> {
+    let complaints = row.complaints().into_iter();
+    complaints.map(|complaint| format!("{}: {complaint}", row.fault.name))
 }

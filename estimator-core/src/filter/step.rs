@@ -16,6 +16,8 @@ use crate::scalar::Scalar;
 use crate::tuning::Tuning;
 use crate::vehicle::{GRAVITY, VehicleParameters};
 
+/// Time without an altitude that is more than a slow receiver, s.
+const ALTITUDE_GAP_S: f32 = 10.0;
 /// Normalised squared innovation beyond which a speed is a step: five standard deviations, as of
 /// altitudes.
 const SPEED_LIMIT: f32 = 25.0;
@@ -158,6 +160,9 @@ impl<S: Scalar> Filter<S> {
             },
             continuity: altitude.continuity,
         });
+        if fix.is_some() && gate.silent_s() > ALTITUDE_GAP_S {
+            counters.altitude_gaps = counters.altitude_gaps.saturating_add(1);
+        }
         let (verdict, event) = fix.as_ref().map_or((Verdict::Reject, None), |fix| {
             judge(gate, state, fix, vehicle, tuning, sample)
         });

@@ -43,6 +43,8 @@ struct Same {
     /// What the driveline turned like when it was first told.
     turns: Option<f32>,
     readings: u8,
+    /// The sensor is stuck at it: also while the engine happens to turn as it did at first.
+    stuck: bool,
     /// Smallest change told so far, m/s.
     step_mps: Option<f32>,
 }
@@ -93,6 +95,7 @@ impl Same {
                 mps,
                 turns,
                 readings: 0,
+                stuck: false,
                 step_mps: self
                     .step_mps
                     .map_or(Some(step_mps), |least| Some(Scalar::min(least, step_mps))),
@@ -102,10 +105,11 @@ impl Same {
         self.readings = self.readings.saturating_add(1);
         let (Some(first), Some(turns), Some(step_mps)) = (self.turns, turns, self.step_mps) else {
             self.turns = self.turns.or(turns);
-            return false;
+            return self.stuck;
         };
         let changed = (turns - first).abs() * mps;
         let allowed = Scalar::max(STUCK_CHANGE * mps, STUCK_STEPS * step_mps) * first;
-        self.readings >= STUCK_READINGS && changed > allowed
+        self.stuck |= self.readings >= STUCK_READINGS && changed > allowed;
+        self.stuck
     }
 }

@@ -6,6 +6,7 @@ use super::frames::{
     bit_flipped, delayed, every_lost, lost, overlong_packets, pgn, randomly_lost, readdressed,
     repeated, sequenced, swapped, truncated, with_short_twins,
 };
+use super::shortfalls::Short;
 use super::signals::{altered, replaced, stuck};
 use super::{Frames, Window, random, seconds};
 use estimator_core::{Duration, Instant, Signal, Value};
@@ -59,6 +60,8 @@ pub struct Fault {
     pub window_s: (f64, f64),
     /// What the clock is ahead from then on, s.
     pub ahead_s: f64,
+    /// Where the estimator falls short of withstanding it.
+    pub short: Short,
     wrap: Box<Wrap>,
 }
 
@@ -86,8 +89,10 @@ impl Fault {
         for_s: f64,
         wrap: impl for<'a> Fn(&'a [TimedFrame], Window) -> Frames<'a> + Sync + Send + 'static,
     ) -> Self {
+        let name = name.into();
         Self {
-            name: name.into(),
+            short: Short::of(&name),
+            name,
             kind,
             window_s: (START_S, START_S + for_s),
             ahead_s: 0.0,
@@ -99,6 +104,17 @@ impl Fault {
         let length_s = self.window_s.1 - self.window_s.0;
         self.window_s = (from_s, from_s + length_s);
         self
+    }
+
+    /// For how long, s; nothing if it is for ever.
+    #[must_use]
+    pub fn lasts(&self) -> String {
+        let for_s = self.window_s.1 - self.window_s.0;
+        if for_s < FOR_EVER_S {
+            format!("{for_s:.0}")
+        } else {
+            String::new()
+        }
     }
 
     /// A recording as it is heard with the fault.

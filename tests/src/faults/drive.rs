@@ -21,7 +21,10 @@ pub fn drive(truck: &str, seed: u64) -> Result<SimulatedRun> {
     simulate(&Scenario::parse(&text, Path::new("faults"))?, 0)
 }
 
-/// A day of [`DAY_LAPS`] laps: 20 km there and back, again and again.
+/// Ways of 20 km that take more than 24 hours.
+pub const DAY_LAPS: usize = 98;
+
+/// 20 km there, and back again, for a day of [`DAY_LAPS`].
 ///
 /// # Errors
 /// As [`drive`].

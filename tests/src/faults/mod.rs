@@ -12,7 +12,9 @@ pub mod drive;
 pub mod frames;
 pub mod matrix;
 pub mod outcome;
+pub mod shortfalls;
 pub mod signals;
+pub mod table;
 
 use estimator_core::{Duration, Instant};
 use host_sim::source::can_frame::TimedFrame;

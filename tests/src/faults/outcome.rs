@@ -58,26 +58,15 @@ const fn looks(row: &RunRow) -> [(f64, f64); 3] {
     ]
 }
 
-/// Errors over some cells: smoothed, lagged and live.
+/// Errors over some cells, of one drive or several: smoothed, lagged and live.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Errors {
-    /// Cells.
-    pub cells: usize,
-    /// Root of the mean squared error of grade, %.
-    pub rmse_percent: [f64; 3],
-    /// Mean squared error over stated variance.
-    pub normalised: [f64; 3],
-}
-
-/// Sums for [`Errors`].
-#[derive(Clone, Copy, Debug, Default)]
-struct Sums {
     cells: usize,
     squares: [f64; 3],
     normalised: [f64; 3],
 }
 
-impl Sums {
+impl Errors {
     fn add(&mut self, row: &RunRow, grade_percent: f64) {
         self.cells += 1;
         for (index, (value, sigma)) in looks(row).into_iter().enumerate() {
@@ -87,13 +76,31 @@ impl Sums {
         }
     }
 
-    fn errors(&self) -> Errors {
-        let count = self.cells.max(1) as f64;
-        Errors {
-            cells: self.cells,
-            rmse_percent: self.squares.map(|sum| (sum / count).sqrt()),
-            normalised: self.normalised.map(|sum| sum / count),
+    fn merge(&mut self, other: &Self) {
+        self.cells += other.cells;
+        for index in 0..3 {
+            self.squares[index] += other.squares[index];
+            self.normalised[index] += other.normalised[index];
         }
+    }
+
+    /// Cells that they are of.
+    #[must_use]
+    pub const fn cells(&self) -> usize {
+        self.cells
+    }
+
+    /// Roots of the mean squared errors of grade, %.
+    #[must_use]
+    pub fn rmse_percent(&self) -> [f64; 3] {
+        self.squares
+            .map(|sum| (sum / self.cells.max(1) as f64).sqrt())
+    }
+
+    /// Means of the squared errors over the stated variances.
+    #[must_use]
+    pub fn normalised(&self) -> [f64; 3] {
+        self.normalised.map(|sum| sum / self.cells.max(1) as f64)
     }
 }
 
@@ -109,6 +116,16 @@ pub struct Phases {
     pub after: Errors,
     /// All of the drive.
     pub whole: Errors,
+}
+
+impl Phases {
+    /// Takes in those of another drive.
+    pub fn merge(&mut self, other: &Self) {
+        self.before.merge(&other.before);
+        self.during.merge(&other.during);
+        self.after.merge(&other.after);
+        self.whole.merge(&other.whole);
+    }
 }
 
 /// When a fault was, in seconds from the first frame on.
@@ -158,7 +175,7 @@ impl Truth {
         let (from_s, until_s) = times.window_s;
         let from_m = self.way_m(from_s);
         let recovered_m = self.way_m(until_s) + RECOVERY_M;
-        let mut sums = [Sums::default(); 4];
+        let mut errors = [Errors::default(); 4];
         for row in rows {
             let late_s = row.time_s - times.ahead_s;
             let time_s = if late_s >= from_s { late_s } else { row.time_s };
@@ -174,10 +191,10 @@ impl Truth {
                 way_m if way_m < recovered_m => 1,
                 _ => 2,
             };
-            sums[phase].add(row, grade_percent);
-            sums[3].add(row, grade_percent);
+            errors[phase].add(row, grade_percent);
+            errors[3].add(row, grade_percent);
         }
-        let [before, during, after, whole] = sums.map(|sums| sums.errors());
+        let [before, during, after, whole] = errors;
         Phases {
             before,
             during,
