@@ -94,7 +94,7 @@ fn over_long_frames_are_read_as_far_as_they_are_known() {
     };
     let (right, long) = (cells(false), cells(true));
     assert!(right.len() > 500);
-    assert_eq!(right, long);
+    assert!(right == long, "another cell");
 }
 
 /// 24 hours, there and back on the same road: the last lap is as good as the second, and the way
@@ -141,7 +141,8 @@ fn a_day_without_a_stop() {
             while estimator.next_cell().is_some() {}
         }
         let last = run.truth.last().unwrap();
-        start_s += last.time_s;
+        // The last frames come a little after the last row of the truth.
+        start_s += last.time_s + 0.2;
         length_m += last.distance_m;
         of_laps.push(f64::sqrt(squares / cells));
     }

@@ -52,6 +52,8 @@ impl FastPackets {
     /// Takes one frame of the packet `key` (PGN and source address); returns the payload that it
     /// completes. What lies beyond 64 bytes is left out of it.
     pub(super) fn push(&mut self, key: u32, data: &[u8]) -> Result<&[u8], Unfinished> {
+        // What CAN FD may pad a frame with is no part of the packet.
+        let data = data.get(..8).unwrap_or(data);
         let (&head, rest) = data.split_first().ok_or(Unfinished::Truncated)?;
         let (sequence, frame) = (head >> 5, head & 0x1f);
         if frame == 0 {
