@@ -15,6 +15,8 @@ const FAR_AHEAD: Duration = Duration::from_millis(10_000);
 /// The inputs that were out of time last.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Doubt {
+    /// Nothing was heard yet.
+    Unheard,
     None,
     /// Earlier than the newest: from a time to another, in order.
     Back(Instant, Instant),
@@ -40,9 +42,9 @@ pub(crate) enum Verdict {
 /// The time of the newest input, and how that of inputs is told.
 #[derive(Clone, Debug)]
 pub(crate) struct Clock {
-    now: Option<Instant>,
+    now: Instant,
     /// What the listener's clock is behind since it was set back.
-    behind: Duration,
+    behind_us: u64,
     doubt: Doubt,
 }
 
@@ -50,38 +52,44 @@ impl Clock {
     /// Before the first input.
     pub(crate) const fn new() -> Self {
         Self {
-            now: None,
-            behind: Duration::from_micros(0),
-            doubt: Doubt::None,
+            now: Instant::ZERO,
+            behind_us: 0,
+            doubt: Doubt::Unheard,
         }
     }
 
     /// The time of the newest input that was not out of time.
-    pub(crate) fn now(&self) -> Instant {
-        self.now.unwrap_or(Instant::ZERO)
+    pub(crate) const fn now(&self) -> Instant {
+        self.now
     }
 
     /// Takes the time that an input is told to be of.
     pub(crate) fn hear(&mut self, told: Instant) -> Verdict {
-        let time = told + self.behind;
-        let now = self.now.unwrap_or(time);
-        if now <= time && time.since(now) <= FAR_AHEAD {
-            self.now = Some(time);
+        let time = Instant::from_micros(told.micros().wrapping_add(self.behind_us));
+        // One comparison: a time before now is very far ahead of it in this.
+        let since_us = time.micros().wrapping_sub(self.now.micros());
+        if since_us <= FAR_AHEAD.micros() {
+            self.now = time;
             self.doubt = Doubt::None;
             return Verdict::Follows;
         }
-        self.out_of_time(now, time)
+        self.out_of_time(time)
     }
 
     #[inline(never)] // Not where each frame passes.
-    fn out_of_time(&mut self, now: Instant, time: Instant) -> Verdict {
-        if time >= now {
+    fn out_of_time(&mut self, time: Instant) -> Verdict {
+        let now = self.now;
+        if self.doubt == Doubt::Unheard {
+            self.now = time;
+            self.doubt = Doubt::None;
+            Verdict::Follows
+        } else if time >= now {
             let confirmed = matches!(self.doubt, Doubt::Ahead(before) if time >= before);
             if !confirmed {
                 self.doubt = Doubt::Ahead(time);
                 return Verdict::FarAhead;
             }
-            self.now = Some(time);
+            self.now = time;
             self.doubt = Doubt::None;
             Verdict::Silent
         } else {
@@ -94,9 +102,8 @@ impl Clock {
                 self.doubt = Doubt::Back(first, time);
                 return Verdict::Late;
             }
-            let more = now.since(first);
-            self.behind = Duration::from_micros(self.behind.micros().saturating_add(more.micros()));
-            self.now = Some(now + since);
+            self.behind_us = self.behind_us.wrapping_add(now.since(first).micros());
+            self.now = now + since;
             self.doubt = Doubt::None;
             Verdict::SetBack
         }

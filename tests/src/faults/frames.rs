@@ -100,7 +100,7 @@ pub fn swapped<'a>(frames: Frames<'a>, window: Window, with_times: bool) -> Fram
     let mut waiting: Option<TimedFrame> = None;
     // One more, for who still waits when the window closes.
     let end = window.end;
-    let frames = changed(
+    changed(
         frames,
         window.start..Instant::from_micros(u64::MAX),
         move |timed| {
@@ -118,8 +118,7 @@ pub fn swapped<'a>(frames: Frames<'a>, window: Window, with_times: bool) -> Fram
             }
             std::iter::once(first).chain(second).collect()
         },
-    );
-    frames
+    )
 }
 
 /// One frame of `n` is cut to a random length.
