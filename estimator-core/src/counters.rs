@@ -17,6 +17,12 @@ pub struct Counters {
     pub fast_packets_broken: u32,
     /// Frames or readings older than the one before.
     pub time_backwards: u32,
+    /// Frames or readings far ahead of the one before, and alone in that.
+    pub times_ahead: u32,
+    /// The listener's clock was set back, or began anew.
+    pub clocks_set_back: u32,
+    /// Long silences, or leaps of the listener's clock: nobody can tell them apart.
+    pub silences: u32,
     /// Readings whose sender said "not available".
     pub not_available: u32,
     /// Readings whose sender said "error", or that are no number.
@@ -25,6 +31,12 @@ pub struct Counters {
     pub other_source: u32,
     /// Another sender took over a signal from a silent one.
     pub source_switches: u32,
+    /// Times that a message came far faster than it had before: two may send it from one address.
+    pub rates_exceeded: u32,
+    /// Speeds that no vehicle changes to so fast.
+    pub speed_leaps: u32,
+    /// Speeds that stayed the same to the last digit while the engine's changed.
+    pub frozen_speeds: u32,
     /// Speeds that moved the odometer.
     pub speeds_used: u64,
     /// Traction forces known: torque with a gear, or a force.
@@ -51,10 +63,14 @@ pub struct Counters {
     pub altitudes_rejected: u64,
     /// Of these, single ones.
     pub altitude_outliers: u32,
+    /// Cells at whose end the speed was another than the model allows; it was set anew.
+    pub speed_steps: u32,
     /// Cells in which, without any brake signal, the vehicle slowed down as only brakes make it.
     pub brakes_guessed: u64,
     /// Stops after which what was learned of scale and bias was given up, wholly or in part.
     pub loads_reopened: u32,
+    /// Stretches without an altitude.
+    pub altitude_gaps: u32,
     /// Steps of the GNSS altitude error taken up.
     pub altitude_steps: u32,
     /// Stretches whose altitudes climbed unlike the road.

@@ -1,9 +1,11 @@
 //! From frames to samples: decoding, one source a signal, the sampler; and what was wrong, counted.
 
+use crate::clock::{Clock, Verdict};
 use crate::counters::Counters;
 use crate::sampler::{Sample, Sampler};
 use crate::signal::{
-    Admission, Decoder, FrameOutcome, Reading, Rejection, Sender, Signal, SourceLock, Value,
+    Admission, Decoder, FrameOutcome, RateCheck, Reading, Rejection, Sender, Signal, SourceLock,
+    Value,
 };
 use crate::time::Instant;
 use crate::tuning::Tuning;
@@ -22,12 +24,15 @@ pub enum Outcome {
     Rejected(Rejection),
     /// Older than the input before it; left out.
     TimeBackwards,
+    /// Far ahead of the input before it, and alone in that; left out.
+    TimeAhead,
 }
 
 /// The way in: everything before the filter.
 #[derive(Clone, Debug)]
 pub struct Intake {
     decoder: Decoder,
+    rates: RateCheck,
     pub(crate) desk: Desk,
 }
 
@@ -40,8 +45,7 @@ pub(crate) struct Desk {
     pub(crate) counters: Counters,
     sources: SourceLock,
     sampler: Sampler,
-    /// Time of the newest input.
-    now: Instant,
+    clock: Clock,
 }
 
 impl Intake {
@@ -53,23 +57,28 @@ impl Intake {
         vehicle.check()?;
         Ok(Self {
             decoder: Decoder::new(),
+            rates: RateCheck::new(),
             desk: Desk {
                 vehicle,
                 tuning,
                 counters: Counters::default(),
                 sources: SourceLock::new(),
                 sampler: Sampler::new(),
-                now: Instant::ZERO,
+                clock: Clock::new(),
             },
         })
     }
 
     /// Takes one frame, received at `now`.
     pub fn on_frame<F: Frame>(&mut self, now: Instant, frame: &F) -> Outcome {
-        let Self { decoder, desk } = self;
+        let Self {
+            decoder,
+            rates,
+            desk,
+        } = self;
         desk.counters.frames += 1;
-        if !desk.begin(now) {
-            return Outcome::TimeBackwards;
+        if let Some(out_of_time) = desk.begin(now) {
+            return out_of_time;
         }
         let mut used = false;
         let outcome = decoder.decode_read(frame, |message, pgn, reading| {
@@ -78,10 +87,14 @@ impl Intake {
         });
         let counters = &mut desk.counters;
         match outcome {
-            FrameOutcome::Decoded { .. } => {
+            FrameOutcome::Decoded { message, .. } => {
+                let now = desk.clock.now();
                 desk.sampler.start(now);
                 counters.frames_decoded += 1;
                 if used {
+                    if rates.exceeds(message, now) {
+                        counters.rates_exceeded = counters.rates_exceeded.saturating_add(1);
+                    }
                     Outcome::Used
                 } else {
                     Outcome::Ignored
@@ -106,11 +119,11 @@ impl Intake {
     /// Takes one reading that came without a bus. Simultaneous readings go in the order of
     /// [`Signal`](crate::Signal).
     pub fn on_reading(&mut self, now: Instant, reading: Reading) -> Outcome {
-        if !self.desk.begin(now) {
-            return Outcome::TimeBackwards;
+        if let Some(out_of_time) = self.desk.begin(now) {
+            return out_of_time;
         }
         self.desk.take(reading.signal, reading.value, None);
-        self.desk.sampler.start(now);
+        self.desk.sampler.start(self.desk.clock.now());
         Outcome::Used
     }
 
@@ -139,15 +152,20 @@ impl Intake {
 }
 
 impl Desk {
-    /// Time has come to `now`; false, and counted, if it was later already.
-    fn begin(&mut self, now: Instant) -> bool {
-        let forward = now >= self.now;
-        if forward {
-            self.now = now;
-        } else {
-            self.counters.time_backwards = self.counters.time_backwards.saturating_add(1);
-        }
-        forward
+    /// Time has come to what is told, or not if that is out of time.
+    fn begin(&mut self, told: Instant) -> Option<Outcome> {
+        let (counter, outcome) = match self.clock.hear(told) {
+            Verdict::Follows => return None,
+            Verdict::SetBack => (&mut self.counters.clocks_set_back, None),
+            Verdict::Silent => (&mut self.counters.silences, None),
+            Verdict::Late => (
+                &mut self.counters.time_backwards,
+                Some(Outcome::TimeBackwards),
+            ),
+            Verdict::FarAhead => (&mut self.counters.times_ahead, Some(Outcome::TimeAhead)),
+        };
+        *counter = counter.saturating_add(1);
+        outcome
     }
 
     /// Takes a reading, from a message and an address if it comes from a bus; true if it is a
@@ -160,12 +178,13 @@ impl Desk {
             counters,
             sources,
             sampler,
-            now,
+            clock,
         } = self;
+        let now = clock.now();
         let available = value.is_available();
         let mut switched = false;
         if let Some(sender) = sender {
-            match sources.admit(signal, sender, *now, available) {
+            match sources.admit(signal, sender, now, available) {
                 Admission::Admitted => {}
                 Admission::Switched => {
                     switched = true;
@@ -181,7 +200,7 @@ impl Desk {
             count_missing(value, counters);
         }
         let reading = Reading { signal, value };
-        sampler.record(vehicle, tuning, *now, reading, switched, counters);
+        sampler.record(vehicle, tuning, now, reading, switched, counters);
         available
     }
 }

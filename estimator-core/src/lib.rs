@@ -39,6 +39,7 @@
 mod angle;
 pub mod broadcast;
 pub mod cell;
+mod clock;
 pub mod counters;
 pub mod effect;
 pub mod estimator;

@@ -4,6 +4,7 @@ pub mod budgets;
 pub mod diagnosed;
 pub mod drive;
 pub mod emulator;
+pub mod faults;
 pub mod image;
 pub mod peers;
 pub mod planted;

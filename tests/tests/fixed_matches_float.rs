@@ -1,5 +1,9 @@
-//! Fixed point against double precision: the ten replicated experiments, and the faults of GNSS.
+//! Fixed point against double precision: the ten replicated experiments, and the faults of the GNSS
+//! receiver in the catalogue.
 
+use cross_tests::faults::catalogue::{Fault, catalogue, of_the_receiver};
+use cross_tests::faults::drive::drive;
+use cross_tests::faults::matrix::TRUCKS;
 use estimator_core::filter::Filter;
 use estimator_core::{Counters, Fixed, Scalar, Tuning};
 use host_sim::baseline::Profile;
@@ -7,10 +11,8 @@ use host_sim::recorder::Recorder;
 use host_sim::smooth::smooth_run;
 use host_sim::study::experiments::ours::{Ours, estimate_in};
 use host_sim::study::experiments::replica::Campaign;
-use host_sim::world::scenario::Scenario;
-use host_sim::world::{SimulatedRun, simulate};
+use host_sim::world::SimulatedRun;
 use rayon::prelude::*;
-use std::path::Path;
 
 /// What is wanted at most: root mean square and largest difference of grades, %, and the largest
 /// of sigmas as a part.
@@ -65,26 +67,12 @@ fn the_experiments_of_the_thesis() {
     });
 }
 
-/// 30 km with everything wrong by one sigma, wind, cold tyres, and a fault of GNSS half-way.
-fn drive(truck: &str, fault: &str) -> SimulatedRun {
-    let text = format!(
-        "seed = 1\n[road]\nlength_m = 30000.0\n\
-         [errors]\nmass_sigma = 0.1\ndrag_sigma = 0.1\nrolling_sigma = 0.1\ntorque_sigma = 0.04\n\
-         [tyres]\ncold_amount = 0.3\n\
-         [wind]\nspeed_mps = 2.0\nfrom_deg = 250.0\ngust_sigma_mps = 0.3\n\
-         [gnss]\naltitude_sigma_m = 2.0\naltitude_time_s = 250.0\naltitude_white_sigma_m = 0.3\n\
-         {fault}\n[[runs]]\nname = \"x\"\ntruck = \"{truck}\"\n"
-    );
-    let scenario = Scenario::parse(&text, Path::new("faults")).unwrap();
-    simulate(&scenario, 0).unwrap()
-}
-
 /// From the frames on the bus, as the vehicle and then the host have it.
-fn estimated<S: Scalar>(run: &SimulatedRun) -> Ours {
+fn estimated<S: Scalar>(run: &SimulatedRun, fault: &Fault) -> Ours {
     let (vehicle, tuning) = (&run.vehicle.parameters, Tuning::default());
     let mut recorder = Recorder::<S>::new(vehicle.clone(), tuning.clone()).unwrap();
-    for frame in &run.frames {
-        recorder.on_frame(frame);
+    for frame in fault.heard(&run.frames) {
+        recorder.on_frame(&frame);
     }
     let filter: Filter<S> = recorder.estimator().filter_anew();
     let (found, samples) = recorder.finish_with_samples();
@@ -120,29 +108,15 @@ fn estimated<S: Scalar>(run: &SimulatedRun) -> Ours {
 
 #[test]
 fn faults_of_the_receiver() {
-    const FAULTS: [(&str, &str); 7] = [
-        ("no fault", ""),
-        ("lost for 120 s", "outages_m = [[15000.0, 17666.0]]"),
-        ("lost for 10 minutes", "outages_m = [[12000.0, 25333.0]]"),
-        ("never there", "outages_m = [[0.0, 40000.0]]"),
-        ("25 m off for 60 s", "steps = [[15000.0, 16333.0, 25.0]]"),
-        (
-            "1 m per 100 m for 1 km",
-            "ramps = [[15000.0, 16000.0, 10.0]]",
-        ),
-        (
-            "-1 m per 100 m for 1 km",
-            "ramps = [[15000.0, 16000.0, -10.0]]",
-        ),
-    ];
-    let runs: Vec<_> = ["A", "B"]
-        .into_iter()
-        .flat_map(|truck| FAULTS.map(|(name, fault)| (truck, name, fault)))
-        .collect();
-    runs.par_iter().for_each(|(truck, name, fault)| {
-        let run = drive(truck, fault);
-        let fixed = estimated::<Fixed>(&run);
-        assert_near(&format!("{truck}, {name}"), &fixed, &estimated::<f64>(&run));
-        assert!(Counters::default() != fixed.counters);
-    });
+    let none = catalogue().into_iter().take(1);
+    let faults: Vec<Fault> = none.chain(of_the_receiver()).collect();
+    for truck in TRUCKS {
+        let run = drive(truck, 1).unwrap();
+        faults.par_iter().for_each(|fault| {
+            let fixed = estimated::<Fixed>(&run, fault);
+            let double = estimated::<f64>(&run, fault);
+            assert_near(&format!("{truck}, {}", fault.name), &fixed, &double);
+            assert!(Counters::default() != fixed.counters);
+        });
+    }
 }

@@ -14,7 +14,13 @@ use crate::counters::Counters;
 use crate::sampler::{AltitudeMeasurement, Continuity, Sample, SpeedMeasurement};
 use crate::scalar::Scalar;
 use crate::tuning::Tuning;
-use crate::vehicle::VehicleParameters;
+use crate::vehicle::{GRAVITY, VehicleParameters};
+
+/// Time without an altitude that is more than a slow receiver, s.
+const ALTITUDE_GAP_S: f32 = 10.0;
+/// Normalised squared innovation beyond which a speed is a step: five standard deviations, as of
+/// altitudes.
+const SPEED_LIMIT: f32 = 25.0;
 
 /// The filter: a state that samples move.
 #[derive(Clone, Debug)]
@@ -154,6 +160,9 @@ impl<S: Scalar> Filter<S> {
             },
             continuity: altitude.continuity,
         });
+        if fix.is_some() && gate.silent_s() > ALTITUDE_GAP_S {
+            counters.altitude_gaps = counters.altitude_gaps.saturating_add(1);
+        }
         let (verdict, event) = fix.as_ref().map_or((Verdict::Reject, None), |fix| {
             judge(gate, state, fix, vehicle, tuning, sample)
         });
@@ -192,7 +201,13 @@ impl<S: Scalar> Filter<S> {
 
         let speed = sample.speed.map(|speed| {
             let gradient = (state.x[ENERGY] - energy_before) * S::from_f32(1.0 / sample.length_m);
-            speed_update(state, tuning, speed, gradient, speed_spread.ratio()).apply(state)
+            let update = speed_update(state, tuning, speed, gradient, speed_spread.ratio());
+            if is_step(state, tuning, sample, &update) {
+                // Of the speed, and not of what moves it: it may be there and nowhere else.
+                state.p.add_variance(ENERGY, update.innovation.squared());
+                counters.speed_steps = counters.speed_steps.saturating_add(1);
+            }
+            update.apply(state)
         });
         if let Some(applied) = &speed {
             let normalised = applied.innovation.squared() / applied.innovation_variance;
@@ -371,6 +386,20 @@ fn set_altitude<S: Scalar>(state: &mut State<S>, fix: &Fix<S>) {
     state.p.clear(ALTITUDE);
     state.p.shear(ALTITUDE, GNSS_ERROR, -S::ONE);
     state.p.add_variance(ALTITUDE, fix.variance);
+}
+
+/// Whether the speed is another than noise, a road or a brake can make it within a cell: a sensor
+/// that slipped, stuck or was changed.
+fn is_step<S: Scalar>(
+    state: &State<S>,
+    tuning: &Tuning,
+    sample: &Sample,
+    update: &Update<S>,
+) -> bool {
+    let most = 0.01 * GRAVITY * tuning.invalid_noise_percent * sample.length_m;
+    let variance = state.p.get(ENERGY, ENERGY) + update.variance;
+    update.innovation.abs() > S::from_f32(most)
+        && update.innovation.squared() > S::from_f32(SPEED_LIMIT) * variance
 }
 
 /// The mean speed as a measurement of v²/2 at the cell's end, moved there along the predicted

@@ -134,6 +134,18 @@ impl DrivelineInput {
         }
     }
 
+    /// What a closed driveline turns like at its wheels by what the engine does: revolutions a
+    /// minute over the ratio of the gear.
+    pub(super) fn turns(&self, now: Instant, driveline: Driveline) -> Option<f32> {
+        match driveline {
+            Driveline::Engaged(gear) => {
+                let rpm = self.engine_speed.within(now, STALE)?;
+                Some(rpm / gear.ratio)
+            }
+            Driveline::Open | Driveline::Unknown => None,
+        }
+    }
+
     /// The gear of a driveline that nothing tells to be open, and whether that hangs on the speed of
     /// the engine.
     fn closed(
@@ -158,9 +170,8 @@ impl DrivelineInput {
             (None, Some(rpm), Some(mps)) if !is_told => {
                 powertrain.gear_of_speeds(rpm, mps, vehicle.believed_radius_m())
             }
-            // A gear is told whether it is in or not: where nothing else tells, and at launch,
-            // the engine must turn with it.
-            (Some(gear), Some(rpm), Some(mps)) if in_doubt => {
+            // A gear is told whether it is in or not, right or wrong: the engine must turn with it.
+            (Some(gear), Some(rpm), Some(mps)) => {
                 let tolerance = if launches {
                     LAUNCH_TOLERANCE
                 } else {

@@ -10,6 +10,7 @@ mod gnss;
 mod latest;
 mod odometer;
 mod slowing;
+mod speedometer;
 mod stops;
 mod switches;
 mod traction;
@@ -30,6 +31,7 @@ use heapless::Deque;
 use latest::Latest;
 use odometer::{Between, LONGEST_INTERVAL, Odometer};
 use slowing::Slowing;
+use speedometer::{Speedometer, Worth};
 use stops::Stops;
 use switches::Switches;
 use traction::TractionInput;
@@ -111,6 +113,8 @@ pub struct Sampler {
     gnss: Gnss,
     odometer: Odometer,
     wheel_speed: Latest,
+    wheels: Speedometer,
+    front_axle: Speedometer,
     surroundings: Surroundings,
     circumstances: CircumstancesInput,
     samples: Deque<Sample, QUEUE>,
@@ -137,6 +141,8 @@ impl Sampler {
             gnss: Gnss::default(),
             odometer: Odometer::default(),
             wheel_speed: Latest::default(),
+            wheels: Speedometer::default(),
+            front_axle: Speedometer::default(),
             surroundings: Surroundings::default(),
             circumstances: CircumstancesInput::default(),
             samples: Deque::new(),
@@ -166,6 +172,9 @@ impl Sampler {
         counters: &mut Counters,
     ) {
         let value = reading.value.real();
+        if source_switched {
+            self.switched_to(reading.signal);
+        }
         match reading.signal {
             Signal::EngineTorqueFraction
             | Signal::FrictionTorque
@@ -216,14 +225,9 @@ impl Sampler {
                 };
                 *counter = counter.saturating_add(1);
             }
-            Signal::WheelSpeed => {
-                self.wheel_speed.set(value, now);
-                self.speed(vehicle, tuning, now, value, counters);
-            }
-            // Stands in where the wheel-based speed is missing.
-            Signal::FrontAxleSpeed => {
-                if self.wheel_speed.within(now, LONGEST_INTERVAL).is_none() {
-                    self.speed(vehicle, tuning, now, value, counters);
+            Signal::WheelSpeed | Signal::FrontAxleSpeed => {
+                if let Some(told_mps) = self.judged_speed(now, reading.signal, value, counters) {
+                    self.speed(vehicle, tuning, now, told_mps, counters);
                 }
             }
             Signal::EngineTorqueMode
@@ -237,6 +241,20 @@ impl Sampler {
                     .record(now, reading.signal, value, speed_mps);
             }
         }
+    }
+
+    /// Another sender tells a signal from now on. Forces and speeds of two do not go together: a
+    /// difference that nothing drove would be read as a slope, and as a scale.
+    #[inline(never)] // Seldom.
+    fn switched_to(&mut self, signal: Signal) {
+        match signal {
+            Signal::EngineTorque | Signal::TractionForce => {}
+            Signal::WheelSpeed => self.wheels = Speedometer::default(),
+            Signal::FrontAxleSpeed => self.front_axle = Speedometer::default(),
+            _ => return,
+        }
+        self.odometer.interrupt();
+        self.slowing.forget();
     }
 
     /// Takes a reading of the driveline. Most repeat what was told before: then only the hold time
@@ -279,17 +297,51 @@ impl Sampler {
         self.passage = passage;
     }
 
+    /// The speed that a sensor tells, if it counts. The front axle's stands in where the
+    /// wheel-based speed is missing.
+    fn judged_speed(
+        &mut self,
+        now: Instant,
+        signal: Signal,
+        value: Option<f32>,
+        counters: &mut Counters,
+    ) -> Option<f32> {
+        let turns = self.driveline.turns(now, self.passage.driveline);
+        let is_wheels = signal == Signal::WheelSpeed;
+        let sensor = if is_wheels {
+            &mut self.wheels
+        } else {
+            &mut self.front_axle
+        };
+        let told_mps = value.filter(|mps| SPEEDS_MPS.contains(mps));
+        let good_mps = match told_mps.map(|mps| (mps, sensor.judge(now, mps, turns))) {
+            None => None,
+            Some((mps, Worth::Good)) => Some(mps),
+            Some((_, Worth::Leapt)) => {
+                counters.speed_leaps = counters.speed_leaps.saturating_add(1);
+                return None;
+            }
+            Some((_, Worth::Frozen)) => {
+                counters.frozen_speeds = counters.frozen_speeds.saturating_add(1);
+                None
+            }
+        };
+        if is_wheels {
+            self.wheel_speed.set(good_mps, now);
+            return good_mps;
+        }
+        let is_missing = self.wheel_speed.within(now, LONGEST_INTERVAL).is_none();
+        good_mps.filter(|_| is_missing)
+    }
+
     fn speed(
         &mut self,
         vehicle: &VehicleParameters,
         tuning: &Tuning,
         now: Instant,
-        value: Option<f32>,
+        told_mps: f32,
         counters: &mut Counters,
     ) {
-        let Some(told_mps) = value.filter(|mps| SPEEDS_MPS.contains(mps)) else {
-            return;
-        };
         let speed_mps = told_mps * vehicle.effects.factor(Acts::WheelRadius);
         counters.speeds_used += 1;
         self.follow_driveline(vehicle, tuning, now, Some(speed_mps));

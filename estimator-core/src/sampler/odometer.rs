@@ -113,6 +113,11 @@ impl Odometer {
         bridged
     }
 
+    /// What comes does not follow from what was.
+    pub(super) fn interrupt(&mut self) {
+        self.open.gap_cells = self.open.gap_cells.max(1);
+    }
+
     /// Nothing is known of the way just driven but its rough length.
     fn skip(&mut self, way_m: f32, interval: Duration) {
         let cells = (way_m / CELL_LENGTH_M).clamp(0.0, 4e9) as u32;

@@ -44,7 +44,8 @@ impl TractionInput {
     ) -> bool {
         match signal {
             Signal::EngineTorqueFraction => self.fraction.set(value, now),
-            Signal::FrictionTorque => self.friction.set(value, now),
+            // It follows the engine's speed and warmth: what was told last is nearer than none.
+            Signal::FrictionTorque => self.friction.keep(value, now),
             Signal::EngineTorque => {
                 self.torque.set(value, now);
                 return self.torque_changed(vehicle, now);
@@ -128,7 +129,7 @@ impl TractionInput {
     pub(super) fn net_torque_percent(&self, now: Instant) -> Option<f32> {
         let torque = self.torque.within(now, STALE)?;
         let fraction = self.fraction.within(now, STALE).unwrap_or(0.0);
-        let friction = self.friction.state(now).unwrap_or(0.0);
+        let friction = self.friction.last().unwrap_or(0.0);
         Some(torque + fraction - friction)
     }
 }

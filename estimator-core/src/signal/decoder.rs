@@ -128,7 +128,7 @@ impl Decoder {
                 Ok(payload) => payload,
                 Err(Unfinished::Partial) => return FrameOutcome::Partial,
                 Err(Unfinished::Truncated) => return FrameOutcome::Rejected(Rejection::Truncated),
-                Err(Unfinished::OutOfOrder) => {
+                Err(Unfinished::OutOfOrder | Unfinished::CutOff) => {
                     return FrameOutcome::Rejected(Rejection::FastPacketOrder);
                 }
             }

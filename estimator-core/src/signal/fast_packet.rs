@@ -28,6 +28,8 @@ pub(super) enum Unfinished {
     Partial,
     /// A frame out of order: it and what it belonged to are dropped.
     OutOfOrder,
+    /// The packet wants more frames, and the one before it never got all of its own.
+    CutOff,
     /// Too short to hold what it must.
     Truncated,
 }
@@ -50,13 +52,20 @@ impl FastPackets {
     /// Takes one frame of the packet `key` (PGN and source address); returns the payload that it
     /// completes. What lies beyond 64 bytes is left out of it.
     pub(super) fn push(&mut self, key: u32, data: &[u8]) -> Result<&[u8], Unfinished> {
+        // What CAN FD may pad a frame with is no part of the packet.
+        let data = data.get(..8).unwrap_or(data);
         let (&head, rest) = data.split_first().ok_or(Unfinished::Truncated)?;
         let (sequence, frame) = (head >> 5, head & 0x1f);
         if frame == 0 {
             let (&length, rest) = rest.split_first().ok_or(Unfinished::Truncated)?;
             let slot = self.place_for(key).ok_or(Unfinished::OutOfOrder)?;
+            let cut_off = slot.open && slot.key == key;
             slot.begin(key, sequence, length);
-            return slot.take(rest);
+            let taken = slot.take(rest);
+            return match taken {
+                Err(Unfinished::Partial) if cut_off => Err(Unfinished::CutOff),
+                taken => taken,
+            };
         }
         let slot = self
             .slots

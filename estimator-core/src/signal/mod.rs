@@ -7,10 +7,12 @@
 mod decoder;
 mod fast_packet;
 mod layout;
+mod rate_check;
 mod source_lock;
 
 pub use decoder::{Decoder, FrameOutcome, Pgn, Rejection};
 pub use layout::{MessageInfo, encode, messages};
+pub use rate_check::RateCheck;
 pub use source_lock::{Admission, Sender, SourceLock};
 
 /// The value of a signal, or why there is none.

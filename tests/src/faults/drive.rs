@@ -1,0 +1,40 @@
+//! Drives that faults happen to, and what is true of them.
+
+use host_sim::error::Result;
+use host_sim::world::scenario::Scenario;
+use host_sim::world::{SimulatedRun, simulate};
+use std::path::Path;
+
+/// 30 km with everything wrong by one sigma, wind and cold tyres, by truck "A" or "B".
+///
+/// # Errors
+/// A truck that there is not, or one that gets stuck.
+pub fn drive(truck: &str, seed: u64) -> Result<SimulatedRun> {
+    let text = format!(
+        "seed = {seed}\n[road]\nlength_m = 30000.0\n[rates]\nfast_ms = 50.0\n\
+         [errors]\nmass_sigma = 0.1\ndrag_sigma = 0.1\nrolling_sigma = 0.1\ntorque_sigma = 0.04\n\
+         [tyres]\ncold_amount = 0.3\n\
+         [wind]\nspeed_mps = 2.0\nfrom_deg = 250.0\ngust_sigma_mps = 0.3\n\
+         [gnss]\naltitude_sigma_m = 2.0\naltitude_time_s = 250.0\naltitude_white_sigma_m = 0.3\n\
+         [[runs]]\nname = \"x\"\ntruck = \"{truck}\"\nstart_time_s = 20000.0\n"
+    );
+    simulate(&Scenario::parse(&text, Path::new("faults"))?, 0)
+}
+
+/// Ways of 20 km that take more than 24 hours.
+pub const DAY_LAPS: usize = 98;
+
+/// 20 km there, and back again, for a day of [`DAY_LAPS`].
+///
+/// # Errors
+/// As [`drive`].
+pub fn lap(truck: &str) -> Result<[SimulatedRun; 2]> {
+    let text = format!(
+        "[road]\nlength_m = 20000.0\n[rates]\nfast_ms = 1000.0\n\
+         [gnss]\naltitude_sigma_m = 2.0\naltitude_time_s = 250.0\naltitude_white_sigma_m = 0.3\n\
+         [[runs]]\nname = \"there\"\ntruck = \"{truck}\"\n\
+         [[runs]]\nname = \"back\"\ntruck = \"{truck}\"\ndirection = \"backward\"\n"
+    );
+    let scenario = Scenario::parse(&text, Path::new("day"))?;
+    Ok([simulate(&scenario, 0)?, simulate(&scenario, 1)?])
+}

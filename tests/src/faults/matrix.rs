@@ -1,0 +1,256 @@
+//! Every fault on every drive, and what of it is as it should be.
+
+use super::catalogue::{Fault, Kind, catalogue};
+use super::drive::drive;
+use super::outcome::{Phases, Times, Truth, estimated, is_sound};
+use estimator_core::Counters;
+use host_sim::counter_words::events;
+use host_sim::error::Result;
+use host_sim::recorder::Run;
+use host_sim::world::SimulatedRun;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+
+/// Trucks, and drives of each: errors of one drive are no statistics.
+pub const TRUCKS: [&str; 2] = ["A", "B"];
+const SEEDS: std::ops::RangeInclusive<u64> = 1..=4;
+
+/// Largest mean of squared errors over stated variances, smoothed and lagged.
+const HONEST: f64 = 3.0;
+/// What the error may be after a fault, as a part of that without it, and besides, %.
+const RECOVERED: (f64, f64) = (1.25, 0.01);
+/// What the way driven may be off where the fault says nothing of it, m.
+const WAY_M: f64 = 10.0;
+
+/// A drive that faults happen to, and what is made of it without any.
+struct Subject {
+    run: SimulatedRun,
+    truth: Truth,
+    clean: Run,
+}
+
+/// What came of a fault on all drives of one truck.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// The truck.
+    pub truck: &'static str,
+    /// Errors with the fault.
+    pub with: Phases,
+    /// Errors without it, of the same stretches.
+    pub without: Phases,
+    /// What was counted more with the fault than without, by name.
+    pub counted: BTreeMap<&'static str, u64>,
+    /// Whether all numbers are some, with sigmas above nought.
+    pub is_sound: bool,
+    /// Whether each cell is what it is without the fault.
+    pub is_harmless: bool,
+    /// How much longer the way is than without the fault, where that is most, m.
+    pub way_m: f64,
+    /// How many cells are missing, on average.
+    pub cells_missing: f64,
+}
+
+/// A fault and what came of it on each truck.
+pub struct Row {
+    /// The fault.
+    pub fault: Fault,
+    /// By truck.
+    pub outcomes: Vec<Outcome>,
+}
+
+impl Subject {
+    fn new(truck: &str, seed: u64) -> Result<Self> {
+        let run = drive(truck, seed)?;
+        let recorded = Box::new(run.frames.iter().copied());
+        Ok(Self {
+            truth: Truth::new(&run),
+            clean: estimated::<f32>(&run.vehicle.parameters, recorded),
+            run,
+        })
+    }
+
+    fn with(&self, truck: &'static str, fault: &Fault) -> Outcome {
+        let heard = fault.heard(&self.run.frames);
+        let run = estimated::<f32>(&self.run.vehicle.parameters, heard);
+        let times = Times {
+            window_s: fault.window_s,
+            ahead_s: fault.ahead_s,
+        };
+        let right = Times {
+            ahead_s: 0.0,
+            ..times
+        };
+        let way_m = |run: &Run| run.rows.last().map_or(0.0, |row| row.distance_m);
+        Outcome {
+            truck,
+            with: self.truth.phases(&run.rows, &times),
+            without: self.truth.phases(&self.clean.rows, &right),
+            counted: more(&run.counters, &self.clean.counters),
+            is_sound: is_sound(&run.rows),
+            is_harmless: run.rows == self.clean.rows,
+            way_m: way_m(&run) - way_m(&self.clean),
+            cells_missing: self.clean.rows.len() as f64 - run.rows.len() as f64,
+        }
+    }
+}
+
+/// What was counted more than without a fault.
+fn more(with: &Counters, without: &Counters) -> BTreeMap<&'static str, u64> {
+    let all = |counters: &Counters| -> BTreeMap<&'static str, u64> {
+        let others = [
+            ("frames of no interest", counters.frames_ignored),
+            ("cells without a valid model", counters.invalid_steps),
+        ];
+        events(counters).into_iter().chain(others).collect()
+    };
+    let before = all(without);
+    let more = all(with).into_iter().filter_map(|(name, count)| {
+        let more = count.checked_sub(before.get(name).copied().unwrap_or(0))?;
+        (more > 0).then_some((name, more))
+    });
+    more.collect()
+}
+
+impl Outcome {
+    /// Of all drives of one truck.
+    fn merged(mut outcomes: impl Iterator<Item = Self>) -> Option<Self> {
+        let mut all = outcomes.next()?;
+        let mut drives = 1.0;
+        for one in outcomes {
+            all.with.merge(&one.with);
+            all.without.merge(&one.without);
+            for (name, count) in one.counted {
+                *all.counted.entry(name).or_default() += count;
+            }
+            all.is_sound &= one.is_sound;
+            all.is_harmless &= one.is_harmless;
+            if one.way_m.abs() > all.way_m.abs() {
+                all.way_m = one.way_m;
+            }
+            all.cells_missing += one.cells_missing;
+            drives += 1.0;
+        }
+        all.cells_missing /= drives;
+        Some(all)
+    }
+
+    /// Whether sigmas are honest while the fault lasts and over the whole drive, smoothed and
+    /// lagged.
+    #[must_use]
+    pub fn is_honest(&self) -> bool {
+        let honest = |means: [f64; 3]| means[..2].iter().all(|mean| *mean < HONEST);
+        honest(self.with.during.normalised()) && honest(self.with.whole.normalised())
+    }
+
+    /// Whether the fault is got over: smoothed, lagged and live.
+    #[must_use]
+    pub fn is_recovered(&self) -> bool {
+        let with = self.with.after.rmse_percent();
+        let without = self.without.after.rmse_percent();
+        with.iter()
+            .zip(without)
+            .all(|(with, without)| *with <= RECOVERED.0 * without + RECOVERED.1)
+    }
+
+    /// Whether the way is as long as without the fault.
+    #[must_use]
+    pub fn is_as_long(&self) -> bool {
+        self.way_m.abs() <= WAY_M
+    }
+
+    /// Whether it was counted, or there was nothing to count.
+    #[must_use]
+    pub fn is_counted(&self) -> bool {
+        self.is_harmless || !self.counted.is_empty()
+    }
+}
+
+impl Row {
+    /// What is not as it should be, and not declared by the fault either; or declared and not so.
+    #[must_use]
+    pub fn complaints(&self) -> Vec<String> {
+        let mut complaints = Vec::new();
+        let short = &self.fault.short;
+        for (what, is_well, declared) in [
+            (
+                "numbers that are none",
+                &Outcome::is_sound as &dyn Fn(&Outcome) -> bool,
+                false,
+            ),
+            ("sigmas too small", &Outcome::is_honest, short.dishonest),
+            ("not got over", &Outcome::is_recovered, short.lasting),
+            ("not counted", &Outcome::is_counted, short.unseen),
+            ("another way", &Outcome::is_as_long, short.displaced),
+        ] {
+            let of: Vec<_> = self
+                .outcomes
+                .iter()
+                .filter(|outcome| !is_well(outcome))
+                .collect();
+            let trucks: Vec<_> = of.iter().map(|outcome| outcome.truck).collect();
+            match (trucks.is_empty(), declared) {
+                (false, false) => complaints.push(format!("{what} ({})", trucks.join(", "))),
+                (true, true) => complaints.push(format!("declared, but not so: {what}")),
+                _ => {}
+            }
+        }
+        complaints
+    }
+
+    /// What came of it, in a word.
+    #[must_use]
+    pub fn verdict(&self) -> &'static str {
+        let all = |is: fn(&Outcome) -> bool| self.outcomes.iter().all(is);
+        if self.fault.kind == Kind::Nothing {
+            ""
+        } else if !all(Outcome::is_honest) || !all(Outcome::is_recovered) {
+            "**not withstood**"
+        } else if all(|outcome| outcome.is_harmless) {
+            "no effect"
+        } else if !all(Outcome::is_counted) {
+            "withstood, not detected"
+        } else {
+            "withstood"
+        }
+    }
+}
+
+impl Outcome {
+    const fn is_sound(&self) -> bool {
+        self.is_sound
+    }
+}
+
+/// Every fault on every drive.
+///
+/// # Errors
+/// What the simulator says.
+pub fn matrix() -> Result<Vec<Row>> {
+    let faults = catalogue();
+    let drives: Vec<(&'static str, u64)> = TRUCKS
+        .into_iter()
+        .flat_map(|truck| SEEDS.map(move |seed| (truck, seed)))
+        .collect();
+    // By drive, so that a drive is simulated once and few are in memory at the same time.
+    let by_drive: Vec<Vec<Outcome>> = drives
+        .par_iter()
+        .map(|&(truck, seed)| {
+            let subject = Subject::new(truck, seed)?;
+            Ok(faults
+                .iter()
+                .map(|fault| subject.with(truck, fault))
+                .collect())
+        })
+        .collect::<Result<_>>()?;
+    let rows = faults.into_iter().enumerate().map(|(index, fault)| {
+        let of_truck = |truck: &&str| {
+            let outcomes = by_drive.iter().map(|outcomes| &outcomes[index]);
+            Outcome::merged(outcomes.filter(|outcome| outcome.truck == *truck).cloned())
+        };
+        Row {
+            fault,
+            outcomes: TRUCKS.iter().filter_map(of_truck).collect(),
+        }
+    });
+    Ok(rows.collect())
+}

@@ -1,0 +1,202 @@
+//! The matrix of faults, as `tests/faults.md` has it; and what a table has no place for.
+
+use cross_tests::faults::catalogue::{Kind, catalogue};
+use cross_tests::faults::drive::{DAY_LAPS, drive, lap};
+use cross_tests::faults::frames::pgn;
+use cross_tests::faults::matrix::matrix;
+use cross_tests::faults::table::{committed_file, table};
+use embedded_can::{Frame, Id};
+use estimator_core::{Estimator, Instant, Tuning};
+use host_sim::series::linear;
+use host_sim::source::can_frame::{CanFrame, TimedFrame};
+use std::fs;
+
+#[test]
+fn every_fault_is_withstood_or_declared_and_the_table_says_so() {
+    let rows = matrix().unwrap();
+    let complaints: Vec<String> = rows
+        .iter()
+        .flat_map(|row| {
+            let name = &row.fault.name;
+            row.complaints()
+                .into_iter()
+                .map(move |complaint| format!("{name}: {complaint}"))
+        })
+        .collect();
+    assert!(complaints.is_empty(), "{}", complaints.join("\n"));
+    let committed = fs::read_to_string(committed_file()).unwrap();
+    assert!(
+        committed == table(&rows),
+        "tests/faults.md is not what came out: \
+         cargo run -p cross-tests --release --example faults -- --write"
+    );
+}
+
+/// A frame of up to 64 bytes, as CAN FD has them.
+struct LongFrame {
+    id: Id,
+    data: Vec<u8>,
+}
+
+impl Frame for LongFrame {
+    fn new(id: impl Into<Id>, data: &[u8]) -> Option<Self> {
+        let (id, data) = (id.into(), data.to_vec());
+        (data.len() <= 64).then_some(Self { id, data })
+    }
+
+    fn new_remote(_: impl Into<Id>, _: usize) -> Option<Self> {
+        None
+    }
+
+    fn is_extended(&self) -> bool {
+        matches!(self.id, Id::Extended(_))
+    }
+
+    fn is_remote_frame(&self) -> bool {
+        false
+    }
+
+    fn id(&self) -> Id {
+        self.id
+    }
+
+    fn dlc(&self) -> usize {
+        self.data.len()
+    }
+
+    fn data(&self) -> &[u8] {
+        &self.data
+    }
+}
+
+#[test]
+fn over_long_frames_are_read_as_far_as_they_are_known() {
+    let frames = cross_tests::drive::drive();
+    let cells = |long: bool| {
+        let vehicle = cross_tests::drive::truck();
+        let mut estimator = Estimator::<f32>::new(vehicle, Tuning::default()).unwrap();
+        let mut cells = Vec::new();
+        for TimedFrame { time, frame } in &frames {
+            let mut data = frame.data().to_vec();
+            if long && data.len() == 8 {
+                data.resize(64, 0x5a);
+            }
+            if frame.is_remote_frame() {
+                estimator.on_frame(*time, frame);
+            } else {
+                let long = LongFrame::new(frame.id(), &data).unwrap();
+                estimator.on_frame(*time, &long);
+            }
+            while estimator.step().is_some() {}
+            cells.extend(std::iter::from_fn(|| estimator.drain_cell()));
+        }
+        cells
+    };
+    let (right, long) = (cells(false), cells(true));
+    assert!(right.len() > 500);
+    assert!(right == long, "another cell");
+}
+
+/// 24 hours, there and back on the same road: the last lap is as good as the second, and the way
+/// and the time are those of the clock and the road. Single precision, as on a vehicle; torque ten
+/// times a second instead of a hundred.
+#[test]
+fn a_day_without_a_stop() {
+    let laps = lap("A").unwrap();
+    let vehicle = laps[0].vehicle.parameters.clone();
+    let mut estimator = Estimator::<f32>::new(vehicle, Tuning::default()).unwrap();
+    let mut start_s = 0.0;
+    let mut of_laps = Vec::new();
+    let mut length_m = 0.0;
+    for number in 0..DAY_LAPS {
+        let run = &laps[number % 2];
+        let first = run.frames[0].time;
+        let truth: Vec<(f64, f64)> = run
+            .truth
+            .iter()
+            .map(|row| (row.time_s, row.grade_percent))
+            .collect();
+        let (mut squares, mut cells, mut torques) = (0.0, 0.0, 0);
+        for TimedFrame { time, frame } in &run.frames {
+            if is_engine(frame) {
+                torques += 1;
+                if torques % 10 != 0 {
+                    continue;
+                }
+            }
+            let since_s = time.since(first).micros() as f64 * 1e-6;
+            let now = Instant::from_micros(((start_s + since_s) * 1e6) as u64);
+            estimator.on_frame(now, frame);
+            while estimator.step().is_some() {
+                let live = estimator.live().unwrap();
+                let at_s = live.place.time.micros() as f64 * 1e-6 - start_s;
+                let Some(grade_percent) = linear(&truth, at_s).filter(|_| at_s > 60.0) else {
+                    continue;
+                };
+                let grade = live.estimate.grade_percent;
+                assert!(grade.value.is_finite() && grade.sigma > 0.0);
+                squares += (f64::from(grade.value) - grade_percent).powi(2);
+                cells += 1.0;
+            }
+            while estimator.next_cell().is_some() {}
+        }
+        let last = run.truth.last().unwrap();
+        // The last frames come a little after the last row of the truth.
+        start_s += last.time_s + 0.2;
+        length_m += last.distance_m;
+        of_laps.push(f64::sqrt(squares / cells));
+    }
+    assert!(start_s > 86_400.0, "{start_s} s");
+    let counters = estimator.counters();
+    let faults = [
+        counters.time_backwards,
+        counters.times_ahead,
+        counters.gaps,
+        counters.samples_lost,
+        counters.restarts,
+        counters.rates_exceeded,
+        counters.frozen_speeds,
+    ];
+    assert_eq!(faults, [0; 7]);
+    let way_m = f64::from(estimator.live().unwrap().place.cell) * 2.5;
+    assert!(
+        (way_m / length_m - 1.0).abs() < 1e-3,
+        "{way_m} of {length_m}"
+    );
+    let mean = |laps: &[f64]| laps.iter().sum::<f64>() / laps.len() as f64;
+    let (early, late) = (mean(&of_laps[2..12]), mean(&of_laps[of_laps.len() - 10..]));
+    println!("live, % RMS: {early:.3} in laps 3 to 12, {late:.3} in the last ten");
+    assert!(
+        late < 1.1 * early,
+        "{early:.3} % at first, {late:.3} at last"
+    );
+}
+
+fn is_engine(frame: &CanFrame) -> bool {
+    pgn(frame) == Some(61_444)
+}
+
+#[test]
+fn a_recording_without_a_fault_is_heard_as_it_is() {
+    let run = drive("B", 1).unwrap();
+    for fault in catalogue() {
+        let same = fault
+            .heard(&run.frames)
+            .zip(&run.frames)
+            .take_while(|(heard, recorded)| heard == *recorded);
+        let (alike, first) = (same.count(), run.frames[0].time);
+        let until_s = run.frames.get(alike).map_or(f64::INFINITY, |timed| {
+            timed.time.since(first).micros() as f64 * 1e-6
+        });
+        // Up to the fault all is the same; from there on something is not.
+        let harmless = fault.kind == Kind::Nothing;
+        assert_eq!(harmless, until_s.is_infinite(), "{}", fault.name);
+        let unlike_from_s = fault.window_s.0;
+        let wraps = fault.name.contains("32 bits");
+        assert!(
+            wraps || until_s >= unlike_from_s,
+            "{}: {until_s}",
+            fault.name
+        );
+    }
+}
