@@ -121,7 +121,7 @@ fn field(message: &Message, convention: &str, signal: &Signal) -> String {
     let scaling = if matches!(signal.name.as_str(), "Latitude" | "Longitude") {
         let per_e7 = 1e-7 / signal.factor;
         format!(
-            "Scaling::DegreesE7 {{ divisor: {}, offset: {} }}",
+            "Scaling::DegreesE7 {{ divisor: {{ static BY: Divisor = Divisor::new({}); &BY }}, offset: {} }}",
             per_e7.round() as i64,
             (signal.offset * 1e7).round() as i64
         )

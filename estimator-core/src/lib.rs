@@ -41,6 +41,7 @@ pub mod broadcast;
 pub mod cell;
 mod clock;
 pub mod counters;
+mod division;
 pub mod effect;
 pub mod estimator;
 pub mod filter;

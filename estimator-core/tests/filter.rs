@@ -206,6 +206,25 @@ fn covariance_stays_symmetric_and_positive_in_single_precision() {
 }
 
 #[test]
+fn a_speed_that_steps_is_known_as_well_as_it_was_measured() {
+    for (fast_mps, slow_mps) in [(20.0, 0.2), (35.0, 1.0), (30.0, 12.0)] {
+        let mut filter = Filter::<f32>::new();
+        let mut counters = Counters::default();
+        for k in 1..=600_u32 {
+            let mps = if k % 100 < 50 { fast_mps } else { slow_mps };
+            let mut s = sample(k, 9_000.0, mps);
+            s.speed = speed(mps);
+            let step = filter.step(&truck(), &Tuning::default(), &s, &mut counters);
+            let state = step.expect("a step").state;
+            let least = state.p.to_matrix().symmetric_eigenvalues().min();
+            assert!(least > -1e-5, "{k}: {least}");
+            assert!((state.estimate().speed_mps - mps).abs() < 0.5);
+        }
+        assert_eq!(counters.restarts, 0);
+    }
+}
+
+#[test]
 fn the_noise_of_the_wheel_speed_is_learned() {
     let vehicle = truck();
     let live_sigma = |sigma: f32| {

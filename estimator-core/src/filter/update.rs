@@ -129,6 +129,13 @@ impl<S: Scalar> Update<S> {
             x.add_product(self.innovation, gain);
         }
         state.p.reduce(&gain, &cross);
+        if self.observation == Observation::Energy {
+            // What is left of a state seen alone, without the difference of two large numbers: a
+            // speed that steps is known a million times better than before.
+            for (k, gain) in gain.iter().enumerate() {
+                state.p.set(ENERGY, k, *gain * self.variance);
+            }
+        }
         Applied {
             innovation: self.innovation,
             innovation_variance,

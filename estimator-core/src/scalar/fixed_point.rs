@@ -36,6 +36,7 @@
 //! 32 by 32 bits.
 
 use super::Scalar;
+use crate::division::upper_product;
 use core::cmp::Ordering;
 use core::fmt;
 use core::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub, SubAssign};
@@ -189,16 +190,6 @@ const fn large_product(a: i64, b: i64) -> i64 {
         return Fixed::NAN.to_bits();
     }
     (high << 32) | (middle & FRACTION)
-}
-
-/// The upper half of the product.
-const fn upper_product(a: u64, b: u64) -> u64 {
-    const LOW: u64 = 0xffff_ffff;
-    let [a_high, b_high] = [a >> 32, b >> 32];
-    let [a_low, b_low] = [a & LOW, b & LOW];
-    let cross = a_high * b_low + ((a_low * b_low) >> 32);
-    let other = a_low * b_high + (cross & LOW);
-    a_high * b_high + (cross >> 32) + (other >> 32)
 }
 
 /// 2¹²⁶ over a number from 2⁶³ on, to about 58 bits: by Newton's rule from a quotient of 16 bits.

@@ -1,6 +1,7 @@
 //! Where the signals stand in their messages, and the two ways through that table.
 
 use super::{Signal, Value};
+use crate::division::Divisor;
 
 /// Whose codes for "not available" and "error" apply.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,7 +18,10 @@ pub(super) enum Scaling {
     /// `raw * scale + offset`.
     Real { scale: f32, offset: f32 },
     /// `raw / divisor + offset`, in 1e-7 degrees.
-    DegreesE7 { divisor: i64, offset: i64 },
+    DegreesE7 {
+        divisor: &'static Divisor,
+        offset: i64,
+    },
 }
 
 /// One signal in one message.
@@ -171,15 +175,12 @@ impl Field {
             Scaling::Real { scale, offset } => Value::Real(nearest * scale + offset),
             Scaling::DegreesE7 { divisor, offset } => {
                 let number = exact();
-                let half = if number < 0 {
-                    -divisor / 2
-                } else {
-                    divisor / 2
-                };
-                let angle = number.saturating_add(half).checked_div(divisor);
-                match angle.and_then(|angle| i32::try_from(angle + offset).ok()) {
-                    Some(angle) => Value::DegreesE7(angle),
-                    None => Value::Error,
+                let half = divisor.by() / 2;
+                let angle = divisor.divide(number.unsigned_abs() + half) as i64;
+                let angle = if number < 0 { -angle } else { angle };
+                match i32::try_from(angle + offset) {
+                    Ok(angle) => Value::DegreesE7(angle),
+                    Err(_) => Value::Error,
                 }
             }
         }
@@ -201,9 +202,10 @@ impl Field {
                 Scaling::DegreesE7 { .. } => mask,
             },
             Value::DegreesE7(angle) => match self.scaling {
-                Scaling::DegreesE7 { divisor, offset } => {
-                    self.clamp(convention, (i64::from(angle) - offset) * divisor)
-                }
+                Scaling::DegreesE7 { divisor, offset } => self.clamp(
+                    convention,
+                    (i64::from(angle) - offset) * divisor.by() as i64,
+                ),
                 Scaling::Real { .. } => mask,
             },
             Value::NotAvailable if convention == Convention::Nmea2000 && self.signed => mask >> 1,
