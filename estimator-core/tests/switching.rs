@@ -232,11 +232,23 @@ fn a_gear_that_the_engine_does_not_turn_with_is_not_believed() {
     for sample in &open[1..] {
         assert!(sample.load.traction_n.abs() < 1e-3);
     }
-    // Nor where the gearbox tells of its clutch: then one of them is wrong.
+    // A gearbox that tells of its clutch is believed.
     let mut drive = Drive::of(truck());
     away.insert(0, (Signal::DrivelineEngaged, 1.0));
     let told = drive.on(5.0, &away);
-    assert_eq!(valid(&told), 0);
+    assert_eq!(valid(&told), told.len());
+    // Unless the engine turned with what it told so far.
+    let mut drive = Drive::of(truck());
+    let mut with_it = away.clone();
+    for (signal, value) in &mut with_it {
+        if *signal == Signal::EngineSpeed {
+            *value = RPM;
+        }
+    }
+    let before = drive.on(100.0, &with_it);
+    assert_eq!(valid(&before), before.len());
+    let after = drive.on(30.0, &away);
+    assert_eq!(valid(&after[1..]), 0);
 }
 
 #[test]

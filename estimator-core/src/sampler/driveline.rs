@@ -16,6 +16,12 @@ const SPEED_TOLERANCE: f32 = 0.1;
 /// The same at launch, where the engine comes near the gear's speed long before it has it.
 const LAUNCH_TOLERANCE: f32 = 0.05;
 
+/// Speed readings with which the engine must have agreed on the whole before a told gear is doubted
+/// for turning otherwise, and how many count: where it never did, it is the parameters that are off,
+/// and where it no longer does for long, the vehicle.
+const AGREED_READINGS: u16 = 100;
+const MOST_AGREED_READINGS: u16 = 1_000;
+
 /// Net engine torque that something other than its own auxiliaries must take up, %.
 const LOADED_PERCENT: f32 = 10.0;
 
@@ -31,6 +37,8 @@ pub(super) struct DrivelineInput {
     gear_of_ratio: Option<Gear>,
     gear: Latest,
     engine_speed: Latest,
+    /// Readings in which the engine turned with the gear, less those in which it did not.
+    agreed: u16,
 }
 
 /// The driveline at a moment.
@@ -91,7 +99,7 @@ impl DrivelineInput {
 
     /// The driveline now, at a speed.
     pub(super) fn passage(
-        &self,
+        &mut self,
         vehicle: &VehicleParameters,
         tuning: &Tuning,
         now: Instant,
@@ -149,7 +157,7 @@ impl DrivelineInput {
     /// The gear of a driveline that nothing tells to be open, and whether that hangs on the speed of
     /// the engine.
     fn closed(
-        &self,
+        &mut self,
         powertrain: &Powertrain,
         vehicle: &VehicleParameters,
         tuning: &Tuning,
@@ -170,7 +178,8 @@ impl DrivelineInput {
             (None, Some(rpm), Some(mps)) if !is_told => {
                 powertrain.gear_of_speeds(rpm, mps, vehicle.believed_radius_m())
             }
-            // A gear is told whether it is in or not, right or wrong: the engine must turn with it.
+            // A gear is told whether it is in or not: where nothing else tells, and at launch, the
+            // engine must turn with it. So it must where it did so far: else the gear is wrong.
             (Some(gear), Some(rpm), Some(mps)) => {
                 let tolerance = if launches {
                     LAUNCH_TOLERANCE
@@ -178,7 +187,16 @@ impl DrivelineInput {
                     SPEED_TOLERANCE
                 };
                 let turned_rpm = powertrain.engine_rpm(gear, mps, vehicle.believed_radius_m());
-                ((rpm - turned_rpm).abs() <= tolerance * turned_rpm).then_some(gear)
+                let turns = (rpm - turned_rpm).abs() <= tolerance * turned_rpm;
+                if !in_doubt {
+                    self.agreed = if turns {
+                        MOST_AGREED_READINGS.min(self.agreed + 1)
+                    } else {
+                        self.agreed.saturating_sub(1)
+                    };
+                }
+                let must_turn = in_doubt || self.agreed >= AGREED_READINGS;
+                (turns || !must_turn).then_some(gear)
             }
             (told, ..) => told,
         };
