@@ -117,7 +117,7 @@ impl Intake {
     }
 
     /// Takes one reading that came without a bus. Simultaneous readings go in the order of
-    /// [`Signal`](crate::Signal).
+    /// [`Signal`].
     pub fn on_reading(&mut self, now: Instant, reading: Reading) -> Outcome {
         if let Some(out_of_time) = self.desk.begin(now) {
             return out_of_time;
