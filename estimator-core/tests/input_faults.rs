@@ -179,6 +179,27 @@ fn another_scale_of_the_speed_is_no_slope() {
 }
 
 #[test]
+fn a_brake_between_speeds_a_second_apart_is_no_step() {
+    // As of loggers and receivers of 1 Hz: a city bus from stop to stop, whose brakes nobody tells.
+    let mut bus = Bus::new();
+    let braking = |second: usize| match second % 40 {
+        phase @ 0..10 => 18.0 - 1.5 * phase as f32,
+        phase @ 10..20 => 3.0 + 1.5 * (phase - 10) as f32,
+        phase => 18.0 + 0.004 * (phase % 5) as f32,
+    };
+    bus.on(10, |_| at(18.0));
+    for second in 0..400 {
+        bus.put(CCVS1, at(braking(second)));
+        for _ in 0..10 {
+            bus.put(EEC1, at(braking(second)));
+            bus.put(ETC2, at(braking(second)));
+            bus.now_us += 100_000;
+        }
+    }
+    assert_eq!(bus.counters().speed_steps, 0);
+}
+
+#[test]
 fn where_the_wheel_speed_is_stuck_the_front_axle_stands_in() {
     let mut bus = Bus::new();
     bus.on(600, cruising);

@@ -31,6 +31,8 @@ pub struct Filter<S> {
     /// How far the receiver's altitudes have stepped since the altitude was set from them, m.
     datum_m: f32,
     speed_spread: Spread,
+    /// Way since the last speed, m.
+    unmeasured_m: f32,
     doubt: Doubt,
 }
 
@@ -58,6 +60,7 @@ impl<S: Scalar> Filter<S> {
             datum_m: 0.0,
             // A third to five times the believed sigma; some hundred readings.
             speed_spread: Spread::new(noise.speed, 0.1, 25.0, 0.01),
+            unmeasured_m: 0.0,
             doubt: Doubt::new(),
         }
     }
@@ -116,6 +119,7 @@ impl<S: Scalar> Filter<S> {
             gate,
             datum_m,
             speed_spread,
+            unmeasured_m,
             doubt,
         } = self;
         if let Some(state) = known
@@ -199,14 +203,16 @@ impl<S: Scalar> Filter<S> {
             count(counters, event);
         }
 
+        *unmeasured_m += sample.length_m;
         let speed = sample.speed.map(|speed| {
             let gradient = (state.x[ENERGY] - energy_before) * S::from_f32(1.0 / sample.length_m);
             let update = speed_update(state, tuning, speed, gradient, speed_spread.ratio());
-            if is_step(state, tuning, sample, &update) {
+            if is_step(state, tuning, *unmeasured_m, &update) {
                 // Of the speed, and not of what moves it: it may be there and nowhere else.
                 state.p.add_variance(ENERGY, update.innovation.squared());
                 counters.speed_steps = counters.speed_steps.saturating_add(1);
             }
+            *unmeasured_m = 0.0;
             update.apply(state)
         });
         if let Some(applied) = &speed {
@@ -388,15 +394,15 @@ fn set_altitude<S: Scalar>(state: &mut State<S>, fix: &Fix<S>) {
     state.p.add_variance(ALTITUDE, fix.variance);
 }
 
-/// Whether the speed is another than noise, a road or a brake can make it within a cell: a sensor
-/// that slipped, stuck or was changed.
+/// Whether the speed is another than noise, a road or a brake can make it over the way since the
+/// last one: a sensor that slipped, stuck or was changed.
 fn is_step<S: Scalar>(
     state: &State<S>,
     tuning: &Tuning,
-    sample: &Sample,
+    unmeasured_m: f32,
     update: &Update<S>,
 ) -> bool {
-    let most = 0.01 * GRAVITY * tuning.invalid_noise_percent * sample.length_m;
+    let most = 0.01 * GRAVITY * tuning.invalid_noise_percent * unmeasured_m;
     let variance = state.p.get(ENERGY, ENERGY) + update.variance;
     update.innovation.abs() > S::from_f32(most)
         && update.innovation.squared() > S::from_f32(SPEED_LIMIT) * variance
