@@ -69,6 +69,8 @@ pub struct Counters {
     pub brakes_guessed: u64,
     /// Stops after which what was learned of scale and bias was given up, wholly or in part.
     pub loads_reopened: u32,
+    /// Times that the scale went too far from where it began for that to be believed.
+    pub scales_reopened: u32,
     /// Stretches without an altitude.
     pub altitude_gaps: u32,
     /// Steps of the GNSS altitude error taken up.

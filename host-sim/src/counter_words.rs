@@ -29,6 +29,7 @@ pub fn events(c: &Counters) -> Vec<(&'static str, u64)> {
         ("cells that are no numbers", c.cells_unsound.into()),
         ("cells with brakes guessed", c.brakes_guessed),
         ("stops that reopened the load", c.loads_reopened.into()),
+        ("scales far from the file", c.scales_reopened.into()),
         ("fixes of a frozen receiver", c.frozen_fixes.into()),
         ("altitudes left out", c.altitudes_rejected),
         ("altitudes left out singly", c.altitude_outliers.into()),

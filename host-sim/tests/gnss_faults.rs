@@ -100,3 +100,35 @@ fn a_fault_costs_less_than_half_as_much_again() {
         }
     }
 }
+
+#[test]
+fn a_truck_far_from_its_file_is_no_drift() {
+    // Mass and torque wrong by up to fifteen times what the filter expects (a file for a full truck
+    // that drives empty), and a receiver that is good enough to contradict it within the first kilometre.
+    for (seed, scale) in [(3, 0.75), (9, 1.47), (2, 2.40), (12, 3.16)] {
+        let run = simulate(
+            &scenario(&[&format!(
+                "seed = {seed}\n[road]\nlength_m = 20000.0\n\
+                 [errors]\nmass_sigma = 0.35\ntorque_sigma = 0.1\n\
+                 [wind]\nspeed_mps = 2.0\nfrom_deg = 250.0\ngust_sigma_mps = 0.3\n\
+                 [gnss]\naltitude_sigma_m = 1.0\n\
+                 [[runs]]\nname = \"x\"\ntruck = \"A\"\ndirection = \"backward\"\n"
+            )]),
+            0,
+        )
+        .unwrap();
+        let mut recorder =
+            Recorder::<f32>::new(run.vehicle.parameters.clone(), Tuning::default()).unwrap();
+        for frame in &run.frames {
+            recorder.on_frame(frame);
+        }
+        let found = recorder.finish();
+        let (square, normalised) = squares(&run, &found);
+        let rmse = square.sqrt();
+        println!("scale {scale} {rmse:.4} % {normalised:.2}");
+        assert!(rmse < 0.08, "scale {scale}: {rmse:.3} %");
+        assert!(normalised < 2.0, "scale {scale}: {normalised:.2}");
+        let last = found.rows.last().unwrap().scale;
+        assert!((last - scale).abs() < 0.05, "{last}, expected {scale}");
+    }
+}

@@ -168,6 +168,11 @@ impl Gate {
         }
     }
 
+    /// Gives up what was learned of the receiver.
+    pub(super) fn unlearn(&mut self) {
+        *self = Self::new(&SensorNoise::default());
+    }
+
     /// What came before says nothing of what comes.
     pub(super) fn forget(&mut self) {
         self.forget_rejected();

@@ -14,7 +14,7 @@
 //! * `gate`: which altitudes to believe; `climb`: theirs against the model's; `learned`: how noisy
 //!   the sensors are;
 //! * `doubt`: what is not sure of adopted effects;
-//! * [`prior`]: what is believed where a drive begins;
+//! * [`prior`]: what is believed where a drive begins; `far_scale`: a vehicle far from that;
 //! * [`record`]: what a step leaves for smoothing;
 //! * [`backward`]: the smoothing recursion over them.
 
@@ -22,6 +22,7 @@ pub mod backward;
 mod climb;
 pub mod covariance;
 mod doubt;
+mod far_scale;
 mod gate;
 mod learned;
 pub mod motion;

@@ -3,6 +3,7 @@
 use super::backward::{break_matrix, break_vector};
 use super::climb::{Correction, Fixed, Way};
 use super::doubt::Doubt;
+use super::far_scale::FarScale;
 use super::gate::{AltitudeEvent, Gate, Judged, Verdict};
 use super::learned::{SensorNoise, Spread};
 use super::prior::{SlowStates, reopen, state_at_start};
@@ -34,6 +35,7 @@ pub struct Filter<S> {
     /// Way since the last speed, m.
     unmeasured_m: f32,
     doubt: Doubt,
+    far_scale: FarScale,
 }
 
 impl<S: Scalar> Filter<S> {
@@ -62,6 +64,7 @@ impl<S: Scalar> Filter<S> {
             speed_spread: Spread::new(noise.speed, 0.1, 25.0, 0.01),
             unmeasured_m: 0.0,
             doubt: Doubt::new(),
+            far_scale: FarScale::new(),
         }
     }
 
@@ -76,10 +79,13 @@ impl<S: Scalar> Filter<S> {
     }
 
     /// A filter before its first sample that knows of the slow states what this one knew at its
-    /// own, and of the sensors' noise what this one knows now: for a second look at the same drive.
+    /// own, of the sensors' noise what this one knows now, and of the scale that it may be far from
+    /// one, if it was: for a second look at the same drive.
     #[must_use]
     pub fn anew<T: Scalar>(&self) -> Filter<T> {
-        Filter::with_known(&self.noise(), self.prior)
+        let mut filter = Filter::with_known(&self.noise(), self.prior);
+        filter.far_scale = self.far_scale.anew();
+        filter
     }
 
     /// The state now; `None` before the first speed.
@@ -121,11 +127,13 @@ impl<S: Scalar> Filter<S> {
             speed_spread,
             unmeasured_m,
             doubt,
+            far_scale,
         } = self;
         if let Some(state) = known
             && sample.reopened
         {
             reopen(state, vehicle, tuning, sample);
+            far_scale.begin(state);
             counters.loads_reopened = counters.loads_reopened.saturating_add(1);
         }
         let transition = Transition::new(
@@ -146,8 +154,13 @@ impl<S: Scalar> Filter<S> {
             }
             (_, Some(speed)) => {
                 link = Link::Broken;
-                let state = known
-                    .get_or_insert_with(|| state_at_start(prior.as_ref(), vehicle, tuning, sample));
+                let state = known.get_or_insert_with(|| {
+                    let mut state = state_at_start(prior.as_ref(), vehicle, tuning, sample);
+                    let unsure = S::from_f32(far_scale.added());
+                    state.p.add_variance(SCALE, unsure);
+                    far_scale.begin(&state);
+                    state
+                });
                 begin(state, tuning, speed);
                 state.load = transition.motion().load;
                 let energy = state.x[ENERGY];
@@ -233,6 +246,11 @@ impl<S: Scalar> Filter<S> {
                 counters.altitudes_used += 1;
                 update.apply(state)
             });
+        if altitude.is_some() && far_scale.widen(state) {
+            // What the model was off by passed for the sensors' noise.
+            gate.unlearn();
+            counters.scales_reopened = counters.scales_reopened.saturating_add(1);
+        }
         counters.steps += 1;
         if !sample.place.condition.is_valid() {
             counters.invalid_steps += 1;

@@ -180,13 +180,19 @@ impl Noise {
 
 /// The records of a drive of [`truck`].
 pub fn run<S: Scalar>(samples: &[Sample], tuning: &Tuning) -> Vec<Record<S>> {
+    run_counted(samples, tuning).0
+}
+
+/// The same, with what was counted.
+pub fn run_counted<S: Scalar>(samples: &[Sample], tuning: &Tuning) -> (Vec<Record<S>>, Counters) {
     let vehicle = truck();
     let mut filter = Filter::new();
     let mut counters = Counters::default();
-    samples
+    let records = samples
         .iter()
         .filter_map(|sample| filter.step(&vehicle, tuning, sample, &mut counters))
-        .collect()
+        .collect();
+    (records, counters)
 }
 
 /// Smoothed over all of them.

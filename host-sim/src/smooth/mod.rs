@@ -22,8 +22,9 @@ pub struct Smoothed {
 /// run begins with: that of the first pass [anew](Filter::anew).
 ///
 /// Where the filter finds that GNSS drifts, it has already followed it for some hundred metres: it
-/// then goes over the run once more, without the fixes since the drift began. That pass counts if
-/// the other fixes fit it better; else it was the model that was off.
+/// then goes over the run twice more, without the fixes since the drift began, and believing all of
+/// them: a vehicle far from its parameters looks the same from where it begins. The pass counts that
+/// its fixes fit best.
 #[must_use]
 pub fn smooth_run<S: Scalar>(
     vehicle: &VehicleParameters,
@@ -31,7 +32,7 @@ pub fn smooth_run<S: Scalar>(
     filter: &Filter<S>,
     samples: &[Sample],
 ) -> Vec<Smoothed> {
-    let pass = |samples: &[Sample]| -> Vec<Record<S>> {
+    let pass = |samples: &[Sample], tuning: &Tuning| -> Vec<Record<S>> {
         let mut filter = filter.clone();
         let mut counters = Counters::default();
         samples
@@ -39,12 +40,20 @@ pub fn smooth_run<S: Scalar>(
             .filter_map(|sample| filter.step(vehicle, tuning, sample, &mut counters))
             .collect()
     };
-    let mut records = pass(samples);
+    let mut records = pass(samples, tuning);
     let drifts = drifts(&records);
     if !drifts.is_empty() {
-        let without = pass(&without_drifts(samples, &drifts));
-        if surprise(&without) < surprise(&records) {
-            records = without;
+        let believing = Tuning {
+            drift_sigmas: f32::INFINITY,
+            ..tuning.clone()
+        };
+        for other in [
+            pass(&without_drifts(samples, &drifts), tuning),
+            pass(samples, &believing),
+        ] {
+            if surprise(&other) < surprise(&records) {
+                records = other;
+            }
         }
     }
     records
