@@ -1,7 +1,7 @@
 //! What happened, counted by kind. Counters saturate.
 
-/// Counts since the start. Those of 64 bits are added to without a look at their end, which no drive
-/// comes near.
+/// Counts since the start. Those of frames, readings, steps and altitudes are added to without a
+/// look at their end, which no drive comes near: steps end after ten million kilometres.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Counters {
@@ -54,19 +54,19 @@ pub struct Counters {
     /// Finished cells whose smoothing gave a number that is none.
     pub cells_unsound: u32,
     /// Filter steps.
-    pub steps: u64,
+    pub steps: u32,
     /// Steps with an invalid model (shift, brake, no traction).
-    pub invalid_steps: u64,
+    pub invalid_steps: u32,
     /// Altitudes used.
-    pub altitudes_used: u64,
+    pub altitudes_used: u32,
     /// Altitudes left out because they did not fit.
-    pub altitudes_rejected: u64,
+    pub altitudes_rejected: u32,
     /// Of these, single ones.
     pub altitude_outliers: u32,
     /// Cells at whose end the speed was another than the model allows; it was set anew.
     pub speed_steps: u32,
     /// Cells in which, without any brake signal, the vehicle slowed down as only brakes make it.
-    pub brakes_guessed: u64,
+    pub brakes_guessed: u32,
     /// Stops after which what was learned of scale and bias was given up, wholly or in part.
     pub loads_reopened: u32,
     /// Times that the scale went too far from where it began for that to be believed.

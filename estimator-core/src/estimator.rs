@@ -16,8 +16,8 @@ use embedded_can::Frame;
 
 /// Cells driven and altitudes used before a drive leaves anything: 5 km, with GNSS on some of it.
 /// How much they told is in the variances; what is kept is just not worth a write before.
-const LEAST_STEPS: u64 = 2_000;
-const LEAST_ALTITUDES: u64 = 100;
+const LEAST_STEPS: u32 = 2_000;
+const LEAST_ALTITUDES: u32 = 100;
 
 /// The estimate now.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -206,7 +206,10 @@ fn cells_that_nobody_fetches_are_counted() {
     }
     let counters = estimator.counters();
     assert!(counters.cells_lost > 0);
-    assert_eq!(u64::from(counters.cells_lost) + kept, counters.steps);
+    assert_eq!(
+        u64::from(counters.cells_lost) + kept,
+        u64::from(counters.steps)
+    );
 }
 
 #[test]

@@ -134,6 +134,6 @@ fn an_estimator_hands_out_numbers_only() {
         counters.restarts > 0,
         "the largest force is beyond the numbers"
     );
-    assert_eq!(counters.steps, cells as u64 + u64::from(counters.restarts));
+    assert_eq!(counters.steps, cells as u32 + counters.restarts);
     assert_eq!(counters.cells_unsound, 0);
 }

@@ -297,7 +297,7 @@ fn brakes_that_nobody_tells_of_are_guessed_from_the_deceleration() {
             within.map(|(_, hits)| hits).sum()
         };
         let counted = drive.intake.counters().brakes_guessed;
-        assert_eq!(counted, flagged.iter().map(|f| f.1 as u64).sum::<u64>());
+        assert_eq!(counted, flagged.iter().map(|f| f.1 as u32).sum::<u32>());
         (hits(0..30), hits(31..38))
     };
     let (before, during) = braked(false, 1.0);

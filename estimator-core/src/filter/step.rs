@@ -32,7 +32,7 @@ pub struct Filter<S> {
     /// How far the receiver's altitudes have stepped since the altitude was set from them, m.
     datum_m: f32,
     speed_spread: Spread,
-    /// Way since the last speed, m.
+    /// Way since the last speed up to the last cell, m.
     unmeasured_m: f32,
     doubt: Doubt,
     far_scale: FarScale,
@@ -216,18 +216,20 @@ impl<S: Scalar> Filter<S> {
             count(counters, event);
         }
 
-        *unmeasured_m += sample.length_m;
-        let speed = sample.speed.map(|speed| {
+        let speed = if let Some(speed) = sample.speed {
             let gradient = (state.x[ENERGY] - energy_before) * S::from_f32(1.0 / sample.length_m);
             let update = speed_update(state, tuning, speed, gradient, speed_spread.ratio());
-            if is_step(state, tuning, *unmeasured_m, &update) {
+            let way_m = core::mem::take(unmeasured_m) + sample.length_m;
+            if is_step(state, tuning, way_m, &update) {
                 // Of the speed, and not of what moves it: it may be there and nowhere else.
                 state.p.add_variance(ENERGY, update.innovation.squared());
                 counters.speed_steps = counters.speed_steps.saturating_add(1);
             }
-            *unmeasured_m = 0.0;
-            update.apply(state)
-        });
+            Some(update.apply(state))
+        } else {
+            *unmeasured_m += sample.length_m;
+            None
+        };
         if let Some(applied) = &speed {
             let normalised = applied.innovation.squared() / applied.innovation_variance;
             let condition = sample.place.condition;
@@ -244,13 +246,14 @@ impl<S: Scalar> Filter<S> {
                     variance: fix.variance,
                 };
                 counters.altitudes_used += 1;
-                update.apply(state)
+                let applied = update.apply(state);
+                if far_scale.widen(state) {
+                    // What the model was off by passed for the sensors' noise.
+                    gate.unlearn();
+                    counters.scales_reopened = counters.scales_reopened.saturating_add(1);
+                }
+                applied
             });
-        if altitude.is_some() && far_scale.widen(state) {
-            // What the model was off by passed for the sensors' noise.
-            gate.unlearn();
-            counters.scales_reopened = counters.scales_reopened.saturating_add(1);
-        }
         counters.steps += 1;
         if !sample.place.condition.is_valid() {
             counters.invalid_steps += 1;
@@ -414,16 +417,11 @@ fn set_altitude<S: Scalar>(state: &mut State<S>, fix: &Fix<S>) {
 
 /// Whether the speed is another than noise, a road or a brake can make it over the way since the
 /// last one: a sensor that slipped, stuck or was changed.
-fn is_step<S: Scalar>(
-    state: &State<S>,
-    tuning: &Tuning,
-    unmeasured_m: f32,
-    update: &Update<S>,
-) -> bool {
-    let most = 0.01 * GRAVITY * tuning.invalid_noise_percent * unmeasured_m;
+fn is_step<S: Scalar>(state: &State<S>, tuning: &Tuning, way_m: f32, update: &Update<S>) -> bool {
     let variance = state.p.get(ENERGY, ENERGY) + update.variance;
-    update.innovation.abs() > S::from_f32(most)
-        && update.innovation.squared() > S::from_f32(SPEED_LIMIT) * variance
+    let most = || 0.01 * GRAVITY * tuning.invalid_noise_percent * way_m;
+    update.innovation.squared() > S::from_f32(SPEED_LIMIT) * variance
+        && update.innovation.abs() > S::from_f32(most())
 }
 
 /// The mean speed as a measurement of v²/2 at the cell's end, moved there along the predicted

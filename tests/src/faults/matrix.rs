@@ -99,7 +99,7 @@ fn more(with: &Counters, without: &Counters) -> BTreeMap<&'static str, u64> {
     let all = |counters: &Counters| -> BTreeMap<&'static str, u64> {
         let others = [
             ("frames of no interest", counters.frames_ignored),
-            ("cells without a valid model", counters.invalid_steps),
+            ("cells without a valid model", counters.invalid_steps.into()),
         ];
         events(counters).into_iter().chain(others).collect()
     };
