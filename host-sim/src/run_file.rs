@@ -1,8 +1,11 @@
-//! RUN.csv: one row a cell of one traversal.
+//! RUN.csv, or RUN.parquet: one row a cell of one traversal.
 
 use crate::error::{Error, Result};
 use crate::output::{Staged, stage};
+use crate::parquet_file::is_parquet;
 use crate::row_check::{self, Flaw};
+use crate::run_cell::{RunCell, RunIdentity};
+use crate::run_parquet::{self, Origin};
 use serde::{Deserialize, Deserializer, Serialize};
 use std::path::Path;
 
@@ -74,7 +77,7 @@ impl RunRow {
     }
 
     /// Whether the row can follow `before` in a run.
-    fn check(before: Option<&Self>, row: &Self) -> std::result::Result<(), Flaw> {
+    pub(crate) fn check(before: Option<&Self>, row: &Self) -> std::result::Result<(), Flaw> {
         row_check::finite(&[
             ("time_s", row.time_s),
             ("distance_m", row.distance_m),
@@ -145,20 +148,50 @@ impl RunRow {
     }
 }
 
-/// Writes a run.
+/// Writes a run: as Parquet if the name ends in .parquet, else as CSV.
 ///
 /// # Errors
 /// What the file system says.
 pub fn write(path: &Path, rows: &[RunRow]) -> Result<()> {
-    write_csv(path, rows.iter().map(RunRow::rounded))
+    write_from(path, rows, &Origin::default())
 }
 
-/// Reads a run.
+/// As [`write`], with what is known of where the run comes from (Parquet only).
+///
+/// # Errors
+/// What the file system says.
+pub fn write_from(path: &Path, rows: &[RunRow], origin: &Origin) -> Result<()> {
+    let rounded = rows.iter().map(RunRow::rounded);
+    if is_parquet(path) {
+        run_parquet::stage(path, &rounded.collect::<Vec<_>>(), origin)?.commit()
+    } else {
+        write_csv(path, rounded)
+    }
+}
+
+/// Reads a run, CSV or Parquet.
 ///
 /// # Errors
 /// With file, line and what was expected.
 pub fn read(path: &Path) -> Result<Vec<RunRow>> {
-    read_checked(path, RunRow::check)
+    if is_parquet(path) {
+        run_parquet::read(path)
+    } else {
+        read_checked(path, RunRow::check)
+    }
+}
+
+/// Reads what fusion needs of a run, CSV or Parquet.
+///
+/// # Errors
+/// With file, line and what was expected.
+pub fn read_cells(path: &Path) -> Result<(Vec<RunCell>, RunIdentity)> {
+    if is_parquet(path) {
+        return run_parquet::read_cells(path);
+    }
+    let cells: Vec<RunCell> = read(path)?.iter().map(RunCell::from).collect();
+    let identity = RunIdentity::of(cells.iter().copied());
+    Ok((cells, identity))
 }
 
 /// Writes rows as CSV with a header, whole or not at all.

@@ -10,32 +10,15 @@
 //! merged in any order.
 
 use super::GRID_M;
-use super::alignment::{Stretch, stretches};
 use super::cell_sums::CellSums;
 use super::dependence::{BETWEEN_SESSIONS, Dependence, Disagreement, Expectation, WITHIN_SESSION};
 use super::map_file::MapRow;
-use super::matching::{Place, match_track};
+use super::placing::{Coverage, PlacedRun, place};
 use super::road_line::RoadLine;
-use super::track::track_of_run;
+use crate::run_cell::RunCell;
 use crate::run_file::RunRow;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
-
-/// Cells of a run farther apart than this are not joined, m: two rows of a RUN.csv are missing.
-const JOIN_LIMIT_M: f64 = 8.0;
-
-/// How much of a run lies on the road, in cells.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Coverage {
-    pub cells: usize,
-    /// On the road, those bridged by odometer included.
-    pub matched: usize,
-    pub off_road: usize,
-    /// At the road, driven against its direction.
-    pub opposite: usize,
-    /// Without a position, and not bridged.
-    pub no_position: usize,
-}
 
 /// A run, and the session that it belongs to.
 #[derive(Clone, Copy, Debug)]
@@ -73,6 +56,36 @@ pub struct GradeMap<'a> {
     alone: Vec<CellSums>,
     /// Runs of each session.
     sessions: BTreeMap<String, Vec<CellSums>>,
+    /// Sessions that are complete, and how far their runs agreed.
+    closed: Pooled,
+    within: Vec<(String, Agreement)>,
+}
+
+/// Sessions, each one estimate.
+#[derive(Clone, Debug)]
+struct Pooled {
+    cells: Vec<CellSums>,
+    /// Runs behind them.
+    runs: Vec<u32>,
+}
+
+impl Pooled {
+    fn new(count: usize) -> Self {
+        Self {
+            cells: vec![CellSums::default(); count],
+            runs: vec![0; count],
+        }
+    }
+
+    /// Adds the runs of one session as one estimate.
+    fn add(&mut self, session: &[CellSums]) -> Agreement {
+        let agreement = agreement(&WITHIN_SESSION, session);
+        for ((sums, runs), cell) in self.cells.iter_mut().zip(&mut self.runs).zip(session) {
+            sums.merge(&cell.pooled(&agreement.dependence));
+            *runs = runs.saturating_add(cell.estimates);
+        }
+        agreement
+    }
 }
 
 impl<'a> GradeMap<'a> {
@@ -85,6 +98,8 @@ impl<'a> GradeMap<'a> {
             first: *numbers.start(),
             alone: vec![CellSums::default(); count],
             sessions: BTreeMap::new(),
+            closed: Pooled::new(count),
+            within: Vec::new(),
         }
     }
 
@@ -95,24 +110,33 @@ impl<'a> GradeMap<'a> {
 
     /// Adds one run, and says how much of it lies on the road.
     pub fn add_run(&mut self, run: &SessionRun) -> Coverage {
-        let SessionRun { session, rows } = *run;
-        let track = track_of_run(rows);
-        let places = match_track(self.road, &track);
-        let count = |wanted: Place| places.iter().filter(|&&place| place == wanted).count();
-        let mut coverage = Coverage {
-            cells: rows.len(),
-            off_road: count(Place::OffRoad),
-            opposite: count(Place::Opposite),
-            ..Coverage::default()
-        };
-        let first = self.first;
-        for stretch in stretches(&track, &places) {
-            coverage.matched += stretch.points.len();
-            add_stretch(self.cells_of(session), first, rows, &stretch);
+        let placed = place(self.road, &cells_of_run(run.rows));
+        self.add_placed(run.session, &placed);
+        placed.coverage
+    }
+
+    /// Adds a run that was placed on this map's road.
+    pub fn add_placed(&mut self, session: Option<&str>, run: &PlacedRun) {
+        if run.cells.is_empty() {
+            return;
         }
-        coverage.no_position =
-            coverage.cells - coverage.matched - coverage.off_road - coverage.opposite;
-        coverage
+        let first = self.first;
+        let cells = self.cells_of(session);
+        for placed in &run.cells {
+            let index = usize::try_from(placed.number - first).ok();
+            if let Some(cell) = index.and_then(|index| cells.get_mut(index)) {
+                cell.merge(&placed.sums());
+            }
+        }
+    }
+
+    /// Makes one estimate of a session's runs, for good: its memory is free again. No run of this
+    /// session may be added later, and what is left is not for a store.
+    pub fn close_session(&mut self, name: &str) {
+        if let Some(cells) = self.sessions.remove(name) {
+            let agreement = self.closed.add(&cells);
+            self.within.push((name.to_owned(), agreement));
+        }
     }
 
     /// Adds what another map of the same road knows.
@@ -122,20 +146,27 @@ impl<'a> GradeMap<'a> {
         for (name, cells) in &other.sessions {
             merge_cells(self.cells_of(Some(name)), cells);
         }
+        merge_cells(&mut self.closed.cells, &other.closed.cells);
+        for (runs, others) in self.closed.runs.iter_mut().zip(&other.closed.runs) {
+            *runs = runs.saturating_add(*others);
+        }
+        self.within.extend(other.within.iter().cloned());
     }
 
     /// What the runs together say.
     pub fn fused(&self) -> FusedMap {
-        let mut estimates = self.alone.clone();
-        let mut runs: Vec<u32> = self.alone.iter().map(|cell| cell.estimates).collect();
-        let mut within = Vec::with_capacity(self.sessions.len());
+        let mut pooled = self.closed.clone();
+        let mut within = self.within.clone();
         for (name, cells) in &self.sessions {
-            let agreement = agreement(&WITHIN_SESSION, cells);
-            for ((sums, runs), cell) in estimates.iter_mut().zip(&mut runs).zip(cells) {
-                sums.merge(&cell.pooled(&agreement.dependence));
-                *runs = runs.saturating_add(cell.estimates);
-            }
-            within.push((name.clone(), agreement));
+            within.push((name.clone(), pooled.add(cells)));
+        }
+        let Pooled {
+            cells: mut estimates,
+            mut runs,
+        } = pooled;
+        merge_cells(&mut estimates, &self.alone);
+        for (runs, cell) in runs.iter_mut().zip(&self.alone) {
+            *runs = runs.saturating_add(cell.estimates);
         }
         let between = agreement(&BETWEEN_SESSIONS, &estimates);
         let rows = (self.first..)
@@ -160,6 +191,11 @@ impl<'a> GradeMap<'a> {
             within,
             between,
         }
+    }
+
+    /// Cells of which sums are held.
+    pub fn held_cells(&self) -> usize {
+        self.alone.len() * (1 + self.sessions.len())
     }
 
     /// Sums of every cell of the road, in its order: of the runs without a session, then of each
@@ -197,51 +233,6 @@ fn agreement(expectation: &Expectation, cells: &[CellSums]) -> Agreement {
     }
 }
 
-/// Interpolates a run onto the grid between neighbouring cells; `first` is the number of the
-/// first of `cells`. Errors of neighbours are nearly the same, so variances are interpolated, not
-/// reduced.
-fn add_stretch(cells: &mut [CellSums], first: i64, rows: &[RunRow], stretch: &Stretch) {
-    let rows = &rows[stretch.points.clone()];
-    // Number of the first cell that this run has not yet filled.
-    let mut next = i64::MIN;
-    for (pair, at_m) in rows.windows(2).zip(stretch.distance_m.windows(2)) {
-        let (from_m, to_m) = (at_m[0], at_m[1]);
-        if to_m <= from_m || pair[1].distance_m - pair[0].distance_m > JOIN_LIMIT_M {
-            continue;
-        }
-        let begin = ((from_m / GRID_M).ceil() as i64).max(next).max(first);
-        let end = (to_m / GRID_M).floor() as i64;
-        for number in begin..=end {
-            let Some(cell) = usize::try_from(number - first)
-                .ok()
-                .and_then(|index| cells.get_mut(index))
-            else {
-                break;
-            };
-            let part = (number as f64 * GRID_M - from_m) / (to_m - from_m);
-            cell.merge(&between(&pair[0], &pair[1], part));
-        }
-        next = next.max(end + 1);
-    }
-}
-
-/// What a run knows between two of its cells.
-fn between(a: &RunRow, b: &RunRow, part: f64) -> CellSums {
-    let mix = |a: f64, b: f64| a + part * (b - a);
-    let known = |row: &RunRow| row.altitude_m.zip(row.altitude_sigma_m);
-    CellSums::of(
-        (
-            mix(a.grade_percent, b.grade_percent),
-            mix(a.grade_sigma_percent.powi(2), b.grade_sigma_percent.powi(2)),
-        ),
-        known(a)
-            .zip(known(b))
-            .map(|((a_m, a_sigma), (b_m, b_sigma))| {
-                (mix(a_m, b_m), mix(a_sigma.powi(2), b_sigma.powi(2)))
-            }),
-    )
-}
-
 /// A map fused from runs, and what each gave to it.
 #[derive(Clone, Debug)]
 pub struct Fusion<'a> {
@@ -252,20 +243,20 @@ pub struct Fusion<'a> {
 
 /// Fuses runs onto a road. The result does not depend on the number of threads.
 pub fn fuse<'a>(road: &'a RoadLine, runs: &[SessionRun]) -> Fusion<'a> {
-    let added: Vec<(GradeMap<'a>, Coverage)> = runs
+    let placed: Vec<PlacedRun> = runs
         .par_iter()
-        .map(|run| {
-            let mut map = GradeMap::new(road);
-            let coverage = map.add_run(run);
-            (map, coverage)
-        })
+        .map(|run| place(road, &cells_of_run(run.rows)))
         .collect();
     let mut map = GradeMap::new(road);
-    for (part, _) in &added {
-        map.merge(part);
+    for (run, placed) in runs.iter().zip(&placed) {
+        map.add_placed(run.session, placed);
     }
     Fusion {
         map,
-        coverage: added.iter().map(|(_, coverage)| *coverage).collect(),
+        coverage: placed.iter().map(|placed| placed.coverage).collect(),
     }
+}
+
+fn cells_of_run(rows: &[RunRow]) -> Vec<RunCell> {
+    rows.iter().map(RunCell::from).collect()
 }

@@ -1,8 +1,9 @@
-//! MAP.csv: the cells of one road, fused over runs.
+//! MAP.csv, or MAP.parquet: the cells of one road, fused over runs.
 
-use super::RoadPoint;
+use super::{RoadPoint, map_parquet};
 use crate::error::Result;
 use crate::output::Staged;
+use crate::parquet_file::is_parquet;
 use crate::row_check::{self, Flaw};
 use crate::run_file::{read_checked, round, stage_csv};
 use serde::{Deserialize, Serialize};
@@ -37,7 +38,7 @@ impl MapRow {
     }
 
     /// Whether the row can follow `before` in a map.
-    fn check(before: Option<&Self>, row: &Self) -> std::result::Result<(), Flaw> {
+    pub(super) fn check(before: Option<&Self>, row: &Self) -> std::result::Result<(), Flaw> {
         row_check::finite(&[
             ("distance_m", row.distance_m),
             ("latitude_deg", row.latitude_deg),
@@ -62,11 +63,15 @@ pub fn write(path: &Path, rows: &[MapRow]) -> Result<()> {
     stage(path, rows)?.commit()
 }
 
-/// Writes a map that appears when it is committed.
+/// Writes a map that appears when it is committed: as Parquet if the name ends in .parquet, else
+/// as CSV.
 ///
 /// # Errors
 /// What the file system says.
 pub fn stage(path: &Path, rows: &[MapRow]) -> Result<Staged> {
+    if is_parquet(path) {
+        return map_parquet::stage(path, rows);
+    }
     stage_csv(
         path,
         rows.iter().map(|row| MapRow {
@@ -81,10 +86,13 @@ pub fn stage(path: &Path, rows: &[MapRow]) -> Result<Staged> {
     )
 }
 
-/// Reads a map.
+/// Reads a map, CSV or Parquet.
 ///
 /// # Errors
 /// With file, line and what was expected.
 pub fn read(path: &Path) -> Result<Vec<MapRow>> {
+    if is_parquet(path) {
+        return map_parquet::read(path);
+    }
     read_checked(path, MapRow::check)
 }

@@ -10,20 +10,26 @@ mod dependence;
 mod fusion;
 mod local_fit;
 mod map_file;
+mod map_parquet;
 mod matching;
+mod placing;
 mod plane;
 mod road_file;
 mod road_line;
+mod run_list;
 mod store;
 mod track;
 
 pub use cell_sums::CellSums;
 pub use dependence::{BETWEEN_SESSIONS, Dependence, Disagreement, Expectation, WITHIN_SESSION};
-pub use fusion::{Agreement, Coverage, FusedMap, Fusion, GradeMap, SessionRun, fuse};
+pub use fusion::{Agreement, FusedMap, Fusion, GradeMap, SessionRun, fuse};
 pub use map_file::{MapRow, read as read_map, stage as stage_map, write as write_map};
+pub use map_parquet::stage_placed;
 pub use matching::{Place, TrackPoint, match_track};
+pub use placing::{Coverage, PlacedCell, PlacedRun, place};
 pub use road_file::{RoadRow, read as read_road};
 pub use road_line::{Located, RoadLine, RoadPoint, RoadProblem};
+pub use run_list::RunList;
 pub use store::{Store, check_session_name, read as read_store, stage as stage_store};
 pub use track::{road_of_run, track_of_run};
 

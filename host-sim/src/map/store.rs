@@ -3,13 +3,14 @@
 //! First the road: a row for every cell of it, with its position and the sums of the runs that
 //! belong to no session. Then, session by session, a row for each cell that one of its runs
 //! covered. Numbers are written in full, so that nothing changes on the way. The first line holds
-//! version and number of rows.
+//! version, number of rows and number of runs; behind the rows follows what each run is known by.
 
 use super::GRID_M;
 use super::cell_sums::CellSums;
 use super::fusion::GradeMap;
 use super::plane::chord_m;
 use super::road_line::{RoadLine, RoadPoint};
+use super::run_list::RunList;
 use crate::error::{Error, Result};
 use crate::output::Staged;
 use crate::row_check::{self, Flaw};
@@ -20,7 +21,9 @@ use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
 /// What a file of this kind begins with; the number is that of its version.
-const MARK: &str = "# roadgrade sums 1, rows: ";
+const MARK: &str = "# roadgrade sums 2, rows: ";
+/// What stands between the numbers of rows and of runs.
+const RUNS_MARK: &str = ", runs: ";
 /// A first line is not longer than this, bytes.
 const LONGEST_MARK: u64 = 80;
 /// Lines before the first row: mark and header.
@@ -58,6 +61,8 @@ pub struct Store {
     /// The road, at each of its cells.
     pub road: Vec<RoadPoint>,
     rows: Vec<StoreRow>,
+    /// The runs behind it.
+    pub runs: RunList,
 }
 
 impl Store {
@@ -105,7 +110,7 @@ pub fn check_session_name(name: &str) -> std::result::Result<(), Flaw> {
 ///
 /// # Errors
 /// What the file system says.
-pub fn stage(path: &Path, map: &GradeMap) -> Result<Staged> {
+pub fn stage(path: &Path, map: &GradeMap, runs: &RunList) -> Result<Staged> {
     let road = map.road().on_grid();
     let rows: Vec<StoreRow> = map
         .sums()
@@ -117,12 +122,14 @@ pub fn stage(path: &Path, map: &GradeMap) -> Result<Staged> {
         })
         .collect();
     crate::output::stage(path, |out| {
-        writeln!(out, "{MARK}{}", rows.len())?;
-        let mut writer = csv::Writer::from_writer(out);
+        writeln!(out, "{MARK}{}{RUNS_MARK}{}", rows.len(), runs.len())?;
+        let mut writer = csv::Writer::from_writer(&mut *out);
         for row in &rows {
             writer.serialize(row).map_err(std::io::Error::other)?;
         }
-        writer.flush()
+        writer.flush()?;
+        drop(writer);
+        runs.write(out)
     })
 }
 
@@ -131,13 +138,13 @@ pub fn stage(path: &Path, map: &GradeMap) -> Result<Staged> {
 /// # Errors
 /// With file, line and what was expected.
 pub fn read(path: &Path) -> Result<Store> {
-    let promised = promised_rows(path)?;
+    let (promised, promised_runs) = promised_counts(path)?;
     let rows = read_checked_with(
         csv::ReaderBuilder::new().comment(Some(b'#')),
         path,
         StoreRow::check,
     )?;
-    if rows.len() as u64 != promised {
+    if rows.len() != promised {
         return Err(Error::content(
             path,
             format!(
@@ -160,11 +167,12 @@ pub fn read(path: &Path) -> Result<Store> {
             format!("a cell of the road, {start_m} to {end_m}"),
         ));
     }
-    Ok(Store { road, rows })
+    let runs = RunList::read(path, promised_runs)?;
+    Ok(Store { road, rows, runs })
 }
 
-/// The number of rows that the first line tells.
-fn promised_rows(path: &Path) -> Result<u64> {
+/// The numbers of rows and of runs that the first line tells.
+fn promised_counts(path: &Path) -> Result<(usize, usize)> {
     let file = File::open(path).map_err(Error::io(path))?;
     let mut first = Vec::new();
     BufReader::new(file.take(LONGEST_MARK))
@@ -174,13 +182,14 @@ fn promised_rows(path: &Path) -> Result<u64> {
     first
         .trim_end()
         .strip_prefix(MARK)
-        .and_then(|rows| rows.parse().ok())
+        .and_then(|counts| counts.split_once(RUNS_MARK))
+        .and_then(|(rows, runs)| Some((rows.parse().ok()?, runs.parse().ok()?)))
         .ok_or_else(|| {
             Error::line(
                 path,
                 1,
                 "not a store of this version",
-                format!("\"{MARK}\" and their number, as fuse --store writes it"),
+                format!("\"{MARK}\" and their numbers, as fuse --store writes it"),
             )
         })
 }

@@ -1,18 +1,19 @@
 //! `roadgrade fuse`.
 
+mod inputs;
+mod intake;
+mod words;
+
 use super::Cli;
 use crate::error::{Error, Result};
 use crate::map::{
-    self, Agreement, Coverage, FusedMap, GradeMap, RoadLine, RoadPoint, RoadRow, SessionRun, Store,
-    check_session_name,
+    self, GradeMap, RoadLine, RoadPoint, RoadRow, RunList, Store, check_session_name,
 };
-use crate::run_file::{self, RunRow};
+use crate::run_file;
 use clap::CommandFactory;
-use rayon::prelude::*;
+use inputs::Inputs;
+use intake::Intake;
 use std::path::{Path, PathBuf};
-
-/// Runs in memory at once.
-const BATCH: usize = 8;
 
 /// Arguments of `fuse`.
 #[derive(Debug, clap::Args)]
@@ -28,9 +29,19 @@ const BATCH: usize = 8;
     allow make the map's sigmas larger.\n\n\
     With --store the sums behind the map are kept in a file, and later runs are added to them \
     without the earlier ones; its size depends on the road and on the sessions that have names, \
-    not on the number of runs. A run added twice counts twice.\n\n\
+    not on the number of runs (a line each). It is written now and then on the way: a fusion that \
+    was interrupted goes on from there when it is started again. A run that is in the map \
+    already, whatever its file is called now, is not counted again.\n\n\
+    A folder stands for all runs in it and its folders (.parquet, .csv), as those of \
+    `estimate --dataset`. A damaged file in a folder is named and left out whole, and the exit \
+    status is still 0 (--strict: 1, and no map); a damaged file that is named here is an error. \
+    A RUN.parquet knows its session if `estimate --day` has told it.\n\n\
+    Files are CSV or, if their names end in .parquet, Parquet; SUMS.csv is CSV. Give --road where \
+    runs come in no order: without it the first one decides where cells begin.\n\n\
     Examples:\n  \
     roadgrade fuse --out map.csv monday.csv tuesday.csv\n  \
+    roadgrade fuse --out map.parquet --road road.csv --store sums.csv runs/tile=N47E008\n  \
+    roadgrade fuse --out a1.parquet --placed placed runs     (for SQL: host-sim/sql/fuse.sql)\n  \
     roadgrade fuse --out map.csv --session truck7=a1.csv,a2.csv,a3.csv b.csv\n  \
     roadgrade fuse --out map.csv --store sums.csv --session truck7=a4.csv"
 )]
@@ -52,8 +63,16 @@ pub struct Args {
     /// the map of the sums.
     #[arg(long, value_name = "SUMS.csv")]
     store: Option<PathBuf>,
-    /// Runs to fuse, as `estimate` wrote them, each a session of its own.
-    #[arg(required_unless_present_any = ["sessions", "store"], value_name = "RUN.csv")]
+    /// Where each run goes as it lies on the road, as DIR/road=MAP/*.parquet, MAP being the name
+    /// of the map's file: from these, SQL makes the same map.
+    #[arg(long, value_name = "DIR")]
+    placed: Option<PathBuf>,
+    /// A damaged file in a folder is an error.
+    #[arg(long)]
+    strict: bool,
+    /// Runs to fuse, or folders of them, as `estimate` wrote them, each a session of its own
+    /// unless it tells another.
+    #[arg(required_unless_present_any = ["sessions", "store"], value_name = "RUN")]
     runs: Vec<PathBuf>,
 }
 
@@ -62,12 +81,6 @@ pub struct Args {
 struct Session {
     name: String,
     runs: Vec<PathBuf>,
-}
-
-/// One run to fuse.
-struct Input<'a> {
-    session: Option<&'a str>,
-    path: &'a Path,
 }
 
 /// Sums of earlier runs.
@@ -84,24 +97,31 @@ pub fn run(args: &Args) -> Result<()> {
             .error(clap::error::ErrorKind::ArgumentConflict, problem)
             .exit();
     }
-    let inputs: Vec<Input> = args.inputs().collect();
-    let stored = args.stored(inputs.is_empty())?;
+    let mut inputs = args.inputs()?;
+    if inputs.runs.is_empty() && !inputs.damaged.is_empty() {
+        return Err(inputs.damaged.swap_remove(0));
+    }
+    let stored = args.stored(inputs.runs.is_empty())?;
     let road = args.road(&inputs, stored.as_ref())?;
-    let mut sums = match &stored {
-        Some(stored) => stored.store.resume(&road),
-        None => GradeMap::new(&road),
+    let (sums, runs) = match &stored {
+        Some(Stored { store, .. }) => (store.resume(&road), store.runs.clone()),
+        None => (GradeMap::new(&road), RunList::default()),
     };
-    add(&mut sums, &inputs)?;
-    let fused = sums.fused();
+    let first = inputs.runs.first().map(|input| input.path.clone());
+    let store = args.store.as_deref();
+    let mut intake = Intake::new(sums, runs, store, args.placed_folder());
+    intake.add(inputs, args.strict)?;
+    let fused = intake.sums.fused();
     if fused.rows.is_empty() {
-        let first = inputs.first().map(|input| input.path);
-        let path = first.or(args.store.as_deref()).unwrap_or(&args.out);
+        let path = first.as_deref().or(store).unwrap_or(&args.out);
         let problem = "no cell of the road is covered; expected runs over it, in its direction";
         return Err(Error::content(path, problem));
     }
     let map_file = map::stage_map(&args.out, &fused.rows)?;
     let store_file = match &args.store {
-        Some(path) if !inputs.is_empty() => Some(map::stage_store(path, &sums)?),
+        Some(path) if intake.tally.added > 0 => {
+            Some(map::stage_store(path, &intake.sums, &intake.runs)?)
+        }
         _ => None,
     };
     map_file.commit()?;
@@ -109,23 +129,29 @@ pub fn run(args: &Args) -> Result<()> {
         // Last: should it fail, the runs are not in the store and can be added again.
         file.commit()?;
     }
-    report(&args.out, &fused);
+    words::report(&args.out, &fused);
     Ok(())
 }
 
 impl Args {
-    fn inputs(&self) -> impl Iterator<Item = Input<'_>> {
-        let alone = self.runs.iter().map(|path| Input {
-            session: None,
-            path,
-        });
-        let named = self.sessions.iter().flat_map(|session| {
-            session.runs.iter().map(|path| Input {
-                session: Some(&session.name),
-                path,
-            })
-        });
-        alone.chain(named)
+    fn inputs(&self) -> Result<Inputs> {
+        let mut inputs = Inputs::default();
+        for path in &self.runs {
+            inputs.add(path, None)?;
+        }
+        for session in &self.sessions {
+            for path in &session.runs {
+                inputs.add(path, Some(&session.name))?;
+            }
+        }
+        inputs.sort();
+        Ok(inputs)
+    }
+
+    /// Hive's layout: the road is a column whose value the folder has.
+    fn placed_folder(&self) -> Option<PathBuf> {
+        let road = self.out.file_stem().unwrap_or_default().to_string_lossy();
+        Some(self.placed.as_ref()?.join(format!("road={road}")))
     }
 
     /// The sums to start from; there must be some if there is nothing to add.
@@ -141,7 +167,7 @@ impl Args {
 
     /// The road, as a point for each of its cells whether it comes from a store or not: runs
     /// that are added later are then placed exactly as they would have been at first.
-    fn road(&self, inputs: &[Input], stored: Option<&Stored>) -> Result<RoadLine> {
+    fn road(&self, inputs: &Inputs, stored: Option<&Stored>) -> Result<RoadLine> {
         let given = self.road.as_deref().map(road_from_file).transpose()?;
         let Some(Stored { path, store }) = stored else {
             return given.map_or_else(|| road_from_runs(inputs), Ok);
@@ -170,48 +196,6 @@ fn session(argument: &str) -> std::result::Result<Session, String> {
     })
 }
 
-/// Adds the runs, a few in memory at a time.
-fn add(sums: &mut GradeMap, inputs: &[Input]) -> Result<()> {
-    let mut unmatched = 0;
-    for batch in inputs.chunks(BATCH) {
-        // Collected before they are judged: which error is told must not depend on threads.
-        let read: Vec<Result<Vec<RunRow>>> = batch
-            .par_iter()
-            .map(|input| run_file::read(input.path))
-            .collect();
-        let read = read.into_iter().collect::<Result<Vec<_>>>()?;
-        let runs: Vec<SessionRun> = batch
-            .iter()
-            .zip(&read)
-            .map(|(input, rows)| SessionRun {
-                session: input.session,
-                rows,
-            })
-            .collect();
-        let fusion = map::fuse(sums.road(), &runs);
-        sums.merge(&fusion.map);
-        for (input, coverage) in batch.iter().zip(&fusion.coverage) {
-            eprintln!("{}", describe(input.path, coverage));
-            unmatched += usize::from(coverage.matched == 0);
-        }
-    }
-    match inputs.first() {
-        Some(first) if unmatched == inputs.len() => Err(Error::content(
-            first.path,
-            format!(
-                "neither this nor another of {unmatched} runs covers a cell of the road; expected \
-                 runs over the road, in its direction"
-            ),
-        )),
-        _ => {
-            if unmatched > 0 {
-                eprintln!("warning: {unmatched} of {} runs gave nothing", inputs.len());
-            }
-            Ok(())
-        }
-    }
-}
-
 /// The road through these points, with a point for each of its cells.
 fn line(path: &Path, points: Vec<RoadPoint>) -> Result<RoadLine> {
     RoadLine::new(points)
@@ -225,9 +209,16 @@ fn road_from_file(path: &Path) -> Result<RoadLine> {
 }
 
 /// The road of the first run that has a track.
-fn road_from_runs(inputs: &[Input]) -> Result<RoadLine> {
-    for Input { path, .. } in inputs {
-        match map::road_of_run(&run_file::read(path)?) {
+fn road_from_runs(inputs: &Inputs) -> Result<RoadLine> {
+    for input in &inputs.runs {
+        let path = &input.path;
+        let track = match run_file::read_cells(path) {
+            Ok((cells, _)) => map::road_of_run(&cells),
+            // Named when it is its turn.
+            Err(_) if input.found => continue,
+            Err(e) => return Err(e),
+        };
+        match track {
             Some(track) => return line(path, track),
             None => eprintln!(
                 "warning: {}: no positions to take the road from",
@@ -235,66 +226,9 @@ fn road_from_runs(inputs: &[Input]) -> Result<RoadLine> {
             ),
         }
     }
-    let first = inputs.first().map_or(Path::new(""), |input| input.path);
+    let first = inputs.runs.first();
     Err(Error::content(
-        first,
+        first.map_or(Path::new(""), |input| &input.path),
         "no positions, nor in any other run; expected latitude_deg and longitude_deg in the rows",
     ))
-}
-
-fn report(out: &Path, fused: &FusedMap) {
-    let cells = fused.rows.len();
-    let km = cells as f64 * map::GRID_M / 1000.0;
-    eprintln!("{}: {cells} cells, {km:.2} km", out.display());
-    for (name, agreement) in &fused.within {
-        tell(&format!("runs of session {name}"), agreement);
-    }
-    tell("sessions", &fused.between);
-}
-
-/// Says how far estimates agree, where two of them meet.
-fn tell(who: &str, agreement: &Agreement) {
-    let Agreement {
-        disagreement,
-        dependence,
-    } = agreement;
-    let Some(ratio) = disagreement.ratio() else {
-        return;
-    };
-    let inflation = if dependence.inflation > 1.0 {
-        format!(
-            ", sigmas made {:.2} times as large",
-            dependence.inflation.sqrt()
-        )
-    } else {
-        String::new()
-    };
-    eprintln!(
-        "{who} differ by {:.2} times what their sigmas promise (squared: {ratio:.2}); taken as \
-         common: {:.0} % of the variance{inflation}",
-        ratio.sqrt(),
-        100.0 * dependence.share
-    );
-}
-
-fn describe(path: &Path, coverage: &Coverage) -> String {
-    let Coverage {
-        cells,
-        matched,
-        off_road,
-        opposite,
-        no_position,
-    } = coverage;
-    let warning = if *matched > 0 {
-        ""
-    } else if opposite > off_road {
-        "; warning: drives the other way, fuse it with runs of its direction"
-    } else {
-        "; warning: nowhere on the road"
-    };
-    format!(
-        "{}: {cells} cells: {matched} matched, {off_road} off the road, {opposite} in the \
-         opposite direction, {no_position} without position{warning}",
-        path.display()
-    )
 }
