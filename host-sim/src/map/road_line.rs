@@ -2,7 +2,7 @@
 
 use super::GRID_M;
 use super::plane::LocalPlane;
-use rstar::primitives::{GeomWithData, Line};
+use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};
 use std::cmp::Ordering::Less;
 use std::ops::RangeInclusive;
@@ -15,6 +15,10 @@ pub(super) const COURSE_REACH_M: f64 = 20.0;
 pub(super) const LATERAL_LIMIT_M: f64 = 25.0;
 /// Courses within this are the same direction, within this of the reverse the opposite one, deg.
 const COURSE_TOLERANCE_DEG: f64 = 45.0;
+
+/// Segments of one entry of the index: at a point every 2.5 m there are twenty near a position,
+/// and asking for each by itself takes longer than looking at a few more.
+const PIECE: usize = 8;
 
 /// One vertex of a road.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,7 +66,10 @@ pub struct RoadLine {
     plane: LocalPlane,
     points: Vec<RoadPoint>,
     plan: Vec<[f64; 2]>,
-    segments: RTree<GeomWithData<Line<[f64; 2]>, usize>>,
+    /// Boxes around pieces of the road, each with the number of its first segment.
+    pieces: RTree<GeomWithData<Rectangle<[f64; 2]>, usize>>,
+    /// Direction of the road around each point, in its plane.
+    courses: Vec<[f64; 2]>,
 }
 
 impl RoadLine {
@@ -91,18 +98,29 @@ impl RoadLine {
                     .ok_or(RoadProblem::TooWide(i))
             })
             .collect::<Result<Vec<_>, _>>()?;
-        let segments = RTree::bulk_load(
-            plan.windows(2)
-                .enumerate()
-                .map(|(i, pair)| GeomWithData::new(Line::new(pair[0], pair[1]), i))
+        let pieces = RTree::bulk_load(
+            (0..plan.len() - 1)
+                .step_by(PIECE)
+                .map(|first| {
+                    let piece = &plan[first..=(first + PIECE).min(plan.len() - 1)];
+                    let around = AABB::from_points(piece);
+                    GeomWithData::new(Rectangle::from_aabb(around), first)
+                })
                 .collect(),
         );
-        Ok(Self {
+        let mut road = Self {
             plane,
             points,
             plan,
-            segments,
-        })
+            pieces,
+            courses: Vec::new(),
+        };
+        road.courses = road
+            .points
+            .iter()
+            .map(|point| road.course_at(point.distance_m))
+            .collect();
+        Ok(road)
     }
 
     /// Where the road begins, m.
@@ -177,50 +195,55 @@ impl RoadLine {
             [point[0] + reach, point[1] + reach],
         );
         let mut close: Vec<usize> = self
-            .segments
+            .pieces
             .locate_in_envelope_intersecting(around)
-            .map(|segment| segment.data)
+            .map(|piece| piece.data)
             .collect();
         // The index answers in its own order.
         close.sort_unstable();
 
         let mut nearby = Nearby::default();
         let mut last = None;
-        for i in close {
-            let Some((distance_m, lateral_m)) = self.project(i, point) else {
+        let last_segment = self.plan.len() - 1;
+        for i in close
+            .into_iter()
+            .flat_map(|first| first..(first + PIECE).min(last_segment))
+        {
+            let Some(foot) = self.project(i, point) else {
                 continue;
             };
-            let difference_deg = course.map(|course| turn_deg(self.course_at(distance_m), course));
-            match difference_deg.map(f64::abs) {
-                Some(turn) if turn >= 180.0 - COURSE_TOLERANCE_DEG => {
+            let turn = course.map(|course| (self.course_of(&foot), course));
+            match turn.map(|(road, course)| way(road, course)) {
+                Some(Way::Opposite) => {
                     nearby.opposite = true;
                     continue;
                 }
-                Some(turn) if turn > COURSE_TOLERANCE_DEG => continue,
-                _ => {}
+                Some(Way::Across) => continue,
+                Some(Way::Along) | None => {}
             }
-            let located = Located {
-                distance_m,
-                lateral_m,
-                course_difference_deg: difference_deg,
-            };
             // Neighbouring segments are one pass of the road, of which the nearest point counts.
+            let same_pass = last == Some(i.wrapping_sub(1));
+            last = Some(i);
             match nearby.along.last_mut() {
-                Some(best) if last == Some(i.wrapping_sub(1)) => {
-                    if lateral_m.abs() < best.lateral_m.abs() {
-                        *best = located;
+                Some(best) if same_pass && foot.lateral_m.abs() >= best.lateral_m.abs() => {}
+                best => {
+                    let located = Located {
+                        distance_m: foot.distance_m,
+                        lateral_m: foot.lateral_m,
+                        course_difference_deg: turn.map(|(road, course)| turn_deg(road, course)),
+                    };
+                    match best {
+                        Some(best) if same_pass => *best = located,
+                        _ => nearby.along.push(located),
                     }
                 }
-                _ => nearby.along.push(located),
             }
-            last = Some(i);
         }
         nearby
     }
 
-    /// Distance along the road and offset to the left of the point of segment `i` nearest to
-    /// `point`; `None` if it is out of reach.
-    fn project(&self, i: usize, point: [f64; 2]) -> Option<(f64, f64)> {
+    /// The point of segment `i` nearest to `point`; `None` if it is out of reach.
+    fn project(&self, i: usize, point: [f64; 2]) -> Option<Foot> {
         let (a, b) = (self.plan[i], self.plan[i + 1]);
         let along = [b[0] - a[0], b[1] - a[1]];
         let to = [point[0] - a[0], point[1] - a[1]];
@@ -231,8 +254,8 @@ impl RoadLine {
             0.0
         };
         let clamped = part.clamp(0.0, 1.0);
-        let beside_m = (to[0] - clamped * along[0]).hypot(to[1] - clamped * along[1]);
-        if beside_m > LATERAL_LIMIT_M {
+        let beside = [to[0] - clamped * along[0], to[1] - clamped * along[1]];
+        if beside[0] * beside[0] + beside[1] * beside[1] > LATERAL_LIMIT_M * LATERAL_LIMIT_M {
             return None;
         }
         // Beyond the ends the tangent goes on: else all cells there would pile up on the end.
@@ -245,12 +268,26 @@ impl RoadLine {
         let part = part.clamp(first, last);
         let offset = [to[0] - part * along[0], to[1] - part * along[1]];
         let left = along[0] * offset[1] - along[1] * offset[0];
+        let lateral_m = (offset[0] * offset[0] + offset[1] * offset[1]).sqrt();
         let from_m = self.points[i].distance_m;
         let length_m = self.points[i + 1].distance_m - from_m;
-        Some((
-            from_m + part * length_m,
-            offset[0].hypot(offset[1]).copysign(left),
-        ))
+        Some(Foot {
+            distance_m: from_m + part * length_m,
+            lateral_m: lateral_m.copysign(left),
+            vertex: match part {
+                0.0 => Some(i),
+                1.0 => Some(i + 1),
+                _ => None,
+            },
+        })
+    }
+
+    /// Direction of the road at the foot of a position.
+    fn course_of(&self, foot: &Foot) -> [f64; 2] {
+        foot.vertex.map_or_else(
+            || self.course_at(foot.distance_m),
+            |vertex| self.courses[vertex],
+        )
     }
 
     /// Direction of the road around a distance, in its plane.
@@ -279,6 +316,36 @@ impl RoadLine {
         let (from_m, to_m) = (self.points[i].distance_m, self.points[i + 1].distance_m);
         let part = (distance_m - from_m) / (to_m - from_m);
         (i, part.clamp(0.0, 1.0))
+    }
+}
+
+/// Where a position meets a segment.
+struct Foot {
+    distance_m: f64,
+    lateral_m: f64,
+    /// The end of the segment that it is, if it is one.
+    vertex: Option<usize>,
+}
+
+/// How a vehicle goes on a road.
+enum Way {
+    Along,
+    Across,
+    Opposite,
+}
+
+/// Told without the angle itself, at every segment around: within 45° what is ahead is more than
+/// what is beside.
+fn way(road: [f64; 2], course: [f64; 2]) -> Way {
+    let beside = (road[0] * course[1] - road[1] * course[0]).abs();
+    let ahead = road[0] * course[0] + road[1] * course[1];
+    let limit = beside / COURSE_TOLERANCE_DEG.to_radians().tan();
+    if ahead >= limit {
+        Way::Along
+    } else if ahead <= -limit {
+        Way::Opposite
+    } else {
+        Way::Across
     }
 }
 
