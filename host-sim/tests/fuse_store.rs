@@ -235,8 +235,9 @@ fn wrong_usage_is_told_as_such() {
 /// A store with one session, its first rows only.
 fn small_store(folder: &TempDir) -> Vec<String> {
     let at = folder.path();
-    let short = run(&hills()[..9]);
-    run_file::write(&at.join("a.csv"), &short).expect("written");
+    for (name, number) in [("a.csv", 0), ("b.csv", 1), ("c.csv", 2)] {
+        run_file::write(&at.join(name), &wavy(number)[..9]).expect("written");
+    }
     fuse(
         at,
         &[
@@ -244,7 +245,7 @@ fn small_store(folder: &TempDir) -> Vec<String> {
             "sums.csv",
             "a.csv",
             "--session",
-            "day=a.csv,a.csv",
+            "day=b.csv,c.csv",
         ],
     )
     .success();
@@ -282,7 +283,7 @@ fn broken_stores_are_told_with_file_and_line() {
     let cases = [
         (String::new(), "sums.csv:1: not a store".to_owned()),
         (
-            replaced(1, "# roadgrade sums 2, rows: 14"),
+            replaced(1, "# roadgrade sums 3, rows: 14, runs: 3"),
             "sums.csv:1: not a store of this version; expected".to_owned(),
         ),
         (

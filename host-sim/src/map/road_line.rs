@@ -55,7 +55,7 @@ pub struct Located {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Nearby {
     /// Nearest point of each pass of the road that goes the same way, in the road's order.
-    pub along: Vec<Located>,
+    pub along: Vec<Foot>,
     /// Whether the road goes the opposite way here.
     pub opposite: bool,
 }
@@ -176,10 +176,15 @@ impl RoadLine {
     ) -> Option<Located> {
         let point = self.plane.point(latitude_deg, longitude_deg)?;
         let course = course_deg.map(|c| [c.to_radians().sin(), c.to_radians().cos()]);
-        self.nearby(point, course)
-            .along
-            .into_iter()
-            .min_by(|a, b| a.lateral_m.abs().total_cmp(&b.lateral_m.abs()))
+        let along = self.nearby(point, course).along;
+        let nearest = along
+            .iter()
+            .min_by(|a, b| a.lateral_m.abs().total_cmp(&b.lateral_m.abs()))?;
+        Some(Located {
+            distance_m: nearest.distance_m,
+            lateral_m: nearest.lateral_m,
+            course_difference_deg: course.map(|course| turn_deg(self.course_of(nearest), course)),
+        })
     }
 
     /// A position in the road's plane, if it lies within 300 km of the road's middle.
@@ -212,8 +217,7 @@ impl RoadLine {
             let Some(foot) = self.project(i, point) else {
                 continue;
             };
-            let turn = course.map(|course| (self.course_of(&foot), course));
-            match turn.map(|(road, course)| way(road, course)) {
+            match course.map(|course| way(self.course_of(&foot), course)) {
                 Some(Way::Opposite) => {
                     nearby.opposite = true;
                     continue;
@@ -225,18 +229,12 @@ impl RoadLine {
             let same_pass = last == Some(i.wrapping_sub(1));
             last = Some(i);
             match nearby.along.last_mut() {
-                Some(best) if same_pass && foot.lateral_m.abs() >= best.lateral_m.abs() => {}
-                best => {
-                    let located = Located {
-                        distance_m: foot.distance_m,
-                        lateral_m: foot.lateral_m,
-                        course_difference_deg: turn.map(|(road, course)| turn_deg(road, course)),
-                    };
-                    match best {
-                        Some(best) if same_pass => *best = located,
-                        _ => nearby.along.push(located),
+                Some(best) if same_pass => {
+                    if foot.lateral_m.abs() < best.lateral_m.abs() {
+                        *best = foot;
                     }
                 }
+                _ => nearby.along.push(foot),
             }
         }
         nearby
@@ -319,11 +317,14 @@ impl RoadLine {
     }
 }
 
-/// Where a position meets a segment.
-struct Foot {
-    distance_m: f64,
-    lateral_m: f64,
-    /// The end of the segment that it is, if it is one.
+/// Where a position meets the road.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Foot {
+    /// As in [`Located`].
+    pub distance_m: f64,
+    /// As in [`Located`].
+    pub lateral_m: f64,
+    /// The point of the road that it is, if it is one.
     vertex: Option<usize>,
 }
 
