@@ -12,6 +12,7 @@ use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 use std::collections::HashMap;
 use std::fs::File;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -135,9 +136,18 @@ pub fn open(path: &Path) -> Result<Opened<'_>> {
         let problem = "a folder; expected a file";
         return Err(Error::content(path, problem));
     }
-    let builder = ParquetRecordBatchReaderBuilder::try_new(file)
-        .map_err(|e| damaged(path, &e.to_string()))?;
-    Ok(Opened { path, builder })
+    guarded(path, || {
+        let builder = ParquetRecordBatchReaderBuilder::try_new(file)
+            .map_err(|e| damaged(path, &e.to_string()))?;
+        Ok(Opened { path, builder })
+    })
+}
+
+/// Decoders of damaged files may panic (an index out of range in a page): that is damage too, and
+/// must not end a fusion of thousands of files. Whatever `decode` has changed is to be dropped.
+fn guarded<T>(path: &Path, decode: impl FnOnce() -> Result<T>) -> Result<T> {
+    catch_unwind(AssertUnwindSafe(decode))
+        .unwrap_or_else(|_| Err(damaged(path, "its pages make no sense")))
 }
 
 fn damaged(path: &Path, problem: &str) -> Error {
@@ -169,6 +179,14 @@ impl Opened<'_> {
     /// # Errors
     /// A column that is missing, not numbers, or lacks a value that `take` needs; damage.
     pub fn read<const N: usize>(
+        self,
+        names: [&str; N],
+        take: impl FnMut([Option<f64>; N]) -> Result<()>,
+    ) -> Result<()> {
+        guarded(self.path, || self.decode(names, take))
+    }
+
+    fn decode<const N: usize>(
         self,
         names: [&str; N],
         mut take: impl FnMut([Option<f64>; N]) -> Result<()>,

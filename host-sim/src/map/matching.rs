@@ -6,7 +6,7 @@
 //! to the next must agree with the odometer. So a run stays on its own pass where a road comes
 //! near itself or crosses itself, and a crossing street is not worth entering.
 
-use super::road_line::{COURSE_REACH_M, LATERAL_LIMIT_M, Nearby, RoadLine};
+use super::road_line::{COURSE_REACH_M, LATERAL_LIMIT_M, Nearby, RoadLine, Surroundings};
 
 /// Price of leaving the road or coming onto it, in positions off the road: a stretch on the road
 /// must be worth two of them, 100 m of perfect fit, or it is a crossing.
@@ -59,9 +59,10 @@ pub fn match_track(road: &RoadLine, track: &[TrackPoint]) -> Vec<Place> {
             })
         })
         .collect();
+    let mut surroundings = Surroundings::default();
     let nearby: Vec<Nearby> = (0..fixes.len())
         .map(|i| match fixes[i].plan {
-            Some(plan) => road.nearby(plan, course(&fixes, i)),
+            Some(plan) => road.nearby(&mut surroundings, plan, course(&fixes, i)),
             None => Nearby::default(),
         })
         .collect();
@@ -117,33 +118,34 @@ struct State {
 
 /// For each position the index of its state: of a pass in `along`, or their number for "off".
 fn best_states(fixes: &[Fix], nearby: &[Nearby]) -> Vec<usize> {
-    let mut lattice: Vec<Vec<State>> = Vec::with_capacity(fixes.len());
+    // The states of all positions, one position behind the other, and where those of each begin.
+    let mut lattice: Vec<State> = Vec::with_capacity(2 * fixes.len());
+    let mut begins = vec![0];
     for (i, near) in nearby.iter().enumerate() {
-        let states = (0..=near.along.len())
-            .map(|state| {
-                let (cost, before) = match i.checked_sub(1) {
-                    None => (0.0, 0),
-                    Some(previous) => cheapest(
-                        &lattice[previous],
-                        &nearby[previous],
-                        near,
-                        state,
-                        fixes[i].odometer_m - fixes[previous].odometer_m,
-                    ),
-                };
-                State {
-                    cost: cost + stay_price(near, state),
-                    before,
-                }
-            })
-            .collect();
-        lattice.push(states);
+        for state in 0..=near.along.len() {
+            let (cost, before) = match i.checked_sub(1) {
+                None => (0.0, 0),
+                Some(previous) => cheapest(
+                    &lattice[begins[previous]..begins[i]],
+                    &nearby[previous],
+                    near,
+                    state,
+                    fixes[i].odometer_m - fixes[previous].odometer_m,
+                ),
+            };
+            lattice.push(State {
+                cost: cost + stay_price(near, state),
+                before,
+            });
+        }
+        begins.push(lattice.len());
     }
-    let mut chosen = vec![0; lattice.len()];
-    let mut state = lattice.last().map_or(0, |states| index_of_least(states));
-    for i in (0..lattice.len()).rev() {
+    let mut chosen = vec![0; nearby.len()];
+    let last = nearby.len().saturating_sub(1);
+    let mut state = index_of_least(&lattice[begins[last]..]);
+    for i in (0..chosen.len()).rev() {
         chosen[i] = state;
-        state = lattice[i][state].before;
+        state = lattice[begins[i] + state].before;
     }
     chosen
 }

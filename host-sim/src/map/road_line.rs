@@ -3,7 +3,7 @@
 use super::GRID_M;
 use super::plane::LocalPlane;
 use rstar::primitives::{GeomWithData, Rectangle};
-use rstar::{AABB, RTree};
+use rstar::{AABB, RTree, RTreeObject};
 use std::cmp::Ordering::Less;
 use std::ops::RangeInclusive;
 
@@ -19,6 +19,9 @@ const COURSE_TOLERANCE_DEG: f64 = 45.0;
 /// Segments of one entry of the index: at a point every 2.5 m there are twenty near a position,
 /// and asking for each by itself takes longer than looking at a few more.
 const PIECE: usize = 8;
+
+/// How far positions may go before the index is asked again, m.
+const SURROUNDINGS_M: f64 = 50.0;
 
 /// One vertex of a road.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,6 +61,30 @@ pub(super) struct Nearby {
     pub along: Vec<Foot>,
     /// Whether the road goes the opposite way here.
     pub opposite: bool,
+}
+
+/// Pieces of a road around a place: those that the next positions need too.
+#[derive(Debug, Default)]
+pub(super) struct Surroundings {
+    centre: Option<[f64; 2]>,
+    pieces: Vec<Piece>,
+}
+
+#[derive(Debug)]
+struct Piece {
+    /// Its first segment.
+    first: usize,
+    around: AABB<[f64; 2]>,
+}
+
+impl Surroundings {
+    /// Whether everything within reach of a point is among them.
+    fn hold(&self, point: [f64; 2]) -> bool {
+        self.centre.is_some_and(|centre| {
+            (point[0] - centre[0]).abs() <= SURROUNDINGS_M
+                && (point[1] - centre[1]).abs() <= SURROUNDINGS_M
+        })
+    }
 }
 
 /// A road with an index of its segments.
@@ -176,7 +203,9 @@ impl RoadLine {
     ) -> Option<Located> {
         let point = self.plane.point(latitude_deg, longitude_deg)?;
         let course = course_deg.map(|c| [c.to_radians().sin(), c.to_radians().cos()]);
-        let along = self.nearby(point, course).along;
+        let along = self
+            .nearby(&mut Surroundings::default(), point, course)
+            .along;
         let nearest = along
             .iter()
             .min_by(|a, b| a.lateral_m.abs().total_cmp(&b.lateral_m.abs()))?;
@@ -193,26 +222,23 @@ impl RoadLine {
     }
 
     /// The passes of the road near a point of its plane; `course` is a direction in that plane.
-    pub(super) fn nearby(&self, point: [f64; 2], course: Option<[f64; 2]>) -> Nearby {
-        let reach = LATERAL_LIMIT_M;
-        let around = AABB::from_corners(
-            [point[0] - reach, point[1] - reach],
-            [point[0] + reach, point[1] + reach],
-        );
-        let mut close: Vec<usize> = self
-            .pieces
-            .locate_in_envelope_intersecting(around)
-            .map(|piece| piece.data)
-            .collect();
-        // The index answers in its own order.
-        close.sort_unstable();
-
+    pub(super) fn nearby(
+        &self,
+        surroundings: &mut Surroundings,
+        point: [f64; 2],
+        course: Option<[f64; 2]>,
+    ) -> Nearby {
+        if !surroundings.hold(point) {
+            *surroundings = self.surroundings(point);
+        }
         let mut nearby = Nearby::default();
         let mut last = None;
         let last_segment = self.plan.len() - 1;
-        for i in close
-            .into_iter()
-            .flat_map(|first| first..(first + PIECE).min(last_segment))
+        for i in surroundings
+            .pieces
+            .iter()
+            .filter(|piece| piece.around.distance_2(&point) <= LATERAL_LIMIT_M * LATERAL_LIMIT_M)
+            .flat_map(|piece| piece.first..(piece.first + PIECE).min(last_segment))
         {
             let Some(foot) = self.project(i, point) else {
                 continue;
@@ -238,6 +264,28 @@ impl RoadLine {
             }
         }
         nearby
+    }
+
+    fn surroundings(&self, centre: [f64; 2]) -> Surroundings {
+        let reach = LATERAL_LIMIT_M + SURROUNDINGS_M;
+        let around = AABB::from_corners(
+            [centre[0] - reach, centre[1] - reach],
+            [centre[0] + reach, centre[1] + reach],
+        );
+        let mut pieces: Vec<Piece> = self
+            .pieces
+            .locate_in_envelope_intersecting(around)
+            .map(|piece| Piece {
+                first: piece.data,
+                around: piece.geom().envelope(),
+            })
+            .collect();
+        // The index answers in its own order.
+        pieces.sort_unstable_by_key(|piece| piece.first);
+        Surroundings {
+            centre: Some(centre),
+            pieces,
+        }
     }
 
     /// The point of segment `i` nearest to `point`; `None` if it is out of reach.

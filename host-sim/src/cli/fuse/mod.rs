@@ -210,12 +210,16 @@ fn road_from_file(path: &Path) -> Result<RoadLine> {
 
 /// The road of the first run that has a track.
 fn road_from_runs(inputs: &Inputs) -> Result<RoadLine> {
+    let mut damage = None;
     for input in &inputs.runs {
         let path = &input.path;
         let track = match run_file::read_cells(path) {
             Ok((cells, _)) => map::road_of_run(&cells),
-            // Named when it is its turn.
-            Err(_) if input.found => continue,
+            // Told when it is its turn, if another run gives the road.
+            Err(e) if input.found => {
+                damage.get_or_insert(e);
+                continue;
+            }
             Err(e) => return Err(e),
         };
         match track {
@@ -227,8 +231,11 @@ fn road_from_runs(inputs: &Inputs) -> Result<RoadLine> {
         }
     }
     let first = inputs.runs.first();
-    Err(Error::content(
-        first.map_or(Path::new(""), |input| &input.path),
-        "no positions, nor in any other run; expected latitude_deg and longitude_deg in the rows",
-    ))
+    Err(damage.unwrap_or_else(|| {
+        Error::content(
+            first.map_or(Path::new(""), |input| &input.path),
+            "no positions, nor in any other run; expected latitude_deg and longitude_deg in the \
+             rows",
+        )
+    }))
 }
