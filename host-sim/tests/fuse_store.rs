@@ -300,7 +300,8 @@ fn broken_stores_are_told_with_file_and_line() {
         (
             [&good[..last_row - 1], &good[last_row..]]
                 .concat()
-                .join("\n"),
+                .join("\n")
+                + "\n",
             format!("rows; expected the {} of its first line", last_row - 2),
         ),
         (

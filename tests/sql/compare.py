@@ -35,6 +35,9 @@ class DuckDb:
     def rows(self, statement):
         return self.connection.execute(statement).fetchall()
 
+    def close(self):
+        self.connection.close()
+
     def map(self, path):
         return self.rows(f"SELECT {', '.join(COLUMNS)} FROM '{path}' ORDER BY distance_m")
 
@@ -50,7 +53,9 @@ class Spark:
             .config("spark.ui.enabled", "false")
             .config("spark.driver.host", "127.0.0.1")
             .config("spark.driver.bindAddress", "127.0.0.1")
-            .config("spark.sql.shuffle.partitions", "4")
+            .config("spark.sql.shuffle.partitions", os.environ.get("SPARK_PARTITIONS", "2"))
+            .config("spark.sql.adaptive.enabled", "false")
+            .config("spark.ui.showConsoleProgress", "false")
             .getOrCreate()
         )
         self.session.sparkContext.setLogLevel("ERROR")
@@ -60,6 +65,10 @@ class Spark:
 
     def rows(self, statement):
         return [tuple(row) for row in self.session.sql(statement).collect()]
+
+    def close(self):
+        # Else executors are started anew while the driver ends.
+        self.session.stop()
 
     def map(self, path):
         table = self.session.read.parquet(str(path)).select(*COLUMNS).orderBy("distance_m")
@@ -82,6 +91,13 @@ def difference(ours, theirs):
 def main():
     name, statement, placed, *maps = sys.argv[1:]
     engine = {"duckdb": DuckDb, "spark": Spark}[name]()
+    try:
+        compare(engine, name, statement, placed, maps)
+    finally:
+        engine.close()
+
+
+def compare(engine, name, statement, placed, maps):
     engine.view(pathlib.Path(placed).resolve())
     started = time.monotonic()
     rows = engine.rows(pathlib.Path(statement).read_text())

@@ -9,7 +9,7 @@ use crate::run_file;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
-/// Runs in memory at once, for each thread.
+/// Runs that are placed at once, for each thread; as many wait to be added.
 const RUNS_A_THREAD: usize = 2;
 /// A store is written after this many cells, or after as many as it holds where that is more: so
 /// that an interruption costs seconds, and writing does not cost more than adding.
@@ -24,6 +24,7 @@ pub(super) struct Intake<'a, 'r> {
     /// Folder of a road's placed runs.
     pub(super) placed: Option<PathBuf>,
     pub(super) tally: Tally,
+    open_session: Option<String>,
     cells_since_save: usize,
 }
 
@@ -43,6 +44,13 @@ struct Arrival {
     placed: Option<PlacedRun>,
 }
 
+/// Runs of one session.
+struct Batch<'i> {
+    inputs: &'i [Input],
+    /// Judged in their order: which error is told must not depend on threads.
+    arrivals: Vec<Result<Arrival>>,
+}
+
 impl<'a, 'r> Intake<'a, 'r> {
     pub(super) fn new(
         sums: GradeMap<'r>,
@@ -56,6 +64,7 @@ impl<'a, 'r> Intake<'a, 'r> {
             store,
             placed,
             tally: Tally::default(),
+            open_session: None,
             cells_since_save: 0,
         }
     }
@@ -68,25 +77,37 @@ impl<'a, 'r> Intake<'a, 'r> {
         }
         let runs = inputs.runs;
         let in_flight = RUNS_A_THREAD * rayon::current_num_threads();
-        for of_session in runs.chunk_by(|a, b| a.session == b.session) {
-            for batch in of_session.chunks(in_flight) {
-                self.add_batch(batch, strict)?;
-            }
-            if let (Some(session), None) = (&of_session[0].session, self.store) {
-                self.sums.close_session(session);
-            }
+        // What was there at the start: those need not be placed.
+        let (road, known) = (self.sums.road(), self.runs.clone());
+        let batches = runs
+            .chunk_by(|a, b| a.session == b.session)
+            .flat_map(|of_session| of_session.chunks(in_flight));
+        // While one batch is added, the next is read and placed.
+        let mut placed: Option<Batch> = None;
+        for batch in batches.map(Some).chain([None]) {
+            let before = placed.take();
+            let (next, added) = rayon::join(
+                || batch.map(|inputs| Batch::place(inputs, road, &known)),
+                || before.map_or(Ok(()), |batch| self.add_batch(batch, strict)),
+            );
+            added?;
+            placed = next;
         }
         self.judge(&runs)
     }
 
-    fn add_batch(&mut self, batch: &[Input], strict: bool) -> Result<()> {
-        let (road, known) = (self.sums.road(), &self.runs);
-        // Collected before they are judged: which error is told must not depend on threads.
-        let arrivals: Vec<Result<Arrival>> = batch
-            .par_iter()
-            .map(|input| arrive(road, known, input))
-            .collect();
-        for (input, arrival) in batch.iter().zip(arrivals) {
+    fn add_batch(&mut self, batch: Batch, strict: bool) -> Result<()> {
+        let session = batch
+            .inputs
+            .first()
+            .and_then(|input| input.session.as_ref());
+        if session != self.open_session.as_ref() {
+            if let (Some(complete), None) = (&self.open_session, self.store) {
+                self.sums.close_session(complete);
+            }
+            self.open_session = session.cloned();
+        }
+        for (input, arrival) in batch.inputs.iter().zip(batch.arrivals) {
             match arrival {
                 Ok(arrival) => self.take(input, &arrival)?,
                 Err(e) => self.leave_out(e, strict || !input.found)?,
@@ -171,8 +192,16 @@ impl<'a, 'r> Intake<'a, 'r> {
     }
 }
 
-fn arrive(road: &RoadLine, known: &RunList, input: &Input) -> Result<Arrival> {
-    let (cells, identity) = run_file::read_cells(&input.path)?;
-    let placed = (!known.contains(identity)).then(|| map::place(road, &cells));
-    Ok(Arrival { identity, placed })
+impl<'i> Batch<'i> {
+    fn place(inputs: &'i [Input], road: &RoadLine, known: &RunList) -> Self {
+        let arrive = |input: &Input| {
+            let (cells, identity) = run_file::read_cells(&input.path)?;
+            let placed = (!known.contains(identity)).then(|| map::place(road, &cells));
+            Ok(Arrival { identity, placed })
+        };
+        Self {
+            inputs,
+            arrivals: inputs.par_iter().map(arrive).collect(),
+        }
+    }
 }
