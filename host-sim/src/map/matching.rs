@@ -6,7 +6,8 @@
 //! to the next must agree with the odometer. So a run stays on its own pass where a road comes
 //! near itself or crosses itself, and a crossing street is not worth entering.
 
-use super::road_line::{COURSE_REACH_M, LATERAL_LIMIT_M, Nearby, RoadLine, Surroundings};
+use super::road_index::Surroundings;
+use super::road_line::{COURSE_REACH_M, LATERAL_LIMIT_M, Nearby, RoadLine};
 
 /// Price of leaving the road or coming onto it, in positions off the road: a stretch on the road
 /// must be worth two of them, 100 m of perfect fit, or it is a crossing.

@@ -15,6 +15,7 @@ mod matching;
 mod placing;
 mod plane;
 mod road_file;
+mod road_index;
 mod road_line;
 mod run_list;
 mod store;

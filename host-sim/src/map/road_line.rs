@@ -2,8 +2,7 @@
 
 use super::GRID_M;
 use super::plane::LocalPlane;
-use rstar::primitives::{GeomWithData, Rectangle};
-use rstar::{AABB, RTree, RTreeObject};
+use super::road_index::{RoadIndex, Surroundings};
 use std::cmp::Ordering::Less;
 use std::ops::RangeInclusive;
 
@@ -15,13 +14,6 @@ pub(super) const COURSE_REACH_M: f64 = 20.0;
 pub(super) const LATERAL_LIMIT_M: f64 = 25.0;
 /// Courses within this are the same direction, within this of the reverse the opposite one, deg.
 const COURSE_TOLERANCE_DEG: f64 = 45.0;
-
-/// Segments of one entry of the index: at a point every 2.5 m there are twenty near a position,
-/// and asking for each by itself takes longer than looking at a few more.
-const PIECE: usize = 8;
-
-/// How far positions may go before the index is asked again, m.
-const SURROUNDINGS_M: f64 = 50.0;
 
 /// One vertex of a road.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -63,38 +55,13 @@ pub(super) struct Nearby {
     pub opposite: bool,
 }
 
-/// Pieces of a road around a place: those that the next positions need too.
-#[derive(Debug, Default)]
-pub(super) struct Surroundings {
-    centre: Option<[f64; 2]>,
-    pieces: Vec<Piece>,
-}
-
-#[derive(Debug)]
-struct Piece {
-    /// Its first segment.
-    first: usize,
-    around: AABB<[f64; 2]>,
-}
-
-impl Surroundings {
-    /// Whether everything within reach of a point is among them.
-    fn hold(&self, point: [f64; 2]) -> bool {
-        self.centre.is_some_and(|centre| {
-            (point[0] - centre[0]).abs() <= SURROUNDINGS_M
-                && (point[1] - centre[1]).abs() <= SURROUNDINGS_M
-        })
-    }
-}
-
 /// A road with an index of its segments.
 #[derive(Debug)]
 pub struct RoadLine {
     plane: LocalPlane,
     points: Vec<RoadPoint>,
     plan: Vec<[f64; 2]>,
-    /// Boxes around pieces of the road, each with the number of its first segment.
-    pieces: RTree<GeomWithData<Rectangle<[f64; 2]>, usize>>,
+    index: RoadIndex,
     /// Direction of the road around each point, in its plane.
     courses: Vec<[f64; 2]>,
 }
@@ -125,21 +92,11 @@ impl RoadLine {
                     .ok_or(RoadProblem::TooWide(i))
             })
             .collect::<Result<Vec<_>, _>>()?;
-        let pieces = RTree::bulk_load(
-            (0..plan.len() - 1)
-                .step_by(PIECE)
-                .map(|first| {
-                    let piece = &plan[first..=(first + PIECE).min(plan.len() - 1)];
-                    let around = AABB::from_points(piece);
-                    GeomWithData::new(Rectangle::from_aabb(around), first)
-                })
-                .collect(),
-        );
         let mut road = Self {
             plane,
             points,
+            index: RoadIndex::of(&plan),
             plan,
-            pieces,
             courses: Vec::new(),
         };
         road.courses = road
@@ -228,18 +185,9 @@ impl RoadLine {
         point: [f64; 2],
         course: Option<[f64; 2]>,
     ) -> Nearby {
-        if !surroundings.hold(point) {
-            *surroundings = self.surroundings(point);
-        }
         let mut nearby = Nearby::default();
         let mut last = None;
-        let last_segment = self.plan.len() - 1;
-        for i in surroundings
-            .pieces
-            .iter()
-            .filter(|piece| piece.around.distance_2(&point) <= LATERAL_LIMIT_M * LATERAL_LIMIT_M)
-            .flat_map(|piece| piece.first..(piece.first + PIECE).min(last_segment))
-        {
+        for i in self.index.near(surroundings, point) {
             let Some(foot) = self.project(i, point) else {
                 continue;
             };
@@ -264,28 +212,6 @@ impl RoadLine {
             }
         }
         nearby
-    }
-
-    fn surroundings(&self, centre: [f64; 2]) -> Surroundings {
-        let reach = LATERAL_LIMIT_M + SURROUNDINGS_M;
-        let around = AABB::from_corners(
-            [centre[0] - reach, centre[1] - reach],
-            [centre[0] + reach, centre[1] + reach],
-        );
-        let mut pieces: Vec<Piece> = self
-            .pieces
-            .locate_in_envelope_intersecting(around)
-            .map(|piece| Piece {
-                first: piece.data,
-                around: piece.geom().envelope(),
-            })
-            .collect();
-        // The index answers in its own order.
-        pieces.sort_unstable_by_key(|piece| piece.first);
-        Surroundings {
-            centre: Some(centre),
-            pieces,
-        }
     }
 
     /// The point of segment `i` nearest to `point`; `None` if it is out of reach.
