@@ -10,11 +10,12 @@ use parquet::arrow::{ArrowWriter, ProjectionMask};
 use parquet::basic::Compression;
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
+use std::cell::Cell;
 use std::collections::HashMap;
 use std::fs::File;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
-use std::sync::Arc;
+use std::sync::{Arc, Once};
 
 /// Rows that are decoded at once.
 const BATCH_ROWS: usize = 8192;
@@ -62,6 +63,11 @@ impl Column {
     pub fn text(name: &'static str, value: Option<&str>, count: usize) -> Self {
         let values: StringArray = std::iter::repeat_n(value, count).collect();
         Self::new(name, values, true)
+    }
+
+    /// Texts of which some may be missing.
+    pub fn texts<'a>(name: &'static str, values: impl Iterator<Item = Option<&'a str>>) -> Self {
+        Self::new(name, values.collect::<StringArray>(), true)
     }
 
     fn new(name: &'static str, values: impl Array + 'static, nullable: bool) -> Self {
@@ -146,8 +152,28 @@ pub fn open(path: &Path) -> Result<Opened<'_>> {
 /// Decoders of damaged files may panic (an index out of range in a page): that is damage too, and
 /// must not end a fusion of thousands of files. Whatever `decode` has changed is to be dropped.
 fn guarded<T>(path: &Path, decode: impl FnOnce() -> Result<T>) -> Result<T> {
-    catch_unwind(AssertUnwindSafe(decode))
-        .unwrap_or_else(|_| Err(damaged(path, "its pages make no sense")))
+    catch_quietly(decode).unwrap_or_else(|| Err(damaged(path, "its pages make no sense")))
+}
+
+/// What `attempt` gives, or `None` where it panics, of which nothing is printed. The panic hook is
+/// set once for all threads and asks whether this one wants quiet; else it does what it did before.
+fn catch_quietly<T>(attempt: impl FnOnce() -> T) -> Option<T> {
+    static HOOK: Once = Once::new();
+    thread_local! {
+        static QUIET: Cell<bool> = const { Cell::new(false) };
+    }
+    HOOK.call_once(|| {
+        let before = std::panic::take_hook();
+        std::panic::set_hook(Box::new(move |panic| {
+            if !QUIET.get() {
+                before(panic);
+            }
+        }));
+    });
+    QUIET.set(true);
+    let result = catch_unwind(AssertUnwindSafe(attempt));
+    QUIET.set(false);
+    result.ok()
 }
 
 fn damaged(path: &Path, problem: &str) -> Error {
@@ -173,6 +199,12 @@ impl Opened<'_> {
         usize::try_from(self.builder.metadata().file_metadata().num_rows()).unwrap_or(0)
     }
 
+    /// Whether there is a column of this name.
+    #[must_use]
+    pub fn has_column(&self, name: &str) -> bool {
+        self.builder.schema().field_with_name(name).is_ok()
+    }
+
     /// Passes these columns of every row to `take`, row group by row group; the others are not
     /// read. Whole numbers come as floating ones.
     ///
@@ -181,25 +213,37 @@ impl Opened<'_> {
     pub fn read<const N: usize>(
         self,
         names: [&str; N],
-        take: impl FnMut([Option<f64>; N]) -> Result<()>,
-    ) -> Result<()> {
-        guarded(self.path, || self.decode(names, take))
-    }
-
-    fn decode<const N: usize>(
-        self,
-        names: [&str; N],
         mut take: impl FnMut([Option<f64>; N]) -> Result<()>,
     ) -> Result<()> {
-        let Self { path, builder } = self;
-        if let Some(name) = names
-            .iter()
-            .find(|name| builder.schema().field_with_name(name).is_err())
-        {
+        self.read_texts(names, [], |numbers, []| take(numbers))
+    }
+
+    /// As [`Self::read`], with columns of texts; one of these that the file lacks has none.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub fn read_texts<const N: usize, const M: usize>(
+        self,
+        names: [&str; N],
+        texts: [&str; M],
+        take: impl FnMut([Option<f64>; N], [Option<&str>; M]) -> Result<()>,
+    ) -> Result<()> {
+        guarded(self.path, || self.decode(names, texts, take))
+    }
+
+    fn decode<const N: usize, const M: usize>(
+        self,
+        names: [&str; N],
+        texts: [&str; M],
+        mut take: impl FnMut([Option<f64>; N], [Option<&str>; M]) -> Result<()>,
+    ) -> Result<()> {
+        if let Some(name) = names.iter().find(|name| !self.has_column(name)) {
             let problem = format!("no column {name}; expected the columns that the README lists");
-            return Err(Error::content(path, problem));
+            return Err(Error::content(self.path, problem));
         }
-        let projection = ProjectionMask::columns(builder.parquet_schema(), names);
+        let Self { path, builder } = self;
+        let wanted = names.iter().chain(&texts).copied();
+        let projection = ProjectionMask::columns(builder.parquet_schema(), wanted);
         let batches = builder
             .with_projection(projection)
             .with_batch_size(BATCH_ROWS)
@@ -215,8 +259,26 @@ impl Opened<'_> {
                     Error::content(path, problem)
                 })?);
             }
+            let mut words: Vec<Option<&StringArray>> = Vec::with_capacity(M);
+            for name in texts {
+                let values = batch.column_by_name(name);
+                let strings = values.map(|values| {
+                    values.as_any().downcast_ref().ok_or_else(|| {
+                        let problem = format!("column {name} is not of texts; expected strings");
+                        Error::content(path, problem)
+                    })
+                });
+                words.push(strings.transpose()?);
+            }
             for row in 0..batch.num_rows() {
-                take(std::array::from_fn(|i| columns[i].at(row)))?;
+                let text = |i: usize| {
+                    let known = words[i].filter(|values| !values.is_null(row));
+                    known.map(|values| values.value(row))
+                };
+                take(
+                    std::array::from_fn(|i| columns[i].at(row)),
+                    std::array::from_fn(text),
+                )?;
             }
         }
         Ok(())

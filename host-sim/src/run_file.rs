@@ -244,34 +244,78 @@ pub fn read_checked_with<T: for<'de> Deserialize<'de>>(
     path: &Path,
     check: impl Fn(Option<&T>, &T) -> std::result::Result<(), Flaw>,
 ) -> Result<Vec<T>> {
+    let mut rows = Vec::new();
+    read_records(builder, path, |record| {
+        let row = record.read()?;
+        check(rows.last(), &row).map_err(|flaw| record.error(flaw))?;
+        rows.push(row);
+        Ok(())
+    })?;
+    Ok(rows)
+}
+
+/// A line of a CSV file.
+pub(crate) struct Record<'a> {
+    path: &'a Path,
+    headers: &'a csv::StringRecord,
+    fields: &'a csv::StringRecord,
+}
+
+impl Record<'_> {
+    /// Whether the file has a column of this name.
+    pub(crate) fn has_column(&self, name: &str) -> bool {
+        self.headers.iter().any(|header| header == name)
+    }
+
+    /// Its fields by the names of their columns.
+    pub(crate) fn read<T: for<'de> Deserialize<'de>>(&self) -> Result<T> {
+        self.fields
+            .deserialize(Some(self.headers))
+            .map_err(|e| csv_error(self.path, &e, Some(self.headers)))
+    }
+
+    /// What is wrong with it, with its line.
+    pub(crate) fn error(&self, flaw: Flaw) -> Error {
+        let line = self.fields.position().map_or(1, csv::Position::line);
+        Error::line(self.path, line, flaw.problem, flaw.expected)
+    }
+}
+
+/// Reads a CSV file with a header, line by line.
+///
+/// # Errors
+/// As [`read_checked`], and what `take` says.
+pub(crate) fn read_records(
+    builder: &csv::ReaderBuilder,
+    path: &Path,
+    mut take: impl FnMut(&Record) -> Result<()>,
+) -> Result<()> {
     let file = std::fs::File::open(path).map_err(Error::io(path))?;
     let mut reader = builder.from_reader(file);
     let headers = reader
         .headers()
         .map_err(|e| csv_error(path, &e, None))?
         .clone();
-    let mut rows = Vec::new();
-    let mut record = csv::StringRecord::new();
+    let mut fields = csv::StringRecord::new();
+    let mut is_empty = true;
     while reader
-        .read_record(&mut record)
+        .read_record(&mut fields)
         .map_err(|e| csv_error(path, &e, None))?
     {
-        let row = record
-            .deserialize(Some(&headers))
-            .map_err(|e| csv_error(path, &e, Some(&headers)))?;
-        if let Err(flaw) = check(rows.last(), &row) {
-            let line = record.position().map_or(1, csv::Position::line);
-            return Err(Error::line(path, line, flaw.problem, flaw.expected));
-        }
-        rows.push(row);
+        is_empty = false;
+        take(&Record {
+            path,
+            headers: &headers,
+            fields: &fields,
+        })?;
     }
-    if rows.is_empty() {
+    if is_empty {
         return Err(Error::content(
             path,
             "no rows; expected a header and at least one row",
         ));
     }
-    Ok(rows)
+    Ok(())
 }
 
 fn csv_error(path: &Path, error: &csv::Error, headers: Option<&csv::StringRecord>) -> Error {

@@ -3,7 +3,7 @@
 mod roads;
 
 use assert_cmd::Command;
-use host_sim::map::{RoadLine, read_map, read_store};
+use host_sim::map::{Network, RoadLine, read_map, read_store};
 use host_sim::run_file::{self, RunRow};
 use predicates::prelude::*;
 use predicates::str::contains;
@@ -126,18 +126,18 @@ fn the_order_of_additions_does_not_matter() {
         }
     }
     let [a, b] = ["a.csv", "b.csv"].map(|name| read_store(&at.join(name)).expect(name));
-    let (road_a, road_b) = (line(&a.road), line(&b.road));
+    let (road_a, road_b) = (line(a.road().expect("one")), line(b.road().expect("one")));
     let (a, b) = (a.resume(&road_a).fused(), b.resume(&road_b).fused());
-    assert!(a.rows.len() > 2300);
-    for (a, b) in a.rows.iter().zip(&b.rows) {
+    assert!(a.rows().len() > 2300);
+    for (a, b) in a.rows().iter().zip(&b.rows()) {
         assert!((a.grade_percent - b.grade_percent).abs() <= 1e-12);
         assert!((a.grade_sigma_percent / b.grade_sigma_percent - 1.0).abs() <= 1e-12);
         assert_eq!(a.runs, b.runs);
     }
 }
 
-fn line(points: &[host_sim::map::RoadPoint]) -> RoadLine {
-    RoadLine::new(points.to_vec()).expect("a road")
+fn line(points: &[host_sim::map::RoadPoint]) -> Network {
+    RoadLine::new(points.to_vec()).expect("a road").into()
 }
 
 #[test]

@@ -2,11 +2,14 @@
 //! the same map (`host-sim/sql/fuse.sql`).
 
 use super::map_file::MapRow;
+use super::network::WayName;
 use super::placing::PlacedCell;
 use super::road_file::RoadRow;
+use super::way_file::{self, DIRECTION, Grouping, WAY, WayRows};
 use crate::error::{Error, Result};
 use crate::output::Staged;
 use crate::parquet_file::{Column, open, stage as stage_parquet};
+use crate::row_check::Flaw;
 use std::path::Path;
 
 /// Versions of the columns; in the files' metadata.
@@ -17,17 +20,31 @@ const PLACED_SCHEMA: &str = "placed 1";
 ///
 /// # Errors
 /// What the file system says.
-pub fn stage(path: &Path, rows: &[MapRow]) -> Result<Staged> {
-    let numbers = |name, value: fn(&MapRow) -> f64| Column::numbers(name, rows.iter().map(value));
-    let columns = vec![
+pub fn stage(path: &Path, ways: &[WayRows]) -> Result<Staged> {
+    let rows = || ways.iter().flat_map(|way| &way.rows);
+    let numbers = |name, value: fn(&MapRow) -> f64| Column::numbers(name, rows().map(value));
+    let mut columns = Vec::new();
+    if ways.iter().any(|way| way.name.is_some()) {
+        let texts = |value: fn(&WayName) -> &str| {
+            ways.iter().flat_map(move |way| {
+                std::iter::repeat_n(way.name.as_ref().map(value), way.rows.len())
+            })
+        };
+        columns.push(Column::texts(WAY, texts(|name| &name.way)));
+        columns.push(Column::texts(
+            DIRECTION,
+            texts(|name| name.direction.word()),
+        ));
+    }
+    columns.extend([
         numbers("distance_m", |row| row.distance_m),
         numbers("latitude_deg", |row| row.latitude_deg),
         numbers("longitude_deg", |row| row.longitude_deg),
-        Column::optional("altitude_m", rows.iter().map(|row| row.altitude_m)),
+        Column::optional("altitude_m", rows().map(|row| row.altitude_m)),
         numbers("grade_percent", |row| row.grade_percent),
         numbers("grade_sigma_percent", |row| row.grade_sigma_percent),
-        Column::whole("runs", rows.iter().map(|row| row.runs.into())),
-    ];
+        Column::whole("runs", rows().map(|row| row.runs.into())),
+    ]);
     stage_parquet(path, columns, &[("schema", MAP_SCHEMA.to_owned())])
 }
 
@@ -35,7 +52,7 @@ pub fn stage(path: &Path, rows: &[MapRow]) -> Result<Staged> {
 ///
 /// # Errors
 /// With file, row and what was expected.
-pub fn read(path: &Path) -> Result<Vec<MapRow>> {
+pub fn read(path: &Path) -> Result<Vec<WayRows>> {
     let names = [
         "distance_m",
         "latitude_deg",
@@ -45,14 +62,14 @@ pub fn read(path: &Path) -> Result<Vec<MapRow>> {
         "grade_sigma_percent",
         "runs",
     ];
-    let mut rows: Vec<MapRow> = Vec::new();
-    open(path)?.read(names, |values| {
-        let number = rows.len() as u64 + 1;
+    let row = |values: [Option<f64>; 7]| {
         let needed = |i: usize| {
-            let problem = || format!("{} is missing", names[i]);
-            values[i].ok_or_else(|| Error::line(path, number, problem(), "a number"))
+            values[i].ok_or_else(|| Flaw {
+                problem: format!("{} is missing", names[i]),
+                expected: "a number",
+            })
         };
-        let row = MapRow {
+        Ok(MapRow {
             distance_m: needed(0)?,
             latitude_deg: needed(1)?,
             longitude_deg: needed(2)?,
@@ -60,41 +77,50 @@ pub fn read(path: &Path) -> Result<Vec<MapRow>> {
             grade_percent: needed(4)?,
             grade_sigma_percent: needed(5)?,
             runs: needed(6)? as u32,
-        };
-        MapRow::check(rows.last(), &row)
-            .map_err(|flaw| Error::line(path, number, flaw.problem, flaw.expected))?;
-        rows.push(row);
-        Ok(())
-    })?;
-    Ok(rows)
+        })
+    };
+    read_ways(path, names, row, MapRow::check)
 }
 
 /// Reads a road: any Parquet file with these three columns.
 ///
 /// # Errors
 /// With file, row and what was expected.
-pub fn read_road(path: &Path) -> Result<Vec<RoadRow>> {
+pub fn read_road(path: &Path) -> Result<Vec<WayRows<RoadRow>>> {
     let names = ["distance_m", "latitude_deg", "longitude_deg"];
-    let mut rows: Vec<RoadRow> = Vec::new();
-    open(path)?.read(names, |values| {
-        let number = rows.len() as u64 + 1;
-        let [Some(distance_m), Some(latitude_deg), Some(longitude_deg)] = values else {
-            let expected = "distance_m, latitude_deg and longitude_deg";
-            return Err(Error::line(path, number, "a number is missing", expected));
-        };
-        let row = RoadRow {
+    let row = |values: [Option<f64>; 3]| match values {
+        [Some(distance_m), Some(latitude_deg), Some(longitude_deg)] => Ok(RoadRow {
             distance_m,
             latitude_deg,
             longitude_deg,
             altitude_m: None,
             grade_percent: None,
-        };
-        RoadRow::check(rows.last(), &row)
-            .map_err(|flaw| Error::line(path, number, flaw.problem, flaw.expected))?;
-        rows.push(row);
-        Ok(())
+        }),
+        _ => Err(Flaw {
+            problem: "a number is missing".to_owned(),
+            expected: "distance_m, latitude_deg and longitude_deg",
+        }),
+    };
+    read_ways(path, names, row, RoadRow::check)
+}
+
+fn read_ways<T, const N: usize>(
+    path: &Path,
+    names: [&str; N],
+    row: impl Fn([Option<f64>; N]) -> std::result::Result<T, Flaw>,
+    check: fn(Option<&T>, &T) -> std::result::Result<(), Flaw>,
+) -> Result<Vec<WayRows<T>>> {
+    let file = open(path)?;
+    let has_ways = file.has_column(WAY);
+    let mut grouping = Grouping::new();
+    let mut number = 0;
+    file.read_texts(names, [WAY, DIRECTION], |values, texts| {
+        number += 1;
+        let name = has_ways.then(|| way_file::name_of(texts)).transpose();
+        name.and_then(|name| grouping.add(name, row(values)?, check))
+            .map_err(|flaw| Error::line(path, number, flaw.problem, flaw.expected))
     })?;
-    Ok(rows)
+    Ok(grouping.done())
 }
 
 /// Writes a run's cells on a road, to appear when committed: `session` (none for a run that

@@ -23,7 +23,7 @@ impl LocalPlane {
         let (sin_lat, cos_lat) = latitude_deg.to_radians().sin_cos();
         let (sin_lon, cos_lon) = longitude_deg.to_radians().sin_cos();
         Self {
-            origin_m: on_ellipsoid(latitude_deg, longitude_deg),
+            origin_m: earth_centred(latitude_deg, longitude_deg),
             axes: [
                 [-sin_lon, cos_lon, 0.0],
                 [-sin_lat * cos_lon, -sin_lat * sin_lon, cos_lat],
@@ -32,9 +32,8 @@ impl LocalPlane {
         }
     }
 
-    /// East and north, m; `None` farther away than the plane serves.
-    pub fn point(&self, latitude_deg: f64, longitude_deg: f64) -> Option<[f64; 2]> {
-        let place_m = on_ellipsoid(latitude_deg, longitude_deg);
+    /// East and north of a place on the ellipsoid, m; `None` farther away than the plane serves.
+    pub fn point(&self, place_m: [f64; 3]) -> Option<[f64; 2]> {
         let [east, north, up] = self.axes.map(|axis| {
             (0..3)
                 .map(|i| axis[i] * (place_m[i] - self.origin_m[i]))
@@ -45,7 +44,8 @@ impl LocalPlane {
     }
 }
 
-fn on_ellipsoid(latitude_deg: f64, longitude_deg: f64) -> [f64; 3] {
+/// A place on the ellipsoid, earth-centred, m.
+pub fn earth_centred(latitude_deg: f64, longitude_deg: f64) -> [f64; 3] {
     let (latitude, longitude) = (latitude_deg.to_radians(), longitude_deg.to_radians());
     map_3d::geodetic2ecef(latitude, longitude, 0.0, WGS84).into()
 }

@@ -1,12 +1,12 @@
-//! ROAD.csv, or ROAD.parquet: a road given from outside; a map serves too.
+//! ROAD.csv, or ROAD.parquet: a road, or ways, given from outside; a map serves too.
 
 use super::map_parquet;
 use super::plane::chord_m;
 use super::road_line::RoadPoint;
+use super::way_file::{self, WayRows};
 use crate::error::Result;
 use crate::parquet_file::is_parquet;
 use crate::row_check::{self, Flaw};
-use crate::run_file::read_checked;
 use serde::Deserialize;
 use std::path::Path;
 
@@ -68,13 +68,21 @@ impl RoadRow {
     }
 }
 
-/// Reads a road.
+/// Reads a single road.
 ///
 /// # Errors
 /// With file, line and what was expected.
 pub fn read(path: &Path) -> Result<Vec<RoadRow>> {
+    way_file::single(path, read_ways(path)?)
+}
+
+/// Reads a road, or ways.
+///
+/// # Errors
+/// With file, line and what was expected.
+pub(super) fn read_ways(path: &Path) -> Result<Vec<WayRows<RoadRow>>> {
     if is_parquet(path) {
         return map_parquet::read_road(path);
     }
-    read_checked(path, RoadRow::check)
+    way_file::read_csv(path, RoadRow::check)
 }

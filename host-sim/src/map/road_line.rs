@@ -1,8 +1,7 @@
-//! A road as a line on Earth, and where on it a position lies.
+//! A road as a line on Earth.
 
 use super::GRID_M;
-use super::plane::LocalPlane;
-use super::road_index::{RoadIndex, Surroundings};
+use super::plane::{LocalPlane, earth_centred};
 use std::cmp::Ordering::Less;
 use std::ops::RangeInclusive;
 
@@ -12,8 +11,6 @@ pub(super) const COURSE_REACH_M: f64 = 20.0;
 /// How far beside the line a position may lie, m: position error, lanes, an offset of the road
 /// data.
 pub(super) const LATERAL_LIMIT_M: f64 = 25.0;
-/// Courses within this are the same direction, within this of the reverse the opposite one, deg.
-const COURSE_TOLERANCE_DEG: f64 = 45.0;
 
 /// One vertex of a road.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,33 +32,12 @@ pub enum RoadProblem {
     TooWide(usize),
 }
 
-/// Where on a road a position lies.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Located {
-    /// Along the road. Beyond its ends it counts on along the end's tangent.
-    pub distance_m: f64,
-    /// Beside the road, positive to the left.
-    pub lateral_m: f64,
-    /// Course of the vehicle minus course of the road; `None` if the former is not known.
-    pub course_difference_deg: Option<f64>,
-}
-
-/// What lies near a position.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Nearby {
-    /// Nearest point of each pass of the road that goes the same way, in the road's order.
-    pub along: Vec<Foot>,
-    /// Whether the road goes the opposite way here.
-    pub opposite: bool,
-}
-
-/// A road with an index of its segments.
+/// A road in its direction of travel.
 #[derive(Debug)]
 pub struct RoadLine {
     plane: LocalPlane,
     points: Vec<RoadPoint>,
     plan: Vec<[f64; 2]>,
-    index: RoadIndex,
     /// Direction of the road around each point, in its plane.
     courses: Vec<[f64; 2]>,
 }
@@ -88,14 +64,13 @@ impl RoadLine {
             .enumerate()
             .map(|(i, point)| {
                 plane
-                    .point(point.latitude_deg, point.longitude_deg)
+                    .point(earth_centred(point.latitude_deg, point.longitude_deg))
                     .ok_or(RoadProblem::TooWide(i))
             })
             .collect::<Result<Vec<_>, _>>()?;
         let mut road = Self {
             plane,
             points,
-            index: RoadIndex::of(&plan),
             plan,
             courses: Vec::new(),
         };
@@ -149,73 +124,18 @@ impl RoadLine {
         )
     }
 
-    /// Where on the road a vehicle at this position with this course (compass, deg) is: the
-    /// nearest point within 25 m that goes the same way within 45°. Without a course, the
-    /// nearest.
-    pub fn locate(
-        &self,
-        latitude_deg: f64,
-        longitude_deg: f64,
-        course_deg: Option<f64>,
-    ) -> Option<Located> {
-        let point = self.plane.point(latitude_deg, longitude_deg)?;
-        let course = course_deg.map(|c| [c.to_radians().sin(), c.to_radians().cos()]);
-        let along = self
-            .nearby(&mut Surroundings::default(), point, course)
-            .along;
-        let nearest = along
-            .iter()
-            .min_by(|a, b| a.lateral_m.abs().total_cmp(&b.lateral_m.abs()))?;
-        Some(Located {
-            distance_m: nearest.distance_m,
-            lateral_m: nearest.lateral_m,
-            course_difference_deg: course.map(|course| turn_deg(self.course_of(nearest), course)),
-        })
+    /// Its points.
+    pub(super) fn points(&self) -> &[RoadPoint] {
+        &self.points
     }
 
-    /// A position in the road's plane, if it lies within 300 km of the road's middle.
-    pub(super) fn plane_point(&self, latitude_deg: f64, longitude_deg: f64) -> Option<[f64; 2]> {
-        self.plane.point(latitude_deg, longitude_deg)
-    }
-
-    /// The passes of the road near a point of its plane; `course` is a direction in that plane.
-    pub(super) fn nearby(
-        &self,
-        surroundings: &mut Surroundings,
-        point: [f64; 2],
-        course: Option<[f64; 2]>,
-    ) -> Nearby {
-        let mut nearby = Nearby::default();
-        let mut last = None;
-        for i in self.index.near(surroundings, point) {
-            let Some(foot) = self.project(i, point) else {
-                continue;
-            };
-            match course.map(|course| way(self.course_of(&foot), course)) {
-                Some(Way::Opposite) => {
-                    nearby.opposite = true;
-                    continue;
-                }
-                Some(Way::Across) => continue,
-                Some(Way::Along) | None => {}
-            }
-            // Neighbouring segments are one pass of the road, of which the nearest point counts.
-            let same_pass = last == Some(i.wrapping_sub(1));
-            last = Some(i);
-            match nearby.along.last_mut() {
-                Some(best) if same_pass => {
-                    if foot.lateral_m.abs() < best.lateral_m.abs() {
-                        *best = foot;
-                    }
-                }
-                _ => nearby.along.push(foot),
-            }
-        }
-        nearby
+    /// The plane in which positions on it are compared.
+    pub(super) const fn plane(&self) -> &LocalPlane {
+        &self.plane
     }
 
     /// The point of segment `i` nearest to `point`; `None` if it is out of reach.
-    fn project(&self, i: usize, point: [f64; 2]) -> Option<Foot> {
+    pub(super) fn project(&self, i: usize, point: [f64; 2]) -> Option<Foot> {
         let (a, b) = (self.plan[i], self.plan[i + 1]);
         let along = [b[0] - a[0], b[1] - a[1]];
         let to = [point[0] - a[0], point[1] - a[1]];
@@ -255,7 +175,7 @@ impl RoadLine {
     }
 
     /// Direction of the road at the foot of a position.
-    fn course_of(&self, foot: &Foot) -> [f64; 2] {
+    pub(super) fn course_of(&self, foot: &Foot) -> [f64; 2] {
         foot.vertex.map_or_else(
             || self.course_at(foot.distance_m),
             |vertex| self.courses[vertex],
@@ -294,41 +214,12 @@ impl RoadLine {
 /// Where a position meets the road.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Foot {
-    /// As in [`Located`].
+    /// Along the road. Beyond its ends it counts on along the end's tangent.
     pub distance_m: f64,
-    /// As in [`Located`].
+    /// Beside the road, positive to the left.
     pub lateral_m: f64,
     /// The point of the road that it is, if it is one.
     vertex: Option<usize>,
-}
-
-/// How a vehicle goes on a road.
-enum Way {
-    Along,
-    Across,
-    Opposite,
-}
-
-/// Told without the angle itself, at every segment around: within 45° what is ahead is more than
-/// what is beside.
-fn way(road: [f64; 2], course: [f64; 2]) -> Way {
-    let beside = (road[0] * course[1] - road[1] * course[0]).abs();
-    let ahead = road[0] * course[0] + road[1] * course[1];
-    let limit = beside / COURSE_TOLERANCE_DEG.to_radians().tan();
-    if ahead >= limit {
-        Way::Along
-    } else if ahead <= -limit {
-        Way::Opposite
-    } else {
-        Way::Across
-    }
-}
-
-/// Angle from one direction to another, deg, positive to the right as a compass counts.
-fn turn_deg(from: [f64; 2], to: [f64; 2]) -> f64 {
-    let left = from[0] * to[1] - from[1] * to[0];
-    let ahead = from[0] * to[0] + from[1] * to[1];
-    (-left).atan2(ahead).to_degrees()
 }
 
 /// An angle within ±180°.

@@ -1,16 +1,18 @@
 //! SUMS.csv: the sums behind a map, so that it can grow without the runs that made it.
 //!
-//! First the road: a row for every cell of it, with its position and the sums of the runs that
-//! belong to no session. Then, session by session, a row for each cell that one of its runs
-//! covered. Numbers are written in full, so that nothing changes on the way. The first line holds
+//! First the road, or the ways of a network one after the other: a row for every cell, with its
+//! position and the sums of the runs that belong to no session. Then, session by session, a row for
+//! each cell that one of its runs covered. In a network's store each row tells its way. Numbers are written in full, so that nothing changes on the way. The first line holds
 //! version, number of rows and number of runs; behind the rows follows what each run is known by.
 
 use super::GRID_M;
 use super::cell_sums::CellSums;
 use super::fusion::GradeMap;
+use super::network::{Direction, Network, WayName};
 use super::plane::chord_m;
-use super::road_line::{RoadLine, RoadPoint};
+use super::road_line::RoadPoint;
 use super::run_list::RunList;
+use super::way_file::WayColumns;
 use crate::error::{Error, Result};
 use crate::output::Staged;
 use crate::row_check::{self, Flaw};
@@ -53,42 +55,81 @@ struct StoreRow {
     grade_square_sum: f64,
     altitude_weight: f64,
     altitude_sum: f64,
+    /// Of a network; written as [`WayColumns`].
+    #[serde(default, skip_serializing)]
+    way: Option<String>,
+    #[serde(default, skip_serializing)]
+    direction: Option<Direction>,
+}
+
+/// A road or a way as stored.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StoredWay {
+    /// `None` for a single road.
+    pub name: Option<WayName>,
+    /// Where each of its cells is.
+    pub cells: Vec<RoadPoint>,
 }
 
 /// A map as stored.
 #[derive(Clone, Debug)]
 pub struct Store {
-    /// The road, at each of its cells.
-    pub road: Vec<RoadPoint>,
+    /// One, of a single road.
+    pub ways: Vec<StoredWay>,
     rows: Vec<StoreRow>,
     /// The runs behind it.
     pub runs: RunList,
 }
 
 impl Store {
-    /// The stored map, on the road through [`Store::road`].
-    pub fn resume<'a>(&self, road: &'a RoadLine) -> GradeMap<'a> {
-        let mut map = GradeMap::new(road);
-        let first = number_of(self.road[0].distance_m);
-        for row in &self.rows {
-            let index = usize::try_from(number_of(row.distance_m) - first).ok();
-            let cells = map.cells_of(row.session.as_deref());
-            if let Some(cell) = index.and_then(|index| cells.get_mut(index)) {
-                cell.merge(&row.sums());
+    /// The cells of a single road; `None` of a network.
+    #[must_use]
+    pub fn road(&self) -> Option<&[RoadPoint]> {
+        match &self.ways[..] {
+            [StoredWay { name: None, cells }] => Some(cells),
+            _ => None,
+        }
+    }
+
+    /// The stored map, on a network of which [`Store::is_of`] holds.
+    #[must_use]
+    pub fn resume<'a>(&self, network: &'a Network) -> GradeMap<'a> {
+        let mut map = GradeMap::new(network);
+        for rows in self.rows.chunk_by(StoreRow::is_beside) {
+            let Ok(way) = network
+                .ways()
+                .binary_search_by(|way| way.name.cmp(&rows[0].way_name()))
+            else {
+                continue;
+            };
+            let cells = map.cells_of(rows[0].session.as_deref(), way);
+            let first = network.first_number(way);
+            for row in rows {
+                let index = usize::try_from(number_of(row.distance_m) - first).ok();
+                if let Some(cell) = index.and_then(|index| cells.get_mut(index)) {
+                    cell.merge(&row.sums());
+                }
             }
         }
         map
     }
 
-    /// Whether this is the store of that road.
-    pub fn is_of(&self, road: &RoadLine) -> bool {
-        let place = |point: &RoadPoint| (point.latitude_deg, point.longitude_deg, 0.0);
-        let given = road.on_grid();
-        given.len() == self.road.len()
-            && given.iter().zip(&self.road).all(|(a, b)| {
-                a.distance_m == b.distance_m && chord_m(place(a), place(b)) < SAME_PLACE_M
+    /// Whether this is the store of that network.
+    #[must_use]
+    pub fn is_of(&self, network: &Network) -> bool {
+        network.ways().len() == self.ways.len()
+            && network.ways().iter().zip(&self.ways).all(|(given, way)| {
+                given.name == way.name && is_same_line(&given.line.on_grid(), &way.cells)
             })
     }
+}
+
+fn is_same_line(given: &[RoadPoint], stored: &[RoadPoint]) -> bool {
+    let place = |point: &RoadPoint| (point.latitude_deg, point.longitude_deg, 0.0);
+    given.len() == stored.len()
+        && given.iter().zip(stored).all(|(a, b)| {
+            a.distance_m == b.distance_m && chord_m(place(a), place(b)) < SAME_PLACE_M
+        })
 }
 
 /// A name that a session can have in files and messages.
@@ -105,27 +146,33 @@ pub fn check_session_name(name: &str) -> std::result::Result<(), Flaw> {
     Ok(())
 }
 
-/// Writes a map's sums, to appear when committed. The map's road must be one through its own
-/// [`RoadLine::on_grid`].
+/// Writes a map's sums, to appear when committed. A single road must be one through its own
+/// [`RoadLine::on_grid`](super::RoadLine::on_grid).
 ///
 /// # Errors
 /// What the file system says.
 pub fn stage(path: &Path, map: &GradeMap, runs: &RunList) -> Result<Staged> {
-    let road = map.road().on_grid();
-    let rows: Vec<StoreRow> = map
+    let ways = map.network().ways();
+    let grids: Vec<Vec<RoadPoint>> = ways.iter().map(|way| way.line.on_grid()).collect();
+    let rows: Vec<(usize, StoreRow)> = map
         .sums()
-        .flat_map(|(session, cells)| {
-            road.iter()
+        .flat_map(|(session, way, cells)| {
+            grids[way]
+                .iter()
                 .zip(cells)
                 .filter(move |(_, sums)| session.is_none() || sums.estimates > 0)
-                .map(move |(point, sums)| StoreRow::new(session, point, sums))
+                .map(move |(point, sums)| (way, StoreRow::new(session, point, sums)))
         })
         .collect();
     crate::output::stage(path, |out| {
         writeln!(out, "{MARK}{}{RUNS_MARK}{}", rows.len(), runs.len())?;
         let mut writer = csv::Writer::from_writer(&mut *out);
-        for row in &rows {
-            writer.serialize(row).map_err(std::io::Error::other)?;
+        for (way, row) in &rows {
+            match ways[*way].name.as_ref().map(WayColumns::from) {
+                Some(columns) => writer.serialize((row, columns)),
+                None => writer.serialize(row),
+            }
+            .map_err(std::io::Error::other)?;
         }
         writer.flush()?;
         drop(writer);
@@ -153,22 +200,26 @@ pub fn read(path: &Path) -> Result<Store> {
             ),
         ));
     }
-    let road: Vec<RoadPoint> = rows.iter().map_while(StoreRow::point).collect();
-    // The check has seen to it that the first row is of the road.
-    let (start_m, end_m) = (road[0].distance_m, road[road.len() - 1].distance_m);
-    if let Some(i) = rows
-        .iter()
-        .position(|row| !(start_m..=end_m).contains(&row.distance_m))
-    {
+    let mut ways: Vec<StoredWay> = Vec::new();
+    for rows in rows.chunk_by(StoreRow::is_beside) {
+        // The check has seen to it that the first rows are of the road.
+        if rows[0].session.is_none() {
+            ways.push(StoredWay {
+                name: rows[0].way_name(),
+                cells: rows.iter().filter_map(StoreRow::point).collect(),
+            });
+        }
+    }
+    if let Some(i) = rows.iter().position(|row| !row.is_on(&ways)) {
         return Err(Error::line(
             path,
             i as u64 + 1 + LINES_BEFORE,
             format!("distance_m is {}", rows[i].distance_m),
-            format!("a cell of the road, {start_m} to {end_m}"),
+            format!("a cell of {}", extent(&ways, &rows[i])),
         ));
     }
     let runs = RunList::read(path, promised_runs)?;
-    Ok(Store { road, rows, runs })
+    Ok(Store { ways, rows, runs })
 }
 
 /// The numbers of rows and of runs that the first line tells.
@@ -194,6 +245,18 @@ fn promised_counts(path: &Path) -> Result<(usize, usize)> {
         })
 }
 
+/// The road that a row should be on, in words.
+fn extent(ways: &[StoredWay], row: &StoreRow) -> String {
+    let name = row.way_name();
+    let way = ways.iter().find(|way| way.name == name);
+    match way.map(|way| way.cells.as_slice()) {
+        Some([first, .., last]) => {
+            format!("the road, {} to {}", first.distance_m, last.distance_m)
+        }
+        _ => "a way that the rows before list".to_owned(),
+    }
+}
+
 fn number_of(distance_m: f64) -> i64 {
     (distance_m / GRID_M).round() as i64
 }
@@ -213,7 +276,32 @@ impl StoreRow {
             grade_square_sum: sums.grade_square,
             altitude_weight: sums.altitude_weight,
             altitude_sum: sums.altitude,
+            way: None,
+            direction: None,
         }
+    }
+
+    /// `None` on a single road.
+    fn way_name(&self) -> Option<WayName> {
+        Some(WayName {
+            way: self.way.clone()?,
+            direction: self.direction?,
+        })
+    }
+
+    /// Whether the row is of the same session and way.
+    fn is_beside(&self, other: &Self) -> bool {
+        (&self.session, &self.way, self.direction) == (&other.session, &other.way, other.direction)
+    }
+
+    /// Whether it is of a cell of these ways, which are in the order of their names.
+    fn is_on(&self, ways: &[StoredWay]) -> bool {
+        let name = self.way_name();
+        let Ok(way) = ways.binary_search_by(|way| way.name.cmp(&name)) else {
+            return false;
+        };
+        let cells = &ways[way].cells;
+        (cells[0].distance_m..=cells[cells.len() - 1].distance_m).contains(&self.distance_m)
     }
 
     fn sums(&self) -> CellSums {
@@ -258,7 +346,8 @@ impl StoreRow {
         row.check_sums()
     }
 
-    /// The road from cell to cell, then sessions in the order of their names, each forwards.
+    /// The road from cell to cell, or the ways in the order of their names; then sessions in the
+    /// order of their names, each way by way and forwards.
     fn check_place(&self, before: Option<&Self>) -> std::result::Result<(), Flaw> {
         let wrong = |problem: &str, expected: &'static str| {
             Err(Flaw {
@@ -266,6 +355,14 @@ impl StoreRow {
                 expected,
             })
         };
+        if self.way.is_some() != self.direction.is_some()
+            || before.is_some_and(|before| before.way.is_some() != self.way.is_some())
+        {
+            return wrong("half the name of a way", "way and direction, or neither");
+        }
+        let next_way = before.is_some_and(|before| {
+            before.session == self.session && before.way_name() < self.way_name()
+        });
         match (&self.session, self.latitude_deg, self.longitude_deg) {
             (None, Some(latitude_deg), Some(longitude_deg)) => {
                 row_check::position(latitude_deg, longitude_deg)?;
@@ -274,6 +371,11 @@ impl StoreRow {
                     Some(before) if before.session.is_some() => {
                         wrong("a cell of the road behind a session", "the road first")
                     }
+                    Some(_) if next_way => Ok(()),
+                    Some(before) if before.way_name() != self.way_name() => wrong(
+                        "a way behind one of a later name",
+                        "the order of their names, each in one piece",
+                    ),
                     Some(before) if self.distance_m != before.distance_m + GRID_M => Err(Flaw {
                         problem: format!(
                             "distance_m is {} after {}",
@@ -289,7 +391,16 @@ impl StoreRow {
                 let Some(before) = before else {
                     return wrong("a session in the first row", "the road first");
                 };
+                if next_way {
+                    return Ok(());
+                }
                 if before.session == self.session {
+                    if before.way_name() != self.way_name() {
+                        return wrong(
+                            "a way behind one of a later name",
+                            "the order of their names, each in one piece",
+                        );
+                    }
                     let (last_m, now_m) = (before.distance_m, self.distance_m);
                     return row_check::forwards("distance_m", last_m, now_m, true);
                 }

@@ -3,7 +3,7 @@
 use super::inputs::{Input, Inputs};
 use super::words::describe;
 use crate::error::{Error, Result};
-use crate::map::{self, GradeMap, PlacedRun, RoadLine, RunList};
+use crate::map::{self, GradeMap, Network, PlacedRun, RunList};
 use crate::run_cell::RunIdentity;
 use crate::run_file;
 use rayon::prelude::*;
@@ -78,7 +78,7 @@ impl<'a, 'r> Intake<'a, 'r> {
         let runs = inputs.runs;
         let in_flight = RUNS_A_THREAD * rayon::current_num_threads();
         // What was there at the start: those need not be placed.
-        let (road, known) = (self.sums.road(), self.runs.clone());
+        let (road, known) = (self.sums.network(), self.runs.clone());
         let batches = runs
             .chunk_by(|a, b| a.session == b.session)
             .flat_map(|of_session| of_session.chunks(in_flight));
@@ -193,7 +193,7 @@ impl<'a, 'r> Intake<'a, 'r> {
 }
 
 impl<'i> Batch<'i> {
-    fn place(inputs: &'i [Input], road: &RoadLine, known: &RunList) -> Self {
+    fn place(inputs: &'i [Input], road: &Network, known: &RunList) -> Self {
         let arrive = |input: &Input| {
             let (cells, identity) = run_file::read_cells(&input.path)?;
             let placed = (!known.contains(identity)).then(|| map::place(road, &cells));

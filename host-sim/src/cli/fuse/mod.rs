@@ -7,7 +7,7 @@ mod words;
 use super::Cli;
 use crate::error::{Error, Result};
 use crate::map::{
-    self, GradeMap, RoadLine, RoadPoint, RoadRow, RunList, Store, check_session_name,
+    self, GradeMap, Network, RunList, Store, Way, check_session_name, read_network, road_through,
 };
 use crate::run_file;
 use clap::CommandFactory;
@@ -27,6 +27,12 @@ use std::path::{Path, PathBuf};
     have in common. The sessions then make the map, less a smaller share common to all. Both \
     shares are learned from how far runs disagree; runs that disagree more than their sigmas \
     allow make the map's sigmas larger.\n\n\
+    A network has many ways, each in one direction of travel: lines of a GeoJSON file with a \
+    property \"way\" (else @id, id, osm_id, or the feature's id), in both directions unless \"oneway\" \
+    says yes (or -1: against its points; roundabouts and motorways are one-way without it). A run \
+    passes from way to way where they share a point or one ends at another; a parallel road or a \
+    bridge above is not entered. The map then has columns way and direction, and distances count \
+    along each way in that direction.\n\n\
     With --store the sums behind the map are kept in a file, and later runs are added to them \
     without the earlier ones; its size depends on the road and on the sessions that have names, \
     not on the number of runs (a line each). It is written now and then on the way: a fusion that \
@@ -42,18 +48,20 @@ use std::path::{Path, PathBuf};
     roadgrade fuse --out map.csv monday.csv tuesday.csv\n  \
     roadgrade fuse --out map.parquet --road road.csv --store sums.csv runs/tile=N47E008\n  \
     roadgrade fuse --out a1.parquet --placed placed runs     (for SQL: host-sim/sql/fuse.sql)\n  \
+    roadgrade fuse --out map.parquet --road network.geojson runs\n  \
     roadgrade fuse --out map.csv --session truck7=a1.csv,a2.csv,a3.csv b.csv\n  \
     roadgrade fuse --out map.csv --store sums.csv --session truck7=a4.csv"
 )]
 pub struct Args {
     /// Where the map goes: distance_m, latitude_deg, longitude_deg, altitude_m, grade_percent,
-    /// grade_sigma_percent, runs.
+    /// grade_sigma_percent, runs; of a network, way and direction come first.
     #[arg(long, value_name = "MAP.csv")]
     out: PathBuf,
     /// The road, as distance_m, latitude_deg, longitude_deg from point to point in the direction
-    /// of travel (a map serves too). Without it the road is that of the store, or else the track
-    /// of the first run.
-    #[arg(long, value_name = "ROAD.csv")]
+    /// of travel (a map serves too), or a network: the same with a column way, or a GeoJSON file
+    /// of LineStrings. Without it the road is that of the store, or else the track of the first
+    /// run.
+    #[arg(long, value_name = "ROAD.csv|NET.geojson")]
     road: Option<PathBuf>,
     /// Runs of one vehicle in one session, under a name; may be repeated, for other sessions and
     /// for the same.
@@ -103,6 +111,12 @@ pub fn run(args: &Args) -> Result<()> {
     }
     let stored = args.stored(inputs.runs.is_empty())?;
     let road = args.road(&inputs, stored.as_ref())?;
+    if let (Some(_), Some(path), [Way { name: Some(_), .. }, ..]) =
+        (&args.placed, &args.road, road.ways())
+    {
+        let problem = "a network; expected a single road with --placed";
+        return Err(Error::content(path, problem));
+    }
     let (sums, runs) = match &stored {
         Some(Stored { store, .. }) => (store.resume(&road), store.runs.clone()),
         None => (GradeMap::new(&road), RunList::default()),
@@ -112,12 +126,12 @@ pub fn run(args: &Args) -> Result<()> {
     let mut intake = Intake::new(sums, runs, store, args.placed_folder());
     intake.add(inputs, args.strict)?;
     let fused = intake.sums.fused();
-    if fused.rows.is_empty() {
+    if fused.ways.is_empty() {
         let path = first.as_deref().or(store).unwrap_or(&args.out);
         let problem = "no cell of the road is covered; expected runs over it, in its direction";
         return Err(Error::content(path, problem));
     }
-    let map_file = map::stage_map(&args.out, &fused.rows)?;
+    let map_file = map::stage_map_ways(&args.out, &fused.ways)?;
     let store_file = match &args.store {
         Some(path) if intake.tally.added > 0 => {
             Some(map::stage_store(path, &intake.sums, &intake.runs)?)
@@ -165,18 +179,26 @@ impl Args {
         }
     }
 
-    /// The road, as a point for each of its cells whether it comes from a store or not: runs
-    /// that are added later are then placed exactly as they would have been at first.
-    fn road(&self, inputs: &Inputs, stored: Option<&Stored>) -> Result<RoadLine> {
-        let given = self.road.as_deref().map(road_from_file).transpose()?;
+    /// The road or the network. A single road has a point for each of its cells whether it comes
+    /// from a store or not: runs that are added later are then placed exactly as they would have
+    /// been at first.
+    fn road(&self, inputs: &Inputs, stored: Option<&Stored>) -> Result<Network> {
+        let given = self.road.as_deref().map(read_network).transpose()?;
         let Some(Stored { path, store }) = stored else {
             return given.map_or_else(|| road_from_runs(inputs), Ok);
         };
-        if given.is_some_and(|road| !store.is_of(&road)) {
+        if given.as_ref().is_some_and(|road| !store.is_of(road)) {
             let problem = "the store of another road; expected the one of --road, or no --road";
             return Err(Error::content(path, problem));
         }
-        line(path, store.road.clone())
+        match (store.road(), given) {
+            (Some(points), _) => road_through(path, points.to_vec()),
+            (None, Some(network)) => Ok(network),
+            (None, None) => {
+                let problem = "the store of a network; expected its file by --road too";
+                Err(Error::content(path, problem))
+            }
+        }
     }
 }
 
@@ -196,20 +218,8 @@ fn session(argument: &str) -> std::result::Result<Session, String> {
     })
 }
 
-/// The road through these points, with a point for each of its cells.
-fn line(path: &Path, points: Vec<RoadPoint>) -> Result<RoadLine> {
-    RoadLine::new(points)
-        .and_then(|line| RoadLine::new(line.on_grid()))
-        .map_err(|problem| Error::content(path, problem.to_string()))
-}
-
-fn road_from_file(path: &Path) -> Result<RoadLine> {
-    let rows = map::read_road(path)?;
-    line(path, rows.iter().map(RoadRow::point).collect())
-}
-
 /// The road of the first run that has a track.
-fn road_from_runs(inputs: &Inputs) -> Result<RoadLine> {
+fn road_from_runs(inputs: &Inputs) -> Result<Network> {
     let mut damage = None;
     for input in &inputs.runs {
         let path = &input.path;
@@ -223,7 +233,7 @@ fn road_from_runs(inputs: &Inputs) -> Result<RoadLine> {
             Err(e) => return Err(e),
         };
         match track {
-            Some(track) => return line(path, track),
+            Some(track) => return road_through(path, track),
             None => eprintln!(
                 "warning: {}: no positions to take the road from",
                 path.display()

@@ -4,9 +4,13 @@ use crate::map::{self, Agreement, Coverage, FusedMap};
 use std::path::Path;
 
 pub(super) fn report(out: &Path, fused: &FusedMap) {
-    let cells = fused.rows.len();
+    let cells: usize = fused.ways.iter().map(|way| way.rows.len()).sum();
     let km = cells as f64 * map::GRID_M / 1000.0;
-    eprintln!("{}: {cells} cells, {km:.2} km", out.display());
+    let ways = match fused.ways.len() {
+        1 => String::new(),
+        ways => format!(" on {ways} ways"),
+    };
+    eprintln!("{}: {cells} cells, {km:.2} km{ways}", out.display());
     for (name, agreement) in &fused.within {
         tell(&format!("runs of session {name}"), agreement);
     }
