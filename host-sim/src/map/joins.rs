@@ -4,6 +4,7 @@ use super::network::Network;
 use super::plane::earth_centred;
 use super::road_index::Surroundings;
 use pathfinding::prelude::dijkstra_reach;
+use std::collections::BTreeSet;
 use std::ops::Range;
 
 /// An end of a way within this of another way joins it, m: networks of which ways do not share
@@ -48,7 +49,16 @@ impl Joins {
     /// opposite direction do not: a truck does not turn on the road.
     pub(super) fn of(network: &Network) -> Self {
         let mut joins = shared_points(network);
-        joins.extend(ends(network));
+        joins.retain(|join| !is_u_turn(network, join));
+        // An end that shares its point with another way is joined as the network has it.
+        let joined: BTreeSet<(usize, u64)> = joins
+            .iter()
+            .flat_map(|join| [(join.way, join.at_m), (join.to_way, join.to_m)])
+            .map(|(way, at_m)| (way, at_m.to_bits()))
+            .collect();
+        joins.extend(ends(network, |way, at_m| {
+            joined.contains(&(way, at_m.to_bits()))
+        }));
         joins.retain(|join| !is_u_turn(network, join));
         joins.sort_by(|a, b| {
             (a.way, a.to_way)
@@ -56,7 +66,6 @@ impl Joins {
                 .then(a.at_m.total_cmp(&b.at_m))
                 .then(a.to_m.total_cmp(&b.to_m))
         });
-        // An end that shares its point is also an end near the other way.
         joins.dedup_by(|a, b| {
             (a.way, a.to_way) == (b.way, b.to_way)
                 && (a.at_m - b.at_m).abs() < END_REACH_M
@@ -204,11 +213,15 @@ fn shared_points(network: &Network) -> Vec<Join> {
     joins
 }
 
-fn ends(network: &Network) -> Vec<Join> {
+/// Joins of ends, other than those that are joined, with ways that they are near.
+fn ends(network: &Network, is_joined: impl Fn(usize, f64) -> bool) -> Vec<Join> {
     let mut joins = Vec::new();
     for (way, of_way) in network.ways().iter().enumerate() {
         let line = &of_way.line;
         for (at_m, is_end) in [(line.start_m(), false), (line.end_m(), true)] {
+            if is_joined(way, at_m) {
+                continue;
+            }
             let (latitude_deg, longitude_deg) = line.position_at(at_m);
             let place_m = earth_centred(latitude_deg, longitude_deg);
             let nearby = network.nearby(&mut Surroundings::default(), place_m, |_| None);

@@ -92,7 +92,8 @@ pub fn stage_ways(path: &Path, ways: &[WayRows]) -> Result<Staged> {
     stage_csv(
         path,
         ways.iter().flat_map(|way| {
-            let columns = way.name.as_ref().map(WayColumns::from);
+            // Each has a name where there are several.
+            let columns = WayColumns::from(way.name.as_ref());
             way.rows
                 .iter()
                 .map(move |row| (columns.clone(), row.rounded()))

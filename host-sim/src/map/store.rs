@@ -168,9 +168,9 @@ pub fn stage(path: &Path, map: &GradeMap, runs: &RunList) -> Result<Staged> {
         writeln!(out, "{MARK}{}{RUNS_MARK}{}", rows.len(), runs.len())?;
         let mut writer = csv::Writer::from_writer(&mut *out);
         for (way, row) in &rows {
-            match ways[*way].name.as_ref().map(WayColumns::from) {
-                Some(columns) => writer.serialize((row, columns)),
+            match &ways[*way].name {
                 None => writer.serialize(row),
+                name => writer.serialize((row, WayColumns::from(name.as_ref()))),
             }
             .map_err(std::io::Error::other)?;
         }

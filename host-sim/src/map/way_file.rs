@@ -29,11 +29,11 @@ pub(super) struct WayColumns {
     direction: Option<Direction>,
 }
 
-impl From<&WayName> for WayColumns {
-    fn from(name: &WayName) -> Self {
+impl From<Option<&WayName>> for WayColumns {
+    fn from(name: Option<&WayName>) -> Self {
         Self {
-            way: name.way.clone(),
-            direction: Some(name.direction),
+            way: name.map(|name| name.way.clone()).unwrap_or_default(),
+            direction: name.map(|name| name.direction),
         }
     }
 }
