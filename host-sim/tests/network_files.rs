@@ -255,7 +255,7 @@ fn a_store_of_a_network_grows_run_by_run() {
             ",z,forward",
             "a way behind one of a later name",
         ),
-        (",b,forward", ",b,sideways", "direction"),
+        (",b,forward", ",b,sideways", "unknown variant `sideways`"),
         (",b,forward", ",,forward", "half the name of a way"),
     ] {
         let begin = if expected.contains("rows before") {

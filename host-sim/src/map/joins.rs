@@ -36,6 +36,9 @@ pub(super) struct Joins {
     places: Vec<Vec<f64>>,
 }
 
+/// A join that is taken: its way, and its number among those that leave it.
+type Taken = (usize, usize);
+
 /// From a place on one way to one on another, or on the same.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Route {
@@ -106,14 +109,14 @@ impl Joins {
             return None;
         }
         // Nodes are the joins, by way and number, each taken; the start is none of them.
-        let first = |node: &Option<(usize, usize)>| match *node {
+        let first = |node: &Option<Taken>| match *node {
             None => (from.0, from.1 - BACK_M, from.1),
             Some((way, k)) => {
                 let join = &self.leaving[way][k];
                 (join.to_way, join.to_m, join.to_m)
             }
         };
-        let next = |node: &Option<(usize, usize)>| {
+        let next = |node: &Option<Taken>| {
             let (way, begin_m, here_m) = first(node);
             self.ahead(way, begin_m, limit_m).map(move |k| {
                 let length_m = (self.leaving[way][k].at_m - here_m).max(0.0);
@@ -151,11 +154,7 @@ impl Joins {
     }
 
     /// The joins on the way to a node, that of the node included.
-    fn joins_to(
-        &self,
-        node: (usize, usize),
-        seen: &[((usize, usize), Option<(usize, usize)>)],
-    ) -> Vec<Join> {
+    fn joins_to(&self, node: Taken, seen: &[(Taken, Option<Taken>)]) -> Vec<Join> {
         let mut joins = Vec::new();
         let mut at = Some(node);
         while let Some((way, k)) = at {

@@ -24,10 +24,10 @@ pub fn stage(path: &Path, ways: &[WayRows], piece_m: Option<f64>) -> Result<Stag
         for way in ways {
             for stretch in stretches(&way.rows) {
                 match piece_m {
-                    None => write(&mut writer, whole(way.name.as_ref(), stretch))?,
+                    None => write(&mut writer, &whole(way.name.as_ref(), stretch))?,
                     Some(piece_m) => {
                         for piece in pieces(stretch, piece_m) {
-                            write(&mut writer, feature(way.name.as_ref(), piece))?;
+                            write(&mut writer, &feature(way.name.as_ref(), piece))?;
                         }
                     }
                 }
@@ -37,8 +37,8 @@ pub fn stage(path: &Path, ways: &[WayRows], piece_m: Option<f64>) -> Result<Stag
     })
 }
 
-fn write<W: io::Write>(writer: &mut FeatureWriter<W>, feature: Feature) -> io::Result<()> {
-    writer.write_feature(&feature).map_err(io::Error::other)
+fn write<W: io::Write>(writer: &mut FeatureWriter<W>, feature: &Feature) -> io::Result<()> {
+    writer.write_feature(feature).map_err(io::Error::other)
 }
 
 /// Rows without a hole between them. A line across the date line is cut there (RFC 7946, 3.1.9).
@@ -60,13 +60,11 @@ fn pieces(stretch: &[MapRow], piece_m: f64) -> impl Iterator<Item = &[MapRow]> {
 
 /// A line with what holds for all of it.
 fn feature(name: Option<&WayName>, rows: &[MapRow]) -> Feature {
-    let positions = rows
-        .iter()
-        .map(|row| [round(row.longitude_deg, 7), round(row.latitude_deg, 7)]);
-    let geometry = match positions.len() {
+    let position = |row: &MapRow| [round(row.longitude_deg, 7), round(row.latitude_deg, 7)];
+    let geometry = match rows {
         // A cell by itself is no line.
-        1 => Geometry::new_point(positions.last().unwrap_or_default()),
-        _ => Geometry::new_line_string(positions),
+        [only] => Geometry::new_point(position(only)),
+        _ => Geometry::new_line_string(rows.iter().map(position)),
     };
     let (from_m, to_m) = (rows[0].distance_m, rows[rows.len() - 1].distance_m);
     let runs = || rows.iter().map(|row| row.runs);

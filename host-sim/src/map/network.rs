@@ -70,6 +70,9 @@ pub(super) struct Candidate {
     pub turning: bool,
 }
 
+/// A way, and a position and a course in its plane.
+type View = (usize, Option<[f64; 2]>, Option<[f64; 2]>);
+
 /// What lies near a position.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Nearby {
@@ -216,7 +219,7 @@ impl Network {
         let mut nearby = Nearby::default();
         let mut last = None;
         // The way that is looked at, with the position and the course in its plane.
-        let mut view: Option<(usize, Option<[f64; 2]>, Option<[f64; 2]>)> = None;
+        let mut view: Option<View> = None;
         for piece in self.index.near(surroundings, place_m) {
             let line = &self.ways[piece.way].line;
             let (_, point, course) = match view {

@@ -17,10 +17,13 @@ const SURROUNDINGS_M: f64 = 50.0;
 /// Of the Earth, m.
 const RADIUS_M: f64 = 6.37e6;
 
+/// A box with its way and segments.
+type BoxedPiece = GeomWithData<Rectangle<[f64; 3]>, (usize, Range<usize>)>;
+
 /// Boxes around pieces of ways, earth-centred: so a network may be as large as it likes.
 #[derive(Debug)]
 pub(super) struct RoadIndex {
-    pieces: RTree<GeomWithData<Rectangle<[f64; 3]>, (usize, Range<usize>)>>,
+    pieces: RTree<BoxedPiece>,
 }
 
 /// Pieces of ways around a place: those that the next positions need too.

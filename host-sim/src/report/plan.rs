@@ -76,8 +76,8 @@ pub fn plan(lines: &[PlanLine], classes: &Classes) -> Plot {
     let mut plot = Plot::new("east (km)", "north (km)");
     plot.equal_scales = true;
     plot.height = (height / pixel_km + AXES_PX.1).clamp(HEIGHT_PX.0, HEIGHT_PX.1) as u32;
-    let mut series: Vec<(Vec<(f64, f64)>, Vec<usize>)> =
-        vec![Default::default(); classes.colours.len()];
+    let mut drawn: Vec<Vec<(f64, f64)>> = vec![Vec::new(); classes.colours.len()];
+    let mut begins: Vec<Vec<usize>> = vec![Vec::new(); classes.colours.len()];
     for line in lines {
         let points = line.points.iter().map(|&(latitude, longitude, value)| {
             let x = (turn(longitude) - centre_deg) * wide_km;
@@ -88,16 +88,16 @@ pub fn plan(lines: &[PlanLine], classes: &Classes) -> Plot {
         let mut before = None;
         for pair in points.windows(2) {
             let class = classes.of(pair[0].2);
-            let (drawn, begins) = &mut series[class];
+            let drawn = &mut drawn[class];
             if before != Some(class) {
-                begins.push(drawn.len());
+                begins[class].push(drawn.len());
                 drawn.push((pair[0].0, pair[0].1));
             }
             drawn.push((pair[1].0, pair[1].1));
             before = Some(class);
         }
     }
-    for (class, (points, begins)) in series.into_iter().enumerate() {
+    for (class, (points, begins)) in drawn.into_iter().zip(begins).enumerate() {
         plot.series.push(Series {
             name: classes.name(class),
             points,

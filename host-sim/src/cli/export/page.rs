@@ -35,11 +35,11 @@ pub(super) fn page(file: &Path, ways: &[WayRows]) -> Page {
     longest.sort_by_key(|way| std::cmp::Reverse(way.rows.len()));
     let drawn = &longest[..longest.len().min(MOST_PROFILES)];
     let mut sections = vec![plan_section(ways)];
+    let numbered = drawn.iter().enumerate();
+    sections.extend(numbered.map(|(number, way)| profile_section(number, way)));
     if ways.len() > 1 {
         sections.push(table_section(&longest));
     }
-    let numbered = drawn.iter().enumerate();
-    sections.extend(numbered.map(|(number, way)| profile_section(number, way)));
     let name = file.file_stem().unwrap_or_default().to_string_lossy();
     Page {
         title: format!("Grade map: {name}"),
