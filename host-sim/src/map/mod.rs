@@ -24,6 +24,7 @@ mod road_index;
 mod road_line;
 mod run_list;
 mod store;
+mod store_row;
 mod track;
 mod way_file;
 
