@@ -141,11 +141,11 @@ fn plan_section(ways: &[WayRows]) -> Section {
     }
 }
 
-/// The least of 1, 2, 5 times a power of ten that is not below.
+/// The least of 1, 1.5, 2, 3, 5, 7 times a power of ten that is not below.
 fn nice_above(value: f64) -> f64 {
     let value = value.max(1e-3);
     let power = 10_f64.powi(value.log10().floor() as i32);
-    let nice = [1.0, 2.0, 5.0].map(|n| n * power);
+    let nice = [1.0, 1.5, 2.0, 3.0, 5.0, 7.0].map(|n| n * power);
     let found = nice.into_iter().find(|nice| *nice >= value * (1.0 - 1e-9));
     tidy(found.unwrap_or(10.0 * power))
 }
