@@ -1,8 +1,11 @@
-//! RUN.csv: one row a cell of one traversal.
+//! RUN.csv, or RUN.parquet: one row a cell of one traversal.
 
 use crate::error::{Error, Result};
 use crate::output::{Staged, stage};
+use crate::parquet_file::is_parquet;
 use crate::row_check::{self, Flaw};
+use crate::run_cell::{RunCell, RunIdentity};
+use crate::run_parquet::{self, Origin};
 use serde::{Deserialize, Deserializer, Serialize};
 use std::path::Path;
 
@@ -74,7 +77,7 @@ impl RunRow {
     }
 
     /// Whether the row can follow `before` in a run.
-    fn check(before: Option<&Self>, row: &Self) -> std::result::Result<(), Flaw> {
+    pub(crate) fn check(before: Option<&Self>, row: &Self) -> std::result::Result<(), Flaw> {
         row_check::finite(&[
             ("time_s", row.time_s),
             ("distance_m", row.distance_m),
@@ -145,20 +148,50 @@ impl RunRow {
     }
 }
 
-/// Writes a run.
+/// Writes a run: as Parquet if the name ends in .parquet, else as CSV.
 ///
 /// # Errors
 /// What the file system says.
 pub fn write(path: &Path, rows: &[RunRow]) -> Result<()> {
-    write_csv(path, rows.iter().map(RunRow::rounded))
+    write_from(path, rows, &Origin::default())
 }
 
-/// Reads a run.
+/// As [`write`], with what is known of where the run comes from (Parquet only).
+///
+/// # Errors
+/// What the file system says.
+pub fn write_from(path: &Path, rows: &[RunRow], origin: &Origin) -> Result<()> {
+    let rounded = rows.iter().map(RunRow::rounded);
+    if is_parquet(path) {
+        run_parquet::stage(path, &rounded.collect::<Vec<_>>(), origin)?.commit()
+    } else {
+        write_csv(path, rounded)
+    }
+}
+
+/// Reads a run, CSV or Parquet.
 ///
 /// # Errors
 /// With file, line and what was expected.
 pub fn read(path: &Path) -> Result<Vec<RunRow>> {
-    read_checked(path, RunRow::check)
+    if is_parquet(path) {
+        run_parquet::read(path)
+    } else {
+        read_checked(path, RunRow::check)
+    }
+}
+
+/// Reads what fusion needs of a run, CSV or Parquet.
+///
+/// # Errors
+/// With file, line and what was expected.
+pub fn read_cells(path: &Path) -> Result<(Vec<RunCell>, RunIdentity)> {
+    if is_parquet(path) {
+        return run_parquet::read_cells(path);
+    }
+    let cells: Vec<RunCell> = read(path)?.iter().map(RunCell::from).collect();
+    let identity = RunIdentity::of(cells.iter().copied());
+    Ok((cells, identity))
 }
 
 /// Writes rows as CSV with a header, whole or not at all.
@@ -211,34 +244,78 @@ pub fn read_checked_with<T: for<'de> Deserialize<'de>>(
     path: &Path,
     check: impl Fn(Option<&T>, &T) -> std::result::Result<(), Flaw>,
 ) -> Result<Vec<T>> {
+    let mut rows = Vec::new();
+    read_records(builder, path, |record| {
+        let row = record.read()?;
+        check(rows.last(), &row).map_err(|flaw| record.error(flaw))?;
+        rows.push(row);
+        Ok(())
+    })?;
+    Ok(rows)
+}
+
+/// A line of a CSV file.
+pub(crate) struct Record<'a> {
+    path: &'a Path,
+    headers: &'a csv::StringRecord,
+    fields: &'a csv::StringRecord,
+}
+
+impl Record<'_> {
+    /// Whether the file has a column of this name.
+    pub(crate) fn has_column(&self, name: &str) -> bool {
+        self.headers.iter().any(|header| header == name)
+    }
+
+    /// Its fields by the names of their columns.
+    pub(crate) fn read<T: for<'de> Deserialize<'de>>(&self) -> Result<T> {
+        self.fields
+            .deserialize(Some(self.headers))
+            .map_err(|e| csv_error(self.path, &e, Some(self.headers)))
+    }
+
+    /// What is wrong with it, with its line.
+    pub(crate) fn error(&self, flaw: Flaw) -> Error {
+        let line = self.fields.position().map_or(1, csv::Position::line);
+        Error::line(self.path, line, flaw.problem, flaw.expected)
+    }
+}
+
+/// Reads a CSV file with a header, line by line.
+///
+/// # Errors
+/// As [`read_checked`], and what `take` says.
+pub(crate) fn read_records(
+    builder: &csv::ReaderBuilder,
+    path: &Path,
+    mut take: impl FnMut(&Record) -> Result<()>,
+) -> Result<()> {
     let file = std::fs::File::open(path).map_err(Error::io(path))?;
     let mut reader = builder.from_reader(file);
     let headers = reader
         .headers()
         .map_err(|e| csv_error(path, &e, None))?
         .clone();
-    let mut rows = Vec::new();
-    let mut record = csv::StringRecord::new();
+    let mut fields = csv::StringRecord::new();
+    let mut is_empty = true;
     while reader
-        .read_record(&mut record)
+        .read_record(&mut fields)
         .map_err(|e| csv_error(path, &e, None))?
     {
-        let row = record
-            .deserialize(Some(&headers))
-            .map_err(|e| csv_error(path, &e, Some(&headers)))?;
-        if let Err(flaw) = check(rows.last(), &row) {
-            let line = record.position().map_or(1, csv::Position::line);
-            return Err(Error::line(path, line, flaw.problem, flaw.expected));
-        }
-        rows.push(row);
+        is_empty = false;
+        take(&Record {
+            path,
+            headers: &headers,
+            fields: &fields,
+        })?;
     }
-    if rows.is_empty() {
+    if is_empty {
         return Err(Error::content(
             path,
             "no rows; expected a header and at least one row",
         ));
     }
-    Ok(rows)
+    Ok(())
 }
 
 fn csv_error(path: &Path, error: &csv::Error, headers: Option<&csv::StringRecord>) -> Error {

@@ -364,3 +364,40 @@ fn the_study_of_the_measured_bus_finds_its_drift() {
         assert!(others < 0.2, "{line}");
     }
 }
+
+#[test]
+fn a_data_set_takes_runs_by_tile_and_day() {
+    let folder = TempDir::new().unwrap();
+    let at = folder.path();
+    simulate(at, MOTORWAY);
+    let command = |arguments: &[&str]| {
+        roadgrade()
+            .current_dir(at)
+            .args(["estimate", "--vehicle", "a_forward.vehicle.toml"])
+            .args(arguments)
+            .arg("a_forward.log")
+            .assert()
+    };
+    command(&["--dataset", "runs", "--day", "2026-11-21"]).success();
+    command(&["--out", "run.csv"]).success();
+    let rows = run_file::read(&at.join("run.csv")).unwrap();
+    let first = rows.iter().find(|row| row.latitude_deg.is_some()).unwrap();
+    let tile = host_sim::dataset::tile(first.latitude_deg.unwrap(), first.longitude_deg.unwrap());
+    let file = at.join(format!("runs/tile={tile}/day=2026-11-21/a_forward.parquet"));
+    assert_eq!(run_file::read(&file).unwrap(), rows);
+    let session = host_sim::run_parquet::session(&file).unwrap().unwrap();
+    assert!(session.ends_with(" 2026-11-21"), "{session}");
+
+    command(&["--dataset", "runs"])
+        .code(2)
+        .stderr(contains("--day"));
+    command(&["--day", "2026-11-21"])
+        .code(2)
+        .stderr(contains("--out"));
+    command(&["--dataset", "runs", "--day", "yesterday"])
+        .code(2)
+        .stderr(contains("expected YYYY-MM-DD"));
+    command(&["--dataset", "runs", "--out", "b.csv", "--day", "2026-11-21"])
+        .code(2)
+        .stderr(contains("cannot be used with"));
+}

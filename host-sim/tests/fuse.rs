@@ -2,17 +2,17 @@
 
 mod roads;
 
-use host_sim::map::{GradeMap, MapRow, RoadLine, read_map, road_of_run, write_map};
+use host_sim::map::{GradeMap, MapRow, Network, RoadLine, read_map, road_of_run, write_map};
 use host_sim::run_file::{self, RunRow};
 use host_sim::score::score_map_on_road;
 use roads::{Spot, alone, drive, fuse, hill_percent, hills, moved, points, reversed, road, run};
 
-fn line(spots: &[Spot]) -> RoadLine {
-    RoadLine::new(points(spots)).expect("a road")
+fn line(spots: &[Spot]) -> Network {
+    RoadLine::new(points(spots)).expect("a road").into()
 }
 
-fn map_of(road: &RoadLine, runs: &[&[RunRow]]) -> Vec<MapRow> {
-    fuse(road, runs).map.fused().rows
+fn map_of(road: &Network, runs: &[&[RunRow]]) -> Vec<MapRow> {
+    fuse(road, runs).map.fused().rows()
 }
 
 fn worst_error(map: &[MapRow], truth: impl Fn(f64) -> f64) -> f64 {
@@ -71,7 +71,7 @@ fn order_of_runs_does_not_matter() {
     right.add_run(&alone(forwards[2]));
     right.add_run(&alone(forwards[1]));
     left.merge(&right);
-    for (merged, a) in left.fused().rows.iter().zip(&a) {
+    for (merged, a) in left.fused().rows().iter().zip(&a) {
         assert!((merged.grade_percent - a.grade_percent).abs() < 1e-12);
     }
 }
@@ -95,7 +95,7 @@ fn variances_are_the_weights() {
     let (a, b) = (shifted(0.3, 0.1), shifted(-0.6, 0.2));
     let fusion = fuse(&road_line, &[&a, &b]);
     // (0.3 * 100 - 0.6 * 25) / 125
-    assert!(worst_error(&fusion.map.fused().rows, |s| hill_percent(s) + 0.12) < 1e-4);
+    assert!(worst_error(&fusion.map.fused().rows(), |s| hill_percent(s) + 0.12) < 1e-4);
     // (0.3 - 0.12)² / 0.1² + (-0.6 - 0.12)² / 0.2², one degree of freedom
     let between = fusion.map.fused().between;
     let ratio = between.disagreement.ratio().expect("two runs");
@@ -112,7 +112,7 @@ fn the_other_direction_is_rejected() {
     let coverage = fusion.coverage[0];
     assert_eq!(coverage.matched, 0);
     assert!(coverage.opposite >= coverage.cells - 2, "{coverage:?}");
-    assert!(fusion.map.fused().rows.iter().all(|row| row.runs == 1));
+    assert!(fusion.map.fused().rows().iter().all(|row| row.runs == 1));
     // The other carriageway, 12 m beside.
     let beside = run(&moved(&reversed(&spots), -8.0, 9.0));
     assert_eq!(fuse(&road_line, &[&beside]).coverage[0].matched, 0);
@@ -159,7 +159,7 @@ fn a_detour_adds_nothing_and_the_rest_counts() {
     ));
     let road_line = line(&road_spots);
     let fusion = fuse(&road_line, &[&rows]);
-    let map = fusion.map.fused().rows;
+    let map = fusion.map.fused().rows();
     assert!(
         map.iter()
             .all(|row| row.distance_m < 2050.0 || row.distance_m > 2550.0)
@@ -238,7 +238,7 @@ fn missing_positions_are_bridged_by_the_odometer() {
     let coverage = fusion.coverage[0];
     assert_eq!(coverage.no_position, 100);
     assert!(coverage.matched > 2290, "{coverage:?}");
-    let map = fusion.map.fused().rows;
+    let map = fusion.map.fused().rows();
     assert!(map[0].distance_m >= 250.0);
     assert!(
         map.windows(2)
@@ -296,7 +296,7 @@ fn there_and_back_on_one_street_are_two_parts_of_a_road() {
     let road_line = line(&spots);
     let fusion = fuse(&road_line, &[&noisy]);
     assert!(fusion.coverage[0].matched > 1580, "{:?}", fusion.coverage);
-    for row in fusion.map.fused().rows {
+    for row in fusion.map.fused().rows() {
         if (row.distance_m - 2015.0).abs() > 30.0 {
             assert!(
                 (row.grade_percent - grade(row.distance_m)).abs() < 1e-6,
@@ -319,7 +319,7 @@ fn laps_in_the_same_direction_are_kept_apart() {
     let three = run(&roads::with_position_noise(&spots, 2.0, 50.0, 4));
     let fusion = fuse(&road_line, &[&three]);
     assert!(fusion.coverage[0].matched > 2390, "{:?}", fusion.coverage);
-    for row in fusion.map.fused().rows {
+    for row in fusion.map.fused().rows() {
         assert_eq!(row.runs, 1);
         // Near the end of a lap the grade steps.
         if (20.0..1980.0).contains(&row.distance_m.rem_euclid(2000.0)) {
@@ -348,7 +348,7 @@ fn a_map_scores_against_a_reference_by_position() {
     }
     // The map counts from the first run's start, 1 km into the reference.
     let track = road_of_run(&rows[400..]).expect("a track");
-    let own = RoadLine::new(track).expect("a road");
+    let own = RoadLine::new(track).expect("a road").into();
     let map = map_of(&own, &[&rows[400..]]);
     let score = score_map_on_road(&map, &road(&spots)).expect("scored");
     assert!((score.bias_percent - 0.05).abs() < 1e-3, "{score:?}");

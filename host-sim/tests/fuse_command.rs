@@ -256,7 +256,9 @@ fn binary_and_absent_runs_are_told() {
     fuse(folder.path(), &["absent.csv"])
         .code(1)
         .stderr(contains("absent.csv: "));
-    fuse(folder.path(), &["."]).code(1).stderr(contains(".: "));
+    fuse(folder.path(), &["."])
+        .code(1)
+        .stderr(contains("./bad.csv:20: not text"));
     fuse(folder.path(), &[]).code(2);
     assert!(!folder.path().join("map.csv").exists());
 }

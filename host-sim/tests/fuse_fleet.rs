@@ -2,7 +2,7 @@
 //! and what they say of themselves.
 
 use estimator_core::Tuning;
-use host_sim::map::{FusedMap, RoadLine, RoadRow, SessionRun, fuse, read_road};
+use host_sim::map::{FusedMap, Network, RoadLine, RoadRow, SessionRun, fuse, read_road};
 use host_sim::recorder::Recorder;
 use host_sim::run_file::RunRow;
 use host_sim::score::{ScoreRow, score_map};
@@ -19,7 +19,7 @@ use tempfile::TempDir;
 struct Country {
     _folder: TempDir,
     road_file: PathBuf,
-    road: RoadLine,
+    road: Network,
     /// Distance, m, and true grade, %.
     truth: Vec<(f64, f64)>,
     seed: u64,
@@ -40,7 +40,7 @@ impl Country {
         Self {
             _folder: folder,
             road_file,
-            road: RoadLine::new(points).expect("a road"),
+            road: RoadLine::new(points).expect("a road").into(),
             truth: rows.iter().map(grade).collect(),
             seed,
         }
@@ -97,7 +97,7 @@ impl Country {
             })
             .collect();
         let map = fuse(&self.road, &runs).map.fused();
-        let score = score_map(&map.rows, &self.truth).expect("scored");
+        let score = score_map(&map.rows(), &self.truth).expect("scored");
         (map, score)
     }
 }
@@ -152,7 +152,7 @@ fn a_light_truck_does_not_make_a_map_worse() {
     let nees = mean(maps.iter().map(|(_, with)| with.1.nees));
     assert!((0.5..1.5).contains(&nees), "{nees}");
     // The map is surer with more runs, unless the trucks disagree.
-    let sigma = |map: &FusedMap| mean(map.rows.iter().map(|row| row.grade_sigma_percent));
+    let sigma = |map: &FusedMap| mean(map.rows().iter().map(|row| row.grade_sigma_percent));
     let surer = maps
         .iter()
         .filter(|(a, b)| sigma(&b.0) < sigma(&a.0))

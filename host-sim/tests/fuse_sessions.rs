@@ -3,7 +3,7 @@
 
 mod roads;
 
-use host_sim::map::{GradeMap, MapRow, RoadLine, SessionRun, fuse};
+use host_sim::map::{GradeMap, MapRow, Network, RoadLine, SessionRun, fuse};
 use host_sim::run_file::RunRow;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -51,8 +51,8 @@ fn session<'a>(name: &'a str, runs: &'a [Vec<RunRow>]) -> Vec<SessionRun<'a>> {
     runs.iter().map(|rows| of(rows.as_slice())).collect()
 }
 
-fn line(spots: &[Spot]) -> RoadLine {
-    RoadLine::new(points(spots)).expect("a road")
+fn line(spots: &[Spot]) -> Network {
+    RoadLine::new(points(spots)).expect("a road").into()
 }
 
 /// Mean squared error over stated variance.
@@ -79,7 +79,7 @@ fn a_session_of_one_run_is_that_run() {
         )
         .map
         .fused();
-        for row in &fused.rows {
+        for row in &fused.rows() {
             assert!((row.grade_sigma_percent - 0.07).abs() < 1e-12, "{row:?}");
         }
         assert_eq!(fused.between.disagreement.ratio(), None);
@@ -100,10 +100,10 @@ fn the_share_is_learned_and_the_map_says_what_it_leaves() {
         assert!((learned - share).abs() < 0.02, "{share}: {learned}");
         assert!(within.dependence.inflation < 1.01);
         let honest = 0.1 * (share + (1.0 - share) / count as f64).sqrt();
-        for row in &fused.rows {
+        for row in &fused.rows() {
             assert!((row.grade_sigma_percent / honest - 1.0).abs() < 0.05);
         }
-        let nees = nees(&fused.rows);
+        let nees = nees(&fused.rows());
         assert!((0.9..1.1).contains(&nees), "{share} of {count}: {nees}");
         // As if they had nothing in common, the map would claim far too much.
         let claimed = nees * (honest / 0.1).powi(2) * count as f64;
@@ -119,13 +119,13 @@ fn sigmas_too_small_are_found_out() {
     let fused = fuse(&road, &session("day", &runs)).map.fused();
     let inflation = fused.within[0].1.dependence.inflation;
     assert!((3.3..4.3).contains(&inflation), "{inflation}");
-    let nees_of_session = nees(&fused.rows);
+    let nees_of_session = nees(&fused.rows());
     assert!((0.8..1.3).contains(&nees_of_session), "{nees_of_session}");
     // Without the session's name, as sessions against each other.
     let unnamed: Vec<SessionRun> = runs.iter().map(|rows| alone(rows)).collect();
     let fused = fuse(&road, &unnamed).map.fused();
     assert!(fused.between.dependence.inflation > 3.0);
-    let nees = nees(&fused.rows);
+    let nees = nees(&fused.rows());
     assert!((0.8..1.5).contains(&nees), "{nees}");
 }
 
@@ -139,7 +139,7 @@ fn sigmas_too_large_are_read_as_a_share_and_stay_safe() {
     // No more than is usual, though the runs agree still better.
     assert!((0.3..=0.4).contains(&dependence.share), "{dependence:?}");
     assert!((dependence.inflation - 1.0).abs() < 1e-12);
-    let nees = nees(&fused.rows);
+    let nees = nees(&fused.rows());
     assert!((0.2..1.0).contains(&nees), "{nees}");
 }
 
@@ -151,14 +151,14 @@ fn a_poor_run_takes_nothing_away() {
     let far_off = noise(18, spots.len());
     let poor = off_by(&spots, |i| 3.0 * far_off[i], 3.0);
     let mut runs = session("day", &good);
-    let before = fuse(&road, &runs).map.fused().rows;
+    let before = fuse(&road, &runs).map.fused().rows();
     runs.push(SessionRun {
         session: Some("day"),
         rows: &poor,
     });
-    let beside = fuse(&road, &runs).map.fused().rows;
+    let beside = fuse(&road, &runs).map.fused().rows();
     runs[3].session = None;
-    let apart = fuse(&road, &runs).map.fused().rows;
+    let apart = fuse(&road, &runs).map.fused().rows();
     for after in [beside, apart] {
         for (before, after) in before.iter().zip(&after) {
             assert!(after.grade_sigma_percent < 1.02 * before.grade_sigma_percent);
@@ -181,7 +181,7 @@ fn many_runs_of_one_session_do_not_outvote_another() {
     let mut runs = session("many", &many);
     runs.extend(session("one", &one));
     let bias = |runs: &[SessionRun]| {
-        let rows = fuse(&road, runs).map.fused().rows;
+        let rows = fuse(&road, runs).map.fused().rows();
         let sum: f64 = rows
             .iter()
             .map(|row| row.grade_percent - hill_percent(row.distance_m))
@@ -229,8 +229,8 @@ fn order_and_way_of_merging_do_not_matter() {
     let mut merged = half(odd);
     merged.merge(&half(even));
     for other in [single.fused(), merged.fused()] {
-        assert_eq!(whole.rows.len(), other.rows.len());
-        for (a, b) in whole.rows.iter().zip(&other.rows) {
+        assert_eq!(whole.rows().len(), other.rows().len());
+        for (a, b) in whole.rows().iter().zip(&other.rows()) {
             let close = |a: f64, b: f64| (a - b).abs() <= 1e-12 * a.abs().max(1.0);
             assert!(close(a.grade_percent, b.grade_percent), "{a:?} {b:?}");
             let ratio = a.grade_sigma_percent / b.grade_sigma_percent;

@@ -3,7 +3,7 @@
 mod roads;
 
 use assert_cmd::Command;
-use host_sim::map::{RoadLine, read_map, read_store};
+use host_sim::map::{Network, RoadLine, read_map, read_store};
 use host_sim::run_file::{self, RunRow};
 use predicates::prelude::*;
 use predicates::str::contains;
@@ -50,8 +50,14 @@ fn text(folder: &TempDir, name: &str) -> String {
     fs::read_to_string(folder.path().join(name)).expect(name)
 }
 
+/// Lines of a store that are not of its list of runs.
 fn lines(folder: &TempDir, name: &str) -> usize {
-    text(folder, name).lines().count()
+    let text = text(folder, name);
+    text.lines().filter(|line| !is_run(line)).count()
+}
+
+fn is_run(line: &str) -> bool {
+    line.starts_with("# run ")
 }
 
 #[test]
@@ -120,18 +126,18 @@ fn the_order_of_additions_does_not_matter() {
         }
     }
     let [a, b] = ["a.csv", "b.csv"].map(|name| read_store(&at.join(name)).expect(name));
-    let (road_a, road_b) = (line(&a.road), line(&b.road));
+    let (road_a, road_b) = (line(a.road().expect("one")), line(b.road().expect("one")));
     let (a, b) = (a.resume(&road_a).fused(), b.resume(&road_b).fused());
-    assert!(a.rows.len() > 2300);
-    for (a, b) in a.rows.iter().zip(&b.rows) {
+    assert!(a.rows().len() > 2300);
+    for (a, b) in a.rows().iter().zip(&b.rows()) {
         assert!((a.grade_percent - b.grade_percent).abs() <= 1e-12);
         assert!((a.grade_sigma_percent / b.grade_sigma_percent - 1.0).abs() <= 1e-12);
         assert_eq!(a.runs, b.runs);
     }
 }
 
-fn line(points: &[host_sim::map::RoadPoint]) -> RoadLine {
-    RoadLine::new(points.to_vec()).expect("a road")
+fn line(points: &[host_sim::map::RoadPoint]) -> Network {
+    RoadLine::new(points.to_vec()).expect("a road").into()
 }
 
 #[test]
@@ -235,8 +241,9 @@ fn wrong_usage_is_told_as_such() {
 /// A store with one session, its first rows only.
 fn small_store(folder: &TempDir) -> Vec<String> {
     let at = folder.path();
-    let short = run(&hills()[..9]);
-    run_file::write(&at.join("a.csv"), &short).expect("written");
+    for (name, number) in [("a.csv", 0), ("b.csv", 1), ("c.csv", 2)] {
+        run_file::write(&at.join(name), &wavy(number)[..9]).expect("written");
+    }
     fuse(
         at,
         &[
@@ -244,7 +251,7 @@ fn small_store(folder: &TempDir) -> Vec<String> {
             "sums.csv",
             "a.csv",
             "--session",
-            "day=a.csv,a.csv",
+            "day=b.csv,c.csv",
         ],
     )
     .success();
@@ -259,6 +266,7 @@ fn broken_stores_are_told_with_file_and_line() {
     let good = small_store(&folder);
     let road_rows = good.iter().filter(|line| line.contains(",,4")).count();
     assert!(road_rows >= 7, "{good:?}");
+    let last_row = good.iter().filter(|line| !is_run(line)).count();
     // Lines count from 1; the first row of the road is line 3.
     let first_of_session = 3 + road_rows;
     assert!(good[first_of_session - 1].contains(",day,,"), "{good:?}");
@@ -282,7 +290,7 @@ fn broken_stores_are_told_with_file_and_line() {
     let cases = [
         (String::new(), "sums.csv:1: not a store".to_owned()),
         (
-            replaced(1, "# roadgrade sums 2, rows: 14"),
+            replaced(1, "# roadgrade sums 3, rows: 14, runs: 3"),
             "sums.csv:1: not a store of this version; expected".to_owned(),
         ),
         (
@@ -290,8 +298,11 @@ fn broken_stores_are_told_with_file_and_line() {
             "sums.csv:1: not a store of this version".to_owned(),
         ),
         (
-            good[..good.len() - 1].join("\n"),
-            format!("rows; expected the {} of its first line", good.len() - 2),
+            [&good[..last_row - 1], &good[last_row..]]
+                .concat()
+                .join("\n")
+                + "\n",
+            format!("rows; expected the {} of its first line", last_row - 2),
         ),
         (
             set(2, 1, "truck"),
@@ -344,8 +355,8 @@ fn broken_stores_are_told_with_file_and_line() {
         ),
         (session(1, " "), at_session("a session behind one of")),
         (
-            set(good.len(), 0, "1000"),
-            format!("sums.csv:{}: distance_m is 1000", good.len()),
+            set(last_row, 0, "1000"),
+            format!("sums.csv:{last_row}: distance_m is 1000"),
         ),
     ];
     let at = folder.path();

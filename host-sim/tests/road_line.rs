@@ -2,7 +2,7 @@
 
 mod roads;
 
-use host_sim::map::{RoadLine, road_of_run};
+use host_sim::map::{Network, RoadLine, road_of_run};
 use roads::{Spot, drive, fuse, hill_percent, hills, points, run};
 
 #[test]
@@ -11,12 +11,10 @@ fn without_a_road_the_first_track_serves() {
     let rows = run(&spots);
     let track = road_of_run(&rows).expect("a track");
     let road_line = RoadLine::new(track).expect("a road");
-    assert!(
-        (road_line.end_m() - 6000.0).abs() < 0.1,
-        "{}",
-        road_line.end_m()
-    );
-    let map = fuse(&road_line, &[&rows]).map.fused().rows;
+    let length_m = road_line.end_m();
+    let road_line = road_line.into();
+    assert!((length_m - 6000.0).abs() < 0.1, "{length_m}");
+    let map = fuse(&road_line, &[&rows]).map.fused().rows();
     assert!(map.len() > 2390);
     // The track's own ruler: within centimetres of the driven distance.
     for row in map {
@@ -39,7 +37,7 @@ fn first_track_is_smoothed_against_position_noise() {
 #[test]
 fn positions_are_located_with_offset_and_course() {
     let spots = drive((0.0, 0.0), 1000.0, |_| 0.0, |_| 0.0);
-    let road_line = RoadLine::new(points(&spots)).expect("a road");
+    let road_line = Network::from(RoadLine::new(points(&spots)).expect("a road"));
     let east_of_500 = Spot {
         east_m: 10.0,
         ..spots[200]

@@ -5,6 +5,7 @@ use crate::error::Result;
 use crate::kept_file;
 use crate::recorder::Run;
 use crate::run_file;
+use crate::run_parquet::Origin;
 use crate::text_table::text_table;
 use crate::vehicle_file::VehicleFile;
 use comfy_table::Table;
@@ -14,13 +15,18 @@ use std::path::Path;
 
 /// Writes what a drive leaves: the run, and what is kept for the next one if there is a file for
 /// it. Both appear, or neither.
-pub(super) fn write(run: &Run, out: Option<&Path>, kept: Option<&Path>) -> Result<()> {
+pub(super) fn write(
+    run: &Run,
+    out: Option<&Path>,
+    origin: &Origin,
+    kept: Option<&Path>,
+) -> Result<()> {
     let keeping = match kept.zip(run.kept.as_ref()) {
         Some((file, kept)) => Some(kept_file::stage(file, kept)?),
         None => None,
     };
     if let Some(out) = out {
-        run_file::write(out, &run.rows)?;
+        run_file::write_from(out, &run.rows, origin)?;
     }
     let is_kept = keeping.is_some();
     if let Some(keeping) = keeping {

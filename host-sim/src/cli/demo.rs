@@ -2,7 +2,7 @@
 
 use super::{estimate, simulate};
 use crate::error::{Error, Result};
-use crate::map::{self, GradeMap, MapRow, RoadLine, RoadRow, SessionRun};
+use crate::map::{self, GradeMap, MapRow, Network, RoadLine, RoadRow, SessionRun};
 use crate::oracle_file::{OracleFile, mean_speed_mps};
 use crate::output::print;
 use crate::report::page::{Figure, Page, Section, Table};
@@ -88,6 +88,7 @@ fn fuse(drives: &[Drive], folder: &Path) -> Result<(Vec<MapRow>, ScoreRow)> {
     let problem = |e: &dyn ToString| Error::content(&road_file, e.to_string());
     let road =
         RoadLine::new(reference.iter().map(RoadRow::point).collect()).map_err(|e| problem(&e))?;
+    let road = Network::from(road);
     let mut fused = GradeMap::new(&road);
     for drive in drives {
         // The errors of every drive's parameters are its own: no two are of one session.
@@ -96,7 +97,7 @@ fn fuse(drives: &[Drive], folder: &Path) -> Result<(Vec<MapRow>, ScoreRow)> {
             rows: &drive.rows,
         });
     }
-    let rows = fused.fused().rows;
+    let rows = fused.fused().rows();
     map::write_map(&folder.join("map.csv"), &rows)?;
     let mut row = score::score_map_on_road(&rows, &reference).map_err(|e| problem(&e))?;
     row.run = "all".to_owned();

@@ -1,11 +1,13 @@
 //! `roadgrade estimate`: one recorded drive becomes a run.
 
 use super::conclusion::{self, Summary};
+use crate::dataset;
 use crate::error::{Error, Result};
 use crate::kept_file;
 use crate::output::print;
 use crate::progress;
 use crate::recorder::{self, Run};
+use crate::run_parquet::Origin;
 use crate::smooth::bytes_per_km;
 use crate::vehicle_file::VehicleFile;
 use estimator_core::{Kept, Scalar};
@@ -21,16 +23,28 @@ LOG` tells what a log has. In a signal table the same by the names of its column
 
 RUN.csv has one row for each 2.5 m: grade in % (smoothed over the whole run, lagged by 500 m, \
 live), each with its standard deviation, position, altitude, and what the vehicle model was found \
-to be off by.
+to be off by. RUN.parquet has the same columns, their units as metadata, and in the file's \
+metadata vehicle, day and session (\"VEHICLE DAY\"), which `fuse` goes by.
+
+--dataset DIR files runs by place and day: the tile is the degree of latitude and longitude (its \
+south-western corner, as of elevation data) in which the run has its first position; a run is \
+never cut. `fuse` takes such a folder, or one tile of it, and engines know the layout as Hive's.
 
 --kept FILE is the vehicle's memory from one drive to the next, as its ECU would have it: what the model was found to be off by, and how noisy the sensors were, so that the first kilometres are better. Where there is no FILE yet, the drive begins as without. Estimate the drives once each, in the order in which they were driven. A FILE that is damaged, or that another vehicle or an edited V.toml left, is refused: then remove it, or give the vehicle another. Wind, cold tyres and a load that may have changed are allowed for; a drive with less than 5 km leaves FILE as it was.")]
 pub struct Args {
     /// Vehicle parameters.
     #[arg(long, value_name = "V.toml")]
     vehicle: PathBuf,
-    /// Where the run goes.
-    #[arg(long, value_name = "RUN.csv")]
-    out: PathBuf,
+    /// Where the run goes: Parquet if the name ends in .parquet, else CSV.
+    #[arg(long, value_name = "RUN", required_unless_present = "dataset")]
+    out: Option<PathBuf>,
+    /// A data set that takes the run, as DIR/tile=N47E008/day=DAY/LOG.parquet.
+    #[arg(long, value_name = "DIR", conflicts_with = "out", requires = "day")]
+    dataset: Option<PathBuf>,
+    /// The day of the drive: with the vehicle's name it names the session that a Parquet run
+    /// belongs to.
+    #[arg(long, value_name = "YYYY-MM-DD", value_parser = dataset::check_day)]
+    day: Option<String>,
     /// What the vehicle's last drive left, and what this one leaves for the next.
     #[arg(long, value_name = "FILE")]
     kept: Option<PathBuf>,
@@ -42,6 +56,20 @@ pub struct Args {
     json: bool,
     /// candump log (either layout, also .gz), or signal table (.csv, also .csv.gz).
     log: PathBuf,
+}
+
+impl Args {
+    fn run_path(&self, run: &Run) -> Result<PathBuf> {
+        match (&self.out, &self.dataset, &self.day) {
+            (None, Some(folder), Some(day)) => {
+                let name = self.log.file_name().unwrap_or_default().to_string_lossy();
+                // Without its endings: drive.csv.gz is drive.
+                let name = name.split('.').next().unwrap_or_default();
+                dataset::run_path(folder, &run.rows, day, name)
+            }
+            (out, ..) => Ok(out.clone().unwrap_or_default()),
+        }
+    }
 }
 
 /// Runs it.
@@ -61,7 +89,11 @@ pub fn run(args: &Args) -> Result<()> {
     };
     let seconds = started.elapsed().as_secs_f64();
     check(&args.log, &vehicle, &run)?;
-    conclusion::write(&run, Some(&args.out), file)?;
+    let origin = Origin {
+        vehicle: Some(vehicle.name),
+        day: args.day.clone(),
+    };
+    conclusion::write(&run, Some(&args.run_path(&run)?), &origin, file)?;
 
     let summary = Summary::new(&run);
     if args.json {

@@ -8,6 +8,7 @@ use crate::kept_file;
 use crate::live::{Publisher, Reaction, Session, Show};
 use crate::output::{Staged, print};
 use crate::recorder::{Recorder, Run};
+use crate::run_parquet::Origin;
 use crate::source::log_time;
 use crate::source::socketcan::{BusEvent, Received, Receiver, of_group, wanted};
 use crate::vehicle_file::VehicleFile;
@@ -150,7 +151,11 @@ fn conclude(args: &Args, vehicle: &VehicleFile, run: &Run) -> Result<()> {
         }
         eprintln!("roadgrade: {bus}: {problem}");
     }
-    conclusion::write(run, args.out.as_deref(), args.kept.as_deref())
+    let origin = Origin {
+        vehicle: Some(vehicle.name.clone()),
+        day: None,
+    };
+    conclusion::write(run, args.out.as_deref(), &origin, args.kept.as_deref())
 }
 
 struct Listening<'a> {

@@ -5,6 +5,7 @@ mod conclusion;
 mod demo;
 mod diagnose;
 mod estimate;
+mod export;
 mod fuse;
 mod import;
 mod inspect;
@@ -54,6 +55,8 @@ enum Command {
     Listen(listen::Args),
     /// Fuse runs over the same road into one map.
     Fuse(fuse::Args),
+    /// Show a map elsewhere: GeoJSON, a CSV file a way, or a page.
+    Export(export::Args),
     /// Compare runs with the truth.
     Score(score::Args),
     /// Find what the vehicle model lacks, and add it.
@@ -77,6 +80,7 @@ impl Cli {
             Command::Replay(args) => replay::run(args),
             Command::Listen(args) => listen::run(args),
             Command::Fuse(args) => fuse::run(args),
+            Command::Export(args) => export::run(args),
             Command::Score(args) => score::run(args),
             Command::Diagnose(args) => diagnose::run(args),
             Command::Study(args) => study::run(args),

@@ -1,7 +1,7 @@
 //! A log as the diagnosis sees it: what the core sampled, and where each cell lies.
 
 use crate::error::{Error, Result};
-use crate::map::{Place, RoadLine, RoadPoint, match_track, road_of_run, track_of_run};
+use crate::map::{Network, Place, RoadLine, RoadPoint, match_track, road_of_run, track_of_run};
 use crate::recorder::{Recorder, Run};
 use crate::source::input::for_each_input;
 use estimator_core::filter::Filter;
@@ -57,7 +57,7 @@ pub struct RoadPlace {
 /// A road, both ways.
 #[derive(Debug)]
 pub struct CommonRoad {
-    ways: [RoadLine; 2],
+    ways: [Network; 2],
     end_m: f64,
 }
 
@@ -77,8 +77,8 @@ impl CommonRoad {
             distance_m: end_m - point.distance_m,
             ..*point
         });
-        let back = RoadLine::new(back.collect()).ok()?;
-        let ways = [RoadLine::new(points).ok()?, back];
+        let back = RoadLine::new(back.collect()).ok()?.into();
+        let ways = [RoadLine::new(points).ok()?.into(), back];
         Some(Self { ways, end_m })
     }
 
@@ -91,7 +91,7 @@ impl CommonRoad {
     /// Latitude and longitude at a distance, deg.
     #[must_use]
     pub fn position_at(&self, at_m: f64) -> (f64, f64) {
-        self.ways[0].position_at(at_m)
+        self.ways[0].ways()[0].line.position_at(at_m)
     }
 
     /// Where each sample of a drive lies.
@@ -103,11 +103,21 @@ impl CommonRoad {
             .iter()
             .zip(&back)
             .map(|(there, back)| match (there, back) {
-                (Place::OnRoad(at_m), _) => Some(RoadPlace {
+                (
+                    Place::OnRoad {
+                        distance_m: at_m, ..
+                    },
+                    _,
+                ) => Some(RoadPlace {
                     at_m: *at_m,
                     forward: true,
                 }),
-                (_, Place::OnRoad(at_m)) => Some(RoadPlace {
+                (
+                    _,
+                    Place::OnRoad {
+                        distance_m: at_m, ..
+                    },
+                ) => Some(RoadPlace {
                     at_m: self.end_m - at_m,
                     forward: false,
                 }),

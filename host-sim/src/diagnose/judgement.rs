@@ -6,7 +6,7 @@
 
 use super::drive::{CommonRoad, LoggedDrive};
 use crate::bare_model;
-use crate::map::{GradeMap, MapRow, RoadLine, SessionRun, road_of_run};
+use crate::map::{GradeMap, MapRow, Network, RoadLine, SessionRun, road_of_run};
 use crate::series::linear;
 use crate::world::road::sine;
 use estimator_core::sampler::Sample;
@@ -98,7 +98,7 @@ fn along_map(drive: &LoggedDrive, map: &[MapRow]) -> Option<Reference> {
 }
 
 fn map_of_others(drives: &[LoggedDrive], number: usize) -> Option<Vec<MapRow>> {
-    let road = RoadLine::new(road_of_run(&drives[number].run.rows)?).ok()?;
+    let road = Network::from(RoadLine::new(road_of_run(&drives[number].run.rows)?).ok()?);
     let mut map = GradeMap::new(&road);
     for (other, drive) in drives.iter().enumerate() {
         if other != number {
@@ -108,7 +108,7 @@ fn map_of_others(drives: &[LoggedDrive], number: usize) -> Option<Vec<MapRow>> {
             });
         }
     }
-    let rows = map.fused().rows;
+    let rows = map.fused().rows();
     (2 * rows.len() > drives[number].run.rows.len()).then_some(rows)
 }
 

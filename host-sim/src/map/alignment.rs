@@ -1,46 +1,112 @@
-//! From matched points to smooth distances along the road.
+//! From matched points to smooth distances along the ways.
 
 use super::local_fit;
-use super::matching::{Place, TrackPoint};
+use super::matching::{self, Place, TrackPoint};
+use super::network::Network;
 use std::ops::Range;
 
 /// Half width over which the offset between road and odometer is smoothed, m. Position noise of
 /// 2-3 m is uneven over this; an odometer 1 % wrong shifts the offset by 1 m, evenly.
 const OFFSET_REACH_M: f64 = 100.0;
 
-/// Points of a run that follow the road without a break.
+/// Points of a run that follow the network without a break.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stretch {
     /// Which points of the run.
     pub points: Range<usize>,
-    /// Distance along the road of each.
+    /// Distance along the legs of each: on the first that of its way.
     pub distance_m: Vec<f64>,
+    /// The ways that it takes, one after the other.
+    pub legs: Vec<Leg>,
 }
 
-/// The stretches of a run on the road. Points without a position belong to a stretch if it goes
+/// A way, or a part of it, on a stretch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Leg {
+    pub way: usize,
+    /// Distance along the legs where it begins.
+    pub begins_m: f64,
+    /// Distance along the legs less that along the way.
+    pub offset_m: f64,
+}
+
+/// A stretch as it is found.
+#[derive(Debug)]
+struct Open {
+    /// The last place on a way, and the odometer there.
+    last: (usize, f64, f64),
+    /// Matched points, each with its raw distance along the legs.
+    on: Vec<(usize, f64)>,
+    legs: Vec<Leg>,
+}
+
+/// The stretches of a run on the network. Points without a position belong to a stretch if it goes
 /// on behind them (matching has compared that with the odometer).
-pub fn stretches(track: &[TrackPoint], places: &[Place]) -> Vec<Stretch> {
-    let mut found: Vec<Vec<(usize, f64)>> = Vec::new();
-    let mut open: Vec<(usize, f64)> = Vec::new();
+pub fn stretches(network: &Network, track: &[TrackPoint], places: &[Place]) -> Vec<Stretch> {
+    let mut found = Vec::new();
+    let mut open: Option<Open> = None;
     for (i, place) in places.iter().enumerate() {
         match *place {
-            Place::OnRoad(distance_m) => open.push((i, distance_m)),
-            Place::NoPosition => {}
-            Place::OffRoad | Place::Opposite => {
-                if !open.is_empty() {
-                    found.push(std::mem::take(&mut open));
+            Place::OnRoad { way, distance_m } => {
+                let here = (way, distance_m, track[i].odometer_m);
+                let goes_on = open
+                    .as_mut()
+                    .is_some_and(|open| open.take(network, i, here));
+                if !goes_on {
+                    found.extend(open.replace(Open::at(i, here)));
                 }
             }
+            Place::NoPosition => {}
+            Place::OffRoad | Place::Opposite => found.extend(open.take()),
         }
     }
-    if !open.is_empty() {
-        found.push(open);
-    }
-    found.iter().map(|on| smoothed(track, on)).collect()
+    found.extend(open);
+    found
+        .into_iter()
+        .map(|open| smoothed(track, &open.on, open.legs))
+        .collect()
 }
 
-/// A stretch through the matched points `on`, each with its raw distance along the road.
-fn smoothed(track: &[TrackPoint], on: &[(usize, f64)]) -> Stretch {
+impl Open {
+    fn at(i: usize, here: (usize, f64, f64)) -> Self {
+        let leg = Leg {
+            way: here.0,
+            begins_m: f64::NEG_INFINITY,
+            offset_m: 0.0,
+        };
+        Self {
+            last: here,
+            on: vec![(i, here.1)],
+            legs: vec![leg],
+        }
+    }
+
+    /// Goes on to a place, with the legs on the way there; `false` where none leads there.
+    fn take(&mut self, network: &Network, i: usize, here: (usize, f64, f64)) -> bool {
+        let (way, from_m, odometer_m) = self.last;
+        let driven_m = here.2 - odometer_m;
+        let (price, joins) = matching::step(network, (way, from_m), (here.0, here.1), driven_m);
+        for join in joins {
+            let leg = self.legs[self.legs.len() - 1];
+            let begins_m = leg.offset_m + join.at_m;
+            self.legs.push(Leg {
+                way: join.to_way,
+                begins_m: begins_m.max(leg.begins_m),
+                offset_m: begins_m - join.to_m,
+            });
+        }
+        if !price.is_finite() {
+            return false;
+        }
+        let leg = self.legs[self.legs.len() - 1];
+        self.on.push((i, here.1 + leg.offset_m));
+        self.last = here;
+        true
+    }
+}
+
+/// A stretch through the matched points `on`, each with its raw distance along the legs.
+fn smoothed(track: &[TrackPoint], on: &[(usize, f64)], legs: Vec<Leg>) -> Stretch {
     let odometer_m: Vec<f64> = on.iter().map(|&(i, _)| track[i].odometer_m).collect();
     let offset_m: Vec<f64> = on
         .iter()
@@ -66,5 +132,9 @@ fn smoothed(track: &[TrackPoint], on: &[(usize, f64)]) -> Stretch {
             here_m + offset_m[after - 1] + part * (offset_m[after] - offset_m[after - 1])
         })
         .collect();
-    Stretch { points, distance_m }
+    Stretch {
+        points,
+        distance_m,
+        legs,
+    }
 }

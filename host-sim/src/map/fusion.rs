@@ -9,33 +9,16 @@
 //! map's size does not depend on the number of its runs, runs can be added one by one and maps
 //! merged in any order.
 
-use super::GRID_M;
-use super::alignment::{Stretch, stretches};
 use super::cell_sums::CellSums;
 use super::dependence::{BETWEEN_SESSIONS, Dependence, Disagreement, Expectation, WITHIN_SESSION};
 use super::map_file::MapRow;
-use super::matching::{Place, match_track};
-use super::road_line::RoadLine;
-use super::track::track_of_run;
+use super::network::Network;
+use super::placing::{Coverage, PlacedRun, place};
+use super::way_file::WayRows;
+use crate::run_cell::RunCell;
 use crate::run_file::RunRow;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
-
-/// Cells of a run farther apart than this are not joined, m: two rows of a RUN.csv are missing.
-const JOIN_LIMIT_M: f64 = 8.0;
-
-/// How much of a run lies on the road, in cells.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Coverage {
-    pub cells: usize,
-    /// On the road, those bridged by odometer included.
-    pub matched: usize,
-    pub off_road: usize,
-    /// At the road, driven against its direction.
-    pub opposite: usize,
-    /// Without a position, and not bridged.
-    pub no_position: usize,
-}
 
 /// A run, and the session that it belongs to.
 #[derive(Clone, Copy, Debug)]
@@ -55,95 +38,162 @@ pub struct Agreement {
 /// A map, and how far to trust what went into it.
 #[derive(Clone, Debug)]
 pub struct FusedMap {
-    /// The cells that some run covered.
-    pub rows: Vec<MapRow>,
+    /// The ways with the cells that some run covered; those without any are left out.
+    pub ways: Vec<WayRows>,
     /// Runs within each session that has a name.
     pub within: Vec<(String, Agreement)>,
     /// Sessions against each other.
     pub between: Agreement,
 }
 
-/// Accumulated cells of a road, every 2.5 m.
+impl FusedMap {
+    /// The rows of all ways.
+    #[must_use]
+    pub fn rows(&self) -> Vec<MapRow> {
+        let rows = self.ways.iter().flat_map(|way| &way.rows);
+        rows.copied().collect()
+    }
+}
+
+/// Sums of the cells of each way that a session drove.
+type SessionSums = BTreeMap<usize, Vec<CellSums>>;
+
+/// Accumulated cells of a network, every 2.5 m of each way.
 #[derive(Clone, Debug)]
 pub struct GradeMap<'a> {
-    road: &'a RoadLine,
-    /// Number of the first cell: its distance over 2.5 m.
-    first: i64,
-    /// Runs without a session.
+    network: &'a Network,
+    /// Runs without a session, on all ways.
     alone: Vec<CellSums>,
     /// Runs of each session.
-    sessions: BTreeMap<String, Vec<CellSums>>,
+    sessions: BTreeMap<String, SessionSums>,
+    /// Sessions that are complete, and how far their runs agreed.
+    closed: Pooled,
+    within: Vec<(String, Agreement)>,
+}
+
+/// Sessions, each one estimate.
+#[derive(Clone, Debug)]
+struct Pooled {
+    cells: Vec<CellSums>,
+    /// Runs behind them.
+    runs: Vec<u32>,
+}
+
+impl Pooled {
+    fn new(count: usize) -> Self {
+        Self {
+            cells: vec![CellSums::default(); count],
+            runs: vec![0; count],
+        }
+    }
+
+    /// Adds the runs of one session as one estimate.
+    fn add(&mut self, network: &Network, session: &SessionSums) -> Agreement {
+        let agreement = agreement(&WITHIN_SESSION, session.values().flatten());
+        for (&way, cells) in session {
+            let of_way = network.cells_of(way);
+            let known = self.cells[of_way.clone()].iter_mut();
+            for ((sums, runs), cell) in known.zip(&mut self.runs[of_way]).zip(cells) {
+                sums.merge(&cell.pooled(&agreement.dependence));
+                *runs = runs.saturating_add(cell.estimates);
+            }
+        }
+        agreement
+    }
 }
 
 impl<'a> GradeMap<'a> {
-    /// An empty map of a road.
-    pub fn new(road: &'a RoadLine) -> Self {
-        let numbers = road.cell_numbers();
-        let count = usize::try_from(numbers.end() - numbers.start() + 1).unwrap_or(0);
+    /// An empty map of a network.
+    pub fn new(network: &'a Network) -> Self {
+        let count = network.cells();
         Self {
-            road,
-            first: *numbers.start(),
+            network,
             alone: vec![CellSums::default(); count],
             sessions: BTreeMap::new(),
+            closed: Pooled::new(count),
+            within: Vec::new(),
         }
     }
 
-    /// The road that it is a map of.
-    pub const fn road(&self) -> &'a RoadLine {
-        self.road
+    /// The network that it is a map of.
+    pub const fn network(&self) -> &'a Network {
+        self.network
     }
 
-    /// Adds one run, and says how much of it lies on the road.
+    /// Adds one run, and says how much of it lies on the network.
     pub fn add_run(&mut self, run: &SessionRun) -> Coverage {
-        let SessionRun { session, rows } = *run;
-        let track = track_of_run(rows);
-        let places = match_track(self.road, &track);
-        let count = |wanted: Place| places.iter().filter(|&&place| place == wanted).count();
-        let mut coverage = Coverage {
-            cells: rows.len(),
-            off_road: count(Place::OffRoad),
-            opposite: count(Place::Opposite),
-            ..Coverage::default()
-        };
-        let first = self.first;
-        for stretch in stretches(&track, &places) {
-            coverage.matched += stretch.points.len();
-            add_stretch(self.cells_of(session), first, rows, &stretch);
-        }
-        coverage.no_position =
-            coverage.cells - coverage.matched - coverage.off_road - coverage.opposite;
-        coverage
+        let placed = place(self.network, &cells_of_run(run.rows));
+        self.add_placed(run.session, &placed);
+        placed.coverage
     }
 
-    /// Adds what another map of the same road knows.
-    pub fn merge(&mut self, other: &Self) {
-        debug_assert!(std::ptr::eq(self.road, other.road), "maps of one road");
-        merge_cells(&mut self.alone, &other.alone);
-        for (name, cells) in &other.sessions {
-            merge_cells(self.cells_of(Some(name)), cells);
+    /// Adds a run that was placed on this map's network.
+    pub fn add_placed(&mut self, session: Option<&str>, run: &PlacedRun) {
+        if run.cells.is_empty() {
+            return;
         }
+        for of_way in run.cells.chunk_by(|a, b| a.way == b.way) {
+            let way = of_way[0].way;
+            let first = self.network.first_number(way);
+            let cells = self.cells_of(session, way);
+            for placed in of_way {
+                let index = usize::try_from(placed.number - first).ok();
+                if let Some(cell) = index.and_then(|index| cells.get_mut(index)) {
+                    cell.merge(&placed.sums());
+                }
+            }
+        }
+    }
+
+    /// Makes one estimate of a session's runs, for good: its memory is free again. No run of this
+    /// session may be added later, and what is left is not for a store.
+    pub fn close_session(&mut self, name: &str) {
+        if let Some(session) = self.sessions.remove(name) {
+            let agreement = self.closed.add(self.network, &session);
+            self.within.push((name.to_owned(), agreement));
+        }
+    }
+
+    /// Adds what another map of the same network knows.
+    pub fn merge(&mut self, other: &Self) {
+        let is_same = std::ptr::eq(self.network, other.network);
+        debug_assert!(is_same, "maps of one network");
+        merge_cells(&mut self.alone, &other.alone);
+        for (name, session) in &other.sessions {
+            for (&way, cells) in session {
+                merge_cells(self.cells_of(Some(name), way), cells);
+            }
+        }
+        merge_cells(&mut self.closed.cells, &other.closed.cells);
+        for (runs, others) in self.closed.runs.iter_mut().zip(&other.closed.runs) {
+            *runs = runs.saturating_add(*others);
+        }
+        self.within.extend(other.within.iter().cloned());
     }
 
     /// What the runs together say.
     pub fn fused(&self) -> FusedMap {
-        let mut estimates = self.alone.clone();
-        let mut runs: Vec<u32> = self.alone.iter().map(|cell| cell.estimates).collect();
-        let mut within = Vec::with_capacity(self.sessions.len());
-        for (name, cells) in &self.sessions {
-            let agreement = agreement(&WITHIN_SESSION, cells);
-            for ((sums, runs), cell) in estimates.iter_mut().zip(&mut runs).zip(cells) {
-                sums.merge(&cell.pooled(&agreement.dependence));
-                *runs = runs.saturating_add(cell.estimates);
-            }
-            within.push((name.clone(), agreement));
+        let mut pooled = self.closed.clone();
+        let mut within = self.within.clone();
+        for (name, session) in &self.sessions {
+            within.push((name.clone(), pooled.add(self.network, session)));
+        }
+        let Pooled {
+            cells: mut estimates,
+            mut runs,
+        } = pooled;
+        merge_cells(&mut estimates, &self.alone);
+        for (runs, cell) in runs.iter_mut().zip(&self.alone) {
+            *runs = runs.saturating_add(cell.estimates);
         }
         let between = agreement(&BETWEEN_SESSIONS, &estimates);
-        let rows = (self.first..)
-            .zip(estimates.iter().zip(runs))
-            .filter_map(|(number, (sums, runs))| {
+        let ways = self.network.ways().iter().enumerate().map(|(way, of_way)| {
+            let cells = self.network.cells_of(way);
+            let known = estimates[cells.clone()].iter().zip(&runs[cells]);
+            let rows = of_way.cell_distances().zip(known);
+            let rows = rows.filter_map(|(distance_m, (sums, &runs))| {
                 let (grade_percent, variance) = sums.grade(&between.dependence)?;
-                let distance_m = number as f64 * GRID_M;
-                let (latitude_deg, longitude_deg) = self.road.position_at(distance_m);
+                let (latitude_deg, longitude_deg) = of_way.line.position_at(distance_m);
                 Some(MapRow {
                     distance_m,
                     latitude_deg,
@@ -153,30 +203,46 @@ impl<'a> GradeMap<'a> {
                     grade_sigma_percent: variance.sqrt(),
                     runs,
                 })
-            })
-            .collect();
+            });
+            WayRows {
+                name: of_way.name.clone(),
+                rows: rows.collect(),
+            }
+        });
         FusedMap {
-            rows,
+            ways: ways.filter(|way| !way.rows.is_empty()).collect(),
             within,
             between,
         }
     }
 
-    /// Sums of every cell of the road, in its order: of the runs without a session, then of each
-    /// session by name.
-    pub(super) fn sums(&self) -> impl Iterator<Item = (Option<&str>, &[CellSums])> {
-        let named = self.sessions.iter();
-        std::iter::once((None, self.alone.as_slice()))
-            .chain(named.map(|(name, cells)| (Some(name.as_str()), cells.as_slice())))
+    /// Cells of which sums are held.
+    pub fn held_cells(&self) -> usize {
+        let of_sessions = self.sessions.values().flat_map(BTreeMap::values);
+        self.alone.len() + of_sessions.map(Vec::len).sum::<usize>()
     }
 
-    /// The cells in which runs of a session are summed.
-    pub(super) fn cells_of(&mut self, session: Option<&str>) -> &mut [CellSums] {
+    /// Sums of every cell of each way: of the runs without a session on all ways, then of each
+    /// session by name on those that it drove.
+    pub(super) fn sums(&self) -> impl Iterator<Item = (Option<&str>, usize, &[CellSums])> {
+        let ways = 0..self.network.ways().len();
+        let alone = ways.map(|way| (None, way, &self.alone[self.network.cells_of(way)]));
+        let named = self.sessions.iter().flat_map(|(name, session)| {
+            let ways = session.iter();
+            ways.map(|(&way, cells)| (Some(name.as_str()), way, cells.as_slice()))
+        });
+        alone.chain(named)
+    }
+
+    /// The cells of a way in which runs of a session are summed.
+    pub(super) fn cells_of(&mut self, session: Option<&str>, way: usize) -> &mut [CellSums] {
+        let of_way = self.network.cells_of(way);
         let Some(name) = session else {
-            return &mut self.alone;
+            return &mut self.alone[of_way];
         };
-        let empty = || vec![CellSums::default(); self.alone.len()];
-        self.sessions.entry(name.to_owned()).or_insert_with(empty)
+        let empty = || vec![CellSums::default(); of_way.len()];
+        let session = self.sessions.entry(name.to_owned()).or_default();
+        session.entry(way).or_insert_with(empty)
     }
 }
 
@@ -186,7 +252,10 @@ fn merge_cells(cells: &mut [CellSums], others: &[CellSums]) {
     }
 }
 
-fn agreement(expectation: &Expectation, cells: &[CellSums]) -> Agreement {
+fn agreement<'c>(
+    expectation: &Expectation,
+    cells: impl IntoIterator<Item = &'c CellSums>,
+) -> Agreement {
     let mut disagreement = Disagreement::default();
     for cell in cells {
         disagreement.add(&cell.disagreement());
@@ -197,51 +266,6 @@ fn agreement(expectation: &Expectation, cells: &[CellSums]) -> Agreement {
     }
 }
 
-/// Interpolates a run onto the grid between neighbouring cells; `first` is the number of the
-/// first of `cells`. Errors of neighbours are nearly the same, so variances are interpolated, not
-/// reduced.
-fn add_stretch(cells: &mut [CellSums], first: i64, rows: &[RunRow], stretch: &Stretch) {
-    let rows = &rows[stretch.points.clone()];
-    // Number of the first cell that this run has not yet filled.
-    let mut next = i64::MIN;
-    for (pair, at_m) in rows.windows(2).zip(stretch.distance_m.windows(2)) {
-        let (from_m, to_m) = (at_m[0], at_m[1]);
-        if to_m <= from_m || pair[1].distance_m - pair[0].distance_m > JOIN_LIMIT_M {
-            continue;
-        }
-        let begin = ((from_m / GRID_M).ceil() as i64).max(next).max(first);
-        let end = (to_m / GRID_M).floor() as i64;
-        for number in begin..=end {
-            let Some(cell) = usize::try_from(number - first)
-                .ok()
-                .and_then(|index| cells.get_mut(index))
-            else {
-                break;
-            };
-            let part = (number as f64 * GRID_M - from_m) / (to_m - from_m);
-            cell.merge(&between(&pair[0], &pair[1], part));
-        }
-        next = next.max(end + 1);
-    }
-}
-
-/// What a run knows between two of its cells.
-fn between(a: &RunRow, b: &RunRow, part: f64) -> CellSums {
-    let mix = |a: f64, b: f64| a + part * (b - a);
-    let known = |row: &RunRow| row.altitude_m.zip(row.altitude_sigma_m);
-    CellSums::of(
-        (
-            mix(a.grade_percent, b.grade_percent),
-            mix(a.grade_sigma_percent.powi(2), b.grade_sigma_percent.powi(2)),
-        ),
-        known(a)
-            .zip(known(b))
-            .map(|((a_m, a_sigma), (b_m, b_sigma))| {
-                (mix(a_m, b_m), mix(a_sigma.powi(2), b_sigma.powi(2)))
-            }),
-    )
-}
-
 /// A map fused from runs, and what each gave to it.
 #[derive(Clone, Debug)]
 pub struct Fusion<'a> {
@@ -250,22 +274,22 @@ pub struct Fusion<'a> {
     pub coverage: Vec<Coverage>,
 }
 
-/// Fuses runs onto a road. The result does not depend on the number of threads.
-pub fn fuse<'a>(road: &'a RoadLine, runs: &[SessionRun]) -> Fusion<'a> {
-    let added: Vec<(GradeMap<'a>, Coverage)> = runs
+/// Fuses runs onto a network. The result does not depend on the number of threads.
+pub fn fuse<'a>(network: &'a Network, runs: &[SessionRun]) -> Fusion<'a> {
+    let placed: Vec<PlacedRun> = runs
         .par_iter()
-        .map(|run| {
-            let mut map = GradeMap::new(road);
-            let coverage = map.add_run(run);
-            (map, coverage)
-        })
+        .map(|run| place(network, &cells_of_run(run.rows)))
         .collect();
-    let mut map = GradeMap::new(road);
-    for (part, _) in &added {
-        map.merge(part);
+    let mut map = GradeMap::new(network);
+    for (run, placed) in runs.iter().zip(&placed) {
+        map.add_placed(run.session, placed);
     }
     Fusion {
         map,
-        coverage: added.iter().map(|(_, coverage)| *coverage).collect(),
+        coverage: placed.iter().map(|placed| placed.coverage).collect(),
     }
+}
+
+fn cells_of_run(rows: &[RunRow]) -> Vec<RunCell> {
+    rows.iter().map(RunCell::from).collect()
 }

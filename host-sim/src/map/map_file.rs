@@ -1,10 +1,12 @@
-//! MAP.csv: the cells of one road, fused over runs.
+//! MAP.csv, or MAP.parquet: the cells of one road, or of the ways of a network, fused over runs.
 
-use super::RoadPoint;
+use super::way_file::{self, WayColumns, WayRows};
+use super::{RoadPoint, map_parquet};
 use crate::error::Result;
 use crate::output::Staged;
+use crate::parquet_file::is_parquet;
 use crate::row_check::{self, Flaw};
-use crate::run_file::{read_checked, round, stage_csv};
+use crate::run_file::{round, stage_csv};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -36,8 +38,21 @@ impl MapRow {
         }
     }
 
+    /// With the decimals that a text file carries.
+    fn rounded(&self) -> Self {
+        Self {
+            distance_m: round(self.distance_m, 2),
+            latitude_deg: round(self.latitude_deg, 7),
+            longitude_deg: round(self.longitude_deg, 7),
+            altitude_m: self.altitude_m.map(|v| round(v, 3)),
+            grade_percent: round(self.grade_percent, 5),
+            grade_sigma_percent: round(self.grade_sigma_percent, 5),
+            runs: self.runs,
+        }
+    }
+
     /// Whether the row can follow `before` in a map.
-    fn check(before: Option<&Self>, row: &Self) -> std::result::Result<(), Flaw> {
+    pub(super) fn check(before: Option<&Self>, row: &Self) -> std::result::Result<(), Flaw> {
         row_check::finite(&[
             ("distance_m", row.distance_m),
             ("latitude_deg", row.latitude_deg),
@@ -62,29 +77,61 @@ pub fn write(path: &Path, rows: &[MapRow]) -> Result<()> {
     stage(path, rows)?.commit()
 }
 
-/// Writes a map that appears when it is committed.
+/// As [`stage`], of a network's map: columns `way` and `direction` come first. Of a single road the
+/// file is the same as by [`stage`].
 ///
 /// # Errors
 /// What the file system says.
-pub fn stage(path: &Path, rows: &[MapRow]) -> Result<Staged> {
+pub fn stage_ways(path: &Path, ways: &[WayRows]) -> Result<Staged> {
+    if is_parquet(path) {
+        return map_parquet::stage(path, ways);
+    }
+    if let [WayRows { name: None, rows }] = ways {
+        return stage(path, rows);
+    }
     stage_csv(
         path,
-        rows.iter().map(|row| MapRow {
-            distance_m: round(row.distance_m, 2),
-            latitude_deg: round(row.latitude_deg, 7),
-            longitude_deg: round(row.longitude_deg, 7),
-            altitude_m: row.altitude_m.map(|v| round(v, 3)),
-            grade_percent: round(row.grade_percent, 5),
-            grade_sigma_percent: round(row.grade_sigma_percent, 5),
-            runs: row.runs,
+        ways.iter().flat_map(|way| {
+            // Each has a name where there are several.
+            let columns = WayColumns::from(way.name.as_ref());
+            way.rows
+                .iter()
+                .map(move |row| (columns.clone(), row.rounded()))
         }),
     )
 }
 
-/// Reads a map.
+/// Writes a map that appears when it is committed: as Parquet if the name ends in .parquet, else
+/// as CSV.
+///
+/// # Errors
+/// What the file system says.
+pub fn stage(path: &Path, rows: &[MapRow]) -> Result<Staged> {
+    if is_parquet(path) {
+        let way = WayRows {
+            name: None,
+            rows: rows.to_vec(),
+        };
+        return map_parquet::stage(path, &[way]);
+    }
+    stage_csv(path, rows.iter().map(MapRow::rounded))
+}
+
+/// Reads a map of a single road, CSV or Parquet.
 ///
 /// # Errors
 /// With file, line and what was expected.
 pub fn read(path: &Path) -> Result<Vec<MapRow>> {
-    read_checked(path, MapRow::check)
+    way_file::single(path, read_ways(path)?)
+}
+
+/// Reads a map way by way, CSV or Parquet.
+///
+/// # Errors
+/// With file, line and what was expected.
+pub fn read_ways(path: &Path) -> Result<Vec<WayRows>> {
+    if is_parquet(path) {
+        return map_parquet::read(path);
+    }
+    way_file::read_csv(path, MapRow::check)
 }

@@ -1,12 +1,18 @@
-//! Which point of a road each point of a run belongs to.
+//! Which point of which way each point of a run belongs to.
 //!
 //! A hidden Markov model over the run, solved by Viterbi's algorithm (after Newson and Krumm,
 //! "Hidden Markov map matching through noise and sparseness", 2009). The states at a position
-//! are the passes of the road near it that go the same way, and "off the road"; passing from one
-//! to the next must agree with the odometer. So a run stays on its own pass where a road comes
-//! near itself or crosses itself, and a crossing street is not worth entering.
+//! are the passes of ways near it that go the same way, and "off the road"; passing from one to the
+//! next must agree with the odometer, and from one way to another there must be a route of that
+//! length over their joins. So a run stays on its own pass where a road comes near itself or
+//! crosses itself, and a crossing or parallel street is not worth entering.
 
-use super::road_line::{COURSE_REACH_M, LATERAL_LIMIT_M, Nearby, RoadLine};
+use super::joins::Join;
+use super::network::{Candidate, Nearby, Network};
+use super::plane::{LocalPlane, earth_centred};
+use super::road_index::Surroundings;
+use super::road_line::{COURSE_REACH_M, LATERAL_LIMIT_M};
+use std::ops::Range;
 
 /// Price of leaving the road or coming onto it, in positions off the road: a stretch on the road
 /// must be worth two of them, 100 m of perfect fit, or it is a crossing.
@@ -17,6 +23,11 @@ const SLIP_M: f64 = 10.0;
 /// ... and by this part of the distance (odometer scale, roads with straightened bends). More
 /// costs the square of it, so that a leap is never cheaper than leaving and coming back.
 const SLIP_RATIO: f64 = 0.05;
+/// Price of a turn: of leaving a way that goes on, or entering one that began before, in positions
+/// off the road. So a crossing street is not taken for the width of a junction.
+const TURN_PRICE: f64 = 1.0;
+/// Price of a position whose course fits only as that of a vehicle that turns.
+const TURNING_PRICE: f64 = 0.5;
 /// Positions this far apart by odometer do not tell a course, m.
 const COURSE_GAP_M: f64 = 30.0;
 /// A course needs positions over at least this, m.
@@ -34,8 +45,8 @@ pub struct TrackPoint {
 /// Where one point of a run lies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Place {
-    /// On the road, at this distance along it, m.
-    OnRoad(f64),
+    /// On this way of the network (a single road is its way 0), at this distance along it, m.
+    OnRoad { way: usize, distance_m: f64 },
     /// At the road, driving against its direction.
     Opposite,
     /// Not at the road, or across it.
@@ -44,8 +55,8 @@ pub enum Place {
     NoPosition,
 }
 
-/// Places each point of a run on the road.
-pub fn match_track(road: &RoadLine, track: &[TrackPoint]) -> Vec<Place> {
+/// Places each point of a run on the network.
+pub fn match_track(network: &Network, track: &[TrackPoint]) -> Vec<Place> {
     let mut places = vec![Place::NoPosition; track.len()];
     let fixes: Vec<Fix> = track
         .iter()
@@ -55,19 +66,26 @@ pub fn match_track(road: &RoadLine, track: &[TrackPoint]) -> Vec<Place> {
             Some(Fix {
                 index,
                 odometer_m: point.odometer_m,
-                plan: road.plane_point(latitude_deg, longitude_deg),
+                place_m: earth_centred(latitude_deg, longitude_deg),
             })
         })
         .collect();
+    let mut surroundings = Surroundings::default();
     let nearby: Vec<Nearby> = (0..fixes.len())
-        .map(|i| match fixes[i].plan {
-            Some(plan) => road.nearby(plan, course(&fixes, i)),
-            None => Nearby::default(),
+        .map(|i| {
+            let chord = around(&fixes, i);
+            network.nearby(&mut surroundings, fixes[i].place_m, |plane| {
+                course(&fixes[chord.clone()], plane)
+            })
         })
         .collect();
-    for ((fix, near), state) in fixes.iter().zip(&nearby).zip(best_states(&fixes, &nearby)) {
+    let states = best_states(network, &fixes, &nearby);
+    for ((fix, near), state) in fixes.iter().zip(&nearby).zip(states) {
         places[fix.index] = match near.along.get(state) {
-            Some(located) => Place::OnRoad(located.distance_m),
+            Some(candidate) => Place::OnRoad {
+                way: candidate.way,
+                distance_m: candidate.foot.distance_m,
+            },
             None if near.opposite => Place::Opposite,
             None => Place::OffRoad,
         };
@@ -79,16 +97,14 @@ pub fn match_track(road: &RoadLine, track: &[TrackPoint]) -> Vec<Place> {
 struct Fix {
     index: usize,
     odometer_m: f64,
-    /// `None` far from the road.
-    plan: Option<[f64; 2]>,
+    /// Earth-centred.
+    place_m: [f64; 3],
 }
 
-/// Direction of the run around a position, from the positions about 20 m before and after;
-/// `None` where they do not tell one.
-fn course(fixes: &[Fix], i: usize) -> Option<[f64; 2]> {
-    let joined = |a: usize, b: usize| {
-        (fixes[a].odometer_m - fixes[b].odometer_m).abs() <= COURSE_GAP_M && fixes[b].plan.is_some()
-    };
+/// Positions about 20 m before and after one, without a gap between them.
+fn around(fixes: &[Fix], i: usize) -> Range<usize> {
+    let joined =
+        |a: usize, b: usize| (fixes[a].odometer_m - fixes[b].odometer_m).abs() <= COURSE_GAP_M;
     let here_m = fixes[i].odometer_m;
     let mut from = i;
     while from > 0 && here_m - fixes[from].odometer_m < COURSE_REACH_M && joined(from, from - 1) {
@@ -101,11 +117,51 @@ fn course(fixes: &[Fix], i: usize) -> Option<[f64; 2]> {
     {
         to += 1;
     }
-    let (a, b) = (fixes[from].plan?, fixes[to].plan?);
+    from..to + 1
+}
+
+/// Direction of the run from the first to the last of these, in a plane; `None` where they do not
+/// tell one.
+fn course(fixes: &[Fix], plane: &LocalPlane) -> Option<[f64; 2]> {
+    let (first, last) = (fixes.first()?, fixes.last()?);
+    let span_m = last.odometer_m - first.odometer_m;
+    if span_m < COURSE_SPAN_M {
+        return None;
+    }
+    let (a, b) = (plane.point(first.place_m)?, plane.point(last.place_m)?);
     let chord = [b[0] - a[0], b[1] - a[1]];
-    let span_m = fixes[to].odometer_m - fixes[from].odometer_m;
     // A chord far shorter than the drive is a turn on the spot or a receiver that stands still.
-    (span_m >= COURSE_SPAN_M && chord[0].hypot(chord[1]) >= 0.5 * span_m).then_some(chord)
+    (chord[0].hypot(chord[1]) >= 0.5 * span_m).then_some(chord)
+}
+
+/// Price of passing from one place to another over this distance by odometer, and the joins on
+/// the way; infinite where no way leads there.
+pub(super) fn step(
+    network: &Network,
+    from: (usize, f64),
+    to: (usize, f64),
+    driven_m: f64,
+) -> (f64, Vec<Join>) {
+    let slip_m = SLIP_M + SLIP_RATIO * driven_m;
+    let direct = if from.0 == to.0 {
+        ((to.1 - from.1 - driven_m) / slip_m).powi(2)
+    } else {
+        f64::INFINITY
+    };
+    if direct <= 1.0 {
+        return (direct, Vec::new());
+    }
+    // What is longer costs more than leaving the road and coming back.
+    let limit_m = driven_m + slip_m * (2.0 * SWITCH_PRICE).sqrt();
+    let route = network.joins().route(from, to, driven_m, limit_m);
+    match route.map(|route| {
+        let turns = route.joins.iter().filter(|join| join.turns).count();
+        let price = (route.mismatch_m / slip_m).powi(2) + TURN_PRICE * turns as f64;
+        (price, route.joins)
+    }) {
+        Some(route) if route.0 < direct => route,
+        _ => (direct, Vec::new()),
+    }
 }
 
 /// One state in Viterbi's lattice.
@@ -116,48 +172,56 @@ struct State {
 }
 
 /// For each position the index of its state: of a pass in `along`, or their number for "off".
-fn best_states(fixes: &[Fix], nearby: &[Nearby]) -> Vec<usize> {
-    let mut lattice: Vec<Vec<State>> = Vec::with_capacity(fixes.len());
+fn best_states(network: &Network, fixes: &[Fix], nearby: &[Nearby]) -> Vec<usize> {
+    // The states of all positions, one position behind the other, and where those of each begin.
+    let mut lattice: Vec<State> = Vec::with_capacity(2 * fixes.len());
+    let mut begins = vec![0];
     for (i, near) in nearby.iter().enumerate() {
-        let states = (0..=near.along.len())
-            .map(|state| {
-                let (cost, before) = match i.checked_sub(1) {
-                    None => (0.0, 0),
-                    Some(previous) => cheapest(
-                        &lattice[previous],
-                        &nearby[previous],
-                        near,
-                        state,
-                        fixes[i].odometer_m - fixes[previous].odometer_m,
-                    ),
-                };
-                State {
-                    cost: cost + stay_price(near, state),
-                    before,
-                }
-            })
-            .collect();
-        lattice.push(states);
+        for state in 0..=near.along.len() {
+            let (cost, before) = match i.checked_sub(1) {
+                None => (0.0, 0),
+                Some(previous) => cheapest(
+                    network,
+                    &lattice[begins[previous]..begins[i]],
+                    &nearby[previous],
+                    near,
+                    state,
+                    fixes[i].odometer_m - fixes[previous].odometer_m,
+                ),
+            };
+            lattice.push(State {
+                cost: cost + stay_price(near, state),
+                before,
+            });
+        }
+        begins.push(lattice.len());
     }
-    let mut chosen = vec![0; lattice.len()];
-    let mut state = lattice.last().map_or(0, |states| index_of_least(states));
-    for i in (0..lattice.len()).rev() {
+    let mut chosen = vec![0; nearby.len()];
+    let last = nearby.len().saturating_sub(1);
+    let mut state = index_of_least(&lattice[begins[last]..]);
+    for i in (0..chosen.len()).rev() {
         chosen[i] = state;
-        state = lattice[i][state].before;
+        state = lattice[begins[i] + state].before;
     }
     chosen
 }
 
 /// Being beside the road grows dear with the square of the offset, up to being off it.
 fn stay_price(near: &Nearby, state: usize) -> f64 {
-    near.along
-        .get(state)
-        .map_or(1.0, |located| (located.lateral_m / LATERAL_LIMIT_M).powi(2))
+    near.along.get(state).map_or(1.0, |candidate| {
+        let turning = if candidate.turning {
+            TURNING_PRICE
+        } else {
+            0.0
+        };
+        (candidate.foot.lateral_m / LATERAL_LIMIT_M).powi(2) + turning
+    })
 }
 
 /// Cost of the cheapest way to `state`, and the state before it. "Off" can always be reached and
 /// left, so there always is one.
 fn cheapest(
+    network: &Network,
     states: &[State],
     nearby_before: &Nearby,
     near: &Nearby,
@@ -168,10 +232,7 @@ fn cheapest(
     for (before, from) in states.iter().enumerate() {
         let step = match (nearby_before.along.get(before), near.along.get(state)) {
             (None, None) => 0.0,
-            (Some(a), Some(b)) => {
-                let progress_m = b.distance_m - a.distance_m;
-                ((progress_m - driven_m) / (SLIP_M + SLIP_RATIO * driven_m)).powi(2)
-            }
+            (Some(a), Some(b)) => step(network, place_of(a), place_of(b), driven_m).0,
             _ => SWITCH_PRICE,
         };
         if from.cost + step < best.0 {
@@ -179,6 +240,10 @@ fn cheapest(
         }
     }
     best
+}
+
+fn place_of(candidate: &Candidate) -> (usize, f64) {
+    (candidate.way, candidate.foot.distance_m)
 }
 
 fn index_of_least(states: &[State]) -> usize {

@@ -11,32 +11,43 @@ const REACH_M: f64 = 300e3;
 /// offset of 25 m is right within a millimetre. Distances along a road are never measured here.
 #[derive(Clone, Copy, Debug)]
 pub struct LocalPlane {
-    latitude_rad: f64,
-    longitude_rad: f64,
+    /// Earth-centred, m.
+    origin_m: [f64; 3],
+    /// Unit vectors to the east, north and up, earth-centred.
+    axes: [[f64; 3]; 3],
 }
 
 impl LocalPlane {
     /// A plane that touches the ellipsoid there.
     pub fn around(latitude_deg: f64, longitude_deg: f64) -> Self {
+        let (sin_lat, cos_lat) = latitude_deg.to_radians().sin_cos();
+        let (sin_lon, cos_lon) = longitude_deg.to_radians().sin_cos();
         Self {
-            latitude_rad: latitude_deg.to_radians(),
-            longitude_rad: longitude_deg.to_radians(),
+            origin_m: earth_centred(latitude_deg, longitude_deg),
+            axes: [
+                [-sin_lon, cos_lon, 0.0],
+                [-sin_lat * cos_lon, -sin_lat * sin_lon, cos_lat],
+                [cos_lat * cos_lon, cos_lat * sin_lon, sin_lat],
+            ],
         }
     }
 
-    /// East and north, m; `None` farther away than the plane serves.
-    pub fn point(&self, latitude_deg: f64, longitude_deg: f64) -> Option<[f64; 2]> {
-        let (east, north, up) = map_3d::geodetic2enu(
-            latitude_deg.to_radians(),
-            longitude_deg.to_radians(),
-            0.0,
-            self.latitude_rad,
-            self.longitude_rad,
-            0.0,
-            WGS84,
-        );
-        (east.hypot(north).hypot(up) <= REACH_M).then_some([east, north])
+    /// East and north of a place on the ellipsoid, m; `None` farther away than the plane serves.
+    pub fn point(&self, place_m: [f64; 3]) -> Option<[f64; 2]> {
+        let [east, north, up] = self.axes.map(|axis| {
+            (0..3)
+                .map(|i| axis[i] * (place_m[i] - self.origin_m[i]))
+                .sum::<f64>()
+        });
+        let squared = east * east + north * north + up * up;
+        (squared <= REACH_M * REACH_M).then_some([east, north])
     }
+}
+
+/// A place on the ellipsoid, earth-centred, m.
+pub fn earth_centred(latitude_deg: f64, longitude_deg: f64) -> [f64; 3] {
+    let (latitude, longitude) = (latitude_deg.to_radians(), longitude_deg.to_radians());
+    map_3d::geodetic2ecef(latitude, longitude, 0.0, WGS84).into()
 }
 
 /// Straight-line distance between two places given as latitude, longitude and altitude, m.

@@ -1,10 +1,12 @@
-//! ROAD.csv: a road given from outside; a MAP.csv serves too.
+//! ROAD.csv, or ROAD.parquet: a road, or ways, given from outside; a map serves too.
 
+use super::map_parquet;
 use super::plane::chord_m;
 use super::road_line::RoadPoint;
+use super::way_file::{self, WayRows};
 use crate::error::Result;
+use crate::parquet_file::is_parquet;
 use crate::row_check::{self, Flaw};
-use crate::run_file::read_checked;
 use serde::Deserialize;
 use std::path::Path;
 
@@ -37,7 +39,7 @@ impl RoadRow {
     }
 
     /// Whether the row can follow `before` on a road.
-    fn check(before: Option<&Self>, row: &Self) -> std::result::Result<(), Flaw> {
+    pub(super) fn check(before: Option<&Self>, row: &Self) -> std::result::Result<(), Flaw> {
         row_check::finite(&[
             ("distance_m", row.distance_m),
             ("latitude_deg", row.latitude_deg),
@@ -66,10 +68,21 @@ impl RoadRow {
     }
 }
 
-/// Reads a road.
+/// Reads a single road.
 ///
 /// # Errors
 /// With file, line and what was expected.
 pub fn read(path: &Path) -> Result<Vec<RoadRow>> {
-    read_checked(path, RoadRow::check)
+    way_file::single(path, read_ways(path)?)
+}
+
+/// Reads a road, or ways.
+///
+/// # Errors
+/// With file, line and what was expected.
+pub(super) fn read_ways(path: &Path) -> Result<Vec<WayRows<RoadRow>>> {
+    if is_parquet(path) {
+        return map_parquet::read_road(path);
+    }
+    way_file::read_csv(path, RoadRow::check)
 }

@@ -1,9 +1,7 @@
-//! A road as a line on Earth, and where on it a position lies.
+//! A road as a line on Earth.
 
 use super::GRID_M;
-use super::plane::LocalPlane;
-use rstar::primitives::{GeomWithData, Line};
-use rstar::{AABB, RTree};
+use super::plane::{LocalPlane, earth_centred};
 use std::cmp::Ordering::Less;
 use std::ops::RangeInclusive;
 
@@ -13,8 +11,6 @@ pub(super) const COURSE_REACH_M: f64 = 20.0;
 /// How far beside the line a position may lie, m: position error, lanes, an offset of the road
 /// data.
 pub(super) const LATERAL_LIMIT_M: f64 = 25.0;
-/// Courses within this are the same direction, within this of the reverse the opposite one, deg.
-const COURSE_TOLERANCE_DEG: f64 = 45.0;
 
 /// One vertex of a road.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,33 +32,14 @@ pub enum RoadProblem {
     TooWide(usize),
 }
 
-/// Where on a road a position lies.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Located {
-    /// Along the road. Beyond its ends it counts on along the end's tangent.
-    pub distance_m: f64,
-    /// Beside the road, positive to the left.
-    pub lateral_m: f64,
-    /// Course of the vehicle minus course of the road; `None` if the former is not known.
-    pub course_difference_deg: Option<f64>,
-}
-
-/// What lies near a position.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Nearby {
-    /// Nearest point of each pass of the road that goes the same way, in the road's order.
-    pub along: Vec<Located>,
-    /// Whether the road goes the opposite way here.
-    pub opposite: bool,
-}
-
-/// A road with an index of its segments.
+/// A road in its direction of travel.
 #[derive(Debug)]
 pub struct RoadLine {
     plane: LocalPlane,
     points: Vec<RoadPoint>,
     plan: Vec<[f64; 2]>,
-    segments: RTree<GeomWithData<Line<[f64; 2]>, usize>>,
+    /// Direction of the road around each point, in its plane.
+    courses: Vec<[f64; 2]>,
 }
 
 impl RoadLine {
@@ -87,22 +64,22 @@ impl RoadLine {
             .enumerate()
             .map(|(i, point)| {
                 plane
-                    .point(point.latitude_deg, point.longitude_deg)
+                    .point(earth_centred(point.latitude_deg, point.longitude_deg))
                     .ok_or(RoadProblem::TooWide(i))
             })
             .collect::<Result<Vec<_>, _>>()?;
-        let segments = RTree::bulk_load(
-            plan.windows(2)
-                .enumerate()
-                .map(|(i, pair)| GeomWithData::new(Line::new(pair[0], pair[1]), i))
-                .collect(),
-        );
-        Ok(Self {
+        let mut road = Self {
             plane,
             points,
             plan,
-            segments,
-        })
+            courses: Vec::new(),
+        };
+        road.courses = road
+            .points
+            .iter()
+            .map(|point| road.course_at(point.distance_m))
+            .collect();
+        Ok(road)
     }
 
     /// Where the road begins, m.
@@ -147,80 +124,18 @@ impl RoadLine {
         )
     }
 
-    /// Where on the road a vehicle at this position with this course (compass, deg) is: the
-    /// nearest point within 25 m that goes the same way within 45°. Without a course, the
-    /// nearest.
-    pub fn locate(
-        &self,
-        latitude_deg: f64,
-        longitude_deg: f64,
-        course_deg: Option<f64>,
-    ) -> Option<Located> {
-        let point = self.plane.point(latitude_deg, longitude_deg)?;
-        let course = course_deg.map(|c| [c.to_radians().sin(), c.to_radians().cos()]);
-        self.nearby(point, course)
-            .along
-            .into_iter()
-            .min_by(|a, b| a.lateral_m.abs().total_cmp(&b.lateral_m.abs()))
+    /// Its points.
+    pub(super) fn points(&self) -> &[RoadPoint] {
+        &self.points
     }
 
-    /// A position in the road's plane, if it lies within 300 km of the road's middle.
-    pub(super) fn plane_point(&self, latitude_deg: f64, longitude_deg: f64) -> Option<[f64; 2]> {
-        self.plane.point(latitude_deg, longitude_deg)
+    /// The plane in which positions on it are compared.
+    pub(super) const fn plane(&self) -> &LocalPlane {
+        &self.plane
     }
 
-    /// The passes of the road near a point of its plane; `course` is a direction in that plane.
-    pub(super) fn nearby(&self, point: [f64; 2], course: Option<[f64; 2]>) -> Nearby {
-        let reach = LATERAL_LIMIT_M;
-        let around = AABB::from_corners(
-            [point[0] - reach, point[1] - reach],
-            [point[0] + reach, point[1] + reach],
-        );
-        let mut close: Vec<usize> = self
-            .segments
-            .locate_in_envelope_intersecting(around)
-            .map(|segment| segment.data)
-            .collect();
-        // The index answers in its own order.
-        close.sort_unstable();
-
-        let mut nearby = Nearby::default();
-        let mut last = None;
-        for i in close {
-            let Some((distance_m, lateral_m)) = self.project(i, point) else {
-                continue;
-            };
-            let difference_deg = course.map(|course| turn_deg(self.course_at(distance_m), course));
-            match difference_deg.map(f64::abs) {
-                Some(turn) if turn >= 180.0 - COURSE_TOLERANCE_DEG => {
-                    nearby.opposite = true;
-                    continue;
-                }
-                Some(turn) if turn > COURSE_TOLERANCE_DEG => continue,
-                _ => {}
-            }
-            let located = Located {
-                distance_m,
-                lateral_m,
-                course_difference_deg: difference_deg,
-            };
-            // Neighbouring segments are one pass of the road, of which the nearest point counts.
-            match nearby.along.last_mut() {
-                Some(best) if last == Some(i.wrapping_sub(1)) => {
-                    if lateral_m.abs() < best.lateral_m.abs() {
-                        *best = located;
-                    }
-                }
-                _ => nearby.along.push(located),
-            }
-            last = Some(i);
-        }
-        nearby
-    }
-
-    /// Distance along the road and offset to the left of the point of segment `i` nearest to
-    /// `point`; `None` if it is out of reach.
-    fn project(&self, i: usize, point: [f64; 2]) -> Option<(f64, f64)> {
+    /// The point of segment `i` nearest to `point`; `None` if it is out of reach.
+    pub(super) fn project(&self, i: usize, point: [f64; 2]) -> Option<Foot> {
         let (a, b) = (self.plan[i], self.plan[i + 1]);
         let along = [b[0] - a[0], b[1] - a[1]];
         let to = [point[0] - a[0], point[1] - a[1]];
@@ -231,8 +146,8 @@ impl RoadLine {
             0.0
         };
         let clamped = part.clamp(0.0, 1.0);
-        let beside_m = (to[0] - clamped * along[0]).hypot(to[1] - clamped * along[1]);
-        if beside_m > LATERAL_LIMIT_M {
+        let beside = [to[0] - clamped * along[0], to[1] - clamped * along[1]];
+        if beside[0] * beside[0] + beside[1] * beside[1] > LATERAL_LIMIT_M * LATERAL_LIMIT_M {
             return None;
         }
         // Beyond the ends the tangent goes on: else all cells there would pile up on the end.
@@ -245,12 +160,26 @@ impl RoadLine {
         let part = part.clamp(first, last);
         let offset = [to[0] - part * along[0], to[1] - part * along[1]];
         let left = along[0] * offset[1] - along[1] * offset[0];
+        let lateral_m = (offset[0] * offset[0] + offset[1] * offset[1]).sqrt();
         let from_m = self.points[i].distance_m;
         let length_m = self.points[i + 1].distance_m - from_m;
-        Some((
-            from_m + part * length_m,
-            offset[0].hypot(offset[1]).copysign(left),
-        ))
+        Some(Foot {
+            distance_m: from_m + part * length_m,
+            lateral_m: lateral_m.copysign(left),
+            vertex: match part {
+                0.0 => Some(i),
+                1.0 => Some(i + 1),
+                _ => None,
+            },
+        })
+    }
+
+    /// Direction of the road at the foot of a position.
+    pub(super) fn course_of(&self, foot: &Foot) -> [f64; 2] {
+        foot.vertex.map_or_else(
+            || self.course_at(foot.distance_m),
+            |vertex| self.courses[vertex],
+        )
     }
 
     /// Direction of the road around a distance, in its plane.
@@ -282,11 +211,15 @@ impl RoadLine {
     }
 }
 
-/// Angle from one direction to another, deg, positive to the right as a compass counts.
-fn turn_deg(from: [f64; 2], to: [f64; 2]) -> f64 {
-    let left = from[0] * to[1] - from[1] * to[0];
-    let ahead = from[0] * to[0] + from[1] * to[1];
-    (-left).atan2(ahead).to_degrees()
+/// Where a position meets the road.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Foot {
+    /// Along the road. Beyond its ends it counts on along the end's tangent.
+    pub distance_m: f64,
+    /// Beside the road, positive to the left.
+    pub lateral_m: f64,
+    /// The point of the road that it is, if it is one.
+    vertex: Option<usize>,
 }
 
 /// An angle within ±180°.

@@ -4,7 +4,7 @@ use super::local_fit;
 use super::matching::TrackPoint;
 use super::plane::chord_m;
 use super::road_line::RoadPoint;
-use crate::run_file::RunRow;
+use crate::run_cell::RunCell;
 
 /// Half width over which the track is smoothed, m. The fit is quadratic: it follows bends of
 /// 50 m radius within half a metre, and takes out position noise as a mean over ±30 m would.
@@ -13,11 +13,15 @@ const TRACK_REACH_M: f64 = 60.0;
 const STANDSTILL_M: f64 = 0.5;
 
 /// What a run says about where it went.
-pub fn track_of_run(rows: &[RunRow]) -> Vec<TrackPoint> {
+pub fn track_of_run<R>(rows: &[R]) -> Vec<TrackPoint>
+where
+    RunCell: for<'a> From<&'a R>,
+{
     rows.iter()
-        .map(|row| TrackPoint {
-            odometer_m: row.distance_m,
-            position: row.latitude_deg.zip(row.longitude_deg),
+        .map(RunCell::from)
+        .map(|cell| TrackPoint {
+            odometer_m: cell.distance_m,
+            position: cell.position,
         })
         .collect()
 }
@@ -25,11 +29,18 @@ pub fn track_of_run(rows: &[RunRow]) -> Vec<TrackPoint> {
 /// The road that a run drove, from its first position to its last: its track, smoothed lightly.
 /// Distances are lengths of that track from its start; over cells without a position, which it
 /// passes in a straight line, those of the odometer. `None` with fewer than two positions.
-pub fn road_of_run(rows: &[RunRow]) -> Option<Vec<RoadPoint>> {
+pub fn road_of_run<R>(rows: &[R]) -> Option<Vec<RoadPoint>>
+where
+    RunCell: for<'a> From<&'a R>,
+{
+    let rows: Vec<RunCell> = rows.iter().map(RunCell::from).collect();
     let fixes: Vec<(usize, f64, f64)> = rows
         .iter()
         .enumerate()
-        .filter_map(|(i, row)| Some((i, row.latitude_deg?, row.longitude_deg?)))
+        .filter_map(|(i, row)| {
+            row.position
+                .map(|(latitude_deg, longitude_deg)| (i, latitude_deg, longitude_deg))
+        })
         .collect();
     let odometer_m: Vec<f64> = fixes.iter().map(|fix| rows[fix.0].distance_m).collect();
     // Relative to the first, so that a road across the date line stays in one piece.
@@ -45,10 +56,11 @@ pub fn road_of_run(rows: &[RunRow]) -> Option<Vec<RoadPoint>> {
     let mut road: Vec<RoadPoint> = Vec::with_capacity(fixes.len());
     let mut last: Option<(usize, (f64, f64, f64))> = None;
     let mut distance_m = 0.0;
+    let altitude = |row: &RunCell| row.altitude.map(|(altitude_m, _)| altitude_m);
     // Where it is not known it stays as it was: an invented step would lengthen the road.
-    let mut altitude_m = rows.iter().find_map(|row| row.altitude_m).unwrap_or(0.0);
+    let mut altitude_m = rows.iter().find_map(altitude).unwrap_or(0.0);
     for (fix, (latitude, longitude)) in fixes.iter().zip(latitude.iter().zip(&longitude)) {
-        altitude_m = rows[fix.0].altitude_m.unwrap_or(altitude_m);
+        altitude_m = altitude(&rows[fix.0]).unwrap_or(altitude_m);
         let place = (
             first.1 + latitude,
             (first.2 + longitude + 180.0).rem_euclid(360.0) - 180.0,

@@ -1,4 +1,5 @@
 //! Plots and the page that shows them.
 
 pub mod page;
+pub mod plan;
 pub mod plot;

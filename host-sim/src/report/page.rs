@@ -114,6 +114,15 @@ impl Page {
         Ok(folder.join(PAGE))
     }
 
+    /// The page by itself as a file, which appears when it is committed.
+    ///
+    /// # Errors
+    /// What the file system says.
+    pub fn stage_alone(&self, path: &Path) -> Result<Staged> {
+        let html = self.render().map_err(std::io::Error::other);
+        stage_text(path, &html.map_err(Error::io(path))?)
+    }
+
     /// The files that [`Self::write`] writes, which appear when they are committed.
     ///
     /// # Errors
@@ -133,8 +142,7 @@ impl Page {
                 stage(&format!("{}.csv", figure.name), &figure.csv)?;
             }
         }
-        let html = self.render().map_err(std::io::Error::other);
-        stage(PAGE, &html.map_err(Error::io(&folder.join(PAGE)))?)?;
+        files.push(self.stage_alone(&folder.join(PAGE))?);
         Ok(files)
     }
 }

@@ -30,6 +30,8 @@ pub enum Mark {
     Line,
     /// A dashed line.
     Dashed,
+    /// Thick lines, each from one of these points, by number, up to the next.
+    Lines(Vec<usize>),
     /// A dot at each point.
     Dots,
     /// A bar from zero to each point, as wide as the points are apart.
@@ -236,11 +238,12 @@ impl Plot {
                 Mark::Band(_) | Mark::Bars => (6, 0.3),
                 Mark::Dots => (2, 1.0),
                 Mark::Line | Mark::Dashed => (1, 1.0),
+                Mark::Lines(_) => (2, 1.0),
             };
             for (from, to) in match series.mark {
                 Mark::Dashed => vec![(x, x + 9), (x + 14, x + 23)],
                 Mark::Dots => vec![(x + 3, x + 7), (x + 14, x + 18)],
-                Mark::Line | Mark::Bars | Mark::Band(_) => vec![(x, x + 23)],
+                Mark::Line | Mark::Lines(_) | Mark::Bars | Mark::Band(_) => vec![(x, x + 23)],
             } {
                 let key = Rectangle::new(
                     [(from, middle - half), (to, middle + half)],
@@ -325,6 +328,14 @@ fn draw_series(chart: &mut Chart<'_, '_>, series: &Series) -> Result<(), Box<dyn
         Mark::Line => {
             let line = LineSeries::new(thinned(&series.points), colour.stroke_width(2));
             chart.draw_series(line).map_err(|e| e.to_string())?;
+        }
+        Mark::Lines(begins) => {
+            let last = series.points.len();
+            let ends = begins.iter().copied().skip(1).chain([last]);
+            let lines = begins.iter().zip(ends).map(|(&begin, end)| {
+                PathElement::new(&series.points[begin..end], colour.stroke_width(3))
+            });
+            chart.draw_series(lines).map_err(|e| e.to_string())?;
         }
         Mark::Dashed => {
             let points = thinned(&series.points);

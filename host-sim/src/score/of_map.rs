@@ -1,7 +1,7 @@
 //! A map against a reference.
 
 use super::{ScoreRow, Sums, Unscorable, is_end};
-use crate::map::{MapRow, Place, RoadLine, RoadRow, TrackPoint, match_track};
+use crate::map::{MapRow, Network, Place, RoadLine, RoadRow, TrackPoint, match_track};
 use crate::series::linear;
 
 /// Compares a map with a reference by distance: pairs of distance, m, and grade, %, sorted. Both
@@ -20,7 +20,9 @@ pub fn score_map(map: &[MapRow], reference: &[(f64, f64)]) -> Result<ScoreRow, U
 /// # Errors
 /// If the reference is no road or has no grade, or no cell is left to compare.
 pub fn score_map_on_road(map: &[MapRow], reference: &[RoadRow]) -> Result<ScoreRow, Unscorable> {
-    let road = RoadLine::new(reference.iter().map(RoadRow::point).collect())?;
+    let road = Network::from(RoadLine::new(
+        reference.iter().map(RoadRow::point).collect(),
+    )?);
     let grades: Vec<(f64, f64)> = reference
         .iter()
         .filter_map(|row| Some((row.distance_m, row.grade_percent?)))
@@ -38,7 +40,7 @@ pub fn score_map_on_road(map: &[MapRow], reference: &[RoadRow]) -> Result<ScoreR
     let places: Vec<Option<f64>> = match_track(&road, &track)
         .into_iter()
         .map(|place| match place {
-            Place::OnRoad(distance_m) => Some(distance_m),
+            Place::OnRoad { distance_m, .. } => Some(distance_m),
             _ => None,
         })
         .collect();

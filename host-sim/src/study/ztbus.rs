@@ -9,7 +9,7 @@ use super::drift::{Drift, ForceSample, vehicle_model_drift};
 use super::windows::{GradeProfile, WindowErrors, window_errors};
 use super::{Outcome, Setting, Study};
 use crate::error::{Error, Result};
-use crate::map::{self, GradeMap, MapRow, RoadLine, SessionRun};
+use crate::map::{self, GradeMap, MapRow, Network, RoadLine, SessionRun};
 use crate::recorder::estimate_log;
 use crate::report::page::{Figure, Section, Table};
 use crate::report::plot::{Mark, Plot, Series, colour};
@@ -113,7 +113,7 @@ fn find(mission_file: &Path, terrain_folder: &Path) -> Result<Findings> {
         let problem = |e: &dyn ToString| Error::content(mission_file, e.to_string());
         let track = map::road_of_run(&runs[first])
             .ok_or_else(|| problem(&"a pass without positions; expected GNSS fixes along it"))?;
-        let road = RoadLine::new(track).map_err(|e| problem(&e))?;
+        let road = Network::from(RoadLine::new(track).map_err(|e| problem(&e))?);
         let mut of_direction = DirectionProfiles {
             direction: direction.word(),
             terrain: Vec::new(),
@@ -164,7 +164,7 @@ fn estimate(mission: &Mission, pass: &Pass, folder: &Path) -> Result<Vec<RunRow>
     Ok(estimate_log::<f32>(&vehicle, None, &table, |_| ())?.rows)
 }
 
-fn mapped(road: &RoadLine, runs: &[&[RunRow]]) -> Vec<MapRow> {
+fn mapped(road: &Network, runs: &[&[RunRow]]) -> Vec<MapRow> {
     let mut grades = GradeMap::new(road);
     for rows in runs {
         grades.add_run(&SessionRun {
@@ -172,7 +172,7 @@ fn mapped(road: &RoadLine, runs: &[&[RunRow]]) -> Vec<MapRow> {
             rows,
         });
     }
-    grades.fused().rows
+    grades.fused().rows()
 }
 
 fn profile(rows: &[MapRow]) -> GradeProfile {

@@ -2,7 +2,9 @@
 
 #![allow(dead_code, reason = "each test binary uses its part")]
 
-use host_sim::map::{self, Fusion, RoadLine, RoadPoint, RoadRow, SessionRun};
+pub mod network;
+
+use host_sim::map::{self, Fusion, Network, RoadPoint, RoadRow, SessionRun};
 use host_sim::run_file::RunRow;
 use map_3d::Ellipsoid::WGS84;
 use rand::SeedableRng;
@@ -185,7 +187,7 @@ pub fn with_position_noise(spots: &[Spot], sigma_m: f64, fade_m: f64, seed: u64)
 }
 
 /// Fuses runs, each a session of its own.
-pub fn fuse<'a>(road: &'a RoadLine, runs: &[&[RunRow]]) -> Fusion<'a> {
+pub fn fuse<'a>(road: &'a Network, runs: &[&[RunRow]]) -> Fusion<'a> {
     let runs: Vec<SessionRun> = runs.iter().map(|rows| alone(rows)).collect();
     map::fuse(road, &runs)
 }

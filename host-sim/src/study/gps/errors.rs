@@ -2,7 +2,7 @@
 
 use crate::baseline::STEP_M;
 use crate::error::{Error, Result};
-use crate::map::{Place, RoadLine, RoadPoint, TrackPoint, match_track};
+use crate::map::{Network, Place, RoadLine, RoadPoint, TrackPoint, match_track};
 use crate::series::linear;
 use crate::source::ztbus::{Direction, Mission, Row};
 use crate::study::windows::forward;
@@ -72,6 +72,7 @@ pub fn measured(mission_file: &Path) -> Result<Vec<Vec<f64>>> {
             continue;
         }
         let road = RoadLine::new(vertices(&tracks[0]))
+            .map(Network::from)
             .map_err(|problem| Error::content(mission_file, problem.to_string()))?;
         let placed: Vec<Vec<Placed>> = tracks.iter().map(|track| place(&road, track)).collect();
         series.extend(deviations(&placed));
@@ -140,13 +141,13 @@ fn vertices(track: &[Fix]) -> Vec<RoadPoint> {
     road
 }
 
-fn place(road: &RoadLine, track: &[Fix]) -> Vec<Placed> {
+fn place(road: &Network, track: &[Fix]) -> Vec<Placed> {
     let points: Vec<TrackPoint> = track.iter().map(|fix| fix.track).collect();
     match_track(road, &points)
         .into_iter()
         .zip(track)
         .filter_map(|(place, fix)| match place {
-            Place::OnRoad(distance_m) => Some(Placed {
+            Place::OnRoad { distance_m, .. } => Some(Placed {
                 time_s: fix.time_s,
                 distance_m,
                 altitude_m: fix.altitude_m,

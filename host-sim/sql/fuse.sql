@@ -1,0 +1,128 @@
+-- The map of `roadgrade fuse` as one statement, for engines that read Parquet.
+--
+-- It reads the view `placed`: runs on their roads, as `roadgrade fuse --placed DIR` writes them
+-- (road, session, cell, grade_percent, grade_variance_percent2, altitude_m, altitude_variance_m2).
+-- That a run is matched to its road is not for SQL; all that comes behind it is here. The view:
+--
+--   DuckDB:  CREATE VIEW placed AS SELECT * FROM
+--                read_parquet('DIR/*/*.parquet', hive_partitioning = true);
+--   Spark:   CREATE TEMPORARY VIEW placed USING parquet OPTIONS (path 'DIR');
+--
+-- Two levels, as in host-sim/src/map: the runs of a session become one estimate, the sessions the
+-- map. On both, what estimates have in common is learned from how far they disagree; the formulas
+-- and where they come from are in host-sim/src/map/dependence.rs. Numbers are written with an
+-- exponent because Spark takes others for decimals.
+WITH
+-- One estimate of one cell: weights are 1/variance (limits: cell_sums.rs).
+estimates AS (
+    SELECT
+        road, session, cell, grade_percent,
+        1e0 / LEAST(GREATEST(grade_variance_percent2, 1e-10), 1e6) AS weight,
+        COALESCE(1e0 / altitude_variance_m2, 0e0) AS altitude_weight,
+        COALESCE(altitude_m / altitude_variance_m2, 0e0) AS altitude_sum
+    FROM placed
+),
+-- Runs of each session that has a name, cell by cell.
+session_cells AS (
+    SELECT
+        road, session, cell,
+        COUNT(*) AS runs,
+        SUM(weight) AS weight,
+        SUM(weight * weight) AS weight_square,
+        SUM(weight * grade_percent) AS grade_sum,
+        SUM(weight * grade_percent * grade_percent) AS grade_square_sum,
+        SUM(altitude_weight) AS altitude_weight,
+        SUM(altitude_sum) AS altitude_sum
+    FROM estimates
+    WHERE session IS NOT NULL
+    GROUP BY road, session, cell
+),
+-- How far they disagree; 10 degrees of freedom expect a fifth of the variance to be common, and
+-- 1000 m of cells are one observation (2.5e-3).
+session_seen AS (
+    SELECT
+        road, session,
+        1e1 + 2.5e-3 * SUM(runs - 1) AS freedom,
+        1e1 + 2.5e-3 * SUM(
+            CASE WHEN runs > 1 THEN weight * weight / weight_square - 1e0 ELSE 0e0 END
+        ) AS shared_freedom,
+        8e0 + 2.5e-3 * SUM(
+            CASE WHEN runs > 1
+                THEN GREATEST(grade_square_sum - grade_sum * grade_sum / weight, 0e0)
+                ELSE 0e0 END
+        ) AS chi_squared
+    FROM session_cells
+    GROUP BY road, session
+),
+session_shares AS (
+    SELECT
+        road, session, freedom, shared_freedom, chi_squared,
+        LEAST(GREATEST((freedom - chi_squared) / shared_freedom, 2e-1), 4e-1) AS share
+    FROM session_seen
+),
+-- Each session as one estimate, and runs without a session as they are.
+sessions AS (
+    SELECT
+        c.road, c.cell, c.runs,
+        c.grade_sum / c.weight AS grade_percent,
+        1e0 / LEAST(GREATEST(
+            GREATEST(s.chi_squared / (s.freedom - s.share * s.shared_freedom), 1e0)
+            * (1e0 - s.share + s.share * c.weight * c.weight / c.weight_square) / c.weight,
+            1e-10), 1e6) AS weight,
+        c.altitude_weight, c.altitude_sum
+    FROM session_cells AS c
+    JOIN session_shares AS s ON s.road = c.road AND s.session = c.session
+    UNION ALL
+    SELECT road, cell, 1 AS runs, grade_percent, weight, altitude_weight, altitude_sum
+    FROM estimates
+    WHERE session IS NULL
+),
+road_cells AS (
+    SELECT
+        road, cell,
+        SUM(runs) AS runs,
+        COUNT(*) AS sessions,
+        SUM(weight) AS weight,
+        SUM(weight * weight) AS weight_square,
+        SUM(weight * grade_percent) AS grade_sum,
+        SUM(weight * grade_percent * grade_percent) AS grade_square_sum,
+        SUM(altitude_weight) AS altitude_weight,
+        SUM(altitude_sum) AS altitude_sum
+    FROM sessions
+    GROUP BY road, cell
+),
+-- As within sessions; of different vehicles and days a tenth is expected to be common.
+road_seen AS (
+    SELECT
+        road,
+        1e1 + 2.5e-3 * SUM(sessions - 1) AS freedom,
+        1e1 + 2.5e-3 * SUM(
+            CASE WHEN sessions > 1 THEN weight * weight / weight_square - 1e0 ELSE 0e0 END
+        ) AS shared_freedom,
+        9e0 + 2.5e-3 * SUM(
+            CASE WHEN sessions > 1
+                THEN GREATEST(grade_square_sum - grade_sum * grade_sum / weight, 0e0)
+                ELSE 0e0 END
+        ) AS chi_squared
+    FROM road_cells
+    GROUP BY road
+),
+road_shares AS (
+    SELECT
+        road, freedom, shared_freedom, chi_squared,
+        LEAST(GREATEST((freedom - chi_squared) / shared_freedom, 1e-1), 2.5e-1) AS share
+    FROM road_seen
+)
+SELECT
+    c.road,
+    c.cell * 2.5e0 AS distance_m,
+    CASE WHEN c.altitude_weight > 0e0 THEN c.altitude_sum / c.altitude_weight END AS altitude_m,
+    c.grade_sum / c.weight AS grade_percent,
+    SQRT(
+        GREATEST(s.chi_squared / (s.freedom - s.share * s.shared_freedom), 1e0)
+        * (1e0 - s.share + s.share * c.weight * c.weight / c.weight_square) / c.weight
+    ) AS grade_sigma_percent,
+    c.runs
+FROM road_cells AS c
+JOIN road_shares AS s ON s.road = c.road
+ORDER BY c.road, distance_m

@@ -1,0 +1,284 @@
+//! The roads of a map: ways, each a line in one direction of travel, and where they join. A single
+//! road is a network of one way that has no name.
+
+use super::GRID_M;
+use super::course::{Heading, heading, turn_deg};
+use super::joins::Joins;
+use super::plane::{LocalPlane, earth_centred};
+use super::road_index::{RoadIndex, Surroundings};
+use super::road_line::{COURSE_REACH_M, Foot, RoadLine};
+use serde::{Deserialize, Serialize};
+use std::fmt;
+use std::ops::Range;
+
+/// In which direction a way is driven.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Direction {
+    /// In the order of its points.
+    Forward,
+    /// Against it.
+    Backward,
+}
+
+/// What a way of a network is called. Distances on it, and the sign of its grade, are those of its
+/// direction.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct WayName {
+    pub way: String,
+    pub direction: Direction,
+}
+
+/// One way.
+#[derive(Debug)]
+pub struct Way {
+    /// `None` for a single road.
+    pub name: Option<WayName>,
+    pub line: RoadLine,
+    /// Index of its first cell among those of the network.
+    first_cell: usize,
+}
+
+/// Ways with an index of their segments.
+#[derive(Debug)]
+pub struct Network {
+    ways: Vec<Way>,
+    index: RoadIndex,
+    joins: Joins,
+    cells: usize,
+}
+
+/// Where on a network a position lies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Located {
+    /// Which of its ways.
+    pub way: usize,
+    /// Along the way. Beyond its ends it counts on along the end's tangent.
+    pub distance_m: f64,
+    /// Beside the way, positive to the left.
+    pub lateral_m: f64,
+    /// Course of the vehicle minus course of the way; `None` if the former is not known.
+    pub course_difference_deg: Option<f64>,
+}
+
+/// A place at which a position may be.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Candidate {
+    pub way: usize,
+    pub foot: Foot,
+    /// The course fits only as that of a vehicle that turns off, or onto the way, here.
+    pub turning: bool,
+}
+
+/// A way, and a position and a course in its plane.
+type View = (usize, Option<[f64; 2]>, Option<[f64; 2]>);
+
+/// What lies near a position.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Nearby {
+    /// Nearest point of each pass of a way that goes the same way, in the order of ways and along
+    /// each.
+    pub along: Vec<Candidate>,
+    /// Whether a way goes the opposite way here.
+    pub opposite: bool,
+}
+
+impl Direction {
+    /// As files have it.
+    #[must_use]
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Forward => "forward",
+            Self::Backward => "backward",
+        }
+    }
+}
+
+impl fmt::Display for WayName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} {}", self.way, self.direction.word())
+    }
+}
+
+impl From<RoadLine> for Network {
+    /// A single road. Where it meets itself is told by the odometer alone.
+    fn from(line: RoadLine) -> Self {
+        Self::with_joins(vec![(None, line)], |_| Joins::default())
+    }
+}
+
+impl Network {
+    /// A network of these ways, whose names differ; their order does not matter.
+    #[must_use]
+    pub fn new(mut ways: Vec<(WayName, RoadLine)>) -> Self {
+        ways.sort_by(|a, b| a.0.cmp(&b.0));
+        let ways = ways.into_iter().map(|(name, line)| (Some(name), line));
+        Self::with_joins(ways.collect(), Joins::of)
+    }
+
+    fn with_joins(ways: Vec<(Option<WayName>, RoadLine)>, joins: fn(&Self) -> Joins) -> Self {
+        let mut cells = 0;
+        let ways: Vec<Way> = ways
+            .into_iter()
+            .map(|(name, line)| {
+                let first_cell = cells;
+                let numbers = line.cell_numbers();
+                cells += usize::try_from(numbers.end() - numbers.start() + 1).unwrap_or(0);
+                Way {
+                    name,
+                    line,
+                    first_cell,
+                }
+            })
+            .collect();
+        let mut network = Self {
+            index: RoadIndex::of(ways.iter().map(|way| &way.line)),
+            ways,
+            joins: Joins::default(),
+            cells,
+        };
+        network.joins = joins(&network);
+        network
+    }
+
+    /// Its ways, in the order of their names.
+    #[must_use]
+    pub fn ways(&self) -> &[Way] {
+        &self.ways
+    }
+
+    /// Number of cells on all its ways.
+    #[must_use]
+    pub const fn cells(&self) -> usize {
+        self.cells
+    }
+
+    /// Indices of the cells of a way among those of the network.
+    pub(super) fn cells_of(&self, way: usize) -> Range<usize> {
+        let end = self
+            .ways
+            .get(way + 1)
+            .map_or(self.cells, |next| next.first_cell);
+        self.ways[way].first_cell..end
+    }
+
+    /// Distance along its way of the first cell, over 2.5 m.
+    pub(super) fn first_number(&self, way: usize) -> i64 {
+        *self.ways[way].line.cell_numbers().start()
+    }
+
+    pub(super) const fn joins(&self) -> &Joins {
+        &self.joins
+    }
+
+    /// Where a vehicle at this position with this course (compass, deg) is: the nearest point
+    /// within 25 m that goes the same way within 45°. Without a course, the nearest.
+    #[must_use]
+    pub fn locate(
+        &self,
+        latitude_deg: f64,
+        longitude_deg: f64,
+        course_deg: Option<f64>,
+    ) -> Option<Located> {
+        let course = course_deg.map(|c| [c.to_radians().sin(), c.to_radians().cos()]);
+        let place_m = earth_centred(latitude_deg, longitude_deg);
+        let nearby = self.nearby(&mut Surroundings::default(), place_m, |_| course);
+        let along = nearby.along.iter().filter(|candidate| !candidate.turning);
+        let beside_m = |candidate: &Candidate| candidate.foot.lateral_m.abs();
+        let nearest = along.min_by(|a, b| beside_m(a).total_cmp(&beside_m(b)))?;
+        let line = &self.ways[nearest.way].line;
+        Some(Located {
+            way: nearest.way,
+            distance_m: nearest.foot.distance_m,
+            lateral_m: nearest.foot.lateral_m,
+            course_difference_deg: course
+                .map(|course| turn_deg(line.course_of(&nearest.foot), course)),
+        })
+    }
+
+    /// A foot beyond an end of its way lies on the end where another way goes on.
+    fn within(&self, way: usize, mut foot: Foot) -> Foot {
+        let line = &self.ways[way].line;
+        let within_m = foot.distance_m.clamp(line.start_m(), line.end_m());
+        let beyond_m = foot.distance_m - within_m;
+        if beyond_m != 0.0 && self.joins.is_near(way, within_m, COURSE_REACH_M) {
+            foot.distance_m = within_m;
+            foot.lateral_m = foot.lateral_m.hypot(beyond_m).copysign(foot.lateral_m);
+        }
+        foot
+    }
+
+    /// The passes of ways near a place, earth-centred; `course` gives the vehicle's direction in a
+    /// way's plane.
+    pub(super) fn nearby(
+        &self,
+        surroundings: &mut Surroundings,
+        place_m: [f64; 3],
+        course: impl Fn(&LocalPlane) -> Option<[f64; 2]>,
+    ) -> Nearby {
+        let mut nearby = Nearby::default();
+        let mut last = None;
+        // The way that is looked at, with the position and the course in its plane.
+        let mut view: Option<View> = None;
+        for piece in self.index.near(surroundings, place_m) {
+            let line = &self.ways[piece.way].line;
+            let (_, point, course) = match view {
+                Some(seen @ (way, ..)) if way == piece.way => seen,
+                _ => *view.insert((piece.way, line.plane().point(place_m), course(line.plane()))),
+            };
+            let Some(point) = point else {
+                continue;
+            };
+            for i in piece.segments.clone() {
+                let Some(foot) = line.project(i, point) else {
+                    continue;
+                };
+                let foot = self.within(piece.way, foot);
+                let heading = course.map(|course| heading(line.course_of(&foot), course));
+                let turning = match heading {
+                    None | Some(Heading::Along) => false,
+                    Some(Heading::Opposite) => {
+                        nearby.opposite = true;
+                        continue;
+                    }
+                    // At a join one end of a chord lies on the way before or behind.
+                    Some(Heading::AcrossForward)
+                        if self
+                            .joins
+                            .is_near(piece.way, foot.distance_m, COURSE_REACH_M) =>
+                    {
+                        true
+                    }
+                    Some(_) => continue,
+                };
+                let candidate = Candidate {
+                    way: piece.way,
+                    foot,
+                    turning,
+                };
+                // Neighbouring segments are one pass of the road, of which the nearest point
+                // counts.
+                let same_pass = last == Some((piece.way, i.wrapping_sub(1)));
+                last = Some((piece.way, i));
+                match nearby.along.last_mut() {
+                    Some(best) if same_pass => {
+                        if foot.lateral_m.abs() < best.foot.lateral_m.abs() {
+                            *best = candidate;
+                        }
+                    }
+                    _ => nearby.along.push(candidate),
+                }
+            }
+        }
+        nearby
+    }
+}
+
+impl Way {
+    /// Distance along the way of each of its cells, m.
+    pub fn cell_distances(&self) -> impl Iterator<Item = f64> {
+        self.line
+            .cell_numbers()
+            .map(|number| number as f64 * GRID_M)
+    }
+}

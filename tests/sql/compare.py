@@ -1,0 +1,119 @@
+"""The maps of host-sim/sql/fuse.sql beside those of `roadgrade fuse`.
+
+    compare.py duckdb|spark STATEMENT.sql PLACED MAP.parquet...
+
+PLACED is what `fuse --placed` wrote for these maps, each MAP a road of it. Prints how far they are
+apart and how long the statement took; fails beyond 1e-9.
+"""
+
+import os
+import pathlib
+import sys
+import time
+
+LIMIT = 1e-9
+COLUMNS = ["distance_m", "altitude_m", "grade_percent", "grade_sigma_percent", "runs"]
+
+
+class DuckDb:
+    def __init__(self):
+        import duckdb
+
+        self.connection = duckdb.connect()
+        threads, memory = os.environ.get("DUCKDB_THREADS"), os.environ.get("DUCKDB_MEMORY")
+        if threads:
+            self.connection.execute(f"SET threads = {threads}")
+        if memory:
+            self.connection.execute(f"SET memory_limit = '{memory}'")
+
+    def view(self, placed):
+        self.connection.execute(
+            "CREATE VIEW placed AS SELECT * FROM "
+            f"read_parquet('{placed}/*/*.parquet', hive_partitioning = true)"
+        )
+
+    def rows(self, statement):
+        return self.connection.execute(statement).fetchall()
+
+    def close(self):
+        self.connection.close()
+
+    def map(self, path):
+        return self.rows(f"SELECT {', '.join(COLUMNS)} FROM '{path}' ORDER BY distance_m")
+
+
+class Spark:
+    def __init__(self):
+        from pyspark.sql import SparkSession
+
+        # Two executors, each a process of its own, beside the driver.
+        master = os.environ.get("SPARK_MASTER", "local-cluster[2,1,1024]")
+        self.session = (
+            SparkSession.builder.master(master)
+            .config("spark.ui.enabled", "false")
+            .config("spark.driver.host", "127.0.0.1")
+            .config("spark.driver.bindAddress", "127.0.0.1")
+            .config("spark.sql.shuffle.partitions", os.environ.get("SPARK_PARTITIONS", "2"))
+            .config("spark.sql.adaptive.enabled", "false")
+            .config("spark.ui.showConsoleProgress", "false")
+            .getOrCreate()
+        )
+        self.session.sparkContext.setLogLevel("ERROR")
+
+    def view(self, placed):
+        self.session.sql(f"CREATE TEMPORARY VIEW placed USING parquet OPTIONS (path '{placed}')")
+
+    def rows(self, statement):
+        return [tuple(row) for row in self.session.sql(statement).collect()]
+
+    def close(self):
+        # Else executors are started anew while the driver ends.
+        self.session.stop()
+
+    def map(self, path):
+        table = self.session.read.parquet(str(path)).select(*COLUMNS).orderBy("distance_m")
+        return [tuple(row) for row in table.collect()]
+
+
+def difference(ours, theirs):
+    """Largest, over rows that must be of the same cells."""
+    if [row[0] for row in ours] != [row[0] for row in theirs]:
+        raise SystemExit(f"{len(theirs)} cells of the statement; fuse has {len(ours)}, or others")
+    worst = 0.0
+    for a, b in zip(ours, theirs):
+        if (a[1] is None) != (b[1] is None) or int(a[4]) != int(b[4]):
+            raise SystemExit(f"{b} of the statement; fuse has {a}")
+        pairs = [(x, y) for x, y in zip(a, b) if x is not None]
+        worst = max(worst, max(abs(x - y) for x, y in pairs))
+    return worst
+
+
+def main():
+    name, statement, placed, *maps = sys.argv[1:]
+    engine = {"duckdb": DuckDb, "spark": Spark}[name]()
+    try:
+        compare(engine, name, statement, placed, maps)
+    finally:
+        engine.close()
+
+
+def compare(engine, name, statement, placed, maps):
+    engine.view(pathlib.Path(placed).resolve())
+    started = time.monotonic()
+    rows = engine.rows(pathlib.Path(statement).read_text())
+    seconds = time.monotonic() - started
+    of_road = {}
+    for row in rows:
+        of_road.setdefault(row[0], []).append(row[1:])
+    roads = [pathlib.Path(path).stem for path in maps]
+    if sorted(of_road) != sorted(roads):
+        raise SystemExit(f"roads {sorted(of_road)} of the statement; expected {sorted(roads)}")
+    for road, path in zip(roads, maps):
+        apart = difference(engine.map(pathlib.Path(path).resolve()), of_road[road])
+        cells = len(of_road[road])
+        print(f"{name}: {road}: {cells} cells, at most {apart:.1e} apart, {seconds:.1f} s in all")
+        if not (cells > 0 and apart <= LIMIT):
+            raise SystemExit(f"{name}: more than {LIMIT} apart")
+
+
+main()
