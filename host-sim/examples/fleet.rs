@@ -56,7 +56,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         };
         let rows = run(&road, seed, truck as u64, number as u64);
         let name = format!("truck{truck:04}-{:02}", number % RUNS_A_SESSION);
-        let path = dataset::run_path(&folder.join("runs"), &rows, &day, &name)?;
+        let path = dataset::run_path(&folder.join("runs"), &mut &rows[..], &day, &name)?;
         write_from(&path, &rows, &origin)
     })?;
     eprintln!("{runs} runs of {CELLS_A_RUN} cells");

@@ -2,7 +2,7 @@
 //! path with a wildcard, reads only the tiles and days it wants.
 
 use crate::error::{Error, Result};
-use crate::run_file::RunRow;
+use crate::run_file::RunRows;
 use std::path::{Path, PathBuf};
 
 /// Where in a data set a run belongs: in the tile in which it has its first position. A run is
@@ -10,10 +10,12 @@ use std::path::{Path, PathBuf};
 ///
 /// # Errors
 /// If the run has no position.
-pub fn run_path(folder: &Path, rows: &[RunRow], day: &str, name: &str) -> Result<PathBuf> {
-    let position = rows
-        .iter()
-        .find_map(|row| row.latitude_deg.zip(row.longitude_deg));
+pub fn run_path(folder: &Path, rows: &mut dyn RunRows, day: &str, name: &str) -> Result<PathBuf> {
+    let mut position = None;
+    rows.each(&mut |row| {
+        position = position.or(row.latitude_deg.zip(row.longitude_deg));
+        Ok(())
+    })?;
     let Some((latitude_deg, longitude_deg)) = position else {
         let problem = "a run without positions has no tile; expected a fix in it, or --out";
         return Err(Error::content(folder, problem));

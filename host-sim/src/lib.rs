@@ -26,6 +26,7 @@ pub mod score;
 pub mod series;
 pub mod smooth;
 pub mod source;
+pub mod spool;
 pub mod study;
 pub mod text_table;
 pub mod truth_file;

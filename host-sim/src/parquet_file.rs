@@ -8,17 +8,20 @@ use arrow_schema::{Field, Schema};
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use parquet::arrow::{ArrowWriter, ProjectionMask};
 use parquet::basic::Compression;
+use parquet::errors::ParquetError;
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 use std::cell::Cell;
 use std::collections::HashMap;
 use std::fs::File;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Once};
 
 /// Rows that are decoded at once.
 const BATCH_ROWS: usize = 8192;
+/// Rows of a row group (164 km), which is encoded in memory before it is written.
+const ROW_GROUP_ROWS: usize = 65_536;
 
 /// Whether a file of this name is, or is to be, Parquet.
 #[must_use]
@@ -105,25 +108,69 @@ fn unit_of(name: &str) -> Option<&'static str> {
 /// # Errors
 /// What the file system says.
 pub fn stage(path: &Path, columns: Vec<Column>, metadata: &[(&str, String)]) -> Result<Staged> {
-    let failed = |e: parquet::errors::ParquetError| Error::io(path)(std::io::Error::other(e));
-    let fields: Vec<Field> = columns.iter().map(Column::field).collect();
-    let schema = Arc::new(Schema::new(fields));
-    let values = columns.into_iter().map(|column| column.values).collect();
-    let batch = RecordBatch::try_new(schema.clone(), values).map_err(|e| failed(e.into()))?;
-    let metadata = metadata
-        .iter()
-        .map(|(key, value)| KeyValue::new(format!("roadgrade.{key}"), value.clone()))
-        .collect();
-    let properties = WriterProperties::builder()
-        .set_compression(Compression::SNAPPY)
-        .set_key_value_metadata(Some(metadata))
-        .build();
-    let mut writing = Writing::begin(path)?;
-    let mut writer =
-        ArrowWriter::try_new(&mut writing, schema, Some(properties)).map_err(failed)?;
-    writer.write(&batch).map_err(failed)?;
-    writer.close().map_err(failed)?;
-    writing.finish()
+    let mut table = TableWriter::begin(path, &columns, metadata)?;
+    table.write(columns)?;
+    table.finish()
+}
+
+/// A table that is written some rows at a time.
+pub struct TableWriter {
+    path: PathBuf,
+    schema: Arc<Schema>,
+    writer: ArrowWriter<Writing>,
+}
+
+impl TableWriter {
+    /// Begins a file with columns like these, whatever their rows; `metadata` goes with the file
+    /// as a whole.
+    ///
+    /// # Errors
+    /// What the file system says.
+    pub fn begin(path: &Path, columns: &[Column], metadata: &[(&str, String)]) -> Result<Self> {
+        let fields: Vec<Field> = columns.iter().map(Column::field).collect();
+        let schema = Arc::new(Schema::new(fields));
+        let metadata = metadata
+            .iter()
+            .map(|(key, value)| KeyValue::new(format!("roadgrade.{key}"), value.clone()))
+            .collect();
+        let properties = WriterProperties::builder()
+            .set_compression(Compression::SNAPPY)
+            .set_max_row_group_row_count(Some(ROW_GROUP_ROWS))
+            .set_key_value_metadata(Some(metadata))
+            .build();
+        let writer = ArrowWriter::try_new(Writing::begin(path)?, schema.clone(), Some(properties))
+            .map_err(|e| failed(path, e))?;
+        Ok(Self {
+            path: path.to_owned(),
+            schema,
+            writer,
+        })
+    }
+
+    /// Writes rows behind the others.
+    ///
+    /// # Errors
+    /// What the file system says.
+    pub fn write(&mut self, columns: Vec<Column>) -> Result<()> {
+        let values = columns.into_iter().map(|column| column.values).collect();
+        RecordBatch::try_new(self.schema.clone(), values)
+            .map_err(Into::into)
+            .and_then(|batch| self.writer.write(&batch))
+            .map_err(|e| failed(&self.path, e))
+    }
+
+    /// Ends the file, to appear when committed.
+    ///
+    /// # Errors
+    /// What the file system says.
+    pub fn finish(self) -> Result<Staged> {
+        let Self { path, writer, .. } = self;
+        writer.into_inner().map_err(|e| failed(&path, e))?.finish()
+    }
+}
+
+fn failed(path: &Path, error: ParquetError) -> Error {
+    Error::io(path)(std::io::Error::other(error))
 }
 
 /// A file whose footer has been read.

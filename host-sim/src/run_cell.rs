@@ -74,28 +74,45 @@ pub struct RunIdentity(u128);
 impl RunIdentity {
     /// Of these cells.
     pub fn of(cells: impl IntoIterator<Item = RunCell>) -> Self {
-        let mut hash = Xxh3::new();
+        let mut hash = RunHash::default();
         for cell in cells {
-            // No number of a run is NaN, so that it can stand for what is missing.
-            let pair = |pair: Option<(f64, f64)>| pair.unwrap_or((f64::NAN, f64::NAN));
-            let (position, altitude) = (pair(cell.position), pair(cell.altitude));
-            let values = [
-                cell.distance_m,
-                position.0,
-                position.1,
-                altitude.0,
-                altitude.1,
-                cell.grade_percent,
-                cell.grade_sigma_percent,
-            ];
-            let mut bytes = [0; 7 * size_of::<f64>()];
-            for (bytes, value) in bytes.chunks_exact_mut(size_of::<f64>()).zip(values) {
-                // Text does not tell minus zero from zero in every writer.
-                bytes.copy_from_slice(&(value + 0.0).to_le_bytes());
-            }
-            hash.update(&bytes);
+            hash.add(&cell);
         }
-        Self(hash.digest128())
+        hash.identity()
+    }
+}
+
+/// Makes an identity of one cell after the other.
+#[derive(Default)]
+pub struct RunHash(Xxh3);
+
+impl RunHash {
+    /// Takes the next cell.
+    pub fn add(&mut self, cell: &RunCell) {
+        // No number of a run is NaN, so that it can stand for what is missing.
+        let pair = |pair: Option<(f64, f64)>| pair.unwrap_or((f64::NAN, f64::NAN));
+        let (position, altitude) = (pair(cell.position), pair(cell.altitude));
+        let values = [
+            cell.distance_m,
+            position.0,
+            position.1,
+            altitude.0,
+            altitude.1,
+            cell.grade_percent,
+            cell.grade_sigma_percent,
+        ];
+        let mut bytes = [0; 7 * size_of::<f64>()];
+        for (bytes, value) in bytes.chunks_exact_mut(size_of::<f64>()).zip(values) {
+            // Text does not tell minus zero from zero in every writer.
+            bytes.copy_from_slice(&(value + 0.0).to_le_bytes());
+        }
+        self.0.update(&bytes);
+    }
+
+    /// Of the cells so far.
+    #[must_use]
+    pub fn identity(&self) -> RunIdentity {
+        RunIdentity(self.0.digest128())
     }
 }
 

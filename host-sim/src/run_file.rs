@@ -1,7 +1,7 @@
 //! RUN.csv, or RUN.parquet: one row a cell of one traversal.
 
 use crate::error::{Error, Result};
-use crate::output::{Staged, stage};
+use crate::output::{Staged, Writing, stage};
 use crate::parquet_file::is_parquet;
 use crate::row_check::{self, Flaw};
 use crate::run_cell::{RunCell, RunIdentity};
@@ -160,12 +160,48 @@ pub fn write(path: &Path, rows: &[RunRow]) -> Result<()> {
 ///
 /// # Errors
 /// What the file system says.
-pub fn write_from(path: &Path, rows: &[RunRow], origin: &Origin) -> Result<()> {
-    let rounded = rows.iter().map(RunRow::rounded);
+pub fn write_from(path: &Path, mut rows: &[RunRow], origin: &Origin) -> Result<()> {
+    write_rows(path, &mut rows, origin)
+}
+
+/// As [`write_from`], of rows that need not be in memory.
+///
+/// # Errors
+/// What the file system says, or the rows.
+pub fn write_rows(path: &Path, rows: &mut dyn RunRows, origin: &Origin) -> Result<()> {
     if is_parquet(path) {
-        run_parquet::stage(path, &rounded.collect::<Vec<_>>(), origin)?.commit()
-    } else {
-        write_csv(path, rounded)
+        return run_parquet::stage(path, &mut Rounded(rows), origin)?.commit();
+    }
+    let mut writing = Writing::begin(path)?;
+    let mut writer = csv::Writer::from_writer(&mut writing);
+    let failed = |e: csv::Error| Error::io(path)(e.into());
+    Rounded(rows).each(&mut |row| writer.serialize(row).map_err(failed))?;
+    writer.flush().map_err(Error::io(path))?;
+    drop(writer);
+    writing.finish()?.commit()
+}
+
+/// Rows of a run that can be gone over more than once.
+pub trait RunRows {
+    /// Passes all of them to `take`, in the order of the run.
+    ///
+    /// # Errors
+    /// Those of `take`; or if they cannot be had.
+    fn each(&mut self, take: &mut dyn FnMut(&RunRow) -> Result<()>) -> Result<()>;
+}
+
+impl RunRows for &[RunRow] {
+    fn each(&mut self, take: &mut dyn FnMut(&RunRow) -> Result<()>) -> Result<()> {
+        self.iter().try_for_each(take)
+    }
+}
+
+/// Rows with the decimals that files carry.
+struct Rounded<'a>(&'a mut dyn RunRows);
+
+impl RunRows for Rounded<'_> {
+    fn each(&mut self, take: &mut dyn FnMut(&RunRow) -> Result<()>) -> Result<()> {
+        self.0.each(&mut |row| take(&row.rounded()))
     }
 }
 

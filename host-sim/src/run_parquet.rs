@@ -2,9 +2,9 @@
 
 use crate::error::{Error, Result};
 use crate::output::Staged;
-use crate::parquet_file::{self, Column, Opened, open};
-use crate::run_cell::{RunCell, RunIdentity};
-use crate::run_file::RunRow;
+use crate::parquet_file::{Column, Opened, TableWriter, open};
+use crate::run_cell::{RunCell, RunHash, RunIdentity};
+use crate::run_file::{RunRow, RunRows};
 use std::path::Path;
 
 /// Version of the columns; goes into the file's metadata.
@@ -37,15 +37,52 @@ impl Origin {
     }
 }
 
+/// Rows that are encoded at once: those of 20 km.
+const BATCH_ROWS: usize = 8192;
+
 /// Writes a run, to appear when committed; the rows with the decimals that files carry.
 ///
 /// # Errors
-/// What the file system says.
-pub fn stage(path: &Path, rows: &[RunRow], origin: &Origin) -> Result<Staged> {
+/// What the file system says, or the rows.
+pub fn stage(path: &Path, rows: &mut dyn RunRows, origin: &Origin) -> Result<Staged> {
+    let mut hash = RunHash::default();
+    rows.each(&mut |row| {
+        hash.add(&row.into());
+        Ok(())
+    })?;
+    let mut metadata = vec![
+        ("schema", SCHEMA.to_owned()),
+        ("identity", hash.identity().to_string()),
+    ];
+    let known = [
+        ("vehicle", origin.vehicle.clone()),
+        ("day", origin.day.clone()),
+        ("session", origin.session()),
+    ];
+    metadata.extend(
+        known
+            .into_iter()
+            .filter_map(|(key, value)| Some((key, value?))),
+    );
+    let mut table = TableWriter::begin(path, &columns(&[]), &metadata)?;
+    let mut batch = Vec::with_capacity(BATCH_ROWS);
+    rows.each(&mut |row| {
+        batch.push(*row);
+        if batch.len() == BATCH_ROWS {
+            table.write(columns(&batch))?;
+            batch.clear();
+        }
+        Ok(())
+    })?;
+    table.write(columns(&batch))?;
+    table.finish()
+}
+
+fn columns(rows: &[RunRow]) -> Vec<Column> {
     let numbers = |name, value: fn(&RunRow) -> f64| Column::numbers(name, rows.iter().map(value));
     let optional =
         |name, value: fn(&RunRow) -> Option<f64>| Column::optional(name, rows.iter().map(value));
-    let columns = vec![
+    vec![
         numbers("time_s", |row| row.time_s),
         numbers("distance_m", |row| row.distance_m),
         optional("latitude_deg", |row| row.latitude_deg),
@@ -66,23 +103,7 @@ pub fn stage(path: &Path, rows: &[RunRow], origin: &Origin) -> Result<Staged> {
         numbers("bias_percent", |row| row.bias_percent),
         numbers("scale", |row| row.scale),
         Column::whole("valid", rows.iter().map(|row| row.valid.into())),
-    ];
-    let identity = RunIdentity::of(rows.iter().map(RunCell::from));
-    let mut metadata = vec![
-        ("schema", SCHEMA.to_owned()),
-        ("identity", identity.to_string()),
-    ];
-    let known = [
-        ("vehicle", origin.vehicle.clone()),
-        ("day", origin.day.clone()),
-        ("session", origin.session()),
-    ];
-    metadata.extend(
-        known
-            .into_iter()
-            .filter_map(|(key, value)| Some((key, value?))),
-    );
-    parquet_file::stage(path, columns, &metadata)
+    ]
 }
 
 /// Opens a run of a version that is known; any file with the columns will do, if it says none.

@@ -81,7 +81,7 @@ impl Country {
                 for frame in &run.frames {
                     recorder.on_frame(frame);
                 }
-                recorder.finish().rows
+                recorder.finish().unwrap().rows
             })
             .collect()
     }

@@ -56,7 +56,8 @@ fn fleet() -> TempDir {
     for number in 0..7 {
         let rows = wavy(number);
         let name = format!("{number}");
-        let path = dataset::run_path(&at.join("runs"), &rows, "2026-11-21", &name).expect("a path");
+        let path = dataset::run_path(&at.join("runs"), &mut &rows[..], "2026-11-21", &name)
+            .expect("a path");
         run_file::write_from(&path, &rows, &origin(number % 3)).expect("written");
     }
     run_file::write(&at.join("first.csv"), &wavy(0)).expect("written");

@@ -27,7 +27,7 @@ fn drive(truck: &str, direction: &str, seed: u32, fault: &str) -> (SimulatedRun,
     for frame in &run.frames {
         recorder.on_frame(frame);
     }
-    let found = recorder.finish();
+    let found = recorder.finish().unwrap();
     (run, found)
 }
 

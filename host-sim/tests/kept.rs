@@ -56,7 +56,7 @@ fn estimated(drive: &SimulatedRun, kept: Option<&Kept>) -> Run {
     for frame in &drive.frames {
         recorder.on_frame(frame);
     }
-    recorder.finish()
+    recorder.finish().unwrap()
 }
 
 /// A grade and its sigma, %.

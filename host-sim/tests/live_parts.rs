@@ -289,7 +289,7 @@ fn recorded(drive: &host_sim::world::SimulatedRun) -> Run {
     for frame in &drive.frames {
         recorder.on_frame(frame);
     }
-    recorder.finish()
+    recorder.finish().unwrap()
 }
 
 fn received(time: Instant, frame: CanFrame) -> Received {
@@ -332,6 +332,7 @@ fn frames_with_the_logs_time_give_the_logs_run() {
     assert_eq!(view.untimed, 1);
     assert_eq!(view.interfaces[0].frames, drive.frames.len() as u64);
     let (run, staged) = session.finish();
+    let run = run.unwrap().in_memory().unwrap();
     assert_eq!(run.rows, recorded(&drive).rows);
     assert!(!log.exists());
     staged.unwrap().unwrap().commit().unwrap();
@@ -362,5 +363,6 @@ fn what_is_no_frame_is_counted_and_told() {
     assert_eq!((view.lost(), view.events()), (17, 1));
     assert_eq!(view.interfaces[0].frames, 0);
     let (run, log) = session.finish();
+    let run = run.unwrap().in_memory().unwrap();
     assert!(run.rows.is_empty() && log.unwrap().is_none());
 }

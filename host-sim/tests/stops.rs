@@ -34,7 +34,7 @@ fn estimate(run: &SimulatedRun, tuning: &Tuning, told: &[Timed]) -> Run {
         let time = Instant::from_micros((1e6 * (1.0 + seconds)).round() as u64);
         recorder.on_reading(time, *reading);
     }
-    recorder.finish()
+    recorder.finish().unwrap()
 }
 
 /// True grade, %.

@@ -75,7 +75,7 @@ fn estimated<S: Scalar>(run: &SimulatedRun, fault: &Fault) -> Ours {
         recorder.on_frame(&frame);
     }
     let filter: Filter<S> = recorder.estimator().filter_anew();
-    let (found, samples) = recorder.finish_with_samples();
+    let (found, samples) = recorder.finish_with_samples().unwrap();
     let smoothed = smooth_run(vehicle, &tuning, &filter, &samples);
     let profile = |pairs: Vec<(f64, f64)>| {
         let (grade_percent, sigma_percent) = pairs.into_iter().unzip();

@@ -3,8 +3,8 @@
 use crate::counter_words::events;
 use crate::error::Result;
 use crate::kept_file;
-use crate::recorder::Run;
-use crate::run_file;
+use crate::recorder::LongRun;
+use crate::run_file::{self, RunRows};
 use crate::run_parquet::Origin;
 use crate::text_table::text_table;
 use crate::vehicle_file::VehicleFile;
@@ -16,7 +16,7 @@ use std::path::Path;
 /// Writes what a drive leaves: the run, and what is kept for the next one if there is a file for
 /// it. Both appear, or neither.
 pub(super) fn write(
-    run: &Run,
+    run: &mut LongRun,
     out: Option<&Path>,
     origin: &Origin,
     kept: Option<&Path>,
@@ -26,7 +26,7 @@ pub(super) fn write(
         None => None,
     };
     if let Some(out) = out {
-        run_file::write_from(out, &run.rows, origin)?;
+        run_file::write_rows(out, &mut run.rows, origin)?;
     }
     let is_kept = keeping.is_some();
     if let Some(keeping) = keeping {
@@ -47,12 +47,12 @@ pub(super) fn write(
 }
 
 /// What the traffic lacked for an estimate; `None` if nothing.
-pub(super) fn missing(vehicle: &VehicleFile, run: &Run) -> Option<&'static str> {
+pub(super) fn missing(vehicle: &VehicleFile, run: &LongRun) -> Option<&'static str> {
     let counters = &run.counters;
     let problem = if counters.speeds_used == 0 {
         "no speed: expected wheel-based speed (CCVS1, PGN 65265, or EBC2, PGN 65215; column \
          wheel_speed_mps)"
-    } else if run.rows.is_empty() {
+    } else if run.rows.count() == 0 {
         "the vehicle never moved: no grade to estimate"
     } else if counters.tractions_used == 0 {
         match vehicle.parameters.traction {
@@ -75,7 +75,7 @@ pub(super) fn missing(vehicle: &VehicleFile, run: &Run) -> Option<&'static str> 
 }
 
 /// What a drive came to.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Default, Serialize)]
 pub(super) struct Summary {
     distance_km: f64,
     duration_s: f64,
@@ -91,25 +91,41 @@ pub(super) struct Summary {
 }
 
 impl Summary {
-    pub(super) fn new(run: &Run) -> Self {
-        let rows = &run.rows;
-        let mean = |f: &dyn Fn(&run_file::RunRow) -> f64| {
-            rows.iter().map(f).sum::<f64>() / rows.len().max(1) as f64
-        };
-        let altitudes = || rows.iter().filter_map(|row| row.altitude_m);
-        Self {
-            distance_km: rows.last().map_or(0.0, |row| row.distance_m * 1e-3),
-            duration_s: rows.last().map_or(0.0, |row| row.time_s),
-            cells: rows.len(),
-            valid_percent: 100.0 * mean(&|row| row.valid.into()),
-            grade_sigma_percent: mean(&|row| row.grade_sigma_percent),
-            lagged_grade_sigma_percent: mean(&|row| row.lagged_grade_sigma_percent),
-            live_grade_sigma_percent: mean(&|row| row.live_grade_sigma_percent),
-            climb_m: altitudes().next_back().unwrap_or(0.0) - altitudes().next().unwrap_or(0.0),
-            bias_percent: mean(&|row| row.bias_percent),
-            scale: rows.last().map_or(1.0, |row| row.scale),
+    /// Of a run.
+    ///
+    /// # Errors
+    /// If its rows cannot be had.
+    pub(super) fn new(run: &mut LongRun) -> Result<Self> {
+        let mut sums = Self {
+            cells: run.rows.count(),
+            scale: 1.0,
             events: events(&run.counters),
-        }
+            ..Self::default()
+        };
+        let (mut first_m, mut last_m) = (None, None);
+        run.rows.each(&mut |row| {
+            sums.distance_km = row.distance_m * 1e-3;
+            sums.duration_s = row.time_s;
+            sums.valid_percent += f64::from(row.valid);
+            sums.grade_sigma_percent += row.grade_sigma_percent;
+            sums.lagged_grade_sigma_percent += row.lagged_grade_sigma_percent;
+            sums.live_grade_sigma_percent += row.live_grade_sigma_percent;
+            sums.bias_percent += row.bias_percent;
+            sums.scale = row.scale;
+            first_m = first_m.or(row.altitude_m);
+            last_m = row.altitude_m.or(last_m);
+            Ok(())
+        })?;
+        let count = sums.cells.max(1) as f64;
+        Ok(Self {
+            valid_percent: 100.0 * (sums.valid_percent / count),
+            grade_sigma_percent: sums.grade_sigma_percent / count,
+            lagged_grade_sigma_percent: sums.lagged_grade_sigma_percent / count,
+            live_grade_sigma_percent: sums.live_grade_sigma_percent / count,
+            climb_m: last_m.unwrap_or(0.0) - first_m.unwrap_or(0.0),
+            bias_percent: sums.bias_percent / count,
+            ..sums
+        })
     }
 
     pub(super) fn table(&self) -> Table {

@@ -65,7 +65,7 @@ fn drive(scenario: &Scenario, index: usize, folder: &Path) -> Result<Drive> {
     let vehicle = VehicleFile::read(&file("vehicle.toml"))?;
     let estimated = estimate::drive::<f32>(&vehicle, None, &log)?;
     estimate::check(&log, &vehicle, &estimated)?;
-    let rows = estimated.rows;
+    let rows = estimated.in_memory()?.rows;
     run_file::write(&file("csv"), &rows)?;
     let truth = truth_file::read(&file("truth.csv"))?;
     let oracle = OracleFile::read(&file("oracle.toml"))?;

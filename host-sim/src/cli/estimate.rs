@@ -6,9 +6,9 @@ use crate::error::{Error, Result};
 use crate::kept_file;
 use crate::output::print;
 use crate::progress;
-use crate::recorder::{self, Run};
+use crate::recorder::{self, LongRun};
 use crate::run_parquet::Origin;
-use crate::smooth::bytes_per_km;
+use crate::smooth::held_bytes;
 use crate::vehicle_file::VehicleFile;
 use estimator_core::{Kept, Scalar};
 use std::path::{Path, PathBuf};
@@ -59,13 +59,13 @@ pub struct Args {
 }
 
 impl Args {
-    fn run_path(&self, run: &Run) -> Result<PathBuf> {
+    fn run_path(&self, run: &mut LongRun) -> Result<PathBuf> {
         match (&self.out, &self.dataset, &self.day) {
             (None, Some(folder), Some(day)) => {
                 let name = self.log.file_name().unwrap_or_default().to_string_lossy();
                 // Without its endings: drive.csv.gz is drive.
                 let name = name.split('.').next().unwrap_or_default();
-                dataset::run_path(folder, &run.rows, day, name)
+                dataset::run_path(folder, &mut run.rows, day, name)
             }
             (out, ..) => Ok(out.clone().unwrap_or_default()),
         }
@@ -82,7 +82,7 @@ pub fn run(args: &Args) -> Result<()> {
         None => None,
     };
     let last = last.as_ref();
-    let run = if args.double {
+    let mut run = if args.double {
         drive::<f64>(&vehicle, last, &args.log)?
     } else {
         drive::<f32>(&vehicle, last, &args.log)?
@@ -93,9 +93,10 @@ pub fn run(args: &Args) -> Result<()> {
         vehicle: Some(vehicle.name),
         day: args.day.clone(),
     };
-    conclusion::write(&run, Some(&args.run_path(&run)?), &origin, file)?;
+    let out = args.run_path(&mut run)?;
+    conclusion::write(&mut run, Some(&out), &origin, file)?;
 
-    let summary = Summary::new(&run);
+    let summary = Summary::new(&mut run)?;
     if args.json {
         let json = serde_json::to_string(&summary).expect("numbers are JSON");
         print(&format!("{json}\n"))?;
@@ -109,7 +110,10 @@ pub fn run(args: &Args) -> Result<()> {
             frames as f64 / seconds
         );
     }
-    eprintln!("whole-run smoothing held {} kB a km", bytes_per_km() / 1000);
+    eprintln!(
+        "whole-run smoothing held {} kB",
+        held_bytes(run.rows.count()) / 1000
+    );
     Ok(())
 }
 
@@ -118,7 +122,7 @@ pub(super) fn drive<S: Scalar>(
     vehicle: &VehicleFile,
     last: Option<&Kept>,
     log: &Path,
-) -> Result<Run> {
+) -> Result<LongRun> {
     let bar = progress::bytes(log.metadata().map_or(0, |file| file.len()));
     let progress = |read| bar.set_position(read);
     let run = recorder::estimate_log::<S>(&vehicle.parameters, last, log, progress);
@@ -127,7 +131,7 @@ pub(super) fn drive<S: Scalar>(
 }
 
 /// Whether the log held what an estimate needs; if not, what is missing.
-pub(super) fn check(log: &Path, vehicle: &VehicleFile, run: &Run) -> Result<()> {
+pub(super) fn check(log: &Path, vehicle: &VehicleFile, run: &LongRun) -> Result<()> {
     match conclusion::missing(vehicle, run) {
         Some(problem) => Err(Error::content(log, problem)),
         None => Ok(()),

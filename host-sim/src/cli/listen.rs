@@ -7,7 +7,7 @@ use crate::error::{Error, Result};
 use crate::kept_file;
 use crate::live::{Publisher, Reaction, Session, Show};
 use crate::output::{Staged, print};
-use crate::recorder::{Recorder, Run};
+use crate::recorder::{LongRun, Recorder};
 use crate::run_parquet::Origin;
 use crate::source::log_time;
 use crate::source::socketcan::{BusEvent, Received, Receiver, of_group, wanted};
@@ -112,8 +112,9 @@ pub fn run(args: &Args) -> Result<()> {
     if let (Ok(()), Some(log)) = (&logged, &args.log) {
         eprintln!("wrote {}", log.display());
     }
-    conclude(args, &vehicle, &run)?;
-    let summary = Summary::new(&run);
+    let mut run = run?;
+    conclude(args, &vehicle, &mut run)?;
+    let summary = Summary::new(&mut run)?;
     let told = if args.json {
         let last = json!({ "summary": summary, "interfaces": view.interfaces });
         print(&format!("{last}\n"))
@@ -143,10 +144,10 @@ fn check(args: &Args) {
 
 /// Writes what the drive left. What was driven for hours is not thrown away because something was
 /// missing: that is said.
-fn conclude(args: &Args, vehicle: &VehicleFile, run: &Run) -> Result<()> {
+fn conclude(args: &Args, vehicle: &VehicleFile, run: &mut LongRun) -> Result<()> {
     if let Some(problem) = conclusion::missing(vehicle, run) {
         let bus = args.interfaces.join(", ");
-        if run.rows.is_empty() && args.out.is_some() {
+        if run.rows.count() == 0 && args.out.is_some() {
             return Err(Error::content(Path::new(&bus), problem));
         }
         eprintln!("roadgrade: {bus}: {problem}");
@@ -229,8 +230,9 @@ impl<'a> Listening<'a> {
             for received in &stretch {
                 is_over |= self.take(received)?;
             }
+            let cells = self.session.fetch_cells();
             if let Some(publisher) = &mut self.publisher {
-                publisher.publish(self.session.live().as_ref(), self.session.cells());
+                publisher.publish(self.session.live().as_ref(), &cells);
             }
             if is_over {
                 return Ok(());

@@ -30,7 +30,7 @@ impl LoggedDrive {
             .map_err(|e| Error::content(path, e.to_string()))?;
         for_each_input(path, |_| (), |input| recorder.on_input(&input))?;
         let filter = recorder.estimator().filter_anew();
-        let (run, samples) = recorder.finish_with_samples();
+        let (run, samples) = recorder.finish_with_samples()?;
         if run.rows.is_empty() {
             return Err(Error::content(
                 path,

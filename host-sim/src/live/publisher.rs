@@ -21,7 +21,6 @@ pub struct Publisher {
     /// Our address, if the estimate is to be sent.
     address: Option<u8>,
     next: Monotonic,
-    cells_sent: usize,
     unsent: u64,
 }
 
@@ -38,20 +37,18 @@ impl Publisher {
             look_at: now,
             address,
             next: now,
-            cells_sent: 0,
             unsent: 0,
         })
     }
 
-    /// Sends the estimate if it is time, and the cells that were finished since.
+    /// Sends these cells, and the estimate if it is time.
     pub fn publish(&mut self, live: Option<&Live>, cells: &[Cell]) {
         let Some(address) = self.address else {
             return;
         };
-        for cell in cells.get(self.cells_sent..).unwrap_or_default() {
+        for cell in cells {
             self.send(broadcast::cell(cell, address));
         }
-        self.cells_sent = cells.len();
         let now = Monotonic::now();
         if now >= self.next {
             // After a delay the beat goes on from now, without catching up.

@@ -4,7 +4,7 @@ use super::rate::Rate;
 use super::view::{InterfaceView, View};
 use crate::error::{Error, Result};
 use crate::output::{Staged, Writing};
-use crate::recorder::{Recorder, Run};
+use crate::recorder::{LongRun, Recorder};
 use crate::source::can_frame::TimedFrame;
 use crate::source::candump_writer::write_frame;
 use crate::source::log_time::LogTime;
@@ -42,6 +42,9 @@ pub enum Reaction {
 #[derive(Debug)]
 pub struct Session {
     recorder: Recorder<f32>,
+    /// Finished and not yet fetched.
+    cells: Vec<Cell>,
+    newest_cell: Option<Cell>,
     timing: Timing,
     interfaces: Vec<(InterfaceView, Rate)>,
     log: Option<(PathBuf, Writing)>,
@@ -76,6 +79,8 @@ impl Session {
         };
         Ok(Self {
             recorder,
+            cells: Vec::new(),
+            newest_cell: None,
             timing: if is_log_timed {
                 Timing::Log(None)
             } else {
@@ -148,6 +153,9 @@ impl Session {
             write_frame(log, frame, name).map_err(Error::io(path))?;
         }
         self.recorder.on_frame(frame);
+        let cells = self.recorder.new_cells();
+        self.newest_cell = cells.last().copied().or(self.newest_cell);
+        self.cells.extend_from_slice(cells);
         Ok(())
     }
 
@@ -158,14 +166,13 @@ impl Session {
             view.frames_per_s = rate.update(now, view.frames);
         }
         let estimator = self.recorder.estimator();
-        let cells = self.recorder.cells();
         let start = self.start.unwrap_or(self.newest);
         View {
             time_s: self.newest.since(start).micros() as f64 * 1e-6,
             live: estimator.live(),
             is_silent: now.duration_since(self.heard) > SILENCE,
-            cells_finished: cells.len(),
-            newest_cell_percent: cells.last().map(|cell| {
+            cells_finished: self.recorder.cells_finished(),
+            newest_cell_percent: self.newest_cell.map(|cell| {
                 let grade = cell.lagged_grade_percent;
                 (grade.value, grade.sigma)
             }),
@@ -186,16 +193,16 @@ impl Session {
         self.heard.elapsed()
     }
 
-    /// The cells finished so far.
+    /// The cells that were finished since they were last fetched.
     #[must_use]
-    pub fn cells(&self) -> &[Cell] {
-        self.recorder.cells()
+    pub fn fetch_cells(&mut self) -> Vec<Cell> {
+        std::mem::take(&mut self.cells)
     }
 
     /// Ends the drive; the log, if there is one and it could be ended, is to be committed.
-    pub fn finish(self) -> (Run, Result<Option<Staged>>) {
+    pub fn finish(self) -> (Result<LongRun>, Result<Option<Staged>>) {
         let log = self.log.map(|(_, log)| log.finish()).transpose();
-        (self.recorder.finish(), log)
+        (self.recorder.end(), log)
     }
 
     /// The estimate now.

@@ -105,7 +105,7 @@ pub fn of_log(
         rivals.extend(Method::BOTH.map(|method| by_method(method, vehicle, &samples, start)));
     }
     if let Some(recorder) = knowing {
-        rivals.extend(of_run(&recorder.finish()));
+        rivals.extend(of_run(&recorder.finish()?));
     }
     Ok(rivals)
 }

@@ -161,7 +161,8 @@ fn estimate(mission: &Mission, pass: &Pass, folder: &Path) -> Result<Vec<RunRow>
     let table = folder.join("pass.csv");
     mission.write_pass(&table, pass)?;
     let vehicle = mission.vehicle().parameters;
-    Ok(estimate_log::<f32>(&vehicle, None, &table, |_| ())?.rows)
+    let run = estimate_log::<f32>(&vehicle, None, &table, |_| ())?;
+    Ok(run.in_memory()?.rows)
 }
 
 fn mapped(road: &Network, runs: &[&[RunRow]]) -> Vec<MapRow> {

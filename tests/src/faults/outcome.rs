@@ -16,7 +16,7 @@ pub const RECOVERY_M: f64 = 2_000.0;
 /// What an estimator made of frames.
 ///
 /// # Panics
-/// With a vehicle that there cannot be, or outputs that are no numbers.
+/// With a vehicle that there cannot be, or without room for what it drives.
 #[must_use]
 pub fn estimated<S: Scalar>(vehicle: &VehicleParameters, frames: Frames<'_>) -> Run {
     let mut recorder = Recorder::<S>::new(vehicle.clone(), Tuning::default())
@@ -24,7 +24,7 @@ pub fn estimated<S: Scalar>(vehicle: &VehicleParameters, frames: Frames<'_>) -> 
     for frame in frames {
         recorder.on_frame(&frame);
     }
-    recorder.finish()
+    recorder.finish().expect("room for a drive")
 }
 
 /// Whether every number in every row is one, and every sigma above nought.

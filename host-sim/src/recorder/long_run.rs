@@ -1,0 +1,83 @@
+//! What a drive leaves.
+
+use super::no_room;
+use super::words::{ROW, row_from_words, row_to_words};
+use crate::error::Result;
+use crate::run_file::{RunRow, RunRows};
+use crate::spool::{Spool, blocks};
+use estimator_core::{Counters, Kept};
+use std::io;
+
+/// A whole drive, smoothed.
+#[derive(Debug)]
+pub struct Run {
+    /// Its cells.
+    pub rows: Vec<RunRow>,
+    /// What happened on the way.
+    pub counters: Counters,
+    /// What it leaves for the next drive, if it was long enough.
+    pub kept: Option<Kept>,
+}
+
+/// A whole drive, smoothed, that need not fit into memory.
+#[derive(Debug)]
+pub struct LongRun {
+    /// Its cells.
+    pub rows: Rows,
+    /// What happened on the way.
+    pub counters: Counters,
+    /// What it leaves for the next drive, if it was long enough.
+    pub kept: Option<Kept>,
+}
+
+impl LongRun {
+    /// The same with all rows in memory.
+    ///
+    /// # Errors
+    /// What the file system says, where the rows are in a temporary file.
+    pub fn in_memory(mut self) -> Result<Run> {
+        let mut rows = Vec::with_capacity(self.rows.count());
+        self.rows.each(&mut |row| {
+            rows.push(*row);
+            Ok(())
+        })?;
+        Ok(Run {
+            rows,
+            counters: self.counters,
+            kept: self.kept,
+        })
+    }
+}
+
+/// The rows of a run, in memory or in a temporary file.
+#[derive(Debug, Default)]
+pub struct Rows(Spool<ROW>);
+
+impl Rows {
+    /// How many there are.
+    #[must_use]
+    pub const fn count(&self) -> usize {
+        self.0.count()
+    }
+
+    /// Puts rows by at their numbers.
+    pub(super) fn put(
+        &mut self,
+        first: usize,
+        rows: impl Iterator<Item = RunRow>,
+    ) -> io::Result<()> {
+        let words: Vec<_> = rows.map(|row| row_to_words(&row)).collect();
+        self.0.put(first, &words)
+    }
+}
+
+impl RunRows for Rows {
+    fn each(&mut self, take: &mut dyn FnMut(&RunRow) -> Result<()>) -> Result<()> {
+        for block in blocks(0..self.count()) {
+            for words in self.0.read(block).map_err(no_room)? {
+                take(&row_from_words(&words))?;
+            }
+        }
+        Ok(())
+    }
+}

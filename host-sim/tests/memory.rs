@@ -1,0 +1,84 @@
+//! Memory that a long drive takes, counted by the allocator: no more than a short one.
+
+use host_sim::recorder::estimate_log;
+use host_sim::run_file::write_rows;
+use host_sim::run_parquet::Origin;
+use host_sim::vehicle_file::VehicleFile;
+use peak_alloc::PeakAlloc;
+use std::fmt::Write;
+use std::fs;
+use std::path::Path;
+use tempfile::TempDir;
+
+#[global_allocator]
+static ALLOCATOR: PeakAlloc = PeakAlloc;
+
+const VEHICLE: &str = "\
+[vehicle]
+name = \"A\"
+mass_kg = 39000.0
+drag_area_m2 = 6.0
+rolling_resistance = 0.0065
+wheel_radius_m = 0.5
+wheel_inertia_kgm2 = 100.0
+[traction]
+source = \"force\"
+";
+
+/// A drive over hills at 25 m/s, one line a second.
+fn write_log(path: &Path, km: usize) {
+    let mut text = String::from(
+        "time_s,wheel_speed_mps,traction_force_n,latitude_deg,longitude_deg,altitude_m\n",
+    );
+    for second in 0..km * 40 {
+        let at_m = 25.0 * second as f64;
+        let altitude_m = 400.0 + 30.0 * (at_m / 1_000.0).sin();
+        let force_n = 4_700.0 + 39_000.0 * 9.81 * 0.03 * (at_m / 1_000.0).cos();
+        let latitude_deg = 47.0 + at_m / 111e3 % 1.0;
+        writeln!(
+            text,
+            "{second}.0,25.0,{force_n:.0},{latitude_deg:.7},8.5,{altitude_m:.2}"
+        )
+        .unwrap();
+    }
+    fs::write(path, text).unwrap();
+}
+
+/// The most bytes that were allocated at once on the way from a log to a run file.
+fn peak(folder: &Path, km: usize, ending: &str) -> usize {
+    let (log, out) = (
+        folder.join("drive.csv"),
+        folder.join(format!("run.{ending}")),
+    );
+    let vehicle = folder.join("v.toml");
+    fs::write(&vehicle, VEHICLE).unwrap();
+    let vehicle = VehicleFile::read(&vehicle).unwrap();
+    write_log(&log, km);
+    let before = ALLOCATOR.current_usage();
+    ALLOCATOR.reset_peak_usage();
+    let mut run = estimate_log::<f32>(&vehicle.parameters, None, &log, |_| ()).unwrap();
+    assert!(run.rows.count() + 50 > km * 400, "{}", run.rows.count());
+    write_rows(&out, &mut run.rows, &Origin::default()).unwrap();
+    ALLOCATOR.peak_usage() - before
+}
+
+// One test: others beside it would be counted too.
+#[test]
+fn a_drive_of_a_thousand_km_takes_no_more_than_one_of_ten() {
+    let folder = TempDir::new().unwrap();
+    let peak = |km, ending| peak(folder.path(), km, ending);
+    let (short, long) = (peak(10, "csv"), peak(1_000, "csv"));
+    eprintln!("CSV: {short} bytes for 10 km, {long} for 1,000 km");
+    assert!(
+        long < short * 5 / 4,
+        "{short} bytes for 10 km, {long} for 1,000 km"
+    );
+    assert!(long < 4_000_000, "{long}");
+    // A row group of Parquet, those of 164 km, is in memory.
+    let (short, long) = (peak(200, "parquet"), peak(1_000, "parquet"));
+    eprintln!("Parquet: {short} bytes for 200 km, {long} for 1,000 km");
+    assert!(
+        long < short * 5 / 4,
+        "{short} bytes for 200 km, {long} for 1,000 km"
+    );
+}
