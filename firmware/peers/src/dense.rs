@@ -1,6 +1,7 @@
 //! Filters on matrices of a library's own, and the plain one written with nalgebra.
 
-use crate::{Model, report};
+use super::Real;
+use super::model::{Meter, Model};
 use adskalman::{ObservationModel, StateAndCovariance, TransitionModelLinearNoControl};
 use kfilter::kalman::{Kalman, KalmanFilter, KalmanPredict, KalmanUpdate};
 use kfilter::measurement::{LinearMeasurement, Measurement};
@@ -9,25 +10,25 @@ use multicalc::linear_algebra;
 use nalgebra::{Const, Matrix2, SMatrix, SVector, Vector2};
 
 /// Nothing: what the harness itself takes.
-pub fn nothing() {
-    report::<3>(0, |measured| [measured[0], measured[1], 0.0]);
+pub fn nothing(meter: &mut impl Meter) {
+    meter.measure::<3>(0, |measured| [measured[0], measured[1], 0.0]);
 }
 
-fn matrix<const R: usize, const C: usize>(rows: [[f32; C]; R]) -> SMatrix<f32, R, C> {
+fn matrix<const R: usize, const C: usize>(rows: [[Real; C]; R]) -> SMatrix<Real, R, C> {
     SMatrix::from_fn(|i, j| rows[i][j])
 }
 
 struct Plain<const N: usize> {
-    f: SMatrix<f32, N, N>,
-    q: SMatrix<f32, N, N>,
-    h: SMatrix<f32, 2, N>,
-    r: Matrix2<f32>,
-    x: SVector<f32, N>,
-    p: SMatrix<f32, N, N>,
+    f: SMatrix<Real, N, N>,
+    q: SMatrix<Real, N, N>,
+    h: SMatrix<Real, 2, N>,
+    r: Matrix2<Real>,
+    x: SVector<Real, N>,
+    p: SMatrix<Real, N, N>,
 }
 
 /// The textbook's equations on nalgebra's matrices, P ← (I − K H) P.
-pub fn plain_nalgebra<const N: usize>() {
+pub fn plain_nalgebra<const N: usize>(meter: &mut impl Meter) {
     let model = Model::<N>::new();
     let mut filter = Plain {
         f: matrix(model.transition),
@@ -37,7 +38,7 @@ pub fn plain_nalgebra<const N: usize>() {
         x: SVector::zeros(),
         p: matrix(model.covariance),
     };
-    report(size_of_val(&filter), |measured| {
+    meter.measure(size_of_val(&filter), |measured| {
         let Plain { f, q, h, r, x, p } = &mut filter;
         *x = *f * *x;
         *p = *f * *p * f.transpose() + *q;
@@ -53,7 +54,7 @@ pub fn plain_nalgebra<const N: usize>() {
 }
 
 /// multicalc, as it comes: Joseph's form.
-pub fn multicalc<const N: usize>() {
+pub fn multicalc<const N: usize>(meter: &mut impl Meter) {
     let model = Model::<N>::new();
     let mut filter = estimation::KalmanFilter::new(
         linear_algebra::Vector::new([0.0; N]),
@@ -65,7 +66,7 @@ pub fn multicalc<const N: usize>() {
             measurement_noise: linear_algebra::Matrix::new(model.noise),
         },
     );
-    report::<N>(size_of_val(&filter), |measured| {
+    meter.measure::<N>(size_of_val(&filter), |measured| {
         filter.predict();
         let _ = filter.update(linear_algebra::Vector::new(measured));
         let state = filter.state();
@@ -74,9 +75,9 @@ pub fn multicalc<const N: usize>() {
 }
 
 /// kfilter, in the older nalgebra that it speaks.
-pub fn kfilter<const N: usize>() {
+pub fn kfilter<const N: usize>(meter: &mut impl Meter) {
     use nalgebra_034::{SMatrix, SVector};
-    fn matrix<const R: usize, const C: usize>(rows: [[f32; C]; R]) -> SMatrix<f32, R, C> {
+    fn matrix<const R: usize, const C: usize>(rows: [[Real; C]; R]) -> SMatrix<Real, R, C> {
         SMatrix::from_fn(|i, j| rows[i][j])
     }
     let model = Model::<N>::new();
@@ -92,7 +93,7 @@ pub fn kfilter<const N: usize>() {
         SVector::zeros(),
     );
     let bytes = size_of_val(&filter) + size_of_val(&measurement);
-    report(bytes, |measured| {
+    meter.measure(bytes, |measured| {
         let _ = filter.predict();
         measurement.set_measurement(measured.into());
         let _ = filter.update(&measurement);
@@ -101,43 +102,43 @@ pub fn kfilter<const N: usize>() {
 }
 
 struct Transition<const N: usize> {
-    f: SMatrix<f32, N, N>,
-    transposed: SMatrix<f32, N, N>,
-    q: SMatrix<f32, N, N>,
+    f: SMatrix<Real, N, N>,
+    transposed: SMatrix<Real, N, N>,
+    q: SMatrix<Real, N, N>,
 }
 
-impl<const N: usize> TransitionModelLinearNoControl<f32, Const<N>> for Transition<N> {
-    fn F(&self) -> &SMatrix<f32, N, N> {
+impl<const N: usize> TransitionModelLinearNoControl<Real, Const<N>> for Transition<N> {
+    fn F(&self) -> &SMatrix<Real, N, N> {
         &self.f
     }
-    fn FT(&self) -> &SMatrix<f32, N, N> {
+    fn FT(&self) -> &SMatrix<Real, N, N> {
         &self.transposed
     }
-    fn Q(&self) -> &SMatrix<f32, N, N> {
+    fn Q(&self) -> &SMatrix<Real, N, N> {
         &self.q
     }
 }
 
 struct Observation<const N: usize> {
-    h: SMatrix<f32, 2, N>,
-    transposed: SMatrix<f32, N, 2>,
-    r: Matrix2<f32>,
+    h: SMatrix<Real, 2, N>,
+    transposed: SMatrix<Real, N, 2>,
+    r: Matrix2<Real>,
 }
 
-impl<const N: usize> ObservationModel<f32, Const<N>, Const<2>> for Observation<N> {
-    fn H(&self) -> &SMatrix<f32, 2, N> {
+impl<const N: usize> ObservationModel<Real, Const<N>, Const<2>> for Observation<N> {
+    fn H(&self) -> &SMatrix<Real, 2, N> {
         &self.h
     }
-    fn HT(&self) -> &SMatrix<f32, N, 2> {
+    fn HT(&self) -> &SMatrix<Real, N, 2> {
         &self.transposed
     }
-    fn R(&self) -> &Matrix2<f32> {
+    fn R(&self) -> &Matrix2<Real> {
         &self.r
     }
 }
 
 /// adskalman, as it comes: Joseph's form.
-pub fn adskalman<const N: usize>() {
+pub fn adskalman<const N: usize>(meter: &mut impl Meter) {
     let model = Model::<N>::new();
     let (f, h) = (matrix(model.transition), matrix(model.measured));
     let transition = Transition {
@@ -153,7 +154,7 @@ pub fn adskalman<const N: usize>() {
     let mut estimate = StateAndCovariance::new(SVector::zeros(), matrix(model.covariance));
     let bytes = size_of_val(&transition) + size_of_val(&observation) + size_of_val(&estimate);
     let filter = adskalman::KalmanFilterNoControl::new(&transition, &observation);
-    report(bytes, |measured| {
+    meter.measure(bytes, |measured| {
         if let Ok(next) = filter.step(&estimate, &Vector2::from(measured)) {
             estimate = next;
         }

@@ -1,7 +1,8 @@
 //! The estimator's own filter: its structured step over a cell and its two updates, without what
 //! surrounds them (the vehicle's forces, noise switching, gates).
 
-use crate::report;
+use super::Real;
+use super::model::Meter;
 use core::hint::black_box;
 use estimator_core::filter::state::{ENERGY, STATES, State};
 use estimator_core::filter::transition::Transition;
@@ -12,7 +13,7 @@ use estimator_core::vehicle::{Load, STANDARD_AIR_DENSITY};
 use estimator_core::{CELL_LENGTH_M, Effects, Place, Traction, Tuning, VehicleParameters};
 
 /// All its states, on a level road at 20 m/s.
-pub fn ours() {
+pub fn ours(meter: &mut impl Meter) {
     let vehicle = VehicleParameters {
         mass_kg: 39_000.0,
         drag_area_m2: 6.0,
@@ -44,7 +45,7 @@ pub fn ours() {
     for i in 0..STATES {
         covariance.add_variance(i, 1.0);
     }
-    let mut state = State::<f32> {
+    let mut state = State::<Real> {
         x: [0.0; STATES],
         p: covariance,
         load: 0.0,
@@ -53,7 +54,7 @@ pub fn ours() {
     state.x[ENERGY] = 200.0;
     let transition = black_box(transition);
     let bytes = size_of_val(&state) + size_of_val(&transition);
-    report(bytes, |[speed_mps, altitude_m]| {
+    meter.measure(bytes, |[speed_mps, altitude_m]| {
         transition.predict(&mut state);
         let innovation = 0.5 * speed_mps * speed_mps - state.x[ENERGY];
         let _ = Update {

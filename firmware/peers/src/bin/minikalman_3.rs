@@ -1,4 +1,4 @@
 #![no_std]
 #![no_main]
 
-peers::image!(peers::minikalman!(3));
+peers::image!(peers::minikalman_filter::minikalman_3(&mut peers::Board));

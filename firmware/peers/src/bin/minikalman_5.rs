@@ -1,4 +1,4 @@
 #![no_std]
 #![no_main]
 
-peers::image!(peers::minikalman!(5));
+peers::image!(peers::minikalman_filter::minikalman_5(&mut peers::Board));

@@ -1,4 +1,4 @@
 #![no_std]
 #![no_main]
 
-peers::image!(peers::minikalman!(8));
+peers::image!(peers::minikalman_filter::minikalman_8(&mut peers::Board));

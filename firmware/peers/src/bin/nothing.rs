@@ -1,4 +1,4 @@
 #![no_std]
 #![no_main]
 
-peers::image!(peers::dense::nothing());
+peers::image!(peers::dense::nothing(&mut peers::Board));

@@ -1,0 +1,17 @@
+//! The filters in single precision.
+
+/// What they compute in.
+pub type Real = f32;
+
+#[path = "contenders.rs"]
+mod contenders;
+#[path = "../../../firmware/peers/src/dense.rs"]
+pub mod dense;
+#[path = "../../../firmware/peers/src/minikalman_filter.rs"]
+mod minikalman_filter;
+#[path = "../../../firmware/peers/src/model.rs"]
+pub mod model;
+#[path = "../../../firmware/peers/src/ours.rs"]
+mod ours;
+
+pub use contenders::contenders;

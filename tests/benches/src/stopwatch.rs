@@ -1,0 +1,66 @@
+//! One filter, timed; and where it is after a thousand steps, so that it can be seen to have done
+//! the work.
+
+use crate::{double, single};
+use std::hint::black_box;
+use std::time::Instant;
+
+/// Steps before the time counts; then all filters of a size have to agree.
+const WARM_UP: u32 = 1_000;
+
+/// Takes the time of so many steps.
+#[derive(Debug)]
+pub struct Stopwatch {
+    steps: u32,
+    /// Time of a step, ns.
+    pub step_ns: f64,
+    /// The state after a thousand steps.
+    pub state: Vec<f64>,
+}
+
+impl Stopwatch {
+    /// For so many steps, beyond those of the warm-up.
+    #[must_use]
+    pub const fn new(steps: u32) -> Self {
+        Self {
+            steps,
+            step_ns: 0.0,
+            state: Vec::new(),
+        }
+    }
+
+    fn time<T: Copy, const N: usize>(
+        &mut self,
+        measurements: impl Fn(u32) -> [T; 2],
+        mut step: impl FnMut([T; 2]) -> [T; N],
+    ) where
+        f64: From<T>,
+    {
+        for number in 0..WARM_UP {
+            self.state = step(measurements(number)).map(f64::from).to_vec();
+        }
+        // They repeat; making them is not to be timed.
+        let measured: [[T; 2]; 23] = std::array::from_fn(|k| measurements(k as u32));
+        let rounds = self.steps.div_ceil(measured.len() as u32);
+        let started = Instant::now();
+        for _ in 0..rounds {
+            for both in &measured {
+                black_box(step(black_box(*both)));
+            }
+        }
+        let steps = (rounds as usize * measured.len()) as f64;
+        self.step_ns = started.elapsed().as_secs_f64() * 1e9 / steps;
+    }
+}
+
+impl single::model::Meter for Stopwatch {
+    fn measure<const N: usize>(&mut self, _: usize, step: impl FnMut([f32; 2]) -> [f32; N]) {
+        self.time(single::model::measurements, step);
+    }
+}
+
+impl double::model::Meter for Stopwatch {
+    fn measure<const N: usize>(&mut self, _: usize, step: impl FnMut([f64; 2]) -> [f64; N]) {
+        self.time(double::model::measurements, step);
+    }
+}
