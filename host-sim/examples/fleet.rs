@@ -1,11 +1,11 @@
 //! Writes a fleet's runs over one road, to measure fusion with:
 //!
 //! ```text
-//! cargo run --release -p host-sim --example fleet -- FOLDER CELLS [SEED]
+//! cargo run --release -p host-sim --example fleet -- FOLDER CELLS [SEED [KM]]
 //! roadgrade fuse --out map.parquet --road FOLDER/road.csv FOLDER/runs
 //! ```
 //!
-//! The road winds over 100 km, 40,001 cells. A truck drives it ten times a day, once without saying
+//! The road winds over 100 km (or KM), 40,001 cells. A truck drives it ten times a day, once without saying
 //! that it is the same session; of the error of a run a part is its truck's on that day, the rest
 //! its own and slow, as fusion expects it. What fusion does not read is the same in all cells: it
 //! takes no time, and no room on the disk.
@@ -21,7 +21,7 @@ use std::error::Error;
 use std::path::Path;
 
 const STEP_M: f64 = 2.5;
-const CELLS_A_RUN: usize = 40_001;
+const CELLS_A_KM: usize = 400;
 const RUNS_A_SESSION: usize = 10;
 const DAYS: usize = 28;
 
@@ -37,15 +37,16 @@ struct Spot {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let (folder, cells, seed) = match &arguments[..] {
-        [folder, cells] => (folder, cells, 1),
-        [folder, cells, seed] => (folder, cells, seed.parse()?),
-        _ => return Err("expected FOLDER CELLS [SEED]".into()),
+    let (folder, cells, seed, km) = match &arguments[..] {
+        [folder, cells] => (folder, cells, 1, 100),
+        [folder, cells, seed] => (folder, cells, seed.parse()?, 100),
+        [folder, cells, seed, km] => (folder, cells, seed.parse()?, km.parse()?),
+        _ => return Err("expected FOLDER CELLS [SEED [KM]]".into()),
     };
     let folder = Path::new(folder);
-    let road = road();
+    let road = road(km * CELLS_A_KM + 1);
     write_csv(&folder.join("road.csv"), road.iter())?;
-    let runs = cells.parse::<usize>()?.div_ceil(CELLS_A_RUN);
+    let runs = cells.parse::<usize>()?.div_ceil(road.len());
     (0..runs).into_par_iter().try_for_each(|number| {
         let (truck, day) = (number / RUNS_A_SESSION, number / RUNS_A_SESSION % DAYS + 1);
         let day = format!("2026-11-{day:02}");
@@ -59,11 +60,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         let path = dataset::run_path(&folder.join("runs"), &mut &rows[..], &day, &name)?;
         write_from(&path, &rows, &origin)
     })?;
-    eprintln!("{runs} runs of {CELLS_A_RUN} cells");
+    eprintln!("{runs} runs of {} cells", road.len());
     Ok(())
 }
 
-fn road() -> Vec<Spot> {
+fn road(cells: usize) -> Vec<Spot> {
     const EARTH_M: f64 = 6_371_000.0;
     let mut spot = Spot {
         distance_m: 0.0,
@@ -72,8 +73,8 @@ fn road() -> Vec<Spot> {
         altitude_m: 400.0,
         grade_percent: 0.0,
     };
-    let mut spots = Vec::with_capacity(CELLS_A_RUN);
-    for i in 0..CELLS_A_RUN {
+    let mut spots = Vec::with_capacity(cells);
+    for i in 0..cells {
         spot.distance_m = i as f64 * STEP_M;
         spot.grade_percent =
             3.0 * (spot.distance_m / 300.0).sin() + 1.5 * (spot.distance_m / 1700.0).cos();

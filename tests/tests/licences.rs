@@ -22,8 +22,15 @@ const ALLOWED: [&str; 15] = [
     "WTFPL",
     "Zlib",
 ];
-/// Workspaces: what runs on a host, peers that are measured, a board, fuzz targets.
-const WORKSPACES: [&str; 4] = [".", "firmware/peers", "firmware/stm32g4", "tests/fuzz"];
+/// Workspaces: what runs on a host, peers that are measured on a board and on a host, a board, fuzz
+/// targets.
+const WORKSPACES: [&str; 5] = [
+    ".",
+    "firmware/peers",
+    "firmware/stm32g4",
+    "tests/benches",
+    "tests/fuzz",
+];
 
 #[test]
 fn licences_of_all_packages_are_permissive() {

@@ -1,50 +1,33 @@
 //! A filter step: ours with all its states, peers of the same size and smaller.
 
-use benches::{double, single};
-use criterion::measurement::WallTime;
-use criterion::{BenchmarkGroup, BenchmarkId, Criterion, criterion_group, criterion_main};
+use benches::stopwatch::{STEPS, Stopwatch};
+use benches::{Contender, double, single};
+use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
+use std::time::Duration;
 
-/// A filter on criterion's bench.
-struct OnBench<'a, 'b> {
-    group: &'a mut BenchmarkGroup<'b, WallTime>,
-    name: &'static str,
-    states: usize,
+fn filter(criterion: &mut Criterion) {
+    bench(criterion, "step_f32", &single::contenders());
+    bench(criterion, "step_f64", &double::contenders());
 }
 
-macro_rules! bench {
-    ($name:ident, $precision:ident) => {
-        impl $precision::model::Meter for OnBench<'_, '_> {
-            fn measure<const N: usize>(
-                &mut self,
-                _: usize,
-                mut step: impl FnMut([$precision::Real; 2]) -> [$precision::Real; N],
-            ) {
-                let mut number = 0;
-                let id = BenchmarkId::new(self.name, self.states);
-                self.group.bench_function(id, |bencher| {
-                    bencher.iter(|| {
-                        number += 1;
-                        step($precision::model::measurements(number))
-                    });
-                });
-            }
-        }
-
-        fn $name(criterion: &mut Criterion) {
-            let mut group = criterion.benchmark_group(stringify!($name));
-            for contender in $precision::contenders::<OnBench<'_, '_>>() {
-                (contender.measure)(&mut OnBench {
-                    group: &mut group,
-                    name: contender.name,
-                    states: contender.states,
-                });
-            }
-        }
-    };
+fn bench(criterion: &mut Criterion, name: &str, contenders: &[Contender<Stopwatch>]) {
+    let mut group = criterion.benchmark_group(name);
+    for contender in contenders {
+        let id = BenchmarkId::new(contender.name, contender.states);
+        group.bench_function(id, |bencher| {
+            bencher.iter_custom(|steps| {
+                let drives = steps.div_ceil(STEPS.into());
+                let mut sum_ns = 0.0;
+                for _ in 0..drives {
+                    let mut watch = Stopwatch::new(STEPS);
+                    (contender.measure)(&mut watch);
+                    sum_ns += watch.step_ns;
+                }
+                Duration::from_nanos((sum_ns / drives as f64 * steps as f64) as u64)
+            });
+        });
+    }
 }
 
-bench!(step_f32, single);
-bench!(step_f64, double);
-
-criterion_group!(filter, step_f32, step_f64);
-criterion_main!(filter);
+criterion_group!(benches, filter);
+criterion_main!(benches);

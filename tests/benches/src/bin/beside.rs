@@ -5,7 +5,7 @@
 //! beside count f32|f64 NAME STATES STEPS    one filter alone, to count its instructions
 //! ```
 
-use benches::stopwatch::Stopwatch;
+use benches::stopwatch::{STEPS, Stopwatch};
 use benches::table::{Figure, table};
 use benches::work::Work;
 use benches::{Contender, double, single};
@@ -15,8 +15,8 @@ use std::path::Path;
 use std::process::Command;
 use std::time::Instant;
 
-/// Steps of a filter in a turn.
-const STEPS: u32 = 100_000;
+/// Turns of filters for one of the others, who take longer.
+const FILTER_TURNS: usize = 10;
 /// What two filters that do the same work may differ by, of one or of the value itself.
 const AGREEMENT: [f64; 2] = [1e-3, 1e-9];
 /// The filters' sizes.
@@ -57,7 +57,7 @@ struct Filter {
 
 fn filters(turns: usize, python: Option<&str>) -> Result<(), Box<dyn Error>> {
     let mut all: Vec<Filter> = Vec::new();
-    for turn in 0..turns {
+    for turn in 0..turns * FILTER_TURNS {
         let mut number = 0;
         let mut note = |precision, name: &str, states, step_ns, state: Vec<f64>| {
             if turn == 0 {
@@ -98,7 +98,7 @@ fn filters(turns: usize, python: Option<&str>) -> Result<(), Box<dyn Error>> {
                 watch.state,
             );
         }
-        if let Some(python) = python {
+        if let Some(python) = python.filter(|_| turn % FILTER_TURNS == 0) {
             for (size, found) in SIZES.iter().zip(ask(python, "filter.py", &SIZES)?) {
                 let state = serde_json::from_value(found["state"].clone())?;
                 let step_ns = found["step_ns"].as_f64().ok_or("no time")?;
