@@ -401,3 +401,24 @@ fn a_data_set_takes_runs_by_tile_and_day() {
         .code(2)
         .stderr(contains("cannot be used with"));
 }
+
+#[test]
+fn without_room_for_what_grows_with_the_drive_there_is_an_error_and_no_run() {
+    let folder = TempDir::new().unwrap();
+    simulate(
+        folder.path(),
+        "seed = 3\n[road]\nlength_m = 8000.0\n[[runs]]\nname = \"a\"\ntruck = \"A\"\n",
+    );
+    let out = folder.path().join("run.csv");
+    roadgrade()
+        .env("TMPDIR", folder.path().join("nowhere"))
+        .args(["estimate", "--vehicle"])
+        .arg(folder.path().join("a.vehicle.toml"))
+        .arg("--out")
+        .arg(&out)
+        .arg(folder.path().join("a.log"))
+        .assert()
+        .code(1)
+        .stderr(contains("nowhere"));
+    assert!(!out.exists());
+}

@@ -5,7 +5,7 @@ mod simulated;
 
 use estimator_core::filter::{AltitudeEvent, Backward, Filter, Record};
 use estimator_core::sampler::{Continuity, Sample};
-use estimator_core::{Counters, Estimate, Scalar, Tuning, VehicleParameters};
+use estimator_core::{Counters, Estimate, Estimator, Scalar, Tuning, VehicleParameters};
 use host_sim::recorder::Recorder;
 use host_sim::smooth::{Smoothed, held_bytes, smooth_run};
 use host_sim::world::{SimulatedRun, simulate};
@@ -101,14 +101,23 @@ fn without_drifts(samples: &[Sample], drifts: &[RangeInclusive<u32>]) -> Vec<Sam
 fn check(run: &SimulatedRun, heard: impl Fn(usize) -> bool) -> (Counters, usize, bool) {
     let vehicle = &run.vehicle.parameters;
     let mut recorder = Recorder::<f32>::new(vehicle.clone(), Tuning::default()).unwrap();
+    let mut estimator = Estimator::<f32>::new(vehicle.clone(), Tuning::default()).unwrap();
+    let mut sampled = Vec::new();
     for (number, frame) in run.frames.iter().enumerate() {
         if heard(number) {
             recorder.on_frame(frame);
+            estimator.on_frame(frame.time, &frame.frame);
+            while estimator.step().is_some() {
+                sampled.push(*estimator.sample().unwrap());
+            }
+            while estimator.next_cell().is_some() {}
         }
     }
     let double: Filter<f64> = recorder.estimator().filter_anew();
     let single: Filter<f32> = recorder.estimator().filter_anew();
     let (found, samples) = recorder.finish_with_samples().unwrap();
+    // As they were before they were put by.
+    assert_eq!(samples[..], sampled[sampled.len() - samples.len()..]);
     let (expected, leaves_out) = keeping_all(vehicle, &double, &samples);
     let tuning = Tuning::default();
     // Equal to the last bit: NaN would not be.

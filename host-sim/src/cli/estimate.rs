@@ -30,7 +30,9 @@ metadata vehicle, day and session (\"VEHICLE DAY\"), which `fuse` goes by.
 south-western corner, as of elevation data) in which the run has its first position; a run is \
 never cut. `fuse` takes such a folder, or one tile of it, and engines know the layout as Hive's.
 
---kept FILE is the vehicle's memory from one drive to the next, as its ECU would have it: what the model was found to be off by, and how noisy the sensors were, so that the first kilometres are better. Where there is no FILE yet, the drive begins as without. Estimate the drives once each, in the order in which they were driven. A FILE that is damaged, or that another vehicle or an edited V.toml left, is refused: then remove it, or give the vehicle another. Wind, cold tyres and a load that may have changed are allowed for; a drive with less than 5 km leaves FILE as it was.")]
+--kept FILE is the vehicle's memory from one drive to the next, as its ECU would have it: what the model was found to be off by, and how noisy the sensors were, so that the first kilometres are better. Where there is no FILE yet, the drive begins as without. Estimate the drives once each, in the order in which they were driven. A FILE that is damaged, or that another vehicle or an edited V.toml left, is refused: then remove it, or give the vehicle another. Wind, cold tyres and a load that may have changed are allowed for; a drive with less than 5 km leaves FILE as it was.
+
+A drive may be of any length: memory does not grow with it. What does, 100 kB for each kilometre, is in a temporary file (in TMPDIR) while it is estimated.")]
 pub struct Args {
     /// Vehicle parameters.
     #[arg(long, value_name = "V.toml")]
