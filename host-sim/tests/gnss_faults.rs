@@ -122,7 +122,7 @@ fn a_truck_far_from_its_file_is_no_drift() {
         for frame in &run.frames {
             recorder.on_frame(frame);
         }
-        let found = recorder.finish();
+        let found = recorder.finish().unwrap();
         let (square, normalised) = squares(&run, &found);
         let rmse = square.sqrt();
         println!("scale {scale} {rmse:.4} % {normalised:.2}");
