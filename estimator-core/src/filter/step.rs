@@ -418,10 +418,10 @@ fn set_altitude<S: Scalar>(state: &mut State<S>, fix: &Fix<S>) {
 /// Whether the speed is another than noise, a road or a brake can make it over the way since the
 /// last one: a sensor that slipped, stuck or was changed.
 fn is_step<S: Scalar>(state: &State<S>, tuning: &Tuning, way_m: f32, update: &Update<S>) -> bool {
-    let variance = state.p.get(ENERGY, ENERGY) + update.variance;
+    let innovation = update.innovation.to_f32();
+    let variance = (state.p.get(ENERGY, ENERGY) + update.variance).to_f32();
     let most = || 0.01 * GRAVITY * tuning.invalid_noise_percent * way_m;
-    update.innovation.squared() > S::from_f32(SPEED_LIMIT) * variance
-        && update.innovation.abs() > S::from_f32(most())
+    innovation * innovation > SPEED_LIMIT * variance && innovation.abs() > most()
 }
 
 /// The mean speed as a measurement of v²/2 at the cell's end, moved there along the predicted
