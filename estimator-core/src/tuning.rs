@@ -49,6 +49,8 @@ pub struct Tuning {
 
     /// Error of the traction scale (mass or torque) at the start, 1 sigma, 1.
     pub scale_sigma: f32,
+    /// How far it may have gone from where it began, in sigmas, before that was too narrow.
+    pub scale_sigmas: f32,
     /// Wander of the scale, 1 sigma, per square root of a km.
     pub scale_walk_per_sqrt_km: f32,
 
@@ -114,6 +116,7 @@ impl Default for Tuning {
             wind_length_m: 3_000.0,
             bias_start_rolling: 0.5,
             scale_sigma: 0.1,
+            scale_sigmas: 3.0,
             scale_walk_per_sqrt_km: 0.002,
             load_change_percent: 0.1,
             altitude_sigma_m: 0.5,

@@ -31,15 +31,15 @@ fn keeping_all<S: Scalar>(
     filter: &Filter<S>,
     samples: &[Sample],
 ) -> (Vec<Smoothed>, bool) {
-    let pass = |samples: &[Sample]| -> Vec<Record<S>> {
-        let (mut filter, tuning) = (filter.clone(), Tuning::default());
+    let pass = |samples: &[Sample], tuning: &Tuning| -> Vec<Record<S>> {
+        let mut filter = filter.clone();
         let mut counters = Counters::default();
         samples
             .iter()
-            .filter_map(|sample| filter.step(vehicle, &tuning, sample, &mut counters))
+            .filter_map(|sample| filter.step(vehicle, tuning, sample, &mut counters))
             .collect()
     };
-    let mut records = pass(samples);
+    let mut records = pass(samples, &Tuning::default());
     let drifts: Vec<RangeInclusive<u32>> = records
         .iter()
         .filter_map(|record| match record.event {
@@ -47,10 +47,18 @@ fn keeping_all<S: Scalar>(
             _ => None,
         })
         .collect();
-    let without = pass(&without_drifts(samples, &drifts));
-    let leaves_out = !drifts.is_empty() && surprise(&without) < surprise(&records);
+    let without = pass(&without_drifts(samples, &drifts), &Tuning::default());
+    let mut leaves_out = !drifts.is_empty() && surprise(&without) < surprise(&records);
     if leaves_out {
         records = without;
+    }
+    let believing = Tuning {
+        drift_sigmas: f32::INFINITY,
+        ..Tuning::default()
+    };
+    let all = pass(samples, &believing);
+    if !drifts.is_empty() && surprise(&all) < surprise(&records) {
+        (records, leaves_out) = (all, false);
     }
     let mut backward = Backward::new();
     let mut estimates: Vec<Estimate> = Vec::new();

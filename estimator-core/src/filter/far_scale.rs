@@ -2,15 +2,17 @@
 //!
 //! A file written for a full truck that drives empty is wrong by many sigmas of the scale's prior.
 //! A filter that believes such a prior takes its sensors for noisy and settles between the two.
-//! Where the scale has gone further than three sigmas, it is the prior that was too narrow: the
-//! scale becomes as unsure as it has moved, which is the prior under which that was most likely
-//! (empirical Bayes), and again at twice the way.
+//! Where the scale has been off by more than [`Tuning::scale_sigmas`] for a while, it is the prior
+//! that was too narrow: the scale becomes as unsure as it has moved, which is the prior under which
+//! that was most likely (empirical Bayes), and again at twice the way. A while, since where a
+//! vehicle starts and stops single fixes move the scale far and back again.
 
 use super::state::{SCALE, State};
 use crate::scalar::Scalar;
+use crate::tuning::Tuning;
 
-/// Sigmas of the prior beyond which it is not believed: three vehicles in a thousand are beyond.
-const BELIEVED_SIGMAS: f32 = 3.0;
+/// How long it must be beyond that, cells: 500 m.
+const PERSISTENCE_CELLS: u32 = 200;
 
 /// How far the scale is from where it began.
 #[derive(Clone, Copy, Debug)]
@@ -19,6 +21,8 @@ pub(super) struct FarScale {
     prior: f32,
     /// How far it may go.
     limit: f32,
+    /// The cell since which it has gone further.
+    since_cell: Option<u32>,
     /// Variance that was added to the prior's.
     added: f32,
 }
@@ -29,6 +33,7 @@ impl FarScale {
         Self {
             prior: 0.0,
             limit: f32::INFINITY,
+            since_cell: None,
             added: 0.0,
         }
     }
@@ -47,16 +52,24 @@ impl FarScale {
     }
 
     /// Begins with what a state says of the scale.
-    pub(super) fn begin<S: Scalar>(&mut self, state: &State<S>) {
+    pub(super) fn begin<S: Scalar>(&mut self, state: &State<S>, tuning: &Tuning) {
+        self.since_cell = None;
         self.prior = state.x[SCALE].to_f32();
-        self.limit = BELIEVED_SIGMAS * state.sigma(SCALE).to_f32();
+        self.limit = tuning.scale_sigmas * state.sigma(SCALE).to_f32();
     }
 
-    /// Widens what a state knows of the scale, where that has gone too far. Whether it did.
-    pub(super) fn widen<S: Scalar>(&mut self, state: &mut State<S>) -> bool {
+    /// Widens what a state knows of the scale at the end of a cell, where that has gone too far for
+    /// too long. Whether it did.
+    pub(super) fn widen<S: Scalar>(&mut self, state: &mut State<S>, cell: u32) -> bool {
         let away = (state.x[SCALE].to_f32() - self.prior).abs();
-        let is_far = away > self.limit;
+        if away <= self.limit {
+            self.since_cell = None;
+            return false;
+        }
+        let since_cell = *self.since_cell.get_or_insert(cell);
+        let is_far = cell.saturating_sub(since_cell) >= PERSISTENCE_CELLS;
         if is_far {
+            self.since_cell = None;
             self.limit = 2.0 * away;
             self.added = away * away;
             state.p.add_variance(SCALE, S::from_f32(self.added));

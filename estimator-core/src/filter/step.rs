@@ -133,7 +133,7 @@ impl<S: Scalar> Filter<S> {
             && sample.reopened
         {
             reopen(state, vehicle, tuning, sample);
-            far_scale.begin(state);
+            far_scale.begin(state, tuning);
             counters.loads_reopened = counters.loads_reopened.saturating_add(1);
         }
         let transition = Transition::new(
@@ -158,7 +158,7 @@ impl<S: Scalar> Filter<S> {
                     let mut state = state_at_start(prior.as_ref(), vehicle, tuning, sample);
                     let unsure = S::from_f32(far_scale.added());
                     state.p.add_variance(SCALE, unsure);
-                    far_scale.begin(&state);
+                    far_scale.begin(&state, tuning);
                     state
                 });
                 begin(state, tuning, speed);
@@ -247,7 +247,7 @@ impl<S: Scalar> Filter<S> {
                 };
                 counters.altitudes_used += 1;
                 let applied = update.apply(state);
-                if far_scale.widen(state) {
+                if far_scale.widen(state, sample.place.cell) {
                     // What the model was off by passed for the sensors' noise.
                     gate.unlearn();
                     counters.scales_reopened = counters.scales_reopened.saturating_add(1);

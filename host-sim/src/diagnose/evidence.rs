@@ -58,7 +58,8 @@ pub const WINDS_MPS: [f32; 5] = [0.1, 0.2, 0.4, 0.8, 1.6];
 
 /// The tuning with which drives are judged: what is the same on all drives of a vehicle is looked
 /// for, so that the filter's own slow states keep only what differs from drive to drive, and in the
-/// kilometres of wind. What climbs unlike the model is what is looked for: no fix drifts.
+/// kilometres of wind. What climbs unlike the model is what is looked for: no fix drifts, and no
+/// scale goes too far.
 #[must_use]
 pub fn judging_tuning(wind_sigma_mps: f32) -> Tuning {
     Tuning {
@@ -69,6 +70,7 @@ pub fn judging_tuning(wind_sigma_mps: f32) -> Tuning {
         bias_start_rolling: 0.0,
         bias_length_m: 20_000.0,
         scale_sigma: 0.02,
+        scale_sigmas: f32::MAX,
         drift_sigmas: f32::MAX.sqrt(),
         ..Tuning::default()
     }
