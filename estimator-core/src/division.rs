@@ -32,8 +32,8 @@ impl Divisor {
         self.by
     }
 
-    /// The quotient, rounded down, of what is below 2⁶³ / 2: the reciprocal is too large by less
-    /// than its last bit.
+    /// The quotient, rounded down, of what is below 2⁶³: the reciprocal is too large by less than
+    /// its last bit.
     pub(crate) const fn divide(self, dividend: u64) -> u64 {
         let quotient = if self.reciprocal == 0 {
             dividend
@@ -69,14 +69,17 @@ mod tests {
             1_000,
             1_000_000_000,
             1 << 31,
+            (1 << 31) + 1,
             u64::from(u32::MAX),
+            1 << 32,
         ] {
             let divisor = Divisor::new(by);
-            for bits in 0..62 {
+            for bits in 0..=63 {
                 for near in [-2_i64, -1, 0, 1, 2] {
                     let multiple = (1_u64 << bits) / by * by;
                     for dividend in [1_u64 << bits, multiple] {
-                        let Some(dividend) = dividend.checked_add_signed(near) else {
+                        let dividend = dividend.checked_add_signed(near);
+                        let Some(dividend) = dividend.filter(|dividend| *dividend < 1 << 63) else {
                             continue;
                         };
                         assert_eq!(divisor.divide(dividend), dividend / by, "{dividend} / {by}");

@@ -26,6 +26,16 @@ pub fn run_path(folder: &Path, rows: &mut dyn RunRows, day: &str, name: &str) ->
         .join(format!("{name}.parquet")))
 }
 
+/// What the run of a log is called: as the log, without its endings. `drive.csv.gz` is `drive`, and
+/// `drive.1.log` is `drive.1`, another than `drive.2`.
+#[must_use]
+pub fn run_name(log: &Path) -> String {
+    let name = log.file_name().unwrap_or_default().to_string_lossy();
+    let name = name.strip_suffix(".gz").unwrap_or(&name);
+    let ending = name.rfind('.').filter(|&at| at > 0);
+    name[..ending.unwrap_or(name.len())].to_owned()
+}
+
 /// The degree of latitude and longitude that a position lies in, by the corner in its south-west,
 /// as elevation data are named.
 #[must_use]

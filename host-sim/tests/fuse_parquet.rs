@@ -430,6 +430,20 @@ fn other_tables_are_refused_by_what_they_lack() {
 }
 
 #[test]
+fn a_run_is_named_as_its_log() {
+    for (log, name) in [
+        ("drive.log", "drive"),
+        ("logs/drive.csv.gz", "drive"),
+        ("2026-11-21T08.30.log", "2026-11-21T08.30"),
+        ("2026-11-21T14.30.log.gz", "2026-11-21T14.30"),
+        ("drive", "drive"),
+        (".log", ".log"),
+    ] {
+        assert_eq!(dataset::run_name(Path::new(log)), name);
+    }
+}
+
+#[test]
 fn tiles_are_named_by_their_corner() {
     for (position, name) in [
         ((47.4, 8.5), "N47E008"),

@@ -1,6 +1,7 @@
 //! `roadgrade inspect` as a user calls it.
 
 use assert_cmd::Command;
+use embedded_can::Frame;
 use estimator_core::signal::encode;
 use estimator_core::{Instant, Signal, Value};
 use host_sim::source::can_frame::{CanFrame, TimedFrame};
@@ -76,11 +77,11 @@ fn small_bus() -> Vec<u8> {
                 Signal::Altitude => Value::Real(432.5),
                 _ => Value::NotAvailable,
             });
-            send(0x0DF8_0542, &[&[0, 43], &payload[..6]].concat());
-            for (frame, part) in payload[6..].chunks(7).enumerate() {
+            let id = 0x0DF8_0542;
+            for (number, frame) in CanFrame::carrying(id, 0, &payload).enumerate() {
                 // The last packet has a hole.
-                if k < 500 || frame != 2 {
-                    send(0x0DF8_0542, &[&[frame as u8 + 1], part].concat());
+                if k < 500 || number != 3 {
+                    send(id, frame.data());
                 }
             }
         }

@@ -221,19 +221,13 @@ impl Bus {
         let mut payload = [0; 64];
         let length = encode(GNSS_POSITION, &mut payload, |signal| now.receiver(signal))
             .expect("a message that the core knows");
-        let sequence = self.packets << 5;
+        let id = identifier(GNSS_POSITION);
+        let frames = CanFrame::carrying(id, self.packets, &payload[..length]);
         self.packets = (self.packets + 1) % 8;
-        // The first frame has the length where later ones have data: seven bytes each.
-        let mut stream = vec![length as u8];
-        stream.extend_from_slice(&payload[..length]);
-        for (index, part) in stream.chunks(7).enumerate() {
-            if index == 2 && PACKET_WITH_A_HOLE.contains(&now.seconds) {
-                continue;
+        for (index, frame) in frames.enumerate() {
+            if index != 2 || !PACKET_WITH_A_HOLE.contains(&now.seconds) {
+                self.push(Some(frame));
             }
-            let mut data = [0xff; 8];
-            data[0] = sequence | index as u8;
-            data[1..=part.len()].copy_from_slice(part);
-            self.push(CanFrame::extended(identifier(GNSS_POSITION), &data));
         }
     }
 

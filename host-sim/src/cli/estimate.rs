@@ -64,10 +64,7 @@ impl Args {
     fn run_path(&self, run: &mut LongRun) -> Result<PathBuf> {
         match (&self.out, &self.dataset, &self.day) {
             (None, Some(folder), Some(day)) => {
-                let name = self.log.file_name().unwrap_or_default().to_string_lossy();
-                // Without its endings: drive.csv.gz is drive.
-                let name = name.split('.').next().unwrap_or_default();
-                dataset::run_path(folder, &mut run.rows, day, name)
+                dataset::run_path(folder, &mut run.rows, day, &dataset::run_name(&self.log))
             }
             (out, ..) => Ok(out.clone().unwrap_or_default()),
         }

@@ -34,6 +34,27 @@ impl CanFrame {
     pub fn standard(id: u16, data: &[u8]) -> Option<Self> {
         Self::new(StandardId::new(id)?, data)
     }
+
+    /// The frames that carry a payload with a raw 29-bit identifier: one, or from nine bytes on
+    /// those of an NMEA 2000 fast packet. Its frames have `sequence`, 0 to 7, and their number in
+    /// the first byte, the first one the length in its second, and the last one is padded with
+    /// ones. Without a frame if the identifier has more bits; what is beyond 223 bytes is cut off.
+    pub fn carrying(id: u32, sequence: u8, payload: &[u8]) -> impl Iterator<Item = Self> {
+        let single = Self::extended(id, payload);
+        let packet = if payload.len() > 8 {
+            [&[payload.len() as u8], payload].concat()
+        } else {
+            Vec::new()
+        };
+        let parts = (0_u8..32).map_while(move |number| {
+            let part = packet.chunks(7).nth(number.into())?;
+            let mut data = [0xff; 8];
+            data[0] = sequence << 5 | number;
+            data[1..=part.len()].copy_from_slice(part);
+            Self::extended(id, &data)
+        });
+        single.into_iter().chain(parts)
+    }
 }
 
 impl Frame for CanFrame {

@@ -7,6 +7,7 @@ pub mod accuracy;
 pub mod convergence;
 pub mod drift;
 pub mod experiments;
+pub mod fleet;
 pub mod gps;
 pub mod sensitivity;
 pub mod windows;
@@ -56,5 +57,6 @@ pub const STUDIES: &[Study] = &[
     experiments::modified::STUDY,
     experiments::campaigns::STUDY,
     accuracy::STUDY,
+    fleet::STUDY,
     ztbus::STUDY,
 ];

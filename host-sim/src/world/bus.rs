@@ -5,6 +5,7 @@ use super::random::{Purpose, stream};
 use super::scenario::Scenario;
 use super::sensors::Sensors;
 use crate::source::can_frame::{CanFrame, TimedFrame};
+use embedded_can::Frame;
 use estimator_core::Instant;
 use estimator_core::signal::{encode, messages};
 use rand::RngExt;
@@ -139,27 +140,21 @@ impl<'a> Bus<'a> {
         };
         let payload = &payload[..length.unwrap_or(0)];
         let id = u32::from(priority) << 26 | pgn << 8 | u32::from(address);
-        if payload.len() <= 8 {
-            self.transmit(due_s, id, payload);
-        } else {
-            for data in fast_packet(sequence, payload) {
-                self.transmit(due_s, id, &data);
-            }
+        for frame in CanFrame::carrying(id, sequence, payload) {
+            self.transmit(due_s, frame);
         }
         true
     }
 
     /// Puts a frame on the bus as soon as it is free; it is received when its last bit is.
-    fn transmit(&mut self, due_s: f64, id: u32, data: &[u8]) {
-        let bits = FRAME_BITS.0 + FRAME_BITS.1 * data.len() as f64;
+    fn transmit(&mut self, due_s: f64, frame: CanFrame) {
+        let bits = FRAME_BITS.0 + FRAME_BITS.1 * frame.dlc() as f64;
         self.free_s = self.free_s.max(due_s) + bits * BIT_S;
         let micros = ((self.log_start_s + self.free_s) * 1e6).round() as u64;
-        if let Some(frame) = CanFrame::extended(id, data) {
-            self.waiting.push_back(TimedFrame {
-                time: Instant::from_micros(micros),
-                frame,
-            });
-        }
+        self.waiting.push_back(TimedFrame {
+            time: Instant::from_micros(micros),
+            frame,
+        });
     }
 }
 
@@ -192,20 +187,4 @@ fn periods_ms(fast_ms: f64) -> [(u32, u8, f64); 16] {
         (129_029, RECEIVER, 1000.0),
         (129_539, RECEIVER, 1000.0),
     ]
-}
-
-/// The frames of an NMEA 2000 fast packet: sequence and frame number in the first byte, the
-/// length in the first frame's second, padded with ones.
-fn fast_packet(sequence: u8, payload: &[u8]) -> impl Iterator<Item = [u8; 8]> {
-    let (head, tail) = payload.split_at(payload.len().min(6));
-    let first = [&[payload.len() as u8], head].concat();
-    std::iter::once(first)
-        .chain(tail.chunks(7).map(<[u8]>::to_vec))
-        .zip(0_u8..32)
-        .map(move |(part, number)| {
-            let mut data = [0xff; 8];
-            data[0] = sequence << 5 | number;
-            data[1..=part.len()].copy_from_slice(&part);
-            data
-        })
 }

@@ -2,11 +2,24 @@
 
 use crate::bus::PATIENCE;
 use crate::drive::Drive;
+use crate::roadgrade;
 use serde_json::Value;
 use std::io::{BufRead, BufReader, Read};
 use std::process::{Child, Command, Stdio};
 use std::sync::mpsc::{Receiver, channel};
 use std::thread::{self, JoinHandle};
+
+/// `roadgrade listen` to live.csv, until the bus was silent for this long.
+pub fn until_silent(drive: &Drive, interface: &str, silence_s: &str) -> assert_cmd::Command {
+    let mut command = roadgrade();
+    command
+        .args(["listen", "--can", interface])
+        .args(["--end-after-silence", silence_s, "--vehicle"])
+        .arg(drive.vehicle())
+        .arg("--out")
+        .arg(drive.file("live.csv"));
+    command
+}
 
 /// A listener that is listening.
 pub struct Listener {

@@ -2,7 +2,7 @@
 
 use crate::bus::{Vcan, ip};
 use crate::drive::{Drive, replay, write_log};
-use crate::listener::{Heard, Listener};
+use crate::listener::{Heard, Listener, until_silent};
 use crate::roadgrade;
 use host_sim::run_file;
 use predicates::str::contains;
@@ -98,18 +98,7 @@ fn an_interface_that_is_down_or_missing_at_the_start_is_an_error() {
 fn a_bus_without_traffic_gives_no_run_and_says_why() {
     let vcan = Vcan::new("rgmute");
     let drive = Drive::new("A", 300.0);
-    roadgrade()
-        .args([
-            "listen",
-            "--can",
-            vcan.0,
-            "--end-after-silence",
-            "0.5",
-            "--vehicle",
-        ])
-        .arg(drive.vehicle())
-        .arg("--out")
-        .arg(drive.file("live.csv"))
+    until_silent(&drive, vcan.0, "0.5")
         .assert()
         .code(1)
         .stderr(contains("rgmute: no speed"));

@@ -2,7 +2,7 @@
 
 use crate::bus::Vcan;
 use crate::drive::{Drive, replay};
-use crate::roadgrade;
+use crate::listener::until_silent;
 use host_sim::live::panel::header;
 use host_sim::run_file;
 use std::fs::File;
@@ -15,22 +15,7 @@ fn piped_there_is_a_line_a_second_and_the_summary_apart_from_them() {
     let vcan = Vcan::new("rgpipe");
     let drive = Drive::new("A", 300.0);
     let output = thread::scope(|scope| {
-        let listening = scope.spawn(|| {
-            roadgrade()
-                .args([
-                    "listen",
-                    "--can",
-                    vcan.0,
-                    "--end-after-silence",
-                    "4",
-                    "--vehicle",
-                ])
-                .arg(drive.vehicle())
-                .arg("--out")
-                .arg(drive.file("live.csv"))
-                .output()
-                .unwrap()
-        });
+        let listening = scope.spawn(|| until_silent(&drive, vcan.0, "4").output().unwrap());
         replay(vcan.0, &drive.log(), &["--speed", "5"]);
         listening.join().unwrap()
     });

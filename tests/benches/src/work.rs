@@ -6,7 +6,7 @@ use estimator_core::{Counters, Decoder, Estimator, Scalar, Tuning, VehicleParame
 use flate2::Compression;
 use flate2::write::GzEncoder;
 use host_sim::error::Result;
-use host_sim::map::{GradeMap, RoadLine, RoadPoint, SessionRun, place, road_of_run};
+use host_sim::map::{GradeMap, Network, RoadLine, RoadPoint, SessionRun, place, road_of_run};
 use host_sim::recorder::{Recorder, estimate_log};
 use host_sim::run_file::{self, RunRow};
 use host_sim::smooth::smooth_run;
@@ -255,7 +255,9 @@ impl Work {
     }
 
     fn fuse(&self) {
-        let road = RoadLine::new(self.road.clone()).expect("the run is a road");
+        let road: Network = RoadLine::new(self.road.clone())
+            .expect("the run is a road")
+            .into();
         let mut map = GradeMap::new(&road);
         for _ in 0..RUNS {
             let (cells, _) = run_file::read_cells(&self.run()).expect("it was written");
@@ -274,7 +276,9 @@ fn simulate_and_fuse() {
         recorder.on_frame(frame);
     }
     let rows = recorder.finish().expect("it fits into memory").rows;
-    let road = RoadLine::new(road_of_run(&rows).expect("it has positions")).expect("a road");
+    let road: Network = RoadLine::new(road_of_run(&rows).expect("it has positions"))
+        .expect("a road")
+        .into();
     let mut map = GradeMap::new(&road);
     map.add_run(&SessionRun {
         session: None,

@@ -12,7 +12,7 @@ use nalgebra::SymmetricEigen;
 /// Least eigenvalue of a correlation matrix that rounding may leave.
 const ROUNDING: f64 = -1e-6;
 /// Steps between looks at a whole covariance.
-const LOOK: u64 = 16;
+const LOOK: u32 = 16;
 
 fuzz_target!(|events: Vec<Event>| {
     through_estimator::<f32>(&events);

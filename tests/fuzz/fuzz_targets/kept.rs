@@ -12,7 +12,9 @@ fuzz_target!(|input: &[u8]| {
         return;
     };
     let mut bytes = bytes.to_vec();
-    if mends & 1 != 0 && let Some((content, checksum)) = bytes.split_last_chunk_mut() {
+    if mends & 1 != 0
+        && let Some((content, checksum)) = bytes.split_last_chunk_mut()
+    {
         // With a checksum that fits, what is inside is looked at.
         *checksum = Crc::<u32>::new(&CRC_32_ISO_HDLC)
             .checksum(content)

@@ -3,28 +3,20 @@
 use crate::error::{Error, Result};
 use crate::map::{Direction, WayName, WayRows, write_map};
 use std::collections::BTreeSet;
-use std::fs::{self, Permissions};
-use std::os::unix::fs::PermissionsExt;
+use std::fs;
 use std::path::Path;
 
 /// Writes the files into a folder, all or, if one cannot be written, none. A single road's is named
 /// as the map.
 pub(super) fn write(folder: &Path, map: &Path, ways: &[WayRows]) -> Result<()> {
-    let beside = match folder.parent() {
-        Some(parent) if !parent.as_os_str().is_empty() => parent,
-        _ => Path::new("."),
-    };
-    fs::create_dir_all(beside).map_err(Error::io(beside))?;
-    let complete = tempfile::Builder::new()
-        .permissions(Permissions::from_mode(0o777))
-        .tempdir_in(beside)
-        .map_err(Error::io(beside))?;
+    fs::create_dir_all(folder).map_err(Error::io(folder))?;
+    // Within it: what is beside may be another file system, to which nothing can be renamed.
+    let complete = tempfile::tempdir_in(folder).map_err(Error::io(folder))?;
     let mut names = BTreeSet::new();
     for way in ways {
         let name = file_name(way.name.as_ref(), map, &mut names);
         write_map(&complete.path().join(name), &way.rows)?;
     }
-    fs::create_dir_all(folder).map_err(Error::io(folder))?;
     for name in &names {
         let path = folder.join(name);
         fs::rename(complete.path().join(name), &path).map_err(Error::io(&path))?;

@@ -1,0 +1,167 @@
+//! A road that trucks drive all day with parameters wrong in the same way, and what the maps of it
+//! are worth. Tests drive on it as well.
+
+use crate::error::{Error, Result};
+use crate::map::{
+    CellSums, Dependence, FusedMap, GRID_M, GradeMap, MapRow, Network, PlacedRun, RoadLine,
+    RoadPoint, RoadProblem, place,
+};
+use crate::recorder::Recorder;
+use crate::run_cell::RunCell;
+use crate::score::{ScoreRow, Unscorable, score_map};
+use crate::world::random::{Purpose, normal, stream};
+use crate::world::road::Node;
+use crate::world::scenario::Scenario;
+use crate::world::simulate;
+use crate::world::truck::Preset;
+use estimator_core::Tuning;
+use rand::RngExt;
+use std::collections::BTreeMap;
+use std::fmt::{Display, Write as _};
+use std::path::Path;
+
+/// Length of the road, m.
+const LENGTH_M: f64 = 20_000.0;
+/// What stands for the scenario's file in messages.
+const ORIGIN: &str = "fleet";
+/// Days have seeds of their own, this far from road to road.
+const DAYS_APART: u64 = 1_000;
+/// Streams of parameters below this are those of a scenario's runs.
+const FIRST_STREAM: usize = 100;
+
+/// Errors that nobody shares, of the size stated.
+const INDEPENDENT: Dependence = Dependence {
+    share: 0.0,
+    inflation: 1.0,
+};
+
+/// One generated road.
+#[derive(Debug)]
+pub struct FleetRoad {
+    seed: u64,
+    network: Network,
+    /// Distance, m, and true grade, %.
+    truth: Vec<(f64, f64)>,
+}
+
+impl FleetRoad {
+    /// The road of a seed.
+    ///
+    /// # Errors
+    /// If a scenario cannot have this seed.
+    pub fn new(seed: u64) -> Result<Self> {
+        let road = scenario(seed, "[[runs]]\nname = \"x\"\ntruck = \"A\"\n")?.road;
+        let nodes = || road.nodes().map(|(node, _)| node);
+        let point = |node: Node| RoadPoint {
+            distance_m: node.distance_m,
+            latitude_deg: node.position.latitude_deg,
+            longitude_deg: node.position.longitude_deg,
+        };
+        let line = RoadLine::new(nodes().map(point).collect());
+        Ok(Self {
+            seed,
+            network: line.map_err(|e: RoadProblem| problem(&e))?.into(),
+            truth: nodes()
+                .map(|node| (node.distance_m, 100.0 * node.grade))
+                .collect(),
+        })
+    }
+
+    /// Runs of one truck on one day, placed on the road: mass, drag and rolling resistance wrong by
+    /// 10 %, torque by 4 % (1 sigma), cold tyres, wind of 2 m/s from anywhere.
+    ///
+    /// # Errors
+    /// If a drive cannot be simulated or put by.
+    pub fn day(&self, number: usize, truck: Preset, runs: usize) -> Result<Vec<PlacedRun>> {
+        let mut rng = stream(self.seed, FIRST_STREAM + number, Purpose::Parameters);
+        let mut factor = |sigma: f64| (1.0 + sigma * normal(&mut rng)).clamp(0.7, 1.3);
+        let errors = format!(
+            "{{ mass_factor = {}, drag_factor = {}, rolling_factor = {}, torque_factor = {} }}",
+            factor(0.1),
+            factor(0.1),
+            factor(0.1),
+            factor(0.04)
+        );
+        let mut text = format!(
+            "[rates]\nfast_ms = 100.0\n[tyres]\ncold_amount = 0.3\n\
+             [wind]\nspeed_mps = 2.0\nfrom_deg = {}\ngust_sigma_mps = 0.3\ngust_time_s = 120.0\n",
+            rng.random_range(0..360)
+        );
+        for run in 0..runs {
+            let _ = write!(
+                text,
+                "[[runs]]\nname = \"r{run}\"\ntruck = \"{}\"\nerrors = {errors}\n",
+                truck.name()
+            );
+        }
+        let mut scenario = scenario(self.seed, &text)?;
+        // The road is there; what else is random is the day's own.
+        scenario.seed = self
+            .seed
+            .wrapping_mul(DAYS_APART)
+            .wrapping_add(number as u64);
+        (0..runs).map(|run| self.drive(&scenario, run)).collect()
+    }
+
+    fn drive(&self, scenario: &Scenario, run: usize) -> Result<PlacedRun> {
+        let run = simulate(scenario, run)?;
+        let mut recorder = Recorder::<f32>::new(run.vehicle.parameters.clone(), Tuning::default())
+            .map_err(|e| problem(&e))?;
+        for frame in &run.frames {
+            recorder.on_frame(frame);
+        }
+        let cells: Vec<RunCell> = recorder.finish()?.rows.iter().map(RunCell::from).collect();
+        Ok(place(&self.network, &cells))
+    }
+
+    /// The map of runs, each day's a session.
+    pub fn map(&self, days: &[&[PlacedRun]]) -> FusedMap {
+        let mut map = GradeMap::new(&self.network);
+        for (number, runs) in days.iter().enumerate() {
+            for run in *runs {
+                map.add_placed(Some(&number.to_string()), run);
+            }
+        }
+        map.fused()
+    }
+
+    /// What a map is worth.
+    ///
+    /// # Errors
+    /// If it has no cell far enough from its ends.
+    pub fn score(&self, map: &[MapRow]) -> Result<ScoreRow> {
+        score_map(map, &self.truth).map_err(|e: Unscorable| problem(&e))
+    }
+}
+
+/// The rows of a map as they would be if no two runs shared an error: the mean of the single runs,
+/// each weighted by the inverse of its variance.
+pub fn as_if_independent<'a>(
+    map: &[MapRow],
+    runs: impl Iterator<Item = &'a PlacedRun>,
+) -> Vec<MapRow> {
+    let mut sums: BTreeMap<i64, CellSums> = BTreeMap::new();
+    for cell in runs.flat_map(|run| &run.cells) {
+        let one = CellSums::of((cell.grade_percent, cell.grade_variance), None);
+        sums.entry(cell.number).or_default().merge(&one);
+    }
+    let alike = |row: &MapRow| {
+        let number = (row.distance_m / GRID_M).round() as i64;
+        let (grade_percent, variance) = sums.get(&number)?.grade(&INDEPENDENT)?;
+        Some(MapRow {
+            grade_percent,
+            grade_sigma_percent: variance.sqrt(),
+            ..*row
+        })
+    };
+    map.iter().filter_map(alike).collect()
+}
+
+fn scenario(seed: u64, rest: &str) -> Result<Scenario> {
+    let text = format!("seed = {seed}\n[road]\nlength_m = {LENGTH_M:?}\n{rest}");
+    Scenario::parse(&text, Path::new(ORIGIN))
+}
+
+fn problem(problem: &impl Display) -> Error {
+    Error::content(Path::new(ORIGIN), problem.to_string())
+}
