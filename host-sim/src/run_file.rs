@@ -156,7 +156,7 @@ pub fn write(path: &Path, rows: &[RunRow]) -> Result<()> {
     write_from(path, rows, &Origin::default())
 }
 
-/// As [`write`], with what is known of where the run comes from (Parquet only).
+/// As [`write()`], with what is known of where the run comes from (Parquet only).
 ///
 /// # Errors
 /// What the file system says.

@@ -4,7 +4,7 @@ mod roads;
 
 use assert_cmd::Command;
 use assert_cmd::assert::Assert;
-use geojson::{Feature, FeatureCollection, GeometryValue};
+use geojson::{Feature, FeatureCollection, Value as Shape};
 use host_sim::map::{Direction, MapRow, WayName, WayRows, read_map, stage_map_ways, write_map};
 use predicates::prelude::*;
 use predicates::str::contains;
@@ -56,9 +56,7 @@ fn features(path: &Path) -> Vec<Feature> {
 
 fn line(feature: &Feature) -> Vec<[f64; 2]> {
     match feature.geometry.as_ref().map(|geometry| &geometry.value) {
-        Some(GeometryValue::LineString { coordinates }) => {
-            coordinates.iter().map(|p| [p[0], p[1]]).collect()
-        }
+        Some(Shape::LineString(coordinates)) => coordinates.iter().map(|p| [p[0], p[1]]).collect(),
         other => panic!("{other:?}"),
     }
 }

@@ -7,7 +7,7 @@ use super::way_file::{DIRECTION, WAY, WayRows};
 use crate::error::Result;
 use crate::output::{Staged, stage as stage_file};
 use crate::run_file::round;
-use geojson::{Feature, FeatureWriter, Geometry, JsonObject, JsonValue};
+use geojson::{Feature, FeatureWriter, Geometry, JsonObject, JsonValue, Value as Shape};
 use serde_json::json;
 use std::io;
 use std::path::Path;
@@ -60,12 +60,12 @@ fn pieces(stretch: &[MapRow], piece_m: f64) -> impl Iterator<Item = &[MapRow]> {
 
 /// A line with what holds for all of it.
 fn feature(name: Option<&WayName>, rows: &[MapRow]) -> Feature {
-    let position = |row: &MapRow| [round(row.longitude_deg, 7), round(row.latitude_deg, 7)];
-    let geometry = match rows {
+    let position = |row: &MapRow| vec![round(row.longitude_deg, 7), round(row.latitude_deg, 7)];
+    let geometry = Geometry::new(match rows {
         // A cell by itself is no line.
-        [only] => Geometry::new_point(position(only)),
-        _ => Geometry::new_line_string(rows.iter().map(position)),
-    };
+        [only] => Shape::Point(position(only)),
+        _ => Shape::LineString(rows.iter().map(position).collect()),
+    });
     let (from_m, to_m) = (rows[0].distance_m, rows[rows.len() - 1].distance_m);
     let runs = || rows.iter().map(|row| row.runs);
     let altitudes: Vec<f64> = rows.iter().filter_map(|row| row.altitude_m).collect();

@@ -8,7 +8,7 @@ use super::road_line::{RoadLine, RoadPoint};
 use super::way_file::check_way;
 use crate::error::{Error, Result};
 use crate::row_check;
-use geojson::{Feature, GeometryValue, Position, feature::Id};
+use geojson::{Feature, Position, Value as Shape, feature::Id};
 use serde::Deserialize;
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -90,7 +90,8 @@ fn read_geojson(path: &Path) -> Result<Network> {
     let mut numbers: BTreeMap<String, usize> = BTreeMap::new();
     for (number, feature) in (1..).zip(collection.features) {
         let wrong = |problem: String| Error::content(path, format!("feature {number}: {problem}"));
-        let feature: Feature = serde_json::from_value(feature).map_err(|e| wrong(e.to_string()))?;
+        let feature: Feature =
+            Feature::from_json_value(feature).map_err(|e| wrong(e.to_string()))?;
         let name = name_of(&feature).map_err(wrong)?;
         let wrong = |problem: String| wrong(format!("way {name}: {problem}"));
         if let Some(first) = numbers.insert(name.clone(), number) {
@@ -155,9 +156,9 @@ fn directions(feature: &Feature) -> std::result::Result<Vec<Direction>, String> 
 fn points_of(feature: &Feature) -> std::result::Result<Vec<(f64, f64)>, String> {
     let expected = "expected a LineString of two positions or more";
     let positions = match feature.geometry.as_ref().map(|geometry| &geometry.value) {
-        Some(GeometryValue::LineString { coordinates }) => coordinates,
+        Some(Shape::LineString(coordinates)) => coordinates,
         // What is read from a shapefile is always of this kind.
-        Some(GeometryValue::MultiLineString { coordinates }) => match &coordinates[..] {
+        Some(Shape::MultiLineString(coordinates)) => match &coordinates[..] {
             [line] => line,
             parts => {
                 let count = parts.len();
