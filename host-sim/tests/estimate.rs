@@ -388,6 +388,18 @@ fn a_data_set_takes_runs_by_tile_and_day() {
     let session = host_sim::run_parquet::session(&file).unwrap().unwrap();
     assert!(session.ends_with(" 2026-11-21"), "{session}");
 
+    // Again, and a log of the same name from another truck.
+    command(&["--dataset", "runs", "--day", "2026-11-21"]).success();
+    let vehicle = at.join("a_forward.vehicle.toml");
+    let text = std::fs::read_to_string(&vehicle).unwrap();
+    let other = text.replacen("name = \"", "name = \"another ", 1);
+    assert_ne!(other, text);
+    std::fs::write(&vehicle, other).unwrap();
+    command(&["--dataset", "runs", "--day", "2026-11-21"])
+        .code(1)
+        .stderr(contains("a_forward.parquet: has a run of another vehicle"));
+    assert_eq!(run_file::read(&file).unwrap(), rows);
+
     command(&["--dataset", "runs"])
         .code(2)
         .stderr(contains("--day"));

@@ -7,7 +7,7 @@ use crate::kept_file;
 use crate::output::print;
 use crate::progress;
 use crate::recorder::{self, LongRun};
-use crate::run_parquet::Origin;
+use crate::run_parquet::{self, Origin};
 use crate::smooth::held_bytes;
 use crate::vehicle_file::VehicleFile;
 use estimator_core::{Kept, Scalar};
@@ -61,13 +61,19 @@ pub struct Args {
 }
 
 impl Args {
-    fn run_path(&self, run: &mut LongRun) -> Result<PathBuf> {
-        match (&self.out, &self.dataset, &self.day) {
-            (None, Some(folder), Some(day)) => {
-                dataset::run_path(folder, &mut run.rows, day, &dataset::run_name(&self.log))
-            }
-            (out, ..) => Ok(out.clone().unwrap_or_default()),
+    fn run_path(&self, run: &mut LongRun, origin: &Origin) -> Result<PathBuf> {
+        let (Some(folder), Some(day)) = (&self.dataset, &self.day) else {
+            return Ok(self.out.clone().unwrap_or_default());
+        };
+        let name = dataset::run_name(&self.log);
+        let path = dataset::run_path(folder, &mut run.rows, day, &name)?;
+        // The same drive may be estimated again; two trucks may give their logs one name.
+        if path.exists() && run_parquet::session(&path)? != origin.session() {
+            let problem = "has a run of another vehicle; expected none, or this one's: \
+                           give the log another name";
+            return Err(Error::content(&path, problem));
         }
+        Ok(path)
     }
 }
 
@@ -92,7 +98,7 @@ pub fn run(args: &Args) -> Result<()> {
         vehicle: Some(vehicle.name),
         day: args.day.clone(),
     };
-    let out = args.run_path(&mut run)?;
+    let out = args.run_path(&mut run, &origin)?;
     conclusion::write(&mut run, Some(&out), &origin, file)?;
 
     let summary = Summary::new(&mut run)?;
