@@ -391,10 +391,10 @@ fn a_data_set_takes_runs_by_tile_and_day() {
     // Again, and a log of the same name from another truck.
     command(&["--dataset", "runs", "--day", "2026-11-21"]).success();
     let vehicle = at.join("a_forward.vehicle.toml");
-    let text = std::fs::read_to_string(&vehicle).unwrap();
+    let text = fs::read_to_string(&vehicle).unwrap();
     let other = text.replacen("name = \"", "name = \"another ", 1);
     assert_ne!(other, text);
-    std::fs::write(&vehicle, other).unwrap();
+    fs::write(&vehicle, other).unwrap();
     command(&["--dataset", "runs", "--day", "2026-11-21"])
         .code(1)
         .stderr(contains("a_forward.parquet: has a run of another vehicle"));
