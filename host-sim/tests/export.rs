@@ -1,9 +1,10 @@
 //! `roadgrade export`: a map as GeoJSON, as CSV way by way, and as a page.
 
+mod command;
 mod roads;
 
-use assert_cmd::Command;
 use assert_cmd::assert::Assert;
+use command::roadgrade;
 use geojson::{Feature, FeatureCollection, Value as Shape};
 use host_sim::map::{Direction, MapRow, WayName, WayRows, read_map, stage_map_ways, write_map};
 use predicates::prelude::*;
@@ -18,12 +19,7 @@ fn folder() -> TempDir {
 }
 
 fn export(folder: &Path, arguments: &[&str]) -> Assert {
-    Command::cargo_bin("roadgrade")
-        .expect("built")
-        .current_dir(folder)
-        .arg("export")
-        .args(arguments)
-        .assert()
+    roadgrade(folder, &[&["export"][..], arguments].concat())
 }
 
 /// Three ways of the hills, the second in both directions, with a hole in the first.

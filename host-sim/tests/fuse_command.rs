@@ -1,8 +1,10 @@
 //! `roadgrade fuse` at the command line.
 
+mod command;
 mod roads;
 
-use assert_cmd::Command;
+use assert_cmd::assert::Assert;
+use command::roadgrade;
 use host_sim::map::read_map;
 use host_sim::run_file::{self, RunRow};
 use predicates::prelude::*;
@@ -16,13 +18,11 @@ fn folder() -> TempDir {
     tempfile::tempdir().expect("a folder")
 }
 
-fn fuse(folder: &Path, arguments: &[&str]) -> assert_cmd::assert::Assert {
-    Command::cargo_bin("roadgrade")
-        .expect("built")
-        .current_dir(folder)
-        .args(["fuse", "--out", "map.csv"])
-        .args(arguments)
-        .assert()
+fn fuse(folder: &Path, arguments: &[&str]) -> Assert {
+    roadgrade(
+        folder,
+        &[&["fuse", "--out", "map.csv"][..], arguments].concat(),
+    )
 }
 
 fn save(folder: &TempDir, name: &str, rows: &[RunRow]) {

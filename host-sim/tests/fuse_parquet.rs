@@ -1,8 +1,10 @@
 //! Runs and maps as Parquet, folders of them, and fusions that are interrupted.
 
+mod command;
 mod roads;
 
-use assert_cmd::Command;
+use assert_cmd::assert::Assert;
+use command::roadgrade;
 use host_sim::map::{MapRow, read_map};
 use host_sim::run_cell::{RunCell, RunIdentity};
 use host_sim::run_file::{self, RunRow};
@@ -19,13 +21,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
-fn fuse(folder: &Path, arguments: &[&str]) -> assert_cmd::assert::Assert {
-    Command::cargo_bin("roadgrade")
-        .expect("built")
-        .current_dir(folder)
-        .arg("fuse")
-        .args(arguments)
-        .assert()
+fn fuse(folder: &Path, arguments: &[&str]) -> Assert {
+    roadgrade(folder, &[&["fuse"][..], arguments].concat())
 }
 
 /// A run over the hills whose grade, position and sigma are its own.

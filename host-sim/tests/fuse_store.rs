@@ -1,8 +1,10 @@
 //! `roadgrade fuse --store` and `--session`: a map that grows run by run.
 
+mod command;
 mod roads;
 
-use assert_cmd::Command;
+use assert_cmd::assert::Assert;
+use command::roadgrade;
 use host_sim::map::{Network, RoadLine, read_map, read_store};
 use host_sim::run_file::{self, RunRow};
 use predicates::prelude::*;
@@ -12,13 +14,11 @@ use std::fs;
 use std::path::Path;
 use tempfile::TempDir;
 
-fn fuse(folder: &Path, arguments: &[&str]) -> assert_cmd::assert::Assert {
-    Command::cargo_bin("roadgrade")
-        .expect("built")
-        .current_dir(folder)
-        .args(["fuse", "--out", "map.csv"])
-        .args(arguments)
-        .assert()
+fn fuse(folder: &Path, arguments: &[&str]) -> Assert {
+    roadgrade(
+        folder,
+        &[&["fuse", "--out", "map.csv"][..], arguments].concat(),
+    )
 }
 
 /// A run over the hills whose grade, position and sigma are its own.
@@ -194,11 +194,8 @@ fn both_files_appear_or_neither() {
     let at = folder.path();
     fs::create_dir(at.join("folder")).expect("a folder");
     // A map that cannot be put where it should be: no store.
-    Command::cargo_bin("roadgrade")
-        .expect("built")
-        .current_dir(at)
-        .args(["fuse", "--out", "folder", "--store", "sums.csv", "0.csv"])
-        .assert()
+    let arguments = ["fuse", "--out", "folder", "--store", "sums.csv", "0.csv"];
+    roadgrade(at, &arguments)
         .code(1)
         .stderr(contains("folder: "));
     assert!(!at.join("sums.csv").exists());

@@ -4,24 +4,24 @@ mod simulated;
 
 use estimator_core::Tuning;
 use host_sim::recorder::{Recorder, Run};
-use host_sim::world::{SimulatedRun, simulate};
-use simulated::scenario;
+use host_sim::world::SimulatedRun;
 
 /// 30 km with everything wrong by one sigma, wind, cold tyres, and a fault at 15 km.
 fn drive(truck: &str, direction: &str, seed: u32, fault: &str) -> (SimulatedRun, Run) {
-    let run = simulate(
-        &scenario(&[&format!(
-            "seed = {seed}\n[road]\nlength_m = 30000.0\n\
-             [errors]\nmass_sigma = 0.1\ndrag_sigma = 0.1\nrolling_sigma = 0.1\ntorque_sigma = 0.04\n\
-             [tyres]\ncold_amount = 0.3\n[wind]\nspeed_mps = 2.0\nfrom_deg = 250.0\n\
-             gust_sigma_mps = 0.3\n\
-             [gnss]\naltitude_sigma_m = 2.0\naltitude_time_s = 250.0\n\
-             altitude_white_sigma_m = 0.3\n{fault}\n\
-             [[runs]]\nname = \"x\"\ntruck = \"{truck}\"\ndirection = \"{direction}\"\n"
-        )]),
-        0,
-    )
-    .unwrap();
+    estimated(&format!(
+        "seed = {seed}\n[road]\nlength_m = 30000.0\n\
+         [errors]\nmass_sigma = 0.1\ndrag_sigma = 0.1\nrolling_sigma = 0.1\ntorque_sigma = 0.04\n\
+         [tyres]\ncold_amount = 0.3\n[wind]\nspeed_mps = 2.0\nfrom_deg = 250.0\n\
+         gust_sigma_mps = 0.3\n\
+         [gnss]\naltitude_sigma_m = 2.0\naltitude_time_s = 250.0\n\
+         altitude_white_sigma_m = 0.3\n{fault}\n\
+         [[runs]]\nname = \"x\"\ntruck = \"{truck}\"\ndirection = \"{direction}\"\n"
+    ))
+}
+
+/// The first run of a scenario, and what becomes of it.
+fn estimated(text: &str) -> (SimulatedRun, Run) {
+    let run = simulated::run(&[text]);
     let mut recorder =
         Recorder::<f32>::new(run.vehicle.parameters.clone(), Tuning::default()).unwrap();
     for frame in &run.frames {
@@ -104,25 +104,16 @@ fn a_fault_costs_less_than_half_as_much_again() {
 #[test]
 fn a_truck_far_from_its_file_is_no_drift() {
     // Mass and torque wrong by up to fifteen times what the filter expects (a file for a full truck
-    // that drives empty), and a receiver that is good enough to contradict it within the first kilometre.
+    // that drives empty), and a receiver that is good enough to contradict it within the first
+    // kilometre.
     for (seed, scale) in [(3, 0.75), (9, 1.47), (2, 2.40), (12, 3.16)] {
-        let run = simulate(
-            &scenario(&[&format!(
-                "seed = {seed}\n[road]\nlength_m = 20000.0\n\
-                 [errors]\nmass_sigma = 0.35\ntorque_sigma = 0.1\n\
-                 [wind]\nspeed_mps = 2.0\nfrom_deg = 250.0\ngust_sigma_mps = 0.3\n\
-                 [gnss]\naltitude_sigma_m = 1.0\n\
-                 [[runs]]\nname = \"x\"\ntruck = \"A\"\ndirection = \"backward\"\n"
-            )]),
-            0,
-        )
-        .unwrap();
-        let mut recorder =
-            Recorder::<f32>::new(run.vehicle.parameters.clone(), Tuning::default()).unwrap();
-        for frame in &run.frames {
-            recorder.on_frame(frame);
-        }
-        let found = recorder.finish().unwrap();
+        let (run, found) = estimated(&format!(
+            "seed = {seed}\n[road]\nlength_m = 20000.0\n\
+             [errors]\nmass_sigma = 0.35\ntorque_sigma = 0.1\n\
+             [wind]\nspeed_mps = 2.0\nfrom_deg = 250.0\ngust_sigma_mps = 0.3\n\
+             [gnss]\naltitude_sigma_m = 1.0\n\
+             [[runs]]\nname = \"x\"\ntruck = \"A\"\ndirection = \"backward\"\n"
+        ));
         let (square, normalised) = squares(&run, &found);
         let rmse = square.sqrt();
         println!("scale {scale} {rmse:.4} % {normalised:.2}");

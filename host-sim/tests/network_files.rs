@@ -1,9 +1,10 @@
 //! Networks from files, and maps of them as files: what is read, what is refused.
 
+mod command;
 mod roads;
 
-use assert_cmd::Command;
 use assert_cmd::assert::Assert;
+use command::roadgrade;
 use host_sim::map::read_map_ways;
 use host_sim::run_file::{self, RunRow};
 use predicates::prelude::*;
@@ -20,12 +21,7 @@ fn folder() -> TempDir {
 }
 
 fn fuse(folder: &Path, arguments: &[&str]) -> Assert {
-    Command::cargo_bin("roadgrade")
-        .expect("built")
-        .current_dir(folder)
-        .arg("fuse")
-        .args(arguments)
-        .assert()
+    roadgrade(folder, &[&["fuse"][..], arguments].concat())
 }
 
 fn save_run(folder: &Path, name: &str, rows: &[RunRow]) {

@@ -1,11 +1,12 @@
 //! Effects in `vehicle.toml`: read, written, refused by name, and of use to `estimate`.
 
-use assert_cmd::Command;
+mod command;
+
+use command::roadgrade;
 use host_sim::run_file;
 use host_sim::vehicle_file::VehicleFile;
 use predicates::str::contains;
 use std::fs;
-use std::path::Path;
 use tempfile::TempDir;
 
 const BUS: &str = r#"
@@ -134,14 +135,6 @@ fn what_is_wrong_with_an_effect_is_named() {
     }
 }
 
-fn roadgrade(arguments: &[&str], folder: &Path) -> assert_cmd::assert::Assert {
-    Command::cargo_bin("roadgrade")
-        .unwrap()
-        .current_dir(folder)
-        .args(arguments)
-        .assert()
-}
-
 #[test]
 fn an_estimate_counts_with_the_effects_of_its_vehicle() {
     let folder = TempDir::new().unwrap();
@@ -149,8 +142,8 @@ fn an_estimate_counts_with_the_effects_of_its_vehicle() {
     let file = |name: &str| folder.path().join(name);
     fs::write(file("s.toml"), scenario).unwrap();
     roadgrade(
-        &["simulate", "--scenario", "s.toml", "--out", "."],
         folder.path(),
+        &["simulate", "--scenario", "s.toml", "--out", "."],
     )
     .success();
 
@@ -172,7 +165,7 @@ fn an_estimate_counts_with_the_effects_of_its_vehicle() {
         fs::write(file(&vehicle), text).unwrap();
         let out = format!("{name}.csv");
         let arguments = ["estimate", "--vehicle", &vehicle, "--out", &out, "a.log"];
-        roadgrade(&arguments, folder.path()).success();
+        roadgrade(folder.path(), &arguments).success();
         let rows = run_file::read(&file(&out)).unwrap();
         grades.push(rows.iter().map(|row| row.live_grade_percent).collect());
     }
@@ -200,7 +193,7 @@ fn an_estimate_counts_with_the_effects_of_its_vehicle() {
         "bad.csv",
         "a.log",
     ];
-    roadgrade(&arguments, folder.path())
+    roadgrade(folder.path(), &arguments)
         .code(1)
         .stderr(contains("bad.toml: effects.wind: there is no such effect"));
     assert!(!file("bad.csv").exists());

@@ -16,12 +16,13 @@ pub(super) struct Input {
     pub(super) found: bool,
 }
 
-/// Files that could not be opened, by name.
+/// All runs to fuse.
 #[derive(Debug, Default)]
 pub(super) struct Inputs {
     /// In the order in which they are added: runs without a session, then session by session, so
     /// that each can be closed before the next.
     pub(super) runs: Vec<Input>,
+    /// Why files found in folders could not be opened.
     pub(super) damaged: Vec<Error>,
 }
 
