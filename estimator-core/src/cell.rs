@@ -8,6 +8,7 @@ pub const CELL_LENGTH_M: f32 = 2.5;
 /// What the model could be trusted with in a cell.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Condition {
     /// A gear shift, or its hold time.
     pub shifting: bool,
@@ -41,6 +42,7 @@ impl Condition {
 /// A number and its standard deviation.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Uncertain {
     /// The estimate.
     pub value: f32,
@@ -51,6 +53,7 @@ pub struct Uncertain {
 /// Where and when a cell ended.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Place {
     /// Number of the cell: driven distance over [`CELL_LENGTH_M`].
     pub cell: u32,
@@ -75,6 +78,7 @@ impl Place {
 /// The estimate at one place.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Estimate {
     /// Grade in %: 100 tan of the slope angle, positive uphill in the direction of travel.
     pub grade_percent: Uncertain,
@@ -91,6 +95,7 @@ pub struct Estimate {
 /// A finished cell: the live grade at its end and the one a fixed lag later.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Cell {
     /// Where and when.
     pub place: Place,

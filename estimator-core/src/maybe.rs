@@ -5,6 +5,8 @@ use core::fmt;
 /// A number, or none. An `Option<f32>` takes twice as much, and dozens of samples with several of
 /// these wait for the filter.
 #[derive(Clone, Copy)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(from = "Option<f32>", into = "Option<f32>"))]
 pub struct Maybe(f32);
 
 impl Maybe {
@@ -33,6 +35,12 @@ impl Default for Maybe {
 impl From<Option<f32>> for Maybe {
     fn from(number: Option<f32>) -> Self {
         number.map_or(Self::NONE, Self::some)
+    }
+}
+
+impl From<Maybe> for Option<f32> {
+    fn from(number: Maybe) -> Self {
+        number.get()
     }
 }
 

@@ -1,8 +1,11 @@
-//! Entries of one size, put by until a run is over: in memory while they are few, then in a
-//! temporary file (`TMPDIR`, else where the system has them), which nobody else sees and which is
-//! gone with the process.
+//! Entries put by until a run is over: in memory while they are few, then in a temporary file
+//! (`TMPDIR`, else where the system has them), which nobody else sees and which is gone with the
+//! process.
 
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::marker::PhantomData;
 use std::ops::Range;
 use tempfile::SpooledTempFile;
 
@@ -18,45 +21,61 @@ pub fn blocks(part: Range<usize>) -> impl Iterator<Item = Range<usize>> {
         .map(move |begin| begin..end.min(begin + BLOCK))
 }
 
-/// Entries of `N` words.
+/// Entries of at most `SLOT` bytes as postcard encodes them. All take as many, so that each is
+/// found by its number.
 #[derive(Debug)]
-pub struct Spool<const N: usize> {
+pub struct Spool<T, const SLOT: usize> {
     file: SpooledTempFile,
     /// Entries in the file.
     filed: usize,
     /// The last ones, which are not yet.
-    waiting: Vec<[u32; N]>,
-    /// Room for what is written or read.
-    bytes: Vec<u8>,
+    waiting: Vec<u8>,
+    entries: PhantomData<T>,
 }
 
-impl<const N: usize> Default for Spool<N> {
+impl<T, const SLOT: usize> Default for Spool<T, SLOT> {
     fn default() -> Self {
         Self {
             file: SpooledTempFile::new(MEMORY_BYTES),
             filed: 0,
             waiting: Vec::new(),
-            bytes: Vec::new(),
+            entries: PhantomData,
         }
     }
 }
 
-impl<const N: usize> Spool<N> {
-    const ENTRY_BYTES: usize = N * size_of::<u32>();
-
+impl<T, const SLOT: usize> Spool<T, SLOT> {
     /// Number of entries, from the first to the last that was put by.
     #[must_use]
     pub const fn count(&self) -> usize {
-        self.filed + self.waiting.len()
+        self.filed + self.waiting.len() / SLOT
     }
 
+    fn file_waiting(&mut self) -> io::Result<()> {
+        if self.waiting.is_empty() {
+            return Ok(());
+        }
+        self.seek(self.filed)?;
+        self.file.write_all(&self.waiting)?;
+        self.filed = self.count();
+        self.waiting.clear();
+        Ok(())
+    }
+
+    fn seek(&mut self, entry: usize) -> io::Result<()> {
+        let at = entry as u64 * SLOT as u64;
+        self.file.seek(SeekFrom::Start(at)).map(drop)
+    }
+}
+
+impl<T: Serialize, const SLOT: usize> Spool<T, SLOT> {
     /// Puts an entry behind the others.
     ///
     /// # Errors
-    /// What the file system says.
-    pub fn push(&mut self, entry: [u32; N]) -> io::Result<()> {
-        self.waiting.push(entry);
-        if self.waiting.len() < BLOCK {
+    /// What the file system says; an entry that does not fit its slot.
+    pub fn push(&mut self, entry: &T) -> io::Result<()> {
+        encode::<T, SLOT>(entry, &mut self.waiting)?;
+        if self.waiting.len() < BLOCK * SLOT {
             return Ok(());
         }
         self.file_waiting()
@@ -65,49 +84,43 @@ impl<const N: usize> Spool<N> {
     /// Puts entries by at their numbers, in whatever order.
     ///
     /// # Errors
-    /// What the file system says.
-    pub fn put(&mut self, first: usize, entries: &[[u32; N]]) -> io::Result<()> {
+    /// As [`push`](Self::push).
+    pub fn put(&mut self, first: usize, entries: impl Iterator<Item = T>) -> io::Result<()> {
         self.file_waiting()?;
-        self.write(first, entries)
+        let mut bytes = Vec::new();
+        for entry in entries {
+            encode::<T, SLOT>(&entry, &mut bytes)?;
+        }
+        if bytes.is_empty() {
+            return Ok(());
+        }
+        self.seek(first)?;
+        self.file.write_all(&bytes)?;
+        self.filed = self.filed.max(first + bytes.len() / SLOT);
+        Ok(())
     }
+}
 
+impl<T: DeserializeOwned, const SLOT: usize> Spool<T, SLOT> {
     /// The entries of a part, to be read [block by block](blocks).
     ///
     /// # Errors
     /// What the file system says; entries that were not put by.
-    pub fn read(&mut self, part: Range<usize>) -> io::Result<Vec<[u32; N]>> {
+    pub fn read(&mut self, part: Range<usize>) -> io::Result<Vec<T>> {
         self.file_waiting()?;
-        self.bytes.resize(part.len() * Self::ENTRY_BYTES, 0);
+        let mut bytes = vec![0; part.len() * SLOT];
         self.seek(part.start)?;
-        self.file.read_exact(&mut self.bytes)?;
-        let (words, _) = self.bytes.as_chunks();
-        let entry = |words: &[[u8; 4]]| std::array::from_fn(|i| u32::from_le_bytes(words[i]));
-        Ok(words.chunks_exact(N).map(entry).collect())
+        self.file.read_exact(&mut bytes)?;
+        bytes
+            .chunks_exact(SLOT)
+            .map(|slot| postcard::from_bytes(slot).map_err(io::Error::other))
+            .collect()
     }
+}
 
-    fn file_waiting(&mut self) -> io::Result<()> {
-        let waiting = std::mem::take(&mut self.waiting);
-        self.write(self.filed, &waiting)?;
-        self.waiting = waiting;
-        self.waiting.clear();
-        Ok(())
-    }
-
-    fn write(&mut self, first: usize, entries: &[[u32; N]]) -> io::Result<()> {
-        if entries.is_empty() {
-            return Ok(());
-        }
-        self.bytes.clear();
-        let words = entries.iter().flatten();
-        self.bytes.extend(words.flat_map(|word| word.to_le_bytes()));
-        self.seek(first)?;
-        self.file.write_all(&self.bytes)?;
-        self.filed = self.filed.max(first + entries.len());
-        Ok(())
-    }
-
-    fn seek(&mut self, entry: usize) -> io::Result<()> {
-        let at = entry as u64 * Self::ENTRY_BYTES as u64;
-        self.file.seek(SeekFrom::Start(at)).map(drop)
-    }
+fn encode<T: Serialize, const SLOT: usize>(entry: &T, bytes: &mut Vec<u8>) -> io::Result<()> {
+    let mut slot = [0; SLOT];
+    postcard::to_slice(entry, &mut slot).map_err(io::Error::other)?;
+    bytes.extend_from_slice(&slot);
+    Ok(())
 }

@@ -8,6 +8,7 @@ use core::ops::RangeInclusive;
 
 /// What the vehicle went through in a cell, besides its place and its load.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Circumstances {
     /// Time in motion since the start or the last long stop, s.
     pub driven_s: f32,

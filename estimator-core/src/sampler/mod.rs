@@ -43,6 +43,7 @@ const SPEEDS_MPS: core::ops::RangeInclusive<f32> = 0.0..=70.0;
 
 /// Mean of the speed readings in a cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct SpeedMeasurement {
     /// Quadratic mean, m/s: it is v²/2 that grows evenly with distance.
     pub mean_mps: f32,
@@ -54,6 +55,7 @@ pub struct SpeedMeasurement {
 
 /// A GNSS altitude.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct AltitudeMeasurement {
     /// Altitude, m.
     pub altitude_m: f32,
@@ -67,6 +69,7 @@ pub struct AltitudeMeasurement {
 
 /// How an altitude follows from the one before it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Continuity {
     /// From the same receiver.
     #[default]
@@ -80,6 +83,7 @@ pub enum Continuity {
 
 /// What the filter sees of one cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Sample {
     /// Where and when the cell ends.
     pub place: Place,

@@ -161,6 +161,7 @@ pub struct ForceBalance {
 
 /// What the force balance depends on besides the parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Load {
     /// Net force at the driven wheels, N.
     pub traction_n: f32,

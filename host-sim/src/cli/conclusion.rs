@@ -14,7 +14,7 @@ use serde::Serialize;
 use std::path::Path;
 
 /// Writes what a drive leaves: the run, and what is kept for the next one if there is a file for
-/// it. Both appear, or neither.
+/// it, which is written ahead of the run: where that cannot be, neither appears.
 pub(super) fn write(
     run: &mut LongRun,
     out: Option<&Path>,

@@ -1,7 +1,6 @@
 //! What a drive leaves.
 
 use super::no_room;
-use super::words::{ROW, row_from_words, row_to_words};
 use crate::error::Result;
 use crate::run_file::{RunRow, RunRows};
 use crate::spool::{Spool, blocks};
@@ -49,9 +48,12 @@ impl LongRun {
     }
 }
 
+/// Bytes of a row.
+const ROW_SLOT: usize = 128;
+
 /// The rows of a run, in memory or in a temporary file.
 #[derive(Debug, Default)]
-pub struct Rows(Spool<ROW>);
+pub struct Rows(Spool<RunRow, ROW_SLOT>);
 
 impl Rows {
     /// How many there are.
@@ -66,16 +68,15 @@ impl Rows {
         first: usize,
         rows: impl Iterator<Item = RunRow>,
     ) -> io::Result<()> {
-        let words: Vec<_> = rows.map(|row| row_to_words(&row)).collect();
-        self.0.put(first, &words)
+        self.0.put(first, rows)
     }
 }
 
 impl RunRows for Rows {
     fn each(&mut self, take: &mut dyn FnMut(&RunRow) -> Result<()>) -> Result<()> {
         for block in blocks(0..self.count()) {
-            for words in self.0.read(block).map_err(no_room)? {
-                take(&row_from_words(&words))?;
+            for row in self.0.read(block).map_err(no_room)? {
+                take(&row)?;
             }
         }
         Ok(())

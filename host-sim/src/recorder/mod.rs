@@ -4,7 +4,6 @@
 //! that the memory held does not.
 
 mod long_run;
-mod words;
 
 pub use long_run::{LongRun, Rows, Run};
 
@@ -16,21 +15,32 @@ use crate::source::input::{Input, for_each_input};
 use crate::spool::{Spool, blocks};
 use estimator_core::sampler::Sample;
 use estimator_core::{
-    Cell, Estimator, Instant, Kept, KeptError, ParameterError, Reading, Scalar, Tuning,
+    Cell, Estimator, Instant, Kept, KeptError, ParameterError, Reading, Scalar, Tuning, Uncertain,
     VehicleParameters,
 };
+use serde::{Deserialize, Serialize};
 use std::io;
 use std::ops::Range;
 use std::path::Path;
-use words::{LOOKS, Looks, SAMPLE, sample_from_words, sample_to_words};
+
+/// Bytes of an entry, with room for numbers of variable length at their longest.
+const SAMPLE_SLOT: usize = 128;
+const LOOKS_SLOT: usize = 16;
+
+/// What was known of a cell's grade on the way, %.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+struct Looks {
+    live: Uncertain,
+    lagged: Uncertain,
+}
 
 /// Feeds an estimator and keeps what it hands out.
 #[derive(Debug)]
 pub struct Recorder<S> {
     estimator: Estimator<S>,
     start: Option<Instant>,
-    samples: Spool<SAMPLE>,
-    looks: Spool<LOOKS>,
+    samples: Spool<Sample, SAMPLE_SLOT>,
+    looks: Spool<Looks, LOOKS_SLOT>,
     /// The cells that the last input finished.
     new_cells: Vec<Cell>,
     /// The first thing that could not be put by.
@@ -81,7 +91,7 @@ impl<S: Scalar> Recorder<S> {
         self.new_cells.clear();
         while self.estimator.step().is_some() {
             if let Some(sample) = self.estimator.sample() {
-                let kept = self.samples.push(sample_to_words(sample));
+                let kept = self.samples.push(sample);
                 self.notice(kept);
             }
             while let Some(cell) = self.estimator.next_cell() {
@@ -91,7 +101,11 @@ impl<S: Scalar> Recorder<S> {
     }
 
     fn take_cell(&mut self, cell: Cell) {
-        let kept = self.looks.push(Looks::from(&cell).to_words());
+        let looks = Looks {
+            live: cell.live_grade_percent,
+            lagged: cell.lagged_grade_percent,
+        };
+        let kept = self.looks.push(&looks);
         self.notice(kept);
         self.new_cells.push(cell);
     }
@@ -171,11 +185,8 @@ impl<S: Scalar> Recorder<S> {
                 let end = looks.count().min(first + smoothed.len());
                 let looks = looks.read(first.min(end)..end)?;
                 let stretch = smoothed.iter().zip(&looks);
-                rows.put(
-                    first,
-                    stretch
-                        .map(|(smoothed, looks)| row(start, &Looks::from_words(looks), smoothed)),
-                )
+                let stretch = stretch.map(|(smoothed, looks)| row(start, looks, smoothed));
+                rows.put(first, stretch)
             },
         )?;
         Ok(LongRun {
@@ -186,7 +197,7 @@ impl<S: Scalar> Recorder<S> {
     }
 }
 
-impl Samples for Spool<SAMPLE> {
+impl Samples for Spool<Sample, SAMPLE_SLOT> {
     type Error = io::Error;
 
     fn count(&self) -> usize {
@@ -195,9 +206,7 @@ impl Samples for Spool<SAMPLE> {
 
     fn each(&mut self, part: Range<usize>, mut take: impl FnMut(&Sample)) -> io::Result<()> {
         for block in blocks(part) {
-            for words in self.read(block)? {
-                take(&sample_from_words(&words));
-            }
+            self.read(block)?.iter().for_each(&mut take);
         }
         Ok(())
     }
