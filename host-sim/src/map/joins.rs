@@ -223,8 +223,9 @@ fn ends(network: &Network, is_joined: impl Fn(usize, f64) -> bool) -> Vec<Join> 
             }
             let (latitude_deg, longitude_deg) = line.position_at(at_m);
             let place_m = earth_centred(latitude_deg, longitude_deg);
-            let nearby = network.nearby(&mut Surroundings::default(), place_m, |_| None);
-            for near in nearby.along {
+            let mut nearby = Vec::new();
+            network.nearby(&mut Surroundings::default(), place_m, |_| None, &mut nearby);
+            for near in nearby {
                 if near.way == way || near.foot.lateral_m.abs() > END_REACH_M {
                     continue;
                 }

@@ -7,6 +7,7 @@
 pub fn smooth<const N: usize>(x: &[f64], y: &[f64], half_width: f64) -> Vec<f64> {
     let mut first = 0;
     let mut end = 0;
+    let scale = 1.0 / half_width;
     x.iter()
         .map(|&centre| {
             while x[first] < centre - half_width {
@@ -18,7 +19,7 @@ pub fn smooth<const N: usize>(x: &[f64], y: &[f64], half_width: f64) -> Vec<f64>
             let mut normal = [[0.0; N]; N];
             let mut right = [0.0; N];
             for (x, y) in x[first..end].iter().zip(&y[first..end]) {
-                let u = (x - centre) / half_width;
+                let u = (x - centre) * scale;
                 let weight = 1.0 - u.abs();
                 let mut powers = [1.0; N];
                 for k in 1..N {

@@ -8,11 +8,10 @@
 //! crosses itself, and a crossing or parallel street is not worth entering.
 
 use super::joins::Join;
-use super::network::{Candidate, Nearby, Network};
+use super::network::{Candidate, Network};
 use super::plane::{LocalPlane, earth_centred};
 use super::road_index::Surroundings;
 use super::road_line::{COURSE_REACH_M, LATERAL_LIMIT_M};
-use std::ops::Range;
 
 /// Price of leaving the road or coming onto it, in positions off the road: a stretch on the road
 /// must be worth two of them, 100 m of perfect fit, or it is a crossing.
@@ -71,22 +70,22 @@ pub fn match_track(network: &Network, track: &[TrackPoint]) -> Vec<Place> {
         })
         .collect();
     let mut surroundings = Surroundings::default();
-    let nearby: Vec<Nearby> = (0..fixes.len())
-        .map(|i| {
-            let chord = around(&fixes, i);
-            network.nearby(&mut surroundings, fixes[i].place_m, |plane| {
-                course(&fixes[chord.clone()], plane)
-            })
-        })
-        .collect();
+    let mut nearby = Nearby::with_room(fixes.len());
+    for (fix, chord) in fixes.iter().zip(chords(&fixes)) {
+        let along = &mut nearby.along;
+        let course = |plane: &LocalPlane| course(chord, plane);
+        let opposite = network.nearby(&mut surroundings, fix.place_m, course, along);
+        nearby.opposite.push(opposite);
+        nearby.ends.push(along.len());
+    }
     let states = best_states(network, &fixes, &nearby);
-    for ((fix, near), state) in fixes.iter().zip(&nearby).zip(states) {
-        places[fix.index] = match near.along.get(state) {
+    for (i, state) in states.into_iter().enumerate() {
+        places[fixes[i].index] = match nearby.along(i).get(state) {
             Some(candidate) => Place::OnRoad {
                 way: candidate.way,
                 distance_m: candidate.foot.distance_m,
             },
-            None if near.opposite => Place::Opposite,
+            None if nearby.opposite[i] => Place::Opposite,
             None => Place::OffRoad,
         };
     }
@@ -101,23 +100,53 @@ struct Fix {
     place_m: [f64; 3],
 }
 
-/// Positions about 20 m before and after one, without a gap between them.
-fn around(fixes: &[Fix], i: usize) -> Range<usize> {
-    let joined =
-        |a: usize, b: usize| (fixes[a].odometer_m - fixes[b].odometer_m).abs() <= COURSE_GAP_M;
-    let here_m = fixes[i].odometer_m;
-    let mut from = i;
-    while from > 0 && here_m - fixes[from].odometer_m < COURSE_REACH_M && joined(from, from - 1) {
-        from -= 1;
+/// What lies near each position.
+struct Nearby {
+    /// Passes of ways that go the same way, one position behind the other.
+    along: Vec<Candidate>,
+    /// Where those of each position end.
+    ends: Vec<usize>,
+    /// Whether a way goes the opposite way there.
+    opposite: Vec<bool>,
+}
+
+impl Nearby {
+    /// Mostly a position is on one way.
+    fn with_room(positions: usize) -> Self {
+        Self {
+            along: Vec::with_capacity(positions),
+            ends: Vec::with_capacity(positions),
+            opposite: Vec::with_capacity(positions),
+        }
     }
-    let mut to = i;
-    while to + 1 < fixes.len()
-        && fixes[to].odometer_m - here_m < COURSE_REACH_M
-        && joined(to, to + 1)
-    {
-        to += 1;
+
+    fn along(&self, i: usize) -> &[Candidate] {
+        let begin = i.checked_sub(1).map_or(0, |before| self.ends[before]);
+        &self.along[begin..self.ends[i]]
     }
-    from..to + 1
+}
+
+/// For each position those from about 20 m before it to as far after it, without a gap between
+/// them.
+fn chords(fixes: &[Fix]) -> impl Iterator<Item = &[Fix]> {
+    let way_m = |a: usize, b: usize| fixes[b].odometer_m - fixes[a].odometer_m;
+    let (mut from, mut to) = (0, 0);
+    (0..fixes.len()).map(move |i| {
+        if i > 0 && way_m(i - 1, i) > COURSE_GAP_M {
+            from = i;
+        }
+        while from < i && way_m(from + 1, i) >= COURSE_REACH_M {
+            from += 1;
+        }
+        to = to.max(i);
+        while to + 1 < fixes.len()
+            && way_m(i, to) < COURSE_REACH_M
+            && way_m(to, to + 1) <= COURSE_GAP_M
+        {
+            to += 1;
+        }
+        &fixes[from..=to]
+    })
 }
 
 /// Direction of the run from the first to the last of these, in a plane; `None` where they do not
@@ -172,32 +201,32 @@ struct State {
 }
 
 /// For each position the index of its state: of a pass in `along`, or their number for "off".
-fn best_states(network: &Network, fixes: &[Fix], nearby: &[Nearby]) -> Vec<usize> {
+fn best_states(network: &Network, fixes: &[Fix], nearby: &Nearby) -> Vec<usize> {
     // The states of all positions, one position behind the other, and where those of each begin.
     let mut lattice: Vec<State> = Vec::with_capacity(2 * fixes.len());
     let mut begins = vec![0];
-    for (i, near) in nearby.iter().enumerate() {
-        for state in 0..=near.along.len() {
+    for i in 0..fixes.len() {
+        let near = nearby.along(i);
+        for state in 0..=near.len() {
             let (cost, before) = match i.checked_sub(1) {
                 None => (0.0, 0),
                 Some(previous) => cheapest(
                     network,
                     &lattice[begins[previous]..begins[i]],
-                    &nearby[previous],
-                    near,
-                    state,
+                    nearby.along(previous),
+                    near.get(state),
                     fixes[i].odometer_m - fixes[previous].odometer_m,
                 ),
             };
             lattice.push(State {
-                cost: cost + stay_price(near, state),
+                cost: cost + stay_price(near.get(state)),
                 before,
             });
         }
         begins.push(lattice.len());
     }
-    let mut chosen = vec![0; nearby.len()];
-    let last = nearby.len().saturating_sub(1);
+    let mut chosen = vec![0; fixes.len()];
+    let last = fixes.len().saturating_sub(1);
     let mut state = index_of_least(&lattice[begins[last]..]);
     for i in (0..chosen.len()).rev() {
         chosen[i] = state;
@@ -207,8 +236,8 @@ fn best_states(network: &Network, fixes: &[Fix], nearby: &[Nearby]) -> Vec<usize
 }
 
 /// Being beside the road grows dear with the square of the offset, up to being off it.
-fn stay_price(near: &Nearby, state: usize) -> f64 {
-    near.along.get(state).map_or(1.0, |candidate| {
+fn stay_price(place: Option<&Candidate>) -> f64 {
+    place.map_or(1.0, |candidate| {
         let turning = if candidate.turning {
             TURNING_PRICE
         } else {
@@ -218,25 +247,24 @@ fn stay_price(near: &Nearby, state: usize) -> f64 {
     })
 }
 
-/// Cost of the cheapest way to `state`, and the state before it. "Off" can always be reached and
-/// left, so there always is one.
+/// Cost of the cheapest way to a place, or off the road, and the state before it. "Off" can always
+/// be reached and left, so there always is one.
 fn cheapest(
     network: &Network,
     states: &[State],
-    nearby_before: &Nearby,
-    near: &Nearby,
-    state: usize,
+    before: &[Candidate],
+    place: Option<&Candidate>,
     driven_m: f64,
 ) -> (f64, usize) {
     let mut best = (f64::INFINITY, 0);
-    for (before, from) in states.iter().enumerate() {
-        let step = match (nearby_before.along.get(before), near.along.get(state)) {
+    for (state, from) in states.iter().enumerate() {
+        let step = match (before.get(state), place) {
             (None, None) => 0.0,
             (Some(a), Some(b)) => step(network, place_of(a), place_of(b), driven_m).0,
             _ => SWITCH_PRICE,
         };
         if from.cost + step < best.0 {
-            best = (from.cost + step, before);
+            best = (from.cost + step, state);
         }
     }
     best

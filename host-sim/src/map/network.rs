@@ -73,16 +73,6 @@ pub(super) struct Candidate {
 /// A way, and a position and a course in its plane.
 type View = (usize, Option<[f64; 2]>, Option<[f64; 2]>);
 
-/// What lies near a position.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Nearby {
-    /// Nearest point of each pass of a way that goes the same way, in the order of ways and along
-    /// each.
-    pub along: Vec<Candidate>,
-    /// Whether a way goes the opposite way here.
-    pub opposite: bool,
-}
-
 impl Direction {
     /// As files have it.
     #[must_use]
@@ -182,8 +172,14 @@ impl Network {
     ) -> Option<Located> {
         let course = course_deg.map(|c| [c.to_radians().sin(), c.to_radians().cos()]);
         let place_m = earth_centred(latitude_deg, longitude_deg);
-        let nearby = self.nearby(&mut Surroundings::default(), place_m, |_| course);
-        let along = nearby.along.iter().filter(|candidate| !candidate.turning);
+        let mut along = Vec::new();
+        self.nearby(
+            &mut Surroundings::default(),
+            place_m,
+            |_| course,
+            &mut along,
+        );
+        let along = along.iter().filter(|candidate| !candidate.turning);
         let beside_m = |candidate: &Candidate| candidate.foot.lateral_m.abs();
         let nearest = along.min_by(|a, b| beside_m(a).total_cmp(&beside_m(b)))?;
         let line = &self.ways[nearest.way].line;
@@ -208,15 +204,17 @@ impl Network {
         foot
     }
 
-    /// The passes of ways near a place, earth-centred; `course` gives the vehicle's direction in a
-    /// way's plane.
+    /// Puts the passes of ways near a place, earth-centred, behind those in `along`: the nearest
+    /// point of each that goes the same way, in the order of ways and along each. `course` gives
+    /// the vehicle's direction in a way's plane. Tells whether a way goes the opposite way here.
     pub(super) fn nearby(
         &self,
         surroundings: &mut Surroundings,
         place_m: [f64; 3],
         course: impl Fn(&LocalPlane) -> Option<[f64; 2]>,
-    ) -> Nearby {
-        let mut nearby = Nearby::default();
+        along: &mut Vec<Candidate>,
+    ) -> bool {
+        let mut opposite = false;
         let mut last = None;
         // The way that is looked at, with the position and the course in its plane.
         let mut view: Option<View> = None;
@@ -238,7 +236,7 @@ impl Network {
                 let turning = match heading {
                     None | Some(Heading::Along) => false,
                     Some(Heading::Opposite) => {
-                        nearby.opposite = true;
+                        opposite = true;
                         continue;
                     }
                     // At a join one end of a chord lies on the way before or behind.
@@ -260,17 +258,17 @@ impl Network {
                 // counts.
                 let same_pass = last == Some((piece.way, i.wrapping_sub(1)));
                 last = Some((piece.way, i));
-                match nearby.along.last_mut() {
+                match along.last_mut() {
                     Some(best) if same_pass => {
                         if foot.lateral_m.abs() < best.foot.lateral_m.abs() {
                             *best = candidate;
                         }
                     }
-                    _ => nearby.along.push(candidate),
+                    _ => along.push(candidate),
                 }
             }
         }
-        nearby
+        opposite
     }
 }
 

@@ -77,7 +77,8 @@ impl RoadLine {
         road.courses = road
             .points
             .iter()
-            .map(|point| road.course_at(point.distance_m))
+            .enumerate()
+            .map(|(i, point)| road.course_at(point.distance_m, i))
             .collect();
         Ok(road)
     }
@@ -115,7 +116,12 @@ impl RoadLine {
     /// Latitude and longitude at a distance along the road, deg; beyond its ends, those of the
     /// end.
     pub fn position_at(&self, distance_m: f64) -> (f64, f64) {
-        let (i, part) = self.segment_at(distance_m);
+        let i = self
+            .points
+            .partition_point(|point| point.distance_m <= distance_m)
+            .clamp(1, self.points.len() - 1)
+            - 1;
+        let part = self.part_before(distance_m, i);
         let (a, b) = (self.points[i], self.points[i + 1]);
         let turn = wrapped_deg(b.longitude_deg - a.longitude_deg);
         (
@@ -139,75 +145,74 @@ impl RoadLine {
         let (a, b) = (self.plan[i], self.plan[i + 1]);
         let along = [b[0] - a[0], b[1] - a[1]];
         let to = [point[0] - a[0], point[1] - a[1]];
+        let ahead = to[0] * along[0] + to[1] * along[1];
         let squared = along[0] * along[0] + along[1] * along[1];
-        let part = if squared > 0.0 {
-            (to[0] * along[0] + to[1] * along[1]) / squared
-        } else {
+        // Of most segments around it is an end, and to find that takes no division. Beyond the ends
+        // of the road the tangent goes on: else all cells there would pile up on the end.
+        let part = if squared == 0.0 || (ahead <= 0.0 && i > 0) {
             0.0
+        } else if ahead >= squared && i + 2 < self.plan.len() {
+            1.0
+        } else {
+            ahead / squared
         };
-        let clamped = part.clamp(0.0, 1.0);
-        let beside = [to[0] - clamped * along[0], to[1] - clamped * along[1]];
-        if beside[0] * beside[0] + beside[1] * beside[1] > LATERAL_LIMIT_M * LATERAL_LIMIT_M {
+        let beside = |part: f64| [to[0] - part * along[0], to[1] - part * along[1]];
+        let squared_length = |[x, y]: [f64; 2]| x * x + y * y;
+        if squared_length(beside(part.clamp(0.0, 1.0))) > LATERAL_LIMIT_M * LATERAL_LIMIT_M {
             return None;
         }
-        // Beyond the ends the tangent goes on: else all cells there would pile up on the end.
-        let first = if i == 0 { part.min(0.0) } else { 0.0 };
-        let last = if i + 2 == self.plan.len() {
-            part.max(1.0)
-        } else {
-            1.0
-        };
-        let part = part.clamp(first, last);
-        let offset = [to[0] - part * along[0], to[1] - part * along[1]];
+        let offset = beside(part);
         let left = along[0] * offset[1] - along[1] * offset[0];
-        let lateral_m = (offset[0] * offset[0] + offset[1] * offset[1]).sqrt();
+        let lateral_m = squared_length(offset).sqrt();
         let from_m = self.points[i].distance_m;
         let length_m = self.points[i + 1].distance_m - from_m;
         Some(Foot {
             distance_m: from_m + part * length_m,
             lateral_m: lateral_m.copysign(left),
-            vertex: match part {
-                0.0 => Some(i),
-                1.0 => Some(i + 1),
-                _ => None,
-            },
+            segment: i,
+            part,
         })
     }
 
     /// Direction of the road at the foot of a position.
     pub(super) fn course_of(&self, foot: &Foot) -> [f64; 2] {
-        foot.vertex.map_or_else(
-            || self.course_at(foot.distance_m),
-            |vertex| self.courses[vertex],
-        )
+        match foot.part {
+            0.0 => self.courses[foot.segment],
+            1.0 => self.courses[foot.segment + 1],
+            _ => self.course_at(foot.distance_m, foot.segment),
+        }
     }
 
-    /// Direction of the road around a distance, in its plane.
-    fn course_at(&self, distance_m: f64) -> [f64; 2] {
+    /// Direction of the road around a distance, in its plane. The distance is at this point, or not
+    /// far behind it.
+    fn course_at(&self, distance_m: f64, point: usize) -> [f64; 2] {
         let at_m = distance_m.clamp(self.start_m(), self.end_m());
         let (from, to) = (
-            self.plan_at(at_m - COURSE_REACH_M),
-            self.plan_at(at_m + COURSE_REACH_M),
+            self.plan_at(at_m - COURSE_REACH_M, point),
+            self.plan_at(at_m + COURSE_REACH_M, point),
         );
         [to[0] - from[0], to[1] - from[1]]
     }
 
-    fn plan_at(&self, distance_m: f64) -> [f64; 2] {
-        let (i, part) = self.segment_at(distance_m);
+    /// Looks for the segment from a point on that is not far: the whole road takes longer to search
+    /// than the few points between.
+    fn plan_at(&self, distance_m: f64, near: usize) -> [f64; 2] {
+        let mut i = near.min(self.points.len() - 2);
+        while i > 0 && self.points[i].distance_m > distance_m {
+            i -= 1;
+        }
+        while i + 2 < self.points.len() && self.points[i + 1].distance_m <= distance_m {
+            i += 1;
+        }
+        let part = self.part_before(distance_m, i);
         let (a, b) = (self.plan[i], self.plan[i + 1]);
         [a[0] + part * (b[0] - a[0]), a[1] + part * (b[1] - a[1])]
     }
 
-    /// The segment that holds a distance, and the part of it that lies before the distance.
-    fn segment_at(&self, distance_m: f64) -> (usize, f64) {
-        let i = self
-            .points
-            .partition_point(|point| point.distance_m <= distance_m)
-            .clamp(1, self.points.len() - 1)
-            - 1;
-        let (from_m, to_m) = (self.points[i].distance_m, self.points[i + 1].distance_m);
-        let part = (distance_m - from_m) / (to_m - from_m);
-        (i, part.clamp(0.0, 1.0))
+    /// The part of a segment that lies before a distance.
+    fn part_before(&self, distance_m: f64, segment: usize) -> f64 {
+        let [from_m, to_m] = [segment, segment + 1].map(|i| self.points[i].distance_m);
+        ((distance_m - from_m) / (to_m - from_m)).clamp(0.0, 1.0)
     }
 }
 
@@ -218,8 +223,9 @@ pub(super) struct Foot {
     pub distance_m: f64,
     /// Beside the road, positive to the left.
     pub lateral_m: f64,
-    /// The point of the road that it is, if it is one.
-    vertex: Option<usize>,
+    segment: usize,
+    /// The part of the segment that lies before it.
+    part: f64,
 }
 
 /// An angle within ±180°.

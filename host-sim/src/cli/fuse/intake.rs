@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
 /// Runs that are placed at once, for each thread; as many wait to be added.
-const RUNS_A_THREAD: usize = 2;
+const RUNS_A_THREAD: usize = 8;
 /// A store is written after this many cells, or after as many as it holds where that is more: so
 /// that an interruption costs seconds, and writing does not cost more than adding.
 const CELLS_A_SAVE: usize = 10_000_000;
