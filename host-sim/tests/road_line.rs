@@ -2,7 +2,7 @@
 
 mod roads;
 
-use host_sim::map::{Network, RoadLine, road_of_run};
+use host_sim::map::{Network, Place, RoadLine, TrackPoint, match_track, road_of_run};
 use roads::{Spot, drive, fuse, hill_percent, hills, points, run};
 
 #[test]
@@ -34,42 +34,49 @@ fn first_track_is_smoothed_against_position_noise() {
     assert!((length_m / 6000.0 - 1.0).abs() < 0.005, "{length_m}");
 }
 
+/// Where the middle of a straight drive of 40 m lies that passes 10 m to the right of a spot.
+fn place_of_a_drive(network: &Network, spot: Spot, course_deg: f64, mirrored: bool) -> Place {
+    let course = course_deg.to_radians();
+    let track: Vec<TrackPoint> = (-8..=8)
+        .map(|step| {
+            let along_m = 2.5 * f64::from(step);
+            let spot = Spot {
+                east_m: spot.east_m + 10.0 + along_m * course.sin(),
+                north_m: spot.north_m + along_m * course.cos(),
+                ..spot
+            };
+            let (latitude_deg, longitude_deg) = spot.latitude_longitude_deg();
+            TrackPoint {
+                odometer_m: 20.0 + along_m,
+                position: Some(if mirrored {
+                    (-latitude_deg, longitude_deg - 180.0)
+                } else {
+                    (latitude_deg, longitude_deg)
+                }),
+            }
+        })
+        .collect();
+    match_track(network, &track)[8]
+}
+
 #[test]
-fn positions_are_located_with_offset_and_course() {
+fn a_position_lies_on_the_road_that_goes_the_same_way() {
     let spots = drive((0.0, 0.0), 1000.0, |_| 0.0, |_| 0.0);
-    let road_line = Network::from(RoadLine::new(points(&spots)).expect("a road"));
-    let east_of_500 = Spot {
-        east_m: 10.0,
-        ..spots[200]
-    };
-    let (latitude_deg, longitude_deg) = east_of_500.latitude_longitude_deg();
-    let located = road_line
-        .locate(latitude_deg, longitude_deg, Some(20.0))
-        .expect("on the road");
-    assert!((located.distance_m - 500.0).abs() < 0.01);
-    assert!((located.lateral_m + 10.0).abs() < 0.01, "right is negative");
-    assert!((located.course_difference_deg.expect("known") - 20.0).abs() < 0.1);
-    assert!(
-        road_line
-            .locate(latitude_deg, longitude_deg, Some(60.0))
-            .is_none()
-    );
-    assert!(
-        road_line
-            .locate(latitude_deg, longitude_deg, Some(180.0))
-            .is_none()
-    );
-    assert!(
-        road_line
-            .locate(latitude_deg, longitude_deg, None)
-            .is_some()
-    );
+    let network = Network::from(RoadLine::new(points(&spots)).expect("a road"));
+    for course_deg in [0.0, 20.0, -40.0] {
+        let place = place_of_a_drive(&network, spots[200], course_deg, false);
+        let Place::OnRoad { way: 0, distance_m } = place else {
+            panic!("{course_deg}: {place:?}");
+        };
+        assert!((distance_m - 500.0).abs() < 0.01, "{distance_m}");
+    }
+    let place = |course_deg| place_of_a_drive(&network, spots[200], course_deg, false);
+    assert_eq!(place(60.0), Place::OffRoad);
+    assert_eq!(place(120.0), Place::OffRoad);
+    assert_eq!(place(180.0), Place::Opposite);
     // The other side of the Earth folds onto no road.
-    assert!(
-        road_line
-            .locate(-latitude_deg, longitude_deg - 180.0, None)
-            .is_none()
-    );
+    let mirrored = place_of_a_drive(&network, spots[200], 0.0, true);
+    assert_eq!(mirrored, Place::OffRoad);
 }
 
 #[test]

@@ -29,10 +29,3 @@ pub(super) fn heading(road: [f64; 2], course: [f64; 2]) -> Heading {
         Heading::AcrossBackward
     }
 }
-
-/// Angle from one direction to another, deg, positive to the right as a compass counts.
-pub(super) fn turn_deg(from: [f64; 2], to: [f64; 2]) -> f64 {
-    let left = from[0] * to[1] - from[1] * to[0];
-    let ahead = from[0] * to[0] + from[1] * to[1];
-    (-left).atan2(ahead).to_degrees()
-}

@@ -38,7 +38,7 @@ pub use map_file::{
 pub use map_geojson::{stage as stage_map_geojson, stretches as map_stretches};
 pub use map_parquet::stage_placed;
 pub use matching::{Place, TrackPoint, match_track};
-pub use network::{Direction, Located, Network, Way, WayName};
+pub use network::{Direction, Network, Way, WayName};
 pub use network_file::{is_geojson, read as read_network, road_through};
 pub use placing::{Coverage, PlacedCell, PlacedRun, place};
 pub use road_file::{RoadRow, read as read_road};

@@ -2,9 +2,9 @@
 //! road is a network of one way that has no name.
 
 use super::GRID_M;
-use super::course::{Heading, heading, turn_deg};
+use super::course::{Heading, heading};
 use super::joins::Joins;
-use super::plane::{LocalPlane, earth_centred};
+use super::plane::LocalPlane;
 use super::road_index::{RoadIndex, Surroundings};
 use super::road_line::{COURSE_REACH_M, Foot, RoadLine};
 use serde::{Deserialize, Serialize};
@@ -46,19 +46,6 @@ pub struct Network {
     index: RoadIndex,
     joins: Joins,
     cells: usize,
-}
-
-/// Where on a network a position lies.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Located {
-    /// Which of its ways.
-    pub way: usize,
-    /// Along the way. Beyond its ends it counts on along the end's tangent.
-    pub distance_m: f64,
-    /// Beside the way, positive to the left.
-    pub lateral_m: f64,
-    /// Course of the vehicle minus course of the way; `None` if the former is not known.
-    pub course_difference_deg: Option<f64>,
 }
 
 /// A place at which a position may be.
@@ -159,37 +146,6 @@ impl Network {
 
     pub(super) const fn joins(&self) -> &Joins {
         &self.joins
-    }
-
-    /// Where a vehicle at this position with this course (compass, deg) is: the nearest point
-    /// within 25 m that goes the same way within 45°. Without a course, the nearest.
-    #[must_use]
-    pub fn locate(
-        &self,
-        latitude_deg: f64,
-        longitude_deg: f64,
-        course_deg: Option<f64>,
-    ) -> Option<Located> {
-        let course = course_deg.map(|c| [c.to_radians().sin(), c.to_radians().cos()]);
-        let place_m = earth_centred(latitude_deg, longitude_deg);
-        let mut along = Vec::new();
-        self.nearby(
-            &mut Surroundings::default(),
-            place_m,
-            |_| course,
-            &mut along,
-        );
-        let along = along.iter().filter(|candidate| !candidate.turning);
-        let beside_m = |candidate: &Candidate| candidate.foot.lateral_m.abs();
-        let nearest = along.min_by(|a, b| beside_m(a).total_cmp(&beside_m(b)))?;
-        let line = &self.ways[nearest.way].line;
-        Some(Located {
-            way: nearest.way,
-            distance_m: nearest.foot.distance_m,
-            lateral_m: nearest.foot.lateral_m,
-            course_difference_deg: course
-                .map(|course| turn_deg(line.course_of(&nearest.foot), course)),
-        })
     }
 
     /// A foot beyond an end of its way lies on the end where another way goes on.
