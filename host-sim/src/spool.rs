@@ -52,13 +52,22 @@ impl<T, const SLOT: usize> Spool<T, SLOT> {
     }
 
     fn file_waiting(&mut self) -> io::Result<()> {
-        if self.waiting.is_empty() {
+        let waiting = std::mem::take(&mut self.waiting);
+        let written = self.write(self.filed, &waiting);
+        self.waiting = waiting;
+        if written.is_ok() {
+            self.waiting.clear();
+        }
+        written
+    }
+
+    fn write(&mut self, first: usize, slots: &[u8]) -> io::Result<()> {
+        if slots.is_empty() {
             return Ok(());
         }
-        self.seek(self.filed)?;
-        self.file.write_all(&self.waiting)?;
-        self.filed = self.count();
-        self.waiting.clear();
+        self.seek(first)?;
+        self.file.write_all(slots)?;
+        self.filed = self.filed.max(first + slots.len() / SLOT);
         Ok(())
     }
 
@@ -87,17 +96,11 @@ impl<T: Serialize, const SLOT: usize> Spool<T, SLOT> {
     /// As [`push`](Self::push).
     pub fn put(&mut self, first: usize, entries: impl Iterator<Item = T>) -> io::Result<()> {
         self.file_waiting()?;
-        let mut bytes = Vec::new();
+        let mut slots = Vec::new();
         for entry in entries {
-            encode::<T, SLOT>(&entry, &mut bytes)?;
+            encode::<T, SLOT>(&entry, &mut slots)?;
         }
-        if bytes.is_empty() {
-            return Ok(());
-        }
-        self.seek(first)?;
-        self.file.write_all(&bytes)?;
-        self.filed = self.filed.max(first + bytes.len() / SLOT);
-        Ok(())
+        self.write(first, &slots)
     }
 }
 
@@ -108,19 +111,19 @@ impl<T: DeserializeOwned, const SLOT: usize> Spool<T, SLOT> {
     /// What the file system says; entries that were not put by.
     pub fn read(&mut self, part: Range<usize>) -> io::Result<Vec<T>> {
         self.file_waiting()?;
-        let mut bytes = vec![0; part.len() * SLOT];
+        let mut slots = vec![0; part.len() * SLOT];
         self.seek(part.start)?;
-        self.file.read_exact(&mut bytes)?;
-        bytes
+        self.file.read_exact(&mut slots)?;
+        slots
             .chunks_exact(SLOT)
             .map(|slot| postcard::from_bytes(slot).map_err(io::Error::other))
             .collect()
     }
 }
 
-fn encode<T: Serialize, const SLOT: usize>(entry: &T, bytes: &mut Vec<u8>) -> io::Result<()> {
+fn encode<T: Serialize, const SLOT: usize>(entry: &T, slots: &mut Vec<u8>) -> io::Result<()> {
     let mut slot = [0; SLOT];
     postcard::to_slice(entry, &mut slot).map_err(io::Error::other)?;
-    bytes.extend_from_slice(&slot);
+    slots.extend_from_slice(&slot);
     Ok(())
 }

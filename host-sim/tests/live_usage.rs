@@ -2,7 +2,10 @@
 
 #![cfg(target_os = "linux")]
 
-use assert_cmd::Command;
+mod command;
+
+use assert_cmd::assert::Assert;
+use command::roadgrade;
 use predicates::prelude::*;
 use predicates::str::contains;
 use std::fs;
@@ -36,12 +39,8 @@ impl Files {
         self.folder.path().join(name)
     }
 
-    fn run(&self, arguments: &[&str]) -> assert_cmd::assert::Assert {
-        Command::cargo_bin("roadgrade")
-            .unwrap()
-            .args(arguments)
-            .current_dir(self.folder.path())
-            .assert()
+    fn run(&self, arguments: &[&str]) -> Assert {
+        roadgrade(self.folder.path(), arguments)
     }
 }
 

@@ -74,6 +74,24 @@ fn a_position_lies_on_the_road_that_goes_the_same_way() {
     assert_eq!(place(60.0), Place::OffRoad);
     assert_eq!(place(120.0), Place::OffRoad);
     assert_eq!(place(180.0), Place::Opposite);
+    // A position alone tells no course, and lies on the road within 25 m.
+    let alone = |east_m: f64| {
+        let spot = Spot {
+            east_m,
+            ..spots[200]
+        };
+        let position = TrackPoint {
+            odometer_m: 0.0,
+            position: Some(spot.latitude_longitude_deg()),
+        };
+        match_track(&network, &[position])[0]
+    };
+    for east_m in [-24.9, -10.0, 10.0, 24.9] {
+        assert!(matches!(alone(east_m), Place::OnRoad { .. }), "{east_m}");
+    }
+    for east_m in [-25.1, 25.1] {
+        assert_eq!(alone(east_m), Place::OffRoad, "{east_m}");
+    }
     // The other side of the Earth folds onto no road.
     let mirrored = place_of_a_drive(&network, spots[200], 0.0, true);
     assert_eq!(mirrored, Place::OffRoad);

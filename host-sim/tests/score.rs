@@ -1,8 +1,10 @@
 //! Scores of planted errors are what they must be.
 
+mod command;
 mod roads;
 
-use assert_cmd::Command;
+use assert_cmd::assert::Assert;
+use command::roadgrade;
 use host_sim::map::MapRow;
 use host_sim::run_file::{self, RunRow};
 use host_sim::score::{MEAN, mean, score_map, score_run};
@@ -176,13 +178,8 @@ fn maps_are_scored_by_distance() {
     assert!(score_map(&[], &reference).is_err());
 }
 
-fn score(folder: &Path, arguments: &[&str]) -> assert_cmd::assert::Assert {
-    Command::cargo_bin("roadgrade")
-        .expect("built")
-        .current_dir(folder)
-        .arg("score")
-        .args(arguments)
-        .assert()
+fn score(folder: &Path, arguments: &[&str]) -> Assert {
+    roadgrade(folder, &[&["score"][..], arguments].concat())
 }
 
 /// Runs `runs/a.csv` (planted errors over hills) and `runs/b.csv` (perfect, on the flat), and the

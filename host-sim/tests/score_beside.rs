@@ -1,7 +1,9 @@
 //! `roadgrade score` sets a run beside the thesis's methods and an oracle.
 
+mod command;
+
 use assert_cmd::assert::Assert;
-use assert_cmd::cargo::cargo_bin_cmd;
+use command::roadgrade;
 use flate2::Compression;
 use flate2::write::GzEncoder;
 use predicates::prelude::PredicateBooleanExt;
@@ -31,11 +33,8 @@ fn drives(scenario: &str) -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("scenario.toml");
     fs::write(&file, scenario).unwrap();
-    cargo_bin_cmd!("roadgrade")
-        .current_dir(folder.path())
-        .args(["simulate", "--scenario", "scenario.toml", "--out", "."])
-        .assert()
-        .success();
+    let arguments = ["simulate", "--scenario", "scenario.toml", "--out", "."];
+    roadgrade(folder.path(), &arguments).success();
     for entry in fs::read_dir(folder.path()).unwrap() {
         let name = entry.unwrap().file_name().into_string().unwrap();
         if let Some(run) = name.strip_suffix(".log") {
@@ -46,20 +45,13 @@ fn drives(scenario: &str) -> TempDir {
 }
 
 fn estimate(folder: &Path, run: &str, log: &str) {
-    cargo_bin_cmd!("roadgrade")
-        .current_dir(folder)
-        .args(["estimate", "--vehicle", &format!("{run}.vehicle.toml")])
-        .args(["--out", &format!("{run}.csv"), log])
-        .assert()
-        .success();
+    let (vehicle, out) = (format!("{run}.vehicle.toml"), format!("{run}.csv"));
+    let arguments = ["estimate", "--vehicle", &vehicle, "--out", &out, log];
+    roadgrade(folder, &arguments).success();
 }
 
 fn score(folder: &Path, arguments: &[&str]) -> Assert {
-    cargo_bin_cmd!("roadgrade")
-        .current_dir(folder)
-        .arg("score")
-        .args(arguments)
-        .assert()
+    roadgrade(folder, &[&["score"][..], arguments].concat())
 }
 
 /// Rows of the table.

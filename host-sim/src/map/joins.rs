@@ -226,7 +226,7 @@ fn ends(network: &Network, is_joined: impl Fn(usize, f64) -> bool) -> Vec<Join> 
             let mut nearby = Vec::new();
             network.nearby(&mut Surroundings::default(), place_m, |_| None, &mut nearby);
             for near in nearby {
-                if near.way == way || near.foot.lateral_m.abs() > END_REACH_M {
+                if near.way == way || near.foot.lateral_m > END_REACH_M {
                     continue;
                 }
                 // Beyond its ends a way is none; and none is left at its start or entered at its

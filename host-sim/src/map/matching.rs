@@ -121,8 +121,11 @@ impl Nearby {
     }
 
     fn along(&self, i: usize) -> &[Candidate] {
-        let begin = i.checked_sub(1).map_or(0, |before| self.ends[before]);
-        &self.along[begin..self.ends[i]]
+        &self.along[self.begin(i)..self.ends[i]]
+    }
+
+    fn begin(&self, i: usize) -> usize {
+        i.checked_sub(1).map_or(0, |before| self.ends[before])
     }
 }
 
@@ -202,9 +205,9 @@ struct State {
 
 /// For each position the index of its state: of a pass in `along`, or their number for "off".
 fn best_states(network: &Network, fixes: &[Fix], nearby: &Nearby) -> Vec<usize> {
-    // The states of all positions, one position behind the other, and where those of each begin.
+    // The states of all positions, one position behind the other; each has one more than places.
     let mut lattice: Vec<State> = Vec::with_capacity(2 * fixes.len());
-    let mut begins = vec![0];
+    let begin = |i: usize| nearby.begin(i) + i;
     for i in 0..fixes.len() {
         let near = nearby.along(i);
         for state in 0..=near.len() {
@@ -212,7 +215,7 @@ fn best_states(network: &Network, fixes: &[Fix], nearby: &Nearby) -> Vec<usize> 
                 None => (0.0, 0),
                 Some(previous) => cheapest(
                     network,
-                    &lattice[begins[previous]..begins[i]],
+                    &lattice[begin(previous)..begin(i)],
                     nearby.along(previous),
                     near.get(state),
                     fixes[i].odometer_m - fixes[previous].odometer_m,
@@ -223,14 +226,13 @@ fn best_states(network: &Network, fixes: &[Fix], nearby: &Nearby) -> Vec<usize> 
                 before,
             });
         }
-        begins.push(lattice.len());
     }
     let mut chosen = vec![0; fixes.len()];
     let last = fixes.len().saturating_sub(1);
-    let mut state = index_of_least(&lattice[begins[last]..]);
+    let mut state = index_of_least(&lattice[begin(last)..]);
     for i in (0..chosen.len()).rev() {
         chosen[i] = state;
-        state = lattice[begins[i] + state].before;
+        state = lattice[begin(i) + state].before;
     }
     chosen
 }

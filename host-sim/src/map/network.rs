@@ -155,7 +155,7 @@ impl Network {
         let beyond_m = foot.distance_m - within_m;
         if beyond_m != 0.0 && self.joins.is_near(way, within_m, COURSE_REACH_M) {
             foot.distance_m = within_m;
-            foot.lateral_m = foot.lateral_m.hypot(beyond_m).copysign(foot.lateral_m);
+            foot.lateral_m = foot.lateral_m.hypot(beyond_m);
         }
         foot
     }
@@ -216,7 +216,7 @@ impl Network {
                 last = Some((piece.way, i));
                 match along.last_mut() {
                     Some(best) if same_pass => {
-                        if foot.lateral_m.abs() < best.foot.lateral_m.abs() {
+                        if foot.lateral_m < best.foot.lateral_m {
                             *best = candidate;
                         }
                     }

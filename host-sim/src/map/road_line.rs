@@ -161,14 +161,11 @@ impl RoadLine {
         if squared_length(beside(part.clamp(0.0, 1.0))) > LATERAL_LIMIT_M * LATERAL_LIMIT_M {
             return None;
         }
-        let offset = beside(part);
-        let left = along[0] * offset[1] - along[1] * offset[0];
-        let lateral_m = squared_length(offset).sqrt();
         let from_m = self.points[i].distance_m;
         let length_m = self.points[i + 1].distance_m - from_m;
         Some(Foot {
             distance_m: from_m + part * length_m,
-            lateral_m: lateral_m.copysign(left),
+            lateral_m: squared_length(beside(part)).sqrt(),
             segment: i,
             part,
         })
@@ -221,7 +218,7 @@ impl RoadLine {
 pub(super) struct Foot {
     /// Along the road. Beyond its ends it counts on along the end's tangent.
     pub distance_m: f64,
-    /// Beside the road, positive to the left.
+    /// Beside the road, on either side.
     pub lateral_m: f64,
     segment: usize,
     /// The part of the segment that lies before it.
