@@ -1,6 +1,7 @@
 //! What tests across packages share.
 
 pub mod budgets;
+pub mod change_indicator;
 pub mod diagnosed;
 pub mod drive;
 pub mod emulator;

@@ -1,0 +1,276 @@
+//! The change indicator: what a fixed set of inputs gives, in full digits.
+//!
+//! Each input has a file in `tests/change_indicator`: the counters, a digest of all rows, and one
+//! row a kilometre. A change of behaviour shows there line by line, however small it is. The idea
+//! is that of PX4's estimator tests.
+//!
+//! The recorded inputs are read from `../shared/data` and are left out where that is absent.
+
+use crate::drive::{self, truck, truck_with_every_effect};
+use crate::faults::catalogue::catalogue;
+use crate::faults::drive::drive as fault_drive;
+use crate::faults::outcome::estimated;
+use crate::image::root;
+use estimator_core::{Counters, Fixed, Kept, Scalar, VehicleParameters};
+use host_sim::error::{Error, Result};
+use host_sim::map::{GradeMap, SessionRun, road_of_run, road_through};
+use host_sim::output::write_whole;
+use host_sim::recorder::{Run, estimate_log};
+use host_sim::run_cell::RunCell;
+use host_sim::run_file::RunRow;
+use host_sim::source::can_frame::TimedFrame;
+use host_sim::source::ztbus::Mission;
+use host_sim::world::scenario::Scenario;
+use host_sim::world::simulate;
+use serde::Serialize;
+use similar::TextDiff;
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use xxhash_rust::xxh3::xxh3_64;
+
+/// Rows from one that is shown to the next: 1 km of cells.
+const SHOWN_EVERY: usize = 400;
+/// Fault drives that are shown besides clean ones; the others are in `tests/faults.md`.
+const FAULTS: [&str; 8] = [
+    "silence of 60 s",
+    "torque: error for 120 s",
+    "wheel speed stuck",
+    "gear stuck a gear too low",
+    "brakes: error for 120 s",
+    "frozen for 120 s",
+    "drifts up by 10 m in 1 km",
+    "one frame in five cut short",
+];
+
+/// What one input gives, as the text of its file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Indication {
+    /// Name of the input, and of its file without the ending.
+    pub input: String,
+    /// The text.
+    pub text: String,
+}
+
+/// What all inputs that are at hand give, and the names of those that are not.
+#[derive(Clone, Debug, Default)]
+pub struct Indicated {
+    /// One for each input.
+    pub indications: Vec<Indication>,
+    /// Recorded inputs whose file is absent.
+    pub absent: Vec<String>,
+}
+
+/// The folder of the committed files.
+#[must_use]
+pub fn committed_folder() -> PathBuf {
+    root().join("tests/change_indicator")
+}
+
+/// Runs all inputs.
+///
+/// # Errors
+/// A scenario or a recording that cannot be read; no room for temporary files.
+pub fn indicate() -> Result<Indicated> {
+    let mut all = Indicated::default();
+    all.motorway()?;
+    all.faults()?;
+    all.small_drive();
+    all.recorded()?;
+    Ok(all)
+}
+
+/// The committed text of an input, if there is any.
+#[must_use]
+pub fn committed(input: &str) -> Option<String> {
+    fs::read_to_string(file_of(input)).ok()
+}
+
+/// The lines in which an input's text differs from the committed one, as a unified diff; empty if
+/// there is none.
+#[must_use]
+pub fn changes(indication: &Indication) -> String {
+    let before = committed(&indication.input).unwrap_or_default();
+    let (old, new) = (
+        format!("committed/{}", indication.input),
+        indication.input.clone(),
+    );
+    TextDiff::from_lines(&before, &indication.text)
+        .unified_diff()
+        .context_radius(0)
+        .header(&old, &new)
+        .to_string()
+}
+
+/// Accepts what the inputs give.
+///
+/// # Errors
+/// What the file system says.
+pub fn write(indicated: &Indicated) -> Result<()> {
+    for indication in &indicated.indications {
+        write_whole(&file_of(&indication.input), |file| {
+            file.write_all(indication.text.as_bytes())
+        })?;
+    }
+    Ok(())
+}
+
+fn file_of(input: &str) -> PathBuf {
+    committed_folder().join(format!("{input}.csv"))
+}
+
+impl Indicated {
+    fn add(&mut self, input: impl Into<String>, text: String) {
+        let input = input.into();
+        self.indications.push(Indication { input, text });
+    }
+
+    /// Both trucks, both directions, and the map of the runs forward.
+    fn motorway(&mut self) -> Result<()> {
+        let scenario = Scenario::read(&root().join("host-sim/scenarios/motorway.toml"))?;
+        let mut forward = Vec::new();
+        for index in 0..scenario.runs.len() {
+            let simulated = simulate(&scenario, index)?;
+            let frames = Box::new(simulated.frames.iter().copied());
+            let run = estimated::<f32>(&simulated.vehicle.parameters, frames);
+            self.add(format!("motorway_{}", simulated.name), text_of(&run));
+            if simulated.name.ends_with("forward") {
+                forward.push(run.rows);
+            }
+        }
+        self.add("motorway_map", map_of(&forward)?);
+        Ok(())
+    }
+
+    /// A drive with everything wrong by one sigma, without and with a fault.
+    fn faults(&mut self) -> Result<()> {
+        let simulated = fault_drive("B", 1)?;
+        let vehicle = &simulated.vehicle.parameters;
+        let clean = Box::new(simulated.frames.iter().copied());
+        self.add("fault_none", text_of(&estimated::<f32>(vehicle, clean)));
+        let catalogue = catalogue();
+        for name in FAULTS {
+            let fault = catalogue
+                .iter()
+                .find(|fault| fault.name == name)
+                .ok_or_else(|| Error::content(Path::new(name), "is no fault of the catalogue"))?;
+            let run = estimated::<f32>(vehicle, fault.heard(&simulated.frames));
+            let words: Vec<&str> = name.split(|c: char| !c.is_alphanumeric()).collect();
+            self.add(format!("fault_{}", words.join("_")), text_of(&run));
+        }
+        Ok(())
+    }
+
+    /// The small drive of the emulated board in each number type, without and with all effects.
+    fn small_drive(&mut self) {
+        let frames = drive::drive();
+        for (name, vehicle) in [("plain", truck()), ("effects", truck_with_every_effect())] {
+            self.add(format!("small_{name}_f32"), small::<f32>(&vehicle, &frames));
+            self.add(format!("small_{name}_f64"), small::<f64>(&vehicle, &frames));
+            self.add(
+                format!("small_{name}_fixed"),
+                small::<Fixed>(&vehicle, &frames),
+            );
+        }
+    }
+
+    /// The first round trip of the measured bus, and the standing truck.
+    fn recorded(&mut self) -> Result<()> {
+        let data = root().join("../shared/data");
+        let mission = data.join("ztbus/B183_2021-07-26_03-53-27_2021-07-26_07-18-47.csv");
+        let idle = data.join("css_truck_idle/truck_idle.log");
+        if mission.exists() {
+            let mission = Mission::read(&mission)?;
+            let vehicle = mission.vehicle().parameters;
+            let folder = tempfile::tempdir().map_err(Error::io(&std::env::temp_dir()))?;
+            for (pass, number) in mission.passes().iter().take(2).zip(1..) {
+                let table = folder.path().join("pass.csv");
+                mission.write_pass(&table, pass)?;
+                let run = estimate_log::<f32>(&vehicle, None, &table, |_| ())?.in_memory()?;
+                self.add(format!("ztbus_pass_{number}"), text_of(&run));
+            }
+        } else {
+            self.absent.push(mission.display().to_string());
+        }
+        if idle.exists() {
+            let run = estimate_log::<f32>(&truck(), None, &idle, |_| ())?.in_memory()?;
+            self.add("truck_idle", text_of(&run));
+        } else {
+            self.absent.push(idle.display().to_string());
+        }
+        Ok(())
+    }
+}
+
+fn small<S: Scalar>(vehicle: &VehicleParameters, frames: &[TimedFrame]) -> String {
+    text_of(&estimated::<S>(vehicle, Box::new(frames.iter().copied())))
+}
+
+/// Counters, what is left for the next drive, digest and rows of a run.
+fn text_of(run: &Run) -> String {
+    let kept = run.kept.as_ref().map_or("none".to_owned(), |kept: &Kept| {
+        kept.to_bytes()
+            .iter()
+            .map(|byte| format!("{byte:02x}"))
+            .collect()
+    });
+    format!(
+        "{}kept {kept}\n{}",
+        counted(&run.counters),
+        rows_of(&run.rows)
+    )
+}
+
+fn map_of(runs: &[Vec<RunRow>]) -> Result<String> {
+    let name = Path::new("motorway_map");
+    let no_road = || Error::content(name, "no run has a track");
+    let cells: Vec<RunCell> = runs
+        .first()
+        .ok_or_else(no_road)?
+        .iter()
+        .map(RunCell::from)
+        .collect();
+    let network = road_through(name, road_of_run(&cells).ok_or_else(no_road)?)?;
+    let mut map = GradeMap::new(&network);
+    for rows in runs {
+        map.add_run(&SessionRun {
+            session: None,
+            rows,
+        });
+    }
+    Ok(rows_of(&map.fused().rows()))
+}
+
+/// A line for each counter that is not 0.
+fn counted(counters: &Counters) -> String {
+    let names_and_numbers = format!("{counters:#?}");
+    let lines = names_and_numbers.lines().filter_map(|line| {
+        let (name, number) = line.trim().trim_end_matches(',').split_once(": ")?;
+        (number != "0").then(|| (name.to_owned(), number.to_owned()))
+    });
+    let sorted: BTreeMap<String, String> = lines.collect();
+    let lines = sorted
+        .iter()
+        .map(|(name, number)| format!("{name} {number}\n"));
+    lines.collect()
+}
+
+/// Number and digest of all rows, and one a kilometre, with all digits.
+fn rows_of<T: Serialize>(rows: &[T]) -> String {
+    let mut all = csv::Writer::from_writer(Vec::new());
+    let mut shown = csv::Writer::from_writer(Vec::new());
+    for (index, row) in rows.iter().enumerate() {
+        all.serialize(row).expect("rows of numbers are CSV");
+        if index % SHOWN_EVERY == 0 || index + 1 == rows.len() {
+            shown.serialize(row).expect("rows of numbers are CSV");
+        }
+    }
+    let [all, shown] =
+        [all, shown].map(|writer| writer.into_inner().expect("memory takes what is written"));
+    format!(
+        "rows {} digest {:016x}\n{}",
+        rows.len(),
+        xxh3_64(&all),
+        String::from_utf8_lossy(&shown)
+    )
+}
