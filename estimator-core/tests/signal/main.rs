@@ -1,0 +1,6 @@
+//! Signals: frames become readings.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod decoding;

@@ -1,0 +1,10 @@
+//! The simulator: roads, trucks, buses and the GNSS error chain.
+
+#[path = "../simulated/mod.rs"]
+mod simulated;
+
+mod bus;
+mod end_to_end;
+mod gps_chain;
+mod physics;
+mod planted_effects;
