@@ -4,12 +4,11 @@ use embedded_can::{ExtendedId, Frame, StandardId};
 use estimator_core::effect::CATALOGUE;
 use estimator_core::signal::encode;
 use estimator_core::vehicle::{Driveline, GRAVITY, STANDARD_AIR_DENSITY};
-use estimator_core::{
-    Adopted, Effects, Gear, Instant, Powertrain, Signal, Traction, Value, VehicleParameters,
-};
+use estimator_core::{Adopted, Gear, Instant, Signal, Value, VehicleParameters};
 use host_sim::source::can_frame::{CanFrame, TimedFrame};
 use std::f64::consts::TAU;
 use std::ops::Range;
+use test_kit::truck_with;
 
 /// A little above 2 km.
 const DURATION_S: f64 = 100.0;
@@ -35,25 +34,7 @@ const GNSS_POSITION: u32 = 129_029;
 /// A loaded truck in its highest gears.
 #[must_use]
 pub fn truck() -> VehicleParameters {
-    let lower = Gear {
-        ratio: 1.26,
-        ..GEAR
-    };
-    VehicleParameters {
-        mass_kg: 39_000.0,
-        drag_area_m2: 6.0,
-        rolling_resistance: 0.0065,
-        wheel_radius_m: 0.5,
-        wheel_inertia_kgm2: 100.0,
-        effects: Effects::default(),
-        traction: Traction::Powertrain(Powertrain {
-            engine_inertia_kgm2: 3.8,
-            reference_torque_nm: 3_500.0,
-            final_drive_ratio: 2.92,
-            final_drive_efficiency: 0.98,
-            gears: [lower, GEAR].into_iter().collect(),
-        }),
-    }
+    truck_with(3_500.0, &[1.26, GEAR.ratio])
 }
 
 /// The truck with something of every effect that there is.

@@ -1,7 +1,4 @@
 //! Effects: each by itself, and on a drive.
 
-#[path = "../common/mod.rs"]
-mod common;
-
 mod on_a_drive;
 mod single;

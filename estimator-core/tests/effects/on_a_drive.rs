@@ -1,14 +1,15 @@
 //! A vehicle that has an effect and knows of it drives like one that has none; what it does not
 //! know for sure, it says.
 
-use crate::common::effect_drive::{DEG_PER_KM, Moment, PLAIN, Planted, START_LATITUDE_DEG, drive};
-use crate::common::hilly_drive::{KEPT, by_force};
-use crate::common::truck;
 use estimator_core::effect::CATALOGUE;
 use estimator_core::vehicle::GRAVITY;
 use estimator_core::{
     Adopted, Effect, Effects, Estimate, Estimator, KeptError, Tuning, VehicleParameters,
 };
+use test_kit::by_force;
+use test_kit::effect_drive::{DEG_PER_KM, Moment, PLAIN, Planted, START_LATITUDE_DEG, drive};
+use test_kit::hilly_drive::KEPT;
+use test_kit::truck;
 
 const SECONDS: f32 = 400.0;
 const WEIGHT_N: f32 = 39_000.0 * GRAVITY;
@@ -142,8 +143,8 @@ fn a_scale_that_is_known_is_as_none() {
 
 #[test]
 fn masses_told_on_the_bus_are_scaled_too() {
-    use crate::common::drive::Drive;
     use estimator_core::Signal;
+    use test_kit::readings_drive::Drive;
     let heavier = with(by_force(), &[adopted("mass", 0.1, &[])]);
     let mut drive = Drive::of(heavier);
     let told = [
@@ -244,10 +245,9 @@ fn what_was_learned_without_an_effect_is_not_kept_for_one() {
     // Every number of an effect tells vehicles apart.
     let wind = adopted("headwind", 3.0, &[]);
     let estimator = Estimator::<f32>::new(with(by_force(), &[wind]), Tuning::default()).unwrap();
-    let kept =
-        crate::common::hilly_drive::drive(estimator, 12_000, crate::common::hilly_drive::USUAL)
-            .kept()
-            .unwrap();
+    let kept = test_kit::hilly_drive::drive(estimator, 12_000, test_kit::hilly_drive::USUAL)
+        .kept()
+        .unwrap();
     let begins = |adopted: Adopted| kept.check_vehicle(&with(by_force(), &[adopted]));
     assert_eq!(begins(wind), Ok(()));
     for other in [

@@ -1,11 +1,11 @@
 //! Each effect by itself: its force at known values, its derivative, its sign, what it does where
 //! nothing is known, and what is refused.
 
-use crate::common::{sample, truck};
 use estimator_core::effect::{Acts, Bounds, CATALOGUE, MAX_DETAILS};
 use estimator_core::sampler::{Circumstances, Sample};
 use estimator_core::vehicle::{GRAVITY, Load};
 use estimator_core::{Adopted, Effect, Maybe, Place, VehicleParameters};
+use test_kit::{sample, truck};
 
 /// Truck A of the tables: 39 t, 6.0 m², c_r 0.007, at 80 km/h.
 fn heavy() -> VehicleParameters {
@@ -285,7 +285,7 @@ fn each_depends_on_what_it_says() {
 
     // A measured force is not told by a torque.
     let radius = adopted("wheel_radius", 0.01, &[]);
-    let by_force = crate::common::hilly_drive::by_force();
+    let by_force = test_kit::by_force();
     let torque_part = force(&radius, &known) - radius.force_n(&by_force, &known);
     near(torque_part, known.load.traction_n * (1.0 - 1.0 / 1.01));
 }

@@ -1,11 +1,11 @@
 //! The frames of the estimate, read with their layout file by a library for such files.
 
-use crate::common::TestFrame;
 use can_dbc::{Dbc, Message, MessageId};
 use embedded_can::{Frame, Id};
 use estimator_core::broadcast::{self, CELL_PGN, LIVE_PGN};
 use estimator_core::{Cell, Condition, Estimate, Live, Place, Uncertain};
 use proptest::prelude::*;
+use test_kit::TestFrame;
 
 const SOURCE: u8 = 0xFE;
 

@@ -1,19 +1,12 @@
 //! The facade: what a drive of known shape gives, and what no input may do.
 
-use crate::common::{TestFrame, frames_of, truck};
 use estimator_core::signal::{encode, messages};
 use estimator_core::{
     Cell, Estimator, Instant, Live, Outcome, ParameterError, Reading, Signal, Traction, Tuning,
     Uncertain, Value, VehicleParameters,
 };
 use proptest::prelude::*;
-
-fn by_force() -> VehicleParameters {
-    VehicleParameters {
-        traction: Traction::Force,
-        ..truck()
-    }
-}
+use test_kit::{TestFrame, by_force, frames_of, truck};
 
 fn put(estimator: &mut Estimator<f32>, micros: u64, signal: Signal, value: f32) -> Outcome {
     estimator.on_reading(

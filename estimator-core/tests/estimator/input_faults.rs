@@ -1,8 +1,8 @@
 //! Inputs that are wrong in time, in speed, or come too often or from somebody else.
 
-use crate::common::{TestFrame, frames_of, truck};
 use estimator_core::signal::{FrameOutcome, Rejection, encode};
 use estimator_core::{Counters, Decoder, Estimator, Instant, Outcome, Signal, Tuning, Value};
+use test_kit::{TestFrame, frames_of, truck};
 
 const EEC1: u32 = 61_444;
 const CCVS1: u32 = 65_265;

@@ -1,11 +1,11 @@
 //! GNSS altitudes that are wrong: outliers, steps, drifts, silence, other sources, a stuck receiver.
 
-use crate::common::drive::Drive;
-use crate::common::hilly_drive::by_force;
-use crate::common::{Noise, altitude, sample, smooth, speed, truck};
 use estimator_core::filter::{AltitudeEvent, Filter, Record};
 use estimator_core::sampler::Continuity;
 use estimator_core::{Counters, Signal, Tuning};
+use test_kit::by_force;
+use test_kit::readings_drive::Drive;
+use test_kit::{Noise, altitude, sample, smooth, speed, truck};
 
 /// A level drive with good altitudes but for `fault`, which tells what a fix is off by.
 fn level_drive(fault: impl Fn(u32) -> f32) -> (Vec<Record<f64>>, Counters) {
@@ -24,9 +24,9 @@ fn drive_with_fixes(fix: impl Fn(u32, f32) -> Option<f32>) -> (Vec<Record<f64>>,
     let records = (1..=4_000_u32)
         .map(|k| {
             let mut s = sample(k, force_n, 20.0);
-            s.speed = speed(20.0 + 0.013 * noise.next());
+            s.speed = speed(20.0 + 0.013 * noise.draw());
             if k % 8 == 0 {
-                s.altitude = fix(k, 100.0 + 0.3 * noise.next()).and_then(altitude);
+                s.altitude = fix(k, 100.0 + 0.3 * noise.draw()).and_then(altitude);
             }
             let step = filter.step(&vehicle, &Tuning::default(), &s, &mut counters);
             step.expect("every sample has a speed")
@@ -74,7 +74,7 @@ fn a_step_of_the_receiver_moves_neither_slope_nor_altitude() {
 #[test]
 fn a_noisy_receiver_is_learned_and_not_picked_from() {
     let mut noise = Noise(5);
-    let draws: Vec<f32> = (0..=4_000).map(|_| 3.0 * noise.next()).collect();
+    let draws: Vec<f32> = (0..=4_000).map(|_| 3.0 * noise.draw()).collect();
     let (records, counters) = level_drive(|k| draws[k as usize]);
     // Of 500 fixes; a gate that did not learn would leave out most.
     assert!(
@@ -159,7 +159,7 @@ fn a_climb_that_never_ends_is_believed_in_the_end() {
 fn good_fixes_are_no_drift() {
     for noise in [0.0, 1.0, 3.0] {
         let mut draw = Noise(11);
-        let draws: Vec<f32> = (0..=4_000).map(|_| noise * draw.next()).collect();
+        let draws: Vec<f32> = (0..=4_000).map(|_| noise * draw.draw()).collect();
         let (_, counters) = level_drive(|k| draws[k as usize]);
         assert_eq!(counters.altitude_drifts, 0, "{noise} m");
     }

@@ -1,6 +1,5 @@
 //! The filter and its smoothing in fixed point against double precision.
 
-use crate::common::{Noise, altitude, cells, run, sample, smooth, speed, truck};
 use estimator_core::filter::{Filter, Record};
 use estimator_core::sampler::Sample;
 use estimator_core::{
@@ -8,6 +7,7 @@ use estimator_core::{
     Value,
 };
 use std::iter::from_fn;
+use test_kit::{Noise, altitude, cells, run, sample, smooth, speed, truck};
 
 /// A drive with a gap, missing speeds, an altitude that steps, brakes, crawling and standstill.
 fn drive() -> Vec<Sample> {
@@ -15,13 +15,13 @@ fn drive() -> Vec<Sample> {
     (1..=1_500_u32)
         .map(|k| {
             let mps = if (900..950).contains(&k) { 0.2 } else { 20.0 };
-            let mut s = sample(k, 9_000.0 + 4_000.0 * noise.next(), mps);
+            let mut s = sample(k, 9_000.0 + 4_000.0 * noise.draw(), mps);
             if k == 1 || k % 7 != 0 {
-                s.speed = speed((mps + 0.02 * noise.next()).max(0.0));
+                s.speed = speed((mps + 0.02 * noise.draw()).max(0.0));
             }
             if k % 9 == 4 {
                 let step = if k > 250 { 25.0 } else { 0.0 };
-                s.altitude = altitude(100.0 + step + 0.5 * noise.next());
+                s.altitude = altitude(100.0 + step + 0.5 * noise.draw());
             }
             if k == 333 {
                 s.gap_cells = 3;

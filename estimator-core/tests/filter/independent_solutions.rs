@@ -1,7 +1,5 @@
 //! The filter and its smoothing against independent solutions.
 
-use crate::common::dense::{dense_model, loads};
-use crate::common::{Noise, altitude, run, run_counted, sample, smooth, speed, truck};
 use estimator_core::filter::covariance::to_vector;
 use estimator_core::filter::record::Link;
 use estimator_core::filter::state::{ALTITUDE, BIAS, ENERGY, GNSS_ERROR, SCALE, SLOPE, WIND};
@@ -11,6 +9,8 @@ use estimator_core::sampler::Sample;
 use estimator_core::{Counters, Tuning};
 use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
+use test_kit::dense::{dense_model, loads};
+use test_kit::{Noise, altitude, run, run_counted, sample, smooth, speed, truck};
 
 /// Variance of a measurement of a sum of states, from its innovation's s and gain K: s (1 − h K).
 fn measured_variance(applied: &Applied<f64>, states: &[usize]) -> f64 {
@@ -183,10 +183,10 @@ fn covariance_stays_symmetric_and_positive_in_single_precision() {
     let mut noise = Noise(1);
     let mut least = f64::INFINITY;
     for k in 1..=10_000_000_u32 {
-        let mut s = sample(k, 5_000.0 + 3_000.0 * noise.next(), 22.0);
-        s.speed = speed(22.0 + 0.013 * noise.next());
+        let mut s = sample(k, 5_000.0 + 3_000.0 * noise.draw(), 22.0);
+        s.speed = speed(22.0 + 0.013 * noise.draw());
         if k % 9 == 0 {
-            s.altitude = altitude(50.0 + noise.next());
+            s.altitude = altitude(50.0 + noise.draw());
         }
         s.place.condition.shifting = k % 1_000 < 12;
         filter.step(&vehicle, &tuning, &s, &mut counters);
@@ -233,7 +233,7 @@ fn the_noise_of_the_wheel_speed_is_learned() {
         let mut last = 0.0;
         for k in 1..=4_000_u32 {
             let mut s = sample(k, 4_000.0, 20.0);
-            s.speed = speed(20.0 + sigma * noise.next());
+            s.speed = speed(20.0 + sigma * noise.draw());
             let record = filter.step(&vehicle, &Tuning::default(), &s, &mut counters);
             last = measured_variance(&record.unwrap().trace.speed.unwrap(), &[ENERGY]).sqrt();
         }

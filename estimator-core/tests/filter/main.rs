@@ -1,8 +1,5 @@
 //! The filter: its solution, its statistics, its gates.
 
-#[path = "../common/mod.rs"]
-mod common;
-
 mod altitude_gate;
 #[cfg(feature = "fixed")]
 mod fixed_point_drive;

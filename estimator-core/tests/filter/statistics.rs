@@ -1,19 +1,19 @@
 //! What a Kalman filter owes statistically: white innovations, and an answer that does not hang on
 //! the length of its steps.
 
-use crate::common::dense::{dense_model, loads};
-use crate::common::{Noise, altitude, run, sample, speed, truck};
 use estimator_core::filter::state::{ALTITUDE, BIAS, ENERGY, GNSS_ERROR, SCALE, SLOPE};
 use estimator_core::filter::{STATES, update::Applied};
 use estimator_core::sampler::Sample;
 use estimator_core::{CELL_LENGTH_M, Tuning};
 use nalgebra::DVector;
+use test_kit::dense::{dense_model, loads};
+use test_kit::{Noise, altitude, run, sample, speed, truck};
 
 /// A drive drawn from the very model that the filter believes in.
 fn drawn(cells: u32, seed: u64, tuning: &Tuning) -> Vec<Sample> {
     let vehicle = truck();
     let mut noise = Noise(seed);
-    let mut normal = || f64::from(noise.next());
+    let mut normal = || f64::from(noise.draw());
     let weight_n = f64::from(vehicle.mass_kg) * 9.806_65;
     let mut x = DVector::zeros(STATES);
     x[ENERGY] = 0.5 * 22.0 * 22.0;
@@ -111,9 +111,9 @@ fn hills(step_m: f32) -> Vec<Sample> {
             s.duration_s = step_m / mps as f32;
             s.place.cell = k / per_cell;
             if k % per_cell == 0 {
-                s.speed = speed(mps as f32 + 0.011 * reading.next());
+                s.speed = speed(mps as f32 + 0.011 * reading.draw());
                 if s.place.cell % 9 == 1 {
-                    s.altitude = altitude(height(at_m) as f32 + 0.5 * fix.next());
+                    s.altitude = altitude(height(at_m) as f32 + 0.5 * fix.draw());
                 }
             }
             s

@@ -1,7 +1,8 @@
 //! What one drive leaves for the next: when, what, and where the next drive begins.
 
-use crate::common::hilly_drive::{Bus, KEPT, USUAL, by_force, drive, fresh};
 use estimator_core::{Estimator, Tuning};
+use test_kit::by_force;
+use test_kit::hilly_drive::{Bus, KEPT, USUAL, drive, fresh};
 
 #[test]
 fn what_a_drive_has_learned_is_in_it() {

@@ -1,9 +1,10 @@
 //! What one drive leaves for the next as a blob: its bytes, and what is refused.
 
-use crate::common::hilly_drive::{KEPT, USUAL, by_force, drive};
-use crate::common::truck;
 use estimator_core::{Estimator, Gear, Kept, KeptError, Traction, Tuning, VehicleParameters};
 use proptest::prelude::*;
+use test_kit::by_force;
+use test_kit::hilly_drive::{KEPT, USUAL, drive};
+use test_kit::truck;
 
 /// Lengths and places in the blob, from the table of the module's documentation.
 const CHECKED: usize = 48;

@@ -1,10 +1,10 @@
 //! What effects depend on, from readings.
 
-use crate::common::drive::Drive;
-use crate::common::hilly_drive::by_force;
-use crate::common::truck;
 use estimator_core::Signal;
 use estimator_core::sampler::{Circumstances, Sample};
+use test_kit::by_force;
+use test_kit::readings_drive::Drive;
+use test_kit::truck;
 
 const FORCE: (Signal, f32) = (Signal::TractionForce, 4_000.0);
 

@@ -1,10 +1,10 @@
 //! When the vehicle model is trusted: readings in, samples out.
 
-use crate::common::drive::Drive;
-use crate::common::{TestFrame, truck};
 use estimator_core::sampler::Sample;
 use estimator_core::signal::encode;
 use estimator_core::{Instant, Intake, Reading, Signal, Tuning, Value};
+use test_kit::readings_drive::Drive;
+use test_kit::{TestFrame, truck};
 
 /// A direct gear (truck()'s eleventh) at 20 m/s turns the engine at this, rpm.
 const RPM: f32 = 1_115.4;

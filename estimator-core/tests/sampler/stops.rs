@@ -1,19 +1,11 @@
 //! Stops: which masses count, and what a stop undoes.
 
-use crate::common::drive::Drive;
-use crate::common::{altitude, sample, speed, truck};
 use estimator_core::filter::Filter;
 use estimator_core::filter::state::{BIAS, SCALE};
 use estimator_core::sampler::Sample;
-use estimator_core::{Counters, Signal, Traction, Tuning, VehicleParameters};
-
-/// By a measured force, with these readings at this speed.
-fn by_force() -> VehicleParameters {
-    VehicleParameters {
-        traction: Traction::Force,
-        ..truck()
-    }
-}
+use estimator_core::{Counters, Signal, Tuning};
+use test_kit::readings_drive::Drive;
+use test_kit::{altitude, by_force, sample, speed, truck};
 
 fn at(mps: f32, mass_kg: Option<f32>) -> Vec<(Signal, f32)> {
     let mass = mass_kg.map(|kg| (Signal::Mass, kg));

@@ -1,9 +1,9 @@
 //! Frames to readings: values worked out by hand, codes, broken frames.
 
-use crate::common::{TestFrame, frames_of};
 use estimator_core::signal::{FrameOutcome, Pgn, Rejection, encode, messages};
 use estimator_core::{Decoder, Reading, Signal, Value};
 use proptest::prelude::*;
+use test_kit::{TestFrame, frames_of};
 
 /// Parameter groups of the bus contract.
 const MESSAGES: usize = 18;

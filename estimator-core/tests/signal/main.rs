@@ -1,6 +1,3 @@
 //! Signals: frames become readings.
 
-#[path = "../common/mod.rs"]
-mod common;
-
 mod decoding;

@@ -1,11 +1,11 @@
 //! The fixed lag against a pass over all of its records.
 
-use crate::common::{Noise, altitude, cells, run, sample, speed};
 use estimator_core::Tuning;
 use estimator_core::filter::Backward;
 use estimator_core::lag::{BLOCK_CELLS, LAG_CELLS, Lag};
 use estimator_core::sampler::{Continuity, Sample};
 use std::iter::from_fn;
+use test_kit::{Noise, altitude, cells, run, sample, speed};
 
 /// A drive with everything that breaks a chain of cells: a gap, a new datum, a step of the GNSS
 /// error, missing speeds and altitudes.
@@ -13,14 +13,14 @@ fn drive() -> Vec<Sample> {
     let mut noise = Noise(5);
     (1..=700_u32)
         .map(|k| {
-            let mut s = sample(k, 9_000.0 + 4_000.0 * noise.next(), 20.0);
+            let mut s = sample(k, 9_000.0 + 4_000.0 * noise.draw(), 20.0);
             if k == 1 || k % 7 != 0 {
-                s.speed = speed(20.0 + 0.02 * noise.next());
+                s.speed = speed(20.0 + 0.02 * noise.draw());
             }
             if k % 9 == 4 {
                 let datum = if k > 420 { 140.0 } else { 100.0 };
                 let step = if k > 250 { 25.0 } else { 0.0 };
-                s.altitude = altitude(datum + step + 0.5 * noise.next());
+                s.altitude = altitude(datum + step + 0.5 * noise.draw());
                 if let Some(altitude) = s.altitude.as_mut().filter(|_| k == 427) {
                     altitude.continuity = Continuity::Switched;
                 }

@@ -8,10 +8,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use tempfile::TempDir;
-
-fn roadgrade() -> Command {
-    Command::cargo_bin("roadgrade").unwrap()
-}
+use test_kit::command::program as roadgrade;
 
 /// Short drives of one truck that rolls 30 % harder than its vehicle file says.
 struct Drives {

@@ -1,9 +1,9 @@
 //! What the model of a measured trolleybus lacks, where the measurements are.
 
-use assert_cmd::Command;
 use host_sim::diagnose::{Request, diagnose};
 use host_sim::vehicle_file::VehicleFile;
 use std::path::{Path, PathBuf};
+use test_kit::command::program;
 
 const MISSION: &str = "../shared/data/ztbus/B183_2021-07-26_03-53-27_2021-07-26_07-18-47.csv";
 /// One way each; the last two are a round trip.
@@ -26,8 +26,7 @@ fn drift_on_a_round_trip_held_out_goes_away() {
         return;
     }
     let folder = tempfile::tempdir().unwrap();
-    Command::cargo_bin("roadgrade")
-        .unwrap()
+    program()
         .args(["import", "ztbus"])
         .arg(&mission)
         .arg("--out")

@@ -1,6 +1,5 @@
 //! `roadgrade estimate` from end to end: what it reaches, and what it refuses.
 
-use assert_cmd::Command;
 use host_sim::run_file::{self, RunRow};
 use host_sim::score::score_run;
 use host_sim::truth_file;
@@ -9,10 +8,7 @@ use predicates::str::contains;
 use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
-
-fn roadgrade() -> Command {
-    Command::cargo_bin("roadgrade").unwrap()
-}
+use test_kit::command::program as roadgrade;
 
 fn simulate(folder: &Path, scenario: &str) {
     let file = folder.join("scenario.toml");

@@ -1,8 +1,5 @@
 //! Estimates of recorded and simulated drives, and `roadgrade estimate`.
 
-#[path = "../simulated/mod.rs"]
-mod simulated;
-
 mod end_to_end;
 mod gnss_faults;
 mod persistent_state;

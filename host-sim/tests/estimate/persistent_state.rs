@@ -1,7 +1,6 @@
 //! Two simulated drives of a truck, one after the other: what the second gains by what the first
 //! left, and what `roadgrade estimate --kept` does with the file.
 
-use assert_cmd::Command;
 use estimator_core::{Estimator, Kept, Tuning};
 use host_sim::recorder::{Recorder, Run};
 use host_sim::run_file::RunRow;
@@ -15,6 +14,7 @@ use rayon::prelude::*;
 use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
+use test_kit::command::program;
 
 /// How the true vehicle differs from the believed one: as the parameters of a fleet do.
 #[derive(Clone, Copy)]
@@ -169,8 +169,7 @@ fn drives() -> TempDir {
     }
     let file = folder.path().join("scenario.toml");
     fs::write(&file, scenario).unwrap();
-    Command::cargo_bin("roadgrade")
-        .unwrap()
+    program()
         .args(["simulate", "--scenario"])
         .arg(&file)
         .arg("--out")
@@ -188,7 +187,7 @@ fn estimate(
 ) -> (assert_cmd::assert::Assert, PathBuf) {
     let file = |end: &str| folder.join(format!("{name}.{end}"));
     let out = file(if kept.is_some() { "kept.csv" } else { "csv" });
-    let mut command = Command::cargo_bin("roadgrade").unwrap();
+    let mut command = program();
     command
         .arg("estimate")
         .arg("--vehicle")

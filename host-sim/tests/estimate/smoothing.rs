@@ -1,7 +1,6 @@
 //! Smoothing of a whole run, which keeps no more than a part of it: the same numbers as if it kept
 //! everything.
 
-use crate::simulated::scenario;
 use estimator_core::filter::{AltitudeEvent, Backward, Filter, Record};
 use estimator_core::sampler::{Continuity, Sample};
 use estimator_core::{Counters, Estimate, Estimator, Scalar, Tuning, VehicleParameters};
@@ -9,6 +8,7 @@ use host_sim::recorder::Recorder;
 use host_sim::smooth::{Smoothed, held_bytes, smooth_run};
 use host_sim::world::{SimulatedRun, simulate};
 use std::ops::RangeInclusive;
+use test_kit::simulated::scenario;
 
 /// A drive with everything wrong, and this of its receiver.
 fn drive(truck: &str, length_m: f64, faults: &str) -> SimulatedRun {

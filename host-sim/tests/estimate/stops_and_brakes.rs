@@ -1,12 +1,12 @@
 //! Stops and brakes on simulated drives: what a launch, a missing brake signal and another load
 //! cost.
 
-use crate::simulated::{readings, scenario};
 use estimator_core::{Instant, Reading, Signal, Tuning, Value};
 use host_sim::recorder::{Recorder, Run};
 use host_sim::world::SimulatedRun;
 use host_sim::world::scenario::Scenario;
 use host_sim::world::simulate;
+use test_kit::simulated::{readings, scenario};
 
 /// A reading and when it came, s.
 type Timed = (f64, Reading);

@@ -1,11 +1,11 @@
 //! Effects in `vehicle.toml`: read, written, refused by name, and of use to `estimate`.
 
-use crate::command::roadgrade;
 use host_sim::run_file;
 use host_sim::vehicle_file::VehicleFile;
 use predicates::str::contains;
 use std::fs;
 use tempfile::TempDir;
+use test_kit::command::roadgrade;
 
 const BUS: &str = r#"
 [vehicle]

@@ -1,7 +1,5 @@
 //! `roadgrade fuse` at the command line.
 
-use crate::command::roadgrade;
-use crate::roads::{hill_percent, hills, moved, reversed, road, run};
 use assert_cmd::assert::Assert;
 use host_sim::map::read_map;
 use host_sim::run_file::{self, RunRow};
@@ -10,10 +8,8 @@ use predicates::str::contains;
 use std::fmt::Write as _;
 use std::path::Path;
 use tempfile::TempDir;
-
-fn folder() -> TempDir {
-    tempfile::tempdir().expect("a folder")
-}
+use test_kit::command::{folder, roadgrade};
+use test_kit::roads::{hill_percent, hills, moved, reversed, road, run};
 
 fn fuse(folder: &Path, arguments: &[&str]) -> Assert {
     roadgrade(
@@ -26,7 +22,7 @@ fn save(folder: &TempDir, name: &str, rows: &[RunRow]) {
     run_file::write(&folder.path().join(name), rows).expect("written");
 }
 
-fn save_road(folder: &TempDir, name: &str, spots: &[crate::roads::Spot]) {
+fn save_road(folder: &TempDir, name: &str, spots: &[test_kit::roads::Spot]) {
     let mut text = String::from("distance_m,latitude_deg,longitude_deg\n");
     for row in road(spots) {
         let _ = writeln!(

@@ -1,19 +1,14 @@
 //! `roadgrade export`: a map as GeoJSON, as CSV way by way, and as a page.
 
-use crate::command::roadgrade;
-use crate::roads::network::{map, network, way};
-use crate::roads::{hills, reversed, run, with_position_noise};
 use assert_cmd::assert::Assert;
 use geojson::{Feature, FeatureCollection, Value as Shape};
 use host_sim::map::{Direction, MapRow, WayName, WayRows, read_map, stage_map_ways, write_map};
 use predicates::prelude::*;
 use predicates::str::contains;
 use std::path::Path;
-use tempfile::TempDir;
-
-fn folder() -> TempDir {
-    tempfile::tempdir().expect("a folder")
-}
+use test_kit::command::{folder, roadgrade};
+use test_kit::roads::network::{map, network, way};
+use test_kit::roads::{hills, reversed, run, with_position_noise};
 
 fn export(folder: &Path, arguments: &[&str]) -> Assert {
     roadgrade(folder, &[&["export"][..], arguments].concat())
@@ -170,7 +165,7 @@ fn pieces_are_short_lines_with_numbers() {
             .collect();
         for feature in of_c {
             let middle_m = 4000.0 + 0.5 * (number(feature, "from_m") + number(feature, "to_m"));
-            let off = number(feature, "grade_percent") - crate::roads::hill_percent(middle_m);
+            let off = number(feature, "grade_percent") - test_kit::roads::hill_percent(middle_m);
             assert!(off.abs() < 0.1, "{off}");
             assert!(number(feature, "grade_sigma_percent") > 0.01);
             assert!(number(feature, "runs_least") >= 2.0);

@@ -1,11 +1,11 @@
 //! Runs over known roads become the map that they should.
 
-use crate::roads::{
-    Spot, alone, drive, fuse, hill_percent, hills, moved, points, reversed, road, run,
-};
 use host_sim::map::{GradeMap, MapRow, Network, RoadLine, read_map, road_of_run, write_map};
 use host_sim::run_file::{self, RunRow};
 use host_sim::score::score_map_on_road;
+use test_kit::roads::{
+    Spot, alone, drive, fuse, hill_percent, hills, moved, points, reversed, road, run,
+};
 
 fn line(spots: &[Spot]) -> Network {
     RoadLine::new(points(spots)).expect("a road").into()
@@ -43,7 +43,9 @@ fn order_of_runs_does_not_matter() {
     let spots = hills();
     let runs: Vec<Vec<RunRow>> = (0..4)
         .map(|seed| {
-            let mut rows = run(&crate::roads::with_position_noise(&spots, 2.0, 80.0, seed));
+            let mut rows = run(&test_kit::roads::with_position_noise(
+                &spots, 2.0, 80.0, seed,
+            ));
             for row in &mut rows {
                 row.grade_percent += 0.1 * (row.distance_m / (40.0 + seed as f64)).sin();
                 row.grade_sigma_percent = 0.05 + 0.02 * seed as f64;
@@ -192,7 +194,7 @@ fn a_wrong_odometer_does_not_smear() {
 #[test]
 fn position_noise_shifts_the_grade_by_little_and_smoothly() {
     let spots = hills();
-    let noisy = run(&crate::roads::with_position_noise(&spots, 3.0, 20.0, 7));
+    let noisy = run(&test_kit::roads::with_position_noise(&spots, 3.0, 20.0, 7));
     let map = map_of(&line(&spots), &[&noisy]);
     let rms = (map
         .iter()
@@ -292,7 +294,7 @@ fn there_and_back_on_one_street_are_two_parts_of_a_road() {
     };
     let grade = |s: f64| if s < 2000.0 { 2.0 } else { -2.0 };
     let spots = drive((0.0, 0.0), 4000.0, course, grade);
-    let noisy = run(&crate::roads::with_position_noise(&spots, 2.0, 50.0, 3));
+    let noisy = run(&test_kit::roads::with_position_noise(&spots, 2.0, 50.0, 3));
     let road_line = line(&spots);
     let fusion = fuse(&road_line, &[&noisy]);
     assert!(fusion.coverage[0].matched > 1580, "{:?}", fusion.coverage);
@@ -316,7 +318,7 @@ fn laps_in_the_same_direction_are_kept_apart() {
         |s| (s / 2000.0).floor(),
     );
     let road_line = line(&spots);
-    let three = run(&crate::roads::with_position_noise(&spots, 2.0, 50.0, 4));
+    let three = run(&test_kit::roads::with_position_noise(&spots, 2.0, 50.0, 4));
     let fusion = fuse(&road_line, &[&three]);
     assert!(fusion.coverage[0].matched > 2390, "{:?}", fusion.coverage);
     for row in fusion.map.fused().rows() {

@@ -1,10 +1,5 @@
 //! Runs become maps: roads, networks, stores, and `roadgrade fuse` and `export`.
 
-#[path = "../command/mod.rs"]
-mod command;
-#[path = "../roads/mod.rs"]
-mod roads;
-
 mod end_to_end;
 mod export;
 mod fleet;

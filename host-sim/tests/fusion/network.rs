@@ -1,10 +1,12 @@
 //! Runs on the ways of a network: each cell on the way that was driven.
 
-use crate::roads::network::{map, names, network, rows_of, way};
-use crate::roads::{Spot, drive, fuse, hills, moved, points, reversed, run, with_position_noise};
 use host_sim::map::{Coverage, Network, RoadLine, WayRows};
 use host_sim::run_file::RunRow;
 use serde_json::Value;
+use test_kit::roads::network::{map, names, network, rows_of, way};
+use test_kit::roads::{
+    Spot, drive, fuse, hills, moved, points, reversed, run, with_position_noise,
+};
 
 fn noisy(spots: &[Spot], seed: u64) -> Vec<RunRow> {
     run(&with_position_noise(spots, 3.0, 80.0, seed))
@@ -266,7 +268,7 @@ fn a_gap_in_the_network_is_passed() {
         for row in &behind.rows {
             let at_m = (800 + gap) as f64 * 2.5 + row.distance_m;
             assert!(
-                (row.grade_percent - crate::roads::hill_percent(at_m)).abs() < 0.1,
+                (row.grade_percent - test_kit::roads::hill_percent(at_m)).abs() < 0.1,
                 "{row:?}"
             );
         }
@@ -292,7 +294,7 @@ fn a_run_without_positions_keeps_its_way_over_joins() {
         cells += way.rows.len();
         for row in &way.rows {
             let at_m = number as f64 * 375.0 + row.distance_m;
-            let truth = crate::roads::hill_percent(at_m);
+            let truth = test_kit::roads::hill_percent(at_m);
             assert!((row.grade_percent - truth).abs() < 0.02, "{number} {row:?}");
         }
     }
@@ -300,7 +302,7 @@ fn a_run_without_positions_keeps_its_way_over_joins() {
 
     // Rows that are missing altogether are not made up.
     let without: Vec<RunRow> = [&rows[..700], &rows[1100..]].concat();
-    let map = crate::roads::network::map(&network, &[&without]);
+    let map = test_kit::roads::network::map(&network, &[&without]);
     let cells: usize = map.iter().map(|way| way.rows.len()).sum();
     assert!((1990..2010).contains(&cells), "{cells}");
     assert!(

@@ -1,8 +1,5 @@
 //! Networks from files, and maps of them as files: what is read, what is refused.
 
-use crate::command::roadgrade;
-use crate::roads::network::{collection, save, way};
-use crate::roads::{Spot, hills, reversed, run, with_position_noise};
 use assert_cmd::assert::Assert;
 use host_sim::map::read_map_ways;
 use host_sim::run_file::{self, RunRow};
@@ -11,11 +8,9 @@ use predicates::str::contains;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::path::Path;
-use tempfile::TempDir;
-
-fn folder() -> TempDir {
-    tempfile::tempdir().expect("a folder")
-}
+use test_kit::command::{folder, roadgrade};
+use test_kit::roads::network::{collection, save, way};
+use test_kit::roads::{Spot, hills, reversed, run, with_position_noise};
 
 fn fuse(folder: &Path, arguments: &[&str]) -> Assert {
     roadgrade(folder, &[&["fuse"][..], arguments].concat())

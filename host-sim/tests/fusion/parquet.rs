@@ -1,7 +1,5 @@
 //! Runs and maps as Parquet, folders of them, and fusions that are interrupted.
 
-use crate::command::roadgrade;
-use crate::roads::{hills, run};
 use assert_cmd::assert::Assert;
 use host_sim::map::{MapRow, read_map};
 use host_sim::run_cell::{RunCell, RunIdentity};
@@ -17,6 +15,8 @@ use rand_chacha::ChaCha8Rng;
 use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
+use test_kit::command::roadgrade;
+use test_kit::roads::{hills, run};
 
 fn fuse(folder: &Path, arguments: &[&str]) -> Assert {
     roadgrade(folder, &[&["fuse"][..], arguments].concat())
@@ -24,7 +24,7 @@ fn fuse(folder: &Path, arguments: &[&str]) -> Assert {
 
 /// A run over the hills whose grade, position and sigma are its own.
 fn wavy(number: usize) -> Vec<RunRow> {
-    let spots = crate::roads::with_position_noise(&hills(), 1.5, 80.0, number as u64);
+    let spots = test_kit::roads::with_position_noise(&hills(), 1.5, 80.0, number as u64);
     let mut rows = run(&spots[..600]);
     for row in &mut rows {
         row.grade_percent += 0.05 * (row.distance_m / (70.0 + 9.0 * number as f64)).sin();

@@ -1,7 +1,7 @@
 //! A road as a line: from points, from a run's own track, and where positions lie on it.
 
-use crate::roads::{Spot, drive, fuse, hill_percent, hills, points, run};
 use host_sim::map::{Network, Place, RoadLine, TrackPoint, match_track, road_of_run};
+use test_kit::roads::{Spot, drive, fuse, hill_percent, hills, points, run};
 
 #[test]
 fn without_a_road_the_first_track_serves() {
@@ -26,7 +26,7 @@ fn without_a_road_the_first_track_serves() {
 #[test]
 fn first_track_is_smoothed_against_position_noise() {
     let spots = hills();
-    let noisy = run(&crate::roads::with_position_noise(&spots, 2.5, 60.0, 1));
+    let noisy = run(&test_kit::roads::with_position_noise(&spots, 2.5, 60.0, 1));
     let track = road_of_run(&noisy).expect("a track");
     let length_m = track[track.len() - 1].distance_m;
     assert!((length_m / 6000.0 - 1.0).abs() < 0.005, "{length_m}");

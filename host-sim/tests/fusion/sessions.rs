@@ -1,12 +1,12 @@
 //! What runs of one session have in common, told from how far they disagree, and what it leaves
 //! of a map's certainty.
 
-use crate::roads::{Spot, alone, drive, hill_percent, points, run};
 use host_sim::map::{GradeMap, MapRow, Network, RoadLine, SessionRun, fuse};
 use host_sim::run_file::RunRow;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use test_kit::roads::{Spot, alone, drive, hill_percent, points, run};
 
 /// 40 km straight east.
 fn long_road() -> Vec<Spot> {

@@ -1,7 +1,5 @@
 //! `roadgrade fuse --store` and `--session`: a map that grows run by run.
 
-use crate::command::roadgrade;
-use crate::roads::{hills, moved, reversed, run};
 use assert_cmd::assert::Assert;
 use host_sim::map::{Network, RoadLine, read_map, read_store};
 use host_sim::run_file::{self, RunRow};
@@ -10,6 +8,8 @@ use predicates::str::contains;
 use std::fs;
 use std::path::Path;
 use tempfile::TempDir;
+use test_kit::command::roadgrade;
+use test_kit::roads::{hills, moved, reversed, run};
 
 fn fuse(folder: &Path, arguments: &[&str]) -> Assert {
     roadgrade(
@@ -20,7 +20,7 @@ fn fuse(folder: &Path, arguments: &[&str]) -> Assert {
 
 /// A run over the hills whose grade, position and sigma are its own.
 fn wavy(number: usize) -> Vec<RunRow> {
-    let mut rows = run(&crate::roads::with_position_noise(
+    let mut rows = run(&test_kit::roads::with_position_noise(
         &hills(),
         1.5,
         80.0,

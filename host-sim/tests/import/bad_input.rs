@@ -2,9 +2,9 @@
 
 use crate::import;
 use crate::mission_maker::{HEADER, MissionMaker};
-use assert_cmd::Command;
 use predicates::prelude::*;
 use std::fs;
+use test_kit::command::program;
 
 /// The import ends with 1, says what `message` says, and writes nothing.
 fn refused(text: impl AsRef<[u8]>, message: &[&str]) {
@@ -119,6 +119,6 @@ fn a_mission_without_gnss_is_refused() {
 
 #[test]
 fn wrong_usage_ends_with_2() {
-    let mut command = Command::cargo_bin("roadgrade").unwrap();
+    let mut command = program();
     command.args(["import", "ztbus", "x.csv"]).assert().code(2);
 }

@@ -8,9 +8,10 @@ mod passes;
 use assert_cmd::Command;
 use std::collections::BTreeMap;
 use std::path::Path;
+use test_kit::command::program;
 
 fn import(file: &Path, out: &Path) -> Command {
-    let mut command = Command::cargo_bin("roadgrade").unwrap();
+    let mut command = program();
     command.args(["import", "ztbus"]).arg(file);
     command.arg("--out").arg(out);
     command

@@ -300,7 +300,7 @@ fn received(time: Instant, frame: CanFrame) -> Received {
 
 #[test]
 fn frames_with_the_logs_time_give_the_logs_run() {
-    let drive = crate::simulated::run(&[crate::simulated::MILD, crate::simulated::A]);
+    let drive = test_kit::simulated::run(&[test_kit::simulated::MILD, test_kit::simulated::A]);
     let folder = TempDir::new().unwrap();
     let log = folder.path().join("heard.log");
     let mut session = session(&drive, true, Some(&log));
@@ -343,7 +343,7 @@ fn frames_with_the_logs_time_give_the_logs_run() {
 
 #[test]
 fn what_is_no_frame_is_counted_and_told() {
-    let drive = crate::simulated::run(&[crate::simulated::MILD, crate::simulated::A]);
+    let drive = test_kit::simulated::run(&[test_kit::simulated::MILD, test_kit::simulated::A]);
     let mut session = session(&drive, false, None);
     let other = |what| Received {
         interface: 0,

@@ -2,13 +2,13 @@
 
 #![cfg(target_os = "linux")]
 
-use crate::command::roadgrade;
 use assert_cmd::assert::Assert;
 use predicates::prelude::*;
 use predicates::str::contains;
 use std::fs;
 use std::path::PathBuf;
 use tempfile::TempDir;
+use test_kit::command::roadgrade;
 
 const LOG: &str = "(1.000000) can0 0CF00400#0102030405060708\n";
 /// No interface has this name: it is longer than names are.

@@ -1,6 +1,5 @@
 //! `roadgrade score` sets a run beside the thesis's methods and an oracle.
 
-use crate::command::roadgrade;
 use assert_cmd::assert::Assert;
 use flate2::Compression;
 use flate2::write::GzEncoder;
@@ -11,6 +10,7 @@ use std::fs::{self, File};
 use std::io::Write;
 use std::path::Path;
 use tempfile::TempDir;
+use test_kit::command::roadgrade;
 
 const OWN: [&str; 3] = ["smoothed", "lagged", "live"];
 const ALL: [&str; 8] = [

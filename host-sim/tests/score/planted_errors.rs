@@ -1,7 +1,5 @@
 //! Scores of planted errors are what they must be.
 
-use crate::command::roadgrade;
-use crate::roads::{Spot, drive, hill_percent, hills, run};
 use assert_cmd::assert::Assert;
 use host_sim::map::MapRow;
 use host_sim::run_file::{self, RunRow};
@@ -11,6 +9,8 @@ use predicates::prelude::*;
 use predicates::str::contains;
 use std::path::Path;
 use tempfile::TempDir;
+use test_kit::command::roadgrade;
+use test_kit::roads::{Spot, drive, hill_percent, hills, run};
 
 /// The truth of a drive at 20 m/s, ten times a second.
 fn truth(spots: &[Spot], grade_percent: impl Fn(f64) -> f64) -> Vec<TruthRow> {

@@ -1,9 +1,9 @@
 //! Does the simulated bus tell what the simulated truck did?
 
-use crate::simulated::{A, B, MILD, QUIET, readings, run, scenario, series};
 use estimator_core::{Driveline, Estimator, Signal, Traction, Tuning, Value, VehicleParameters};
 use host_sim::world::{Recording, SimulatedRun, simulate};
 use std::collections::BTreeMap;
+use test_kit::simulated::{A, B, MILD, QUIET, readings, run, scenario, series};
 
 /// Altitude gained by the vehicle model, from the bus alone: (time, altitude).
 fn altitude_of_the_bus(run: &SimulatedRun, vehicle: &VehicleParameters) -> Vec<(f64, f64)> {

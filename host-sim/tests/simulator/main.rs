@@ -1,8 +1,5 @@
 //! The simulator: roads, trucks, buses and the GNSS error chain.
 
-#[path = "../simulated/mod.rs"]
-mod simulated;
-
 mod bus;
 mod end_to_end;
 mod gps_chain;

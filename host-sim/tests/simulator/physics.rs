@@ -1,12 +1,12 @@
 //! Is the simulated world the physics of the thesis, on a road that could be?
 
-use crate::simulated::{A, B, MILD, run, scenario, series};
 use estimator_core::Signal;
 use host_sim::world::Recording;
 use host_sim::world::drive::STEP_S;
 use host_sim::world::road_generator::{RoadShape, generate};
 use host_sim::world::scenario::Scenario;
 use std::path::Path;
+use test_kit::simulated::{A, B, MILD, run, scenario, series};
 
 #[test]
 fn integrating_the_force_balance_gives_the_altitude_back() {

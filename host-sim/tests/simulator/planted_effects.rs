@@ -1,12 +1,12 @@
 //! Does what is planted act as its formula says, and is nothing there by default?
 
-use crate::simulated::{A, B, MILD, QUIET, run, scenario, series};
 use estimator_core::Signal;
 use host_sim::world::drive::{DriveState, STEP_S};
 use host_sim::world::scenario::Scenario;
 use host_sim::world::{Recording, SimulatedRun, simulate};
 use std::collections::BTreeMap;
 use std::path::Path;
+use test_kit::simulated::{A, B, MILD, QUIET, run, scenario, series};
 
 /// Weight of truck A, N.
 const WEIGHT_N: f64 = 39_000.0 * 9.806_65;

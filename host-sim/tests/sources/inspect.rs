@@ -10,9 +10,10 @@ use predicates::prelude::*;
 use serde_json::{Value as Json, json};
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
+use test_kit::command::program;
 
 fn inspect(log: &Path) -> Command {
-    let mut command = Command::cargo_bin("roadgrade").expect("the binary");
+    let mut command = program();
     command.arg("inspect").arg(log);
     command
 }
@@ -327,11 +328,7 @@ fn bad_logs_end_with_a_message_and_nothing_on_stdout() {
         .assert()
         .code(1)
         .stderr(predicate::str::contains("no/such.log"));
-    Command::cargo_bin("roadgrade")
-        .expect("the binary")
-        .arg("inspect")
-        .assert()
-        .code(2);
+    program().arg("inspect").assert().code(2);
 }
 
 #[test]

@@ -1,13 +1,12 @@
 //! Studies of the thesis from the command line.
 
-use assert_cmd::Command;
 use predicates::prelude::*;
 use std::fs;
 use std::path::Path;
+use test_kit::command::program;
 
 fn study(name: &str, out: &Path, data: &Path) -> assert_cmd::assert::Assert {
-    Command::cargo_bin("roadgrade")
-        .unwrap()
+    program()
         .args(["study", name, "--out"])
         .arg(out)
         .arg("--data")

@@ -1,17 +1,8 @@
 //! A drive over hills that tells a filter what it is off by.
 
-use super::truck;
-use estimator_core::{
-    Estimator, Instant, Kept, Reading, Scalar, Signal, Traction, Tuning, Value, VehicleParameters,
-};
+use crate::by_force;
+use estimator_core::{Estimator, Instant, Kept, Reading, Scalar, Signal, Tuning, Value};
 use std::sync::LazyLock;
-
-pub fn by_force() -> VehicleParameters {
-    VehicleParameters {
-        traction: Traction::Force,
-        ..truck()
-    }
-}
 
 /// What the bus tells besides force and speed.
 #[derive(Clone, Copy)]

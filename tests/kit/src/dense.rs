@@ -1,6 +1,6 @@
 //! The model once more, written down as dense matrices.
 
-use super::truck;
+use crate::truck;
 use estimator_core::Tuning;
 use estimator_core::filter::STATES;
 use estimator_core::filter::state::{

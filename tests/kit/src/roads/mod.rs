@@ -1,7 +1,5 @@
 //! Roads whose grade is known by formula, and runs over them.
 
-#![allow(dead_code, reason = "each test binary uses its part")]
-
 pub mod network;
 
 use host_sim::map::{self, Fusion, Network, RoadPoint, RoadRow, SessionRun};

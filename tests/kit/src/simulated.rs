@@ -1,7 +1,5 @@
 //! Scenarios for the tests of the simulator, and what a bus told.
 
-#![allow(dead_code, reason = "each test file uses a part of it")]
-
 use estimator_core::signal::FrameOutcome;
 use estimator_core::{Decoder, Instant, Signal, Value};
 use host_sim::world::scenario::Scenario;
