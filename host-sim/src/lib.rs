@@ -1,34 +1,19 @@
 //! The bench around `estimator-core`: sources of traffic, whole-run smoothing, maps, reports.
 
-pub mod bare_model;
 pub mod baseline;
 pub mod cli;
-pub mod counter_words;
-pub mod dataset;
 pub mod diagnose;
 pub mod error;
-pub mod kept_file;
+pub mod files;
 #[cfg(target_os = "linux")]
 pub mod live;
 pub mod map;
-pub mod oracle_file;
-pub mod output;
-pub mod parquet_file;
-pub mod progress;
+pub mod numeric;
 pub mod recorder;
 pub mod report;
-pub mod robust_line;
-pub mod row_check;
-pub mod run_cell;
-pub mod run_file;
-pub mod run_parquet;
 pub mod score;
-pub mod series;
 pub mod smooth;
 pub mod source;
-pub mod spool;
 pub mod study;
-pub mod text_table;
-pub mod truth_file;
-pub mod vehicle_file;
+pub mod terminal;
 pub mod world;

@@ -2,7 +2,7 @@
 
 use assert_cmd::Command;
 use host_sim::diagnose::{Request, diagnose};
-use host_sim::vehicle_file::VehicleFile;
+use host_sim::files::vehicle::VehicleFile;
 use std::path::{Path, PathBuf};
 
 const MISSION: &str = "../shared/data/ztbus/B183_2021-07-26_03-53-27_2021-07-26_07-18-47.csv";

@@ -5,8 +5,8 @@ mod roads;
 
 use assert_cmd::assert::Assert;
 use command::roadgrade;
+use host_sim::files::run::{self, RunRow};
 use host_sim::map::read_map;
-use host_sim::run_file::{self, RunRow};
 use predicates::prelude::*;
 use predicates::str::contains;
 use roads::{hill_percent, hills, moved, reversed, road, run};
@@ -26,7 +26,7 @@ fn fuse(folder: &Path, arguments: &[&str]) -> Assert {
 }
 
 fn save(folder: &TempDir, name: &str, rows: &[RunRow]) {
-    run_file::write(&folder.path().join(name), rows).expect("written");
+    run::write(&folder.path().join(name), rows).expect("written");
 }
 
 fn save_road(folder: &TempDir, name: &str, spots: &[roads::Spot]) {

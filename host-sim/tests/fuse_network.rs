@@ -2,8 +2,8 @@
 
 mod roads;
 
+use host_sim::files::run::RunRow;
 use host_sim::map::{Coverage, Network, RoadLine, WayRows};
-use host_sim::run_file::RunRow;
 use roads::network::{map, names, network, rows_of, way};
 use roads::{Spot, drive, fuse, hills, moved, points, reversed, run, with_position_noise};
 use serde_json::Value;

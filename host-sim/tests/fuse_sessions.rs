@@ -3,8 +3,8 @@
 
 mod roads;
 
+use host_sim::files::run::RunRow;
 use host_sim::map::{GradeMap, MapRow, Network, RoadLine, SessionRun, fuse};
-use host_sim::run_file::RunRow;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};

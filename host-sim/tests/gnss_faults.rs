@@ -44,7 +44,7 @@ fn squares(run: &SimulatedRun, found: &Run) -> (f64, f64) {
         .iter()
         .filter(|row| (500.0..end_m).contains(&row.distance_m))
         .filter_map(|row| {
-            let grade = host_sim::series::linear(&truth, row.time_s)?;
+            let grade = host_sim::numeric::series::linear(&truth, row.time_s)?;
             let error = row.grade_percent - grade;
             Some((error.powi(2), (error / row.grade_sigma_percent).powi(2)))
         })

@@ -5,8 +5,8 @@ mod roads;
 
 use assert_cmd::assert::Assert;
 use command::roadgrade;
+use host_sim::files::run::{self, RunRow};
 use host_sim::map::read_map_ways;
-use host_sim::run_file::{self, RunRow};
 use predicates::prelude::*;
 use predicates::str::contains;
 use roads::network::{collection, save, way};
@@ -25,7 +25,7 @@ fn fuse(folder: &Path, arguments: &[&str]) -> Assert {
 }
 
 fn save_run(folder: &Path, name: &str, rows: &[RunRow]) {
-    run_file::write(&folder.join(name), rows).expect("written");
+    run::write(&folder.join(name), rows).expect("written");
 }
 
 fn bytes(folder: &Path, name: &str) -> Vec<u8> {

@@ -4,7 +4,7 @@ use host_sim::baseline::modified::{self, Modified};
 use host_sim::baseline::original::{self, Noise};
 use host_sim::baseline::simulated::{Belief, Errors, SimulatedDrive, simulate};
 use host_sim::baseline::{Profile, STEP_M, pointwise};
-use host_sim::robust_line;
+use host_sim::numeric::robust_line;
 use host_sim::world::random::{Purpose, normal, stream};
 use host_sim::world::road_generator::{RoadShape, generate};
 use host_sim::world::truck::Preset;

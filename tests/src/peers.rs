@@ -4,7 +4,7 @@ use crate::budgets::CORTEX_M4F;
 use crate::emulator::count;
 use crate::image::{Image, build, root};
 use host_sim::error::{Error, Result};
-use host_sim::text_table::text_table;
+use host_sim::terminal::table::text_table;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;

@@ -7,9 +7,9 @@
 mod known;
 
 use host_sim::error::{Error, Result};
-use host_sim::output::write_whole;
+use host_sim::files::output::write_whole;
+use host_sim::files::truth;
 use host_sim::source::candump_writer::write_frame;
-use host_sim::truth_file;
 use host_sim::world::scenario::Scenario;
 use host_sim::world::{Recording, road_file};
 use known::{COURSE_DEG, Known, known};
@@ -159,7 +159,7 @@ pub fn logs_of(effects: &[(&str, f64)], truck: &str, seed: u64, folder: &Path) -
         })?;
         files.push(file);
         let truth = truth_folder.join(format!("{}.truth.csv", run.name));
-        truth_file::write(&truth, &recording.truth())?;
+        truth::write(&truth, &recording.truth())?;
         truths.push(truth);
     }
     Ok(Logs {

@@ -2,9 +2,8 @@
 //! grade estimated again with less weight on GPS (thesis section 8.1).
 
 use super::original::{self, Noise};
-use super::pointwise;
-use super::{Drive, G, Profile, STEP_M};
-use crate::robust_line::{Line, fit};
+use super::{Drive, G, Profile, STEP_M, pointwise};
+use crate::numeric::robust_line::{Line, fit};
 
 /// Length over which errors are averaged before a line is fitted, m.
 pub const SEGMENT_M: f64 = 3_000.0;

@@ -2,11 +2,11 @@
 //! line, or found beside the truth by their names.
 
 use crate::error::Result;
-use crate::oracle_file::{OracleFile, mean_speed_mps};
-use crate::run_file::RunRow;
+use crate::files::oracle::{OracleFile, mean_speed_mps};
+use crate::files::run::RunRow;
+use crate::files::vehicle::VehicleFile;
 use crate::score::rivals::{self, Rival};
 use crate::source;
-use crate::vehicle_file::VehicleFile;
 use std::path::{Path, PathBuf};
 
 /// Stands for the drive's name in the names of files.

@@ -1,13 +1,12 @@
 //! The end of a drive, recorded or live: its files, and a summary of it.
 
-use crate::counter_words::events;
 use crate::error::Result;
-use crate::kept_file;
+use crate::files::kept;
+use crate::files::run::{self, Origin, RunRows};
+use crate::files::vehicle::VehicleFile;
 use crate::recorder::LongRun;
-use crate::run_file::{self, RunRows};
-use crate::run_parquet::Origin;
-use crate::text_table::text_table;
-use crate::vehicle_file::VehicleFile;
+use crate::terminal::counters::events;
+use crate::terminal::table::text_table;
 use comfy_table::Table;
 use estimator_core::Traction;
 use serde::Serialize;
@@ -22,11 +21,11 @@ pub(super) fn write(
     kept: Option<&Path>,
 ) -> Result<()> {
     let keeping = match kept.zip(run.kept.as_ref()) {
-        Some((file, kept)) => Some(kept_file::stage(file, kept)?),
+        Some((file, kept)) => Some(kept::stage(file, kept)?),
         None => None,
     };
     if let Some(out) = out {
-        run_file::write_rows(out, &mut run.rows, origin)?;
+        run::write_rows(out, &mut run.rows, origin)?;
     }
     let is_kept = keeping.is_some();
     if let Some(keeping) = keeping {

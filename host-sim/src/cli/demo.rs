@@ -2,16 +2,17 @@
 
 use super::{estimate, simulate};
 use crate::error::{Error, Result};
+use crate::files::csv::write_csv;
+use crate::files::oracle::{OracleFile, mean_speed_mps};
+use crate::files::run::{self, RunRow};
+use crate::files::truth::{self, TruthRow};
+use crate::files::vehicle::VehicleFile;
 use crate::map::{self, GradeMap, MapRow, Network, RoadLine, RoadRow, SessionRun};
-use crate::oracle_file::{OracleFile, mean_speed_mps};
-use crate::output::print;
+use crate::numeric::series::linear;
 use crate::report::page::{Figure, Page, Section, Table};
 use crate::report::plot::{Mark, Plot, Series, colour};
-use crate::run_file::{self, RunRow};
 use crate::score::{self, ScoreRow, rivals};
-use crate::series::linear;
-use crate::truth_file::{self, TruthRow};
-use crate::vehicle_file::VehicleFile;
+use crate::terminal::print::print;
 use crate::world::scenario::Scenario;
 use std::path::{Path, PathBuf};
 
@@ -52,7 +53,7 @@ pub fn run(args: &Args) -> Result<()> {
     scores.extend_from_slice(&overall);
     let report = page(&drives, &map, &scores).write(out)?;
     let table = out.join("score.csv");
-    run_file::write_csv(&table, scores.iter().map(ScoreRow::rounded))?;
+    write_csv(&table, scores.iter().map(ScoreRow::rounded))?;
     print(&format!("{}\n\n", score::table(&overall)))?;
     print(&format!("each run: {}\n", table.display()))?;
     print(&format!("page to open: {}\n", report.display()))
@@ -66,8 +67,8 @@ fn drive(scenario: &Scenario, index: usize, folder: &Path) -> Result<Drive> {
     let estimated = estimate::drive::<f32>(&vehicle, None, &log)?;
     estimate::check(&log, &vehicle, &estimated)?;
     let rows = estimated.in_memory()?.rows;
-    run_file::write(&file("csv"), &rows)?;
-    let truth = truth_file::read(&file("truth.csv"))?;
+    run::write(&file("csv"), &rows)?;
+    let truth = truth::read(&file("truth.csv"))?;
     let oracle = OracleFile::read(&file("oracle.toml"))?;
     let rivals = rivals::of_log(&log, Some(&vehicle), Some(&oracle), mean_speed_mps(&rows))?;
     let scored = score::score_run_beside(&run.name, &rows, &truth, &rivals)

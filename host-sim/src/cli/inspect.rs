@@ -2,13 +2,13 @@
 
 use super::inspect_text::text;
 use crate::error::Result;
-use crate::output::print;
-use crate::progress;
 use crate::source::candump::CandumpReader;
 use crate::source::census::{BusCounter, Census, TableCounter};
 use crate::source::needs::{Need, needs};
 use crate::source::signal_table::SignalTableReader;
 use crate::source::{LogKind, kind_of};
+use crate::terminal::print::print;
+use crate::terminal::progress;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 

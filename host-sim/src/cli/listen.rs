@@ -4,14 +4,15 @@ use super::Cli;
 use super::conclusion::{self, Summary};
 use super::signals::stop_flag;
 use crate::error::{Error, Result};
-use crate::kept_file;
+use crate::files::kept;
+use crate::files::output::Staged;
+use crate::files::run::Origin;
+use crate::files::vehicle::VehicleFile;
 use crate::live::{Publisher, Reaction, Session, Show};
-use crate::output::{Staged, print};
 use crate::recorder::{LongRun, Recorder};
-use crate::run_parquet::Origin;
 use crate::source::log_time;
 use crate::source::socketcan::{BusEvent, Received, Receiver, of_group, wanted};
-use crate::vehicle_file::VehicleFile;
+use crate::terminal::print::print;
 use clap::CommandFactory;
 use clap::error::ErrorKind;
 use estimator_core::{Estimator, KeptError, Tuning};
@@ -173,7 +174,7 @@ impl<'a> Listening<'a> {
     fn begin(args: &'a Args, vehicle: &VehicleFile) -> Result<Self> {
         let (parameters, tuning) = (vehicle.parameters.clone(), Tuning::default());
         let kept = match &args.kept {
-            Some(file) => kept_file::read(file, &parameters)?,
+            Some(file) => kept::read(file, &parameters)?,
             None => None,
         };
         let estimator = match &kept {

@@ -3,12 +3,12 @@
 use super::signals::stop_flag;
 use crate::error::{Error, Result};
 use crate::live::replay::{Pace, Replay, Sent};
-use crate::output::print;
-use crate::progress;
 use crate::source::candump::CandumpReader;
 use crate::source::socketcan::{Sender, of_group};
 use crate::source::{LogKind, kind_of, log_time};
-use crate::text_table::text_table;
+use crate::terminal::print::print;
+use crate::terminal::progress;
+use crate::terminal::table::text_table;
 use serde_json::json;
 use std::path::PathBuf;
 use std::time::Instant as Monotonic;

@@ -3,12 +3,13 @@
 use super::Cli;
 use super::companions::{Companions, Options};
 use crate::error::{Error, Result};
-use crate::output::print;
-use crate::progress;
-use crate::run_file::{self, write_csv};
+use crate::files::csv::write_csv;
+use crate::files::run;
+use crate::files::truth::{self, TruthRow};
 use crate::score::rivals::Rival;
 use crate::score::{self, ScoreRow, mean, score_run_beside};
-use crate::truth_file::{self, TruthRow};
+use crate::terminal::print::print;
+use crate::terminal::progress;
 use clap::CommandFactory;
 use clap::error::ErrorKind;
 use rayon::prelude::*;
@@ -34,7 +35,7 @@ set
 
 The last five need the log; the thesis's methods also the vehicle file, the oracle an oracle file. \
 `simulate` writes all of them beside the truth, where they are found; what is not there is left \
-out. Keys of an oracle file: documentation of host_sim::oracle_file, or any that `simulate` writes.
+out. Keys of an oracle file: documentation of host_sim::files::oracle, or any that `simulate` writes.
 
 Examples:
   roadgrade score --truth sim/a1.truth.csv --truth sim/a2.truth.csv a1.csv a2.csv
@@ -71,7 +72,7 @@ pub fn run(args: &Args) -> Result<()> {
     let truths = args
         .truth
         .iter()
-        .map(|path| truth_file::read(path))
+        .map(|path| truth::read(path))
         .collect::<Result<Vec<_>>>()?;
     let bar = progress::count(args.runs.len() as u64, "runs");
     let judged: Vec<Result<Judged>> = (0..args.runs.len())
@@ -129,7 +130,7 @@ fn check_counts(args: &Args) {
 }
 
 fn judge(path: &Path, truth: &[TruthRow], files: &Companions) -> Result<Judged> {
-    let run = run_file::read(path)?;
+    let run = run::read(path)?;
     let name = path.display().to_string();
     let beside = |rivals: &[Rival]| {
         score_run_beside(&name, &run, truth, rivals)

@@ -1,13 +1,12 @@
 //! `roadgrade simulate`.
 
 use crate::error::Result;
-use crate::output::write_whole;
-use crate::progress;
+use crate::files::output::write_whole;
+use crate::files::truth;
 use crate::source::candump_writer::write_frame;
-use crate::truth_file;
-use crate::world::Recording;
-use crate::world::road_file;
+use crate::terminal::progress;
 use crate::world::scenario::Scenario;
+use crate::world::{Recording, road_file};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
@@ -72,7 +71,7 @@ fn write_run(scenario: &Scenario, index: usize, folder: &Path) -> Result<String>
     let recording = Recording::new(scenario, index)?;
     let file = |ending: &str| folder.join(format!("{}.{ending}", run.name));
     let frames = write_log(&file("log"), &recording)?;
-    truth_file::write(&file("truth.csv"), &recording.truth())?;
+    truth::write(&file("truth.csv"), &recording.truth())?;
     run.vehicle.write(&file("vehicle.toml"))?;
     recording.oracle().write(&file("oracle.toml"))?;
     Ok(format!(

@@ -9,6 +9,7 @@
 //! * [`judgement`]: the bare model against a reference, before and after;
 //! * [`picture`]: what stays unexplained, drawn; [`report`]: report.json and the page.
 
+pub mod bare_model;
 pub mod candidates;
 pub mod drive;
 pub mod evidence;
@@ -21,9 +22,9 @@ pub mod search;
 pub mod selection;
 
 use crate::error::{Error, Result};
+use crate::files::vehicle::VehicleFile;
 use crate::map::read_map;
 use crate::report::page::Figure;
-use crate::vehicle_file::VehicleFile;
 use candidates::Variable;
 use drive::LoggedDrive;
 use estimator_core::VehicleParameters;

@@ -3,7 +3,7 @@
 use super::judgement::{Judgement, WINDOW_M};
 use super::{Diagnosis, Finding};
 use crate::error::Result;
-use crate::output::stage_text;
+use crate::files::output::stage_text;
 use crate::report::page::{Figure, PAGE, Page, Section, Table};
 use crate::report::plot::{Mark, Plot, Series, colour};
 use serde_json::{Value, json};

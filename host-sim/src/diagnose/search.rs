@@ -5,7 +5,7 @@ use super::candidates::{Detail, Menu};
 use super::drive::{CommonRoad, LoggedDrive};
 use super::evidence::{self, Evidence, WINDS_MPS, judging_tuning, stretches};
 use super::selection::{Case, Selection, Selector};
-use crate::vehicle_file::VehicleFile;
+use crate::files::vehicle::VehicleFile;
 use estimator_core::VehicleParameters;
 use estimator_core::effect::{Adopted, Effect};
 use rayon::prelude::*;

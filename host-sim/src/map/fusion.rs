@@ -15,8 +15,7 @@ use super::map_file::MapRow;
 use super::network::Network;
 use super::placing::{Coverage, PlacedRun, place};
 use super::way_file::WayRows;
-use crate::run_cell::RunCell;
-use crate::run_file::RunRow;
+use crate::files::run::{RunCell, RunRow};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 

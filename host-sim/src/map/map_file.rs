@@ -3,10 +3,11 @@
 use super::way_file::{self, WayColumns, WayRows};
 use super::{RoadPoint, map_parquet};
 use crate::error::Result;
-use crate::output::Staged;
-use crate::parquet_file::is_parquet;
-use crate::row_check::{self, Flaw};
-use crate::run_file::{round, stage_csv};
+use crate::files::csv::stage_csv;
+use crate::files::output::Staged;
+use crate::files::parquet::is_parquet;
+use crate::files::row_check::{self, Flaw};
+use crate::numeric::rounding::round;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 

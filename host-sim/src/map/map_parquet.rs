@@ -7,9 +7,9 @@ use super::placing::PlacedCell;
 use super::road_file::RoadRow;
 use super::way_file::{self, DIRECTION, Grouping, WAY, WayRows};
 use crate::error::{Error, Result};
-use crate::output::Staged;
-use crate::parquet_file::{Column, open, stage as stage_parquet};
-use crate::row_check::Flaw;
+use crate::files::output::Staged;
+use crate::files::parquet::{Column, open, stage as stage_parquet};
+use crate::files::row_check::Flaw;
 use std::path::Path;
 
 /// Versions of the columns; in the files' metadata.

@@ -6,7 +6,7 @@ use super::cell_sums::CellSums;
 use super::matching::{Place, match_track};
 use super::network::Network;
 use super::track::track_of_run;
-use crate::run_cell::RunCell;
+use crate::files::run::RunCell;
 
 /// Cells of a run farther apart than this are not joined, m: two rows of a RUN.csv are missing.
 const JOIN_LIMIT_M: f64 = 8.0;

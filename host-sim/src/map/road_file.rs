@@ -5,8 +5,8 @@ use super::plane::chord_m;
 use super::road_line::RoadPoint;
 use super::way_file::{self, WayRows};
 use crate::error::Result;
-use crate::parquet_file::is_parquet;
-use crate::row_check::{self, Flaw};
+use crate::files::parquet::is_parquet;
+use crate::files::row_check::{self, Flaw};
 use serde::Deserialize;
 use std::path::Path;
 

@@ -1,7 +1,7 @@
 //! Which runs are in a map: so that none counts twice, and an interrupted fusion goes on.
 
 use crate::error::{Error, Result};
-use crate::run_cell::RunIdentity;
+use crate::files::run::RunIdentity;
 use std::collections::BTreeSet;
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Write};

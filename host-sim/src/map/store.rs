@@ -15,9 +15,9 @@ use super::run_list::RunList;
 use super::store_row::StoreRow;
 use super::way_file::WayColumns;
 use crate::error::{Error, Result};
-use crate::output::Staged;
-use crate::row_check::Flaw;
-use crate::run_file::read_checked_with;
+use crate::files::csv::read_checked_with;
+use crate::files::output::Staged;
+use crate::files::row_check::Flaw;
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
@@ -134,7 +134,7 @@ pub fn stage(path: &Path, map: &GradeMap, runs: &RunList) -> Result<Staged> {
                 .map(move |(point, sums)| (way, StoreRow::new(session, point, sums)))
         })
         .collect();
-    crate::output::stage(path, |out| {
+    crate::files::output::stage(path, |out| {
         writeln!(out, "{MARK}{}{RUNS_MARK}{}", rows.len(), runs.len())?;
         let mut writer = csv::Writer::from_writer(&mut *out);
         for (way, row) in &rows {

@@ -5,8 +5,8 @@ use super::cell_sums::CellSums;
 use super::network::{Direction, WayName};
 use super::road_line::RoadPoint;
 use super::store::{StoredWay, check_session_name};
-use crate::row_check::{self, Flaw};
-use crate::run_file::column;
+use crate::files::csv::column;
+use crate::files::row_check::{self, Flaw};
 use serde::{Deserialize, Serialize};
 
 /// Sums may miss an inequality by so much in proportion: rounding.

@@ -4,7 +4,7 @@ use super::local_fit;
 use super::matching::TrackPoint;
 use super::plane::chord_m;
 use super::road_line::RoadPoint;
-use crate::run_cell::RunCell;
+use crate::files::run::RunCell;
 
 /// Half width over which the track is smoothed, m. The fit is quadratic: it follows bends of
 /// 50 m radius within half a metre, and takes out position noise as a mean over ±30 m would.

@@ -2,8 +2,8 @@
 
 use super::network::{Direction, WayName};
 use crate::error::{Error, Result};
-use crate::row_check::Flaw;
-use crate::run_file::{Record, read_records};
+use crate::files::csv::{Record, read_records};
+use crate::files::row_check::Flaw;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 use std::path::Path;

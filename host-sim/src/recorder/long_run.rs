@@ -2,8 +2,8 @@
 
 use super::no_room;
 use crate::error::Result;
-use crate::run_file::{RunRow, RunRows};
-use crate::spool::{Spool, blocks};
+use crate::files::run::{RunRow, RunRows};
+use crate::files::spool::{Spool, blocks};
 use estimator_core::{Counters, Kept};
 use std::io;
 

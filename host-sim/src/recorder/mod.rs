@@ -1,6 +1,6 @@
 //! One drive through the core: traffic in, a run out.
 //!
-//! What grows with the drive is put by in [spools](crate::spool), 250 bytes a cell (100 kB/km), so
+//! What grows with the drive is put by in [spools](crate::files::spool), 250 bytes a cell (100 kB/km), so
 //! that the memory held does not.
 
 mod long_run;
@@ -8,11 +8,11 @@ mod long_run;
 pub use long_run::{LongRun, Rows, Run};
 
 use crate::error::{Error, Result};
-use crate::run_file::RunRow;
+use crate::files::run::RunRow;
+use crate::files::spool::{Spool, blocks};
 use crate::smooth::{Samples, Smoothed, smooth_stretches};
 use crate::source::can_frame::TimedFrame;
 use crate::source::input::{Input, for_each_input};
-use crate::spool::{Spool, blocks};
 use estimator_core::sampler::Sample;
 use estimator_core::{
     Cell, Estimator, Instant, Kept, KeptError, ParameterError, Reading, Scalar, Tuning, Uncertain,

@@ -17,9 +17,10 @@ pub use of_map::{score_map, score_map_on_road};
 pub use table::{HEADER, json, table, text};
 
 use crate::baseline::Method;
-use crate::run_file::{RunRow, round};
-use crate::series::linear;
-use crate::truth_file::TruthRow;
+use crate::files::run::RunRow;
+use crate::files::truth::TruthRow;
+use crate::numeric::rounding::round;
+use crate::numeric::series::linear;
 use rivals::{ORACLE, Rival};
 use serde::Serialize;
 

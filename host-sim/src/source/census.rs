@@ -4,7 +4,7 @@ use super::can_frame::{CanFrame, TimedFrame};
 use super::candump::Skipped;
 use super::pgn_names::{TRANSPORT_MANAGEMENT, name_of};
 use super::signal_table::SignalRow;
-use crate::run_file::round;
+use crate::numeric::rounding::round;
 use embedded_can::{Frame, Id};
 use estimator_core::signal::{FrameOutcome, Pgn};
 use estimator_core::{Decoder, Instant, Reading, Signal, Value};

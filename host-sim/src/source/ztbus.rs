@@ -12,7 +12,7 @@ mod turning;
 pub use split::{Direction, Pass};
 
 use crate::error::Result;
-use crate::vehicle_file::VehicleFile;
+use crate::files::vehicle::VehicleFile;
 use estimator_core::{Effects, Traction, VehicleParameters};
 use std::ops::Range;
 use std::path::Path;

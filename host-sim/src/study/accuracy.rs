@@ -3,12 +3,12 @@
 
 use super::{Outcome, Setting, Study};
 use crate::error::Result;
-use crate::progress;
+use crate::numeric::series::linear;
 use crate::report::page::{Figure, Section, Table};
 use crate::report::plot::{Plot, Series, colour};
 use crate::score::END_CUT_M;
-use crate::series::linear;
 use crate::smooth::smooth_run;
+use crate::terminal::progress;
 use crate::world::scenario::Scenario;
 use crate::world::simulate;
 use crate::world::truck::Preset;

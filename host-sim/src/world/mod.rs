@@ -30,9 +30,9 @@ pub mod truck;
 mod unmodelled;
 
 use crate::error::Result;
+use crate::files::truth::TruthRow;
+use crate::files::vehicle::VehicleFile;
 use crate::source::can_frame::TimedFrame;
-use crate::truth_file::TruthRow;
-use crate::vehicle_file::VehicleFile;
 use bus::Bus;
 use drive::Drive;
 use estimator_core::VehicleParameters;

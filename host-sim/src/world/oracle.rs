@@ -3,11 +3,11 @@
 
 use super::Recording;
 use super::scenario_file::Wind;
-use crate::oracle_file::{
+use crate::files::oracle::{
     ColdTyres, Headwind, LONGEST_TIME_S, NoiseLevels, OracleFile, SlowAltitude,
 };
-use crate::run_file::round;
-use crate::vehicle_file::VehicleFile;
+use crate::files::vehicle::VehicleFile;
+use crate::numeric::rounding::round;
 
 /// Time between two looks at the course of the road, s.
 const COURSE_STEP_S: f64 = 1.0;

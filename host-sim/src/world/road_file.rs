@@ -3,7 +3,8 @@
 use super::geodesy::Position;
 use super::road::{Node, Road};
 use crate::error::{Error, Result};
-use crate::run_file::{read_csv, round, write_csv};
+use crate::files::csv::{read_csv, write_csv};
+use crate::numeric::rounding::round;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 

@@ -12,7 +12,7 @@ use super::scenario_file::{
 use super::truck::Truck;
 use super::{road_file, road_generator};
 use crate::error::{Error, Result};
-use crate::vehicle_file::VehicleFile;
+use crate::files::vehicle::VehicleFile;
 use estimator_core::{Traction, VehicleParameters};
 use rand_chacha::ChaCha8Rng;
 use std::fs;

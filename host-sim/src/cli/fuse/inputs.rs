@@ -1,8 +1,8 @@
 //! Which runs a command line means: files and folders, and the session of each.
 
 use crate::error::{Error, Result};
-use crate::parquet_file::is_parquet;
-use crate::run_parquet;
+use crate::files::parquet::is_parquet;
+use crate::files::run;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -60,7 +60,7 @@ impl Inputs {
 
     fn push(&mut self, mut input: Input) -> Result<()> {
         if input.session.is_none() && is_parquet(&input.path) {
-            match run_parquet::session(&input.path) {
+            match run::session(&input.path) {
                 Ok(session) => input.session = session,
                 Err(e) if input.found => {
                     self.damaged.push(e);

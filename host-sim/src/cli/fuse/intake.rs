@@ -3,9 +3,8 @@
 use super::inputs::{Input, Inputs};
 use super::words::describe;
 use crate::error::{Error, Result};
+use crate::files::run::{self, RunIdentity};
 use crate::map::{self, GradeMap, Network, PlacedRun, RunList};
-use crate::run_cell::RunIdentity;
-use crate::run_file;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
@@ -195,7 +194,7 @@ impl<'a, 'r> Intake<'a, 'r> {
 impl<'i> Batch<'i> {
     fn place(inputs: &'i [Input], road: &Network, known: &RunList) -> Self {
         let arrive = |input: &Input| {
-            let (cells, identity) = run_file::read_cells(&input.path)?;
+            let (cells, identity) = run::read_cells(&input.path)?;
             let placed = (!known.contains(identity)).then(|| map::place(road, &cells));
             Ok(Arrival { identity, placed })
         };

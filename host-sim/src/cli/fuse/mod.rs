@@ -6,10 +6,10 @@ mod words;
 
 use super::Cli;
 use crate::error::{Error, Result};
+use crate::files::run;
 use crate::map::{
     self, GradeMap, Network, RunList, Store, Way, check_session_name, read_network, road_through,
 };
-use crate::run_file;
 use clap::CommandFactory;
 use inputs::Inputs;
 use intake::Intake;
@@ -223,7 +223,7 @@ fn road_from_runs(inputs: &Inputs) -> Result<Network> {
     let mut damage = None;
     for input in &inputs.runs {
         let path = &input.path;
-        let track = match run_file::read_cells(path) {
+        let track = match run::read_cells(path) {
             Ok((cells, _)) => map::road_of_run(&cells),
             // Told when it is its turn, if another run gives the road.
             Err(e) if input.found => {

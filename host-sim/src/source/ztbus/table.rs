@@ -2,8 +2,8 @@
 
 use super::Row;
 use crate::error::Result;
-use crate::output::write_whole;
-use crate::run_file::round;
+use crate::files::output::write_whole;
+use crate::numeric::rounding::round;
 use estimator_core::Signal;
 use std::path::Path;
 

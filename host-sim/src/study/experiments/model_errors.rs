@@ -5,9 +5,9 @@ use super::replica::{Campaign, Experiment, Heading, Replica, inner};
 use crate::baseline::original::{self, Noise};
 use crate::baseline::{STEP_M, pointwise};
 use crate::error::Result;
+use crate::numeric::robust_line::{Line, fit};
 use crate::report::page::{Figure, Section, Table};
 use crate::report::plot::{Mark, Plot, Series, colour};
-use crate::robust_line::{Line, fit};
 use crate::study::{Outcome, Setting, Study};
 
 /// Points of a segment: 1250 m.

@@ -2,12 +2,12 @@
 //! are worth. Tests drive on it as well.
 
 use crate::error::{Error, Result};
+use crate::files::run::RunCell;
 use crate::map::{
     CellSums, Dependence, FusedMap, GRID_M, GradeMap, MapRow, Network, PlacedRun, RoadLine,
     RoadPoint, RoadProblem, place,
 };
 use crate::recorder::Recorder;
-use crate::run_cell::RunCell;
 use crate::score::{ScoreRow, Unscorable, score_map};
 use crate::world::random::{Purpose, normal, stream};
 use crate::world::road::Node;

@@ -3,7 +3,7 @@
 use crate::baseline::STEP_M;
 use crate::error::{Error, Result};
 use crate::map::{Network, Place, RoadLine, RoadPoint, TrackPoint, match_track};
-use crate::series::linear;
+use crate::numeric::series::linear;
 use crate::source::ztbus::{Direction, Mission, Row};
 use crate::study::windows::forward;
 use crate::study::ztbus::mission_file;

@@ -1,7 +1,7 @@
 //! Tables of numbers as Parquet: columns named as in the CSV files, units in the metadata.
 
+use super::output::{Staged, Writing};
 use crate::error::{Error, Result};
-use crate::output::{Staged, Writing};
 use arrow_array::types::{ArrowPrimitiveType, Float64Type, Int64Type};
 use arrow_array::{Array, ArrayRef, PrimitiveArray, RecordBatch, StringArray};
 use arrow_schema::{Field, Schema};

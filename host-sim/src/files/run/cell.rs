@@ -1,7 +1,7 @@
 //! What fusion needs of a cell of a run, and what a run is known by.
 
-use crate::row_check::{self, Flaw};
-use crate::run_file::RunRow;
+use super::row::RunRow;
+use crate::files::row_check::{self, Flaw};
 use std::fmt;
 use std::str::FromStr;
 use xxhash_rust::xxh3::Xxh3;

@@ -1,10 +1,10 @@
 //! RUN.parquet: the columns of RUN.csv, with the same decimals.
 
+use super::cell::{RunCell, RunHash, RunIdentity};
+use super::row::{RunRow, RunRows};
 use crate::error::{Error, Result};
-use crate::output::Staged;
-use crate::parquet_file::{Column, Opened, TableWriter, open};
-use crate::run_cell::{RunCell, RunHash, RunIdentity};
-use crate::run_file::{RunRow, RunRows};
+use crate::files::output::Staged;
+use crate::files::parquet::{Column, Opened, TableWriter, open};
 use std::path::Path;
 
 /// Version of the columns; goes into the file's metadata.

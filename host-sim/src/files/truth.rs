@@ -1,8 +1,9 @@
 //! TRUTH.csv: what a simulated drive really was.
 
+use super::csv::{read_checked, write_csv};
+use super::row_check::{self, Flaw};
 use crate::error::Result;
-use crate::row_check::{self, Flaw};
-use crate::run_file::{read_checked, round, write_csv};
+use crate::numeric::rounding::round;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 

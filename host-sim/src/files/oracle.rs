@@ -22,10 +22,10 @@
 //!                                                      # times as large at first, and goes down
 //! ```
 
+use super::output::write_whole;
+use super::run::RunRow;
+use super::vehicle::VehicleFile;
 use crate::error::{Error, Result};
-use crate::output::write_whole;
-use crate::run_file::RunRow;
-use crate::vehicle_file::VehicleFile;
 use estimator_core::vehicle::STANDARD_AIR_DENSITY;
 use estimator_core::{Duration, Tuning};
 use serde::{Deserialize, Serialize};

@@ -2,8 +2,8 @@
 
 mod effects;
 
+use super::output::write_whole;
 use crate::error::{Error, Result};
-use crate::output::write_whole;
 use estimator_core::{Gear, ParameterError, Powertrain, Traction, VehicleParameters};
 use serde::{Deserialize, Serialize};
 use std::fs;

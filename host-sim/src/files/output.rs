@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 use std::fs::{self, Permissions};
-use std::io::{self, BufWriter, ErrorKind, Write};
+use std::io::{self, BufWriter, Write};
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
@@ -110,15 +110,4 @@ pub fn stage(
 /// What the file system says.
 pub fn stage_text(path: &Path, text: &str) -> Result<Staged> {
     stage(path, |out| out.write_all(text.as_bytes()))
-}
-
-/// Prints to stdout. A reader that has seen enough (`| head`) is no error.
-///
-/// # Errors
-/// If stdout cannot be written.
-pub fn print(text: &str) -> Result<()> {
-    match io::stdout().lock().write_all(text.as_bytes()) {
-        Err(e) if e.kind() != ErrorKind::BrokenPipe => Err(Error::io(Path::new("stdout"))(e)),
-        _ => Ok(()),
-    }
 }

@@ -1,7 +1,7 @@
 //! The file that stands for an ECU's non-volatile memory: one [`Kept`] as bytes.
 
+use super::output::{self, Staged};
 use crate::error::{Error, Result};
-use crate::output::{self, Staged};
 use estimator_core::{Kept, VehicleParameters};
 use std::fs;
 use std::io::ErrorKind;

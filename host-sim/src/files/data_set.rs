@@ -1,8 +1,8 @@
 //! Runs in Hive's layout: `tile=N47E008/day=2026-11-21/NAME.parquet`, so that an engine, or a
 //! path with a wildcard, reads only the tiles and days it wants.
 
+use super::run::RunRows;
 use crate::error::{Error, Result};
-use crate::run_file::RunRows;
 use std::path::{Path, PathBuf};
 
 /// Where in a data set a run belongs: in the tile in which it has its first position. A run is
