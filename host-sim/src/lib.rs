@@ -1,7 +1,7 @@
 //! The bench around `estimator-core`: sources of traffic, whole-run smoothing, maps, reports.
 
-pub mod baseline;
 pub mod cli;
+pub mod comparison;
 pub mod diagnose;
 pub mod error;
 pub mod files;
@@ -12,8 +12,8 @@ pub mod numeric;
 pub mod recorder;
 pub mod report;
 pub mod score;
+pub mod simulator;
 pub mod smooth;
 pub mod source;
 pub mod study;
 pub mod terminal;
-pub mod world;

@@ -4,7 +4,7 @@ mod simulated;
 
 use estimator_core::Tuning;
 use host_sim::recorder::{Recorder, Run};
-use host_sim::world::SimulatedRun;
+use host_sim::simulator::SimulatedRun;
 
 /// 30 km with everything wrong by one sigma, wind, cold tyres, and a fault at 15 km.
 fn drive(truck: &str, direction: &str, seed: u32, fault: &str) -> (SimulatedRun, Run) {

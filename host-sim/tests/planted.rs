@@ -3,9 +3,9 @@
 mod simulated;
 
 use estimator_core::Signal;
-use host_sim::world::drive::{DriveState, STEP_S};
-use host_sim::world::scenario::Scenario;
-use host_sim::world::{Recording, SimulatedRun, simulate};
+use host_sim::simulator::drive::{DriveState, STEP_S};
+use host_sim::simulator::scenario::Scenario;
+use host_sim::simulator::{Recording, SimulatedRun, simulate};
 use simulated::{A, B, MILD, QUIET, run, scenario, series};
 use std::collections::BTreeMap;
 use std::path::Path;

@@ -3,7 +3,7 @@
 mod simulated;
 
 use estimator_core::{Driveline, Estimator, Signal, Traction, Tuning, Value, VehicleParameters};
-use host_sim::world::{Recording, SimulatedRun, simulate};
+use host_sim::simulator::{Recording, SimulatedRun, simulate};
 use simulated::{A, B, MILD, QUIET, readings, run, scenario, series};
 use std::collections::BTreeMap;
 

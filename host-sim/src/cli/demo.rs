@@ -12,8 +12,8 @@ use crate::numeric::series::linear;
 use crate::report::page::{Figure, Page, Section, Table};
 use crate::report::plot::{Mark, Plot, Series, colour};
 use crate::score::{self, ScoreRow, rivals};
+use crate::simulator::scenario::Scenario;
 use crate::terminal::print::print;
-use crate::world::scenario::Scenario;
 use std::path::{Path, PathBuf};
 
 /// Arguments of `demo`.

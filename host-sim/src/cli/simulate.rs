@@ -3,10 +3,10 @@
 use crate::error::Result;
 use crate::files::output::write_whole;
 use crate::files::truth;
+use crate::simulator::scenario::Scenario;
+use crate::simulator::{Recording, road_file};
 use crate::source::candump_writer::write_frame;
 use crate::terminal::progress;
-use crate::world::scenario::Scenario;
-use crate::world::{Recording, road_file};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 

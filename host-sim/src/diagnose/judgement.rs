@@ -8,7 +8,7 @@ use super::bare_model;
 use super::drive::{CommonRoad, LoggedDrive};
 use crate::map::{GradeMap, MapRow, Network, RoadLine, SessionRun, road_of_run};
 use crate::numeric::series::linear;
-use crate::world::road::sine;
+use crate::numeric::slope::sine;
 use estimator_core::sampler::Sample;
 use estimator_core::vehicle::VehicleParameters;
 use rand::RngExt;

@@ -1,5 +1,6 @@
-//! Small numeric tools: series, a robust line, rounding.
+//! Small numeric tools: series, a robust line, rounding, slope angles.
 
 pub mod robust_line;
 pub mod rounding;
 pub mod series;
+pub mod slope;

@@ -16,7 +16,7 @@ pub mod table;
 pub use of_map::{score_map, score_map_on_road};
 pub use table::{HEADER, json, table, text};
 
-use crate::baseline::Method;
+use crate::comparison::Method;
 use crate::files::run::RunRow;
 use crate::files::truth::TruthRow;
 use crate::numeric::rounding::round;

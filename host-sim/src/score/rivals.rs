@@ -1,6 +1,6 @@
 //! What a run is judged beside, on the same traffic: the thesis's two methods, and an oracle.
 
-use crate::baseline::{Drive, Method, without_gaps};
+use crate::comparison::{Drive, Method, without_gaps};
 use crate::error::{Error, Result};
 use crate::files::oracle::OracleFile;
 use crate::files::run::RunRow;

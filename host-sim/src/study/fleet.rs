@@ -8,9 +8,9 @@ use crate::error::Result;
 use crate::map::PlacedRun;
 use crate::report::page::{Section, Table};
 use crate::score::{END_CUT_M, ScoreRow};
+use crate::simulator::truck::Preset;
 use crate::study::experiments::measure::mean;
 use crate::terminal::progress;
-use crate::world::truck::Preset;
 use rayon::prelude::*;
 use road::{FleetRoad, as_if_independent};
 

@@ -5,6 +5,7 @@
 
 pub mod accuracy;
 pub mod convergence;
+pub mod distance_drive;
 pub mod drift;
 pub mod experiments;
 pub mod fleet;

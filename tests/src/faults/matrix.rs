@@ -6,8 +6,8 @@ use super::outcome::{Phases, Times, Truth, estimated, is_sound};
 use estimator_core::Counters;
 use host_sim::error::Result;
 use host_sim::recorder::Run;
+use host_sim::simulator::SimulatedRun;
 use host_sim::terminal::counters::events;
-use host_sim::world::SimulatedRun;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 

@@ -6,7 +6,7 @@ use host_sim::files::run::RunRow;
 use host_sim::files::truth::TruthRow;
 use host_sim::numeric::series::linear;
 use host_sim::recorder::{Recorder, Run};
-use host_sim::world::SimulatedRun;
+use host_sim::simulator::SimulatedRun;
 
 /// Ways at both ends of a drive that are left out, m.
 const ENDS_M: f64 = 500.0;

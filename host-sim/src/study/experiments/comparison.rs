@@ -4,7 +4,7 @@ use super::measure::{errors, mean};
 use super::method::{Estimated, Method};
 use super::replica::{Campaign, Experiment, Heading, Replica, Sources};
 use crate::report::page::Table;
-use crate::world::truck::Preset;
+use crate::simulator::truck::Preset;
 use rayon::prelude::*;
 
 /// Beyond this, a difference is named and explained.

@@ -1,7 +1,7 @@
 //! Errors of a profile as the thesis's tables print them, and maps merged by P.
 
 use super::replica::Replica;
-use crate::baseline::Profile;
+use crate::comparison::Profile;
 
 /// "All data points except the first and last 200" (section 8.2).
 pub const EDGE: usize = 200;

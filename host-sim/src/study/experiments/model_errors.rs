@@ -2,8 +2,8 @@
 
 use super::measure::mean;
 use super::replica::{Campaign, Experiment, Heading, Replica, inner};
-use crate::baseline::original::{self, Noise};
-use crate::baseline::{STEP_M, pointwise};
+use crate::comparison::original::{self, Noise};
+use crate::comparison::{STEP_M, pointwise};
 use crate::error::Result;
 use crate::numeric::robust_line::{Line, fit};
 use crate::report::page::{Figure, Section, Table};

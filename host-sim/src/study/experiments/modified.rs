@@ -6,7 +6,7 @@ use super::comparison::{differences, made_of, summary};
 use super::measure::{Errors, merged, rmse};
 use super::method::{Estimated, Method};
 use super::replica::{Campaign, Heading, Replica, inner};
-use crate::baseline::{Point, Profile, STEP_M};
+use crate::comparison::{Point, Profile, STEP_M};
 use crate::error::Result;
 use crate::report::page::{Figure, Section, Table};
 use crate::report::plot::{Plot, Series, colour, stretches};

@@ -3,8 +3,8 @@
 use super::measure::{errors, mean, valid_errors};
 use super::replica::{Campaign, Heading, Replica, inner};
 use super::thesis;
-use crate::baseline::original::{self, Noise};
-use crate::baseline::{STEP_M, pointwise};
+use crate::comparison::original::{self, Noise};
+use crate::comparison::{STEP_M, pointwise};
 use crate::error::Result;
 use crate::report::page::{Figure, Section, Table};
 use crate::report::plot::{Mark, Plot, Series, colour};

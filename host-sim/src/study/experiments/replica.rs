@@ -7,13 +7,13 @@
 
 use super::measure::{self, EDGE};
 use super::thesis;
-use crate::baseline::markov::Chain;
-use crate::baseline::simulated::{Belief, Errors, simulate};
-use crate::baseline::{Drive, G, STEP_M, pointwise};
-use crate::world::driver::SET_SPEED_MPS;
-use crate::world::random::{OrnsteinUhlenbeck, Purpose, stream};
-use crate::world::road_generator::{RoadShape, generate};
-use crate::world::truck::Preset;
+use crate::comparison::markov::Chain;
+use crate::comparison::{Drive, G, STEP_M, pointwise};
+use crate::simulator::driver::SET_SPEED_MPS;
+use crate::simulator::random::{OrnsteinUhlenbeck, Purpose, stream};
+use crate::simulator::road_generator::{RoadShape, generate};
+use crate::simulator::truck::Preset;
+use crate::study::distance_drive::{Belief, Errors, simulate};
 use estimator_core::vehicle::STANDARD_AIR_DENSITY;
 use rayon::prelude::*;
 

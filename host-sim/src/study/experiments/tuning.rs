@@ -21,9 +21,9 @@
 
 use super::measure::{errors, mean};
 use super::replica::{Campaign, Replica};
-use crate::baseline::STEP_M;
-use crate::baseline::modified::{self, SEGMENT_M};
-use crate::baseline::original::{self, Noise};
+use crate::comparison::STEP_M;
+use crate::comparison::modified::{self, SEGMENT_M};
+use crate::comparison::original::{self, Noise};
 use crate::error::Result;
 use crate::report::page::{Section, Table};
 use crate::study::{Outcome, Setting, Study};

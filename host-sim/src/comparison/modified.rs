@@ -1,8 +1,9 @@
 //! The modified method: mass and bias found against a GPS-heavy estimate, corrected, and the
 //! grade estimated again with less weight on GPS (thesis section 8.1).
 
+use super::drive::{Drive, G, Profile, STEP_M};
 use super::original::{self, Noise};
-use super::{Drive, G, Profile, STEP_M, pointwise};
+use super::pointwise;
 use crate::numeric::robust_line::{Line, fit};
 
 /// Length over which errors are averaged before a line is fitted, m.

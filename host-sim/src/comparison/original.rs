@@ -1,7 +1,7 @@
 //! The original method: a three-state extended Kalman filter in the distance domain, its noise
 //! switched, smoothed backwards (thesis section 3; equations as reconstructed from its model).
 
-use super::{Drive, G, Point, Profile, STEP_M, percent_of_sine};
+use super::drive::{Drive, G, Point, Profile, STEP_M, percent_of_sine};
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
 /// Elements of Q and R, as standard deviations.

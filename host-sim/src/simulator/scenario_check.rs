@@ -1,24 +1,8 @@
 //! What values the keys of a scenario may have.
 
+use super::range_check::check;
 use super::road_generator::RoadShape;
 use super::scenario_file::Document;
-use std::ops::RangeInclusive;
-
-/// A number within a range.
-///
-/// # Errors
-/// What is wrong, beginning with the key's name.
-pub fn check(name: &str, value: f64, range: RangeInclusive<f64>) -> Result<(), String> {
-    if range.contains(&value) {
-        Ok(())
-    } else {
-        Err(format!(
-            "{name} = {value}: expected {} to {}",
-            range.start(),
-            range.end()
-        ))
-    }
-}
 
 /// The document, files that it names excepted.
 ///

@@ -123,8 +123,8 @@ impl Chain {
     /// `n` altitude errors in m, one each step, through the low-pass of [`LOW_PASS_M`].
     pub fn generate(&self, n: usize, rng: &mut impl Rng) -> Vec<f64> {
         let raw = self.generate_states(n, rng).into_iter().map(error_of);
-        let once = super::moving_mean(&raw.collect::<Vec<_>>(), LOW_PASS_M);
-        super::moving_mean(&once, LOW_PASS_M)
+        let once = super::drive::moving_mean(&raw.collect::<Vec<_>>(), LOW_PASS_M);
+        super::drive::moving_mean(&once, LOW_PASS_M)
     }
 
     /// As text: lines of `origin` as comments, then `from,to,count` with errors in m.

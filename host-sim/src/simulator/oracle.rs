@@ -1,7 +1,7 @@
 //! What the simulator knows of a run and no estimator is told: the true vehicle, and how large
 //! every noise was made.
 
-use super::Recording;
+use super::recording::Recording;
 use super::scenario_file::Wind;
 use crate::files::oracle::{
     ColdTyres, Headwind, LONGEST_TIME_S, NoiseLevels, OracleFile, SlowAltitude,

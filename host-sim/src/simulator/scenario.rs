@@ -3,8 +3,9 @@
 
 use super::planted_file::PlantedTable;
 use super::random::{Purpose, normal, stream};
+use super::range_check::check;
 use super::road::Road;
-use super::scenario_check::{check, check_document, check_shape, check_steady_wind};
+use super::scenario_check::{check_document, check_shape, check_steady_wind};
 use super::scenario_file::{
     Air, Direction, Document, GnssErrors, Latencies, NoiseLevels, ParameterErrors, Rates,
     RoadSource, RunTable, Start, Tyres, Wind,

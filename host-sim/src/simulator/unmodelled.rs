@@ -1,9 +1,9 @@
 //! What the believed vehicle does not explain: the truth that a diagnosis is after.
 
-use super::Recording;
 use super::drive::{DriveState, STEP_S};
-use super::road::sine;
+use super::recording::Recording;
 use super::truck::{GRAVITY, Truck};
+use crate::numeric::slope::sine;
 
 /// One step of a drive.
 #[derive(Clone, Copy, Debug, PartialEq)]

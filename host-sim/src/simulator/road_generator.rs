@@ -8,7 +8,8 @@
 
 use super::geodesy::Position;
 use super::random::{Purpose, normal, stream};
-use super::road::{Node, Road, sine};
+use super::road::{Node, Road};
+use crate::numeric::slope::sine;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use serde::Deserialize;

@@ -1,23 +1,4 @@
-//! The thesis as it stands: what the estimator has to beat, weak points included.
-//!
-//! Everything here works in the distance domain, on points of 2.5 m that the core's sampler cut
-//! from the traffic, offline and in double precision, as the thesis does.
-//!
-//! * [`pointwise`]: grade from the vehicle model alone (eq. 9, forward difference);
-//! * [`original`]: the three-state filter with switched noise, smoothed;
-//! * [`simulated`]: drives of a vehicle whose every parameter is known (section 4);
-//! * [`markov`]: the error of GNSS altitude as a Markov chain (section 5);
-//! * [`modified`]: mass and bias corrections found against a GPS-heavy estimate (section 8).
-
-pub mod markov;
-pub mod modified;
-pub mod original;
-pub mod pointwise;
-pub mod simulated;
-
-mod method;
-
-pub use method::Method;
+//! A drive in the distance domain: what the thesis's methods are given.
 
 use estimator_core::sampler::Sample;
 use estimator_core::vehicle::{GRAVITY, Load};
@@ -86,7 +67,7 @@ pub struct Profile {
 pub(crate) const G: f64 = GRAVITY as f64;
 
 /// 100 tan from the sine of an angle.
-pub(crate) fn percent_of_sine(sine: f64) -> f64 {
+pub(super) fn percent_of_sine(sine: f64) -> f64 {
     let sine = sine.clamp(-0.7, 0.7);
     100.0 * sine / (1.0 - sine * sine).sqrt()
 }

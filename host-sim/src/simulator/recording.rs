@@ -1,46 +1,15 @@
-//! The simulator: trucks of known parameters on a road of known grade, heard on a bus.
-//!
-//! ```text
-//! scenario ─► road ─► drive (truck, driver, gearbox) ─► sensors, GNSS ─► bus frames
-//!                       └► truth
-//! ```
-//!
-//! Everything is decided by the scenario and its seed: the same scenario gives the same frames,
-//! byte for byte. [`simulate`] keeps a run in memory, [`Recording`] hands its frames out one by
-//! one.
+//! A run that is driven, and what of it goes on the bus.
 
-pub mod bus;
-pub mod drive;
-pub mod driver;
-pub mod gearbox;
-pub mod geodesy;
-pub mod gnss;
-mod oracle;
-pub mod planted;
-pub mod planted_file;
-pub mod random;
-pub mod road;
-pub mod road_file;
-pub mod road_generator;
-pub mod scenario;
-mod scenario_check;
-pub mod scenario_file;
-pub mod sensors;
-pub mod truck;
-mod unmodelled;
-
+use super::bus::Bus;
+use super::drive::{self, Drive};
+use super::gnss::Gnss;
+use super::scenario::Scenario;
+use super::sensors::Sensors;
 use crate::error::Result;
 use crate::files::truth::TruthRow;
 use crate::files::vehicle::VehicleFile;
 use crate::source::can_frame::TimedFrame;
-use bus::Bus;
-use drive::Drive;
 use estimator_core::VehicleParameters;
-use gnss::Gnss;
-use scenario::Scenario;
-use sensors::Sensors;
-
-pub use unmodelled::Unmodelled;
 
 /// Time between two rows of the truth, s.
 const TRUTH_STEP_S: f64 = 0.1;
@@ -82,9 +51,9 @@ pub fn simulate(scenario: &Scenario, index: usize) -> Result<SimulatedRun> {
 /// A run that was driven, ready to be put on the bus.
 #[derive(Debug)]
 pub struct Recording<'a> {
-    scenario: &'a Scenario,
-    index: usize,
-    drive: Drive,
+    pub(super) scenario: &'a Scenario,
+    pub(super) index: usize,
+    pub(super) drive: Drive,
 }
 
 impl<'a> Recording<'a> {

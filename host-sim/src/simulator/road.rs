@@ -4,6 +4,7 @@
 //! with; altitude is the integral of the sine of the slope, so that the two never disagree.
 
 use super::geodesy::{Position, wrapped_rad};
+use crate::numeric::slope::sine;
 
 /// What a road is made from.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -158,10 +159,4 @@ impl Road {
 fn climb_m(from: f64, to: f64, length_m: f64) -> f64 {
     let middle = 0.5 * (from + to);
     length_m / 6.0 * (sine(from) + 4.0 * sine(middle) + sine(to))
-}
-
-/// Sine of the slope angle whose tangent is `grade`.
-#[must_use]
-pub fn sine(grade: f64) -> f64 {
-    grade / grade.hypot(1.0)
 }

@@ -24,7 +24,7 @@
 //! the torque rose and too high after it fell. Hysteresis, one-sided resistance and thermostat
 //! stand for what a diagnosis has no name for.
 
-use super::scenario_check::check;
+use super::range_check::check;
 use serde::Deserialize;
 
 /// A stretch of road, from and to in m, and what it adds to the rolling resistance.

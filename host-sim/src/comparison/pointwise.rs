@@ -1,6 +1,6 @@
 //! Grade from the vehicle model alone, point by point (thesis section 4.2).
 
-use super::{Drive, G, Point, STEP_M, moving_mean, percent_of_sine};
+use super::drive::{Drive, G, Point, STEP_M, moving_mean, percent_of_sine};
 
 /// Eq. 9 solved for the grade in %, with a forward difference for the acceleration.
 ///

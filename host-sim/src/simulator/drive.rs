@@ -6,11 +6,12 @@ use super::driver::{Brake, CruiseControl, SET_SPEED_MPS};
 use super::gearbox::{Flow, Gearbox, Situation, cruising_gear, launch_gear};
 use super::planted::{Place, Planted};
 use super::random::{OrnsteinUhlenbeck, Purpose, stream};
-use super::road::{Road, sine};
+use super::road::Road;
 use super::scenario::Scenario;
 use super::scenario_file::{Tyres, Wind};
 use super::truck::{GRAVITY, IDLE_RPM, Truck};
 use crate::error::{Error, Result};
+use crate::numeric::slope::sine;
 use rand_chacha::ChaCha8Rng;
 
 /// Step of the integration, s. Speed changes by less than 0.02 m/s in it.

@@ -1,8 +1,8 @@
 //! The thesis's two methods, by name.
 
+use super::drive::{Drive, Profile};
 use super::modified;
 use super::original::{self, Noise};
-use super::{Drive, Profile};
 
 /// A grade estimation method of the thesis, with the noise chosen for it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

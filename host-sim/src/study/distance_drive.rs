@@ -1,11 +1,12 @@
 //! Simulated drives in the distance domain (thesis section 4): the vehicle model of eq. 9 under a
 //! PI cruise control, and what its sensors would have told.
 
-use super::{Drive, G, Point, STEP_M};
-use crate::world::driver::{BRAKE_OFF_MPS, BRAKE_ON_MPS, CruiseControl, SET_SPEED_MPS};
-use crate::world::random::normal;
-use crate::world::truck::Truck;
-use estimator_core::{VehicleParameters, vehicle::STANDARD_AIR_DENSITY};
+use crate::comparison::{Drive, G, Point, STEP_M};
+use crate::simulator::driver::{BRAKE_OFF_MPS, BRAKE_ON_MPS, CruiseControl, SET_SPEED_MPS};
+use crate::simulator::random::normal;
+use crate::simulator::truck::Truck;
+use estimator_core::VehicleParameters;
+use estimator_core::vehicle::STANDARD_AIR_DENSITY;
 use rand_chacha::ChaCha8Rng;
 
 /// Deceleration that the brakes add, m/s².
