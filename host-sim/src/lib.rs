@@ -5,6 +5,7 @@ pub mod comparison;
 pub mod diagnose;
 pub mod error;
 pub mod files;
+pub mod inspect;
 #[cfg(target_os = "linux")]
 pub mod live;
 pub mod map;

@@ -6,7 +6,7 @@ use crate::files::oracle::{OracleFile, mean_speed_mps};
 use crate::files::run::RunRow;
 use crate::files::vehicle::VehicleFile;
 use crate::score::rivals::{self, Rival};
-use crate::source;
+use crate::source::log_kind::kind_of;
 use std::path::{Path, PathBuf};
 
 /// Stands for the drive's name in the names of files.
@@ -100,7 +100,7 @@ impl Companions {
         let Some(log) = &self.log else {
             return Ok(Vec::new());
         };
-        source::kind_of(log)?;
+        kind_of(log)?;
         if vehicle.is_none() && oracle.is_none() {
             return Ok(Vec::new());
         }

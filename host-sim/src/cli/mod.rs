@@ -9,7 +9,6 @@ mod export;
 mod fuse;
 mod import;
 mod inspect;
-mod inspect_text;
 #[cfg(target_os = "linux")]
 mod listen;
 #[cfg(target_os = "linux")]

@@ -1,8 +1,8 @@
 //! The tables that `roadgrade inspect` prints.
 
-use crate::source::census::{Census, MessageCount, SignalCount};
-use crate::source::needs::{Importance, Need, Presence};
-use crate::source::pgn_names::{TRANSPORT_DATA, TRANSPORT_MANAGEMENT, name_of};
+use super::census::{Census, MessageCount, SignalCount};
+use super::needs::{Importance, Need, Presence};
+use super::pgn_names::{TRANSPORT_DATA, TRANSPORT_MANAGEMENT, name_of};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
 use std::fmt::Write as _;
 

@@ -1,10 +1,10 @@
 //! What a log holds: its messages, and the range of each signal in it.
 
-use super::can_frame::{CanFrame, TimedFrame};
-use super::candump::Skipped;
 use super::pgn_names::{TRANSPORT_MANAGEMENT, name_of};
-use super::signal_table::SignalRow;
 use crate::numeric::rounding::round;
+use crate::source::can_frame::{CanFrame, TimedFrame};
+use crate::source::candump::Skipped;
+use crate::source::signal_table::SignalRow;
 use embedded_can::{Frame, Id};
 use estimator_core::signal::{FrameOutcome, Pgn};
 use estimator_core::{Decoder, Instant, Reading, Signal, Value};

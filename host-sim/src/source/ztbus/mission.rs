@@ -1,21 +1,7 @@
-//! ZTBus: measured missions of Zurich's articulated trolleybuses.
-//!
-//! F. Widmer, A. Ritter, C. H. Onder, "ZTBus: A Large Dataset of Time-Resolved City Bus Driving
-//! Missions", Scientific Data 10:687 (2023); called "the paper" below. A mission is everything
-//! from switching the bus on to switching it off, one row a second.
+//! A mission, and what is known of its bus beforehand.
 
-mod read;
-mod split;
-mod table;
-mod turning;
-
-pub use split::{Direction, Pass};
-
-use crate::error::Result;
 use crate::files::vehicle::VehicleFile;
 use estimator_core::{Effects, Traction, VehicleParameters};
-use std::ops::Range;
-use std::path::Path;
 
 /// Mass of the empty bus, kg (the paper: about 19 t).
 pub const KERB_MASS_KG: f64 = 19_000.0;
@@ -66,23 +52,13 @@ impl Row {
 /// A whole mission.
 #[derive(Clone, Debug)]
 pub struct Mission {
-    rows: Vec<Row>,
-    odometer_m: Vec<f64>,
-    first_fix: usize,
-    bus: Option<String>,
+    pub(super) rows: Vec<Row>,
+    pub(super) odometer_m: Vec<f64>,
+    pub(super) first_fix: usize,
+    pub(super) bus: Option<String>,
 }
 
 impl Mission {
-    /// Reads a mission.
-    ///
-    /// # Errors
-    /// With file, line and what was expected: missing columns, lines with too few or too many
-    /// fields, what is not a number, time that does not increase; and a mission without any
-    /// GNSS fix.
-    pub fn read(path: &Path) -> Result<Self> {
-        read::mission(path)
-    }
-
     /// Its rows, in time order.
     #[must_use]
     pub fn rows(&self) -> &[Row] {
@@ -99,28 +75,6 @@ impl Mission {
     #[must_use]
     pub fn first_fix(&self) -> usize {
         self.first_fix
-    }
-
-    /// One-way trips between termini, in time order; see [`Pass`].
-    #[must_use]
-    pub fn passes(&self) -> Vec<Pass> {
-        split::passes(self)
-    }
-
-    /// Writes the whole mission as a signal table.
-    ///
-    /// # Errors
-    /// What the file system says.
-    pub fn write(&self, path: &Path) -> Result<()> {
-        table::write(path, &self.rows)
-    }
-
-    /// Writes the rows of a pass as a signal table whose time starts at 0.
-    ///
-    /// # Errors
-    /// What the file system says.
-    pub fn write_pass(&self, path: &Path, pass: &Pass) -> Result<()> {
-        table::write(path, &self.rows[pass.rows.clone()])
     }
 
     /// What is known of the bus beforehand.
@@ -147,24 +101,4 @@ impl Mission {
             },
         }
     }
-}
-
-/// Row ranges of the complete round trips: each pass with the one that brings the bus back, no
-/// pass in two of them.
-///
-/// A round trip ends where it began, so that whatever altitude a model gains on it is an error.
-#[must_use]
-pub fn round_trips(passes: &[Pass]) -> Vec<Range<usize>> {
-    let mut trips = Vec::new();
-    let mut rest = passes;
-    while let [first, tail @ ..] = rest {
-        rest = tail;
-        if let [second, after @ ..] = tail
-            && first.returns_with(second)
-        {
-            trips.push(first.rows.start..second.rows.end);
-            rest = after;
-        }
-    }
-    trips
 }
