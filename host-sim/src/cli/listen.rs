@@ -1,6 +1,5 @@
 //! `roadgrade listen`: a live bus becomes a run.
 
-use super::Cli;
 use super::conclusion::{self, Summary};
 use super::signals::stop_flag;
 use crate::error::{Error, Result};
@@ -13,8 +12,6 @@ use crate::recorder::{LongRun, Recorder};
 use crate::source::log_time;
 use crate::source::socketcan::{BusEvent, Received, Receiver, of_group, wanted};
 use crate::terminal::print::print;
-use clap::CommandFactory;
-use clap::error::ErrorKind;
 use estimator_core::{Estimator, KeptError, Tuning};
 use serde_json::json;
 use std::collections::BTreeMap;
@@ -95,7 +92,7 @@ fn seconds(text: &str) -> std::result::Result<Duration, String> {
 
 /// Runs it.
 pub fn run(args: &Args) -> Result<()> {
-    check(args);
+    check(args)?;
     let vehicle = VehicleFile::read(&args.vehicle)?;
     let mut listening = Listening::begin(args, &vehicle)?;
     // What fails on the way ends the drive, and is told when the drive is written.
@@ -128,8 +125,8 @@ pub fn run(args: &Args) -> Result<()> {
     ended.and(shown).and(logged).and(told)
 }
 
-/// Ends the program if the interfaces make no sense together.
-fn check(args: &Args) {
+/// Refuses interfaces that make no sense together.
+fn check(args: &Args) -> Result<()> {
     let names = &args.interfaces;
     let is_repeated = |(index, name): (usize, &String)| names[..index].contains(name);
     let problem = if names.iter().enumerate().any(is_repeated) {
@@ -137,10 +134,9 @@ fn check(args: &Args) {
     } else if args.log_time && names.len() > 1 {
         "--log-time with several interfaces; expected one, which all of the log is replayed to"
     } else {
-        return;
+        return Ok(());
     };
-    let kind = ErrorKind::ArgumentConflict;
-    Cli::command().error(kind, problem).exit();
+    Err(Error::Usage(problem.to_owned()))
 }
 
 /// Writes what the drive left. What was driven for hours is not thrown away because something was

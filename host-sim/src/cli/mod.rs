@@ -25,8 +25,9 @@ use without_can as listen;
 #[cfg(not(target_os = "linux"))]
 use without_can as replay;
 
-use crate::error::Result;
-use clap::{Parser, Subcommand};
+use crate::error::{Error, Result};
+use clap::error::ErrorKind;
+use clap::{CommandFactory, Parser, Subcommand};
 
 /// Road-grade estimation for heavy vehicles: from bus traffic to a grade map.
 #[derive(Debug, Parser)]
@@ -65,11 +66,20 @@ enum Command {
 }
 
 impl Cli {
-    /// Runs the subcommand.
+    /// Runs the subcommand. Wrong usage ends the program with exit code 2.
     ///
     /// # Errors
     /// What could not be done, with file, line and what was expected.
     pub fn run(&self) -> Result<()> {
+        self.dispatch().map_err(|error| match error {
+            Error::Usage(problem) => Self::command()
+                .error(ErrorKind::ArgumentConflict, problem)
+                .exit(),
+            other => other,
+        })
+    }
+
+    fn dispatch(&self) -> Result<()> {
         match &self.command {
             Command::Demo(args) => demo::run(args),
             Command::Simulate(args) => simulate::run(args),

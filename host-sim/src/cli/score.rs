@@ -1,6 +1,5 @@
 //! `roadgrade score`.
 
-use super::Cli;
 use super::companions::{Companions, Options};
 use crate::error::{Error, Result};
 use crate::files::csv::write_csv;
@@ -10,8 +9,6 @@ use crate::score::rivals::Rival;
 use crate::score::{self, ScoreRow, mean, score_run_beside};
 use crate::terminal::print::print;
 use crate::terminal::progress;
-use clap::CommandFactory;
-use clap::error::ErrorKind;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
@@ -68,7 +65,7 @@ struct Judged {
 /// # Errors
 /// A file that cannot be read or used; a run without a cell to compare.
 pub fn run(args: &Args) -> Result<()> {
-    check_counts(args);
+    check_counts(args)?;
     let truths = args
         .truth
         .iter()
@@ -107,8 +104,8 @@ pub fn run(args: &Args) -> Result<()> {
     Ok(())
 }
 
-/// Ends with wrong usage unless each kind of file is named once for all runs or once for each.
-fn check_counts(args: &Args) {
+/// Refuses wrong usage: each kind of file is named once for all runs or once for each.
+fn check_counts(args: &Args) -> Result<()> {
     let runs = args.runs.len();
     let options = &args.companions;
     for (option, count) in [
@@ -122,11 +119,10 @@ fn check_counts(args: &Args) {
                 "{count} times --{option} for {runs} runs; expected one for all, or one for each \
                  run"
             );
-            Cli::command()
-                .error(ErrorKind::WrongNumberOfValues, problem)
-                .exit();
+            return Err(Error::Usage(problem));
         }
     }
+    Ok(())
 }
 
 fn judge(path: &Path, truth: &[TruthRow], files: &Companions) -> Result<Judged> {

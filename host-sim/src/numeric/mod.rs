@@ -1,5 +1,6 @@
-//! Small numeric tools: series, a robust line, rounding, slope angles.
+//! Small numeric tools: series, local fits, a robust line, rounding, slope angles.
 
+pub mod local_fit;
 pub mod robust_line;
 pub mod rounding;
 pub mod series;
