@@ -10,8 +10,8 @@ use host_sim::comparison::Profile;
 use host_sim::recorder::Recorder;
 use host_sim::simulator::SimulatedRun;
 use host_sim::smooth::smooth_run;
+use host_sim::study::experiments::campaign::Campaign;
 use host_sim::study::experiments::ours::{Ours, estimate_in};
-use host_sim::study::experiments::replica::Campaign;
 use rayon::prelude::*;
 
 /// What is wanted at most: root mean square and largest difference of grades, %, and the largest

@@ -5,3 +5,4 @@ pub mod robust_line;
 pub mod rounding;
 pub mod series;
 pub mod slope;
+pub mod statistics;

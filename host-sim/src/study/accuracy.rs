@@ -1,7 +1,7 @@
 //! How accurate the estimator is on simulated drives with wrong parameters, wind and cold tyres; and
 //! what a longer lag would buy.
 
-use super::{Outcome, Setting, Study};
+use super::definition::{Outcome, Setting, Study};
 use crate::error::Result;
 use crate::numeric::series::linear;
 use crate::report::page::{Figure, Section, Table};

@@ -2,14 +2,16 @@
 
 pub mod curve;
 
+use super::definition::{Outcome, Setting, Study};
 use super::distance_drive::{self, Belief, Errors, SimulatedDrive};
-use super::experiments::measure::{mean, rmse};
-use super::experiments::replica::{Campaign, Heading};
-use super::{Outcome, Setting, Study};
+use super::experiments::campaign::Campaign;
+use super::experiments::heading::Heading;
+use super::experiments::measure::rmse;
 use crate::comparison::markov::Chain;
 use crate::comparison::original::{self, Noise};
 use crate::comparison::{STEP_M, pointwise};
 use crate::error::Result;
+use crate::numeric::statistics::mean;
 use crate::report::page::{Figure, Section, Table};
 use crate::report::plot::{Mark, Plot, Series, colour};
 use crate::simulator::random::{Purpose, normal, stream};

@@ -3,9 +3,9 @@
 
 pub mod errors;
 
+use super::definition::{Outcome, Setting, Study};
 use super::distance_drive::{self, Belief, Errors};
 use super::experiments::measure::rmse;
-use super::{Outcome, Setting, Study};
 use crate::comparison::STEP_M;
 use crate::comparison::markov::{BIN_M, Chain, STATES, centred, error_of};
 use crate::comparison::original::{self, Noise};

@@ -5,7 +5,7 @@
 //! resistance and s the sine of the slope, f = s + c + d; what each parameter makes of the
 //! estimated s follows by hand and stands beside what the filters' own code computes.
 
-use super::{Outcome, Setting, Study};
+use super::definition::{Outcome, Setting, Study};
 use crate::comparison::{Drive, G, Point, pointwise};
 use crate::error::Result;
 use crate::report::page::{Figure, Section, Table};

@@ -5,9 +5,9 @@
 //! (which shares the vehicle's errors, not its passes' noise) and against terrain (which shares
 //! nothing, but is coarse).
 
+use super::definition::{Outcome, Setting, Study};
 use super::drift::{Drift, ForceSample, vehicle_model_drift};
 use super::windows::{GradeProfile, WindowErrors, window_errors};
-use super::{Outcome, Setting, Study};
 use crate::error::{Error, Result};
 use crate::files::run::RunRow;
 use crate::map::{self, GradeMap, MapRow, Network, RoadLine, SessionRun};

@@ -1,7 +1,8 @@
 //! The methods that are set side by side on the same drives.
 
+use super::experiment::Experiment;
 use super::measure::{Errors, errors, merged, nees, rmse};
-use super::replica::{Experiment, Replica};
+use super::replica::Replica;
 use super::{ours, thesis};
 use crate::comparison::{self, Profile};
 use rayon::prelude::*;
