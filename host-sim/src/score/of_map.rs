@@ -1,6 +1,6 @@
 //! A map against a reference.
 
-use super::{ScoreRow, Sums, Unscorable, is_end};
+use super::score_row::{ScoreRow, Sums, Unscorable, is_end};
 use crate::map::{MapRow, Network, Place, RoadLine, RoadRow, TrackPoint, match_track};
 use crate::numeric::series::linear;
 

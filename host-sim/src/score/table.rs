@@ -1,6 +1,6 @@
 //! The error table, as text and as JSON.
 
-use super::ScoreRow;
+use super::score_row::ScoreRow;
 use crate::terminal::table::text_table;
 use comfy_table::Table;
 
