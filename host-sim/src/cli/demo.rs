@@ -1,6 +1,6 @@
 //! `roadgrade demo`: the main job from end to end, on a built-in scenario.
 
-use super::{estimate, simulate};
+use super::estimate;
 use crate::error::{Error, Result};
 use crate::files::csv::write_csv;
 use crate::files::oracle::{OracleFile, mean_speed_mps};
@@ -13,6 +13,7 @@ use crate::report::page::{Figure, Page, Section, Table};
 use crate::report::plot::{Mark, Plot, Series, colour};
 use crate::score::{self, ScoreRow, rivals};
 use crate::simulator::scenario::Scenario;
+use crate::simulator::write_runs;
 use crate::terminal::print::print;
 use std::path::{Path, PathBuf};
 
@@ -39,7 +40,7 @@ pub fn run(args: &Args) -> Result<()> {
     let scenario = Scenario::builtin();
     let out = &args.out;
     eprintln!("1  simulate trucks whose parameters are not those of their files");
-    simulate::write(&scenario, out)?;
+    write_runs(&scenario, out)?;
     eprintln!("2  estimate each drive from its bus log");
     let drives = (0..scenario.runs.len())
         .map(|index| drive(&scenario, index, out))

@@ -1,11 +1,11 @@
 //! `roadgrade estimate`: one recorded drive becomes a run.
 
-use super::conclusion::{self, Summary};
+use super::conclusion;
 use crate::error::{Error, Result};
 use crate::files::run::{self, Origin};
 use crate::files::vehicle::VehicleFile;
 use crate::files::{data_set, kept};
-use crate::recorder::{self, LongRun};
+use crate::recorder::{self, LongRun, Summary};
 use crate::smooth::held_bytes;
 use crate::terminal::print::print;
 use crate::terminal::progress;
@@ -136,7 +136,7 @@ pub(super) fn drive<S: Scalar>(
 
 /// Whether the log held what an estimate needs; if not, what is missing.
 pub(super) fn check(log: &Path, vehicle: &VehicleFile, run: &LongRun) -> Result<()> {
-    match conclusion::missing(vehicle, run) {
+    match recorder::missing(vehicle, run) {
         Some(problem) => Err(Error::content(log, problem)),
         None => Ok(()),
     }

@@ -1,14 +1,13 @@
 //! `roadgrade listen`: a live bus becomes a run.
 
-use super::conclusion::{self, Summary};
-use super::signals::stop_flag;
+use super::conclusion;
 use crate::error::{Error, Result};
 use crate::files::kept;
 use crate::files::output::Staged;
 use crate::files::run::Origin;
 use crate::files::vehicle::VehicleFile;
-use crate::live::{Publisher, Reaction, Session, Show};
-use crate::recorder::{LongRun, Recorder};
+use crate::live::{Publisher, Reaction, Session, Show, stop_flag};
+use crate::recorder::{self, LongRun, Recorder, Summary};
 use crate::source::log_time;
 use crate::source::socketcan::{BusEvent, Received, Receiver, of_group, wanted};
 use crate::terminal::print::print;
@@ -142,7 +141,7 @@ fn check(args: &Args) -> Result<()> {
 /// Writes what the drive left. What was driven for hours is not thrown away because something was
 /// missing: that is said.
 fn conclude(args: &Args, vehicle: &VehicleFile, run: &mut LongRun) -> Result<()> {
-    if let Some(problem) = conclusion::missing(vehicle, run) {
+    if let Some(problem) = recorder::missing(vehicle, run) {
         let bus = args.interfaces.join(", ");
         if run.rows.count() == 0 && args.out.is_some() {
             return Err(Error::content(Path::new(&bus), problem));

@@ -1,6 +1,5 @@
 //! The command line: one file a subcommand.
 
-mod companions;
 mod conclusion;
 mod demo;
 mod diagnose;
@@ -14,8 +13,6 @@ mod listen;
 #[cfg(target_os = "linux")]
 mod replay;
 mod score;
-#[cfg(target_os = "linux")]
-mod signals;
 mod simulate;
 mod study;
 #[cfg(not(target_os = "linux"))]

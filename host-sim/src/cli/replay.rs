@@ -1,8 +1,8 @@
 //! `roadgrade replay`: a recorded log on an interface.
 
-use super::signals::stop_flag;
 use crate::error::{Error, Result};
 use crate::live::replay::{Pace, Replay, Sent};
+use crate::live::stop_flag;
 use crate::source::candump::CandumpReader;
 use crate::source::log_kind::{LogKind, kind_of};
 use crate::source::log_time;

@@ -6,8 +6,10 @@ mod rate;
 pub mod replay;
 mod session;
 mod show;
+mod stop_flag;
 pub mod view;
 
 pub use publisher::Publisher;
 pub use session::{Reaction, Session};
 pub use show::Show;
+pub use stop_flag::stop_flag;

@@ -6,7 +6,11 @@
 mod drive_recorder;
 mod estimate_log;
 mod long_run;
+mod missing;
+mod summary;
 
 pub use drive_recorder::Recorder;
 pub use estimate_log::estimate_log;
 pub use long_run::{LongRun, Rows, Run};
+pub use missing::missing;
+pub use summary::Summary;

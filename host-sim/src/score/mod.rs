@@ -6,9 +6,12 @@
 //!
 //! * [`run_score`]: a run, alone or beside others;
 //! * [`rivals`]: those others, estimated from the same log;
+//! * [`companions`]: the files that this takes; [`judged`]: a file of a run, judged with them;
 //! * [`of_map`]: a map against a reference;
 //! * [`table`](mod@table): all of it as text.
 
+pub mod companions;
+pub mod judged;
 pub mod of_map;
 pub mod rivals;
 pub mod run_score;

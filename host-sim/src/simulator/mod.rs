@@ -30,6 +30,8 @@ pub mod scenario_file;
 pub mod sensors;
 pub mod truck;
 mod unmodelled;
+mod write_runs;
 
 pub use recording::{Recording, SimulatedRun, simulate};
 pub use unmodelled::Unmodelled;
+pub use write_runs::write_runs;

@@ -8,7 +8,10 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 /// A flag that either signal sets. The second one ends the program at once.
-pub(super) fn stop_flag() -> Result<Arc<AtomicBool>> {
+///
+/// # Errors
+/// If a handler cannot be set.
+pub fn stop_flag() -> Result<Arc<AtomicBool>> {
     let stop = Arc::new(AtomicBool::new(false));
     for signal in [SIGINT, SIGTERM] {
         // What a shell reports of a program that a signal ended.
