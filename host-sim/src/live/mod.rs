@@ -1,5 +1,6 @@
 //! The estimator on a live bus, and a recorded bus put on an interface.
 
+mod listening;
 pub mod panel;
 mod publisher;
 mod rate;
@@ -9,6 +10,7 @@ mod show;
 mod stop_flag;
 pub mod view;
 
+pub use listening::{Ended, ListenRequest, Listening};
 pub use publisher::Publisher;
 pub use session::{Reaction, Session};
 pub use show::Show;

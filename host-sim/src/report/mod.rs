@@ -1,5 +1,6 @@
 //! Plots, and the pages that show them.
 
+pub mod demo_page;
 pub mod map_page;
 pub mod page;
 pub mod plan;
