@@ -17,6 +17,8 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
+pub use known::FAN;
+
 /// The effects that the estimator has a name for.
 pub const CATALOGUE: [&str; 12] = [
     "rolling_resistance",
@@ -34,8 +36,6 @@ pub const CATALOGUE: [&str; 12] = [
 ];
 /// Those that it has none for.
 pub const OUTSIDE: [&str; 3] = ["torque_hysteresis", "side_resistance", "thermostat"];
-/// An auxiliary load that goes on and off and is told on the bus.
-pub const FAN: &str = "fan";
 /// Nothing at all.
 pub const CLEAN: &str = "clean";
 
