@@ -2,8 +2,7 @@
 
 use embedded_can::{ExtendedId, Frame, Id, StandardId};
 use estimator_core::Instant;
-use flate2::Compression;
-use flate2::write::GzEncoder;
+use flate2::{Compression, write::GzEncoder};
 use host_sim::source::can_frame::{CanFrame, TimedFrame};
 use host_sim::source::candump::{CandumpReader, Skipped};
 use host_sim::source::candump_writer::write_frame;

@@ -14,7 +14,7 @@ pub const MEAN: &str = "mean";
 pub struct ScoreRow {
     /// Which run, or [`MEAN`].
     pub run: String,
-    /// `smoothed`, `lagged`, `live`, one of the [`rivals`], or `map`.
+    /// `smoothed`, `lagged`, `live`, one of the [`rivals`](super::rivals), or `map`.
     pub estimate: &'static str,
     pub cells: usize,
     pub rmse_percent: f64,

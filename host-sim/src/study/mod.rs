@@ -1,6 +1,6 @@
 //! Tables and figures, computed: one file a study.
 //!
-//! A study is a function from [`Setting`] to a [`Section`] of the report; its tables and figures
+//! A study is a function from [`Setting`] to a [`Section`](crate::report::page::Section) of the report; its tables and figures
 //! are written beside the page by their names. Adding one takes a file and a line in [`STUDIES`].
 
 pub mod accuracy;

@@ -94,7 +94,7 @@ fn is_same_line(given: &[RoadPoint], stored: &[RoadPoint]) -> bool {
 }
 
 /// Writes a map's sums, to appear when committed. A single road must be one through its own
-/// [`RoadLine::on_grid`](super::RoadLine::on_grid).
+/// [`RoadLine::on_grid`](crate::map::RoadLine::on_grid).
 ///
 /// # Errors
 /// What the file system says.
