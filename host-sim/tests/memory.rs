@@ -1,9 +1,8 @@
 //! Memory that a long drive takes, counted by the allocator: no more than a short one.
 
+use host_sim::files::run::{Origin, write_rows};
+use host_sim::files::vehicle::VehicleFile;
 use host_sim::recorder::estimate_log;
-use host_sim::run_file::write_rows;
-use host_sim::run_parquet::Origin;
-use host_sim::vehicle_file::VehicleFile;
 use peak_alloc::PeakAlloc;
 use std::fmt::Write;
 use std::fs;

@@ -11,9 +11,9 @@ use cross_tests::exit_code;
 use estimator_core::Cell;
 use firmware::exchange::cell::{self, CELL_BYTES};
 use host_sim::error::{Error, Result};
-use host_sim::output::write_whole;
+use host_sim::files::output::write_whole;
+use host_sim::files::vehicle::VehicleFile;
 use host_sim::source::input::{Input, for_each_input};
-use host_sim::vehicle_file::VehicleFile;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 

@@ -6,8 +6,8 @@ use clap::Parser;
 use cross_tests::exit_code;
 use firmware::exchange::vehicle;
 use host_sim::error::Result;
-use host_sim::output::write_whole;
-use host_sim::vehicle_file::VehicleFile;
+use host_sim::files::output::write_whole;
+use host_sim::files::vehicle::VehicleFile;
 use std::path::PathBuf;
 use std::process::ExitCode;
 

@@ -8,7 +8,7 @@ use crate::emulator::{count, drive_file};
 use crate::image::{Image, build, root};
 use estimator_core::VehicleParameters;
 use host_sim::error::{Error, Result};
-use host_sim::text_table::text_table;
+use host_sim::terminal::table::text_table;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};

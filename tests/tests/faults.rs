@@ -7,7 +7,7 @@ use cross_tests::faults::matrix::matrix;
 use cross_tests::faults::table::{committed_file, table};
 use embedded_can::{Frame, Id};
 use estimator_core::{Estimator, Instant, Tuning};
-use host_sim::series::linear;
+use host_sim::numeric::series::linear;
 use host_sim::source::can_frame::{CanFrame, TimedFrame};
 use std::fs;
 

@@ -6,12 +6,12 @@ use cross_tests::faults::drive::drive;
 use cross_tests::faults::matrix::TRUCKS;
 use estimator_core::filter::Filter;
 use estimator_core::{Counters, Fixed, Scalar, Tuning};
-use host_sim::baseline::Profile;
+use host_sim::comparison::Profile;
 use host_sim::recorder::Recorder;
+use host_sim::simulator::SimulatedRun;
 use host_sim::smooth::smooth_run;
+use host_sim::study::experiments::campaign::Campaign;
 use host_sim::study::experiments::ours::{Ours, estimate_in};
-use host_sim::study::experiments::replica::Campaign;
-use host_sim::world::SimulatedRun;
 use rayon::prelude::*;
 
 /// What is wanted at most: root mean square and largest difference of grades, %, and the largest

@@ -35,7 +35,7 @@ pub struct Stretch {
     pub score: DVector<f64>,
     /// Minus twice the logarithm of the likelihood of the altitudes with nothing missing, but for a
     /// constant.
-    pub surprise: f64,
+    pub negative_log_likelihood: f64,
 }
 
 /// All stretches of all drives.
@@ -93,7 +93,7 @@ pub fn stretches(
         drive,
         information: DMatrix::zeros(columns.len(), columns.len()),
         score: DVector::zeros(columns.len()),
-        surprise: 0.0,
+        negative_log_likelihood: 0.0,
     };
     let mut found = Vec::new();
     let mut stretch = empty();
@@ -139,7 +139,7 @@ impl Stretch {
             return;
         };
         let per_variance = 1.0 / applied.innovation_variance;
-        self.surprise +=
+        self.negative_log_likelihood +=
             applied.innovation.powi(2) * per_variance + applied.innovation_variance.ln();
         self.information.ger(per_variance, response, response, 1.0);
         self.score

@@ -4,11 +4,11 @@
 //! that was given, else the map of all other drives in the same direction, else the drive's own
 //! smoothed estimate. Single cells say little, since every reference is noisy there.
 
+use super::bare_model;
 use super::drive::{CommonRoad, LoggedDrive};
-use crate::bare_model;
 use crate::map::{GradeMap, MapRow, Network, RoadLine, SessionRun, road_of_run};
-use crate::series::linear;
-use crate::world::road::sine;
+use crate::numeric::series::linear;
+use crate::numeric::slope::sine;
 use estimator_core::sampler::Sample;
 use estimator_core::vehicle::VehicleParameters;
 use rand::RngExt;

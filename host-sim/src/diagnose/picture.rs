@@ -1,6 +1,6 @@
 //! What is unexplained, drawn over what it depends on.
 
-use super::candidates::Variable;
+use super::dependence::Variable;
 use super::drive::{CommonRoad, LoggedDrive};
 use super::judgement::{self, Reference};
 use crate::report::page::Figure;

@@ -3,8 +3,8 @@
 //! A wrong radius hardly shows in the slope, but in every speed. Speeds of the two kinds are
 //! compared where the vehicle neither speeds up nor slows down, since they are of unlike age.
 
-use super::Finding;
 use super::drive::LoggedDrive;
+use super::findings::Finding;
 use super::selection::ADOPTED;
 use estimator_core::CELL_LENGTH_M;
 use estimator_core::effect::{Adopted, Effect, wheel_radius};

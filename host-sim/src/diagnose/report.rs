@@ -1,9 +1,10 @@
 //! report.json and the page.
 
+use super::findings::{Diagnosis, Finding};
+use super::how_searched::told_apart_by;
 use super::judgement::{Judgement, WINDOW_M};
-use super::{Diagnosis, Finding};
 use crate::error::Result;
-use crate::output::stage_text;
+use crate::files::output::stage_text;
 use crate::report::page::{Figure, PAGE, Page, Section, Table};
 use crate::report::plot::{Mark, Plot, Series, colour};
 use serde_json::{Value, json};
@@ -81,33 +82,6 @@ pub fn to_json(diagnosis: &Diagnosis) -> Value {
             "depends_on": rest.depends_on,
             "evidence": number(rest.evidence),
         })).collect::<Vec<_>>(),
-    })
-}
-
-/// What data would tell an effect from others.
-#[must_use]
-pub fn told_apart_by(name: &str) -> Option<&'static str> {
-    Some(match name {
-        "rolling_resistance" | "brake_drag" => {
-            "drives with another load: rolling resistance goes with the weight, a dragging brake does not"
-        }
-        "air_drag" => "drives at other speeds: air resistance goes with the square of the speed",
-        "headwind" => "drives both ways, or on other days: wind turns with the course",
-        "auxiliary_load" => {
-            "drives at other speeds, and coasting with an open driveline: the force of a power goes down with speed"
-        }
-        "tyre_warmup" => "drives that begin warm: tyres are warm after half an hour",
-        "mass" => {
-            "coasting, and speeding up: mass takes part in both, torque in neither or only one"
-        }
-        "torque_scale" => "coasting in neutral, where no torque acts, and engine braking",
-        "driveline_loss" => {
-            "engine braking and long descents: losses brake there too, a torque scale drives"
-        }
-        "cornering" => "straight roads",
-        "road_surface" => "drives over other roads, and both ways over this one",
-        "wheel_radius" => "GNSS speed",
-        _ => return None,
     })
 }
 

@@ -1,11 +1,12 @@
 //! What drives ask for: the candidates of a set of drives, weighed, and read as effects.
 
-use super::Unexplained;
 use super::candidates::{Detail, Menu};
 use super::drive::{CommonRoad, LoggedDrive};
 use super::evidence::{self, Evidence, WINDS_MPS, judging_tuning, stretches};
+use super::findings::Unexplained;
+use super::how_searched::{Amounts, how_searched};
 use super::selection::{Case, Selection, Selector};
-use crate::vehicle_file::VehicleFile;
+use crate::files::vehicle::VehicleFile;
 use estimator_core::VehicleParameters;
 use estimator_core::effect::{Adopted, Effect};
 use rayon::prelude::*;
@@ -64,7 +65,9 @@ impl<'a> Search<'a> {
                 .flatten()
                 .collect();
             let selection = self.select(&evidence, None);
-            let is_better = |(_, best): &(_, Selection)| selection.surprise < best.surprise;
+            let is_better = |(_, best): &(_, Selection)| {
+                selection.negative_log_likelihood < best.negative_log_likelihood
+            };
             if best.as_ref().is_none_or(is_better) {
                 best = Some((evidence, selection));
             }
@@ -106,35 +109,41 @@ impl<'a> Search<'a> {
         let mut adopted = Adopted::new(effect, amount, sigma);
         match candidate.choices[case.choice].detail {
             Detail::None | Detail::Period(_) => {}
-            Detail::Fan(with_fan) => {
-                let _ = adopted.set("with_fan", with_fan);
+            Detail::Value(key, value) => {
+                let _ = adopted.set(key, value);
             }
-            Detail::Time(time_s) => {
-                // How cold they are differs from drive to drive, and the next one is not known.
+            Detail::EachDrive(key, value) => {
+                // It differs from drive to drive, and the next one is not known.
                 let count = case.amounts.len() as f64;
                 let mean = case.amounts.iter().sum::<f64>() / count;
                 let between = case.amounts.iter().map(|a| (a - mean).powi(2)).sum::<f64>() / count;
                 let own = case.sigmas.iter().map(|s| s * s).sum::<f64>() / count;
                 adopted = Adopted::new(effect, mean.max(0.0) as f32, (between + own).sqrt() as f32);
-                let _ = adopted.set("time_s", time_s);
+                let _ = adopted.set(key, value);
             }
-            Detail::Compass => {
+            Detail::Direction(key) => {
                 let (north, east) = (case.amounts[0], case.amounts[1]);
-                let speed = north.hypot(east);
-                let along = |n: f64, e: f64| (n * north + e * east) / speed.max(1e-9);
+                let size = north.hypot(east);
+                let along = |n: f64, e: f64| (n * north + e * east) / size.max(1e-9);
                 let sigma = along(case.sigmas[0], 0.0).hypot(along(0.0, case.sigmas[1]));
-                adopted = Adopted::new(effect, speed as f32, sigma as f32);
-                let _ = adopted.set(
-                    "from_deg",
-                    east.atan2(north).to_degrees().rem_euclid(360.0) as f32,
-                );
+                adopted = Adopted::new(effect, size as f32, sigma as f32);
+                let direction_deg = east.atan2(north).to_degrees().rem_euclid(360.0);
+                let _ = adopted.set(key, direction_deg as f32);
             }
             Detail::Stretch(from_m, to_m) => {
-                if let Some(road) = &self.road {
-                    let (latitude, longitude) = road.position_at(0.5 * (from_m + to_m));
-                    let _ = adopted.set("latitude_deg", latitude as f32);
-                    let _ = adopted.set("longitude_deg", longitude as f32);
-                    let _ = adopted.set("length_m", (to_m - from_m) as f32);
+                if let (
+                    Some(road),
+                    Amounts::OnPartOfRoad {
+                        latitude_key,
+                        longitude_key,
+                        length_key,
+                    },
+                ) = (&self.road, how_searched(effect).amounts)
+                {
+                    let (latitude_deg, longitude_deg) = road.position_at(0.5 * (from_m + to_m));
+                    let _ = adopted.set(latitude_key, latitude_deg as f32);
+                    let _ = adopted.set(longitude_key, longitude_deg as f32);
+                    let _ = adopted.set(length_key, (to_m - from_m) as f32);
                 }
             }
         }

@@ -1,7 +1,7 @@
 //! A view as text: a panel to watch, lines to keep, JSON to process.
 
 use super::view::{InterfaceView, View};
-use crate::counter_words::events;
+use crate::terminal::counters::events;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 

@@ -1,9 +1,8 @@
 //! What a drive leaves.
 
-use super::no_room;
-use crate::error::Result;
-use crate::run_file::{RunRow, RunRows};
-use crate::spool::{Spool, blocks};
+use crate::error::{Error, Result};
+use crate::files::run::{RunRow, RunRows};
+use crate::files::spool::{Spool, blocks};
 use estimator_core::{Counters, Kept};
 use std::io;
 
@@ -62,7 +61,7 @@ impl Rows {
         self.0.count()
     }
 
-    /// Puts rows by at their numbers.
+    /// Stores rows at their numbers.
     pub(super) fn put(
         &mut self,
         first: usize,
@@ -81,4 +80,9 @@ impl RunRows for Rows {
         }
         Ok(())
     }
+}
+
+/// The temporary file of a drive could not be written or read back.
+pub(super) fn no_room(error: io::Error) -> Error {
+    Error::io(&std::env::temp_dir())(error)
 }

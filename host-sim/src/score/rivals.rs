@@ -1,12 +1,12 @@
 //! What a run is judged beside, on the same traffic: the thesis's two methods, and an oracle.
 
-use crate::baseline::{Drive, Method, without_gaps};
+use crate::comparison::{Drive, Method, without_gaps};
 use crate::error::{Error, Result};
-use crate::oracle_file::OracleFile;
+use crate::files::oracle::OracleFile;
+use crate::files::run::RunRow;
+use crate::files::vehicle::VehicleFile;
 use crate::recorder::{Recorder, Run};
-use crate::run_file::RunRow;
 use crate::source::input::{Input, for_each_input};
-use crate::vehicle_file::VehicleFile;
 use estimator_core::sampler::Sample;
 use estimator_core::{CELL_LENGTH_M, Instant, Intake, Tuning};
 use std::path::Path;

@@ -93,9 +93,9 @@ pub fn smooth_stretches<S: Scalar, M: Samples>(
         let mut best = (Drifts::default(), tuning.clone());
         for other in [(drifts, tuning.clone()), (Drifts::default(), believing)] {
             (smoother.drifts, smoother.tuning) = other.clone();
-            let (surprise, _) = smoother.judge(start.clone())?;
-            if surprise < least {
-                (least, best) = (surprise, other);
+            let (negative_log_likelihood, _) = smoother.judge(start.clone())?;
+            if negative_log_likelihood < least {
+                (least, best) = (negative_log_likelihood, other);
             }
         }
         (smoother.drifts, smoother.tuning) = best;

@@ -1,17 +1,17 @@
 //! How accurate the estimator is on simulated drives with wrong parameters, wind and cold tyres; and
 //! what a longer lag would buy.
 
-use super::{Outcome, Setting, Study};
+use super::definition::{Outcome, Setting, Study};
 use crate::error::Result;
-use crate::progress;
+use crate::numeric::series::linear;
 use crate::report::page::{Figure, Section, Table};
 use crate::report::plot::{Plot, Series, colour};
 use crate::score::END_CUT_M;
-use crate::series::linear;
+use crate::simulator::scenario::Scenario;
+use crate::simulator::simulate;
+use crate::simulator::truck::Preset;
 use crate::smooth::smooth_run;
-use crate::world::scenario::Scenario;
-use crate::world::simulate;
-use crate::world::truck::Preset;
+use crate::terminal::progress;
 use estimator_core::filter::{Backward, Filter, Record};
 use estimator_core::lag::{BLOCK_CELLS, LAG_CELLS, bytes};
 use estimator_core::{CELL_LENGTH_M, Counters, Estimator, Tuning, Uncertain};

@@ -1,6 +1,6 @@
 //! How far the bare vehicle model's altitude drifts: no GNSS, no filter, nothing fitted.
 
-use crate::bare_model;
+use crate::diagnose::bare_model;
 use estimator_core::vehicle::{Driveline, Load, VehicleParameters, air_density};
 
 /// What the force balance needs of one row of a signal table.

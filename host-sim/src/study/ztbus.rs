@@ -5,15 +5,15 @@
 //! (which shares the vehicle's errors, not its passes' noise) and against terrain (which shares
 //! nothing, but is coarse).
 
+use super::definition::{Outcome, Setting, Study};
 use super::drift::{Drift, ForceSample, vehicle_model_drift};
 use super::windows::{GradeProfile, WindowErrors, window_errors};
-use super::{Outcome, Setting, Study};
 use crate::error::{Error, Result};
+use crate::files::run::RunRow;
 use crate::map::{self, GradeMap, MapRow, Network, RoadLine, SessionRun};
 use crate::recorder::estimate_log;
 use crate::report::page::{Figure, Section, Table};
 use crate::report::plot::{Mark, Plot, Series, colour};
-use crate::run_file::RunRow;
 use crate::source::terrain::Terrain;
 use crate::source::ztbus::{Direction, Mission, Pass, round_trips};
 use std::fs;

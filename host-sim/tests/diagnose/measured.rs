@@ -1,7 +1,7 @@
 //! What the model of a measured trolleybus lacks, where the measurements are.
 
 use host_sim::diagnose::{Request, diagnose};
-use host_sim::vehicle_file::VehicleFile;
+use host_sim::files::vehicle::VehicleFile;
 use std::path::{Path, PathBuf};
 use test_kit::command::program;
 

@@ -1,8 +1,8 @@
 //! `roadgrade estimate` from end to end: what it reaches, and what it refuses.
 
-use host_sim::run_file::{self, RunRow};
+use host_sim::files::run::{self, RunRow};
+use host_sim::files::truth;
 use host_sim::score::score_run;
-use host_sim::truth_file;
 use predicates::prelude::*;
 use predicates::str::contains;
 use std::fs;
@@ -52,8 +52,8 @@ fn forty_km_with_right_parameters_are_within_the_bars() {
             &out,
         )
         .success();
-        let rows = run_file::read(&out).unwrap();
-        let truth = truth_file::read(&file(&format!("{run}.truth.csv"))).unwrap();
+        let rows = run::read(&out).unwrap();
+        let truth = truth::read(&file(&format!("{run}.truth.csv"))).unwrap();
         let scores = score_run(run, &rows, &truth).unwrap().rows;
         assert!(scores[0].rmse_percent <= bar, "{:?}", scores[0]);
         for score in &scores {
@@ -97,10 +97,7 @@ fn single_precision_is_double_precision_within_two_thousandths() {
         .arg(&log)
         .assert()
         .success();
-    let (single, double) = (
-        run_file::read(&single).unwrap(),
-        run_file::read(&double).unwrap(),
-    );
+    let (single, double) = (run::read(&single).unwrap(), run::read(&double).unwrap());
     let grades: [fn(&RunRow) -> f64; 3] = [
         |row| row.grade_percent,
         |row| row.lagged_grade_percent,
@@ -225,8 +222,8 @@ fn a_log_still_works_without_what_is_only_useful() {
             .any(|pgn| is_group(line, *pgn))
     });
     estimate(&vehicle, &bare, &out).success();
-    let rows = run_file::read(&out).unwrap();
-    let truth = truth_file::read(&folder.path().join("a.truth.csv")).unwrap();
+    let rows = run::read(&out).unwrap();
+    let truth = truth::read(&folder.path().join("a.truth.csv")).unwrap();
     let score = &score_run("a", &rows, &truth).unwrap().rows[0];
     assert!(score.rmse_percent < 0.25, "{score:?}");
 }
@@ -376,12 +373,13 @@ fn a_data_set_takes_runs_by_tile_and_day() {
     };
     command(&["--dataset", "runs", "--day", "2026-11-21"]).success();
     command(&["--out", "run.csv"]).success();
-    let rows = run_file::read(&at.join("run.csv")).unwrap();
+    let rows = run::read(&at.join("run.csv")).unwrap();
     let first = rows.iter().find(|row| row.latitude_deg.is_some()).unwrap();
-    let tile = host_sim::dataset::tile(first.latitude_deg.unwrap(), first.longitude_deg.unwrap());
+    let tile =
+        host_sim::files::data_set::tile(first.latitude_deg.unwrap(), first.longitude_deg.unwrap());
     let file = at.join(format!("runs/tile={tile}/day=2026-11-21/a_forward.parquet"));
-    assert_eq!(run_file::read(&file).unwrap(), rows);
-    let session = host_sim::run_parquet::session(&file).unwrap().unwrap();
+    assert_eq!(run::read(&file).unwrap(), rows);
+    let session = host_sim::files::run::session(&file).unwrap().unwrap();
     assert!(session.ends_with(" 2026-11-21"), "{session}");
 
     // Again, and a log of the same name from another truck.
@@ -394,7 +392,7 @@ fn a_data_set_takes_runs_by_tile_and_day() {
     command(&["--dataset", "runs", "--day", "2026-11-21"])
         .code(1)
         .stderr(contains("a_forward.parquet: has a run of another vehicle"));
-    assert_eq!(run_file::read(&file).unwrap(), rows);
+    assert_eq!(run::read(&file).unwrap(), rows);
 
     command(&["--dataset", "runs"])
         .code(2)

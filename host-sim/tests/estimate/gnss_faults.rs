@@ -2,7 +2,7 @@
 
 use estimator_core::Tuning;
 use host_sim::recorder::{Recorder, Run};
-use host_sim::world::SimulatedRun;
+use host_sim::simulator::SimulatedRun;
 
 /// 30 km with everything wrong by one sigma, wind, cold tyres, and a fault at 15 km.
 fn drive(truck: &str, direction: &str, seed: u32, fault: &str) -> (SimulatedRun, Run) {
@@ -42,7 +42,7 @@ fn squares(run: &SimulatedRun, found: &Run) -> (f64, f64) {
         .iter()
         .filter(|row| (500.0..end_m).contains(&row.distance_m))
         .filter_map(|row| {
-            let grade = host_sim::series::linear(&truth, row.time_s)?;
+            let grade = host_sim::numeric::series::linear(&truth, row.time_s)?;
             let error = row.grade_percent - grade;
             Some((error.powi(2), (error / row.grade_sigma_percent).powi(2)))
         })

@@ -2,12 +2,12 @@
 //! left, and what `roadgrade estimate --kept` does with the file.
 
 use estimator_core::{Estimator, Kept, Tuning};
+use host_sim::files::run::RunRow;
+use host_sim::numeric::series::linear;
 use host_sim::recorder::{Recorder, Run};
-use host_sim::run_file::RunRow;
-use host_sim::series::linear;
-use host_sim::world::random::{Purpose, normal, stream};
-use host_sim::world::scenario::Scenario;
-use host_sim::world::{SimulatedRun, simulate};
+use host_sim::simulator::random::{Purpose, normal, stream};
+use host_sim::simulator::scenario::Scenario;
+use host_sim::simulator::{SimulatedRun, simulate};
 use predicates::prelude::*;
 use predicates::str::contains;
 use rayon::prelude::*;
@@ -227,7 +227,7 @@ fn the_file_goes_from_drive_to_drive() {
     second.success();
     let second_left = fs::read(&memory).unwrap();
     assert_ne!(second_left, left);
-    let rows = |path: &Path| host_sim::run_file::read(path).unwrap();
+    let rows = |path: &Path| host_sim::files::run::read(path).unwrap();
     let (without, with) = (rows(&plain_out), rows(&second_out));
     assert_eq!(without.len(), with.len());
     // Live, lagged and smoothed alike: the smoother, too, begins with what was known.

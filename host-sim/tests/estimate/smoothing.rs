@@ -5,8 +5,8 @@ use estimator_core::filter::{AltitudeEvent, Backward, Filter, Record};
 use estimator_core::sampler::{Continuity, Sample};
 use estimator_core::{Counters, Estimate, Estimator, Scalar, Tuning, VehicleParameters};
 use host_sim::recorder::Recorder;
+use host_sim::simulator::{SimulatedRun, simulate};
 use host_sim::smooth::{Smoothed, held_bytes, smooth_run};
-use host_sim::world::{SimulatedRun, simulate};
 use std::ops::RangeInclusive;
 use test_kit::simulated::scenario;
 

@@ -3,9 +3,8 @@
 
 use estimator_core::{Instant, Reading, Signal, Tuning, Value};
 use host_sim::recorder::{Recorder, Run};
-use host_sim::world::SimulatedRun;
-use host_sim::world::scenario::Scenario;
-use host_sim::world::simulate;
+use host_sim::simulator::scenario::Scenario;
+use host_sim::simulator::{SimulatedRun, simulate};
 use test_kit::simulated::{readings, scenario};
 
 /// A reading and when it came, s.

@@ -1,6 +1,6 @@
 //! Entries put by, in memory and beyond it.
 
-use host_sim::spool::{Spool, blocks};
+use host_sim::files::spool::{Spool, blocks};
 use proptest::prelude::*;
 
 type Entry = (u64, Option<f64>);

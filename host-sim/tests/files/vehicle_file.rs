@@ -1,7 +1,7 @@
 //! Effects in `vehicle.toml`: read, written, refused by name, and of use to `estimate`.
 
-use host_sim::run_file;
-use host_sim::vehicle_file::VehicleFile;
+use host_sim::files::run;
+use host_sim::files::vehicle::VehicleFile;
 use predicates::str::contains;
 use std::fs;
 use tempfile::TempDir;
@@ -164,7 +164,7 @@ fn an_estimate_counts_with_the_effects_of_its_vehicle() {
         let out = format!("{name}.csv");
         let arguments = ["estimate", "--vehicle", &vehicle, "--out", &out, "a.log"];
         roadgrade(folder.path(), &arguments).success();
-        let rows = run_file::read(&file(&out)).unwrap();
+        let rows = run::read(&file(&out)).unwrap();
         grades.push(rows.iter().map(|row| row.live_grade_percent).collect());
     }
     let grades: [Vec<f64>; 3] = grades.try_into().unwrap();

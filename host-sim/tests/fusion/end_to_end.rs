@@ -1,8 +1,8 @@
 //! `roadgrade fuse` at the command line.
 
 use assert_cmd::assert::Assert;
+use host_sim::files::run::{self, RunRow};
 use host_sim::map::read_map;
-use host_sim::run_file::{self, RunRow};
 use predicates::prelude::*;
 use predicates::str::contains;
 use std::fmt::Write as _;
@@ -19,7 +19,7 @@ fn fuse(folder: &Path, arguments: &[&str]) -> Assert {
 }
 
 fn save(folder: &TempDir, name: &str, rows: &[RunRow]) {
-    run_file::write(&folder.path().join(name), rows).expect("written");
+    run::write(&folder.path().join(name), rows).expect("written");
 }
 
 fn save_road(folder: &TempDir, name: &str, spots: &[test_kit::roads::Spot]) {

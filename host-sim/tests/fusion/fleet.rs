@@ -3,8 +3,8 @@
 
 use host_sim::map::{FusedMap, PlacedRun};
 use host_sim::score::ScoreRow;
+use host_sim::simulator::truck::Preset;
 use host_sim::study::fleet::road::{FleetRoad, as_if_independent};
-use host_sim::world::truck::Preset;
 use rayon::prelude::*;
 
 /// The map of these days, and what it is worth.

@@ -1,7 +1,7 @@
 //! Runs over known roads become the map that they should.
 
+use host_sim::files::run::{self, RunRow};
 use host_sim::map::{GradeMap, MapRow, Network, RoadLine, read_map, road_of_run, write_map};
-use host_sim::run_file::{self, RunRow};
 use host_sim::score::score_map_on_road;
 use test_kit::roads::{
     Spot, alone, drive, fuse, hill_percent, hills, moved, points, reversed, road, run,
@@ -375,6 +375,6 @@ fn map_files_read_back() {
     assert!(header.starts_with(
         "distance_m,latitude_deg,longitude_deg,altitude_m,grade_percent,grade_sigma_percent,runs\n"
     ));
-    run_file::write(&folder.path().join("run.csv"), &rows).expect("written");
+    run::write(&folder.path().join("run.csv"), &rows).expect("written");
     assert!(read_map(&folder.path().join("run.csv")).is_err());
 }

@@ -1,7 +1,7 @@
 //! Runs on the ways of a network: each cell on the way that was driven.
 
+use host_sim::files::run::RunRow;
 use host_sim::map::{Coverage, Network, RoadLine, WayRows};
-use host_sim::run_file::RunRow;
 use serde_json::Value;
 use test_kit::roads::network::{map, names, network, rows_of, way};
 use test_kit::roads::{

@@ -1,8 +1,8 @@
 //! Networks from files, and maps of them as files: what is read, what is refused.
 
 use assert_cmd::assert::Assert;
+use host_sim::files::run::{self, RunRow};
 use host_sim::map::read_map_ways;
-use host_sim::run_file::{self, RunRow};
 use predicates::prelude::*;
 use predicates::str::contains;
 use serde_json::{Value, json};
@@ -17,7 +17,7 @@ fn fuse(folder: &Path, arguments: &[&str]) -> Assert {
 }
 
 fn save_run(folder: &Path, name: &str, rows: &[RunRow]) {
-    run_file::write(&folder.join(name), rows).expect("written");
+    run::write(&folder.join(name), rows).expect("written");
 }
 
 fn bytes(folder: &Path, name: &str) -> Vec<u8> {

@@ -1,11 +1,9 @@
 //! Runs and maps as Parquet, folders of them, and fusions that are interrupted.
 
 use assert_cmd::assert::Assert;
+use host_sim::files::data_set;
+use host_sim::files::run::{self, Origin, RunCell, RunIdentity, RunRow};
 use host_sim::map::{MapRow, read_map};
-use host_sim::run_cell::{RunCell, RunIdentity};
-use host_sim::run_file::{self, RunRow};
-use host_sim::run_parquet::Origin;
-use host_sim::{dataset, parquet_file, run_parquet};
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use predicates::prelude::*;
 use predicates::str::contains;
@@ -50,11 +48,11 @@ fn fleet() -> TempDir {
     for number in 0..7 {
         let rows = wavy(number);
         let name = format!("{number}");
-        let path = dataset::run_path(&at.join("runs"), &mut &rows[..], "2026-11-21", &name)
+        let path = data_set::run_path(&at.join("runs"), &mut &rows[..], "2026-11-21", &name)
             .expect("a path");
-        run_file::write_from(&path, &rows, &origin(number % 3)).expect("written");
+        run::write_from(&path, &rows, &origin(number % 3)).expect("written");
     }
-    run_file::write(&at.join("first.csv"), &wavy(0)).expect("written");
+    run::write(&at.join("first.csv"), &wavy(0)).expect("written");
     fuse(at, &["--out", "road.csv", "first.csv"]).success();
     folder
 }
@@ -89,19 +87,19 @@ fn a_run_is_the_same_in_either_form() {
     rows[7].longitude_deg = None;
     rows[9].valid = 0;
     rows[11].grade_percent = -0.000_000_1;
-    run_file::write(&csv, &rows).expect("written");
-    run_file::write_from(&parquet, &rows, &origin(4)).expect("written");
-    let from_csv = run_file::read(&csv).expect("a run");
-    assert_eq!(from_csv, run_file::read(&parquet).expect("a run"));
-    let (cells, identity) = run_file::read_cells(&parquet).expect("cells");
+    run::write(&csv, &rows).expect("written");
+    run::write_from(&parquet, &rows, &origin(4)).expect("written");
+    let from_csv = run::read(&csv).expect("a run");
+    assert_eq!(from_csv, run::read(&parquet).expect("a run"));
+    let (cells, identity) = run::read_cells(&parquet).expect("cells");
     assert!(cells.iter().copied().eq(from_csv.iter().map(RunCell::from)));
-    assert_eq!(identity, run_file::read_cells(&csv).expect("cells").1);
+    assert_eq!(identity, run::read_cells(&csv).expect("cells").1);
     assert_eq!(identity.to_string().parse(), Ok(identity));
     assert_ne!(identity, RunIdentity::of(cells[1..].iter().copied()));
 
-    let session = run_parquet::session(&parquet).expect("opened");
+    let session = run::session(&parquet).expect("opened");
     assert_eq!(session.as_deref(), Some("truck 4 2026-11-21"));
-    let file = parquet_file::open(&parquet).expect("opened");
+    let file = host_sim::files::parquet::open(&parquet).expect("opened");
     assert_eq!(file.metadata("schema"), Some("run 1"));
     assert_eq!(file.metadata("day"), Some("2026-11-21"));
     // The same columns in the same order, with their units.
@@ -173,8 +171,8 @@ fn sessions_of_files_are_those_of_the_command_line() {
     )
     .success();
     for number in 0..7 {
-        let rows = run_file::read(&at.join(of_fleet(number))).expect("a run");
-        run_file::write(&at.join(format!("{number}.csv")), &rows).expect("written");
+        let rows = run::read(&at.join(of_fleet(number))).expect("a run");
+        run::write(&at.join(format!("{number}.csv")), &rows).expect("written");
     }
     let named = [
         "--session",
@@ -361,9 +359,9 @@ fn a_damaged_file_is_named_and_left_out_whole() {
 fn no_flipped_bit_passes_or_panics() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("a.parquet");
-    run_file::write_from(&path, &wavy(1)[..40], &origin(1)).expect("written");
+    run::write_from(&path, &wavy(1)[..40], &origin(1)).expect("written");
     let whole = fs::read(&path).expect("bytes");
-    let cells = run_file::read_cells(&path).expect("cells").0;
+    let cells = run::read_cells(&path).expect("cells").0;
     let mut refused = 0;
     let mut senseless = None;
     let everywhere = (0..whole.len()).step_by(5).map(|place| (place, place % 8));
@@ -371,7 +369,7 @@ fn no_flipped_bit_passes_or_panics() {
         let mut bytes = whole.clone();
         bytes[place] ^= 1 << bit;
         fs::write(&path, &bytes).expect("written");
-        match run_file::read_cells(&path) {
+        match run::read_cells(&path) {
             // Where it does not matter: in columns that are not read, in statistics.
             Ok((read, _)) => assert_eq!(read, cells, "byte {place}"),
             Err(e) => {
@@ -433,7 +431,7 @@ fn a_run_is_named_as_its_log() {
         ("drive", "drive"),
         (".log", ".log"),
     ] {
-        assert_eq!(dataset::run_name(Path::new(log)), name);
+        assert_eq!(data_set::run_name(Path::new(log)), name);
     }
 }
 
@@ -446,10 +444,10 @@ fn tiles_are_named_by_their_corner() {
         ((-33.9, 151.2), "S34E151"),
         ((61.0, -149.9), "N61W150"),
     ] {
-        assert_eq!(dataset::tile(position.0, position.1), name);
+        assert_eq!(data_set::tile(position.0, position.1), name);
     }
     for day in ["2026-11-21", "2024-02-29"] {
-        assert_eq!(dataset::check_day(day).as_deref(), Ok(day));
+        assert_eq!(data_set::check_day(day).as_deref(), Ok(day));
     }
     for day in [
         "",
@@ -461,6 +459,6 @@ fn tiles_are_named_by_their_corner() {
         "+026-11-21",
         "../..",
     ] {
-        assert!(dataset::check_day(day).is_err(), "{day}");
+        assert!(data_set::check_day(day).is_err(), "{day}");
     }
 }

@@ -1,8 +1,8 @@
 //! What runs of one session have in common, told from how far they disagree, and what it leaves
 //! of a map's certainty.
 
+use host_sim::files::run::RunRow;
 use host_sim::map::{GradeMap, MapRow, Network, RoadLine, SessionRun, fuse};
-use host_sim::run_file::RunRow;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};

@@ -1,8 +1,8 @@
 //! `roadgrade fuse --store` and `--session`: a map that grows run by run.
 
 use assert_cmd::assert::Assert;
+use host_sim::files::run::{self, RunRow};
 use host_sim::map::{Network, RoadLine, read_map, read_store};
-use host_sim::run_file::{self, RunRow};
 use predicates::prelude::*;
 use predicates::str::contains;
 use std::fs;
@@ -38,7 +38,7 @@ fn six_runs() -> TempDir {
     let folder = tempfile::tempdir().expect("a folder");
     for number in 0..6 {
         let path = folder.path().join(format!("{number}.csv"));
-        run_file::write(&path, &wavy(number)).expect("written");
+        run::write(&path, &wavy(number)).expect("written");
     }
     folder
 }
@@ -164,7 +164,7 @@ fn a_store_of_another_road_is_refused() {
     let folder = six_runs();
     let at = folder.path();
     let elsewhere = run(&moved(&hills(), 0.0, 3.0));
-    run_file::write(&at.join("beside.csv"), &elsewhere).expect("written");
+    run::write(&at.join("beside.csv"), &elsewhere).expect("written");
     fuse(at, &["beside.csv"]).success();
     fs::rename(at.join("map.csv"), at.join("road.csv")).expect("moved");
     fuse(at, &["--store", "sums.csv", "0.csv"]).success();
@@ -176,7 +176,7 @@ fn a_store_of_another_road_is_refused() {
     let away = run(&moved(&hills(), 90e3, 0.0));
     let back = run(&reversed(&hills()));
     for (name, rows) in [("away.csv", away), ("back.csv", back)] {
-        run_file::write(&at.join(name), &rows).expect("written");
+        run::write(&at.join(name), &rows).expect("written");
         fuse(at, &["--store", "sums.csv", name])
             .code(1)
             .stderr(contains(name).and(contains("expected runs over the road")));
@@ -236,7 +236,7 @@ fn wrong_usage_is_told_as_such() {
 fn small_store(folder: &TempDir) -> Vec<String> {
     let at = folder.path();
     for (name, number) in [("a.csv", 0), ("b.csv", 1), ("c.csv", 2)] {
-        run_file::write(&at.join(name), &wavy(number)[..9]).expect("written");
+        run::write(&at.join(name), &wavy(number)[..9]).expect("written");
     }
     fuse(
         at,

@@ -2,7 +2,7 @@
 
 use crate::mission_maker::{MissionMaker, Point};
 use crate::{check_pass_tables, columns, import};
-use host_sim::vehicle_file::VehicleFile;
+use host_sim::files::vehicle::VehicleFile;
 use predicates::prelude::*;
 use std::fs;
 use std::path::{Path, PathBuf};

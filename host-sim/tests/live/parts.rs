@@ -275,13 +275,17 @@ fn the_view_as_json_has_what_the_line_has_and_more() {
     assert!(json(&view(None))["grade_percent"].is_null());
 }
 
-fn session(drive: &host_sim::world::SimulatedRun, log_time: bool, log: Option<&Path>) -> Session {
+fn session(
+    drive: &host_sim::simulator::SimulatedRun,
+    log_time: bool,
+    log: Option<&Path>,
+) -> Session {
     let recorder =
         Recorder::<f32>::new(drive.vehicle.parameters.clone(), Tuning::default()).unwrap();
     Session::begin(recorder, &["can0".to_owned()], log_time, log).unwrap()
 }
 
-fn recorded(drive: &host_sim::world::SimulatedRun) -> Run {
+fn recorded(drive: &host_sim::simulator::SimulatedRun) -> Run {
     let mut recorder =
         Recorder::<f32>::new(drive.vehicle.parameters.clone(), Tuning::default()).unwrap();
     for frame in &drive.frames {

@@ -1,10 +1,10 @@
 //! Scores of planted errors are what they must be.
 
 use assert_cmd::assert::Assert;
+use host_sim::files::run::{self, RunRow};
+use host_sim::files::truth::{self, TruthRow};
 use host_sim::map::MapRow;
-use host_sim::run_file::{self, RunRow};
 use host_sim::score::{MEAN, mean, score_map, score_run};
-use host_sim::truth_file::{self, TruthRow};
 use predicates::prelude::*;
 use predicates::str::contains;
 use std::path::Path;
@@ -185,10 +185,10 @@ fn two_drives() -> TempDir {
     let folder = tempfile::tempdir().expect("a folder");
     let path = |name: &str| folder.path().join(name);
     let flat = drive((0.0, 0.0), 3000.0, |_| 90.0, |_| 0.0);
-    run_file::write(&path("runs/a.csv"), &planted(&hills())).expect("written");
-    run_file::write(&path("runs/b.csv"), &run(&flat)).expect("written");
-    truth_file::write(&path("a.truth.csv"), &truth(&hills(), hill_percent)).expect("written");
-    truth_file::write(&path("b.truth.csv"), &truth(&flat, |_| 0.0)).expect("written");
+    run::write(&path("runs/a.csv"), &planted(&hills())).expect("written");
+    run::write(&path("runs/b.csv"), &run(&flat)).expect("written");
+    truth::write(&path("a.truth.csv"), &truth(&hills(), hill_percent)).expect("written");
+    truth::write(&path("b.truth.csv"), &truth(&flat, |_| 0.0)).expect("written");
     folder
 }
 

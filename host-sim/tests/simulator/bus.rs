@@ -1,7 +1,7 @@
 //! Does the simulated bus tell what the simulated truck did?
 
 use estimator_core::{Driveline, Estimator, Signal, Traction, Tuning, Value, VehicleParameters};
-use host_sim::world::{Recording, SimulatedRun, simulate};
+use host_sim::simulator::{Recording, SimulatedRun, simulate};
 use std::collections::BTreeMap;
 use test_kit::simulated::{A, B, MILD, QUIET, readings, run, scenario, series};
 

@@ -2,11 +2,11 @@
 
 use assert_cmd::cargo::cargo_bin_cmd;
 use estimator_core::Traction;
-use host_sim::oracle_file::OracleFile;
+use host_sim::files::oracle::OracleFile;
+use host_sim::files::truth;
+use host_sim::files::vehicle::VehicleFile;
 use host_sim::source::can_frame::{CanFrame, TimedFrame};
 use host_sim::source::candump_writer::write_frame;
-use host_sim::truth_file;
-use host_sim::vehicle_file::VehicleFile;
 use predicates::prelude::PredicateBooleanExt;
 use predicates::str::contains;
 use std::collections::BTreeMap;
@@ -128,7 +128,7 @@ fn written_files_can_be_read_again() {
     let out = folder.path().join("out");
     let vehicle = VehicleFile::read(&out.join("b.vehicle.toml")).unwrap();
     assert_eq!(vehicle.parameters.mass_kg, 12_000.0);
-    let truth = truth_file::read(&out.join("b.truth.csv")).unwrap();
+    let truth = truth::read(&out.join("b.truth.csv")).unwrap();
     assert_eq!((truth[0].time_s, truth[0].distance_m), (0.0, 0.0));
     let last = truth.last().unwrap();
     assert!((1480.0..1500.0).contains(&last.distance_m), "{last:?}");
@@ -142,7 +142,7 @@ fn written_files_can_be_read_again() {
     "#;
     simulate(again, folder.path()).success();
     let [before, after] =
-        ["a.truth.csv", "again.truth.csv"].map(|name| truth_file::read(&out.join(name)).unwrap());
+        ["a.truth.csv", "again.truth.csv"].map(|name| truth::read(&out.join(name)).unwrap());
     assert!(!before.is_empty());
     for (a, b) in before.iter().zip(&after) {
         assert!((a.altitude_m - b.altitude_m).abs() < 0.05, "{a:?} {b:?}");

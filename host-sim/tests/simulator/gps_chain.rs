@@ -1,7 +1,9 @@
 //! The Markov chain of GNSS altitude errors.
 
-use host_sim::baseline::markov::{CENTRE, Chain, LOW_PASS_M, STATES, centred, error_of, state_of};
-use host_sim::baseline::moving_mean;
+use host_sim::comparison::markov::{
+    CENTRE, Chain, LOW_PASS_M, STATES, centred, error_of, state_of,
+};
+use host_sim::comparison::moving_mean;
 use host_sim::study::gps;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;

@@ -1,10 +1,10 @@
 //! Is the simulated world the physics of the thesis, on a road that could be?
 
 use estimator_core::Signal;
-use host_sim::world::Recording;
-use host_sim::world::drive::STEP_S;
-use host_sim::world::road_generator::{RoadShape, generate};
-use host_sim::world::scenario::Scenario;
+use host_sim::simulator::Recording;
+use host_sim::simulator::drive::STEP_S;
+use host_sim::simulator::road_generator::{RoadShape, generate};
+use host_sim::simulator::scenario::Scenario;
 use std::path::Path;
 use test_kit::simulated::{A, B, MILD, run, scenario, series};
 
@@ -187,7 +187,7 @@ fn the_scenarios_that_come_with_it_are_sound() {
 #[test]
 fn every_key_of_the_documentation_is_a_key() {
     // The example in the documentation of scenario_file, as it stands there.
-    let source = include_str!("../../src/world/scenario_file.rs");
+    let source = include_str!("../../src/simulator/scenario_file.rs");
     let example: String = source
         .split("//! ```")
         .nth(1)

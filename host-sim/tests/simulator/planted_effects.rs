@@ -1,9 +1,9 @@
 //! Does what is planted act as its formula says, and is nothing there by default?
 
 use estimator_core::Signal;
-use host_sim::world::drive::{DriveState, STEP_S};
-use host_sim::world::scenario::Scenario;
-use host_sim::world::{Recording, SimulatedRun, simulate};
+use host_sim::simulator::drive::{DriveState, STEP_S};
+use host_sim::simulator::scenario::Scenario;
+use host_sim::simulator::{Recording, SimulatedRun, simulate};
 use std::collections::BTreeMap;
 use std::path::Path;
 use test_kit::simulated::{A, B, MILD, QUIET, run, scenario, series};

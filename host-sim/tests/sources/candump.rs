@@ -6,7 +6,7 @@ use flate2::{Compression, write::GzEncoder};
 use host_sim::source::can_frame::{CanFrame, TimedFrame};
 use host_sim::source::candump::{CandumpReader, Skipped};
 use host_sim::source::candump_writer::write_frame;
-use host_sim::source::{LogKind, kind_of};
+use host_sim::source::log_kind::{LogKind, kind_of};
 use proptest::prelude::*;
 use std::io::Write;
 use std::path::{Path, PathBuf};

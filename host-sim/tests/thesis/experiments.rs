@@ -1,16 +1,19 @@
 //! The ten experiments replicated: what was fitted fits, and what is predicted holds together.
 
-use host_sim::baseline::original::Noise;
-use host_sim::baseline::{Profile, pointwise};
+use host_sim::comparison::original::Noise;
+use host_sim::comparison::{Profile, pointwise};
+use host_sim::numeric::statistics::mean;
 use host_sim::report::page::Section;
 use host_sim::report::plot::{Mark, Plot, Series, colour};
+use host_sim::simulator::truck::Preset;
 use host_sim::study::experiments::beside::{judged_maps, not_better};
-use host_sim::study::experiments::measure::{errors, mean, merged, nees, rmse};
+use host_sim::study::experiments::campaign::Campaign;
+use host_sim::study::experiments::heading::Heading;
+use host_sim::study::experiments::measure::{errors, merged, nees, rmse};
 use host_sim::study::experiments::method::{Estimated, Method};
-use host_sim::study::experiments::replica::{Campaign, Heading, Replica, Sources};
+use host_sim::study::experiments::replica::{Replica, Sources};
 use host_sim::study::experiments::{ours, tuning};
 use host_sim::study::{Outcome, STUDIES, Setting};
-use host_sim::world::truck::Preset;
 use std::path::PathBuf;
 
 const SEED: u64 = 2011;

@@ -1,13 +1,13 @@
 //! The original filter, the modified method and the robust line.
 
-use host_sim::baseline::modified::{self, Modified};
-use host_sim::baseline::original::{self, Noise};
-use host_sim::baseline::simulated::{Belief, Errors, SimulatedDrive, simulate};
-use host_sim::baseline::{Profile, STEP_M, pointwise};
-use host_sim::robust_line;
-use host_sim::world::random::{Purpose, normal, stream};
-use host_sim::world::road_generator::{RoadShape, generate};
-use host_sim::world::truck::Preset;
+use host_sim::comparison::modified::{self, Modified};
+use host_sim::comparison::original::{self, Noise};
+use host_sim::comparison::{Profile, STEP_M, pointwise};
+use host_sim::numeric::robust_line;
+use host_sim::simulator::random::{Purpose, normal, stream};
+use host_sim::simulator::road_generator::{RoadShape, generate};
+use host_sim::simulator::truck::Preset;
+use host_sim::study::distance_drive::{Belief, Errors, SimulatedDrive, simulate};
 
 /// Left out at either end, as the thesis does.
 const EDGE: usize = 200;

@@ -1,9 +1,9 @@
 //! The vehicle model and figure 7.
 
 use estimator_core::{Traction, VehicleParameters};
-use host_sim::baseline::{Drive, Point, pointwise};
+use host_sim::comparison::{Drive, Point, pointwise};
+use host_sim::simulator::truck::{GRAVITY, Preset, Truck};
 use host_sim::study::sensitivity::{Parameter, analytic, error_percent, numeric, working_point};
-use host_sim::world::truck::{GRAVITY, Preset, Truck};
 
 const AIR_DENSITY: f64 = 1.2;
 

@@ -1,10 +1,10 @@
 //! Simulated drives in the distance domain, and grade from the vehicle model alone.
 
-use host_sim::baseline::simulated::{Belief, Errors, SimulatedDrive, simulate};
-use host_sim::baseline::{STEP_M, pointwise};
-use host_sim::world::random::{Purpose, stream};
-use host_sim::world::road_generator::{RoadShape, generate};
-use host_sim::world::truck::Preset;
+use host_sim::comparison::{STEP_M, pointwise};
+use host_sim::simulator::random::{Purpose, stream};
+use host_sim::simulator::road_generator::{RoadShape, generate};
+use host_sim::simulator::truck::Preset;
+use host_sim::study::distance_drive::{Belief, Errors, SimulatedDrive, simulate};
 
 fn hills(length_m: f64) -> Vec<f64> {
     let shape = RoadShape {
@@ -95,7 +95,7 @@ fn the_heavy_truck_shifts_and_brakes_and_the_light_one_keeps_its_gear() {
 fn during_shifts_and_braking_the_model_is_wrong() {
     let run = drive(Preset::A, &Belief::TRUTH, &Errors::default());
     let grade = pointwise::grade_percent(&run.drive);
-    let mean = |wanted: fn(&host_sim::baseline::Point) -> bool| {
+    let mean = |wanted: fn(&host_sim::comparison::Point) -> bool| {
         let errors: Vec<f64> = (0..grade.len() - 1)
             .filter(|&k| wanted(&run.drive.points[k]))
             .map(|k| grade[k] - run.true_grade_percent[k])

@@ -6,15 +6,15 @@ use estimator_core::{Counters, Decoder, Estimator, Scalar, Tuning, VehicleParame
 use flate2::Compression;
 use flate2::write::GzEncoder;
 use host_sim::error::Result;
+use host_sim::files::run::{self, RunRow};
 use host_sim::map::{GradeMap, Network, RoadLine, RoadPoint, SessionRun, place, road_of_run};
 use host_sim::recorder::{Recorder, estimate_log};
-use host_sim::run_file::{self, RunRow};
+use host_sim::simulator::scenario::Scenario;
+use host_sim::simulator::simulate;
 use host_sim::smooth::smooth_run;
 use host_sim::source::can_frame::TimedFrame;
 use host_sim::source::candump::CandumpReader;
 use host_sim::source::candump_writer::write_frame;
-use host_sim::world::scenario::Scenario;
-use host_sim::world::simulate;
 use std::fs::{self, File};
 use std::hint::black_box;
 use std::io::{BufWriter, Write};
@@ -72,7 +72,7 @@ impl Work {
             rows: estimated.rows,
         };
         work.write().expect("room for a log");
-        run_file::write(&work.run(), &work.rows)?;
+        run::write(&work.run(), &work.rows)?;
         Ok(work)
     }
 
@@ -260,7 +260,7 @@ impl Work {
             .into();
         let mut map = GradeMap::new(&road);
         for _ in 0..RUNS {
-            let (cells, _) = run_file::read_cells(&self.run()).expect("it was written");
+            let (cells, _) = run::read_cells(&self.run()).expect("it was written");
             map.add_placed(None, &place(&road, &cells));
         }
         black_box(map.fused());

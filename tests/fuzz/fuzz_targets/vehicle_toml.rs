@@ -5,7 +5,7 @@
 
 use estimator_core::{Intake, Tuning};
 use fuzz_targets::as_file;
-use host_sim::vehicle_file::VehicleFile;
+use host_sim::files::vehicle::VehicleFile;
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {

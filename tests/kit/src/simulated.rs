@@ -2,8 +2,8 @@
 
 use estimator_core::signal::FrameOutcome;
 use estimator_core::{Decoder, Instant, Signal, Value};
-use host_sim::world::scenario::Scenario;
-use host_sim::world::{SimulatedRun, simulate};
+use host_sim::simulator::scenario::Scenario;
+use host_sim::simulator::{SimulatedRun, simulate};
 use std::path::Path;
 
 /// Neither noise nor latency: what the bus tells is true but for its resolution.

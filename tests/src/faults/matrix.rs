@@ -4,10 +4,10 @@ use super::catalogue::{Fault, Kind, catalogue};
 use super::drive::drive;
 use super::outcome::{Phases, Times, Truth, estimated, is_sound};
 use estimator_core::Counters;
-use host_sim::counter_words::events;
 use host_sim::error::Result;
 use host_sim::recorder::Run;
-use host_sim::world::SimulatedRun;
+use host_sim::simulator::SimulatedRun;
+use host_sim::terminal::counters::events;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 

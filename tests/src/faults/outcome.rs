@@ -2,11 +2,11 @@
 
 use super::Frames;
 use estimator_core::{Scalar, Tuning, VehicleParameters};
+use host_sim::files::run::RunRow;
+use host_sim::files::truth::TruthRow;
+use host_sim::numeric::series::linear;
 use host_sim::recorder::{Recorder, Run};
-use host_sim::run_file::RunRow;
-use host_sim::series::linear;
-use host_sim::truth_file::TruthRow;
-use host_sim::world::SimulatedRun;
+use host_sim::simulator::SimulatedRun;
 
 /// Ways at both ends of a drive that are left out, m.
 const ENDS_M: f64 = 500.0;

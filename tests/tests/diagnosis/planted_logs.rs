@@ -5,11 +5,11 @@ use cross_tests::planted::{
 };
 use estimator_core::signal::FrameOutcome;
 use estimator_core::{Decoder, Driveline, Signal, Traction, VehicleParameters};
+use host_sim::files::truth::{self, TruthRow};
+use host_sim::files::vehicle::VehicleFile;
+use host_sim::simulator::scenario::Scenario;
+use host_sim::simulator::truck::Preset;
 use host_sim::source::candump::CandumpReader;
-use host_sim::truth_file::{self, TruthRow};
-use host_sim::vehicle_file::VehicleFile;
-use host_sim::world::scenario::Scenario;
-use host_sim::world::truck::Preset;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
@@ -158,7 +158,7 @@ fn the_diagnosis_is_told_nothing() {
     let road = &Scenario::read(&logs.truth.scenario).unwrap().road;
     let up = road.altitude_m(road.length_m()) - road.altitude_m(0.0);
     for (index, path) in truths.iter().enumerate() {
-        let rows = truth_file::read(path).unwrap();
+        let rows = truth::read(path).unwrap();
         let climbed = rows.last().unwrap().altitude_m - rows[0].altitude_m;
         let sign = if index % 2 == 0 { 1.0 } else { -1.0 };
         assert!((climbed - sign * up).abs() < 1.0, "{climbed}, {up}");
@@ -255,7 +255,7 @@ fn told_rms_percent(logs: &Logs) -> f64 {
     let truths = logs.truth.fit.iter().chain(&logs.truth.held_out);
     let errors: Vec<f64> = runs
         .zip(truths)
-        .flat_map(|(log, truth)| window_errors_percent(log, &truth_file::read(truth).unwrap()))
+        .flat_map(|(log, truth)| window_errors_percent(log, &truth::read(truth).unwrap()))
         .collect();
     assert!(errors.len() > 100, "{} windows", errors.len());
     (errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64).sqrt()

@@ -1,7 +1,7 @@
 //! Our estimator on a drive of the thesis's kind: the very filter of the vehicle with its default
 //! tuning, fed with what the other methods get.
 
-use crate::baseline::{Drive, Point, Profile, STEP_M};
+use crate::comparison::{Drive, Point, Profile, STEP_M};
 use crate::smooth::smooth_run;
 use estimator_core::filter::Filter;
 use estimator_core::lag::Lag;

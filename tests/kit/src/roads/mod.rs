@@ -2,8 +2,8 @@
 
 pub mod network;
 
+use host_sim::files::run::RunRow;
 use host_sim::map::{self, Fusion, Network, RoadPoint, RoadRow, SessionRun};
-use host_sim::run_file::RunRow;
 use map_3d::Ellipsoid::WGS84;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;

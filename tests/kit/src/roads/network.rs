@@ -1,8 +1,8 @@
 //! Networks of ways under spots.
 
 use super::Spot;
+use host_sim::files::run::RunRow;
 use host_sim::map::{Network, WayRows, fuse, read_network};
-use host_sim::run_file::RunRow;
 use serde_json::{Value, json};
 use std::path::Path;
 
