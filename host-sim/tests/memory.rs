@@ -55,7 +55,7 @@ fn peak(folder: &Path, km: usize, ending: &str) -> usize {
     write_log(&log, km);
     let before = ALLOCATOR.current_usage();
     ALLOCATOR.reset_peak_usage();
-    let mut run = estimate_log::<f32>(&vehicle.parameters, None, &log, |_| ()).unwrap();
+    let mut run = estimate_log::<f32>(&vehicle.model, None, &log, |_| ()).unwrap();
     assert!(run.rows.count() + 50 > km * 400, "{}", run.rows.count());
     write_rows(&out, &mut run.rows, &Origin::default()).unwrap();
     ALLOCATOR.peak_usage() - before

@@ -28,6 +28,6 @@ fn main() -> ExitCode {
 
 fn run(args: &Args) -> Result<()> {
     let vehicle = VehicleFile::read(&args.vehicle)?;
-    let image = vehicle::encode(&vehicle.parameters);
+    let image = vehicle::encode(&vehicle.model);
     write_whole(&args.image, |out| out.write_all(&image))
 }

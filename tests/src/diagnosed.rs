@@ -172,7 +172,7 @@ impl GradeErrors {
     fn of(logs: &Logs, vehicle: &VehicleFile) -> Result<Self> {
         let (mut smoothed, mut live, mut cells) = (0.0, 0.0, 0.0);
         for (log, truth) in logs.held_out.iter().zip(&logs.truth.held_out) {
-            let run = LoggedDrive::read(log, &vehicle.parameters)?.run;
+            let run = LoggedDrive::read(log, &vehicle.model)?.run;
             let truth = truth::read(truth)?;
             let score = score_run("held out", &run.rows, &truth)
                 .map_err(|problem| Error::content(log, problem.to_string()))?;

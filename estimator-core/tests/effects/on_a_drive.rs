@@ -1,10 +1,10 @@
-//! A vehicle that has an effect and knows of it drives like one that has none; what it does not
-//! know for sure, it says.
+//! An adopted effect that a vehicle has leaves its estimates as they are without the effect. The
+//! uncertainty of its amount is part of theirs.
 
-use estimator_core::effect::CATALOGUE;
+use estimator_core::effect::{self, CATALOGUE};
 use estimator_core::vehicle::GRAVITY;
 use estimator_core::{
-    Adopted, Effect, Effects, Estimate, Estimator, KeptError, Tuning, VehicleParameters,
+    AdoptedEffect, Estimate, Estimator, Model, PersistentStateError, Tuning, VehicleParameters,
 };
 use test_kit::by_force;
 use test_kit::effect_drive::{DEG_PER_KM, Moment, PLAIN, Planted, START_LATITUDE_DEG, drive};
@@ -14,18 +14,18 @@ use test_kit::truck;
 const SECONDS: f32 = 400.0;
 const WEIGHT_N: f32 = 39_000.0 * GRAVITY;
 
-/// With these effects.
-fn with(vehicle: VehicleParameters, adopted: &[Adopted]) -> VehicleParameters {
-    let mut effects = Effects::default();
+/// The model of a vehicle with these effects.
+fn with(vehicle: VehicleParameters, adopted: &[AdoptedEffect]) -> Model {
+    let mut model = Model::from(vehicle);
     for adopted in adopted {
-        effects.adopt(*adopted).unwrap();
+        model.effects.adopt(*adopted).unwrap();
     }
-    VehicleParameters { effects, ..vehicle }
+    model
 }
 
-fn adopted(name: &str, amount: f32, details: &[(&str, f32)]) -> Adopted {
-    let mut adopted = Adopted::new(Effect::named(name).unwrap(), amount, 0.0);
-    for &(key, value) in details {
+fn adopted(name: &str, amount: f32, parameters: &[(&str, f32)]) -> AdoptedEffect {
+    let mut adopted = AdoptedEffect::new(effect::named(name).unwrap(), amount, 0.0);
+    for &(key, value) in parameters {
         assert!(adopted.set(key, value));
     }
     adopted
@@ -41,13 +41,13 @@ fn difference(one: &[Estimate], other: &[Estimate]) -> f32 {
     (squares.sum::<f32>() / count as f32).sqrt()
 }
 
-/// Traction as the bus tells it, N.
-type Told = fn(&Moment) -> f32;
+/// Traction as the bus reports it, N.
+type ReportedForce = fn(&Moment) -> f32;
 
-/// What a vehicle has, and how the bus then tells its traction.
-fn resisting() -> Vec<(Adopted, Told)> {
-    let half_way = START_LATITUDE_DEG + 4.0 * DEG_PER_KM;
-    let stretch = [("latitude_deg", half_way), ("length_m", 4_000.0)];
+/// Effects of a vehicle, and the traction that the bus then reports.
+fn resisting() -> Vec<(AdoptedEffect, ReportedForce)> {
+    let middle = START_LATITUDE_DEG + 4.0 * DEG_PER_KM;
+    let stretch = [("latitude_deg", middle), ("length_m", 4_000.0)];
     let wind = [("from_deg", 60.0)];
     vec![
         (adopted("rolling_resistance", 0.002, &[]), |m| {
@@ -86,12 +86,13 @@ fn resisting() -> Vec<(Adopted, Told)> {
 #[test]
 fn an_effect_that_is_known_is_as_none() {
     let vehicle = by_force();
-    let plain = drive(&vehicle, &vehicle, PLAIN, SECONDS);
+    let base = Model::from(vehicle.clone());
+    let plain = drive(&base, &vehicle, PLAIN, SECONDS);
     for (adopted, told_n) in resisting() {
         let planted = Planted { told_n, ..PLAIN };
         let knows = with(vehicle.clone(), &[adopted]);
         let known = difference(&plain, &drive(&knows, &vehicle, planted, SECONDS));
-        let missing = difference(&plain, &drive(&vehicle, &vehicle, planted, SECONDS));
+        let missing = difference(&plain, &drive(&base, &vehicle, planted, SECONDS));
         eprintln!(
             "{}: known {known} %, missing {missing} %",
             adopted.effect.name
@@ -112,8 +113,8 @@ fn an_effect_that_is_known_is_as_none() {
 #[test]
 fn a_scale_that_is_known_is_as_none() {
     let truth = truck();
-    let plain = drive(&truth, &truth, PLAIN, SECONDS);
-    // Believed to be too light, or to have wheels too small while the bus's speed is as small.
+    let plain = drive(&truth.clone().into(), &truth, PLAIN, SECONDS);
+    // A mass that is too small; wheels that are too small, with a reported speed that is as small.
     let light = VehicleParameters {
         mass_kg: truth.mass_kg / 1.2,
         ..truth.clone()
@@ -126,13 +127,13 @@ fn a_scale_that_is_known_is_as_none() {
         true_over_told: 1.05,
         ..PLAIN
     };
-    for (believed, planted, adopted) in [
+    for (assumed, planted, adopted) in [
         (light, PLAIN, adopted("mass", 0.2, &[])),
         (small, slow, adopted("wheel_radius", 0.05, &[])),
     ] {
         let name = adopted.effect.name;
-        let missing = drive(&believed, &truth, planted, SECONDS);
-        let known = drive(&with(believed, &[adopted]), &truth, planted, SECONDS);
+        let missing = drive(&assumed.clone().into(), &truth, planted, SECONDS);
+        let known = drive(&with(assumed, &[adopted]), &truth, planted, SECONDS);
         assert_eq!(known.len(), plain.len(), "{name}");
         let (known, missing) = (difference(&plain, &known), difference(&plain, &missing));
         eprintln!("{name}: known {known} %, missing {missing} %");
@@ -142,23 +143,23 @@ fn a_scale_that_is_known_is_as_none() {
 }
 
 #[test]
-fn masses_told_on_the_bus_are_scaled_too() {
+fn masses_reported_on_the_bus_are_scaled_too() {
     use estimator_core::Signal;
     use test_kit::readings_drive::Drive;
     let heavier = with(by_force(), &[adopted("mass", 0.1, &[])]);
     let mut drive = Drive::of(heavier);
-    let told = [
+    let readings = [
         (Signal::TractionForce, 4_000.0),
         (Signal::Mass, 30_000.0),
         (Signal::WheelSpeed, 20.0),
     ];
-    for sample in drive.on(5.0, &told) {
-        assert!((sample.load.mass_kg - 33_000.0).abs() < 0.1);
+    for sample in drive.on(5.0, &readings) {
+        assert!((sample.forces.mass_kg - 33_000.0).abs() < 0.1);
     }
 }
 
 /// Mean sigma of the live bias, of the scale and of the grade after some minutes.
-fn sigmas(adopted: Adopted) -> [f32; 3] {
+fn sigmas(adopted: AdoptedEffect) -> [f32; 3] {
     let vehicle = by_force();
     let planted = Planted {
         told_n: |m| m.force_n,
@@ -176,38 +177,38 @@ fn sigmas(adopted: Adopted) -> [f32; 3] {
 }
 
 #[test]
-fn doubt_of_an_amount_is_doubt_of_the_grade() {
+fn uncertainty_of_an_amount_is_uncertainty_of_the_grade() {
     for effect in CATALOGUE {
         let of_sigma = |sigmas_of_typical: f32| {
-            sigmas(Adopted::new(
+            sigmas(AdoptedEffect::new(
                 effect,
                 0.0,
                 sigmas_of_typical * effect.typical,
             ))
         };
-        let [sure, doubtful, more] = [0.0, 1.0, 3.0].map(of_sigma);
+        let [certain, uncertain, more] = [0.0, 1.0, 3.0].map(of_sigma);
         let which = usize::from(matches!(effect.name, "mass" | "torque_scale"));
-        eprintln!("{}: {sure:?} {doubtful:?} {more:?}", effect.name);
+        eprintln!("{}: {certain:?} {uncertain:?} {more:?}", effect.name);
         assert!(
-            sure[which] < doubtful[which] && doubtful[which] < more[which],
+            certain[which] < uncertain[which] && uncertain[which] < more[which],
             "{}",
             effect.name
         );
         assert!(
-            sure[2] < doubtful[2] && doubtful[2] < more[2],
+            certain[2] < uncertain[2] && uncertain[2] < more[2],
             "{}",
             effect.name
         );
     }
 }
 
-/// What a fan's power is not known for shows when it comes on, and not before.
+/// The uncertainty of a fan's power counts while the fan is on, and not before.
 #[test]
-fn doubt_comes_with_what_it_depends_on() {
+fn uncertainty_comes_with_what_it_depends_on() {
     let vehicle = by_force();
-    let fan = Effect::named("auxiliary_load").unwrap();
+    let fan = effect::named("auxiliary_load").unwrap();
     let bias_sigma = |amount_sigma: f32| -> Vec<f32> {
-        let mut adopted = Adopted::new(fan, 20_000.0, amount_sigma);
+        let mut adopted = AdoptedEffect::new(fan, 20_000.0, amount_sigma);
         assert!(adopted.set("with_fan", 1.0));
         let knows = with(vehicle.clone(), &[adopted]);
         drive(&knows, &vehicle, PLAIN, 110.0)
@@ -215,50 +216,50 @@ fn doubt_comes_with_what_it_depends_on() {
             .map(|estimate| estimate.bias_percent.sigma)
             .collect()
     };
-    let (sure, doubtful) = (bias_sigma(0.0), bias_sigma(15_000.0));
-    // The fan is on from 60 s, 1.2 km, on; 100 m later the doubt is there.
+    let (certain, uncertain) = (bias_sigma(0.0), bias_sigma(15_000.0));
+    // The fan is on from 60 s, 1.2 km, on. The uncertainty follows within 100 m.
     let off = 400;
     let on = 600;
-    assert_eq!(sure[..off], doubtful[..off]);
+    assert_eq!(certain[..off], uncertain[..off]);
     // Of 15 kW at 90 % and 22 m/s, in % of the weight.
-    let made = 100.0 * 15_000.0 * 0.9 / 21.9 / WEIGHT_N;
-    let added = (doubtful[on].powi(2) - sure[on].powi(2)).sqrt();
+    let expected = 100.0 * 15_000.0 * 0.9 / 21.9 / WEIGHT_N;
+    let added = (uncertain[on].powi(2) - certain[on].powi(2)).sqrt();
     assert!(
-        (0.8 * made..1.1 * made).contains(&added),
-        "{added} of {made}"
+        (0.8 * expected..1.1 * expected).contains(&added),
+        "{added} of {expected}"
     );
 }
 
 #[test]
-fn what_was_learned_without_an_effect_is_not_kept_for_one() {
-    let refused = |adopted: Adopted| {
-        let vehicle = with(by_force(), &[adopted]);
-        Estimator::<f32>::with_kept(vehicle, Tuning::default(), &KEPT).map(drop)
+fn what_was_learned_without_an_effect_is_refused_with_one() {
+    let refused = |adopted: AdoptedEffect| {
+        let model = with(by_force(), &[adopted]);
+        Estimator::<f32>::restore(model, Tuning::default(), &KEPT).map(drop)
     };
     for effect in CATALOGUE {
         assert_eq!(
-            refused(Adopted::new(effect, 0.0, 0.0)),
-            Err(KeptError::Vehicle)
+            refused(AdoptedEffect::new(effect, 0.0, 0.0)),
+            Err(PersistentStateError::Vehicle)
         );
     }
 
-    // Every number of an effect tells vehicles apart.
+    // The fingerprint covers every number of an effect.
     let wind = adopted("headwind", 3.0, &[]);
     let estimator = Estimator::<f32>::new(with(by_force(), &[wind]), Tuning::default()).unwrap();
-    let kept = test_kit::hilly_drive::drive(estimator, 12_000, test_kit::hilly_drive::USUAL)
-        .kept()
+    let state = test_kit::hilly_drive::drive(estimator, 12_000, test_kit::hilly_drive::USUAL)
+        .persistent_state()
         .unwrap();
-    let begins = |adopted: Adopted| kept.check_vehicle(&with(by_force(), &[adopted]));
-    assert_eq!(begins(wind), Ok(()));
+    let check = |adopted: AdoptedEffect| state.check_model(&with(by_force(), &[adopted]));
+    assert_eq!(check(wind), Ok(()));
     for other in [
         adopted("headwind", 3.1, &[]),
         adopted("brake_drag", 3.0, &[]),
         adopted("headwind", 3.0, &[("from_deg", 0.0)]),
-        Adopted {
+        AdoptedEffect {
             amount_sigma: 0.1,
             ..wind
         },
     ] {
-        assert_eq!(begins(other), Err(KeptError::Vehicle));
+        assert_eq!(check(other), Err(PersistentStateError::Vehicle));
     }
 }

@@ -3,7 +3,7 @@
 use can_dbc::{Dbc, Message, MessageId};
 use embedded_can::{Frame, Id};
 use estimator_core::broadcast::{self, CELL_PGN, LIVE_PGN};
-use estimator_core::{Cell, Condition, Estimate, Live, Place, Uncertain};
+use estimator_core::{Cell, CellEnd, Condition, Estimate, Live, Uncertain};
 use proptest::prelude::*;
 use test_kit::TestFrame;
 
@@ -40,9 +40,9 @@ fn uncertain(value: f32, sigma: f32) -> Uncertain {
 
 fn live(grade: f32, sigma: f32, bias: f32, scale: f32, condition: Condition) -> Live {
     Live {
-        place: Place {
+        end: CellEnd {
             condition,
-            ..Place::default()
+            ..CellEnd::default()
         },
         estimate: Estimate {
             grade_percent: uncertain(grade, sigma),
@@ -90,14 +90,14 @@ proptest! {
     }
 
     #[test]
-    fn a_cell_is_sent_with_its_place(
+    fn a_cell_is_sent_with_its_distance(
         number in 0_u32..1 << 25,
         grade in -30.0_f32..30.0,
         sigma in 0.0_f32..5.0,
         altitude in prop::option::of(-400.0_f32..5_000.0),
     ) {
         let cell = Cell {
-            place: Place { cell: number, ..Place::default() },
+            end: CellEnd { cell: number, ..CellEnd::default() },
             live_grade_percent: uncertain(0.0, 1.0),
             lagged_grade_percent: uncertain(grade, sigma),
             altitude_m: altitude.map(|altitude| uncertain(altitude, 1.0)),
@@ -122,7 +122,7 @@ fn nothing_is_known_before_the_first_estimate() {
 }
 
 #[test]
-fn values_beyond_the_range_stay_at_its_ends_and_no_number_is_not_known() {
+fn values_beyond_the_range_stay_at_its_ends_and_nan_is_not_available() {
     let beyond = live(1e9, 1e9, -1e9, f32::NAN, Condition::default());
     let frame: TestFrame = broadcast::live(Some(&beyond), 7).unwrap();
     assert_eq!(

@@ -1,4 +1,4 @@
-//! The facade: what a drive of known shape gives, and what no input may do.
+//! The facade: the results of drives of known shape, and invalid input.
 
 use estimator_core::signal::{encode, messages};
 use estimator_core::{
@@ -48,8 +48,13 @@ fn climb(grade: f32, force_ms: u64, speed_ms: u64, seconds: u64) -> Vec<Cell> {
             put(&mut estimator, micros, Signal::TractionForce, force);
         }
         if ms % 1000 == 150 {
-            let way = 20.0 * (ms as f32 / 1000.0 - 0.15);
-            put(&mut estimator, micros, Signal::Altitude, 200.0 + way * sine);
+            let distance_m = 20.0 * (ms as f32 / 1000.0 - 0.15);
+            put(
+                &mut estimator,
+                micros,
+                Signal::Altitude,
+                200.0 + distance_m * sine,
+            );
         }
         if ms % speed_ms == 0 {
             put(&mut estimator, micros, Signal::WheelSpeed, 20.0);
@@ -65,18 +70,18 @@ fn a_steady_climb_is_found_whatever_the_rates() {
     for (force_ms, speed_ms) in [(10, 100), (100, 100), (100, 50), (250, 20), (1000, 1000)] {
         for grade in [-4.0, 0.0, 2.5] {
             let cells = climb(grade, force_ms, speed_ms, 60);
-            let way = cells.last().unwrap().place.distance_m();
-            assert!((way - 1_200.0).abs() < 25.0, "{way} m");
+            let distance_m = cells.last().unwrap().end.distance_m();
+            assert!((distance_m - 1_200.0).abs() < 25.0, "{distance_m} m");
             for cell in &cells[80..] {
                 let found = cell.lagged_grade_percent.value;
-                // The prior of slope zero is felt a little until GNSS has told model errors.
+                // The prior of slope zero has some weight until GNSS has corrected the model.
                 assert!(
                     (found - grade).abs() < 0.05,
                     "force each {force_ms} ms, speed each {speed_ms} ms, \
                      {:.0} m: {found} %, should be {grade} %",
-                    cell.place.distance_m()
+                    cell.end.distance_m()
                 );
-                assert!(cell.place.condition.is_valid());
+                assert!(cell.end.condition.is_valid());
             }
         }
     }
@@ -86,15 +91,11 @@ fn a_steady_climb_is_found_whatever_the_rates() {
 fn distance_counts_from_the_first_frame_and_time_is_the_crossing() {
     let cells = climb(0.0, 100, 100, 10);
     for cell in &cells {
-        let seconds = cell.place.time.micros() as f64 * 1e-6;
-        assert!((cell.place.distance_m() - 20.0 * seconds).abs() < 0.01);
+        let seconds = cell.end.time.micros() as f64 * 1e-6;
+        assert!((cell.end.distance_m() - 20.0 * seconds).abs() < 0.01);
     }
-    assert_eq!(cells[0].place.cell, 1);
-    assert!(
-        cells
-            .windows(2)
-            .all(|w| w[1].place.cell == w[0].place.cell + 1)
-    );
+    assert_eq!(cells[0].end.cell, 1);
+    assert!(cells.windows(2).all(|w| w[1].end.cell == w[0].end.cell + 1));
 }
 
 #[test]
@@ -106,7 +107,7 @@ fn lagged_is_surer_than_live_and_both_are_sure_of_the_truth() {
         assert!((grade.value - 2.0).abs() < 2.0 * grade.sigma);
     }
     let altitude = cell.altitude_m.unwrap();
-    assert!((altitude.value - 200.0 - cell.place.distance_m() as f32 * 0.02).abs() < 1.0);
+    assert!((altitude.value - 200.0 - cell.end.distance_m() as f32 * 0.02).abs() < 1.0);
 }
 
 #[test]
@@ -144,13 +145,13 @@ fn braking_makes_unsure_and_invalid_until_its_hold_is_over() {
     let at = |seconds: f64| {
         cells
             .iter()
-            .find(|cell| cell.place.time.micros() as f64 * 1e-6 >= seconds)
+            .find(|cell| cell.end.time.micros() as f64 * 1e-6 >= seconds)
             .unwrap()
     };
-    assert!(at(29.5).place.condition.is_valid());
-    assert!(at(31.0).place.condition.braking);
-    assert!(at(32.6).place.condition.braking, "hold time");
-    assert!(at(34.0).place.condition.is_valid());
+    assert!(at(29.5).end.condition.is_valid());
+    assert!(at(31.0).end.condition.braking);
+    assert!(at(32.6).end.condition.braking, "hold time");
+    assert!(at(34.0).end.condition.is_valid());
     assert!(
         at(31.9).live_grade_percent.sigma > 1.1 * at(29.5).live_grade_percent.sigma,
         "{} {}",
@@ -175,30 +176,30 @@ fn a_gap_starts_the_slope_anew_and_keeps_counting_distance() {
     assert_eq!(estimator.counters().gaps, 1);
     let behind = cells
         .windows(2)
-        .find(|w| w[1].place.cell > w[0].place.cell + 1)
+        .find(|w| w[1].end.cell > w[0].end.cell + 1)
         .unwrap();
-    let hole = f64::from(behind[1].place.cell - behind[0].place.cell) * 2.5;
+    let hole = f64::from(behind[1].end.cell - behind[0].end.cell) * 2.5;
     assert!((hole - 200.0).abs() < 8.0, "{hole} m");
     assert!(behind[1].live_grade_percent.sigma > 2.0);
-    assert!((cells.last().unwrap().place.distance_m() - 1_200.0).abs() < 8.0);
+    assert!((cells.last().unwrap().end.distance_m() - 1_200.0).abs() < 8.0);
 }
 
 #[test]
-fn cells_that_nobody_fetches_are_counted() {
+fn cells_that_are_not_fetched_are_counted() {
     let mut estimator = Estimator::<f32>::new(by_force(), Tuning::default()).unwrap();
     for ms in (0..60_000).step_by(100) {
         put(&mut estimator, ms * 1000, Signal::TractionForce, 4_000.0);
         put(&mut estimator, ms * 1000, Signal::WheelSpeed, 20.0);
         while estimator.step().is_some() {}
     }
-    let mut kept = 0;
+    let mut fetched = 0;
     while estimator.drain_cell().is_some() {
-        kept += 1;
+        fetched += 1;
     }
     let counters = estimator.counters();
     assert!(counters.cells_lost > 0);
     assert_eq!(
-        u64::from(counters.cells_lost) + kept,
+        u64::from(counters.cells_lost) + fetched,
         u64::from(counters.steps)
     );
 }
@@ -236,9 +237,9 @@ fn a_second_sender_of_the_same_signal_is_not_mixed_in() {
     }
     let live = estimator.live().unwrap();
     assert!((live.estimate.speed_mps - 20.0).abs() < 0.1);
-    // Its four signals; those that are not available from either do not take the word.
+    // Its wheel speed. Signals that neither source has available take no ownership.
     assert_eq!(estimator.counters().other_source, 100);
-    // When the first falls silent the other takes over.
+    // When the first falls silent, the other takes over.
     for k in 0..100 {
         let now = Instant::from_micros(10_000_000 + k * 100_000);
         estimator.on_frame(now, &frame(11, 30.0));
@@ -317,7 +318,7 @@ fn hostile_frames() -> impl Strategy<Value = Vec<(u64, TestFrame)>> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
-    /// Whatever arrives: no panic, every number finite, every sigma positive.
+    /// For any input: no panic, every number finite, no sigma negative.
     #[test]
     fn hostile_traffic_leaves_numbers_finite(frames in hostile_frames()) {
         let mut estimator = Estimator::<f32>::new(truck(), Tuning::default()).unwrap();

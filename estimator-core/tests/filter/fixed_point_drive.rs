@@ -1,13 +1,13 @@
 //! The filter and its smoothing in fixed point against double precision.
 
-use estimator_core::filter::{Filter, Record};
-use estimator_core::sampler::Sample;
+use estimator_core::sample::Sample;
 use estimator_core::{
-    Counters, Estimate, Estimator, Fixed, Instant, Reading, Signal, Traction, Tuning, Uncertain,
-    Value,
+    Estimate, Estimator, FixedPoint, Instant, Reading, Signal, Traction, Tuning, Uncertain, Value,
 };
 use std::iter::from_fn;
-use test_kit::{Noise, altitude, cells, run, sample, smooth, speed, truck};
+use test_kit::{
+    FilterRun, FilteredCell, Noise, altitude, cells, run, sample, smooth, speed, truck,
+};
 
 /// A drive with a gap, missing speeds, an altitude that steps, brakes, crawling and standstill.
 fn drive() -> Vec<Sample> {
@@ -27,8 +27,8 @@ fn drive() -> Vec<Sample> {
                 s.gap_cells = 3;
                 s.speed = speed(20.0);
             }
-            s.reopened = k == 951;
-            s.place.condition.braking = k % 97 < 9;
+            s.after_load_change = k == 951;
+            s.end.condition.braking = k % 97 < 9;
             s
         })
         .collect()
@@ -48,28 +48,25 @@ fn assert_near(fixed: Uncertain, double: Uncertain) {
 fn every_estimate_is_that_of_double_precision() {
     let tuning = Tuning::default();
     let (fixed, double) = (
-        run::<Fixed>(&drive(), &tuning),
+        run::<FixedPoint>(&drive(), &tuning),
         run::<f64>(&drive(), &tuning),
     );
     assert_eq!(fixed.len(), double.len());
     for (fixed, double) in cells(&fixed).iter().zip(cells(&double)) {
-        assert_eq!(fixed.place, double.place);
+        assert_eq!(fixed.end, double.end);
         assert_near(fixed.live_grade_percent, double.live_grade_percent);
         assert_near(fixed.lagged_grade_percent, double.lagged_grade_percent);
         if let (Some(fixed), Some(double)) = (fixed.altitude_m, double.altitude_m) {
-            // It has wandered off by hundreds of metres.
+            // It is off by hundreds of metres by then.
             assert!((fixed.value - double.value).abs() < 5e-3);
             assert!((fixed.sigma / double.sigma - 1.0).abs() < 2e-3);
         }
     }
-    let live = |record: &Record<Fixed>| record.state.estimate();
+    let live = |cell: &FilteredCell<FixedPoint>| cell.state.estimate();
     let estimates: Vec<Estimate> = fixed.iter().map(live).collect();
     for (found, of) in [(estimates, 0), (smooth(&fixed), 1)] {
         let double: Vec<Estimate> = match of {
-            0 => double
-                .iter()
-                .map(|record| record.state.estimate())
-                .collect(),
+            0 => double.iter().map(|cell| cell.state.estimate()).collect(),
             _ => smooth(&double),
         };
         for (fixed, double) in found.iter().zip(&double) {
@@ -83,33 +80,30 @@ fn every_estimate_is_that_of_double_precision() {
     }
 }
 
-/// A force that no truck has takes the state out of the numbers: that is counted, and the filter
-/// begins anew.
+/// A force that no truck has makes the state overflow. The overflow is counted, and the filter
+/// restarts.
 #[test]
-fn what_does_not_fit_is_counted_and_forgotten() {
-    let vehicle = truck();
-    let tuning = Tuning::default();
-    let mut filter = Filter::<Fixed>::new();
-    let mut counters = Counters::default();
+fn an_overflow_is_counted_and_restarts_the_filter() {
+    let mut run = FilterRun::<FixedPoint>::new(truck(), Tuning::default());
     for k in 1..=400_u32 {
         let mut s = sample(k, if k == 200 { 1e16 } else { 9_000.0 }, 20.0);
         s.speed = speed(20.0);
-        let record = filter.step(&vehicle, &tuning, &s, &mut counters);
-        assert_eq!(record.is_none(), k == 200, "{k}");
-        if let Some(record) = record {
-            assert!(record.state.is_sound());
-            assert!(record.state.estimate().grade_percent.value.abs() < 10.0);
+        let cell = run.step(&s);
+        assert_eq!(cell.is_none(), k == 200, "{k}");
+        if let Some(cell) = cell {
+            assert!(cell.state.is_sound());
+            assert!(cell.state.estimate().grade_percent.value.abs() < 10.0);
         }
     }
-    assert_eq!(counters.restarts, 1);
+    assert_eq!(run.context.counters.restarts, 1);
 }
 
-/// By readings, as a program would: what it fetches are numbers, whatever they are told.
+/// By readings, as a program would: every fetched number is finite, for any input.
 #[test]
-fn an_estimator_hands_out_numbers_only() {
+fn an_estimator_returns_finite_numbers_only() {
     let mut vehicle = truck();
     vehicle.traction = Traction::Force;
-    let mut estimator = Estimator::<Fixed>::new(vehicle, Tuning::default()).unwrap();
+    let mut estimator = Estimator::<FixedPoint>::new(vehicle, Tuning::default()).unwrap();
     let mut cells = 0;
     for k in 0..4_000_u64 {
         let now = Instant::from_micros(k * 100_000);
@@ -128,10 +122,7 @@ fn an_estimator_hands_out_numbers_only() {
     }
     cells += from_fn(|| estimator.drain_cell()).count();
     let counters = estimator.counters();
-    assert!(
-        counters.restarts > 0,
-        "the largest force is beyond the numbers"
-    );
+    assert!(counters.restarts > 0, "the largest force overflows");
     assert_eq!(counters.steps, cells as u32 + counters.restarts);
     assert_eq!(counters.cells_unsound, 0);
 }

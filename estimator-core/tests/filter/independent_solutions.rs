@@ -1,37 +1,43 @@
 //! The filter and its smoothing against independent solutions.
 
-use estimator_core::filter::covariance::to_vector;
-use estimator_core::filter::record::Link;
-use estimator_core::filter::state::{ALTITUDE, BIAS, ENERGY, GNSS_ERROR, SCALE, SLOPE, WIND};
-use estimator_core::filter::update::Applied;
-use estimator_core::filter::{Filter, Record, STATES};
-use estimator_core::sampler::Sample;
-use estimator_core::{Counters, Tuning};
+use estimator_core::Tuning;
+use estimator_core::filter::measurement::ScalarUpdate;
+use estimator_core::filter::{Reset, STATES, StateIndex};
+use estimator_core::sample::Sample;
 use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
-use test_kit::dense::{dense_model, loads};
-use test_kit::{Noise, altitude, run, run_counted, sample, smooth, speed, truck};
+use test_kit::dense::{BIAS, SCALE, SLOPE, WIND, dense_model, net_tractions};
+use test_kit::{
+    FilterRun, FilteredCell, Noise, altitude, run, run_counted, sample, smooth, speed, truck,
+};
 
-/// Variance of a measurement of a sum of states, from its innovation's s and gain K: s (1 − h K).
-fn measured_variance(applied: &Applied<f64>, states: &[usize]) -> f64 {
-    let known: f64 = states.iter().map(|state| applied.gain[*state]).sum();
-    applied.innovation_variance * (1.0 - known)
+/// Observed states of a speed.
+const SPEED: &[StateIndex] = &[StateIndex::KineticEnergy];
+/// Observed states of a GNSS altitude.
+const GNSS_ALTITUDE: &[StateIndex] = &[StateIndex::Altitude, StateIndex::GnssError];
+
+/// Returns the variance of a measurement of a sum of states, from its S and K: S (1 − h K).
+fn measured_variance(update: &ScalarUpdate<f64>, states: &[StateIndex]) -> f64 {
+    let known: f64 = states.iter().map(|state| update.gain[*state]).sum();
+    update.innovation_variance * (1.0 - known)
 }
 
-/// The joint distribution of all states of all cells, conditioned on all measurements at once.
-fn batch(samples: &[Sample], records: &[Record<f64>], tuning: &Tuning) -> Vec<(f64, f64)> {
+/// Returns slope and sigma of each cell, from the joint distribution of all states of all cells,
+/// conditioned on all measurements at once.
+fn batch(samples: &[Sample], cells: &[FilteredCell<f64>], tuning: &Tuning) -> Vec<(f64, f64)> {
     let n = samples.len();
     let size = n * STATES;
     let mut mean = DVector::zeros(size);
     let mut covariance = DMatrix::zeros(size, size);
-    let loads = loads(samples);
-    let first = &records[0].state;
-    mean.rows_mut(0, STATES).copy_from(&to_vector(&first.x));
+    let net_tractions = net_tractions(samples);
+    let first = &cells[0].state;
+    mean.rows_mut(0, STATES)
+        .copy_from(&first.mean.to_nalgebra());
     covariance
         .view_mut((0, 0), (STATES, STATES))
-        .copy_from(&first.p.to_matrix());
+        .copy_from(&first.covariance.to_nalgebra());
     for (k, sample) in samples.iter().enumerate().skip(1) {
-        let (f, input, q) = dense_model(sample, (loads[k - 1], loads[k]), tuning);
+        let (f, input, q) = dense_model(sample, (net_tractions[k - 1], net_tractions[k]), tuning);
         let (now, before) = (k * STATES, (k - 1) * STATES);
         let moved = &f * mean.rows(before, STATES) + input;
         mean.rows_mut(now, STATES).copy_from(&moved);
@@ -49,26 +55,28 @@ fn batch(samples: &[Sample], records: &[Record<f64>], tuning: &Tuning) -> Vec<(f
             .copy_from(&within);
     }
     let mut rows = Vec::new();
-    // The first state has its cell's measurements in it.
+    // The first state already contains the measurements of its cell.
     for (k, sample) in samples.iter().enumerate().skip(1) {
-        let mut push = |states: &[usize], value: f64, variance: f64| {
+        let mut push = |states: &[StateIndex], value: f64, variance: f64| {
             let mut h = DVector::zeros(size);
             for state in states {
-                h[k * STATES + state] = 1.0;
+                h[k * STATES + *state as usize] = 1.0;
             }
             rows.push((h, value, variance));
         };
-        if let (Some(speed), Some(used)) = (sample.speed, records[k].trace.speed) {
+        if let (Some(speed), Some(used)) = (sample.speed, cells[k].record.smoother_input.speed) {
             let v = f64::from(speed.mean_mps);
-            push(&[ENERGY], 0.5 * v * v, measured_variance(&used, &[ENERGY]));
+            push(SPEED, 0.5 * v * v, measured_variance(&used, SPEED));
         }
-        // Those that the gate let pass; all with the variance that had been learned by then.
-        if let (Some(altitude), Some(used)) = (sample.altitude, records[k].trace.altitude) {
-            let origin = f64::from(records[k].state.origin_m.unwrap());
+        // Altitudes that passed the gate, with the variance that was learned by then.
+        if let (Some(altitude), Some(used)) =
+            (sample.altitude, cells[k].record.smoother_input.altitude)
+        {
+            let origin = f64::from(cells[k].state.origin_m.unwrap());
             push(
-                &[ALTITUDE, GNSS_ERROR],
+                GNSS_ALTITUDE,
                 f64::from(altitude.altitude_m) - origin,
-                measured_variance(&used, &[ALTITUDE, GNSS_ERROR]),
+                measured_variance(&used, GNSS_ALTITUDE),
             );
         }
     }
@@ -85,7 +93,7 @@ fn batch(samples: &[Sample], records: &[Record<f64>], tuning: &Tuning) -> Vec<(f
             h[k * STATES + SLOPE] = 1.0;
             h[k * STATES + BIAS] = -1.0;
             h[k * STATES + WIND] = -1.0;
-            h[k * STATES + SCALE] = loads[k];
+            h[k * STATES + SCALE] = net_tractions[k];
             (h.dot(&posterior), (h.transpose() * &spread * &h)[0].sqrt())
         })
         .collect()
@@ -111,16 +119,16 @@ fn random_drive() -> impl Strategy<Value = Vec<Sample>> {
                 if k == 0 || dice % 7 == 0 {
                     sample.altitude = altitude(100.0 + metres);
                 }
-                sample.place.condition.braking = dice % 11 == 0;
+                sample.end.condition.braking = dice % 11 == 0;
                 sample
             })
             .collect()
     })
 }
 
-/// Whether the speed of a cell was set anew: then its innovation's square is in the variance.
-fn has_speed_step(record: &Record<f64>) -> bool {
-    record.trace.speed.is_some_and(|used| {
+/// Returns whether the speed of a cell was reset: its variance then contains its innovation squared.
+fn has_speed_step(cell: &FilteredCell<f64>) -> bool {
+    cell.record.smoother_input.speed.is_some_and(|used| {
         let square = used.innovation * used.innovation;
         let without = used.innovation_variance - square;
         (0.0..square / 25.0).contains(&without)
@@ -133,15 +141,17 @@ proptest! {
     #[test]
     fn smoothing_equals_the_batch_solution(samples in random_drive()) {
         let tuning = Tuning::default();
-        let (records, counters) = run_counted::<f64>(&samples, &tuning);
-        // A drive whose altitude was set anew has no single joint distribution.
-        prop_assume!(records[1..].iter().all(|record| record.trace.link == Link::Chained));
-        // Nor has the batch the doubt that a step of the speed adds, or a scale gone too far.
-        prop_assume!(!records.iter().any(has_speed_step));
+        let (cells, counters) = run_counted::<f64>(&samples, &tuning);
+        // A drive whose altitude was reset has no single joint distribution.
+        let reset = |cell: &FilteredCell<f64>| cell.record.smoother_input.reset;
+        prop_assume!(cells[1..].iter().all(|cell| reset(cell) == Reset::None));
+        // The batch has neither the variance that a step of the speed adds, nor that of a scale
+        // whose prior was reset.
+        prop_assume!(!cells.iter().any(has_speed_step));
         prop_assume!(counters.scales_reopened == 0);
-        // The core forms its coefficients in single precision: agreement to 1e-4 %, not more.
-        let reference = batch(&samples, &records, &tuning);
-        for (k, (smoothed, (slope, sigma))) in smooth(&records).iter().zip(&reference).enumerate() {
+        // The core computes its coefficients in single precision: they agree to 1e-4 %, not more.
+        let reference = batch(&samples, &cells, &tuning);
+        for (k, (smoothed, (slope, sigma))) in smooth(&cells).iter().zip(&reference).enumerate() {
             let sine = 0.01 * slope;
             let cosine = (1.0 - sine * sine).sqrt();
             let (grade, sigma) = (100.0 * sine / cosine, sigma / cosine.powi(3));
@@ -155,9 +165,9 @@ proptest! {
 
     #[test]
     fn the_last_smoothed_cell_is_the_filtered_one(samples in random_drive()) {
-        let records = run::<f64>(&samples, &Tuning::default());
-        let last = records.last().unwrap();
-        let smoothed = *smooth(&records).last().unwrap();
+        let cells = run::<f64>(&samples, &Tuning::default());
+        let last = cells.last().unwrap();
+        let smoothed = *smooth(&cells).last().unwrap();
         let filtered = last.state.estimate();
         prop_assert!((smoothed.grade_percent.value - filtered.grade_percent.value).abs() < 1e-5);
         prop_assert!((smoothed.grade_percent.sigma - filtered.grade_percent.sigma).abs() < 1e-5);
@@ -177,9 +187,7 @@ proptest! {
 
 #[test]
 fn covariance_stays_symmetric_and_positive_in_single_precision() {
-    let (vehicle, tuning) = (truck(), Tuning::default());
-    let mut filter = Filter::<f32>::new();
-    let mut counters = Counters::default();
+    let mut run = FilterRun::<f32>::new(truck(), Tuning::default());
     let mut noise = Noise(1);
     let mut least = f64::INFINITY;
     for k in 1..=10_000_000_u32 {
@@ -188,10 +196,16 @@ fn covariance_stays_symmetric_and_positive_in_single_precision() {
         if k % 9 == 0 {
             s.altitude = altitude(50.0 + noise.draw());
         }
-        s.place.condition.shifting = k % 1_000 < 12;
-        filter.step(&vehicle, &tuning, &s, &mut counters);
+        s.end.condition.shifting = k % 1_000 < 12;
+        run.step(&s);
         if k % 10_007 == 0 {
-            let p = filter.state().unwrap().p.to_matrix();
+            let p = run
+                .filter
+                .state()
+                .unwrap()
+                .covariance
+                .cast::<f64>()
+                .to_nalgebra();
             // Correlations, so that the units of the states do not matter.
             let scale = p.diagonal().map(|v| 1.0 / v.sqrt());
             let correlation = nalgebra::SMatrix::from_diagonal(&scale)
@@ -200,42 +214,43 @@ fn covariance_stays_symmetric_and_positive_in_single_precision() {
             least = least.min(correlation.symmetric_eigenvalues().min());
         }
     }
-    assert_eq!(counters.restarts, 0);
+    assert_eq!(run.context.counters.restarts, 0);
     assert!(least > 0.0, "least eigenvalue of the correlation {least}");
 }
 
 #[test]
 fn a_speed_that_steps_is_known_as_well_as_it_was_measured() {
     for (fast_mps, slow_mps) in [(20.0, 0.2), (35.0, 1.0), (30.0, 12.0)] {
-        let mut filter = Filter::<f32>::new();
-        let mut counters = Counters::default();
+        let mut run = FilterRun::<f32>::new(truck(), Tuning::default());
         for k in 1..=600_u32 {
             let mps = if k % 100 < 50 { fast_mps } else { slow_mps };
             let mut s = sample(k, 9_000.0, mps);
             s.speed = speed(mps);
-            let step = filter.step(&truck(), &Tuning::default(), &s, &mut counters);
-            let state = step.expect("a step").state;
-            let least = state.p.to_matrix().symmetric_eigenvalues().min();
+            let state = run.step(&s).expect("a step").state;
+            let least = state
+                .covariance
+                .cast::<f64>()
+                .to_nalgebra()
+                .symmetric_eigenvalues()
+                .min();
             assert!(least > -1e-5, "{k}: {least}");
             assert!((state.estimate().speed_mps - mps).abs() < 0.5);
         }
-        assert_eq!(counters.restarts, 0);
+        assert_eq!(run.context.counters.restarts, 0);
     }
 }
 
 #[test]
 fn the_noise_of_the_wheel_speed_is_learned() {
-    let vehicle = truck();
     let live_sigma = |sigma: f32| {
-        let mut filter = Filter::<f64>::new();
-        let mut counters = Counters::default();
+        let mut run = FilterRun::<f64>::new(truck(), Tuning::default());
         let mut noise = Noise(9);
         let mut last = 0.0;
         for k in 1..=4_000_u32 {
             let mut s = sample(k, 4_000.0, 20.0);
             s.speed = speed(20.0 + sigma * noise.draw());
-            let record = filter.step(&vehicle, &Tuning::default(), &s, &mut counters);
-            last = measured_variance(&record.unwrap().trace.speed.unwrap(), &[ENERGY]).sqrt();
+            let record = run.step(&s).unwrap().record;
+            last = measured_variance(&record.smoother_input.speed.unwrap(), SPEED).sqrt();
         }
         last / 20.0
     };

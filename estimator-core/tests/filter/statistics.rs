@@ -1,44 +1,47 @@
-//! What a Kalman filter owes statistically: white innovations, and an answer that does not hang on
-//! the length of its steps.
+//! Statistics of the filter: white innovations, and a result that does not depend on the length of
+//! its steps.
 
-use estimator_core::filter::state::{ALTITUDE, BIAS, ENERGY, GNSS_ERROR, SCALE, SLOPE};
-use estimator_core::filter::{STATES, update::Applied};
-use estimator_core::sampler::Sample;
+use estimator_core::filter::STATES;
+use estimator_core::filter::measurement::ScalarUpdate;
+use estimator_core::sample::Sample;
 use estimator_core::{CELL_LENGTH_M, Tuning};
 use nalgebra::DVector;
-use test_kit::dense::{dense_model, loads};
+use test_kit::dense::{
+    ALTITUDE, BIAS, ENERGY, GNSS_ERROR, SCALE, SLOPE, dense_model, net_tractions,
+};
 use test_kit::{Noise, altitude, run, sample, speed, truck};
 
-/// A drive drawn from the very model that the filter believes in.
+/// A drive drawn from the model of the filter.
 fn drawn(cells: u32, seed: u64, tuning: &Tuning) -> Vec<Sample> {
     let vehicle = truck();
+    let noise_of = &tuning.measurement_noise;
     let mut noise = Noise(seed);
     let mut normal = || f64::from(noise.draw());
     let weight_n = f64::from(vehicle.mass_kg) * 9.806_65;
     let mut x = DVector::zeros(STATES);
     x[ENERGY] = 0.5 * 22.0 * 22.0;
-    x[SCALE] = f64::from(tuning.scale_sigma) * normal();
+    x[SCALE] = f64::from(tuning.prior.scale_sigma) * normal();
     x[BIAS] = 0.2 * normal();
-    x[GNSS_ERROR] = f64::from(tuning.gnss_error_sigma_m) * normal();
+    x[GNSS_ERROR] = f64::from(noise_of.gnss_error_sigma_m) * normal();
     let mut samples: Vec<Sample> = Vec::new();
     for k in 1..=cells {
         let mps = (2.0_f64 * x[ENERGY]).sqrt();
-        // A driver who keeps to 22 m/s and on a road that returns to level.
+        // A driver who keeps to 22 m/s, on a road that returns to level.
         let air_n = 0.5 * 6.0 * 1.2 * mps * mps;
         let force_n =
             air_n + weight_n * (0.006_5 + 0.01 * x[SLOPE]) + 39_000.0 * 0.2 * (22.0 - mps);
         let mut s = sample(k, force_n as f32, mps as f32);
         if let Some(before) = samples.last() {
-            let loads = loads(&[*before, s]);
-            let (f, input, q) = dense_model(&s, (loads[0], loads[1]), tuning);
-            let shaken = q.map(|variance: f64| variance.sqrt() * normal());
-            x = f * x + input + shaken;
+            let net_tractions = net_tractions(&[*before, s]);
+            let (f, input, q) = dense_model(&s, (net_tractions[0], net_tractions[1]), tuning);
+            let process_noise = q.map(|variance: f64| variance.sqrt() * normal());
+            x = f * x + input + process_noise;
             x[SLOPE] *= 0.999;
         }
-        let mps = (2.0_f64 * x[ENERGY]).sqrt() + f64::from(tuning.speed_sigma_mps) * normal();
+        let mps = (2.0_f64 * x[ENERGY]).sqrt() + f64::from(noise_of.speed_sigma_mps) * normal();
         s.speed = speed(mps as f32);
         if k % 9 == 1 {
-            let white = f64::from(tuning.altitude_sigma_m) * normal();
+            let white = f64::from(noise_of.altitude_sigma_m) * normal();
             s.altitude = altitude((x[ALTITUDE] + x[GNSS_ERROR] + white) as f32);
         }
         samples.push(s);
@@ -58,17 +61,20 @@ fn whiteness(series: &[f64], lag: usize) -> (f64, f64) {
 fn innovations_are_white_and_as_large_as_the_filter_says() {
     let tuning = Tuning::default();
     let samples = drawn(40_000, 11, &tuning);
-    let records = run::<f64>(&samples, &tuning);
+    let cells = run::<f64>(&samples, &tuning);
     let normalised =
-        |applied: &Applied<f64>| applied.innovation / applied.innovation_variance.sqrt();
-    let behind_start = &records[2_000..];
-    let speeds: Vec<f64> = behind_start
+        |update: &ScalarUpdate<f64>| update.innovation / update.innovation_variance.sqrt();
+    let inputs: Vec<_> = cells[2_000..]
         .iter()
-        .filter_map(|record| record.trace.speed.as_ref().map(normalised))
+        .map(|cell| cell.record.smoother_input)
         .collect();
-    let altitudes: Vec<f64> = behind_start
+    let speeds: Vec<f64> = inputs
         .iter()
-        .filter_map(|record| record.trace.altitude.as_ref().map(normalised))
+        .filter_map(|input| input.speed.as_ref().map(normalised))
+        .collect();
+    let altitudes: Vec<f64> = inputs
+        .iter()
+        .filter_map(|input| input.altitude.as_ref().map(normalised))
         .collect();
     assert!(speeds.len() == 38_000 && altitudes.len() > 4_000);
     for (name, series) in [("speed", speeds), ("altitude", altitudes)] {
@@ -85,7 +91,7 @@ fn innovations_are_white_and_as_large_as_the_filter_says() {
     }
 }
 
-/// Slope in % and the length in m of a step, with what is read at every 2.5 m.
+/// A drive over hills in steps of this length, m, with readings every 2.5 m.
 fn hills(step_m: f32) -> Vec<Sample> {
     let vehicle = truck();
     let weight_n = vehicle.mass_kg * 9.806_65;
@@ -99,7 +105,7 @@ fn hills(step_m: f32) -> Vec<Sample> {
             let at_m = f64::from(k) * f64::from(step_m);
             let middle = at_m - 0.5 * f64::from(step_m);
             let air_n = 6.0 * 1.2 * energy;
-            // Most of the hill is met by the engine, the rest by speed.
+            // The engine makes up for most of the hill, the speed for the rest.
             let force_n = air_n
                 + f64::from(weight_n) * (0.006_5 + 0.008 * slope(middle))
                 + 39_000.0 * 0.05 * (22.0 - (2.0 * energy).sqrt());
@@ -109,10 +115,10 @@ fn hills(step_m: f32) -> Vec<Sample> {
             let mut s = sample(k, force_n as f32, mps as f32);
             s.length_m = step_m;
             s.duration_s = step_m / mps as f32;
-            s.place.cell = k / per_cell;
+            s.end.cell = k / per_cell;
             if k % per_cell == 0 {
                 s.speed = speed(mps as f32 + 0.011 * reading.draw());
-                if s.place.cell % 9 == 1 {
+                if s.end.cell % 9 == 1 {
                     s.altitude = altitude(height(at_m) as f32 + 0.5 * fix.draw());
                 }
             }
@@ -126,15 +132,15 @@ fn halving_the_step_changes_next_to_nothing() {
     let tuning = Tuning::default();
     let grades = |step_m: f32| -> Vec<f32> {
         let mut samples = hills(step_m);
-        // The first step begins with a speed, whatever its length.
+        // The first step starts from a speed, for any length.
         samples[0].speed = speed(22.0);
-        let records = run::<f64>(&samples, &tuning);
+        let cells = run::<f64>(&samples, &tuning);
         let per_cell = (CELL_LENGTH_M / step_m).round() as usize;
-        records
+        cells
             .iter()
             .skip(per_cell - 1)
             .step_by(per_cell)
-            .map(|record| record.state.estimate().grade_percent.value)
+            .map(|cell| cell.state.estimate().grade_percent.value)
             .collect()
     };
     let (whole, half) = (grades(2.5), grades(1.25));
@@ -147,7 +153,7 @@ fn halving_the_step_changes_next_to_nothing() {
         .sum();
     let rms = (squares / (whole.len() - 200) as f64).sqrt();
     assert!(rms < 0.01, "{rms} % grade");
-    // It is no comparison of nothing with nothing.
+    // The grades that are compared are not zero.
     let spread = whole
         .iter()
         .fold(0.0_f32, |most, grade| most.max(grade.abs()));

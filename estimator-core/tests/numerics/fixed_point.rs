@@ -1,28 +1,28 @@
 //! The fixed-point number against whole numbers of 128 bits, and against floats.
 
-use estimator_core::{Fixed, Scalar};
+use estimator_core::{FixedPoint, Scalar};
 use proptest::prelude::*;
 
-/// Bits of the least number that is none.
+/// Bits of the smallest positive value that is out of range.
 const LIMIT: i64 = 1 << 62;
 /// Bits of one.
 const ONE: i128 = 1 << 32;
 
-/// Words of every size, both signs.
+/// Words of every size, with both signs.
 fn word() -> impl Strategy<Value = i64> {
     (any::<i64>(), 1..63_u32).prop_map(|(bits, shift)| bits >> shift)
 }
 
-fn number(bits: i64) -> Fixed {
-    Fixed::from_bits(bits)
+fn number(bits: i64) -> FixedPoint {
+    FixedPoint::from_bits(bits)
 }
 
-/// The word, if it is one of a number.
-fn bits(number: Fixed) -> Option<i64> {
+/// Returns the bits of a number; `None` for NaN.
+fn bits(number: FixedPoint) -> Option<i64> {
     number.is_finite().then(|| number.to_bits())
 }
 
-/// What is exact, if there is such a number.
+/// Returns exact bits, if they are within the range of numbers.
 fn exact(bits: i128) -> Option<i64> {
     let limit = i128::from(LIMIT);
     (-limit..limit).contains(&bits).then_some(bits as i64)
@@ -32,7 +32,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(4_000))]
 
     #[test]
-    fn sums_are_exact_or_none(a in word(), b in word()) {
+    fn sums_are_exact_or_nan(a in word(), b in word()) {
         let (wide_a, wide_b) = (i128::from(a), i128::from(b));
         prop_assert_eq!(bits(number(a) + number(b)), exact(wide_a + wide_b));
         prop_assert_eq!(bits(number(a) - number(b)), exact(wide_a - wide_b));
@@ -43,13 +43,13 @@ proptest! {
         if exact(wide_a + wide_b).is_some() {
             prop_assert_eq!(bits(sum), Some(b));
         } else {
-            prop_assert!(!sum.is_finite(), "what is none stays none");
+            prop_assert!(!sum.is_finite(), "NaN stays NaN");
         }
     }
 
     #[test]
-    fn products_are_the_nearest_number_or_none(a in word(), b in word()) {
-        // One half is rounded up, whatever the sign.
+    fn products_are_the_nearest_number_or_nan(a in word(), b in word()) {
+        // One half is rounded up, for both signs.
         let nearest = (i128::from(a) * i128::from(b) + ONE / 2) >> 32;
         prop_assert_eq!(bits(number(a) * number(b)), exact(nearest));
         let mut product = number(a);
@@ -96,7 +96,7 @@ proptest! {
     #[test]
     fn floats_come_in_to_the_last_bit_and_go_out_to_a_digit(value in any::<f32>(), a in word()) {
         let wide = f64::from(value) * ONE as f64;
-        for found in [Fixed::from_f32(value), Fixed::from_f64(value.into())] {
+        for found in [FixedPoint::from_f32(value), FixedPoint::from_f64(value.into())] {
             match bits(found) {
                 Some(found) => prop_assert!((found as f64 - wide).abs() <= 0.5),
                 None => prop_assert!(wide.is_nan() || wide.abs() >= LIMIT as f64),
@@ -112,11 +112,11 @@ proptest! {
         a in prop::array::uniform4(word()), b in prop::array::uniform4(word()), factor in word(),
     ) {
         let (a, b, factor) = (a.map(number), b.map(number), number(factor));
-        let one_by_one = |sum: Fixed, (a, b): (&Fixed, &Fixed)| sum + *a * *b;
-        let sum = a.iter().zip(&b).fold(Fixed::ZERO, one_by_one);
-        prop_assert_eq!(bits(Fixed::dot(&a, &b)), bits(sum));
+        let one_by_one = |sum: FixedPoint, (a, b): (&FixedPoint, &FixedPoint)| sum + *a * *b;
+        let sum = a.iter().zip(&b).fold(FixedPoint::ZERO, one_by_one);
+        prop_assert_eq!(bits(FixedPoint::dot(&a, &b)), bits(sum));
         let mut sums = a;
-        Fixed::add_products(&mut sums, factor, &b);
+        FixedPoint::add_products(&mut sums, factor, &b);
         for ((sum, a), b) in sums.iter().zip(a).zip(b) {
             prop_assert_eq!(bits(*sum), bits(a + factor * b));
             let mut same = a;
@@ -126,32 +126,41 @@ proptest! {
     }
 
     #[test]
-    fn what_is_none_stays_none(a in word()) {
-        let (none, some) = (Fixed::NAN, number(a));
+    fn nan_propagates(a in word()) {
+        let (nan, some) = (FixedPoint::NAN, number(a));
         for computed in [
-            none + some, some + none, none - some, some - none, none - none, none + none,
-            none * some, some * none, none * none, none / some, some / none, -none,
-            none.sqrt(), none.max(some), none.abs(), none.squared(),
+            nan + some, some + nan, nan - some, some - nan, nan - nan, nan + nan,
+            nan * some, some * nan, nan * nan, nan / some, some / nan, -nan,
+            nan.sqrt(), nan.max(some), nan.abs(), nan.squared(),
         ] {
             prop_assert!(!computed.is_finite());
             prop_assert!(computed.to_f32().is_nan() && computed.to_f64().is_nan());
         }
-        prop_assert!(none.partial_cmp(&some).is_none() && none != none);
+        prop_assert!(nan.partial_cmp(&some).is_none() && nan != nan);
     }
 }
 
 #[test]
 fn known_numbers() {
-    assert_eq!(Fixed::from_f32(-1.5).to_bits(), -(3 << 31));
-    assert_eq!((Fixed::ONE + Fixed::ONE).sqrt().to_f32(), 2.0_f32.sqrt());
-    assert_eq!((Fixed::ONE / Fixed::from_f32(3.0)).to_bits(), (1 << 32) / 3);
-    assert_eq!(Fixed::from_f32(f32::MIN_POSITIVE), Fixed::ZERO);
-    for none in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1_073_741_824.0] {
-        assert!(!Fixed::from_f32(none).is_finite(), "{none}");
-        assert!(!Fixed::from_f64(none.into()).is_finite(), "{none}");
+    assert_eq!(FixedPoint::from_f32(-1.5).to_bits(), -(3 << 31));
+    assert_eq!(
+        (FixedPoint::ONE + FixedPoint::ONE).sqrt().to_f32(),
+        2.0_f32.sqrt()
+    );
+    assert_eq!(
+        (FixedPoint::ONE / FixedPoint::from_f32(3.0)).to_bits(),
+        (1 << 32) / 3
+    );
+    assert_eq!(FixedPoint::from_f32(f32::MIN_POSITIVE), FixedPoint::ZERO);
+    for outside in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1_073_741_824.0] {
+        assert!(!FixedPoint::from_f32(outside).is_finite(), "{outside}");
+        assert!(
+            !FixedPoint::from_f64(outside.into()).is_finite(),
+            "{outside}"
+        );
     }
     assert_eq!(
-        format!("{:?} {:?}", Fixed::from_f32(-0.25), Fixed::NAN),
+        format!("{:?} {:?}", FixedPoint::from_f32(-0.25), FixedPoint::NAN),
         "-0.25 NaN"
     );
 }

@@ -1,19 +1,18 @@
-//! Samples and cells put by with serde, and taken up again.
+//! Samples and cells, serialized and deserialized with serde.
 
-use estimator_core::sampler::{
-    AltitudeMeasurement, Circumstances, Continuity, Sample, SpeedMeasurement,
+use estimator_core::sample::{
+    AltitudeContinuity, AltitudeMeasurement, EffectInputs, ForceInputs, Sample, SpeedMeasurement,
 };
-use estimator_core::vehicle::Load;
-use estimator_core::{Cell, Condition, Instant, Maybe, Place, Uncertain};
+use estimator_core::{Cell, CellEnd, Condition, Instant, Maybe, Uncertain};
 use proptest::prelude::*;
 
-fn place() -> impl Strategy<Value = Place> {
+fn cell_end() -> impl Strategy<Value = CellEnd> {
     let position = proptest::option::of((any::<i32>(), any::<i32>()));
     let flags = any::<[bool; 4]>();
     (any::<u32>(), any::<u64>(), position, -1e6..1e6_f32, flags).prop_map(
         |(cell, micros, position_e7, speed_mps, flags)| {
             let [shifting, braking, no_traction, crawling] = flags;
-            Place {
+            CellEnd {
                 cell,
                 time: Instant::from_micros(micros),
                 position_e7,
@@ -40,9 +39,9 @@ fn sample() -> impl Strategy<Value = Sample> {
         count,
     });
     let continuity = prop_oneof![
-        Just(Continuity::Followed),
-        Just(Continuity::Drifted),
-        Just(Continuity::Switched)
+        Just(AltitudeContinuity::Followed),
+        Just(AltitudeContinuity::Drifted),
+        Just(AltitudeContinuity::Switched)
     ];
     let altitude =
         (-1e6..1e6_f32, continuity).prop_map(|(altitude_m, continuity)| AltitudeMeasurement {
@@ -53,36 +52,36 @@ fn sample() -> impl Strategy<Value = Sample> {
         });
     let measured = (proptest::option::of(speed), proptest::option::of(altitude));
     let rest = (-1e6..1e6_f32, [maybe(), maybe()], any::<bool>());
-    (place(), any::<u32>(), measured, rest).prop_map(
-        |(place, gap_cells, (speed, altitude), (number, [yaw_rate_radps, course_deg], flag))| {
+    (cell_end(), any::<u32>(), measured, rest).prop_map(
+        |(end, gap_cells, (speed, altitude), (number, [yaw_rate_radps, course_deg], flag))| {
             Sample {
-                place,
+                end,
                 gap_cells,
                 length_m: 2.5,
                 duration_s: number / 11.0,
-                load: Load {
+                forces: ForceInputs {
                     traction_n: number,
                     rotating_kg: number / 13.0,
                     mass_kg: number / 17.0,
                     air_density: 1.2,
                 },
-                circumstances: Circumstances {
+                effect_inputs: EffectInputs {
                     driven_s: number / 19.0,
                     yaw_rate_radps,
                     course_deg,
                     engaged: flag,
-                    ..Circumstances::default()
+                    ..EffectInputs::default()
                 },
                 speed,
                 altitude,
-                reopened: !flag,
+                after_load_change: !flag,
             }
         },
     )
 }
 
 proptest! {
-    /// JSON has no NaN: what is not known must not become one on the way.
+    /// JSON has no NaN, so an unknown value must not become one.
     #[test]
     fn a_sample_comes_back_as_it_was(sample in sample()) {
         let text = serde_json::to_string(&sample).unwrap();
@@ -90,10 +89,10 @@ proptest! {
     }
 
     #[test]
-    fn a_cell_comes_back_as_it_was(place in place(), number in -1e6..1e6_f32, known in any::<bool>()) {
+    fn a_cell_comes_back_as_it_was(end in cell_end(), number in -1e6..1e6_f32, known in any::<bool>()) {
         let uncertain = |value| Uncertain { value, sigma: number.abs() };
         let cell = Cell {
-            place,
+            end,
             live_grade_percent: uncertain(number),
             lagged_grade_percent: uncertain(number / 3.0),
             altitude_m: known.then(|| uncertain(number / 7.0)),

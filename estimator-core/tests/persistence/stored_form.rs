@@ -1,12 +1,14 @@
-//! What one drive leaves for the next as a blob: its bytes, and what is refused.
+//! The stored form of the persistent state: its bytes, and what is refused.
 
-use estimator_core::{Estimator, Gear, Kept, KeptError, Traction, Tuning, VehicleParameters};
+use estimator_core::{
+    Estimator, Gear, PersistentState, PersistentStateError, Traction, Tuning, VehicleParameters,
+};
 use proptest::prelude::*;
 use test_kit::by_force;
 use test_kit::hilly_drive::{KEPT, USUAL, drive};
 use test_kit::truck;
 
-/// Lengths and places in the blob, from the table of the module's documentation.
+/// Lengths and offsets in the blob, from the table in the module's documentation.
 const CHECKED: usize = 48;
 const MASS: usize = 12;
 const BIAS: usize = 16;
@@ -18,11 +20,11 @@ const SPEED_SIGMA: usize = 36;
 const ALTITUDE_SIGMA: usize = 40;
 const GNSS_ERROR_SIGMA: usize = 44;
 
-fn blob() -> [u8; Kept::LEN] {
+fn blob() -> [u8; PersistentState::LEN] {
     KEPT.to_bytes()
 }
 
-/// CRC-32 by the book, bit by bit: polynomial 0x04C11DB7 reflected.
+/// CRC-32 bit by bit: polynomial 0x04C11DB7, reflected.
 fn crc32(bytes: &[u8]) -> u32 {
     !bytes.iter().fold(!0, |crc: u32, byte| {
         (0..8).fold(crc ^ u32::from(*byte), |crc, _| {
@@ -31,8 +33,8 @@ fn crc32(bytes: &[u8]) -> u32 {
     })
 }
 
-/// With these four bytes instead, and the checksum that belongs to it.
-fn edited(at: usize, word: [u8; 4]) -> [u8; Kept::LEN] {
+/// Returns the blob with these four bytes replaced, and its checksum.
+fn edited(at: usize, word: [u8; 4]) -> [u8; PersistentState::LEN] {
     let mut bytes = blob();
     bytes[at..at + 4].copy_from_slice(&word);
     let checksum = crc32(&bytes[..CHECKED]);
@@ -53,20 +55,23 @@ fn a_blob_is_as_documented_and_reads_back() {
     assert_eq!(number(SCALE_VARIANCE), slow.scale_variance);
     assert_eq!(number(COVARIANCE), slow.covariance);
     assert_eq!(bytes[CHECKED..], crc32(&bytes[..CHECKED]).to_le_bytes());
-    assert_eq!(Kept::LEN, CHECKED + 4);
-    assert_eq!(Kept::from_bytes(&bytes), Ok(*KEPT));
+    assert_eq!(PersistentState::LEN, CHECKED + 4);
+    assert_eq!(PersistentState::from_bytes(&bytes), Ok(*KEPT));
 }
 
 #[test]
 fn each_flipped_bit_is_refused() {
-    for bit in 0..8 * Kept::LEN {
+    for bit in 0..8 * PersistentState::LEN {
         let mut bytes = blob();
         bytes[bit / 8] ^= 1 << (bit % 8);
-        let refusal = Kept::from_bytes(&bytes).unwrap_err();
+        let refusal = PersistentState::from_bytes(&bytes).unwrap_err();
         match bit / 8 {
-            0..4 => assert_eq!(refusal, KeptError::Magic),
-            4..8 => assert!(matches!(refusal, KeptError::Version(_)), "{refusal:?}"),
-            _ => assert_eq!(refusal, KeptError::Checksum, "bit {bit}"),
+            0..4 => assert_eq!(refusal, PersistentStateError::Magic),
+            4..8 => assert!(
+                matches!(refusal, PersistentStateError::Version(_)),
+                "{refusal:?}"
+            ),
+            _ => assert_eq!(refusal, PersistentStateError::Checksum, "bit {bit}"),
         }
     }
 }
@@ -74,23 +79,38 @@ fn each_flipped_bit_is_refused() {
 #[test]
 fn each_wrong_length_is_refused() {
     let bytes = blob();
-    for length in 0..Kept::LEN {
-        let refusal = Kept::from_bytes(&bytes[..length]);
-        assert_eq!(refusal, Err(KeptError::Length(length)));
+    for length in 0..PersistentState::LEN {
+        let refusal = PersistentState::from_bytes(&bytes[..length]);
+        assert_eq!(refusal, Err(PersistentStateError::Length(length)));
     }
     for more in 1..9 {
         let longer = [&bytes[..], &vec![0; more]].concat();
-        let refusal = Kept::from_bytes(&longer);
-        assert_eq!(refusal, Err(KeptError::Length(Kept::LEN + more)));
+        let refusal = PersistentState::from_bytes(&longer);
+        assert_eq!(
+            refusal,
+            Err(PersistentStateError::Length(PersistentState::LEN + more))
+        );
     }
     // Memory that was never written, or erased.
-    assert_eq!(Kept::from_bytes(&[0xff; Kept::LEN]), Err(KeptError::Magic));
-    assert_eq!(Kept::from_bytes(&[0; Kept::LEN]), Err(KeptError::Magic));
+    assert_eq!(
+        PersistentState::from_bytes(&[0xff; PersistentState::LEN]),
+        Err(PersistentStateError::Magic)
+    );
+    assert_eq!(
+        PersistentState::from_bytes(&[0; PersistentState::LEN]),
+        Err(PersistentStateError::Magic)
+    );
     // A later layout, of another length and with a right checksum.
     let later = &edited(4, 2_u32.to_le_bytes())[..];
-    assert_eq!(Kept::from_bytes(later), Err(KeptError::Version(2)));
+    assert_eq!(
+        PersistentState::from_bytes(later),
+        Err(PersistentStateError::Version(2))
+    );
     let later = [later, &[0; 8]].concat();
-    assert_eq!(Kept::from_bytes(&later), Err(KeptError::Version(2)));
+    assert_eq!(
+        PersistentState::from_bytes(&later),
+        Err(PersistentStateError::Version(2))
+    );
 }
 
 #[test]
@@ -98,8 +118,12 @@ fn numbers_that_no_drive_leaves_are_refused_under_a_right_checksum() {
     let numbers = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e30, -1e30];
     for at in (MASS..CHECKED).step_by(4) {
         for number in numbers {
-            let refusal = Kept::from_bytes(&edited(at, number.to_le_bytes()));
-            assert_eq!(refusal, Err(KeptError::Value), "{number} at {at}");
+            let refusal = PersistentState::from_bytes(&edited(at, number.to_le_bytes()));
+            assert_eq!(
+                refusal,
+                Err(PersistentStateError::Value),
+                "{number} at {at}"
+            );
         }
     }
     // A variance, a sigma or a mass is positive.
@@ -112,8 +136,12 @@ fn numbers_that_no_drive_leaves_are_refused_under_a_right_checksum() {
         GNSS_ERROR_SIGMA,
     ] {
         for number in [0.0_f32, -0.01, f32::from_bits(1)] {
-            let refusal = Kept::from_bytes(&edited(at, number.to_le_bytes()));
-            assert_eq!(refusal, Err(KeptError::Value), "{number} at {at}");
+            let refusal = PersistentState::from_bytes(&edited(at, number.to_le_bytes()));
+            assert_eq!(
+                refusal,
+                Err(PersistentStateError::Value),
+                "{number} at {at}"
+            );
         }
     }
     // No traction at all; more correlation than there can be.
@@ -124,19 +152,23 @@ fn numbers_that_no_drive_leaves_are_refused_under_a_right_checksum() {
         (COVARIANCE, 1.1 * most),
         (COVARIANCE, -1.1 * most),
     ] {
-        let refusal = Kept::from_bytes(&edited(at, number.to_le_bytes()));
-        assert_eq!(refusal, Err(KeptError::Value), "{number} at {at}");
+        let refusal = PersistentState::from_bytes(&edited(at, number.to_le_bytes()));
+        assert_eq!(
+            refusal,
+            Err(PersistentStateError::Value),
+            "{number} at {at}"
+        );
     }
     for (at, number) in [(SCALE, 0.1_f32), (COVARIANCE, 0.9 * most), (BIAS, -1.0)] {
-        assert!(Kept::from_bytes(&edited(at, number.to_le_bytes())).is_ok());
+        assert!(PersistentState::from_bytes(&edited(at, number.to_le_bytes())).is_ok());
     }
 }
 
 proptest! {
-    /// Whatever the memory holds: refused, or exactly what would be written.
+    /// Bytes that were not written by this library are refused.
     #[test]
     fn any_bytes_are_refused(bytes in prop::collection::vec(any::<u8>(), 0..120)) {
-        prop_assert!(Kept::from_bytes(&bytes).is_err());
+        prop_assert!(PersistentState::from_bytes(&bytes).is_err());
     }
 
     #[test]
@@ -145,39 +177,42 @@ proptest! {
         metres in 100..600_u32,
     ) {
         let mut bytes = blob();
-        for (place, mantissa, exponent) in numbers {
-            let (at, number) = (4 * place, mantissa * 10_f32.powi(exponent));
+        for (index, mantissa, exponent) in numbers {
+            let (at, number) = (4 * index, mantissa * 10_f32.powi(exponent));
             bytes[at..at + 4].copy_from_slice(&number.to_le_bytes());
         }
         let checksum = crc32(&bytes[..CHECKED]);
         bytes[CHECKED..].copy_from_slice(&checksum.to_le_bytes());
-        let Ok(kept) = Kept::from_bytes(&bytes) else {
+        let Ok(state) = PersistentState::from_bytes(&bytes) else {
             return Ok(());
         };
-        prop_assert_eq!(kept.to_bytes(), bytes);
-        let estimator = Estimator::<f32>::with_kept(by_force(), Tuning::default(), &kept);
+        prop_assert_eq!(state.to_bytes(), bytes);
+        let estimator = Estimator::<f32>::restore(by_force(), Tuning::default(), &state);
         let estimator = drive(estimator.unwrap(), metres, USUAL);
         prop_assert_eq!(estimator.counters().restarts, 0);
         prop_assert!(estimator.live().unwrap().estimate.grade_percent.value.is_finite());
     }
 
-    /// Several damaged bytes in a row, as a torn write leaves them.
+    /// Several damaged bytes in a row, as an interrupted write leaves them.
     #[test]
-    fn a_torn_write_is_refused(cut in 1..Kept::LEN, rest in any::<u8>()) {
+    fn a_torn_write_is_refused(cut in 1..PersistentState::LEN, rest in any::<u8>()) {
         let mut bytes = blob();
         bytes[cut..].fill(rest);
         prop_assume!(bytes != blob());
-        prop_assert!(Kept::from_bytes(&bytes).is_err());
+        prop_assert!(PersistentState::from_bytes(&bytes).is_err());
     }
 }
 
 #[test]
 fn another_vehicle_or_an_edited_one_is_refused() {
-    fn begin(vehicle: VehicleParameters, kept: &Kept) -> Result<(), KeptError> {
-        Estimator::<f32>::with_kept(vehicle, Tuning::default(), kept).map(drop)
+    fn restore(
+        vehicle: VehicleParameters,
+        state: &PersistentState,
+    ) -> Result<(), PersistentStateError> {
+        Estimator::<f32>::restore(vehicle, Tuning::default(), state).map(drop)
     }
-    assert_eq!(begin(by_force(), &KEPT), Ok(()));
-    assert_eq!(begin(truck(), &KEPT), Err(KeptError::Vehicle));
+    assert_eq!(restore(by_force(), &KEPT), Ok(()));
+    assert_eq!(restore(truck(), &KEPT), Err(PersistentStateError::Vehicle));
 
     let edits: [fn(&mut VehicleParameters); 5] = [
         |vehicle| vehicle.mass_kg += 10.0,
@@ -189,11 +224,12 @@ fn another_vehicle_or_an_edited_one_is_refused() {
     for edit in edits {
         let mut vehicle = by_force();
         edit(&mut vehicle);
-        assert_eq!(begin(vehicle, &KEPT), Err(KeptError::Vehicle));
+        assert_eq!(restore(vehicle, &KEPT), Err(PersistentStateError::Vehicle));
     }
 
-    let powered = Kept::from_bytes(&edited(8, fingerprint_of(&truck()).to_le_bytes())).unwrap();
-    assert_eq!(begin(truck(), &powered), Ok(()));
+    let powered =
+        PersistentState::from_bytes(&edited(8, fingerprint_of(&truck()).to_le_bytes())).unwrap();
+    assert_eq!(restore(truck(), &powered), Ok(()));
     let edits: [fn(&mut estimator_core::Powertrain); 8] = [
         |powertrain| powertrain.engine_inertia_kgm2 += 0.1,
         |powertrain| powertrain.reference_torque_nm += 10.0,
@@ -216,18 +252,23 @@ fn another_vehicle_or_an_edited_one_is_refused() {
             unreachable!("it has one");
         };
         edit(powertrain);
-        assert_eq!(begin(vehicle, &powered), Err(KeptError::Vehicle));
+        assert_eq!(
+            restore(vehicle, &powered),
+            Err(PersistentStateError::Vehicle)
+        );
     }
 
     let impossible = VehicleParameters {
         mass_kg: f32::NAN,
         ..by_force()
     };
-    let refusal = begin(impossible, &KEPT).unwrap_err();
-    assert!(matches!(refusal, KeptError::Parameter(error) if error.key == "vehicle.mass_kg"));
+    let refusal = restore(impossible, &KEPT).unwrap_err();
+    assert!(
+        matches!(refusal, PersistentStateError::Parameter(error) if error.key == "vehicle.mass_kg")
+    );
 }
 
-/// As the module's documentation says: CRC-32 over the parameters in order.
+/// Returns CRC-32 over the parameters in order, as the module's documentation says.
 fn fingerprint_of(vehicle: &VehicleParameters) -> u32 {
     let mut numbers = vec![
         vehicle.mass_kg,
@@ -253,10 +294,10 @@ fn fingerprint_of(vehicle: &VehicleParameters) -> u32 {
 #[test]
 fn refusals_say_what_is_wrong() {
     for (refusal, words) in [
-        (KeptError::Length(3), "3 bytes: expected 52"),
-        (KeptError::Version(7), "version 7: expected 1"),
-        (KeptError::Checksum, "damaged"),
-        (KeptError::Vehicle, "another vehicle"),
+        (PersistentStateError::Length(3), "3 bytes: expected 52"),
+        (PersistentStateError::Version(7), "version 7: expected 1"),
+        (PersistentStateError::Checksum, "damaged"),
+        (PersistentStateError::Vehicle, "another vehicle"),
     ] {
         assert!(refusal.to_string().contains(words), "{refusal}");
     }

@@ -1,7 +1,7 @@
-//! What effects depend on, from readings.
+//! The inputs of effects, from readings.
 
 use estimator_core::Signal;
-use estimator_core::sampler::{Circumstances, Sample};
+use estimator_core::sample::{EffectInputs, Sample};
 use test_kit::by_force;
 use test_kit::readings_drive::Drive;
 use test_kit::truck;
@@ -12,14 +12,14 @@ fn at(speed_mps: f32) -> (Signal, f32) {
     (Signal::WheelSpeed, speed_mps)
 }
 
-fn last(samples: &[Sample]) -> Circumstances {
-    samples.last().expect("a cell was driven").circumstances
+fn last(samples: &[Sample]) -> EffectInputs {
+    samples.last().expect("a cell was driven").effect_inputs
 }
 
 #[test]
-fn what_is_told_is_there_until_it_is_stale() {
+fn inputs_are_known_until_they_are_stale() {
     let mut drive = Drive::of(by_force());
-    let told = [
+    let readings = [
         FORCE,
         (Signal::Fan, 40.0),
         (Signal::AmbientTemperature, -5.0),
@@ -28,7 +28,7 @@ fn what_is_told_is_there_until_it_is_stale() {
         (Signal::GnssSpeed, 19.5),
         at(20.0),
     ];
-    let known = last(&drive.on(5.0, &told));
+    let known = last(&drive.on(5.0, &readings));
     assert_eq!(known.fan_percent.get(), Some(40.0));
     assert_eq!(known.ambient_celsius.get(), Some(-5.0));
     assert!((known.yaw_rate_radps.get().unwrap() - 0.02).abs() < 1e-6);
@@ -40,14 +40,14 @@ fn what_is_told_is_there_until_it_is_stale() {
     assert_eq!(silent.yaw_rate_radps.get(), None);
     assert_eq!(silent.course_deg.get(), None);
     assert_eq!(silent.gnss_speed_mps.get(), None);
-    // The sender of the fan speaks once a second.
+    // The fan is reported once a second.
     assert_eq!(silent.fan_percent.get(), Some(40.0));
     let longer = last(&drive.on(3.0, &[FORCE, at(20.0)]));
     assert_eq!(longer.fan_percent.get(), None);
 }
 
 #[test]
-fn what_cannot_be_is_not_known() {
+fn impossible_values_are_not_known() {
     let mut drive = Drive::of(by_force());
     for (signal, values) in [
         (Signal::Fan, [-1.0, 101.0, f32::NAN]),
@@ -57,10 +57,10 @@ fn what_cannot_be_is_not_known() {
     ] {
         for value in values {
             let known = last(&drive.on(1.0, &[FORCE, (signal, value), at(20.0)]));
-            let plain = Circumstances {
+            let plain = EffectInputs {
                 driven_s: known.driven_s,
                 engaged: true,
-                ..Circumstances::default()
+                ..EffectInputs::default()
             };
             assert_eq!(known, plain, "{signal:?} {value}");
         }
@@ -71,20 +71,20 @@ fn what_cannot_be_is_not_known() {
 fn the_yaw_rate_is_the_mean_of_its_cell() {
     let mut drive = Drive::of(by_force());
     // Two readings to each 100 ms: 2 m.
-    let told = [
+    let readings = [
         FORCE,
         (Signal::YawRate, 0.01),
         (Signal::YawRate, 0.05),
         at(20.0),
     ];
-    for sample in drive.on(10.0, &told) {
-        let yaw_rate = sample.circumstances.yaw_rate_radps.get().unwrap();
+    for sample in drive.on(10.0, &readings) {
+        let yaw_rate = sample.effect_inputs.yaw_rate_radps.get().unwrap();
         assert!((yaw_rate - 0.03).abs() < 1e-6, "{yaw_rate}");
     }
 }
 
 #[test]
-fn without_a_yaw_rate_the_course_tells_it() {
+fn without_a_yaw_rate_it_comes_from_the_course() {
     let mut drive = Drive::of(by_force());
     // To the left, through north: 2° a second, with a reading every 200 ms.
     let mut found = None;
@@ -92,7 +92,7 @@ fn without_a_yaw_rate_the_course_tells_it() {
         let course_deg = (370.0 - 0.4 * f32::from(step)) % 360.0;
         drive.on(0.1, &[FORCE, (Signal::Course, course_deg), at(20.0)]);
         if let Some(sample) = drive.on(0.1, &[FORCE, at(20.0)]).last() {
-            found = sample.circumstances.yaw_rate_radps.get();
+            found = sample.effect_inputs.yaw_rate_radps.get();
         }
     }
     let expected = 2.0_f32.to_radians();
@@ -100,30 +100,30 @@ fn without_a_yaw_rate_the_course_tells_it() {
         (found.unwrap() - expected).abs() < 0.01 * expected,
         "{found:?}"
     );
-    // It takes some 50 m to turn the other way.
-    let mut way_m = 0.0;
+    // Its mean follows a turn to the right within some 50 m.
+    let mut distance_m = 0.0;
     for step in 0..100_u16 {
         let course_deg = 346.0 + 0.4 * f32::from(step) % 14.0;
-        let told = [FORCE, (Signal::Course, course_deg), at(20.0)];
-        found = last(&drive.on(0.2, &told)).yaw_rate_radps.get();
-        way_m += 4.0;
+        let readings = [FORCE, (Signal::Course, course_deg), at(20.0)];
+        found = last(&drive.on(0.2, &readings)).yaw_rate_radps.get();
+        distance_m += 4.0;
         if found.unwrap() < 0.0 {
             break;
         }
     }
-    assert!((20.0..80.0).contains(&way_m), "{way_m}");
+    assert!((20.0..80.0).contains(&distance_m), "{distance_m}");
 }
 
 #[test]
 fn a_course_needs_speed() {
     let mut drive = Drive::of(by_force());
-    let told = |mps: f32| [FORCE, (Signal::Course, 45.0), at(mps)];
-    drive.on(4.0, &told(2.5));
-    let slow = last(&drive.on(8.0, &told(2.5)));
+    let readings = |mps: f32| [FORCE, (Signal::Course, 45.0), at(mps)];
+    drive.on(4.0, &readings(2.5));
+    let slow = last(&drive.on(8.0, &readings(2.5)));
     assert_eq!(slow.course_deg.get(), Some(45.0));
     assert_eq!(slow.yaw_rate_radps.get(), None);
-    drive.on(4.0, &told(1.5));
-    let slower = last(&drive.on(8.0, &told(1.5)));
+    drive.on(4.0, &readings(1.5));
+    let slower = last(&drive.on(8.0, &readings(1.5)));
     assert_eq!(slower.course_deg.get(), None);
 }
 
@@ -133,13 +133,13 @@ fn time_in_motion_ends_with_a_long_stop() {
     let driven =
         |drive: &mut Drive, seconds: f64| last(&drive.on(seconds, &[FORCE, at(20.0)])).driven_s;
     assert!((driven(&mut drive, 100.0) - 100.0).abs() < 1.0);
-    // A stop of a minute is not counted, and does not undo it; nor does a gap in the traffic, which
-    // is.
+    // A stop of a minute is not counted and does not reset it. A gap in the traffic is counted and
+    // does not reset it either.
     drive.on(60.0, &[FORCE, at(0.0)]);
     assert!((driven(&mut drive, 50.0) - 150.0).abs() < 1.0);
     drive.now_ms += 20_000;
     assert!((driven(&mut drive, 10.0) - 180.0).abs() < 1.0);
-    // That it stands from one reading to the next, or drives, is believed after a second.
+    // A change between standstill and motion counts after a second.
     drive.on(602.0, &[FORCE, at(0.0)]);
     assert!((driven(&mut drive, 30.0) - 29.0).abs() < 1.0);
     drive.now_ms += 601_000;
@@ -149,7 +149,7 @@ fn time_in_motion_ends_with_a_long_stop() {
 #[test]
 fn torque_arrives_through_a_gear() {
     let mut drive = Drive::of(truck());
-    let told = |gear: f32, engaged: f32| {
+    let readings = |gear: f32, engaged: f32| {
         [
             (Signal::DrivelineEngaged, engaged),
             (Signal::CurrentGear, gear),
@@ -157,7 +157,7 @@ fn torque_arrives_through_a_gear() {
             at(20.0),
         ]
     };
-    assert!(last(&drive.on(2.0, &told(12.0, 1.0))).engaged);
-    assert!(!last(&drive.on(2.0, &told(12.0, 0.0))).engaged);
-    assert!(!last(&drive.on(2.0, &told(0.0, 1.0))).engaged);
+    assert!(last(&drive.on(2.0, &readings(12.0, 1.0))).engaged);
+    assert!(!last(&drive.on(2.0, &readings(12.0, 0.0))).engaged);
+    assert!(!last(&drive.on(2.0, &readings(0.0, 1.0))).engaged);
 }

@@ -1,15 +1,15 @@
-//! When the vehicle model is trusted: readings in, samples out.
+//! Where the vehicle model is valid: readings in, samples out.
 
-use estimator_core::sampler::Sample;
+use estimator_core::sample::Sample;
 use estimator_core::signal::encode;
-use estimator_core::{Instant, Intake, Reading, Signal, Tuning, Value};
+use estimator_core::{Context, Instant, Intake, Reading, Sampler, Signal, Tuning, Value};
 use test_kit::readings_drive::Drive;
 use test_kit::{TestFrame, truck};
 
 /// A direct gear (truck()'s eleventh) at 20 m/s turns the engine at this, rpm.
 const RPM: f32 = 1_115.4;
 
-/// 20 m/s in the direct gear with half the torque, and these readings before them.
+/// Returns readings of 20 m/s in the direct gear with half the torque, after the given ones.
 fn cruising(more: &[(Signal, f32)]) -> Vec<(Signal, f32)> {
     let mut readings = vec![(Signal::FrictionTorque, 7.0), (Signal::EngineSpeed, RPM)];
     readings.extend_from_slice(more);
@@ -28,19 +28,19 @@ fn cruising(more: &[(Signal, f32)]) -> Vec<(Signal, f32)> {
 fn valid(samples: &[Sample]) -> usize {
     samples
         .iter()
-        .filter(|sample| sample.place.condition.is_valid())
+        .filter(|sample| sample.end.condition.is_valid())
         .count()
 }
 
-/// Seconds of `samples` until the model holds again.
+/// Returns the time in `samples` until the model is valid again, s.
 fn seconds_invalid(samples: &[Sample]) -> f64 {
-    let begin = samples[0].place.time;
+    let begin = samples[0].end.time;
     samples
         .iter()
         .rev()
-        .find(|sample| !sample.place.condition.is_valid())
+        .find(|sample| !sample.end.condition.is_valid())
         .map_or(0.0, |sample| {
-            sample.place.time.since(begin).micros() as f64 * 1e-6
+            sample.end.time.since(begin).micros() as f64 * 1e-6
         })
 }
 
@@ -61,16 +61,16 @@ fn each_brake_has_its_hold_time() {
         let before = drive.on(5.0, &cruising(&[(signal, off)]));
         assert_eq!(valid(&before), before.len(), "{signal:?}");
         let during = drive.on(3.0, &cruising(&[(signal, on)]));
-        // Only the cell that was open when it came on.
+        // Only the cell in which the brake came on.
         assert!(valid(&during) <= 1, "{signal:?}");
-        assert!(during.last().unwrap().place.condition.braking);
+        assert!(during.last().unwrap().end.condition.braking);
         let after = drive.on(6.0, &cruising(&[(signal, off)]));
         is_between(seconds_invalid(&after), hold - 0.25, hold + 0.25);
     }
 }
 
 #[test]
-fn a_retarder_at_rest_drags_a_percent_and_no_brake_is_meant() {
+fn a_retarder_at_rest_drags_a_percent_and_is_no_brake() {
     let mut drive = Drive::of(truck());
     let samples = drive.on(10.0, &cruising(&[(Signal::RetarderTorque, -1.0)]));
     assert_eq!(valid(&samples), samples.len());
@@ -78,7 +78,9 @@ fn a_retarder_at_rest_drags_a_percent_and_no_brake_is_meant() {
 
 #[test]
 fn either_of_two_retarders_counts() {
-    let mut intake = Intake::new(truck(), Tuning::default()).unwrap();
+    let mut context = Context::new(truck(), Tuning::default()).unwrap();
+    let mut intake = Intake::new();
+    let mut sampler = Sampler::new();
     let mut braking = Vec::new();
     let frame = |source, percent| {
         let mut payload = [0; 8];
@@ -90,16 +92,21 @@ fn either_of_two_retarders_counts() {
     };
     for k in 0..100 {
         let now = Instant::from_micros(k * 100_000);
-        // The engine's first and always, the gearbox's from 5 s on.
-        intake.on_frame(now, &frame(0x0f, 0.0));
-        intake.on_frame(now, &frame(0x10, if k < 50 { 0.0 } else { -30.0 }));
-        intake.on_frame(now, &frame(0x0f, 0.0));
+        // The engine's retarder sends first and last; the gearbox's brakes from 5 s on.
+        for (source, percent) in [
+            (0x0f, 0.0),
+            (0x10, if k < 50 { 0.0 } else { -30.0 }),
+            (0x0f, 0.0),
+        ] {
+            intake.on_frame(&mut context, &mut sampler, now, &frame(source, percent));
+        }
         for (signal, value) in cruising(&[]) {
             let value = Value::Real(value);
-            intake.on_reading(now, Reading { signal, value });
+            let reading = Reading { signal, value };
+            intake.on_reading(&mut context, &mut sampler, now, reading);
         }
-        while let Some(sample) = intake.next_sample() {
-            braking.push((k, sample.place.condition.braking));
+        while let Some(sample) = sampler.next_sample() {
+            braking.push((k, sample.end.condition.braking));
         }
     }
     for (k, braking) in braking {
@@ -108,7 +115,7 @@ fn either_of_two_retarders_counts() {
 }
 
 #[test]
-fn a_brake_whose_sender_falls_silent_is_believed_for_seconds_not_for_ever() {
+fn a_brake_whose_sender_falls_silent_counts_for_seconds_not_for_ever() {
     for nothing in [None, Some(Value::NotAvailable), Some(Value::Error)] {
         let mut drive = Drive::of(truck());
         drive.on(5.0, &cruising(&[(Signal::BrakeSwitch, 1.0)]));
@@ -122,23 +129,23 @@ fn a_brake_whose_sender_falls_silent_is_believed_for_seconds_not_for_ever() {
                 .map(|(signal, value)| (signal, Value::Real(value))),
         );
         let after = drive.on_values(15.0, &readings);
-        // 5 s until the last word is stale, then the hold time.
+        // 5 s until the last reading is stale, then the hold time.
         is_between(seconds_invalid(&after), 5.6, 6.2);
     }
 }
 
 #[test]
-fn a_gear_shift_holds_and_passes_no_torque_where_the_driveline_is_not_told() {
+fn a_gear_shift_holds_and_passes_no_torque_where_the_driveline_is_not_reported() {
     let mut drive = Drive::of(truck());
     let flag = |on: f32| cruising(&[(Signal::ShiftInProcess, on)]);
     let before = drive.on(5.0, &flag(0.0));
-    assert!(before.last().unwrap().load.traction_n > 4_000.0);
+    assert!(before.last().unwrap().forces.traction_n > 4_000.0);
     let during = drive.on(1.0, &flag(1.0));
-    assert!(during.last().unwrap().place.condition.shifting);
-    assert_eq!(during.last().unwrap().load.traction_n, 0.0);
+    assert!(during.last().unwrap().end.condition.shifting);
+    assert_eq!(during.last().unwrap().forces.traction_n, 0.0);
     let after = drive.on(5.0, &flag(0.0));
     is_between(seconds_invalid(&after), 0.75, 1.25);
-    assert!(after.last().unwrap().load.traction_n > 4_000.0);
+    assert!(after.last().unwrap().forces.traction_n > 4_000.0);
 }
 
 #[test]
@@ -146,7 +153,7 @@ fn an_open_driveline_coasts_without_traction_and_the_model_holds() {
     let mut drive = Drive::of(truck());
     let closed = drive.on(5.0, &cruising(&[(Signal::DrivelineEngaged, 1.0)]));
     assert_eq!(valid(&closed), closed.len());
-    // Idling: what burns is what friction takes.
+    // Idling: the torque equals that of friction.
     let idle = [
         (Signal::EngineSpeed, 600.0),
         (Signal::DrivelineEngaged, 0.0),
@@ -154,10 +161,10 @@ fn an_open_driveline_coasts_without_traction_and_the_model_holds() {
     ];
     let open = drive.on(10.0, &cruising(&idle));
     is_between(seconds_invalid(&open), 0.75, 1.25);
-    assert_eq!(open.last().unwrap().load.traction_n, 0.0);
+    assert_eq!(open.last().unwrap().forces.traction_n, 0.0);
     let closed = drive.on(5.0, &cruising(&[(Signal::DrivelineEngaged, 1.0)]));
     is_between(seconds_invalid(&closed), 0.75, 1.25);
-    assert!(closed.last().unwrap().load.traction_n > 4_000.0);
+    assert!(closed.last().unwrap().forces.traction_n > 4_000.0);
 }
 
 #[test]
@@ -175,9 +182,9 @@ fn no_engine_torque_counts_behind_an_open_driveline() {
         drive.on(5.0, &cruising(&[]));
         let samples = drive.on(5.0, &cruising(signals));
         for sample in &samples[1..] {
-            assert!(sample.load.traction_n.abs() < 1e-3, "{signals:?}");
-            // Half the torque goes somewhere: the clutch may be passing it after all.
-            assert!(!sample.place.condition.is_valid(), "{signals:?}");
+            assert!(sample.forces.traction_n.abs() < 1e-3, "{signals:?}");
+            // The engine has half its torque: the clutch may pass it after all.
+            assert!(!sample.end.condition.is_valid(), "{signals:?}");
         }
     }
 }
@@ -204,18 +211,18 @@ fn an_open_driveline_whose_sender_has_no_measurement_stays_open_until_that_is_st
             .map(|(signal, value)| (signal, Value::Real(value))),
     );
     let after = drive.on_values(10.0, &readings);
-    let begin = after[0].place.time;
+    let begin = after[0].end.time;
     let closes = after
         .iter()
-        .find(|sample| sample.load.traction_n > 1_000.0)
+        .find(|sample| sample.forces.traction_n > 1_000.0)
         .unwrap();
-    let seconds = closes.place.time.since(begin).micros() as f64 * 1e-6;
+    let seconds = closes.end.time.since(begin).micros() as f64 * 1e-6;
     is_between(seconds, 4.5, 5.3);
 }
 
 #[test]
-fn a_gear_that_the_engine_does_not_turn_with_is_not_believed() {
-    // Nothing tells of the clutch: the gear stays what it was while the engine runs off.
+fn a_gear_that_the_engine_does_not_turn_with_is_rejected() {
+    // No signal reports the clutch: the gear stays what it was while the engine runs faster.
     let mut drive = Drive::of(truck());
     let closed = drive.on(5.0, &cruising(&[]));
     assert_eq!(valid(&closed), closed.len());
@@ -228,14 +235,14 @@ fn a_gear_that_the_engine_does_not_turn_with_is_not_believed() {
     let open = drive.on(5.0, &away);
     assert!(valid(&open) <= 1);
     for sample in &open[1..] {
-        assert!(sample.load.traction_n.abs() < 1e-3);
+        assert!(sample.forces.traction_n.abs() < 1e-3);
     }
-    // A gearbox that tells of its clutch is believed.
+    // A gearbox that reports its clutch is accepted.
     let mut drive = Drive::of(truck());
     away.insert(0, (Signal::DrivelineEngaged, 1.0));
-    let told = drive.on(5.0, &away);
-    assert_eq!(valid(&told), told.len());
-    // Unless the engine turned with what it told so far.
+    let reported = drive.on(5.0, &away);
+    assert_eq!(valid(&reported), reported.len());
+    // Unless the engine turned with the reported gear before.
     let mut drive = Drive::of(truck());
     let mut with_it = away.clone();
     for (signal, value) in &mut with_it {
@@ -256,13 +263,13 @@ fn a_gearbox_that_falls_silent_leaves_no_traction() {
     let torque_only = [(Signal::EngineTorque, 57.0), (Signal::WheelSpeed, 20.0)];
     let samples = drive.on(12.0, &torque_only);
     let last = samples.last().unwrap();
-    assert!(last.place.condition.no_traction, "{last:?}");
-    assert_eq!(last.load.traction_n, 0.0);
+    assert!(last.end.condition.no_traction, "{last:?}");
+    assert_eq!(last.forces.traction_n, 0.0);
 }
 
 #[test]
-fn brakes_that_nobody_tells_of_are_guessed_from_the_deceleration() {
-    // 7 % of friction in the direct gear is all that the engine brakes with.
+fn brakes_without_a_signal_are_detected_from_the_deceleration() {
+    // The engine brakes with no more than its friction of 7 % in the direct gear.
     let overrun = |mps: f32| {
         cruising(&[
             (Signal::DrivelineEngaged, 1.0),
@@ -271,7 +278,7 @@ fn brakes_that_nobody_tells_of_are_guessed_from_the_deceleration() {
             (Signal::WheelSpeed, mps),
         ])
     };
-    let braked = |told: bool, deceleration: f32| {
+    let braked = |reported: bool, deceleration: f32| {
         let mut drive = Drive::of(truck());
         let mut mps = 22.0;
         let mut flagged = Vec::new();
@@ -280,7 +287,7 @@ fn brakes_that_nobody_tells_of_are_guessed_from_the_deceleration() {
                 let slows = if second < 30 { 0.02 } else { deceleration };
                 mps = (mps - 0.1 * slows).max(8.0);
                 let mut readings = overrun(mps);
-                if told {
+                if reported {
                     readings.insert(0, (Signal::BrakeSwitch, 0.0));
                 }
                 let samples = drive.on(0.1, &readings);
@@ -294,7 +301,7 @@ fn brakes_that_nobody_tells_of_are_guessed_from_the_deceleration() {
                 .filter(|(second, _)| seconds.contains(second));
             within.map(|(_, hits)| hits).sum()
         };
-        let counted = drive.intake.counters().brakes_guessed;
+        let counted = drive.context.counters.brakes_guessed;
         assert_eq!(counted, flagged.iter().map(|f| f.1 as u32).sum::<u32>());
         (hits(0..30), hits(31..38))
     };
@@ -304,7 +311,7 @@ fn brakes_that_nobody_tells_of_are_guessed_from_the_deceleration() {
     assert_eq!(
         braked(true, 1.0),
         (0, 0),
-        "a switch that says no is believed"
+        "a switch that is off is accepted"
     );
     assert_eq!(braked(false, 0.2), (0, 0), "a slope may do that");
 }

@@ -1,11 +1,10 @@
-//! Stops: which masses count, and what a stop undoes.
+//! Stops: which masses count, and what a stop resets.
 
-use estimator_core::filter::Filter;
-use estimator_core::filter::state::{BIAS, SCALE};
-use estimator_core::sampler::Sample;
-use estimator_core::{Counters, Signal, Tuning};
+use estimator_core::filter::StateIndex::{Bias, Scale};
+use estimator_core::sample::Sample;
+use estimator_core::{Signal, Tuning};
 use test_kit::readings_drive::Drive;
-use test_kit::{altitude, by_force, sample, speed, truck};
+use test_kit::{FilterRun, altitude, by_force, sample, speed, truck};
 
 fn at(mps: f32, mass_kg: Option<f32>) -> Vec<(Signal, f32)> {
     let mass = mass_kg.map(|kg| (Signal::Mass, kg));
@@ -15,7 +14,7 @@ fn at(mps: f32, mass_kg: Option<f32>) -> Vec<(Signal, f32)> {
 }
 
 fn masses(samples: &[Sample]) -> Vec<f32> {
-    let mut masses: Vec<f32> = samples.iter().map(|sample| sample.load.mass_kg).collect();
+    let mut masses: Vec<f32> = samples.iter().map(|sample| sample.forces.mass_kg).collect();
     masses.dedup();
     masses
 }
@@ -24,20 +23,20 @@ fn reopenings(drive: &Drive) -> usize {
     drive
         .samples
         .iter()
-        .filter(|sample| sample.reopened)
+        .filter(|sample| sample.after_load_change)
         .count()
 }
 
 #[test]
-fn the_first_mass_counts_and_what_sways_while_driving_does_not() {
+fn the_first_mass_counts_and_its_changes_while_driving_do_not() {
     let mut drive = Drive::of(by_force());
     assert_eq!(masses(&drive.on(5.0, &at(20.0, None))), [39_000.0]);
     assert_eq!(
         masses(&drive.on(5.0, &at(20.0, Some(40_000.0)))),
         [40_000.0]
     );
-    let swaying = drive.on(5.0, &at(20.0, Some(40_400.0)));
-    assert_eq!(masses(&swaying), [40_000.0]);
+    let changed = drive.on(5.0, &at(20.0, Some(40_400.0)));
+    assert_eq!(masses(&changed), [40_000.0]);
     // A stop of two seconds is a traffic light; one of ten may be a ramp.
     drive.on(2.0, &at(0.0, Some(40_400.0)));
     assert_eq!(masses(&drive.on(2.0, &at(20.0, None))), [40_000.0]);
@@ -46,13 +45,13 @@ fn the_first_mass_counts_and_what_sways_while_driving_does_not() {
     assert_eq!(
         reopenings(&drive),
         0,
-        "one percent is what weighing is worth"
+        "one percent is within the error of weighing"
     );
 }
 
 #[test]
-fn another_load_taken_at_a_stop_reopens_once_whenever_it_is_told() {
-    // While it stands, just after, and when it is first told long after.
+fn another_load_at_a_stop_reopens_once_whenever_it_is_reported() {
+    // While it stands, just after, and first reported long after.
     for (standing, soon) in [
         (Some(20_000.0), Some(20_000.0)),
         (Some(39_000.0), Some(20_000.0)),
@@ -70,7 +69,7 @@ fn another_load_taken_at_a_stop_reopens_once_whenever_it_is_told() {
 }
 
 #[test]
-fn masses_that_no_vehicle_like_this_has_are_left_out() {
+fn masses_that_no_such_vehicle_has_are_rejected() {
     let mut drive = Drive::of(by_force());
     for kg in [0.0, 3_000.0, 640_000.0, f32::NAN] {
         assert_eq!(masses(&drive.on(5.0, &at(20.0, Some(kg)))), [39_000.0]);
@@ -80,7 +79,7 @@ fn masses_that_no_vehicle_like_this_has_are_left_out() {
 }
 
 #[test]
-fn a_long_standstill_reopens_whether_heard_or_slept_through() {
+fn a_long_standstill_reopens_whether_awake_or_asleep() {
     let stop = |minutes: u64, awake: bool| {
         let mut drive = Drive::of(by_force());
         drive.on(20.0, &at(20.0, None));
@@ -92,8 +91,8 @@ fn a_long_standstill_reopens_whether_heard_or_slept_through() {
         }
         drive.on(5.0, &at(0.0, None));
         let after = drive.on(20.0, &at(20.0, None));
-        assert_eq!(reopenings(&drive), usize::from(after[0].reopened));
-        after[0].reopened
+        assert_eq!(reopenings(&drive), usize::from(after[0].after_load_change));
+        after[0].after_load_change
     };
     for awake in [true, false] {
         assert!(!stop(9, awake));
@@ -108,7 +107,7 @@ fn a_log_that_goes_on_the_next_day_reopens() {
     drive.on(20.0, &at(20.0, None));
     drive.now_ms += 12 * 3_600_000;
     let after = drive.on(20.0, &at(20.0, None));
-    assert!(after[0].reopened && after[0].gap_cells > 0);
+    assert!(after[0].after_load_change && after[0].gap_cells > 0);
     assert_eq!(reopenings(&drive), 1);
 }
 
@@ -126,26 +125,24 @@ fn a_cell_in_which_the_vehicle_stood_long_is_measured_where_it_is() {
 }
 
 #[test]
-fn what_was_learned_is_given_up_when_the_sample_says_so() {
-    let learned = |reopened: bool| {
-        let (vehicle, tuning) = (truck(), Tuning::default());
-        let mut filter = Filter::<f64>::new();
-        let mut counters = Counters::default();
+fn what_was_learned_is_reset_after_a_load_change() {
+    let learned = |after_load_change: bool| {
+        let mut run = FilterRun::<f64>::new(truck(), Tuning::default());
         // Hills of 2 % and 2 km, driven at a steady speed.
         for cell in 0..12_000_u16 {
             let angle = f32::from(cell) * (2.5 / 2_000.0 * core::f32::consts::TAU);
             let force_n = 3_926.0 + 39_000.0 * 9.806_65 * 0.02 * angle.sin();
             let mut sample = sample(cell.into(), force_n, 20.0);
             sample.speed = speed(20.0);
-            sample.reopened = reopened && cell == 11_999;
+            sample.after_load_change = after_load_change && cell == 11_999;
             if cell % 8 == 0 {
                 sample.altitude = altitude(100.0 - 6.366 * angle.cos());
             }
-            filter.step(&vehicle, &tuning, &sample, &mut counters);
+            run.step(&sample);
         }
-        let state = filter.state().unwrap();
-        let found = (state.sigma(SCALE), state.sigma(BIAS), state.x[SCALE]);
-        (found, counters.loads_reopened)
+        let state = run.filter.state().unwrap();
+        let found = (state.sigma(Scale), state.sigma(Bias), state.mean[Scale]);
+        (found, run.context.counters.loads_reopened)
     };
     let (before, none) = learned(false);
     let (after, once) = learned(true);

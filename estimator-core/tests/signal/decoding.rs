@@ -219,7 +219,7 @@ fn fast_packets_of_two_senders_interleave() {
 }
 
 proptest! {
-    /// Whatever is written is read back within half a step of the coarsest field.
+    /// Every written value is read back within half a step of the coarsest field.
     #[test]
     fn encoding_and_decoding_agree(which in 0..MESSAGES, seeds in prop::collection::vec(0.0..1.0_f32, 8)) {
         let message = messages().nth(which).unwrap();

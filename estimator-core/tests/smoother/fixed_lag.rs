@@ -1,9 +1,9 @@
-//! The fixed lag against a pass over all of its records.
+//! Fixed-lag smoothing against a backward pass over all of its records.
 
 use estimator_core::Tuning;
-use estimator_core::filter::Backward;
-use estimator_core::lag::{BLOCK_CELLS, LAG_CELLS, Lag};
-use estimator_core::sampler::{Continuity, Sample};
+use estimator_core::sample::{AltitudeContinuity, Sample};
+use estimator_core::smoother::fixed_lag::{BLOCK_CELLS, LAG_CELLS};
+use estimator_core::smoother::{BackwardPass, FixedLag};
 use std::iter::from_fn;
 use test_kit::{Noise, altitude, cells, run, sample, speed};
 
@@ -22,36 +22,36 @@ fn drive() -> Vec<Sample> {
                 let step = if k > 250 { 25.0 } else { 0.0 };
                 s.altitude = altitude(datum + step + 0.5 * noise.draw());
                 if let Some(altitude) = s.altitude.as_mut().filter(|_| k == 427) {
-                    altitude.continuity = Continuity::Switched;
+                    altitude.continuity = AltitudeContinuity::Switched;
                 }
             }
             if k == 333 {
                 s.gap_cells = 3;
                 s.speed = speed(20.0);
             }
-            s.place.condition.braking = k % 97 < 9;
+            s.end.condition.braking = k % 97 < 9;
             s
         })
         .collect()
 }
 
 #[test]
-fn a_cell_knows_what_its_lag_tells_and_no_more() {
-    let records = run::<f64>(&drive(), &Tuning::default());
-    let cells = cells(&records);
-    assert_eq!(cells.len(), records.len());
+fn a_cell_is_smoothed_by_its_lag_and_no_more() {
+    let filtered = run::<f64>(&drive(), &Tuning::default());
+    let cells = cells(&filtered);
+    assert_eq!(cells.len(), filtered.len());
     for (k, cell) in cells.iter().enumerate() {
-        assert_eq!(cell.place, records[k].place);
-        let live = records[k].state.estimate().grade_percent;
+        assert_eq!(cell.end, filtered[k].record.end);
+        let live = filtered[k].state.estimate().grade_percent;
         assert_eq!(cell.live_grade_percent, live);
-        // Its block's lag begins where the block ends.
+        // The lag of a block begins at its end.
         let block_end = (k / BLOCK_CELLS + 1) * BLOCK_CELLS;
-        let seen = (block_end + LAG_CELLS).min(records.len());
-        let mut backward = Backward::new();
-        for record in records[k + 1..seen].iter().rev() {
-            backward.retreat(&record.trace);
+        let seen = (block_end + LAG_CELLS).min(filtered.len());
+        let mut pass = BackwardPass::new();
+        for later in filtered[k + 1..seen].iter().rev() {
+            pass.retreat(&later.record.smoother_input);
         }
-        let direct = backward.estimate(&records[k].state).grade_percent;
+        let direct = pass.estimate(&filtered[k].state).grade_percent;
         let lagged = cell.lagged_grade_percent;
         assert!(
             (lagged.value - direct.value).abs() < 1e-5 * (1.0 + direct.value.abs()),
@@ -76,14 +76,14 @@ fn single_precision_follows_double() {
 }
 
 #[test]
-fn cells_that_nobody_fetched_are_told() {
-    let mut lag = Lag::new();
-    let records = run::<f32>(&drive(), &Tuning::default());
-    let lost: usize = records
+fn cells_that_are_not_fetched_are_reported() {
+    let mut lag = FixedLag::new();
+    let filtered = run::<f32>(&drive(), &Tuning::default());
+    let lost: usize = filtered
         .iter()
-        .map(|record| lag.push(&record.moved(), &record.state))
+        .map(|cell| lag.push(&cell.record, &cell.state))
         .sum();
-    let kept = from_fn(|| lag.drain_cell()).count();
+    let drained = from_fn(|| lag.drain_cell()).count();
     assert!(lost > 0);
-    assert_eq!(lost + kept, records.len());
+    assert_eq!(lost + drained, filtered.len());
 }

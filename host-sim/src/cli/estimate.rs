@@ -9,7 +9,7 @@ use crate::recorder::{self, LongRun, Summary};
 use crate::smooth::held_bytes;
 use crate::terminal::print::print;
 use crate::terminal::progress;
-use estimator_core::{Kept, Scalar};
+use estimator_core::{PersistentState, Scalar};
 use std::path::{Path, PathBuf};
 use std::time::Instant as Clock;
 
@@ -82,7 +82,7 @@ pub fn run(args: &Args) -> Result<()> {
     let started = Clock::now();
     let file = args.kept.as_deref();
     let last = match file {
-        Some(file) => kept::read(file, &vehicle.parameters)?,
+        Some(file) => kept::read(file, &vehicle.model)?,
         None => None,
     };
     let last = last.as_ref();
@@ -124,12 +124,12 @@ pub fn run(args: &Args) -> Result<()> {
 /// Estimates one log, with a progress bar on long ones.
 pub(super) fn drive<S: Scalar>(
     vehicle: &VehicleFile,
-    last: Option<&Kept>,
+    last: Option<&PersistentState>,
     log: &Path,
 ) -> Result<LongRun> {
     let bar = progress::bytes(log.metadata().map_or(0, |file| file.len()));
     let progress = |read| bar.set_position(read);
-    let run = recorder::estimate_log::<S>(&vehicle.parameters, last, log, progress);
+    let run = recorder::estimate_log::<S>(&vehicle.model, last, log, progress);
     bar.finish_and_clear();
     run
 }

@@ -1,7 +1,8 @@
 //! A drive in the distance domain: what the thesis's methods are given.
 
-use estimator_core::sampler::Sample;
-use estimator_core::vehicle::{GRAVITY, Load};
+use estimator_core::sample::ForceInputs;
+use estimator_core::sample::Sample;
+use estimator_core::vehicle::GRAVITY;
 use estimator_core::{CELL_LENGTH_M, VehicleParameters};
 
 /// Length of a step, m.
@@ -80,7 +81,7 @@ impl Drive {
     /// none: what an estimator on board had to go by.
     #[must_use]
     pub fn new(vehicle: &VehicleParameters, samples: &[Sample]) -> Self {
-        let distances: Vec<f64> = samples.iter().map(|s| s.place.distance_m()).collect();
+        let distances: Vec<f64> = samples.iter().map(|s| s.end.distance_m()).collect();
         let fixes: Vec<(f64, f64)> = samples
             .iter()
             .zip(&distances)
@@ -93,16 +94,16 @@ impl Drive {
             .iter()
             .zip(&distances)
             .map(|(sample, &distance_m)| {
-                let Load {
+                let ForceInputs {
                     traction_n,
                     rotating_kg,
                     air_density,
                     ..
-                } = sample.load;
-                let condition = sample.place.condition;
+                } = sample.forces;
+                let condition = sample.end.condition;
                 Point {
                     distance_m,
-                    speed_mps: sample.place.speed_mps.into(),
+                    speed_mps: sample.end.speed_mps.into(),
                     traction_n: traction_n.into(),
                     rotating_kg: rotating_kg.into(),
                     air_density: air_density.into(),
@@ -113,7 +114,9 @@ impl Drive {
                 }
             })
             .collect();
-        let masses = samples.iter().map(|sample| f64::from(sample.load.mass_kg));
+        let masses = samples
+            .iter()
+            .map(|sample| f64::from(sample.forces.mass_kg));
         Self {
             mass_kg: masses.sum::<f64>() / samples.len().max(1) as f64,
             drag_area_m2: vehicle.drag_area_m2.into(),

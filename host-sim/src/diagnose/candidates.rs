@@ -4,9 +4,8 @@
 use super::dependence::{BASIS_UNIT, BINS, BasisFunction, Covariate, Variable};
 use super::drive::{LoggedDrive, RoadPlace};
 use super::evidence::Column;
-use super::how_searched::{Amounts, how_searched};
 use estimator_core::VehicleParameters;
-use estimator_core::effect::{CATALOGUE, Details, Effect};
+use estimator_core::effect::{CATALOGUE, Effect, ParameterValues, Varies, search_of};
 use estimator_core::vehicle::GRAVITY;
 
 /// Length of a piece of road, of which rough stretches are made, m.
@@ -66,9 +65,9 @@ pub struct Menu {
 /// What a column is the force of.
 #[derive(Clone, Copy, Debug)]
 enum Kind {
-    Effect(&'static Effect, Details),
+    Effect(&'static Effect, ParameterValues),
     /// On one drive only.
-    OnDrive(&'static Effect, Details, usize),
+    OnDrive(&'static Effect, ParameterValues, usize),
     /// The weight, on a piece of road, both ways or one.
     Piece(usize, f64, Option<bool>),
     /// A thousandth of the weight times a function of a signal.
@@ -86,18 +85,18 @@ impl Menu {
     pub fn new(road_m: Option<f64>, drives: &[usize]) -> Self {
         let mut menu = Self::default();
         for effect in CATALOGUE {
-            let choices = match how_searched(effect).amounts {
-                Amounts::FromGnssSpeed => continue,
-                Amounts::One => vec![menu.choice(effect, &[], Detail::None)],
-                Amounts::OneForEachValue { key, values } => values
+            let choices = match search_of(effect).map_or(Varies::Amount, |search| search.varies) {
+                Varies::GnssSpeed => continue,
+                Varies::Amount => vec![menu.choice(effect, &[], Detail::None)],
+                Varies::AmountForEachValue { key, values } => values
                     .iter()
                     .map(|&value| menu.choice(effect, &[Some(value)], Detail::Value(key, value)))
                     .collect(),
-                Amounts::OneForEachDrive { key, values } => values
+                Varies::AmountForEachDrive { key, values } => values
                     .iter()
                     .map(|&value| menu.on_each(effect, (key, value), drives))
                     .collect(),
-                Amounts::NorthAndEast { key } => {
+                Varies::NorthAndEast { key } => {
                     let amounts = [0.0, 90.0]
                         .map(|direction_deg| vec![menu.column(effect, &[Some(direction_deg)])])
                         .to_vec();
@@ -106,7 +105,7 @@ impl Menu {
                         detail: Detail::Direction(key),
                     }]
                 }
-                Amounts::OnPartOfRoad { .. } => match road_m {
+                Varies::RoadSection { .. } => match road_m {
                     Some(road_m) => menu.stretches(road_m, None),
                     None => continue,
                 },
@@ -178,8 +177,8 @@ impl Menu {
     }
 
     fn column(&mut self, effect: &'static Effect, given: &[Option<f32>]) -> usize {
-        let mut details: Details = Default::default();
-        for (i, detail) in effect.details.iter().enumerate() {
+        let mut details: ParameterValues = Default::default();
+        for (i, detail) in effect.parameters.iter().enumerate() {
             let given = given.get(i).copied().flatten();
             details[i] = given.or(detail.default.get()).into();
         }
@@ -269,7 +268,7 @@ impl Menu {
                             (p.at_m / piece_m) as usize == *piece
                                 && way.is_none_or(|forward| p.forward == forward)
                         });
-                        let weight_n = sample.load.mass_kg * GRAVITY;
+                        let weight_n = sample.forces.mass_kg * GRAVITY;
                         if here { weight_n } else { 0.0 }
                     })
                     .collect(),

@@ -3,7 +3,7 @@
 use super::drive::{LoggedDrive, RoadPlace};
 use super::evidence::Column;
 use estimator_core::Instant;
-use estimator_core::sampler::Sample;
+use estimator_core::sample::Sample;
 use estimator_core::vehicle::GRAVITY;
 
 /// Parts into which a signal's values are sorted.
@@ -52,7 +52,7 @@ pub enum Covariate {
 impl BasisFunction {
     pub(super) fn column(self, drive: &LoggedDrive) -> Column {
         let samples = &drive.samples;
-        let unit_n = |sample: &Sample| BASIS_UNIT * sample.load.mass_kg * GRAVITY;
+        let unit_n = |sample: &Sample| BASIS_UNIT * sample.forces.mass_kg * GRAVITY;
         let of_phase = |period_s: f64, wave: fn(f64) -> f64| {
             let phase =
                 |sample: &Sample| wave(std::f64::consts::TAU * clock_s(sample) / period_s) as f32;
@@ -145,7 +145,7 @@ impl Variable {
 
 /// What the log's clock shows, s.
 fn clock_s(sample: &Sample) -> f64 {
-    1e-6 * sample.place.time.since(Instant::default()).micros() as f64
+    1e-6 * sample.end.time.since(Instant::default()).micros() as f64
 }
 
 /// 1 where traction over weight rises, −1 where it falls, with a play in %.
@@ -154,7 +154,7 @@ fn rises(samples: &[Sample], play_percent: f32) -> Vec<f32> {
     samples
         .iter()
         .map(|sample| {
-            let percent = 100.0 * sample.load.traction_n / (sample.load.mass_kg * GRAVITY);
+            let percent = 100.0 * sample.forces.traction_n / (sample.forces.mass_kg * GRAVITY);
             let before = behind.unwrap_or(percent);
             let now = before.clamp(percent - play_percent, percent + play_percent);
             behind = Some(now);
@@ -166,10 +166,10 @@ fn rises(samples: &[Sample], play_percent: f32) -> Vec<f32> {
 impl Covariate {
     fn value(self, sample: &Sample) -> Option<f32> {
         match self {
-            Self::Speed => Some(sample.place.speed_mps),
-            Self::Traction => Some(sample.load.traction_n / (sample.load.mass_kg * GRAVITY)),
-            Self::TimeInMotion => Some(sample.circumstances.driven_s),
-            Self::Temperature => sample.circumstances.ambient_celsius.get(),
+            Self::Speed => Some(sample.end.speed_mps),
+            Self::Traction => Some(sample.forces.traction_n / (sample.forces.mass_kg * GRAVITY)),
+            Self::TimeInMotion => Some(sample.effect_inputs.driven_s),
+            Self::Temperature => sample.effect_inputs.ambient_celsius.get(),
         }
     }
 }

@@ -9,8 +9,7 @@ use super::search::Search;
 use super::selection::Step;
 use crate::error::{Error, Result};
 use crate::map::read_map;
-use estimator_core::VehicleParameters;
-use estimator_core::effect::Adopted;
+use estimator_core::{AdoptedEffect, Model};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -28,24 +27,24 @@ pub fn diagnose(request: &Request) -> Result<Diagnosis> {
     let logs = Logs::of(request)?;
     let mut vehicle = request.vehicle.clone();
     let mut findings = Vec::new();
-    let mut drives = logs.read(&vehicle.parameters)?;
+    let mut drives = logs.read(&vehicle.model)?;
     let wheels = Wheels::measured(&drives[..logs.fitted]);
     if let Some(finding) = wheels.as_ref().and_then(Wheels::finding) {
         // The others are looked for with the right speeds and distances.
-        let _ = vehicle.parameters.effects.adopt(finding.adopted);
+        let _ = vehicle.model.effects.adopt(finding.adopted);
         findings.push(finding);
-        drives = logs.read(&vehicle.parameters)?;
+        drives = logs.read(&vehicle.model)?;
     }
-    let with_wheels = vehicle.parameters.clone();
+    let with_wheels = vehicle.model.clone();
     let search = Search::new(&drives, logs.fitted, &with_wheels);
     let (evidence, selection) = search.evidence();
     // The reference is estimated with what was found first, whatever is adopted in the end.
-    let found = search.vehicle_with(&vehicle, &selection).parameters;
+    let found = search.vehicle_with(&vehicle, &selection).model;
     let judge = Judge {
         references: references(&logs.read(&found)?, request.reference.as_ref())?,
         logs: &logs,
     };
-    let before = judge.judge(&request.vehicle.parameters)?;
+    let before = judge.judge(&request.vehicle.model)?;
     // Each with the number of its candidate.
     let mut cases: Vec<(Option<usize>, CandidateCase)> = Vec::new();
     for case in &selection.alone {
@@ -55,7 +54,7 @@ pub fn diagnose(request: &Request) -> Result<Diagnosis> {
         }
     }
     if let Some(wheels) = &wheels {
-        let (bare, adopted) = (&request.vehicle.parameters, wheels.adopted());
+        let (bare, adopted) = (&request.vehicle.model, wheels.adopted());
         cases.push((None, judge.alone(bare, adopted, wheels.evidence())?));
     }
     let selection = match selection.steps.first().and_then(|step| lead(step, &cases)) {
@@ -74,14 +73,14 @@ pub fn diagnose(request: &Request) -> Result<Diagnosis> {
         }
     }
     let vehicle = search.vehicle_with(&vehicle, &selection);
-    let after = judge.judge(&vehicle.parameters)?;
+    let after = judge.judge(&vehicle.model)?;
     if !unexplained.is_empty() {
-        let drives = logs.read(&vehicle.parameters)?;
+        let drives = logs.read(&vehicle.model)?;
         for (number, rest) in unexplained.iter_mut().enumerate() {
             let name = format!("unexplained_{}", number + 1);
-            let (vehicle, road) = (&vehicle.parameters, search.road.as_ref());
+            let (model, road) = (&vehicle.model, search.road.as_ref());
             rest.figure = rest.variable.map(|variable| {
-                picture::picture(&name, variable, &drives, vehicle, &judge.references, road)
+                picture::picture(&name, variable, &drives, model, &judge.references, road)
             });
         }
     }
@@ -130,16 +129,16 @@ impl Logs {
         })
     }
 
-    fn read(&self, vehicle: &VehicleParameters) -> Result<Vec<LoggedDrive>> {
-        Self::read_each(&self.paths, vehicle)
+    fn read(&self, model: &Model) -> Result<Vec<LoggedDrive>> {
+        Self::read_each(&self.paths, model)
     }
 
-    fn read_judged(&self, vehicle: &VehicleParameters) -> Result<Vec<LoggedDrive>> {
-        Self::read_each(&self.paths[self.judged.clone()], vehicle)
+    fn read_judged(&self, model: &Model) -> Result<Vec<LoggedDrive>> {
+        Self::read_each(&self.paths[self.judged.clone()], model)
     }
 
-    fn read_each(paths: &[PathBuf], vehicle: &VehicleParameters) -> Result<Vec<LoggedDrive>> {
-        let read = |path: &PathBuf| LoggedDrive::read(path, vehicle);
+    fn read_each(paths: &[PathBuf], model: &Model) -> Result<Vec<LoggedDrive>> {
+        let read = |path: &PathBuf| LoggedDrive::read(path, model);
         paths.par_iter().map(read).collect()
     }
 }
@@ -152,20 +151,15 @@ struct Judge<'a> {
 }
 
 impl Judge<'_> {
-    fn judge(&self, vehicle: &VehicleParameters) -> Result<Judgement> {
-        let drives = self.logs.read_judged(vehicle)?;
+    fn judge(&self, model: &Model) -> Result<Judgement> {
+        let drives = self.logs.read_judged(model)?;
         let references = &self.references[self.logs.judged.clone()];
-        Ok(judge(&drives, vehicle, references))
+        Ok(judge(&drives, model, references))
     }
 
     /// One effect added to a vehicle; judged without it if the vehicle cannot have it.
-    fn alone(
-        &self,
-        vehicle: &VehicleParameters,
-        adopted: Adopted,
-        evidence: f64,
-    ) -> Result<CandidateCase> {
-        let mut with = vehicle.clone();
+    fn alone(&self, model: &Model, adopted: AdoptedEffect, evidence: f64) -> Result<CandidateCase> {
+        let mut with = model.clone();
         let possible = with.effects.adopt(adopted).is_ok() && with.check().is_ok();
         Ok(CandidateCase {
             name: adopted.effect.name,
@@ -173,7 +167,7 @@ impl Judge<'_> {
             sigma: f64::from(adopted.amount_sigma),
             unit: adopted.effect.unit,
             evidence,
-            after: self.judge(if possible { &with } else { vehicle })?,
+            after: self.judge(if possible { &with } else { model })?,
         })
     }
 }

@@ -4,7 +4,7 @@ use super::dependence::Variable;
 use super::judgement::Judgement;
 use crate::files::vehicle::VehicleFile;
 use crate::report::page::Figure;
-use estimator_core::effect::Adopted;
+use estimator_core::AdoptedEffect;
 use std::path::PathBuf;
 
 /// What is to be diagnosed.
@@ -24,7 +24,7 @@ pub struct Request {
 #[derive(Clone, Debug)]
 pub struct Finding {
     /// The effect, with amount, sigma and details.
-    pub adopted: Adopted,
+    pub adopted: AdoptedEffect,
     /// Twice the logarithm of its Bayes factor.
     pub evidence: f64,
     /// Effects that the data cannot tell from it.
@@ -65,7 +65,7 @@ pub struct Unexplained {
 /// All that was found.
 #[derive(Clone, Debug)]
 pub struct Diagnosis {
-    /// Adopted, in the order of adoption.
+    /// AdoptedEffect, in the order of adoption.
     pub findings: Vec<Finding>,
     /// Every candidate alone, the best first.
     pub candidates: Vec<CandidateCase>,

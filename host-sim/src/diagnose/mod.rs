@@ -2,7 +2,7 @@
 //! and after on drives that were not used.
 //!
 //! * [`drive`]: a log as it is seen here, and where its cells lie on a common road;
-//! * [`candidates`]: what is tried: effects ([`how_searched`]) and plain dependences
+//! * [`candidates`]: what is tried: effects ([`estimator_core::effect::Search`]) and plain dependences
 //!   ([`dependence`]); [`evidence`]: what drives say about it; [`regression`]: amounts
 //!   and likelihoods from that; [`selection`]: what is adopted; [`search`]: these, one after the
 //!   other;
@@ -18,7 +18,6 @@ pub mod diagnosis;
 pub mod drive;
 pub mod evidence;
 pub mod findings;
-pub mod how_searched;
 pub mod judgement;
 pub mod picture;
 pub mod radius;

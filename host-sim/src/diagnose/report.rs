@@ -1,12 +1,12 @@
 //! report.json and the page.
 
 use super::findings::{Diagnosis, Finding};
-use super::how_searched::told_apart_by;
 use super::judgement::{Judgement, WINDOW_M};
 use crate::error::Result;
 use crate::files::output::stage_text;
 use crate::report::page::{Figure, PAGE, Page, Section, Table};
 use crate::report::plot::{Mark, Plot, Series, colour};
+use estimator_core::effect::{self, search_of};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -36,7 +36,7 @@ pub fn to_json(diagnosis: &Diagnosis) -> Value {
         .map(|finding| {
             let details: serde_json::Map<String, Value> = finding
                 .adopted
-                .given()
+                .given_parameters()
                 .map(|(key, value)| (key.to_owned(), number(f64::from(value))))
                 .collect();
             json!({
@@ -47,7 +47,7 @@ pub fn to_json(diagnosis: &Diagnosis) -> Value {
                 "details": details,
                 "evidence": number(finding.evidence),
                 "cannot_be_told_from": finding.group,
-                "told_apart_by": finding.group.iter().filter_map(|name| told_apart_by(name)).collect::<Vec<_>>(),
+                "told_apart_by": finding.group.iter().filter_map(|name| separated_by(name)).collect::<Vec<_>>(),
             })
         })
         .collect();
@@ -120,7 +120,7 @@ pub fn in_a_sentence(diagnosis: &Diagnosis) -> String {
     let mut words = if names.is_empty() {
         "Nothing is adopted: the drives do not ask for any effect beyond the model.".to_owned()
     } else {
-        format!("Adopted: {}.", names.join("; "))
+        format!("AdoptedEffect: {}.", names.join("; "))
     };
     words += &format!(
         " On drives {}, the bare model is {:.3} % grade off before and {:.3} % after (RMSE over \
@@ -275,6 +275,11 @@ fn candidates_section(diagnosis: &Diagnosis) -> Section {
     }
 }
 
+/// Returns the drives or signals that would separate an effect from similar ones.
+fn separated_by(name: &str) -> Option<&'static str> {
+    Some(search_of(effect::named(name)?)?.separated_by)
+}
+
 fn adopted_section(diagnosis: &Diagnosis) -> Section {
     let mut words = vec![in_a_sentence(diagnosis)];
     for finding in &diagnosis.findings {
@@ -283,8 +288,8 @@ fn adopted_section(diagnosis: &Diagnosis) -> Section {
             finding.adopted.effect.name, finding.adopted.effect.about
         ));
         for name in &finding.group {
-            if let Some(data) = told_apart_by(name) {
-                words.push(format!("What would tell {name} from it: {data}."));
+            if let Some(data) = separated_by(name) {
+                words.push(format!("What would separate {name} from it: {data}."));
             }
         }
     }

@@ -8,8 +8,8 @@
 
 use super::candidates::{Candidate, Choice, Detail, Menu};
 use super::evidence::Evidence;
-use super::how_searched::how_searched;
 use super::regression::{Basis, Regression};
+use estimator_core::effect::search_of;
 use nalgebra::{DMatrix, DVector};
 
 /// Twice the logarithm of the odds from which an effect is adopted, against nothing and after the
@@ -312,7 +312,9 @@ fn step(cases: &[Case], menu: &Menu) -> Option<Step> {
     let scatter = rivals.iter().map(|case| case.scatter).fold(1.0, f64::max);
     let merit = |case: &Case| {
         let effect = menu.candidates[case.candidate].effect;
-        let is_base = effect.is_some_and(|effect| how_searched(effect).is_base_parameter);
+        let is_base = effect
+            .and_then(search_of)
+            .is_some_and(|search| search.is_base_parameter);
         case.evidence_at(scatter) + case.held_out + if is_base { PREFERENCE } else { 0.0 }
     };
     let adopted = *rivals

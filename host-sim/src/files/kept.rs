@@ -1,8 +1,8 @@
-//! The file that stands for an ECU's non-volatile memory: one [`Kept`] as bytes.
+//! The file that stands for an ECU's non-volatile memory: one [`PersistentState`] as bytes.
 
 use super::output::{self, Staged};
 use crate::error::{Error, Result};
-use estimator_core::{Kept, VehicleParameters};
+use estimator_core::{Model, PersistentState};
 use std::fs;
 use std::io::ErrorKind;
 use std::path::Path;
@@ -11,13 +11,13 @@ use std::path::Path;
 ///
 /// # Errors
 /// A file that cannot be read, is damaged or something else, or is another vehicle's.
-pub fn read(path: &Path, vehicle: &VehicleParameters) -> Result<Option<Kept>> {
+pub fn read(path: &Path, model: &Model) -> Result<Option<PersistentState>> {
     let bytes = match fs::read(path) {
         Err(e) if e.kind() == ErrorKind::NotFound => return Ok(None),
         bytes => bytes.map_err(Error::io(path))?,
     };
-    let kept = Kept::from_bytes(&bytes).and_then(|kept| {
-        kept.check_vehicle(vehicle)?;
+    let kept = PersistentState::from_bytes(&bytes).and_then(|kept| {
+        kept.check_model(model)?;
         Ok(kept)
     });
     kept.map(Some).map_err(|refusal| {
@@ -30,6 +30,6 @@ pub fn read(path: &Path, vehicle: &VehicleParameters) -> Result<Option<Kept>> {
 ///
 /// # Errors
 /// What the file system says.
-pub fn stage(path: &Path, kept: &Kept) -> Result<Staged> {
+pub fn stage(path: &Path, kept: &PersistentState) -> Result<Staged> {
     output::stage(path, |out| out.write_all(&kept.to_bytes()))
 }

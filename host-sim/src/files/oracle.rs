@@ -184,7 +184,7 @@ impl OracleFile {
     #[must_use]
     pub fn tuning(&self, run_mps: f64) -> Tuning {
         let noise = &self.noise;
-        let vehicle = &self.vehicle.parameters;
+        let vehicle = &self.vehicle.model.vehicle;
         let at_least = |value: f64, least: f64| value.max(least) as f32;
 
         let air = f64::from(STANDARD_AIR_DENSITY * vehicle.drag_area_m2).max(least::AIR);
@@ -198,31 +198,29 @@ impl OracleFile {
             .flatten()
             .map(|(sigma_n, time_s)| (sigma_n * sigma_n, sigma_n * sigma_n / time_s))
             .fold((0.0, 0.0), |sum, one| (sum.0 + one.0, sum.1 + one.1));
-        let default = Tuning::default();
-        Tuning {
-            speed_sigma_mps: at_least(noise.speed_sigma_mps, least::SPEED_MPS),
-            altitude_sigma_m: at_least(noise.gnss_white_sigma_m, least::ALTITUDE_M),
-            gnss_error_sigma_m: at_least(noise.gnss_slow.sigma_m, least::ALTITUDE_M),
-            gnss_error_time_s: noise.gnss_slow.time_s as f32,
-            gnss_latency: Duration::from_micros((noise.gnss_latency_s * 1e6) as u64),
-            force_noise_n: at_least(noise.force_white_sigma_n, least::FORCE_N),
-            bias_force_n: least::FORCE_N as f32,
-            bias_rolling: 0.0,
-            bias_drag: 0.0,
-            bias_start_rolling: noise.cold_tyres.map_or(0.0, |tyres| tyres.amount) as f32,
-            bias_length_m: noise.cold_tyres.map_or(default.bias_length_m, |tyres| {
-                (run_mps * tyres.time_s) as f32
-            }),
-            wind_sigma_mps: at_least(variance.sqrt() / (air * run_mps), least::WIND_MPS),
-            wind_length_m: if per_s > 0.0 {
-                (run_mps * variance / per_s) as f32
-            } else {
-                default.wind_length_m
-            },
-            scale_sigma: least::SCALE,
-            scale_walk_per_sqrt_km: least::SCALE_WALK,
-            ..default
+        let mut tuning = Tuning::default();
+        let measurement = &mut tuning.measurement_noise;
+        measurement.speed_sigma_mps = at_least(noise.speed_sigma_mps, least::SPEED_MPS);
+        measurement.altitude_sigma_m = at_least(noise.gnss_white_sigma_m, least::ALTITUDE_M);
+        measurement.gnss_error_sigma_m = at_least(noise.gnss_slow.sigma_m, least::ALTITUDE_M);
+        measurement.gnss_error_time_s = noise.gnss_slow.time_s as f32;
+        let process = &mut tuning.process_noise;
+        process.force_noise_n = at_least(noise.force_white_sigma_n, least::FORCE_N);
+        process.bias_force_n = least::FORCE_N as f32;
+        process.bias_rolling = 0.0;
+        process.bias_drag = 0.0;
+        if let Some(tyres) = noise.cold_tyres {
+            process.bias_length_m = (run_mps * tyres.time_s) as f32;
         }
+        process.wind_sigma_mps = at_least(variance.sqrt() / (air * run_mps), least::WIND_MPS);
+        if per_s > 0.0 {
+            process.wind_length_m = (run_mps * variance / per_s) as f32;
+        }
+        process.scale_walk_per_sqrt_km = least::SCALE_WALK;
+        tuning.prior.cold_tyre_rolling = noise.cold_tyres.map_or(0.0, |tyres| tyres.amount) as f32;
+        tuning.prior.scale_sigma = least::SCALE;
+        tuning.hold_times.gnss_latency = Duration::from_micros((noise.gnss_latency_s * 1e6) as u64);
+        tuning
     }
 }
 

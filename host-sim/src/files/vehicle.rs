@@ -4,18 +4,18 @@ mod effects;
 
 use super::output::write_whole;
 use crate::error::{Error, Result};
-use estimator_core::{Gear, ParameterError, Powertrain, Traction, VehicleParameters};
+use estimator_core::{Gear, Model, ParameterError, Powertrain, Traction, VehicleParameters};
 use serde::{Deserialize, Serialize};
 use std::fs;
 use std::path::Path;
 
-/// A vehicle with its name.
+/// The model of a vehicle, with its name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VehicleFile {
-    /// What it is called in tables.
+    /// Name in tables.
     pub name: String,
-    /// What the estimator is given.
-    pub parameters: VehicleParameters,
+    /// Parameters and effects, as the estimator gets them.
+    pub model: Model,
 }
 
 #[derive(Debug, Serialize, Deserialize)]
@@ -97,13 +97,13 @@ impl VehicleFile {
             problem,
         };
         let document = document.map_err(|e| key(e.to_string().trim_end().to_owned()))?;
-        let parameters = document.parameters().map_err(key)?;
-        parameters
+        let model = document.model().map_err(key)?;
+        model
             .check()
             .map_err(|e: ParameterError| key(e.to_string()))?;
         Ok(Self {
             name: document.vehicle.name,
-            parameters,
+            model,
         })
     }
 
@@ -119,7 +119,7 @@ impl VehicleFile {
     /// The file's text.
     #[must_use]
     pub fn to_toml(&self) -> String {
-        let p = &self.parameters;
+        let p = &self.model.vehicle;
         let (powertrain, traction) = match &p.traction {
             Traction::Powertrain(p) => (Some(PowertrainTable::from(p)), None),
             Traction::Force => (
@@ -140,7 +140,7 @@ impl VehicleFile {
             },
             powertrain,
             traction,
-            effects: effects::to_tables(&p.effects),
+            effects: effects::to_tables(&self.model.effects),
         };
         toml::to_string(&document).expect("plain numbers and strings are TOML")
     }
@@ -166,7 +166,7 @@ impl From<&Powertrain> for PowertrainTable {
 }
 
 impl Document {
-    fn parameters(&self) -> std::result::Result<VehicleParameters, String> {
+    fn model(&self) -> std::result::Result<Model, String> {
         let traction = match (&self.powertrain, &self.traction) {
             (Some(p), None) => {
                 let mut gears = heapless::Vec::new();
@@ -204,13 +204,15 @@ impl Document {
                 );
             }
         };
-        Ok(VehicleParameters {
-            mass_kg: self.vehicle.mass_kg,
-            drag_area_m2: self.vehicle.drag_area_m2,
-            rolling_resistance: self.vehicle.rolling_resistance,
-            wheel_radius_m: self.vehicle.wheel_radius_m,
-            wheel_inertia_kgm2: self.vehicle.wheel_inertia_kgm2,
-            traction,
+        Ok(Model {
+            vehicle: VehicleParameters {
+                mass_kg: self.vehicle.mass_kg,
+                drag_area_m2: self.vehicle.drag_area_m2,
+                rolling_resistance: self.vehicle.rolling_resistance,
+                wheel_radius_m: self.vehicle.wheel_radius_m,
+                wheel_inertia_kgm2: self.vehicle.wheel_inertia_kgm2,
+                traction,
+            },
             effects: effects::from_tables(&self.effects)?,
         })
     }

@@ -12,7 +12,7 @@ use crate::files::vehicle::VehicleFile;
 use crate::recorder::{LongRun, Recorder};
 use crate::source::log_time;
 use crate::source::socketcan::{BusEvent, Received, Receiver, of_group, wanted};
-use estimator_core::{Estimator, KeptError, Tuning};
+use estimator_core::{Estimator, PersistentStateError, Tuning};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
@@ -75,14 +75,14 @@ impl<'a> Listening<'a> {
     /// An impossible vehicle, or not that of the last drive; an interface or a file that cannot be
     /// opened.
     pub fn begin(request: ListenRequest<'a>, vehicle: &VehicleFile) -> Result<Self> {
-        let (parameters, tuning) = (vehicle.parameters.clone(), Tuning::default());
+        let (parameters, tuning) = (vehicle.model.clone(), Tuning::default());
         let kept = match request.kept {
             Some(file) => kept::read(file, &parameters)?,
             None => None,
         };
         let estimator = match &kept {
-            Some(kept) => Estimator::<f32>::with_kept(parameters, tuning, kept),
-            None => Estimator::new(parameters, tuning).map_err(KeptError::from),
+            Some(kept) => Estimator::<f32>::restore(parameters, tuning, kept),
+            None => Estimator::new(parameters, tuning).map_err(PersistentStateError::from),
         };
         let estimator =
             estimator.map_err(|e| Error::content(request.vehicle_file, e.to_string()))?;

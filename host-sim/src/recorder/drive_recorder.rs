@@ -4,12 +4,12 @@ use super::long_run::{LongRun, Rows, Run, no_room};
 use crate::error::Result;
 use crate::files::run::RunRow;
 use crate::files::spool::{Spool, blocks};
-use crate::smooth::{Samples, Smoothed, smooth_stretches};
+use crate::smooth::{Samples, SmoothedCell, smooth_segments};
 use crate::source::can_frame::TimedFrame;
 use crate::source::input::Input;
-use estimator_core::sampler::Sample;
+use estimator_core::sample::Sample;
 use estimator_core::{
-    Cell, Estimator, Instant, ParameterError, Reading, Scalar, Tuning, Uncertain, VehicleParameters,
+    Cell, Estimator, Instant, Model, ParameterError, Reading, Scalar, Tuning, Uncertain,
 };
 use serde::{Deserialize, Serialize};
 use std::io;
@@ -45,10 +45,10 @@ impl<S: Scalar> Recorder<S> {
     /// # Errors
     /// The first parameter that no vehicle can have.
     pub fn new(
-        vehicle: VehicleParameters,
+        model: impl Into<Model>,
         tuning: Tuning,
     ) -> std::result::Result<Self, ParameterError> {
-        Estimator::new(vehicle, tuning).map(Self::from)
+        Estimator::new(model, tuning).map(Self::from)
     }
 
     /// Tells when the drive began, if before the first input that comes here: `time_s` counts from
@@ -167,24 +167,24 @@ impl<S: Scalar> Recorder<S> {
         let start = self.start.unwrap_or_default();
         let mut rows = Rows::default();
         let (samples, grades) = (&mut self.samples, &mut self.grades);
-        smooth_stretches(
-            self.estimator.vehicle(),
+        smooth_segments(
+            self.estimator.model(),
             self.estimator.tuning(),
-            &self.estimator.filter_anew::<f64>(),
+            &self.estimator.second_pass_filter::<f64>(),
             samples,
             |first, smoothed| {
                 // Both passes begin with the first speed.
                 let end = grades.count().min(first + smoothed.len());
                 let grades = grades.read(first.min(end)..end)?;
-                let stretch = smoothed.iter().zip(&grades);
-                let stretch = stretch.map(|(smoothed, grades)| row(start, grades, smoothed));
-                rows.put(first, stretch)
+                let segment = smoothed.iter().zip(&grades);
+                let segment = segment.map(|(smoothed, grades)| row(start, grades, smoothed));
+                rows.put(first, segment)
             },
         )?;
         Ok(LongRun {
             rows,
             counters: *self.estimator.counters(),
-            kept: self.estimator.kept(),
+            kept: self.estimator.persistent_state(),
         })
     }
 }
@@ -218,17 +218,17 @@ impl<S> From<Estimator<S>> for Recorder<S> {
     }
 }
 
-fn row(start: Instant, grades: &OnlineGrades, smoothed: &Smoothed) -> RunRow {
-    let Smoothed {
-        place,
+fn row(start: Instant, grades: &OnlineGrades, smoothed: &SmoothedCell) -> RunRow {
+    let SmoothedCell {
+        end,
         estimate: smoothed,
     } = smoothed;
     let degrees = |e7: i32| f64::from(e7) * 1e-7;
     RunRow {
-        time_s: place.time.since(start).micros() as f64 * 1e-6,
-        distance_m: place.distance_m(),
-        latitude_deg: place.position_e7.map(|(latitude, _)| degrees(latitude)),
-        longitude_deg: place.position_e7.map(|(_, longitude)| degrees(longitude)),
+        time_s: end.time.since(start).micros() as f64 * 1e-6,
+        distance_m: end.distance_m(),
+        latitude_deg: end.position_e7.map(|(latitude, _)| degrees(latitude)),
+        longitude_deg: end.position_e7.map(|(_, longitude)| degrees(longitude)),
         altitude_m: smoothed.altitude_m.map(|z| z.value.into()),
         altitude_sigma_m: smoothed.altitude_m.map(|z| z.sigma.into()),
         grade_percent: smoothed.grade_percent.value.into(),
@@ -240,6 +240,6 @@ fn row(start: Instant, grades: &OnlineGrades, smoothed: &Smoothed) -> RunRow {
         speed_mps: smoothed.speed_mps.into(),
         bias_percent: smoothed.bias_percent.value.into(),
         scale: smoothed.scale.value.into(),
-        valid: place.condition.is_valid().into(),
+        valid: end.condition.is_valid().into(),
     }
 }

@@ -4,7 +4,7 @@ use super::drive_recorder::Recorder;
 use super::long_run::LongRun;
 use crate::error::{Error, Result};
 use crate::source::input::for_each_input;
-use estimator_core::{Estimator, Kept, KeptError, Scalar, Tuning, VehicleParameters};
+use estimator_core::{Estimator, Model, PersistentState, PersistentStateError, Scalar, Tuning};
 use std::path::Path;
 
 /// Feeds a whole log of either kind to an estimator that begins with what the last drive left, if
@@ -14,15 +14,15 @@ use std::path::Path;
 /// An impossible vehicle, or not that of the last drive; a log that cannot be read to its end, with
 /// file and line.
 pub fn estimate_log<S: Scalar>(
-    vehicle: &VehicleParameters,
-    kept: Option<&Kept>,
+    model: &Model,
+    kept: Option<&PersistentState>,
     log: &Path,
     progress: impl Fn(u64),
 ) -> Result<LongRun> {
-    let (vehicle, tuning) = (vehicle.clone(), Tuning::default());
+    let (model, tuning) = (model.clone(), Tuning::default());
     let estimator = match kept {
-        Some(kept) => Estimator::<S>::with_kept(vehicle, tuning, kept),
-        None => Estimator::new(vehicle, tuning).map_err(KeptError::from),
+        Some(kept) => Estimator::<S>::restore(model, tuning, kept),
+        None => Estimator::new(model, tuning).map_err(PersistentStateError::from),
     };
     let mut recorder = Recorder::from(estimator.map_err(|e| Error::content(log, e.to_string()))?);
     for_each_input(log, progress, |input| recorder.on_input(&input))?;

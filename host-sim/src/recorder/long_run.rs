@@ -3,7 +3,7 @@
 use crate::error::{Error, Result};
 use crate::files::run::{RunRow, RunRows};
 use crate::files::spool::{Spool, blocks};
-use estimator_core::{Counters, Kept};
+use estimator_core::{Counters, PersistentState};
 use std::io;
 
 /// A whole drive, smoothed.
@@ -14,7 +14,7 @@ pub struct Run {
     /// What happened on the way.
     pub counters: Counters,
     /// What it leaves for the next drive, if it was long enough.
-    pub kept: Option<Kept>,
+    pub kept: Option<PersistentState>,
 }
 
 /// A whole drive, smoothed, that need not fit into memory.
@@ -25,7 +25,7 @@ pub struct LongRun {
     /// What happened on the way.
     pub counters: Counters,
     /// What it leaves for the next drive, if it was long enough.
-    pub kept: Option<Kept>,
+    pub kept: Option<PersistentState>,
 }
 
 impl LongRun {

@@ -14,7 +14,7 @@ pub fn missing(vehicle: &VehicleFile, run: &LongRun) -> Option<&'static str> {
     } else if run.rows.count() == 0 {
         "the vehicle never moved: no grade to estimate"
     } else if counters.tractions_used == 0 {
-        match vehicle.parameters.traction {
+        match vehicle.model.vehicle.traction {
             Traction::Powertrain(_) => {
                 "no engine torque with a known gear: expected EEC1 (PGN 61444; column \
                  engine_torque_percent) and ETC2 (PGN 61445; column gear or gear_ratio) or engine \

@@ -8,6 +8,7 @@ use crate::files::oracle::{
 };
 use crate::files::vehicle::VehicleFile;
 use crate::numeric::rounding::round;
+use estimator_core::Model;
 
 /// Time between two looks at the course of the road, s.
 const COURSE_STEP_S: f64 = 1.0;
@@ -27,7 +28,10 @@ impl Recording<'_> {
         OracleFile {
             vehicle: VehicleFile {
                 name: run.vehicle.name.clone(),
-                parameters: run.true_parameters.clone(),
+                model: Model {
+                    vehicle: run.true_parameters.clone(),
+                    effects: run.vehicle.model.effects.clone(),
+                },
             },
             noise: NoiseLevels {
                 speed_sigma_mps: scenario.noise.speed_sigma_mps,

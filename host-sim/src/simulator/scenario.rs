@@ -95,7 +95,7 @@ impl Run {
             };
             torque / f64::from(parameters.mass_kg)
         };
-        per_kg(&self.true_parameters) / per_kg(&self.vehicle.parameters)
+        per_kg(&self.true_parameters) / per_kg(&self.vehicle.model.vehicle)
     }
 }
 
@@ -198,7 +198,7 @@ fn nominal(
     let mut vehicle = match (table.truck, &table.vehicle) {
         (Some(preset), None) => VehicleFile {
             name: preset.name().to_owned(),
-            parameters: preset.parameters(),
+            model: preset.parameters().into(),
         },
         (None, Some(file)) => VehicleFile::read(&folder.join(file))?,
         (Some(_), Some(_)) => {
@@ -214,7 +214,7 @@ fn nominal(
     };
     if let Some(mass_kg) = table.mass_kg {
         check("mass_kg", mass_kg, 500.0..=200_000.0).map_err(named)?;
-        vehicle.parameters.mass_kg = mass_kg as f32;
+        vehicle.model.vehicle.mass_kg = mass_kg as f32;
     }
     Ok(vehicle)
 }
@@ -253,7 +253,7 @@ fn run(
         (wind.speed_mps, wind.from_deg) = (steady.speed_mps, steady.from_deg);
     }
     let errors = table.errors.unwrap_or(document.errors);
-    let mut true_parameters = vehicle.parameters.clone();
+    let mut true_parameters = vehicle.model.vehicle.clone();
     true_parameters.wheel_radius_m *= document.planted.wheel_radius_factor as f32;
     let true_parameters = disturbed(true_parameters, &errors, rng)?;
     let truck = Truck::new(&true_parameters).ok_or(

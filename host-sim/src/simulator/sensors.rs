@@ -35,7 +35,7 @@ impl<'a> Sensors<'a> {
             noise: scenario.noise,
             latency_ms: scenario.latency_ms,
             air: scenario.air,
-            believed_mass_kg: scenario.runs[index].vehicle.parameters.mass_kg,
+            believed_mass_kg: scenario.runs[index].vehicle.model.vehicle.mass_kg,
             wheel_radius_factor: scenario.planted.wheel_radius_factor,
             rng: stream(scenario.seed, index, Purpose::Sensors),
         }

@@ -1,6 +1,6 @@
 //! The true vehicle: the thesis's eq. 1-4 and the left side of eq. 9 in f64, with an engine.
 
-use estimator_core::{Effects, Gear, Powertrain, Traction, VehicleParameters};
+use estimator_core::{Gear, Powertrain, Traction, VehicleParameters};
 use std::f64::consts::PI;
 
 /// Standard gravity, m/s².
@@ -67,7 +67,6 @@ impl Preset {
                 rolling_resistance: 0.0065,
                 wheel_radius_m: 0.5,
                 wheel_inertia_kgm2: 110.0,
-                effects: Effects::default(),
                 traction: Traction::Powertrain(Powertrain {
                     engine_inertia_kgm2: 3.8,
                     reference_torque_nm: 1750.0,
@@ -82,7 +81,6 @@ impl Preset {
                 rolling_resistance: 0.007,
                 wheel_radius_m: 0.5,
                 wheel_inertia_kgm2: 60.0,
-                effects: Effects::default(),
                 traction: Traction::Powertrain(Powertrain {
                     engine_inertia_kgm2: 4.4,
                     reference_torque_nm: 2370.0,

@@ -25,7 +25,8 @@ impl Recording<'_> {
     /// Never: the believed vehicle has the engine and gearbox of the true one.
     pub fn unmodelled(&self) -> impl Iterator<Item = Unmodelled> {
         let run = &self.scenario.runs[self.index];
-        let believed = Truck::new(&run.vehicle.parameters).expect("it has the true one's engine");
+        let believed =
+            Truck::new(&run.vehicle.model.vehicle).expect("it has the true one's engine");
         let radius_factor = self.scenario.planted.wheel_radius_factor;
         let air_density = self.scenario.air_density();
         let torque_factor = believed.reference_torque_nm / self.drive.truck.reference_torque_nm;

@@ -379,7 +379,7 @@ fn a_data_set_takes_runs_by_tile_and_day() {
         host_sim::files::data_set::tile(first.latitude_deg.unwrap(), first.longitude_deg.unwrap());
     let file = at.join(format!("runs/tile={tile}/day=2026-11-21/a_forward.parquet"));
     assert_eq!(run::read(&file).unwrap(), rows);
-    let session = host_sim::files::run::session(&file).unwrap().unwrap();
+    let session = run::session(&file).unwrap().unwrap();
     assert!(session.ends_with(" 2026-11-21"), "{session}");
 
     // Again, and a log of the same name from another truck.

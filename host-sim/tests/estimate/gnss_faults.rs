@@ -20,8 +20,7 @@ fn drive(truck: &str, direction: &str, seed: u32, fault: &str) -> (SimulatedRun,
 /// The first run of a scenario, and what becomes of it.
 fn estimated(text: &str) -> (SimulatedRun, Run) {
     let run = test_kit::simulated::run(&[text]);
-    let mut recorder =
-        Recorder::<f32>::new(run.vehicle.parameters.clone(), Tuning::default()).unwrap();
+    let mut recorder = Recorder::<f32>::new(run.vehicle.model.clone(), Tuning::default()).unwrap();
     for frame in &run.frames {
         recorder.on_frame(frame);
     }

@@ -1,7 +1,7 @@
 //! Two simulated drives of a truck, one after the other: what the second gains by what the first
 //! left, and what `roadgrade estimate --kept` does with the file.
 
-use estimator_core::{Estimator, Kept, Tuning};
+use estimator_core::{Estimator, PersistentState, Tuning};
 use host_sim::files::run::RunRow;
 use host_sim::numeric::series::linear;
 use host_sim::recorder::{Recorder, Run};
@@ -46,10 +46,10 @@ fn driven(seed: u64, truck: &str, length_m: f64, factors: Factors) -> SimulatedR
     simulate(&scenario, 0).expect("driven")
 }
 
-fn estimated(drive: &SimulatedRun, kept: Option<&Kept>) -> Run {
-    let (vehicle, tuning) = (drive.vehicle.parameters.clone(), Tuning::default());
+fn estimated(drive: &SimulatedRun, kept: Option<&PersistentState>) -> Run {
+    let (vehicle, tuning) = (drive.vehicle.model.clone(), Tuning::default());
     let estimator = match kept {
-        Some(kept) => Estimator::<f32>::with_kept(vehicle, tuning, kept).expect("of this truck"),
+        Some(kept) => Estimator::<f32>::restore(vehicle, tuning, kept).expect("of this truck"),
         None => Estimator::new(vehicle, tuning).expect("a truck"),
     };
     let mut recorder = Recorder::from(estimator);
@@ -109,7 +109,7 @@ fn second_drives(truck: &str, load: f64) -> [[Score; 3]; 2] {
             let first = driven(3_000 + number, truck, 20_000.0, factors);
             let second = driven(4_000 + number, truck, 6_500.0, Factors { mass, ..factors });
             let kept = estimated(&first, None).kept.expect("20 km are enough");
-            let kept = Kept::from_bytes(&kept.to_bytes()).expect("undamaged");
+            let kept = PersistentState::from_bytes(&kept.to_bytes()).expect("undamaged");
             [None, Some(&kept)].map(|kept| first_km(&second, &estimated(&second, kept).rows))
         })
         .collect();
@@ -216,8 +216,11 @@ fn the_file_goes_from_drive_to_drive() {
         .stderr(contains("kept for the next drive").and(contains("truck.kept")));
     assert_eq!(fs::read(plain_out).unwrap(), fs::read(first_out).unwrap());
     let left = fs::read(&memory).unwrap();
-    assert_eq!(left.len(), Kept::LEN);
-    let scale = Kept::from_bytes(&left).unwrap().slow_states().scale_error;
+    assert_eq!(left.len(), PersistentState::LEN);
+    let scale = PersistentState::from_bytes(&left)
+        .unwrap()
+        .slow_states()
+        .scale_error;
     assert!((scale - (1.0 / 1.2 - 1.0)).abs() < 0.08, "{scale}");
 
     // The next one begins with it and leaves another; the same bytes give the same again.

@@ -1,12 +1,13 @@
 //! Smoothing of a whole run, which keeps no more than a part of it: the same numbers as if it kept
 //! everything.
 
-use estimator_core::filter::{AltitudeEvent, Backward, Filter, Record};
-use estimator_core::sampler::{Continuity, Sample};
-use estimator_core::{Counters, Estimate, Estimator, Scalar, Tuning, VehicleParameters};
+use estimator_core::filter::{AltitudeEvent, Filter};
+use estimator_core::sample::{AltitudeContinuity, Sample};
+use estimator_core::smoother::BackwardPass;
+use estimator_core::{Context, Counters, Estimate, Estimator, Model, Scalar, Tuning};
 use host_sim::recorder::Recorder;
 use host_sim::simulator::{SimulatedRun, simulate};
-use host_sim::smooth::{Smoothed, held_bytes, smooth_run};
+use host_sim::smooth::{FilteredCell, SmoothedCell, held_bytes, smooth_run};
 use std::ops::RangeInclusive;
 use test_kit::simulated::scenario;
 
@@ -25,57 +26,56 @@ fn drive(truck: &str, length_m: f64, faults: &str) -> SimulatedRun {
 
 /// All records in memory, and back over them.
 fn keeping_all<S: Scalar>(
-    vehicle: &VehicleParameters,
+    model: &Model,
     filter: &Filter<S>,
     samples: &[Sample],
-) -> (Vec<Smoothed>, bool) {
-    let pass = |samples: &[Sample], tuning: &Tuning| -> Vec<Record<S>> {
+) -> (Vec<SmoothedCell>, bool) {
+    let pass = |samples: &[Sample], tuning: &Tuning| -> Vec<FilteredCell<S>> {
         let mut filter = filter.clone();
-        let mut counters = Counters::default();
+        let mut context = Context::new(model.clone(), tuning.clone()).unwrap();
         samples
             .iter()
-            .filter_map(|sample| filter.step(vehicle, tuning, sample, &mut counters))
+            .filter_map(|sample| FilteredCell::step(&mut filter, &mut context, sample))
             .collect()
     };
     let mut records = pass(samples, &Tuning::default());
     let drifts: Vec<RangeInclusive<u32>> = records
         .iter()
-        .filter_map(|record| match record.event {
-            Some(AltitudeEvent::DriftEnded(since)) => Some(since..=record.place.cell),
+        .filter_map(|cell| match cell.record.event {
+            Some(AltitudeEvent::DriftEnded(since)) => Some(since..=cell.record.end.cell),
             _ => None,
         })
         .collect();
     let without = pass(&without_drifts(samples, &drifts), &Tuning::default());
-    let mut leaves_out = !drifts.is_empty() && surprise(&without) < surprise(&records);
+    let mut leaves_out =
+        !drifts.is_empty() && negative_log_likelihood(&without) < negative_log_likelihood(&records);
     if leaves_out {
         records = without;
     }
-    let believing = Tuning {
-        drift_sigmas: f32::INFINITY,
-        ..Tuning::default()
-    };
+    let mut believing = Tuning::default();
+    believing.gates.drift_sigmas = f32::INFINITY;
     let all = pass(samples, &believing);
-    if !drifts.is_empty() && surprise(&all) < surprise(&records) {
+    if !drifts.is_empty() && negative_log_likelihood(&all) < negative_log_likelihood(&records) {
         (records, leaves_out) = (all, false);
     }
-    let mut backward = Backward::new();
+    let mut backward = BackwardPass::new();
     let mut estimates: Vec<Estimate> = Vec::new();
-    for record in records.iter().rev() {
-        estimates.push(backward.estimate(&record.state));
-        backward.retreat(&record.trace);
+    for cell in records.iter().rev() {
+        estimates.push(backward.estimate(&cell.state));
+        backward.retreat(&cell.record.smoother_input);
     }
     let cells = records.iter().zip(estimates.into_iter().rev());
-    let smoothed = cells.map(|(record, estimate)| Smoothed {
-        place: record.place,
+    let smoothed = cells.map(|(cell, estimate)| SmoothedCell {
+        end: cell.record.end,
         estimate,
     });
     (smoothed.collect(), leaves_out)
 }
 
-fn surprise<S: Scalar>(records: &[Record<S>]) -> f64 {
-    let each: Vec<f64> = records
+fn negative_log_likelihood<S: Scalar>(cells: &[FilteredCell<S>]) -> f64 {
+    let each: Vec<f64> = cells
         .iter()
-        .filter_map(|record| record.trace.altitude)
+        .filter_map(|cell| cell.record.smoother_input.altitude)
         .map(|used| {
             let variance = used.innovation_variance.to_f64();
             used.innovation.to_f64().powi(2) / variance + variance.ln()
@@ -88,13 +88,13 @@ fn without_drifts(samples: &[Sample], drifts: &[RangeInclusive<u32>]) -> Vec<Sam
     let mut has_drifted = false;
     let mut samples = samples.to_vec();
     for sample in &mut samples {
-        let cell = sample.place.cell;
+        let cell = sample.end.cell;
         if drifts.iter().any(|drift| drift.contains(&cell)) {
             sample.altitude = None;
             has_drifted = true;
         } else if let Some(altitude) = &mut sample.altitude {
-            if has_drifted && altitude.continuity == Continuity::Followed {
-                altitude.continuity = Continuity::Drifted;
+            if has_drifted && altitude.continuity == AltitudeContinuity::Followed {
+                altitude.continuity = AltitudeContinuity::Drifted;
             }
             has_drifted = false;
         }
@@ -105,9 +105,9 @@ fn without_drifts(samples: &[Sample], drifts: &[RangeInclusive<u32>]) -> Vec<Sam
 /// Checks a drive of which these frames were heard; returns what was counted, how many cells it
 /// has, and whether drifts were left out.
 fn check(run: &SimulatedRun, heard: impl Fn(usize) -> bool) -> (Counters, usize, bool) {
-    let vehicle = &run.vehicle.parameters;
-    let mut recorder = Recorder::<f32>::new(vehicle.clone(), Tuning::default()).unwrap();
-    let mut estimator = Estimator::<f32>::new(vehicle.clone(), Tuning::default()).unwrap();
+    let model = &run.vehicle.model;
+    let mut recorder = Recorder::<f32>::new(model.clone(), Tuning::default()).unwrap();
+    let mut estimator = Estimator::<f32>::new(model.clone(), Tuning::default()).unwrap();
     let mut sampled = Vec::new();
     for (number, frame) in run.frames.iter().enumerate() {
         if heard(number) {
@@ -119,18 +119,18 @@ fn check(run: &SimulatedRun, heard: impl Fn(usize) -> bool) -> (Counters, usize,
             while estimator.next_cell().is_some() {}
         }
     }
-    let double: Filter<f64> = recorder.estimator().filter_anew();
-    let single: Filter<f32> = recorder.estimator().filter_anew();
+    let double: Filter<f64> = recorder.estimator().second_pass_filter();
+    let single: Filter<f32> = recorder.estimator().second_pass_filter();
     let (found, samples) = recorder.finish_with_samples().unwrap();
     // As they were before they were put by.
     assert_eq!(samples[..], sampled[sampled.len() - samples.len()..]);
-    let (expected, leaves_out) = keeping_all(vehicle, &double, &samples);
+    let (expected, leaves_out) = keeping_all(model, &double, &samples);
     let tuning = Tuning::default();
     // Equal to the last bit: NaN would not be.
-    assert_eq!(smooth_run(vehicle, &tuning, &double, &samples), expected);
+    assert_eq!(smooth_run(model, &tuning, &double, &samples), expected);
     assert_eq!(
-        smooth_run(vehicle, &tuning, &single, &samples),
-        keeping_all(vehicle, &single, &samples).0
+        smooth_run(model, &tuning, &single, &samples),
+        keeping_all(model, &single, &samples).0
     );
     assert_eq!(found.rows.len(), expected.len());
     for (row, cell) in found.rows.iter().zip(&expected) {
@@ -141,7 +141,7 @@ fn check(run: &SimulatedRun, heard: impl Fn(usize) -> bool) -> (Counters, usize,
             bias_percent,
             scale,
         } = cell.estimate;
-        assert_eq!(row.distance_m, cell.place.distance_m());
+        assert_eq!(row.distance_m, cell.end.distance_m());
         assert_eq!(row.grade_percent, f64::from(grade_percent.value));
         assert_eq!(row.grade_sigma_percent, f64::from(grade_percent.sigma));
         assert_eq!(row.altitude_m, altitude_m.map(|z| z.value.into()));

@@ -25,8 +25,7 @@ fn told(run: &SimulatedRun, without: &[Signal], from_s: f64) -> Vec<Timed> {
 }
 
 fn estimate(run: &SimulatedRun, tuning: &Tuning, told: &[Timed]) -> Run {
-    let mut recorder =
-        Recorder::<f32>::new(run.vehicle.parameters.clone(), tuning.clone()).unwrap();
+    let mut recorder = Recorder::<f32>::new(run.vehicle.model.clone(), tuning.clone()).unwrap();
     for (seconds, reading) in told {
         let time = Instant::from_micros((1e6 * (1.0 + seconds)).round() as u64);
         recorder.on_reading(time, *reading);
@@ -133,10 +132,8 @@ fn a_launch_on_a_hill_does_not_poison_the_slope() {
 #[test]
 fn braking_that_nobody_tells_of_is_no_uphill() {
     let guess = Tuning::default();
-    let believe = Tuning {
-        slowing_percent: f32::INFINITY,
-        ..Tuning::default()
-    };
+    let mut believe = Tuning::default();
+    believe.detection.undeclared_brake_percent = f32::INFINITY;
     for (truck, brakes_often) in [("A", true), ("B", false)] {
         let errors = |tuning, without| mean_errors(truck, "set_speed", tuning, without, 6_500.0);
         let told = errors(&guess, &[]);
@@ -228,10 +225,8 @@ fn another_load_after_a_stop_is_learned_as_on_a_fresh_start() {
         };
         joined.extend(told(&light, &[], end_s));
 
-        let never = Tuning {
-            mass_change: f32::INFINITY,
-            ..Tuning::default()
-        };
+        let mut never = Tuning::default();
+        never.detection.mass_change = f32::INFINITY;
         let fresh = estimate(&light, &Tuning::default(), &told(&light, &[], 0.0));
         let reopened = estimate(&full, &Tuning::default(), &joined);
         let kept = estimate(&full, &never, &joined);

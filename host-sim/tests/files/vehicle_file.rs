@@ -41,11 +41,11 @@ fn effects_are_read_and_written_back() {
     )
     .unwrap();
     let found: Vec<_> = file
-        .parameters
+        .model
         .effects
         .iter()
         .map(|adopted| {
-            let given: Vec<_> = adopted.given().collect();
+            let given: Vec<_> = adopted.given_parameters().collect();
             (
                 adopted.effect.name,
                 adopted.amount,
@@ -73,7 +73,7 @@ fn effects_are_read_and_written_back() {
 #[test]
 fn without_effects_the_file_says_nothing_of_them() {
     let file = read("").unwrap();
-    assert!(file.parameters.effects.is_empty());
+    assert!(file.model.effects.is_empty());
     assert!(!file.to_toml().contains("effects"));
 }
 

@@ -53,7 +53,7 @@ fn the_bare_model_drifts_on_the_measured_mission_as_is_known() {
         return;
     };
     let mission = Mission::read(&file).unwrap();
-    let vehicle = mission.vehicle().parameters;
+    let vehicle = mission.vehicle().model;
     let trips = round_trips(&mission.passes());
     assert_eq!(trips.len(), 3);
     for rows in trips {
@@ -68,7 +68,7 @@ fn the_bare_model_drifts_on_the_measured_mission_as_is_known() {
                 air_pressure_pa: None,
             })
             .collect();
-        let drift = vehicle_model_drift(&samples, &vehicle, 0.0).unwrap();
+        let drift = vehicle_model_drift(&samples, &vehicle.vehicle, 0.0).unwrap();
         println!("{drift:?}");
         assert!((14_500.0..14_700.0).contains(&drift.length_m), "{drift:?}");
         assert!((3.5..6.0).contains(&drift.drift_m_per_km), "{drift:?}");

@@ -138,7 +138,7 @@ fn the_whole_mission_is_a_signal_table_with_a_vehicle() {
     assert!((latitude_deg - 47.33).abs() < 0.05, "{latitude_deg}");
     let vehicle = VehicleFile::read(&imported.out.join("vehicle.toml")).unwrap();
     assert_eq!(vehicle.name, "ZTBus B183");
-    assert_eq!(vehicle.parameters.mass_kg, 19_000.0);
+    assert_eq!(vehicle.model.vehicle.mass_kg, 19_000.0);
 }
 
 #[test]

@@ -4,7 +4,7 @@
 
 use embedded_can::{ExtendedId, Frame};
 use estimator_core::{
-    Condition, Counters, Estimate, Instant, Live, Place, Tuning, Uncertain, signal,
+    CellEnd, Condition, Counters, Estimate, Instant, Live, Tuning, Uncertain, signal,
 };
 use host_sim::live::panel::{header, json, line, panel};
 use host_sim::live::view::{InterfaceView, View};
@@ -173,10 +173,10 @@ fn view(live: Option<Live>) -> View {
 fn live(condition: Condition) -> Live {
     let uncertain = |value, sigma| Uncertain { value, sigma };
     Live {
-        place: Place {
+        end: CellEnd {
             cell: 1_000,
             condition,
-            ..Place::default()
+            ..CellEnd::default()
         },
         estimate: Estimate {
             grade_percent: uncertain(-2.345, 0.123),
@@ -280,14 +280,13 @@ fn session(
     log_time: bool,
     log: Option<&Path>,
 ) -> Session {
-    let recorder =
-        Recorder::<f32>::new(drive.vehicle.parameters.clone(), Tuning::default()).unwrap();
+    let recorder = Recorder::<f32>::new(drive.vehicle.model.clone(), Tuning::default()).unwrap();
     Session::begin(recorder, &["can0".to_owned()], log_time, log).unwrap()
 }
 
 fn recorded(drive: &host_sim::simulator::SimulatedRun) -> Run {
     let mut recorder =
-        Recorder::<f32>::new(drive.vehicle.parameters.clone(), Tuning::default()).unwrap();
+        Recorder::<f32>::new(drive.vehicle.model.clone(), Tuning::default()).unwrap();
     for frame in &drive.frames {
         recorder.on_frame(frame);
     }

@@ -1,6 +1,6 @@
 //! Judging a pass: errors over windows, and the drift of the bare vehicle model.
 
-use estimator_core::{Effects, Traction, VehicleParameters};
+use estimator_core::{Traction, VehicleParameters};
 use host_sim::study::drift::{ForceSample, vehicle_model_drift};
 use host_sim::study::windows::{GradeProfile, window_errors};
 
@@ -84,7 +84,6 @@ fn bus() -> VehicleParameters {
         rolling_resistance: 0.008,
         wheel_radius_m: 0.48,
         wheel_inertia_kgm2: 100.0,
-        effects: Effects::default(),
         traction: Traction::Force,
     }
 }

@@ -39,7 +39,11 @@ fn altitude_of_the_bus(run: &SimulatedRun, vehicle: &VehicleParameters) -> Vec<(
         };
         let driveline = Driveline::Engaged(powertrain.gear_of_ratio(ratio).unwrap());
         if signal == Signal::EngineTorque {
-            force.0 += f64::from(vehicle.traction_n(driveline, value + fraction - friction));
+            force.0 += f64::from(vehicle.traction_n(
+                driveline,
+                value + fraction - friction,
+                vehicle.wheel_radius_m,
+            ));
             force.1 += 1;
         }
         if signal != Signal::WheelSpeed || force.1 == 0 {
@@ -56,7 +60,8 @@ fn altitude_of_the_bus(run: &SimulatedRun, vehicle: &VehicleParameters) -> Vec<(
                 * density
                 * (speed * speed + before * before)
                 + weight_n * f64::from(vehicle.rolling_resistance);
-            let accelerated_kg = vehicle.mass_kg + vehicle.rotating_kg(driveline);
+            let accelerated_kg =
+                vehicle.mass_kg + vehicle.rotating_kg(driveline, vehicle.wheel_radius_m);
             let kinetic_j = 0.5 * f64::from(accelerated_kg) * (speed * speed - before * before);
             let mean_n = force.0 / f64::from(force.1);
             altitude_m += ((mean_n - resistance_n) * way_m - kinetic_j) / weight_n;
@@ -71,7 +76,7 @@ fn altitude_of_the_bus(run: &SimulatedRun, vehicle: &VehicleParameters) -> Vec<(
 fn the_bus_carries_the_force_balance() {
     for truck in [A, B] {
         let run = run(&[QUIET, MILD, truck]);
-        let profile = altitude_of_the_bus(&run, &run.vehicle.parameters);
+        let profile = altitude_of_the_bus(&run, &run.vehicle.model.vehicle);
         assert_eq!(
             run.truth
                 .iter()
@@ -109,7 +114,7 @@ fn a_wrong_torque_is_a_wrong_scale_of_the_signal() {
     let scenario = scenario(&[&text]);
     let run = simulate(&scenario, 0).unwrap();
     let recording = Recording::new(&scenario, 0).unwrap();
-    let Traction::Powertrain(believed) = &run.vehicle.parameters.traction else {
+    let Traction::Powertrain(believed) = &run.vehicle.model.vehicle.traction else {
         panic!("A has an engine");
     };
     assert_eq!(believed.reference_torque_nm, 1750.0);
@@ -305,7 +310,7 @@ fn noise_has_the_size_that_was_asked_for() {
 #[test]
 fn the_core_finds_the_grade_of_a_simulated_road() {
     let run = run(&["[road]\nlength_m = 10000.0\n", A]);
-    let vehicle = run.vehicle.parameters.clone();
+    let vehicle = run.vehicle.model.clone();
     let mut estimator = Estimator::<f64>::new(vehicle, Tuning::default()).unwrap();
     let start = run.frames[0].time;
     let (mut squares, mut road_squares, mut count) = (0.0, 0.0, 0.0);
@@ -313,7 +318,7 @@ fn the_core_finds_the_grade_of_a_simulated_road() {
         estimator.on_frame(timed.time, &timed.frame);
         while estimator.step().is_some() {}
         while let Some(cell) = estimator.next_cell() {
-            let steps = 1e-5 * cell.place.time.since(start).micros() as f64;
+            let steps = 1e-5 * cell.end.time.since(start).micros() as f64;
             let (row, part) = (steps as usize, steps.fract());
             let [from, to] = [run.truth[row], run.truth[row + 1]];
             let grade = from.grade_percent + part * (to.grade_percent - from.grade_percent);

@@ -97,10 +97,10 @@ fn the_oracle_file_tells_the_truth() {
     simulate(&windy, folder.path()).success();
     let read = |name: &str| OracleFile::read(&folder.path().join("out").join(name)).unwrap();
     let (a, b) = (read("a.oracle.toml"), read("b.oracle.toml"));
-    assert_eq!(a.vehicle.parameters.mass_kg, 39_000.0);
+    assert_eq!(a.vehicle.model.vehicle.mass_kg, 39_000.0);
     assert_eq!(b.vehicle.name, "B");
-    assert!((b.vehicle.parameters.mass_kg - 13_200.0).abs() < 0.1);
-    let Traction::Powertrain(powertrain) = &b.vehicle.parameters.traction else {
+    assert!((b.vehicle.model.vehicle.mass_kg - 13_200.0).abs() < 0.1);
+    let Traction::Powertrain(powertrain) = &b.vehicle.model.vehicle.traction else {
         panic!("it has one");
     };
     assert!((powertrain.reference_torque_nm - 0.96 * 2370.0).abs() < 0.1);
@@ -127,7 +127,7 @@ fn written_files_can_be_read_again() {
     simulate(SHORT, folder.path()).success();
     let out = folder.path().join("out");
     let vehicle = VehicleFile::read(&out.join("b.vehicle.toml")).unwrap();
-    assert_eq!(vehicle.parameters.mass_kg, 12_000.0);
+    assert_eq!(vehicle.model.vehicle.mass_kg, 12_000.0);
     let truth = truth::read(&out.join("b.truth.csv")).unwrap();
     assert_eq!((truth[0].time_s, truth[0].distance_m), (0.0, 0.0));
     let last = truth.last().unwrap();

@@ -174,13 +174,13 @@ fn the_scenarios_that_come_with_it_are_sound() {
         .collect();
     assert_eq!(trucks, ["A", "A", "A", "B", "B"]);
     for run in &builtin.runs {
-        assert_ne!(run.true_parameters, run.vehicle.parameters);
+        assert_ne!(run.true_parameters, run.vehicle.model.vehicle);
     }
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/motorway.toml");
     let motorway = Scenario::read(&file).unwrap();
     assert_eq!(motorway.road.length_m(), 40_000.0);
     for run in &motorway.runs {
-        assert_eq!(run.true_parameters, run.vehicle.parameters);
+        assert_eq!(run.true_parameters, run.vehicle.model.vehicle);
     }
 }
 

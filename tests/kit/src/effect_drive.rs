@@ -1,7 +1,8 @@
 //! A curvy, hilly drive of a vehicle that may have what its model lacks.
 
 use estimator_core::{
-    Estimate, Estimator, Instant, Reading, Signal, Traction, Tuning, Value, VehicleParameters,
+    Estimate, Estimator, Instant, Model, Reading, Signal, Traction, Tuning, Value,
+    VehicleParameters,
 };
 
 /// Of the vehicle at a moment, true.
@@ -40,7 +41,7 @@ const M_PER_DEG: f64 = 111_132.0;
 /// Drives `seconds`, and tells the estimates of all cells. Where the vehicle has an engine, torque
 /// is told, in a gear of ratio one, for the wheels of `truth`.
 pub fn drive(
-    believed: &VehicleParameters,
+    believed: &Model,
     truth: &VehicleParameters,
     planted: Planted,
     seconds: f32,

@@ -1,7 +1,7 @@
 //! A drive over hills that tells a filter what it is off by.
 
 use crate::by_force;
-use estimator_core::{Estimator, Instant, Kept, Reading, Scalar, Signal, Tuning, Value};
+use estimator_core::{Estimator, Instant, PersistentState, Reading, Scalar, Signal, Tuning, Value};
 use std::sync::LazyLock;
 
 /// What the bus tells besides force and speed.
@@ -54,5 +54,8 @@ pub fn fresh<S: Scalar>() -> Estimator<S> {
 }
 
 /// What 12 km of it leave.
-pub static KEPT: LazyLock<Kept> =
-    LazyLock::new(|| drive::<f32>(fresh(), 12_000, USUAL).kept().unwrap());
+pub static KEPT: LazyLock<PersistentState> = LazyLock::new(|| {
+    drive::<f32>(fresh(), 12_000, USUAL)
+        .persistent_state()
+        .unwrap()
+});

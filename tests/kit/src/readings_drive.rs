@@ -1,19 +1,23 @@
 //! A drive by readings.
 
-use estimator_core::sampler::Sample;
-use estimator_core::{Instant, Intake, Reading, Signal, Tuning, Value, VehicleParameters};
+use estimator_core::sample::Sample;
+use estimator_core::{Context, Instant, Intake, Model, Reading, Sampler, Signal, Tuning, Value};
 
 /// A drive by readings every 100 ms.
 pub struct Drive {
-    pub intake: Intake,
+    pub context: Context,
+    intake: Intake,
+    sampler: Sampler,
     pub now_ms: u64,
     pub samples: Vec<Sample>,
 }
 
 impl Drive {
-    pub fn of(vehicle: VehicleParameters) -> Self {
+    pub fn of(model: impl Into<Model>) -> Self {
         Self {
-            intake: Intake::new(vehicle, Tuning::default()).unwrap(),
+            context: Context::new(model, Tuning::default()).unwrap(),
+            intake: Intake::new(),
+            sampler: Sampler::new(),
             now_ms: 0,
             samples: Vec::new(),
         }
@@ -21,7 +25,9 @@ impl Drive {
 
     fn put(&mut self, signal: Signal, value: Value) {
         let now = Instant::from_micros(self.now_ms * 1000);
-        self.intake.on_reading(now, Reading { signal, value });
+        let reading = Reading { signal, value };
+        self.intake
+            .on_reading(&mut self.context, &mut self.sampler, now, reading);
     }
 
     /// Drives on for some seconds with these readings every 100 ms, in their order; the samples of
@@ -40,7 +46,7 @@ impl Drive {
             for &(signal, value) in readings {
                 self.put(signal, value);
             }
-            while let Some(sample) = self.intake.next_sample() {
+            while let Some(sample) = self.sampler.next_sample() {
                 self.samples.push(sample);
             }
             self.now_ms += 100;

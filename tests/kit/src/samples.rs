@@ -1,16 +1,15 @@
 //! Samples.
 
-use estimator_core::sampler::{
-    AltitudeMeasurement, Circumstances, Continuity, Sample, SpeedMeasurement,
+use estimator_core::sample::{
+    AltitudeContinuity, AltitudeMeasurement, EffectInputs, ForceInputs, Sample, SpeedMeasurement,
 };
-use estimator_core::vehicle::Load;
-use estimator_core::{CELL_LENGTH_M, Condition, Instant, Place};
+use estimator_core::{CELL_LENGTH_M, CellEnd, Condition, Instant};
 
 /// A sample at cell `cell` with nothing measured.
 pub fn sample(cell: u32, traction_n: f32, speed_mps: f32) -> Sample {
     let duration_s = CELL_LENGTH_M / speed_mps;
     Sample {
-        place: Place {
+        end: CellEnd {
             cell,
             time: Instant::from_micros((f64::from(cell) * f64::from(duration_s) * 1e6) as u64),
             position_e7: None,
@@ -20,16 +19,16 @@ pub fn sample(cell: u32, traction_n: f32, speed_mps: f32) -> Sample {
         gap_cells: 0,
         length_m: CELL_LENGTH_M,
         duration_s,
-        load: Load {
+        forces: ForceInputs {
             traction_n,
             rotating_kg: 500.0,
             mass_kg: 39_000.0,
             air_density: 1.2,
         },
-        circumstances: Circumstances::default(),
+        effect_inputs: EffectInputs::default(),
         speed: None,
         altitude: None,
-        reopened: false,
+        after_load_change: false,
     }
 }
 
@@ -48,6 +47,6 @@ pub fn altitude(altitude_m: f32) -> Option<AltitudeMeasurement> {
         altitude_m,
         behind_m: 0.0,
         dilution: 1.0,
-        continuity: Continuity::Followed,
+        continuity: AltitudeContinuity::Followed,
     })
 }

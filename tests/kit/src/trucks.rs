@@ -1,6 +1,6 @@
 //! Vehicles.
 
-use estimator_core::{Effects, Gear, Powertrain, Traction, VehicleParameters};
+use estimator_core::{Gear, Powertrain, Traction, VehicleParameters};
 
 /// A semi-trailer combination of 39 t with twelve gears.
 #[must_use]
@@ -26,7 +26,6 @@ pub fn truck_with(reference_torque_nm: f32, gear_ratios: &[f32]) -> VehicleParam
         rolling_resistance: 0.0065,
         wheel_radius_m: 0.5,
         wheel_inertia_kgm2: 100.0,
-        effects: Effects::default(),
         traction: Traction::Powertrain(Powertrain {
             engine_inertia_kgm2: 3.8,
             reference_torque_nm,

@@ -4,13 +4,14 @@
 use super::Real;
 use super::model::Meter;
 use core::hint::black_box;
-use estimator_core::filter::state::{ENERGY, STATES, State};
-use estimator_core::filter::transition::Transition;
-use estimator_core::filter::update::{Observation, Update};
-use estimator_core::filter::{Covariance, Felt};
-use estimator_core::sampler::{Circumstances, Sample};
-use estimator_core::vehicle::{Load, STANDARD_AIR_DENSITY};
-use estimator_core::{CELL_LENGTH_M, Effects, Place, Traction, Tuning, VehicleParameters};
+use estimator_core::filter::measurement::{Observation, ScalarMeasurement};
+use estimator_core::filter::predict::Prediction;
+use estimator_core::filter::{Covariance, EffectContribution, State, StateIndex, StateVector};
+use estimator_core::sample::{EffectInputs, ForceInputs, Sample};
+use estimator_core::vehicle::STANDARD_AIR_DENSITY;
+use estimator_core::{
+    CELL_LENGTH_M, CellEnd, Context, Counters, Traction, Tuning, VehicleParameters,
+};
 
 /// All its states, on a level road at 20 m/s.
 pub fn ours(meter: &mut impl Meter) {
@@ -20,56 +21,60 @@ pub fn ours(meter: &mut impl Meter) {
         rolling_resistance: 0.0065,
         wheel_radius_m: 0.5,
         wheel_inertia_kgm2: 100.0,
-        effects: Effects::default(),
         traction: Traction::Force,
     };
+    let context = Context {
+        model: vehicle.into(),
+        tuning: Tuning::default(),
+        counters: Counters::default(),
+    };
     let sample = Sample {
-        place: Place::default(),
+        end: CellEnd::default(),
         gap_cells: 0,
         length_m: CELL_LENGTH_M,
         duration_s: CELL_LENGTH_M / 20.0,
-        load: Load {
+        forces: ForceInputs {
             traction_n: 3_956.0,
             rotating_kg: 400.0,
             mass_kg: 39_000.0,
             air_density: STANDARD_AIR_DENSITY,
         },
-        circumstances: Circumstances::default(),
+        effect_inputs: EffectInputs::default(),
         speed: None,
         altitude: None,
-        reopened: false,
+        after_load_change: false,
     };
-    let tuning = Tuning::default();
-    let transition = Transition::new(&vehicle, &tuning, &sample, None, 1.0, Felt::default());
+    let no_effects = EffectContribution::default();
+    let prediction = Prediction::new(&context, &sample, None, 1.0, no_effects);
     let mut covariance = Covariance::ZERO;
-    for i in 0..STATES {
-        covariance.add_variance(i, 1.0);
+    for state in StateIndex::ALL {
+        covariance.add_variance(state, 1.0);
     }
     let mut state = State::<Real> {
-        x: [0.0; STATES],
-        p: covariance,
-        load: 0.0,
+        mean: StateVector::ZERO,
+        covariance,
+        net_traction: 0.0,
         origin_m: Some(0.0),
     };
-    state.x[ENERGY] = 200.0;
-    let transition = black_box(transition);
-    let bytes = size_of_val(&state) + size_of_val(&transition);
+    state.mean[StateIndex::KineticEnergy] = 200.0;
+    let prediction = black_box(prediction);
+    let bytes = size_of_val(&state) + size_of_val(&prediction);
     meter.measure(bytes, |[speed_mps, altitude_m]| {
-        transition.predict(&mut state);
-        let innovation = 0.5 * speed_mps * speed_mps - state.x[ENERGY];
-        let _ = Update {
+        prediction.apply(&mut state);
+        let energy = state.mean[StateIndex::KineticEnergy];
+        let _ = ScalarMeasurement {
             observation: Observation::Energy,
-            innovation,
+            innovation: 0.5 * speed_mps * speed_mps - energy,
             variance: 4.0,
         }
         .apply(&mut state);
-        let seen_m = Observation::Altitude.of(&state.x);
-        let _ = Update {
+        let predicted_m = Observation::Altitude.of(&state.mean);
+        let _ = ScalarMeasurement {
             observation: Observation::Altitude,
-            innovation: altitude_m - seen_m,
+            innovation: altitude_m - predicted_m,
             variance: 4.0,
         }
         .apply(&mut state);
-        state.x
+        *state.mean.as_array()
     });
 }

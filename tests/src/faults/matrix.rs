@@ -64,14 +64,14 @@ impl Subject {
         let recorded = Box::new(run.frames.iter().copied());
         Ok(Self {
             truth: Truth::new(&run),
-            clean: estimated::<f32>(&run.vehicle.parameters, recorded),
+            clean: estimated::<f32>(&run.vehicle.model, recorded),
             run,
         })
     }
 
     fn with(&self, truck: &'static str, fault: &Fault) -> Outcome {
         let heard = fault.heard(&self.run.frames);
-        let run = estimated::<f32>(&self.run.vehicle.parameters, heard);
+        let run = estimated::<f32>(&self.run.vehicle.model, heard);
         let times = Times {
             window_s: fault.window_s,
             ahead_s: fault.ahead_s,

@@ -137,7 +137,7 @@ fn the_diagnosis_is_told_nothing() {
         [&endings("log")[..], &["vehicle.toml".to_owned()]].concat()
     );
     let vehicle = VehicleFile::read(&logs.vehicle).unwrap();
-    assert_eq!(vehicle.parameters, Preset::A.parameters());
+    assert_eq!(vehicle.model, Preset::A.parameters().into());
     // Nor is the load told as it is (SPN 1760, in steps of 10 kg).
     let (_, signals) = read(&logs.fit[0]);
     assert!(signals[&Signal::Mass].iter().all(|m| m.1 == 39_000.0));
@@ -239,7 +239,7 @@ fn read(log: &Path) -> (VehicleParameters, Signals) {
             "{outcome:?}"
         );
     }
-    (vehicle.parameters, signals)
+    (vehicle.model.vehicle, signals)
 }
 
 /// The latest value.
@@ -299,6 +299,7 @@ fn window_errors_percent(log: &Path, truth: &[TruthRow]) -> Vec<f64> {
         if !quiet || to + 20 > truth.len() {
             continue;
         }
+        let radius_m = vehicle.wheel_radius_m;
         let (mut work_j, mut way_m) = (0.0, 0.0);
         let torques = series(Signal::EngineTorque);
         let first = torques.partition_point(|value| value.0 < start.time_s);
@@ -311,14 +312,15 @@ fn window_errors_percent(log: &Path, truth: &[TruthRow]) -> Vec<f64> {
                 - at(series(Signal::FrictionTorque), time_s);
             let speed_mps = at(speeds, time_s);
             let air_n = 0.5 * f64::from(vehicle.drag_area_m2) * density * speed_mps * speed_mps;
-            let force_n = f64::from(vehicle.traction_n(driveline(time_s), percent as f32))
-                - air_n
-                - weight_n * f64::from(vehicle.rolling_resistance);
+            let force_n =
+                f64::from(vehicle.traction_n(driveline(time_s), percent as f32, radius_m))
+                    - air_n
+                    - weight_n * f64::from(vehicle.rolling_resistance);
             let step_m = speed_mps * (pair[1].0 - time_s);
             work_j += force_n * step_m;
             way_m += step_m;
         }
-        let rotating_kg = vehicle.rotating_kg(driveline(end.time_s));
+        let rotating_kg = vehicle.rotating_kg(driveline(end.time_s), radius_m);
         let accelerated_kg = f64::from(vehicle.mass_kg + rotating_kg);
         let (slow, fast) = (speed(start.time_s), speed(end.time_s));
         let kinetic_j = 0.5 * accelerated_kg * (fast * fast - slow * slow);

@@ -3,20 +3,17 @@
 use cross_tests::drive::{drive, truck};
 use embedded_can::{ExtendedId, Frame, StandardId};
 use estimator_core::effect::CATALOGUE;
-use estimator_core::{
-    Adopted, Cell, Condition, Gear, Instant, Place, Traction, Uncertain, VehicleParameters,
-};
+use estimator_core::{AdoptedEffect, Cell, CellEnd, Condition, Gear, Instant, Traction, Uncertain};
+use firmware::exchange::vehicle::HeaderError;
 use firmware::exchange::{cell, frame, vehicle};
 use host_sim::source::can_frame::CanFrame;
 
 #[test]
 fn vehicles_survive() {
-    let by_force = VehicleParameters {
-        traction: Traction::Force,
-        ..truck()
-    };
+    let mut by_force = truck();
+    by_force.vehicle.traction = Traction::Force;
     let mut many_gears = truck();
-    let Traction::Powertrain(powertrain) = &mut many_gears.traction else {
+    let Traction::Powertrain(powertrain) = &mut many_gears.vehicle.traction else {
         unreachable!("the truck has an engine");
     };
     while !powertrain.gears.is_full() {
@@ -26,27 +23,59 @@ fn vehicles_survive() {
     }
     let mut many_effects = truck();
     for (k, effect) in CATALOGUE.into_iter().enumerate() {
-        let adopted = Adopted::new(effect, k as f32, 0.5);
+        let adopted = AdoptedEffect::new(effect, k as f32, 0.5);
         many_effects.effects.adopt(adopted).unwrap();
     }
-    for vehicle in [truck(), by_force, many_gears, many_effects] {
-        assert_eq!(vehicle::decode(&vehicle::encode(&vehicle)), Some(vehicle));
+    for model in [truck(), by_force, many_gears, many_effects] {
+        assert_eq!(vehicle::decode(&vehicle::encode(&model)), Ok(model));
     }
+}
+
+/// Where the words of the first effect begin, bytes.
+const FIRST_EFFECT: usize = 240;
+
+/// The header with the number of its first effect replaced.
+fn with_first_effect(
+    header: [u8; vehicle::VEHICLE_BYTES],
+    number: u32,
+) -> [u8; vehicle::VEHICLE_BYTES] {
+    let mut header = header;
+    header[FIRST_EFFECT..FIRST_EFFECT + 4].copy_from_slice(&number.to_le_bytes());
+    header
 }
 
 #[test]
 fn what_is_no_vehicle_is_refused() {
     let good = vehicle::encode(&truck());
-    assert_eq!(vehicle::decode(&good[..good.len() - 1]), None);
-    let mut other_file = good;
-    other_file[7] = b'1';
-    assert_eq!(vehicle::decode(&other_file), None);
+    let refusal = |header: &[u8]| vehicle::decode(header).unwrap_err();
+    assert_eq!(refusal(&good[..good.len() - 1]), HeaderError::Length);
+    let mut earlier_version = good;
+    earlier_version[7] = b'2';
+    assert_eq!(refusal(&earlier_version), HeaderError::Magic);
     let mut too_many_gears = good;
     too_many_gears[28] = 25;
-    assert_eq!(vehicle::decode(&too_many_gears), None);
-    let mut no_such_effect = good;
-    no_such_effect[240..244].copy_from_slice(&12_u32.to_le_bytes());
-    assert_eq!(vehicle::decode(&no_such_effect), None);
+    assert_eq!(refusal(&too_many_gears), HeaderError::Gears);
+}
+
+/// An effect is stored by its number. A release without it refuses the vehicle and does not take
+/// another effect for it.
+#[test]
+fn a_catalogue_that_does_not_fit_is_refused() {
+    let mut model = truck();
+    let [first, second, ..] = CATALOGUE;
+    for effect in [first, second] {
+        let adopted = AdoptedEffect::new(effect, effect.typical, 0.1);
+        model.effects.adopt(adopted).unwrap();
+    }
+    let header = vehicle::encode(&model);
+    assert_eq!(vehicle::decode(&header).as_ref(), Ok(&model));
+    for unknown in [CATALOGUE.len() as u32, 200, u32::MAX - 1] {
+        let refused = vehicle::decode(&with_first_effect(header, unknown));
+        assert_eq!(refused, Err(HeaderError::Effect(unknown)));
+    }
+    let other = model.effects.iter().nth(1).unwrap().effect.number;
+    let twice = with_first_effect(header, other.into());
+    assert_eq!(vehicle::decode(&twice), Err(HeaderError::Repeated));
 }
 
 #[test]
@@ -114,7 +143,7 @@ fn cells_survive() {
     for bits in 0_u8..64 {
         let flag = |bit: u8| bits >> bit & 1 == 1;
         let cell = Cell {
-            place: Place {
+            end: CellEnd {
                 cell: u32::MAX - 1,
                 time: Instant::from_micros(u64::MAX - 2),
                 position_e7: flag(0).then_some((-899_999_999, 1_799_999_999)),

@@ -2,7 +2,7 @@
 
 use cross_tests::drive::{drive, truck, truck_with_every_effect};
 use cross_tests::emulator::{drive_file, missing, on_host, replay};
-use estimator_core::{Cell, VehicleParameters};
+use estimator_core::{Cell, Model};
 use firmware::exchange::cell::{self, CELL_BYTES};
 use firmware::exchange::frame::FRAME_BYTES;
 use firmware::exchange::vehicle::VEHICLE_BYTES;
@@ -26,10 +26,10 @@ fn every_cell_is_that_of_the_host() {
     }
 }
 
-fn compare(vehicle: &VehicleParameters) {
+fn compare(model: &Model) {
     let frames = drive();
-    let expected = on_host(vehicle, &frames);
-    let ended = replay(Some(&drive_file(vehicle, &frames)));
+    let expected = on_host(model, &frames);
+    let ended = replay(Some(&drive_file(model, &frames)));
     assert_eq!(ended.status, Some(0), "{}", ended.stderr);
 
     let found = ended.cells.expect("an image that ends well wrote cells");
@@ -64,11 +64,11 @@ fn the_drive_reaches_every_kind_of_cell() {
     let cells = on_host(&truck(), &drive());
     let count = |what: fn(&Cell) -> bool| cells.iter().filter(|cell| what(cell)).count();
     assert!(cells.len() > 800, "{} cells", cells.len());
-    assert!(count(|cell| cell.place.condition.shifting) > 5);
-    assert!(count(|cell| cell.place.condition.braking) > 5);
-    assert!(count(|cell| cell.place.condition.is_valid()) > 600);
-    assert!(count(|cell| cell.place.position_e7.is_none()) > 5);
-    assert!(count(|cell| cell.place.position_e7.is_some()) > 500);
+    assert!(count(|cell| cell.end.condition.shifting) > 5);
+    assert!(count(|cell| cell.end.condition.braking) > 5);
+    assert!(count(|cell| cell.end.condition.is_valid()) > 600);
+    assert!(count(|cell| cell.end.position_e7.is_none()) > 5);
+    assert!(count(|cell| cell.end.position_e7.is_some()) > 500);
     assert!(count(|cell| cell.altitude_m.is_none()) > 5);
     assert!(count(|cell| cell.altitude_m.is_some()) > 500);
     assert!(count(|cell| cell.lagged_grade_percent.value > 1.0) > 100);
@@ -81,13 +81,11 @@ fn an_unusable_drive_ends_with_status_1_and_its_reason() {
         return;
     }
     let good = drive_file(&truck(), &drive()[..10]);
-    let weightless = VehicleParameters {
-        mass_kg: -1.0,
-        ..truck()
-    };
+    let mut weightless = truck();
+    weightless.vehicle.mass_kg = -1.0;
     let mut long_frame = good.clone();
     long_frame[VEHICLE_BYTES + 2 * FRAME_BYTES + 12] = 9;
-    let no_header = "\"drive.bin\": expected the header of a vehicle";
+    let no_header = "\"drive.bin\": expected 1008 bytes";
     let cases: [(Option<&[u8]>, &str); 6] = [
         (None, "\"drive.bin\": "),
         (Some(&[]), no_header),

@@ -1,6 +1,7 @@
 //! The tables `[effects.NAME]` of a vehicle file.
 
-use estimator_core::effect::{Adopted, CATALOGUE, Effect, Effects};
+use estimator_core::effect::{self, CATALOGUE};
+use estimator_core::{AdoptedEffect, AdoptedEffects, Effect};
 use std::collections::BTreeMap;
 
 /// By name of the effect, then by key.
@@ -13,10 +14,10 @@ const AMOUNT_SIGMA: &str = "amount_sigma";
 ///
 /// # Errors
 /// Names and keys that are unknown, and keys that are missing.
-pub(super) fn from_tables(tables: &Tables) -> Result<Effects, String> {
-    let mut effects = Effects::default();
+pub(super) fn from_tables(tables: &Tables) -> Result<AdoptedEffects, String> {
+    let mut effects = AdoptedEffects::default();
     for (name, table) in tables {
-        let effect = Effect::named(name).ok_or_else(|| {
+        let effect = effect::named(name).ok_or_else(|| {
             let names = CATALOGUE.map(|effect| effect.name).join(", ");
             format!("effects.{name}: there is no such effect; expected one of {names}")
         })?;
@@ -27,17 +28,23 @@ pub(super) fn from_tables(tables: &Tables) -> Result<Effects, String> {
     Ok(effects)
 }
 
-fn adopted(effect: &'static Effect, table: &BTreeMap<String, f32>) -> Result<Adopted, String> {
+fn adopted(
+    effect: &'static Effect,
+    table: &BTreeMap<String, f32>,
+) -> Result<AdoptedEffect, String> {
     let name = effect.name;
     let required = |key: &str| {
         let value = table.get(key).copied();
         value.ok_or_else(|| format!("effects.{name}.{key}: missing"))
     };
-    let mut adopted = Adopted::new(effect, required(AMOUNT)?, required(AMOUNT_SIGMA)?);
+    let mut adopted = AdoptedEffect::new(effect, required(AMOUNT)?, required(AMOUNT_SIGMA)?);
     for (key, value) in table {
         if ![AMOUNT, AMOUNT_SIGMA].contains(&key.as_str()) && !adopted.set(key, *value) {
-            let details = effect.details.iter().map(|detail| detail.key);
-            let keys: Vec<_> = [AMOUNT, AMOUNT_SIGMA].into_iter().chain(details).collect();
+            let parameters = effect.parameters.iter().map(|parameter| parameter.key);
+            let keys: Vec<_> = [AMOUNT, AMOUNT_SIGMA]
+                .into_iter()
+                .chain(parameters)
+                .collect();
             let keys = keys.join(", ");
             return Err(format!(
                 "effects.{name}.{key}: unknown key; expected one of {keys}"
@@ -48,13 +55,13 @@ fn adopted(effect: &'static Effect, table: &BTreeMap<String, f32>) -> Result<Ado
 }
 
 /// The tables of these effects.
-pub(super) fn to_tables(effects: &Effects) -> Tables {
-    let table = |adopted: &Adopted| {
+pub(super) fn to_tables(effects: &AdoptedEffects) -> Tables {
+    let table = |adopted: &AdoptedEffect| {
         let amount = [
             (AMOUNT, adopted.amount),
             (AMOUNT_SIGMA, adopted.amount_sigma),
         ];
-        let numbers = amount.into_iter().chain(adopted.given());
+        let numbers = amount.into_iter().chain(adopted.given_parameters());
         numbers
             .map(|(key, value)| (key.to_owned(), value))
             .collect()

@@ -1,7 +1,7 @@
 //! A mission, and what is known of its bus beforehand.
 
 use crate::files::vehicle::VehicleFile;
-use estimator_core::{Effects, Traction, VehicleParameters};
+use estimator_core::{Model, Traction, VehicleParameters};
 
 /// Mass of the empty bus, kg (the paper: about 19 t).
 pub const KERB_MASS_KG: f64 = 19_000.0;
@@ -90,15 +90,14 @@ impl Mission {
                 .bus
                 .as_ref()
                 .map_or_else(|| "ZTBus".to_owned(), |bus| format!("ZTBus {bus}")),
-            parameters: VehicleParameters {
+            model: Model::from(VehicleParameters {
                 mass_kg: KERB_MASS_KG as f32,
                 drag_area_m2: 5.2,
                 rolling_resistance: 0.008,
                 wheel_radius_m: 0.48,
                 wheel_inertia_kgm2: 100.0,
-                effects: Effects::default(),
                 traction: Traction::Force,
-            },
+            }),
         }
     }
 }

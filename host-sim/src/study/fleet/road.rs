@@ -105,7 +105,7 @@ impl FleetRoad {
 
     fn drive(&self, scenario: &Scenario, run: usize) -> Result<PlacedRun> {
         let run = simulate(scenario, run)?;
-        let mut recorder = Recorder::<f32>::new(run.vehicle.parameters.clone(), Tuning::default())
+        let mut recorder = Recorder::<f32>::new(run.vehicle.model.clone(), Tuning::default())
             .map_err(|e| problem(&e))?;
         for frame in &run.frames {
             recorder.on_frame(frame);
