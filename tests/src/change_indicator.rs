@@ -11,7 +11,7 @@ use crate::faults::catalogue::catalogue;
 use crate::faults::drive::drive as fault_drive;
 use crate::faults::outcome::estimated;
 use crate::image::root;
-use estimator_core::{Counters, FixedPoint, Model, PersistentState, Scalar};
+use estimator_core::{Counters, FixedPoint, Model, PersistentState, Scalar, Tuning};
 use host_sim::error::{Error, Result};
 use host_sim::files::output::write_whole;
 use host_sim::files::run::{RunCell, RunRow};
@@ -185,14 +185,16 @@ impl Indicated {
             for (pass, number) in mission.passes().iter().take(2).zip(1..) {
                 let table = folder.path().join("pass.csv");
                 mission.write_pass(&table, pass)?;
-                let run = estimate_log::<f32>(&vehicle, None, &table, |_| ())?.in_memory()?;
+                let run = estimate_log::<f32>(&vehicle, &Tuning::default(), None, &table, |_| ())?
+                    .in_memory()?;
                 self.add(format!("ztbus_pass_{number}"), text_of(&run));
             }
         } else {
             self.absent.push(mission.display().to_string());
         }
         if idle.exists() {
-            let run = estimate_log::<f32>(&truck(), None, &idle, |_| ())?.in_memory()?;
+            let run = estimate_log::<f32>(&truck(), &Tuning::default(), None, &idle, |_| ())?
+                .in_memory()?;
             self.add("truck_idle", text_of(&run));
         } else {
             self.absent.push(idle.display().to_string());

@@ -4,6 +4,7 @@
 //! that it is not told of.
 
 use crate::planted::{self, CATALOGUE, CLEAN, FAN, Logs, OUTSIDE};
+use estimator_core::Tuning;
 use host_sim::diagnose::drive::LoggedDrive;
 use host_sim::diagnose::{Diagnosis, Request, diagnose};
 use host_sim::error::{Error, Result};
@@ -149,6 +150,7 @@ impl Case {
         let logs = logs("case", self.size_percent)?;
         let believed = VehicleFile::read(&logs.vehicle)?;
         let diagnosis = diagnose(&Request {
+            tuning: Tuning::default(),
             vehicle: believed.clone(),
             logs: logs.fit.clone(),
             held_out: logs.held_out.clone(),
@@ -172,7 +174,7 @@ impl GradeErrors {
     fn of(logs: &Logs, vehicle: &VehicleFile) -> Result<Self> {
         let (mut smoothed, mut live, mut cells) = (0.0, 0.0, 0.0);
         for (log, truth) in logs.held_out.iter().zip(&logs.truth.held_out) {
-            let run = LoggedDrive::read(log, &vehicle.model)?.run;
+            let run = LoggedDrive::read(log, &vehicle.model, &Tuning::default())?.run;
             let truth = truth::read(truth)?;
             let score = score_run("held out", &run.rows, &truth)
                 .map_err(|problem| Error::content(log, problem.to_string()))?;

@@ -5,13 +5,14 @@ use crate::error::{Error, Result};
 use crate::files::csv::write_csv;
 use crate::files::oracle::{OracleFile, mean_speed_mps};
 use crate::files::vehicle::VehicleFile;
-use crate::files::{run, truth};
+use crate::files::{run, truth, tuning};
 use crate::map::{self, GradeMap, MapRow, Network, RoadLine, RoadRow, SessionRun};
 use crate::report::demo_page::{DemoDrive, demo_page};
 use crate::score::{self, ScoreRow, rivals};
 use crate::simulator::scenario::Scenario;
 use crate::simulator::write_runs;
 use crate::terminal::print::print;
+use estimator_core::Tuning;
 use std::path::{Path, PathBuf};
 
 /// Arguments of `demo`.
@@ -20,17 +21,21 @@ pub struct Args {
     /// Where logs, runs, map, scores and the page go.
     #[arg(long, value_name = "DIR", default_value = "roadgrade-demo")]
     out: PathBuf,
+    /// Values for the estimator's parameters; docs/tuning.md lists them.
+    #[arg(long, value_name = "FILE.toml")]
+    tuning: Option<PathBuf>,
 }
 
 /// Runs it.
 pub fn run(args: &Args) -> Result<()> {
+    let tuning = tuning::read_or_default(args.tuning.as_deref())?;
     let scenario = Scenario::builtin();
     let out = &args.out;
     eprintln!("1  simulate trucks whose parameters are not those of their files");
     write_runs(&scenario, out)?;
     eprintln!("2  estimate each drive from its bus log");
     let drives = (0..scenario.runs.len())
-        .map(|index| drive(&scenario, index, out))
+        .map(|index| drive(&scenario, index, &tuning, out))
         .collect::<Result<Vec<_>>>()?;
     eprintln!("3  fuse the runs into a map");
     let (map, map_score) = fuse(&drives, out)?;
@@ -47,12 +52,12 @@ pub fn run(args: &Args) -> Result<()> {
     print(&format!("page to open: {}\n", report.display()))
 }
 
-fn drive(scenario: &Scenario, index: usize, folder: &Path) -> Result<DemoDrive> {
+fn drive(scenario: &Scenario, index: usize, tuning: &Tuning, folder: &Path) -> Result<DemoDrive> {
     let run = &scenario.runs[index];
     let file = |ending: &str| folder.join(format!("{}.{ending}", run.name));
     let log = file("log");
     let vehicle = VehicleFile::read(&file("vehicle.toml"))?;
-    let estimated = estimate::drive::<f32>(&vehicle, None, &log)?;
+    let estimated = estimate::drive::<f32>(&vehicle, tuning, None, &log)?;
     estimate::check(&log, &vehicle, &estimated)?;
     let rows = estimated.in_memory()?.rows;
     run::write(&file("csv"), &rows)?;

@@ -2,6 +2,7 @@
 
 use crate::diagnose::{Diagnosis, Request, diagnose, report};
 use crate::error::Result;
+use crate::files::tuning;
 use crate::files::vehicle::VehicleFile;
 use crate::terminal::print::print;
 use crate::terminal::progress;
@@ -35,6 +36,9 @@ pub struct Args {
     /// of three or more logs.
     #[arg(long, value_name = "LOG", num_args = 1..)]
     holdout: Vec<PathBuf>,
+    /// Values for the estimator's parameters; docs/tuning.md lists them.
+    #[arg(long, value_name = "FILE.toml")]
+    tuning: Option<PathBuf>,
     /// Print report.json instead of tables.
     #[arg(long)]
     json: bool,
@@ -50,6 +54,7 @@ pub fn run(args: &Args) -> Result<()> {
         logs: args.logs.clone(),
         held_out: args.holdout.clone(),
         reference: args.reference.clone(),
+        tuning: tuning::read_or_default(args.tuning.as_deref())?,
     };
     let wait = progress::spinner("reading and judging drives");
     let found = diagnose(&request)?;

@@ -4,12 +4,12 @@ use super::conclusion;
 use crate::error::{Error, Result};
 use crate::files::run::{self, Origin};
 use crate::files::vehicle::VehicleFile;
-use crate::files::{data_set, kept};
+use crate::files::{data_set, kept, tuning};
 use crate::recorder::{self, LongRun, Summary};
 use crate::smooth::held_bytes;
 use crate::terminal::print::print;
 use crate::terminal::progress;
-use estimator_core::{PersistentState, Scalar};
+use estimator_core::{PersistentState, Scalar, Tuning};
 use std::path::{Path, PathBuf};
 use std::time::Instant as Clock;
 
@@ -49,6 +49,9 @@ pub struct Args {
     /// What the vehicle's last drive left, and what this one leaves for the next.
     #[arg(long, value_name = "FILE")]
     kept: Option<PathBuf>,
+    /// Values for the estimator's parameters; docs/tuning.md lists them.
+    #[arg(long, value_name = "FILE.toml")]
+    tuning: Option<PathBuf>,
     /// Compute in double instead of single precision.
     #[arg(long)]
     double: bool,
@@ -79,6 +82,7 @@ impl Args {
 /// Runs it.
 pub fn run(args: &Args) -> Result<()> {
     let vehicle = VehicleFile::read(&args.vehicle)?;
+    let tuning = tuning::read_or_default(args.tuning.as_deref())?;
     let started = Clock::now();
     let file = args.kept.as_deref();
     let last = match file {
@@ -87,9 +91,9 @@ pub fn run(args: &Args) -> Result<()> {
     };
     let last = last.as_ref();
     let mut run = if args.double {
-        drive::<f64>(&vehicle, last, &args.log)?
+        drive::<f64>(&vehicle, &tuning, last, &args.log)?
     } else {
-        drive::<f32>(&vehicle, last, &args.log)?
+        drive::<f32>(&vehicle, &tuning, last, &args.log)?
     };
     let seconds = started.elapsed().as_secs_f64();
     check(&args.log, &vehicle, &run)?;
@@ -124,12 +128,13 @@ pub fn run(args: &Args) -> Result<()> {
 /// Estimates one log, with a progress bar on long ones.
 pub(super) fn drive<S: Scalar>(
     vehicle: &VehicleFile,
+    tuning: &Tuning,
     last: Option<&PersistentState>,
     log: &Path,
 ) -> Result<LongRun> {
     let bar = progress::bytes(log.metadata().map_or(0, |file| file.len()));
     let progress = |read| bar.set_position(read);
-    let run = recorder::estimate_log::<S>(&vehicle.model, last, log, progress);
+    let run = recorder::estimate_log::<S>(&vehicle.model, tuning, last, log, progress);
     bar.finish_and_clear();
     run
 }

@@ -50,6 +50,9 @@ pub struct Args {
     /// What the vehicle's last drive left, and what this one leaves for the next.
     #[arg(long, value_name = "FILE")]
     kept: Option<PathBuf>,
+    /// Values for the estimator's parameters; docs/tuning.md lists them.
+    #[arg(long, value_name = "FILE.toml")]
+    tuning: Option<PathBuf>,
     /// Where the frames received go, as a candump log.
     #[arg(long, value_name = "FILE.log")]
     log: Option<PathBuf>,
@@ -85,6 +88,7 @@ impl Args {
             interfaces: &self.interfaces,
             vehicle_file: &self.vehicle,
             kept: self.kept.as_deref(),
+            tuning: self.tuning.as_deref(),
             log: self.log.as_deref(),
             address: self.publish.then_some(self.address),
             log_time: self.log_time,

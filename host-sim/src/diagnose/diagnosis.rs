@@ -9,7 +9,7 @@ use super::search::Search;
 use super::selection::Step;
 use crate::error::{Error, Result};
 use crate::map::read_map;
-use estimator_core::{AdoptedEffect, Model};
+use estimator_core::{AdoptedEffect, Model, Tuning};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -36,7 +36,7 @@ pub fn diagnose(request: &Request) -> Result<Diagnosis> {
         drives = logs.read(&vehicle.model)?;
     }
     let with_wheels = vehicle.model.clone();
-    let search = Search::new(&drives, logs.fitted, &with_wheels);
+    let search = Search::new(&drives, logs.fitted, &with_wheels, &request.tuning);
     let (evidence, selection) = search.evidence();
     // The reference is estimated with what was found first, whatever is adopted in the end.
     let found = search.vehicle_with(&vehicle, &selection).model;
@@ -103,6 +103,7 @@ struct Logs {
     fitted: usize,
     /// Those that before and after are judged on.
     judged: Range<usize>,
+    tuning: Tuning,
 }
 
 impl Logs {
@@ -126,19 +127,20 @@ impl Logs {
             paths,
             fitted,
             judged,
+            tuning: request.tuning.clone(),
         })
     }
 
     fn read(&self, model: &Model) -> Result<Vec<LoggedDrive>> {
-        Self::read_each(&self.paths, model)
+        self.read_each(&self.paths, model)
     }
 
     fn read_judged(&self, model: &Model) -> Result<Vec<LoggedDrive>> {
-        Self::read_each(&self.paths[self.judged.clone()], model)
+        self.read_each(&self.paths[self.judged.clone()], model)
     }
 
-    fn read_each(paths: &[PathBuf], model: &Model) -> Result<Vec<LoggedDrive>> {
-        let read = |path: &PathBuf| LoggedDrive::read(path, model);
+    fn read_each(&self, paths: &[PathBuf], model: &Model) -> Result<Vec<LoggedDrive>> {
+        let read = |path: &PathBuf| LoggedDrive::read(path, model, &self.tuning);
         paths.par_iter().map(read).collect()
     }
 }

@@ -25,8 +25,8 @@ impl LoggedDrive {
     ///
     /// # Errors
     /// An impossible vehicle; a log that cannot be read, with file and line; one without movement.
-    pub fn read(path: &Path, model: &Model) -> Result<Self> {
-        let mut recorder = Recorder::<f32>::new(model.clone(), Tuning::default())
+    pub fn read(path: &Path, model: &Model, tuning: &Tuning) -> Result<Self> {
+        let mut recorder = Recorder::<f32>::new(model.clone(), tuning.clone())
             .map_err(|e| Error::content(path, e.to_string()))?;
         for_each_input(path, |_| (), |input| recorder.on_input(&input))?;
         let filter = recorder.estimator().second_pass_filter();

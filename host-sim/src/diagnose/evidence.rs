@@ -61,8 +61,8 @@ pub const WINDS_MPS: [f32; 5] = [0.1, 0.2, 0.4, 0.8, 1.6];
 /// kilometres of wind. What climbs unlike the model is what is looked for: no fix drifts, and no
 /// scale goes too far.
 #[must_use]
-pub fn judging_tuning(wind_sigma_mps: f32) -> Tuning {
-    let mut tuning = Tuning::default();
+pub fn judging_tuning(estimator: &Tuning, wind_sigma_mps: f32) -> Tuning {
+    let mut tuning = estimator.clone();
     let process_noise = &mut tuning.process_noise;
     process_noise.wind_sigma_mps = wind_sigma_mps;
     process_noise.bias_force_n = 20.0;

@@ -7,7 +7,7 @@ use super::findings::Unexplained;
 use super::selection::{Case, Selection, Selector};
 use crate::files::vehicle::VehicleFile;
 use estimator_core::effect::{Varies, search_of};
-use estimator_core::{AdoptedEffect, Effect, Model};
+use estimator_core::{AdoptedEffect, Effect, Model, Tuning};
 use rayon::prelude::*;
 
 /// Drives with what is tried on them.
@@ -15,6 +15,7 @@ pub struct Search<'a> {
     drives: &'a [LoggedDrive],
     fitted: usize,
     model: &'a Model,
+    tuning: &'a Tuning,
     /// The road that they share.
     pub road: Option<CommonRoad>,
     menu: Menu,
@@ -23,7 +24,12 @@ pub struct Search<'a> {
 impl<'a> Search<'a> {
     /// The first `fitted` of the drives, which were read with this model, are to fit.
     #[must_use]
-    pub fn new(drives: &'a [LoggedDrive], fitted: usize, model: &'a Model) -> Self {
+    pub fn new(
+        drives: &'a [LoggedDrive],
+        fitted: usize,
+        model: &'a Model,
+        tuning: &'a Tuning,
+    ) -> Self {
         let road = CommonRoad::of(drives);
         let numbers: Vec<usize> = (0..fitted).collect();
         let menu = Menu::new(road.as_ref().map(CommonRoad::length_m), &numbers);
@@ -31,6 +37,7 @@ impl<'a> Search<'a> {
             drives,
             fitted,
             model,
+            tuning,
             road,
             menu,
         }
@@ -52,7 +59,7 @@ impl<'a> Search<'a> {
         let mut best: Option<(Evidence, Selection)> = None;
         // One after the other: the sums of a fleet's drives are large.
         for wind_mps in WINDS_MPS {
-            let tuning = judging_tuning(wind_mps);
+            let tuning = judging_tuning(self.tuning, wind_mps);
             let drives: Vec<_> = self.drives.iter().zip(&columns).enumerate().collect();
             let evidence: Evidence = drives
                 .into_par_iter()

@@ -10,4 +10,5 @@ pub mod row_check;
 pub mod run;
 pub mod spool;
 pub mod truth;
+pub mod tuning;
 pub mod vehicle;

@@ -6,13 +6,13 @@ use super::show::Show;
 use super::stop_flag::stop_flag;
 use super::view::View;
 use crate::error::{Error, Result};
-use crate::files::kept;
 use crate::files::output::Staged;
 use crate::files::vehicle::VehicleFile;
+use crate::files::{kept, tuning};
 use crate::recorder::{LongRun, Recorder};
 use crate::source::log_time;
 use crate::source::socketcan::{BusEvent, Received, Receiver, of_group, wanted};
-use estimator_core::{Estimator, PersistentStateError, Tuning};
+use estimator_core::{Estimator, PersistentStateError};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
@@ -31,6 +31,8 @@ pub struct ListenRequest<'a> {
     pub vehicle_file: &'a Path,
     /// File with what the last drive left.
     pub kept: Option<&'a Path>,
+    /// File with the tuning.
+    pub tuning: Option<&'a Path>,
     /// File that the frames received go to.
     pub log: Option<&'a Path>,
     /// J1939 address to send the estimate from.
@@ -75,14 +77,15 @@ impl<'a> Listening<'a> {
     /// An impossible vehicle, or not that of the last drive; an interface or a file that cannot be
     /// opened.
     pub fn begin(request: ListenRequest<'a>, vehicle: &VehicleFile) -> Result<Self> {
-        let (parameters, tuning) = (vehicle.model.clone(), Tuning::default());
+        let model = vehicle.model.clone();
+        let tuning = tuning::read_or_default(request.tuning)?;
         let kept = match request.kept {
-            Some(file) => kept::read(file, &parameters)?,
+            Some(file) => kept::read(file, &model)?,
             None => None,
         };
         let estimator = match &kept {
-            Some(kept) => Estimator::<f32>::restore(parameters, tuning, kept),
-            None => Estimator::new(parameters, tuning).map_err(PersistentStateError::from),
+            Some(kept) => Estimator::<f32>::restore(model, tuning, kept),
+            None => Estimator::new(model, tuning).map_err(PersistentStateError::from),
         };
         let estimator =
             estimator.map_err(|e| Error::content(request.vehicle_file, e.to_string()))?;

@@ -15,11 +15,12 @@ use std::path::Path;
 /// file and line.
 pub fn estimate_log<S: Scalar>(
     model: &Model,
+    tuning: &Tuning,
     kept: Option<&PersistentState>,
     log: &Path,
     progress: impl Fn(u64),
 ) -> Result<LongRun> {
-    let (model, tuning) = (model.clone(), Tuning::default());
+    let (model, tuning) = (model.clone(), tuning.clone());
     let estimator = match kept {
         Some(kept) => Estimator::<S>::restore(model, tuning, kept),
         None => Estimator::new(model, tuning).map_err(PersistentStateError::from),

@@ -16,6 +16,7 @@ use crate::report::page::{Figure, Section, Table};
 use crate::report::plot::{Mark, Plot, Series, colour};
 use crate::source::terrain::Terrain;
 use crate::source::ztbus::{Direction, Mission, Pass, round_trips};
+use estimator_core::Tuning;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -161,7 +162,7 @@ fn estimate(mission: &Mission, pass: &Pass, folder: &Path) -> Result<Vec<RunRow>
     let table = folder.join("pass.csv");
     mission.write_pass(&table, pass)?;
     let model = mission.vehicle().model;
-    let run = estimate_log::<f32>(&model, None, &table, |_| ())?;
+    let run = estimate_log::<f32>(&model, &Tuning::default(), None, &table, |_| ())?;
     Ok(run.in_memory()?.rows)
 }
 

@@ -236,7 +236,7 @@ impl Work {
     }
 
     fn estimate_log(&self) {
-        let run = estimate_log::<f32>(&self.model, None, &self.log(), |_| ());
+        let run = estimate_log::<f32>(&self.model, &Tuning::default(), None, &self.log(), |_| ());
         black_box(run.expect("a whole log").rows.count());
     }
 
