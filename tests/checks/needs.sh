@@ -124,9 +124,9 @@ need_target() {
 }
 
 has_toolchain() {
-    local target
-    for target in "$board" "$small"; do
-        has_target "$target" || return 1
+    local triple
+    for triple in "$board" "$small"; do
+        has_target "$triple" || return 1
     done
     cargo fmt --version >/dev/null && cargo clippy --version >/dev/null
 }
