@@ -24,8 +24,8 @@ fn main() -> io::Result<()> {
     for (name, events) in of_decode() {
         write(&corpus, "decode", name, &encoded(&events))?;
     }
-    for (name, bytes) in of_kept() {
-        write(&corpus, "kept", name, &bytes)?;
+    for (name, bytes) in of_persistent_state() {
+        write(&corpus, "persistent_state", name, &bytes)?;
     }
     for (target, from, to) in [
         ("candump", "short_form", "gzip"),
@@ -361,7 +361,7 @@ fn encode(event: &Event, bytes: &mut Vec<u8>) {
 const AS_IT_IS: u8 = 0;
 const MENDED: u8 = 1;
 
-fn of_kept() -> Vec<(&'static str, Vec<u8>)> {
+fn of_persistent_state() -> Vec<(&'static str, Vec<u8>)> {
     let whole = left_by_a_drive();
     let seed = |mends: u8, bytes: &[u8]| [&[mends], bytes].concat();
     let with = |offset: usize, word: [u8; 4]| {
@@ -400,7 +400,11 @@ fn left_by_a_drive() -> Vec<u8> {
             }
         });
     }
-    estimator.kept().expect("a drive").to_bytes().to_vec()
+    estimator
+        .persistent_state()
+        .expect("a drive")
+        .to_bytes()
+        .to_vec()
 }
 
 /// The same bytes each time: without the time, the name and the system.

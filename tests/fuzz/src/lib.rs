@@ -258,7 +258,7 @@ fn any_frame(
     }
 }
 
-/// A truck of two gears. Its fingerprint is in the corpus of `kept`.
+/// A truck of two gears. Its fingerprint is in the corpus of `persistent_state`.
 #[must_use]
 pub fn truck() -> VehicleParameters {
     VehicleParameters {
