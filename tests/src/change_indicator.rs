@@ -16,7 +16,7 @@ use host_sim::error::{Error, Result};
 use host_sim::files::output::write_whole;
 use host_sim::files::run::{RunCell, RunRow};
 use host_sim::map::{GradeMap, SessionRun, road_of_run, road_through};
-use host_sim::recorder::{Run, estimate_log};
+use host_sim::recorder::{SmoothedRun, estimate_log};
 use host_sim::simulator::scenario::Scenario;
 use host_sim::simulator::simulate;
 use host_sim::source::can_frame::TimedFrame;
@@ -208,7 +208,7 @@ fn small<S: Scalar>(model: &Model, frames: &[TimedFrame]) -> String {
 }
 
 /// Counters, what is left for the next drive, digest and rows of a run.
-fn text_of(run: &Run) -> String {
+fn text_of(run: &SmoothedRun) -> String {
     let kept = run
         .kept
         .as_ref()

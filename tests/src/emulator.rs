@@ -22,7 +22,7 @@ const LONGEST_RUN: Duration = Duration::from_secs(120);
 
 /// What a run on the board left behind.
 #[derive(Debug)]
-pub struct Ended {
+pub struct EmulatorRun {
     /// Exit status of the image; none if it hung.
     pub status: Option<i32>,
     /// What it logged, a line each.
@@ -69,7 +69,7 @@ pub fn drive_file(model: &Model, frames: &[TimedFrame]) -> Vec<u8> {
 /// # Panics
 /// When a temporary folder cannot be used or the image cannot be built.
 #[must_use]
-pub fn replay(drive: Option<&[u8]>) -> Ended {
+pub fn replay(drive: Option<&[u8]>) -> EmulatorRun {
     let folder = tempfile::tempdir().expect("a temporary folder");
     if let Some(drive) = drive {
         fs::write(inside(folder.path(), DRIVE_FILE), drive).expect("the drive can be written");
@@ -79,7 +79,7 @@ pub fn replay(drive: Option<&[u8]>) -> Ended {
         .timeout(LONGEST_RUN)
         .output()
         .expect("cargo runs");
-    Ended {
+    EmulatorRun {
         status: output.status.code(),
         log: logged(&output.stdout),
         stderr: String::from_utf8_lossy(&output.stderr).into_owned(),

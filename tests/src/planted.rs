@@ -71,7 +71,7 @@ pub struct Amount {
 
 /// What a diagnosis may see, and what is true.
 #[derive(Clone, Debug)]
-pub struct Logs {
+pub struct PlantedLogs {
     /// The vehicle as it is believed.
     pub vehicle: PathBuf,
     /// Two runs each way.
@@ -79,12 +79,12 @@ pub struct Logs {
     /// One run each way.
     pub held_out: Vec<PathBuf>,
     /// Not for the diagnosis.
-    pub truth: Truth,
+    pub truth: PlantedTruth,
 }
 
 /// What was planted, for the judge.
 #[derive(Clone, Debug)]
-pub struct Truth {
+pub struct PlantedTruth {
     /// Where the files are: outside the folder of the logs.
     pub folder: PathBuf,
     /// The scenario.
@@ -118,7 +118,7 @@ pub fn logs(
     truck: &str,
     seed: u64,
     folder: &Path,
-) -> Result<Logs> {
+) -> Result<PlantedLogs> {
     logs_of(&[(effect, size_percent)], truck, seed, folder)
 }
 
@@ -126,7 +126,12 @@ pub fn logs(
 ///
 /// # Errors
 /// As [`logs`].
-pub fn logs_of(effects: &[(&str, f64)], truck: &str, seed: u64, folder: &Path) -> Result<Logs> {
+pub fn logs_of(
+    effects: &[(&str, f64)],
+    truck: &str,
+    seed: u64,
+    folder: &Path,
+) -> Result<PlantedLogs> {
     let bench = Bench {
         truck,
         seed,
@@ -162,11 +167,11 @@ pub fn logs_of(effects: &[(&str, f64)], truck: &str, seed: u64, folder: &Path) -
         truth::write(&truth, &recording.truth())?;
         truths.push(truth);
     }
-    Ok(Logs {
+    Ok(PlantedLogs {
         vehicle,
         held_out: files.split_off(FIT_RUNS),
         fit: files,
-        truth: Truth {
+        truth: PlantedTruth {
             folder: truth_folder,
             scenario: scenario_path,
             road,

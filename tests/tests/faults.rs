@@ -1,6 +1,6 @@
 //! The matrix of faults, as `tests/faults.md` has it; and what a table has no place for.
 
-use cross_tests::faults::catalogue::{Kind, catalogue};
+use cross_tests::faults::catalogue::{FaultKind, catalogue};
 use cross_tests::faults::drive::{DAY_LAPS, drive, lap};
 use cross_tests::faults::frames::pgn;
 use cross_tests::faults::matrix::matrix;
@@ -201,7 +201,7 @@ fn a_recording_without_a_fault_is_heard_as_it_is() {
             timed.time.since(first).micros() as f64 * 1e-6
         });
         // Up to the fault all is the same; from there on something is not.
-        let harmless = fault.kind == Kind::Nothing;
+        let harmless = fault.kind == FaultKind::Nothing;
         assert_eq!(harmless, until_s.is_infinite(), "{}", fault.name);
         let unlike_from_s = fault.window_s.0;
         let wraps = fault.name.contains("32 bits");

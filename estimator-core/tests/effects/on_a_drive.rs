@@ -7,7 +7,9 @@ use estimator_core::{
     AdoptedEffect, Estimate, Estimator, Model, PersistentStateError, Tuning, VehicleParameters,
 };
 use test_kit::by_force;
-use test_kit::effect_drive::{DEG_PER_KM, Moment, PLAIN, Planted, START_LATITUDE_DEG, drive};
+use test_kit::effect_drive::{
+    DEG_PER_KM, PLAIN, PlantedDifference, START_LATITUDE_DEG, VehicleMoment, drive,
+};
 use test_kit::hilly_drive::KEPT;
 use test_kit::truck;
 
@@ -42,7 +44,7 @@ fn difference(one: &[Estimate], other: &[Estimate]) -> f32 {
 }
 
 /// Traction as the bus reports it, N.
-type ReportedForce = fn(&Moment) -> f32;
+type ReportedForce = fn(&VehicleMoment) -> f32;
 
 /// Effects of a vehicle, and the traction that the bus then reports.
 fn resisting() -> Vec<(AdoptedEffect, ReportedForce)> {
@@ -89,7 +91,7 @@ fn an_effect_that_is_known_is_as_none() {
     let base = Model::from(vehicle.clone());
     let plain = drive(&base, &vehicle, PLAIN, SECONDS);
     for (adopted, told_n) in resisting() {
-        let planted = Planted { told_n, ..PLAIN };
+        let planted = PlantedDifference { told_n, ..PLAIN };
         let knows = with(vehicle.clone(), &[adopted]);
         let known = difference(&plain, &drive(&knows, &vehicle, planted, SECONDS));
         let missing = difference(&plain, &drive(&base, &vehicle, planted, SECONDS));
@@ -123,7 +125,7 @@ fn a_scale_that_is_known_is_as_none() {
         wheel_radius_m: truth.wheel_radius_m / 1.05,
         ..truth.clone()
     };
-    let slow = Planted {
+    let slow = PlantedDifference {
         true_over_told: 1.05,
         ..PLAIN
     };
@@ -145,9 +147,9 @@ fn a_scale_that_is_known_is_as_none() {
 #[test]
 fn masses_reported_on_the_bus_are_scaled_too() {
     use estimator_core::Signal;
-    use test_kit::readings_drive::Drive;
+    use test_kit::readings_drive::ReadingsDrive;
     let heavier = with(by_force(), &[adopted("mass", 0.1, &[])]);
-    let mut drive = Drive::of(heavier);
+    let mut drive = ReadingsDrive::of(heavier);
     let readings = [
         (Signal::TractionForce, 4_000.0),
         (Signal::Mass, 30_000.0),
@@ -161,7 +163,7 @@ fn masses_reported_on_the_bus_are_scaled_too() {
 /// Mean sigma of the live bias, of the scale and of the grade after some minutes.
 fn sigmas(adopted: AdoptedEffect) -> [f32; 3] {
     let vehicle = by_force();
-    let planted = Planted {
+    let planted = PlantedDifference {
         told_n: |m| m.force_n,
         ..PLAIN
     };

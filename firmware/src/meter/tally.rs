@@ -2,13 +2,13 @@
 
 /// How often, how much in all, and how much at the most.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Tally {
+pub struct CountTally {
     calls: u32,
     sum: u64,
     worst: u32,
 }
 
-impl Tally {
+impl CountTally {
     /// One more count.
     pub fn add(&mut self, count: u32) {
         self.calls += 1;

@@ -5,7 +5,7 @@ use crate::error::{Error, Result};
 use crate::files::run::{self, Origin};
 use crate::files::vehicle::VehicleFile;
 use crate::files::{data_set, kept, tuning};
-use crate::recorder::{self, LongRun, Summary};
+use crate::recorder::{self, LongRun, RunSummary};
 use crate::smooth::held_bytes;
 use crate::terminal::print::print;
 use crate::terminal::progress;
@@ -104,7 +104,7 @@ pub fn run(args: &Args) -> Result<()> {
     let out = args.run_path(&mut run, &origin)?;
     conclusion::write(&mut run, Some(&out), &origin, file)?;
 
-    let summary = Summary::new(&mut run)?;
+    let summary = RunSummary::new(&mut run)?;
     if args.json {
         let json = serde_json::to_string(&summary).expect("numbers are JSON");
         print(&format!("{json}\n"))?;

@@ -12,11 +12,11 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, clap::Args)]
 pub struct Args {
     #[command(subcommand)]
-    source: Source,
+    source: ImportSource,
 }
 
 #[derive(Debug, Subcommand)]
-enum Source {
+enum ImportSource {
     /// A ZTBus mission: writes mission.csv, vehicle.toml and one signal table for each one-way
     /// trip.
     Ztbus(ZtbusArgs),
@@ -37,12 +37,12 @@ struct ZtbusArgs {
 /// Runs it.
 pub fn run(args: &Args) -> Result<()> {
     match &args.source {
-        Source::Ztbus(args) => ztbus(args),
+        ImportSource::Ztbus(args) => ztbus(args),
     }
 }
 
 #[derive(Serialize)]
-struct Summary {
+struct MissionSummary {
     rows: usize,
     duration_s: f64,
     length_m: f64,
@@ -90,9 +90,9 @@ fn ztbus(args: &ZtbusArgs) -> Result<()> {
     Ok(())
 }
 
-fn summary(mission: &Mission, passes: &[Pass], out: &Path) -> Summary {
+fn summary(mission: &Mission, passes: &[Pass], out: &Path) -> MissionSummary {
     let rows = mission.rows();
-    Summary {
+    MissionSummary {
         rows: rows.len(),
         duration_s: rows.last().map_or(0.0, |row| row.time_s),
         length_m: mission.odometer_m().last().copied().unwrap_or(0.0),

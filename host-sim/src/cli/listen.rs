@@ -5,8 +5,8 @@ use crate::error::{Error, Result};
 use crate::files::output::Staged;
 use crate::files::run::Origin;
 use crate::files::vehicle::VehicleFile;
-use crate::live::{Ended, ListenRequest, Listening};
-use crate::recorder::{self, LongRun, Summary};
+use crate::live::{EndedDrive, ListenRequest, Listening};
+use crate::recorder::{self, LongRun, RunSummary};
 use crate::terminal::print::print;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -105,7 +105,7 @@ pub fn run(args: &Args) -> Result<()> {
     let mut listening = Listening::begin(args.request(), &vehicle)?;
     // What fails on the way ends the drive, and is reported when the drive is written.
     let ended = listening.run();
-    let Ended {
+    let EndedDrive {
         view,
         shown,
         run,
@@ -118,7 +118,7 @@ pub fn run(args: &Args) -> Result<()> {
     }
     let mut run = run?;
     conclude(args, &vehicle, &mut run)?;
-    let summary = Summary::new(&mut run)?;
+    let summary = RunSummary::new(&mut run)?;
     let told = if args.json {
         let last = json!({ "summary": summary, "interfaces": view.interfaces });
         print(&format!("{last}\n"))

@@ -6,7 +6,7 @@ use crate::live::stop_flag;
 use crate::source::candump::CandumpReader;
 use crate::source::log_kind::{LogKind, kind_of};
 use crate::source::log_time;
-use crate::source::socketcan::{Sender, of_group};
+use crate::source::socketcan::{FrameSender, of_group};
 use crate::terminal::print::print;
 use crate::terminal::progress;
 use crate::terminal::table::text_table;
@@ -70,7 +70,7 @@ pub fn run(args: &Args) -> Result<()> {
     } else {
         Vec::new()
     };
-    let sender = Sender::open(&args.interface, &filters)?;
+    let sender = FrameSender::open(&args.interface, &filters)?;
     let stop = stop_flag()?;
     let bar = progress::bytes(log.file().bytes_total());
     let begun = Monotonic::now();

@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::report::page::{Page, Section};
-use crate::study::{Outcome, STUDIES, Setting, Study};
+use crate::study::{STUDIES, Setting, Study, StudyOutcome};
 use crate::terminal::print::print;
 use crate::terminal::table::text_table;
 use clap::builder::PossibleValuesParser;
@@ -49,12 +49,12 @@ pub fn run(args: &Args) -> Result<()> {
     for study in STUDIES.iter().filter(wanted) {
         eprintln!("{}: {}", study.name, study.about);
         match (study.run)(&setting)? {
-            Outcome::Done(section) => {
+            StudyOutcome::Done(section) => {
                 print_tables(&section)?;
                 sections.push(section);
             }
-            Outcome::Skipped(why) if args.name == ALL => eprintln!("skipped: {why}"),
-            Outcome::Skipped(why) => return Err(Error::content(&args.data, why)),
+            StudyOutcome::Skipped(why) if args.name == ALL => eprintln!("skipped: {why}"),
+            StudyOutcome::Skipped(why) => return Err(Error::content(&args.data, why)),
         }
     }
     let page = Page {

@@ -15,7 +15,7 @@ const LONGEST_GNSS_GAP_M: f64 = 100.0;
 
 /// What was measured at one point of the way.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Point {
+pub struct MeasuredPoint {
     /// Driven distance, m.
     pub distance_m: f64,
     /// Wheel speed, m/s.
@@ -34,7 +34,7 @@ pub struct Point {
     pub braking: bool,
 }
 
-impl Point {
+impl MeasuredPoint {
     /// Whether the vehicle model holds here.
     #[must_use]
     pub const fn is_valid(&self) -> bool {
@@ -44,7 +44,7 @@ impl Point {
 
 /// One drive in the distance domain, with the parameters that are believed.
 #[derive(Clone, Debug)]
-pub struct Drive {
+pub struct MeasuredDrive {
     /// Believed mass, kg.
     pub mass_kg: f64,
     /// Believed drag area, m².
@@ -52,7 +52,7 @@ pub struct Drive {
     /// Believed rolling resistance coefficient.
     pub rolling_resistance: f64,
     /// The points, one each [`STEP_M`].
-    pub points: Vec<Point>,
+    pub points: Vec<MeasuredPoint>,
 }
 
 /// Grade and its standard deviation, point by point, %.
@@ -73,7 +73,7 @@ pub(super) fn percent_of_sine(sine: f64) -> f64 {
     100.0 * sine / (1.0 - sine * sine).sqrt()
 }
 
-impl Drive {
+impl MeasuredDrive {
     /// From the samples of one run, which must have no gap between them. GNSS altitude is
     /// interpolated over the way between fixes.
     ///
@@ -101,7 +101,7 @@ impl Drive {
                     ..
                 } = sample.forces;
                 let condition = sample.end.condition;
-                Point {
+                MeasuredPoint {
                     distance_m,
                     speed_mps: sample.end.speed_mps.into(),
                     traction_n: traction_n.into(),

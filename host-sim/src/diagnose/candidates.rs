@@ -3,7 +3,7 @@
 
 use super::dependence::{BASIS_UNIT, BINS, BasisFunction, Covariate, Variable};
 use super::drive::{LoggedDrive, RoadPlace};
-use super::evidence::Column;
+use super::evidence::ForceColumn;
 use estimator_core::VehicleParameters;
 use estimator_core::effect::{CATALOGUE, Effect, ParameterValues, Varies, search_of};
 use estimator_core::vehicle::GRAVITY;
@@ -59,12 +59,12 @@ pub struct Candidate {
 pub struct Menu {
     /// What is tried.
     pub candidates: Vec<Candidate>,
-    columns: Vec<Kind>,
+    columns: Vec<ColumnKind>,
 }
 
 /// What a column is the force of.
 #[derive(Clone, Copy, Debug)]
-enum Kind {
+enum ColumnKind {
     Effect(&'static Effect, ParameterValues),
     /// On one drive only.
     OnDrive(&'static Effect, ParameterValues, usize),
@@ -167,7 +167,7 @@ impl Menu {
     fn basis(&mut self, bases: &[BasisFunction], detail: Detail) -> Choice {
         let first = self.columns.len();
         self.columns
-            .extend(bases.iter().map(|&basis| Kind::Basis(basis)));
+            .extend(bases.iter().map(|&basis| ColumnKind::Basis(basis)));
         Choice {
             amounts: (first..self.columns.len())
                 .map(|column| vec![column])
@@ -182,7 +182,7 @@ impl Menu {
             let given = given.get(i).copied().flatten();
             details[i] = given.or(detail.default.get()).into();
         }
-        self.columns.push(Kind::Effect(effect, details));
+        self.columns.push(ColumnKind::Effect(effect, details));
         self.columns.len() - 1
     }
 
@@ -201,14 +201,15 @@ impl Menu {
         drives: &[usize],
     ) -> Choice {
         let common = self.column(effect, &[Some(value)]);
-        let Kind::Effect(effect, details) = self.columns[common] else {
+        let ColumnKind::Effect(effect, details) = self.columns[common] else {
             unreachable!("it was just made");
         };
         self.columns.pop();
         let amounts = drives
             .iter()
             .map(|&drive| {
-                self.columns.push(Kind::OnDrive(effect, details, drive));
+                self.columns
+                    .push(ColumnKind::OnDrive(effect, details, drive));
                 vec![self.columns.len() - 1]
             })
             .collect();
@@ -223,7 +224,7 @@ impl Menu {
         let piece_m = road_m / pieces as f64;
         let first = self.columns.len();
         self.columns
-            .extend((0..pieces).map(|piece| Kind::Piece(piece, piece_m, forward)));
+            .extend((0..pieces).map(|piece| ColumnKind::Piece(piece, piece_m, forward)));
         let longest = (LONGEST_STRETCH * pieces as f64) as usize;
         let mut choices = Vec::new();
         for length in 1..=longest {
@@ -248,17 +249,21 @@ impl Menu {
         number: usize,
         drive: &LoggedDrive,
         places: Option<&[Option<RoadPlace>]>,
-    ) -> Vec<Column> {
+    ) -> Vec<ForceColumn> {
         self.columns
             .iter()
             .map(|kind| match kind {
-                Kind::OnDrive(_, _, other) if *other != number => vec![0.0; drive.samples.len()],
-                Kind::Effect(effect, details) | Kind::OnDrive(effect, details, _) => drive
-                    .samples
-                    .iter()
-                    .map(|sample| effect.derivative_n(vehicle, sample, details, 0.0))
-                    .collect(),
-                Kind::Piece(piece, piece_m, way) => drive
+                ColumnKind::OnDrive(_, _, other) if *other != number => {
+                    vec![0.0; drive.samples.len()]
+                }
+                ColumnKind::Effect(effect, details) | ColumnKind::OnDrive(effect, details, _) => {
+                    drive
+                        .samples
+                        .iter()
+                        .map(|sample| effect.derivative_n(vehicle, sample, details, 0.0))
+                        .collect()
+                }
+                ColumnKind::Piece(piece, piece_m, way) => drive
                     .samples
                     .iter()
                     .enumerate()
@@ -272,7 +277,7 @@ impl Menu {
                         if here { weight_n } else { 0.0 }
                     })
                     .collect(),
-                Kind::Basis(basis) => basis.column(drive),
+                ColumnKind::Basis(basis) => basis.column(drive),
             })
             .collect()
     }
@@ -282,10 +287,12 @@ impl Menu {
     pub fn variable(&self, choice: &Choice) -> Option<Variable> {
         let column = *choice.amounts.first()?.first()?;
         match (self.columns[column], choice.detail) {
-            (Kind::Piece(_, _, Some(forward)), _) => Some(Variable::Road(forward)),
-            (Kind::Basis(_), Detail::Period(period_s)) => Some(Variable::Phase(period_s)),
-            (Kind::Basis(BasisFunction::Bin(covariate, _)), _) => Some(Variable::Signal(covariate)),
-            (Kind::Basis(BasisFunction::Rises(play)), _) => Some(Variable::Rises(play)),
+            (ColumnKind::Piece(_, _, Some(forward)), _) => Some(Variable::Road(forward)),
+            (ColumnKind::Basis(_), Detail::Period(period_s)) => Some(Variable::Phase(period_s)),
+            (ColumnKind::Basis(BasisFunction::Bin(covariate, _)), _) => {
+                Some(Variable::Signal(covariate))
+            }
+            (ColumnKind::Basis(BasisFunction::Rises(play)), _) => Some(Variable::Rises(play)),
             _ => None,
         }
     }

@@ -1,7 +1,7 @@
 //! Plain dependences on time, place and signals, for what no effect explains.
 
 use super::drive::{LoggedDrive, RoadPlace};
-use super::evidence::Column;
+use super::evidence::ForceColumn;
 use estimator_core::Instant;
 use estimator_core::sample::Sample;
 use estimator_core::vehicle::GRAVITY;
@@ -50,7 +50,7 @@ pub enum Covariate {
 }
 
 impl BasisFunction {
-    pub(super) fn column(self, drive: &LoggedDrive) -> Column {
+    pub(super) fn column(self, drive: &LoggedDrive) -> ForceColumn {
         let samples = &drive.samples;
         let unit_n = |sample: &Sample| BASIS_UNIT * sample.forces.mass_kg * GRAVITY;
         let of_phase = |period_s: f64, wave: fn(f64) -> f64| {

@@ -1,8 +1,10 @@
 //! A log as the diagnosis sees it: what the core sampled, and where each cell lies.
 
 use crate::error::{Error, Result};
-use crate::map::{Network, Place, RoadLine, RoadPoint, match_track, road_of_run, track_of_run};
-use crate::recorder::{Recorder, Run};
+use crate::map::{
+    MatchedPlace, Network, RoadLine, RoadPoint, match_track, road_of_run, track_of_run,
+};
+use crate::recorder::{Recorder, SmoothedRun};
 use crate::source::input::for_each_input;
 use estimator_core::filter::Filter;
 use estimator_core::sample::Sample;
@@ -15,7 +17,7 @@ pub struct LoggedDrive {
     /// What the core sampled, one for each row of the run.
     pub samples: Vec<Sample>,
     /// The estimate.
-    pub run: Run,
+    pub run: SmoothedRun,
     /// A filter that begins as the estimator's did and knows the sensors' noise.
     pub filter: Filter<f64>,
 }
@@ -104,7 +106,7 @@ impl CommonRoad {
             .zip(&back)
             .map(|(there, back)| match (there, back) {
                 (
-                    Place::OnRoad {
+                    MatchedPlace::OnRoad {
                         distance_m: at_m, ..
                     },
                     _,
@@ -114,7 +116,7 @@ impl CommonRoad {
                 }),
                 (
                     _,
-                    Place::OnRoad {
+                    MatchedPlace::OnRoad {
                         distance_m: at_m, ..
                     },
                 ) => Some(RoadPlace {

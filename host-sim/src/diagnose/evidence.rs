@@ -22,11 +22,11 @@ use nalgebra::{DMatrix, DVector};
 const STRETCH_M: f64 = 4_000.0;
 
 /// Force in N that the model lacks in each cell of a drive, for one unit of an amount.
-pub type Column = Vec<f32>;
+pub type ForceColumn = Vec<f32>;
 
 /// Sums over one stretch of a drive: of response times response, and of response times innovation.
 #[derive(Clone, Debug)]
-pub struct Stretch {
+pub struct SegmentSums {
     /// Which drive it is of.
     pub drive: usize,
     /// Responses.
@@ -42,11 +42,11 @@ pub struct Stretch {
 #[derive(Clone, Debug, Default)]
 pub struct Evidence {
     /// In the order of the drives.
-    pub stretches: Vec<Stretch>,
+    pub stretches: Vec<SegmentSums>,
 }
 
-impl FromIterator<Stretch> for Evidence {
-    fn from_iter<I: IntoIterator<Item = Stretch>>(stretches: I) -> Self {
+impl FromIterator<SegmentSums> for Evidence {
+    fn from_iter<I: IntoIterator<Item = SegmentSums>>(stretches: I) -> Self {
         Self {
             stretches: stretches.into_iter().collect(),
         }
@@ -83,8 +83,8 @@ pub fn stretches(
     logged: &LoggedDrive,
     model: &Model,
     tuning: &Tuning,
-    columns: &[Column],
-) -> Vec<Stretch> {
+    columns: &[ForceColumn],
+) -> Vec<SegmentSums> {
     let mut context = Context {
         model: model.clone(),
         tuning: tuning.clone(),
@@ -93,7 +93,7 @@ pub fn stretches(
     let mut filter: Filter<f64> = Filter::new(tuning, &logged.filter.noise(), None);
     let mut errors = vec![StateVector::ZERO; columns.len()];
     let mut response = DVector::zeros(columns.len());
-    let empty = || Stretch {
+    let empty = || SegmentSums {
         drive,
         information: DMatrix::zeros(columns.len(), columns.len()),
         score: DVector::zeros(columns.len()),
@@ -140,7 +140,7 @@ impl Evidence {
     }
 }
 
-impl Stretch {
+impl SegmentSums {
     fn take(&mut self, record: &StepRecord<f64>, response: &DVector<f64>) {
         let Some(applied) = &record.smoother_input.altitude else {
             return;

@@ -2,7 +2,7 @@
 
 use super::dependence::Variable;
 use super::drive::{CommonRoad, LoggedDrive};
-use super::judgement::{self, Reference};
+use super::judgement::{self, ReferenceGrades};
 use crate::report::page::Figure;
 use crate::report::plot::{Plot, Series, colour};
 use estimator_core::Model;
@@ -19,7 +19,7 @@ pub fn picture(
     variable: Variable,
     drives: &[LoggedDrive],
     model: &Model,
-    references: &[Reference],
+    references: &[ReferenceGrades],
     road: Option<&CommonRoad>,
 ) -> Figure {
     let mut points: Vec<(f64, f64)> = Vec::new();

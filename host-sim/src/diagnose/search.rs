@@ -4,14 +4,14 @@ use super::candidates::{Detail, Menu};
 use super::drive::{CommonRoad, LoggedDrive};
 use super::evidence::{self, Evidence, WINDS_MPS, judging_tuning, stretches};
 use super::findings::Unexplained;
-use super::selection::{Case, Selection, Selector};
+use super::selection::{CandidateFit, Selection, Selector};
 use crate::files::vehicle::VehicleFile;
 use estimator_core::effect::{Varies, search_of};
 use estimator_core::{AdoptedEffect, Effect, Model, Tuning};
 use rayon::prelude::*;
 
 /// Drives with what is tried on them.
-pub struct Search<'a> {
+pub struct EffectSearch<'a> {
     drives: &'a [LoggedDrive],
     fitted: usize,
     model: &'a Model,
@@ -21,7 +21,7 @@ pub struct Search<'a> {
     menu: Menu,
 }
 
-impl<'a> Search<'a> {
+impl<'a> EffectSearch<'a> {
     /// The first `fitted` of the drives, which were read with this model, are to fit.
     #[must_use]
     pub fn new(
@@ -46,7 +46,7 @@ impl<'a> Search<'a> {
     /// What the drives say, with the wind that makes them most likely, and what that asks for.
     #[must_use]
     pub fn evidence(&self) -> (Evidence, Selection) {
-        let columns: Vec<Vec<evidence::Column>> = self
+        let columns: Vec<Vec<evidence::ForceColumn>> = self
             .drives
             .par_iter()
             .enumerate()
@@ -101,14 +101,14 @@ impl<'a> Search<'a> {
 
     /// Names of the effects of a group.
     #[must_use]
-    pub fn names(&self, group: &[Case]) -> Vec<&'static str> {
-        let name = |case: &Case| self.menu.candidates[case.candidate].name;
+    pub fn names(&self, group: &[CandidateFit]) -> Vec<&'static str> {
+        let name = |case: &CandidateFit| self.menu.candidates[case.candidate].name;
         group.iter().map(name).collect()
     }
 
     /// The effect of a case, ready for a vehicle file; none for a plain dependence.
     #[must_use]
-    pub fn adopted(&self, case: &Case) -> Option<AdoptedEffect> {
+    pub fn adopted(&self, case: &CandidateFit) -> Option<AdoptedEffect> {
         let candidate = &self.menu.candidates[case.candidate];
         let effect: &'static Effect = candidate.effect?;
         let (amount, sigma) = (case.amounts[0] as f32, case.sigmas[0] as f32);
@@ -159,7 +159,7 @@ impl<'a> Search<'a> {
 
     /// A plain dependence that was adopted.
     #[must_use]
-    pub fn unexplained(&self, case: &Case) -> Unexplained {
+    pub fn unexplained(&self, case: &CandidateFit) -> Unexplained {
         let candidate = &self.menu.candidates[case.candidate];
         let size = case.amounts.iter().map(|a| a * a).sum::<f64>().sqrt();
         let (where_or_when, rms_percent) = match candidate.choices[case.choice].detail {

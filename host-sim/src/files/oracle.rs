@@ -59,13 +59,13 @@ pub struct OracleFile {
     /// The vehicle as it is.
     pub vehicle: VehicleFile,
     /// True levels of the noise.
-    pub noise: NoiseLevels,
+    pub noise: OracleNoise,
 }
 
 /// `[noise]`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct NoiseLevels {
+pub struct OracleNoise {
     /// White noise of one wheel-speed reading, m/s.
     pub speed_sigma_mps: f64,
     /// White noise of one GNSS altitude, m.
@@ -148,7 +148,7 @@ impl OracleFile {
         };
         let toml_error = |e: toml::de::Error| key(e.to_string().trim_end().to_owned());
         let mut document: toml::Table = toml::from_str(&text).map_err(toml_error)?;
-        let noise: NoiseLevels = document
+        let noise: OracleNoise = document
             .remove("noise")
             .ok_or_else(|| key("missing [noise] (true levels of the noise)".to_owned()))?
             .try_into()
@@ -164,10 +164,11 @@ impl OracleFile {
     /// What the file system says.
     pub fn write(&self, path: &Path) -> Result<()> {
         #[derive(Serialize)]
-        struct Noise {
-            noise: NoiseLevels,
+        struct NoiseTable {
+            noise: OracleNoise,
         }
-        let noise = toml::to_string(&Noise { noise: self.noise }).expect("plain numbers are TOML");
+        let noise =
+            toml::to_string(&NoiseTable { noise: self.noise }).expect("plain numbers are TOML");
         write_whole(path, |out| {
             write!(out, "{}\n{noise}", self.vehicle.to_toml())
         })
@@ -224,7 +225,7 @@ impl OracleFile {
     }
 }
 
-impl NoiseLevels {
+impl OracleNoise {
     fn check(&self) -> std::result::Result<(), String> {
         let within = |name: &str, value: f64, least: f64, most: f64| {
             if (least..=most).contains(&value) {

@@ -32,13 +32,13 @@ pub fn is_parquet(path: &Path) -> bool {
 
 /// A column to write.
 #[derive(Debug)]
-pub struct Column {
+pub struct ParquetColumn {
     name: &'static str,
     values: ArrayRef,
     nullable: bool,
 }
 
-impl Column {
+impl ParquetColumn {
     /// Numbers that are all there.
     pub fn numbers(name: &'static str, values: impl Iterator<Item = f64>) -> Self {
         Self::new(
@@ -107,7 +107,11 @@ fn unit_of(name: &str) -> Option<&'static str> {
 ///
 /// # Errors
 /// What the file system says.
-pub fn stage(path: &Path, columns: Vec<Column>, metadata: &[(&str, String)]) -> Result<Staged> {
+pub fn stage(
+    path: &Path,
+    columns: Vec<ParquetColumn>,
+    metadata: &[(&str, String)],
+) -> Result<Staged> {
     let mut table = TableWriter::begin(path, &columns, metadata)?;
     table.write(columns)?;
     table.finish()
@@ -126,8 +130,12 @@ impl TableWriter {
     ///
     /// # Errors
     /// What the file system says.
-    pub fn begin(path: &Path, columns: &[Column], metadata: &[(&str, String)]) -> Result<Self> {
-        let fields: Vec<Field> = columns.iter().map(Column::field).collect();
+    pub fn begin(
+        path: &Path,
+        columns: &[ParquetColumn],
+        metadata: &[(&str, String)],
+    ) -> Result<Self> {
+        let fields: Vec<Field> = columns.iter().map(ParquetColumn::field).collect();
         let schema = Arc::new(Schema::new(fields));
         let metadata = metadata
             .iter()
@@ -151,7 +159,7 @@ impl TableWriter {
     ///
     /// # Errors
     /// What the file system says.
-    pub fn write(&mut self, columns: Vec<Column>) -> Result<()> {
+    pub fn write(&mut self, columns: Vec<ParquetColumn>) -> Result<()> {
         let values = columns.into_iter().map(|column| column.values).collect();
         RecordBatch::try_new(self.schema.clone(), values)
             .map_err(Into::into)

@@ -20,8 +20,8 @@ pub struct VehicleFile {
 
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Document {
-    vehicle: Vehicle,
+struct VehicleDocument {
+    vehicle: VehicleTable,
     #[serde(skip_serializing_if = "Option::is_none")]
     powertrain: Option<PowertrainTable>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -32,7 +32,7 @@ struct Document {
 
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Vehicle {
+struct VehicleTable {
     name: String,
     mass_kg: f32,
     drag_area_m2: f32,
@@ -89,7 +89,7 @@ impl VehicleFile {
     }
 
     fn checked(
-        document: std::result::Result<Document, toml::de::Error>,
+        document: std::result::Result<VehicleDocument, toml::de::Error>,
         path: &Path,
     ) -> Result<Self> {
         let key = |problem: String| Error::Key {
@@ -129,8 +129,8 @@ impl VehicleFile {
                 }),
             ),
         };
-        let document = Document {
-            vehicle: Vehicle {
+        let document = VehicleDocument {
+            vehicle: VehicleTable {
                 name: self.name.clone(),
                 mass_kg: p.mass_kg,
                 drag_area_m2: p.drag_area_m2,
@@ -165,7 +165,7 @@ impl From<&Powertrain> for PowertrainTable {
     }
 }
 
-impl Document {
+impl VehicleDocument {
     fn model(&self) -> std::result::Result<Model, String> {
         let traction = match (&self.powertrain, &self.traction) {
             (Some(p), None) => {

@@ -4,14 +4,14 @@ use super::publisher::Publisher;
 use super::session::{Reaction, Session};
 use super::show::Show;
 use super::stop_flag::stop_flag;
-use super::view::View;
+use super::view::LiveView;
 use crate::error::{Error, Result};
 use crate::files::output::Staged;
 use crate::files::vehicle::VehicleFile;
 use crate::files::{kept, tuning};
 use crate::recorder::{LongRun, Recorder};
 use crate::source::log_time;
-use crate::source::socketcan::{BusEvent, Received, Receiver, of_group, wanted};
+use crate::source::socketcan::{BusEvent, FrameReceiver, Received, of_group, wanted};
 use estimator_core::{Estimator, PersistentStateError};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -48,7 +48,7 @@ pub struct ListenRequest<'a> {
 /// A drive that is listened to.
 pub struct Listening<'a> {
     request: ListenRequest<'a>,
-    receiver: Receiver,
+    receiver: FrameReceiver,
     session: Session,
     publisher: Option<Publisher>,
     show: Show,
@@ -57,9 +57,9 @@ pub struct Listening<'a> {
 }
 
 /// What a drive that is over leaves.
-pub struct Ended {
+pub struct EndedDrive {
     /// The last view of it.
-    pub view: View,
+    pub view: LiveView,
     /// Whether that could be shown.
     pub shown: Result<()>,
     /// The run, smoothed as a whole.
@@ -100,7 +100,7 @@ impl<'a> Listening<'a> {
             filters.push(of_group(log_time::PGN));
         }
         let stop = stop_flag()?;
-        let receiver = Receiver::start(request.interfaces, &filters, Arc::clone(&stop))?;
+        let receiver = FrameReceiver::start(request.interfaces, &filters, Arc::clone(&stop))?;
         let address = request.address;
         let publisher = if address.is_some() || request.log_time {
             Some(Publisher::open(&request.interfaces[0], address)?)
@@ -167,7 +167,7 @@ impl<'a> Listening<'a> {
 
     /// Ends the drive: the last view, and smoothing over the whole of it.
     #[must_use]
-    pub fn finish(self) -> Ended {
+    pub fn finish(self) -> EndedDrive {
         let Self {
             mut session,
             publisher,
@@ -177,7 +177,7 @@ impl<'a> Listening<'a> {
         let view = session.view(publisher.and_then(|publisher| publisher.unsent()));
         let shown = show.show_last(&view);
         let (run, log) = session.finish();
-        Ended {
+        EndedDrive {
             view,
             shown,
             run,

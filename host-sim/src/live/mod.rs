@@ -10,7 +10,7 @@ mod show;
 mod stop_flag;
 pub mod view;
 
-pub use listening::{Ended, ListenRequest, Listening};
+pub use listening::{EndedDrive, ListenRequest, Listening};
 pub use publisher::Publisher;
 pub use session::{Reaction, Session};
 pub use show::Show;

@@ -1,6 +1,6 @@
 //! A view as text: a panel to watch, lines to keep, JSON to process.
 
-use super::view::{InterfaceView, View};
+use super::view::{InterfaceView, LiveView};
 use crate::terminal::counters::events;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
@@ -31,7 +31,7 @@ pub fn header() -> String {
 
 /// One line, under [`header`]; words and numbers apart by blanks, `-` for what is not known.
 #[must_use]
-pub fn line(view: &View) -> String {
+pub fn line(view: &LiveView) -> String {
     let live = view.live.as_ref();
     let number = |value: Option<f32>, decimals: usize, signed: bool| match value {
         Some(value) if signed => format!("{value:+.decimals$}"),
@@ -69,7 +69,7 @@ fn joined(cells: &[String; COLUMNS.len()]) -> String {
 
 /// The same and more as JSON.
 #[must_use]
-pub fn json(view: &View) -> Value {
+pub fn json(view: &LiveView) -> Value {
     let live = view.live.as_ref();
     let uncertain =
         |value: estimator_core::Uncertain| json!({ "value": value.value, "sigma": value.sigma });
@@ -89,7 +89,7 @@ pub fn json(view: &View) -> Value {
 }
 
 /// The core's counts, and those of this program, by name.
-fn counts(view: &View) -> Value {
+fn counts(view: &LiveView) -> Value {
     let mut counts: serde_json::Map<String, Value> = events(&view.counters)
         .into_iter()
         .map(|(name, count)| (name.to_owned(), count.into()))
@@ -100,7 +100,7 @@ fn counts(view: &View) -> Value {
     counts.into()
 }
 
-fn own_counts(view: &View) -> Vec<(&'static str, u64)> {
+fn own_counts(view: &LiveView) -> Vec<(&'static str, u64)> {
     let mut counts = Vec::new();
     if view.untimed > 0 {
         counts.push(("frames without a log time", view.untimed));
@@ -113,7 +113,7 @@ fn own_counts(view: &View) -> Vec<(&'static str, u64)> {
 
 /// The panel, several lines of it.
 #[must_use]
-pub fn panel(view: &View) -> String {
+pub fn panel(view: &LiveView) -> String {
     let mut out = String::new();
     let _ = writeln!(out, "time      {}   {}", clock(view.time_s), view.mode());
     match &view.live {

@@ -3,7 +3,7 @@
 use crate::error::Result;
 use crate::source::can_frame::CanFrame;
 use crate::source::log_time::LogTime;
-use crate::source::socketcan::Sender;
+use crate::source::socketcan::FrameSender;
 use estimator_core::{Cell, Live, broadcast};
 use std::time::{Duration, Instant as Monotonic};
 
@@ -16,7 +16,7 @@ const RETRY: Duration = Duration::from_millis(500);
 #[derive(Debug)]
 pub struct Publisher {
     name: String,
-    sender: Option<Sender>,
+    sender: Option<FrameSender>,
     look_at: Monotonic,
     /// Our address, if the estimate is to be sent.
     address: Option<u8>,
@@ -33,7 +33,7 @@ impl Publisher {
         let now = Monotonic::now();
         Ok(Self {
             name: name.to_owned(),
-            sender: Some(Sender::open(name, &[])?),
+            sender: Some(FrameSender::open(name, &[])?),
             look_at: now,
             address,
             next: now,
@@ -82,7 +82,7 @@ impl Publisher {
 
     fn try_send(&mut self, frame: &CanFrame) -> bool {
         if self.sender.is_none() && Monotonic::now() >= self.look_at {
-            self.sender = Sender::open(&self.name, &[]).ok();
+            self.sender = FrameSender::open(&self.name, &[]).ok();
             self.look_at = Monotonic::now() + RETRY;
         }
         let sent = self.sender.as_ref().map(|sender| sender.try_send(frame));

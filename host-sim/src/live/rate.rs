@@ -8,11 +8,11 @@ const WINDOW: Duration = Duration::from_secs(1);
 
 /// The rate of something that is counted.
 #[derive(Clone, Debug)]
-pub(super) struct Rate {
+pub(super) struct EventRate {
     counts: VecDeque<(Monotonic, u64)>,
 }
 
-impl Rate {
+impl EventRate {
     /// Begins with nothing counted.
     pub(super) fn new(now: Monotonic) -> Self {
         Self {

@@ -3,7 +3,7 @@
 use crate::error::{Error, Result};
 use crate::source::can_frame::TimedFrame;
 use crate::source::log_time::LogTime;
-use crate::source::socketcan::Sender;
+use crate::source::socketcan::FrameSender;
 use estimator_core::Instant;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -45,7 +45,7 @@ pub struct Sent {
 #[derive(Debug)]
 pub struct Replay<'a> {
     name: &'a str,
-    sender: Sender,
+    sender: FrameSender,
     pace: Pace,
     tells_time: bool,
     stop: &'a AtomicBool,
@@ -62,7 +62,7 @@ impl<'a> Replay<'a> {
     #[must_use]
     pub fn new(
         name: &'a str,
-        sender: Sender,
+        sender: FrameSender,
         pace: Pace,
         tells_time: bool,
         stop: &'a AtomicBool,

@@ -1,7 +1,7 @@
 //! One drive, live: what is received becomes an estimate, a log, and counts.
 
-use super::rate::Rate;
-use super::view::{InterfaceView, View};
+use super::rate::EventRate;
+use super::view::{InterfaceView, LiveView};
 use crate::error::{Error, Result};
 use crate::files::output::{Staged, Writing};
 use crate::recorder::{LongRun, Recorder};
@@ -46,7 +46,7 @@ pub struct Session {
     cells: Vec<Cell>,
     newest_cell: Option<Cell>,
     timing: Timing,
-    interfaces: Vec<(InterfaceView, Rate)>,
+    interfaces: Vec<(InterfaceView, EventRate)>,
     log: Option<(PathBuf, Writing)>,
     start: Option<Instant>,
     newest: Instant,
@@ -71,7 +71,7 @@ impl Session {
                 name: name.clone(),
                 ..InterfaceView::default()
             };
-            (view, Rate::new(now))
+            (view, EventRate::new(now))
         };
         let log = match log {
             Some(path) => Some((path.to_owned(), Writing::begin(path)?)),
@@ -160,14 +160,14 @@ impl Session {
     }
 
     /// What there is to see.
-    pub fn view(&mut self, unpublished: Option<u64>) -> View {
+    pub fn view(&mut self, unpublished: Option<u64>) -> LiveView {
         let now = Monotonic::now();
         for (view, rate) in &mut self.interfaces {
             view.frames_per_s = rate.update(now, view.frames);
         }
         let estimator = self.recorder.estimator();
         let start = self.start.unwrap_or(self.newest);
-        View {
+        LiveView {
             time_s: self.newest.since(start).micros() as f64 * 1e-6,
             live: estimator.live(),
             is_silent: now.duration_since(self.heard) > SILENCE,

@@ -1,7 +1,7 @@
 //! Where a view goes: a panel on a terminal, lines elsewhere.
 
 use super::panel::{header, json, line, panel};
-use super::view::View;
+use super::view::LiveView;
 use crate::error::Result;
 use crate::terminal::print::print;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -74,7 +74,7 @@ impl Show {
     ///
     /// # Errors
     /// If stdout cannot be written.
-    pub fn show(&mut self, view: &View) -> Result<()> {
+    pub fn show(&mut self, view: &LiveView) -> Result<()> {
         let period = match &self.medium {
             Medium::Panel(_) => PANEL_PERIOD,
             _ => LINE_PERIOD,
@@ -102,7 +102,7 @@ impl Show {
     ///
     /// # Errors
     /// If stdout cannot be written.
-    pub fn show_last(&mut self, view: &View) -> Result<()> {
+    pub fn show_last(&mut self, view: &LiveView) -> Result<()> {
         self.show(view)?;
         if let Medium::Panel(bar) = &self.medium {
             bar.abandon();

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 /// Everything that is shown.
 #[derive(Clone, Debug)]
-pub struct View {
+pub struct LiveView {
     /// Time of the newest frame, from the first, s.
     pub time_s: f64,
     /// The estimate, once there is one.
@@ -48,7 +48,7 @@ fn by_name<S: Serializer>(events: &BTreeMap<BusEvent, u64>, to: S) -> Result<S::
     to.collect_map(events)
 }
 
-impl View {
+impl LiveView {
     /// What the estimate is worth now, in a word or two.
     #[must_use]
     pub fn mode(&self) -> String {

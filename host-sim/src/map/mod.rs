@@ -26,7 +26,7 @@ pub use geometry::grid::GRID_M;
 pub use geometry::network::Network;
 pub use geometry::road_line::{RoadLine, RoadPoint, RoadProblem};
 pub use geometry::way_index::Way;
-pub use geometry::way_name::{Direction, WayName};
+pub use geometry::way_name::{WayDirection, WayName};
 pub use io::map_file::{
     read as read_map, read_ways as read_map_ways, stage as stage_map, stage_ways as stage_map_ways,
     write as write_map,
@@ -38,9 +38,9 @@ pub use io::road_file::read as read_road;
 pub use io::road_row::RoadRow;
 pub use io::run_list::RunList;
 pub use io::session_name::check_session_name;
-pub use io::store::{Store, read as read_store, stage as stage_store};
+pub use io::store::{MapStore, read as read_store, stage as stage_store};
 pub use io::store_row::StoredWay;
 pub use io::ways_csv::write as write_ways_csv;
 pub use matching::placing::{Coverage, PlacedCell, PlacedRun, place};
 pub use matching::track::{road_of_run, track_of_run};
-pub use matching::viterbi::{Place, TrackPoint, match_track};
+pub use matching::viterbi::{MatchedPlace, TrackPoint, match_track};

@@ -1,12 +1,12 @@
 //! Feeds one drive to an estimator and stores what comes out.
 
-use super::long_run::{LongRun, Rows, Run, no_room};
+use super::long_run::{LongRun, Rows, SmoothedRun, no_room};
 use crate::error::Result;
 use crate::files::run::RunRow;
 use crate::files::spool::{Spool, blocks};
 use crate::smooth::{Samples, SmoothedCell, smooth_segments};
 use crate::source::can_frame::TimedFrame;
-use crate::source::input::Input;
+use crate::source::input::LogInput;
 use estimator_core::sample::Sample;
 use estimator_core::{
     Cell, Estimator, Instant, Model, ParameterError, Reading, Scalar, Tuning, Uncertain,
@@ -72,10 +72,10 @@ impl<S: Scalar> Recorder<S> {
     }
 
     /// Takes one input of a log.
-    pub fn on_input(&mut self, input: &Input) {
+    pub fn on_input(&mut self, input: &LogInput) {
         match input {
-            Input::Frame(frame) => self.on_frame(frame),
-            Input::Reading(time, reading) => self.on_reading(*time, *reading),
+            LogInput::Frame(frame) => self.on_frame(frame),
+            LogInput::Reading(time, reading) => self.on_reading(*time, *reading),
         }
     }
 
@@ -136,7 +136,7 @@ impl<S: Scalar> Recorder<S> {
     ///
     /// # Errors
     /// As [`end`](Self::end).
-    pub fn finish(self) -> Result<Run> {
+    pub fn finish(self) -> Result<SmoothedRun> {
         self.end()?.in_memory()
     }
 
@@ -144,7 +144,7 @@ impl<S: Scalar> Recorder<S> {
     ///
     /// # Errors
     /// As [`end`](Self::end).
-    pub fn finish_with_samples(mut self) -> Result<(Run, Vec<Sample>)> {
+    pub fn finish_with_samples(mut self) -> Result<(SmoothedRun, Vec<Sample>)> {
         let run = self.smooth().map_err(no_room)?.in_memory()?;
         // Before the first speed there is a sample and no row.
         let all = self.samples.count();

@@ -8,7 +8,7 @@ use std::io;
 
 /// A whole drive, smoothed.
 #[derive(Debug)]
-pub struct Run {
+pub struct SmoothedRun {
     /// Its cells.
     pub rows: Vec<RunRow>,
     /// What happened on the way.
@@ -33,13 +33,13 @@ impl LongRun {
     ///
     /// # Errors
     /// What the file system says, where the rows are in a temporary file.
-    pub fn in_memory(mut self) -> Result<Run> {
+    pub fn in_memory(mut self) -> Result<SmoothedRun> {
         let mut rows = Vec::with_capacity(self.rows.count());
         self.rows.each(&mut |row| {
             rows.push(*row);
             Ok(())
         })?;
-        Ok(Run {
+        Ok(SmoothedRun {
             rows,
             counters: self.counters,
             kept: self.kept,

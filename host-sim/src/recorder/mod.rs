@@ -11,6 +11,6 @@ mod summary;
 
 pub use drive_recorder::Recorder;
 pub use estimate_log::estimate_log;
-pub use long_run::{LongRun, Rows, Run};
+pub use long_run::{LongRun, Rows, SmoothedRun};
 pub use missing::missing;
-pub use summary::Summary;
+pub use summary::RunSummary;

@@ -10,7 +10,7 @@ use serde::Serialize;
 
 /// What a drive came to.
 #[derive(Debug, Default, Serialize)]
-pub struct Summary {
+pub struct RunSummary {
     distance_km: f64,
     duration_s: f64,
     cells: usize,
@@ -24,7 +24,7 @@ pub struct Summary {
     events: Vec<(&'static str, u64)>,
 }
 
-impl Summary {
+impl RunSummary {
     /// Of a run.
     ///
     /// # Errors

@@ -1,7 +1,7 @@
 //! A map against a reference.
 
 use super::score_row::{ScoreRow, Sums, Unscorable, is_end};
-use crate::map::{MapRow, Network, Place, RoadLine, RoadRow, TrackPoint, match_track};
+use crate::map::{MapRow, MatchedPlace, Network, RoadLine, RoadRow, TrackPoint, match_track};
 use crate::numeric::series::linear;
 
 /// Compares a map with a reference by distance: pairs of distance, m, and grade, %, sorted. Both
@@ -40,7 +40,7 @@ pub fn score_map_on_road(map: &[MapRow], reference: &[RoadRow]) -> Result<ScoreR
     let places: Vec<Option<f64>> = match_track(&road, &track)
         .into_iter()
         .map(|place| match place {
-            Place::OnRoad { distance_m, .. } => Some(distance_m),
+            MatchedPlace::OnRoad { distance_m, .. } => Some(distance_m),
             _ => None,
         })
         .collect();

@@ -2,7 +2,7 @@
 
 use super::rivals::{ORACLE, Rival};
 use super::score_row::{ScoreRow, Sums, Unscorable, is_end};
-use crate::comparison::Method;
+use crate::comparison::ComparisonMethod;
 use crate::files::run::RunRow;
 use crate::files::truth::TruthRow;
 use crate::numeric::series::linear;
@@ -78,7 +78,7 @@ pub fn score_run_beside(
 /// Fills in the ratio of each row of a run, where the oracle has an estimate on the same cells.
 fn compare_with_oracle(rows: &mut [ScoreRow]) {
     let [oracle, oracle_lagged, oracle_live] = ORACLE;
-    let [original, modified] = Method::BOTH.map(Method::word);
+    let [original, modified] = ComparisonMethod::BOTH.map(ComparisonMethod::word);
     for (estimate, oracle) in [
         ("smoothed", oracle),
         ("lagged", oracle_lagged),

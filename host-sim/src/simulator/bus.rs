@@ -1,6 +1,6 @@
 //! The bus: each message at its own rate from its own controller, one frame after the other.
 
-use super::gnss::Gnss;
+use super::gnss::GnssReceiver;
 use super::random::{Purpose, stream};
 use super::scenario::Scenario;
 use super::sensors::Sensors;
@@ -34,7 +34,7 @@ const BIT_S: f64 = 4e-6;
 
 /// When a message of one controller is sent next.
 #[derive(Clone, Copy, Debug)]
-struct Sender {
+struct MessageSchedule {
     pgn: u32,
     address: u8,
     priority: u8,
@@ -49,11 +49,11 @@ struct Sender {
 
 /// The traffic of one run, in order of time.
 #[derive(Debug)]
-pub struct Bus<'a> {
+pub struct BusTraffic<'a> {
     sensors: Sensors<'a>,
-    gnss: Gnss<'a>,
+    gnss: GnssReceiver<'a>,
     gnss_latency_s: f64,
-    senders: Vec<Sender>,
+    senders: Vec<MessageSchedule>,
     log_start_s: f64,
     end_s: f64,
     /// When the bus is free again.
@@ -62,13 +62,13 @@ pub struct Bus<'a> {
     rng: ChaCha8Rng,
 }
 
-impl<'a> Bus<'a> {
+impl<'a> BusTraffic<'a> {
     /// The bus of run `index`.
     pub fn new(
         scenario: &Scenario,
         index: usize,
         sensors: Sensors<'a>,
-        gnss: Gnss<'a>,
+        gnss: GnssReceiver<'a>,
         end_s: f64,
     ) -> Self {
         let mut rng = stream(scenario.seed, index, Purpose::Bus);
@@ -78,7 +78,7 @@ impl<'a> Bus<'a> {
                 let period_s = 1e-3 * period_ms;
                 // What is sent rarely would else be missing from the log's first seconds.
                 let phase_s = rng.random_range(0.0..period_s.min(1.0));
-                Sender {
+                MessageSchedule {
                     pgn,
                     address,
                     priority: messages()
@@ -113,7 +113,7 @@ impl<'a> Bus<'a> {
         else {
             return false;
         };
-        let Sender {
+        let MessageSchedule {
             pgn,
             address,
             priority,
@@ -158,7 +158,7 @@ impl<'a> Bus<'a> {
     }
 }
 
-impl Iterator for Bus<'_> {
+impl Iterator for BusTraffic<'_> {
     type Item = TimedFrame;
 
     fn next(&mut self) -> Option<TimedFrame> {

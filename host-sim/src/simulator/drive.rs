@@ -4,7 +4,7 @@
 
 use super::driver::{Brake, CruiseControl, SET_SPEED_MPS};
 use super::gearbox::{Flow, Gearbox, Situation, cruising_gear, launch_gear};
-use super::planted::{Place, Planted};
+use super::planted::{ContactPoint, PlantedEffects};
 use super::random::{OrnsteinUhlenbeck, Purpose, stream};
 use super::road::Road;
 use super::scenario::Scenario;
@@ -74,7 +74,7 @@ impl DriveState {
 
 /// A traversal.
 #[derive(Clone, Debug)]
-pub struct Drive {
+pub struct SimulatedDrive {
     /// The road in the direction of travel.
     pub road: Road,
     /// The true vehicle.
@@ -83,7 +83,7 @@ pub struct Drive {
     pub states: Vec<DriveState>,
 }
 
-impl Drive {
+impl SimulatedDrive {
     /// When the last step begins, s.
     #[must_use]
     pub fn duration_s(&self) -> f64 {
@@ -121,7 +121,7 @@ struct Journey<'a> {
     tyres: Tyres,
     /// How long the tyres have rolled, s.
     rolled_s: f64,
-    planted: Planted,
+    planted: PlantedEffects,
     /// Length of the road if it is driven against its direction, m.
     turned_m: Option<f64>,
     /// What the log's clock shows, s.
@@ -143,7 +143,7 @@ struct Journey<'a> {
 ///
 /// # Panics
 /// If the scenario has no run `index`.
-pub fn drive(scenario: &Scenario, index: usize) -> Result<Drive> {
+pub fn drive(scenario: &Scenario, index: usize) -> Result<SimulatedDrive> {
     let run = &scenario.runs[index];
     let road = if run.backward {
         scenario.road.reversed()
@@ -180,7 +180,7 @@ pub fn drive(scenario: &Scenario, index: usize) -> Result<Drive> {
             ));
         }
     }
-    Ok(Drive {
+    Ok(SimulatedDrive {
         road,
         truck,
         states,
@@ -202,7 +202,7 @@ impl<'a> Journey<'a> {
             gust_rng,
             tyres: scenario.tyres,
             rolled_s: run.tyres_driven_s,
-            planted: Planted::new(&scenario.planted, scenario.seed, index),
+            planted: PlantedEffects::new(&scenario.planted, scenario.seed, index),
             turned_m: run.backward.then(|| road.length_m()),
             clock_s: run.start_time_s,
             cruise: CruiseControl::default(),
@@ -257,8 +257,8 @@ impl<'a> Journey<'a> {
                 .resistance_n(self.truck, self.place(ahead_m), self.speed_mps)
     }
 
-    fn place(&self, distance_m: f64) -> Place {
-        Place {
+    fn place(&self, distance_m: f64) -> ContactPoint {
+        ContactPoint {
             stored_m: self
                 .turned_m
                 .map_or(distance_m, |length_m| length_m - distance_m),

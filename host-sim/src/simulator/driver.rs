@@ -28,7 +28,7 @@ pub struct CruiseControl {
 
 /// What cruise control asks of the engine.
 #[derive(Clone, Copy, Debug)]
-pub struct TorqueWish {
+pub struct TorqueRequest {
     /// Net torque within the engine's limits, Nm.
     pub net_nm: f64,
     /// More was wanted than the engine has.
@@ -51,14 +51,14 @@ impl CruiseControl {
         force_per_kg_nm: f64,
         limits_nm: (f64, f64),
         step_s: f64,
-    ) -> TorqueWish {
+    ) -> TorqueRequest {
         let error_mps = SET_SPEED_MPS - speed_mps;
         let wanted = (PROPORTIONAL_PER_S * error_mps + self.integral_mps2) / force_per_kg_nm;
         let net_nm = wanted.clamp(limits_nm.0, limits_nm.1);
         if (wanted - net_nm) * error_mps <= 0.0 {
             self.integral_mps2 += INTEGRAL_PER_S2 * error_mps * step_s;
         }
-        TorqueWish {
+        TorqueRequest {
             net_nm,
             at_full_load: wanted > limits_nm.1,
         }

@@ -50,7 +50,7 @@ pub struct Situation {
 
 /// A shift under way.
 #[derive(Clone, Copy, Debug)]
-struct Shift {
+struct ShiftInProgress {
     to: usize,
     elapsed_s: f64,
     duration_s: f64,
@@ -76,7 +76,7 @@ pub enum Flow {
 #[derive(Clone, Debug)]
 pub struct Gearbox {
     gear: usize,
-    shift: Option<Shift>,
+    shift: Option<ShiftInProgress>,
     rested_s: f64,
     rng: ChaCha8Rng,
 }
@@ -121,7 +121,7 @@ impl Gearbox {
         if self.shift.is_none() {
             self.rested_s += step_s;
             if let Some(to) = self.wanted(truck, now) {
-                self.shift = Some(Shift {
+                self.shift = Some(ShiftInProgress {
                     to,
                     elapsed_s: 0.0,
                     duration_s: self.rng.random_range(SHIFT_S),

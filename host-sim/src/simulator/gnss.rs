@@ -3,7 +3,7 @@
 //! An Ornstein-Uhlenbeck process in time stands for what atmosphere, orbits and multipath make
 //! of a single-frequency fix; a little white noise on top is the receiver's own.
 
-use super::drive::Drive;
+use super::drive::SimulatedDrive;
 use super::random::{OrnsteinUhlenbeck, Purpose, normal, stream};
 use super::scenario::Scenario;
 use super::scenario_file::GnssErrors;
@@ -17,7 +17,7 @@ const VDOP_TO_HDOP: f64 = 1.4;
 
 /// What the receiver tells at one moment.
 #[derive(Clone, Copy, Debug)]
-pub struct Fix {
+pub struct GnssFix {
     has_fix: bool,
     latitude_e7: i32,
     longitude_e7: i32,
@@ -30,8 +30,8 @@ pub struct Fix {
 
 /// The receiver of one run.
 #[derive(Debug)]
-pub struct Gnss<'a> {
-    drive: &'a Drive,
+pub struct GnssReceiver<'a> {
+    drive: &'a SimulatedDrive,
     errors: GnssErrors,
     /// Length of the road if it is driven against its direction, m: faults lie on it as stored.
     turned_m: Option<f64>,
@@ -43,10 +43,10 @@ pub struct Gnss<'a> {
     rng: ChaCha8Rng,
 }
 
-impl<'a> Gnss<'a> {
+impl<'a> GnssReceiver<'a> {
     /// The receiver of run `index`.
     #[must_use]
-    pub fn new(scenario: &Scenario, index: usize, drive: &'a Drive) -> Self {
+    pub fn new(scenario: &Scenario, index: usize, drive: &'a SimulatedDrive) -> Self {
         let mut rng = stream(scenario.seed, index, Purpose::Gnss);
         let errors = scenario.gnss.clone();
         let turned_m = scenario.runs[index].backward.then(|| drive.road.length_m());
@@ -70,7 +70,7 @@ impl<'a> Gnss<'a> {
     }
 
     /// The fix for a moment of the drive; moments are asked for in order.
-    pub fn fix(&mut self, time_s: f64) -> Fix {
+    pub fn fix(&mut self, time_s: f64) -> GnssFix {
         let seconds = (time_s - self.last_s).max(0.0);
         self.last_s = time_s;
         let rng = &mut self.rng;
@@ -90,7 +90,7 @@ impl<'a> Gnss<'a> {
         let place = road.position(state.distance_m).moved(north_m, east_m);
         let course_deg = road.course_rad(state.distance_m).to_degrees()
             + self.errors.course_sigma_deg * normal(rng);
-        Fix {
+        GnssFix {
             has_fix: !self
                 .errors
                 .outages_m
@@ -128,7 +128,7 @@ impl GnssErrors {
     }
 }
 
-impl Fix {
+impl GnssFix {
     /// The value of one of the receiver's signals.
     #[must_use]
     pub fn value(&self, signal: Signal) -> Value {

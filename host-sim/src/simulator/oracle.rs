@@ -4,7 +4,7 @@
 use super::recording::Recording;
 use super::scenario_file::Wind;
 use crate::files::oracle::{
-    ColdTyres, Headwind, LONGEST_TIME_S, NoiseLevels, OracleFile, SlowAltitude,
+    ColdTyres, Headwind, LONGEST_TIME_S, OracleFile, OracleNoise, SlowAltitude,
 };
 use crate::files::vehicle::VehicleFile;
 use crate::numeric::rounding::round;
@@ -33,7 +33,7 @@ impl Recording<'_> {
                     effects: run.vehicle.model.effects.clone(),
                 },
             },
-            noise: NoiseLevels {
+            noise: OracleNoise {
                 speed_sigma_mps: scenario.noise.speed_sigma_mps,
                 gnss_white_sigma_m: gnss.altitude_white_sigma_m,
                 gnss_latency_s: 1e-3 * scenario.latency_ms.gnss,

@@ -1,6 +1,6 @@
 //! What is planted in one drive: the forces of [`PlantedTable`] as they act, moment by moment.
 
-use super::planted_file::{PlantedTable, Stretch};
+use super::planted_file::{PlantedTable, ResistanceSection};
 use super::random::{Purpose, stream};
 use super::truck::{GRAVITY, Truck};
 use rand::RngExt;
@@ -15,7 +15,7 @@ const FAN_SPREAD: Range<f64> = 0.3..1.7;
 
 /// A place as the road's surface and the tyres meet it.
 #[derive(Clone, Copy, Debug)]
-pub struct Place {
+pub struct ContactPoint {
     /// Along the road in its forward direction, m.
     pub stored_m: f64,
     /// Driven in that direction.
@@ -26,7 +26,7 @@ pub struct Place {
 
 /// The effects of one drive.
 #[derive(Clone, Debug)]
-pub struct Planted {
+pub struct PlantedEffects {
     table: PlantedTable,
     fan: Fan,
     /// Torque that arrives at the driveline, a play behind the engine's, Nm.
@@ -70,7 +70,7 @@ impl Fan {
     }
 }
 
-impl Planted {
+impl PlantedEffects {
     /// What is planted in run `index` of the scenario seeded with `seed`.
     #[must_use]
     pub fn new(table: &PlantedTable, seed: u64, index: usize) -> Self {
@@ -101,7 +101,7 @@ impl Planted {
 
     /// What holds the vehicle back from outside or at its wheels, N.
     #[must_use]
-    pub fn resistance_n(&self, truck: &Truck, place: Place, speed_mps: f64) -> f64 {
+    pub fn resistance_n(&self, truck: &Truck, place: ContactPoint, speed_mps: f64) -> f64 {
         let weight_n = truck.mass_kg * GRAVITY;
         let lateral = speed_mps * speed_mps * place.curvature_per_m / GRAVITY;
         let cornering = self.table.cornering_compliance_rad * lateral * lateral;
@@ -143,7 +143,7 @@ impl Planted {
     }
 }
 
-fn rolling_at(stretches: &[Stretch], stored_m: f64) -> f64 {
+fn rolling_at(stretches: &[ResistanceSection], stored_m: f64) -> f64 {
     stretches
         .iter()
         .filter(|&&(from_m, to_m, _)| (from_m..to_m).contains(&stored_m))

@@ -28,7 +28,7 @@ use super::range_check::check;
 use serde::Deserialize;
 
 /// A stretch of road, from and to in m, and what it adds to the rolling resistance.
-pub type Stretch = (f64, f64, f64);
+pub type ResistanceSection = (f64, f64, f64);
 
 /// The table.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -41,8 +41,8 @@ pub struct PlantedTable {
     pub fan_period_s: f64,
     pub brake_drag_n: f64,
     pub wheel_radius_factor: f64,
-    pub rough: Vec<Stretch>,
-    pub side_resistance: Vec<Stretch>,
+    pub rough: Vec<ResistanceSection>,
+    pub side_resistance: Vec<ResistanceSection>,
     pub torque_hysteresis: f64,
     pub thermostat_w: f64,
     pub thermostat_period_s: f64,

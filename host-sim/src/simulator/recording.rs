@@ -1,8 +1,8 @@
 //! A run that is driven, and what of it goes on the bus.
 
-use super::bus::Bus;
-use super::drive::{self, Drive};
-use super::gnss::Gnss;
+use super::bus::BusTraffic;
+use super::drive::{self, SimulatedDrive};
+use super::gnss::GnssReceiver;
 use super::scenario::Scenario;
 use super::sensors::Sensors;
 use crate::error::Result;
@@ -53,7 +53,7 @@ pub fn simulate(scenario: &Scenario, index: usize) -> Result<SimulatedRun> {
 pub struct Recording<'a> {
     pub(super) scenario: &'a Scenario,
     pub(super) index: usize,
-    pub(super) drive: Drive,
+    pub(super) drive: SimulatedDrive,
 }
 
 impl<'a> Recording<'a> {
@@ -75,15 +75,15 @@ impl<'a> Recording<'a> {
 
     /// What was driven, step by step.
     #[must_use]
-    pub const fn drive(&self) -> &Drive {
+    pub const fn drive(&self) -> &SimulatedDrive {
         &self.drive
     }
 
     /// The bus traffic, in order of time. Each call gives the same frames.
     pub fn frames(&self) -> impl Iterator<Item = TimedFrame> {
         let sensors = Sensors::new(self.scenario, self.index, &self.drive);
-        let gnss = Gnss::new(self.scenario, self.index, &self.drive);
-        Bus::new(
+        let gnss = GnssReceiver::new(self.scenario, self.index, &self.drive);
+        BusTraffic::new(
             self.scenario,
             self.index,
             sensors,

@@ -19,7 +19,7 @@ pub struct Node {
 
 /// A node with what follows from its neighbours.
 #[derive(Clone, Copy, Debug)]
-struct Point {
+struct NodeGeometry {
     node: Node,
     altitude_m: f64,
     course_rad: f64,
@@ -29,7 +29,7 @@ struct Point {
 /// A road in one direction of travel, from 0 to its length.
 #[derive(Clone, Debug)]
 pub struct Road {
-    points: Vec<Point>,
+    points: Vec<NodeGeometry>,
 }
 
 impl Road {
@@ -45,7 +45,7 @@ impl Road {
             return None;
         }
         let mut altitude_m = start_altitude_m;
-        let mut points: Vec<Point> = Vec::with_capacity(nodes.len());
+        let mut points: Vec<NodeGeometry> = Vec::with_capacity(nodes.len());
         for (index, node) in nodes.iter().enumerate() {
             if let Some(last) = points.last() {
                 let length_m = node.distance_m - last.node.distance_m;
@@ -53,7 +53,7 @@ impl Road {
             }
             let before = nodes[index.saturating_sub(1)];
             let after = nodes[(index + 1).min(nodes.len() - 1)];
-            points.push(Point {
+            points.push(NodeGeometry {
                 node: *node,
                 altitude_m,
                 course_rad: before.position.course_to_rad(after.position),
@@ -77,7 +77,7 @@ impl Road {
             .points
             .iter()
             .rev()
-            .map(|point| Point {
+            .map(|point| NodeGeometry {
                 node: Node {
                     distance_m: length_m - point.node.distance_m,
                     grade: -point.node.grade,
@@ -142,7 +142,7 @@ impl Road {
     }
 
     /// The points on either side, and the part of the way between them.
-    fn between(&self, distance_m: f64) -> (&Point, &Point, f64) {
+    fn between(&self, distance_m: f64) -> (&NodeGeometry, &NodeGeometry, f64) {
         let after = self
             .points
             .partition_point(|point| point.node.distance_m <= distance_m)

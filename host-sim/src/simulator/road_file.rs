@@ -14,7 +14,7 @@ const STEEPEST_PERCENT: f64 = 35.0;
 /// One row. Altitude is read from the first row only: from there on it is the integral of the
 /// grade, so that the simulated truth is consistent.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-struct RoadRow {
+struct RoadFileRow {
     distance_m: f64,
     latitude_deg: f64,
     longitude_deg: f64,
@@ -27,7 +27,7 @@ struct RoadRow {
 /// # Errors
 /// With file, line and what was expected.
 pub fn read(path: &Path) -> Result<Road> {
-    let rows: Vec<RoadRow> = read_csv(path)?;
+    let rows: Vec<RoadFileRow> = read_csv(path)?;
     let mut last_m = f64::NEG_INFINITY;
     for (index, row) in rows.iter().enumerate() {
         // The header is line 1.
@@ -53,7 +53,7 @@ pub fn read(path: &Path) -> Result<Road> {
 }
 
 /// What is wrong with a row, and what would do.
-fn check(row: &RoadRow, last_m: f64) -> std::result::Result<(), (String, String)> {
+fn check(row: &RoadFileRow, last_m: f64) -> std::result::Result<(), (String, String)> {
     let within = |name: &str, value: f64, limit: f64| {
         if value.abs() <= limit {
             Ok(())
@@ -82,7 +82,7 @@ fn check(row: &RoadRow, last_m: f64) -> std::result::Result<(), (String, String)
 pub fn write(path: &Path, road: &Road) -> Result<()> {
     write_csv(
         path,
-        road.nodes().map(|(node, altitude_m)| RoadRow {
+        road.nodes().map(|(node, altitude_m)| RoadFileRow {
             distance_m: round(node.distance_m, 3),
             latitude_deg: round(node.position.latitude_deg, 9),
             longitude_deg: round(node.position.longitude_deg, 9),

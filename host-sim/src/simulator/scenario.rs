@@ -7,8 +7,8 @@ use super::range_check::check;
 use super::road::Road;
 use super::scenario_check::{check_document, check_shape, check_steady_wind};
 use super::scenario_file::{
-    Air, Direction, Document, GnssErrors, Latencies, NoiseLevels, ParameterErrors, Rates,
-    RoadSource, RunTable, Start, Tyres, Wind,
+    Air, DrivingDirection, GnssErrors, Latencies, ParameterErrors, Rates, RoadSource, RunTable,
+    ScenarioDocument, SensorNoiseLevels, Start, Tyres, Wind,
 };
 use super::truck::Truck;
 use super::{road_file, road_generator};
@@ -39,7 +39,7 @@ pub struct Scenario {
     /// The road in its forward direction.
     pub road: Road,
     /// Noise of the vehicle's sensors.
-    pub noise: NoiseLevels,
+    pub noise: SensorNoiseLevels,
     /// Errors of the GNSS receiver.
     pub gnss: GnssErrors,
     /// Ages of the values when sent, ms.
@@ -53,12 +53,12 @@ pub struct Scenario {
     /// What no vehicle file tells.
     pub planted: PlantedTable,
     /// The traversals.
-    pub runs: Vec<Run>,
+    pub runs: Vec<ScenarioRun>,
 }
 
 /// One traversal by one vehicle.
 #[derive(Clone, Debug)]
-pub struct Run {
+pub struct ScenarioRun {
     /// What its files are called.
     pub name: String,
     /// The vehicle as the estimator is to believe it.
@@ -84,7 +84,7 @@ pub struct Run {
     pub wind: Wind,
 }
 
-impl Run {
+impl ScenarioRun {
     /// True over believed traction per kilogram: what an estimator's scale should find.
     #[must_use]
     pub fn true_scale(&self) -> f64 {
@@ -130,7 +130,7 @@ impl Scenario {
             problem,
         };
         let toml_error = |e: toml::de::Error| key(e.to_string().trim_end().to_owned());
-        let document: Document = toml::from_str(text).map_err(toml_error)?;
+        let document: ScenarioDocument = toml::from_str(text).map_err(toml_error)?;
         check_document(&document).map_err(key)?;
         let folder = origin.parent().unwrap_or(Path::new(""));
         let road = match document
@@ -143,7 +143,7 @@ impl Scenario {
                 road_generator::generate(&shape, document.seed)
             }
         };
-        let mut runs: Vec<Run> = Vec::new();
+        let mut runs: Vec<ScenarioRun> = Vec::new();
         for (index, table) in document.runs.iter().enumerate() {
             let place = format!("runs[{index}]");
             let named = |problem: String| key(format!("{place}.{problem}"));
@@ -222,11 +222,11 @@ fn nominal(
 /// A run with its true vehicle; the error is a problem that starts with the key's name.
 fn run(
     table: &RunTable,
-    document: &Document,
+    document: &ScenarioDocument,
     road: &Road,
     vehicle: VehicleFile,
     rng: &mut ChaCha8Rng,
-) -> std::result::Result<Run, String> {
+) -> std::result::Result<ScenarioRun, String> {
     let plain = |c: char| c.is_ascii_alphanumeric() || "_-.".contains(c);
     if !table.name.starts_with(|c: char| c.is_ascii_alphanumeric())
         || !table.name.chars().all(plain)
@@ -259,12 +259,12 @@ fn run(
     let truck = Truck::new(&true_parameters).ok_or(
         "vehicle: has a measured traction force; expected one with a [powertrain]".to_owned(),
     )?;
-    Ok(Run {
+    Ok(ScenarioRun {
         name: table.name.clone(),
         vehicle,
         true_parameters,
         truck,
-        backward: table.direction == Direction::Backward,
+        backward: table.direction == DrivingDirection::Backward,
         start_distance_m: table.start_distance_m,
         length_m,
         start_time_s: table.start_time_s,

@@ -2,17 +2,17 @@
 
 use super::range_check::check;
 use super::road_generator::RoadShape;
-use super::scenario_file::Document;
+use super::scenario_file::ScenarioDocument;
 
 /// The document, files that it names excepted.
 ///
 /// # Errors
 /// What is wrong, beginning with the key's name.
-pub fn check_document(document: &Document) -> Result<(), String> {
+pub fn check_document(document: &ScenarioDocument) -> Result<(), String> {
     if document.runs.is_empty() {
         return Err("runs: there are none; expected at least one [[runs]]".to_owned());
     }
-    let Document {
+    let ScenarioDocument {
         noise,
         gnss,
         latency_ms,

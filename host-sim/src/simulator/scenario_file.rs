@@ -108,13 +108,13 @@ use std::path::PathBuf;
 /// The document.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Document {
+pub struct ScenarioDocument {
     #[serde(default = "one")]
     pub seed: u64,
     #[serde(default)]
     pub road: toml::Table,
     #[serde(default)]
-    pub noise: NoiseLevels,
+    pub noise: SensorNoiseLevels,
     #[serde(default)]
     pub gnss: GnssErrors,
     #[serde(default)]
@@ -155,7 +155,7 @@ struct RoadFile {
     file: PathBuf,
 }
 
-impl Document {
+impl ScenarioDocument {
     /// Where the road comes from.
     ///
     /// # Errors
@@ -173,12 +173,12 @@ impl Document {
 /// `[noise]`: the vehicle's own sensors.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct NoiseLevels {
+pub struct SensorNoiseLevels {
     pub speed_sigma_mps: f64,
     pub yaw_rate_sigma_radps: f64,
 }
 
-impl Default for NoiseLevels {
+impl Default for SensorNoiseLevels {
     fn default() -> Self {
         Self {
             speed_sigma_mps: 0.011,
@@ -336,7 +336,7 @@ pub struct ParameterErrors {
 /// Which way.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Direction {
+pub enum DrivingDirection {
     #[default]
     Forward,
     Backward,
@@ -360,7 +360,7 @@ pub struct RunTable {
     pub vehicle: Option<PathBuf>,
     pub mass_kg: Option<f64>,
     #[serde(default)]
-    pub direction: Direction,
+    pub direction: DrivingDirection,
     #[serde(default)]
     pub start_distance_m: f64,
     pub length_m: Option<f64>,

@@ -3,10 +3,10 @@
 //! Values are as old as their latency says and carry the sensor's noise; rounding to what a
 //! message can hold is the encoder's, except for the torque, which two signals share.
 
-use super::drive::{Drive, DriveState};
+use super::drive::{DriveState, SimulatedDrive};
 use super::random::{Purpose, normal, stream};
 use super::scenario::Scenario;
-use super::scenario_file::{Air, Latencies, NoiseLevels};
+use super::scenario_file::{Air, Latencies, SensorNoiseLevels};
 use estimator_core::{Signal, Value};
 use rand_chacha::ChaCha8Rng;
 
@@ -16,8 +16,8 @@ const CRUISE_CONTROL_MODE: f32 = 2.0;
 /// The sensors of one run.
 #[derive(Debug)]
 pub struct Sensors<'a> {
-    drive: &'a Drive,
-    noise: NoiseLevels,
+    drive: &'a SimulatedDrive,
+    noise: SensorNoiseLevels,
     latency_ms: Latencies,
     air: Air,
     believed_mass_kg: f32,
@@ -29,7 +29,7 @@ pub struct Sensors<'a> {
 impl<'a> Sensors<'a> {
     /// The sensors of run `index`.
     #[must_use]
-    pub fn new(scenario: &Scenario, index: usize, drive: &'a Drive) -> Self {
+    pub fn new(scenario: &Scenario, index: usize, drive: &'a SimulatedDrive) -> Self {
         Self {
             drive,
             noise: scenario.noise,

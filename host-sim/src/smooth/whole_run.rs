@@ -13,7 +13,7 @@
 //! smoother that keeps everything, bit for bit.
 
 use super::drifts::Drifts;
-use super::filtered_cell::FilteredCell;
+use super::filtered_cell::ForwardCell;
 use super::samples::Samples;
 use estimator_core::cell::CellEnd;
 use estimator_core::filter::{Filter, StepRecord};
@@ -115,7 +115,7 @@ pub const fn held_bytes(cells: usize) -> usize {
         levels += 1;
     }
     let mark = size_of::<(Range<usize>, Checkpoint<f64>)>();
-    RECORDS * (size_of::<FilteredCell<f64>>() + size_of::<SmoothedCell>()) + levels * PARTS * mark
+    RECORDS * (size_of::<ForwardCell<f64>>() + size_of::<SmoothedCell>()) + levels * PARTS * mark
 }
 
 /// The filter at one place of the run.
@@ -191,10 +191,10 @@ where
         let mut filtered = Vec::with_capacity(part.len());
         self.filter(part, &mut start, |record, filter| {
             let state = filter.state().copied();
-            filtered.extend(state.map(|state| FilteredCell { record, state }));
+            filtered.extend(state.map(|state| ForwardCell { record, state }));
         })?;
         let mut smoothed: Vec<SmoothedCell> = Vec::with_capacity(filtered.len());
-        for FilteredCell { record, state } in filtered.iter().rev() {
+        for ForwardCell { record, state } in filtered.iter().rev() {
             smoothed.push(SmoothedCell {
                 end: record.end,
                 estimate: self.pass.estimate(state),

@@ -14,7 +14,7 @@
 //! * A last line without a line end counts only if nothing can be missing from it.
 
 use super::can_frame::TimedFrame;
-use super::candump_line::{Content, Problem, parse};
+use super::candump_line::{Content, LineProblem, parse};
 use super::lines::Lines;
 use super::log_file::LogFile;
 use crate::error::{Error, Result};
@@ -128,7 +128,7 @@ impl CandumpReader {
         ))
     }
 
-    fn wrong_line(&self, problem: &Problem) -> Error {
+    fn wrong_line(&self, problem: &LineProblem) -> Error {
         let line = self.lines.line();
         let quote = quote(line);
         let what = if line.iter().any(|b| b.is_ascii_control() && *b != b'\t') {

@@ -10,7 +10,7 @@ const MOST_SECOND_DIGITS: usize = 12;
 
 /// What a line holds.
 #[derive(Debug)]
-pub(super) struct Line {
+pub(super) struct CandumpLine {
     pub micros: u64,
     pub content: Content,
     /// Nothing can be missing at its end.
@@ -28,7 +28,7 @@ pub(super) enum Content {
 
 /// Why a line is none of candump's.
 #[derive(Debug)]
-pub(super) struct Problem {
+pub(super) struct LineProblem {
     pub what: &'static str,
     pub expected: &'static str,
 }
@@ -36,11 +36,11 @@ pub(super) struct Problem {
 const WHOLE_LINE: &str = "a candump line such as `(1.000000) can0 0CF00400#0102030405060708` \
                           or `(001.000000)  can0  0CF00400   [8]  01 02 03 04 05 06 07 08`";
 
-const fn problem(what: &'static str, expected: &'static str) -> Problem {
-    Problem { what, expected }
+const fn problem(what: &'static str, expected: &'static str) -> LineProblem {
+    LineProblem { what, expected }
 }
 
-type Parsed<T> = Result<T, Problem>;
+type Parsed<T> = Result<T, LineProblem>;
 
 /// Value of a hexadecimal digit; 0xff for any other byte.
 const NIBBLES: [u8; 256] = {
@@ -161,7 +161,7 @@ impl Cursor<'_> {
 }
 
 /// Reads a line without its end; `None` if it is blank.
-pub(super) fn parse(line: &[u8]) -> Parsed<Option<Line>> {
+pub(super) fn parse(line: &[u8]) -> Parsed<Option<CandumpLine>> {
     let mut rest = Cursor(line);
     rest.skip_blanks();
     if rest.0.is_empty() {
@@ -186,7 +186,7 @@ pub(super) fn parse(line: &[u8]) -> Parsed<Option<Line>> {
         rest.skip_blanks();
         screen_layout(&mut rest, id)?
     };
-    Ok(Some(Line {
+    Ok(Some(CandumpLine {
         micros,
         content,
         is_closed,

@@ -14,7 +14,7 @@ pub fn write_frame<W: Write + ?Sized>(
     interface: &str,
 ) -> io::Result<()> {
     let micros = timed.time.micros();
-    let mut text = Text::default();
+    let mut text = LineBuffer::default();
     text.byte(b'(');
     text.decimal(micros / 1_000_000, 1);
     text.byte(b'.');
@@ -25,7 +25,7 @@ pub fn write_frame<W: Write + ?Sized>(
     out.write_all(interface.as_bytes())?;
 
     let frame = &timed.frame;
-    let mut text = Text::default();
+    let mut text = LineBuffer::default();
     text.byte(b' ');
     match frame.id() {
         Id::Extended(id) => text.hex(id.as_raw(), 8),
@@ -47,12 +47,12 @@ pub fn write_frame<W: Write + ?Sized>(
 
 /// Half a line under construction: simulated logs have millions, too many for `write!`.
 #[derive(Default)]
-struct Text {
+struct LineBuffer {
     bytes: [u8; 32],
     length: usize,
 }
 
-impl Text {
+impl LineBuffer {
     fn byte(&mut self, byte: u8) {
         self.bytes[self.length] = byte;
         self.length += 1;

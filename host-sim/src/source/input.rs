@@ -15,14 +15,14 @@ const CVW: u32 = 65_136;
 
 /// One thing that was heard.
 #[derive(Clone, Copy, Debug)]
-pub enum Input {
+pub enum LogInput {
     /// A frame of a bus.
     Frame(TimedFrame),
     /// A reading of a signal table.
     Reading(Instant, Reading),
 }
 
-impl Input {
+impl LogInput {
     /// When.
     #[must_use]
     pub const fn time(&self) -> Instant {
@@ -62,14 +62,14 @@ fn tells_mass(frame: &CanFrame) -> bool {
 pub fn for_each_input(
     log: &Path,
     progress: impl Fn(u64),
-    mut take: impl FnMut(Input),
+    mut take: impl FnMut(LogInput),
 ) -> Result<()> {
     match kind_of(log)? {
         LogKind::Candump => {
             let mut reader = CandumpReader::open(log)?;
             let mut frames = 0_u32;
             while let Some(frame) = reader.next_frame()? {
-                take(Input::Frame(frame));
+                take(LogInput::Frame(frame));
                 frames = frames.wrapping_add(1);
                 if frames.is_multiple_of(8192) {
                     progress(reader.file().bytes_read());
@@ -80,7 +80,7 @@ pub fn for_each_input(
             let mut reader = SignalTableReader::open(log)?;
             while let Some(row) = reader.next_row()? {
                 for reading in row.readings {
-                    take(Input::Reading(row.time, *reading));
+                    take(LogInput::Reading(row.time, *reading));
                 }
             }
         }

@@ -17,23 +17,23 @@ const UTF8_MARK: &[u8] = b"\xef\xbb\xbf";
 const LATEST_S: f64 = 4e9;
 
 /// A log with a line feed behind it, in case that its last line has none.
-type Text = Chain<LogFile, &'static [u8]>;
+type TerminatedLog = Chain<LogFile, &'static [u8]>;
 
 /// Reads a table row by row; memory does not depend on its length.
 pub struct SignalTableReader {
-    csv: csv::Reader<Text>,
+    csv: csv::Reader<TerminatedLog>,
     record: ByteRecord,
     fields: usize,
     time_column: usize,
     /// In the order of [`Signal`], in which simultaneous readings must come.
-    columns: Vec<Column>,
+    columns: Vec<SignalColumn>,
     readings: Vec<Reading>,
     newest: Instant,
     rows: u64,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Column {
+struct SignalColumn {
     index: usize,
     signal: Signal,
 }
@@ -123,7 +123,7 @@ impl SignalTableReader {
         self.newest = time;
         self.readings.clear();
         for k in 0..self.columns.len() {
-            let Column { index, signal } = self.columns[k];
+            let SignalColumn { index, signal } = self.columns[k];
             if let Some(value) = self.value(index, signal)? {
                 self.readings.push(Reading { signal, value });
             }
@@ -189,11 +189,11 @@ impl SignalTableReader {
 }
 
 /// The line of the record read last: the reader stands behind its line feed.
-fn line_of(csv: &csv::Reader<Text>) -> u64 {
+fn line_of(csv: &csv::Reader<TerminatedLog>) -> u64 {
     csv.position().line().saturating_sub(1)
 }
 
-fn file_of(csv: &csv::Reader<Text>) -> &LogFile {
+fn file_of(csv: &csv::Reader<TerminatedLog>) -> &LogFile {
     csv.get_ref().get_ref().0
 }
 
@@ -207,9 +207,9 @@ const fn largest_angle_deg(signal: Signal) -> Option<f64> {
 }
 
 /// Where the time and the signals stand.
-fn columns_of(path: &Path, line: u64, header: &ByteRecord) -> Result<(usize, Vec<Column>)> {
+fn columns_of(path: &Path, line: u64, header: &ByteRecord) -> Result<(usize, Vec<SignalColumn>)> {
     let mut time_column = None;
-    let mut columns: Vec<Column> = Vec::new();
+    let mut columns: Vec<SignalColumn> = Vec::new();
     for (index, name) in header.iter().enumerate() {
         let name = name.strip_prefix(UTF8_MARK).unwrap_or(name);
         let name = String::from_utf8_lossy(name);
@@ -225,7 +225,7 @@ fn columns_of(path: &Path, line: u64, header: &ByteRecord) -> Result<(usize, Vec
                 )
             })?;
             let is_known = columns.iter().any(|column| column.signal == signal);
-            columns.push(Column { index, signal });
+            columns.push(SignalColumn { index, signal });
             is_known
         };
         if is_twice {
@@ -257,7 +257,7 @@ fn all_columns() -> String {
 }
 
 /// Reads the next record that is not blank; false at the end.
-fn read_row(csv: &mut csv::Reader<Text>, record: &mut ByteRecord) -> Result<bool> {
+fn read_row(csv: &mut csv::Reader<TerminatedLog>, record: &mut ByteRecord) -> Result<bool> {
     loop {
         let line = csv.position().line();
         let is_read = csv

@@ -1,7 +1,7 @@
 //! How accurate the estimator is on simulated drives with wrong parameters, wind and cold tyres; and
 //! what a longer lag would buy.
 
-use super::definition::{Outcome, Setting, Study};
+use super::definition::{Setting, Study, StudyOutcome};
 use crate::error::Result;
 use crate::numeric::series::linear;
 use crate::report::page::{Figure, Section, Table};
@@ -10,7 +10,7 @@ use crate::score::END_CUT_M;
 use crate::simulator::scenario::Scenario;
 use crate::simulator::simulate;
 use crate::simulator::truck::Preset;
-use crate::smooth::{FilteredCell, smooth_run};
+use crate::smooth::{ForwardCell, smooth_run};
 use crate::terminal::progress;
 use estimator_core::filter::{Filter, SensorNoiseRatios};
 use estimator_core::smoother::BackwardPass;
@@ -39,23 +39,23 @@ const SCALE_AT_M: f64 = 20_000.0;
 
 /// Errors of one kind of estimate on one drive.
 #[derive(Clone, Copy, Debug, Default)]
-struct Errors {
+struct ErrorSums {
     cells: f64,
     squared: f64,
     normalised: f64,
 }
 
 /// One drive.
-struct Drive {
-    smoothed: Errors,
-    live: Errors,
+struct DriveErrors {
+    smoothed: ErrorSums,
+    live: ErrorSums,
     /// For each of [`LAG_BLOCKS`].
-    lagged: Vec<Errors>,
+    lagged: Vec<ErrorSums>,
     /// Found less true scale, and its sigma, at [`SCALE_AT_M`].
     scale: (f64, f64),
 }
 
-impl Errors {
+impl ErrorSums {
     fn add(&mut self, found: Uncertain, true_percent: f64) {
         let error = f64::from(found.value) - true_percent;
         self.cells += 1.0;
@@ -99,7 +99,7 @@ fn scenario(seed: u64, truck: Preset, backward: bool, receiver_m: f64) -> String
     )
 }
 
-fn drive(text: &str, lags: &[usize]) -> Result<Drive> {
+fn drive(text: &str, lags: &[usize]) -> Result<DriveErrors> {
     let scenario = Scenario::parse(text, Path::new("accuracy"))?;
     let run = simulate(&scenario, 0)?;
     let tuning = Tuning::default();
@@ -122,9 +122,9 @@ fn drive(text: &str, lags: &[usize]) -> Result<Drive> {
     let mut filter = Filter::<f32>::new(&tuning, &SensorNoiseRatios::default(), None);
     let mut context =
         Context::new(estimator.model().clone(), tuning).expect("the estimator checked the vehicle");
-    let cells: Vec<FilteredCell<f32>> = samples
+    let cells: Vec<ForwardCell<f32>> = samples
         .iter()
-        .filter_map(|sample| FilteredCell::step(&mut filter, &mut context, sample))
+        .filter_map(|sample| ForwardCell::step(&mut filter, &mut context, sample))
         .collect();
 
     let truth: Vec<(f64, f64)> = run
@@ -144,10 +144,10 @@ fn drive(text: &str, lags: &[usize]) -> Result<Drive> {
         })
         .collect();
 
-    let mut errors = Drive {
-        smoothed: Errors::default(),
-        live: Errors::default(),
-        lagged: vec![Errors::default(); lags.len()],
+    let mut errors = DriveErrors {
+        smoothed: ErrorSums::default(),
+        live: ErrorSums::default(),
+        lagged: vec![ErrorSums::default(); lags.len()],
         scale: scale_error(&cells, scenario.runs[0].true_scale()),
     };
     for (k, true_percent) in judged.iter().enumerate() {
@@ -177,19 +177,19 @@ fn drive(text: &str, lags: &[usize]) -> Result<Drive> {
     Ok(errors)
 }
 
-fn scale_error(cells: &[FilteredCell<f32>], true_scale: f64) -> (f64, f64) {
+fn scale_error(cells: &[ForwardCell<f32>], true_scale: f64) -> (f64, f64) {
     let at = cells.partition_point(|cell| cell.record.end.distance_m() < SCALE_AT_M);
     let scale = cells[at.min(cells.len() - 1)].state.estimate().scale;
     (f64::from(scale.value) - true_scale, f64::from(scale.sigma))
 }
 
-fn run(setting: &Setting) -> Result<Outcome> {
+fn run(setting: &Setting) -> Result<StudyOutcome> {
     let groups: Vec<(Preset, f64)> = [Preset::A, Preset::B]
         .into_iter()
         .flat_map(|truck| RECEIVERS_M.map(|receiver_m| (truck, receiver_m)))
         .collect();
     let bar = progress::count(groups.len() as u64 * 2 * ROADS, "drives");
-    let drives: Vec<Vec<Drive>> = groups
+    let drives: Vec<Vec<DriveErrors>> = groups
         .iter()
         .map(|&(truck, receiver_m)| {
             (0..2 * ROADS)
@@ -216,7 +216,7 @@ fn run(setting: &Setting) -> Result<Outcome> {
         at.map(|at| drives[at].as_slice()).unwrap_or_default()
     };
     let curves = [Preset::A, Preset::B].map(|truck| (truck, of_curve(truck)));
-    Ok(Outcome::Done(Section {
+    Ok(StudyOutcome::Done(Section {
         heading: "Accuracy with wrong parameters, wind and cold tyres".to_owned(),
         words: vec![format!(
             "{} drives of 40 km for each line: mass, drag and rolling resistance wrong by 10 % \
@@ -248,7 +248,7 @@ fn one_sigma(values: impl Iterator<Item = f64>) -> f64 {
         .unwrap_or(f64::NAN)
 }
 
-fn accuracy(groups: &[(Preset, f64)], drives: &[Vec<Drive>]) -> Table {
+fn accuracy(groups: &[(Preset, f64)], drives: &[Vec<DriveErrors>]) -> Table {
     let mut table = Table::new(
         "accuracy",
         "Mean RMSE of grade over drives (%), mean normalised squared errors (NEES, 1 if the stated \
@@ -268,8 +268,8 @@ fn accuracy(groups: &[(Preset, f64)], drives: &[Vec<Drive>]) -> Table {
         ],
     );
     for ((truck, receiver_m), drives) in groups.iter().zip(drives) {
-        let lagged = |drive: &Drive| drive.lagged[lag_place(drive)];
-        let each = |errors: &dyn Fn(&Drive) -> f64| mean(drives.iter().map(errors));
+        let lagged = |drive: &DriveErrors| drive.lagged[lag_place(drive)];
+        let each = |errors: &dyn Fn(&DriveErrors) -> f64| mean(drives.iter().map(errors));
         table.rows.push(vec![
             truck.name().to_owned(),
             format!("{receiver_m:.0}"),
@@ -287,7 +287,7 @@ fn accuracy(groups: &[(Preset, f64)], drives: &[Vec<Drive>]) -> Table {
 }
 
 /// Where the core's own lag stands among those of a drive.
-fn lag_place(drive: &Drive) -> usize {
+fn lag_place(drive: &DriveErrors) -> usize {
     if drive.lagged.len() == 1 {
         0
     } else {
@@ -303,11 +303,11 @@ fn lag_m(blocks: usize) -> f64 {
     (blocks * BLOCK_CELLS) as f64 * f64::from(CELL_LENGTH_M)
 }
 
-fn lag_rmse(drives: &[Drive], i: usize) -> f64 {
+fn lag_rmse(drives: &[DriveErrors], i: usize) -> f64 {
     mean(drives.iter().map(|drive| drive.lagged[i].rmse()))
 }
 
-fn lag_table(curves: &[(Preset, &[Drive]); 2]) -> Table {
+fn lag_table(curves: &[(Preset, &[DriveErrors]); 2]) -> Table {
     let mut table = Table::new(
         "lag",
         format!(
@@ -329,7 +329,7 @@ fn lag_table(curves: &[(Preset, &[Drive]); 2]) -> Table {
     table
 }
 
-fn lag_figure(curves: &[(Preset, &[Drive]); 2]) -> Figure {
+fn lag_figure(curves: &[(Preset, &[DriveErrors]); 2]) -> Figure {
     let mut plot = Plot::new("lag (m)", "RMSE of the lagged grade (%)");
     for ((truck, drives), colour) in curves.iter().zip([colour::BLUE, colour::ORANGE]) {
         let points = LAG_BLOCKS

@@ -15,7 +15,7 @@ pub mod sensitivity;
 pub mod windows;
 pub mod ztbus;
 
-pub use definition::{Outcome, Setting, Study};
+pub use definition::{Setting, Study, StudyOutcome};
 
 /// Every study, in the order of the report.
 pub const STUDIES: &[Study] = &[

@@ -4,7 +4,7 @@
 use estimator_core::{Estimator, PersistentState, Tuning};
 use host_sim::files::run::RunRow;
 use host_sim::numeric::series::linear;
-use host_sim::recorder::{Recorder, Run};
+use host_sim::recorder::{Recorder, SmoothedRun};
 use host_sim::simulator::random::{Purpose, normal, stream};
 use host_sim::simulator::scenario::Scenario;
 use host_sim::simulator::{SimulatedRun, simulate};
@@ -46,7 +46,7 @@ fn driven(seed: u64, truck: &str, length_m: f64, factors: Factors) -> SimulatedR
     simulate(&scenario, 0).expect("driven")
 }
 
-fn estimated(drive: &SimulatedRun, kept: Option<&PersistentState>) -> Run {
+fn estimated(drive: &SimulatedRun, kept: Option<&PersistentState>) -> SmoothedRun {
     let (vehicle, tuning) = (drive.vehicle.model.clone(), Tuning::default());
     let estimator = match kept {
         Some(kept) => Estimator::<f32>::restore(vehicle, tuning, kept).expect("of this truck"),

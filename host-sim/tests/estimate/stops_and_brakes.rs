@@ -2,7 +2,7 @@
 //! cost.
 
 use estimator_core::{Instant, Reading, Signal, Tuning, Value};
-use host_sim::recorder::{Recorder, Run};
+use host_sim::recorder::{Recorder, SmoothedRun};
 use host_sim::simulator::scenario::Scenario;
 use host_sim::simulator::{SimulatedRun, simulate};
 use test_kit::simulated::{readings, scenario};
@@ -24,7 +24,7 @@ fn told(run: &SimulatedRun, without: &[Signal], from_s: f64) -> Vec<Timed> {
         .collect()
 }
 
-fn estimate(run: &SimulatedRun, tuning: &Tuning, told: &[Timed]) -> Run {
+fn estimate(run: &SimulatedRun, tuning: &Tuning, told: &[Timed]) -> SmoothedRun {
     let mut recorder = Recorder::<f32>::new(run.vehicle.model.clone(), tuning.clone()).unwrap();
     for (seconds, reading) in told {
         let time = Instant::from_micros((1e6 * (1.0 + seconds)).round() as u64);
@@ -45,7 +45,13 @@ fn true_grade(run: &SimulatedRun, distance_m: f64) -> f64 {
 /// Root mean squares of the smoothed, lagged and live grade errors from `from_m` to `to_m`, where
 /// the run's distances are `ahead_m` more than those of the truth; and the mean normalised square
 /// of the smoothed one.
-fn errors(run: &SimulatedRun, found: &Run, ahead_m: f64, from_m: f64, to_m: f64) -> [f64; 4] {
+fn errors(
+    run: &SimulatedRun,
+    found: &SmoothedRun,
+    ahead_m: f64,
+    from_m: f64,
+    to_m: f64,
+) -> [f64; 4] {
     let mut sums = [0.0; 4];
     let mut count = 0.0;
     for row in &found.rows {
@@ -218,7 +224,7 @@ fn another_load_after_a_stop_is_learned_as_on_a_fresh_start() {
         let end_s = joined.last().unwrap().0;
         joined.extend(stop(end_s, 26_000.0));
         let end_s = joined.last().unwrap().0 + 0.1;
-        let ahead_m = |found: &Run| {
+        let ahead_m = |found: &SmoothedRun| {
             // Where the second drive begins.
             let begins = found.rows.iter().find(|row| row.time_s > end_s).unwrap();
             begins.distance_m

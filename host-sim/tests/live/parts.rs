@@ -7,9 +7,9 @@ use estimator_core::{
     CellEnd, Condition, Counters, Estimate, Instant, Live, Tuning, Uncertain, signal,
 };
 use host_sim::live::panel::{header, json, line, panel};
-use host_sim::live::view::{InterfaceView, View};
+use host_sim::live::view::{InterfaceView, LiveView};
 use host_sim::live::{Reaction, Session};
-use host_sim::recorder::{Recorder, Run};
+use host_sim::recorder::{Recorder, SmoothedRun};
 use host_sim::source::can_frame::{CanFrame, TimedFrame};
 use host_sim::source::candump::CandumpReader;
 use host_sim::source::log_time::{self, LogTime};
@@ -140,8 +140,8 @@ fn a_clock_that_is_set_does_not_move_the_time_of_frames() {
     assert_eq!(micros(&clock, stamp, start + 5 * second), 1_005_000_000);
 }
 
-fn view(live: Option<Live>) -> View {
-    View {
+fn view(live: Option<Live>) -> LiveView {
+    LiveView {
         time_s: 3_725.25,
         live,
         is_silent: false,
@@ -284,7 +284,7 @@ fn session(
     Session::begin(recorder, &["can0".to_owned()], log_time, log).unwrap()
 }
 
-fn recorded(drive: &host_sim::simulator::SimulatedRun) -> Run {
+fn recorded(drive: &host_sim::simulator::SimulatedRun) -> SmoothedRun {
     let mut recorder =
         Recorder::<f32>::new(drive.vehicle.model.clone(), Tuning::default()).unwrap();
     for frame in &drive.frames {

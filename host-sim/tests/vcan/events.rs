@@ -1,7 +1,7 @@
 //! Reports of the controller, sent as a driver would.
 
 use crate::bus::Vcan;
-use crate::drive::{Drive, replay};
+use crate::drive::{VcanDrive, replay};
 use crate::listener::Listener;
 use socketcan::{CanErrorFrame, CanFrame, CanSocket, Socket};
 
@@ -9,7 +9,7 @@ use socketcan::{CanErrorFrame, CanFrame, CanSocket, Socket};
 #[ignore = "needs a CAN interface: tests/run vcan"]
 fn reports_of_the_controller_are_told_and_counted() {
     let vcan = Vcan::new("rgerr");
-    let drive = Drive::new("A", 300.0);
+    let drive = VcanDrive::new("A", 300.0);
     let mut listener = Listener::start(&drive, &[vcan.0], &[]);
     let socket = CanSocket::open(vcan.0).unwrap();
     let report = |class: u32, data: &[u8]| {

@@ -1,7 +1,7 @@
 //! can-utils on the same bus.
 
 use crate::bus::{PATIENCE, Vcan, wait_until};
-use crate::drive::{Drive, frames_of, replay, untimed};
+use crate::drive::{VcanDrive, frames_of, replay, untimed};
 use crate::listener::Listener;
 use std::fs::File;
 use std::path::Path;
@@ -34,7 +34,7 @@ pub fn candump(vcan: &Vcan, filter: &str, to: &Path) -> Running {
 #[ignore = "needs a CAN interface: tests/run vcan"]
 fn candump_records_a_replay_that_estimate_reads() {
     let vcan = Vcan::new("rgdump");
-    let drive = Drive::new("A", 300.0);
+    let drive = VcanDrive::new("A", 300.0);
     let recording = drive.file("candump.log");
     let candump = candump(&vcan, "", &recording);
     replay(vcan.0, &drive.log(), &["--speed", "2"]);
@@ -49,7 +49,7 @@ fn candump_records_a_replay_that_estimate_reads() {
 #[ignore = "needs a CAN interface: tests/run vcan"]
 fn canplayer_feeds_a_listener_and_cangen_does_not_disturb_it() {
     let vcan = Vcan::new("rgplay");
-    let drive = Drive::new("A", 300.0);
+    let drive = VcanDrive::new("A", 300.0);
     let listener = Listener::start(
         &drive,
         &[vcan.0],
@@ -84,7 +84,7 @@ fn canplayer_feeds_a_listener_and_cangen_does_not_disturb_it() {
 #[ignore = "needs a CAN interface: tests/run vcan"]
 fn a_recording_of_two_senders_is_one_that_estimate_reads() {
     let vcan = Vcan::new("rgboth");
-    let drive = Drive::new("A", 300.0);
+    let drive = VcanDrive::new("A", 300.0);
     let recording = drive.file("candump.log");
     let candump = candump(&vcan, "", &recording);
     let options = ["--publish", "--out", "live.csv"];

@@ -1,7 +1,7 @@
 //! The estimate on the bus, as a foreign listener sees it.
 
 use crate::bus::{Vcan, wait_until};
-use crate::drive::{Drive, replay};
+use crate::drive::{VcanDrive, replay};
 use crate::listener::Listener;
 use crate::peers::candump;
 use host_sim::files::run::{self, RunRow};
@@ -47,7 +47,7 @@ fn check_cell(data: &[u8; 8], rows: &[RunRow]) {
 #[ignore = "needs a CAN interface: tests/run vcan"]
 fn the_estimate_is_sent_with_each_finished_cell_and_not_read_back() {
     let vcan = Vcan::new("rgpub");
-    let drive = Drive::new("A", 1_200.0);
+    let drive = VcanDrive::new("A", 1_200.0);
     let recording = drive.file("candump.log");
     let candump = candump(&vcan, FILTER, &recording);
     let options = [

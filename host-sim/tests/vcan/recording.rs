@@ -1,7 +1,7 @@
 //! In the kernel's time: what is recorded is what was estimated from, and what was sent.
 
 use crate::bus::Vcan;
-use crate::drive::{Drive, frames_of, replay, untimed};
+use crate::drive::{VcanDrive, frames_of, replay, untimed};
 use crate::listener::Listener;
 use host_sim::files::run;
 use host_sim::source::candump::CandumpReader;
@@ -10,7 +10,7 @@ use host_sim::source::candump::CandumpReader;
 #[ignore = "needs a CAN interface: tests/run vcan"]
 fn a_drive_in_its_own_time_is_recorded_and_estimated_as_from_its_file() {
     let vcan = Vcan::new("rgrec");
-    let drive = Drive::new("A", 600.0);
+    let drive = VcanDrive::new("A", 600.0);
     let options = ["--out", "live.csv", "--log", "heard.log"];
     let listener = Listener::start(&drive, &[vcan.0], &options);
     let sent = replay(vcan.0, &drive.log(), &["--speed", "1"]);
@@ -66,6 +66,6 @@ fn a_drive_in_its_own_time_is_recorded_and_estimated_as_from_its_file() {
     );
 }
 
-fn log_start(drive: &Drive) -> f64 {
+fn log_start(drive: &VcanDrive) -> f64 {
     drive.frames[0].time.micros() as f64 * 1e-3
 }

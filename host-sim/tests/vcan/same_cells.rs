@@ -1,7 +1,7 @@
 //! The cells over an interface are those from the file.
 
 use crate::bus::Vcan;
-use crate::drive::{Drive, replay, write_log};
+use crate::drive::{VcanDrive, replay, write_log};
 use crate::listener::Listener;
 use std::thread;
 
@@ -12,7 +12,7 @@ const AT_ONCE: [&str; 3] = ["--log-time", "--speed", "max"];
 #[ignore = "needs a CAN interface: tests/run vcan"]
 fn ten_times_in_a_row_they_are_the_same_to_the_last_digit() {
     let vcan = Vcan::new("rgsame");
-    let drive = Drive::new("A", 1_000.0);
+    let drive = VcanDrive::new("A", 1_000.0);
     let from_file = drive.estimate(&drive.log());
     assert!(from_file.lines().count() > 350);
     for time in 1..=10 {
@@ -33,7 +33,7 @@ fn ten_times_in_a_row_they_are_the_same_to_the_last_digit() {
 #[ignore = "needs a CAN interface: tests/run vcan"]
 fn two_vehicles_on_two_interfaces_do_not_disturb_each_other() {
     let buses = [Vcan::new("rgtwo0"), Vcan::new("rgtwo1")];
-    let drives = [Drive::new("A", 1_000.0), Drive::new("B", 1_000.0)];
+    let drives = [VcanDrive::new("A", 1_000.0), VcanDrive::new("B", 1_000.0)];
     thread::scope(|scope| {
         for (vcan, drive) in buses.iter().zip(&drives) {
             scope.spawn(move || {
@@ -51,7 +51,7 @@ fn two_vehicles_on_two_interfaces_do_not_disturb_each_other() {
 #[ignore = "needs a CAN interface: tests/run vcan"]
 fn a_vehicle_with_two_buses_is_estimated_from_both() {
     let buses = [Vcan::new("rgbus0"), Vcan::new("rgbus1")];
-    let drive = Drive::new("A", 300.0);
+    let drive = VcanDrive::new("A", 300.0);
     // The GNSS receiver on a bus of its own: NMEA 2000 has parameter groups from 0x1F800.
     let is_gnss = |frame: &host_sim::source::can_frame::TimedFrame| {
         let embedded_can::Id::Extended(id) = embedded_can::Frame::id(&frame.frame) else {

@@ -243,8 +243,7 @@ impl Work {
     fn filter<S: Scalar>(&self) {
         let mut context = Context::new(self.model.clone(), Tuning::default())
             .expect("the simulator checked the vehicle");
-        let mut filter =
-            Filter::<S>::new(&context.tuning, &SensorNoiseRatios::default(), None);
+        let mut filter = Filter::<S>::new(&context.tuning, &SensorNoiseRatios::default(), None);
         for sample in &self.samples {
             black_box(filter.step(&mut context, sample));
         }

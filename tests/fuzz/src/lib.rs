@@ -63,13 +63,13 @@ const GNSS_POSITION: u32 = 129_029;
 
 /// The clock and the place that events move.
 #[derive(Debug)]
-pub struct Bus {
+pub struct EventBus {
     micros: i64,
     altitude_m: f32,
     sequence: u8,
 }
 
-impl Default for Bus {
+impl Default for EventBus {
     fn default() -> Self {
         Self {
             micros: 1_000_000,
@@ -79,7 +79,7 @@ impl Default for Bus {
     }
 }
 
-impl Bus {
+impl EventBus {
     /// Hands the frames of an event to `sink`.
     pub fn play(&mut self, event: &Event, sink: &mut impl FnMut(&TimedFrame)) {
         match *event {

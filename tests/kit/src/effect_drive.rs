@@ -7,7 +7,7 @@ use estimator_core::{
 
 /// Of the vehicle at a moment, true.
 #[derive(Clone, Copy)]
-pub struct Moment {
+pub struct VehicleMoment {
     pub seconds: f32,
     pub speed_mps: f32,
     pub way_m: f32,
@@ -21,15 +21,15 @@ pub struct Moment {
 
 /// What is different from the vehicle of the plain model.
 #[derive(Clone, Copy)]
-pub struct Planted {
+pub struct PlantedDifference {
     /// Traction that the bus tells instead of the force that the plain model needs, N.
-    pub told_n: fn(&Moment) -> f32,
+    pub told_n: fn(&VehicleMoment) -> f32,
     /// True speed over the one that the bus tells.
     pub true_over_told: f32,
 }
 
 /// Nothing.
-pub const PLAIN: Planted = Planted {
+pub const PLAIN: PlantedDifference = PlantedDifference {
     told_n: |moment| moment.force_n,
     true_over_told: 1.0,
 };
@@ -43,7 +43,7 @@ const M_PER_DEG: f64 = 111_132.0;
 pub fn drive(
     believed: &Model,
     truth: &VehicleParameters,
-    planted: Planted,
+    planted: PlantedDifference,
     seconds: f32,
 ) -> Vec<Estimate> {
     let mut estimator = Estimator::<f32>::new(believed.clone(), Tuning::default()).unwrap();
@@ -61,7 +61,7 @@ pub fn drive(
         let rotating_kg = truth.wheel_inertia_kgm2 / truth.wheel_radius_m.powi(2);
         let resistance_n = 0.5 * 1.2 * truth.drag_area_m2 * speed_mps * speed_mps
             + truth.mass_kg * 9.806_65 * (truth.rolling_resistance + slope);
-        let moment = Moment {
+        let moment = VehicleMoment {
             seconds: time_s,
             speed_mps,
             way_m,
@@ -112,8 +112,8 @@ pub const DEG_PER_KM: f32 = 1_000.0 / 111_132.0;
 /// Torque in the direct gear, the engine turning with it.
 fn tell_torque(
     truth: &VehicleParameters,
-    moment: &Moment,
-    planted: Planted,
+    moment: &VehicleMoment,
+    planted: PlantedDifference,
     put: &mut impl FnMut(Signal, Value),
 ) {
     let Traction::Powertrain(powertrain) = &truth.traction else {

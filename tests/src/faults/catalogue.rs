@@ -55,7 +55,7 @@ pub struct Fault {
     /// What is wrong.
     pub name: String,
     /// What it is a fault of.
-    pub kind: Kind,
+    pub kind: FaultKind,
     /// From and until, s from the first frame on.
     pub window_s: (f64, f64),
     /// What the clock is ahead from then on, s.
@@ -67,7 +67,7 @@ pub struct Fault {
 
 /// What is at fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum FaultKind {
     /// Nothing.
     Nothing,
     /// The bus.
@@ -84,7 +84,7 @@ pub enum Kind {
 
 impl Fault {
     fn new(
-        kind: Kind,
+        kind: FaultKind,
         name: impl Into<String>,
         for_s: f64,
         wrap: impl for<'a> Fn(&'a [TimedFrame], Window) -> Frames<'a> + Sync + Send + 'static,
@@ -128,7 +128,7 @@ impl Fault {
 
 /// A fault of what is true, not of who sends it.
 fn wraps_frames(
-    kind: Kind,
+    kind: FaultKind,
     name: impl Into<String>,
     for_s: f64,
     wrap: impl for<'a> Fn(Frames<'a>, Window) -> Frames<'a> + Sync + Send + 'static,
@@ -145,7 +145,7 @@ fn true_frames(recording: &[TimedFrame]) -> Frames<'_> {
 /// Every fault, and first of all none.
 #[must_use]
 pub fn catalogue() -> Vec<Fault> {
-    let mut faults = vec![wraps_frames(Kind::Nothing, "none", 60.0, |f, _| f)];
+    let mut faults = vec![wraps_frames(FaultKind::Nothing, "none", 60.0, |f, _| f)];
     faults.extend(of_the_bus());
     faults.extend(of_signals());
     faults.extend(of_the_receiver());
@@ -156,7 +156,7 @@ pub fn catalogue() -> Vec<Fault> {
 
 fn of_the_bus() -> Vec<Fault> {
     let bus = |name, for_s, wrap: fn(Frames<'_>, Window) -> Frames<'_>| {
-        wraps_frames(Kind::Bus, name, for_s, wrap)
+        wraps_frames(FaultKind::Bus, name, for_s, wrap)
     };
     vec![
         bus("every tenth frame lost", 120.0, |f, w| every_lost(f, w, 10)),
@@ -210,7 +210,7 @@ fn of_the_bus() -> Vec<Fault> {
 
 fn of_signals() -> Vec<Fault> {
     let signal = |name: &str, for_s, wrap: fn(Frames<'_>, Window) -> Frames<'_>| {
-        wraps_frames(Kind::Signal, name, for_s, wrap)
+        wraps_frames(FaultKind::Signal, name, for_s, wrap)
     };
     let groups: [(&str, &'static [Signal]); 9] = [
         ("torque", TORQUE),
@@ -230,7 +230,7 @@ fn of_signals() -> Vec<Fault> {
             ("error", Value::Error, 120.0),
         ] {
             faults.push(wraps_frames(
-                Kind::Signal,
+                FaultKind::Signal,
                 format!("{name}: {code} for {for_s} s"),
                 for_s,
                 move |f, w| replaced(f, w, signals, value),
@@ -297,11 +297,11 @@ fn of_signals() -> Vec<Fault> {
 #[must_use]
 pub fn of_the_receiver() -> Vec<Fault> {
     let gnss = |name, for_s, wrap: fn(Frames<'_>, Window) -> Frames<'_>| {
-        wraps_frames(Kind::Receiver, name, for_s, wrap)
+        wraps_frames(FaultKind::Receiver, name, for_s, wrap)
     };
     let kilometre_s = 1_000.0 / CRUISE_MPS;
     let ramp = |name, for_s: f64, metres: f32| {
-        wraps_frames(Kind::Receiver, name, for_s, move |f, w| {
+        wraps_frames(FaultKind::Receiver, name, for_s, move |f, w| {
             altered(f, w, ALTITUDE, move |s, m| m + metres * (s / for_s) as f32)
         })
     };
@@ -342,11 +342,11 @@ pub fn of_the_receiver() -> Vec<Fault> {
 
 fn of_the_clock() -> Vec<Fault> {
     let clock = |name, wrap: fn(Frames<'_>, Window) -> Frames<'_>| {
-        wraps_frames(Kind::Clock, name, 1.0, wrap)
+        wraps_frames(FaultKind::Clock, name, 1.0, wrap)
     };
     let leap = |name, ahead_s: f64| Fault {
         ahead_s,
-        ..wraps_frames(Kind::Clock, name, 1.0, move |f, w| {
+        ..wraps_frames(FaultKind::Clock, name, 1.0, move |f, w| {
             leaps(f, w, seconds(ahead_s))
         })
     };
@@ -370,11 +370,11 @@ fn of_the_clock() -> Vec<Fault> {
 
 fn attacks() -> Vec<Fault> {
     let attack = |name, for_s, wrap: fn(&[TimedFrame], Window) -> Frames<'_>| {
-        Fault::new(Kind::Attack, name, for_s, wrap)
+        Fault::new(FaultKind::Attack, name, for_s, wrap)
     };
     let ago: fn() -> Duration = || seconds(20.0);
     let with = |name, for_s, times, address: fn(u8) -> u8| {
-        Fault::new(Kind::Attack, name, for_s, move |recording, window| {
+        Fault::new(FaultKind::Attack, name, for_s, move |recording, window| {
             let theirs = replayed(recording, window, ago(), times, address);
             both(true_frames(recording), out_of_step(theirs))
         })

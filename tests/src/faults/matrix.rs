@@ -1,11 +1,11 @@
 //! Every fault on every drive, and what of it is as it should be.
 
-use super::catalogue::{Fault, Kind, catalogue};
+use super::catalogue::{Fault, FaultKind, catalogue};
 use super::drive::drive;
-use super::outcome::{Phases, Times, Truth, estimated, is_sound};
+use super::outcome::{Phases, Times, TrueDrive, estimated, is_sound};
 use estimator_core::Counters;
 use host_sim::error::Result;
-use host_sim::recorder::Run;
+use host_sim::recorder::SmoothedRun;
 use host_sim::simulator::SimulatedRun;
 use host_sim::terminal::counters::events;
 use rayon::prelude::*;
@@ -25,13 +25,13 @@ const WAY_M: f64 = 10.0;
 /// A drive that faults happen to, and what is made of it without any.
 struct Subject {
     run: SimulatedRun,
-    truth: Truth,
-    clean: Run,
+    truth: TrueDrive,
+    clean: SmoothedRun,
 }
 
 /// What came of a fault on all drives of one truck.
 #[derive(Clone, Debug)]
-pub struct Outcome {
+pub struct FaultOutcome {
     /// The truck.
     pub truck: &'static str,
     /// Errors with the fault.
@@ -51,11 +51,11 @@ pub struct Outcome {
 }
 
 /// A fault and what came of it on each truck.
-pub struct Row {
+pub struct FaultRow {
     /// The fault.
     pub fault: Fault,
     /// By truck.
-    pub outcomes: Vec<Outcome>,
+    pub outcomes: Vec<FaultOutcome>,
 }
 
 impl Subject {
@@ -63,13 +63,13 @@ impl Subject {
         let run = drive(truck, seed)?;
         let recorded = Box::new(run.frames.iter().copied());
         Ok(Self {
-            truth: Truth::new(&run),
+            truth: TrueDrive::new(&run),
             clean: estimated::<f32>(&run.vehicle.model, recorded),
             run,
         })
     }
 
-    fn with(&self, truck: &'static str, fault: &Fault) -> Outcome {
+    fn with(&self, truck: &'static str, fault: &Fault) -> FaultOutcome {
         let heard = fault.heard(&self.run.frames);
         let run = estimated::<f32>(&self.run.vehicle.model, heard);
         let times = Times {
@@ -80,8 +80,8 @@ impl Subject {
             ahead_s: 0.0,
             ..times
         };
-        let way_m = |run: &Run| run.rows.last().map_or(0.0, |row| row.distance_m);
-        Outcome {
+        let way_m = |run: &SmoothedRun| run.rows.last().map_or(0.0, |row| row.distance_m);
+        FaultOutcome {
             truck,
             with: self.truth.phases(&run.rows, &times),
             without: self.truth.phases(&self.clean.rows, &right),
@@ -111,7 +111,7 @@ fn more(with: &Counters, without: &Counters) -> BTreeMap<&'static str, u64> {
     more.collect()
 }
 
-impl Outcome {
+impl FaultOutcome {
     /// Of all drives of one truck.
     fn merged(mut outcomes: impl Iterator<Item = Self>) -> Option<Self> {
         let mut all = outcomes.next()?;
@@ -165,7 +165,7 @@ impl Outcome {
     }
 }
 
-impl Row {
+impl FaultRow {
     /// What is not as it should be, and not declared by the fault either; or declared and not so.
     #[must_use]
     pub fn complaints(&self) -> Vec<String> {
@@ -174,13 +174,17 @@ impl Row {
         for (what, is_well, declared) in [
             (
                 "numbers that are none",
-                &Outcome::is_sound as &dyn Fn(&Outcome) -> bool,
+                &FaultOutcome::is_sound as &dyn Fn(&FaultOutcome) -> bool,
                 false,
             ),
-            ("sigmas too small", &Outcome::is_honest, short.dishonest),
-            ("not got over", &Outcome::is_recovered, short.lasting),
-            ("not counted", &Outcome::is_counted, short.unseen),
-            ("another way", &Outcome::is_as_long, short.displaced),
+            (
+                "sigmas too small",
+                &FaultOutcome::is_honest,
+                short.dishonest,
+            ),
+            ("not got over", &FaultOutcome::is_recovered, short.lasting),
+            ("not counted", &FaultOutcome::is_counted, short.unseen),
+            ("another way", &FaultOutcome::is_as_long, short.displaced),
         ] {
             let of: Vec<_> = self
                 .outcomes
@@ -200,14 +204,14 @@ impl Row {
     /// What came of it, in a word.
     #[must_use]
     pub fn verdict(&self) -> &'static str {
-        let all = |is: fn(&Outcome) -> bool| self.outcomes.iter().all(is);
-        if self.fault.kind == Kind::Nothing {
+        let all = |is: fn(&FaultOutcome) -> bool| self.outcomes.iter().all(is);
+        if self.fault.kind == FaultKind::Nothing {
             ""
-        } else if !all(Outcome::is_honest) || !all(Outcome::is_recovered) {
+        } else if !all(FaultOutcome::is_honest) || !all(FaultOutcome::is_recovered) {
             "**not withstood**"
         } else if all(|outcome| outcome.is_harmless) {
             "no effect"
-        } else if !all(Outcome::is_counted) {
+        } else if !all(FaultOutcome::is_counted) {
             "withstood, not detected"
         } else {
             "withstood"
@@ -215,7 +219,7 @@ impl Row {
     }
 }
 
-impl Outcome {
+impl FaultOutcome {
     const fn is_sound(&self) -> bool {
         self.is_sound
     }
@@ -225,14 +229,14 @@ impl Outcome {
 ///
 /// # Errors
 /// What the simulator says.
-pub fn matrix() -> Result<Vec<Row>> {
+pub fn matrix() -> Result<Vec<FaultRow>> {
     let faults = catalogue();
     let drives: Vec<(&'static str, u64)> = TRUCKS
         .into_iter()
         .flat_map(|truck| SEEDS.map(move |seed| (truck, seed)))
         .collect();
     // By drive, so that a drive is simulated once and few are in memory at the same time.
-    let by_drive: Vec<Vec<Outcome>> = drives
+    let by_drive: Vec<Vec<FaultOutcome>> = drives
         .par_iter()
         .map(|&(truck, seed)| {
             let subject = Subject::new(truck, seed)?;
@@ -245,9 +249,9 @@ pub fn matrix() -> Result<Vec<Row>> {
     let rows = faults.into_iter().enumerate().map(|(index, fault)| {
         let of_truck = |truck: &&str| {
             let outcomes = by_drive.iter().map(|outcomes| &outcomes[index]);
-            Outcome::merged(outcomes.filter(|outcome| outcome.truck == *truck).cloned())
+            FaultOutcome::merged(outcomes.filter(|outcome| outcome.truck == *truck).cloned())
         };
-        Row {
+        FaultRow {
             fault,
             outcomes: TRUCKS.iter().filter_map(of_truck).collect(),
         }

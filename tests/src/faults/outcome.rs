@@ -5,7 +5,7 @@ use estimator_core::{Model, Scalar, Tuning};
 use host_sim::files::run::RunRow;
 use host_sim::files::truth::TruthRow;
 use host_sim::numeric::series::linear;
-use host_sim::recorder::{Recorder, Run};
+use host_sim::recorder::{Recorder, SmoothedRun};
 use host_sim::simulator::SimulatedRun;
 
 /// Ways at both ends of a drive that are left out, m.
@@ -18,7 +18,7 @@ pub const RECOVERY_M: f64 = 2_000.0;
 /// # Panics
 /// With a vehicle that there cannot be, or without room for what it drives.
 #[must_use]
-pub fn estimated<S: Scalar>(model: &Model, frames: Frames<'_>) -> Run {
+pub fn estimated<S: Scalar>(model: &Model, frames: Frames<'_>) -> SmoothedRun {
     let mut recorder = Recorder::<S>::new(model.clone(), Tuning::default())
         .expect("the simulator's vehicles can be");
     for frame in frames {
@@ -60,13 +60,13 @@ const fn looks(row: &RunRow) -> [(f64, f64); 3] {
 
 /// Errors over some cells, of one drive or several: smoothed, lagged and live.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Errors {
+pub struct CellErrors {
     cells: usize,
     squares: [f64; 3],
     normalised: [f64; 3],
 }
 
-impl Errors {
+impl CellErrors {
     fn add(&mut self, row: &RunRow, grade_percent: f64) {
         self.cells += 1;
         for (index, (value, sigma)) in looks(row).into_iter().enumerate() {
@@ -109,13 +109,13 @@ impl Errors {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Phases {
     /// Before it.
-    pub before: Errors,
+    pub before: CellErrors,
     /// With it, and on the way on which it is to be got over.
-    pub during: Errors,
+    pub during: CellErrors,
     /// After that.
-    pub after: Errors,
+    pub after: CellErrors,
     /// All of the drive.
-    pub whole: Errors,
+    pub whole: CellErrors,
 }
 
 impl Phases {
@@ -139,12 +139,12 @@ pub struct Times {
 
 /// A drive as it was, by time and by distance.
 #[derive(Debug)]
-pub struct Truth {
+pub struct TrueDrive {
     grades: Vec<(f64, f64)>,
     ways: Vec<(f64, f64)>,
 }
 
-impl Truth {
+impl TrueDrive {
     /// Of a drive.
     #[must_use]
     pub fn new(run: &SimulatedRun) -> Self {
@@ -175,7 +175,7 @@ impl Truth {
         let (from_s, until_s) = times.window_s;
         let from_m = self.way_m(from_s);
         let recovered_m = self.way_m(until_s) + RECOVERY_M;
-        let mut errors = [Errors::default(); 4];
+        let mut errors = [CellErrors::default(); 4];
         for row in rows {
             let late_s = row.time_s - times.ahead_s;
             let time_s = if late_s >= from_s { late_s } else { row.time_s };

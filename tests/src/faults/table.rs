@@ -1,8 +1,8 @@
 //! The table of the matrix, `tests/faults.md`.
 
-use super::catalogue::Kind;
-use super::matrix::{Outcome, Row};
-use super::outcome::Errors;
+use super::catalogue::FaultKind;
+use super::matrix::{FaultOutcome, FaultRow};
+use super::outcome::CellErrors;
 use crate::image::root;
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -16,7 +16,7 @@ Written by `cargo run -p cross-tests --release --example faults -- --write`; che
 and a slow GNSS error of 2 m. A fault begins at 600 s and lasts as long as its name says, else for the
 time given.
 
-Errors are RMSE of grade in %, smoothed / lagged / live: before the fault; with it (from its begin to
+CellErrors are RMSE of grade in %, smoothed / lagged / live: before the fault; with it (from its begin to
 2 km after its end) and, in brackets, on the same stretch without it; and from there to the end of the
 drive, likewise. NEES is the mean of squared errors over stated variances, smoothed / lagged / live,
 with the fault (as above): 1 where sigmas are honest. *Counted* is what the estimator's counters tell
@@ -39,7 +39,7 @@ pub fn committed_file() -> PathBuf {
 
 /// The table.
 #[must_use]
-pub fn table(rows: &[Row]) -> String {
+pub fn table(rows: &[FaultRow]) -> String {
     let mut text = HEAD.to_owned();
     let mut kind = None;
     let mut reasons = Vec::new();
@@ -89,14 +89,14 @@ pub fn table(rows: &[Row]) -> String {
     text
 }
 
-const fn heading(kind: Kind) -> &'static str {
+const fn heading(kind: FaultKind) -> &'static str {
     match kind {
-        Kind::Nothing => "None",
-        Kind::Bus => "The bus",
-        Kind::Signal => "Senders",
-        Kind::Receiver => "The GNSS receiver",
-        Kind::Clock => "The listener's clock",
-        Kind::Attack => "Somebody else on the bus",
+        FaultKind::Nothing => "None",
+        FaultKind::Bus => "The bus",
+        FaultKind::Signal => "Senders",
+        FaultKind::Receiver => "The GNSS receiver",
+        FaultKind::Clock => "The listener's clock",
+        FaultKind::Attack => "Somebody else on the bus",
     }
 }
 
@@ -104,7 +104,7 @@ fn three(numbers: [f64; 3]) -> String {
     numbers.map(|number| format!("{number:.3}")).join(" / ")
 }
 
-fn beside(with: &Errors, without: &Errors) -> String {
+fn beside(with: &CellErrors, without: &CellErrors) -> String {
     if with.cells() == 0 {
         return "–".to_owned();
     }
@@ -115,14 +115,14 @@ fn beside(with: &Errors, without: &Errors) -> String {
     )
 }
 
-fn normalised(errors: &Errors) -> String {
+fn normalised(errors: &CellErrors) -> String {
     errors
         .normalised()
         .map(|mean| format!("{mean:.1}"))
         .join(" / ")
 }
 
-fn way(outcome: &Outcome) -> String {
+fn way(outcome: &FaultOutcome) -> String {
     let way_m = outcome.way_m.round();
     let missing = outcome.cells_missing.round();
     if way_m == 0.0 && missing == 0.0 {
@@ -131,7 +131,7 @@ fn way(outcome: &Outcome) -> String {
     format!("{way_m:+}; {:+}", -missing)
 }
 
-fn counted(outcome: &Outcome) -> String {
+fn counted(outcome: &FaultOutcome) -> String {
     let mut kinds: Vec<_> = outcome.counted.iter().collect();
     kinds.sort_by_key(|(name, count)| (std::cmp::Reverse(**count), **name));
     let shown = kinds.iter().take(MOST_KINDS);

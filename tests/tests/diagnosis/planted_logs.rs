@@ -1,7 +1,7 @@
 //! Has each log of the bench the effect in it that was asked for, and nothing that tells of it?
 
 use cross_tests::planted::{
-    CATALOGUE, CLEAN, FAN, Logs, OUTSIDE, amount, logs, logs_of, unmodelled_rms_percent,
+    CATALOGUE, CLEAN, FAN, OUTSIDE, PlantedLogs, amount, logs, logs_of, unmodelled_rms_percent,
 };
 use estimator_core::signal::FrameOutcome;
 use estimator_core::{Decoder, Driveline, Signal, Traction, VehicleParameters};
@@ -250,7 +250,7 @@ fn at(values: &[(f64, f64)], time_s: f64) -> f64 {
 
 /// From the logs alone: over windows without shift or brake, the height that the believed force
 /// balance makes of torque and speed, less the true height, as a grade; its RMS in %.
-fn told_rms_percent(logs: &Logs) -> f64 {
+fn told_rms_percent(logs: &PlantedLogs) -> f64 {
     let runs = logs.fit.iter().chain(&logs.held_out);
     let truths = logs.truth.fit.iter().chain(&logs.truth.held_out);
     let errors: Vec<f64> = runs

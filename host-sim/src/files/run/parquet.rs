@@ -4,7 +4,7 @@ use super::cell::{RunCell, RunHash, RunIdentity};
 use super::row::{RunRow, RunRows};
 use crate::error::{Error, Result};
 use crate::files::output::Staged;
-use crate::files::parquet::{Column, Opened, TableWriter, open};
+use crate::files::parquet::{Opened, ParquetColumn, TableWriter, open};
 use std::path::Path;
 
 /// Version of the columns; goes into the file's metadata.
@@ -78,10 +78,12 @@ pub fn stage(path: &Path, rows: &mut dyn RunRows, origin: &Origin) -> Result<Sta
     table.finish()
 }
 
-fn columns(rows: &[RunRow]) -> Vec<Column> {
-    let numbers = |name, value: fn(&RunRow) -> f64| Column::numbers(name, rows.iter().map(value));
-    let optional =
-        |name, value: fn(&RunRow) -> Option<f64>| Column::optional(name, rows.iter().map(value));
+fn columns(rows: &[RunRow]) -> Vec<ParquetColumn> {
+    let numbers =
+        |name, value: fn(&RunRow) -> f64| ParquetColumn::numbers(name, rows.iter().map(value));
+    let optional = |name, value: fn(&RunRow) -> Option<f64>| {
+        ParquetColumn::optional(name, rows.iter().map(value))
+    };
     vec![
         numbers("time_s", |row| row.time_s),
         numbers("distance_m", |row| row.distance_m),
@@ -102,7 +104,7 @@ fn columns(rows: &[RunRow]) -> Vec<Column> {
         numbers("speed_mps", |row| row.speed_mps),
         numbers("bias_percent", |row| row.bias_percent),
         numbers("scale", |row| row.scale),
-        Column::whole("valid", rows.iter().map(|row| row.valid.into())),
+        ParquetColumn::whole("valid", rows.iter().map(|row| row.valid.into())),
     ]
 }
 

@@ -5,7 +5,7 @@ const COURSE_TOLERANCE_DEG: f64 = 45.0;
 
 /// How a vehicle goes on a road.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Heading {
+pub(crate) enum CourseRelation {
     Along,
     /// Neither, but rather forwards than backwards.
     AcrossForward,
@@ -15,17 +15,17 @@ pub(crate) enum Heading {
 
 /// Told without the angle itself, at every segment around: within 45° what is ahead is more than
 /// what is beside.
-pub(crate) fn heading(road: [f64; 2], course: [f64; 2]) -> Heading {
+pub(crate) fn heading(road: [f64; 2], course: [f64; 2]) -> CourseRelation {
     let beside = (road[0] * course[1] - road[1] * course[0]).abs();
     let ahead = road[0] * course[0] + road[1] * course[1];
     let limit = beside / COURSE_TOLERANCE_DEG.to_radians().tan();
     if ahead >= limit {
-        Heading::Along
+        CourseRelation::Along
     } else if ahead <= -limit {
-        Heading::Opposite
+        CourseRelation::Opposite
     } else if ahead >= 0.0 {
-        Heading::AcrossForward
+        CourseRelation::AcrossForward
     } else {
-        Heading::AcrossBackward
+        CourseRelation::AcrossBackward
     }
 }

@@ -6,7 +6,7 @@ use super::joins::Joins;
 use super::plane::LocalPlane;
 use super::road_index::Surroundings;
 use super::road_line::RoadLine;
-use super::way_index::{Candidate, Way, WayIndex};
+use super::way_index::{Way, WayCandidate, WayIndex};
 use super::way_name::WayName;
 use std::ops::Range;
 
@@ -72,7 +72,7 @@ impl Network {
         surroundings: &mut Surroundings,
         place_m: [f64; 3],
         course: impl Fn(&LocalPlane) -> Option<[f64; 2]>,
-        along: &mut Vec<Candidate>,
+        along: &mut Vec<WayCandidate>,
     ) -> bool {
         let Self { ways, joins } = self;
         ways.nearby(joins, surroundings, place_m, course, along)

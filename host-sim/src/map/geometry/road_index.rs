@@ -30,12 +30,12 @@ pub(crate) struct RoadIndex {
 #[derive(Debug, Default)]
 pub(crate) struct Surroundings {
     centre: Option<[f64; 3]>,
-    pieces: Vec<Piece>,
+    pieces: Vec<WaySegments>,
 }
 
 /// Segments of one way.
 #[derive(Debug)]
-pub(crate) struct Piece {
+pub(crate) struct WaySegments {
     pub way: usize,
     pub segments: Range<usize>,
     around: AABB<[f64; 3]>,
@@ -77,7 +77,7 @@ impl RoadIndex {
         &self,
         surroundings: &'s mut Surroundings,
         place_m: [f64; 3],
-    ) -> impl Iterator<Item = &'s Piece> + use<'s> {
+    ) -> impl Iterator<Item = &'s WaySegments> + use<'s> {
         if !surroundings.hold(place_m) {
             *surroundings = self.surroundings(place_m);
         }
@@ -89,10 +89,10 @@ impl RoadIndex {
     fn surroundings(&self, centre: [f64; 3]) -> Surroundings {
         let reach = LATERAL_LIMIT_M + SURROUNDINGS_M;
         let around = AABB::from_corners(centre.map(|x| x - reach), centre.map(|x| x + reach));
-        let mut pieces: Vec<Piece> = self
+        let mut pieces: Vec<WaySegments> = self
             .pieces
             .locate_in_envelope_intersecting(around)
-            .map(|piece| Piece {
+            .map(|piece| WaySegments {
                 way: piece.data.0,
                 segments: piece.data.1.clone(),
                 around: piece.geom().envelope(),

@@ -1,6 +1,6 @@
 //! Ways with an index of their segments, and which of them pass near a place.
 
-use super::course::{Heading, heading};
+use super::course::{CourseRelation, heading};
 use super::grid::GRID_M;
 use super::joins::Joins;
 use super::plane::LocalPlane;
@@ -29,7 +29,7 @@ pub(crate) struct WayIndex {
 
 /// A place at which a position may be.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Candidate {
+pub(crate) struct WayCandidate {
     pub way: usize,
     pub foot: Foot,
     /// The course fits only as that of a vehicle that turns off, or onto the way, here.
@@ -37,7 +37,7 @@ pub(crate) struct Candidate {
 }
 
 /// A way, and a position and a course in its plane.
-type View = (usize, Option<[f64; 2]>, Option<[f64; 2]>);
+type ProjectedPosition = (usize, Option<[f64; 2]>, Option<[f64; 2]>);
 
 impl WayIndex {
     /// An index of these ways, in their order.
@@ -108,12 +108,12 @@ impl WayIndex {
         surroundings: &mut Surroundings,
         place_m: [f64; 3],
         course: impl Fn(&LocalPlane) -> Option<[f64; 2]>,
-        along: &mut Vec<Candidate>,
+        along: &mut Vec<WayCandidate>,
     ) -> bool {
         let mut opposite = false;
         let mut last = None;
         // The way that is looked at, with the position and the course in its plane.
-        let mut view: Option<View> = None;
+        let mut view: Option<ProjectedPosition> = None;
         for piece in self.index.near(surroundings, place_m) {
             let line = &self.ways[piece.way].line;
             let (_, point, course) = match view {
@@ -130,20 +130,20 @@ impl WayIndex {
                 let foot = self.within(joins, piece.way, foot);
                 let heading = course.map(|course| heading(line.course_of(&foot), course));
                 let turning = match heading {
-                    None | Some(Heading::Along) => false,
-                    Some(Heading::Opposite) => {
+                    None | Some(CourseRelation::Along) => false,
+                    Some(CourseRelation::Opposite) => {
                         opposite = true;
                         continue;
                     }
                     // At a join one end of a chord lies on the way before or behind.
-                    Some(Heading::AcrossForward)
+                    Some(CourseRelation::AcrossForward)
                         if joins.is_near(piece.way, foot.distance_m, COURSE_REACH_M) =>
                     {
                         true
                     }
                     Some(_) => continue,
                 };
-                let candidate = Candidate {
+                let candidate = WayCandidate {
                     way: piece.way,
                     foot,
                     turning,

@@ -6,7 +6,7 @@ use std::fmt;
 /// In which direction a way is driven.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Direction {
+pub enum WayDirection {
     /// In the order of its points.
     Forward,
     /// Against it.
@@ -18,10 +18,10 @@ pub enum Direction {
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct WayName {
     pub way: String,
-    pub direction: Direction,
+    pub direction: WayDirection,
 }
 
-impl Direction {
+impl WayDirection {
     /// As files have it.
     #[must_use]
     pub const fn word(self) -> &'static str {

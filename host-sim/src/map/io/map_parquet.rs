@@ -5,7 +5,7 @@ use super::road_row::RoadRow;
 use super::way_file::{self, DIRECTION, Grouping, WAY};
 use crate::error::{Error, Result};
 use crate::files::output::Staged;
-use crate::files::parquet::{Column, open, stage as stage_parquet};
+use crate::files::parquet::{ParquetColumn, open, stage as stage_parquet};
 use crate::files::row_check::Flaw;
 use crate::map::fusion::map_row::{MapRow, WayRows};
 use crate::map::geometry::way_name::WayName;
@@ -22,7 +22,7 @@ const PLACED_SCHEMA: &str = "placed 1";
 /// What the file system says.
 pub fn stage(path: &Path, ways: &[WayRows]) -> Result<Staged> {
     let rows = || ways.iter().flat_map(|way| &way.rows);
-    let numbers = |name, value: fn(&MapRow) -> f64| Column::numbers(name, rows().map(value));
+    let numbers = |name, value: fn(&MapRow) -> f64| ParquetColumn::numbers(name, rows().map(value));
     let mut columns = Vec::new();
     if ways.iter().any(|way| way.name.is_some()) {
         let texts = |value: fn(&WayName) -> &str| {
@@ -30,8 +30,8 @@ pub fn stage(path: &Path, ways: &[WayRows]) -> Result<Staged> {
                 std::iter::repeat_n(way.name.as_ref().map(value), way.rows.len())
             })
         };
-        columns.push(Column::texts(WAY, texts(|name| &name.way)));
-        columns.push(Column::texts(
+        columns.push(ParquetColumn::texts(WAY, texts(|name| &name.way)));
+        columns.push(ParquetColumn::texts(
             DIRECTION,
             texts(|name| name.direction.word()),
         ));
@@ -40,10 +40,10 @@ pub fn stage(path: &Path, ways: &[WayRows]) -> Result<Staged> {
         numbers("distance_m", |row| row.distance_m),
         numbers("latitude_deg", |row| row.latitude_deg),
         numbers("longitude_deg", |row| row.longitude_deg),
-        Column::optional("altitude_m", rows().map(|row| row.altitude_m)),
+        ParquetColumn::optional("altitude_m", rows().map(|row| row.altitude_m)),
         numbers("grade_percent", |row| row.grade_percent),
         numbers("grade_sigma_percent", |row| row.grade_sigma_percent),
-        Column::whole("runs", rows().map(|row| row.runs.into())),
+        ParquetColumn::whole("runs", rows().map(|row| row.runs.into())),
     ]);
     stage_parquet(path, columns, &[("schema", MAP_SCHEMA.to_owned())])
 }
@@ -132,15 +132,15 @@ fn read_ways<T, const N: usize>(
 pub fn stage_placed(path: &Path, session: Option<&str>, cells: &[PlacedCell]) -> Result<Staged> {
     let altitude = |of: fn((f64, f64)) -> f64| cells.iter().map(move |cell| cell.altitude.map(of));
     let columns = vec![
-        Column::text("session", session, cells.len()),
-        Column::whole("cell", cells.iter().map(|cell| cell.number)),
-        Column::numbers("grade_percent", cells.iter().map(|cell| cell.grade_percent)),
-        Column::numbers(
+        ParquetColumn::text("session", session, cells.len()),
+        ParquetColumn::whole("cell", cells.iter().map(|cell| cell.number)),
+        ParquetColumn::numbers("grade_percent", cells.iter().map(|cell| cell.grade_percent)),
+        ParquetColumn::numbers(
             "grade_variance_percent2",
             cells.iter().map(|cell| cell.grade_variance),
         ),
-        Column::optional("altitude_m", altitude(|known| known.0)),
-        Column::optional("altitude_variance_m2", altitude(|known| known.1)),
+        ParquetColumn::optional("altitude_m", altitude(|known| known.0)),
+        ParquetColumn::optional("altitude_variance_m2", altitude(|known| known.1)),
     ];
     stage_parquet(path, columns, &[("schema", PLACED_SCHEMA.to_owned())])
 }

@@ -9,7 +9,7 @@ use crate::files::row_check;
 use crate::map::geometry::network::Network;
 use crate::map::geometry::plane::chord_m;
 use crate::map::geometry::road_line::{RoadLine, RoadPoint};
-use crate::map::geometry::way_name::{Direction, WayName};
+use crate::map::geometry::way_name::{WayDirection, WayName};
 use geojson::feature::Id;
 use geojson::{Feature, Position, Value as Shape};
 use serde::Deserialize;
@@ -130,8 +130,8 @@ fn name_of(feature: &Feature) -> std::result::Result<String, String> {
 
 /// As OpenStreetMap has it: both directions unless `oneway` says otherwise; roundabouts and
 /// motorways are one-way without saying so.
-fn directions(feature: &Feature) -> std::result::Result<Vec<Direction>, String> {
-    use Direction::{Backward, Forward};
+fn directions(feature: &Feature) -> std::result::Result<Vec<WayDirection>, String> {
+    use WayDirection::{Backward, Forward};
     let implied = || {
         let is = |key: &str, values: &[&str]| {
             told(feature, key)
@@ -200,9 +200,9 @@ fn point(position: &Position) -> std::result::Result<(f64, f64), String> {
 /// Distances are those on the ellipsoid.
 fn line(
     mut points: Vec<(f64, f64)>,
-    direction: Direction,
+    direction: WayDirection,
 ) -> std::result::Result<RoadLine, String> {
-    if direction == Direction::Backward {
+    if direction == WayDirection::Backward {
         points.reverse();
     }
     let mut distance_m = 0.0;

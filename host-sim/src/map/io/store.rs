@@ -34,7 +34,7 @@ const SAME_PLACE_M: f64 = 0.5;
 
 /// A map as stored.
 #[derive(Clone, Debug)]
-pub struct Store {
+pub struct MapStore {
     /// One, of a single road.
     pub ways: Vec<StoredWay>,
     rows: Vec<StoreRow>,
@@ -42,7 +42,7 @@ pub struct Store {
     pub runs: RunList,
 }
 
-impl Store {
+impl MapStore {
     /// The cells of a single road; `None` of a network.
     #[must_use]
     pub fn road(&self) -> Option<&[RoadPoint]> {
@@ -52,7 +52,7 @@ impl Store {
         }
     }
 
-    /// The stored map, on a network of which [`Store::is_of`] holds.
+    /// The stored map, on a network of which [`MapStore::is_of`] holds.
     #[must_use]
     pub fn resume<'a>(&self, network: &'a Network) -> GradeMap<'a> {
         let mut map = GradeMap::new(network);
@@ -131,7 +131,7 @@ pub fn stage(path: &Path, map: &GradeMap, runs: &RunList) -> Result<Staged> {
 ///
 /// # Errors
 /// With file, line and what was expected.
-pub fn read(path: &Path) -> Result<Store> {
+pub fn read(path: &Path) -> Result<MapStore> {
     let (promised, promised_runs) = promised_counts(path)?;
     let rows = read_checked_with(
         csv::ReaderBuilder::new().comment(Some(b'#')),
@@ -166,7 +166,7 @@ pub fn read(path: &Path) -> Result<Store> {
         ));
     }
     let runs = RunList::read(path, promised_runs)?;
-    Ok(Store { ways, rows, runs })
+    Ok(MapStore { ways, rows, runs })
 }
 
 /// The numbers of rows and of runs that the first line tells.

@@ -6,7 +6,7 @@ use crate::files::row_check::{self, Flaw};
 use crate::map::fusion::cell_sums::CellSums;
 use crate::map::geometry::grid::GRID_M;
 use crate::map::geometry::road_line::RoadPoint;
-use crate::map::geometry::way_name::{Direction, WayName};
+use crate::map::geometry::way_name::{WayDirection, WayName};
 use serde::{Deserialize, Serialize};
 
 /// Sums may miss an inequality by so much in proportion: rounding.
@@ -45,7 +45,7 @@ pub(crate) struct StoreRow {
     #[serde(default, skip_serializing)]
     way: Option<String>,
     #[serde(default, skip_serializing)]
-    direction: Option<Direction>,
+    direction: Option<WayDirection>,
 }
 
 impl StoreRow {

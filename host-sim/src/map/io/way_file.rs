@@ -4,7 +4,7 @@ use crate::error::{Error, Result};
 use crate::files::csv::{Record, read_records};
 use crate::files::row_check::Flaw;
 use crate::map::fusion::map_row::WayRows;
-use crate::map::geometry::way_name::{Direction, WayName};
+use crate::map::geometry::way_name::{WayDirection, WayName};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -19,7 +19,7 @@ pub(crate) const DIRECTION: &str = "direction";
 pub(crate) struct WayColumns {
     way: String,
     #[serde(default)]
-    direction: Option<Direction>,
+    direction: Option<WayDirection>,
 }
 
 impl From<Option<&WayName>> for WayColumns {
@@ -36,7 +36,7 @@ impl WayColumns {
         check_way(&self.way)?;
         Ok(WayName {
             way: self.way,
-            direction: self.direction.unwrap_or(Direction::Forward),
+            direction: self.direction.unwrap_or(WayDirection::Forward),
         })
     }
 }
@@ -124,8 +124,8 @@ pub(crate) fn read_csv<T: for<'de> Deserialize<'de>>(
 pub(crate) fn name_of([way, direction]: [Option<&str>; 2]) -> std::result::Result<WayName, Flaw> {
     let direction = match direction {
         None => None,
-        Some("forward") => Some(Direction::Forward),
-        Some("backward") => Some(Direction::Backward),
+        Some("forward") => Some(WayDirection::Forward),
+        Some("backward") => Some(WayDirection::Backward),
         Some(other) => {
             return Err(Flaw {
                 problem: format!("direction is {other:?}"),

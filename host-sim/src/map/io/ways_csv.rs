@@ -3,7 +3,7 @@
 use super::map_file;
 use crate::error::{Error, Result};
 use crate::map::fusion::map_row::WayRows;
-use crate::map::geometry::way_name::{Direction, WayName};
+use crate::map::geometry::way_name::{WayDirection, WayName};
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
@@ -39,8 +39,8 @@ fn file_name(name: Option<&WayName>, map: &Path, taken: &mut BTreeSet<String>) -
                 None => stem,
             };
             match direction {
-                Direction::Forward => stem,
-                Direction::Backward => format!("{stem}.backward"),
+                WayDirection::Forward => stem,
+                WayDirection::Backward => format!("{stem}.backward"),
             }
         }
     };

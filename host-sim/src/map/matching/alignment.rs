@@ -1,6 +1,6 @@
 //! From matched points to smooth distances along the ways.
 
-use super::viterbi::{self, Place, TrackPoint};
+use super::viterbi::{self, MatchedPlace, TrackPoint};
 use crate::map::geometry::network::Network;
 use crate::numeric::local_fit;
 use std::ops::Range;
@@ -11,7 +11,7 @@ const OFFSET_REACH_M: f64 = 100.0;
 
 /// Points of a run that follow the network without a break.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Stretch {
+pub struct MatchedSegment {
     /// Which points of the run.
     pub points: Range<usize>,
     /// Distance along the legs of each: on the first that of its way.
@@ -42,12 +42,16 @@ struct Open {
 
 /// The stretches of a run on the network. Points without a position belong to a stretch if it goes
 /// on behind them (matching has compared that with the odometer).
-pub fn stretches(network: &Network, track: &[TrackPoint], places: &[Place]) -> Vec<Stretch> {
+pub fn stretches(
+    network: &Network,
+    track: &[TrackPoint],
+    places: &[MatchedPlace],
+) -> Vec<MatchedSegment> {
     let mut found = Vec::new();
     let mut open: Option<Open> = None;
     for (i, place) in places.iter().enumerate() {
         match *place {
-            Place::OnRoad { way, distance_m } => {
+            MatchedPlace::OnRoad { way, distance_m } => {
                 let here = (way, distance_m, track[i].odometer_m);
                 let goes_on = open
                     .as_mut()
@@ -56,8 +60,8 @@ pub fn stretches(network: &Network, track: &[TrackPoint], places: &[Place]) -> V
                     found.extend(open.replace(Open::at(i, here)));
                 }
             }
-            Place::NoPosition => {}
-            Place::OffRoad | Place::Opposite => found.extend(open.take()),
+            MatchedPlace::NoPosition => {}
+            MatchedPlace::OffRoad | MatchedPlace::Opposite => found.extend(open.take()),
         }
     }
     found.extend(open);
@@ -106,7 +110,7 @@ impl Open {
 }
 
 /// A stretch through the matched points `on`, each with its raw distance along the legs.
-fn smoothed(track: &[TrackPoint], on: &[(usize, f64)], legs: Vec<Leg>) -> Stretch {
+fn smoothed(track: &[TrackPoint], on: &[(usize, f64)], legs: Vec<Leg>) -> MatchedSegment {
     let odometer_m: Vec<f64> = on.iter().map(|&(i, _)| track[i].odometer_m).collect();
     let offset_m: Vec<f64> = on
         .iter()
@@ -132,7 +136,7 @@ fn smoothed(track: &[TrackPoint], on: &[(usize, f64)], legs: Vec<Leg>) -> Stretc
             here_m + offset_m[after - 1] + part * (offset_m[after] - offset_m[after - 1])
         })
         .collect();
-    Stretch {
+    MatchedSegment {
         points,
         distance_m,
         legs,

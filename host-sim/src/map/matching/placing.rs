@@ -1,8 +1,8 @@
 //! A run's cells on the grid of each way: all that a map takes of it.
 
-use super::alignment::{Leg, Stretch, stretches};
+use super::alignment::{Leg, MatchedSegment, stretches};
 use super::track::track_of_run;
-use super::viterbi::{Place, match_track};
+use super::viterbi::{MatchedPlace, match_track};
 use crate::files::run::RunCell;
 use crate::map::geometry::grid::GRID_M;
 use crate::map::geometry::network::Network;
@@ -49,11 +49,11 @@ pub struct PlacedRun {
 pub fn place(network: &Network, cells: &[RunCell]) -> PlacedRun {
     let track = track_of_run(cells);
     let places = match_track(network, &track);
-    let count = |wanted: Place| places.iter().filter(|&&place| place == wanted).count();
+    let count = |wanted: MatchedPlace| places.iter().filter(|&&place| place == wanted).count();
     let mut coverage = Coverage {
         cells: cells.len(),
-        off_road: count(Place::OffRoad),
-        opposite: count(Place::Opposite),
+        off_road: count(MatchedPlace::OffRoad),
+        opposite: count(MatchedPlace::Opposite),
         ..Coverage::default()
     };
     let mut placed = Vec::with_capacity(cells.len());
@@ -75,7 +75,7 @@ fn place_stretch(
     placed: &mut Vec<PlacedCell>,
     network: &Network,
     cells: &[RunCell],
-    stretch: &Stretch,
+    stretch: &MatchedSegment,
 ) {
     let cells = &cells[stretch.points.clone()];
     let mut legs = stretch.legs.iter();

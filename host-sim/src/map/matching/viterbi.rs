@@ -12,7 +12,7 @@ use crate::map::geometry::network::Network;
 use crate::map::geometry::plane::{LocalPlane, earth_centred};
 use crate::map::geometry::road_index::Surroundings;
 use crate::map::geometry::road_line::{COURSE_REACH_M, LATERAL_LIMIT_M};
-use crate::map::geometry::way_index::Candidate;
+use crate::map::geometry::way_index::WayCandidate;
 
 /// Price of leaving the road or coming onto it, in positions off the road: a stretch on the road
 /// must be worth two of them, 100 m of perfect fit, or it is a crossing.
@@ -44,7 +44,7 @@ pub struct TrackPoint {
 
 /// Where one point of a run lies.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Place {
+pub enum MatchedPlace {
     /// On this way of the network (a single road is its way 0), at this distance along it, m.
     OnRoad { way: usize, distance_m: f64 },
     /// At the road, driving against its direction.
@@ -56,14 +56,14 @@ pub enum Place {
 }
 
 /// Places each point of a run on the network.
-pub fn match_track(network: &Network, track: &[TrackPoint]) -> Vec<Place> {
-    let mut places = vec![Place::NoPosition; track.len()];
-    let fixes: Vec<Fix> = track
+pub fn match_track(network: &Network, track: &[TrackPoint]) -> Vec<MatchedPlace> {
+    let mut places = vec![MatchedPlace::NoPosition; track.len()];
+    let fixes: Vec<PositionedPoint> = track
         .iter()
         .enumerate()
         .filter_map(|(index, point)| {
             let (latitude_deg, longitude_deg) = point.position?;
-            Some(Fix {
+            Some(PositionedPoint {
                 index,
                 odometer_m: point.odometer_m,
                 place_m: earth_centred(latitude_deg, longitude_deg),
@@ -82,19 +82,19 @@ pub fn match_track(network: &Network, track: &[TrackPoint]) -> Vec<Place> {
     let states = best_states(network, &fixes, &nearby);
     for (i, state) in states.into_iter().enumerate() {
         places[fixes[i].index] = match nearby.along(i).get(state) {
-            Some(candidate) => Place::OnRoad {
+            Some(candidate) => MatchedPlace::OnRoad {
                 way: candidate.way,
                 distance_m: candidate.foot.distance_m,
             },
-            None if nearby.opposite[i] => Place::Opposite,
-            None => Place::OffRoad,
+            None if nearby.opposite[i] => MatchedPlace::Opposite,
+            None => MatchedPlace::OffRoad,
         };
     }
     places
 }
 
 /// A point of the run that has a position.
-struct Fix {
+struct PositionedPoint {
     index: usize,
     odometer_m: f64,
     /// Earth-centred.
@@ -104,7 +104,7 @@ struct Fix {
 /// What lies near each position.
 struct Nearby {
     /// Passes of ways that go the same way, one position behind the other.
-    along: Vec<Candidate>,
+    along: Vec<WayCandidate>,
     /// Where those of each position end.
     ends: Vec<usize>,
     /// Whether a way goes the opposite way there.
@@ -121,7 +121,7 @@ impl Nearby {
         }
     }
 
-    fn along(&self, i: usize) -> &[Candidate] {
+    fn along(&self, i: usize) -> &[WayCandidate] {
         &self.along[self.begin(i)..self.ends[i]]
     }
 
@@ -132,7 +132,7 @@ impl Nearby {
 
 /// For each position those from about 20 m before it to as far after it, without a gap between
 /// them.
-fn chords(fixes: &[Fix]) -> impl Iterator<Item = &[Fix]> {
+fn chords(fixes: &[PositionedPoint]) -> impl Iterator<Item = &[PositionedPoint]> {
     let way_m = |a: usize, b: usize| fixes[b].odometer_m - fixes[a].odometer_m;
     let (mut from, mut to) = (0, 0);
     (0..fixes.len()).map(move |i| {
@@ -155,7 +155,7 @@ fn chords(fixes: &[Fix]) -> impl Iterator<Item = &[Fix]> {
 
 /// Direction of the run from the first to the last of these, in a plane; `None` where they do not
 /// tell one.
-fn course(fixes: &[Fix], plane: &LocalPlane) -> Option<[f64; 2]> {
+fn course(fixes: &[PositionedPoint], plane: &LocalPlane) -> Option<[f64; 2]> {
     let (first, last) = (fixes.first()?, fixes.last()?);
     let span_m = last.odometer_m - first.odometer_m;
     if span_m < COURSE_SPAN_M {
@@ -198,16 +198,16 @@ pub(crate) fn step(
 }
 
 /// One state in Viterbi's lattice.
-struct State {
+struct LatticeState {
     cost: f64,
     /// The state before, on the cheapest way here.
     before: usize,
 }
 
 /// For each position the index of its state: of a pass in `along`, or their number for "off".
-fn best_states(network: &Network, fixes: &[Fix], nearby: &Nearby) -> Vec<usize> {
+fn best_states(network: &Network, fixes: &[PositionedPoint], nearby: &Nearby) -> Vec<usize> {
     // The states of all positions, one position behind the other; each has one more than places.
-    let mut lattice: Vec<State> = Vec::with_capacity(2 * fixes.len());
+    let mut lattice: Vec<LatticeState> = Vec::with_capacity(2 * fixes.len());
     let begin = |i: usize| nearby.begin(i) + i;
     for i in 0..fixes.len() {
         let near = nearby.along(i);
@@ -222,7 +222,7 @@ fn best_states(network: &Network, fixes: &[Fix], nearby: &Nearby) -> Vec<usize> 
                     fixes[i].odometer_m - fixes[previous].odometer_m,
                 ),
             };
-            lattice.push(State {
+            lattice.push(LatticeState {
                 cost: cost + stay_price(near.get(state)),
                 before,
             });
@@ -239,7 +239,7 @@ fn best_states(network: &Network, fixes: &[Fix], nearby: &Nearby) -> Vec<usize> 
 }
 
 /// Being beside the road grows dear with the square of the offset, up to being off it.
-fn stay_price(place: Option<&Candidate>) -> f64 {
+fn stay_price(place: Option<&WayCandidate>) -> f64 {
     place.map_or(1.0, |candidate| {
         let turning = if candidate.turning {
             TURNING_PRICE
@@ -254,9 +254,9 @@ fn stay_price(place: Option<&Candidate>) -> f64 {
 /// be reached and left, so there always is one.
 fn cheapest(
     network: &Network,
-    states: &[State],
-    before: &[Candidate],
-    place: Option<&Candidate>,
+    states: &[LatticeState],
+    before: &[WayCandidate],
+    place: Option<&WayCandidate>,
     driven_m: f64,
 ) -> (f64, usize) {
     let mut best = (f64::INFINITY, 0);
@@ -273,11 +273,11 @@ fn cheapest(
     best
 }
 
-fn place_of(candidate: &Candidate) -> (usize, f64) {
+fn place_of(candidate: &WayCandidate) -> (usize, f64) {
     (candidate.way, candidate.foot.distance_m)
 }
 
-fn index_of_least(states: &[State]) -> usize {
+fn index_of_least(states: &[LatticeState]) -> usize {
     (0..states.len())
         .min_by(|&a, &b| states[a].cost.total_cmp(&states[b].cost))
         .unwrap_or(0)

@@ -1,7 +1,7 @@
 //! The fusion of files of runs into the file of a map.
 
 use super::inputs::Inputs;
-use super::intake::Intake;
+use super::intake::RunIntake;
 use super::road::{Stored, road};
 use crate::error::{Error, Result};
 use crate::map::fusion::grade_map::{FusedMap, GradeMap};
@@ -61,7 +61,7 @@ pub fn fuse_files(request: &FuseRequest) -> Result<FusedMap> {
         None => (GradeMap::new(&road), RunList::default()),
     };
     let first = inputs.runs.first().map(|input| input.path.clone());
-    let mut intake = Intake::new(sums, runs, request.store, request.placed_folder());
+    let mut intake = RunIntake::new(sums, runs, request.store, request.placed_folder());
     intake.add(inputs, request.strict)?;
     let fused = intake.sums.fused();
     if fused.ways.is_empty() {

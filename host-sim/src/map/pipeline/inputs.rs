@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 /// One run to fuse.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Input {
+pub(crate) struct RunInput {
     /// `None` is a session of its own.
     pub(crate) session: Option<String>,
     pub(crate) path: PathBuf,
@@ -21,7 +21,7 @@ pub(crate) struct Input {
 pub(crate) struct Inputs {
     /// In the order in which they are added: runs without a session, then session by session, so
     /// that each can be closed before the next.
-    pub(crate) runs: Vec<Input>,
+    pub(crate) runs: Vec<RunInput>,
     /// Why files found in folders could not be opened.
     pub(crate) damaged: Vec<Error>,
 }
@@ -31,7 +31,7 @@ impl Inputs {
     /// session that is told here counts before the one that a file tells.
     pub(crate) fn add(&mut self, path: &Path, session: Option<&str>) -> Result<()> {
         if !path.is_dir() {
-            let input = Input {
+            let input = RunInput {
                 session: session.map(str::to_owned),
                 path: path.to_owned(),
                 found: false,
@@ -40,7 +40,7 @@ impl Inputs {
         }
         let before = self.runs.len() + self.damaged.len();
         for path in files_below(path)? {
-            self.push(Input {
+            self.push(RunInput {
                 session: session.map(str::to_owned),
                 path,
                 found: true,
@@ -58,7 +58,7 @@ impl Inputs {
         self.runs.sort_by(|a, b| a.session.cmp(&b.session));
     }
 
-    fn push(&mut self, mut input: Input) -> Result<()> {
+    fn push(&mut self, mut input: RunInput) -> Result<()> {
         if input.session.is_none() && is_parquet(&input.path) {
             match run::session(&input.path) {
                 Ok(session) => input.session = session,

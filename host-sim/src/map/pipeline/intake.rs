@@ -1,6 +1,6 @@
 //! Takes runs into a map, a few in memory at a time.
 
-use super::inputs::{Input, Inputs};
+use super::inputs::{Inputs, RunInput};
 use super::words::describe;
 use crate::error::{Error, Result};
 use crate::files::run::{self, RunIdentity};
@@ -20,21 +20,21 @@ const RUNS_A_THREAD: usize = 8;
 const CELLS_A_SAVE: usize = 10_000_000;
 
 /// What becomes of the runs.
-pub(crate) struct Intake<'a, 'r> {
+pub(crate) struct RunIntake<'a, 'r> {
     pub(crate) sums: GradeMap<'r>,
     pub(crate) runs: RunList,
     /// Written now and then, if there is one; else sessions are closed when they are complete.
     pub(crate) store: Option<&'a Path>,
     /// Folder of a road's placed runs.
     pub(crate) placed: Option<PathBuf>,
-    pub(crate) tally: Tally,
+    pub(crate) tally: RunTally,
     open_session: Option<String>,
     cells_since_save: usize,
 }
 
 /// How many runs there were of each kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Tally {
+pub(crate) struct RunTally {
     pub(crate) added: usize,
     pub(crate) unmatched: usize,
     pub(crate) repeated: usize,
@@ -50,12 +50,12 @@ struct Arrival {
 
 /// Runs of one session.
 struct Batch<'i> {
-    inputs: &'i [Input],
+    inputs: &'i [RunInput],
     /// Judged in their order: which error is told must not depend on threads.
     arrivals: Vec<Result<Arrival>>,
 }
 
-impl<'a, 'r> Intake<'a, 'r> {
+impl<'a, 'r> RunIntake<'a, 'r> {
     pub(crate) fn new(
         sums: GradeMap<'r>,
         runs: RunList,
@@ -67,7 +67,7 @@ impl<'a, 'r> Intake<'a, 'r> {
             runs,
             store,
             placed,
-            tally: Tally::default(),
+            tally: RunTally::default(),
             open_session: None,
             cells_since_save: 0,
         }
@@ -120,7 +120,7 @@ impl<'a, 'r> Intake<'a, 'r> {
         self.save_now_and_then()
     }
 
-    fn take(&mut self, input: &Input, arrival: &Arrival) -> Result<()> {
+    fn take(&mut self, input: &RunInput, arrival: &Arrival) -> Result<()> {
         let Arrival { identity, placed } = arrival;
         let path = input.path.display();
         let Some(placed) = placed.as_ref().filter(|_| self.runs.insert(*identity)) else {
@@ -164,8 +164,8 @@ impl<'a, 'r> Intake<'a, 'r> {
     }
 
     /// Whether there is something to make a map of; says what was left out.
-    fn judge(&self, runs: &[Input]) -> Result<()> {
-        let Tally {
+    fn judge(&self, runs: &[RunInput]) -> Result<()> {
+        let RunTally {
             added,
             unmatched,
             repeated,
@@ -197,8 +197,8 @@ impl<'a, 'r> Intake<'a, 'r> {
 }
 
 impl<'i> Batch<'i> {
-    fn place(inputs: &'i [Input], road: &Network, known: &RunList) -> Self {
-        let arrive = |input: &Input| {
+    fn place(inputs: &'i [RunInput], road: &Network, known: &RunList) -> Self {
+        let arrive = |input: &RunInput| {
             let (cells, identity) = run::read_cells(&input.path)?;
             let placed = (!known.contains(identity)).then(|| place(road, &cells));
             Ok(Arrival { identity, placed })

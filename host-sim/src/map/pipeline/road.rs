@@ -5,14 +5,14 @@ use crate::error::{Error, Result};
 use crate::files::run;
 use crate::map::geometry::network::Network;
 use crate::map::io::network_file::{read, road_through};
-use crate::map::io::store::Store;
+use crate::map::io::store::MapStore;
 use crate::map::matching::track::road_of_run;
 use std::path::Path;
 
 /// Sums of earlier runs, and where they are stored.
 pub(super) struct Stored<'a> {
     pub(super) path: &'a Path,
-    pub(super) store: Store,
+    pub(super) store: MapStore,
 }
 
 /// The road or the network: the file `given`, else the one of the store, else the track of the

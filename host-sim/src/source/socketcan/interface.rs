@@ -27,12 +27,12 @@ const MEMINFO_WORDS: usize = 9;
 pub(super) struct Interface {
     name: String,
     filters: Vec<(u32, u32)>,
-    state: State,
+    state: LinkState,
     drops_told: u32,
 }
 
 #[derive(Debug)]
-enum State {
+enum LinkState {
     Up(CanSocket),
     Lost { look_at: Monotonic, is_gone: bool },
 }
@@ -52,7 +52,7 @@ impl Interface {
         Ok(Self {
             name: name.to_owned(),
             filters: filters.to_owned(),
-            state: State::Up(socket),
+            state: LinkState::Up(socket),
             drops_told: 0,
         })
     }
@@ -60,14 +60,14 @@ impl Interface {
     /// What to wait on, while it is up.
     pub(super) fn descriptor(&self) -> Option<BorrowedFd<'_>> {
         match &self.state {
-            State::Up(socket) => Some(socket.as_fd()),
-            State::Lost { .. } => None,
+            LinkState::Up(socket) => Some(socket.as_fd()),
+            LinkState::Lost { .. } => None,
         }
     }
 
     /// Reads what is there, without waiting.
     pub(super) fn read(&mut self) -> Read {
-        let State::Up(socket) = &self.state else {
+        let LinkState::Up(socket) = &self.state else {
             return Read::Nothing;
         };
         match socket.read_frame_with_timestamps() {
@@ -92,7 +92,7 @@ impl Interface {
     /// Frames that the kernel had to drop since the last question, because they were not read fast
     /// enough.
     pub(super) fn dropped(&mut self) -> u32 {
-        let State::Up(socket) = &self.state else {
+        let LinkState::Up(socket) = &self.state else {
             return 0;
         };
         let mut words = [0; 4 * MEMINFO_WORDS];
@@ -110,7 +110,7 @@ impl Interface {
 
     /// Looks now and then whether a lost interface is back; tells what it finds, once.
     pub(super) fn look_for(&mut self, now: Monotonic) -> Option<BusEvent> {
-        let State::Lost { look_at, is_gone } = &mut self.state else {
+        let LinkState::Lost { look_at, is_gone } = &mut self.state else {
             return None;
         };
         if now < *look_at {
@@ -119,7 +119,7 @@ impl Interface {
         *look_at = now + RETRY;
         match open(&self.name, &self.filters) {
             Ok(socket) => {
-                self.state = State::Up(socket);
+                self.state = LinkState::Up(socket);
                 self.drops_told = 0;
                 Some(BusEvent::InterfaceBack)
             }
@@ -133,7 +133,7 @@ impl Interface {
     }
 
     fn lose(&mut self, event: BusEvent) -> Read {
-        self.state = State::Lost {
+        self.state = LinkState::Lost {
             look_at: Monotonic::now(),
             is_gone: event == BusEvent::InterfaceGone,
         };

@@ -61,11 +61,11 @@ const MERGE: Span = Span::from_millis(2);
 
 /// The reading end of the thread.
 #[derive(Debug)]
-pub struct Receiver {
+pub struct FrameReceiver {
     stretches: Channel<Vec<Received>>,
 }
 
-impl Receiver {
+impl FrameReceiver {
     /// Opens the interfaces and reads what passes `filters` until `stop` is set.
     ///
     /// # Errors
@@ -76,7 +76,7 @@ impl Receiver {
             .map(|name| Interface::open(name, filters))
             .collect::<Result<_>>()?;
         let (sink, stretches) = sync_channel(WAITING);
-        let reading = Reading {
+        let reading = ReceiveThread {
             interfaces,
             clock: SteadyClock::new(Monotonic::now(), SystemTime::now()),
             held: Vec::new(),
@@ -101,7 +101,7 @@ impl Receiver {
     }
 }
 
-struct Reading {
+struct ReceiveThread {
     interfaces: Vec<Interface>,
     clock: SteadyClock,
     /// Read, but perhaps not yet in their order.
@@ -109,7 +109,7 @@ struct Reading {
     newest: Instant,
 }
 
-impl Reading {
+impl ReceiveThread {
     fn run(mut self, sink: &SyncSender<Vec<Received>>, stop: &AtomicBool) {
         while !stop.load(Ordering::Relaxed) {
             self.wait();

@@ -18,12 +18,12 @@ const PATIENCE: Duration = Duration::from_secs(10);
 
 /// An interface that is sent to. What it sends itself it never reads.
 #[derive(Debug)]
-pub struct Sender {
+pub struct FrameSender {
     name: String,
     socket: CanSocket,
 }
 
-impl Sender {
+impl FrameSender {
     /// Opens an interface, also to read what passes `filters`.
     ///
     /// # Errors

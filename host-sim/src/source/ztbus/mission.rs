@@ -10,7 +10,7 @@ pub const PASSENGER_MASS_KG: f64 = 70.0;
 
 /// One second of a mission. What was not measured is `None`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Row {
+pub struct MissionRow {
     /// Time since the mission's first row, s.
     pub time_s: f64,
     /// Speed from the shaft of the middle axle's motor, m/s; the paper calibrated it on GNSS.
@@ -35,7 +35,7 @@ pub struct Row {
     pub passengers: Option<f64>,
 }
 
-impl Row {
+impl MissionRow {
     /// Kerb mass and passengers; the empty bus before the first count, kg.
     #[must_use]
     pub fn mass_kg(&self) -> f64 {
@@ -52,7 +52,7 @@ impl Row {
 /// A whole mission.
 #[derive(Clone, Debug)]
 pub struct Mission {
-    pub(super) rows: Vec<Row>,
+    pub(super) rows: Vec<MissionRow>,
     pub(super) odometer_m: Vec<f64>,
     pub(super) first_fix: usize,
     pub(super) bus: Option<String>,
@@ -61,7 +61,7 @@ pub struct Mission {
 impl Mission {
     /// Its rows, in time order.
     #[must_use]
-    pub fn rows(&self) -> &[Row] {
+    pub fn rows(&self) -> &[MissionRow] {
         &self.rows
     }
 

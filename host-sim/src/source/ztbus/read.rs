@@ -1,6 +1,6 @@
 //! A mission's CSV file.
 
-use super::mission::{Mission, Row};
+use super::mission::{Mission, MissionRow};
 use crate::error::{Error, Result};
 use csv::StringRecord;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -29,7 +29,7 @@ const COLUMNS: [&str; 12] = [
 ];
 
 /// One line with the places of its columns.
-struct Line<'a> {
+struct MissionLine<'a> {
     path: &'a Path,
     record: &'a StringRecord,
     places: &'a [usize; COLUMNS.len()],
@@ -51,7 +51,7 @@ fn mission(path: &Path) -> Result<Mission> {
     let mut reader = csv::Reader::from_path(path).map_err(|e| csv_error(path, e))?;
     let places = places(path, reader.headers().map_err(|e| csv_error(path, e))?)?;
     let mut record = StringRecord::new();
-    let mut rows: Vec<Row> = Vec::new();
+    let mut rows: Vec<MissionRow> = Vec::new();
     let mut odometer_m = Vec::new();
     let mut first_unix_s = None;
     let mut passengers = None;
@@ -59,7 +59,7 @@ fn mission(path: &Path) -> Result<Mission> {
         .read_record(&mut record)
         .map_err(|e| csv_error(path, e))?
     {
-        let line = Line {
+        let line = MissionLine {
             path,
             record: &record,
             places: &places,
@@ -97,7 +97,7 @@ fn mission(path: &Path) -> Result<Mission> {
 }
 
 /// Way between two rows; where only one speed is known, it is taken for both.
-fn way_between_m(from: &Row, to: &Row) -> f64 {
+fn way_between_m(from: &MissionRow, to: &MissionRow) -> f64 {
     let mean_mps = match (from.speed_mps, to.speed_mps) {
         (Some(a), Some(b)) => 0.5 * (a + b),
         (one, other) => one.or(other).unwrap_or(0.0),
@@ -131,7 +131,7 @@ fn places(path: &Path, header: &StringRecord) -> Result<[usize; COLUMNS.len()]> 
     Ok(places)
 }
 
-impl Line<'_> {
+impl MissionLine<'_> {
     fn error(&self, problem: impl Into<String>, expected: &str) -> Error {
         let line = self.record.position().map_or(1, csv::Position::line);
         Error::line(self.path, line, problem, expected)
@@ -172,7 +172,7 @@ impl Line<'_> {
             .ok_or_else(|| self.error("time_unix is missing", "seconds since 1970"))
     }
 
-    fn row(&self, time_s: f64, passengers_before: Option<f64>) -> Result<Row> {
+    fn row(&self, time_s: f64, passengers_before: Option<f64>) -> Result<MissionRow> {
         let speed = self.number("odometry_vehicleSpeed")?;
         let brake_pressure_pa = self.number("traction_brakePressure")?;
         let holds = |column| -> Result<Option<bool>> {
@@ -187,7 +187,7 @@ impl Line<'_> {
         let course = self.number("gnss_course")?;
         let ambient_kelvin = self.number("temperature_ambient")?;
         let passengers = self.number("itcs_numberOfPassengers")?;
-        Ok(Row {
+        Ok(MissionRow {
             time_s,
             // The motor shaft swings back by some cm/s when the bus comes to a stop; way is
             // counted forward only.

@@ -4,8 +4,8 @@
 //! first trip starts, and the last one ends, at a terminus that the trips between have shown;
 //! what is driven before and after is the way from and to the garage.
 
-use super::mission::{Mission, Row};
-use super::turning::{Place, Turn, turns};
+use super::mission::{Mission, MissionRow};
+use super::turning::{PlanePoint, Turn, turns};
 use map_3d::{Ellipsoid, geodetic2enu};
 use std::ops::Range;
 
@@ -25,14 +25,14 @@ const COVERED_PART: f64 = 0.3;
 /// Which way a pass goes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Direction {
+pub enum PassDirection {
     /// As the first pass between its two termini.
     Outbound,
     /// Back.
     Inbound,
 }
 
-impl Direction {
+impl PassDirection {
     /// Its word in tables and file names.
     #[must_use]
     pub const fn word(self) -> &'static str {
@@ -47,7 +47,7 @@ impl Direction {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pass {
     /// Which way it goes.
-    pub direction: Direction,
+    pub direction: PassDirection,
     /// Its rows, from the last one at standstill in one terminus to the first one in the next.
     pub rows: Range<usize>,
     /// Start since the mission's first row, s.
@@ -111,7 +111,7 @@ pub fn round_trips(passes: &[Pass]) -> Vec<Range<usize>> {
 
 /// The passes of a mission: the whole drive from the first fix if it never goes back.
 fn passes(mission: &Mission) -> Vec<Pass> {
-    let drive = Drive::new(mission);
+    let drive = MissionTrack::new(mission);
     let trips = drive.trips();
     let covered_m: f64 = trips
         .iter()
@@ -126,13 +126,13 @@ fn passes(mission: &Mission) -> Vec<Pass> {
     let mut passes: Vec<Pass> = Vec::new();
     for (from, to) in trips {
         let seen_other_way = passes.iter().any(|pass| {
-            pass.direction == Direction::Outbound
+            pass.direction == PassDirection::Outbound
                 && (pass.from.terminus, pass.to.terminus) == (to.terminus, from.terminus)
         });
         let direction = if seen_other_way {
-            Direction::Inbound
+            PassDirection::Inbound
         } else {
-            Direction::Outbound
+            PassDirection::Outbound
         };
         passes.push(drive.pass(direction, from, to));
     }
@@ -140,16 +140,16 @@ fn passes(mission: &Mission) -> Vec<Pass> {
 }
 
 /// A mission seen as a track on a plane.
-struct Drive<'a> {
+struct MissionTrack<'a> {
     mission: &'a Mission,
     /// East and north of the first fix, m; one entry a row.
     plane_m: Vec<Option<(f64, f64)>>,
 }
 
-impl<'a> Drive<'a> {
+impl<'a> MissionTrack<'a> {
     fn new(mission: &'a Mission) -> Self {
         let origin = mission.rows[mission.first_fix].position_deg();
-        let on_plane = |row: &Row| {
+        let on_plane = |row: &MissionRow| {
             let ((lat, lon), (lat0, lon0)) = row.position_deg().zip(origin)?;
             let (east_m, north_m, _) = geodetic2enu(
                 lat.to_radians(),
@@ -179,12 +179,12 @@ impl<'a> Drive<'a> {
     }
 
     fn turns(&self) -> Vec<Turn> {
-        let places: Vec<Place> = self
+        let places: Vec<PlanePoint> = self
             .plane_m
             .iter()
             .zip(&self.mission.odometer_m)
             .filter_map(|(plane, &way_m)| {
-                plane.map(|(east_m, north_m)| Place {
+                plane.map(|(east_m, north_m)| PlanePoint {
                     way_m,
                     east_m,
                     north_m,
@@ -352,7 +352,7 @@ impl<'a> Drive<'a> {
         )
     }
 
-    fn pass(&self, direction: Direction, from: Halt, to: Halt) -> Pass {
+    fn pass(&self, direction: PassDirection, from: Halt, to: Halt) -> Pass {
         let (first, last) = (from.rows.end - 1, to.rows.start);
         let all = &self.mission.rows;
         let altitude_m =

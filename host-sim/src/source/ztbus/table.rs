@@ -1,6 +1,6 @@
 //! Rows as a signal table.
 
-use super::mission::{Mission, Row};
+use super::mission::{Mission, MissionRow};
 use super::split::Pass;
 use crate::error::Result;
 use crate::files::output::write_whole;
@@ -9,9 +9,9 @@ use estimator_core::Signal;
 use std::path::Path;
 
 /// A column: its signal, its decimals, and where its value is.
-type Column = (Signal, i32, fn(&Row) -> Option<f64>);
+type TableColumn = (Signal, i32, fn(&MissionRow) -> Option<f64>);
 
-const COLUMNS: [Column; 11] = [
+const COLUMNS: [TableColumn; 11] = [
     (Signal::WheelSpeed, 4, |row| row.speed_mps),
     (Signal::TractionForce, 1, |row| row.traction_force_n),
     (Signal::BrakeSwitch, 0, |row| {
@@ -46,7 +46,7 @@ impl Mission {
 }
 
 /// Writes rows with the time counted from the first of them; what is missing stays empty.
-fn write(path: &Path, rows: &[Row]) -> Result<()> {
+fn write(path: &Path, rows: &[MissionRow]) -> Result<()> {
     let start_s = rows.first().map_or(0.0, |row| row.time_s);
     write_whole(path, |out| {
         let mut writer = csv::Writer::from_writer(out);

@@ -7,7 +7,7 @@
 
 /// A place on the drive, on a plane.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place {
+pub(super) struct PlanePoint {
     /// Way driven, m.
     pub(super) way_m: f64,
     pub(super) east_m: f64,
@@ -58,25 +58,25 @@ const SHORTEST_PART: f64 = 0.25;
 
 /// A place with its heading as a unit vector.
 struct Headed {
-    place: Place,
+    place: PlanePoint,
     heading: (f64, f64),
 }
 
 /// A place and the first one later on the same road the other way.
 #[derive(Clone, Copy)]
-struct Pair {
+struct ReturnPair {
     before_m: f64,
     after_m: f64,
 }
 
-impl Pair {
+impl ReturnPair {
     fn middle_m(&self) -> f64 {
         0.5 * (self.before_m + self.after_m)
     }
 }
 
 /// The turns of a drive, in order. Trips shorter than about 1 km are not told apart.
-pub(super) fn turns(places: &[Place]) -> Vec<Turn> {
+pub(super) fn turns(places: &[PlanePoint]) -> Vec<Turn> {
     let mut pairs = pairs(&headed(places));
     pairs.sort_by(|a, b| a.middle_m().total_cmp(&b.middle_m()));
     let mut turns: Vec<Turn> = Vec::new();
@@ -92,8 +92,8 @@ pub(super) fn turns(places: &[Place]) -> Vec<Turn> {
     turns
 }
 
-fn headed(places: &[Place]) -> Vec<Headed> {
-    let mut spaced: Vec<Place> = Vec::new();
+fn headed(places: &[PlanePoint]) -> Vec<Headed> {
+    let mut spaced: Vec<PlanePoint> = Vec::new();
     for place in places {
         if spaced
             .last()
@@ -117,7 +117,7 @@ fn headed(places: &[Place]) -> Vec<Headed> {
         .collect()
 }
 
-fn pairs(headed: &[Headed]) -> Vec<Pair> {
+fn pairs(headed: &[Headed]) -> Vec<ReturnPair> {
     let retraces = |a: &Headed, b: &Headed| {
         let (dx, dy) = (
             a.place.east_m - b.place.east_m,
@@ -131,7 +131,7 @@ fn pairs(headed: &[Headed]) -> Vec<Pair> {
         .enumerate()
         .filter_map(|(index, a)| {
             let b = headed[index + 1..].iter().find(|b| retraces(a, b))?;
-            Some(Pair {
+            Some(ReturnPair {
                 before_m: a.place.way_m,
                 after_m: b.place.way_m,
             })
@@ -140,7 +140,7 @@ fn pairs(headed: &[Headed]) -> Vec<Pair> {
 }
 
 /// The turn on which most pairs agree; `pairs` are in the order of their half-way points.
-fn strongest(pairs: &[Pair]) -> Option<Turn> {
+fn strongest(pairs: &[ReturnPair]) -> Option<Turn> {
     let mut first = 0;
     let mut most = 0..0;
     for end in 1..=pairs.len() {

@@ -3,7 +3,7 @@
 use super::experiment::Experiment;
 use super::heading::Heading;
 use super::measure::errors;
-use super::method::{Estimated, Method};
+use super::method::{Estimated, ThesisMethod};
 use super::ours;
 use super::replica::Replica;
 use crate::report::page::{Figure, Table};
@@ -23,7 +23,7 @@ pub struct Map {
     pub heading: Heading,
     /// Of how many runs it is.
     pub runs: usize,
-    /// RMSE(m) in the order of [`Method::ALL`], %.
+    /// RMSE(m) in the order of [`ThesisMethod::ALL`], %.
     pub rmse: [f64; 3],
 }
 
@@ -202,7 +202,7 @@ pub fn figures(all: &[Vec<Estimated>; 3]) -> Vec<Figure> {
         .map(|heading| {
             let mut plot = Plot::new("runs in the map", "RMSE(m) (%)");
             let colours = [colour::GREY, colour::ORANGE, colour::BLUE];
-            for ((method, found), colour) in Method::ALL.into_iter().zip(all).zip(colours) {
+            for ((method, found), colour) in ThesisMethod::ALL.into_iter().zip(all).zip(colours) {
                 let members = found.iter().filter(|f| f.experiment.heading == heading);
                 let points = members.map(|f| (f.experiment.number as f64, f.rmse_merged));
                 plot = plot.with(Series::line(method.phrase(), colour, points));

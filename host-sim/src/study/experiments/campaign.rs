@@ -14,7 +14,7 @@ use crate::comparison::{G, STEP_M, pointwise};
 use crate::simulator::driver::SET_SPEED_MPS;
 use crate::simulator::random::{OrnsteinUhlenbeck, Purpose, stream};
 use crate::simulator::road_generator::{RoadShape, generate};
-use crate::study::distance_drive::{Belief, Errors, simulate};
+use crate::study::distance_drive::{Belief, Disturbances, simulate};
 use estimator_core::vehicle::STANDARD_AIR_DENSITY;
 use rayon::prelude::*;
 
@@ -90,7 +90,7 @@ impl Campaign {
             torque: 1.0 + sources.torque * (experiment.belief().torque - 1.0),
             ..Belief::TRUTH
         };
-        let errors = Errors {
+        let errors = Disturbances {
             speed_mps: sources.speed * fitted.speed_mps,
             gps_m: &gps,
             model_percent: &model,

@@ -9,7 +9,7 @@ pub const EDGE: usize = 200;
 
 /// Errors of one run, % grade.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Errors {
+pub struct RunErrors {
     /// Mean where the vehicle model holds.
     pub mu: f64,
     /// Standard deviation there.
@@ -22,12 +22,12 @@ pub struct Errors {
 
 /// Errors of a profile on its run, first and last 200 points left out.
 #[must_use]
-pub fn errors(run: &Replica, grade_percent: &[f64]) -> Errors {
+pub fn errors(run: &Replica, grade_percent: &[f64]) -> RunErrors {
     let valid = valid_errors(run, grade_percent);
     let count = valid.len() as f64;
     let mu = valid.iter().sum::<f64>() / count;
     let rmse_valid = rms(valid.iter().copied());
-    Errors {
+    RunErrors {
         mu,
         sigma: (rmse_valid * rmse_valid - mu * mu).sqrt(),
         rmse_valid,
