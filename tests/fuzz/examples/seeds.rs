@@ -9,7 +9,7 @@
 use arbitrary::{Arbitrary, Unstructured};
 use estimator_core::{Estimator, Signal, Tuning};
 use flate2::{Compression, GzBuilder};
-use fuzz_targets::{Bus, Event, truck};
+use fuzz_targets::{Event, EventBus, truck};
 use std::io::Write;
 use std::path::Path;
 use std::{fs, io};
@@ -391,7 +391,7 @@ fn of_persistent_state() -> Vec<(&'static str, Vec<u8>)> {
 
 fn left_by_a_drive() -> Vec<u8> {
     let mut estimator = Estimator::<f32>::new(truck(), Tuning::default()).expect("a truck");
-    let mut bus = Bus::default();
+    let mut bus = EventBus::default();
     for _ in 0..10 {
         bus.play(&drive(2_000), &mut |timed| {
             estimator.on_frame(timed.time, &timed.frame);
