@@ -2,22 +2,16 @@
 //! what a longer lag would buy.
 
 use super::definition::{Setting, Study, StudyOutcome};
+use super::drive_errors::{DriveErrors, DriveOnRoad, WORDS};
 use crate::error::Result;
-use crate::numeric::series::linear;
 use crate::report::page::{Figure, Section, Table};
 use crate::report::plot::{Plot, Series, colour};
 use crate::score::END_CUT_M;
-use crate::simulator::scenario::Scenario;
-use crate::simulator::simulate;
 use crate::simulator::truck::Preset;
-use crate::smooth::{ForwardCell, smooth_run};
 use crate::terminal::progress;
-use estimator_core::filter::{Filter, SensorNoiseRatios};
-use estimator_core::smoother::BackwardPass;
+use estimator_core::CELL_LENGTH_M;
 use estimator_core::smoother::fixed_lag::{BLOCK_CELLS, LAG_CELLS, bytes};
-use estimator_core::{CELL_LENGTH_M, Context, Estimator, Tuning, Uncertain};
 use rayon::prelude::*;
-use std::path::Path;
 
 /// The study, for the list.
 pub const STUDY: Study = Study {
@@ -34,154 +28,6 @@ const RECEIVERS_M: [f64; 3] = [1.0, 2.0, 3.0];
 const RECEIVER_OF_CURVE_M: f64 = 2.0;
 /// Lags of the curve, in blocks of cells.
 const LAG_BLOCKS: [usize; 8] = [0, 1, 2, 4, 6, 10, 14, 20];
-/// Where the scale is judged, m.
-const SCALE_AT_M: f64 = 20_000.0;
-
-/// Errors of one kind of estimate on one drive.
-#[derive(Clone, Copy, Debug, Default)]
-struct ErrorSums {
-    cells: f64,
-    squared: f64,
-    normalised: f64,
-}
-
-/// One drive.
-struct DriveErrors {
-    smoothed: ErrorSums,
-    live: ErrorSums,
-    /// For each of [`LAG_BLOCKS`].
-    lagged: Vec<ErrorSums>,
-    /// Found less true scale, and its sigma, at [`SCALE_AT_M`].
-    scale: (f64, f64),
-}
-
-impl ErrorSums {
-    fn add(&mut self, found: Uncertain, true_percent: f64) {
-        let error = f64::from(found.value) - true_percent;
-        self.cells += 1.0;
-        self.squared += error * error;
-        self.normalised += (error / f64::from(found.sigma)).powi(2);
-    }
-
-    fn rmse(&self) -> f64 {
-        (self.squared / self.cells).sqrt()
-    }
-
-    fn nees(&self) -> f64 {
-        self.normalised / self.cells
-    }
-}
-
-/// 40 km; mass, drag and rolling resistance wrong by 10 % (1 sigma), torque by 4 %.
-fn scenario(seed: u64, truck: Preset, backward: bool, receiver_m: f64) -> String {
-    let direction = if backward { "backward" } else { "forward" };
-    format!(
-        "seed = {seed}
-         [errors]
-         mass_sigma = 0.1
-         drag_sigma = 0.1
-         rolling_sigma = 0.1
-         torque_sigma = 0.04
-         [tyres]
-         cold_amount = 0.3
-         [wind]
-         speed_mps = 2.0
-         from_deg = 250.0
-         gust_sigma_mps = 0.3
-         gust_time_s = 120.0
-         [gnss]
-         altitude_sigma_m = {receiver_m}
-         [[runs]]
-         name = \"x\"
-         truck = \"{}\"
-         direction = \"{direction}\"",
-        truck.name()
-    )
-}
-
-fn drive(text: &str, lags: &[usize]) -> Result<DriveErrors> {
-    let scenario = Scenario::parse(text, Path::new("accuracy"))?;
-    let run = simulate(&scenario, 0)?;
-    let tuning = Tuning::default();
-    let mut estimator = Estimator::<f32>::new(run.vehicle.model.clone(), tuning.clone())
-        .expect("the simulator checked the vehicle");
-    let mut samples = Vec::new();
-    for frame in &run.frames {
-        estimator.on_frame(frame.time, &frame.frame);
-        while estimator.step().is_some() {
-            samples.extend(estimator.sample().copied());
-            while estimator.next_cell().is_some() {}
-        }
-    }
-    let smoothed = smooth_run(
-        estimator.model(),
-        &tuning,
-        &estimator.second_pass_filter::<f64>(),
-        &samples,
-    );
-    let mut filter = Filter::<f32>::new(&tuning, &SensorNoiseRatios::default(), None);
-    let mut context =
-        Context::new(estimator.model().clone(), tuning).expect("the estimator checked the vehicle");
-    let cells: Vec<ForwardCell<f32>> = samples
-        .iter()
-        .filter_map(|sample| ForwardCell::step(&mut filter, &mut context, sample))
-        .collect();
-
-    let truth: Vec<(f64, f64)> = run
-        .truth
-        .iter()
-        .map(|t| (t.time_s, t.grade_percent))
-        .collect();
-    let start = run.frames[0].time;
-    let ends_m = cells[0].record.end.distance_m() + END_CUT_M
-        ..cells[cells.len() - 1].record.end.distance_m() - END_CUT_M;
-    let judged: Vec<Option<f64>> = cells
-        .iter()
-        .map(|cell| {
-            let end = &cell.record.end;
-            let time_s = end.time.since(start).micros() as f64 * 1e-6;
-            linear(&truth, time_s).filter(|_| ends_m.contains(&end.distance_m()))
-        })
-        .collect();
-
-    let mut errors = DriveErrors {
-        smoothed: ErrorSums::default(),
-        live: ErrorSums::default(),
-        lagged: vec![ErrorSums::default(); lags.len()],
-        scale: scale_error(&cells, scenario.runs[0].true_scale()),
-    };
-    for (k, true_percent) in judged.iter().enumerate() {
-        if let Some(true_percent) = true_percent {
-            errors
-                .smoothed
-                .add(smoothed[k].estimate.grade_percent, *true_percent);
-            errors
-                .live
-                .add(cells[k].state.estimate().grade_percent, *true_percent);
-        }
-    }
-    for (lag, errors) in lags.iter().zip(&mut errors.lagged) {
-        // As the core finishes cells: a block at a time.
-        for from in (0..cells.len()).step_by(BLOCK_CELLS) {
-            let block = from..(from + BLOCK_CELLS).min(cells.len());
-            let to = (block.end + lag * BLOCK_CELLS).min(cells.len());
-            let mut pass = BackwardPass::new();
-            for k in (from..to).rev() {
-                if let Some(true_percent) = judged[k].filter(|_| block.contains(&k)) {
-                    errors.add(pass.estimate(&cells[k].state).grade_percent, true_percent);
-                }
-                pass.retreat(&cells[k].record.smoother_input);
-            }
-        }
-    }
-    Ok(errors)
-}
-
-fn scale_error(cells: &[ForwardCell<f32>], true_scale: f64) -> (f64, f64) {
-    let at = cells.partition_point(|cell| cell.record.end.distance_m() < SCALE_AT_M);
-    let scale = cells[at.min(cells.len() - 1)].state.estimate().scale;
-    (f64::from(scale.value) - true_scale, f64::from(scale.sigma))
-}
 
 fn run(setting: &Setting) -> Result<StudyOutcome> {
     let groups: Vec<(Preset, f64)> = [Preset::A, Preset::B]
@@ -195,15 +41,16 @@ fn run(setting: &Setting) -> Result<StudyOutcome> {
             (0..2 * ROADS)
                 .into_par_iter()
                 .map(|i| {
-                    let text = scenario(setting.seed + i / 2, truck, i % 2 == 1, receiver_m);
                     let lags: &[usize] = if receiver_m == RECEIVER_OF_CURVE_M {
                         &LAG_BLOCKS
                     } else {
                         &[LAG_CELLS / BLOCK_CELLS]
                     };
-                    let drive = drive(&text, lags);
+                    let drive =
+                        DriveOnRoad::new(setting.seed + i / 2, truck, i % 2 == 1, receiver_m)?;
+                    let errors = drive.errors(&[], lags).expect("no signal is missing");
                     bar.inc(1);
-                    drive
+                    Ok(errors)
                 })
                 .collect::<Result<Vec<_>>>()
         })
@@ -219,9 +66,7 @@ fn run(setting: &Setting) -> Result<StudyOutcome> {
     Ok(StudyOutcome::Done(Section {
         heading: "Accuracy with wrong parameters, wind and cold tyres".to_owned(),
         words: vec![format!(
-            "{} drives of 40 km for each line: mass, drag and rolling resistance wrong by 10 % \
-             (1 sigma), torque by 4 %, tyres that begin with 30 % more resistance, a wind of 2 m/s \
-             with slow gusts of 0.3. The first and last {END_CUT_M:.0} m are left out. The slow \
+            "{} drives of 40 km for each line. {WORDS} The first and last {END_CUT_M:.0} m are left out. The slow \
              error of the receiver's altitude keeps its value for some 250 s; its size is not told \
              to the estimator, which learns it. What limits the grade here is what GNSS can tell of \
              the model's slow error.",
