@@ -21,7 +21,7 @@ pub const ORIGIN: &str = "\
 Transitions between errors of GNSS altitude over 2.5 m of way at 80 km/h, counted.
 Trained on one mission of the ZTBus data set (F. Widmer, A. Ritter, C. H. Onder, Scientific Data
 10:687, 2023; CC BY 4.0): bus 183, 2021-07-26, six passes, each less the mean over the passes in
-its direction. Made by host-sim/src/study/gps; host-sim/tests/gps_chain.rs compares.";
+its direction. Made by host-sim/src/study/gps; host-sim/tests/simulator/gps_chain.rs compares.";
 
 /// Lengths over which an error of altitude is told as one of grade, m.
 const GRADE_BASES_M: [f64; 3] = [500.0, 1_250.0, 3_000.0];
