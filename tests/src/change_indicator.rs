@@ -208,7 +208,7 @@ fn small<S: Scalar>(model: &Model, frames: &[TimedFrame]) -> String {
 /// Counters, what is left for the next drive, digest and rows of a run.
 fn text_of(run: &SmoothedRun) -> String {
     let kept = run
-        .kept
+        .persistent_state
         .as_ref()
         .map_or("none".to_owned(), |kept: &PersistentState| {
             kept.to_bytes()

@@ -205,15 +205,15 @@ pub fn unmodelled_rms_percent(scenario: &Scenario) -> Result<f64> {
     for run in &mut calm.runs {
         run.wind.gust_sigma_mps = 0.0;
     }
-    let (mut squares, mut way_m) = (0.0, 0.0);
+    let (mut squares, mut driven_m) = (0.0, 0.0);
     for index in 0..calm.runs.len() {
         let recording = Recording::new(&calm, index)?;
         for step in recording.unmodelled().filter(|step| step.valid) {
-            squares += step.way_m * step.percent * step.percent;
-            way_m += step.way_m;
+            squares += step.length_m * step.percent * step.percent;
+            driven_m += step.length_m;
         }
     }
-    Ok(f64::sqrt(squares / way_m))
+    Ok(f64::sqrt(squares / driven_m))
 }
 
 fn named(effect: &str) -> Result<&'static Known> {

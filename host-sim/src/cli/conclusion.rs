@@ -12,25 +12,25 @@ pub(super) fn write(
     drive: &mut LongRun,
     out: Option<&Path>,
     origin: &Origin,
-    kept_file: Option<&Path>,
+    state_file: Option<&Path>,
 ) -> Result<()> {
-    let keeping = match kept_file.zip(drive.kept.as_ref()) {
-        Some((file, kept)) => Some(kept::stage(file, kept)?),
+    let staged = match state_file.zip(drive.persistent_state.as_ref()) {
+        Some((file, state)) => Some(kept::stage(file, state)?),
         None => None,
     };
     if let Some(out) = out {
         run::write_rows(out, &mut drive.rows, origin)?;
     }
-    let is_kept = keeping.is_some();
-    if let Some(keeping) = keeping {
-        keeping.commit()?;
+    let is_stored = staged.is_some();
+    if let Some(staged) = staged {
+        staged.commit()?;
     }
     if let Some(out) = out {
         eprintln!("wrote {}", out.display());
     }
-    if let Some(file) = kept_file {
+    if let Some(file) = state_file {
         let file = file.display();
-        if is_kept {
+        if is_stored {
             eprintln!("kept for the next drive: {file}");
         } else {
             eprintln!("nothing to keep, 5 km with GNSS are needed: {file} is as it was");

@@ -84,7 +84,7 @@ impl Args {
         ListenRequest {
             interfaces: &self.interfaces,
             vehicle_file: &self.vehicle,
-            kept: self.kept.as_deref(),
+            state_file: self.kept.as_deref(),
             log: self.log.as_deref(),
             address: self.publish.then_some(self.address),
             log_time: self.log_time,
@@ -115,7 +115,7 @@ pub fn run(args: &Args) -> Result<()> {
     let mut run = run?;
     conclude(args, &vehicle, &mut run)?;
     let summary = RunSummary::new(&mut run)?;
-    let told = if args.json {
+    let printed = if args.json {
         let last = json!({ "summary": summary, "interfaces": view.interfaces });
         print(&format!("{last}\n"))
     } else if takes_stdout {
@@ -124,7 +124,7 @@ pub fn run(args: &Args) -> Result<()> {
     } else {
         print(&format!("{}\n", summary.table()))
     };
-    ended.and(shown).and(logged).and(told)
+    ended.and(shown).and(logged).and(printed)
 }
 
 /// Refuses interfaces that make no sense together.

@@ -40,7 +40,7 @@ Rows of each run:
   smoothed, lagged, live  what RUN.csv holds
   original                the thesis's filter (section 3), smoothed
   modified                the thesis's filter after its corrections of mass and bias (section 8)
-  oracle, oracle_lagged,  our filter, told the true vehicle and how large every noise is (not what \
+  oracle, oracle_lagged,  our filter, notes the true vehicle and how large every noise is (not what \
 it came
   oracle_live             to): what better knowledge could gain. The lagged and the live grade are \
 set
@@ -98,9 +98,9 @@ pub fn run(args: &Args) -> Result<()> {
         })
         .collect();
     bar.finish_and_clear();
-    // The first run that fails is told, whichever was done first.
+    // The first run that fails is notes, whichever was done first.
     let judged = judged.into_iter().collect::<Result<Vec<_>>>()?;
-    tell(&args.runs, &judged);
+    print_notes(&args.runs, &judged);
     let mut rows: Vec<ScoreRow> = judged.into_iter().flat_map(|judged| judged.rows).collect();
     if args.runs.len() > 1 {
         rows.extend(mean(&rows));
@@ -141,17 +141,17 @@ fn check_counts(args: &Args) -> Result<()> {
 }
 
 /// Says on stderr what has to be said, once for all runs of which it is true.
-fn tell(runs: &[PathBuf], judged: &[Judged]) {
-    let mut told: Vec<(&str, Vec<&Path>)> = Vec::new();
+fn print_notes(runs: &[PathBuf], judged: &[Judged]) {
+    let mut notes: Vec<(&str, Vec<&Path>)> = Vec::new();
     for (run, judged) in runs.iter().zip(judged) {
         for note in &judged.notes {
-            match told.iter_mut().find(|(known, _)| known == note) {
+            match notes.iter_mut().find(|(known, _)| known == note) {
                 Some((_, of)) => of.push(run),
-                None => told.push((note, vec![run])),
+                None => notes.push((note, vec![run])),
             }
         }
     }
-    for (note, of) in told {
+    for (note, of) in notes {
         match of.as_slice() {
             [run] => eprintln!("{}: {note}", run.display()),
             of => eprintln!("{} and {} more: {note}", of[0].display(), of.len() - 1),

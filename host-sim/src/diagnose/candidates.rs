@@ -36,7 +36,7 @@ pub enum Detail {
     /// Amounts towards north and east; the detail with this key is the direction.
     Direction(&'static str),
     /// A stretch of the common road, m.
-    Stretch(f64, f64),
+    RoadSection(f64, f64),
     /// Period of a cycle, s.
     Period(f64),
 }
@@ -106,7 +106,7 @@ impl Menu {
                     }]
                 }
                 Varies::RoadSection { .. } => match road_m {
-                    Some(road_m) => menu.stretches(road_m, None),
+                    Some(road_m) => menu.road_sections(road_m, None),
                     None => continue,
                 },
             };
@@ -131,8 +131,8 @@ impl Menu {
             });
         };
         if let Some(road_m) = road_m {
-            let mut choices = self.stretches(road_m, Some(true));
-            choices.extend(self.stretches(road_m, Some(false)));
+            let mut choices = self.road_sections(road_m, Some(true));
+            choices.extend(self.road_sections(road_m, Some(false)));
             plain(self, "place and direction", f64::from(BASIS_UNIT), choices);
         }
         let (mut period_s, longest_s, step) = PERIODS_S;
@@ -219,7 +219,7 @@ impl Menu {
         }
     }
 
-    fn stretches(&mut self, road_m: f64, forward: Option<bool>) -> Vec<Choice> {
+    fn road_sections(&mut self, road_m: f64, forward: Option<bool>) -> Vec<Choice> {
         let pieces = ((road_m / PIECE_M).ceil() as usize).clamp(1, MOST_PIECES);
         let piece_m = road_m / pieces as f64;
         let first = self.columns.len();
@@ -231,7 +231,7 @@ impl Menu {
             for from in 0..=pieces - length {
                 choices.push(Choice {
                     amounts: vec![(first + from..first + from + length).collect()],
-                    detail: Detail::Stretch(
+                    detail: Detail::RoadSection(
                         from as f64 * piece_m,
                         (from + length) as f64 * piece_m,
                     ),

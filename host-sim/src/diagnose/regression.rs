@@ -109,10 +109,10 @@ impl<'a> Regression<'a> {
     /// Minus twice the logarithm of the likelihood of the drives to fit with nothing missing.
     #[must_use]
     pub fn negative_log_likelihood(&self) -> f64 {
-        let stretches = self.evidence.stretches.iter();
-        stretches
-            .filter(|stretch| !(self.is_held_out)(stretch.drive))
-            .map(|stretch| stretch.negative_log_likelihood)
+        let segments = self.evidence.segments.iter();
+        segments
+            .filter(|segment| !(self.is_held_out)(segment.drive))
+            .map(|segment| segment.negative_log_likelihood)
             .sum()
     }
 
@@ -151,7 +151,7 @@ impl<'a> Regression<'a> {
     /// What each drive says beyond these amounts of the columns.
     #[must_use]
     pub fn drives(&self, columns: &DVector<f64>) -> Vec<OfDrive> {
-        let drives: BTreeSet<usize> = self.evidence.stretches.iter().map(|s| s.drive).collect();
+        let drives: BTreeSet<usize> = self.evidence.segments.iter().map(|s| s.drive).collect();
         let of_drive = |drive| {
             let (information, score) = self.evidence.sums(|other| other == drive);
             OfDrive {
@@ -170,15 +170,15 @@ impl<'a> Regression<'a> {
         let inverse = (information + basis.prior()).try_inverse()?;
         let amounts = &inverse * score;
         let columns = self.columns(basis, &amounts);
-        // Scatter of the scores around the fit, from stretch to stretch and from drive to drive.
+        // Scatter of the scores around the fit, from segment to segment and from drive to drive.
         let scores: Vec<(usize, DVector<f64>)> = self
             .evidence
-            .stretches
+            .segments
             .iter()
-            .filter(|stretch| !(self.is_held_out)(stretch.drive))
-            .map(|stretch| {
-                let left = &stretch.score - &stretch.information * &columns;
-                (stretch.drive, score_of(&basis.amounts, &left))
+            .filter(|segment| !(self.is_held_out)(segment.drive))
+            .map(|segment| {
+                let left = &segment.score - &segment.information * &columns;
+                (segment.drive, score_of(&basis.amounts, &left))
             })
             .collect();
         let mut of_drives: BTreeMap<usize, DVector<f64>> = BTreeMap::new();
@@ -201,12 +201,12 @@ impl<'a> Regression<'a> {
             };
             &inverse * spread * &inverse * correction
         };
-        let by_stretch = sandwich(&mut scores.iter().map(|(_, score)| score));
+        let by_segment = sandwich(&mut scores.iter().map(|(_, score)| score));
         let by_drive = sandwich(&mut of_drives.values());
         let sandwich = if of_drives.len() >= FEWEST_DRIVES {
-            by_stretch.sup(&by_drive)
+            by_segment.sup(&by_drive)
         } else {
-            by_stretch
+            by_segment
         };
         // The last amounts are the new ones: their scatter is what is asked for.
         let last = amounts.len() - 1;

@@ -2,7 +2,7 @@
 
 use super::candidates::{Detail, Menu};
 use super::drive::{CommonRoad, LoggedDrive};
-use super::evidence::{self, Evidence, WINDS_MPS, judging_tuning, stretches};
+use super::evidence::{self, Evidence, WINDS_MPS, judging_tuning, segments};
 use super::findings::Unexplained;
 use super::selection::{CandidateFit, Selection, Selector};
 use crate::files::vehicle::VehicleFile;
@@ -57,7 +57,7 @@ impl<'a> EffectSearch<'a> {
             let evidence: Evidence = drives
                 .into_par_iter()
                 .map(|(number, (drive, columns))| {
-                    stretches(number, drive, self.model, &tuning, columns)
+                    segments(number, drive, self.model, &tuning, columns)
                 })
                 .collect::<Vec<_>>()
                 .into_iter()
@@ -130,7 +130,7 @@ impl<'a> EffectSearch<'a> {
                 let direction_deg = east.atan2(north).to_degrees().rem_euclid(360.0);
                 let _ = adopted.set(key, direction_deg as f32);
             }
-            Detail::Stretch(from_m, to_m) => {
+            Detail::RoadSection(from_m, to_m) => {
                 if let (
                     Some(road),
                     Some(Varies::RoadSection {
@@ -160,7 +160,7 @@ impl<'a> EffectSearch<'a> {
                 format!(", period {period_s:.0} s"),
                 0.1 * size / 2f64.sqrt(),
             ),
-            Detail::Stretch(from_m, to_m) => (
+            Detail::RoadSection(from_m, to_m) => (
                 format!(", km {:.1} to {:.1}", from_m * 1e-3, to_m * 1e-3),
                 100.0 * size,
             ),

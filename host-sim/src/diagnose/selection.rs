@@ -3,7 +3,7 @@
 //! Forward selection by Bayes factors: each candidate's amount has a normal prior as wide as such
 //! amounts usually are, so that an effect is not adopted for explaining a little, and choices are
 //! paid for (R. E. Kass and A. E. Raftery, "Bayes factors", J. Am. Stat. Assoc. 90:773, 1995).
-//! Estimates are generalised least squares; where scores scatter from stretch to stretch more than
+//! Estimates are generalised least squares; where scores scatter from segment to segment more than
 //! the model says, the evidence counts that much less.
 
 use super::candidates::{Candidate, Choice, Detail, Menu};

@@ -30,6 +30,6 @@ pub fn read(path: &Path, model: &Model) -> Result<Option<PersistentState>> {
 ///
 /// # Errors
 /// What the file system says.
-pub fn stage(path: &Path, kept: &PersistentState) -> Result<Staged> {
-    output::stage(path, |out| out.write_all(&kept.to_bytes()))
+pub fn stage(path: &Path, state: &PersistentState) -> Result<Staged> {
+    output::stage(path, |out| out.write_all(&state.to_bytes()))
 }

@@ -20,7 +20,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant as Monotonic};
 
 /// An event that repeats is told no more often.
-const TELL_AGAIN: Duration = Duration::from_secs(1);
+const REPORT_INTERVAL: Duration = Duration::from_secs(1);
 
 /// What is listened to, and what is done with it.
 #[derive(Clone, Copy, Debug)]
@@ -30,7 +30,7 @@ pub struct ListenRequest<'a> {
     /// File of the vehicle, for messages.
     pub vehicle_file: &'a Path,
     /// File with what the last drive left.
-    pub kept: Option<&'a Path>,
+    pub state_file: Option<&'a Path>,
     /// File that the frames received go to.
     pub log: Option<&'a Path>,
     /// J1939 address to send the estimate from.
@@ -51,7 +51,7 @@ pub struct Listening<'a> {
     publisher: Option<Publisher>,
     show: Show,
     stop: Arc<AtomicBool>,
-    told: BTreeMap<(usize, BusEvent), Monotonic>,
+    reported: BTreeMap<(usize, BusEvent), Monotonic>,
 }
 
 /// What a drive that is over leaves.
@@ -76,12 +76,12 @@ impl<'a> Listening<'a> {
     /// opened.
     pub fn begin(request: ListenRequest<'a>, vehicle: &VehicleFile) -> Result<Self> {
         let (parameters, tuning) = (vehicle.model.clone(), Tuning::default());
-        let kept = match request.kept {
+        let last = match request.state_file {
             Some(file) => kept::read(file, &parameters)?,
             None => None,
         };
-        let estimator = match &kept {
-            Some(kept) => Estimator::<f32>::restore(parameters, tuning, kept),
+        let estimator = match &last {
+            Some(last) => Estimator::<f32>::restore(parameters, tuning, last),
             None => Estimator::new(parameters, tuning).map_err(PersistentStateError::from),
         };
         let estimator =
@@ -117,7 +117,7 @@ impl<'a> Listening<'a> {
             publisher,
             show,
             stop,
-            told: BTreeMap::new(),
+            reported: BTreeMap::new(),
         })
     }
 
@@ -131,11 +131,11 @@ impl<'a> Listening<'a> {
             if let Some(due) = self.publisher.as_ref().and_then(Publisher::due_in) {
                 patience = patience.min(due);
             }
-            let Some(stretch) = self.receiver.next(patience) else {
+            let Some(batch) = self.receiver.next(patience) else {
                 return Ok(());
             };
             let mut is_over = false;
-            for received in &stretch {
+            for received in &batch {
                 is_over |= self.take(received)?;
             }
             let cells = self.session.fetch_cells();
@@ -188,7 +188,7 @@ impl<'a> Listening<'a> {
         let reaction = self.session.take(received)?;
         match reaction {
             Reaction::None => {}
-            Reaction::Tell(event) => self.tell(received.interface, event),
+            Reaction::Report(event) => self.report(received.interface, event),
             Reaction::Answer(answer) | Reaction::End(answer) => {
                 if let Some(publisher) = &mut self.publisher {
                     publisher.answer(answer);
@@ -198,11 +198,11 @@ impl<'a> Listening<'a> {
         Ok(matches!(reaction, Reaction::End(_)))
     }
 
-    fn tell(&mut self, interface: usize, event: BusEvent) {
+    fn report(&mut self, interface: usize, event: BusEvent) {
         let now = Monotonic::now();
-        let is_new = |told: &Monotonic| now.duration_since(*told) >= TELL_AGAIN;
-        if event.is_change() && self.told.get(&(interface, event)).is_none_or(is_new) {
-            self.told.insert((interface, event), now);
+        let is_new = |last: &Monotonic| now.duration_since(*last) >= REPORT_INTERVAL;
+        if event.is_change() && self.reported.get(&(interface, event)).is_none_or(is_new) {
+            self.reported.insert((interface, event), now);
             let name = &self.request.interfaces[interface];
             self.show.say(&format!("{name}: {}", event.words()));
         }

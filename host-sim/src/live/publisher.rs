@@ -17,7 +17,7 @@ const RETRY: Duration = Duration::from_millis(500);
 pub struct Publisher {
     name: String,
     sender: Option<FrameSender>,
-    look_at: Monotonic,
+    retry_at: Monotonic,
     /// Our address, if the estimate is to be sent.
     address: Option<u8>,
     next: Monotonic,
@@ -34,7 +34,7 @@ impl Publisher {
         Ok(Self {
             name: name.to_owned(),
             sender: Some(FrameSender::open(name, &[])?),
-            look_at: now,
+            retry_at: now,
             address,
             next: now,
             unsent: 0,
@@ -81,9 +81,9 @@ impl Publisher {
     }
 
     fn try_send(&mut self, frame: &CanFrame) -> bool {
-        if self.sender.is_none() && Monotonic::now() >= self.look_at {
+        if self.sender.is_none() && Monotonic::now() >= self.retry_at {
             self.sender = FrameSender::open(&self.name, &[]).ok();
-            self.look_at = Monotonic::now() + RETRY;
+            self.retry_at = Monotonic::now() + RETRY;
         }
         let sent = self.sender.as_ref().map(|sender| sender.try_send(frame));
         if let Some(Err(_)) = sent {

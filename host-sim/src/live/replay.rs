@@ -47,40 +47,40 @@ pub struct Replay<'a> {
     name: &'a str,
     sender: FrameSender,
     pace: Pace,
-    tells_time: bool,
+    sends_time: bool,
     stop: &'a AtomicBool,
     begun: Monotonic,
     /// Of frames on the bus, not yet answered for.
-    on_the_way: usize,
-    told: Option<Instant>,
+    unanswered: usize,
+    sent_time: Option<Instant>,
     sent: Sent,
 }
 
 impl<'a> Replay<'a> {
-    /// Begins on an interface. With `tells_time` the log's time goes along, for a listener that
+    /// Begins on an interface. With `sends_time` the log's time goes along, for a listener that
     /// answers.
     #[must_use]
     pub fn new(
         name: &'a str,
         sender: FrameSender,
         pace: Pace,
-        tells_time: bool,
+        sends_time: bool,
         stop: &'a AtomicBool,
     ) -> Self {
         Self {
             name,
             sender,
             pace,
-            tells_time,
+            sends_time,
             stop,
             begun: Monotonic::now(),
-            on_the_way: 0,
-            told: None,
+            unanswered: 0,
+            sent_time: None,
             sent: Sent::default(),
         }
     }
 
-    /// Sends one frame when it is its time; false if it was told to stop.
+    /// Sends one frame when it is its time; false if it was sent_time to stop.
     ///
     /// # Errors
     /// The interface is down, gone or takes nothing; nobody answers.
@@ -88,7 +88,7 @@ impl<'a> Replay<'a> {
         let first = match self.sent.span {
             Some((first, _)) => first,
             None => {
-                if self.tells_time {
+                if self.sends_time {
                     self.ask(LogTime::Ready(timed.time), FIRST_ANSWER)?;
                 }
                 self.begun = Monotonic::now();
@@ -107,11 +107,11 @@ impl<'a> Replay<'a> {
         if self.stop.load(Ordering::Relaxed) {
             return Ok(false);
         }
-        if self.tells_time {
-            self.tell(timed.time)?;
+        if self.sends_time {
+            self.send_time(timed.time)?;
         }
         self.sender.send(&timed.frame)?;
-        self.on_the_way += 1;
+        self.unanswered += 1;
         self.sent.frames += 1;
         Ok(true)
     }
@@ -121,7 +121,7 @@ impl<'a> Replay<'a> {
     /// # Errors
     /// Nobody answers that the last frame is read.
     pub fn end(mut self) -> Result<Sent> {
-        if let (true, Some((_, last))) = (self.tells_time, self.sent.span) {
+        if let (true, Some((_, last))) = (self.sends_time, self.sent.span) {
             self.ask(LogTime::End(last), NEXT_ANSWER)?;
         }
         Ok(self.sent)
@@ -141,14 +141,14 @@ impl<'a> Replay<'a> {
     }
 
     /// Tells the time if it changed, and asks for an answer now and then.
-    fn tell(&mut self, time: Instant) -> Result<()> {
-        if self.on_the_way >= WINDOW {
+    fn send_time(&mut self, time: Instant) -> Result<()> {
+        if self.unanswered >= WINDOW {
             return self.ask(LogTime::Ready(time), NEXT_ANSWER);
         }
-        if self.told != Some(time) {
-            self.told = Some(time);
+        if self.sent_time != Some(time) {
+            self.sent_time = Some(time);
             self.sender.send(&self.frame(LogTime::Now(time))?)?;
-            self.on_the_way += 1;
+            self.unanswered += 1;
         }
         Ok(())
     }
@@ -172,8 +172,8 @@ impl<'a> Replay<'a> {
                     continue;
                 };
                 if LogTime::read(&answer) == Some(LogTime::Answer(time)) {
-                    self.told = Some(time);
-                    self.on_the_way = 0;
+                    self.sent_time = Some(time);
+                    self.unanswered = 0;
                     return Ok(());
                 }
             }

@@ -8,7 +8,7 @@ use crate::recorder::{LongRun, Recorder};
 use crate::source::can_frame::TimedFrame;
 use crate::source::candump_writer::write_frame;
 use crate::source::log_time::LogTime;
-use crate::source::socketcan::{BusEvent, Received, What};
+use crate::source::socketcan::{BusEvent, Received, ReceivedItem};
 use estimator_core::{Cell, Instant};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant as Monotonic};
@@ -21,17 +21,17 @@ const SILENCE: Duration = Duration::from_secs(2);
 enum Timing {
     /// The kernel's, at which they came.
     Kernel,
-    /// The log's that is being replayed, once it was told.
+    /// The log's that is being replayed, once it was log_time.
     Log(Option<Instant>),
 }
 
-/// What is to be done about something received.
+/// ReceivedItem is to be done about something received.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reaction {
     /// Nothing.
     None,
-    /// To be told to whoever watches.
-    Tell(BusEvent),
+    /// To be log_time to whoever watches.
+    Report(BusEvent),
     /// To be sent back.
     Answer(LogTime),
     /// To be sent back; the log is over.
@@ -50,7 +50,7 @@ pub struct Session {
     log: Option<(PathBuf, Writing)>,
     start: Option<Instant>,
     newest: Instant,
-    heard: Monotonic,
+    last_frame: Monotonic,
     untimed: u64,
 }
 
@@ -90,7 +90,7 @@ impl Session {
             log,
             start: None,
             newest: Instant::ZERO,
-            heard: now,
+            last_frame: now,
             untimed: 0,
         })
     }
@@ -101,27 +101,27 @@ impl Session {
     /// If the log cannot be written.
     pub fn take(&mut self, received: &Received) -> Result<Reaction> {
         let (interface, _) = &mut self.interfaces[received.interface];
-        match received.what {
-            What::Dropped(count) => {
+        match received.item {
+            ReceivedItem::Dropped(count) => {
                 interface.lost += u64::from(count);
                 Ok(Reaction::None)
             }
-            What::Event(event) => {
+            ReceivedItem::Event(event) => {
                 *interface.events.entry(event).or_default() += 1;
-                Ok(Reaction::Tell(event))
+                Ok(Reaction::Report(event))
             }
-            What::Frame(frame) => {
-                self.heard = Monotonic::now();
+            ReceivedItem::Frame(frame) => {
+                self.last_frame = Monotonic::now();
                 let mut time = received.time;
-                if let Timing::Log(told) = &self.timing {
+                if let Timing::Log(log_time) = &self.timing {
                     if let Some(message) = LogTime::read(&frame) {
                         return Ok(self.on_log_time(message));
                     }
-                    let Some(told) = told else {
+                    let Some(log_time) = log_time else {
                         self.untimed += 1;
                         return Ok(Reaction::None);
                     };
-                    time = *told;
+                    time = *log_time;
                 }
                 interface.frames += 1;
                 self.on_frame(&TimedFrame { time, frame }, received.interface)?;
@@ -159,7 +159,7 @@ impl Session {
         Ok(())
     }
 
-    /// What there is to see.
+    /// ReceivedItem there is to see.
     pub fn view(&mut self, unpublished: Option<u64>) -> LiveView {
         let now = Monotonic::now();
         for (view, rate) in &mut self.interfaces {
@@ -170,7 +170,7 @@ impl Session {
         LiveView {
             time_s: self.newest.since(start).micros() as f64 * 1e-6,
             live: estimator.live(),
-            is_silent: now.duration_since(self.heard) > SILENCE,
+            is_silent: now.duration_since(self.last_frame) > SILENCE,
             cells_finished: self.recorder.cells_finished(),
             newest_cell_percent: self.newest_cell.map(|cell| {
                 let grade = cell.lagged_grade_percent;
@@ -190,7 +190,7 @@ impl Session {
     /// How long no frame has come.
     #[must_use]
     pub fn silence(&self) -> Duration {
-        self.heard.elapsed()
+        self.last_frame.elapsed()
     }
 
     /// The cells that were finished since they were last fetched.

@@ -84,7 +84,7 @@ impl<S: Scalar> Recorder<S> {
         while self.estimator.step().is_some() {
             if let Some(sample) = self.estimator.sample() {
                 let kept = self.samples.push(sample);
-                self.notice(kept);
+                self.note_failure(kept);
             }
             while let Some(cell) = self.estimator.next_cell() {
                 self.take_cell(cell);
@@ -98,13 +98,13 @@ impl<S: Scalar> Recorder<S> {
             lagged: cell.lagged_grade_percent,
         };
         let kept = self.grades.push(&grades);
-        self.notice(kept);
+        self.note_failure(kept);
         self.new_cells.push(cell);
     }
 
     /// Input goes on whatever the disk says; the end tells it.
-    fn notice(&mut self, kept: io::Result<()>) {
-        if let Err(error) = kept {
+    fn note_failure(&mut self, stored: io::Result<()>) {
+        if let Err(error) = stored {
             self.trouble.get_or_insert(error);
         }
     }
@@ -184,7 +184,7 @@ impl<S: Scalar> Recorder<S> {
         Ok(LongRun {
             rows,
             counters: *self.estimator.counters(),
-            kept: self.estimator.persistent_state(),
+            persistent_state: self.estimator.persistent_state(),
         })
     }
 }

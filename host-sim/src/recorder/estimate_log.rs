@@ -15,13 +15,13 @@ use std::path::Path;
 /// file and line.
 pub fn estimate_log<S: Scalar>(
     model: &Model,
-    kept: Option<&PersistentState>,
+    persistent_state: Option<&PersistentState>,
     log: &Path,
     progress: impl Fn(u64),
 ) -> Result<LongRun> {
     let (model, tuning) = (model.clone(), Tuning::default());
-    let estimator = match kept {
-        Some(kept) => Estimator::<S>::restore(model, tuning, kept),
+    let estimator = match persistent_state {
+        Some(persistent_state) => Estimator::<S>::restore(model, tuning, persistent_state),
         None => Estimator::new(model, tuning).map_err(PersistentStateError::from),
     };
     let mut recorder = Recorder::from(estimator.map_err(|e| Error::content(log, e.to_string()))?);

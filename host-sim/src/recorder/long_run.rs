@@ -14,7 +14,7 @@ pub struct SmoothedRun {
     /// What happened on the way.
     pub counters: Counters,
     /// What it leaves for the next drive, if it was long enough.
-    pub kept: Option<PersistentState>,
+    pub persistent_state: Option<PersistentState>,
 }
 
 /// A whole drive, smoothed, that need not fit into memory.
@@ -25,7 +25,7 @@ pub struct LongRun {
     /// What happened on the way.
     pub counters: Counters,
     /// What it leaves for the next drive, if it was long enough.
-    pub kept: Option<PersistentState>,
+    pub persistent_state: Option<PersistentState>,
 }
 
 impl LongRun {
@@ -42,7 +42,7 @@ impl LongRun {
         Ok(SmoothedRun {
             rows,
             counters: self.counters,
-            kept: self.kept,
+            persistent_state: self.persistent_state,
         })
     }
 }

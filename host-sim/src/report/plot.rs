@@ -374,7 +374,7 @@ fn thinned(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
 
 /// Joins neighbouring stretches where `is_on` holds, as x ranges to shade.
 #[must_use]
-pub fn stretches(cells: impl IntoIterator<Item = (f64, bool)>) -> Vec<(f64, f64)> {
+pub fn shaded_ranges(cells: impl IntoIterator<Item = (f64, bool)>) -> Vec<(f64, f64)> {
     let mut found: Vec<(f64, f64)> = Vec::new();
     let mut was_on = false;
     let mut before = f64::NAN;

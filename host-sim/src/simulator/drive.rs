@@ -351,7 +351,7 @@ impl<'a> Journey<'a> {
                 };
                 let limits_nm = (lowest_nm, self.truck.full_load_nm(self.engine_rpm));
                 let per_kg = self.truck.force_per_torque(gear) / self.truck.mass_kg;
-                let wish = self.cruise.wish(self.speed_mps, per_kg, limits_nm, STEP_S);
+                let wish = self.cruise.request(self.speed_mps, per_kg, limits_nm, STEP_S);
                 self.situation.at_full_load = wish.at_full_load;
                 self.move_torque(wish.net_nm, TORQUE_RATE_PER_S.0);
                 // What the engine gave at another speed may be more than it has at this one.

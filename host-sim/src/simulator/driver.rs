@@ -45,7 +45,7 @@ impl CruiseControl {
     /// The torque for the next `step_s`: `force_per_kg_nm` is the specific force of one newton
     /// metre, `limits_nm` what the engine can give. The integral stands still while the engine
     /// is at a limit and the error would push it further.
-    pub fn wish(
+    pub fn request(
         &mut self,
         speed_mps: f64,
         force_per_kg_nm: f64,

@@ -143,8 +143,8 @@ impl PlantedEffects {
     }
 }
 
-fn rolling_at(stretches: &[ResistanceSection], stored_m: f64) -> f64 {
-    stretches
+fn rolling_at(sections: &[ResistanceSection], stored_m: f64) -> f64 {
+    sections
         .iter()
         .filter(|&&(from_m, to_m, _)| (from_m..to_m).contains(&stored_m))
         .map(|&(.., rolling)| rolling)

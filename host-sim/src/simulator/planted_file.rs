@@ -93,11 +93,11 @@ impl PlantedTable {
         ] {
             check(&format!("planted.{name}"), value, range)?;
         }
-        for (name, stretches) in [
+        for (name, sections) in [
             ("rough", &self.rough),
             ("side_resistance", &self.side_resistance),
         ] {
-            for &(from_m, to_m, rolling) in stretches {
+            for &(from_m, to_m, rolling) in sections {
                 check(&format!("planted.{name} (start)"), from_m, 0.0..=1e9)?;
                 check(&format!("planted.{name} (end)"), to_m, from_m..=1e9)?;
                 check(&format!("planted.{name} (rolling)"), rolling, -0.01..=0.05)?;

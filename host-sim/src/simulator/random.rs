@@ -60,9 +60,9 @@ impl OrnsteinUhlenbeck {
 
     /// The value after `seconds` more; exact for any step.
     pub fn advance(&mut self, seconds: f64, rng: &mut ChaCha8Rng) -> f64 {
-        let kept = (-seconds / self.time_s).exp();
-        let fresh = self.sigma * (1.0 - kept * kept).sqrt();
-        self.value = kept * self.value + fresh * normal(rng);
+        let decay = (-seconds / self.time_s).exp();
+        let fresh = self.sigma * (1.0 - decay * decay).sqrt();
+        self.value = decay * self.value + fresh * normal(rng);
         self.value
     }
 }

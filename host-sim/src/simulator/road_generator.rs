@@ -97,11 +97,11 @@ pub fn generate(shape: &RoadShape, seed: u64) -> Road {
         let distance_m = (step as f64 * NODE_STEP_M).min(shape.length_m);
         let grade = 0.01 * value_at(&grades, distance_m);
         if let Some(last) = nodes.last() {
-            let way_m = distance_m - last.distance_m;
-            let turn = 0.5 * way_m * value_at(&curvatures, distance_m - 0.5 * way_m);
+            let step_m = distance_m - last.distance_m;
+            let turn = 0.5 * step_m * value_at(&curvatures, distance_m - 0.5 * step_m);
             // Half the turn before the step and half after: the chord of the arc.
             course_rad += turn;
-            let level_m = way_m * (1.0 - sine(0.5 * (grade + last.grade)).powi(2)).sqrt();
+            let level_m = step_m * (1.0 - sine(0.5 * (grade + last.grade)).powi(2)).sqrt();
             position = position.moved(level_m * course_rad.cos(), level_m * course_rad.sin());
             course_rad += turn;
         }

@@ -73,10 +73,10 @@ impl<'a> Sensors<'a> {
             Signal::WheelSpeed | Signal::FrontAxleSpeed => {
                 let noise = self.noise.speed_sigma_mps * normal(&mut self.rng);
                 // Pulses are counted, and the way from one to the next is believed.
-                let told_mps = state.speed_mps / self.wheel_radius_factor;
+                let reported_mps = state.speed_mps / self.wheel_radius_factor;
                 // Wheels that stand give no pulses, and none that are negative.
                 if state.speed_mps > 0.0 {
-                    (told_mps + noise).max(0.0) as f32
+                    (reported_mps + noise).max(0.0) as f32
                 } else {
                     0.0
                 }

@@ -9,7 +9,7 @@ use crate::numeric::slope::sine;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unmodelled {
     /// Its length, m.
-    pub way_m: f64,
+    pub length_m: f64,
     /// Grade in % that the believed force balance (thesis eq. 9, still air, warm tyres) reads from
     /// signals without noise or delay, less the true grade: positive where something holds the
     /// truck back that the vehicle file does not know. The service brake is taken as known.
@@ -31,7 +31,7 @@ impl Recording<'_> {
         let air_density = self.scenario.air_density();
         let torque_factor = believed.reference_torque_nm / self.drive.truck.reference_torque_nm;
         self.drive.states.iter().map(move |state| {
-            let way_m = STEP_S * state.speed_mps;
+            let length_m = STEP_S * state.speed_mps;
             let per_torque = torque_factor * believed_per_torque(&believed, state);
             let closed_gear = if state.engaged { state.gear } else { 0 };
             let inertia_n =
@@ -40,10 +40,10 @@ impl Recording<'_> {
                 - believed.resistance_n(state.speed_mps / radius_factor, air_density)
                 - state.brake_n
                 - inertia_n;
-            let true_grade = self.drive.road.grade(state.distance_m + 0.5 * way_m);
+            let true_grade = self.drive.road.grade(state.distance_m + 0.5 * length_m);
             let read = force_n / (believed.mass_kg * GRAVITY);
             Unmodelled {
-                way_m,
+                length_m,
                 percent: 100.0 * (read - sine(true_grade)),
                 valid: state.engaged && !state.shifting && !state.braking(),
             }

@@ -81,11 +81,11 @@ impl CandumpReader {
                 Err(_) if !self.lines.has_end() && self.frames > 0 => return Err(self.cut_off()),
                 Err(problem) => return Err(self.wrong_line(&problem)),
             };
-            let told = Instant::from_micros(line.micros);
-            if self.newest.since(told) > DISORDER {
-                return Err(self.time_backwards(told));
+            let logged = Instant::from_micros(line.micros);
+            if self.newest.since(logged) > DISORDER {
+                return Err(self.time_backwards(logged));
             }
-            let time = self.newest.max(told);
+            let time = self.newest.max(logged);
             self.newest = time;
             match line.content {
                 Content::Frame(frame) => {

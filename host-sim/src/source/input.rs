@@ -37,7 +37,7 @@ impl LogInput {
     #[must_use]
     pub fn without_mass(self) -> Self {
         match self {
-            Self::Frame(TimedFrame { time, frame }) if tells_mass(&frame) => {
+            Self::Frame(TimedFrame { time, frame }) if carries_mass(&frame) => {
                 let unknown = [0xff; 8];
                 let frame = CanFrame::new(frame.id(), &unknown).unwrap_or(frame);
                 Self::Frame(TimedFrame { time, frame })
@@ -51,7 +51,7 @@ impl LogInput {
     }
 }
 
-fn tells_mass(frame: &CanFrame) -> bool {
+fn carries_mass(frame: &CanFrame) -> bool {
     matches!(frame.id(), Id::Extended(id) if Pgn::from_raw(id.as_raw()).number == CVW)
 }
 

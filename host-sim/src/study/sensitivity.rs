@@ -9,7 +9,7 @@ use super::definition::{Setting, Study, StudyOutcome};
 use crate::comparison::{G, MeasuredDrive, MeasuredPoint, pointwise};
 use crate::error::Result;
 use crate::report::page::{Figure, Section, Table};
-use crate::report::plot::{Mark, Plot, Series, colour, stretches};
+use crate::report::plot::{Mark, Plot, Series, colour, shaded_ranges};
 use crate::simulator::driver::SET_SPEED_MPS;
 use crate::simulator::truck::{Preset, Truck};
 use estimator_core::vehicle::STANDARD_AIR_DENSITY;
@@ -279,7 +279,7 @@ fn figure(preset: Preset) -> Option<Figure> {
     let mut plot = Plot::new("true grade (%)", "grade error (% grade)");
     plot.height = 380;
     let held = |at: &WorkingPoint| at.speed_mps >= SET_SPEED_MPS && !at.braking;
-    plot.shaded = stretches(points.iter().map(|at| (at.grade_percent, !held(at))));
+    plot.shaded = shaded_ranges(points.iter().map(|at| (at.grade_percent, !held(at))));
     for parameter in Parameter::ALL {
         let (colour, mark) = parameter.drawn();
         let errors = points

@@ -111,13 +111,13 @@ fn read_geojson(path: &Path) -> Result<Network> {
     Ok(Network::new(ways))
 }
 
-/// A property that is told.
-fn told<'f>(feature: &'f Feature, key: &str) -> Option<&'f Value> {
+/// A property that is property.
+fn property<'f>(feature: &'f Feature, key: &str) -> Option<&'f Value> {
     feature.property(key).filter(|value| !value.is_null())
 }
 
 fn name_of(feature: &Feature) -> std::result::Result<String, String> {
-    let property = NAMES.iter().find_map(|key| told(feature, key));
+    let property = NAMES.iter().find_map(|key| property(feature, key));
     let name = match (property, &feature.id) {
         (Some(Value::String(name)), _) | (None, Some(Id::String(name))) => name.clone(),
         (Some(Value::Number(number)), _) | (None, Some(Id::Number(number))) => number.to_string(),
@@ -134,13 +134,13 @@ fn directions(feature: &Feature) -> std::result::Result<Vec<WayDirection>, Strin
     use WayDirection::{Backward, Forward};
     let implied = || {
         let is = |key: &str, values: &[&str]| {
-            told(feature, key)
+            property(feature, key)
                 .and_then(Value::as_str)
                 .is_some_and(|value| values.contains(&value))
         };
         is("junction", &["roundabout", "circular"]) || is("highway", &["motorway"])
     };
-    let text = told(feature, "oneway").map(|value| match value {
+    let text = property(feature, "oneway").map(|value| match value {
         Value::String(text) => text.clone(),
         other => other.to_string(),
     });

@@ -42,7 +42,7 @@ struct Open {
 
 /// The stretches of a run on the network. Points without a position belong to a stretch if it goes
 /// on behind them (matching has compared that with the odometer).
-pub fn stretches(
+pub fn matched_segments(
     network: &Network,
     track: &[TrackPoint],
     places: &[MatchedPlace],

@@ -1,6 +1,6 @@
 //! A run's cells on the grid of each way: all that a map takes of it.
 
-use super::alignment::{Leg, MatchedSegment, stretches};
+use super::alignment::{Leg, MatchedSegment, matched_segments};
 use super::track::track_of_run;
 use super::viterbi::{MatchedPlace, match_track};
 use crate::files::run::RunCell;
@@ -57,9 +57,9 @@ pub fn place(network: &Network, cells: &[RunCell]) -> PlacedRun {
         ..Coverage::default()
     };
     let mut placed = Vec::with_capacity(cells.len());
-    for stretch in stretches(network, &track, &places) {
-        coverage.matched += stretch.points.len();
-        place_stretch(&mut placed, network, cells, &stretch);
+    for segment in matched_segments(network, &track, &places) {
+        coverage.matched += segment.points.len();
+        place_segment(&mut placed, network, cells, &segment);
     }
     coverage.no_position =
         coverage.cells - coverage.matched - coverage.off_road - coverage.opposite;
@@ -71,21 +71,21 @@ pub fn place(network: &Network, cells: &[RunCell]) -> PlacedRun {
 
 /// Interpolates a run onto the grid between neighbouring cells. Errors of neighbours are nearly
 /// the same, so variances are interpolated, not reduced.
-fn place_stretch(
+fn place_segment(
     placed: &mut Vec<PlacedCell>,
     network: &Network,
     cells: &[RunCell],
-    stretch: &MatchedSegment,
+    segment: &MatchedSegment,
 ) {
-    let cells = &cells[stretch.points.clone()];
-    let mut legs = stretch.legs.iter();
+    let cells = &cells[segment.points.clone()];
+    let mut legs = segment.legs.iter();
     let Some(mut leg) = legs.next() else {
         return;
     };
     let numbers = |leg: &Leg| network.ways()[leg.way].line.cell_numbers();
     // Number of the first cell of this leg that this run has not yet filled.
     let mut next = *numbers(leg).start();
-    for (pair, at_m) in cells.windows(2).zip(stretch.distance_m.windows(2)) {
+    for (pair, at_m) in cells.windows(2).zip(segment.distance_m.windows(2)) {
         let (from_m, to_m) = (at_m[0], at_m[1]);
         if to_m <= from_m || pair[1].distance_m - pair[0].distance_m > JOIN_LIMIT_M {
             continue;

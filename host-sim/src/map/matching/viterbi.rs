@@ -133,19 +133,19 @@ impl Nearby {
 /// For each position those from about 20 m before it to as far after it, without a gap between
 /// them.
 fn chords(fixes: &[PositionedPoint]) -> impl Iterator<Item = &[PositionedPoint]> {
-    let way_m = |a: usize, b: usize| fixes[b].odometer_m - fixes[a].odometer_m;
+    let apart_m = |a: usize, b: usize| fixes[b].odometer_m - fixes[a].odometer_m;
     let (mut from, mut to) = (0, 0);
     (0..fixes.len()).map(move |i| {
-        if i > 0 && way_m(i - 1, i) > COURSE_GAP_M {
+        if i > 0 && apart_m(i - 1, i) > COURSE_GAP_M {
             from = i;
         }
-        while from < i && way_m(from + 1, i) >= COURSE_REACH_M {
+        while from < i && apart_m(from + 1, i) >= COURSE_REACH_M {
             from += 1;
         }
         to = to.max(i);
         while to + 1 < fixes.len()
-            && way_m(i, to) < COURSE_REACH_M
-            && way_m(to, to + 1) <= COURSE_GAP_M
+            && apart_m(i, to) < COURSE_REACH_M
+            && apart_m(to, to + 1) <= COURSE_GAP_M
         {
             to += 1;
         }

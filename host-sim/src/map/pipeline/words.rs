@@ -15,13 +15,13 @@ pub fn report(out: &Path, fused: &FusedMap) {
     };
     eprintln!("{}: {cells} cells, {km:.2} km{ways}", out.display());
     for (name, agreement) in &fused.within {
-        tell(&format!("runs of session {name}"), agreement);
+        report_agreement(&format!("runs of session {name}"), agreement);
     }
-    tell("sessions", &fused.between);
+    report_agreement("sessions", &fused.between);
 }
 
 /// Says how far estimates agree, where two of them meet.
-fn tell(who: &str, agreement: &Agreement) {
+fn report_agreement(who: &str, agreement: &Agreement) {
     let Agreement {
         disagreement,
         dependence,

@@ -28,13 +28,13 @@ pub(super) struct Interface {
     name: String,
     filters: Vec<(u32, u32)>,
     state: LinkState,
-    drops_told: u32,
+    drops_reported: u32,
 }
 
 #[derive(Debug)]
 enum LinkState {
     Up(CanSocket),
-    Lost { look_at: Monotonic, is_gone: bool },
+    Lost { retry_at: Monotonic, is_gone: bool },
 }
 
 /// What reading gave.
@@ -53,7 +53,7 @@ impl Interface {
             name: name.to_owned(),
             filters: filters.to_owned(),
             state: LinkState::Up(socket),
-            drops_told: 0,
+            drops_reported: 0,
         })
     }
 
@@ -96,12 +96,12 @@ impl Interface {
             return 0;
         };
         let mut words = [0; 4 * MEMINFO_WORDS];
-        let told = socket.get_socket_option_bytes(libc::SOL_SOCKET, SO_MEMINFO, &mut words);
+        let option = socket.get_socket_option_bytes(libc::SOL_SOCKET, SO_MEMINFO, &mut words);
         let drops = &words[4 * libc::SK_MEMINFO_DROPS as usize..];
-        match (told, drops.first_chunk()) {
+        match (option, drops.first_chunk()) {
             (Ok(length), Some(drops)) if length == words.len() => {
                 let drops = u32::from_ne_bytes(*drops);
-                drops.wrapping_sub(std::mem::replace(&mut self.drops_told, drops))
+                drops.wrapping_sub(std::mem::replace(&mut self.drops_reported, drops))
             }
             // Kernels before 4.12.
             _ => 0,
@@ -109,18 +109,18 @@ impl Interface {
     }
 
     /// Looks now and then whether a lost interface is back; tells what it finds, once.
-    pub(super) fn look_for(&mut self, now: Monotonic) -> Option<BusEvent> {
-        let LinkState::Lost { look_at, is_gone } = &mut self.state else {
+    pub(super) fn try_reopen(&mut self, now: Monotonic) -> Option<BusEvent> {
+        let LinkState::Lost { retry_at, is_gone } = &mut self.state else {
             return None;
         };
-        if now < *look_at {
+        if now < *retry_at {
             return None;
         }
-        *look_at = now + RETRY;
+        *retry_at = now + RETRY;
         match open(&self.name, &self.filters) {
             Ok(socket) => {
                 self.state = LinkState::Up(socket);
-                self.drops_told = 0;
+                self.drops_reported = 0;
                 Some(BusEvent::InterfaceBack)
             }
             // What is removed is set down first.
@@ -134,7 +134,7 @@ impl Interface {
 
     fn lose(&mut self, event: BusEvent) -> Read {
         self.state = LinkState::Lost {
-            look_at: Monotonic::now(),
+            retry_at: Monotonic::now(),
             is_gone: event == BusEvent::InterfaceGone,
         };
         Read::Events(vec![event])

@@ -16,6 +16,6 @@ mod steady_clock;
 pub use bus_event::{BusEvent, of_error_frame};
 pub use filter::{accepts, of_group, wanted};
 pub use interface::open_error;
-pub use receiver::{FrameReceiver, Received, What};
+pub use receiver::{FrameReceiver, Received, ReceivedItem};
 pub use sender::FrameSender;
 pub use steady_clock::SteadyClock;

@@ -14,20 +14,20 @@ use std::sync::mpsc::{Receiver as Channel, RecvTimeoutError, SyncSender, sync_ch
 use std::thread;
 use std::time::{Duration, Instant as Monotonic, SystemTime};
 
-/// What came from an interface.
+/// ReceivedItem came from an interface.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Received {
     /// Number of the interface, in the order in which they were named.
     pub interface: usize,
     /// When, by the kernel's stamp for frames.
     pub time: Instant,
-    /// What.
-    pub what: What,
+    /// ReceivedItem.
+    pub item: ReceivedItem,
 }
 
 /// One thing that an interface gave.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum What {
+pub enum ReceivedItem {
     /// A frame.
     Frame(CanFrame),
     /// Something happened to the bus.
@@ -40,8 +40,8 @@ impl Received {
     /// The frame, if it is one.
     #[must_use]
     pub fn frame(&self) -> Option<TimedFrame> {
-        match self.what {
-            What::Frame(frame) => Some(TimedFrame {
+        match self.item {
+            ReceivedItem::Frame(frame) => Some(TimedFrame {
                 time: self.time,
                 frame,
             }),
@@ -51,7 +51,7 @@ impl Received {
 }
 
 /// Frames of an interface read at a stretch, before the next one has its turn.
-const STRETCH: usize = 4096;
+const BATCH: usize = 4096;
 /// Stretches that may wait for their reader: millions of frames, minutes of a full bus.
 const WAITING: usize = 4096;
 /// Longest wait for a frame, before lost interfaces and the end are thought of.
@@ -62,7 +62,7 @@ const MERGE: Span = Span::from_millis(2);
 /// The reading end of the thread.
 #[derive(Debug)]
 pub struct FrameReceiver {
-    stretches: Channel<Vec<Received>>,
+    batches: Channel<Vec<Received>>,
 }
 
 impl FrameReceiver {
@@ -75,7 +75,7 @@ impl FrameReceiver {
             .iter()
             .map(|name| Interface::open(name, filters))
             .collect::<Result<_>>()?;
-        let (sink, stretches) = sync_channel(WAITING);
+        let (sink, batches) = sync_channel(WAITING);
         let reading = ReceiveThread {
             interfaces,
             clock: SteadyClock::new(Monotonic::now(), SystemTime::now()),
@@ -86,14 +86,14 @@ impl FrameReceiver {
             .name("can".to_owned())
             .spawn(move || reading.run(&sink, &stop))
             .map_err(Error::io(Path::new("reading thread")))?;
-        Ok(Self { stretches })
+        Ok(Self { batches })
     }
 
-    /// What came next, in order of time; empty if nothing came for `patience`, `None` when it was
+    /// ReceivedItem came next, in order of time; empty if nothing came for `patience`, `None` when it was
     /// told to stop and everything that had come is handed out.
     #[must_use]
     pub fn next(&self, patience: Duration) -> Option<Vec<Received>> {
-        match self.stretches.recv_timeout(patience) {
+        match self.batches.recv_timeout(patience) {
             Ok(stretch) => Some(stretch),
             Err(RecvTimeoutError::Timeout) => Some(Vec::new()),
             Err(RecvTimeoutError::Disconnected) => None,
@@ -148,37 +148,37 @@ impl ReceiveThread {
         let now = self.clock.time(time_of_day, begun);
         let mut complete_to = now;
         if self.clock.check(begun, time_of_day) {
-            let event = What::Event(BusEvent::ClockSet);
+            let event = ReceivedItem::Event(BusEvent::ClockSet);
             self.held
                 .extend((0..self.interfaces.len()).map(|interface| Received {
                     interface,
                     time: now,
-                    what: event,
+                    item: event,
                 }));
         }
         for (number, interface) in self.interfaces.iter_mut().enumerate() {
             let mut newest = now;
-            let mut push = |time, what| {
+            let mut push = |time, item| {
                 self.held.push(Received {
                     interface: number,
                     time,
-                    what,
+                    item,
                 });
             };
-            if let Some(event) = interface.look_for(begun) {
-                push(now, What::Event(event));
+            if let Some(event) = interface.try_reopen(begun) {
+                push(now, ReceivedItem::Event(event));
             }
-            let mut left = STRETCH;
+            let mut left = BATCH;
             while left > 0 {
                 left -= 1;
                 match interface.read() {
                     Read::Frame(frame, stamp) => {
                         newest = self.clock.time(stamp, Monotonic::now());
-                        push(newest, What::Frame(frame));
+                        push(newest, ReceivedItem::Frame(frame));
                     }
                     Read::Events(events) => {
                         for event in events {
-                            push(newest, What::Event(event));
+                            push(newest, ReceivedItem::Event(event));
                         }
                     }
                     Read::Nothing => break,
@@ -189,13 +189,13 @@ impl ReceiveThread {
             }
             match interface.dropped() {
                 0 => {}
-                dropped => push(newest, What::Dropped(dropped)),
+                dropped => push(newest, ReceivedItem::Dropped(dropped)),
             }
         }
         complete_to
     }
 
-    /// What was read, as far as nothing older can come any more; of a single interface all of it.
+    /// ReceivedItem was read, as far as nothing older can come any more; of a single interface all of it.
     fn in_order(&mut self, complete_to: Instant) -> Vec<Received> {
         let mut ready = if self.interfaces.len() == 1 {
             std::mem::take(&mut self.held)

@@ -74,7 +74,7 @@ fn mission(path: &Path) -> Result<Mission> {
         let row = line.row(time_s, passengers)?;
         passengers = row.passengers;
         odometer_m.push(match (rows.last(), odometer_m.last()) {
-            (Some(last), Some(way_m)) => way_m + way_between_m(last, &row),
+            (Some(last), Some(driven_m)) => driven_m + distance_between_m(last, &row),
             _ => 0.0,
         });
         rows.push(row);
@@ -97,7 +97,7 @@ fn mission(path: &Path) -> Result<Mission> {
 }
 
 /// Way between two rows; where only one speed is known, it is taken for both.
-fn way_between_m(from: &MissionRow, to: &MissionRow) -> f64 {
+fn distance_between_m(from: &MissionRow, to: &MissionRow) -> f64 {
     let mean_mps = match (from.speed_mps, to.speed_mps) {
         (Some(a), Some(b)) => 0.5 * (a + b),
         (one, other) => one.or(other).unwrap_or(0.0),

@@ -115,9 +115,9 @@ fn passes(mission: &Mission) -> Vec<Pass> {
     let trips = drive.trips();
     let covered_m: f64 = trips
         .iter()
-        .map(|(from, to)| drive.way_m(to.rows.start) - drive.way_m(from.rows.end - 1))
+        .map(|(from, to)| drive.driven_m(to.rows.start) - drive.driven_m(from.rows.end - 1))
         .sum();
-    let whole_m = drive.way_m(mission.rows.len() - 1) - drive.way_m(mission.first_fix);
+    let whole_m = drive.driven_m(mission.rows.len() - 1) - drive.driven_m(mission.first_fix);
     let trips = if covered_m < COVERED_PART * whole_m || trips.is_empty() {
         vec![drive.whole()]
     } else {
@@ -168,13 +168,13 @@ impl<'a> MissionTrack<'a> {
         }
     }
 
-    fn way_m(&self, row: usize) -> f64 {
+    fn driven_m(&self, row: usize) -> f64 {
         self.mission.odometer_m[row]
     }
 
     /// The first row that has driven this far.
-    fn row_at(&self, way_m: f64) -> usize {
-        let row = self.mission.odometer_m.partition_point(|&m| m < way_m);
+    fn row_at(&self, driven_m: f64) -> usize {
+        let row = self.mission.odometer_m.partition_point(|&m| m < driven_m);
         row.min(self.mission.rows.len() - 1)
     }
 
@@ -183,9 +183,9 @@ impl<'a> MissionTrack<'a> {
             .plane_m
             .iter()
             .zip(&self.mission.odometer_m)
-            .filter_map(|(plane, &way_m)| {
+            .filter_map(|(plane, &driven_m)| {
                 plane.map(|(east_m, north_m)| PlanePoint {
-                    way_m,
+                    driven_m,
                     east_m,
                     north_m,
                 })
@@ -223,13 +223,13 @@ impl<'a> MissionTrack<'a> {
 
     /// The halts of trips on one road, within `bounds`.
     fn halts(&self, turns: &[Turn], termini: &mut Termini, bounds: Range<usize>) -> Vec<Halt> {
-        let mut near = |from_m: f64, way_m: f64, to_m: f64| {
+        let mut near = |from_m: f64, driven_m: f64, to_m: f64| {
             let rows = self.row_at(from_m - WAITING_M)..self.row_at(to_m + WAITING_M) + 1;
-            self.halt(termini, rows, self.row_at(way_m))
+            self.halt(termini, rows, self.row_at(driven_m))
         };
         let mut halts: Vec<Halt> = turns
             .iter()
-            .map(|turn| near(turn.before_m.1, turn.way_m, turn.after_m.0))
+            .map(|turn| near(turn.before_m.1, turn.driven_m, turn.after_m.0))
             .collect();
         let (start, end) = if let ([first, second, ..], [.., before_last, last]) =
             (halts.as_slice(), halts.as_slice())
@@ -240,7 +240,7 @@ impl<'a> MissionTrack<'a> {
             )
         } else {
             // Only one terminus is known: the trips reach as far as the road is the same.
-            let mut at = |way_m: f64| near(way_m, way_m, way_m);
+            let mut at = |driven_m: f64| near(driven_m, driven_m, driven_m);
             let reach_m = turns.first().map(|turn| (turn.before_m.0, turn.after_m.1));
             (
                 reach_m.map(|(start_m, _)| at(start_m)),
@@ -300,7 +300,7 @@ impl<'a> MissionTrack<'a> {
         let last = (start..halt.rows.start)
             .rev()
             .find(|&row| self.offset_m(row, place) < VISIT_M)?;
-        let first = self.row_at(self.way_m(last) - TURNING_LOOP_M).max(start);
+        let first = self.row_at(self.driven_m(last) - TURNING_LOOP_M).max(start);
         self.halt_on_visit(first..last + 1, place, terminus)
     }
 
@@ -315,7 +315,7 @@ impl<'a> MissionTrack<'a> {
     ) -> Option<Halt> {
         let place = termini.place(terminus);
         let first = (halt.rows.end..end).find(|&row| self.offset_m(row, place) < VISIT_M)?;
-        let last = self.row_at(self.way_m(first) + TURNING_LOOP_M).min(end - 1);
+        let last = self.row_at(self.driven_m(first) + TURNING_LOOP_M).min(end - 1);
         self.halt_on_visit(first..last + 1, place, terminus)
     }
 
@@ -362,7 +362,7 @@ impl<'a> MissionTrack<'a> {
             rows: first..last + 1,
             start_s: all[first].time_s,
             duration_s: all[last].time_s - all[first].time_s,
-            length_m: self.way_m(last) - self.way_m(first),
+            length_m: self.driven_m(last) - self.driven_m(first),
             climb_m: altitude_m(&to.rows)
                 .zip(altitude_m(&from.rows))
                 .map(|(end, start)| end - start),

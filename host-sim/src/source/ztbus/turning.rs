@@ -9,7 +9,7 @@
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PlanePoint {
     /// Way driven, m.
-    pub(super) way_m: f64,
+    pub(super) driven_m: f64,
     pub(super) east_m: f64,
     pub(super) north_m: f64,
 }
@@ -18,7 +18,7 @@ pub(super) struct PlanePoint {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Turn {
     /// Way at the turn, m.
-    pub(super) way_m: f64,
+    pub(super) driven_m: f64,
     /// Way from the first to the last place on the retraced road before the turn, m.
     pub(super) before_m: (f64, f64),
     /// The same after the turn.
@@ -34,10 +34,10 @@ const RETRACED_PART: f64 = 0.6;
 impl Turn {
     /// Whether the way to the `next` turn is one trip on a road that one of them retraces.
     pub(super) fn shares_road_with(&self, next: &Self) -> bool {
-        let way_m = next.way_m - self.way_m;
-        let before_m = next.way_m - next.before_m.0;
-        let after_m = self.after_m.1 - self.way_m;
-        before_m.max(after_m) > RETRACED_PART * way_m
+        let driven_m = next.driven_m - self.driven_m;
+        let before_m = next.driven_m - next.before_m.0;
+        let after_m = self.after_m.1 - self.driven_m;
+        before_m.max(after_m) > RETRACED_PART * driven_m
     }
 }
 
@@ -85,10 +85,10 @@ pub(super) fn turns(places: &[PlanePoint]) -> Vec<Turn> {
         if turn.retraced_m < SHORTEST_M.max(SHORTEST_PART * longest) {
             break;
         }
-        pairs.retain(|pair| (pair.middle_m() - turn.way_m).abs() > SCATTER_M);
+        pairs.retain(|pair| (pair.middle_m() - turn.driven_m).abs() > SCATTER_M);
         turns.push(turn);
     }
-    turns.sort_by(|a, b| a.way_m.total_cmp(&b.way_m));
+    turns.sort_by(|a, b| a.driven_m.total_cmp(&b.driven_m));
     turns
 }
 
@@ -97,7 +97,7 @@ fn headed(places: &[PlanePoint]) -> Vec<Headed> {
     for place in places {
         if spaced
             .last()
-            .is_none_or(|last| place.way_m - last.way_m >= STEP_M)
+            .is_none_or(|last| place.driven_m - last.driven_m >= STEP_M)
         {
             spaced.push(*place);
         }
@@ -132,8 +132,8 @@ fn pairs(headed: &[Headed]) -> Vec<ReturnPair> {
         .filter_map(|(index, a)| {
             let b = headed[index + 1..].iter().find(|b| retraces(a, b))?;
             Some(ReturnPair {
-                before_m: a.place.way_m,
-                after_m: b.place.way_m,
+                before_m: a.place.driven_m,
+                after_m: b.place.driven_m,
             })
         })
         .collect()
@@ -152,14 +152,14 @@ fn strongest(pairs: &[ReturnPair]) -> Option<Turn> {
         }
     }
     let members = &pairs[most];
-    let way_m = members.get(members.len() / 2)?.middle_m();
+    let driven_m = members.get(members.len() / 2)?.middle_m();
     let around = members
         .iter()
-        .filter(|pair| pair.before_m < way_m && pair.after_m > way_m);
+        .filter(|pair| pair.before_m < driven_m && pair.after_m > driven_m);
     let mut turn = Turn {
-        way_m,
-        before_m: (way_m, 0.0),
-        after_m: (f64::INFINITY, way_m),
+        driven_m,
+        before_m: (driven_m, 0.0),
+        after_m: (f64::INFINITY, driven_m),
         retraced_m: 0.0,
     };
     for pair in around {
