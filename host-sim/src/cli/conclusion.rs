@@ -1,4 +1,4 @@
-//! The end of a drive, recorded or live: its files.
+//! Writes the files at the end of a drive, recorded or live.
 
 use crate::error::Result;
 use crate::files::kept;
@@ -6,8 +6,8 @@ use crate::files::run::{self, Origin};
 use crate::recorder::LongRun;
 use std::path::Path;
 
-/// Writes what a drive leaves: the run, and what is kept for the next one if there is a file for
-/// it, which is written ahead of the run: where that cannot be, neither appears.
+/// Writes the run, and the persistent state if there is a file for it. The state is staged before
+/// the run is written, so that neither file appears if one cannot be written.
 pub(super) fn write(
     drive: &mut LongRun,
     out: Option<&Path>,
@@ -31,9 +31,9 @@ pub(super) fn write(
     if let Some(file) = state_file {
         let file = file.display();
         if is_stored {
-            eprintln!("kept for the next drive: {file}");
+            eprintln!("stored the persistent state for the next drive: {file}");
         } else {
-            eprintln!("nothing to keep, 5 km with GNSS are needed: {file} is as it was");
+            eprintln!("no persistent state to store (it needs 5 km with GNSS): {file} is unchanged");
         }
     }
     Ok(())

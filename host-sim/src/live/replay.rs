@@ -1,4 +1,4 @@
-//! A recorded log put on an interface, in the log's own time or faster.
+//! Replay of a recorded log on an interface, at the log's times or faster.
 
 use crate::error::{Error, Result};
 use crate::source::can_frame::TimedFrame;
@@ -10,34 +10,34 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant as Monotonic};
 
-/// Frames sent before the listener is asked whether it has read them. A socket with the memory that
-/// Linux gives to everyone holds some 250 frames.
+/// Frames sent before the listener is asked for an acknowledgement. A socket with Linux's default
+/// buffer holds some 250 frames.
 const WINDOW: usize = 100;
-/// How long the first answer is waited for, and each later one.
+/// Timeouts of the first acknowledgement and of each later one.
 const FIRST_ANSWER: Duration = Duration::from_secs(10);
 const NEXT_ANSWER: Duration = Duration::from_secs(10);
-/// Between two questions, before the first answer.
+/// Time between two requests for the same acknowledgement.
 const ASK_AGAIN: Duration = Duration::from_millis(100);
-/// Longest sleep without a look whether to stop.
+/// Longest sleep between two checks of the stop flag.
 const NAP: Duration = Duration::from_millis(100);
 
-/// How fast.
+/// Replay speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pace {
-    /// The log's own time, divided by this.
+    /// Faster than the log by this factor.
     Times(f64),
-    /// As fast as the interface takes frames.
+    /// As fast as the interface accepts frames.
     Max,
 }
 
-/// What was sent.
+/// Summary of a replay.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sent {
-    /// Frames of the log.
+    /// Number of frames of the log that were sent.
     pub frames: u64,
-    /// First and last time in the log.
+    /// First and last time stamp of these frames.
     pub span: Option<(Instant, Instant)>,
-    /// How late a frame was at most.
+    /// Largest delay of a frame.
     pub latest: Duration,
 }
 
@@ -50,15 +50,15 @@ pub struct Replay<'a> {
     sends_time: bool,
     stop: &'a AtomicBool,
     begun: Monotonic,
-    /// Of frames on the bus, not yet answered for.
+    /// Number of frames sent since the last acknowledgement.
     unanswered: usize,
     sent_time: Option<Instant>,
     sent: Sent,
 }
 
 impl<'a> Replay<'a> {
-    /// Begins on an interface. With `sends_time` the log's time goes along, for a listener that
-    /// answers.
+    /// Creates a replay on an interface. With `sends_time` the log's time stamps are sent too, to a
+    /// listener that acknowledges.
     #[must_use]
     pub fn new(
         name: &'a str,
@@ -80,10 +80,11 @@ impl<'a> Replay<'a> {
         }
     }
 
-    /// Sends one frame when it is its time; false if it was sent_time to stop.
+    /// Sends one frame when it is due. Returns false if the stop flag is set.
     ///
     /// # Errors
-    /// The interface is down, gone or takes nothing; nobody answers.
+    /// Returns an error if the interface is down, gone or accepts no frame, or if no listener
+    /// acknowledges.
     pub fn send(&mut self, timed: &TimedFrame) -> Result<bool> {
         let first = match self.sent.span {
             Some((first, _)) => first,
@@ -116,10 +117,10 @@ impl<'a> Replay<'a> {
         Ok(true)
     }
 
-    /// Ends the log.
+    /// Ends the replay and returns its summary.
     ///
     /// # Errors
-    /// Nobody answers that the last frame is read.
+    /// Returns an error if no listener acknowledges the last frame.
     pub fn end(mut self) -> Result<Sent> {
         if let (true, Some((_, last))) = (self.sends_time, self.sent.span) {
             self.ask(LogTime::End(last), NEXT_ANSWER)?;
@@ -140,7 +141,7 @@ impl<'a> Replay<'a> {
         }
     }
 
-    /// Tells the time if it changed, and asks for an answer now and then.
+    /// Sends the time stamp if it changed, and asks for an acknowledgement every [`WINDOW`] frames.
     fn send_time(&mut self, time: Instant) -> Result<()> {
         if self.unanswered >= WINDOW {
             return self.ask(LogTime::Ready(time), NEXT_ANSWER);
@@ -153,7 +154,7 @@ impl<'a> Replay<'a> {
         Ok(())
     }
 
-    /// Asks until the answer comes.
+    /// Asks until the acknowledgement arrives.
     fn ask(&mut self, question: LogTime, patience: Duration) -> Result<()> {
         let (LogTime::Now(time)
         | LogTime::Ready(time)
@@ -179,8 +180,8 @@ impl<'a> Replay<'a> {
             }
         }
         let problem = format!(
-            "nobody answers for {} s; expected `roadgrade listen --can {} --log-time …` on the \
-             same bus, before the replay begins",
+            "no acknowledgement for {} s; start `roadgrade listen --can {} --log-time …` on the \
+             same bus before the replay",
             patience.as_secs(),
             self.name
         );
@@ -189,7 +190,7 @@ impl<'a> Replay<'a> {
 
     fn frame(&self, message: LogTime) -> Result<crate::source::can_frame::CanFrame> {
         message.frame().ok_or_else(|| {
-            let problem = "the log's time is beyond the year 4253, which --log-time cannot tell";
+            let problem = "the time of the log is beyond the year 4253, the limit of --log-time";
             Error::content(Path::new(self.name), problem)
         })
     }

@@ -1,4 +1,4 @@
-//! One drive, live: what is received becomes an estimate, a log, and counts.
+//! One live drive: received frames become an estimate, a log and counts.
 
 use super::rate::EventRate;
 use super::view::{InterfaceView, LiveView};
@@ -13,15 +13,15 @@ use estimator_core::{Cell, Instant};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant as Monotonic};
 
-/// No frame for so long is worth saying.
+/// Time without a frame after which the mode is `silent`.
 const SILENCE: Duration = Duration::from_secs(2);
 
-/// Whose time frames have.
+/// Source of the time stamps.
 #[derive(Clone, Debug)]
 enum Timing {
-    /// The kernel's, at which they came.
+    /// The kernel's time of reception.
     Kernel,
-    /// The log's that is being replayed, once it was log_time.
+    /// The time stamp of the replayed log, once one was received.
     Log(Option<Instant>),
 }
 
@@ -30,11 +30,11 @@ enum Timing {
 pub enum Reaction {
     /// Nothing.
     None,
-    /// To be log_time to whoever watches.
+    /// Report this event to the user.
     Report(BusEvent),
-    /// To be sent back.
+    /// Send this acknowledgement.
     Answer(LogTime),
-    /// To be sent back; the log is over.
+    /// Send this acknowledgement; the log is over.
     End(LogTime),
 }
 
@@ -42,7 +42,7 @@ pub enum Reaction {
 #[derive(Debug)]
 pub struct Session {
     recorder: Recorder<f32>,
-    /// Finished and not yet fetched.
+    /// Finished cells that are not yet fetched.
     cells: Vec<Cell>,
     newest_cell: Option<Cell>,
     timing: Timing,
@@ -55,10 +55,10 @@ pub struct Session {
 }
 
 impl Session {
-    /// Begins a drive on these interfaces. `log` is where all frames go as a candump log.
+    /// Begins a drive on these interfaces. `log` is the file for all frames, as a candump log.
     ///
     /// # Errors
-    /// If the log cannot be begun.
+    /// Returns an error if the log cannot be created.
     pub fn begin(
         recorder: Recorder<f32>,
         names: &[String],
@@ -95,10 +95,10 @@ impl Session {
         })
     }
 
-    /// Takes what was received.
+    /// Processes a received item.
     ///
     /// # Errors
-    /// If the log cannot be written.
+    /// Returns an error if the log cannot be written.
     pub fn take(&mut self, received: &Received) -> Result<Reaction> {
         let (interface, _) = &mut self.interfaces[received.interface];
         match received.item {
@@ -132,7 +132,7 @@ impl Session {
 
     fn on_log_time(&mut self, message: LogTime) -> Reaction {
         let (LogTime::Now(time) | LogTime::Ready(time) | LogTime::End(time)) = message else {
-            // That of another listener.
+            // The acknowledgement of another listener.
             return Reaction::None;
         };
         self.timing = Timing::Log(Some(time));
@@ -187,25 +187,25 @@ impl Session {
         }
     }
 
-    /// How long no frame has come.
+    /// Returns the time since the last frame.
     #[must_use]
     pub fn silence(&self) -> Duration {
         self.last_frame.elapsed()
     }
 
-    /// The cells that were finished since they were last fetched.
+    /// Returns the cells that were finished since the last call.
     #[must_use]
     pub fn fetch_cells(&mut self) -> Vec<Cell> {
         std::mem::take(&mut self.cells)
     }
 
-    /// Ends the drive; the log, if there is one and it could be ended, is to be committed.
+    /// Ends the drive. Returns the smoothed run and the log, which the caller commits.
     pub fn finish(self) -> (Result<LongRun>, Result<Option<Staged>>) {
         let log = self.log.map(|(_, log)| log.finish()).transpose();
         (self.recorder.end(), log)
     }
 
-    /// The estimate now.
+    /// Returns the current estimate; `None` before the first speed.
     #[must_use]
     pub fn live(&self) -> Option<estimator_core::Live> {
         self.recorder.estimator().live()

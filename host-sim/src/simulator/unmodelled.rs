@@ -1,4 +1,4 @@
-//! What the believed vehicle does not explain: the truth that a diagnosis is after.
+//! The true error of the assumed vehicle model, the target of the diagnosis.
 
 use super::drive::{DriveState, STEP_S};
 use super::recording::Recording;
@@ -8,21 +8,21 @@ use crate::numeric::slope::sine;
 /// One step of a drive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unmodelled {
-    /// Its length, m.
+    /// Length of the step, m.
     pub length_m: f64,
-    /// Grade in % that the believed force balance (thesis eq. 9, still air, warm tyres) reads from
-    /// signals without noise or delay, less the true grade: positive where something holds the
-    /// truck back that the vehicle file does not know. The service brake is taken as known.
+    /// Grade in % of the assumed force balance (thesis eq. 9, still air, warm tyres) from signals
+    /// without noise or delay, minus the true grade. It is positive where a force that the vehicle
+    /// file lacks acts against the motion. The service brake is taken as known.
     pub percent: f64,
-    /// With a gear through and neither shift nor brake.
+    /// True if a gear is engaged, without shift or brake.
     pub valid: bool,
 }
 
 impl Recording<'_> {
-    /// What the believed vehicle does not explain, a step after the other.
+    /// Returns the error of the assumed vehicle model, step by step.
     ///
     /// # Panics
-    /// Never: the believed vehicle has the engine and gearbox of the true one.
+    /// Never: the assumed vehicle has the engine and gearbox of the true one.
     pub fn unmodelled(&self) -> impl Iterator<Item = Unmodelled> {
         let run = &self.scenario.runs[self.index];
         let believed =

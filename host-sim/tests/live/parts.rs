@@ -348,10 +348,10 @@ fn frames_with_the_logs_time_give_the_logs_run() {
 fn what_is_no_frame_is_counted_and_told() {
     let drive = test_kit::simulated::run(&[test_kit::simulated::MILD, test_kit::simulated::A]);
     let mut session = session(&drive, false, None);
-    let other = |what| Received {
+    let other = |item| Received {
         interface: 0,
         time: Instant::ZERO,
-        what,
+        item,
     };
     let bus_off = session.take(&other(ReceivedItem::Event(BusEvent::BusOff))).unwrap();
     assert_eq!(bus_off, Reaction::Report(BusEvent::BusOff));

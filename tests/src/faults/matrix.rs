@@ -101,7 +101,8 @@ fn more(with: &Counters, without: &Counters) -> BTreeMap<&'static str, u64> {
             ("frames of no interest", counters.frames_ignored),
             ("cells without a valid model", counters.invalid_steps.into()),
         ];
-        events(counters).into_iter().chain(others).collect()
+        let counted = events(counters).into_iter().map(|event| (event.name, event.count));
+        counted.chain(others).collect()
     };
     let before = all(without);
     let more = all(with).into_iter().filter_map(|(name, count)| {

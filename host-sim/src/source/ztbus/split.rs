@@ -1,8 +1,8 @@
-//! One-way trips: a mission is cut where the bus waits at its termini.
+//! One-way trips: a mission is split where the bus waits at its termini.
 //!
-//! No timetable and no map: the termini are where the drive turns back on its own road. The
-//! first trip starts, and the last one ends, at a terminus that the trips between have shown;
-//! what is driven before and after is the way from and to the garage.
+//! No timetable and no map is used. The termini are where the drive turns back on its own road. The
+//! first trip starts, and the last one ends, at a terminus that the trips between have shown. The
+//! rest is the drive from and to the garage.
 
 use super::mission::{Mission, MissionRow};
 use super::turning::{PlanePoint, Turn, turns};
@@ -19,21 +19,21 @@ const TERMINUS_M: f64 = 300.0;
 const VISIT_M: f64 = 200.0;
 /// A loop in which the bus turns is at most this long, m.
 const TURNING_LOOP_M: f64 = 1_000.0;
-/// Passes that cover less than this part of the drive are no structure of it.
+/// Trips that cover less than this part of the drive do not define its structure.
 const COVERED_PART: f64 = 0.3;
 
-/// Which way a pass goes.
+/// Direction of a pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum PassDirection {
     /// As the first pass between its two termini.
     Outbound,
-    /// Back.
+    /// In the opposite direction.
     Inbound,
 }
 
 impl PassDirection {
-    /// Its word in tables and file names.
+    /// Returns the word for tables and file names.
     #[must_use]
     pub const fn word(self) -> &'static str {
         match self {
@@ -46,7 +46,7 @@ impl PassDirection {
 /// A one-way trip from terminus to terminus.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pass {
-    /// Which way it goes.
+    /// Direction.
     pub direction: PassDirection,
     /// Its rows, from the last one at standstill in one terminus to the first one in the next.
     pub rows: Range<usize>,
@@ -54,7 +54,7 @@ pub struct Pass {
     pub start_s: f64,
     /// Time taken, s.
     pub duration_s: f64,
-    /// Way driven, m.
+    /// Driven distance, m.
     pub length_m: f64,
     /// GNSS altitude at its end less that at its start, each the mean while the bus stood
     /// there, m.
@@ -66,7 +66,7 @@ pub struct Pass {
 }
 
 impl Pass {
-    /// Whether `next` follows at once and goes back to where this one started.
+    /// Returns true if `next` follows at once and goes back to the start of this pass.
     fn returns_with(&self, next: &Self) -> bool {
         self.to.rows == next.from.rows
             && self.from.terminus == next.to.terminus
@@ -89,8 +89,8 @@ impl Mission {
     }
 }
 
-/// Row ranges of the complete round trips: each pass with the one that brings the bus back, no
-/// pass in two of them.
+/// Returns the row ranges of the complete round trips. Each is a pass and the pass that brings the
+/// bus back; no pass is in two of them.
 ///
 /// A round trip ends where it began, so that whatever altitude a model gains on it is an error.
 #[must_use]
@@ -109,7 +109,7 @@ pub fn round_trips(passes: &[Pass]) -> Vec<Range<usize>> {
     trips
 }
 
-/// The passes of a mission: the whole drive from the first fix if it never goes back.
+/// Returns the passes of a mission; the whole drive from the first fix if it never turns back.
 fn passes(mission: &Mission) -> Vec<Pass> {
     let drive = MissionTrack::new(mission);
     let trips = drive.trips();
@@ -139,7 +139,7 @@ fn passes(mission: &Mission) -> Vec<Pass> {
     passes
 }
 
-/// A mission seen as a track on a plane.
+/// A mission as a track on a plane.
 struct MissionTrack<'a> {
     mission: &'a Mission,
     /// East and north of the first fix, m; one entry a row.
