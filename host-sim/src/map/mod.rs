@@ -1,12 +1,11 @@
-//! From runs to a map: a road as a line, or the ways of a network, where on them each run was, and
-//! what the runs together say about their grade.
+//! From runs to a map: roads and networks, map matching, and fusion of the grades of many runs.
 //!
-//! Distances along a road are those of its own `distance_m`; a run's odometer only carries from
-//! one position to the next.
+//! Distances along a road are those of its own `distance_m`. The odometer of a run only bridges the
+//! gaps between positions.
 //!
 //! * [`geometry`]: planes, roads, networks and where their ways join;
-//! * [`matching`]: where on a network each point of a run was;
-//! * [`fusion`]: cells of many runs become one;
+//! * [`matching`]: matches the points of a run to a network;
+//! * [`fusion`]: fuses the cells of many runs;
 //! * [`io`]: files of maps, roads, networks and sums;
 //! * [`pipeline`]: from files of runs to a map, a few in memory at a time.
 

@@ -1,4 +1,4 @@
-//! A map as GeoJSON (RFC 7946): lines that a geographic information system can colour by grade.
+//! A map as GeoJSON (RFC 7946): lines that a GIS can colour by grade.
 
 use super::way_file::{DIRECTION, WAY};
 use crate::error::Result;
@@ -12,9 +12,9 @@ use serde_json::json;
 use std::io;
 use std::path::Path;
 
-/// Writes a map, to appear when committed: a line for each segment of a way without a hole, which
-/// carries the values of its cells as arrays. With `piece_m`, lines of about that length instead,
-/// each with the mean grade between its ends.
+/// Writes a map to a file that appears when it is committed. Each segment of a way without a gap is
+/// a line with the values of its cells as arrays. With `piece_m`, lines have about that length, m,
+/// and the mean grade between their ends.
 ///
 /// # Errors
 /// What the file system says.
@@ -41,7 +41,7 @@ fn write<W: io::Write>(writer: &mut FeatureWriter<W>, feature: &Feature) -> io::
     writer.write_feature(feature).map_err(io::Error::other)
 }
 
-/// Rows without a hole between them. A line across the date line is cut there (RFC 7946, 3.1.9).
+/// Splits rows at gaps. A line across the date line is split there (RFC 7946, 3.1.9).
 pub fn segments(rows: &[MapRow]) -> impl Iterator<Item = &[MapRow]> {
     rows.chunk_by(|a, b| {
         b.distance_m - a.distance_m < 1.5 * GRID_M
@@ -49,7 +49,7 @@ pub fn segments(rows: &[MapRow]) -> impl Iterator<Item = &[MapRow]> {
     })
 }
 
-/// Parts of a segment; each ends where the next begins.
+/// Splits a segment into pieces; each ends where the next begins.
 fn pieces(segment: &[MapRow], piece_m: f64) -> impl Iterator<Item = &[MapRow]> {
     let cells = ((piece_m / GRID_M).round() as usize).max(1);
     let last = segment.len() - 1;
@@ -58,11 +58,11 @@ fn pieces(segment: &[MapRow], piece_m: f64) -> impl Iterator<Item = &[MapRow]> {
         .map(move |first| &segment[first..=(first + cells).min(last)])
 }
 
-/// A line with what holds for all of it.
+/// Returns a line with its scalar properties.
 fn feature(name: Option<&WayName>, rows: &[MapRow]) -> Feature {
     let position = |row: &MapRow| vec![round(row.longitude_deg, 7), round(row.latitude_deg, 7)];
     let geometry = Geometry::new(match rows {
-        // A cell by itself is no line.
+        // A single cell is not a line.
         [only] => Shape::Point(position(only)),
         _ => Shape::LineString(rows.iter().map(position).collect()),
     });
@@ -83,12 +83,12 @@ fn feature(name: Option<&WayName>, rows: &[MapRow]) -> Feature {
         "grade_percent",
         json!(round(mean(rows, |row| row.grade_percent), 5)),
     );
-    // The error of a run is nearly one over a kilometre: its mean is no surer than its parts.
+    // Errors of a run are almost constant over a kilometre, so the mean has the sigma of its parts.
     set(
         "grade_sigma_percent",
         json!(round(mean(rows, |row| row.grade_sigma_percent), 5)),
     );
-    // No known altitude makes NaN, which JSON has as null.
+    // Without a known altitude the mean is NaN, which is null in JSON.
     set("altitude_m", json!(round(altitude_m, 3)));
     set("runs_least", json!(runs().min()));
     set("runs_most", json!(runs().max()));
@@ -99,7 +99,7 @@ fn feature(name: Option<&WayName>, rows: &[MapRow]) -> Feature {
     }
 }
 
-/// A line with the values of each of its positions.
+/// Returns a line with the values of each of its positions.
 fn whole(name: Option<&WayName>, rows: &[MapRow]) -> Feature {
     let mut feature = feature(name, rows);
     let numbers = |value: fn(&MapRow) -> f64, decimals: i32| -> JsonValue {
@@ -118,7 +118,7 @@ fn whole(name: Option<&WayName>, rows: &[MapRow]) -> Feature {
     feature
 }
 
-/// Mean along the line through these.
+/// Returns the mean along the line through these rows.
 fn mean(rows: &[MapRow], value: fn(&MapRow) -> f64) -> f64 {
     if let [only] = rows {
         return value(only);

@@ -1,4 +1,4 @@
-//! ROAD.csv, or ROAD.parquet: a road, or ways, given from outside; a map serves too.
+//! ROAD.csv or ROAD.parquet: a road or several ways from the user; a map is accepted too.
 
 use super::road_row::RoadRow;
 use super::{map_parquet, way_file};
