@@ -125,7 +125,7 @@ pub fn logs(
 /// As [`logs`], with several effects, each of its own size.
 ///
 /// # Errors
-/// As [`logs`].
+/// Returns the errors of [`logs`].
 pub fn logs_of(
     effects: &[(&str, f64)],
     truck: &str,
@@ -182,10 +182,10 @@ pub fn logs_of(
     })
 }
 
-/// How much of `effect` makes `size_percent` on the bench's runs.
+/// Returns how much of `effect` makes `size_percent` on the bench's runs.
 ///
 /// # Errors
-/// As [`logs`].
+/// Returns the errors of [`logs`].
 pub fn amount(effect: &str, size_percent: f64, truck: &str, seed: u64) -> Result<Amount> {
     let bench = Bench {
         truck,
@@ -195,8 +195,8 @@ pub fn amount(effect: &str, size_percent: f64, truck: &str, seed: u64) -> Result
     bench.calibrated(effect, size_percent)
 }
 
-/// What the believed vehicle does not explain in all runs of a scenario, gusts excepted: RMS over
-/// the way driven without shift or brake, %.
+/// Returns what the believed vehicle does not explain in all runs of a scenario, gusts excepted:
+/// RMS over the way driven without shift or brake, %.
 ///
 /// # Errors
 /// A truck that gets stuck.
@@ -228,7 +228,7 @@ fn refused(problem: impl Into<String>) -> Error {
     Error::content(Path::new(ORIGIN), problem)
 }
 
-/// The folder of the truth.
+/// Returns the folder of the truth.
 fn beside(folder: &Path) -> PathBuf {
     let mut name = folder.as_os_str().to_owned();
     name.push(".truth");
@@ -243,7 +243,7 @@ struct Bench<'a> {
 }
 
 impl Bench<'_> {
-    /// The amount of an effect, alone, that makes the size.
+    /// Returns the amount of an effect, alone, that makes the size.
     fn calibrated(&self, effect: &str, size_percent: f64) -> Result<Amount> {
         if !size_percent.is_finite() || size_percent == 0.0 {
             return Err(refused(format!(
@@ -278,7 +278,7 @@ impl Bench<'_> {
         })
     }
 
-    /// The scenario.
+    /// Returns the scenario.
     fn text(&self, planted: &[Amount]) -> Result<String> {
         let mut tables: BTreeMap<&str, String> = BTreeMap::from([
             ("rates", "fast_ms = 50.0\n".to_owned()),

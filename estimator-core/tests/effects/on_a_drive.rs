@@ -91,7 +91,10 @@ fn an_effect_that_is_known_is_as_none() {
     let base = Model::from(vehicle.clone());
     let plain = drive(&base, &vehicle, PLAIN, SECONDS);
     for (adopted, reported_n) in resisting() {
-        let planted = PlantedDifference { reported_n, ..PLAIN };
+        let planted = PlantedDifference {
+            reported_n,
+            ..PLAIN
+        };
         let knows = with(vehicle.clone(), &[adopted]);
         let known = difference(&plain, &drive(&knows, &vehicle, planted, SECONDS));
         let missing = difference(&plain, &drive(&base, &vehicle, planted, SECONDS));

@@ -33,7 +33,9 @@ pub(super) fn write(
         if is_stored {
             eprintln!("stored the persistent state for the next drive: {file}");
         } else {
-            eprintln!("no persistent state to store (it needs 5 km with GNSS): {file} is unchanged");
+            eprintln!(
+                "no persistent state to store (it needs 5 km with GNSS): {file} is unchanged"
+            );
         }
     }
     Ok(())

@@ -2,8 +2,9 @@
 
 use estimator_core::vehicle::ForceBalance;
 
-/// Sine of the slope in %, of the force balance (thesis eq. 9) solved for it, over `length_m` between
-/// two kinetic energies a kilogram, m²/s²; `effects_mps2` is what adopted effects take.
+/// Returns sine of the slope in %, of the force balance (thesis eq. 9) solved for it, over
+/// `length_m` between two kinetic energies a kilogram, m²/s²; `effects_mps2` is what adopted
+/// effects take.
 #[must_use]
 pub fn slope_percent(
     balance: &ForceBalance,

@@ -193,7 +193,7 @@ impl Menu {
         }
     }
 
-    /// An amount for each drive: how long the tyres had cooled before it is unknown.
+    /// Returns an amount for each drive: how long the tyres had cooled before it is unknown.
     fn on_each(
         &mut self,
         effect: &'static Effect,
@@ -241,7 +241,7 @@ impl Menu {
         choices
     }
 
-    /// The forces of every column on a drive, N.
+    /// Returns the forces of every column on a drive, N.
     #[must_use]
     pub fn columns(
         &self,
@@ -282,7 +282,7 @@ impl Menu {
             .collect()
     }
 
-    /// What a choice of a plain dependence is drawn over; none for effects.
+    /// Returns what a choice of a plain dependence is drawn over; none for effects.
     #[must_use]
     pub fn variable(&self, choice: &Choice) -> Option<Variable> {
         let column = *choice.amounts.first()?.first()?;
@@ -297,7 +297,7 @@ impl Menu {
         }
     }
 
-    /// Number of columns.
+    /// Returns number of columns.
     #[must_use]
     pub fn width(&self) -> usize {
         self.columns.len()
@@ -305,7 +305,7 @@ impl Menu {
 }
 
 impl Choice {
-    /// Whether it is a cycle, whose phase is each drive's own.
+    /// Returns whether it is a cycle, whose phase is each drive's own.
     #[must_use]
     pub const fn is_cycle(&self) -> bool {
         matches!(self.detail, Detail::Period(_))

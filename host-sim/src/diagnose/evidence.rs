@@ -56,10 +56,10 @@ impl FromIterator<SegmentSums> for Evidence {
 /// Winds that come and go that are tried, 1 sigma, m/s.
 pub const WINDS_MPS: [f32; 5] = [0.1, 0.2, 0.4, 0.8, 1.6];
 
-/// The tuning with which drives are judged: what is the same on all drives of a vehicle is looked
-/// for, so that the filter's own slow states keep only what differs from drive to drive, and in the
-/// kilometres of wind. What climbs unlike the model is what is looked for: no fix drifts, and no
-/// scale goes too far.
+/// Returns the tuning with which drives are judged: what is the same on all drives of a vehicle is
+/// looked for, so that the filter's own slow states keep only what differs from drive to drive, and
+/// in the kilometres of wind. What climbs unlike the model is what is looked for: no fix drifts,
+/// and no scale goes too far.
 #[must_use]
 pub fn judging_tuning(wind_sigma_mps: f32) -> Tuning {
     let mut tuning = Tuning::default();
@@ -76,7 +76,7 @@ pub fn judging_tuning(wind_sigma_mps: f32) -> Tuning {
     tuning
 }
 
-/// What a drive says about the forces in `columns`, segment by segment.
+/// Returns what a drive says about the forces in `columns`, segment by segment.
 #[must_use]
 pub fn segments(
     drive: usize,
@@ -127,7 +127,7 @@ pub fn segments(
 }
 
 impl Evidence {
-    /// Sums over all segments of the drives that count.
+    /// Returns sums over all segments of the drives that count.
     #[must_use]
     pub fn sums(&self, counts: impl Fn(usize) -> bool) -> (DMatrix<f64>, DVector<f64>) {
         let size = self.segments.first().map_or(0, |s| s.score.len());

@@ -46,7 +46,7 @@ impl Wheels {
         })
     }
 
-    /// Twice the logarithm of the Bayes factor against wheels as told.
+    /// Returns twice the logarithm of the Bayes factor against wheels as told.
     #[must_use]
     pub fn evidence(&self) -> f64 {
         let typical = f64::from(wheel_radius::EFFECT.typical).powi(2);
@@ -72,7 +72,7 @@ impl Wheels {
     }
 }
 
-/// Mean of GNSS over wheel speed, less one, in each block of a drive.
+/// Returns mean of GNSS over wheel speed, less one, in each block of a drive.
 fn blocks(drive: &LoggedDrive) -> Vec<f64> {
     let mut blocks = Vec::new();
     let (mut sum, mut count, mut length_m) = (0.0, 0.0, 0.0);

@@ -21,7 +21,7 @@ pub struct EffectSearch<'a> {
 }
 
 impl<'a> EffectSearch<'a> {
-    /// The first `fitted` of the drives, which were read with this model, are to fit.
+    /// Creates the first `fitted` of the drives, which were read with this model, are to fit.
     #[must_use]
     pub fn new(drives: &'a [LoggedDrive], fitted: usize, model: &'a Model) -> Self {
         let road = CommonRoad::of(drives);
@@ -36,7 +36,8 @@ impl<'a> EffectSearch<'a> {
         }
     }
 
-    /// What the drives say, with the wind that makes them most likely, and what that asks for.
+    /// Returns what the drives say, with the wind that makes them most likely, and what that asks
+    /// for.
     #[must_use]
     pub fn evidence(&self) -> (Evidence, Selection) {
         let columns: Vec<Vec<evidence::ForceColumn>> = self
@@ -74,13 +75,13 @@ impl<'a> EffectSearch<'a> {
         best.unwrap_or_default()
     }
 
-    /// What the evidence asks for; `first` as in [`Selector::select`].
+    /// Returns what the evidence asks for; `first` as in [`Selector::select`].
     #[must_use]
     pub fn select(&self, evidence: &Evidence, first: Option<usize>) -> Selection {
         Selector::new(&self.menu, evidence, |drive| drive >= self.fitted).select(first)
     }
 
-    /// The vehicle with all effects of a selection.
+    /// Returns the vehicle with all effects of a selection.
     #[must_use]
     pub fn vehicle_with(&self, vehicle: &VehicleFile, selection: &Selection) -> VehicleFile {
         let mut vehicle = vehicle.clone();
@@ -92,14 +93,14 @@ impl<'a> EffectSearch<'a> {
         vehicle
     }
 
-    /// Names of the effects of a group.
+    /// Returns names of the effects of a group.
     #[must_use]
     pub fn names(&self, group: &[CandidateFit]) -> Vec<&'static str> {
         let name = |case: &CandidateFit| self.menu.candidates[case.candidate].name;
         group.iter().map(name).collect()
     }
 
-    /// The effect of a case, ready for a vehicle file; none for a plain dependence.
+    /// Returns the effect of a case, ready for a vehicle file; none for a plain dependence.
     #[must_use]
     pub fn adopted(&self, case: &CandidateFit) -> Option<AdoptedEffect> {
         let candidate = &self.menu.candidates[case.candidate];
@@ -150,7 +151,7 @@ impl<'a> EffectSearch<'a> {
         Some(adopted)
     }
 
-    /// A plain dependence that was adopted.
+    /// Returns a plain dependence that was adopted.
     #[must_use]
     pub fn unexplained(&self, case: &CandidateFit) -> Unexplained {
         let candidate = &self.menu.candidates[case.candidate];

@@ -18,7 +18,7 @@ pub(crate) fn column<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
 /// Writes rows as CSV with a header, whole or not at all.
 ///
 /// # Errors
-/// What the file system says.
+/// Returns the error of the file system.
 pub fn write_csv<T: Serialize>(path: &Path, rows: impl IntoIterator<Item = T>) -> Result<()> {
     stage_csv(path, rows)?.commit()
 }
@@ -26,7 +26,7 @@ pub fn write_csv<T: Serialize>(path: &Path, rows: impl IntoIterator<Item = T>) -
 /// Writes rows as CSV with a header to a file that appears when it is committed.
 ///
 /// # Errors
-/// What the file system says.
+/// Returns the error of the file system.
 pub fn stage_csv<T: Serialize>(path: &Path, rows: impl IntoIterator<Item = T>) -> Result<Staged> {
     stage(path, |out| {
         let mut writer = csv::Writer::from_writer(out);

@@ -17,7 +17,8 @@ pub fn run_path(folder: &Path, rows: &mut dyn RunRows, day: &str, name: &str) ->
         Ok(())
     })?;
     let Some((latitude_deg, longitude_deg)) = position else {
-        let problem = "the run has no position, so it has no tile; expected GNSS positions, or --out";
+        let problem =
+            "the run has no position, so it has no tile; expected GNSS positions, or --out";
         return Err(Error::content(folder, problem));
     };
     Ok(folder

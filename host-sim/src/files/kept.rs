@@ -31,7 +31,7 @@ pub fn read(path: &Path, model: &Model) -> Result<Option<PersistentState>> {
 /// Writes the persistent state to a file that appears when it is committed.
 ///
 /// # Errors
-/// What the file system says.
+/// Returns the error of the file system.
 pub fn stage(path: &Path, state: &PersistentState) -> Result<Staged> {
     output::stage(path, |out| out.write_all(&state.to_bytes()))
 }

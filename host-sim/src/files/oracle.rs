@@ -162,7 +162,7 @@ impl OracleFile {
     /// Writes the file.
     ///
     /// # Errors
-    /// What the file system says.
+    /// Returns the error of the file system.
     pub fn write(&self, path: &Path) -> Result<()> {
         #[derive(Serialize)]
         struct NoiseTable {

@@ -38,7 +38,7 @@ impl Writing {
     /// Begins a file for `path`, in a temporary file beside it.
     ///
     /// # Errors
-    /// What the file system says.
+    /// Returns the error of the file system.
     pub fn begin(path: &Path) -> Result<Self> {
         let folder = match path.parent() {
             Some(parent) if !parent.as_os_str().is_empty() => parent,
@@ -59,7 +59,7 @@ impl Writing {
     /// Completes the file.
     ///
     /// # Errors
-    /// What the file system says.
+    /// Returns the error of the file system.
     pub fn finish(self) -> Result<Staged> {
         let Self { path, file } = self;
         let file = file
@@ -108,7 +108,7 @@ pub fn stage(
 /// Stages a text file; see [`stage`].
 ///
 /// # Errors
-/// What the file system says.
+/// Returns the error of the file system.
 pub fn stage_text(path: &Path, text: &str) -> Result<Staged> {
     stage(path, |out| out.write_all(text.as_bytes()))
 }

@@ -107,7 +107,7 @@ fn unit_of(name: &str) -> Option<&'static str> {
 /// file.
 ///
 /// # Errors
-/// What the file system says.
+/// Returns the error of the file system.
 pub fn stage(
     path: &Path,
     columns: Vec<ParquetColumn>,
@@ -130,7 +130,7 @@ impl TableWriter {
     /// the metadata of the file.
     ///
     /// # Errors
-    /// What the file system says.
+    /// Returns the error of the file system.
     pub fn begin(
         path: &Path,
         columns: &[ParquetColumn],
@@ -159,7 +159,7 @@ impl TableWriter {
     /// Appends rows.
     ///
     /// # Errors
-    /// What the file system says.
+    /// Returns the error of the file system.
     pub fn write(&mut self, columns: Vec<ParquetColumn>) -> Result<()> {
         let values = columns.into_iter().map(|column| column.values).collect();
         RecordBatch::try_new(self.schema.clone(), values)
@@ -171,7 +171,7 @@ impl TableWriter {
     /// Completes the file; it appears when it is committed.
     ///
     /// # Errors
-    /// What the file system says.
+    /// Returns the error of the file system.
     pub fn finish(self) -> Result<Staged> {
         let Self { path, writer, .. } = self;
         writer.into_inner().map_err(|e| failed(&path, e))?.finish()
@@ -298,7 +298,8 @@ impl Opened<'_> {
         mut take: impl FnMut([Option<f64>; N], [Option<&str>; M]) -> Result<()>,
     ) -> Result<()> {
         if let Some(name) = names.iter().find(|name| !self.has_column(name)) {
-            let problem = format!("no column {name}; expected the columns that docs/formats.md lists");
+            let problem =
+                format!("no column {name}; expected the columns that docs/formats.md lists");
             return Err(Error::content(self.path, problem));
         }
         let Self { path, builder } = self;

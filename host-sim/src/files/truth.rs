@@ -43,7 +43,7 @@ impl TruthRow {
 /// Writes the truth of a drive.
 ///
 /// # Errors
-/// What the file system says.
+/// Returns the error of the file system.
 pub fn write(path: &Path, rows: &[TruthRow]) -> Result<()> {
     write_csv(
         path,

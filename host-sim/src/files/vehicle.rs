@@ -110,7 +110,7 @@ impl VehicleFile {
     /// Writes the file.
     ///
     /// # Errors
-    /// What the file system says.
+    /// Returns the error of the file system.
     pub fn write(&self, path: &Path) -> Result<()> {
         let text = self.to_toml();
         write_whole(path, |out| out.write_all(text.as_bytes()))
@@ -195,7 +195,9 @@ impl VehicleDocument {
                 }),
             ) => Traction::Force,
             (Some(_), Some(_)) => {
-                return Err("both [powertrain] and [traction] are given; expected one of them".to_owned());
+                return Err(
+                    "both [powertrain] and [traction] are given; expected one of them".to_owned(),
+                );
             }
             (None, None) => {
                 return Err(

@@ -30,7 +30,7 @@ pub use io::map_file::{
     read as read_map, read_ways as read_map_ways, stage as stage_map, stage_ways as stage_map_ways,
     write as write_map,
 };
-pub use io::map_geojson::{stage as stage_map_geojson, segments as map_segments};
+pub use io::map_geojson::{segments as map_segments, stage as stage_map_geojson};
 pub use io::map_parquet::stage_placed;
 pub use io::network_file::{is_geojson, read as read_network, road_through};
 pub use io::road_file::read as read_road;

@@ -33,7 +33,7 @@ impl RunSummary {
     /// Of a run.
     ///
     /// # Errors
-    /// If its rows cannot be had.
+    /// Returns an error if its rows cannot be had.
     pub fn new(run: &mut LongRun) -> Result<Self> {
         let mut sums = Self {
             cells: run.rows.count(),
@@ -67,7 +67,7 @@ impl RunSummary {
         })
     }
 
-    /// Its table for a terminal.
+    /// Returns its table for a terminal.
     #[must_use]
     pub fn table(&self) -> Table {
         let mut rows = Vec::new();

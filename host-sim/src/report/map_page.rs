@@ -141,7 +141,7 @@ fn plan_section(ways: &[WayRows]) -> Section {
     }
 }
 
-/// The least of 1, 1.5, 2, 3, 5, 7 times a power of ten that is not below.
+/// Returns the least of 1, 1.5, 2, 3, 5, 7 times a power of ten that is not below.
 fn nice_above(value: f64) -> f64 {
     let value = value.max(1e-3);
     let power = 10_f64.powi(value.log10().floor() as i32);

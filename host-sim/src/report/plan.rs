@@ -114,7 +114,7 @@ fn extent(values: impl Iterator<Item = f64>) -> (f64, f64) {
     })
 }
 
-/// Points at least this far apart, each with the mean value up to the next.
+/// Returns points at least this far apart, each with the mean value up to the next.
 fn thinned(points: impl Iterator<Item = (f64, f64, f64)>, step: f64) -> Vec<(f64, f64, f64)> {
     let mut thinned_points: Vec<(f64, f64, f64)> = Vec::new();
     let (mut sum, mut count) = (0.0, 0.0);

@@ -350,7 +350,9 @@ impl<'a> Journey<'a> {
                 };
                 let limits_nm = (lowest_nm, self.truck.full_load_nm(self.engine_rpm));
                 let per_kg = self.truck.force_per_torque(gear) / self.truck.mass_kg;
-                let wish = self.cruise.request(self.speed_mps, per_kg, limits_nm, STEP_S);
+                let wish = self
+                    .cruise
+                    .request(self.speed_mps, per_kg, limits_nm, STEP_S);
                 self.situation.at_full_load = wish.at_full_load;
                 self.move_torque(wish.net_nm, TORQUE_RATE_PER_S.0);
                 // The engine torque of another speed may exceed the limit at this one.

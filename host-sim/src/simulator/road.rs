@@ -91,13 +91,13 @@ impl Road {
         Self { points }
     }
 
-    /// Length of the surface, m.
+    /// Returns length of the surface, m.
     #[must_use]
     pub fn length_m(&self) -> f64 {
         self.points.last().map_or(0.0, |last| last.node.distance_m)
     }
 
-    /// The nodes with their altitudes, m.
+    /// Returns the nodes with their altitudes, m.
     pub fn nodes(&self) -> impl Iterator<Item = (Node, f64)> {
         self.points
             .iter()

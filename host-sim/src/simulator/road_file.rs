@@ -78,7 +78,7 @@ fn check(row: &RoadFileRow, last_m: f64) -> std::result::Result<(), (String, Str
 /// Writes a road, one row per node.
 ///
 /// # Errors
-/// What the file system says.
+/// Returns the error of the file system.
 pub fn write(path: &Path, road: &Road) -> Result<()> {
     write_csv(
         path,

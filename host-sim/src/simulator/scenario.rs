@@ -255,9 +255,8 @@ fn run(
     let mut true_parameters = vehicle.model.vehicle.clone();
     true_parameters.wheel_radius_m *= document.planted.wheel_radius_factor as f32;
     let true_parameters = disturbed(true_parameters, &errors, rng)?;
-    let truck = Truck::new(&true_parameters).ok_or(
-        "vehicle: it has [traction]; expected a vehicle with a [powertrain]".to_owned(),
-    )?;
+    let truck = Truck::new(&true_parameters)
+        .ok_or("vehicle: it has [traction]; expected a vehicle with a [powertrain]".to_owned())?;
     Ok(ScenarioRun {
         name: table.name.clone(),
         vehicle,

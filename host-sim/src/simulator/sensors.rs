@@ -27,7 +27,7 @@ pub struct Sensors<'a> {
 }
 
 impl<'a> Sensors<'a> {
-    /// The sensors of run `index`.
+    /// Creates the sensors of run `index`.
     #[must_use]
     pub fn new(scenario: &Scenario, index: usize, drive: &'a SimulatedDrive) -> Self {
         Self {

@@ -151,13 +151,13 @@ impl Truck {
         })
     }
 
-    /// Number of the highest gear; gears count from 1, 0 is neutral.
+    /// Returns number of the highest gear; gears count from 1, 0 is neutral.
     #[must_use]
     pub fn top_gear(&self) -> usize {
         self.transmissions.len()
     }
 
-    /// Ratio of a gear; 0 in neutral.
+    /// Returns ratio of a gear; 0 in neutral.
     #[must_use]
     pub fn gear_ratio(&self, gear: usize) -> f64 {
         self.transmission(gear).map_or(0.0, |t| t.gear_ratio)

@@ -37,12 +37,12 @@ impl Lines {
         &self.file
     }
 
-    /// Number of the current line, from 1.
+    /// Returns number of the current line, from 1.
     pub(super) const fn number(&self) -> u64 {
         self.number
     }
 
-    /// The current line, without its end.
+    /// Returns the current line, without its end.
     pub(super) fn line(&self) -> &[u8] {
         &self.buffer[self.line.clone()]
     }

@@ -136,7 +136,7 @@ impl SignalTableReader {
         }))
     }
 
-    /// The file, for progress and messages.
+    /// Returns the file, for progress and messages.
     #[must_use]
     pub fn file(&self) -> &LogFile {
         file_of(&self.csv)
@@ -150,7 +150,7 @@ impl SignalTableReader {
         Ok(Instant::from_micros((seconds * 1e6).round() as u64))
     }
 
-    /// The value of a cell; `None` if it is empty.
+    /// Returns the value of a cell; `None` if it is empty.
     fn value(&self, index: usize, signal: Signal) -> Result<Option<Value>> {
         if self.record.get(index).is_none_or(<[u8]>::is_empty) {
             return Ok(None);

@@ -191,7 +191,8 @@ impl MovingVehicle {
         true
     }
 
-    /// What cruise control asks of the engine, or what the engine brakes with under the brakes.
+    /// Returns what cruise control asks of the engine, or what the engine brakes with under the
+    /// brakes.
     fn engine_force_n(&mut self) -> f64 {
         let rpm = self.truck.engine_rpm(self.gear, self.speed_mps);
         let lever = self.truck.force_per_torque(self.gear);

@@ -116,7 +116,7 @@ pub struct GradeErrorEffect {
     pub offset_percent: f64,
 }
 
-/// Sine of the slope of a grade in %.
+/// Returns sine of the slope of a grade in %.
 fn sine(grade_percent: f64) -> f64 {
     grade_percent / grade_percent.hypot(100.0)
 }
@@ -186,7 +186,7 @@ pub fn error_percent(
     Some(pointwise::at(&drive, &point, 0.0) - at.grade_percent)
 }
 
-/// The vehicle with one parameter wrong.
+/// Returns the vehicle with one parameter wrong.
 fn believed(vehicle: &VehicleParameters, parameter: Parameter) -> VehicleParameters {
     let factor = FACTOR as f32;
     let mut believed = vehicle.clone();
@@ -217,8 +217,8 @@ pub fn numeric(vehicle: &VehicleParameters, parameter: Parameter) -> Option<Grad
     })
 }
 
-/// The same by hand: the estimate of s with the parameter at k times its value, less s, and its
-/// derivative in s.
+/// Returns the same by hand: the estimate of s with the parameter at k times its value, less s, and
+/// its derivative in s.
 #[must_use]
 pub fn analytic(vehicle: &VehicleParameters, parameter: Parameter) -> GradeErrorEffect {
     let k = FACTOR;

@@ -108,7 +108,9 @@ fn second_drives(truck: &str, load: f64) -> [[Score; 3]; 2] {
             let mass = load * factors.mass;
             let first = driven(3_000 + number, truck, 20_000.0, factors);
             let second = driven(4_000 + number, truck, 6_500.0, Factors { mass, ..factors });
-            let kept = estimated(&first, None).persistent_state.expect("20 km are enough");
+            let kept = estimated(&first, None)
+                .persistent_state
+                .expect("20 km are enough");
             let kept = PersistentState::from_bytes(&kept.to_bytes()).expect("undamaged");
             [None, Some(&kept)].map(|kept| first_km(&second, &estimated(&second, kept).rows))
         })

@@ -14,7 +14,7 @@ use host_sim::source::can_frame::{CanFrame, TimedFrame};
 use host_sim::source::candump::CandumpReader;
 use host_sim::source::log_time::{self, LogTime};
 use host_sim::source::socketcan::{
-    BusEvent, Received, SteadyClock, ReceivedItem, accepts, of_error_frame, of_group, wanted,
+    BusEvent, Received, ReceivedItem, SteadyClock, accepts, of_error_frame, of_group, wanted,
 };
 use proptest::prelude::*;
 use socketcan::CanErrorFrame;
@@ -353,7 +353,9 @@ fn what_is_no_frame_is_counted_and_told() {
         time: Instant::ZERO,
         item,
     };
-    let bus_off = session.take(&other(ReceivedItem::Event(BusEvent::BusOff))).unwrap();
+    let bus_off = session
+        .take(&other(ReceivedItem::Event(BusEvent::BusOff)))
+        .unwrap();
     assert_eq!(bus_off, Reaction::Report(BusEvent::BusOff));
     assert_eq!(
         session.take(&other(ReceivedItem::Dropped(12))).unwrap(),

@@ -195,7 +195,10 @@ fn the_engine_works_against_what_is_planted() {
         let reported = 100.0 * (reported_force_n(&run) - clean) / WEIGHT_N;
         assert!(mean > 0.04, "{text}: {mean}");
         // Torque has steps of 1/8 %, 0.003 % grade; at the end the speed is not quite the same.
-        assert!((reported - mean).abs() < 0.006, "{text}: {reported}, not {mean}");
+        assert!(
+            (reported - mean).abs() < 0.006,
+            "{text}: {reported}, not {mean}"
+        );
         // The driver holds the speed all the same.
         let last = recording.drive().states.last().unwrap().speed_mps;
         assert!((3.6 * last - 80.0).abs() < 2.0, "{text}: {last}");

@@ -258,7 +258,7 @@ fn any_frame(
     }
 }
 
-/// A truck of two gears. Its fingerprint is in the corpus of `kept`.
+/// Returns a truck of two gears. Its fingerprint is in the corpus of `kept`.
 #[must_use]
 pub fn truck() -> VehicleParameters {
     VehicleParameters {

@@ -92,7 +92,10 @@ pub fn drive(
             put(Signal::Longitude, e7(15.0));
             put(Signal::Altitude, real(altitude_m));
         }
-        put(Signal::WheelSpeed, real(speed_mps / planted.true_over_reported));
+        put(
+            Signal::WheelSpeed,
+            real(speed_mps / planted.true_over_reported),
+        );
         while estimator.step().is_some() {
             estimates.push(estimator.live().unwrap().estimate);
             while estimator.next_cell().is_some() {}

@@ -82,7 +82,10 @@ fn clean_logs_hold_nothing() {
         assert!(unmodelled_rms_percent(&scenario).unwrap() < 1e-9);
         // Gusts of 0.3 m/s, the rounding of friction (SPN 514) and noise remain.
         let reported = reported_rms_percent(&logs);
-        assert!(reported < if truck == "A" { 0.035 } else { 0.09 }, "{reported}");
+        assert!(
+            reported < if truck == "A" { 0.035 } else { 0.09 },
+            "{reported}"
+        );
     }
 }
 

@@ -12,7 +12,7 @@ use std::path::Path;
 /// Writes a run: as Parquet if the name ends in .parquet, else as CSV.
 ///
 /// # Errors
-/// What the file system says.
+/// Returns the error of the file system.
 pub fn write(path: &Path, rows: &[RunRow]) -> Result<()> {
     write_from(path, rows, &Origin::default())
 }
@@ -20,7 +20,7 @@ pub fn write(path: &Path, rows: &[RunRow]) -> Result<()> {
 /// Writes a run as [`write()`] does, with its origin (Parquet only).
 ///
 /// # Errors
-/// What the file system says.
+/// Returns the error of the file system.
 pub fn write_from(path: &Path, mut rows: &[RunRow], origin: &Origin) -> Result<()> {
     write_rows(path, &mut rows, origin)
 }

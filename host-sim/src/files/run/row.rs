@@ -44,19 +44,19 @@ pub struct RunRow {
 }
 
 impl RunRow {
-    /// Smoothed grade and its standard deviation, %.
+    /// Returns smoothed grade and its standard deviation, %.
     #[must_use]
     pub const fn smoothed(&self) -> (f64, f64) {
         (self.grade_percent, self.grade_sigma_percent)
     }
 
-    /// Lagged grade and its standard deviation, %.
+    /// Returns lagged grade and its standard deviation, %.
     #[must_use]
     pub const fn lagged(&self) -> (f64, f64) {
         (self.lagged_grade_percent, self.lagged_grade_sigma_percent)
     }
 
-    /// Live grade and its standard deviation, %.
+    /// Returns live grade and its standard deviation, %.
     #[must_use]
     pub const fn live(&self) -> (f64, f64) {
         (self.live_grade_percent, self.live_grade_sigma_percent)

@@ -40,13 +40,13 @@ impl Network {
         }
     }
 
-    /// Its ways, in the order of their names.
+    /// Returns its ways, in the order of their names.
     #[must_use]
     pub fn ways(&self) -> &[Way] {
         self.ways.ways()
     }
 
-    /// Number of cells on all its ways.
+    /// Returns number of cells on all its ways.
     #[must_use]
     pub const fn cells(&self) -> usize {
         self.ways.cells()

@@ -83,12 +83,12 @@ impl RoadLine {
         Ok(road)
     }
 
-    /// Where the road begins, m.
+    /// Returns where the road begins, m.
     pub fn start_m(&self) -> f64 {
         self.points[0].distance_m
     }
 
-    /// Where the road ends, m.
+    /// Returns where the road ends, m.
     pub fn end_m(&self) -> f64 {
         self.points[self.points.len() - 1].distance_m
     }

@@ -12,7 +12,7 @@ use std::path::Path;
 /// Writes a map.
 ///
 /// # Errors
-/// What the file system says.
+/// Returns the error of the file system.
 pub fn write(path: &Path, rows: &[MapRow]) -> Result<()> {
     stage(path, rows)?.commit()
 }
@@ -21,7 +21,7 @@ pub fn write(path: &Path, rows: &[MapRow]) -> Result<()> {
 /// single road has no such columns.
 ///
 /// # Errors
-/// What the file system says.
+/// Returns the error of the file system.
 pub fn stage_ways(path: &Path, ways: &[WayRows]) -> Result<Staged> {
     if is_parquet(path) {
         return map_parquet::stage(path, ways);
@@ -45,7 +45,7 @@ pub fn stage_ways(path: &Path, ways: &[WayRows]) -> Result<Staged> {
 /// else CSV.
 ///
 /// # Errors
-/// What the file system says.
+/// Returns the error of the file system.
 pub fn stage(path: &Path, rows: &[MapRow]) -> Result<Staged> {
     if is_parquet(path) {
         let way = WayRows {

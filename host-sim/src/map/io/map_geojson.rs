@@ -17,7 +17,7 @@ use std::path::Path;
 /// and the mean grade between their ends.
 ///
 /// # Errors
-/// What the file system says.
+/// Returns the error of the file system.
 pub fn stage(path: &Path, ways: &[WayRows], piece_m: Option<f64>) -> Result<Staged> {
     stage_file(path, |out| {
         let mut writer = FeatureWriter::from_writer(out);

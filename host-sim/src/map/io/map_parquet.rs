@@ -19,7 +19,7 @@ const PLACED_SCHEMA: &str = "placed 1";
 /// Writes a map to a file that appears when it is committed.
 ///
 /// # Errors
-/// What the file system says.
+/// Returns the error of the file system.
 pub fn stage(path: &Path, ways: &[WayRows]) -> Result<Staged> {
     let rows = || ways.iter().flat_map(|way| &way.rows);
     let numbers = |name, value: fn(&MapRow) -> f64| ParquetColumn::numbers(name, rows().map(value));
@@ -128,7 +128,7 @@ fn read_ways<T, const N: usize>(
 /// their variances.
 ///
 /// # Errors
-/// What the file system says.
+/// Returns the error of the file system.
 pub fn stage_placed(path: &Path, session: Option<&str>, cells: &[PlacedCell]) -> Result<Staged> {
     let altitude = |of: fn((f64, f64)) -> f64| cells.iter().map(move |cell| cell.altitude.map(of));
     let columns = vec![

@@ -98,7 +98,7 @@ fn is_same_line(given: &[RoadPoint], stored: &[RoadPoint]) -> bool {
 /// one point per cell; see [`RoadLine::on_grid`](crate::map::RoadLine::on_grid).
 ///
 /// # Errors
-/// What the file system says.
+/// Returns the error of the file system.
 pub fn stage(path: &Path, map: &GradeMap, runs: &RunList) -> Result<Staged> {
     let ways = map.network().ways();
     let grids: Vec<Vec<RoadPoint>> = ways.iter().map(|way| way.line.on_grid()).collect();

@@ -145,7 +145,10 @@ impl StoreRow {
         if self.way.is_some() != self.direction.is_some()
             || before.is_some_and(|before| before.way.is_some() != self.way.is_some())
         {
-            return wrong("incomplete name of a way", "both way and direction, or neither");
+            return wrong(
+                "incomplete name of a way",
+                "both way and direction, or neither",
+            );
         }
         let next_way = before.is_some_and(|before| {
             before.session == self.session && before.way_name() < self.way_name()

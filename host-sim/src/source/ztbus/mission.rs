@@ -42,7 +42,7 @@ impl MissionRow {
         KERB_MASS_KG + PASSENGER_MASS_KG * self.passengers.unwrap_or(0.0)
     }
 
-    /// Latitude and longitude, if there is a fix.
+    /// Returns latitude and longitude, if there is a fix.
     #[must_use]
     pub fn position_deg(&self) -> Option<(f64, f64)> {
         self.latitude_deg.zip(self.longitude_deg)
@@ -59,7 +59,7 @@ pub struct Mission {
 }
 
 impl Mission {
-    /// Its rows, in time order.
+    /// Returns its rows, in time order.
     #[must_use]
     pub fn rows(&self) -> &[MissionRow] {
         &self.rows

@@ -105,7 +105,7 @@ fn distance_between_m(from: &MissionRow, to: &MissionRow) -> f64 {
     mean_mps * (to.time_s - from.time_s)
 }
 
-/// The paper names its files after bus and time: `B183_2019-10-16_…`.
+/// Returns the paper names its files after bus and time: `B183_2019-10-16_…`.
 fn bus_of(path: &Path) -> Option<String> {
     let (bus, _) = path.file_stem()?.to_str()?.split_once('_')?;
     let number = bus.strip_prefix('B')?;

@@ -172,7 +172,7 @@ impl<'a> MissionTrack<'a> {
         self.mission.odometer_m[row]
     }
 
-    /// The first row that has driven this far.
+    /// Returns the first row that has driven this far.
     fn row_at(&self, driven_m: f64) -> usize {
         let row = self.mission.odometer_m.partition_point(|&m| m < driven_m);
         row.min(self.mission.rows.len() - 1)
@@ -194,7 +194,7 @@ impl<'a> MissionTrack<'a> {
         turns(&places)
     }
 
-    /// Where each trip starts and ends.
+    /// Returns where each trip starts and ends.
     fn trips(&self) -> Vec<(Halt, Halt)> {
         let turns = self.turns();
         let mut termini = Termini::default();
@@ -221,7 +221,7 @@ impl<'a> MissionTrack<'a> {
         trips
     }
 
-    /// The halts of trips on one road, within `bounds`.
+    /// Returns the halts of trips on one road, within `bounds`.
     fn halts(&self, turns: &[Turn], termini: &mut Termini, bounds: Range<usize>) -> Vec<Halt> {
         let mut near = |from_m: f64, driven_m: f64, to_m: f64| {
             let rows = self.row_at(from_m - WAITING_M)..self.row_at(to_m + WAITING_M) + 1;
@@ -252,7 +252,7 @@ impl<'a> MissionTrack<'a> {
         halts
     }
 
-    /// The longest wait in `rows`, else the row `otherwise`.
+    /// Returns the longest wait in `rows`, else the row `otherwise`.
     fn halt(&self, termini: &mut Termini, rows: Range<usize>, otherwise: usize) -> Halt {
         let rows = self
             .longest_wait(rows, |_| true)
@@ -268,7 +268,7 @@ impl<'a> MissionTrack<'a> {
         }
     }
 
-    /// The longest run of rows at standstill where `counts` holds.
+    /// Returns the longest run of rows at standstill where `counts` holds.
     fn longest_wait(
         &self,
         rows: Range<usize>,
@@ -287,8 +287,8 @@ impl<'a> MissionTrack<'a> {
         longest
     }
 
-    /// The last halt at a known terminus before another halt, not before row `start`; `None` if
-    /// the bus was not there.
+    /// Returns the last halt at a known terminus before another halt, not before row `start`;
+    /// `None` if the bus was not there.
     fn halt_before(
         &self,
         halt: &Halt,
@@ -304,8 +304,8 @@ impl<'a> MissionTrack<'a> {
         self.halt_on_visit(first..last + 1, place, terminus)
     }
 
-    /// The first halt at a known terminus after another halt, before row `end`; `None` if the
-    /// bus was not there.
+    /// Returns the first halt at a known terminus after another halt, before row `end`; `None` if
+    /// the bus was not there.
     fn halt_after(
         &self,
         halt: &Halt,
@@ -315,11 +315,13 @@ impl<'a> MissionTrack<'a> {
     ) -> Option<Halt> {
         let place = termini.place(terminus);
         let first = (halt.rows.end..end).find(|&row| self.offset_m(row, place) < VISIT_M)?;
-        let last = self.row_at(self.driven_m(first) + TURNING_LOOP_M).min(end - 1);
+        let last = self
+            .row_at(self.driven_m(first) + TURNING_LOOP_M)
+            .min(end - 1);
         self.halt_on_visit(first..last + 1, place, terminus)
     }
 
-    /// The longest wait at a terminus, else when the bus was nearest to it.
+    /// Returns the longest wait at a terminus, else when the bus was nearest to it.
     fn halt_on_visit(
         &self,
         visit: Range<usize>,
@@ -335,12 +337,12 @@ impl<'a> MissionTrack<'a> {
         Some(Halt { rows, terminus })
     }
 
-    /// How far from a place the bus is; infinite without a fix.
+    /// Returns how far from a place the bus is; infinite without a fix.
     fn offset_m(&self, row: usize, place: (f64, f64)) -> f64 {
         self.plane_m[row].map_or(f64::INFINITY, |here| distance_m(here, place))
     }
 
-    /// The drive from the first fix on, as one trip.
+    /// Returns the drive from the first fix on, as one trip.
     fn whole(&self) -> (Halt, Halt) {
         let halt = |row: usize, terminus| Halt {
             rows: row..row + 1,
@@ -378,7 +380,7 @@ impl<'a> MissionTrack<'a> {
 struct Termini(Vec<(f64, f64)>);
 
 impl Termini {
-    /// The number of the terminus at this place, a new one if none is near.
+    /// Returns the number of the terminus at this place, a new one if none is near.
     fn index(&mut self, place: (f64, f64)) -> usize {
         let known = self
             .0

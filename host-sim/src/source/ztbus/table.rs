@@ -31,7 +31,7 @@ impl Mission {
     /// Writes the whole mission as a signal table.
     ///
     /// # Errors
-    /// What the file system says.
+    /// Returns the error of the file system.
     pub fn write(&self, path: &Path) -> Result<()> {
         write(path, &self.rows)
     }
@@ -39,7 +39,7 @@ impl Mission {
     /// Writes the rows of a pass as a signal table whose time starts at 0.
     ///
     /// # Errors
-    /// What the file system says.
+    /// Returns the error of the file system.
     pub fn write_pass(&self, path: &Path, pass: &Pass) -> Result<()> {
         write(path, &self.rows[pass.rows.clone()])
     }

@@ -139,7 +139,7 @@ fn pairs(headed: &[Headed]) -> Vec<ReturnPair> {
         .collect()
 }
 
-/// The turn on which most pairs agree; `pairs` are in the order of their half-way points.
+/// Returns the turn on which most pairs agree; `pairs` are in the order of their half-way points.
 fn strongest(pairs: &[ReturnPair]) -> Option<Turn> {
     let mut first = 0;
     let mut most = 0..0;

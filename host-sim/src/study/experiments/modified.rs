@@ -66,8 +66,8 @@ fn words() -> Vec<String> {
     ]
 }
 
-/// One of tables 5-8: a method of the thesis as replicated and as printed, and ours on the same
-/// runs.
+/// Returns one of tables 5-8: a method of the thesis as replicated and as printed, and ours on the
+/// same runs.
 fn table(
     number: usize,
     method: ThesisMethod,
