@@ -70,7 +70,7 @@ pub fn run<S: Scalar>(meter: &mut InstructionMeter) -> Result<Budget, BudgetErro
 }
 
 impl Budget {
-    /// What a program that uses the estimator sees.
+    /// Returns what a program that uses the estimator sees.
     fn through_estimator<S: Scalar>(
         &mut self,
         meter: &mut InstructionMeter,
@@ -126,7 +126,7 @@ impl Budget {
         }
     }
 
-    /// The same drive, with the filter and the smoother called one after the other.
+    /// Returns the same drive, with the filter and the smoother called one after the other.
     fn through_parts<S: Scalar>(
         &mut self,
         meter: &mut InstructionMeter,

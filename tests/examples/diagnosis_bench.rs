@@ -49,7 +49,7 @@ fn run(args: &Args) -> Result<()> {
     table(&cases, done).map(drop)
 }
 
-/// A case and all that was found.
+/// Returns a case and all that was found.
 fn line(outcome: &CaseOutcome) -> String {
     let case = &outcome.case;
     let found = outcome.diagnosis.findings.iter().map(|finding| {

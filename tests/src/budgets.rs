@@ -101,7 +101,7 @@ pub struct Budgets {
     columns: Vec<(String, BudgetColumn)>,
 }
 
-/// The committed table.
+/// Returns the committed table.
 #[must_use]
 pub fn committed_file() -> PathBuf {
     root().join("firmware/budgets.csv")
@@ -133,7 +133,7 @@ pub fn measure() -> Result<Budgets> {
     Ok(budgets)
 }
 
-/// What the board counts, by scalar.
+/// Returns what the board counts, by scalar.
 fn counted(
     board: &BoardTarget,
     images: &Path,
@@ -171,7 +171,7 @@ fn counted(
     Ok(columns)
 }
 
-/// What the linked images tell.
+/// Returns what the linked images tell.
 fn read_off(images: &Path, scalar: &str) -> Result<BudgetColumn> {
     let nothing = Image::read(&images.join("alone_nothing"))?;
     let alone = images.join(format!("alone_{scalar}"));
@@ -266,7 +266,7 @@ impl Budgets {
         std::iter::once(first.to_owned()).chain(figures).collect()
     }
 
-    /// What is worse here than `committed` allows, or is not in both, one line each.
+    /// Returns what is worse here than `committed` allows, or is not in both, one line each.
     #[must_use]
     pub fn excesses(&self, committed: &Self) -> Vec<String> {
         let mut excesses = Vec::new();

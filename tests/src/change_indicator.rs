@@ -60,7 +60,7 @@ pub struct Indicated {
     pub absent: Vec<String>,
 }
 
-/// The folder of the committed files.
+/// Returns the folder of the committed files.
 #[must_use]
 pub fn committed_folder() -> PathBuf {
     root().join("tests/change_indicator")
@@ -79,14 +79,14 @@ pub fn indicate() -> Result<Indicated> {
     Ok(all)
 }
 
-/// The committed text of an input, if there is any.
+/// Returns the committed text of an input, if there is any.
 #[must_use]
 pub fn committed(input: &str) -> Option<String> {
     fs::read_to_string(file_of(input)).ok()
 }
 
-/// The lines in which an input's text differs from the committed one, as a unified diff; empty if
-/// there is none.
+/// Returns the lines in which an input's text differs from the committed one, as a unified diff;
+/// empty if there is none.
 #[must_use]
 pub fn changes(indication: &Indication) -> String {
     let before = committed(&indication.input).unwrap_or_default();
@@ -104,7 +104,7 @@ pub fn changes(indication: &Indication) -> String {
 /// Accepts what the inputs give.
 ///
 /// # Errors
-/// What the file system says.
+/// Returns the error of the file system.
 pub fn write(indicated: &Indicated) -> Result<()> {
     for indication in &indicated.indications {
         write_whole(&file_of(&indication.input), |file| {
@@ -210,7 +210,7 @@ fn small<S: Scalar>(model: &Model, frames: &[TimedFrame]) -> String {
 /// Counters, what is left for the next drive, digest and rows of a run.
 fn text_of(run: &SmoothedRun) -> String {
     let kept = run
-        .kept
+        .persistent_state
         .as_ref()
         .map_or("none".to_owned(), |kept: &PersistentState| {
             kept.to_bytes()
@@ -245,7 +245,7 @@ fn map_of(runs: &[Vec<RunRow>]) -> Result<String> {
     Ok(rows_of(&map.fused().rows()))
 }
 
-/// A line for each counter that is not 0.
+/// Returns a line for each counter that is not 0.
 fn counted(counters: &Counters) -> String {
     let names_and_numbers = format!("{counters:#?}");
     let lines = names_and_numbers.lines().filter_map(|line| {
@@ -259,7 +259,7 @@ fn counted(counters: &Counters) -> String {
     lines.collect()
 }
 
-/// Number and digest of all rows, and one a kilometre, with all digits.
+/// Returns number and digest of all rows, and one a kilometre, with all digits.
 fn rows_of<T: Serialize>(rows: &[T]) -> String {
     let mut all = csv::Writer::from_writer(Vec::new());
     let mut shown = csv::Writer::from_writer(Vec::new());

@@ -126,7 +126,7 @@ pub fn cases(effects: &[String], sizes: &[f64], seeds: u64) -> Result<Vec<Diagno
 }
 
 impl DiagnosisCase {
-    /// The effects planted, each with its size.
+    /// Returns the effects planted, each with its size.
     fn planted(&self, size_percent: f64) -> Vec<(&str, f64)> {
         let of_pair = |effect| match effect {
             "wheel_radius" if self.effect.contains('+') => RADIUS_SIZE * size_percent,
@@ -206,7 +206,7 @@ fn catalogue_name(effect: &str) -> &str {
     }
 }
 
-/// How the diagnosis words what an effect outside the catalogue depends on.
+/// Returns how the diagnosis words what an effect outside the catalogue depends on.
 fn dependence(effect: &str) -> Option<&'static str> {
     match effect {
         "torque_hysteresis" => Some("torque (rising or falling)"),
@@ -217,7 +217,7 @@ fn dependence(effect: &str) -> Option<&'static str> {
 }
 
 impl CaseOutcome {
-    /// How it stands to what was planted; to the worse found of two.
+    /// Returns how it stands to what was planted; to the worse found of two.
     #[must_use]
     pub fn verdict(&self) -> Verdict {
         let planted = self.case.planted(0.0).into_iter();
@@ -244,7 +244,7 @@ impl CaseOutcome {
         }
     }
 
-    /// What it says beyond what is planted: adopted effects by name, and in brackets what a
+    /// Returns what it says beyond what is planted: adopted effects by name, and in brackets what a
     /// dependence is on.
     fn besides(&self) -> impl Iterator<Item = String> {
         let planted = || self.case.planted(0.0).into_iter().map(|(effect, _)| effect);
@@ -298,7 +298,7 @@ fn rows(outcomes: &[CaseOutcome]) -> Vec<(RowKey<'_>, Vec<&CaseOutcome>)> {
     rows
 }
 
-/// The confusion table, what is right over all, in words, and what the filter makes of it.
+/// Returns the confusion table, what is right over all, in words, and what the filter makes of it.
 #[must_use]
 pub fn confusion(outcomes: &[CaseOutcome]) -> String {
     let found: Vec<Vec<String>> = rows(outcomes)
@@ -335,7 +335,7 @@ pub fn confusion(outcomes: &[CaseOutcome]) -> String {
     )
 }
 
-/// What the filter makes of each effect and size.
+/// Returns what the filter makes of each effect and size.
 fn filtered(outcomes: &[CaseOutcome]) -> String {
     let rows: Vec<Vec<String>> = rows(outcomes)
         .iter()

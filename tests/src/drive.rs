@@ -31,13 +31,13 @@ const ETC2: u32 = 61_445;
 const CCVS1: u32 = 65_265;
 const GNSS_POSITION: u32 = 129_029;
 
-/// A loaded truck in its highest gears.
+/// Returns a loaded truck in its highest gears.
 #[must_use]
 pub fn truck() -> Model {
     truck_with(3_500.0, &[1.26, GEAR.ratio]).into()
 }
 
-/// The truck with something of every effect that there is.
+/// Returns the truck with something of every effect that there is.
 ///
 /// # Panics
 /// When the catalogue has an effect that cannot be adopted.
@@ -55,7 +55,7 @@ pub fn truck_with_every_effect() -> Model {
     model
 }
 
-/// The drive of [`truck`] over rolling hills.
+/// Returns the drive of [`truck`] over rolling hills.
 ///
 /// Its bus carries a shift, braking, a fix with too few satellites, a broken fast packet, a gap
 /// without speed, frames of no interest and one that comes too late.
@@ -187,7 +187,7 @@ impl BusLog {
         });
     }
 
-    /// A single frame.
+    /// Returns a single frame.
     fn send(&mut self, pgn: u32, value_of: impl FnMut(Signal) -> Value) {
         let mut payload = [0; 8];
         let length = encode(pgn, &mut payload, value_of).expect("a message of one frame");

@@ -33,7 +33,7 @@ pub struct EmulatorRun {
     pub cells: Option<Vec<u8>>,
 }
 
-/// What this machine lacks to build and run the image; `None` if nothing.
+/// Returns what this machine lacks to build and run the image; `None` if nothing.
 #[must_use]
 pub fn missing() -> Option<String> {
     let runs = |program: &str| process::Command::new(program).arg("--version").output();
@@ -51,7 +51,7 @@ pub fn missing() -> Option<String> {
     }
 }
 
-/// The file that hands a drive to the board.
+/// Returns the file that hands a drive to the board.
 #[must_use]
 pub fn drive_file(model: &Model, frames: &[TimedFrame]) -> Vec<u8> {
     let mut bytes = vehicle::encode(model).to_vec();
@@ -103,7 +103,7 @@ fn logged(bytes: &[u8]) -> Vec<String> {
     lines
 }
 
-/// The cells of this machine for the same drive, in single precision as well.
+/// Returns the cells of this machine for the same drive, in single precision as well.
 ///
 /// # Panics
 /// For a vehicle that cannot be.

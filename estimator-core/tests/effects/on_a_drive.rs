@@ -78,7 +78,7 @@ fn resisting() -> Vec<(AdoptedEffect, ReportedForce)> {
         ),
         (adopted("brake_drag", 800.0, &[]), |m| m.force_n + 800.0),
         (adopted("road_surface", 0.003, &stretch), |m| {
-            let inside = (m.way_m - 4_000.0).abs() < 2_000.0;
+            let inside = (m.driven_m - 4_000.0).abs() < 2_000.0;
             m.force_n + if inside { 0.003 * WEIGHT_N } else { 0.0 }
         }),
         (adopted("torque_scale", -0.1, &[]), |m| m.force_n / 0.9),
@@ -90,8 +90,11 @@ fn an_effect_that_is_known_is_as_none() {
     let vehicle = by_force();
     let base = Model::from(vehicle.clone());
     let plain = drive(&base, &vehicle, PLAIN, SECONDS);
-    for (adopted, told_n) in resisting() {
-        let planted = PlantedDifference { told_n, ..PLAIN };
+    for (adopted, reported_n) in resisting() {
+        let planted = PlantedDifference {
+            reported_n,
+            ..PLAIN
+        };
         let knows = with(vehicle.clone(), &[adopted]);
         let known = difference(&plain, &drive(&knows, &vehicle, planted, SECONDS));
         let missing = difference(&plain, &drive(&base, &vehicle, planted, SECONDS));
@@ -126,7 +129,7 @@ fn a_scale_that_is_known_is_as_none() {
         ..truth.clone()
     };
     let slow = PlantedDifference {
-        true_over_told: 1.05,
+        true_over_reported: 1.05,
         ..PLAIN
     };
     for (assumed, planted, adopted) in [
@@ -164,7 +167,7 @@ fn masses_reported_on_the_bus_are_scaled_too() {
 fn sigmas(adopted: AdoptedEffect) -> [f32; 3] {
     let vehicle = by_force();
     let planted = PlantedDifference {
-        told_n: |m| m.force_n,
+        reported_n: |m| m.force_n,
         ..PLAIN
     };
     let estimates = drive(&with(vehicle.clone(), &[adopted]), &vehicle, planted, 120.0);

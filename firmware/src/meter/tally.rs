@@ -23,13 +23,13 @@ impl CountTally {
         self.worst = self.worst.max(other.worst);
     }
 
-    /// How often.
+    /// Returns how often.
     #[must_use]
     pub const fn calls(&self) -> u32 {
         self.calls
     }
 
-    /// The mean, rounded; zero of none.
+    /// Returns the mean, rounded; zero of none.
     #[must_use]
     pub const fn mean(&self) -> u32 {
         let calls = self.calls as u64;
@@ -39,7 +39,7 @@ impl CountTally {
         }
     }
 
-    /// The largest.
+    /// Returns the largest.
     #[must_use]
     pub const fn worst(&self) -> u32 {
         self.worst

@@ -84,7 +84,7 @@ impl InboxReceiver {
         self.queue.dequeue()
     }
 
-    /// How many found the queue full.
+    /// Returns how many found the queue full.
     pub fn lost(&self) -> u32 {
         self.sender.lost.load(Ordering::Relaxed)
     }

@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 /// Arguments of `demo`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Where logs, runs, map, scores and the page go.
+    /// Folder for the logs, runs, map, scores and the page.
     #[arg(long, value_name = "DIR", default_value = "roadgrade-demo")]
     out: PathBuf,
     /// Values for the estimator's parameters; docs/tuning.md lists them.
@@ -26,12 +26,12 @@ pub struct Args {
     tuning: Option<PathBuf>,
 }
 
-/// Runs it.
+/// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     let tuning = tuning::read_or_default(args.tuning.as_deref())?;
     let scenario = Scenario::builtin();
     let out = &args.out;
-    eprintln!("1  simulate trucks whose parameters are not those of their files");
+    eprintln!("1  simulate trucks; their true parameters differ from their files");
     write_runs(&scenario, out)?;
     eprintln!("2  estimate each drive from its bus log");
     let drives = (0..scenario.runs.len())
@@ -39,7 +39,7 @@ pub fn run(args: &Args) -> Result<()> {
         .collect::<Result<Vec<_>>>()?;
     eprintln!("3  fuse the runs into a map");
     let (map, map_score) = fuse(&drives, out)?;
-    eprintln!("4  score against the truth, draw the page");
+    eprintln!("4  score against the truth and write the page");
     let mut scores: Vec<ScoreRow> = drives.iter().flat_map(|d| d.scores.clone()).collect();
     let mut overall = score::mean(&scores);
     overall.push(map_score);
@@ -85,7 +85,7 @@ fn fuse(drives: &[DemoDrive], folder: &Path) -> Result<(Vec<MapRow>, ScoreRow)> 
     let road = Network::from(road);
     let mut fused = GradeMap::new(&road);
     for drive in drives {
-        // The errors of every drive's parameters are its own: no two are of one session.
+        // Each drive has its own parameter errors, so no two drives share a session.
         fused.add_run(&SessionRun {
             session: None,
             rows: &drive.rows,

@@ -17,16 +17,16 @@ pub struct Args {
 
 #[derive(Debug, Subcommand)]
 enum ImportSource {
-    /// A ZTBus mission: writes mission.csv, vehicle.toml and one signal table for each one-way
-    /// trip.
+    /// Import a ZTBus mission. Writes mission.csv, vehicle.toml and one signal table for each
+    /// one-way trip.
     Ztbus(ZtbusArgs),
 }
 
 #[derive(Debug, clap::Args)]
 struct ZtbusArgs {
-    /// The mission's CSV file.
+    /// CSV file of the mission.
     file: PathBuf,
-    /// Folder to write to.
+    /// Output folder.
     #[arg(long)]
     out: PathBuf,
     /// Print the passes as JSON.
@@ -34,7 +34,7 @@ struct ZtbusArgs {
     json: bool,
 }
 
-/// Runs it.
+/// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     match &args.source {
         ImportSource::Ztbus(args) => ztbus(args),
@@ -63,7 +63,7 @@ struct PassSummary {
 }
 
 fn ztbus(args: &ZtbusArgs) -> Result<()> {
-    // Read and cut as a whole before the first file is written.
+    // The whole mission is read and split before the first file is written.
     let mission = Mission::read(&args.file)?;
     let passes = mission.passes();
     let summary = summary(&mission, &passes, &args.out);

@@ -35,7 +35,7 @@ pub struct MeasuredPoint {
 }
 
 impl MeasuredPoint {
-    /// Whether the vehicle model holds here.
+    /// Returns whether the vehicle model holds here.
     #[must_use]
     pub const fn is_valid(&self) -> bool {
         !(self.shifting || self.braking)
@@ -126,13 +126,13 @@ impl MeasuredDrive {
     }
 }
 
-/// The samples of a run cut where cells are missing: each part is a drive of its own, as the thesis
-/// knows no gaps.
+/// Returns the samples of a run cut where cells are missing: each part is a drive of its own, as
+/// the thesis knows no gaps.
 pub fn without_gaps(samples: &[Sample]) -> impl Iterator<Item = &[Sample]> {
     samples.chunk_by(|_, next| next.gap_cells == 0)
 }
 
-/// The mean over `length_m` about each value of a series with one value each [`STEP_M`].
+/// Returns the mean over `length_m` about each value of a series with one value each [`STEP_M`].
 #[must_use]
 pub fn moving_mean(values: &[f64], length_m: f64) -> Vec<f64> {
     let half = (0.5 * length_m / STEP_M).round() as usize;

@@ -26,7 +26,7 @@ impl ComparisonMethod {
         }
     }
 
-    /// The smoothed grade of a drive.
+    /// Returns the smoothed grade of a drive.
     #[must_use]
     pub fn estimate(self, drive: &MeasuredDrive) -> Profile {
         match self {

@@ -55,13 +55,13 @@ struct FilterStep {
     transition: Matrix3<f64>,
 }
 
-/// The smoothed grade of a drive.
+/// Returns the smoothed grade of a drive.
 #[must_use]
 pub fn estimate(drive: &MeasuredDrive, noise: &NoiseSigmas) -> Profile {
     smooth(&filter(drive, noise))
 }
 
-/// The grade as known at each point from what came before it.
+/// Returns the grade as known at each point from what came before it.
 #[must_use]
 pub fn filtered(drive: &MeasuredDrive, noise: &NoiseSigmas) -> Profile {
     let steps = filter(drive, noise);
@@ -105,7 +105,7 @@ fn filter(drive: &MeasuredDrive, noise: &NoiseSigmas) -> Vec<FilterStep> {
     steps
 }
 
-/// One step of eq. 9 in v, its Jacobian beside it.
+/// Returns one step of eq. 9 in v, its Jacobian beside it.
 fn predict(
     drive: &MeasuredDrive,
     point: &MeasuredPoint,

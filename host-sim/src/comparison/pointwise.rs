@@ -33,7 +33,8 @@ pub fn at(drive: &MeasuredDrive, point: &MeasuredPoint, acceleration: f64) -> f6
     percent_of_sine(sine)
 }
 
-/// A drive whose speed went through a low-pass filter: the mean over `length_m` about each point.
+/// Returns a drive whose speed went through a low-pass filter: the mean over `length_m` about each
+/// point.
 #[must_use]
 pub fn with_smooth_speed(drive: &MeasuredDrive, length_m: f64) -> MeasuredDrive {
     let speeds: Vec<f64> = drive.points.iter().map(|point| point.speed_mps).collect();

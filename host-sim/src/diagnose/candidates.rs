@@ -36,7 +36,7 @@ pub enum Detail {
     /// Amounts towards north and east; the detail with this key is the direction.
     Direction(&'static str),
     /// A stretch of the common road, m.
-    Stretch(f64, f64),
+    RoadSection(f64, f64),
     /// Period of a cycle, s.
     Period(f64),
 }
@@ -106,7 +106,7 @@ impl Menu {
                     }]
                 }
                 Varies::RoadSection { .. } => match road_m {
-                    Some(road_m) => menu.stretches(road_m, None),
+                    Some(road_m) => menu.road_sections(road_m, None),
                     None => continue,
                 },
             };
@@ -131,8 +131,8 @@ impl Menu {
             });
         };
         if let Some(road_m) = road_m {
-            let mut choices = self.stretches(road_m, Some(true));
-            choices.extend(self.stretches(road_m, Some(false)));
+            let mut choices = self.road_sections(road_m, Some(true));
+            choices.extend(self.road_sections(road_m, Some(false)));
             plain(self, "place and direction", f64::from(BASIS_UNIT), choices);
         }
         let (mut period_s, longest_s, step) = PERIODS_S;
@@ -193,7 +193,7 @@ impl Menu {
         }
     }
 
-    /// An amount for each drive: how long the tyres had cooled before it is unknown.
+    /// Returns an amount for each drive: how long the tyres had cooled before it is unknown.
     fn on_each(
         &mut self,
         effect: &'static Effect,
@@ -219,7 +219,7 @@ impl Menu {
         }
     }
 
-    fn stretches(&mut self, road_m: f64, forward: Option<bool>) -> Vec<Choice> {
+    fn road_sections(&mut self, road_m: f64, forward: Option<bool>) -> Vec<Choice> {
         let pieces = ((road_m / PIECE_M).ceil() as usize).clamp(1, MOST_PIECES);
         let piece_m = road_m / pieces as f64;
         let first = self.columns.len();
@@ -231,7 +231,7 @@ impl Menu {
             for from in 0..=pieces - length {
                 choices.push(Choice {
                     amounts: vec![(first + from..first + from + length).collect()],
-                    detail: Detail::Stretch(
+                    detail: Detail::RoadSection(
                         from as f64 * piece_m,
                         (from + length) as f64 * piece_m,
                     ),
@@ -241,7 +241,7 @@ impl Menu {
         choices
     }
 
-    /// The forces of every column on a drive, N.
+    /// Returns the forces of every column on a drive, N.
     #[must_use]
     pub fn columns(
         &self,
@@ -282,7 +282,7 @@ impl Menu {
             .collect()
     }
 
-    /// What a choice of a plain dependence is drawn over; none for effects.
+    /// Returns what a choice of a plain dependence is drawn over; none for effects.
     #[must_use]
     pub fn variable(&self, choice: &Choice) -> Option<Variable> {
         let column = *choice.amounts.first()?.first()?;
@@ -297,7 +297,7 @@ impl Menu {
         }
     }
 
-    /// Number of columns.
+    /// Returns number of columns.
     #[must_use]
     pub fn width(&self) -> usize {
         self.columns.len()
@@ -305,7 +305,7 @@ impl Menu {
 }
 
 impl Choice {
-    /// Whether it is a cycle, whose phase is each drive's own.
+    /// Returns whether it is a cycle, whose phase is each drive's own.
     #[must_use]
     pub const fn is_cycle(&self) -> bool {
         matches!(self.detail, Detail::Period(_))

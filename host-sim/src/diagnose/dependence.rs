@@ -105,7 +105,7 @@ impl Variable {
         }
     }
 
-    /// Its value in each cell of a drive.
+    /// Returns its value in each cell of a drive.
     #[must_use]
     pub fn values(
         self,
@@ -143,7 +143,7 @@ impl Variable {
     }
 }
 
-/// What the log's clock shows, s.
+/// Returns what the log's clock shows, s.
 fn clock_s(sample: &Sample) -> f64 {
     1e-6 * sample.end.time.since(Instant::default()).micros() as f64
 }

@@ -159,7 +159,7 @@ impl Judge<'_> {
         Ok(judge(&drives, model, references))
     }
 
-    /// One effect added to a vehicle; judged without it if the vehicle cannot have it.
+    /// Returns one effect added to a vehicle; judged without it if the vehicle cannot have it.
     fn alone(&self, model: &Model, adopted: AdoptedEffect, evidence: f64) -> Result<CandidateCase> {
         let mut with = model.clone();
         let possible = with.effects.adopt(adopted).is_ok() && with.check().is_ok();
@@ -185,8 +185,8 @@ fn references(drives: &[LoggedDrive], map: Option<&PathBuf>) -> Result<Vec<Refer
     })
 }
 
-/// Which of a group that the evidence cannot tell apart does clearly best on the drives judged, if
-/// it is not the one adopted.
+/// Returns which of a group that the evidence cannot tell apart does clearly best on the drives
+/// judged, if it is not the one adopted.
 fn lead(step: &SelectionStep, cases: &[(Option<usize>, CandidateCase)]) -> Option<usize> {
     let rmse = |candidate: usize| {
         let mut own = cases.iter().filter(|(of, _)| *of == Some(candidate));

@@ -64,14 +64,14 @@ pub struct CommonRoad {
 }
 
 impl CommonRoad {
-    /// The road that the longest of these drives took; `None` if none has positions.
+    /// Creates the road that the longest of these drives took; `None` if none has positions.
     #[must_use]
     pub fn of(drives: &[LoggedDrive]) -> Option<Self> {
         let longest = drives.iter().max_by_key(|drive| drive.run.rows.len())?;
         Self::through(road_of_run(&longest.run.rows)?)
     }
 
-    /// The road through these points; `None` if they make none.
+    /// Creates the road through these points; `None` if they make none.
     #[must_use]
     pub fn through(points: Vec<RoadPoint>) -> Option<Self> {
         let end_m = points.last()?.distance_m;
@@ -84,19 +84,19 @@ impl CommonRoad {
         Some(Self { ways, end_m })
     }
 
-    /// Its length, m.
+    /// Returns its length, m.
     #[must_use]
     pub const fn length_m(&self) -> f64 {
         self.end_m
     }
 
-    /// Latitude and longitude at a distance, deg.
+    /// Returns latitude and longitude at a distance, deg.
     #[must_use]
     pub fn position_at(&self, at_m: f64) -> (f64, f64) {
         self.ways[0].ways()[0].line.position_at(at_m)
     }
 
-    /// Where each sample of a drive lies.
+    /// Returns where each sample of a drive lies.
     #[must_use]
     pub fn places(&self, drive: &LoggedDrive) -> Vec<Option<RoadPlace>> {
         let track = track_of_run(&drive.run.rows);

@@ -44,7 +44,7 @@ pub struct Judgement {
 /// Reference grade along each drive: distance, m, and grade, %.
 pub type ReferenceGrades = Vec<(f64, f64)>;
 
-/// The reference of each drive: the map of all others, else its own estimate.
+/// Returns the reference of each drive: the map of all others, else its own estimate.
 #[must_use]
 pub fn references(drives: &[LoggedDrive]) -> Vec<ReferenceGrades> {
     (0..drives.len())
@@ -52,8 +52,8 @@ pub fn references(drives: &[LoggedDrive]) -> Vec<ReferenceGrades> {
         .collect()
 }
 
-/// The reference of each drive where the map has its road, else as without a map; `None` if the map
-/// has the road of no drive.
+/// Returns the reference of each drive where the map has its road, else as without a map; `None` if
+/// the map has the road of no drive.
 #[must_use]
 pub fn references_by_map(drives: &[LoggedDrive], map: &[MapRow]) -> Option<Vec<ReferenceGrades>> {
     let of_map: Vec<Option<ReferenceGrades>> =
@@ -77,7 +77,7 @@ fn by_others(drives: &[LoggedDrive], number: usize) -> ReferenceGrades {
     })
 }
 
-/// A map's grade along a drive, in its direction or against it; `None` if they hardly meet.
+/// Returns a map's grade along a drive, in its direction or against it; `None` if they hardly meet.
 fn along_map(drive: &LoggedDrive, map: &[MapRow]) -> Option<ReferenceGrades> {
     let grades: Vec<(f64, f64)> = map
         .iter()
@@ -157,7 +157,7 @@ fn interval(errors: &[f64], statistic: impl Fn(&[f64]) -> f64) -> (f64, f64) {
     (found[DRAWS / 20], found[DRAWS - 1 - DRAWS / 20])
 }
 
-/// The model's error in each cell of a drive in which it holds, %.
+/// Returns the model's error in each cell of a drive in which it holds, %.
 #[must_use]
 pub fn errors(drive: &LoggedDrive, model: &Model, reference: &ReferenceGrades) -> Vec<Option<f64>> {
     let mut before: Option<f64> = None;
@@ -198,8 +198,8 @@ fn windows(drive: &LoggedDrive, model: &Model, reference: &ReferenceGrades) -> V
     windows
 }
 
-/// Sine of the slope in % that the force balance reads over a cell, adopted effects included,
-/// between two kinetic energies a kilogram, m²/s².
+/// Returns sine of the slope in % that the force balance reads over a cell, adopted effects
+/// included, between two kinetic energies a kilogram, m²/s².
 fn model_slope_percent(model: &Model, sample: &Sample, energies: (f64, f64)) -> f64 {
     let accelerated_kg = f64::from(sample.forces.accelerated_kg());
     bare_model::slope_percent(

@@ -12,7 +12,7 @@ const PARTS: usize = 24;
 /// Fewest cells of which a mean is drawn.
 const FEWEST_CELLS: usize = 20;
 
-/// The mean error of the bare model over a variable, with all that was adopted.
+/// Returns the mean error of the bare model over a variable, with all that was adopted.
 #[must_use]
 pub fn picture(
     name: &str,

@@ -2,7 +2,7 @@
 
 use super::candidates::{Detail, Menu};
 use super::drive::{CommonRoad, LoggedDrive};
-use super::evidence::{self, Evidence, WINDS_MPS, judging_tuning, stretches};
+use super::evidence::{self, Evidence, WINDS_MPS, judging_tuning, segments};
 use super::findings::Unexplained;
 use super::selection::{CandidateFit, Selection, Selector};
 use crate::files::vehicle::VehicleFile;
@@ -22,7 +22,7 @@ pub struct EffectSearch<'a> {
 }
 
 impl<'a> EffectSearch<'a> {
-    /// The first `fitted` of the drives, which were read with this model, are to fit.
+    /// Creates the first `fitted` of the drives, which were read with this model, are to fit.
     #[must_use]
     pub fn new(
         drives: &'a [LoggedDrive],
@@ -43,7 +43,8 @@ impl<'a> EffectSearch<'a> {
         }
     }
 
-    /// What the drives say, with the wind that makes them most likely, and what that asks for.
+    /// Returns what the drives say, with the wind that makes them most likely, and what that asks
+    /// for.
     #[must_use]
     pub fn evidence(&self) -> (Evidence, Selection) {
         let columns: Vec<Vec<evidence::ForceColumn>> = self
@@ -64,7 +65,7 @@ impl<'a> EffectSearch<'a> {
             let evidence: Evidence = drives
                 .into_par_iter()
                 .map(|(number, (drive, columns))| {
-                    stretches(number, drive, self.model, &tuning, columns)
+                    segments(number, drive, self.model, &tuning, columns)
                 })
                 .collect::<Vec<_>>()
                 .into_iter()
@@ -81,13 +82,13 @@ impl<'a> EffectSearch<'a> {
         best.unwrap_or_default()
     }
 
-    /// What the evidence asks for; `first` as in [`Selector::select`].
+    /// Returns what the evidence asks for; `first` as in [`Selector::select`].
     #[must_use]
     pub fn select(&self, evidence: &Evidence, first: Option<usize>) -> Selection {
         Selector::new(&self.menu, evidence, |drive| drive >= self.fitted).select(first)
     }
 
-    /// The vehicle with all effects of a selection.
+    /// Returns the vehicle with all effects of a selection.
     #[must_use]
     pub fn vehicle_with(&self, vehicle: &VehicleFile, selection: &Selection) -> VehicleFile {
         let mut vehicle = vehicle.clone();
@@ -99,14 +100,14 @@ impl<'a> EffectSearch<'a> {
         vehicle
     }
 
-    /// Names of the effects of a group.
+    /// Returns names of the effects of a group.
     #[must_use]
     pub fn names(&self, group: &[CandidateFit]) -> Vec<&'static str> {
         let name = |case: &CandidateFit| self.menu.candidates[case.candidate].name;
         group.iter().map(name).collect()
     }
 
-    /// The effect of a case, ready for a vehicle file; none for a plain dependence.
+    /// Returns the effect of a case, ready for a vehicle file; none for a plain dependence.
     #[must_use]
     pub fn adopted(&self, case: &CandidateFit) -> Option<AdoptedEffect> {
         let candidate = &self.menu.candidates[case.candidate];
@@ -137,7 +138,7 @@ impl<'a> EffectSearch<'a> {
                 let direction_deg = east.atan2(north).to_degrees().rem_euclid(360.0);
                 let _ = adopted.set(key, direction_deg as f32);
             }
-            Detail::Stretch(from_m, to_m) => {
+            Detail::RoadSection(from_m, to_m) => {
                 if let (
                     Some(road),
                     Some(Varies::RoadSection {
@@ -157,7 +158,7 @@ impl<'a> EffectSearch<'a> {
         Some(adopted)
     }
 
-    /// A plain dependence that was adopted.
+    /// Returns a plain dependence that was adopted.
     #[must_use]
     pub fn unexplained(&self, case: &CandidateFit) -> Unexplained {
         let candidate = &self.menu.candidates[case.candidate];
@@ -167,7 +168,7 @@ impl<'a> EffectSearch<'a> {
                 format!(", period {period_s:.0} s"),
                 0.1 * size / 2f64.sqrt(),
             ),
-            Detail::Stretch(from_m, to_m) => (
+            Detail::RoadSection(from_m, to_m) => (
                 format!(", km {:.1} to {:.1}", from_m * 1e-3, to_m * 1e-3),
                 100.0 * size,
             ),

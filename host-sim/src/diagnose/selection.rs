@@ -3,7 +3,7 @@
 //! Forward selection by Bayes factors: each candidate's amount has a normal prior as wide as such
 //! amounts usually are, so that an effect is not adopted for explaining a little, and choices are
 //! paid for (R. E. Kass and A. E. Raftery, "Bayes factors", J. Am. Stat. Assoc. 90:773, 1995).
-//! Estimates are generalised least squares; where scores scatter from stretch to stretch more than
+//! Estimates are generalised least squares; where scores scatter from segment to segment more than
 //! the model says, the evidence counts that much less.
 
 use super::candidates::{Candidate, Choice, Detail, Menu};
@@ -51,13 +51,14 @@ pub struct CandidateFit {
 }
 
 impl CandidateFit {
-    /// Its gain if scores scattered so much more than the model says. An amount of its own for each
-    /// drive leaves no scatter from drive to drive: two cases are compared as if both had the same.
+    /// Returns its gain if scores scattered so much more than the model says. An amount of its own
+    /// for each drive leaves no scatter from drive to drive: two cases are compared as if both had
+    /// the same.
     fn gain_at(&self, scatter: f64) -> f64 {
         self.gain * self.scatter / scatter
     }
 
-    /// The same of its evidence.
+    /// Returns the same of its evidence.
     fn evidence_at(&self, scatter: f64) -> f64 {
         self.evidence - self.gain + self.gain_at(scatter)
     }
@@ -187,7 +188,7 @@ impl<'a> Selector<'a> {
             .collect()
     }
 
-    /// The best choice of a candidate.
+    /// Returns the best choice of a candidate.
     fn case(&self, ground: &Ground, index: usize, candidate: &Candidate) -> Option<CandidateFit> {
         if candidate.choices.first()?.is_cycle() {
             return self.cycle(ground, index, candidate);
@@ -232,7 +233,7 @@ impl<'a> Selector<'a> {
         })
     }
 
-    /// A cycle has its own phase on each drive, so that each is fitted alone.
+    /// Returns a cycle has its own phase on each drive, so that each is fitted alone.
     fn cycle(&self, ground: &Ground, index: usize, candidate: &Candidate) -> Option<CandidateFit> {
         let drives = self.regression.drives(&ground.columns);
         let prior = DMatrix::from_diagonal_element(2, 2, candidate.typical.powi(-2));
@@ -293,7 +294,7 @@ impl<'a> Selector<'a> {
     }
 }
 
-/// The effect that the cases ask for, if any does.
+/// Returns the effect that the cases ask for, if any does.
 fn step(cases: &[CandidateFit], menu: &Menu) -> Option<SelectionStep> {
     let price = 2.0 * (menu.candidates.len() as f64).ln();
     let asked = |case: &&CandidateFit| {
@@ -332,8 +333,8 @@ fn step(cases: &[CandidateFit], menu: &Menu) -> Option<SelectionStep> {
     })
 }
 
-/// Whether the drives cannot tell a case from the best: it fits as well, whatever its prior, and is
-/// no less likely after all by more than that.
+/// Returns whether the drives cannot tell a case from the best: it fits as well, whatever its
+/// prior, and is no less likely after all by more than that.
 fn is_rival(case: &CandidateFit, best: &CandidateFit) -> bool {
     let scatter = best.scatter.max(case.scatter);
     let is_usual = |amount: &f64| amount.abs() <= 1.5 * case.width;
@@ -351,7 +352,7 @@ fn by(
     move |a, b| value(a).total_cmp(&value(b))
 }
 
-/// Whether a vehicle can have it.
+/// Returns whether a vehicle can have it.
 fn is_possible(case: &CandidateFit, menu: &Menu) -> bool {
     let candidate = &menu.candidates[case.candidate];
     let Some(range) = candidate.effect.map(|effect| effect.range) else {

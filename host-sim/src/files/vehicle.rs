@@ -9,12 +9,12 @@ use serde::{Deserialize, Serialize};
 use std::fs;
 use std::path::Path;
 
-/// The model of a vehicle, with its name.
+/// A vehicle model with its name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VehicleFile {
     /// Name in tables.
     pub name: String,
-    /// Parameters and effects, as the estimator gets them.
+    /// Parameters and effects for the estimator.
     pub model: Model,
 }
 
@@ -74,16 +74,16 @@ impl VehicleFile {
     /// Reads and checks a vehicle file.
     ///
     /// # Errors
-    /// Unknown keys, missing keys and impossible values, each named.
+    /// Names each unknown key, missing key and value out of range.
     pub fn read(path: &Path) -> Result<Self> {
         let text = fs::read_to_string(path).map_err(Error::io(path))?;
         Self::checked(toml::from_str(&text), path)
     }
 
-    /// From the tables of such a file; `path` is for messages.
+    /// Creates the vehicle from the tables of such a file; `path` is for error messages.
     ///
     /// # Errors
-    /// As [`read`](Self::read).
+    /// Returns the errors of [`read`](Self::read).
     pub(crate) fn from_table(table: toml::Table, path: &Path) -> Result<Self> {
         Self::checked(table.try_into(), path)
     }
@@ -110,13 +110,13 @@ impl VehicleFile {
     /// Writes the file.
     ///
     /// # Errors
-    /// What the file system says.
+    /// Returns the error of the file system.
     pub fn write(&self, path: &Path) -> Result<()> {
         let text = self.to_toml();
         write_whole(path, |out| out.write_all(text.as_bytes()))
     }
 
-    /// The file's text.
+    /// Returns the text of the file.
     #[must_use]
     pub fn to_toml(&self) -> String {
         let p = &self.model.vehicle;
@@ -195,7 +195,9 @@ impl VehicleDocument {
                 }),
             ) => Traction::Force,
             (Some(_), Some(_)) => {
-                return Err("both [powertrain] and [traction]: expected one of them".to_owned());
+                return Err(
+                    "both [powertrain] and [traction] are given; expected one of them".to_owned(),
+                );
             }
             (None, None) => {
                 return Err(

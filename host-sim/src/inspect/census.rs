@@ -121,7 +121,7 @@ impl Census {
             .reduce(f64::max)
     }
 
-    /// The counts of any of `signals`.
+    /// Returns the counts of any of `signals`.
     pub fn of(&self, signals: &[Signal]) -> impl Iterator<Item = &SignalCount> {
         self.signals
             .iter()
@@ -261,7 +261,7 @@ impl BusCounter {
         }
     }
 
-    /// The result.
+    /// Returns the result.
     #[must_use]
     pub fn finish(self, skipped: Skipped) -> Census {
         let decoded: BTreeSet<u32> = estimator_core::signal::messages()
@@ -318,8 +318,8 @@ impl BusCounter {
     }
 }
 
-/// The group and its length that a frame of the transport protocol announces: to all (control
-/// byte 32) or to one receiver (16), SAE J1939-21.
+/// Returns the group and its length that a frame of the transport protocol announces: to all
+/// (control byte 32) or to one receiver (16), SAE J1939-21.
 fn announcement(pgn: Pgn, frame: &CanFrame) -> Option<(u32, u16)> {
     if pgn.number != TRANSPORT_MANAGEMENT {
         return None;
@@ -357,7 +357,7 @@ impl TableCounter {
         }
     }
 
-    /// The result.
+    /// Returns the result.
     #[must_use]
     pub fn finish(self) -> Census {
         let rows = self.all.count;

@@ -1,4 +1,4 @@
-//! The estimator on a live bus, and a recorded bus put on an interface.
+//! The estimator on a live bus, and the replay of a log on an interface.
 
 mod listening;
 pub mod panel;

@@ -14,7 +14,7 @@ pub struct RobustLine {
 }
 
 impl RobustLine {
-    /// y at `x`.
+    /// Returns y at `x`.
     #[must_use]
     pub fn at(&self, x: f64) -> f64 {
         self.slope * x + self.offset
@@ -25,10 +25,10 @@ const TUNING: f64 = 4.685;
 /// A median absolute deviation of normal errors, in standard deviations.
 const MAD_OF_NORMAL: f64 = 0.6745;
 const ITERATIONS: usize = 50;
-/// Fewer points leave nothing to tell outliers by.
+/// With fewer points outliers cannot be detected.
 const FEWEST_POINTS: usize = 4;
 
-/// The line, or `None` with too few points or all of them at one x.
+/// Fits a line; `None` with too few points, or if all have the same x.
 #[must_use]
 pub fn fit(points: impl IntoIterator<Item = (f64, f64)>) -> Option<RobustLine> {
     let points: Vec<(f64, f64)> = points.into_iter().collect();

@@ -1,7 +1,7 @@
-//! One drive through the core: traffic in, a run out.
+//! One drive through the core: inputs in, a run out.
 //!
-//! What grows with the drive is stored in [spools](crate::files::spool), 250 bytes a cell
-//! (100 kB/km), so that the memory held does not.
+//! The data that grow with the drive are stored in [spools](crate::files::spool), 250 bytes per
+//! cell (100 kB/km), so that memory use is constant.
 
 mod drive_recorder;
 mod estimate_log;

@@ -39,8 +39,8 @@ struct RivalCell {
 }
 
 impl Rival {
-    /// Grade and its standard deviation, %, in the cell of a run's row; `None` if it has no such
-    /// cell at that time.
+    /// Returns grade and its standard deviation, %, in the cell of a run's row; `None` if it has no
+    /// such cell at that time.
     #[must_use]
     pub fn at(&self, row: &RunRow) -> Option<(f64, f64)> {
         let number = number_of(row);
@@ -166,7 +166,7 @@ fn by_method(
     }
 }
 
-/// The oracle's run: smoothed, lagged, live.
+/// Returns the oracle's run: smoothed, lagged, live.
 fn of_run(run: &SmoothedRun) -> [Rival; 3] {
     let rival = |estimate, value: fn(&RunRow) -> (f64, f64)| Rival {
         estimate,

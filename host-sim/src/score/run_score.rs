@@ -19,15 +19,15 @@ pub struct RunScore {
 /// Compares a run with the truth at the same times. Both must be sorted by time.
 ///
 /// # Errors
-/// If no cell is left to compare.
+/// Returns an error if no cell is left to compare.
 pub fn score_run(run: &str, rows: &[RunRow], truth: &[TruthRow]) -> Result<RunScore, Unscorable> {
     score_run_beside(run, rows, truth, &[])
 }
 
-/// The same, with others judged on the same cells.
+/// Returns the same, with others judged on the same cells.
 ///
 /// # Errors
-/// If no cell is left to compare.
+/// Returns an error if no cell is left to compare.
 pub fn score_run_beside(
     run: &str,
     rows: &[RunRow],

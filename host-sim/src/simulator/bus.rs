@@ -1,4 +1,4 @@
-//! The bus: each message at its own rate from its own controller, one frame after the other.
+//! The bus: each message at its own rate from its own controller, one frame at a time.
 
 use super::gnss::GnssReceiver;
 use super::random::{Purpose, stream};
@@ -20,7 +20,7 @@ const RETARDER: u8 = 0x10;
 const CAB: u8 = 0x21;
 const RECEIVER: u8 = 0x1c;
 
-/// Silence before the first message, s: the slowest sensor has something to tell by then.
+/// Silence before the first message, s; by then the slowest sensor has a value.
 const SILENCE_S: f64 = 0.5;
 /// Largest deviation from the period, as a part of it and in s.
 const JITTER: (f64, f64) = (0.02, 0.0005);
@@ -32,7 +32,7 @@ const FRAME_BITS: (f64, f64) = (75.0, 9.0);
 /// 250 kbit/s.
 const BIT_S: f64 = 4e-6;
 
-/// When a message of one controller is sent next.
+/// Schedule of a message of one controller.
 #[derive(Clone, Copy, Debug)]
 struct MessageSchedule {
     pgn: u32,
@@ -56,14 +56,14 @@ pub struct BusTraffic<'a> {
     senders: Vec<MessageSchedule>,
     log_start_s: f64,
     end_s: f64,
-    /// When the bus is free again.
+    /// Time at which the bus is free again, s.
     free_s: f64,
     waiting: VecDeque<TimedFrame>,
     rng: ChaCha8Rng,
 }
 
 impl<'a> BusTraffic<'a> {
-    /// The bus of run `index`.
+    /// Creates the traffic of run `index`.
     pub fn new(
         scenario: &Scenario,
         index: usize,
@@ -76,7 +76,7 @@ impl<'a> BusTraffic<'a> {
             .into_iter()
             .map(|(pgn, address, period_ms)| {
                 let period_s = 1e-3 * period_ms;
-                // What is sent rarely would else be missing from the log's first seconds.
+                // Rare messages would else be missing in the first seconds of the log.
                 let phase_s = rng.random_range(0.0..period_s.min(1.0));
                 MessageSchedule {
                     pgn,
@@ -104,7 +104,7 @@ impl<'a> BusTraffic<'a> {
         }
     }
 
-    /// Sends the message that is due first; false when the drive is over.
+    /// Sends the message that is due first. Returns false if the drive is over.
     fn send(&mut self) -> bool {
         let Some(sender) = self
             .senders
@@ -146,7 +146,7 @@ impl<'a> BusTraffic<'a> {
         true
     }
 
-    /// Puts a frame on the bus as soon as it is free; it is received when its last bit is.
+    /// Sends a frame as soon as the bus is free; it is received after its last bit.
     fn transmit(&mut self, due_s: f64, frame: CanFrame) {
         let bits = FRAME_BITS.0 + FRAME_BITS.1 * frame.dlc() as f64;
         self.free_s = self.free_s.max(due_s) + bits * BIT_S;
@@ -167,7 +167,7 @@ impl Iterator for BusTraffic<'_> {
     }
 }
 
-/// PGN, sender and period in ms of every message (SAE J1939-71, NMEA 2000).
+/// Returns PGN, source address and period in ms of every message (SAE J1939-71, NMEA 2000).
 fn periods_ms(fast_ms: f64) -> [(u32, u8, f64); 16] {
     [
         (61_444, ENGINE, 10.0),

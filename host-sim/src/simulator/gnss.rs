@@ -1,7 +1,7 @@
-//! The GNSS receiver: position and altitude with errors that keep their value for minutes.
+//! The GNSS receiver: position and altitude with correlated errors.
 //!
-//! An Ornstein-Uhlenbeck process in time stands for what atmosphere, orbits and multipath make
-//! of a single-frequency fix; a little white noise on top is the receiver's own.
+//! An Ornstein-Uhlenbeck process in time models the errors of atmosphere, orbits and multipath of a
+//! single-frequency fix. White noise models the receiver's own noise.
 
 use super::drive::SimulatedDrive;
 use super::random::{OrnsteinUhlenbeck, Purpose, normal, stream};
@@ -15,7 +15,7 @@ const SATELLITES: (f64, f64, f64) = (10.0, 1.2, 60.0);
 /// Vertical over horizontal dilution of precision.
 const VDOP_TO_HDOP: f64 = 1.4;
 
-/// What the receiver tells at one moment.
+/// The output of the receiver at one time.
 #[derive(Clone, Copy, Debug)]
 pub struct GnssFix {
     has_fix: bool,
@@ -33,7 +33,8 @@ pub struct GnssFix {
 pub struct GnssReceiver<'a> {
     drive: &'a SimulatedDrive,
     errors: GnssErrors,
-    /// Length of the road if it is driven against its direction, m: faults lie on it as stored.
+    /// Length of the road if it is driven against its direction, m; faults are placed on the road
+    /// as stored.
     turned_m: Option<f64>,
     altitude: OrnsteinUhlenbeck,
     north: OrnsteinUhlenbeck,
@@ -44,7 +45,7 @@ pub struct GnssReceiver<'a> {
 }
 
 impl<'a> GnssReceiver<'a> {
-    /// The receiver of run `index`.
+    /// Creates the receiver of run `index`.
     #[must_use]
     pub fn new(scenario: &Scenario, index: usize, drive: &'a SimulatedDrive) -> Self {
         let mut rng = stream(scenario.seed, index, Purpose::Gnss);
@@ -69,7 +70,7 @@ impl<'a> GnssReceiver<'a> {
         }
     }
 
-    /// The fix for a moment of the drive; moments are asked for in order.
+    /// Returns the fix at a time of the drive. Calls must be in order of time.
     pub fn fix(&mut self, time_s: f64) -> GnssFix {
         let seconds = (time_s - self.last_s).max(0.0);
         self.last_s = time_s;
@@ -108,7 +109,7 @@ impl<'a> GnssReceiver<'a> {
 }
 
 impl GnssErrors {
-    /// What steps and ramps add to the altitude at a place of the stored road, m.
+    /// Returns the altitude error of steps and ramps at a distance on the stored road, m.
     fn fault_m(&self, stored_m: f64, turned: bool) -> f64 {
         let within = |from: f64, to: f64| (from..to).contains(&stored_m);
         let steps = self
@@ -129,7 +130,7 @@ impl GnssErrors {
 }
 
 impl GnssFix {
-    /// The value of one of the receiver's signals.
+    /// Returns the value of one of the receiver's signals.
     #[must_use]
     pub fn value(&self, signal: Signal) -> Value {
         match signal {

@@ -1,4 +1,4 @@
-//! Frames as lines of `candump -l`.
+//! Writer of `candump -l` lines.
 
 use super::can_frame::TimedFrame;
 use embedded_can::{Frame, Id};
@@ -7,7 +7,7 @@ use std::io::{self, Write};
 /// Writes a frame in the layout of `candump -l`: `(1.000000) can0 0CF00400#0102030405060708`.
 ///
 /// # Errors
-/// What `out` says.
+/// Returns the error of `out`.
 pub fn write_frame<W: Write + ?Sized>(
     out: &mut W,
     timed: &TimedFrame,
@@ -45,7 +45,7 @@ pub fn write_frame<W: Write + ?Sized>(
     out.write_all(text.bytes())
 }
 
-/// Half a line under construction: simulated logs have millions, too many for `write!`.
+/// A text under construction. Simulated logs have millions of lines, too many for `write!`.
 #[derive(Default)]
 struct LineBuffer {
     bytes: [u8; 32],

@@ -82,7 +82,7 @@ fn mean(values: impl Iterator<Item = f64>) -> f64 {
     sum / f64::max(count, 1.0)
 }
 
-/// What 68.3 % of the values stay within.
+/// Returns what 68.3 % of the values stay within.
 fn one_sigma(values: impl Iterator<Item = f64>) -> f64 {
     let mut values: Vec<f64> = values.collect();
     values.sort_by(f64::total_cmp);
@@ -131,7 +131,7 @@ fn accuracy(groups: &[(Preset, f64)], drives: &[Vec<DriveErrors>]) -> Table {
     table
 }
 
-/// Where the core's own lag stands among those of a drive.
+/// Returns where the core's own lag stands among those of a drive.
 fn lag_place(drive: &DriveErrors) -> usize {
     if drive.lagged.len() == 1 {
         0

@@ -90,7 +90,7 @@ struct Forces {
     /// From the engine, truly, N.
     traction_n: f64,
     /// From the engine, as the bus tells it, N.
-    told_n: f64,
+    reported_n: f64,
     /// From the brakes, N.
     brake_n: f64,
     /// Gear that is engaged; 0 for none.
@@ -119,7 +119,7 @@ pub fn simulate(
         points.push(MeasuredPoint {
             distance_m: k as f64 * STEP_M,
             speed_mps: vehicle.speed_mps + errors.speed_mps * normal(rng),
-            traction_n: belief.torque * forces.told_n,
+            traction_n: belief.torque * forces.reported_n,
             rotating_kg: vehicle.truck.accelerated_kg(vehicle.gear) - vehicle.truck.mass_kg,
             air_density,
             altitude_m: errors.gps_m.get(k).map(|error| altitude_m + error),
@@ -191,7 +191,8 @@ impl MovingVehicle {
         true
     }
 
-    /// What cruise control asks of the engine, or what the engine brakes with under the brakes.
+    /// Returns what cruise control asks of the engine, or what the engine brakes with under the
+    /// brakes.
     fn engine_force_n(&mut self) -> f64 {
         let rpm = self.truck.engine_rpm(self.gear, self.speed_mps);
         let lever = self.truck.force_per_torque(self.gear);
@@ -203,7 +204,7 @@ impl MovingVehicle {
         let per_kg = lever / self.truck.accelerated_kg(self.gear);
         let wish = self
             .cruise
-            .wish(self.speed_mps, per_kg, limits_nm, self.step_s());
+            .request(self.speed_mps, per_kg, limits_nm, self.step_s());
         wish.net_nm * lever
     }
 
@@ -220,7 +221,7 @@ impl MovingVehicle {
             let part = (1.0 - 2.0 * shift.done as f64 / shift.points as f64).abs();
             return Forces {
                 traction_n: 0.0,
-                told_n: part * shift.force_n,
+                reported_n: part * shift.force_n,
                 brake_n,
                 engaged: 0,
             };
@@ -228,7 +229,7 @@ impl MovingVehicle {
         let traction_n = self.engine_force_n();
         Forces {
             traction_n,
-            told_n: traction_n,
+            reported_n: traction_n,
             brake_n,
             engaged: self.gear,
         }

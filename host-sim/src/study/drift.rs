@@ -67,7 +67,7 @@ pub fn vehicle_model_drift(
     })
 }
 
-/// Sine of the slope in % between two rows.
+/// Returns sine of the slope in % between two rows.
 fn slope_percent(
     from: &ForceSample,
     to: &ForceSample,

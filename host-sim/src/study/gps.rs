@@ -217,7 +217,7 @@ fn generated(chain: &Chain, lengths: &[usize], seed: u64) -> Vec<Vec<f64>> {
     series.collect()
 }
 
-/// Mean of f over all pairs `lag` apart in all series.
+/// Returns mean of f over all pairs `lag` apart in all series.
 fn mean_of_pairs(series: &[Vec<f64>], lag: usize, f: impl Fn(f64, f64) -> f64) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
     for one in series {

@@ -9,7 +9,7 @@ use super::definition::{Setting, Study, StudyOutcome};
 use crate::comparison::{G, MeasuredDrive, MeasuredPoint, pointwise};
 use crate::error::Result;
 use crate::report::page::{Figure, Section, Table};
-use crate::report::plot::{Mark, Plot, Series, colour, stretches};
+use crate::report::plot::{Mark, Plot, Series, colour, shaded_ranges};
 use crate::simulator::driver::SET_SPEED_MPS;
 use crate::simulator::truck::{Preset, Truck};
 use estimator_core::vehicle::STANDARD_AIR_DENSITY;
@@ -116,7 +116,7 @@ pub struct GradeErrorEffect {
     pub offset_percent: f64,
 }
 
-/// Sine of the slope of a grade in %.
+/// Returns sine of the slope of a grade in %.
 fn sine(grade_percent: f64) -> f64 {
     grade_percent / grade_percent.hypot(100.0)
 }
@@ -186,7 +186,7 @@ pub fn error_percent(
     Some(pointwise::at(&drive, &point, 0.0) - at.grade_percent)
 }
 
-/// The vehicle with one parameter wrong.
+/// Returns the vehicle with one parameter wrong.
 fn believed(vehicle: &VehicleParameters, parameter: Parameter) -> VehicleParameters {
     let factor = FACTOR as f32;
     let mut believed = vehicle.clone();
@@ -217,8 +217,8 @@ pub fn numeric(vehicle: &VehicleParameters, parameter: Parameter) -> Option<Grad
     })
 }
 
-/// The same by hand: the estimate of s with the parameter at k times its value, less s, and its
-/// derivative in s.
+/// Returns the same by hand: the estimate of s with the parameter at k times its value, less s, and
+/// its derivative in s.
 #[must_use]
 pub fn analytic(vehicle: &VehicleParameters, parameter: Parameter) -> GradeErrorEffect {
     let k = FACTOR;
@@ -279,7 +279,7 @@ fn figure(preset: Preset) -> Option<Figure> {
     let mut plot = Plot::new("true grade (%)", "grade error (% grade)");
     plot.height = 380;
     let held = |at: &WorkingPoint| at.speed_mps >= SET_SPEED_MPS && !at.braking;
-    plot.shaded = stretches(points.iter().map(|at| (at.grade_percent, !held(at))));
+    plot.shaded = shaded_ranges(points.iter().map(|at| (at.grade_percent, !held(at))));
     for parameter in Parameter::ALL {
         let (colour, mark) = parameter.drawn();
         let errors = points

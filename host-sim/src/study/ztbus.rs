@@ -82,7 +82,7 @@ fn run(setting: &Setting) -> Result<StudyOutcome> {
     Ok(StudyOutcome::Done(section(&found)))
 }
 
-/// The first mission of the data folder by name.
+/// Returns the first mission of the data folder by name.
 pub(super) fn mission_file(data: &Path) -> Option<PathBuf> {
     let mut files: Vec<PathBuf> = fs::read_dir(data.join("ztbus"))
         .ok()?

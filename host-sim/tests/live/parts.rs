@@ -1,4 +1,4 @@
-//! What replay and listen are made of, without an interface.
+//! ReceivedItem replay and listen are made of, without an interface.
 
 #![cfg(target_os = "linux")]
 
@@ -14,7 +14,7 @@ use host_sim::source::can_frame::{CanFrame, TimedFrame};
 use host_sim::source::candump::CandumpReader;
 use host_sim::source::log_time::{self, LogTime};
 use host_sim::source::socketcan::{
-    BusEvent, Received, SteadyClock, What, accepts, of_error_frame, of_group, wanted,
+    BusEvent, Received, ReceivedItem, SteadyClock, accepts, of_error_frame, of_group, wanted,
 };
 use proptest::prelude::*;
 use socketcan::CanErrorFrame;
@@ -297,7 +297,7 @@ fn received(time: Instant, frame: CanFrame) -> Received {
     Received {
         interface: 0,
         time,
-        what: What::Frame(frame),
+        item: ReceivedItem::Frame(frame),
     }
 }
 
@@ -348,18 +348,20 @@ fn frames_with_the_logs_time_give_the_logs_run() {
 fn what_is_no_frame_is_counted_and_told() {
     let drive = test_kit::simulated::run(&[test_kit::simulated::MILD, test_kit::simulated::A]);
     let mut session = session(&drive, false, None);
-    let other = |what| Received {
+    let other = |item| Received {
         interface: 0,
         time: Instant::ZERO,
-        what,
+        item,
     };
-    let bus_off = session.take(&other(What::Event(BusEvent::BusOff))).unwrap();
-    assert_eq!(bus_off, Reaction::Tell(BusEvent::BusOff));
+    let bus_off = session
+        .take(&other(ReceivedItem::Event(BusEvent::BusOff)))
+        .unwrap();
+    assert_eq!(bus_off, Reaction::Report(BusEvent::BusOff));
     assert_eq!(
-        session.take(&other(What::Dropped(12))).unwrap(),
+        session.take(&other(ReceivedItem::Dropped(12))).unwrap(),
         Reaction::None
     );
-    session.take(&other(What::Dropped(5))).unwrap();
+    session.take(&other(ReceivedItem::Dropped(5))).unwrap();
     let view = session.view(None);
     assert_eq!((view.lost(), view.events()), (17, 1));
     assert_eq!(view.interfaces[0].frames, 0);

@@ -69,8 +69,8 @@ fn the_heavy_truck_shifts_and_brakes_and_the_light_one_keeps_its_gear() {
         .windows(2)
         .filter(|p| !p[0].shifting && p[1].shifting)
         .count();
-    let way_m = STEP_M * heavy.iter().filter(|p| p.shifting).count() as f64;
-    let mean_m = way_m / shifts as f64;
+    let driven_m = STEP_M * heavy.iter().filter(|p| p.shifting).count() as f64;
+    let mean_m = driven_m / shifts as f64;
     assert!(
         (10.0..30.0).contains(&mean_m),
         "{mean_m} m over {shifts} shifts"
@@ -147,14 +147,14 @@ fn a_false_torque_follows_the_grade_and_altitude_is_the_road_plus_the_error() {
     };
     let run = drive(Preset::B, &belief, &errors);
     let truth = drive(Preset::B, &Belief::TRUTH, &errors);
-    for (told, real) in run.drive.points.iter().zip(&truth.drive.points) {
-        assert!((told.traction_n - 1.1 * real.traction_n).abs() < 1e-6);
+    for (reported, real) in run.drive.points.iter().zip(&truth.drive.points) {
+        assert!((reported.traction_n - 1.1 * real.traction_n).abs() < 1e-6);
     }
     let mut altitude_m = 4.0;
     for (k, point) in run.drive.points.iter().enumerate() {
         assert_eq!(point.altitude_m.is_some(), k < 100);
-        if let Some(told) = point.altitude_m {
-            assert!((told - altitude_m).abs() < 1e-9);
+        if let Some(reported) = point.altitude_m {
+            assert!((reported - altitude_m).abs() < 1e-9);
         }
         let grade = run.true_grade_percent[k];
         altitude_m += STEP_M * grade / grade.hypot(100.0);

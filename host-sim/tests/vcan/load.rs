@@ -60,20 +60,20 @@ fn a_full_bus_is_read_without_a_lost_frame() {
     let drive = VcanDrive::new("A", 300.0);
     let traffic = full_bus(&drive);
     write_log(&drive.file("full.log"), &traffic);
-    let listener = Listener::start(&drive, &[vcan.0], &["--log", "heard.log"]);
+    let listener = Listener::start(&drive, &[vcan.0], &["--log", "output.log"]);
     let sent = replay(vcan.0, &drive.file("full.log"), &["--speed", "1"]);
     listener.signal("INT");
-    let heard = listener.finish();
+    let output = listener.finish();
     let expected: Vec<CanFrame> = traffic
         .iter()
         .map(|timed| timed.frame)
         .filter(is_wanted)
         .collect();
     assert!(expected.len() > traffic.len() / 2 && expected.len() < traffic.len());
-    assert_eq!(heard.lost(0), 0);
-    assert_eq!(heard.frames(0), expected.len() as u64);
+    assert_eq!(output.lost(0), 0);
+    assert_eq!(output.frames(0), expected.len() as u64);
     assert!(
-        frames_of(&drive.file("heard.log")) == expected,
+        frames_of(&drive.file("output.log")) == expected,
         "other frames, or another order"
     );
     println!(
@@ -99,13 +99,13 @@ fn frames_that_the_kernel_drops_are_counted() {
         sender.send(&wheel_speed).unwrap();
     }
     listener.signal("CONT");
-    let heard = listener.finish();
-    assert!(heard.lost(0) > 0);
-    assert_eq!(heard.frames(0) + heard.lost(0), SENT);
+    let output = listener.finish();
+    assert!(output.lost(0) > 0);
+    assert_eq!(output.frames(0) + output.lost(0), SENT);
     println!(
         "{} frames waited, {} were dropped and counted",
-        heard.frames(0),
-        heard.lost(0)
+        output.frames(0),
+        output.lost(0)
     );
 }
 

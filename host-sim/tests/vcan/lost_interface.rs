@@ -28,35 +28,35 @@ fn interrupted(
     listener.wait_for("interface back");
     replay(vcan.0, &drive.file("second.log"), &speed);
     listener.signal("INT");
-    let heard = listener.finish();
-    assert_eq!(heard.frames(0), drive.frames.len() as u64);
-    assert_eq!(heard.lost(0), 0);
-    assert_eq!(heard.event(0, "interface_back"), 1);
+    let output = listener.finish();
+    assert_eq!(output.frames(0), drive.frames.len() as u64);
+    assert_eq!(output.lost(0), 0);
+    assert_eq!(output.event(0, "interface_back"), 1);
     let rows = run::read(&drive.file("live.csv")).unwrap();
     let last_s = rows.last().unwrap().time_s;
     assert!(rows.iter().filter(|row| row.time_s < 0.5 * last_s).count() > 10);
     assert!(rows.iter().filter(|row| row.time_s > 0.5 * last_s).count() > 10);
-    (drive, heard)
+    (drive, output)
 }
 
 #[test]
 #[ignore = "needs a CAN interface: tests/run vcan"]
 fn an_interface_that_vanishes_is_found_again() {
-    let (_, heard) = interrupted("rggone", "interface gone", Vcan::remove, Vcan::add);
-    assert_eq!(heard.event(0, "interface_gone"), 1);
+    let (_, output) = interrupted("rggone", "interface gone", Vcan::remove, Vcan::add);
+    assert_eq!(output.event(0, "interface_gone"), 1);
 }
 
 #[test]
 #[ignore = "needs a CAN interface: tests/run vcan"]
 fn an_interface_that_is_set_down_is_found_again() {
-    let (_, heard) = interrupted("rgdown", "interface down", Vcan::down, Vcan::up);
-    assert_eq!(heard.event(0, "interface_down"), 1);
-    let told = heard
+    let (_, output) = interrupted("rgdown", "interface down", Vcan::down, Vcan::up);
+    assert_eq!(output.event(0, "interface_down"), 1);
+    let reported = output
         .said
         .iter()
         .filter(|said| said.contains("interface down"))
         .count();
-    assert_eq!(told, 1);
+    assert_eq!(reported, 1);
 }
 
 #[test]

@@ -60,11 +60,11 @@ fn the_estimate_is_sent_with_each_finished_cell_and_not_read_back() {
     ];
     let listener = Listener::start(&drive, &[vcan.0], &options);
     replay(vcan.0, &drive.log(), &["--log-time", "--speed", "20"]);
-    let heard = listener.finish();
-    assert_eq!(heard.frames(0), drive.frames.len() as u64);
+    let output = listener.finish();
+    assert_eq!(output.frames(0), drive.frames.len() as u64);
 
     // All that had seen the full lag when the log ended.
-    let finished = heard.lines.last().unwrap()["cells"].as_u64().unwrap() as usize;
+    let finished = output.lines.last().unwrap()["cells"].as_u64().unwrap() as usize;
     assert!(finished > 100);
     wait_until("candump has all", || {
         payloads(&recording, CELL).len() >= finished

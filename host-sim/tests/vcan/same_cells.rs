@@ -18,9 +18,9 @@ fn ten_times_in_a_row_they_are_the_same_to_the_last_digit() {
     for time in 1..=10 {
         let listener = Listener::start(&drive, &[vcan.0], &LOG_TIME);
         let sent = replay(vcan.0, &drive.log(), &AT_ONCE);
-        let heard = listener.finish();
-        assert_eq!(heard.lost(0), 0, "time {time}");
-        assert_eq!(heard.frames(0), drive.frames.len() as u64, "time {time}");
+        let output = listener.finish();
+        assert_eq!(output.lost(0), 0, "time {time}");
+        assert_eq!(output.frames(0), drive.frames.len() as u64, "time {time}");
         assert_eq!(drive.read("live.csv"), from_file, "time {time}");
         println!(
             "time {time}: {:.0} frames/s",
@@ -39,8 +39,8 @@ fn two_vehicles_on_two_interfaces_do_not_disturb_each_other() {
             scope.spawn(move || {
                 let listener = Listener::start(drive, &[vcan.0], &LOG_TIME);
                 replay(vcan.0, &drive.log(), &AT_ONCE);
-                let heard = listener.finish();
-                assert_eq!(heard.lost(0), 0);
+                let output = listener.finish();
+                assert_eq!(output.lost(0), 0);
                 assert_eq!(drive.read("live.csv"), drive.estimate(&drive.log()));
             });
         }
@@ -65,7 +65,7 @@ fn a_vehicle_with_two_buses_is_estimated_from_both() {
         assert!(!frames.is_empty());
         write_log(&drive.file(name), frames);
     }
-    let options = ["--out", "live.csv", "--log", "heard.log"];
+    let options = ["--out", "live.csv", "--log", "output.log"];
     let listener = Listener::start(&drive, &[buses[0].0, buses[1].0], &options);
     thread::scope(|scope| {
         for ((name, _), vcan) in logs.iter().zip(&buses) {
@@ -74,13 +74,13 @@ fn a_vehicle_with_two_buses_is_estimated_from_both() {
         }
     });
     listener.signal("INT");
-    let heard = listener.finish();
-    assert_eq!(heard.frames(0), logs[0].1.len() as u64);
-    assert_eq!(heard.frames(1), logs[1].1.len() as u64);
+    let output = listener.finish();
+    assert_eq!(output.frames(0), logs[0].1.len() as u64);
+    assert_eq!(output.frames(1), logs[1].1.len() as u64);
     // In the order of time, or the reader of the log would refuse it.
     assert_eq!(
-        drive.estimate(&drive.file("heard.log")),
+        drive.estimate(&drive.file("output.log")),
         drive.read("live.csv")
     );
-    assert_eq!(heard.counted("altitudes left out"), 0);
+    assert_eq!(output.counted("altitudes left out"), 0);
 }

@@ -6,7 +6,7 @@ use super::model::FilterMeter;
 use super::ours::ours;
 use crate::Contender;
 
-/// All filters. Those of one size other than ours do the same work.
+/// Returns all filters. Those of one size other than ours do the same work.
 #[must_use]
 pub fn contenders<M: FilterMeter>() -> Vec<Contender<M>> {
     let mut all = Vec::new();

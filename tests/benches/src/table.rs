@@ -27,7 +27,7 @@ impl BenchTimes {
     }
 }
 
-/// A table of figures, each with its ratio to the one of that name.
+/// Returns a table of figures, each with its ratio to the one of that name.
 #[must_use]
 pub fn table(figures: &[BenchTimes], base: &str) -> String {
     let base = figures.iter().find(|figure| figure.name == base);

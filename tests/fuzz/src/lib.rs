@@ -173,17 +173,17 @@ impl EventBus {
                 source,
             } => {
                 let all = Signal::ALL;
-                let Some(told) = all.get(usize::from(which) % all.len()) else {
+                let Some(reported) = all.get(usize::from(which) % all.len()) else {
                     return;
                 };
                 let value_of = |signal| {
-                    if signal == *told {
+                    if signal == *reported {
                         Value::Real(value)
                     } else {
                         Value::NotAvailable
                     }
                 };
-                let carrier = messages().find(|message| message.signals().any(|s| s == *told));
+                let carrier = messages().find(|message| message.signals().any(|s| s == *reported));
                 if let Some(message) = carrier {
                     self.encoded(message.pgn(), source, &value_of, sink);
                 }
@@ -258,7 +258,7 @@ fn any_frame(
     }
 }
 
-/// A truck of two gears. Its fingerprint is in the corpus of `persistent_state`.
+/// Returns a truck of two gears. Its fingerprint is in the corpus of `persistent_state`.
 #[must_use]
 pub fn truck() -> VehicleParameters {
     VehicleParameters {

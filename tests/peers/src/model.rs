@@ -29,7 +29,7 @@ pub struct LinearModel<const N: usize> {
 }
 
 impl<const N: usize> LinearModel<N> {
-    /// The model of every filter here.
+    /// Creates the model of every filter here.
     #[must_use]
     pub fn new() -> Self {
         let one = diagonal([1.0; N]);

@@ -117,7 +117,7 @@ impl Fault {
         }
     }
 
-    /// A recording as it is heard with the fault.
+    /// Returns a recording as it is heard with the fault.
     #[must_use]
     pub fn heard<'a>(&self, recording: &'a [TimedFrame]) -> Frames<'a> {
         let first = recording.first().map_or(Instant::ZERO, |timed| timed.time);
@@ -126,7 +126,7 @@ impl Fault {
     }
 }
 
-/// A fault of what is true, not of who sends it.
+/// Returns a fault of what is true, not of who sends it.
 fn wraps_frames(
     kind: FaultKind,
     name: impl Into<String>,
@@ -293,7 +293,7 @@ fn of_signals() -> Vec<Fault> {
     faults
 }
 
-/// Those of the GNSS receiver.
+/// Returns those of the GNSS receiver.
 #[must_use]
 pub fn of_the_receiver() -> Vec<Fault> {
     let gnss = |name, for_s, wrap: fn(Frames<'_>, Window) -> Frames<'_>| {

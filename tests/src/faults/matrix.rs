@@ -94,14 +94,17 @@ impl Subject {
     }
 }
 
-/// What was counted more than without a fault.
+/// Returns what was counted more than without a fault.
 fn more(with: &Counters, without: &Counters) -> BTreeMap<&'static str, u64> {
     let all = |counters: &Counters| -> BTreeMap<&'static str, u64> {
         let others = [
             ("frames of no interest", counters.frames_ignored),
             ("cells without a valid model", counters.invalid_steps.into()),
         ];
-        events(counters).into_iter().chain(others).collect()
+        let counted = events(counters)
+            .into_iter()
+            .map(|event| (event.name, event.count));
+        counted.chain(others).collect()
     };
     let before = all(without);
     let more = all(with).into_iter().filter_map(|(name, count)| {
@@ -134,15 +137,15 @@ impl FaultOutcome {
         Some(all)
     }
 
-    /// Whether sigmas are honest while the fault lasts and over the whole drive, smoothed and
-    /// lagged.
+    /// Returns whether sigmas are honest while the fault lasts and over the whole drive, smoothed
+    /// and lagged.
     #[must_use]
     pub fn is_honest(&self) -> bool {
         let honest = |means: [f64; 3]| means[..2].iter().all(|mean| *mean < HONEST);
         honest(self.with.during.normalised()) && honest(self.with.whole.normalised())
     }
 
-    /// Whether the fault is got over: smoothed, lagged and live.
+    /// Returns whether the fault is got over: smoothed, lagged and live.
     #[must_use]
     pub fn is_recovered(&self) -> bool {
         let with = self.with.after.rmse_percent();
@@ -152,13 +155,13 @@ impl FaultOutcome {
             .all(|(with, without)| *with <= RECOVERED.0 * without + RECOVERED.1)
     }
 
-    /// Whether the way is as long as without the fault.
+    /// Returns whether the way is as long as without the fault.
     #[must_use]
     pub fn is_as_long(&self) -> bool {
         self.way_m.abs() <= WAY_M
     }
 
-    /// Whether it was counted, or there was nothing to count.
+    /// Returns whether it was counted, or there was nothing to count.
     #[must_use]
     pub fn is_counted(&self) -> bool {
         self.is_harmless || !self.counted.is_empty()
@@ -166,7 +169,8 @@ impl FaultOutcome {
 }
 
 impl FaultRow {
-    /// What is not as it should be, and not declared by the fault either; or declared and not so.
+    /// Returns what is not as it should be, and not declared by the fault either; or declared and
+    /// not so.
     #[must_use]
     pub fn complaints(&self) -> Vec<String> {
         let mut complaints = Vec::new();
@@ -201,7 +205,7 @@ impl FaultRow {
         complaints
     }
 
-    /// What came of it, in a word.
+    /// Returns what came of it, in a word.
     #[must_use]
     pub fn verdict(&self) -> &'static str {
         let all = |is: fn(&FaultOutcome) -> bool| self.outcomes.iter().all(is);

@@ -13,7 +13,7 @@ const ENDS_M: f64 = 500.0;
 /// Way after a fault's end from which it is to be over, m.
 pub const RECOVERY_M: f64 = 2_000.0;
 
-/// What an estimator made of frames.
+/// Returns what an estimator made of frames.
 ///
 /// # Panics
 /// With a vehicle that there cannot be, or without room for what it drives.
@@ -27,7 +27,7 @@ pub fn estimated<S: Scalar>(model: &Model, frames: Frames<'_>) -> SmoothedRun {
     recorder.finish().expect("room for a drive")
 }
 
-/// Whether every number in every row is one, and every sigma above nought.
+/// Returns whether every number in every row is one, and every sigma above nought.
 #[must_use]
 pub fn is_sound(rows: &[RunRow]) -> bool {
     rows.iter().all(|row| {
@@ -49,7 +49,7 @@ pub fn is_sound(rows: &[RunRow]) -> bool {
     })
 }
 
-/// Grade and sigma: smoothed, lagged and live.
+/// Returns grade and sigma: smoothed, lagged and live.
 const fn looks(row: &RunRow) -> [(f64, f64); 3] {
     [
         (row.grade_percent, row.grade_sigma_percent),
@@ -157,13 +157,13 @@ impl TrueDrive {
         }
     }
 
-    /// How far the drive had come at a time, m.
+    /// Returns how far the drive had come at a time, m.
     #[must_use]
     pub fn way_m(&self, time_s: f64) -> f64 {
         linear(&self.ways, time_s).unwrap_or_else(|| self.length_m())
     }
 
-    /// All of it, m.
+    /// Returns all of it, m.
     #[must_use]
     pub fn length_m(&self) -> f64 {
         self.ways.last().map_or(0.0, |(_, way_m)| *way_m)

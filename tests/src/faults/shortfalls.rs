@@ -42,7 +42,7 @@ const NOISE_OF_TORQUE: &str =
 const NO_WAY: &str = "The way in a long gap is its time times the mean of the speeds before and \
     after; its cells are missing, not made up.";
 const STUCK_SPEED: &str = "Detected only when the engine has come away by 0.5 % from the speed that is \
-    told: until then, for some seconds, a speed that does not change is read as a slope. After that \
+    reported: until then, for some seconds, a speed that does not change is read as a slope. After that \
     the front axle's speed stands in, or there is none, and cells are missing.";
 const STUCK_TORQUE: &str = "Not detected for what it is: full load and overrun are constant torques, \
     too, and the road may rise by what the torque lacks. GNSS, which tells otherwise, is taken to \

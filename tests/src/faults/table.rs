@@ -31,13 +31,13 @@ cells are the same to the last bit. What is not withstood, or not seen, has its 
 /// Counted kinds that are shown; the rest are few or follow from these.
 const MOST_KINDS: usize = 4;
 
-/// Where the table is.
+/// Returns where the table is.
 #[must_use]
 pub fn committed_file() -> PathBuf {
     root().join("tests/faults.md")
 }
 
-/// The table.
+/// Returns the table.
 #[must_use]
 pub fn table(rows: &[FaultRow]) -> String {
     let mut text = HEAD.to_owned();

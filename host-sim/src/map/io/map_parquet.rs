@@ -1,5 +1,5 @@
-//! MAP.parquet: the columns of MAP.csv, numbers in full. And placed runs, from which SQL makes
-//! the same map (`host-sim/sql/fuse.sql`).
+//! MAP.parquet: the columns of MAP.csv, not rounded. Also placed runs, from which SQL computes the
+//! same map (`host-sim/sql/fuse.sql`).
 
 use super::road_row::RoadRow;
 use super::way_file::{self, DIRECTION, Grouping, WAY};
@@ -12,14 +12,14 @@ use crate::map::geometry::way_name::WayName;
 use crate::map::matching::placing::PlacedCell;
 use std::path::Path;
 
-/// Versions of the columns; in the files' metadata.
+/// Versions of the columns, in the metadata of the files.
 const MAP_SCHEMA: &str = "map 1";
 const PLACED_SCHEMA: &str = "placed 1";
 
-/// Writes a map that appears when it is committed.
+/// Writes a map to a file that appears when it is committed.
 ///
 /// # Errors
-/// What the file system says.
+/// Returns the error of the file system.
 pub fn stage(path: &Path, ways: &[WayRows]) -> Result<Staged> {
     let rows = || ways.iter().flat_map(|way| &way.rows);
     let numbers = |name, value: fn(&MapRow) -> f64| ParquetColumn::numbers(name, rows().map(value));
@@ -51,7 +51,7 @@ pub fn stage(path: &Path, ways: &[WayRows]) -> Result<Staged> {
 /// Reads a map.
 ///
 /// # Errors
-/// With file, row and what was expected.
+/// Names the file, the row and what was expected.
 pub fn read(path: &Path) -> Result<Vec<WayRows>> {
     let names = [
         "distance_m",
@@ -85,7 +85,7 @@ pub fn read(path: &Path) -> Result<Vec<WayRows>> {
 /// Reads a road: any Parquet file with these three columns.
 ///
 /// # Errors
-/// With file, row and what was expected.
+/// Names the file, the row and what was expected.
 pub fn read_road(path: &Path) -> Result<Vec<WayRows<RoadRow>>> {
     let names = ["distance_m", "latitude_deg", "longitude_deg"];
     let row = |values: [Option<f64>; 3]| match values {
@@ -123,12 +123,12 @@ fn read_ways<T, const N: usize>(
     Ok(grouping.done())
 }
 
-/// Writes a run's cells on a road, to appear when committed: `session` (none for a run that
-/// belongs to none), `cell` (distance along the road over 2.5 m), grade and altitude with their
-/// variances.
+/// Writes the cells of a run on a road to a file that appears when it is committed: `session` (null
+/// for a run without one), `cell` (distance along the road over 2.5 m), grade and altitude with
+/// their variances.
 ///
 /// # Errors
-/// What the file system says.
+/// Returns the error of the file system.
 pub fn stage_placed(path: &Path, session: Option<&str>, cells: &[PlacedCell]) -> Result<Staged> {
     let altitude = |of: fn((f64, f64)) -> f64| cells.iter().map(move |cell| cell.altitude.map(of));
     let columns = vec![

@@ -54,7 +54,7 @@ pub fn not_better([_, modified, ours]: &[Vec<Estimated>; 3]) -> Vec<Experiment> 
         .collect()
 }
 
-/// The maps that are judged.
+/// Returns the maps that are judged.
 #[must_use]
 pub fn judged_maps(all: &[Vec<Estimated>; 3]) -> Vec<Map> {
     let last_of = |heading, runs| {
@@ -77,7 +77,7 @@ pub fn judged_maps(all: &[Vec<Estimated>; 3]) -> Vec<Map> {
         .collect()
 }
 
-/// What the tables say, in words.
+/// Returns what the tables say, in words.
 #[must_use]
 pub fn words(all: &[Vec<Estimated>; 3]) -> Vec<String> {
     let runs = all[0].len();
@@ -127,7 +127,7 @@ pub fn words(all: &[Vec<Estimated>; 3]) -> Vec<String> {
     ]
 }
 
-/// The methods run by run.
+/// Returns the methods run by run.
 #[must_use]
 pub fn each_run(runs: &[Replica], all: &[Vec<Estimated>; 3]) -> Table {
     let [original, modified, ours] = all;
@@ -171,7 +171,7 @@ pub fn each_run(runs: &[Replica], all: &[Vec<Estimated>; 3]) -> Table {
     table
 }
 
-/// The methods on the maps that are judged.
+/// Returns the methods on the maps that are judged.
 #[must_use]
 pub fn maps(all: &[Vec<Estimated>; 3]) -> Table {
     let header = [
@@ -194,7 +194,7 @@ pub fn maps(all: &[Vec<Estimated>; 3]) -> Table {
     Table::new("maps", caption, &header).with_rows(rows)
 }
 
-/// How maps get better with runs, one figure a direction.
+/// Returns how maps get better with runs, one figure a direction.
 #[must_use]
 pub fn figures(all: &[Vec<Estimated>; 3]) -> Vec<Figure> {
     Heading::BOTH

@@ -53,7 +53,7 @@ fn run(setting: &Setting) -> Result<StudyOutcome> {
     }))
 }
 
-/// A run in each campaign, by the modified method and by ours.
+/// Returns a run in each campaign, by the modified method and by ours.
 fn pairs(all: &[[Vec<Estimated>; 3]], run: usize) -> Vec<(&Estimated, &Estimated)> {
     all.iter()
         .map(|[_, modified, ours]| (&modified[run], &ours[run]))

@@ -52,7 +52,7 @@ impl ComparisonSummary {
     }
 }
 
-/// Sums up both methods.
+/// Returns sums up both methods.
 #[must_use]
 pub fn summary(original: &[Estimated], modified: &[Estimated]) -> ComparisonSummary {
     let mut all = Vec::new();
@@ -118,13 +118,14 @@ pub fn summary(original: &[Estimated], modified: &[Estimated]) -> ComparisonSumm
     ComparisonSummary(all)
 }
 
-/// A column of tables 5-8 as the thesis printed it, %; NaN for a method that it does not have.
+/// Returns a column of tables 5-8 as the thesis printed it, %; NaN for a method that it does not
+/// have.
 fn printed(method: ThesisMethod, experiment: Experiment, column: usize) -> f64 {
     let row = method.of_thesis(experiment);
     row.map_or(f64::NAN, |row| row[column])
 }
 
-/// Which numbers differ by more than a quarter, in words.
+/// Returns which numbers differ by more than a quarter, in words.
 #[must_use]
 pub fn differences(summary: &ComparisonSummary) -> Vec<String> {
     let far: Vec<String> = summary

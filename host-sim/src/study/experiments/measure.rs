@@ -50,7 +50,7 @@ pub fn rmse(truth: &[f64], grade_percent: &[f64]) -> f64 {
     rms((EDGE..truth.len() - EDGE).map(|k| grade_percent[k] - truth[k]))
 }
 
-/// Mean over all points between the ends of (error / sigma)²: 1 if the sigmas are honest.
+/// Returns mean over all points between the ends of (error / sigma)²: 1 if the sigmas are honest.
 #[must_use]
 pub fn nees(truth: &[f64], profile: &Profile) -> f64 {
     let normalised = |k: usize| {
@@ -82,7 +82,7 @@ pub fn merged(profiles: &[&Profile]) -> Vec<f64> {
         .collect()
 }
 
-/// Points between the ends that are left out.
+/// Returns points between the ends that are left out.
 #[must_use]
 pub fn inner(run: &Replica) -> Range<usize> {
     EDGE..run.truth.len() - EDGE

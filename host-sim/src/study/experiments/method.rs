@@ -70,7 +70,7 @@ impl ThesisMethod {
         all.get(experiment.number - 1).copied()
     }
 
-    /// The grade of a run.
+    /// Returns the grade of a run.
     #[must_use]
     pub fn estimate(self, run: &Replica) -> Profile {
         match self {
@@ -80,7 +80,7 @@ impl ThesisMethod {
         }
     }
 
-    /// All runs, estimated and merged one by one in each direction.
+    /// Returns all runs, estimated and merged one by one in each direction.
     #[must_use]
     pub fn apply(self, runs: &[Replica]) -> Vec<Estimated> {
         let profiles: Vec<Profile> = runs.par_iter().map(|run| self.estimate(run)).collect();

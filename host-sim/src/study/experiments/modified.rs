@@ -11,7 +11,7 @@ use super::replica::Replica;
 use crate::comparison::{MeasuredPoint, Profile, STEP_M};
 use crate::error::Result;
 use crate::report::page::{Figure, Section, Table};
-use crate::report::plot::{Plot, Series, colour, stretches};
+use crate::report::plot::{Plot, Series, colour, shaded_ranges};
 use crate::study::definition::{Setting, Study, StudyOutcome};
 
 /// Range of grade errors in the figures, %.
@@ -66,8 +66,8 @@ fn words() -> Vec<String> {
     ]
 }
 
-/// One of tables 5-8: a method of the thesis as replicated and as printed, and ours on the same
-/// runs.
+/// Returns one of tables 5-8: a method of the thesis as replicated and as printed, and ours on the
+/// same runs.
 fn table(
     number: usize,
     method: ThesisMethod,
@@ -173,7 +173,7 @@ fn error_figure(name: &str, caption: &str, runs: &[(&Replica, &Estimated)]) -> O
     let error = inner(first).map(|k| (km(k), grade[k] - first.truth[k]));
     let mut plot =
         Plot::new("distance (km)", "grade error (%)").with(Series::line("", colour::BLUE, error));
-    plot.shaded = stretches(inner(first).map(|k| (km(k), any(k, |point| point.braking))));
+    plot.shaded = shaded_ranges(inner(first).map(|k| (km(k), any(k, |point| point.braking))));
     plot.ticks = inner(first)
         .filter(|&k| any(k, |point| point.shifting) && !any(k - 1, |point| point.shifting))
         .map(km)

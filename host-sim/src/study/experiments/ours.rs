@@ -36,7 +36,7 @@ pub fn estimate(drive: &MeasuredDrive) -> Ours {
     estimate_in::<f32, f64>(drive)
 }
 
-/// The same in these numbers, on the vehicle and after it.
+/// Returns the same in these numbers, on the vehicle and after it.
 #[must_use]
 pub fn estimate_in<Live: Scalar, After: Scalar>(drive: &MeasuredDrive) -> Ours {
     let mut context = Context {
@@ -70,8 +70,8 @@ pub fn estimate_in<Live: Scalar, After: Scalar>(drive: &MeasuredDrive) -> Ours {
     }
 }
 
-/// The vehicle as the drive believes it. The force and what rotates come with each point: how large
-/// a wheel is does not matter.
+/// Returns the vehicle as the drive believes it. The force and what rotates come with each point:
+/// how large a wheel is does not matter.
 fn believed(drive: &MeasuredDrive) -> VehicleParameters {
     VehicleParameters {
         mass_kg: drive.mass_kg as f32,
@@ -83,9 +83,9 @@ fn believed(drive: &MeasuredDrive) -> VehicleParameters {
     }
 }
 
-/// One sample a point, which ends the cell before it: speed and altitude are those of the point,
-/// force and condition those of the way that led there. The drive has altitude at each point; a
-/// receiver tells it once a second.
+/// Returns one sample a point, which ends the cell before it: speed and altitude are those of the
+/// point, force and condition those of the way that led there. The drive has altitude at each
+/// point; a receiver tells it once a second.
 fn samples(drive: &MeasuredDrive) -> Vec<Sample> {
     let points = &drive.points;
     let mut elapsed_s = 0.0;

@@ -44,13 +44,13 @@ const GRADES_PERCENT: [f64; 5] = [0.015, 0.03, 0.06, 0.12, 0.24];
 /// Tried for the other two: noise of altitude and of the model as factors of the original's.
 const FACTORS: [f64; 5] = [1.0, 2.0, 4.0, 8.0, 16.0];
 
-/// The training runs.
+/// Returns the training runs.
 #[must_use]
 pub fn training_runs() -> Vec<Replica> {
     Campaign::new(TRAINING_SEED).replicas()
 }
 
-/// What is tried for the original filter.
+/// Returns what is tried for the original filter.
 #[must_use]
 pub fn for_original() -> Vec<NoiseSigmas> {
     pairs(&CLIMBS_M, &GRADES_PERCENT)
@@ -64,7 +64,7 @@ pub fn for_original() -> Vec<NoiseSigmas> {
         .collect()
 }
 
-/// What is tried for the GPS-heavy filter: the model trusted less.
+/// Returns what is tried for the GPS-heavy filter: the model trusted less.
 #[must_use]
 pub fn for_gps_heavy() -> Vec<NoiseSigmas> {
     pairs(&FACTORS, &GRADES_PERCENT)
@@ -76,7 +76,7 @@ pub fn for_gps_heavy() -> Vec<NoiseSigmas> {
         .collect()
 }
 
-/// What is tried for the GPS-light filter: altitude trusted less, and the model more.
+/// Returns what is tried for the GPS-light filter: altitude trusted less, and the model more.
 #[must_use]
 pub fn for_gps_light() -> Vec<NoiseSigmas> {
     let mut all = Vec::new();
@@ -99,7 +99,7 @@ fn pairs<'a>(first: &'a [f64], second: &'a [f64]) -> impl Iterator<Item = (f64, 
     first.iter().flat_map(with)
 }
 
-/// The candidate with the smallest mean of `score` over the runs, and that mean.
+/// Returns the candidate with the smallest mean of `score` over the runs, and that mean.
 #[must_use]
 pub fn best(
     runs: &[Replica],
@@ -229,7 +229,7 @@ fn run(_: &Setting) -> Result<StudyOutcome> {
     }))
 }
 
-/// Mean of a score over the runs.
+/// Returns mean of a score over the runs.
 #[must_use]
 pub fn mean_of(
     runs: &[Replica],

@@ -41,7 +41,7 @@ pub fn simulated(seed: u64) -> Vec<Vec<f64>> {
 /// [`measured`] of the first mission in the data folder; `None` if there is none.
 ///
 /// # Errors
-/// As [`measured`].
+/// Returns the errors of [`measured`].
 pub fn of_data(data: &Path) -> Result<Option<Vec<Vec<f64>>>> {
     mission_file(data).as_deref().map(measured).transpose()
 }
@@ -157,7 +157,7 @@ fn place(road: &Network, track: &[AltitudeFix]) -> Vec<MatchedFix> {
         .collect()
 }
 
-/// What each pass has above the mean of all, where all have been.
+/// Returns what each pass has above the mean of all, where all have been.
 fn deviations(passes: &[Vec<MatchedFix>]) -> Vec<Vec<f64>> {
     let profiles: Vec<Vec<(f64, f64)>> = passes
         .iter()

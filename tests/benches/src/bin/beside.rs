@@ -119,7 +119,7 @@ fn filters(turns: usize, python: Option<&str>) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Whether all peers are where the first of them is.
+/// Returns whether all peers are where the first of them is.
 fn agree(filters: &[&FilterTurns], tolerance: f64) -> Result<(), String> {
     let mut peers = filters.iter().filter(|f| f.figure.name != OURS);
     let Some(first) = peers.next() else {
@@ -178,7 +178,7 @@ fn drive(turns: usize, python: Option<&str>) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// What a program in Python says, one JSON object a line.
+/// Returns what a program in Python says, one JSON object a line.
 fn ask(
     python: &str,
     program: &str,
