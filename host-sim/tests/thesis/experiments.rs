@@ -211,7 +211,7 @@ fn ours_is_told_an_altitude_once_a_second_and_none_without_satellites() {
     assert!((used(&silent.drive) / fixes - 8_000.0 / 18_800.0).abs() < 0.02);
     let sigma = |drive| ours::estimate(drive).smoothed.sigma_percent[14_000];
     // From the model alone it is less sure, and says so.
-    let [silent, told] = [&silent.drive, &run.drive].map(sigma);
+    let [silent, reported] = [&silent.drive, &run.drive].map(sigma);
     assert!(silent > 1.2 * reported, "{silent} {reported}");
 }
 

@@ -154,7 +154,7 @@ fn a_false_torque_follows_the_grade_and_altitude_is_the_road_plus_the_error() {
     for (k, point) in run.drive.points.iter().enumerate() {
         assert_eq!(point.altitude_m.is_some(), k < 100);
         if let Some(reported) = point.altitude_m {
-            assert!((told - altitude_m).abs() < 1e-9);
+            assert!((reported - altitude_m).abs() < 1e-9);
         }
         let grade = run.true_grade_percent[k];
         altitude_m += STEP_M * grade / grade.hypot(100.0);
