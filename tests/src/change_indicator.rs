@@ -153,7 +153,7 @@ impl Indicated {
                 .iter()
                 .find(|fault| fault.name == name)
                 .ok_or_else(|| Error::content(Path::new(name), "is no fault of the catalogue"))?;
-            let run = estimated::<f32>(vehicle, fault.heard(&simulated.frames));
+            let run = estimated::<f32>(vehicle, fault.received(&simulated.frames));
             let words: Vec<&str> = name.split(|c: char| !c.is_alphanumeric()).collect();
             self.add(format!("fault_{}", words.join("_")), text_of(&run));
         }

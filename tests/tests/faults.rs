@@ -193,7 +193,7 @@ fn a_recording_without_a_fault_is_heard_as_it_is() {
     let run = drive("B", 1).unwrap();
     for fault in catalogue() {
         let same = fault
-            .heard(&run.frames)
+            .received(&run.frames)
             .zip(&run.frames)
             .take_while(|(heard, recorded)| heard == *recorded);
         let (alike, first) = (same.count(), run.frames[0].time);

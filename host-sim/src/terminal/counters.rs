@@ -13,123 +13,86 @@ pub struct CountedEvent {
     pub count: u64,
 }
 
+/// Keys whose name differs from the key.
+const NAMES: [(&str, &str); 22] = [
+    ("frames malformed", "malformed frames"),
+    ("fast packets broken", "incomplete fast packets"),
+    ("inputs back in time", "inputs with earlier time stamps"),
+    ("inputs far ahead", "inputs with time stamps far ahead"),
+    (
+        "values of other senders",
+        "values of other source addresses",
+    ),
+    ("sender switches", "source address switches"),
+    ("speeds that leapt", "speed jumps"),
+    ("speeds that were frozen", "frozen speeds"),
+    ("steps of the speed", "speed steps"),
+    ("gaps in speed", "speed gaps"),
+    ("cells that are no numbers", "non-finite cells"),
+    ("cells with brakes guessed", "cells with inferred braking"),
+    ("stops that reopened the load", "load prior resets at stops"),
+    ("scales far from the file", "scale prior resets"),
+    ("fixes of a frozen receiver", "frozen fixes"),
+    ("altitudes left out", "altitudes rejected"),
+    ("altitudes left out singly", "single altitude outliers"),
+    ("gaps in altitude", "altitude gaps"),
+    ("drifts of GNSS altitude", "GNSS altitude drifts"),
+    ("of these taken for true", "of these accepted"),
+    ("steps of GNSS altitude", "GNSS altitude steps"),
+    ("altitude set anew", "altitude resets"),
+];
+
+/// Returns the name of a counter with this key.
+#[must_use]
+pub fn name_of(key: &'static str) -> &'static str {
+    let known = NAMES.iter().find(|(known, _)| *known == key);
+    known.map_or(key, |(_, name)| name)
+}
+
 /// Returns the counters that are not zero, in a fixed order.
 #[must_use]
 pub fn events(c: &Counters) -> Vec<CountedEvent> {
-    let same = |name, count: u64| CountedEvent {
-        key: name,
-        name,
-        count,
-    };
-    let named = |key, name, count: u64| CountedEvent { key, name, count };
     [
-        named(
-            "frames malformed",
-            "malformed frames",
-            c.frames_malformed.into(),
-        ),
-        named(
-            "fast packets broken",
-            "incomplete fast packets",
-            c.fast_packets_broken.into(),
-        ),
-        named(
-            "inputs back in time",
-            "inputs with earlier time stamps",
-            c.time_backwards.into(),
-        ),
-        named(
-            "inputs far ahead",
-            "inputs with time stamps far ahead",
-            c.times_ahead.into(),
-        ),
-        same("clocks set back", c.clocks_set_back.into()),
-        same("long silences", c.silences.into()),
-        same("values not available", c.not_available.into()),
-        same("values in error", c.errors.into()),
-        named(
-            "values of other senders",
-            "values of other source addresses",
-            c.other_source.into(),
-        ),
-        named(
-            "sender switches",
-            "source address switches",
-            c.source_switches.into(),
-        ),
-        same("rates exceeded", c.rates_exceeded.into()),
-        named("speeds that leapt", "speed jumps", c.speed_leaps.into()),
-        named(
-            "speeds that were frozen",
-            "frozen speeds",
-            c.frozen_speeds.into(),
-        ),
-        named("steps of the speed", "speed steps", c.speed_steps.into()),
-        same("poor fixes", c.poor_fixes.into()),
-        named("gaps in speed", "speed gaps", c.gaps.into()),
-        same(
+        ("frames malformed", c.frames_malformed.into()),
+        ("fast packets broken", c.fast_packets_broken.into()),
+        ("inputs back in time", c.time_backwards.into()),
+        ("inputs far ahead", c.times_ahead.into()),
+        ("clocks set back", c.clocks_set_back.into()),
+        ("long silences", c.silences.into()),
+        ("values not available", c.not_available.into()),
+        ("values in error", c.errors.into()),
+        ("values of other senders", c.other_source.into()),
+        ("sender switches", c.source_switches.into()),
+        ("rates exceeded", c.rates_exceeded.into()),
+        ("speeds that leapt", c.speed_leaps.into()),
+        ("speeds that were frozen", c.frozen_speeds.into()),
+        ("steps of the speed", c.speed_steps.into()),
+        ("poor fixes", c.poor_fixes.into()),
+        ("gaps in speed", c.gaps.into()),
+        (
             "cells lost",
             c.samples_lost.saturating_add(c.cells_lost).into(),
         ),
-        named(
-            "cells that are no numbers",
-            "non-finite cells",
-            c.cells_unsound.into(),
-        ),
-        named(
-            "cells with brakes guessed",
-            "cells with inferred braking",
-            c.brakes_guessed.into(),
-        ),
-        named(
-            "stops that reopened the load",
-            "load prior resets at stops",
-            c.loads_reopened.into(),
-        ),
-        named(
-            "scales far from the file",
-            "scale prior resets",
-            c.scales_reopened.into(),
-        ),
-        named(
-            "fixes of a frozen receiver",
-            "frozen fixes",
-            c.frozen_fixes.into(),
-        ),
-        named(
-            "altitudes left out",
-            "altitudes rejected",
-            c.altitudes_rejected.into(),
-        ),
-        named(
-            "altitudes left out singly",
-            "single altitude outliers",
-            c.altitude_outliers.into(),
-        ),
-        named("gaps in altitude", "altitude gaps", c.altitude_gaps.into()),
-        named(
-            "drifts of GNSS altitude",
-            "GNSS altitude drifts",
-            c.altitude_drifts.into(),
-        ),
-        named(
-            "of these taken for true",
-            "of these accepted",
-            c.altitude_drifts_believed.into(),
-        ),
-        named(
-            "steps of GNSS altitude",
-            "GNSS altitude steps",
-            c.altitude_steps.into(),
-        ),
-        named(
-            "altitude set anew",
-            "altitude resets",
-            c.altitude_resets.into(),
-        ),
-        same("filter restarts", c.restarts.into()),
+        ("cells that are no numbers", c.cells_unsound.into()),
+        ("cells with brakes guessed", c.brakes_guessed.into()),
+        ("stops that reopened the load", c.loads_reopened.into()),
+        ("scales far from the file", c.scales_reopened.into()),
+        ("fixes of a frozen receiver", c.frozen_fixes.into()),
+        ("altitudes left out", c.altitudes_rejected.into()),
+        ("altitudes left out singly", c.altitude_outliers.into()),
+        ("gaps in altitude", c.altitude_gaps.into()),
+        ("drifts of GNSS altitude", c.altitude_drifts.into()),
+        ("of these taken for true", c.altitude_drifts_believed.into()),
+        ("steps of GNSS altitude", c.altitude_steps.into()),
+        ("altitude set anew", c.altitude_resets.into()),
+        ("filter restarts", c.restarts.into()),
     ]
     .into_iter()
-    .filter(|event| event.count > 0)
+    .filter(|(_, count)| *count > 0)
+    .map(|(key, count)| CountedEvent {
+        key,
+        name: name_of(key),
+        count,
+    })
     .collect()
 }

@@ -119,7 +119,7 @@ impl Fault {
 
     /// Returns a recording as it is heard with the fault.
     #[must_use]
-    pub fn heard<'a>(&self, recording: &'a [TimedFrame]) -> Frames<'a> {
+    pub fn received<'a>(&self, recording: &'a [TimedFrame]) -> Frames<'a> {
         let first = recording.first().map_or(Instant::ZERO, |timed| timed.time);
         let at = |since_s: f64| first + seconds(since_s);
         (self.wrap)(recording, at(self.window_s.0)..at(self.window_s.1))
@@ -166,28 +166,34 @@ fn of_the_bus() -> Vec<Fault> {
         bus("silence of 1 s", 1.0, |f, w| lost(f, w, |_| true)),
         bus("silence of 10 s", 10.0, |f, w| lost(f, w, |_| true)),
         bus("silence of 60 s", 60.0, |f, w| lost(f, w, |_| true)),
-        bus("every frame twice", 120.0, |f, w| repeated(f, w, 2)),
-        bus("0.5 s late", 120.0, |f, w| delayed(f, w, |_| seconds(0.5))),
-        bus("up to 0.2 s late at random", 120.0, |f, w| {
+        bus("every frame repeated", 120.0, |f, w| repeated(f, w, 2)),
+        bus("frames 0.5 s late", 120.0, |f, w| {
+            delayed(f, w, |_| seconds(0.5))
+        }),
+        bus("frames up to 0.2 s late at random", 120.0, |f, w| {
             delayed(f, w, |rng| seconds(rng.random_range(0.0..0.2)))
         }),
-        bus("neighbours swapped, with their times", 120.0, |f, w| {
-            swapped(f, w, true)
-        }),
-        bus("neighbours swapped before timing", 120.0, |f, w| {
-            swapped(f, w, false)
-        }),
+        bus(
+            "neighbouring frames swapped, with their time stamps",
+            120.0,
+            |f, w| swapped(f, w, true),
+        ),
+        bus(
+            "neighbouring frames swapped before time stamping",
+            120.0,
+            |f, w| swapped(f, w, false),
+        ),
         bus("one frame in five cut short", 120.0, |f, w| {
             truncated(f, w, 5)
         }),
         bus("over-long fast packets", 120.0, overlong_packets),
-        bus("a bit flipped in one frame of 100", 120.0, |f, w| {
+        bus("one bit flipped in one frame of 100", 120.0, |f, w| {
             bit_flipped(f, w, 100)
         }),
-        bus("fast packets' counters stand", 120.0, |f, w| {
+        bus("fast packet sequence counter stuck", 120.0, |f, w| {
             sequenced(f, w, |_| 0)
         }),
-        bus("fast packets' counters at random", 120.0, |f, w| {
+        bus("fast packet sequence counter random", 120.0, |f, w| {
             let mut rng = random();
             sequenced(f, w, move |_| rng.random_range(0..8))
         }),
@@ -201,10 +207,14 @@ fn of_the_bus() -> Vec<Fault> {
                 }
             })
         }),
-        bus("all senders at another address", 60.0, |f, w| {
+        bus("all messages from another source address", 60.0, |f, w| {
             readdressed(f, w, |own| own ^ 0x40)
         }),
-        bus("twins with 11-bit identifiers", 120.0, with_short_twins),
+        bus(
+            "duplicates with 11-bit identifiers",
+            120.0,
+            with_short_twins,
+        ),
     ]
 }
 
@@ -257,21 +267,25 @@ fn of_signals() -> Vec<Fault> {
         signal("shift stuck on", 120.0, |f, w| {
             replaced(f, w, SHIFT, Value::Real(1.0))
         }),
-        signal("one wheel speed in 20 off by up to 5 m/s", 120.0, |f, w| {
-            let mut rng = random();
-            altered(f, w, SPEED, move |_, mps| {
-                let off = rng.random_range(-5.0..5.0);
-                if rng.random_ratio(1, 20) {
-                    mps + off
-                } else {
-                    mps
-                }
-            })
-        }),
-        signal("wheel speed jumps to 0 each 10 s", 120.0, |f, w| {
+        signal(
+            "one wheel speed in 20 wrong by up to 5 m/s",
+            120.0,
+            |f, w| {
+                let mut rng = random();
+                altered(f, w, SPEED, move |_, mps| {
+                    let off = rng.random_range(-5.0..5.0);
+                    if rng.random_ratio(1, 20) {
+                        mps + off
+                    } else {
+                        mps
+                    }
+                })
+            },
+        ),
+        signal("wheel speed drops to 0 every 10 s", 120.0, |f, w| {
             altered(f, w, SPEED, |s, mps| if s % 10.0 < 0.3 { 0.0 } else { mps })
         }),
-        signal("one torque in 20 off by up to 50 %", 120.0, |f, w| {
+        signal("one torque in 20 wrong by up to 50 %", 120.0, |f, w| {
             let mut rng = random();
             altered(f, w, TORQUE, move |_, percent| {
                 let off = rng.random_range(-50.0_f32..50.0).round();
@@ -285,7 +299,7 @@ fn of_signals() -> Vec<Fault> {
         signal("speed 3 % high for 120 s", 120.0, |f, w| {
             altered(f, w, SPEEDS, |_, v| 1.03 * v)
         }),
-        signal("speed 3 % high for ever", FOR_EVER_S, |f, w| {
+        signal("speed 3 % high from the start", FOR_EVER_S, |f, w| {
             altered(f, w, SPEEDS, |_, v| 1.03 * v)
         })
         .from(0.0),
@@ -312,11 +326,11 @@ pub fn of_the_receiver() -> Vec<Fault> {
         gnss("no fix for 600 s", 600.0, |f, w| {
             replaced(f, w, FIX, Value::Real(0.0))
         }),
-        gnss("never a fix", FOR_EVER_S, |f, w| {
+        gnss("no fix at all", FOR_EVER_S, |f, w| {
             replaced(f, w, FIX, Value::Real(0.0))
         })
         .from(0.0),
-        gnss("silent for 120 s", 120.0, |f, w| {
+        gnss("no messages for 120 s", 120.0, |f, w| {
             lost(f, w, |timed| {
                 pgn(&timed.frame).is_some_and(|pgn| pgn >= 129_000)
             })
@@ -325,10 +339,10 @@ pub fn of_the_receiver() -> Vec<Fault> {
             replaced(f, w, ALTITUDE, Value::NotAvailable)
         }),
         gnss("frozen for 120 s", 120.0, |f, w| stuck(f, w, POSITION)),
-        gnss("25 m off for 60 s", 60.0, |f, w| {
+        gnss("altitude 25 m too high for 60 s", 60.0, |f, w| {
             altered(f, w, ALTITUDE, |_, m| m + 25.0)
         }),
-        gnss("single fixes 40 m off", 120.0, |f, w| {
+        gnss("single altitudes 40 m too high", 120.0, |f, w| {
             let mut rng = random();
             altered(f, w, ALTITUDE, move |_, m| {
                 if rng.random_ratio(1, 10) { m + 40.0 } else { m }
@@ -356,13 +370,13 @@ fn of_the_clock() -> Vec<Fault> {
             ..clock("set back by 0.3 s", |f, w| set_back(f, w, seconds(0.3)))
         },
         clock("set back by 1 h", |f, w| set_back(f, w, seconds(3600.0))),
-        clock("counter of 32 bits begins anew", |f, w| wraps(f, w)),
-        leap("leaps ahead by 60 s", 60.0),
-        leap("leaps ahead by 1 h", 3600.0),
-        clock("single frames an hour early", |f, w| {
+        clock("counter of 32 bits wraps around", |f, w| wraps(f, w)),
+        leap("jumps ahead by 60 s", 60.0),
+        leap("jumps ahead by 1 h", 3600.0),
+        clock("single frames one hour early", |f, w| {
             strays(f, w, 100, seconds(3600.0), false)
         }),
-        clock("single frames a day late", |f, w| {
+        clock("single frames one day late", |f, w| {
             strays(f, w, 100, seconds(86_400.0), true)
         }),
     ]
@@ -380,10 +394,15 @@ fn attacks() -> Vec<Fault> {
         })
     };
     vec![
-        with("repeats from another address", 120.0, 1, |_| STRANGER),
-        with("the same, five times as fast", 120.0, 5, |_| STRANGER),
+        with("replay from another source address", 120.0, 1, |_| STRANGER),
+        with(
+            "replay from another source address, five times as fast",
+            120.0,
+            5,
+            |_| STRANGER,
+        ),
         attack(
-            "is there before the true senders",
+            "sends before the true senders start",
             60.0,
             |recording, window| {
                 let silent = window.start..window.start + seconds(5.0);
@@ -393,7 +412,7 @@ fn attacks() -> Vec<Fault> {
         )
         .from(0.0),
         attack(
-            "speaks while the true senders pause for 15 s",
+            "sends while the true senders pause for 15 s",
             60.0,
             |recording, window| {
                 let silent = window.start..window.start + seconds(15.0);
@@ -404,9 +423,9 @@ fn attacks() -> Vec<Fault> {
                 )
             },
         ),
-        with("repeats from the true addresses", 60.0, 1, |own| own),
+        with("replay from the true source addresses", 60.0, 1, |own| own),
         with(
-            "the same, five times as fast, true addresses",
+            "replay from the true source addresses, five times as fast",
             60.0,
             5,
             |own| own,

@@ -29,7 +29,7 @@ struct Subject {
     clean: SmoothedRun,
 }
 
-/// What came of a fault on all drives of one truck.
+/// The outcome of a fault on all drives of one truck.
 #[derive(Clone, Debug)]
 pub struct FaultOutcome {
     /// The truck.
@@ -38,19 +38,19 @@ pub struct FaultOutcome {
     pub with: Phases,
     /// Errors without it, of the same stretches.
     pub without: Phases,
-    /// What was counted more with the fault than without, by name.
+    /// Increase of the counters by the fault, by key.
     pub counted: BTreeMap<&'static str, u64>,
     /// Whether all numbers are some, with sigmas above nought.
     pub is_sound: bool,
     /// Whether each cell is what it is without the fault.
     pub is_harmless: bool,
     /// How much longer the way is than without the fault, where that is most, m.
-    pub way_m: f64,
+    pub distance_m: f64,
     /// How many cells are missing, on average.
     pub cells_missing: f64,
 }
 
-/// A fault and what came of it on each truck.
+/// A fault and its outcome on each truck.
 pub struct FaultRow {
     /// The fault.
     pub fault: Fault,
@@ -70,7 +70,7 @@ impl Subject {
     }
 
     fn with(&self, truck: &'static str, fault: &Fault) -> FaultOutcome {
-        let heard = fault.heard(&self.run.frames);
+        let heard = fault.received(&self.run.frames);
         let run = estimated::<f32>(&self.run.vehicle.model, heard);
         let times = Times {
             window_s: fault.window_s,
@@ -80,7 +80,7 @@ impl Subject {
             ahead_s: 0.0,
             ..times
         };
-        let way_m = |run: &SmoothedRun| run.rows.last().map_or(0.0, |row| row.distance_m);
+        let distance_m = |run: &SmoothedRun| run.rows.last().map_or(0.0, |row| row.distance_m);
         FaultOutcome {
             truck,
             with: self.truth.phases(&run.rows, &times),
@@ -88,7 +88,7 @@ impl Subject {
             counted: more(&run.counters, &self.clean.counters),
             is_sound: is_sound(&run.rows),
             is_harmless: run.rows == self.clean.rows,
-            way_m: way_m(&run) - way_m(&self.clean),
+            distance_m: distance_m(&run) - distance_m(&self.clean),
             cells_missing: self.clean.rows.len() as f64 - run.rows.len() as f64,
         }
     }
@@ -98,12 +98,12 @@ impl Subject {
 fn more(with: &Counters, without: &Counters) -> BTreeMap<&'static str, u64> {
     let all = |counters: &Counters| -> BTreeMap<&'static str, u64> {
         let others = [
-            ("frames of no interest", counters.frames_ignored),
+            ("frames not decoded", counters.frames_ignored),
             ("cells without a valid model", counters.invalid_steps.into()),
         ];
         let counted = events(counters)
             .into_iter()
-            .map(|event| (event.name, event.count));
+            .map(|event| (event.key, event.count));
         counted.chain(others).collect()
     };
     let before = all(without);
@@ -127,8 +127,8 @@ impl FaultOutcome {
             }
             all.is_sound &= one.is_sound;
             all.is_harmless &= one.is_harmless;
-            if one.way_m.abs() > all.way_m.abs() {
-                all.way_m = one.way_m;
+            if one.distance_m.abs() > all.distance_m.abs() {
+                all.distance_m = one.distance_m;
             }
             all.cells_missing += one.cells_missing;
             drives += 1.0;
@@ -158,7 +158,7 @@ impl FaultOutcome {
     /// Returns whether the way is as long as without the fault.
     #[must_use]
     pub fn is_as_long(&self) -> bool {
-        self.way_m.abs() <= WAY_M
+        self.distance_m.abs() <= WAY_M
     }
 
     /// Returns whether it was counted, or there was nothing to count.
@@ -177,7 +177,7 @@ impl FaultRow {
         let short = &self.fault.short;
         for (what, is_well, declared) in [
             (
-                "numbers that are none",
+                "non-finite values",
                 &FaultOutcome::is_sound as &dyn Fn(&FaultOutcome) -> bool,
                 false,
             ),
@@ -186,9 +186,9 @@ impl FaultRow {
                 &FaultOutcome::is_honest,
                 short.dishonest,
             ),
-            ("not got over", &FaultOutcome::is_recovered, short.lasting),
+            ("no recovery", &FaultOutcome::is_recovered, short.lasting),
             ("not counted", &FaultOutcome::is_counted, short.unseen),
-            ("another way", &FaultOutcome::is_as_long, short.displaced),
+            ("distance error", &FaultOutcome::is_as_long, short.displaced),
         ] {
             let of: Vec<_> = self
                 .outcomes
@@ -198,7 +198,7 @@ impl FaultRow {
             let trucks: Vec<_> = of.iter().map(|outcome| outcome.truck).collect();
             match (trucks.is_empty(), declared) {
                 (false, false) => complaints.push(format!("{what} ({})", trucks.join(", "))),
-                (true, true) => complaints.push(format!("declared, but not so: {what}")),
+                (true, true) => complaints.push(format!("declared, but not the case: {what}")),
                 _ => {}
             }
         }

@@ -141,7 +141,7 @@ pub struct Times {
 #[derive(Debug)]
 pub struct TrueDrive {
     grades: Vec<(f64, f64)>,
-    ways: Vec<(f64, f64)>,
+    distances: Vec<(f64, f64)>,
 }
 
 impl TrueDrive {
@@ -153,42 +153,44 @@ impl TrueDrive {
         };
         Self {
             grades: column(|row| row.grade_percent),
-            ways: column(|row| row.distance_m),
+            distances: column(|row| row.distance_m),
         }
     }
 
     /// Returns how far the drive had come at a time, m.
     #[must_use]
-    pub fn way_m(&self, time_s: f64) -> f64 {
-        linear(&self.ways, time_s).unwrap_or_else(|| self.length_m())
+    pub fn distance_m(&self, time_s: f64) -> f64 {
+        linear(&self.distances, time_s).unwrap_or_else(|| self.length_m())
     }
 
     /// Returns all of it, m.
     #[must_use]
     pub fn length_m(&self) -> f64 {
-        self.ways.last().map_or(0.0, |(_, way_m)| *way_m)
+        self.distances
+            .last()
+            .map_or(0.0, |(_, distance_m)| *distance_m)
     }
 
     /// Compares a run with it. Cells are where the vehicle truly was when they ended.
     #[must_use]
     pub fn phases(&self, rows: &[RunRow], times: &Times) -> Phases {
         let (from_s, until_s) = times.window_s;
-        let from_m = self.way_m(from_s);
-        let recovered_m = self.way_m(until_s) + RECOVERY_M;
+        let from_m = self.distance_m(from_s);
+        let recovered_m = self.distance_m(until_s) + RECOVERY_M;
         let mut errors = [CellErrors::default(); 4];
         for row in rows {
             let late_s = row.time_s - times.ahead_s;
             let time_s = if late_s >= from_s { late_s } else { row.time_s };
-            let way_m = self.way_m(time_s);
+            let distance_m = self.distance_m(time_s);
             let within = ENDS_M..self.length_m() - ENDS_M;
             let Some(grade_percent) =
-                linear(&self.grades, time_s).filter(|_| within.contains(&way_m))
+                linear(&self.grades, time_s).filter(|_| within.contains(&distance_m))
             else {
                 continue;
             };
-            let phase = match way_m {
-                way_m if way_m < from_m => 0,
-                way_m if way_m < recovered_m => 1,
+            let phase = match distance_m {
+                distance_m if distance_m < from_m => 0,
+                distance_m if distance_m < recovered_m => 1,
                 _ => 2,
             };
             errors[phase].add(row, grade_percent);
