@@ -1,25 +1,24 @@
-//! The estimate as CAN frames, for whoever else is on the bus.
+//! The estimate as CAN frames, for other nodes of the bus.
 //!
-//! Two messages of the range that J1939-21 leaves to manufacturers, laid out in `dbc/grade.dbc` and
-//! coded as J1939-71 does: steps and offsets, all ones for what is not known, values at the ends of
-//! the range for what lies beyond.
+//! Two messages of the range that J1939-21 leaves to manufacturers. `dbc/grade.dbc` has their layout.
+//! They are coded as in J1939-71: steps and offsets, all ones for "not available", and the ends of
+//! the range for values beyond it.
 
-use crate::cell::{Cell, Condition, Uncertain};
-use crate::estimator::Live;
+use crate::cell::{Cell, Condition, Live, Uncertain};
 use embedded_can::{ExtendedId, Frame, Id};
 
-/// Parameter group of the estimate now; ten times a second is a good rate.
+/// Parameter group of the live estimate. Ten frames a second are a good rate.
 pub const LIVE_PGN: u32 = 0xFF46;
 /// Parameter group of a finished cell.
 pub const CELL_PGN: u32 = 0xFF47;
-/// Lowest that J1939-21 gives to information.
+/// The default of J1939-21 for information.
 const PRIORITY: u32 = 6;
 
-/// Largest values that are no code (J1939-71, table 1).
+/// Largest raw values that are no code (J1939-71, table 1).
 const LARGEST_BYTE: f32 = 250.0;
 const LARGEST_WORD: f32 = 64_255.0;
 
-/// A step and an offset.
+/// Step and offset of a coding.
 #[derive(Clone, Copy)]
 struct Coding {
     step: f32,
@@ -31,8 +30,8 @@ const GRADE_SIGMA_PERCENT: Coding = Coding::new(0.02, 0.0);
 const SCALE: Coding = Coding::new(0.0001, 0.0);
 const ALTITUDE_M: Coding = Coding::new(0.125, -2_500.0);
 
-/// The frame of the estimate now, sent by `source`; with nothing known before the first. `None` if
-/// the frame type takes no eight bytes.
+/// Returns the frame of the live estimate with the source address `source`. All fields are "not
+/// available" without an estimate. `None` if the frame type does not take eight bytes.
 #[must_use]
 pub fn live<F: Frame>(live: Option<&Live>, source: u8) -> Option<F> {
     let mut data = [u8::MAX; 8];
@@ -42,7 +41,7 @@ pub fn live<F: Frame>(live: Option<&Live>, source: u8) -> Option<F> {
         let bias = GRADE_PERCENT.word(estimate.bias_percent.value);
         let scale = SCALE.word(estimate.scale.value);
         let sigma = GRADE_SIGMA_PERCENT.byte(estimate.grade_percent.sigma);
-        let status = status(live.place.condition);
+        let status = status(live.end.condition);
         data = [
             grade[0], grade[1], sigma, status, bias[0], bias[1], scale[0], scale[1],
         ];
@@ -50,11 +49,11 @@ pub fn live<F: Frame>(live: Option<&Live>, source: u8) -> Option<F> {
     frame(LIVE_PGN, source, &data)
 }
 
-/// The frame of a finished cell, sent by `source`. Its number counts 2.5 m and begins anew after
-/// 41,943 km.
+/// Returns the frame of a finished cell with the source address `source`. Its number counts cells of
+/// 2.5 m and wraps after 41,943 km. `None` if the frame type does not take eight bytes.
 #[must_use]
 pub fn cell<F: Frame>(cell: &Cell, source: u8) -> Option<F> {
-    let [n0, n1, n2, _] = cell.place.cell.to_le_bytes();
+    let [n0, n1, n2, _] = cell.end.cell.to_le_bytes();
     let Uncertain { value, sigma } = cell.lagged_grade_percent;
     let grade = GRADE_PERCENT.word(value);
     let altitude = cell
@@ -79,7 +78,7 @@ fn frame<F: Frame>(pgn: u32, source: u8, data: &[u8; 8]) -> Option<F> {
     F::new(Id::Extended(id), data)
 }
 
-/// Two bits each, as J1939-71 codes a switch: 0 off, 1 on.
+/// Returns two bits for each condition, as J1939-71 codes a switch: 0 off, 1 on.
 fn status(condition: Condition) -> u8 {
     let Condition {
         shifting,
@@ -98,7 +97,7 @@ impl Coding {
         Self { step, offset }
     }
 
-    /// Rounded; a value that is no number is not known.
+    /// Returns the rounded raw value, limited to the range; `None` for NaN.
     fn steps(self, value: f32, largest: f32) -> Option<f32> {
         let steps = (value - self.offset) / self.step + 0.5;
         (!steps.is_nan()).then(|| steps.max(0.0).min(largest))

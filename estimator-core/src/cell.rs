@@ -1,33 +1,34 @@
-//! One step of driven distance, and what was estimated for its end.
+//! A cell: one step of driven distance, and what the estimator says about its end.
 
 use crate::time::Instant;
 
 /// Length of a cell, m; the step of the thesis.
 pub const CELL_LENGTH_M: f32 = 2.5;
 
-/// What the model could be trusted with in a cell.
+/// Why the vehicle model does not hold in a cell; all false where it holds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Condition {
-    /// A gear shift, or its hold time.
+    /// A gear shift or its hold time is on.
     pub shifting: bool,
-    /// A brake other than the engine, or its hold time.
+    /// A brake other than the engine, or its hold time, is on.
     pub braking: bool,
-    /// The traction force is not known: stale or unavailable torque, no sign of the gear.
+    /// The traction force is unknown: torque is stale or not available, or the gear is unknown.
     pub no_traction: bool,
-    /// Too slow for the wheel sensors.
+    /// The speed is too low for the wheel sensors. The model still holds.
     pub crawling: bool,
 }
 
 impl Condition {
-    /// Neither a shift nor braking, their hold times over, and a traction force to go by.
+    /// Returns whether the vehicle model holds: no shift, no braking, their hold times over, and the
+    /// traction force known.
     #[must_use]
     pub const fn is_valid(self) -> bool {
         !(self.shifting || self.braking || self.no_traction)
     }
 
-    /// What either of two stretches suffered.
+    /// Returns the union of both conditions.
     #[must_use]
     pub const fn or(self, other: Self) -> Self {
         Self {
@@ -39,7 +40,7 @@ impl Condition {
     }
 }
 
-/// A number and its standard deviation.
+/// An estimate with its standard deviation.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -50,60 +51,81 @@ pub struct Uncertain {
     pub sigma: f32,
 }
 
-/// Where and when a cell ended.
+impl Uncertain {
+    /// Returns the estimate plus a number that is known exactly.
+    #[must_use]
+    pub const fn plus(self, number: f32) -> Self {
+        Self {
+            value: number + self.value,
+            ..self
+        }
+    }
+}
+
+/// Where and when a cell ends, and whether the vehicle model holds in it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Place {
-    /// Number of the cell: driven distance over [`CELL_LENGTH_M`].
+pub struct CellEnd {
+    /// Number of the cell: driven distance divided by [`CELL_LENGTH_M`].
     pub cell: u32,
-    /// When its end was reached.
+    /// Time at which the vehicle reaches the end.
     pub time: Instant,
-    /// Latitude and longitude in 1e-7 degrees, if a fix was near.
+    /// Latitude and longitude, 1e-7 degrees; `None` without a fix within 200 m.
     pub position_e7: Option<(i32, i32)>,
-    /// Speed there as measured, m/s.
+    /// Measured speed at the end, m/s.
     pub speed_mps: f32,
-    /// What the model could be trusted with.
+    /// Whether the vehicle model holds.
     pub condition: Condition,
 }
 
-impl Place {
-    /// Driven distance, m.
+impl CellEnd {
+    /// Returns the driven distance, m.
     #[must_use]
     pub fn distance_m(&self) -> f64 {
         f64::from(self.cell) * f64::from(CELL_LENGTH_M)
     }
 }
 
-/// The estimate at one place.
+/// The estimate at the end of a cell.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Estimate {
     /// Grade in %: 100 tan of the slope angle, positive uphill in the direction of travel.
     pub grade_percent: Uncertain,
-    /// Altitude in m, in the datum of the GNSS source; not known before the first fix.
+    /// Altitude in m, in the datum of the GNSS source; `None` before the first fix.
     pub altitude_m: Option<Uncertain>,
     /// Speed, m/s.
     pub speed_mps: f32,
-    /// Grade that the vehicle model reads too high, %.
+    /// Bias of the vehicle model: the grade that it reads too high, %.
     pub bias_percent: Uncertain,
-    /// True over modelled traction per kilogram.
+    /// Scale factor of the vehicle model: true over modelled traction per kilogram, 1.
     pub scale: Uncertain,
 }
 
-/// A finished cell: the live grade at its end and the one a fixed lag later.
+/// The live estimate: what is known at the end of the newest cell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct Live {
+    /// The end of the newest cell.
+    pub end: CellEnd,
+    /// The estimate there.
+    pub estimate: Estimate,
+}
+
+/// A finished cell: the live grade at its end, and the lagged grade.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Cell {
-    /// Where and when.
-    pub place: Place,
-    /// Grade with what was known at the cell's end, %.
+    /// Where and when the cell ends.
+    pub end: CellEnd,
+    /// Live grade: from the measurements up to the cell's end, %.
     pub live_grade_percent: Uncertain,
-    /// Grade with what was known a lag later, %.
+    /// Lagged grade: from the measurements up to a fixed lag later, %.
     pub lagged_grade_percent: Uncertain,
-    /// Altitude in m, in the datum of the GNSS source, with what was known some metres later; not
-    /// known before the first fix.
+    /// Altitude in m, in the datum of the GNSS source, smoothed within its block of cells; `None`
+    /// before the first fix.
     pub altitude_m: Option<Uncertain>,
 }

@@ -1,7 +1,7 @@
-//! What happened, counted by kind. Counters saturate.
+//! Counts of what happened, by kind.
 
-/// Counts since the start. Those of frames, readings, steps and altitudes are added to without a
-/// look at their end, which no drive comes near: steps end after ten million kilometres.
+/// Counts since the start. They saturate, except those of frames, readings, steps and altitudes,
+/// whose largest value no drive reaches: steps last for ten million kilometres.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Counters {
@@ -9,49 +9,49 @@ pub struct Counters {
     pub frames: u64,
     /// Frames that carried readings.
     pub frames_decoded: u64,
-    /// Frames of no interest.
+    /// Frames of messages that the decoder does not read.
     pub frames_ignored: u64,
-    /// Known frames that were too short or remote.
+    /// Frames of known messages that are too short, or remote.
     pub frames_malformed: u32,
-    /// Fast packets dropped for missing, repeated or swapped frames.
+    /// Fast packets dropped because of missing, repeated or swapped frames.
     pub fast_packets_broken: u32,
-    /// Frames or readings older than the one before.
+    /// Inputs older than the one before.
     pub time_backwards: u32,
-    /// Frames or readings far ahead of the one before, and alone in that.
+    /// Single inputs far ahead of the one before.
     pub times_ahead: u32,
-    /// The listener's clock was set back, or began anew.
+    /// Times that the receiver's clock was set back, or restarted.
     pub clocks_set_back: u32,
-    /// Long silences, or leaps of the listener's clock: nobody can tell them apart.
+    /// Long silences, or jumps of the receiver's clock: they look the same.
     pub silences: u32,
-    /// Readings whose sender said "not available".
+    /// Readings with the code "not available".
     pub not_available: u32,
-    /// Readings whose sender said "error", or that are no number.
+    /// Readings with the code "error", and non-finite readings.
     pub errors: u32,
-    /// Readings from another sender than the one in use.
+    /// Readings from another source than the one in use.
     pub other_source: u32,
-    /// Another sender took over a signal from a silent one.
+    /// Times that another source took over a signal from a silent one.
     pub source_switches: u32,
-    /// Times that a message came far faster than it had before: two may send it from one address.
+    /// Times that a message came far faster than before: two may send it from one address.
     pub rates_exceeded: u32,
-    /// Speeds that no vehicle changes to so fast.
+    /// Speeds that no vehicle can have reached from the one before.
     pub speed_leaps: u32,
-    /// Speeds that stayed the same to the last digit while the engine's changed.
+    /// Speeds that stayed the same to the last digit while the engine speed changed.
     pub frozen_speeds: u32,
     /// Speeds that moved the odometer.
     pub speeds_used: u64,
-    /// Traction forces known: torque with a gear, or a force.
+    /// Readings that gave a traction force: torque with a gear, or a force.
     pub tractions_used: u64,
     /// GNSS fixes without a usable altitude.
     pub poor_fixes: u32,
-    /// GNSS fixes that repeated an altitude along a way on which no receiver would.
+    /// GNSS fixes that repeated an altitude over a distance on which no receiver does.
     pub frozen_fixes: u32,
-    /// Stretches without speed.
+    /// Gaps without speed.
     pub gaps: u32,
-    /// Cells lost because `step` was not called often enough.
+    /// Samples lost because `step` was not called often enough.
     pub samples_lost: u32,
-    /// Finished cells overwritten because nobody fetched them.
+    /// Finished cells overwritten because they were not fetched.
     pub cells_lost: u32,
-    /// Finished cells whose smoothing gave a number that is none.
+    /// Finished cells with a non-finite lagged grade.
     pub cells_unsound: u32,
     /// Filter steps.
     pub steps: u32,
@@ -59,28 +59,34 @@ pub struct Counters {
     pub invalid_steps: u32,
     /// Altitudes used.
     pub altitudes_used: u32,
-    /// Altitudes left out because they did not fit.
+    /// Altitudes rejected by the gate.
     pub altitudes_rejected: u32,
-    /// Of these, single ones.
+    /// Of these, outliers.
     pub altitude_outliers: u32,
-    /// Cells at whose end the speed was another than the model allows; it was set anew.
+    /// Speeds that differ from the prediction by more than the model allows; the speed was reset.
     pub speed_steps: u32,
-    /// Cells in which, without any brake signal, the vehicle slowed down as only brakes make it.
+    /// Cells in which the brake detector found a brake, without any brake signal.
     pub brakes_guessed: u32,
-    /// Stops after which what was learned of scale and bias was given up, wholly or in part.
+    /// Stops after which the variances of scale and bias were widened.
     pub loads_reopened: u32,
-    /// Times that the scale went too far from where it began for that to be believed.
+    /// Times that the prior of the scale was reset.
     pub scales_reopened: u32,
-    /// Stretches without an altitude.
+    /// Gaps without an altitude.
     pub altitude_gaps: u32,
-    /// Steps of the GNSS altitude error taken up.
+    /// Steps of the receiver's datum.
     pub altitude_steps: u32,
-    /// Stretches whose altitudes climbed unlike the road.
+    /// Drifts of the GNSS altitude.
     pub altitude_drifts: u32,
-    /// Of these, such as lasted too long for a drift and were believed.
+    /// Of these, drifts that lasted too long for one.
     pub altitude_drifts_believed: u32,
-    /// Altitude set anew.
+    /// Times that the altitude was set from a fix.
     pub altitude_resets: u32,
-    /// Steps that gave a number that is none; the filter was started anew.
+    /// Steps with a non-finite result; the filter was restarted.
     pub restarts: u32,
+}
+
+/// Adds one to a counter, which stays at its largest value.
+#[inline]
+pub(crate) fn count(counter: &mut u32) {
+    *counter = counter.saturating_add(1);
 }

@@ -1,55 +1,42 @@
-//! The facade: frames and timestamps in, cells and a live estimate out.
+//! The facade: frames and time stamps in, cells and a live estimate out.
 
-use crate::cell::{Cell, Estimate, Place};
-use crate::counters::Counters;
-use crate::filter::{AltitudeEvent, Filter, SensorNoise, SlowStates};
-use crate::intake::{Desk, Intake, Outcome};
-use crate::kept::{Kept, KeptError};
-use crate::lag::Lag;
-use crate::sampler::Sample;
+use crate::cell::{Cell, CellEnd, Live};
+use crate::context::Context;
+use crate::counters::{Counters, count};
+use crate::filter::{AltitudeEvent, Filter, SensorNoiseRatios, SlowStates};
+use crate::intake::{Intake, Outcome};
+use crate::model::Model;
+use crate::persistent_state::{PersistentState, PersistentStateError};
+use crate::sample::Sample;
+use crate::sampler::Sampler;
 use crate::scalar::Scalar;
 use crate::signal::Reading;
+use crate::smoother::FixedLag;
 use crate::time::Instant;
 use crate::tuning::Tuning;
-use crate::vehicle::{ParameterError, VehicleParameters};
+use crate::vehicle::ParameterError;
 use embedded_can::Frame;
-
-/// Cells driven and altitudes used before a drive leaves anything: 5 km, with GNSS on some of it.
-/// How much they told is in the variances; what is kept is just not worth a write before.
-const LEAST_STEPS: u32 = 2_000;
-const LEAST_ALTITUDES: u32 = 100;
-
-/// The estimate now.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct Live {
-    /// The end of the newest cell.
-    pub place: Place,
-    /// What is known there.
-    pub estimate: Estimate,
-}
 
 /// What a step did.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Step {
-    /// The filter moved over a cell; and what became of an altitude there, if more than that it
-    /// was used.
+    /// The filter moved over a cell. The event is what happened to an altitude, besides its use.
     Moved(Option<AltitudeEvent>),
-    /// A cell without an estimate: no speed was read yet, or the filter was started anew.
+    /// The cell has no estimate: no speed was received yet, or the filter was restarted.
     Skipped,
 }
 
 /// A grade estimator for one vehicle.
 ///
-/// Sans-I/O: feed it with [`on_frame`](Self::on_frame) (or [`on_reading`](Self::on_reading)
-/// where there is no bus), let it work with [`step`](Self::step), fetch results with
-/// [`live`](Self::live) and [`next_cell`](Self::next_cell). It never allocates, blocks or reads
-/// a clock; all input is checked and what is unusable is counted in
+/// It does no input and output: feed it with [`on_frame`](Self::on_frame) (or
+/// [`on_reading`](Self::on_reading) where there is no bus), let it work with [`step`](Self::step),
+/// and fetch results with [`live`](Self::live) and [`next_cell`](Self::next_cell). It never
+/// allocates, blocks or reads a clock. All input is checked, and what is unusable is counted in
 /// [`counters`](Self::counters).
 ///
 /// ```
-/// use estimator_core::{Effects, Estimator, Tuning, VehicleParameters, Traction};
+/// use estimator_core::{Estimator, Traction, Tuning, VehicleParameters};
 /// # use estimator_core::{Instant, Reading, Signal, Value};
 /// let vehicle = VehicleParameters {
 ///     mass_kg: 19_000.0,
@@ -58,7 +45,6 @@ pub enum Step {
 ///     wheel_radius_m: 0.48,
 ///     wheel_inertia_kgm2: 60.0,
 ///     traction: Traction::Force,
-///     effects: Effects::default(),
 /// };
 /// let mut estimator = Estimator::<f32>::new(vehicle, Tuning::default())?;
 /// # for second in 0..60 {
@@ -68,7 +54,7 @@ pub enum Step {
 /// #     }
 /// while estimator.step().is_some() {}
 /// while let Some(cell) = estimator.next_cell() {
-///     println!("{:.1} m {:.2} %", cell.place.distance_m(), cell.lagged_grade_percent.value);
+///     println!("{:.1} m {:.2} %", cell.end.distance_m(), cell.lagged_grade_percent.value);
 /// }
 /// # }
 /// # assert!(estimator.live().is_some());
@@ -76,154 +62,166 @@ pub enum Step {
 /// ```
 #[derive(Clone, Debug)]
 pub struct Estimator<S> {
+    context: Context,
     intake: Intake,
+    sampler: Sampler,
     filter: Filter<S>,
-    lag: Lag<S>,
-    place: Place,
+    lag: FixedLag<S>,
+    end: CellEnd,
     sample: Option<Sample>,
 }
 
 impl<S: Scalar> Estimator<S> {
-    /// An estimator for this vehicle.
+    /// Creates an estimator for a vehicle. The model is made of its parameters alone, or of its
+    /// parameters and adopted effects ([`Model`]).
     ///
     /// # Errors
     /// The first parameter that no vehicle can have.
-    pub fn new(vehicle: VehicleParameters, tuning: Tuning) -> Result<Self, ParameterError> {
+    pub fn new(model: impl Into<Model>, tuning: Tuning) -> Result<Self, ParameterError> {
+        let context = Context::new(model, tuning)?;
+        let filter = Filter::new(&context.tuning, &SensorNoiseRatios::default(), None);
         Ok(Self {
-            intake: Intake::new(vehicle, tuning)?,
-            filter: Filter::new(),
-            lag: Lag::new(),
-            place: Place::default(),
+            context,
+            intake: Intake::new(),
+            sampler: Sampler::new(),
+            filter,
+            lag: FixedLag::new(),
+            end: CellEnd::default(),
             sample: None,
         })
     }
 
-    /// An estimator for this vehicle that begins with what an earlier drive left.
+    /// Creates an estimator that starts with what an earlier drive left.
     ///
     /// # Errors
-    /// [`KeptError::Parameter`] for a parameter that no vehicle can have, [`KeptError::Vehicle`]
-    /// if it was another vehicle, or other parameters, that the drive was estimated with.
-    pub fn with_kept(
-        vehicle: VehicleParameters,
+    /// [`PersistentStateError::Parameter`] for a parameter that no vehicle can have,
+    /// [`PersistentStateError::Vehicle`] if the drive was that of another vehicle, or was estimated
+    /// with other parameters.
+    pub fn restore(
+        model: impl Into<Model>,
         tuning: Tuning,
-        kept: &Kept,
-    ) -> Result<Self, KeptError> {
-        let mut estimator = Self::new(vehicle, tuning)?;
-        kept.check_vehicle(estimator.vehicle())?;
-        let noise = kept.noise(estimator.tuning());
-        estimator.filter = Filter::with_known(&noise, Some(*kept.slow_states()));
+        state: &PersistentState,
+    ) -> Result<Self, PersistentStateError> {
+        let mut estimator = Self::new(model, tuning)?;
+        state.check_model(estimator.model())?;
+        let tuning = estimator.tuning();
+        let noise = state.noise(&tuning.measurement_noise);
+        estimator.filter = Filter::new(tuning, &noise, Some(*state.slow_states()));
         Ok(estimator)
     }
 
     /// Takes one frame, received at `now`.
     pub fn on_frame<F: Frame>(&mut self, now: Instant, frame: &F) -> Outcome {
-        self.intake.on_frame(now, frame)
+        self.intake
+            .on_frame(&mut self.context, &mut self.sampler, now, frame)
     }
 
-    /// Takes one reading that came without a bus. Simultaneous readings go in the order of
+    /// Takes one reading that comes without a bus. Readings of the same time go in the order of
     /// [`Signal`](crate::Signal).
     pub fn on_reading(&mut self, now: Instant, reading: Reading) -> Outcome {
-        self.intake.on_reading(now, reading)
+        self.intake
+            .on_reading(&mut self.context, &mut self.sampler, now, reading)
     }
 
-    /// Moves the filter over one cell; `None` if none is ready. Call it until it says so.
+    /// Moves the filter over one cell. Returns `None` if no cell is ready; call it until then.
     pub fn step(&mut self) -> Option<Step> {
-        let sample = self.sample.insert(self.intake.next_sample()?);
-        let Desk {
-            vehicle,
-            tuning,
-            counters,
-            ..
-        } = &mut self.intake.desk;
-        let moved = self.filter.advance(vehicle, tuning, sample, counters);
-        let (Some(moved), Some(state)) = (moved, self.filter.state()) else {
+        let sample = self.sample.insert(self.sampler.next_sample()?);
+        let record = self.filter.step(&mut self.context, sample);
+        let (Some(record), Some(state)) = (record, self.filter.state()) else {
             return Some(Step::Skipped);
         };
-        self.place = moved.place;
-        let lost = self.lag.push(&moved, state) as u32;
-        counters.cells_lost = counters.cells_lost.saturating_add(lost);
-        Some(Step::Moved(moved.event))
+        self.end = record.end;
+        let lost = self.lag.push(&record, state) as u32;
+        let counter = &mut self.context.counters.cells_lost;
+        *counter = counter.saturating_add(lost);
+        Some(Step::Moved(record.event))
     }
 
-    /// The estimate at the end of the newest cell; `None` before the first.
+    /// Returns the estimate at the end of the newest cell; `None` before the first.
     #[must_use]
     pub fn live(&self) -> Option<Live> {
         self.filter.state().map(|state| Live {
-            place: self.place,
+            end: self.end,
             estimate: state.estimate(),
         })
     }
 
-    /// The next cell whose lag is over.
+    /// Returns the next finished cell, whose lag is over.
     pub fn next_cell(&mut self) -> Option<Cell> {
         let cell = self.lag.next_cell();
-        self.judged(cell)
+        self.check_cell(cell)
     }
 
-    /// The next of the last cells of a drive, which have seen less than the full lag. For the
-    /// end of a drive: what comes after it starts a new chain of cells.
+    /// Returns the next of the last cells of a drive, which are smoothed by less than the full lag.
+    /// For the end of a drive: what comes after it starts a new chain of cells.
     pub fn drain_cell(&mut self) -> Option<Cell> {
         let cell = self.lag.drain_cell();
-        self.judged(cell)
+        self.check_cell(cell)
     }
 
-    /// The cell, counted if its numbers are none: where a scalar is too narrow for the smoothing.
-    fn judged(&mut self, cell: Option<Cell>) -> Option<Cell> {
+    /// Counts a cell with a non-finite grade: a number type that is too narrow for the smoothing.
+    fn check_cell(&mut self, cell: Option<Cell>) -> Option<Cell> {
         if let Some(cell) = &cell
             && !(cell.lagged_grade_percent.value + cell.lagged_grade_percent.sigma).is_finite()
         {
-            let unsound = &mut self.intake.desk.counters.cells_unsound;
-            *unsound = unsound.saturating_add(1);
+            count(&mut self.context.counters.cells_unsound);
         }
         cell
     }
 
-    /// What the last step saw, for going over a whole run again on a host.
+    /// Returns the sample of the last step, for a second pass over a whole run on a host.
     #[must_use]
     pub const fn sample(&self) -> Option<&Sample> {
         self.sample.as_ref()
     }
 
-    /// What this drive leaves for the next one; `None` before 5 km with GNSS, or if its state is
-    /// out of all reason. It may be taken at any time: the next drive knows how sure it was.
+    /// Returns what this drive leaves for the next one. It is `None` before 5 km with GNSS, and if
+    /// the state is outside its possible range. It may be taken at any time: its variances say how
+    /// much was learned.
     #[must_use]
-    pub fn kept(&self) -> Option<Kept> {
+    pub fn persistent_state(&self) -> Option<PersistentState> {
         let counters = self.counters();
-        if counters.steps < LEAST_STEPS || counters.altitudes_used < LEAST_ALTITUDES {
+        let Tuning {
+            detection,
+            measurement_noise,
+            ..
+        } = self.tuning();
+        if counters.steps < detection.persist_cells
+            || counters.altitudes_used < detection.persist_altitudes
+        {
             return None;
         }
-        let slow = SlowStates::of(self.filter.state()?, self.sample()?.load.mass_kg);
-        Kept::new(self.vehicle(), self.tuning(), slow, &self.noise())
+        let slow = SlowStates::of(self.filter.state()?, self.sample()?.forces.mass_kg);
+        PersistentState::new(self.model(), measurement_noise, slow, &self.noise())
     }
 
-    /// A filter that begins as this estimator's did, with what it has learned of the sensors'
-    /// noise since: for going over a whole run again on a host.
+    /// Returns a filter for a second pass over this drive ([`Filter::second_pass`]).
     #[must_use]
-    pub fn filter_anew<T: Scalar>(&self) -> Filter<T> {
-        self.filter.anew()
+    pub fn second_pass_filter<T: Scalar>(&self) -> Filter<T> {
+        self.filter.second_pass(self.tuning())
     }
 
-    /// What has been learned of the sensors' noise.
+    /// Returns what has been learned of the sensors' noise.
     #[must_use]
-    pub const fn noise(&self) -> SensorNoise {
+    pub const fn noise(&self) -> SensorNoiseRatios {
         self.filter.noise()
     }
 
-    /// What happened so far.
+    /// Returns the counts of what happened so far.
     #[must_use]
     pub const fn counters(&self) -> &Counters {
-        self.intake.counters()
+        &self.context.counters
     }
 
-    /// The tuning as given.
+    /// Returns the tuning.
     #[must_use]
     pub const fn tuning(&self) -> &Tuning {
-        self.intake.tuning()
+        &self.context.tuning
     }
 
-    /// The vehicle as given.
+    /// Returns the model of the vehicle.
     #[must_use]
-    pub const fn vehicle(&self) -> &VehicleParameters {
-        self.intake.vehicle()
+    pub const fn model(&self) -> &Model {
+        &self.context.model
     }
 }

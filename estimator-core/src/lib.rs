@@ -1,34 +1,48 @@
 //! A road-grade estimator for heavy vehicles that runs on the vehicle's own controller.
 //!
-//! Streaming CAN and GNSS samples in, grade out: the grade under the wheels now, the grade of
-//! the last stretch more precisely, and how sure it is of both. `no_std`, no allocation, no
-//! `unsafe`, fixed memory.
+//! It takes streaming CAN and GNSS samples. It returns the grade under the wheels now, the grade of
+//! the last stretch more precisely, and the standard deviation of both. It is `no_std`, allocates
+//! nothing, contains no `unsafe`, and its memory is fixed.
 //!
-//! Data flows one way:
+//! # Layers
+//!
+//! Data flow in one direction, and no layer knows the one above it:
 //!
 //! ```text
-//! frame ─► signal ─► sample ─► filter ─► lag ─► cell
+//! frame ─► signal ─► intake ─► sampler ─► sample ─► filter ─► smoother ─► cell
 //! ```
 //!
-//! * [`signal`] decodes J1939 and NMEA 2000 frames into physical readings;
-//! * [`sampler`] turns readings of different rates and ages into one sample a cell;
-//! * [`intake`] is the way from frames to samples, with what was wrong counted;
-//! * [`vehicle`] holds the parameters and the force balance; [`effect`] what that balance lacks;
-//! * [`filter`] is the Kalman filter, [`lag`] its fixed-lag smoother;
-//! * [`cell`] is what comes out;
-//! * [`kept`] is what one drive leaves for the next, and its form in non-volatile memory;
-//! * [`estimator`] is the facade over all of it: most users need only [`Estimator`].
+//! * [`estimator`] is the facade over all of it. Most users need only [`Estimator`].
+//! * [`signal`] decodes J1939 and NMEA 2000 frames into readings with units. It is a layer of its own
+//!   because buses differ and physics does not: another message is a line in a `.dbc` file.
+//! * [`intake`] decides which readings count: one source for each signal, time that only goes
+//!   forward, rates that one sender can have. It stands before the sampler so that nothing behind it
+//!   has to distrust a reading's origin.
+//! * [`sampler`] turns readings of different rates and ages into one [`Sample`](sample::Sample) a
+//!   cell of 2.5 m. After it, time is distance: in the distance domain every equation is linear.
+//! * [`filter`] is the Kalman filter, [`smoother`] its fixed-lag smoother. Neither knows a signal.
+//! * [`vehicle`] holds parameters and force balance, [`effect`] what that balance lacks, [`model`]
+//!   both together.
+//! * [`context`] is what these parts share: the model, the [`tuning`] and the [`counters`].
+//! * [`persistent_state`] is what one drive leaves for the next; [`broadcast`] is the estimate as CAN
+//!   frames for other nodes.
 //!
-//! It knows no clock, no bus driver and no log: time is an argument, frames are anything that
-//! implements [`embedded_can::Frame`], and what happened is returned and counted.
+//! # What it is not
+//!
+//! * It is **not** a bus driver, a scheduler or a logger. Time is an argument, frames are anything
+//!   that implements [`embedded_can::Frame`], and what happened is returned and counted.
+//! * It is **not** a map. Fusion of runs into maps is done on a host.
+//! * It is **not** a position estimator. Positions pass through it unfiltered.
+//! * It is **not** for vehicles without a known traction force: it needs engine torque and gear, or a
+//!   measured force.
 //!
 //! # Contracts
 //!
-//! * **Non-finite input** never enters the state: readings are checked, counted and left out.
-//! * **Panics**: none, whatever arrives.
-//! * **Cost**: one filter step and, on average, (lag + block) / block smoothing steps a cell of
-//!   2.5 m; each is a fixed number of operations.
-//! * **Same input, same output**, bit for bit, on host and target in the same number type: libm
+//! * **Non-finite input** never enters the state. Readings are checked, counted and rejected.
+//! * **Panics**: none, with any input.
+//! * **Cost**: a cell of 2.5 m costs one filter step and, in the mean, (lag + block) / block
+//!   smoothing steps. Each is a fixed number of operations. `firmware/budgets.csv` counts them.
+//! * **Same input, same output**, bit for bit, on host and target with the same number type: libm
 //!   functions, no fused multiply-add, no clock.
 
 #![no_std]
@@ -39,32 +53,38 @@
 mod angle;
 pub mod broadcast;
 pub mod cell;
-mod clock;
+pub mod context;
 pub mod counters;
 mod division;
 pub mod effect;
 pub mod estimator;
 pub mod filter;
 pub mod intake;
-pub mod kept;
-pub mod lag;
 pub mod maybe;
+pub mod model;
+pub mod persistent_state;
+pub mod sample;
 pub mod sampler;
 pub mod scalar;
 pub mod signal;
+pub mod smoother;
 pub mod time;
 pub mod tuning;
 pub mod vehicle;
 
-pub use cell::{CELL_LENGTH_M, Cell, Condition, Estimate, Place, Uncertain};
+pub use cell::{CELL_LENGTH_M, Cell, CellEnd, Condition, Estimate, Live, Uncertain};
+pub use context::Context;
 pub use counters::Counters;
-pub use effect::{Adopted, Effect, Effects};
-pub use estimator::{Estimator, Live, Step};
+pub use effect::Effect;
+pub use estimator::{Estimator, Step};
 pub use intake::{Intake, Outcome};
-pub use kept::{Kept, KeptError};
 pub use maybe::Maybe;
+pub use model::{AdoptedEffect, AdoptedEffects, Model};
+pub use persistent_state::{PersistentState, PersistentStateError};
+pub use sample::Sample;
+pub use sampler::Sampler;
 #[cfg(feature = "fixed")]
-pub use scalar::Fixed;
+pub use scalar::FixedPoint;
 pub use scalar::Scalar;
 pub use signal::{Decoder, Reading, Signal, Value};
 pub use time::{Duration, Instant};

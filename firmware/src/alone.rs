@@ -4,26 +4,26 @@
 use crate::exchange::frame::RecordedFrame;
 use core::hint::black_box;
 use estimator_core::effect::CATALOGUE;
-use estimator_core::{Adopted, Estimator, Instant, Kept, Scalar, Tuning, VehicleParameters};
+use estimator_core::{AdoptedEffect, Estimator, Instant, Model, PersistentState, Scalar, Tuning};
 use static_cell::StaticCell;
 
 /// A program that uses all of the estimator, with every effect to choose from; `None` when there is no more input.
 pub fn run<S: Scalar>(place: &'static StaticCell<Estimator<S>>) -> Option<()> {
-    let mut vehicle: VehicleParameters = input()?;
+    let mut model: Model = input()?;
     for effect in CATALOGUE {
         if let Some((amount, sigma)) = input() {
-            vehicle
+            model
                 .effects
-                .adopt(Adopted::new(effect, amount, sigma))
+                .adopt(AdoptedEffect::new(effect, amount, sigma))
                 .ok()?;
         }
     }
     let tuning = Tuning::default();
-    let stored: Option<[u8; Kept::LEN]> = input();
-    let kept = stored.and_then(|bytes| Kept::from_bytes(&bytes).ok());
+    let stored: Option<[u8; PersistentState::LEN]> = input();
+    let kept = stored.and_then(|bytes| PersistentState::from_bytes(&bytes).ok());
     let estimator = match kept {
-        Some(kept) => Estimator::with_kept(vehicle, tuning, &kept).ok()?,
-        None => Estimator::new(vehicle, tuning).ok()?,
+        Some(kept) => Estimator::restore(model, tuning, &kept).ok()?,
+        None => Estimator::new(model, tuning).ok()?,
     };
     let estimator = place.try_init(estimator)?;
     while let Some((now, frame)) = input::<(Instant, RecordedFrame)>() {
@@ -36,7 +36,7 @@ pub fn run<S: Scalar>(place: &'static StaticCell<Estimator<S>>) -> Option<()> {
         }
         black_box(estimator.live());
         black_box(estimator.counters());
-        black_box(estimator.kept().map(|kept| kept.to_bytes()));
+        black_box(estimator.persistent_state().map(|kept| kept.to_bytes()));
     }
     while let Some(cell) = estimator.drain_cell() {
         black_box(cell);

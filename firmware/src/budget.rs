@@ -6,9 +6,9 @@
 use crate::meter::{Meter, Tally, Uncountable, depth};
 use crate::recorded::{Recorded, Unusable};
 use core::fmt;
-use estimator_core::filter::Filter;
-use estimator_core::lag::{BLOCK_CELLS, LAG_CELLS, Lag};
-use estimator_core::{Counters, Estimator, Instant, Intake, Scalar, Tuning};
+use estimator_core::filter::{Filter, SensorNoiseRatios};
+use estimator_core::smoother::fixed_lag::{BLOCK_CELLS, FixedLag, LAG_CELLS};
+use estimator_core::{Context, Estimator, Instant, Intake, Sampler, Scalar, Tuning};
 
 /// Steps before the lag is full, and each block of cells finishes another.
 const FILLING_STEPS: u32 = (LAG_CELLS + BLOCK_CELLS) as u32;
@@ -72,9 +72,9 @@ pub fn run<S: Scalar>(meter: &mut Meter) -> Result<Budget, Problem> {
 impl Budget {
     /// What a program that uses the estimator sees.
     fn through_estimator<S: Scalar>(&mut self, meter: &mut Meter) -> Result<(), Problem> {
-        let (vehicle, mut drive) = Recorded::open()?;
+        let (model, mut drive) = Recorded::open()?;
         let (estimator, start_stack_bytes) =
-            depth(|| Estimator::<S>::new(vehicle, Tuning::default()));
+            depth(|| Estimator::<S>::new(model, Tuning::default()));
         let mut estimator = estimator.map_err(Unusable::Vehicle)?;
         self.start_stack_bytes = start_stack_bytes;
         loop {
@@ -125,11 +125,12 @@ impl Budget {
 
     /// The same drive, with the filter and the smoother called one after the other.
     fn through_parts<S: Scalar>(&mut self, meter: &mut Meter) -> Result<(), Problem> {
-        let (vehicle, mut drive) = Recorded::open()?;
-        let mut intake = Intake::new(vehicle, Tuning::default()).map_err(Unusable::Vehicle)?;
-        let mut filter = Filter::<S>::new();
-        let mut lag = Lag::<S>::new();
-        let mut counters = Counters::default();
+        let (model, mut drive) = Recorded::open()?;
+        let mut context = Context::new(model, Tuning::default()).map_err(Unusable::Vehicle)?;
+        let mut intake = Intake::new();
+        let mut sampler = Sampler::new();
+        let mut filter = Filter::<S>::new(&context.tuning, &SensorNoiseRatios::default(), None);
+        let mut lag = FixedLag::<S>::new();
         let mut steps = 0;
         // Whole blocks only: a mean over a part of one would miss, or overrate, its end.
         let mut block_of_lag = Tally::default();
@@ -140,20 +141,19 @@ impl Budget {
             }
             for frame in block {
                 let (time, frame) = frame?;
-                intake.on_frame(time, &frame);
-                while let Some(sample) = intake.next_sample() {
-                    let (moved, count) = meter.count(|| {
-                        filter.advance(intake.vehicle(), intake.tuning(), &sample, &mut counters)
-                    })?;
+                intake.on_frame(&mut context, &mut sampler, time, &frame);
+                while let Some(sample) = sampler.next_sample() {
+                    let (record, count) = meter.count(|| filter.step(&mut context, &sample))?;
                     self.step.add(count);
-                    let (Some(moved), Some(state)) = (moved, filter.state()) else {
+                    let (Some(record), Some(state)) = (record, filter.state()) else {
                         continue;
                     };
-                    if moved.trace.speed.is_some() && moved.trace.altitude.is_some() {
+                    let updates = &record.smoother_input;
+                    if updates.speed.is_some() && updates.altitude.is_some() {
                         self.full_step.add(count);
                     }
                     let (_, count) = meter.count(|| {
-                        lag.push(&moved, state);
+                        lag.push(&record, state);
                         while lag.next_cell().is_some() {}
                     })?;
                     steps += 1;

@@ -2,9 +2,9 @@
 
 use crate::exchange::DRIVE_FILE;
 use crate::exchange::frame::{self, FRAME_BYTES, RecordedFrame};
-use crate::exchange::vehicle::{self, VEHICLE_BYTES};
+use crate::exchange::vehicle::{self, HeaderError, VEHICLE_BYTES};
 use core::fmt;
-use estimator_core::{Instant, ParameterError, VehicleParameters};
+use estimator_core::{Instant, Model, ParameterError};
 use semihosting::fs::File;
 use semihosting::io::{self, Read};
 
@@ -24,8 +24,8 @@ pub struct Recorded {
 pub enum Unusable {
     /// It cannot be read.
     Read(io::Error),
-    /// It does not begin with the header of a vehicle.
-    Header,
+    /// Its header is refused.
+    Header(HeaderError),
     /// The record of this frame, from 1, is none.
     Frame(u32),
     /// No vehicle has such a parameter.
@@ -33,21 +33,21 @@ pub enum Unusable {
 }
 
 impl Recorded {
-    /// Opens it; returns the vehicle that drove.
+    /// Opens the drive. Returns it with the model of its vehicle.
     ///
     /// # Errors
-    /// It cannot be read or has no header.
-    pub fn open() -> Result<(VehicleParameters, Self), Unusable> {
+    /// The file cannot be read, or its header is refused.
+    pub fn open() -> Result<(Model, Self), Unusable> {
         let mut file = File::open(DRIVE_FILE).map_err(Unusable::Read)?;
         let mut header = [0; VEHICLE_BYTES];
         let filled = fill(&mut file, &mut header)?;
-        let vehicle = vehicle::decode(&header[..filled]).ok_or(Unusable::Header)?;
+        let model = vehicle::decode(&header[..filled]).map_err(Unusable::Header)?;
         let recorded = Self {
             file,
             block: [0; BLOCK_FRAMES * FRAME_BYTES],
             frames: 0,
         };
-        Ok((vehicle, recorded))
+        Ok((model, recorded))
     }
 
     /// The next frames and when they were received; none at the end.
@@ -91,7 +91,7 @@ impl fmt::Display for Unusable {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Read(error) => write!(f, "{DRIVE_FILE:?}: {error}"),
-            Self::Header => write!(f, "{DRIVE_FILE:?}: expected the header of a vehicle"),
+            Self::Header(error) => write!(f, "{DRIVE_FILE:?}: {error}"),
             Self::Frame(number) => write!(f, "{DRIVE_FILE:?}: frame {number} is malformed"),
             Self::Vehicle(error) => write!(f, "{DRIVE_FILE:?}: {error}"),
         }

@@ -85,7 +85,7 @@ fn tell(estimator: &Estimator<f32>, step: Step) {
         defmt::warn!("altitude: {}", event);
     }
     if let Some(live) = estimator.live()
-        && live.place.cell % CELLS_PER_KM == 0
+        && live.end.cell % CELLS_PER_KM == 0
     {
         defmt::info!("{}", live);
     }

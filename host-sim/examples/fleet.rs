@@ -10,9 +10,9 @@
 //! its own and slow, as fusion expects it. What fusion does not read is the same in all cells: it
 //! takes no time, and no room on the disk.
 
-use host_sim::dataset;
-use host_sim::run_file::{RunRow, write_csv, write_from};
-use host_sim::run_parquet::Origin;
+use host_sim::files::csv::write_csv;
+use host_sim::files::data_set;
+use host_sim::files::run::{Origin, RunRow, write_from};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -57,7 +57,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         };
         let rows = run(&road, seed, truck as u64, number as u64);
         let name = format!("truck{truck:04}-{:02}", number % RUNS_A_SESSION);
-        let path = dataset::run_path(&folder.join("runs"), &mut &rows[..], &day, &name)?;
+        let path = data_set::run_path(&folder.join("runs"), &mut &rows[..], &day, &name)?;
         write_from(&path, &rows, &origin)
     })?;
     eprintln!("{runs} runs of {} cells", road.len());

@@ -10,8 +10,8 @@
 //! at all.
 
 use host_sim::error::{Error, Result};
-use host_sim::output::print;
-use host_sim::text_table::text_table;
+use host_sim::terminal::print::print;
+use host_sim::terminal::table::text_table;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Stdio};
 use std::{env, fs};

@@ -10,7 +10,7 @@
 --
 -- Two levels, as in host-sim/src/map: the runs of a session become one estimate, the sessions the
 -- map. On both, what estimates have in common is learned from how far they disagree; the formulas
--- and where they come from are in host-sim/src/map/dependence.rs. Numbers are written with an
+-- and where they come from are in host-sim/src/map/fusion/dependence.rs. Numbers are written with an
 -- exponent because Spark takes others for decimals.
 WITH
 -- One estimate of one cell: weights are 1/variance (limits: cell_sums.rs).

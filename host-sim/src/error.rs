@@ -42,6 +42,9 @@ pub enum Error {
         /// What is missing or impossible, and what would do.
         problem: String,
     },
+    /// The command line asks for something that does not go together.
+    #[error("{0}")]
+    Usage(String),
 }
 
 impl Error {

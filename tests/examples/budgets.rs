@@ -8,7 +8,8 @@ use clap::Parser;
 use cross_tests::budgets::{Budgets, committed_file, measure};
 use cross_tests::{emulator, exit_code, peers};
 use host_sim::error::{Error, Result};
-use host_sim::output::{print, write_whole};
+use host_sim::files::output::write_whole;
+use host_sim::terminal::print::print;
 use std::path::Path;
 use std::process::ExitCode;
 

@@ -8,7 +8,7 @@ use clap::Parser;
 use cross_tests::change_indicator::{changes, indicate, write};
 use cross_tests::exit_code;
 use host_sim::error::Result;
-use host_sim::output::print;
+use host_sim::terminal::print::print;
 use std::process::ExitCode;
 
 /// Compares what a fixed set of inputs gives with tests/change_indicator.

@@ -9,7 +9,7 @@ use clap::Parser;
 use cross_tests::diagnosed::{Outcome, cases, effects, table};
 use cross_tests::exit_code;
 use host_sim::error::Result;
-use host_sim::progress;
+use host_sim::terminal::progress;
 use std::process::ExitCode;
 
 /// Plants effects in simulated logs and counts what the diagnosis makes of them.

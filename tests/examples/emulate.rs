@@ -11,9 +11,9 @@ use cross_tests::exit_code;
 use estimator_core::Cell;
 use firmware::exchange::cell::{self, CELL_BYTES};
 use host_sim::error::{Error, Result};
-use host_sim::output::write_whole;
+use host_sim::files::output::write_whole;
+use host_sim::files::vehicle::VehicleFile;
 use host_sim::source::input::{Input, for_each_input};
-use host_sim::vehicle_file::VehicleFile;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -53,7 +53,7 @@ fn run(args: &Args) -> Result<()> {
         let problem = "no frames in it; expected a candump log";
         return Err(Error::content(&args.log, problem.to_owned()));
     }
-    let ended = replay(Some(&drive_file(&vehicle.parameters, &frames)));
+    let ended = replay(Some(&drive_file(&vehicle.model, &frames)));
     for line in &ended.log {
         println!("{line}");
     }
@@ -61,7 +61,7 @@ fn run(args: &Args) -> Result<()> {
         return Err(Error::content(&args.log, ended.stderr));
     }
     let cells = ended.cells.unwrap_or_default();
-    let on_host: Vec<u8> = on_host(&vehicle.parameters, &frames)
+    let on_host: Vec<u8> = on_host(&vehicle.model, &frames)
         .iter()
         .flat_map(cell::encode)
         .collect();
@@ -86,14 +86,14 @@ fn run(args: &Args) -> Result<()> {
 fn row(cell: &Cell) -> String {
     let degrees =
         |e7: Option<i32>| e7.map_or(String::new(), |e7| format!("{:.7}", f64::from(e7) * 1e-7));
-    let position = cell.place.position_e7;
+    let position = cell.end.position_e7;
     let altitude = cell
         .altitude_m
         .map(|altitude| format!("{:.2}", altitude.value));
     format!(
         "{:.1},{},{},{},{:.4},{:.4},{:.4},{:.4},{}",
-        cell.place.distance_m(),
-        cell.place.time.micros(),
+        cell.end.distance_m(),
+        cell.end.time.micros(),
         degrees(position.map(|(latitude, _)| latitude)),
         degrees(position.map(|(_, longitude)| longitude)),
         cell.live_grade_percent.value,

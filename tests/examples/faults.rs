@@ -9,7 +9,8 @@ use cross_tests::exit_code;
 use cross_tests::faults::matrix::{Row, matrix};
 use cross_tests::faults::table::{committed_file, table};
 use host_sim::error::{Error, Result};
-use host_sim::output::{print, write_whole};
+use host_sim::files::output::write_whole;
+use host_sim::terminal::print::print;
 use std::fs;
 use std::process::ExitCode;
 

@@ -6,8 +6,8 @@ use clap::Parser;
 use cross_tests::exit_code;
 use firmware::exchange::vehicle;
 use host_sim::error::Result;
-use host_sim::output::write_whole;
-use host_sim::vehicle_file::VehicleFile;
+use host_sim::files::output::write_whole;
+use host_sim::files::vehicle::VehicleFile;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -28,6 +28,6 @@ fn main() -> ExitCode {
 
 fn run(args: &Args) -> Result<()> {
     let vehicle = VehicleFile::read(&args.vehicle)?;
-    let image = vehicle::encode(&vehicle.parameters);
+    let image = vehicle::encode(&vehicle.model);
     write_whole(&args.image, |out| out.write_all(&image))
 }

@@ -6,9 +6,9 @@
 use crate::drive::{drive, truck, truck_with_every_effect};
 use crate::emulator::{count, drive_file};
 use crate::image::{Image, build, root};
-use estimator_core::VehicleParameters;
+use estimator_core::Model;
 use host_sim::error::{Error, Result};
-use host_sim::text_table::text_table;
+use host_sim::terminal::table::text_table;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -134,13 +134,9 @@ pub fn measure() -> Result<Budgets> {
 }
 
 /// What the board counts, by scalar.
-fn counted(
-    board: &Board,
-    images: &Path,
-    vehicle: &VehicleParameters,
-) -> Result<Vec<(String, Column)>> {
+fn counted(board: &Board, images: &Path, model: &Model) -> Result<Vec<(String, Column)>> {
     let image = images.join("budget");
-    let printed = count(board.machine, &image, &drive_file(vehicle, &drive()))?;
+    let printed = count(board.machine, &image, &drive_file(model, &drive()))?;
     let printed = String::from_utf8_lossy(&printed);
     let mut columns: Vec<(String, Column)> = Vec::new();
     for line in printed.lines() {

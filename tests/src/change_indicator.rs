@@ -11,17 +11,16 @@ use crate::faults::catalogue::catalogue;
 use crate::faults::drive::drive as fault_drive;
 use crate::faults::outcome::estimated;
 use crate::image::root;
-use estimator_core::{Counters, Fixed, Kept, Scalar, VehicleParameters};
+use estimator_core::{Counters, FixedPoint, Model, PersistentState, Scalar};
 use host_sim::error::{Error, Result};
+use host_sim::files::output::write_whole;
+use host_sim::files::run::{RunCell, RunRow};
 use host_sim::map::{GradeMap, SessionRun, road_of_run, road_through};
-use host_sim::output::write_whole;
 use host_sim::recorder::{Run, estimate_log};
-use host_sim::run_cell::RunCell;
-use host_sim::run_file::RunRow;
+use host_sim::simulator::scenario::Scenario;
+use host_sim::simulator::simulate;
 use host_sim::source::can_frame::TimedFrame;
 use host_sim::source::ztbus::Mission;
-use host_sim::world::scenario::Scenario;
-use host_sim::world::simulate;
 use serde::Serialize;
 use similar::TextDiff;
 use std::collections::BTreeMap;
@@ -132,7 +131,7 @@ impl Indicated {
         for index in 0..scenario.runs.len() {
             let simulated = simulate(&scenario, index)?;
             let frames = Box::new(simulated.frames.iter().copied());
-            let run = estimated::<f32>(&simulated.vehicle.parameters, frames);
+            let run = estimated::<f32>(&simulated.vehicle.model, frames);
             self.add(format!("motorway_{}", simulated.name), text_of(&run));
             if simulated.name.ends_with("forward") {
                 forward.push(run.rows);
@@ -145,7 +144,7 @@ impl Indicated {
     /// A drive with everything wrong by one sigma, without and with a fault.
     fn faults(&mut self) -> Result<()> {
         let simulated = fault_drive("B", 1)?;
-        let vehicle = &simulated.vehicle.parameters;
+        let vehicle = &simulated.vehicle.model;
         let clean = Box::new(simulated.frames.iter().copied());
         self.add("fault_none", text_of(&estimated::<f32>(vehicle, clean)));
         let catalogue = catalogue();
@@ -169,7 +168,7 @@ impl Indicated {
             self.add(format!("small_{name}_f64"), small::<f64>(&vehicle, &frames));
             self.add(
                 format!("small_{name}_fixed"),
-                small::<Fixed>(&vehicle, &frames),
+                small::<FixedPoint>(&vehicle, &frames),
             );
         }
     }
@@ -181,7 +180,7 @@ impl Indicated {
         let idle = data.join("css_truck_idle/truck_idle.log");
         if mission.exists() {
             let mission = Mission::read(&mission)?;
-            let vehicle = mission.vehicle().parameters;
+            let vehicle = mission.vehicle().model;
             let folder = tempfile::tempdir().map_err(Error::io(&std::env::temp_dir()))?;
             for (pass, number) in mission.passes().iter().take(2).zip(1..) {
                 let table = folder.path().join("pass.csv");
@@ -202,18 +201,21 @@ impl Indicated {
     }
 }
 
-fn small<S: Scalar>(vehicle: &VehicleParameters, frames: &[TimedFrame]) -> String {
-    text_of(&estimated::<S>(vehicle, Box::new(frames.iter().copied())))
+fn small<S: Scalar>(model: &Model, frames: &[TimedFrame]) -> String {
+    text_of(&estimated::<S>(model, Box::new(frames.iter().copied())))
 }
 
 /// Counters, what is left for the next drive, digest and rows of a run.
 fn text_of(run: &Run) -> String {
-    let kept = run.kept.as_ref().map_or("none".to_owned(), |kept: &Kept| {
-        kept.to_bytes()
-            .iter()
-            .map(|byte| format!("{byte:02x}"))
-            .collect()
-    });
+    let kept = run
+        .kept
+        .as_ref()
+        .map_or("none".to_owned(), |kept: &PersistentState| {
+            kept.to_bytes()
+                .iter()
+                .map(|byte| format!("{byte:02x}"))
+                .collect()
+        });
     format!(
         "{}kept {kept}\n{}",
         counted(&run.counters),

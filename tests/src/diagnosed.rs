@@ -7,10 +7,10 @@ use crate::planted::{self, CATALOGUE, CLEAN, FAN, Logs, OUTSIDE};
 use host_sim::diagnose::drive::LoggedDrive;
 use host_sim::diagnose::{Diagnosis, Request, diagnose};
 use host_sim::error::{Error, Result};
+use host_sim::files::truth;
+use host_sim::files::vehicle::VehicleFile;
 use host_sim::score::score_run;
-use host_sim::text_table::text_table;
-use host_sim::truth_file;
-use host_sim::vehicle_file::VehicleFile;
+use host_sim::terminal::table::text_table;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -172,8 +172,8 @@ impl GradeErrors {
     fn of(logs: &Logs, vehicle: &VehicleFile) -> Result<Self> {
         let (mut smoothed, mut live, mut cells) = (0.0, 0.0, 0.0);
         for (log, truth) in logs.held_out.iter().zip(&logs.truth.held_out) {
-            let run = LoggedDrive::read(log, &vehicle.parameters)?.run;
-            let truth = truth_file::read(truth)?;
+            let run = LoggedDrive::read(log, &vehicle.model)?.run;
+            let truth = truth::read(truth)?;
             let score = score_run("held out", &run.rows, &truth)
                 .map_err(|problem| Error::content(log, problem.to_string()))?;
             for row in score.rows {

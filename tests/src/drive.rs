@@ -4,12 +4,11 @@ use embedded_can::{ExtendedId, Frame, StandardId};
 use estimator_core::effect::CATALOGUE;
 use estimator_core::signal::encode;
 use estimator_core::vehicle::{Driveline, GRAVITY, STANDARD_AIR_DENSITY};
-use estimator_core::{
-    Adopted, Effects, Gear, Instant, Powertrain, Signal, Traction, Value, VehicleParameters,
-};
+use estimator_core::{AdoptedEffect, Gear, Instant, Model, Signal, Value};
 use host_sim::source::can_frame::{CanFrame, TimedFrame};
 use std::f64::consts::TAU;
 use std::ops::Range;
+use test_kit::truck_with;
 
 /// A little above 2 km.
 const DURATION_S: f64 = 100.0;
@@ -34,26 +33,8 @@ const GNSS_POSITION: u32 = 129_029;
 
 /// A loaded truck in its highest gears.
 #[must_use]
-pub fn truck() -> VehicleParameters {
-    let lower = Gear {
-        ratio: 1.26,
-        ..GEAR
-    };
-    VehicleParameters {
-        mass_kg: 39_000.0,
-        drag_area_m2: 6.0,
-        rolling_resistance: 0.0065,
-        wheel_radius_m: 0.5,
-        wheel_inertia_kgm2: 100.0,
-        effects: Effects::default(),
-        traction: Traction::Powertrain(Powertrain {
-            engine_inertia_kgm2: 3.8,
-            reference_torque_nm: 3_500.0,
-            final_drive_ratio: 2.92,
-            final_drive_efficiency: 0.98,
-            gears: [lower, GEAR].into_iter().collect(),
-        }),
-    }
+pub fn truck() -> Model {
+    truck_with(3_500.0, &[1.26, GEAR.ratio]).into()
 }
 
 /// The truck with something of every effect that there is.
@@ -61,17 +42,17 @@ pub fn truck() -> VehicleParameters {
 /// # Panics
 /// When the catalogue has an effect that cannot be adopted.
 #[must_use]
-pub fn truck_with_every_effect() -> VehicleParameters {
-    let mut vehicle = truck();
+pub fn truck_with_every_effect() -> Model {
+    let mut model = truck();
     for effect in CATALOGUE {
-        let mut adopted = Adopted::new(effect, 0.2 * effect.typical, 0.5 * effect.typical);
+        let mut adopted = AdoptedEffect::new(effect, 0.2 * effect.typical, 0.5 * effect.typical);
         if effect.name == "road_surface" {
             assert!(adopted.set("latitude_deg", 58.0) && adopted.set("length_m", 3_000.0));
         }
-        let adopted = vehicle.effects.adopt(adopted);
+        let adopted = model.effects.adopt(adopted);
         adopted.expect("there is room for each effect once");
     }
-    vehicle
+    model
 }
 
 /// The drive of [`truck`] over rolling hills.
@@ -111,7 +92,8 @@ struct Moment {
 
 impl Moment {
     fn at(seconds: f64) -> Self {
-        let vehicle = truck();
+        let model = truck();
+        let vehicle = &model.vehicle;
         let swing = 0.07 * seconds;
         let speed_mps = 22.0 + 0.6 * swing.sin();
         let way_m = 22.0 * seconds + 0.6 / 0.07 * (1.0 - swing.cos());
@@ -121,8 +103,7 @@ impl Moment {
 
         let driveline = Driveline::Engaged(GEAR);
         let mass = f64::from(vehicle.mass_kg);
-        let inertia_n =
-            (mass + f64::from(vehicle.rotating_kg(driveline))) * 0.6 * 0.07 * swing.cos();
+        let inertia_n = (mass + f64::from(model.rotating_kg(driveline))) * 0.6 * 0.07 * swing.cos();
         let air_n =
             0.5 * f64::from(vehicle.drag_area_m2 * STANDARD_AIR_DENSITY) * speed_mps * speed_mps;
         let weight_n = mass * f64::from(GRAVITY);
@@ -132,7 +113,7 @@ impl Moment {
             speed_mps,
             altitude_m: 120.0 + steepest * hill_m / TAU * (1.0 - phase.cos()),
             torque_percent: (inertia_n + air_n + road_n)
-                / f64::from(vehicle.traction_n(driveline, 1.0)),
+                / f64::from(model.traction_n(driveline, 1.0)),
             north_m: way_m,
         }
     }

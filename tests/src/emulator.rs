@@ -3,7 +3,7 @@
 use crate::image::{root, target_folder};
 use assert_cmd::Command;
 use defmt_decoder::Table;
-use estimator_core::{Cell, Estimator, Tuning, VehicleParameters};
+use estimator_core::{Cell, Estimator, Model, Tuning};
 use firmware::exchange::{CELLS_FILE, DRIVE_FILE, frame, vehicle};
 use host_sim::error::{Error, Result};
 use host_sim::source::can_frame::TimedFrame;
@@ -53,8 +53,8 @@ pub fn missing() -> Option<String> {
 
 /// The file that hands a drive to the board.
 #[must_use]
-pub fn drive_file(vehicle: &VehicleParameters, frames: &[TimedFrame]) -> Vec<u8> {
-    let mut bytes = vehicle::encode(vehicle).to_vec();
+pub fn drive_file(model: &Model, frames: &[TimedFrame]) -> Vec<u8> {
+    let mut bytes = vehicle::encode(model).to_vec();
     for timed in frames {
         let record = frame::encode(timed.time, &timed.frame);
         bytes.extend_from_slice(&record.expect("a frame has at most 8 bytes"));
@@ -108,9 +108,9 @@ fn logged(bytes: &[u8]) -> Vec<String> {
 /// # Panics
 /// For a vehicle that cannot be.
 #[must_use]
-pub fn on_host(vehicle: &VehicleParameters, frames: &[TimedFrame]) -> Vec<Cell> {
+pub fn on_host(model: &Model, frames: &[TimedFrame]) -> Vec<Cell> {
     let mut estimator =
-        Estimator::<f32>::new(vehicle.clone(), Tuning::default()).expect("a vehicle that can be");
+        Estimator::<f32>::new(model.clone(), Tuning::default()).expect("a vehicle that can be");
     let mut cells = Vec::new();
     for timed in frames {
         estimator.on_frame(timed.time, &timed.frame);

@@ -4,7 +4,7 @@ use crate::budgets::CORTEX_M4F;
 use crate::emulator::count;
 use crate::image::{Image, build, root};
 use host_sim::error::{Error, Result};
-use host_sim::text_table::text_table;
+use host_sim::terminal::table::text_table;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
@@ -27,13 +27,13 @@ struct Peer {
     state: Vec<f32>,
 }
 
-/// Builds and runs the images of `firmware/peers`; returns a table of them.
+/// Builds and runs the images of `tests/peers`; returns a table of them.
 ///
 /// # Errors
 /// What building or running an image says; and filters that disagree, so that some did not do the
 /// work.
 pub fn table() -> Result<String> {
-    let package = root().join("firmware/peers");
+    let package = root().join("tests/peers");
     let names = names(&package.join("src/bin"))?;
     // By states, filter and opt-level.
     let mut rows: BTreeMap<(usize, String, &str), Vec<String>> = BTreeMap::new();

@@ -7,15 +7,17 @@
 mod known;
 
 use host_sim::error::{Error, Result};
-use host_sim::output::write_whole;
+use host_sim::files::output::write_whole;
+use host_sim::files::truth;
+use host_sim::simulator::scenario::Scenario;
+use host_sim::simulator::{Recording, road_file};
 use host_sim::source::candump_writer::write_frame;
-use host_sim::truth_file;
-use host_sim::world::scenario::Scenario;
-use host_sim::world::{Recording, road_file};
 use known::{COURSE_DEG, Known, known};
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
+
+pub use known::FAN;
 
 /// The effects that the estimator has a name for.
 pub const CATALOGUE: [&str; 12] = [
@@ -34,8 +36,6 @@ pub const CATALOGUE: [&str; 12] = [
 ];
 /// Those that it has none for.
 pub const OUTSIDE: [&str; 3] = ["torque_hysteresis", "side_resistance", "thermostat"];
-/// An auxiliary load that goes on and off and is told on the bus.
-pub const FAN: &str = "fan";
 /// Nothing at all.
 pub const CLEAN: &str = "clean";
 
@@ -159,7 +159,7 @@ pub fn logs_of(effects: &[(&str, f64)], truck: &str, seed: u64, folder: &Path) -
         })?;
         files.push(file);
         let truth = truth_folder.join(format!("{}.truth.csv", run.name));
-        truth_file::write(&truth, &recording.truth())?;
+        truth::write(&truth, &recording.truth())?;
         truths.push(truth);
     }
     Ok(Logs {

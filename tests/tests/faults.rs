@@ -7,7 +7,7 @@ use cross_tests::faults::matrix::matrix;
 use cross_tests::faults::table::{committed_file, table};
 use embedded_can::{Frame, Id};
 use estimator_core::{Estimator, Instant, Tuning};
-use host_sim::series::linear;
+use host_sim::numeric::series::linear;
 use host_sim::source::can_frame::{CanFrame, TimedFrame};
 use std::fs;
 
@@ -103,7 +103,7 @@ fn over_long_frames_are_read_as_far_as_they_are_known() {
 #[test]
 fn a_day_without_a_stop() {
     let laps = lap("A").unwrap();
-    let vehicle = laps[0].vehicle.parameters.clone();
+    let vehicle = laps[0].vehicle.model.clone();
     let mut estimator = Estimator::<f32>::new(vehicle, Tuning::default()).unwrap();
     let mut start_s = 0.0;
     let mut of_laps = Vec::new();
@@ -129,7 +129,7 @@ fn a_day_without_a_stop() {
             estimator.on_frame(now, frame);
             while estimator.step().is_some() {
                 let live = estimator.live().unwrap();
-                let at_s = live.place.time.micros() as f64 * 1e-6 - start_s;
+                let at_s = live.end.time.micros() as f64 * 1e-6 - start_s;
                 let Some(grade_percent) = linear(&truth, at_s).filter(|_| at_s > 60.0) else {
                     continue;
                 };
@@ -158,7 +158,7 @@ fn a_day_without_a_stop() {
         counters.frozen_speeds,
     ];
     assert_eq!(faults, [0; 7]);
-    let way_m = f64::from(estimator.live().unwrap().place.cell) * 2.5;
+    let way_m = f64::from(estimator.live().unwrap().end.cell) * 2.5;
     assert!(
         (way_m / length_m - 1.0).abs() < 1e-3,
         "{way_m} of {length_m}"

@@ -1,17 +1,17 @@
-//! Fixed point against double precision: the ten replicated experiments, and the faults of the GNSS
+//! FixedPoint point against double precision: the ten replicated experiments, and the faults of the GNSS
 //! receiver in the catalogue.
 
 use cross_tests::faults::catalogue::{Fault, catalogue, of_the_receiver};
 use cross_tests::faults::drive::drive;
 use cross_tests::faults::matrix::TRUCKS;
 use estimator_core::filter::Filter;
-use estimator_core::{Counters, Fixed, Scalar, Tuning};
-use host_sim::baseline::Profile;
+use estimator_core::{Counters, FixedPoint, Scalar, Tuning};
+use host_sim::comparison::Profile;
 use host_sim::recorder::Recorder;
+use host_sim::simulator::SimulatedRun;
 use host_sim::smooth::smooth_run;
+use host_sim::study::experiments::campaign::Campaign;
 use host_sim::study::experiments::ours::{Ours, estimate_in};
-use host_sim::study::experiments::replica::Campaign;
-use host_sim::world::SimulatedRun;
 use rayon::prelude::*;
 
 /// What is wanted at most: root mean square and largest difference of grades, %, and the largest
@@ -61,7 +61,7 @@ fn the_experiments_of_the_thesis() {
     let runs = Campaign::new(1).replicas();
     assert_eq!(runs.len(), 10);
     runs.par_iter().for_each(|run| {
-        let fixed = estimate_in::<Fixed, Fixed>(&run.drive);
+        let fixed = estimate_in::<FixedPoint, FixedPoint>(&run.drive);
         let double = estimate_in::<f64, f64>(&run.drive);
         assert_near(&run.experiment.name(), &fixed, &double);
     });
@@ -69,12 +69,12 @@ fn the_experiments_of_the_thesis() {
 
 /// From the frames on the bus, as the vehicle and then the host have it.
 fn estimated<S: Scalar>(run: &SimulatedRun, fault: &Fault) -> Ours {
-    let (vehicle, tuning) = (&run.vehicle.parameters, Tuning::default());
+    let (vehicle, tuning) = (&run.vehicle.model, Tuning::default());
     let mut recorder = Recorder::<S>::new(vehicle.clone(), tuning.clone()).unwrap();
     for frame in fault.heard(&run.frames) {
         recorder.on_frame(&frame);
     }
-    let filter: Filter<S> = recorder.estimator().filter_anew();
+    let filter: Filter<S> = recorder.estimator().second_pass_filter();
     let (found, samples) = recorder.finish_with_samples().unwrap();
     let smoothed = smooth_run(vehicle, &tuning, &filter, &samples);
     let profile = |pairs: Vec<(f64, f64)>| {
@@ -113,7 +113,7 @@ fn faults_of_the_receiver() {
     for truck in TRUCKS {
         let run = drive(truck, 1).unwrap();
         faults.par_iter().for_each(|fault| {
-            let fixed = estimated::<Fixed>(&run, fault);
+            let fixed = estimated::<FixedPoint>(&run, fault);
             let double = estimated::<f64>(&run, fault);
             assert_near(&format!("{truck}, {}", fault.name), &fixed, &double);
             assert!(Counters::default() != fixed.counters);

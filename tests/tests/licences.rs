@@ -26,7 +26,7 @@ const ALLOWED: [&str; 15] = [
 /// targets.
 const WORKSPACES: [&str; 5] = [
     ".",
-    "firmware/peers",
+    "tests/peers",
     "firmware/stm32g4",
     "tests/benches",
     "tests/fuzz",

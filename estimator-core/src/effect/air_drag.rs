@@ -1,16 +1,24 @@
 //! A drag area that the parameter does not have.
 
-use super::{Acts, Bounds, Effect, Physics, drag_n};
+use super::definition::{Acts, Bounds, Effect, Physics, Search, Varies};
 
 /// F = ½ ρ a v².
 pub static EFFECT: Effect = Effect {
+    number: 2,
     name: "air_drag",
     unit: "m²",
     about: "The drag area is larger by the amount: another trailer or load, or a parameter that is wrong.",
     source: "thesis eq. 5",
     typical: 0.6,
     range: Bounds::new(-20.0, 30.0, "-20 to 30 m²"),
-    details: &[],
+    parameters: &[],
     acts: Acts::Resists,
-    physics: Physics::PerUnit(|_, sample, _| drag_n(1.0, sample, sample.place.speed_mps)),
+    physics: Physics::PerUnit(|_, sample, _| sample.forces.drag_n(1.0, sample.end.speed_mps)),
+};
+
+/// How a search varies it.
+pub static SEARCH: Search = Search {
+    varies: Varies::Amount,
+    is_base_parameter: true,
+    separated_by: "drives at other speeds: air resistance is proportional to the square of the speed",
 };

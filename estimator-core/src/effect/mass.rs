@@ -1,19 +1,27 @@
 //! Another mass than the model takes.
 
-use super::{Acts, Bounds, Effect, Physics, base_drag_n};
+use super::definition::{Acts, Bounds, Effect, Physics, Search, Varies};
 
 /// m → m (1 + a). Without it the road reads as steeper by a of all that the mass takes: what is
 /// left of traction after air resistance.
 pub static EFFECT: Effect = Effect {
+    number: 7,
     name: "mass",
     unit: "1",
     about: "The vehicle is heavier by this part of the mass that the parameter or the bus tells.",
     source: "thesis eq. 9",
     typical: 0.1,
     range: Bounds::new(-0.6, 3.0, "-0.6 to 3"),
-    details: &[],
+    parameters: &[],
     acts: Acts::Mass,
     physics: Physics::PerUnit(|vehicle, sample, _| {
-        sample.load.traction_n - base_drag_n(vehicle, sample)
+        sample.forces.traction_n - vehicle.drag_n(&sample.forces, sample.end.speed_mps)
     }),
+};
+
+/// How a search varies it.
+pub static SEARCH: Search = Search {
+    varies: Varies::Amount,
+    is_base_parameter: true,
+    separated_by: "coasting and acceleration: mass acts in both, torque in neither or only one",
 };

@@ -1,6 +1,6 @@
 //! A rough stretch of road.
 
-use super::{Acts, Bounds, Detail, Effect, Physics, weight_n};
+use super::definition::{Acts, Bounds, Effect, EffectParameter, Physics, Search, Varies};
 use crate::angle::cos_deg;
 use crate::maybe::Maybe;
 
@@ -9,26 +9,27 @@ const M_PER_DEG: f32 = 111_132.0;
 
 /// F = a m g within half the length around the place. A coordinate that is absent does not count.
 pub static EFFECT: Effect = Effect {
+    number: 11,
     name: "road_surface",
     unit: "1",
     about: "On a stretch of road the coefficient of rolling resistance is larger by the amount: gravel, coarse or broken surface.",
     source: "rough texture adds 0.001 to 0.0017 a mm of mean profile depth",
     typical: 0.0015,
     range: Bounds::new(-0.02, 0.1, "-0.02 to 0.1"),
-    details: &[
-        Detail {
+    parameters: &[
+        EffectParameter {
             key: "latitude_deg",
             about: "latitude of the middle of the stretch, °; absent: any",
             default: Maybe::NONE,
             range: Bounds::new(-90.0, 90.0, "-90 to 90°"),
         },
-        Detail {
+        EffectParameter {
             key: "longitude_deg",
             about: "longitude of the middle of the stretch, °; absent: any",
             default: Maybe::NONE,
             range: Bounds::new(-180.0, 180.0, "-180 to 180°"),
         },
-        Detail {
+        EffectParameter {
             key: "length_m",
             about: "length of the stretch, m",
             default: Maybe::some(1_000.0),
@@ -36,12 +37,12 @@ pub static EFFECT: Effect = Effect {
         },
     ],
     acts: Acts::Resists,
-    physics: Physics::PerUnit(|_, sample, details| {
-        let [latitude_deg, longitude_deg, Some(length_m)] = details.map(Maybe::get) else {
+    physics: Physics::PerUnit(|_, sample, parameters| {
+        let [latitude_deg, longitude_deg, Some(length_m)] = parameters.map(Maybe::get) else {
             return 0.0;
         };
         let somewhere = latitude_deg.is_some() || longitude_deg.is_some();
-        let off_squared_m2 = match sample.place.position_e7 {
+        let off_squared_m2 = match sample.end.position_e7 {
             Some((latitude_e7, longitude_e7)) => {
                 let degrees = |e7: i32| e7 as f32 * 1e-7;
                 let here_deg = degrees(latitude_e7);
@@ -58,9 +59,20 @@ pub static EFFECT: Effect = Effect {
         };
         let reach_m = 0.5 * length_m;
         if off_squared_m2 <= reach_m * reach_m {
-            weight_n(sample)
+            sample.forces.weight_n()
         } else {
             0.0
         }
     }),
+};
+
+/// How a search varies it.
+pub static SEARCH: Search = Search {
+    varies: Varies::RoadSection {
+        latitude_key: "latitude_deg",
+        longitude_key: "longitude_deg",
+        length_key: "length_m",
+    },
+    is_base_parameter: false,
+    separated_by: "drives over other roads, and both ways over this one",
 };

@@ -1,16 +1,24 @@
 //! A torque, or a traction force, that is told too small or too large.
 
-use super::{Acts, Bounds, Effect, Physics};
+use super::definition::{Acts, Bounds, Effect, Physics, Search, Varies};
 
 /// Traction → traction (1 + a): F = −a traction.
 pub static EFFECT: Effect = Effect {
+    number: 8,
     name: "torque_scale",
     unit: "1",
     about: "The true traction force is larger by this part of what the engine or the motor tells, driving and braking.",
     source: "thesis eq. 4; engines tell torque within some 5 %",
     typical: 0.05,
     range: Bounds::new(-0.5, 1.0, "-0.5 to 1"),
-    details: &[],
+    parameters: &[],
     acts: Acts::Traction,
-    physics: Physics::PerUnit(|_, sample, _| -sample.load.traction_n),
+    physics: Physics::PerUnit(|_, sample, _| -sample.forces.traction_n),
+};
+
+/// How a search varies it.
+pub static SEARCH: Search = Search {
+    varies: Varies::Amount,
+    is_base_parameter: true,
+    separated_by: "coasting in neutral, where no torque acts, and engine braking",
 };

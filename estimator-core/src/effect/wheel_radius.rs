@@ -1,24 +1,32 @@
 //! Wheels that are larger than the parameter, and the bus's own figure, say.
 
-use super::{Acts, Bounds, Effect, Physics, base_drag_n};
+use super::definition::{Acts, Bounds, Effect, Physics, Search, Varies};
 use crate::vehicle::Traction;
 
 /// r → r (1 + a): speed and distance → × (1 + a), the force of a torque → ÷ (1 + a). The force
 /// here is that at steady speed; most of the effect is in the distance, which GNSS speed shows.
 pub static EFFECT: Effect = Effect {
+    number: 9,
     name: "wheel_radius",
     unit: "1",
     about: "The wheels roll further by this part: speed and distance are larger than told, and a torque gives less force.",
     source: "thesis eq. 9; new and worn tyres differ by 0.02 to 0.03",
     typical: 0.01,
     range: Bounds::new(-0.2, 0.2, "-0.2 to 0.2"),
-    details: &[],
+    parameters: &[],
     acts: Acts::WheelRadius,
     physics: Physics::Of(|vehicle, sample, _, amount| {
         let lost_n = match vehicle.traction {
-            Traction::Powertrain(_) => sample.load.traction_n * amount / (1.0 + amount),
+            Traction::Powertrain(_) => sample.forces.traction_n * amount / (1.0 + amount),
             Traction::Force => 0.0,
         };
-        lost_n + base_drag_n(vehicle, sample) * amount * (2.0 + amount)
+        lost_n + vehicle.drag_n(&sample.forces, sample.end.speed_mps) * amount * (2.0 + amount)
     }),
+};
+
+/// How a search varies it.
+pub static SEARCH: Search = Search {
+    varies: Varies::GnssSpeed,
+    is_base_parameter: false,
+    separated_by: "GNSS speed",
 };

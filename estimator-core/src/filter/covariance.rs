@@ -1,124 +1,144 @@
-//! A symmetric matrix of the filter's size, upper triangle by rows.
+//! A symmetric matrix of the filter's size: its upper triangle, by rows.
 
-use super::state::STATES;
+use super::state_index::{STATES, StateIndex, StateVector, for_each_state};
 use crate::scalar::Scalar;
-use nalgebra::{SMatrix, SVector};
+use nalgebra::SMatrix;
 
-/// Numbers in the upper triangle.
+/// Number of elements of the upper triangle.
 const PACKED: usize = STATES * (STATES + 1) / 2;
 
-/// A covariance (or, in the backward pass, an information matrix).
+/// A covariance matrix, or in the backward pass an information matrix.
 ///
-/// Only one triangle exists, so it is symmetric by construction.
+/// It stores one triangle, so it is symmetric by construction. [`to_nalgebra`](Self::to_nalgebra)
+/// gives the dense form, which the tests use as the reference for every operation here.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Covariance<S> {
     upper: [S; PACKED],
 }
 
-/// Place of (i, j) in the packed triangle.
-const fn at(i: usize, j: usize) -> usize {
+/// Returns the position of element (i, j) in the packed triangle.
+const fn packed_index(i: usize, j: usize) -> usize {
     let (low, high) = if i < j { (i, j) } else { (j, i) };
     low * STATES - low * (low + 1) / 2 + high
 }
 
 impl<S: Scalar> Covariance<S> {
-    /// All zero.
+    /// The zero matrix.
     pub const ZERO: Self = Self {
         upper: [S::ZERO; PACKED],
     };
 
-    /// Element (i, j).
+    /// Returns element (i, j).
     #[inline(always)]
     #[must_use]
-    pub fn get(&self, i: usize, j: usize) -> S {
-        // Not by `[]`: a controller's image has no panics, not even where the compiler does not
-        // see that there is such an element.
-        self.upper.get(at(i, j)).copied().unwrap_or(S::ZERO)
+    pub fn get(&self, i: StateIndex, j: StateIndex) -> S {
+        self.element(i as usize, j as usize)
     }
 
     /// Sets the elements (i, j) and (j, i).
     #[inline(always)]
-    pub fn set(&mut self, i: usize, j: usize, value: S) {
-        if let Some(element) = self.upper.get_mut(at(i, j)) {
-            *element = value;
-        }
+    pub fn set(&mut self, i: StateIndex, j: StateIndex, value: S) {
+        self.set_element(i as usize, j as usize, value);
     }
 
-    /// Adds to the variance of state `i`.
+    /// Returns the variance of a state.
     #[inline(always)]
-    pub fn add_variance(&mut self, i: usize, variance: S) {
+    #[must_use]
+    pub fn variance(&self, i: StateIndex) -> S {
+        self.get(i, i)
+    }
+
+    /// Adds to the variance of a state.
+    #[inline(always)]
+    pub fn add_variance(&mut self, i: StateIndex, variance: S) {
         self.set(i, i, self.get(i, i) + variance);
     }
 
-    /// Row (and column) `i`.
+    /// Returns row (and column) `i`.
     #[inline(always)]
     #[must_use]
-    pub fn row(&self, i: usize) -> [S; STATES] {
-        let mut row = [S::ZERO; STATES];
-        for (k, element) in row.iter_mut().enumerate() {
-            *element = self.get(i, k);
+    pub fn row(&self, i: StateIndex) -> StateVector<S> {
+        let mut row = StateVector::ZERO;
+        for (k, element) in row.0.iter_mut().enumerate() {
+            *element = self.element(i as usize, k);
         }
         row
     }
 
-    /// Row and column `i` all zero: the state is no longer tied to the others.
+    /// Sets row and column `i` to zero: the state is no longer correlated with the others.
     #[inline(always)]
-    pub fn clear(&mut self, i: usize) {
+    pub fn clear(&mut self, i: StateIndex) {
         for k in 0..STATES {
-            self.set(i, k, S::ZERO);
+            self.set_element(i as usize, k, S::ZERO);
         }
     }
 
-    /// `x_i += factor * x_j`: row and column.
+    /// Sets the rows and columns to zero of the states that a gap ends.
     #[inline(always)]
-    pub fn shear(&mut self, i: usize, j: usize, factor: S) {
-        let variance =
-            self.get(i, i) + factor * (self.get(i, j) + self.get(i, j) + factor * self.get(j, j));
+    pub(crate) fn clear_after_gap(&mut self) {
+        macro_rules! clear {
+            ($index:tt) => {
+                if !StateIndex::ALL[$index].survives_gap() {
+                    self.clear(StateIndex::ALL[$index]);
+                }
+            };
+        }
+        for_each_state!(clear);
+    }
+
+    /// Applies the shear `x_i += factor * x_j` to rows and columns.
+    #[inline(always)]
+    pub fn shear(&mut self, i: StateIndex, j: StateIndex, factor: S) {
+        let (i, j) = (i as usize, j as usize);
+        let variance = self.element(i, i)
+            + factor * (self.element(i, j) + self.element(i, j) + factor * self.element(j, j));
         for k in 0..STATES {
             if k != i {
-                let mut sheared = self.get(i, k);
-                sheared.add_product(factor, &self.get(j, k));
-                self.set(i, k, sheared);
+                let mut sheared = self.element(i, k);
+                sheared.add_product(factor, &self.element(j, k));
+                self.set_element(i, k, sheared);
             }
         }
-        self.set(i, i, variance);
+        self.set_element(i, i, variance);
     }
 
-    /// `x_i += factor * h x`, with the cross covariance P h' and the variance h P h': row and
-    /// column.
+    /// Applies the shear `x_i += factor * h x` to rows and columns, given the cross covariance P h'
+    /// and the variance h P h'.
     #[inline(always)]
-    pub fn shear_by(&mut self, i: usize, factor: S, cross: &[S; STATES], variance: S) {
+    pub fn shear_by(&mut self, i: StateIndex, factor: S, cross: &StateVector<S>, variance: S) {
         let variance = self.get(i, i) + factor * (cross[i] + cross[i] + factor * variance);
-        for (k, cross) in cross.iter().enumerate() {
+        let i = i as usize;
+        for (k, cross) in cross.0.iter().enumerate() {
             if k != i {
-                let mut sheared = self.get(i, k);
+                let mut sheared = self.element(i, k);
                 sheared.add_product(factor, cross);
-                self.set(i, k, sheared);
+                self.set_element(i, k, sheared);
             }
         }
-        self.set(i, i, variance);
+        self.set_element(i, i, variance);
     }
 
-    /// `x_i *= factor`: row and column.
+    /// Applies `x_i *= factor` to row and column.
     #[inline(always)]
-    pub fn scale(&mut self, i: usize, factor: S) {
+    pub fn scale(&mut self, i: StateIndex, factor: S) {
+        let i = i as usize;
         for k in 0..STATES {
-            let scaled = self.get(i, k) * factor;
-            self.set(i, k, scaled);
+            let scaled = self.element(i, k) * factor;
+            self.set_element(i, k, scaled);
         }
-        let variance = self.get(i, i) * factor;
-        self.set(i, i, variance);
+        let variance = self.element(i, i) * factor;
+        self.set_element(i, i, variance);
     }
 
-    /// `P - K b'` for the gain K = b / s: a scalar update.
+    /// Computes `P - K b'` for the gain K = b / s: the covariance after a scalar update.
     ///
-    /// Joseph's form costs half as much again and guards a gain that is not quite right; here the
-    /// gain is b / s to a rounding, and tests hold single precision against double.
+    /// Joseph's form costs half as much again and guards against a gain that is not optimal. The
+    /// gain here is b / s up to rounding, and tests hold single precision against double.
     #[inline(always)]
-    pub fn reduce(&mut self, gain: &[S; STATES], cross: &[S; STATES]) {
+    pub fn reduce(&mut self, gain: &StateVector<S>, cross: &StateVector<S>) {
         let mut upper = self.upper.as_mut_slice();
-        let mut crosses = cross.as_slice();
-        for gain in gain {
+        let mut crosses = cross.0.as_slice();
+        for gain in &gain.0 {
             let Some((row, later)) = upper.split_at_mut_checked(crosses.len()) else {
                 return;
             };
@@ -128,14 +148,14 @@ impl<S: Scalar> Covariance<S> {
         }
     }
 
-    /// `M + A N A'`, with A given by its columns.
+    /// Returns `M + A N A'`, with A given by its columns.
     #[must_use]
-    pub fn plus_congruence(&self, columns: &[[S; STATES]; STATES], other: &Self) -> Self {
+    pub fn plus_congruence(&self, columns: &[StateVector<S>; STATES], other: &Self) -> Self {
         // A N, by columns.
-        let mut product = [[S::ZERO; STATES]; STATES];
+        let mut product = [StateVector::ZERO; STATES];
         for (column, factors) in product.iter_mut().zip(&other.rows()) {
             for (factor, of_a) in factors.iter().zip(columns) {
-                S::add_products(column, *factor, of_a);
+                S::add_products(&mut column.0, *factor, &of_a.0);
             }
         }
         let mut sum = *self;
@@ -143,14 +163,116 @@ impl<S: Scalar> Covariance<S> {
         for i in 0..STATES {
             for (j, element) in (i..STATES).zip(&mut elements) {
                 for (of_product, of_a) in product.iter().zip(columns) {
-                    element.add_product(of_product[i], &of_a[j]);
+                    element.add_product(of_product.0[i], &of_a.0[j]);
                 }
             }
         }
         sum
     }
 
-    /// All rows.
+    /// Returns `M v`.
+    #[inline(never)] // Long: every element is written out.
+    #[must_use]
+    pub fn times(&self, vector: &StateVector<S>) -> StateVector<S> {
+        let mut product = StateVector::ZERO;
+        macro_rules! add_row {
+            ($index:tt) => {
+                self.add_times::<$index>(&vector.0, &mut product.0)
+            };
+        }
+        for_each_state!(add_row);
+        product
+    }
+
+    /// Adds to the product what the part of row and column I from the diagonal on contributes.
+    #[inline(always)]
+    fn add_times<const I: usize>(&self, vector: &[S; STATES], product: &mut [S; STATES]) {
+        product[I].add_product(self.element(I, I), &vector[I]);
+        for j in I + 1..STATES {
+            let element = self.element(I, j);
+            product[I].add_product(element, &vector[j]);
+            product[j].add_product(element, &vector[I]);
+        }
+    }
+
+    /// Returns whether every variance is finite and not negative. The other elements are finite
+    /// then: |p_ij|² is at most p_ii p_jj.
+    #[inline]
+    #[must_use]
+    pub fn is_sound(&self) -> bool {
+        let mut variances = [S::ZERO; STATES];
+        for (i, variance) in variances.iter_mut().enumerate() {
+            *variance = self.element(i, i);
+        }
+        S::are_positive(&variances) && S::are_finite(&variances)
+    }
+
+    /// Returns the full matrix in nalgebra's type.
+    #[must_use]
+    pub fn to_nalgebra(&self) -> SMatrix<S, STATES, STATES>
+    where
+        S: nalgebra::Scalar,
+    {
+        SMatrix::from_fn(|i, j| self.element(i, j))
+    }
+
+    /// Returns the matrix in another number type.
+    #[must_use]
+    pub fn cast<T: Scalar>(&self) -> Covariance<T> {
+        Covariance {
+            upper: self.upper.map(|element| T::from_f64(element.to_f64())),
+        }
+    }
+
+    // Elements by number, for loops over all states. Not by `[]`: an image must not contain a
+    // panic, even where the compiler cannot prove an index.
+
+    #[inline(always)]
+    pub(super) fn element(&self, i: usize, j: usize) -> S {
+        self.upper
+            .get(packed_index(i, j))
+            .copied()
+            .unwrap_or(S::ZERO)
+    }
+
+    #[inline(always)]
+    fn set_element(&mut self, i: usize, j: usize, value: S) {
+        if let Some(element) = self.upper.get_mut(packed_index(i, j)) {
+            *element = value;
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn set_row(&mut self, i: StateIndex, row: impl Fn(usize) -> S) {
+        for k in 0..STATES {
+            self.set_element(i as usize, k, row(k));
+        }
+    }
+
+    /// Adds `f h' h - h' b - b' h`, where h sums the states `seen`. Only their rows and columns
+    /// change.
+    #[inline(always)]
+    pub(super) fn add_observation_products<const SEEN: usize>(
+        &mut self,
+        seen: [StateIndex; SEEN],
+        b: &StateVector<S>,
+        factor: S,
+    ) {
+        let seen = seen.map(|state| state as usize);
+        let at = |i: usize| b.0.get(i).copied().unwrap_or(S::ZERO);
+        for (n, i) in seen.into_iter().enumerate() {
+            for (k, element) in b.0.iter().enumerate() {
+                if !seen.contains(&k) {
+                    self.set_element(i, k, self.element(i, k) - *element);
+                }
+            }
+            for j in seen.into_iter().skip(n) {
+                self.set_element(i, j, self.element(i, j) + (factor - at(j) - at(i)));
+            }
+        }
+    }
+
+    /// Returns all rows.
     #[allow(
         clippy::needless_range_loop,
         reason = "each element goes to a row and a column"
@@ -166,63 +288,4 @@ impl<S: Scalar> Covariance<S> {
         }
         rows
     }
-
-    /// `M v`.
-    #[inline(never)] // Long: every element is written out.
-    #[must_use]
-    pub fn times(&self, vector: &[S; STATES]) -> [S; STATES] {
-        let mut product = [S::ZERO; STATES];
-        self.add_times::<0>(vector, &mut product);
-        self.add_times::<1>(vector, &mut product);
-        self.add_times::<2>(vector, &mut product);
-        self.add_times::<3>(vector, &mut product);
-        self.add_times::<4>(vector, &mut product);
-        self.add_times::<5>(vector, &mut product);
-        self.add_times::<6>(vector, &mut product);
-        self.add_times::<7>(vector, &mut product);
-        product
-    }
-
-    /// What the part of row and column I from the diagonal on adds to the product.
-    #[inline(always)]
-    fn add_times<const I: usize>(&self, vector: &[S; STATES], product: &mut [S; STATES]) {
-        product[I].add_product(self.get(I, I), &vector[I]);
-        for j in I + 1..STATES {
-            let element = self.get(I, j);
-            product[I].add_product(element, &vector[j]);
-            product[j].add_product(element, &vector[I]);
-        }
-    }
-
-    /// Whether every variance is a finite number, and none negative. What lies beyond the
-    /// diagonal cannot be infinite then: |p_ij|² is at most p_ii p_jj.
-    #[inline]
-    #[must_use]
-    pub fn is_sound(&self) -> bool {
-        let mut variances = [S::ZERO; STATES];
-        for (i, variance) in variances.iter_mut().enumerate() {
-            *variance = self.get(i, i);
-        }
-        S::are_positive(&variances) && S::are_finite(&variances)
-    }
-
-    /// As a full matrix.
-    #[must_use]
-    pub fn to_matrix(&self) -> SMatrix<f64, STATES, STATES> {
-        SMatrix::from_fn(|i, j| self.get(i, j).to_f64())
-    }
-
-    /// In another number.
-    #[must_use]
-    pub fn cast<T: Scalar>(&self) -> Covariance<T> {
-        Covariance {
-            upper: self.upper.map(|element| T::from_f64(element.to_f64())),
-        }
-    }
-}
-
-/// A state as a nalgebra vector, for reference computations.
-#[must_use]
-pub fn to_vector<S: Scalar>(x: &[S; STATES]) -> SVector<f64, STATES> {
-    SVector::from_fn(|i, _| x[i].to_f64())
 }

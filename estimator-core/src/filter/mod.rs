@@ -1,44 +1,255 @@
 //! The grade Kalman filter: a linear filter in the distance domain.
 //!
-//! One step is one cell. With e = v²/2 as the speed state and the sine of the slope as the grade
-//! state, the force balance (thesis eq. 9), climb and every measurement are linear, so no
-//! Jacobian is approximated and no division by a small speed arises. The transition is a few
-//! shears, each measurement a scalar.
+//! One step is one cell. With e = v²/2 as the speed state and the sine of the slope angle as the
+//! grade state, the force balance (thesis eq. 9), the climb and every measurement are linear. No
+//! Jacobian is approximated, and nothing divides by a small speed. F is a few shears, each
+//! measurement a scalar.
 //!
-//! * [`state`]: which states there are, and an estimate read from them;
-//! * [`covariance`]: a packed symmetric matrix and what a filter does to one;
-//! * [`motion`]: how the states move over a cell; [`transition`]: that, with the noise, in numbers
-//!   of the vehicle;
-//! * [`update`]: one scalar measurement;
-//! * [`step`]: the filter, which a sample moves over one cell;
-//! * `gate`: which altitudes to believe; `climb`: theirs against the model's; `learned`: how noisy
-//!   the sensors are;
-//! * `doubt`: what is not sure of adopted effects;
-//! * [`prior`]: what is believed where a drive begins; `far_scale`: a vehicle far from that;
-//! * [`record`]: what a step leaves for smoothing;
-//! * [`backward`]: the smoothing recursion over them.
+//! | file | content |
+//! |---|---|
+//! | `state_index`, [`state`], [`covariance`] | the states; their mean and covariance |
+//! | [`quantity`] | what is linear in the states: slope of the road, altitude, bias, scale |
+//! | [`dynamics`], `process_noise`, [`predict`] | F, Q, and the prediction with them |
+//! | [`measurement`], `speed_update`, `altitude_update` | h and the scalar update; R of each sensor |
+//! | `altitude_gate` | which altitudes to use; the climb test |
+//! | `noise_ratio` | measurement noise learned from innovations |
+//! | `effect_uncertainty` | force and uncertainty of the adopted effects |
+//! | [`prior`], `scale_prior_reset` | what is assumed where a drive begins, and when that was wrong |
+//! | [`step_record`] | what a step leaves for the smoother |
 
-pub mod backward;
-mod climb;
+mod altitude_gate;
+mod altitude_update;
 pub mod covariance;
-mod doubt;
-mod far_scale;
-mod gate;
-mod learned;
-pub mod motion;
+pub mod dynamics;
+mod effect_uncertainty;
+pub mod measurement;
+mod noise_ratio;
+pub mod predict;
 pub mod prior;
-pub mod record;
+mod process_noise;
+pub mod quantity;
+mod scale_prior_reset;
+mod speed_update;
 pub mod state;
-pub mod step;
-pub mod transition;
-pub mod update;
+pub mod state_index;
+pub mod step_record;
 
-pub use backward::{Backward, Passage};
+pub use altitude_gate::AltitudeEvent;
 pub use covariance::Covariance;
-pub use doubt::Felt;
-pub use gate::AltitudeEvent;
-pub use learned::SensorNoise;
+pub use effect_uncertainty::EffectContribution;
+pub use noise_ratio::SensorNoiseRatios;
 pub use prior::SlowStates;
-pub use record::{Moved, Record, Trace};
-pub use state::{Look, Quantity, STATES, State};
-pub use step::Filter;
+pub use quantity::{Quantity, QuantityEstimate};
+pub use state::State;
+pub use state_index::{STATES, StateIndex, StateVector};
+pub use step_record::{Reset, SmootherInput, StepRecord};
+
+use crate::context::Context;
+use crate::counters::count;
+use crate::sample::{Sample, SpeedMeasurement};
+use crate::scalar::Scalar;
+use crate::tuning::Tuning;
+use altitude_update::AltitudeUpdate;
+use effect_uncertainty::EffectUncertainty;
+use predict::Prediction;
+use prior::{initial_state, reopen_after_load_change};
+use scale_prior_reset::ScalePriorReset;
+use speed_update::SpeedUpdate;
+
+/// The filter: a state that samples move.
+#[derive(Clone, Debug)]
+pub struct Filter<S> {
+    state: Option<State<S>>,
+    prior: Option<SlowStates>,
+    speed: SpeedUpdate,
+    altitude: AltitudeUpdate,
+    effects: EffectUncertainty,
+    scale_reset: ScalePriorReset,
+}
+
+/// A state at the end of a cell before its measurements.
+struct Predicted<'a, S> {
+    state: &'a mut State<S>,
+    /// Kinetic energy at the start of the cell, m²/s².
+    energy_before: S,
+    reset: Reset,
+}
+
+impl<S: Scalar> Filter<S> {
+    /// Creates a filter before its first sample, with the sensor noise known so far and, from an
+    /// earlier drive, the slow states.
+    #[must_use]
+    pub fn new(tuning: &Tuning, noise: &SensorNoiseRatios, prior: Option<SlowStates>) -> Self {
+        Self {
+            state: None,
+            prior,
+            speed: SpeedUpdate::new(noise, tuning),
+            altitude: AltitudeUpdate::new(noise, tuning),
+            effects: EffectUncertainty::new(),
+            scale_reset: ScalePriorReset::new(),
+        }
+    }
+
+    /// Returns a filter for a second pass over the same drive. It starts with the same slow states,
+    /// but with the sensor noise and the scale's prior that this filter has learned since.
+    #[must_use]
+    pub fn second_pass<T: Scalar>(&self, tuning: &Tuning) -> Filter<T> {
+        Filter {
+            scale_reset: self.scale_reset.restarted(),
+            ..Filter::new(tuning, &self.noise(), self.prior)
+        }
+    }
+
+    /// Returns what has been learned of the sensors' noise.
+    #[must_use]
+    pub const fn noise(&self) -> SensorNoiseRatios {
+        SensorNoiseRatios {
+            speed: self.speed.noise_ratio(),
+            altitude: self.altitude.noise_ratio(),
+            gnss_error: self.altitude.gnss_error_ratio(),
+        }
+    }
+
+    /// Returns the state; `None` before the first speed.
+    #[must_use]
+    pub const fn state(&self) -> Option<&State<S>> {
+        self.state.as_ref()
+    }
+
+    /// Moves the filter over the cell of a sample: predicts, gates the altitude, updates with speed
+    /// and altitude, and checks the result.
+    ///
+    /// Returns the record for the smoother. It is `None` before the first speed, and after a
+    /// non-finite result, which restarts the filter and is counted.
+    pub fn step(&mut self, context: &mut Context, sample: &Sample) -> Option<StepRecord<S>> {
+        self.reopen(context, sample);
+        let effects = self.effects.advance(context, sample);
+        let prediction = Prediction::new(
+            context,
+            sample,
+            self.state.as_ref(),
+            self.altitude.gnss_error_ratio(),
+            effects,
+        );
+        let Self {
+            state: slot,
+            prior,
+            speed,
+            altitude,
+            scale_reset,
+            ..
+        } = self;
+        let Predicted {
+            state,
+            energy_before,
+            reset,
+        } = predict(slot, &prediction, prior, scale_reset, context, sample)?;
+        altitude.advance(sample, state, prediction.dynamics());
+        let gated = altitude.gate(context, sample, state);
+        let reset = gated.reset(reset);
+        let speed = speed.apply(context, sample, state, energy_before, reset);
+        let altitude = gated
+            .accepted
+            .map(|fix| altitude.apply(context, sample, state, scale_reset, fix));
+        if !check(state, context, sample) {
+            *slot = None;
+            return None;
+        }
+        Some(StepRecord {
+            end: sample.end,
+            smoother_input: SmootherInput {
+                dynamics: *prediction.dynamics(),
+                reset,
+                speed,
+                altitude,
+            },
+            event: gated.event,
+        })
+    }
+
+    /// Widens bias and scale where the vehicle stood before the cell and its load may have changed.
+    fn reopen(&mut self, context: &mut Context, sample: &Sample) {
+        if let Some(state) = &mut self.state
+            && sample.after_load_change
+        {
+            reopen_after_load_change(state, context, sample);
+            self.scale_reset.start(state, &context.tuning.prior);
+            count(&mut context.counters.loads_reopened);
+        }
+    }
+}
+
+/// Predicts the state to the end of the cell in place: copies of a state cost more than its
+/// prediction. At the first cell and behind a gap, the state starts from the speed; without one it
+/// is `None`.
+#[inline(always)]
+fn predict<'a, S: Scalar>(
+    slot: &'a mut Option<State<S>>,
+    prediction: &Prediction<S>,
+    prior: &Option<SlowStates>,
+    scale_reset: &mut ScalePriorReset,
+    context: &Context,
+    sample: &Sample,
+) -> Option<Predicted<'a, S>> {
+    match (&mut *slot, sample.speed) {
+        (Some(state), _) if sample.gap_cells == 0 => {
+            let energy_before = state.mean[StateIndex::KineticEnergy];
+            prediction.apply(state);
+            Some(Predicted {
+                state: slot.as_mut()?,
+                energy_before,
+                reset: Reset::None,
+            })
+        }
+        (_, Some(speed)) => {
+            let state = slot.get_or_insert_with(|| {
+                let mut state = initial_state(prior.as_ref(), context, sample);
+                let lacking = S::from_f32(scale_reset.added());
+                state.covariance.add_variance(StateIndex::Scale, lacking);
+                scale_reset.start(&state, &context.tuning.prior);
+                state
+            });
+            start_after_gap(state, &context.tuning, speed);
+            state.net_traction = prediction.dynamics().net_traction;
+            Some(Predicted {
+                energy_before: state.mean[StateIndex::KineticEnergy],
+                state,
+                reset: Reset::Gap,
+            })
+        }
+        (_, None) => None,
+    }
+}
+
+/// Starts the states that a gap ends from a speed. The slow states stay as they are.
+fn start_after_gap<S: Scalar>(state: &mut State<S>, tuning: &Tuning, speed: SpeedMeasurement) {
+    let square = |sigma: f32| S::from_f32(sigma * sigma);
+    state.mean.clear_after_gap();
+    state.covariance.clear_after_gap();
+    state.origin_m = None;
+    let mps = speed.mean_mps;
+    state.mean[StateIndex::KineticEnergy] = S::from_f32(0.5 * mps * mps);
+    // The speed itself follows as a measurement. What is set here only has to be wider.
+    for (index, sigma) in [
+        (StateIndex::KineticEnergy, mps.max(1.0)),
+        (StateIndex::Slope, tuning.prior.slope_sigma_percent),
+        (StateIndex::SlopeRate, tuning.process_noise.slope_rate_sigma),
+    ] {
+        state.covariance.set(index, index, square(sigma));
+    }
+}
+
+/// Counts the step, and returns whether its result is finite. It is for finite input; otherwise the
+/// next speed restarts the filter.
+fn check<S: Scalar>(state: &State<S>, context: &mut Context, sample: &Sample) -> bool {
+    let counters = &mut context.counters;
+    counters.steps += 1;
+    if !sample.end.condition.is_valid() {
+        counters.invalid_steps += 1;
+    }
+    let is_sound = state.is_sound();
+    if !is_sound {
+        count(&mut counters.restarts);
+    }
+    is_sound
+}

@@ -1,29 +1,16 @@
-//! GNSS fixes, placed on the driven way.
+//! GNSS fixes, placed along the driven distance.
 
+use super::accepted_ranges::ALTITUDES_M;
 use super::latest::Latest;
-use super::{AltitudeMeasurement, Continuity};
 use crate::cell::CELL_LENGTH_M;
+use crate::sample::{AltitudeContinuity, AltitudeMeasurement};
 use crate::signal::{Signal, Value};
 use crate::time::Instant;
+use crate::tuning::Tuning;
 
-/// A position this far behind is no longer extended along the road, m.
-const POSITION_REACH_M: f32 = 200.0;
-/// Fewest satellites that give an altitude, and how many it takes until more do not help.
-const FEWEST_SATELLITES: f32 = 4.0;
-const MANY_SATELLITES: f32 = 8.0;
-/// Dilution of precision that each of the missing ones adds. Geometry tells more (and is told by
-/// most receivers); on average four satellites have about three times the vertical error of many.
-const DILUTION_PER_MISSING: f32 = 0.5;
-/// Way along which, and fixes in which, no receiver tells the same altitude to the last digit
-/// unless it is stuck, m.
-const FROZEN_M: f32 = 100.0;
-const FROZEN_FIXES: u8 = 6;
-/// Altitudes of roads, m.
-const ALTITUDES_M: core::ops::Range<f32> = -1_000.0..10_000.0;
-
-/// A position with its place, as metres from the start of the open cell.
+/// A position, and its distance from the start of the open cell.
 #[derive(Clone, Copy, Debug)]
-struct Fix {
+struct PositionFix {
     latitude_e7: i32,
     longitude_e7: i32,
     at_m: f32,
@@ -31,25 +18,25 @@ struct Fix {
 
 /// What became of an altitude.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum FixOutcome {
-    /// Waits for its cell, or was no altitude.
+pub(super) enum AltitudeOutcome {
+    /// It waits for its cell, or is no altitude.
     Taken,
-    /// Too few satellites, or no fix at all.
+    /// It has too few satellites, or no fix.
     Poor,
     /// The receiver is stuck.
     Frozen,
 }
 
-/// The altitude told last, and for how long.
+/// An altitude that the receiver repeats.
 #[derive(Clone, Copy, Debug)]
 struct Repeated {
     altitude_m: f32,
-    /// Where it was first told, as metres from the start of the open cell.
+    /// Distance at which it was first reported, from the start of the open cell, m.
     from_m: f32,
     fixes: u8,
 }
 
-/// The newest positions, and the altitude that waits for its cell.
+/// The newest positions, and the altitude that waits for its cell with its distance.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Gnss {
     method: Latest,
@@ -57,8 +44,8 @@ pub(super) struct Gnss {
     hdop: Latest,
     vdop: Latest,
     latitude_e7: Option<i32>,
-    fix: Option<Fix>,
-    earlier_fix: Option<Fix>,
+    fix: Option<PositionFix>,
+    earlier_fix: Option<PositionFix>,
     altitude: Option<(AltitudeMeasurement, f32)>,
     repeated: Option<Repeated>,
 }
@@ -75,12 +62,12 @@ impl Gnss {
         }
     }
 
-    /// Takes a latitude; it waits for its longitude.
+    /// Takes a latitude, which waits for its longitude.
     pub(super) fn latitude(&mut self, value: Value) {
         self.latitude_e7 = value.degrees_e7();
     }
 
-    /// Takes a longitude, which completes a position taken at `at_m`.
+    /// Takes a longitude, which completes a position taken at the distance `at_m`.
     pub(super) fn longitude(&mut self, value: Value, at_m: f32) {
         let (Some(latitude_e7), Some(longitude_e7)) = (self.latitude_e7.take(), value.degrees_e7())
         else {
@@ -89,7 +76,7 @@ impl Gnss {
         if latitude_e7.unsigned_abs() > 900_000_000 || longitude_e7.unsigned_abs() > 1_800_000_000 {
             return;
         }
-        let fix = Fix {
+        let fix = PositionFix {
             latitude_e7,
             longitude_e7,
             at_m,
@@ -104,44 +91,47 @@ impl Gnss {
         self.fix = Some(fix);
     }
 
-    /// Takes an altitude, which completes a fix taken at `at_m`.
+    /// Takes an altitude, which completes a fix taken at the distance `at_m`.
     pub(super) fn altitude(
         &mut self,
+        tuning: &Tuning,
         now: Instant,
         value: Option<f32>,
         at_m: f32,
-        continuity: Continuity,
-    ) -> FixOutcome {
+        continuity: AltitudeContinuity,
+    ) -> AltitudeOutcome {
         let Some(altitude_m) = value.filter(|altitude_m| ALTITUDES_M.contains(altitude_m)) else {
-            return FixOutcome::Taken;
+            return AltitudeOutcome::Taken;
         };
-        let no_fix = self.method.state(now).is_some_and(|method| method < 0.5);
-        let too_few = self
-            .satellites
-            .state(now)
-            .is_some_and(|count| count < FEWEST_SATELLITES);
+        let timeout = tuning.hold_times.state_timeout;
+        let quality = |latest: &Latest| latest.within(now, timeout);
+        let satellites = quality(&self.satellites);
+        let no_fix = quality(&self.method).is_some_and(|method| method < 0.5);
+        let fewest = tuning.detection.fewest_satellites;
+        let too_few = satellites.is_some_and(|count| count < fewest);
         if no_fix || too_few {
-            return FixOutcome::Poor;
+            return AltitudeOutcome::Poor;
         }
-        if self.is_frozen(altitude_m, at_m) {
-            return FixOutcome::Frozen;
+        if self.is_frozen(tuning, altitude_m, at_m) {
+            return AltitudeOutcome::Frozen;
         }
-        let dilution = self.vdop.state(now).or(self.hdop.state(now)).unwrap_or(1.0);
-        let few = self.satellites.state(now).map_or(1.0, |count| {
-            1.0 + DILUTION_PER_MISSING * (MANY_SATELLITES - count).max(0.0)
+        let noise = &tuning.measurement_noise;
+        let dilution = quality(&self.vdop).or(quality(&self.hdop)).unwrap_or(1.0);
+        let few = satellites.map_or(1.0, |count| {
+            1.0 + noise.dilution_per_missing_satellite * (noise.many_satellites - count).max(0.0)
         });
         let measurement = AltitudeMeasurement {
             altitude_m,
             behind_m: 0.0,
-            dilution: dilution.max(few).clamp(1.0, 50.0),
+            dilution: dilution.max(few).max(1.0).min(noise.largest_dilution),
             continuity,
         };
         self.altitude = Some((measurement, at_m));
-        FixOutcome::Taken
+        AltitudeOutcome::Taken
     }
 
-    /// Whether an altitude has been told for so long that the receiver is stuck.
-    fn is_frozen(&mut self, altitude_m: f32, at_m: f32) -> bool {
+    /// Returns whether an altitude has been repeated for so long that the receiver is stuck.
+    fn is_frozen(&mut self, tuning: &Tuning, altitude_m: f32, at_m: f32) -> bool {
         let repeated = self
             .repeated
             .filter(|repeated| repeated.altitude_m == altitude_m)
@@ -152,10 +142,12 @@ impl Gnss {
             });
         let fixes = repeated.fixes.saturating_add(1);
         self.repeated = Some(Repeated { fixes, ..repeated });
-        fixes >= FROZEN_FIXES && at_m - repeated.from_m > FROZEN_M
+        fixes >= tuning.detection.altitude_frozen_fixes
+            && at_m - repeated.from_m > tuning.detection.altitude_frozen_m
     }
 
-    /// The waiting altitude, if it was taken before `end_m`; else it waits for the next cell.
+    /// Returns the altitude if it was taken before the distance `end_m`. Otherwise it waits for the
+    /// next cell.
     pub(super) fn altitude_before(&mut self, end_m: f32) -> Option<AltitudeMeasurement> {
         let (mut measurement, at_m) = self.altitude?;
         if at_m > end_m {
@@ -166,11 +158,12 @@ impl Gnss {
         Some(measurement)
     }
 
-    /// The position at `at_m`, on the line through the last two fixes.
-    pub(super) fn position_at(&self, at_m: f32) -> Option<(i32, i32)> {
+    /// Returns the position at the distance `at_m`, on the line through the last two fixes, 1e-7
+    /// degrees.
+    pub(super) fn position_at(&self, tuning: &Tuning, at_m: f32) -> Option<(i32, i32)> {
         let fix = self.fix?;
         let beyond_m = at_m - fix.at_m;
-        if beyond_m > POSITION_REACH_M {
+        if beyond_m > tuning.detection.position_reach_m {
             return None;
         }
         let Some(earlier) = self.earlier_fix else {
@@ -187,7 +180,7 @@ impl Gnss {
         ))
     }
 
-    /// A cell was closed: places count from its end.
+    /// Closes a cell: distances count from its end.
     pub(super) fn cell_closed(&mut self) {
         let fixes = [&mut self.fix, &mut self.earlier_fix];
         for fix in fixes.into_iter().flatten() {
@@ -201,8 +194,8 @@ impl Gnss {
         }
     }
 
-    /// Nothing is known of the way since the last fix.
-    pub(super) fn forget_places(&mut self) {
+    /// Drops all fixes: the distance since the last one is not known.
+    pub(super) fn clear(&mut self) {
         self.fix = None;
         self.earlier_fix = None;
         self.altitude = None;

@@ -1,191 +1,155 @@
-//! Readings of different rates, ages and sources become one sample a cell.
+//! The sampler: readings of different rates and ages become one sample a cell.
 //!
-//! The odometer moves from one speed reading to the next: between two of them speed is linear in
-//! time and the force is the mean of what was read in between, so that the work done equals the
-//! integral of the force whatever the rates. Each interval is then cut at the ends of cells.
+//! The odometer moves from one speed reading to the next. Between two of them the speed is linear in
+//! time and the force is the mean of what was read in between, so that the work equals the integral
+//! of the force at any rate. Each interval is then divided at the ends of cells.
+//!
+//! | file | content |
+//! |---|---|
+//! | `driveline`, `traction` | gear and clutch; torque or force to mean traction force |
+//! | `brakes`, `brake_detector` | brakes that signals report; brakes that none reports |
+//! | `odometer`, `speed_check` | distance and cells; plausibility of speed readings |
+//! | `gnss` | positions and altitudes along the driven distance |
+//! | `stops` | standstills, weighings, load changes |
+//! | `effect_inputs` | what effects depend on |
+//! | `latest`, `accepted_ranges` | newest values and their age; ranges of accepted readings |
 
-mod circumstances;
+mod accepted_ranges;
+mod brake_detector;
+mod brakes;
 mod driveline;
+mod effect_inputs;
 mod gnss;
 mod latest;
 mod odometer;
-mod slowing;
-mod speedometer;
+mod speed_check;
 mod stops;
-mod switches;
 mod traction;
 
-use crate::cell::{CELL_LENGTH_M, Condition, Place};
-use crate::counters::Counters;
+use crate::cell::{CELL_LENGTH_M, CellEnd, Condition};
+use crate::context::Context;
+use crate::counters::count;
 use crate::effect::Acts;
+use crate::sample::{AltitudeContinuity, EffectInputs, ForceInputs, Sample};
 use crate::scalar::Scalar;
 use crate::signal::{Reading, Signal};
 use crate::time::Instant;
-use crate::tuning::Tuning;
-use crate::vehicle::{Driveline, Load, Traction, VehicleParameters, air_density};
-pub use circumstances::Circumstances;
-use circumstances::CircumstancesInput;
-use driveline::{DrivelineInput, Passage};
-use gnss::{FixOutcome, Gnss};
+use crate::vehicle::{Driveline, Traction, air_density};
+use accepted_ranges::SPEEDS_MPS;
+use brake_detector::BrakeDetector;
+use brakes::Brakes;
+use driveline::{DrivelineSignals, DrivelineState};
+use effect_inputs::EffectSignals;
+use gnss::{AltitudeOutcome, Gnss};
 use heapless::Deque;
-use latest::Latest;
-use odometer::{Between, LONGEST_INTERVAL, Odometer};
-use slowing::Slowing;
-use speedometer::{Speedometer, Worth};
+use latest::{Latest, TimedValue};
+use odometer::{DrivenCell, Interval, Odometer};
+use speed_check::{Plausibility, SpeedCheck};
 use stops::Stops;
-use switches::Switches;
 use traction::TractionInput;
 
-/// Samples that may wait for the filter.
+/// Number of samples that may wait for the filter.
 const QUEUE: usize = 24;
-/// Speeds of road vehicles, m/s.
-const SPEEDS_MPS: core::ops::RangeInclusive<f32> = 0.0..=70.0;
 
-/// Mean of the speed readings in a cell.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct SpeedMeasurement {
-    /// Quadratic mean, m/s: it is v²/2 that grows evenly with distance.
-    pub mean_mps: f32,
-    /// How far behind the cell's end it was taken, m.
-    pub behind_m: f32,
-    /// Number of readings.
-    pub count: u8,
-}
-
-/// A GNSS altitude.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct AltitudeMeasurement {
-    /// Altitude, m.
-    pub altitude_m: f32,
-    /// How far behind the cell's end it was taken, m.
-    pub behind_m: f32,
-    /// Dilution of precision, at least 1.
-    pub dilution: f32,
-    /// How it follows from the one before.
-    pub continuity: Continuity,
-}
-
-/// How an altitude follows from the one before it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Continuity {
-    /// From the same receiver.
-    #[default]
-    Followed,
-    /// The slow error may have gone anywhere since. No sender tells this; a second look at a drive
-    /// may know it from the first.
-    Drifted,
-    /// The source is another one than before: its datum may differ by tens of metres.
-    Switched,
-}
-
-/// What the filter sees of one cell.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Sample {
-    /// Where and when the cell ends.
-    pub place: Place,
-    /// Cells driven since the last sample without one (a gap in the traffic), normally 0.
-    pub gap_cells: u32,
-    /// Length of the step, m: [`CELL_LENGTH_M`].
-    pub length_m: f32,
-    /// Time taken, s.
-    pub duration_s: f32,
-    /// Mean force and mass over the cell, scaled by the effects that the vehicle has adopted.
-    pub load: Load,
-    /// What else effects depend on.
-    pub circumstances: Circumstances,
-    /// Speed readings in it.
-    pub speed: Option<SpeedMeasurement>,
-    /// GNSS altitude taken in it.
-    pub altitude: Option<AltitudeMeasurement>,
-    /// The vehicle stood before it, for long or to be loaded: what was learned of it may be wrong.
-    pub reopened: bool,
-}
-
-/// Collects readings and cuts the drive into samples.
+/// Collects readings and divides the drive into samples.
 #[derive(Clone, Debug)]
 pub struct Sampler {
-    driveline: DrivelineInput,
-    passage: Passage,
-    traction: TractionInput,
-    switches: Switches,
-    slowing: Slowing,
-    stops: Stops,
-    gnss: Gnss,
     odometer: Odometer,
-    wheel_speed: Latest,
-    wheels: Speedometer,
-    front_axle: Speedometer,
-    surroundings: Surroundings,
-    circumstances: CircumstancesInput,
+    parts: Parts,
     samples: Deque<Sample, QUEUE>,
 }
 
-/// What changes slowly.
+/// What the sampler collects from readings.
+#[derive(Clone, Debug)]
+struct Parts {
+    driveline: DrivelineSignals,
+    driveline_state: DrivelineState,
+    /// End of the hold time of the last gear shift.
+    shift_until: Instant,
+    traction: TractionInput,
+    brakes: Brakes,
+    brake_detector: BrakeDetector,
+    stops: Stops,
+    gnss: Gnss,
+    wheel_speed: Latest,
+    wheel_check: SpeedCheck,
+    front_axle_check: SpeedCheck,
+    air: AirSignals,
+    effect_signals: EffectSignals,
+}
+
+/// Temperature and pressure of the air.
 #[derive(Clone, Copy, Debug, Default)]
-struct Surroundings {
+struct AirSignals {
     ambient: Latest,
     pressure: Latest,
 }
 
+impl AirSignals {
+    fn density(&self) -> f32 {
+        air_density(self.pressure.last(), self.ambient.last())
+    }
+}
+
 impl Sampler {
-    /// Nothing read yet.
+    /// Creates a sampler before the first reading.
     #[must_use]
     pub fn new() -> Self {
         Self {
-            driveline: DrivelineInput::default(),
-            passage: Passage::UNKNOWN,
-            traction: TractionInput::new(),
-            switches: Switches::default(),
-            slowing: Slowing::default(),
-            stops: Stops::default(),
-            gnss: Gnss::default(),
             odometer: Odometer::default(),
-            wheel_speed: Latest::default(),
-            wheels: Speedometer::default(),
-            front_axle: Speedometer::default(),
-            surroundings: Surroundings::default(),
-            circumstances: CircumstancesInput::default(),
+            parts: Parts {
+                driveline: DrivelineSignals::default(),
+                driveline_state: DrivelineState::UNKNOWN,
+                shift_until: Instant::default(),
+                traction: TractionInput::new(),
+                brakes: Brakes::default(),
+                brake_detector: BrakeDetector::default(),
+                stops: Stops::default(),
+                gnss: Gnss::default(),
+                wheel_speed: Latest::default(),
+                wheel_check: SpeedCheck::default(),
+                front_axle_check: SpeedCheck::default(),
+                air: AirSignals::default(),
+                effect_signals: EffectSignals::default(),
+            },
             samples: Deque::new(),
         }
     }
 
-    /// The next sample that is ready.
+    /// Returns the next sample that is ready.
     pub fn next_sample(&mut self) -> Option<Sample> {
         self.samples.pop_front()
     }
 
-    /// Something was heard: the drive counts from the first time on.
+    /// Starts the drive with the first input, if it has not started.
     pub fn start(&mut self, now: Instant) {
         self.odometer.start(now);
     }
 
-    /// Takes one reading. `source_switched` tells that it comes from another sender than the
-    /// signal did before.
-    #[inline(always)] // In the one place that hands readings on, whatever they came with.
+    /// Takes one reading. `source_switched` is whether it comes from another source than the last
+    /// reading of the signal.
+    #[inline(always)] // Called once: where the intake passes readings on.
     pub fn record(
         &mut self,
-        vehicle: &VehicleParameters,
-        tuning: &Tuning,
+        context: &mut Context,
         now: Instant,
         reading: Reading,
         source_switched: bool,
-        counters: &mut Counters,
     ) {
         let value = reading.value.real();
         if source_switched {
-            self.switched_to(reading.signal);
+            self.switch_source(reading.signal);
         }
+        let Self {
+            odometer, parts, ..
+        } = self;
         match reading.signal {
             Signal::EngineTorqueFraction
             | Signal::FrictionTorque
             | Signal::EngineTorque
             | Signal::TractionForce => {
-                if self.traction.record(vehicle, now, reading.signal, value) {
-                    counters.tractions_used += 1;
+                if parts.traction.record(context, now, reading.signal, value) {
+                    context.counters.tractions_used += 1;
                 }
             }
             Signal::EngineSpeed
@@ -195,43 +159,33 @@ impl Sampler {
             | Signal::ClutchSwitch
             | Signal::GearRatio
             | Signal::CurrentGear => {
-                self.driveline(vehicle, tuning, now, reading.signal, value);
+                let speed_mps = odometer.speed_mps();
+                parts.record_driveline(context, now, reading.signal, value, speed_mps);
             }
             Signal::BrakeSwitch
             | Signal::BrakePedal
             | Signal::BrakePressure
             | Signal::ParkingBrake
             | Signal::RetarderTorque => {
-                self.switches.record(tuning, now, reading.signal, value);
+                parts
+                    .brakes
+                    .record(&context.tuning, now, reading.signal, value);
             }
-            Signal::Mass => self.stops.mass(vehicle, tuning, now, value),
-            Signal::AmbientTemperature => self.surroundings.ambient.set(value, now),
-            Signal::AirPressure => self.surroundings.pressure.set(value, now),
+            Signal::Mass => parts.stops.mass(context, now, value),
+            Signal::AmbientTemperature => parts.air.ambient.set(value, now),
+            Signal::AirPressure => parts.air.pressure.set(value, now),
             Signal::FixMethod | Signal::Satellites | Signal::Hdop | Signal::Vdop => {
-                self.gnss.quality(now, reading.signal, value);
+                parts.gnss.quality(now, reading.signal, value);
             }
-            Signal::Latitude => self.gnss.latitude(reading.value),
+            Signal::Latitude => parts.gnss.latitude(reading.value),
             Signal::Longitude => {
-                let at_m = self.odometer.place_m(now, tuning.gnss_latency);
-                self.gnss.longitude(reading.value, at_m);
+                let at_m = self.fix_distance_m(context, now);
+                self.parts.gnss.longitude(reading.value, at_m);
             }
-            Signal::Altitude => {
-                let at_m = self.odometer.place_m(now, tuning.gnss_latency);
-                let continuity = if source_switched {
-                    Continuity::Switched
-                } else {
-                    Continuity::Followed
-                };
-                let counter = match self.gnss.altitude(now, value, at_m, continuity) {
-                    FixOutcome::Taken => return,
-                    FixOutcome::Poor => &mut counters.poor_fixes,
-                    FixOutcome::Frozen => &mut counters.frozen_fixes,
-                };
-                *counter = counter.saturating_add(1);
-            }
+            Signal::Altitude => self.altitude(context, now, value, source_switched),
             Signal::WheelSpeed | Signal::FrontAxleSpeed => {
-                if let Some(told_mps) = self.judged_speed(now, reading.signal, value, counters) {
-                    self.speed(vehicle, tuning, now, told_mps, counters);
+                if let Some(mps) = parts.check_speed(context, now, reading.signal, value) {
+                    self.speed(context, now, mps);
                 }
             }
             Signal::EngineTorqueMode
@@ -240,204 +194,247 @@ impl Sampler {
             | Signal::SelectedGear
             | Signal::Passengers => {}
             Signal::Fan | Signal::YawRate | Signal::Course | Signal::GnssSpeed => {
-                let speed_mps = self.odometer.speed_mps();
-                self.circumstances
-                    .record(now, reading.signal, value, speed_mps);
+                let speed_mps = odometer.speed_mps();
+                let signals = &mut parts.effect_signals;
+                signals.record(&context.tuning, now, reading.signal, value, speed_mps);
             }
         }
     }
 
-    /// Another sender tells a signal from now on. Forces and speeds of two do not go together: a
-    /// difference that nothing drove would be read as a slope, and as a scale.
-    #[inline(never)] // Seldom.
-    fn switched_to(&mut self, signal: Signal) {
+    /// Takes a change of a signal's source. Forces and speeds of two sources do not go together: a
+    /// difference that no force caused would be read as a slope, and as a scale.
+    #[inline(never)] // Rare.
+    fn switch_source(&mut self, signal: Signal) {
         match signal {
             Signal::EngineTorque | Signal::TractionForce => {}
-            Signal::WheelSpeed => self.wheels = Speedometer::default(),
-            Signal::FrontAxleSpeed => self.front_axle = Speedometer::default(),
+            Signal::WheelSpeed => self.parts.wheel_check = SpeedCheck::default(),
+            Signal::FrontAxleSpeed => self.parts.front_axle_check = SpeedCheck::default(),
             _ => return,
         }
         self.odometer.interrupt();
-        self.slowing.forget();
+        self.parts.brake_detector.restart();
     }
 
-    /// Takes a reading of the driveline. Most repeat what was told before: then only the hold time
-    /// of what goes on begins anew.
-    #[inline(always)] // In Sampler::record.
-    fn driveline(
+    /// Returns the distance at which a fix that arrives now was taken, from the start of the open
+    /// cell, m.
+    fn fix_distance_m(&self, context: &Context, now: Instant) -> f32 {
+        let hold_times = &context.tuning.hold_times;
+        self.odometer
+            .distance_m(now, hold_times.gnss_latency, hold_times.speed_timeout)
+    }
+
+    fn altitude(
         &mut self,
-        vehicle: &VehicleParameters,
-        tuning: &Tuning,
+        context: &mut Context,
         now: Instant,
-        signal: Signal,
         value: Option<f32>,
+        source_switched: bool,
     ) {
-        let changed = self.driveline.record(vehicle, now, signal, value);
-        let counts = signal != Signal::EngineSpeed || self.passage.asks_engine_speed;
-        // Of an open one the torque tells whether it coasts.
-        if changed && counts || self.passage.driveline == Driveline::Open {
-            self.follow_driveline(vehicle, tuning, now, self.odometer.speed_mps());
-        } else if self.passage.in_transit {
-            self.switches.driveline_in_transit(tuning, now);
-        }
-    }
-
-    /// What the driveline passes now, and what its changes disturb.
-    fn follow_driveline(
-        &mut self,
-        vehicle: &VehicleParameters,
-        tuning: &Tuning,
-        now: Instant,
-        speed_mps: Option<f32>,
-    ) {
-        let net_percent = self.traction.net_torque_percent(now);
-        let passage = self
-            .driveline
-            .passage(vehicle, tuning, now, speed_mps, net_percent);
-        let changed = self.traction.driveline_is(vehicle, now, passage.driveline);
-        if changed || passage.in_transit {
-            self.switches.driveline_in_transit(tuning, now);
-        }
-        self.passage = passage;
-    }
-
-    /// The speed that a sensor tells, if it counts. The front axle's stands in where the
-    /// wheel-based speed is missing.
-    fn judged_speed(
-        &mut self,
-        now: Instant,
-        signal: Signal,
-        value: Option<f32>,
-        counters: &mut Counters,
-    ) -> Option<f32> {
-        let turns = self.driveline.turns(now, self.passage.driveline);
-        let is_wheels = signal == Signal::WheelSpeed;
-        let sensor = if is_wheels {
-            &mut self.wheels
+        let at_m = self.fix_distance_m(context, now);
+        let continuity = if source_switched {
+            AltitudeContinuity::Switched
         } else {
-            &mut self.front_axle
+            AltitudeContinuity::Followed
         };
-        let told_mps = value.filter(|mps| SPEEDS_MPS.contains(mps));
-        let good_mps = match told_mps.map(|mps| (mps, sensor.judge(now, mps, turns))) {
-            None => None,
-            Some((mps, Worth::Good)) => Some(mps),
-            Some((_, Worth::Leapt)) => {
-                counters.speed_leaps = counters.speed_leaps.saturating_add(1);
-                return None;
-            }
-            Some((_, Worth::Frozen)) => {
-                counters.frozen_speeds = counters.frozen_speeds.saturating_add(1);
-                None
-            }
-        };
-        if is_wheels {
-            self.wheel_speed.set(good_mps, now);
-            return good_mps;
+        let gnss = &mut self.parts.gnss;
+        match gnss.altitude(&context.tuning, now, value, at_m, continuity) {
+            AltitudeOutcome::Taken => {}
+            AltitudeOutcome::Poor => count(&mut context.counters.poor_fixes),
+            AltitudeOutcome::Frozen => count(&mut context.counters.frozen_fixes),
         }
-        let is_missing = self.wheel_speed.within(now, LONGEST_INTERVAL).is_none();
-        good_mps.filter(|_| is_missing)
     }
 
-    fn speed(
-        &mut self,
-        vehicle: &VehicleParameters,
-        tuning: &Tuning,
-        now: Instant,
-        told_mps: f32,
-        counters: &mut Counters,
-    ) {
-        let speed_mps = told_mps * vehicle.effects.factor(Acts::WheelRadius);
-        counters.speeds_used += 1;
-        self.follow_driveline(vehicle, tuning, now, Some(speed_mps));
-        self.switches.hold(tuning, now);
-        self.stops.speed(tuning, now, speed_mps);
-        let slower = self
-            .odometer
+    /// Takes a plausible speed, and drives the distance since the last one.
+    fn speed(&mut self, context: &mut Context, now: Instant, reported_mps: f32) {
+        let Self {
+            odometer,
+            parts,
+            samples,
+        } = self;
+        let speed_mps = reported_mps * context.model.effects.factor(Acts::WheelRadius);
+        let speed = TimedValue {
+            value: speed_mps,
+            time: now,
+        };
+        context.counters.speeds_used += 1;
+        parts.follow_driveline(context, now, Some(speed_mps));
+        parts.brakes.hold(&context.tuning, now);
+        parts.stops.speed(&context.tuning, speed);
+        let slower_mps = odometer
             .speed_mps()
             .map_or(speed_mps, |last| Scalar::min(last, speed_mps));
-        let between = Between {
-            mean_force_n: self.traction.take_mean_n(now),
-            condition: Condition {
-                shifting: self.switches.shifting(now),
-                braking: self.switches.braking(now),
-                no_traction: !self.traction.is_known(vehicle, now),
-                crawling: slower < tuning.crawl_mps,
-            },
+        let interval = Interval {
+            mean_force_n: parts.traction.take_mean_n(now),
+            condition: parts.condition(context, now, slower_mps),
         };
-        let guesses_brakes =
-            vehicle.traction != Traction::Force && !self.switches.tells_brakes(now);
-        let Self {
-            traction,
-            slowing,
-            stops,
-            gnss,
-            odometer,
-            surroundings,
-            circumstances,
-            samples,
-            ..
-        } = self;
-        let traction_factor = vehicle.effects.factor(Acts::Traction);
-        let bridged = odometer.drive(now, speed_mps, between, |driven| {
-            let load = Load {
-                traction_n: driven.mean_force_n * traction_factor,
-                rotating_kg: traction.rotating_kg(vehicle),
-                mass_kg: stops.mass_kg(vehicle),
-                air_density: surroundings.air_density(),
-            };
-            let mut condition = driven.condition;
-            if guesses_brakes {
-                let told = !condition.is_valid() || condition.crawling;
-                if slowing.brakes(vehicle, tuning, &load, driven.speed_mps, told) {
-                    condition.braking = true;
-                    counters.brakes_guessed += 1;
-                }
-            } else {
-                slowing.forget();
-            }
-            let sample = Sample {
-                place: Place {
-                    cell: driven.number,
-                    time: driven.time,
-                    position_e7: gnss.position_at(CELL_LENGTH_M),
-                    speed_mps: driven.speed_mps,
-                    condition,
-                },
-                gap_cells: driven.gap_cells,
-                length_m: CELL_LENGTH_M,
-                duration_s: driven.duration_s,
-                load,
-                circumstances: Circumstances {
-                    driven_s: stops.driven_s(),
-                    ambient_celsius: surroundings.ambient.last().into(),
-                    engaged: traction.arrives(vehicle),
-                    ..circumstances.take(driven.time, driven.speed_mps)
-                },
-                speed: driven.speed,
-                altitude: gnss.altitude_before(CELL_LENGTH_M),
-                reopened: stops.take_reopening(vehicle, tuning),
-            };
-            gnss.cell_closed();
+        let detects_brakes = context.model.vehicle.traction != Traction::Force
+            && !parts.brakes.are_reported(&context.tuning, now);
+        let longest = context.tuning.hold_times.speed_timeout;
+        let bridged = odometer.drive(speed, interval, longest, |driven| {
+            let sample = parts.sample(context, &driven, detects_brakes);
             if samples.push_back(sample).is_err() {
-                counters.samples_lost = counters.samples_lost.saturating_add(1);
+                count(&mut context.counters.samples_lost);
             }
         });
         if !bridged {
-            gnss.forget_places();
-            slowing.forget();
-            counters.gaps = counters.gaps.saturating_add(1);
+            parts.gnss.clear();
+            parts.brake_detector.restart();
+            count(&mut context.counters.gaps);
         }
-    }
-}
-
-impl Surroundings {
-    fn air_density(&self) -> f32 {
-        air_density(self.pressure.last(), self.ambient.last())
     }
 }
 
 impl Default for Sampler {
     fn default() -> Self {
         Self::new()
+    }
+}
+
+impl Parts {
+    /// Takes a reading of the driveline. Most readings repeat the one before; then only the hold
+    /// time of a transition is extended.
+    #[inline(always)] // In Sampler::record.
+    fn record_driveline(
+        &mut self,
+        context: &Context,
+        now: Instant,
+        signal: Signal,
+        value: Option<f32>,
+        speed_mps: Option<f32>,
+    ) {
+        let changed = self.driveline.record(context, now, signal, value);
+        let counts = signal != Signal::EngineSpeed || self.driveline_state.needs_engine_speed;
+        // Whether an open driveline coasts depends on the torque.
+        if changed && counts || self.driveline_state.driveline == Driveline::Open {
+            self.follow_driveline(context, now, speed_mps);
+        } else if self.driveline_state.in_transition {
+            self.hold_shift(context, now);
+        }
+    }
+
+    /// Updates the state of the driveline, and the hold time after its changes.
+    fn follow_driveline(&mut self, context: &Context, now: Instant, speed_mps: Option<f32>) {
+        let net_percent = self.traction.net_torque_percent(context, now);
+        let state = self.driveline.state(context, now, speed_mps, net_percent);
+        let changed = self.traction.set_driveline(context, now, state.driveline);
+        if changed || state.in_transition {
+            self.hold_shift(context, now);
+        }
+        self.driveline_state = state;
+    }
+
+    fn hold_shift(&mut self, context: &Context, now: Instant) {
+        let until = now + context.tuning.hold_times.shift_hold;
+        self.shift_until = self.shift_until.max(until);
+    }
+
+    /// Returns the speed of a reading if it counts, m/s. The front axle's speed replaces the
+    /// wheel-based speed where that is missing.
+    fn check_speed(
+        &mut self,
+        context: &mut Context,
+        now: Instant,
+        signal: Signal,
+        value: Option<f32>,
+    ) -> Option<f32> {
+        let Context {
+            tuning, counters, ..
+        } = context;
+        let driveline = self.driveline_state.driveline;
+        let turns = self.driveline.turns(tuning, now, driveline);
+        let is_wheels = signal == Signal::WheelSpeed;
+        let sensor = if is_wheels {
+            &mut self.wheel_check
+        } else {
+            &mut self.front_axle_check
+        };
+        let reported_mps = value.filter(|mps| SPEEDS_MPS.contains(mps));
+        let checked =
+            reported_mps.map(|mps| (mps, sensor.check(now, mps, turns, &tuning.detection)));
+        let plausible_mps = match checked {
+            None => None,
+            Some((mps, Plausibility::Plausible)) => Some(mps),
+            Some((_, Plausibility::Jumped)) => {
+                count(&mut counters.speed_leaps);
+                return None;
+            }
+            Some((_, Plausibility::Frozen)) => {
+                count(&mut counters.frozen_speeds);
+                None
+            }
+        };
+        if is_wheels {
+            self.wheel_speed.set(plausible_mps, now);
+            return plausible_mps;
+        }
+        let timeout = tuning.hold_times.speed_timeout;
+        let is_missing = self.wheel_speed.within(now, timeout).is_none();
+        plausible_mps.filter(|_| is_missing)
+    }
+
+    /// Returns the condition of the interval that ends now.
+    #[inline(always)] // In Sampler::speed.
+    fn condition(&self, context: &Context, now: Instant, slower_mps: f32) -> Condition {
+        Condition {
+            shifting: now < self.shift_until,
+            braking: self.brakes.are_on(now),
+            no_traction: !self.traction.is_known(context, now),
+            crawling: slower_mps < context.tuning.detection.crawl_mps,
+        }
+    }
+
+    /// Returns the sample of a cell that was driven to its end.
+    #[inline(always)] // In Sampler::speed.
+    fn sample(
+        &mut self,
+        context: &mut Context,
+        driven: &DrivenCell,
+        detects_brakes: bool,
+    ) -> Sample {
+        let model = &context.model;
+        let forces = ForceInputs {
+            traction_n: driven.mean_force_n * model.effects.factor(Acts::Traction),
+            rotating_kg: self.traction.rotating_kg(model),
+            mass_kg: self.stops.mass_kg(model),
+            air_density: self.air.density(),
+        };
+        let mut condition = driven.condition;
+        if detects_brakes {
+            let is_invalid = !condition.is_valid() || condition.crawling;
+            let detector = &mut self.brake_detector;
+            if detector.advance(context, &forces, driven.speed_mps, is_invalid) {
+                condition.braking = true;
+                context.counters.brakes_guessed += 1;
+            }
+        } else {
+            self.brake_detector.restart();
+        }
+        let model = &context.model;
+        let sample = Sample {
+            end: CellEnd {
+                cell: driven.number,
+                time: driven.time,
+                position_e7: self.gnss.position_at(&context.tuning, CELL_LENGTH_M),
+                speed_mps: driven.speed_mps,
+                condition,
+            },
+            gap_cells: driven.gap_cells,
+            length_m: CELL_LENGTH_M,
+            duration_s: driven.duration_s,
+            forces,
+            effect_inputs: EffectInputs {
+                driven_s: self.stops.driven_s(),
+                ambient_celsius: self.air.ambient.last().into(),
+                engaged: self.traction.is_engaged(model),
+                ..self
+                    .effect_signals
+                    .take(&context.tuning, driven.time, driven.speed_mps)
+            },
+            speed: driven.speed,
+            altitude: self.gnss.altitude_before(CELL_LENGTH_M),
+            after_load_change: self.stops.take_load_change(context),
+        };
+        self.gnss.cell_closed();
+        sample
     }
 }

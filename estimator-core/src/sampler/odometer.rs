@@ -1,15 +1,12 @@
-//! Time to distance: speed readings move an odometer, which cuts the drive into cells.
+//! Time to distance: speed readings move an odometer, which divides the drive into cells.
 
-use super::SpeedMeasurement;
-use super::latest::Timed;
+use super::latest::TimedValue;
 use crate::cell::{CELL_LENGTH_M, Condition};
+use crate::sample::SpeedMeasurement;
 use crate::scalar::Scalar;
 use crate::time::{Duration, Instant};
 
-/// Longest time between two speed readings that is still bridged.
-pub(super) const LONGEST_INTERVAL: Duration = Duration::from_millis(2_500);
-
-/// The cell being driven.
+/// The cell that is being driven.
 #[derive(Clone, Copy, Debug, Default)]
 struct OpenCell {
     length_m: f32,
@@ -17,7 +14,7 @@ struct OpenCell {
     work_nm: f32,
     condition: Condition,
     square_sum: f32,
-    speed_place_sum_m: f32,
+    speed_distance_sum_m: f32,
     speed_count: u8,
     gap_cells: u32,
 }
@@ -35,42 +32,44 @@ pub(super) struct DrivenCell {
     pub gap_cells: u32,
 }
 
-/// What held between two speed readings.
+/// Force and condition between two speed readings.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Between {
+pub(super) struct Interval {
     pub mean_force_n: f32,
     pub condition: Condition,
 }
 
-/// Driven distance.
+/// The driven distance.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Odometer {
     started: Option<Instant>,
-    last_speed: Option<Timed>,
+    last_speed: Option<TimedValue>,
     cell: u32,
     open: OpenCell,
 }
 
 impl Odometer {
-    /// Something was heard: distance counts from the first frame, not from the first speed.
+    /// Starts the drive with the first input: distance counts from the first frame, not from the
+    /// first speed.
     pub(super) fn start(&mut self, now: Instant) {
         if self.started.is_none() {
             self.started = Some(now);
         }
     }
 
-    /// The last speed, m/s.
+    /// Returns the last speed, m/s.
     pub(super) fn speed_mps(&self) -> Option<f32> {
         self.last_speed.map(|last| last.value)
     }
 
-    /// Way since the start of the open cell as it was `ago` before `now`, m.
-    pub(super) fn place_m(&self, now: Instant, ago: Duration) -> f32 {
+    /// Returns the distance from the start of the open cell at the time `ago` before `now`, m. `longest`
+    /// is the longest time for which the last speed is continued.
+    pub(super) fn distance_m(&self, now: Instant, ago: Duration, longest: Duration) -> f32 {
         let Some(last) = self.last_speed else {
             return self.open.length_m;
         };
         let ahead = now.since(last.time);
-        let ahead_s = if ahead < LONGEST_INTERVAL {
+        let ahead_s = if ahead < longest {
             ahead.seconds()
         } else {
             0.0
@@ -78,88 +77,84 @@ impl Odometer {
         self.open.length_m + last.value * (ahead_s - ago.seconds())
     }
 
-    /// Takes a speed reading: the way since the one before is driven, each cell that ends on it
-    /// handed to `closed`. Returns false if the time since was too long to say what was driven;
-    /// cells are then skipped.
+    /// Takes a speed reading. Drives the distance since the one before, and gives each cell that
+    /// ends on it to `closed`. Returns false if the time since is `longest` or more, which is too
+    /// long to say what was driven; cells are then skipped.
     pub(super) fn drive(
         &mut self,
-        now: Instant,
-        speed_mps: f32,
-        between: Between,
+        to: TimedValue,
+        interval: Interval,
+        longest: Duration,
         mut closed: impl FnMut(DrivenCell),
     ) -> bool {
-        let to = Timed {
-            value: speed_mps,
-            time: now,
-        };
-        let from = self.last_speed.replace(to).unwrap_or(Timed {
-            value: speed_mps,
-            time: self.started.unwrap_or(now).max(now - LONGEST_INTERVAL),
+        let from = self.last_speed.replace(to).unwrap_or(TimedValue {
+            value: to.value,
+            time: self.started.unwrap_or(to.time).max(to.time - longest),
         });
-        let interval = now.since(from.time);
-        let bridged = interval <= LONGEST_INTERVAL;
+        let duration = to.time.since(from.time);
+        let bridged = duration <= longest;
         if bridged {
-            self.drive_interval(from, to, between, &mut closed);
+            self.drive_interval(from, to, interval, &mut closed);
         } else {
-            let way_m = 0.5 * (from.value + to.value) * interval.seconds();
-            self.skip(way_m, interval);
+            let distance_m = 0.5 * (from.value + to.value) * duration.seconds();
+            self.skip(distance_m, duration);
         }
-        // Of a standstill one reading tells it all, and the counter of readings is short.
-        if self.open.speed_count < u8::MAX && (speed_mps > 0.0 || from.value > 0.0) {
-            self.open.square_sum += speed_mps * speed_mps;
-            self.open.speed_place_sum_m += self.open.length_m;
+        // One reading is enough at standstill, and the counter of readings is short.
+        if self.open.speed_count < u8::MAX && (to.value > 0.0 || from.value > 0.0) {
+            self.open.square_sum += to.value * to.value;
+            self.open.speed_distance_sum_m += self.open.length_m;
             self.open.speed_count += 1;
         }
         bridged
     }
 
-    /// What comes does not follow from what was.
+    /// Marks a gap: the next cell does not follow the last one.
     pub(super) fn interrupt(&mut self) {
         self.open.gap_cells = self.open.gap_cells.max(1);
     }
 
-    /// Nothing is known of the way just driven but its rough length.
-    fn skip(&mut self, way_m: f32, interval: Duration) {
-        let cells = (way_m / CELL_LENGTH_M).clamp(0.0, 4e9) as u32;
+    /// Skips a distance of which only the approximate length is known.
+    fn skip(&mut self, distance_m: f32, duration: Duration) {
+        let cells = (distance_m / CELL_LENGTH_M).clamp(0.0, 4e9) as u32;
         self.cell = self.cell.saturating_add(cells);
         self.open = OpenCell {
             gap_cells: self.open.gap_cells.saturating_add(cells.max(1)),
-            duration_s: interval.seconds(),
+            duration_s: duration.seconds(),
             ..OpenCell::default()
         };
     }
 
     fn drive_interval(
         &mut self,
-        from: Timed,
-        to: Timed,
-        between: Between,
+        from: TimedValue,
+        to: TimedValue,
+        interval: Interval,
         closed: &mut impl FnMut(DrivenCell),
     ) {
-        let interval = to.time.since(from.time);
-        let seconds = interval.seconds();
-        // No more than LONGEST_INTERVAL: half as wide a number as time has.
-        let micros = interval.micros() as u32 as f32;
-        let way_m = 0.5 * (from.value + to.value) * seconds;
-        if way_m <= 0.0 {
-            // Errors that live in time go on while the vehicle stands.
+        let duration = to.time.since(from.time);
+        let seconds = duration.seconds();
+        // At most 2.5 s, so 32 bits are enough.
+        let micros = duration.micros() as u32 as f32;
+        let distance_m = 0.5 * (from.value + to.value) * seconds;
+        if distance_m <= 0.0 {
+            // Errors that depend on time go on while the vehicle stands.
             self.open.duration_s += seconds;
             return;
         }
-        let mut left_m = way_m;
-        // 70 m/s for LONGEST_INTERVAL at the most: 70 cells.
+        let mut left_m = distance_m;
+        // At most 70 m/s for 2.5 s: 70 cells.
         while left_m > 0.0 {
             let room_m = CELL_LENGTH_M - self.open.length_m;
             let piece_m = Scalar::min(left_m, room_m);
-            self.open.work_nm += between.mean_force_n * piece_m;
-            self.open.duration_s += seconds * piece_m / way_m;
-            self.open.condition = self.open.condition.or(between.condition);
+            self.open.work_nm += interval.mean_force_n * piece_m;
+            self.open.duration_s += seconds * piece_m / distance_m;
+            self.open.condition = self.open.condition.or(interval.condition);
             left_m -= piece_m;
             if piece_m < room_m {
                 self.open.length_m += piece_m;
                 break;
             }
-            let done = 1.0 - left_m / way_m;
+            let done = 1.0 - left_m / distance_m;
             let into = Duration::from_micros(u64::from((micros * done) as u32));
             let speed_mps = from.value + done * (to.value - from.value);
             closed(self.close(from.time + into, speed_mps));
@@ -179,7 +174,7 @@ impl Odometer {
             condition: open.condition,
             speed: (open.speed_count > 0).then(|| SpeedMeasurement {
                 mean_mps: Scalar::sqrt(open.square_sum / count),
-                behind_m: CELL_LENGTH_M - open.speed_place_sum_m / count,
+                behind_m: CELL_LENGTH_M - open.speed_distance_sum_m / count,
                 count: open.speed_count,
             }),
             gap_cells: open.gap_cells,

@@ -1,28 +1,23 @@
-//! What a stop may change: the mass as the vehicle tells it, and all that was learned of the load.
+//! Stops, and what they may change: the reported mass, and all that was learned of the load.
 
+use super::latest::TimedValue;
+use crate::context::Context;
 use crate::effect::Acts;
+use crate::model::Model;
 use crate::time::{Duration, Instant};
 use crate::tuning::Tuning;
-use crate::vehicle::VehicleParameters;
-
-/// Speed below which a vehicle stands, m/s; wheel sensors tell zero from about there.
-const STANDING_MPS: f32 = 0.1;
-/// Time after a stop in which weighings still belong to it: SPN 1760 has no fixed rate.
-const WEIGHING: Duration = Duration::from_millis(30_000);
-/// Masses that a vehicle may have, as parts of its parameter.
-const MASSES: core::ops::Range<f32> = 0.2..5.0;
 
 /// Standstills and weighings.
 ///
-/// Axle loads sway while driving, loads do not: a mass counts if it is the first, or told at a
-/// stop.
+/// Reported axle loads vary while driving, loads do not. A mass counts if it is the first one, or is
+/// reported at a stop.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Stops {
     newest_speed: Option<Instant>,
     standing_since: Option<Instant>,
     weighing_until: Option<Instant>,
-    told_kg: Option<f32>,
-    /// The mass at which scale and bias were last as good as unknown.
+    reported_kg: Option<f32>,
+    /// Mass at which the variances of scale and bias were last widened.
     learned_kg: Option<f32>,
     was_long: bool,
     /// Time in motion since the start or the last long stop.
@@ -31,75 +26,75 @@ pub(super) struct Stops {
 
 impl Stops {
     /// Takes a speed.
-    pub(super) fn speed(&mut self, tuning: &Tuning, now: Instant, speed_mps: f32) {
-        let silent = self
+    pub(super) fn speed(&mut self, tuning: &Tuning, speed: TimedValue) {
+        let hold_times = &tuning.hold_times;
+        let now = speed.time;
+        let silence = self
             .newest_speed
             .replace(now)
             .map_or(Duration::default(), |before| now.since(before));
-        if silent >= tuning.long_stop {
-            // Nobody knows what happened meanwhile; that it stood is the most likely.
+        if silence >= hold_times.long_stop {
+            // It is most likely that the vehicle stood.
             self.was_long = true;
-            self.weighing_until = Some(now + WEIGHING);
+            self.weighing_until = Some(now + hold_times.weighing);
             self.driven = Duration::default();
         } else if self.standing_since.is_none() {
-            self.driven = Duration::from_micros(self.driven.micros() + silent.micros());
+            self.driven = Duration::from_micros(self.driven.micros() + silence.micros());
         }
-        if speed_mps < STANDING_MPS {
+        if speed.value < tuning.detection.standing_mps {
             self.standing_since.get_or_insert(now);
         } else if let Some(since) = self.standing_since.take() {
             let stood = now.since(since);
-            if stood >= tuning.long_stop {
+            if stood >= hold_times.long_stop {
                 self.was_long = true;
                 self.driven = Duration::default();
             }
-            if stood >= tuning.stop {
-                self.weighing_until = Some(now + WEIGHING);
+            if stood >= hold_times.stop {
+                self.weighing_until = Some(now + hold_times.weighing);
             }
         }
     }
 
-    /// Takes a mass as the vehicle tells it.
-    pub(super) fn mass(
-        &mut self,
-        vehicle: &VehicleParameters,
-        tuning: &Tuning,
-        now: Instant,
-        value: Option<f32>,
-    ) {
-        let Some(mass_kg) = value.filter(|kg| MASSES.contains(&(kg / vehicle.mass_kg))) else {
+    /// Takes a reported mass.
+    pub(super) fn mass(&mut self, context: &Context, now: Instant, value: Option<f32>) {
+        let detection = &context.tuning.detection;
+        let masses = detection.mass_low..detection.mass_high;
+        let parameter_kg = context.model.vehicle.mass_kg;
+        let Some(mass_kg) = value.filter(|kg| masses.contains(&(kg / parameter_kg))) else {
             return;
         };
         let stands = self
             .standing_since
-            .is_some_and(|since| now.since(since) >= tuning.stop);
-        if stands || self.weighing_until.is_some() || self.told_kg.is_none() {
-            self.told_kg = Some(mass_kg);
+            .is_some_and(|since| now.since(since) >= context.tuning.hold_times.stop);
+        if stands || self.weighing_until.is_some() || self.reported_kg.is_none() {
+            self.reported_kg = Some(mass_kg);
         }
-        // Closed by a reading, so that a slow sender has its say too.
+        // A reading ends the weighing, so that a slow sender counts too.
         self.weighing_until = self.weighing_until.filter(|until| now < *until);
     }
 
-    /// The mass that counts, kg; the parameter if none was told.
-    pub(super) fn mass_kg(&self, vehicle: &VehicleParameters) -> f32 {
-        self.told_kg.unwrap_or(vehicle.mass_kg) * vehicle.effects.factor(Acts::Mass)
+    /// Returns the mass that counts, kg: the reported one, else the parameter.
+    pub(super) fn mass_kg(&self, model: &Model) -> f32 {
+        self.reported_kg.unwrap_or(model.vehicle.mass_kg) * model.effects.factor(Acts::Mass)
     }
 
-    /// Time in motion since the start or the last long stop, s. Tyres cool down in such a stop, not
-    /// in one that only changes the load.
+    /// Returns the time in motion since the start or the last long stop, s. Tyres cool down in a
+    /// long stop, not in one that only changes the load.
     pub(super) fn driven_s(&self) -> f32 {
-        // Days, unlike other spans.
+        // It may be days, unlike other durations.
         self.driven.micros() as f32 * 1e-6
     }
 
-    /// Whether a stop since the last call may have undone what was learned of the vehicle.
-    pub(super) fn take_reopening(&mut self, vehicle: &VehicleParameters, tuning: &Tuning) -> bool {
-        let mass_kg = self.mass_kg(vehicle);
+    /// Returns whether a stop since the last call may have changed the load.
+    pub(super) fn take_load_change(&mut self, context: &Context) -> bool {
+        let mass_kg = self.mass_kg(&context.model);
         let learned_kg = *self.learned_kg.get_or_insert(mass_kg);
-        let reloaded = (mass_kg / learned_kg - 1.0).abs() >= tuning.mass_change;
-        let reopens = core::mem::take(&mut self.was_long) || reloaded;
-        if reopens {
+        let change = (mass_kg / learned_kg - 1.0).abs();
+        let is_reloaded = change >= context.tuning.detection.mass_change;
+        let may_have_changed = core::mem::take(&mut self.was_long) || is_reloaded;
+        if may_have_changed {
             self.learned_kg = Some(mass_kg);
         }
-        reopens
+        may_have_changed
     }
 }

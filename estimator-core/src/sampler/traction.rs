@@ -1,14 +1,13 @@
 //! Torque, gears and forces become the mean traction force of an interval.
 
-use super::latest::{Latest, Timed};
+use super::latest::{Latest, TimedValue};
+use crate::context::Context;
+use crate::model::Model;
 use crate::signal::Signal;
-use crate::time::{Duration, Instant};
-use crate::vehicle::{Driveline, Traction, VehicleParameters};
+use crate::time::Instant;
+use crate::vehicle::{Driveline, Traction};
 
-/// A torque older than this says nothing about the force now.
-pub(super) const STALE: Duration = Duration::from_millis(2_500);
-
-/// What is known of the force at the wheels.
+/// The signals of the traction force, and its integral since the last speed.
 #[derive(Clone, Debug)]
 pub(super) struct TractionInput {
     fraction: Latest,
@@ -33,26 +32,26 @@ impl TractionInput {
         }
     }
 
-    /// Takes a reading; true if it told the force.
+    /// Takes a reading. Returns whether it gave the force.
     #[inline(always)] // In Sampler::record.
     pub(super) fn record(
         &mut self,
-        vehicle: &VehicleParameters,
+        context: &Context,
         now: Instant,
         signal: Signal,
         value: Option<f32>,
     ) -> bool {
         match signal {
             Signal::EngineTorqueFraction => self.fraction.set(value, now),
-            // It follows the engine's speed and warmth: what was told last is nearer than none.
-            Signal::FrictionTorque => self.friction.keep(value, now),
+            // It follows engine speed and temperature: the last value is closer than none.
+            Signal::FrictionTorque => self.friction.set_if_available(value, now),
             Signal::EngineTorque => {
                 self.torque.set(value, now);
-                return self.torque_changed(vehicle, now);
+                return self.torque_changed(context, now);
             }
             Signal::TractionForce => {
                 self.force.set(value, now);
-                if let (Some(force_n), Traction::Force) = (value, &vehicle.traction) {
+                if let (Some(force_n), Traction::Force) = (value, &context.model.vehicle.traction) {
                     self.integral.reading(force_n, now);
                     return true;
                 }
@@ -62,101 +61,105 @@ impl TractionInput {
         false
     }
 
-    /// The driveline is now as told. True if it opened, closed or changed gear.
-    pub(super) fn driveline_is(
+    /// Takes the state of the driveline. Returns whether it opened, closed or changed gear.
+    pub(super) fn set_driveline(
         &mut self,
-        vehicle: &VehicleParameters,
+        context: &Context,
         now: Instant,
         driveline: Driveline,
     ) -> bool {
         if driveline == self.driveline {
             return false;
         }
-        // What is told for the first time did not just happen.
+        // The first report is no change.
         let is_step = self.driveline_was_known && !driveline.is_nearly(&self.driveline);
         self.driveline_was_known = true;
         self.driveline = driveline;
-        if let Some(net_percent) = self.net_torque_percent(now) {
+        if let Some(net_percent) = self.net_torque_percent(context, now) {
             self.integral
-                .step_to(vehicle.traction_n(driveline, net_percent), now);
+                .step_to(context.model.traction_n(driveline, net_percent), now);
         }
         is_step
     }
 
-    /// Whether the force is known now.
-    pub(super) fn is_known(&self, vehicle: &VehicleParameters, now: Instant) -> bool {
-        match (&vehicle.traction, self.driveline) {
-            (Traction::Force, _) => self.force.within(now, STALE).is_some(),
+    /// Returns whether the force is known.
+    pub(super) fn is_known(&self, context: &Context, now: Instant) -> bool {
+        let timeout = context.tuning.hold_times.torque_timeout;
+        match (&context.model.vehicle.traction, self.driveline) {
+            (Traction::Force, _) => self.force.within(now, timeout).is_some(),
             (Traction::Powertrain(_), Driveline::Open) => true,
             (Traction::Powertrain(_), Driveline::Engaged(_)) => {
-                self.torque.within(now, STALE).is_some()
+                self.torque.within(now, timeout).is_some()
             }
             (Traction::Powertrain(_), Driveline::Unknown) => false,
         }
     }
 
-    /// Whether the driveline passes torque now; a measured force always arrives.
-    pub(super) fn arrives(&self, vehicle: &VehicleParameters) -> bool {
-        match vehicle.traction {
+    /// Returns whether the driveline passes torque; true for a measured force.
+    pub(super) fn is_engaged(&self, model: &Model) -> bool {
+        match model.vehicle.traction {
             Traction::Force => true,
             Traction::Powertrain(_) => matches!(self.driveline, Driveline::Engaged(_)),
         }
     }
 
-    /// Mean force since the last call, N.
+    /// Returns the mean force since the last call, N.
     pub(super) fn take_mean_n(&mut self, now: Instant) -> f32 {
         self.integral.take_mean(now)
     }
 
-    /// Mass that rotating parts add now, kg.
-    pub(super) fn rotating_kg(&self, vehicle: &VehicleParameters) -> f32 {
-        vehicle.rotating_kg(self.driveline)
+    /// Returns the mass that rotating parts add, kg.
+    pub(super) fn rotating_kg(&self, model: &Model) -> f32 {
+        model.rotating_kg(self.driveline)
     }
 
-    fn torque_changed(&mut self, vehicle: &VehicleParameters, now: Instant) -> bool {
-        if vehicle.traction == Traction::Force {
+    fn torque_changed(&mut self, context: &Context, now: Instant) -> bool {
+        let model = &context.model;
+        if model.vehicle.traction == Traction::Force {
             return false;
         }
-        let Some(net_percent) = self.net_torque_percent(now) else {
+        let Some(net_percent) = self.net_torque_percent(context, now) else {
             return false;
         };
         self.integral
-            .reading(vehicle.traction_n(self.driveline, net_percent), now);
+            .reading(model.traction_n(self.driveline, net_percent), now);
         self.driveline != Driveline::Unknown
     }
 
-    /// SPN 513 + 4154 − 514: 513 is indicated torque and holds what friction takes.
-    pub(super) fn net_torque_percent(&self, now: Instant) -> Option<f32> {
-        let torque = self.torque.within(now, STALE)?;
-        let fraction = self.fraction.within(now, STALE).unwrap_or(0.0);
+    /// Returns the net engine torque, % of the reference torque: SPN 513 + 4154 − 514. SPN 513 is
+    /// indicated torque, which includes friction.
+    pub(super) fn net_torque_percent(&self, context: &Context, now: Instant) -> Option<f32> {
+        let timeout = context.tuning.hold_times.torque_timeout;
+        let torque = self.torque.within(now, timeout)?;
+        let fraction = self.fraction.within(now, timeout).unwrap_or(0.0);
         let friction = self.friction.last().unwrap_or(0.0);
         Some(torque + fraction - friction)
     }
 }
 
-/// Force over time since the last speed reading.
+/// The integral of the force over time since the last speed reading.
 #[derive(Clone, Copy, Debug, Default)]
 struct ForceIntegral {
     newton_seconds: f32,
     seconds: f32,
-    last: Option<Timed>,
+    last: Option<TimedValue>,
 }
 
 impl ForceIntegral {
-    /// A new reading of the force: linear from the last one.
+    /// Takes a reading of the force, which is linear in time since the last one.
     fn reading(&mut self, force_n: f32, now: Instant) {
         let from_n = self.last.map_or(force_n, |last| last.value);
         self.extend(0.5 * (from_n + force_n), now);
-        self.last = Some(Timed {
+        self.last = Some(TimedValue {
             value: force_n,
             time: now,
         });
     }
 
-    /// The force changes at once (a gear, a clutch): what was, held until now, then the new one.
+    /// Takes a step of the force (a gear, a clutch): the last force holds until now.
     fn step_to(&mut self, force_n: f32, now: Instant) {
         self.hold(now);
-        self.last = Some(Timed {
+        self.last = Some(TimedValue {
             value: force_n,
             time: now,
         });
@@ -165,7 +168,7 @@ impl ForceIntegral {
     fn hold(&mut self, now: Instant) {
         if let Some(last) = self.last {
             self.extend(last.value, now);
-            self.last = Some(Timed {
+            self.last = Some(TimedValue {
                 value: last.value,
                 time: now,
             });

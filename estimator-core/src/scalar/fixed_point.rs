@@ -44,12 +44,12 @@ use fixed::types::I32F32;
 
 /// A number to 2⁻³², below 2³⁰ in magnitude; or none.
 #[derive(Clone, Copy)]
-pub struct Fixed(I32F32);
+pub struct FixedPoint(I32F32);
 
 /// Bits of the first number that is none: 2³⁰. The bit above is for sums of two.
 const LIMIT: i64 = 1 << 62;
 
-impl Fixed {
+impl FixedPoint {
     /// Not a number: too large, or nothing over nothing.
     pub const NAN: Self = Self::from_bits(i64::MAX);
 
@@ -74,7 +74,7 @@ impl Fixed {
     }
 }
 
-impl Fixed {
+impl FixedPoint {
     /// `self += a * b`.
     #[inline(always)]
     fn plus_product(&mut self, a: Self, b: Self) {
@@ -103,7 +103,11 @@ const fn sum(a: i64, b: i64) -> i64 {
 /// The bits, or those of what is none.
 #[inline(always)]
 const fn none_if(is_none: bool, bits: i64) -> i64 {
-    if is_none { Fixed::NAN.to_bits() } else { bits }
+    if is_none {
+        FixedPoint::NAN.to_bits()
+    } else {
+        bits
+    }
 }
 
 /// The half of a word behind the point, and half of its last bit.
@@ -178,7 +182,7 @@ const fn wide_product(a: u32, b: u32) -> u64 {
 #[inline(never)]
 const fn large_product(a: i64, b: i64) -> i64 {
     if is_none_of(a, b) {
-        return Fixed::NAN.to_bits();
+        return FixedPoint::NAN.to_bits();
     }
     let [a_high, b_high] = [a >> 32, b >> 32];
     let [a_low, b_low] = [a & FRACTION, b & FRACTION];
@@ -187,7 +191,7 @@ const fn large_product(a: i64, b: i64) -> i64 {
     let middle = a_high * b_low + a_low * b_high + low as i64;
     let high = a_high * b_high + (middle >> 32);
     if high < -(LIMIT >> 32) || high >= LIMIT >> 32 {
-        return Fixed::NAN.to_bits();
+        return FixedPoint::NAN.to_bits();
     }
     (high << 32) | (middle & FRACTION)
 }
@@ -228,7 +232,7 @@ fn quotient(dividend: u64, divisor: u64) -> Option<u64> {
     }
 }
 
-impl Scalar for Fixed {
+impl Scalar for FixedPoint {
     const ZERO: Self = Self::from_bits(0);
     const ONE: Self = Self::from_bits(1 << 32);
 
@@ -313,7 +317,7 @@ impl Scalar for Fixed {
     }
 }
 
-impl Add for Fixed {
+impl Add for FixedPoint {
     type Output = Self;
 
     #[inline(always)]
@@ -322,7 +326,7 @@ impl Add for Fixed {
     }
 }
 
-impl Sub for Fixed {
+impl Sub for FixedPoint {
     type Output = Self;
 
     #[inline(always)]
@@ -332,7 +336,7 @@ impl Sub for Fixed {
     }
 }
 
-impl Mul for Fixed {
+impl Mul for FixedPoint {
     type Output = Self;
 
     #[inline(always)]
@@ -341,7 +345,7 @@ impl Mul for Fixed {
     }
 }
 
-impl Div for Fixed {
+impl Div for FixedPoint {
     type Output = Self;
 
     #[cfg_attr(target_pointer_width = "32", inline(never))]
@@ -355,7 +359,7 @@ impl Div for Fixed {
     }
 }
 
-impl Neg for Fixed {
+impl Neg for FixedPoint {
     type Output = Self;
 
     #[inline(always)]
@@ -364,35 +368,35 @@ impl Neg for Fixed {
     }
 }
 
-impl AddAssign for Fixed {
+impl AddAssign for FixedPoint {
     #[inline(always)]
     fn add_assign(&mut self, other: Self) {
         *self = *self + other;
     }
 }
 
-impl SubAssign for Fixed {
+impl SubAssign for FixedPoint {
     #[inline(always)]
     fn sub_assign(&mut self, other: Self) {
         *self = *self - other;
     }
 }
 
-impl MulAssign for Fixed {
+impl MulAssign for FixedPoint {
     #[inline(always)]
     fn mul_assign(&mut self, other: Self) {
         *self = *self * other;
     }
 }
 
-impl PartialEq for Fixed {
+impl PartialEq for FixedPoint {
     fn eq(&self, other: &Self) -> bool {
         self.partial_cmp(other) == Some(Ordering::Equal)
     }
 }
 
 /// As with floats, what is no number is neither less nor more than any.
-impl PartialOrd for Fixed {
+impl PartialOrd for FixedPoint {
     #[inline(always)]
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         let (a, b) = (self.to_bits(), other.to_bits());
@@ -404,7 +408,7 @@ impl PartialOrd for Fixed {
     }
 }
 
-impl fmt::Debug for Fixed {
+impl fmt::Debug for FixedPoint {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.is_finite() {
             self.0.fmt(f)

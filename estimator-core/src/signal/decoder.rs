@@ -1,22 +1,23 @@
 //! Frames to readings.
 
-use super::Reading;
 use super::fast_packet::{FastPackets, Unfinished};
 use super::layout::{Field, MESSAGES, Message, index_of};
+use super::reading::Reading;
 use embedded_can::{Frame, Id};
 
-/// A 29-bit identifier taken apart (SAE J1939-21).
+/// Parameter group number and source address of a 29-bit identifier (SAE J1939-21).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Pgn {
     /// The parameter group number.
     pub number: u32,
-    /// The sender's address.
+    /// The source address.
     pub source: u8,
 }
 
 impl Pgn {
-    /// From a raw 29-bit identifier. In the PDU1 range the destination is no part of the number.
+    /// Returns the parts of a raw 29-bit identifier. In the PDU1 range the destination address is not
+    /// part of the number.
     #[must_use]
     pub const fn from_raw(id: u32) -> Self {
         let group = (id >> 8) & 0x3_ffff;
@@ -32,15 +33,15 @@ impl Pgn {
     }
 }
 
-/// Why a frame with a known PGN gave no readings.
+/// Why a frame of a known message has no readings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Rejection {
-    /// A remote frame, which has no data.
+    /// It is a remote frame, which has no data.
     Remote,
     /// The payload ends before its last signal.
     Truncated,
-    /// A fast packet with a missing, repeated or swapped frame.
+    /// A frame of its fast packet is missing, repeated or swapped.
     FastPacketOrder,
 }
 
@@ -48,30 +49,29 @@ pub enum Rejection {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum FrameOutcome {
-    /// Readings were handed out; the index and sender are those that
-    /// [`SourceLock`](super::SourceLock) asks for.
+    /// It had readings.
     Decoded {
         /// Index of the message.
         message: usize,
-        /// The sender's address.
+        /// The source address.
         source: u8,
     },
-    /// Part of a fast packet that is not whole yet.
+    /// It is a part of a fast packet that is not complete yet.
     Partial,
-    /// Not a message that the estimator knows.
+    /// Its message is unknown.
     Ignored,
-    /// A known message, but unusable.
+    /// Its message is known, but the frame is unusable.
     Rejected(Rejection),
 }
 
-/// Decodes frames; holds the fast packets under way.
+/// A decoder of frames. It holds the fast packets that are not complete yet.
 #[derive(Clone, Debug)]
 pub struct Decoder {
     packets: FastPackets,
 }
 
 impl Decoder {
-    /// With no packet under way.
+    /// Creates a decoder without packets.
     #[must_use]
     pub const fn new() -> Self {
         Self {
@@ -79,8 +79,8 @@ impl Decoder {
         }
     }
 
-    /// Decodes one frame and hands each of its readings to `sink`, with the message's index and
-    /// sender known before the first (the outcome repeats them).
+    /// Decodes one frame and gives each of its readings to `sink`, with the index of the message and
+    /// its PGN and source. The outcome repeats index and source.
     pub fn decode<F: Frame>(
         &mut self,
         frame: &F,
@@ -89,7 +89,7 @@ impl Decoder {
         self.decode_fields(frame, |message| message.fields, sink)
     }
 
-    /// The same for the signals alone that the estimator reads.
+    /// Decodes only the signals that the estimator reads.
     #[inline]
     pub(crate) fn decode_read<F: Frame>(
         &mut self,
@@ -133,7 +133,7 @@ impl Decoder {
                 }
             }
         };
-        // All of its readings or none.
+        // All readings or none.
         if payload.len() * 8 < usize::from(message.end_bit) {
             return FrameOutcome::Rejected(Rejection::Truncated);
         }

@@ -1,17 +1,17 @@
-//! NMEA 2000 fast packets put together in fixed memory.
+//! Reassembly of NMEA 2000 fast packets in fixed memory.
 //!
 //! Byte 0 of each frame holds a 3-bit sequence and a 5-bit frame counter; frame 0 then gives the
-//! length and six bytes, each later frame seven. Frames come in order; a packet with a hole is
-//! dropped whole.
+//! length and six bytes, each later frame seven. Frames come in order; a packet with a missing frame
+//! is dropped.
 
-/// Longest message of interest: PGN 129029 without reference stations (43), and a few with.
+/// Longest payload that is kept: PGN 129029 has 43 bytes, and a few more with reference stations.
 const CAPACITY: usize = 64;
-/// Messages under way at once.
+/// Number of packets that may be incomplete at once.
 const SLOTS: usize = 4;
 
 #[derive(Clone, Copy, Debug)]
 struct Slot {
-    /// Whether a packet is under way in it.
+    /// Whether it holds an incomplete packet.
     open: bool,
     key: u32,
     sequence: u8,
@@ -21,16 +21,16 @@ struct Slot {
     bytes: [u8; CAPACITY],
 }
 
-/// Why a frame gave no packet.
+/// Why a frame does not complete a packet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Unfinished {
-    /// The packet wants more frames.
+    /// More frames must follow.
     Partial,
-    /// A frame out of order: it and what it belonged to are dropped.
+    /// The frame is out of order. It and its packet are dropped.
     OutOfOrder,
-    /// The packet wants more frames, and the one before it never got all of its own.
+    /// More frames must follow, and the packet before it was never completed.
     CutOff,
-    /// Too short to hold what it must.
+    /// The frame is too short for its head.
     Truncated,
 }
 
@@ -49,16 +49,16 @@ impl FastPackets {
         }
     }
 
-    /// Takes one frame of the packet `key` (PGN and source address); returns the payload that it
-    /// completes. What lies beyond 64 bytes is left out of it.
+    /// Takes one frame of the packet `key` (PGN and source address). Returns the payload that it
+    /// completes, cut at 64 bytes.
     pub(super) fn push(&mut self, key: u32, data: &[u8]) -> Result<&[u8], Unfinished> {
-        // What CAN FD may pad a frame with is no part of the packet.
+        // Padding of CAN FD frames is not part of the packet.
         let data = data.get(..8).unwrap_or(data);
         let (&head, rest) = data.split_first().ok_or(Unfinished::Truncated)?;
         let (sequence, frame) = (head >> 5, head & 0x1f);
         if frame == 0 {
             let (&length, rest) = rest.split_first().ok_or(Unfinished::Truncated)?;
-            let slot = self.place_for(key).ok_or(Unfinished::OutOfOrder)?;
+            let slot = self.slot_for(key).ok_or(Unfinished::OutOfOrder)?;
             let cut_off = slot.open && slot.key == key;
             slot.begin(key, sequence, length);
             let taken = slot.take(rest);
@@ -80,9 +80,9 @@ impl FastPackets {
         slot.take(rest)
     }
 
-    /// Where a packet begins: the sender's earlier one is superseded, else a free place is taken,
-    /// else the oldest.
-    fn place_for(&mut self, key: u32) -> Option<&mut Slot> {
+    /// Returns the slot for a new packet: that of the sender's earlier packet, else a free one, else
+    /// the oldest.
+    fn slot_for(&mut self, key: u32) -> Option<&mut Slot> {
         let index = self
             .slots
             .iter()
@@ -114,7 +114,7 @@ impl Slot {
         self.filled = 0;
     }
 
-    /// Takes what a frame adds; returns the payload, if that is all of it.
+    /// Appends the data of a frame. Returns the payload if it is complete.
     fn take(&mut self, data: &[u8]) -> Result<&[u8], Unfinished> {
         let start = usize::from(self.filled);
         if let Some(space) = self.bytes.get_mut(start..) {

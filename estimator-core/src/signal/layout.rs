@@ -1,9 +1,9 @@
-//! Where the signals stand in their messages, and the two ways through that table.
+//! The layout of the messages: decoding and encoding of their fields.
 
-use super::{Signal, Value};
+use super::reading::{Signal, Value};
 use crate::division::Divisor;
 
-/// Whose codes for "not available" and "error" apply.
+/// The convention of the codes for "not available" and "error".
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Convention {
     /// SAE J1939-71: the top of the raw range, a byte's worth at the head of the field.
@@ -12,7 +12,7 @@ pub(super) enum Convention {
     Nmea2000,
 }
 
-/// Raw number to physical value.
+/// Conversion of a raw number to a physical value.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Scaling {
     /// `raw * scale + offset`.
@@ -28,13 +28,13 @@ pub(super) enum Scaling {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Field {
     pub signal: Signal,
-    /// Byte in which it begins, and the bit there.
+    /// First byte, and first bit in it.
     first_byte: u8,
     shift: u8,
     bits: u8,
     signed: bool,
-    /// Raw numbers from which on it is an error or "not available", up to the largest, which of a
-    /// signed one is half as large. Not used beyond four bytes.
+    /// Smallest raw numbers of the codes "error" and "not available". The codes go up to the largest
+    /// raw number, which for a signed field is half as large. Not used beyond four bytes.
     error_from: u32,
     not_available_from: u32,
     scaling: Scaling,
@@ -54,7 +54,7 @@ impl Field {
             // Two bits: 10 error, 11 not available; the measurement is 00 or 01. Up to a byte
             // likewise.
             _ if bits < 8 => (largest - 1, largest),
-            // The head byte tells: FF not available, FE error, FB to FD reserved.
+            // By the head byte: FF not available, FE error, FB to FD reserved.
             Convention::J1939 => (0xfb << (bits - 8), 0xff << (bits - 8)),
             Convention::Nmea2000 => (largest - 2, largest),
         };
@@ -78,58 +78,58 @@ pub(super) struct Message {
     pub name: &'static str,
     pub priority: u8,
     pub length: u8,
-    /// Where the last field ends.
+    /// End of the last field, bit.
     pub end_bit: u16,
     pub convention: Convention,
     pub fields: &'static [Field],
-    /// How many of them, the first, the estimator reads; the others are for tools.
+    /// Number of fields that the estimator reads: the first ones. The others are for tools.
     pub read: usize,
 }
 
 include!(concat!(env!("OUT_DIR"), "/layout_tables.rs"));
 
-/// A known message, for tools that list what a bus carries.
+/// A message that the decoder knows.
 #[derive(Clone, Copy, Debug)]
 pub struct MessageInfo(&'static Message);
 
 impl MessageInfo {
-    /// The parameter group number.
+    /// Returns the parameter group number.
     #[must_use]
     pub const fn pgn(self) -> u32 {
         self.0.pgn
     }
 
-    /// The acronym.
+    /// Returns the acronym.
     #[must_use]
     pub const fn name(self) -> &'static str {
         self.0.name
     }
 
-    /// The priority it is usually sent with.
+    /// Returns the default priority.
     #[must_use]
     pub const fn priority(self) -> u8 {
         self.0.priority
     }
 
-    /// The payload's length in bytes; above 8 it is sent as a fast packet.
+    /// Returns the length of the payload, bytes. Above 8 it is sent as a fast packet.
     #[must_use]
     pub const fn length(self) -> usize {
         self.0.length as usize
     }
 
-    /// The signals in it.
+    /// Returns its signals.
     pub fn signals(self) -> impl Iterator<Item = Signal> {
         self.0.fields.iter().map(|field| field.signal)
     }
 }
 
-/// Every message known to the decoder, by ascending PGN.
+/// Returns every message that the decoder knows, by ascending PGN.
 pub fn messages() -> impl Iterator<Item = MessageInfo> {
     MESSAGES.iter().map(MessageInfo)
 }
 
 impl Field {
-    /// The value in `payload`; `None` if the payload ends before the field does.
+    /// Reads the value from `payload`; `None` if the payload ends before the field.
     #[inline(always)] // In the one loop over fields.
     pub(super) fn read(&self, payload: &[u8]) -> Option<Value> {
         let rest = payload.get(usize::from(self.first_byte)..)?;
@@ -160,7 +160,7 @@ impl Field {
         })
     }
 
-    /// The value of eight bytes, which only NMEA 2000 has, and signed.
+    /// Returns the value of eight bytes. Only NMEA 2000 has such fields, and they are signed.
     fn wide(&self, number: i64) -> Value {
         match i64::MAX - number.max(0) {
             0 => Value::NotAvailable,
@@ -169,7 +169,7 @@ impl Field {
         }
     }
 
-    /// The value of a number, as it is next to, and as it is.
+    /// Returns the physical value of a raw number, given as the nearest `f32` and exactly.
     fn physical(&self, nearest: f32, exact: impl FnOnce() -> i64) -> Value {
         match self.scaling {
             Scaling::Real { scale, offset } => Value::Real(nearest * scale + offset),
@@ -190,7 +190,7 @@ impl Field {
         u64::MAX >> (64 - self.bits as u32)
     }
 
-    /// Writes `value` into `payload`, the nearest raw number that is a measurement.
+    /// Writes `value` into `payload`, as the nearest raw number that is a measurement.
     fn write(&self, convention: Convention, value: Value, payload: &mut [u8]) {
         let mask = self.mask();
         let raw = match value {
@@ -227,7 +227,7 @@ impl Field {
         }
     }
 
-    /// Into the range of measurements.
+    /// Limits a raw number to the range of measurements.
     fn clamp(&self, convention: Convention, raw: i64) -> u64 {
         let mask = self.mask();
         let (low, high) = match (convention, self.bits, self.signed) {
@@ -241,11 +241,11 @@ impl Field {
     }
 }
 
-/// Writes the payload of a message; the way back of the decoder, for simulators and tests.
+/// Writes the payload of a message: the inverse of the decoder, for simulators and tests.
 ///
-/// `value_of` is asked for each signal; fields that nobody listed are "not available" (all
-/// ones). Returns the payload's length in bytes, or `None` if the PGN is unknown or `payload`
-/// is too short. Multi-packet messages (above 8 bytes) are the caller's to split.
+/// `value_of` returns the value of each signal. Fields without a signal are "not available" (all
+/// ones). Returns the payload's length in bytes, or `None` if the PGN is unknown or `payload` is too
+/// short. The caller splits messages of more than 8 bytes into packets.
 pub fn encode(
     pgn: u32,
     payload: &mut [u8],

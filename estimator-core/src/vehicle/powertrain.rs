@@ -1,15 +1,16 @@
 //! From engine torque to force at the wheels (thesis eq. 1-4).
 
-use super::{ParameterError, VehicleParameters, check};
+use super::parameter_check::{ParameterError, check};
+use super::parameters::VehicleParameters;
 use heapless::Vec;
 
-/// Gears of the largest gearbox.
+/// Largest number of gears.
 pub const MAX_GEARS: usize = 24;
 
 /// Where the traction force comes from.
 #[allow(
     clippy::large_enum_variant,
-    reason = "one a vehicle, and nowhere to put it without allocation"
+    reason = "there is one a vehicle, and no allocation to box it"
 )]
 #[derive(Clone, Debug, PartialEq)]
 pub enum Traction {
@@ -43,20 +44,19 @@ pub struct Powertrain {
     pub gears: Vec<Gear, MAX_GEARS>,
 }
 
-/// What is known of the driveline's state.
+/// State of the driveline.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Driveline {
     /// This gear is engaged.
     Engaged(Gear),
-    /// Neutral, or clutch open: no torque passes.
+    /// Neutral is in or the clutch is open: no torque passes.
     Open,
-    /// No usable sign of a gear.
+    /// The gear is not known.
     Unknown,
 }
 
 impl Driveline {
-    /// Whether this is the same state, in a gear whose ratio was only measured a little
-    /// differently.
+    /// Returns whether both are the same state; gears may differ by the noise of a measured ratio.
     pub(crate) fn is_nearly(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::Engaged(a), Self::Engaged(b)) => {
@@ -67,7 +67,8 @@ impl Driveline {
     }
 }
 
-/// How far a measured ratio may be from a gear's to be that gear.
+/// Relative difference up to which a measured ratio is that of a gear. The narrowest gearboxes step
+/// by 17 %.
 const RATIO_TOLERANCE: f32 = 0.05;
 
 impl Powertrain {
@@ -122,17 +123,18 @@ impl Powertrain {
         Ok(())
     }
 
-    /// The forward gear with this number, from 1.
+    /// Returns the forward gear with this number, counted from 1.
     #[must_use]
     pub fn gear(&self, number: i32) -> Option<Gear> {
         let index = usize::try_from(number.checked_sub(1)?).ok()?;
         self.gears.get(index).copied()
     }
 
-    /// The gear whose ratio is this one.
+    /// Returns the gear of a measured ratio.
     ///
-    /// A ratio that no gear has is believed all the same, with the efficiency of the nearest
-    /// (the vehicle file may round its ratios), unless it is beyond the gearbox's range.
+    /// A ratio that no gear has, but that lies within the gearbox's range, gives a gear of this
+    /// ratio with the efficiency of the nearest gear: a vehicle file may round its ratios. `None`
+    /// beyond the range.
     #[must_use]
     pub fn gear_of_ratio(&self, ratio: f32) -> Option<Gear> {
         let distance = |gear: &Gear| (gear.ratio - ratio).abs();
@@ -151,7 +153,8 @@ impl Powertrain {
         })
     }
 
-    /// The gear that fits an engine speed and a road speed, within 5 %.
+    /// Returns the gear that fits an engine speed and a road speed within 5 %; `None` below 30 rpm
+    /// of the output shaft, or if no gear fits.
     #[must_use]
     pub fn gear_of_speeds(
         &self,
@@ -170,23 +173,29 @@ impl Powertrain {
             .copied()
     }
 
-    /// Engine speed at which this gear turns without slip, rpm.
+    /// Returns the engine speed at which this gear turns without slip, rpm.
     #[must_use]
     pub fn engine_rpm(&self, gear: Gear, speed_mps: f32, wheel_radius_m: f32) -> f32 {
         self.shaft_rpm(speed_mps, wheel_radius_m) * gear.ratio
     }
 
-    /// Speed of the gearbox's output shaft, rpm.
+    /// Returns the speed of the gearbox's output shaft, rpm.
     fn shaft_rpm(&self, speed_mps: f32, wheel_radius_m: f32) -> f32 {
         speed_mps / wheel_radius_m * self.final_drive_ratio * (30.0 / core::f32::consts::PI)
     }
 }
 
 impl VehicleParameters {
-    /// Force at the wheels in N for a net engine torque in percent of the reference (eq. 9, left
-    /// side).
+    /// Returns the force at the wheels for a net engine torque in percent of the reference torque, N
+    /// (thesis eq. 9, left side). It is 0 unless a gear is engaged. `wheel_radius_m` is the radius
+    /// that the wheels are believed to have.
     #[must_use]
-    pub fn traction_n(&self, driveline: Driveline, net_torque_percent: f32) -> f32 {
+    pub fn traction_n(
+        &self,
+        driveline: Driveline,
+        net_torque_percent: f32,
+        wheel_radius_m: f32,
+    ) -> f32 {
         match (&self.traction, driveline) {
             (Traction::Powertrain(p), Driveline::Engaged(gear)) => {
                 let torque_nm = p.reference_torque_nm * net_torque_percent * 0.01;
@@ -195,15 +204,16 @@ impl VehicleParameters {
                     * gear.efficiency
                     * p.final_drive_ratio
                     * p.final_drive_efficiency
-                    / self.believed_radius_m()
+                    / wheel_radius_m
             }
             _ => 0.0,
         }
     }
 
-    /// Mass in kg that wheels and, through the engaged gear, the engine add (eq. 9).
+    /// Returns the mass that the wheels and, through the engaged gear, the engine add, kg (thesis
+    /// eq. 9).
     #[must_use]
-    pub fn rotating_kg(&self, driveline: Driveline) -> f32 {
+    pub fn rotating_kg(&self, driveline: Driveline, wheel_radius_m: f32) -> f32 {
         let engine = match (&self.traction, driveline) {
             (Traction::Powertrain(p), Driveline::Engaged(gear)) => {
                 let ratio = gear.ratio * p.final_drive_ratio;
@@ -211,7 +221,6 @@ impl VehicleParameters {
             }
             _ => 0.0,
         };
-        let radius_m = self.believed_radius_m();
-        (self.wheel_inertia_kgm2 + engine) / (radius_m * radius_m)
+        (self.wheel_inertia_kgm2 + engine) / (wheel_radius_m * wheel_radius_m)
     }
 }

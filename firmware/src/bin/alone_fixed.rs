@@ -5,10 +5,10 @@
 #[cfg(target_os = "none")]
 #[cortex_m_rt::entry]
 fn main() -> ! {
-    use estimator_core::{Estimator, Fixed};
+    use estimator_core::{Estimator, FixedPoint};
     use static_cell::StaticCell;
 
-    static ESTIMATOR: StaticCell<Estimator<Fixed>> = StaticCell::new();
+    static ESTIMATOR: StaticCell<Estimator<FixedPoint>> = StaticCell::new();
     firmware::alone::run(&ESTIMATOR);
     firmware::wait()
 }

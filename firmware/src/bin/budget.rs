@@ -26,13 +26,13 @@ fn main() -> ! {
 /// Prints the figures of each scalar under its name.
 #[cfg(target_os = "none")]
 fn count() -> Result<(), firmware::budget::Problem> {
-    use estimator_core::Fixed;
+    use estimator_core::FixedPoint;
     use firmware::budget::run;
     use firmware::meter::Meter;
 
     let mut meter = Meter::new()?;
     semihosting::print!("[f32]\n{}", run::<f32>(&mut meter)?);
-    semihosting::print!("[fixed]\n{}", run::<Fixed>(&mut meter)?);
+    semihosting::print!("[fixed]\n{}", run::<FixedPoint>(&mut meter)?);
     Ok(())
 }
 

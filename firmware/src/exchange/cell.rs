@@ -9,42 +9,42 @@
 //! | 1     | measured speed, m/s                                                                    |
 //! | 6     | live grade %, lagged grade %, altitude m, each followed by its sigma                   |
 //!
-//! What is not known is zero.
+//! Unknown values are zero.
 
 use super::{halves, next_f32, next_u64, to_bytes, to_words};
-use estimator_core::{Cell, Condition, Instant, Place, Uncertain};
+use estimator_core::{Cell, CellEnd, Condition, Instant, Uncertain};
 
 /// Length of a record, bytes.
 pub const CELL_BYTES: usize = 52;
 
 const FLAGS: usize = 6;
 
-/// The record of a cell.
+/// Returns the record of a cell.
 #[must_use]
 pub fn encode(cell: &Cell) -> [u8; CELL_BYTES] {
-    let place = &cell.place;
-    let [low, high] = halves(place.time.micros());
+    let end = &cell.end;
+    let [low, high] = halves(end.time.micros());
     let flags: [bool; FLAGS] = [
-        place.condition.shifting,
-        place.condition.braking,
-        place.condition.no_traction,
-        place.condition.crawling,
-        place.position_e7.is_some(),
+        end.condition.shifting,
+        end.condition.braking,
+        end.condition.no_traction,
+        end.condition.crawling,
+        end.position_e7.is_some(),
         cell.altitude_m.is_some(),
     ];
     let flags = flags
         .iter()
         .rev()
         .fold(0, |word, flag| word << 1 | u32::from(*flag));
-    let (latitude, longitude) = place.position_e7.unwrap_or_default();
+    let (latitude, longitude) = end.position_e7.unwrap_or_default();
     let head = [
         low,
         high,
-        place.cell,
+        end.cell,
         flags,
         latitude.cast_unsigned(),
         longitude.cast_unsigned(),
-        place.speed_mps.to_bits(),
+        end.speed_mps.to_bits(),
     ];
     let estimates = [
         cell.live_grade_percent,
@@ -61,7 +61,7 @@ pub fn encode(cell: &Cell) -> [u8; CELL_BYTES] {
     )
 }
 
-/// The cell of a record.
+/// Returns the cell of a record; `None` if it is no record.
 #[must_use]
 pub fn decode(record: &[u8]) -> Option<Cell> {
     let mut words = to_words(record, CELL_BYTES)?;
@@ -74,7 +74,7 @@ pub fn decode(record: &[u8]) -> Option<Cell> {
     let flag = |bit: u32| flags >> bit & 1 == 1;
     let latitude = words.next()?.cast_signed();
     let longitude = words.next()?.cast_signed();
-    let place = Place {
+    let end = CellEnd {
         cell,
         time,
         position_e7: flag(4).then_some((latitude, longitude)),
@@ -93,7 +93,7 @@ pub fn decode(record: &[u8]) -> Option<Cell> {
         })
     };
     Some(Cell {
-        place,
+        end,
         live_grade_percent: uncertain()?,
         lagged_grade_percent: uncertain()?,
         altitude_m: uncertain().map(|altitude_m| flag(5).then_some(altitude_m))?,

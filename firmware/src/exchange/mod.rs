@@ -6,15 +6,15 @@
 //!
 //! | `drive.bin`          | words | content                                                     |
 //! |----------------------|-------|-------------------------------------------------------------|
-//! | header, once         | 132   | see [`vehicle`]                                             |
+//! | header, once         | 252   | see [`vehicle`]                                             |
 //! | record, one a frame  | 6     | time in µs (2), identifier, length, data (2); see [`frame`] |
 //!
 //! | `cells.bin`          | words | content                                                     |
 //! |----------------------|-------|-------------------------------------------------------------|
-//! | record, one a cell   | 25    | see [`cell`]                                                |
+//! | record, one a cell   | 13    | see [`cell`]                                                |
 //!
-//! Decoding gives `None` for bytes that are no such record: another length, or a content that
-//! encoding never writes.
+//! Decoding refuses bytes that are no such record: another length, or a content that encoding never
+//! writes.
 
 pub mod cell;
 pub mod frame;
@@ -22,14 +22,14 @@ pub mod vehicle;
 
 use core::ffi::CStr;
 
-/// What the host writes: a vehicle, and the frames of a drive. In QEMU's working folder.
+/// File that the host writes, in QEMU's working folder: a vehicle, and the frames of a drive.
 pub const DRIVE_FILE: &CStr = c"drive.bin";
-/// What the board writes: the finished cells. In QEMU's working folder.
+/// File that the board writes, in QEMU's working folder: the finished cells.
 pub const CELLS_FILE: &CStr = c"cells.bin";
 
 const WORD: usize = size_of::<u32>();
 
-/// The words as a record of `BYTES` bytes.
+/// Returns the words as a record of `BYTES` bytes.
 fn to_bytes<const BYTES: usize>(words: impl IntoIterator<Item = u32>) -> [u8; BYTES] {
     let mut bytes = [0; BYTES];
     let (places, _) = bytes.as_chunks_mut::<WORD>();
@@ -39,7 +39,7 @@ fn to_bytes<const BYTES: usize>(words: impl IntoIterator<Item = u32>) -> [u8; BY
     bytes
 }
 
-/// The words of a record; `None` if it has another length than `bytes`.
+/// Returns the words of a record; `None` if its length is not `bytes`.
 fn to_words(record: &[u8], bytes: usize) -> Option<impl Iterator<Item = u32> + '_> {
     let (words, _) = record.as_chunks::<WORD>();
     (record.len() == bytes).then(|| words.iter().map(|word| u32::from_le_bytes(*word)))
@@ -49,13 +49,13 @@ const fn halves(number: u64) -> [u32; 2] {
     [number as u32, (number >> 32) as u32]
 }
 
-/// A 64-bit number from the next two words.
+/// Reads a 64-bit number from the next two words.
 fn next_u64(words: &mut impl Iterator<Item = u32>) -> Option<u64> {
     let low = u64::from(words.next()?);
     Some(low | u64::from(words.next()?) << 32)
 }
 
-/// A float from the next word.
+/// Reads a float from the next word.
 fn next_f32(words: &mut impl Iterator<Item = u32>) -> Option<f32> {
     words.next().map(f32::from_bits)
 }

@@ -1,37 +1,72 @@
-//! The vehicle at the head of a drive.
+//! The vehicle at the head of a drive, and in a board's flash.
 //!
 //! | words | content                                                                              |
 //! |-------|--------------------------------------------------------------------------------------|
-//! | 2     | the bytes `RGDRIVE2`                                                                 |
+//! | 2     | the bytes `RGDRIVE3`                                                                 |
 //! | 5     | mass kg, drag area m², rolling resistance, wheel radius m, wheel inertia kg m²       |
 //! | 1     | number of gears, or all ones for a measured traction force                           |
 //! | 4     | engine inertia kg m², reference torque Nm, final drive ratio, final drive efficiency |
 //! | 48    | ratio and efficiency of each gear                                                    |
-//! | 6 × 12 | effects: place in the catalogue, or all ones for none; amount, its sigma, three details |
+//! | 6 × 32 | effects: number (`Effect::number`), or all ones for none; amount, its sigma, three parameters |
 //!
-//! What a vehicle does not have is zero; a detail that is absent is no number. Whether the vehicle
-//! can exist is for the estimator to check.
+//! Absent values are zero; an absent parameter of an effect is NaN. The number of an effect never
+//! changes, so data outlive releases. Data with an effect that this release does not have are
+//! refused. The estimator checks whether the vehicle is possible.
 
 use super::{halves, next_f32, next_u64, to_bytes, to_words};
+use core::fmt;
 use core::iter::repeat;
-use estimator_core::effect::{CATALOGUE, MAX_DETAILS, MAX_EFFECTS};
+use estimator_core::effect::{MAX_EFFECT_PARAMETERS, MAX_EFFECTS, numbered};
 use estimator_core::vehicle::MAX_GEARS;
-use estimator_core::{Adopted, Effects, Gear, Maybe, Powertrain, Traction, VehicleParameters};
+use estimator_core::{AdoptedEffect, Gear, Maybe, Model, Powertrain, Traction, VehicleParameters};
 
+/// Effects that a header has room for. More than there are, so that releases with more read it.
+const EFFECTS: usize = 32;
+const _: () = assert!(MAX_EFFECTS <= EFFECTS);
 /// Words before the effects.
 const HEAD_WORDS: usize = 2 + 5 + 1 + 4 + 2 * MAX_GEARS;
-const EFFECT_WORDS: usize = 3 + MAX_DETAILS;
+const EFFECT_WORDS: usize = 3 + MAX_EFFECT_PARAMETERS;
 
 /// Length of the header, bytes.
-pub const VEHICLE_BYTES: usize = 4 * (HEAD_WORDS + EFFECT_WORDS * MAX_EFFECTS);
+pub const VEHICLE_BYTES: usize = 4 * (HEAD_WORDS + EFFECT_WORDS * EFFECTS);
 
-const MAGIC: u64 = u64::from_le_bytes(*b"RGDRIVE2");
+const MAGIC: u64 = u64::from_le_bytes(*b"RGDRIVE3");
 const MEASURED_FORCE: u32 = u32::MAX;
 const NO_EFFECT: u32 = u32::MAX;
 
-/// The header of a drive of this vehicle.
+/// Why a header is refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum HeaderError {
+    /// Its length is not [`VEHICLE_BYTES`].
+    Length,
+    /// It does not start as a header of this version does.
+    Magic,
+    /// It has more gears than a powertrain can have.
+    Gears,
+    /// This release has no effect of this number.
+    Effect(u32),
+    /// It has an effect twice.
+    Repeated,
+}
+
+impl fmt::Display for HeaderError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Length => write!(f, "expected {VEHICLE_BYTES} bytes"),
+            Self::Magic => f.write_str("expected the header of a vehicle, version 3"),
+            Self::Gears => write!(f, "expected at most {MAX_GEARS} gears"),
+            Self::Effect(number) => write!(f, "effect {number} is unknown to this release"),
+            Self::Repeated => f.write_str("an effect is given twice"),
+        }
+    }
+}
+
+impl core::error::Error for HeaderError {}
+
+/// Returns the header of a vehicle.
 #[must_use]
-pub fn encode(vehicle: &VehicleParameters) -> [u8; VEHICLE_BYTES] {
+pub fn encode(model: &Model) -> [u8; VEHICLE_BYTES] {
+    let vehicle = &model.vehicle;
     let body = [
         vehicle.mass_kg,
         vehicle.drag_area_m2,
@@ -58,19 +93,16 @@ pub fn encode(vehicle: &VehicleParameters) -> [u8; VEHICLE_BYTES] {
     });
     let head = head.chain([gears]).chain(engine.map(f32::to_bits));
     let head = head.chain(repeat(0)).take(HEAD_WORDS);
-    let effects = vehicle.effects.iter().flat_map(effect_words);
+    let effects = model.effects.iter().flat_map(effect_words);
     to_bytes(head.chain(effects).chain(repeat(NO_EFFECT)))
 }
 
-fn effect_words(adopted: &Adopted) -> [u32; EFFECT_WORDS] {
-    let place = CATALOGUE
-        .iter()
-        .position(|effect| *effect == adopted.effect);
+fn effect_words(adopted: &AdoptedEffect) -> [u32; EFFECT_WORDS] {
     let [first, second, third] = adopted
-        .details
-        .map(|detail| detail.get().unwrap_or(f32::NAN).to_bits());
+        .parameters
+        .map(|parameter| parameter.get().unwrap_or(f32::NAN).to_bits());
     [
-        place.map_or(NO_EFFECT, |place| place as u32),
+        adopted.effect.number.into(),
         adopted.amount.to_bits(),
         adopted.amount_sigma.to_bits(),
         first,
@@ -79,22 +111,42 @@ fn effect_words(adopted: &Adopted) -> [u32; EFFECT_WORDS] {
     ]
 }
 
-/// The vehicle of a header.
-#[must_use]
-pub fn decode(header: &[u8]) -> Option<VehicleParameters> {
-    let mut words = to_words(header, VEHICLE_BYTES)?;
-    if next_u64(&mut words)? != MAGIC {
-        return None;
+/// Returns the vehicle of a header.
+///
+/// # Errors
+/// [`HeaderError`]: it is no header, or has an effect that this release does not have.
+pub fn decode(header: &[u8]) -> Result<Model, HeaderError> {
+    let mut words = to_words(header, VEHICLE_BYTES).ok_or(HeaderError::Length)?;
+    if next_u64(&mut words) != Some(MAGIC) {
+        return Err(HeaderError::Magic);
     }
-    let mut vehicle = VehicleParameters {
-        mass_kg: next_f32(&mut words)?,
-        drag_area_m2: next_f32(&mut words)?,
-        rolling_resistance: next_f32(&mut words)?,
-        wheel_radius_m: next_f32(&mut words)?,
-        wheel_inertia_kgm2: next_f32(&mut words)?,
+    let vehicle = vehicle(&mut words).ok_or(HeaderError::Gears)?;
+    let mut model = Model::from(vehicle);
+    for _ in 0..EFFECTS {
+        if let Some(adopted) = effect(&mut words)? {
+            let is_known = model
+                .effects
+                .iter()
+                .any(|known| known.effect == adopted.effect);
+            if is_known || model.effects.adopt(adopted).is_err() {
+                return Err(HeaderError::Repeated);
+            }
+        }
+    }
+    Ok(model)
+}
+
+/// Reads the parameters; `None` if there are too many gears.
+fn vehicle(words: &mut impl Iterator<Item = u32>) -> Option<VehicleParameters> {
+    Some(VehicleParameters {
+        mass_kg: next_f32(words)?,
+        drag_area_m2: next_f32(words)?,
+        rolling_resistance: next_f32(words)?,
+        wheel_radius_m: next_f32(words)?,
+        wheel_inertia_kgm2: next_f32(words)?,
         traction: {
             let gears = words.next()?;
-            let mut words = words.by_ref().take(4 + 2 * MAX_GEARS);
+            let mut words = words.take(4 + 2 * MAX_GEARS);
             let traction = match gears {
                 MEASURED_FORCE => Traction::Force,
                 gears => Traction::Powertrain(powertrain(gears, &mut words)?),
@@ -102,30 +154,23 @@ pub fn decode(header: &[u8]) -> Option<VehicleParameters> {
             words.for_each(drop);
             traction
         },
-        effects: Effects::default(),
-    };
-    for _ in 0..MAX_EFFECTS {
-        if let Some(adopted) = effect(&mut words)? {
-            vehicle.effects.adopt(adopted).ok()?;
-        }
-    }
-    Some(vehicle)
+    })
 }
 
-/// The next effect, or that there is none.
-fn effect(words: &mut impl Iterator<Item = u32>) -> Option<Option<Adopted>> {
-    let place = words.next()?;
-    let numbers = [next_f32(words)?, next_f32(words)?];
-    let details = [next_f32(words)?, next_f32(words)?, next_f32(words)?];
-    if place == NO_EFFECT {
-        return Some(None);
+/// Reads the next effect; `Ok(None)` if there is none.
+fn effect(words: &mut impl Iterator<Item = u32>) -> Result<Option<AdoptedEffect>, HeaderError> {
+    let number = words.next().ok_or(HeaderError::Length)?;
+    let mut next = || next_f32(words).ok_or(HeaderError::Length);
+    let [amount, amount_sigma] = [next()?, next()?];
+    let parameters = [next()?, next()?, next()?].map(Maybe::some);
+    if number == NO_EFFECT {
+        return Ok(None);
     }
-    let [amount, amount_sigma] = numbers;
-    Some(Some(Adopted {
-        effect: CATALOGUE.get(place as usize)?,
+    Ok(Some(AdoptedEffect {
+        effect: numbered(number).ok_or(HeaderError::Effect(number))?,
         amount,
         amount_sigma,
-        details: details.map(Maybe::some),
+        parameters,
     }))
 }
 

@@ -12,8 +12,8 @@ use embassy_embedded_hal::adapter::BlockingAsync;
 use embassy_stm32::Peri;
 use embassy_stm32::flash::{Blocking, Flash};
 use embassy_stm32::peripherals::FLASH;
-use estimator_core::{Kept, VehicleParameters};
-use firmware::exchange::vehicle::{self, VEHICLE_BYTES};
+use estimator_core::{Model, PersistentState};
+use firmware::exchange::vehicle::{self, HeaderError, VEHICLE_BYTES};
 use sequential_storage::cache::{Cache, Uncached};
 use sequential_storage::map::{MapConfig, MapStorage};
 
@@ -32,8 +32,8 @@ type Storage = MapStorage<
 
 /// The flash behind the image.
 pub struct Store {
-    vehicle: Option<VehicleParameters>,
-    kept: Storage,
+    model: Result<Model, HeaderError>,
+    states: Storage,
 }
 
 impl Store {
@@ -41,33 +41,42 @@ impl Store {
     pub fn new(flash: Peri<'static, FLASH>) -> Self {
         let mut flash = Flash::new_blocking(flash);
         let mut header = [0; VEHICLE_BYTES];
-        let read = flash.blocking_read(VEHICLE_OFFSET, &mut header);
-        let vehicle = read.ok().and_then(|()| vehicle::decode(&header));
+        let model = flash
+            .blocking_read(VEHICLE_OFFSET, &mut header)
+            .map_err(|_| HeaderError::Length)
+            .and_then(|()| vehicle::decode(&header));
         let config = MapConfig::new(KEPT_RANGE);
         Self {
-            vehicle,
-            kept: MapStorage::new(BlockingAsync::new(flash), config, Cache::new_uncached()),
+            model,
+            states: MapStorage::new(BlockingAsync::new(flash), config, Cache::new_uncached()),
         }
     }
 
-    /// The vehicle; `None` if none was flashed.
-    pub fn vehicle(&self) -> Option<&VehicleParameters> {
-        self.vehicle.as_ref()
+    /// Returns the flashed vehicle.
+    ///
+    /// # Errors
+    /// None was flashed, or this release refuses it.
+    pub fn model(&self) -> Result<&Model, HeaderError> {
+        self.model.as_ref().map_err(|error| *error)
     }
 
-    /// What the last drive left; `None` if there is nothing, or nothing that is sound.
-    pub async fn kept(&mut self) -> Option<Kept> {
+    /// Returns what the last drive left; `None` if there is nothing, or nothing valid.
+    pub async fn persistent_state(&mut self) -> Option<PersistentState> {
         let mut buffer = [0; BUFFER];
-        let bytes: &[u8] = self.kept.fetch_item(&mut buffer, &KEPT_KEY).await.ok()??;
-        Kept::from_bytes(bytes).ok()
+        let bytes: &[u8] = self
+            .states
+            .fetch_item(&mut buffer, &KEPT_KEY)
+            .await
+            .ok()??;
+        PersistentState::from_bytes(bytes).ok()
     }
 
-    /// Keeps what this drive leaves. False if the flash refuses it.
-    pub async fn keep(&mut self, kept: &Kept) -> bool {
+    /// Stores what this drive leaves. Returns false if the flash refuses it.
+    pub async fn save(&mut self, state: &PersistentState) -> bool {
         let mut buffer = [0; BUFFER];
-        let bytes: [u8; Kept::LEN] = kept.to_bytes();
+        let bytes: [u8; PersistentState::LEN] = state.to_bytes();
         let stored = self
-            .kept
+            .states
             .store_item(&mut buffer, &KEPT_KEY, &bytes.as_slice())
             .await;
         stored.is_ok()

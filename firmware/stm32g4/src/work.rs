@@ -24,20 +24,24 @@ const WORTH_CELLS: u32 = 400;
 /// Too large for a stack, and in `.bss` its size can be read off the image.
 static ESTIMATOR: StaticCell<Estimator<f32>> = StaticCell::new();
 
-/// The estimator of the vehicle that was flashed, with what the last drive left; `None`, and said
-/// why, without a vehicle that can be.
+/// Creates the estimator of the flashed vehicle, with what the last drive left. Returns `None`, and
+/// logs why, without a possible vehicle.
 pub async fn estimator(store: &mut Store) -> Option<&'static mut Estimator<f32>> {
-    let Some(vehicle) = store.vehicle().cloned() else {
-        defmt::error!("no vehicle is flashed: nothing will be estimated");
-        return None;
+    let model = match store.model() {
+        Ok(model) => model.clone(),
+        Err(error) => {
+            let error = defmt::Display2Format(&error);
+            defmt::error!("no usable vehicle is flashed ({}): no estimate", error);
+            return None;
+        }
     };
-    if let Some(kept) = store.kept().await {
-        match Estimator::with_kept(vehicle.clone(), Tuning::default(), &kept) {
+    if let Some(state) = store.persistent_state().await {
+        match Estimator::restore(model.clone(), Tuning::default(), &state) {
             Ok(estimator) => return Some(ESTIMATOR.init(estimator)),
-            Err(problem) => defmt::warn!("the last drive is not used: {}", problem),
+            Err(problem) => defmt::warn!("the state of the last drive is not used: {}", problem),
         }
     }
-    match Estimator::new(vehicle, Tuning::default()) {
+    match Estimator::new(model, Tuning::default()) {
         Ok(estimator) => Some(ESTIMATOR.init(estimator)),
         Err(problem) => {
             defmt::error!("no such vehicle: {}", problem);
@@ -80,11 +84,11 @@ pub async fn run(
             defmt::warn!("{} inputs found the queue full", lost);
         }
         if let Some(estimator) = estimator.as_deref()
-            && stop.is_worth_keeping(estimator.live().map_or(0, |live| live.place.cell))
-            && let Some(kept) = estimator.kept()
+            && stop.is_worth_keeping(estimator.live().map_or(0, |live| live.end.cell))
+            && let Some(state) = estimator.persistent_state()
         {
-            let stored = store.keep(&kept).await;
-            defmt::info!("kept: {}, bus {}", stored, bus.bus_error_mode());
+            let stored = store.save(&state).await;
+            defmt::info!("state saved: {}, bus {}", stored, bus.bus_error_mode());
             defmt::info!("{}", estimator.counters());
         }
     }

@@ -2,10 +2,10 @@
 
 use crate::diagnose::{Diagnosis, Request, diagnose, report};
 use crate::error::Result;
-use crate::output::print;
-use crate::progress;
-use crate::text_table::text_table;
-use crate::vehicle_file::VehicleFile;
+use crate::files::vehicle::VehicleFile;
+use crate::terminal::print::print;
+use crate::terminal::progress;
+use crate::terminal::table::text_table;
 use std::path::PathBuf;
 
 /// Arguments of `diagnose`.

@@ -1,16 +1,15 @@
 //! `roadgrade estimate`: one recorded drive becomes a run.
 
-use super::conclusion::{self, Summary};
-use crate::dataset;
+use super::conclusion;
 use crate::error::{Error, Result};
-use crate::kept_file;
-use crate::output::print;
-use crate::progress;
-use crate::recorder::{self, LongRun};
-use crate::run_parquet::{self, Origin};
+use crate::files::run::{self, Origin};
+use crate::files::vehicle::VehicleFile;
+use crate::files::{data_set, kept};
+use crate::recorder::{self, LongRun, Summary};
 use crate::smooth::held_bytes;
-use crate::vehicle_file::VehicleFile;
-use estimator_core::{Kept, Scalar};
+use crate::terminal::print::print;
+use crate::terminal::progress;
+use estimator_core::{PersistentState, Scalar};
 use std::path::{Path, PathBuf};
 use std::time::Instant as Clock;
 
@@ -45,7 +44,7 @@ pub struct Args {
     dataset: Option<PathBuf>,
     /// The day of the drive: with the vehicle's name it names the session that a Parquet run
     /// belongs to.
-    #[arg(long, value_name = "YYYY-MM-DD", value_parser = dataset::check_day)]
+    #[arg(long, value_name = "YYYY-MM-DD", value_parser = data_set::check_day)]
     day: Option<String>,
     /// What the vehicle's last drive left, and what this one leaves for the next.
     #[arg(long, value_name = "FILE")]
@@ -65,10 +64,10 @@ impl Args {
         let (Some(folder), Some(day)) = (&self.dataset, &self.day) else {
             return Ok(self.out.clone().unwrap_or_default());
         };
-        let name = dataset::run_name(&self.log);
-        let path = dataset::run_path(folder, &mut run.rows, day, &name)?;
+        let name = data_set::run_name(&self.log);
+        let path = data_set::run_path(folder, &mut run.rows, day, &name)?;
         // The same drive may be estimated again; two trucks may give their logs one name.
-        if path.exists() && run_parquet::session(&path)? != origin.session() {
+        if path.exists() && run::session(&path)? != origin.session() {
             let problem = "has a run of another vehicle; expected none, or this one's: \
                            give the log another name";
             return Err(Error::content(&path, problem));
@@ -83,7 +82,7 @@ pub fn run(args: &Args) -> Result<()> {
     let started = Clock::now();
     let file = args.kept.as_deref();
     let last = match file {
-        Some(file) => kept_file::read(file, &vehicle.parameters)?,
+        Some(file) => kept::read(file, &vehicle.model)?,
         None => None,
     };
     let last = last.as_ref();
@@ -125,19 +124,19 @@ pub fn run(args: &Args) -> Result<()> {
 /// Estimates one log, with a progress bar on long ones.
 pub(super) fn drive<S: Scalar>(
     vehicle: &VehicleFile,
-    last: Option<&Kept>,
+    last: Option<&PersistentState>,
     log: &Path,
 ) -> Result<LongRun> {
     let bar = progress::bytes(log.metadata().map_or(0, |file| file.len()));
     let progress = |read| bar.set_position(read);
-    let run = recorder::estimate_log::<S>(&vehicle.parameters, last, log, progress);
+    let run = recorder::estimate_log::<S>(&vehicle.model, last, log, progress);
     bar.finish_and_clear();
     run
 }
 
 /// Whether the log held what an estimate needs; if not, what is missing.
 pub(super) fn check(log: &Path, vehicle: &VehicleFile, run: &LongRun) -> Result<()> {
-    match conclusion::missing(vehicle, run) {
+    match recorder::missing(vehicle, run) {
         Some(problem) => Err(Error::content(log, problem)),
         None => Ok(()),
     }

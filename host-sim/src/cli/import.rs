@@ -2,7 +2,7 @@
 
 use crate::error::Result;
 use crate::source::ztbus::{Mission, Pass};
-use crate::text_table::text_table;
+use crate::terminal::table::text_table;
 use clap::Subcommand;
 use comfy_table::Table;
 use serde::Serialize;

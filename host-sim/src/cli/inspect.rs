@@ -1,19 +1,15 @@
 //! `roadgrade inspect`.
 
-use super::inspect_text::text;
-use crate::error::Result;
-use crate::output::print;
-use crate::progress;
-use crate::source::candump::CandumpReader;
-use crate::source::census::{BusCounter, Census, TableCounter};
-use crate::source::needs::{Need, needs};
-use crate::source::signal_table::SignalTableReader;
-use crate::source::{LogKind, kind_of};
+use crate::error::{Error, Result};
+use crate::inspect::census::Census;
+use crate::inspect::census_of;
+use crate::inspect::needs::{Need, needs};
+use crate::inspect::text::text;
+use crate::source::log_kind::LogKind;
+use crate::terminal::print::print;
+use crate::terminal::progress;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
-
-/// Frames between two moves of the progress bar.
-const BAR_STEP: u64 = 1 << 16;
 
 /// Arguments of `inspect`.
 #[derive(Debug, clap::Args)]
@@ -52,9 +48,12 @@ struct Inspection<'a> {
 
 /// Runs it.
 pub fn run(args: &Args) -> Result<()> {
-    let (kind, census) = match kind_of(&args.log)? {
-        LogKind::Candump => ("candump log", count_frames(&args.log)?),
-        LogKind::SignalTable => ("signal table", count_rows(&args.log)?),
+    let bar = progress::bytes(args.log.metadata().map_or(0, |file| file.len()));
+    let (kind, census) = census_of(&args.log, |read| bar.set_position(read))?;
+    bar.finish_and_clear();
+    let kind = match kind {
+        LogKind::Candump => "candump log",
+        LogKind::SignalTable => "signal table",
     };
     let needs = needs(&census);
     if !args.json {
@@ -67,39 +66,7 @@ pub fn run(args: &Args) -> Result<()> {
         census: &census,
         needs: &needs,
     };
-    let json = serde_json::to_string_pretty(&inspection)
-        .map_err(|e| crate::error::Error::io(&args.log)(e.into()))?;
+    let json =
+        serde_json::to_string_pretty(&inspection).map_err(|e| Error::io(&args.log)(e.into()))?;
     print(&(json + "\n"))
-}
-
-fn count_frames(path: &Path) -> Result<Census> {
-    let mut log = CandumpReader::open(path)?;
-    let bar = progress::bytes(log.file().bytes_total());
-    let mut counter = BusCounter::default();
-    let mut frames = 0_u64;
-    while let Some(frame) = log.next_frame()? {
-        counter.add(&frame);
-        frames += 1;
-        if frames.is_multiple_of(BAR_STEP) {
-            bar.set_position(log.file().bytes_read());
-        }
-    }
-    bar.finish_and_clear();
-    Ok(counter.finish(log.skipped()))
-}
-
-fn count_rows(path: &Path) -> Result<Census> {
-    let mut table = SignalTableReader::open(path)?;
-    let bar = progress::bytes(table.file().bytes_total());
-    let mut counter = TableCounter::new(table.signals());
-    let mut rows = 0_u64;
-    while let Some(row) = table.next_row()? {
-        counter.add(&row);
-        rows += 1;
-        if rows.is_multiple_of(BAR_STEP) {
-            bar.set_position(table.file().bytes_read());
-        }
-    }
-    bar.finish_and_clear();
-    Ok(counter.finish())
 }

@@ -1,29 +1,16 @@
 //! `roadgrade listen`: a live bus becomes a run.
 
-use super::Cli;
-use super::conclusion::{self, Summary};
-use super::signals::stop_flag;
+use super::conclusion;
 use crate::error::{Error, Result};
-use crate::kept_file;
-use crate::live::{Publisher, Reaction, Session, Show};
-use crate::output::{Staged, print};
-use crate::recorder::{LongRun, Recorder};
-use crate::run_parquet::Origin;
-use crate::source::log_time;
-use crate::source::socketcan::{BusEvent, Received, Receiver, of_group, wanted};
-use crate::vehicle_file::VehicleFile;
-use clap::CommandFactory;
-use clap::error::ErrorKind;
-use estimator_core::{Estimator, KeptError, Tuning};
+use crate::files::output::Staged;
+use crate::files::run::Origin;
+use crate::files::vehicle::VehicleFile;
+use crate::live::{Ended, ListenRequest, Listening};
+use crate::recorder::{self, LongRun, Summary};
+use crate::terminal::print::print;
 use serde_json::json;
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant as Monotonic};
-
-/// An event that repeats is told no more often.
-const TELL_AGAIN: Duration = Duration::from_secs(1);
+use std::time::Duration;
 
 /// Arguments of `listen`.
 #[derive(Debug, clap::Args)]
@@ -92,22 +79,35 @@ fn seconds(text: &str) -> std::result::Result<Duration, String> {
         .ok_or_else(|| "expected a number of seconds above 0".to_owned())
 }
 
+impl Args {
+    fn request(&self) -> ListenRequest<'_> {
+        ListenRequest {
+            interfaces: &self.interfaces,
+            vehicle_file: &self.vehicle,
+            kept: self.kept.as_deref(),
+            log: self.log.as_deref(),
+            address: self.publish.then_some(self.address),
+            log_time: self.log_time,
+            end_after_silence: self.end_after_silence,
+            json: self.json,
+        }
+    }
+}
+
 /// Runs it.
 pub fn run(args: &Args) -> Result<()> {
-    check(args);
+    check(args)?;
     let vehicle = VehicleFile::read(&args.vehicle)?;
-    let mut listening = Listening::begin(args, &vehicle)?;
-    // What fails on the way ends the drive, and is told when the drive is written.
+    let mut listening = Listening::begin(args.request(), &vehicle)?;
+    // What fails on the way ends the drive, and is reported when the drive is written.
     let ended = listening.run();
-    let Listening {
-        mut session,
-        publisher,
-        mut show,
-        ..
-    } = listening;
-    let view = session.view(publisher.and_then(|publisher| publisher.unsent()));
-    let shown = show.show_last(&view);
-    let (run, log) = session.finish();
+    let Ended {
+        view,
+        shown,
+        run,
+        log,
+        takes_stdout,
+    } = listening.finish();
     let logged = log.and_then(|log| log.map_or(Ok(()), Staged::commit));
     if let (Ok(()), Some(log)) = (&logged, &args.log) {
         eprintln!("wrote {}", log.display());
@@ -118,7 +118,7 @@ pub fn run(args: &Args) -> Result<()> {
     let told = if args.json {
         let last = json!({ "summary": summary, "interfaces": view.interfaces });
         print(&format!("{last}\n"))
-    } else if show.takes_stdout() {
+    } else if takes_stdout {
         eprintln!("{}", summary.table());
         Ok(())
     } else {
@@ -127,8 +127,8 @@ pub fn run(args: &Args) -> Result<()> {
     ended.and(shown).and(logged).and(told)
 }
 
-/// Ends the program if the interfaces make no sense together.
-fn check(args: &Args) {
+/// Refuses interfaces that make no sense together.
+fn check(args: &Args) -> Result<()> {
     let names = &args.interfaces;
     let is_repeated = |(index, name): (usize, &String)| names[..index].contains(name);
     let problem = if names.iter().enumerate().any(is_repeated) {
@@ -136,16 +136,15 @@ fn check(args: &Args) {
     } else if args.log_time && names.len() > 1 {
         "--log-time with several interfaces; expected one, which all of the log is replayed to"
     } else {
-        return;
+        return Ok(());
     };
-    let kind = ErrorKind::ArgumentConflict;
-    Cli::command().error(kind, problem).exit();
+    Err(Error::Usage(problem.to_owned()))
 }
 
 /// Writes what the drive left. What was driven for hours is not thrown away because something was
 /// missing: that is said.
 fn conclude(args: &Args, vehicle: &VehicleFile, run: &mut LongRun) -> Result<()> {
-    if let Some(problem) = conclusion::missing(vehicle, run) {
+    if let Some(problem) = recorder::missing(vehicle, run) {
         let bus = args.interfaces.join(", ");
         if run.rows.count() == 0 && args.out.is_some() {
             return Err(Error::content(Path::new(&bus), problem));
@@ -157,125 +156,4 @@ fn conclude(args: &Args, vehicle: &VehicleFile, run: &mut LongRun) -> Result<()>
         day: None,
     };
     conclusion::write(run, args.out.as_deref(), &origin, args.kept.as_deref())
-}
-
-struct Listening<'a> {
-    args: &'a Args,
-    receiver: Receiver,
-    session: Session,
-    publisher: Option<Publisher>,
-    show: Show,
-    stop: Arc<AtomicBool>,
-    told: BTreeMap<(usize, BusEvent), Monotonic>,
-}
-
-impl<'a> Listening<'a> {
-    fn begin(args: &'a Args, vehicle: &VehicleFile) -> Result<Self> {
-        let (parameters, tuning) = (vehicle.parameters.clone(), Tuning::default());
-        let kept = match &args.kept {
-            Some(file) => kept_file::read(file, &parameters)?,
-            None => None,
-        };
-        let estimator = match &kept {
-            Some(kept) => Estimator::<f32>::with_kept(parameters, tuning, kept),
-            None => Estimator::new(parameters, tuning).map_err(KeptError::from),
-        };
-        let estimator = estimator.map_err(|e| Error::content(&args.vehicle, e.to_string()))?;
-        let session = Session::begin(
-            Recorder::from(estimator),
-            &args.interfaces,
-            args.log_time,
-            args.log.as_deref(),
-        )?;
-        let mut filters = wanted();
-        if args.log_time {
-            filters.push(of_group(log_time::PGN));
-        }
-        let stop = stop_flag()?;
-        let receiver = Receiver::start(&args.interfaces, &filters, Arc::clone(&stop))?;
-        let address = args.publish.then_some(args.address);
-        let publisher = if args.publish || args.log_time {
-            Some(Publisher::open(&args.interfaces[0], address)?)
-        } else {
-            None
-        };
-        let show = Show::new(args.json);
-        show.say(&format!(
-            "listening on {}; Ctrl-C ends the drive",
-            args.interfaces.join(", ")
-        ));
-        show.begin()?;
-        Ok(Self {
-            args,
-            receiver,
-            session,
-            publisher,
-            show,
-            stop,
-            told: BTreeMap::new(),
-        })
-    }
-
-    /// Until it is told to end, or the log or its traffic is over.
-    fn run(&mut self) -> Result<()> {
-        loop {
-            let mut patience = self.show.due_in();
-            if let Some(due) = self.publisher.as_ref().and_then(Publisher::due_in) {
-                patience = patience.min(due);
-            }
-            let Some(stretch) = self.receiver.next(patience) else {
-                return Ok(());
-            };
-            let mut is_over = false;
-            for received in &stretch {
-                is_over |= self.take(received)?;
-            }
-            let cells = self.session.fetch_cells();
-            if let Some(publisher) = &mut self.publisher {
-                publisher.publish(self.session.live().as_ref(), &cells);
-            }
-            if is_over {
-                return Ok(());
-            }
-            if self.show.due_in().is_zero() {
-                let unsent = self.publisher.as_ref().and_then(Publisher::unsent);
-                let view = self.session.view(unsent);
-                self.show.show(&view)?;
-            }
-            let silence = self.session.silence();
-            if self
-                .args
-                .end_after_silence
-                .is_some_and(|longest| silence >= longest)
-            {
-                // The receiver hands out what it still has, and ends.
-                self.stop.store(true, Ordering::Relaxed);
-            }
-        }
-    }
-
-    /// Takes what was received; true if the log is over.
-    fn take(&mut self, received: &Received) -> Result<bool> {
-        let reaction = self.session.take(received)?;
-        match reaction {
-            Reaction::None => {}
-            Reaction::Tell(event) => self.tell(received.interface, event),
-            Reaction::Answer(answer) | Reaction::End(answer) => {
-                if let Some(publisher) = &mut self.publisher {
-                    publisher.answer(answer);
-                }
-            }
-        }
-        Ok(matches!(reaction, Reaction::End(_)))
-    }
-
-    fn tell(&mut self, interface: usize, event: BusEvent) {
-        let now = Monotonic::now();
-        let is_new = |told: &Monotonic| now.duration_since(*told) >= TELL_AGAIN;
-        if event.is_change() && self.told.get(&(interface, event)).is_none_or(is_new) {
-            self.told.insert((interface, event), now);
-            let name = &self.args.interfaces[interface];
-            self.show.say(&format!("{name}: {}", event.words()));
-        }
-    }
 }

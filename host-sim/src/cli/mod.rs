@@ -1,6 +1,5 @@
 //! The command line: one file a subcommand.
 
-mod companions;
 mod conclusion;
 mod demo;
 mod diagnose;
@@ -9,14 +8,11 @@ mod export;
 mod fuse;
 mod import;
 mod inspect;
-mod inspect_text;
 #[cfg(target_os = "linux")]
 mod listen;
 #[cfg(target_os = "linux")]
 mod replay;
 mod score;
-#[cfg(target_os = "linux")]
-mod signals;
 mod simulate;
 mod study;
 #[cfg(not(target_os = "linux"))]
@@ -26,8 +22,9 @@ use without_can as listen;
 #[cfg(not(target_os = "linux"))]
 use without_can as replay;
 
-use crate::error::Result;
-use clap::{Parser, Subcommand};
+use crate::error::{Error, Result};
+use clap::error::ErrorKind;
+use clap::{CommandFactory, Parser, Subcommand};
 
 /// Road-grade estimation for heavy vehicles: from bus traffic to a grade map.
 #[derive(Debug, Parser)]
@@ -66,11 +63,20 @@ enum Command {
 }
 
 impl Cli {
-    /// Runs the subcommand.
+    /// Runs the subcommand. Wrong usage ends the program with exit code 2.
     ///
     /// # Errors
     /// What could not be done, with file, line and what was expected.
     pub fn run(&self) -> Result<()> {
+        self.dispatch().map_err(|error| match error {
+            Error::Usage(problem) => Self::command()
+                .error(ErrorKind::ArgumentConflict, problem)
+                .exit(),
+            other => other,
+        })
+    }
+
+    fn dispatch(&self) -> Result<()> {
         match &self.command {
             Command::Demo(args) => demo::run(args),
             Command::Simulate(args) => simulate::run(args),

@@ -1,14 +1,15 @@
 //! `roadgrade replay`: a recorded log on an interface.
 
-use super::signals::stop_flag;
 use crate::error::{Error, Result};
 use crate::live::replay::{Pace, Replay, Sent};
-use crate::output::print;
-use crate::progress;
+use crate::live::stop_flag;
 use crate::source::candump::CandumpReader;
+use crate::source::log_kind::{LogKind, kind_of};
+use crate::source::log_time;
 use crate::source::socketcan::{Sender, of_group};
-use crate::source::{LogKind, kind_of, log_time};
-use crate::text_table::text_table;
+use crate::terminal::print::print;
+use crate::terminal::progress;
+use crate::terminal::table::text_table;
 use serde_json::json;
 use std::path::PathBuf;
 use std::time::Instant as Monotonic;

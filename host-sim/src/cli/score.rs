@@ -1,18 +1,32 @@
 //! `roadgrade score`.
 
-use super::Cli;
-use super::companions::{Companions, Options};
 use crate::error::{Error, Result};
-use crate::output::print;
-use crate::progress;
-use crate::run_file::{self, write_csv};
-use crate::score::rivals::Rival;
-use crate::score::{self, ScoreRow, mean, score_run_beside};
-use crate::truth_file::{self, TruthRow};
-use clap::CommandFactory;
-use clap::error::ErrorKind;
+use crate::files::csv::write_csv;
+use crate::files::truth;
+use crate::score::companions::{Companions, NamedFiles};
+use crate::score::judged::{Judged, judge};
+use crate::score::{self, ScoreRow, mean};
+use crate::terminal::print::print;
+use crate::terminal::progress;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
+
+/// The options that name them; each once for all runs, or once for each.
+#[derive(Debug, clap::Args)]
+struct Options {
+    /// The log that the run was estimated from; needed for the rows beside it. Once for all runs,
+    /// or one for each [default: NAME.log or NAME.log.gz beside NAME.truth.csv].
+    #[arg(long, value_name = "LOG")]
+    log: Vec<PathBuf>,
+    /// The vehicle as it was believed, for the thesis's methods; once or one for each run [default:
+    /// NAME.vehicle.toml beside NAME.truth.csv, else vehicle.toml].
+    #[arg(long, value_name = "V.toml")]
+    vehicle: Vec<PathBuf>,
+    /// The true vehicle and noise, for the oracle; once or one for each run [default:
+    /// NAME.oracle.toml beside NAME.truth.csv].
+    #[arg(long, value_name = "ORACLE.toml")]
+    oracle: Vec<PathBuf>,
+}
 
 /// Arguments of `score`.
 #[derive(Debug, clap::Args)]
@@ -34,7 +48,7 @@ set
 
 The last five need the log; the thesis's methods also the vehicle file, the oracle an oracle file. \
 `simulate` writes all of them beside the truth, where they are found; what is not there is left \
-out. Keys of an oracle file: documentation of host_sim::oracle_file, or any that `simulate` writes.
+out. Keys of an oracle file: documentation of host_sim::files::oracle, or any that `simulate` writes.
 
 Examples:
   roadgrade score --truth sim/a1.truth.csv --truth sim/a2.truth.csv a1.csv a2.csv
@@ -56,29 +70,28 @@ pub struct Args {
     runs: Vec<PathBuf>,
 }
 
-/// A run with its rows, and what has to be said about them.
-struct Judged {
-    rows: Vec<ScoreRow>,
-    notes: Vec<String>,
-}
-
 /// Runs it.
 ///
 /// # Errors
 /// A file that cannot be read or used; a run without a cell to compare.
 pub fn run(args: &Args) -> Result<()> {
-    check_counts(args);
+    check_counts(args)?;
     let truths = args
         .truth
         .iter()
-        .map(|path| truth_file::read(path))
+        .map(|path| truth::read(path))
         .collect::<Result<Vec<_>>>()?;
+    let named = NamedFiles {
+        log: &args.companions.log,
+        vehicle: &args.companions.vehicle,
+        oracle: &args.companions.oracle,
+    };
     let bar = progress::count(args.runs.len() as u64, "runs");
     let judged: Vec<Result<Judged>> = (0..args.runs.len())
         .into_par_iter()
         .map(|index| {
             let of_run = index.min(truths.len() - 1);
-            let files = Companions::of(&args.companions, index, &args.truth[of_run]);
+            let files = Companions::of(named, index, &args.truth[of_run]);
             let judged = judge(&args.runs[index], &truths[of_run], &files);
             bar.inc(1);
             judged
@@ -106,8 +119,8 @@ pub fn run(args: &Args) -> Result<()> {
     Ok(())
 }
 
-/// Ends with wrong usage unless each kind of file is named once for all runs or once for each.
-fn check_counts(args: &Args) {
+/// Refuses wrong usage: each kind of file is named once for all runs or once for each.
+fn check_counts(args: &Args) -> Result<()> {
     let runs = args.runs.len();
     let options = &args.companions;
     for (option, count) in [
@@ -121,56 +134,10 @@ fn check_counts(args: &Args) {
                 "{count} times --{option} for {runs} runs; expected one for all, or one for each \
                  run"
             );
-            Cli::command()
-                .error(ErrorKind::WrongNumberOfValues, problem)
-                .exit();
+            return Err(Error::Usage(problem));
         }
     }
-}
-
-fn judge(path: &Path, truth: &[TruthRow], files: &Companions) -> Result<Judged> {
-    let run = run_file::read(path)?;
-    let name = path.display().to_string();
-    let beside = |rivals: &[Rival]| {
-        score_run_beside(&name, &run, truth, rivals)
-            .map_err(|problem| Error::content(path, problem.to_string()))
-    };
-    let rivals = files.rivals(&run)?;
-    let mut scored = beside(&rivals)?;
-    let mut notes: Vec<String> = files.missing().into_iter().map(String::from).collect();
-    if scored.beyond_truth > 0 {
-        notes.push(format!(
-            "{} of {} cells left out, beyond the time span of the truth",
-            scored.beyond_truth,
-            run.len()
-        ));
-    }
-    let cells = scored.rows[0].cells;
-    let shared = |rival: &Rival| {
-        let mut rows = scored.rows.iter();
-        let row = rows.find(|row| row.estimate == rival.estimate);
-        row.map_or(0, |row| row.cells)
-    };
-    let fewest = rivals.iter().map(shared).min().unwrap_or(cells);
-    if fewest < cells {
-        let problem = format!("shares {fewest} of {cells} cells with the run");
-        if 2 * fewest >= cells {
-            notes.push(format!(
-                "the log {problem}; the run itself has no ratio to the oracle"
-            ));
-        } else if let Some(log) = files.named_log() {
-            let wanted = "expected the log that the run was estimated from";
-            return Err(Error::content(log, format!("{problem} {name}; {wanted}")));
-        } else {
-            let left_out = "original, modified and oracle left out";
-            notes.push(format!("{left_out}: the log beside the truth {problem}"));
-            scored = beside(&[])?;
-        }
-    }
-    Ok(Judged {
-        rows: scored.rows,
-        notes,
-    })
+    Ok(())
 }
 
 /// Says on stderr what has to be said, once for all runs of which it is true.

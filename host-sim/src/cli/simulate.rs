@@ -1,18 +1,9 @@
 //! `roadgrade simulate`.
 
 use crate::error::Result;
-use crate::output::write_whole;
-use crate::progress;
-use crate::source::candump_writer::write_frame;
-use crate::truth_file;
-use crate::world::Recording;
-use crate::world::road_file;
-use crate::world::scenario::Scenario;
-use rayon::prelude::*;
-use std::path::{Path, PathBuf};
-
-/// Name of the bus in the logs.
-const INTERFACE: &str = "can0";
+use crate::simulator::scenario::Scenario;
+use crate::simulator::write_runs;
+use std::path::PathBuf;
 
 /// Arguments of `simulate`.
 #[derive(Debug, clap::Args)]
@@ -32,67 +23,5 @@ pub struct Args {
 /// # Errors
 /// A scenario that cannot be, or what the file system says.
 pub fn run(args: &Args) -> Result<()> {
-    write(&Scenario::read(&args.scenario)?, &args.out)
-}
-
-/// Drives every run of a scenario and writes its files.
-///
-/// # Errors
-/// A truck that gets stuck, or what the file system says.
-pub(super) fn write(scenario: &Scenario, folder: &Path) -> Result<()> {
-    let bar = progress::count(scenario.runs.len() as u64, "runs");
-    // Every run is driven once before the first file is written, so that a truck that gets stuck
-    // leaves none; driving costs little beside writing, and a drive is large to keep.
-    let runs = 0..scenario.runs.len();
-    runs.clone()
-        .into_par_iter()
-        .try_for_each(|index| Recording::new(scenario, index).map(drop))?;
-    let reports = runs
-        .into_par_iter()
-        .map(|index| {
-            let report = write_run(scenario, index, folder)?;
-            bar.inc(1);
-            Ok(report)
-        })
-        .collect::<Result<Vec<_>>>()?;
-    road_file::write(&folder.join("road.csv"), &scenario.road)?;
-    if let Some(vehicle) = scenario.common_vehicle() {
-        vehicle.write(&folder.join("vehicle.toml"))?;
-    }
-    bar.finish_and_clear();
-    for report in reports {
-        eprintln!("{report}");
-    }
-    Ok(())
-}
-
-/// Writes the files of one run; returns what to say about it.
-fn write_run(scenario: &Scenario, index: usize, folder: &Path) -> Result<String> {
-    let run = &scenario.runs[index];
-    let recording = Recording::new(scenario, index)?;
-    let file = |ending: &str| folder.join(format!("{}.{ending}", run.name));
-    let frames = write_log(&file("log"), &recording)?;
-    truth_file::write(&file("truth.csv"), &recording.truth())?;
-    run.vehicle.write(&file("vehicle.toml"))?;
-    recording.oracle().write(&file("oracle.toml"))?;
-    Ok(format!(
-        "{}: truck {}, {:.1} km in {:.0} s, {frames} frames",
-        run.name,
-        run.vehicle.name,
-        1e-3 * run.length_m,
-        recording.drive().duration_s()
-    ))
-}
-
-/// Writes the run's bus traffic; returns the number of frames.
-fn write_log(path: &Path, recording: &Recording) -> Result<u64> {
-    let mut frames = 0;
-    write_whole(path, |out| {
-        for frame in recording.frames() {
-            write_frame(out, &frame, INTERFACE)?;
-            frames += 1;
-        }
-        Ok(())
-    })?;
-    Ok(frames)
+    write_runs(&Scenario::read(&args.scenario)?, &args.out)
 }

@@ -1,10 +1,10 @@
 //! `roadgrade study`: tables and figures, computed.
 
 use crate::error::{Error, Result};
-use crate::output::print;
 use crate::report::page::{Page, Section};
 use crate::study::{Outcome, STUDIES, Setting, Study};
-use crate::text_table::text_table;
+use crate::terminal::print::print;
+use crate::terminal::table::text_table;
 use clap::builder::PossibleValuesParser;
 use std::path::PathBuf;
 

@@ -5,8 +5,8 @@ use crate::map::{Network, Place, RoadLine, RoadPoint, match_track, road_of_run, 
 use crate::recorder::{Recorder, Run};
 use crate::source::input::for_each_input;
 use estimator_core::filter::Filter;
-use estimator_core::sampler::Sample;
-use estimator_core::{Tuning, VehicleParameters};
+use estimator_core::sample::Sample;
+use estimator_core::{Model, Tuning};
 use std::path::Path;
 
 /// One log, read with a vehicle.
@@ -25,11 +25,11 @@ impl LoggedDrive {
     ///
     /// # Errors
     /// An impossible vehicle; a log that cannot be read, with file and line; one without movement.
-    pub fn read(path: &Path, vehicle: &VehicleParameters) -> Result<Self> {
-        let mut recorder = Recorder::<f32>::new(vehicle.clone(), Tuning::default())
+    pub fn read(path: &Path, model: &Model) -> Result<Self> {
+        let mut recorder = Recorder::<f32>::new(model.clone(), Tuning::default())
             .map_err(|e| Error::content(path, e.to_string()))?;
         for_each_input(path, |_| (), |input| recorder.on_input(&input))?;
-        let filter = recorder.estimator().filter_anew();
+        let filter = recorder.estimator().second_pass_filter();
         let (run, samples) = recorder.finish_with_samples()?;
         if run.rows.is_empty() {
             return Err(Error::content(

@@ -13,9 +13,9 @@
 //! models", Econometrica 50:1, 1982).
 
 use super::drive::LoggedDrive;
-use estimator_core::filter::{Filter, Record, STATES};
+use estimator_core::filter::{Filter, StateVector, StepRecord};
 use estimator_core::vehicle::GRAVITY;
-use estimator_core::{CELL_LENGTH_M, Counters, Tuning, VehicleParameters};
+use estimator_core::{CELL_LENGTH_M, Context, Counters, Model, Tuning};
 use nalgebra::{DMatrix, DVector};
 
 /// Length of a stretch, m.
@@ -35,7 +35,7 @@ pub struct Stretch {
     pub score: DVector<f64>,
     /// Minus twice the logarithm of the likelihood of the altitudes with nothing missing, but for a
     /// constant.
-    pub surprise: f64,
+    pub negative_log_likelihood: f64,
 }
 
 /// All stretches of all drives.
@@ -62,18 +62,18 @@ pub const WINDS_MPS: [f32; 5] = [0.1, 0.2, 0.4, 0.8, 1.6];
 /// scale goes too far.
 #[must_use]
 pub fn judging_tuning(wind_sigma_mps: f32) -> Tuning {
-    Tuning {
-        wind_sigma_mps,
-        bias_force_n: 20.0,
-        bias_rolling: 0.01,
-        bias_drag: 0.01,
-        bias_start_rolling: 0.0,
-        bias_length_m: 20_000.0,
-        scale_sigma: 0.02,
-        scale_sigmas: f32::MAX,
-        drift_sigmas: f32::MAX.sqrt(),
-        ..Tuning::default()
-    }
+    let mut tuning = Tuning::default();
+    let process_noise = &mut tuning.process_noise;
+    process_noise.wind_sigma_mps = wind_sigma_mps;
+    process_noise.bias_force_n = 20.0;
+    process_noise.bias_rolling = 0.01;
+    process_noise.bias_drag = 0.01;
+    process_noise.bias_length_m = 20_000.0;
+    tuning.prior.cold_tyre_rolling = 0.0;
+    tuning.prior.scale_sigma = 0.02;
+    tuning.prior.scale_reset_sigmas = f32::MAX;
+    tuning.gates.drift_sigmas = f32::MAX.sqrt();
+    tuning
 }
 
 /// What a drive says about the forces in `columns`, stretch by stretch.
@@ -81,32 +81,39 @@ pub fn judging_tuning(wind_sigma_mps: f32) -> Tuning {
 pub fn stretches(
     drive: usize,
     logged: &LoggedDrive,
-    vehicle: &VehicleParameters,
+    model: &Model,
     tuning: &Tuning,
     columns: &[Column],
 ) -> Vec<Stretch> {
-    let mut filter: Filter<f64> = Filter::with_noise(&logged.filter.noise());
-    let mut counters = Counters::default();
-    let mut errors = vec![[0.0; STATES]; columns.len()];
+    let mut context = Context {
+        model: model.clone(),
+        tuning: tuning.clone(),
+        counters: Counters::default(),
+    };
+    let mut filter: Filter<f64> = Filter::new(tuning, &logged.filter.noise(), None);
+    let mut errors = vec![StateVector::ZERO; columns.len()];
     let mut response = DVector::zeros(columns.len());
     let empty = || Stretch {
         drive,
         information: DMatrix::zeros(columns.len(), columns.len()),
         score: DVector::zeros(columns.len()),
-        surprise: 0.0,
+        negative_log_likelihood: 0.0,
     };
     let mut found = Vec::new();
     let mut stretch = empty();
     let mut way_m = 0.0;
     for (k, sample) in logged.samples.iter().enumerate() {
-        let Some(record) = filter.step(vehicle, tuning, sample, &mut counters) else {
+        let Some(record) = filter.step(&mut context, sample) else {
             continue;
         };
-        let weight_n = sample.load.mass_kg * GRAVITY;
+        let weight_n = sample.forces.mass_kg * GRAVITY;
         let per_newton = f64::from(sample.length_m / weight_n);
         for (j, (error, column)) in errors.iter_mut().zip(columns).enumerate() {
             let missing_m = f64::from(column[k]) * per_newton;
-            response[j] = record.trace.carry_error(error, missing_m).unwrap_or(0.0);
+            response[j] = record
+                .smoother_input
+                .carry_error(error, missing_m)
+                .unwrap_or(0.0);
         }
         stretch.take(&record, &response);
         way_m += f64::from(CELL_LENGTH_M);
@@ -134,12 +141,12 @@ impl Evidence {
 }
 
 impl Stretch {
-    fn take(&mut self, record: &Record<f64>, response: &DVector<f64>) {
-        let Some(applied) = &record.trace.altitude else {
+    fn take(&mut self, record: &StepRecord<f64>, response: &DVector<f64>) {
+        let Some(applied) = &record.smoother_input.altitude else {
             return;
         };
         let per_variance = 1.0 / applied.innovation_variance;
-        self.surprise +=
+        self.negative_log_likelihood +=
             applied.innovation.powi(2) * per_variance + applied.innovation_variance.ln();
         self.information.ger(per_variance, response, response, 1.0);
         self.score

@@ -4,13 +4,13 @@
 //! that was given, else the map of all other drives in the same direction, else the drive's own
 //! smoothed estimate. Single cells say little, since every reference is noisy there.
 
+use super::bare_model;
 use super::drive::{CommonRoad, LoggedDrive};
-use crate::bare_model;
 use crate::map::{GradeMap, MapRow, Network, RoadLine, SessionRun, road_of_run};
-use crate::series::linear;
-use crate::world::road::sine;
-use estimator_core::sampler::Sample;
-use estimator_core::vehicle::VehicleParameters;
+use crate::numeric::series::linear;
+use crate::numeric::slope::sine;
+use estimator_core::Model;
+use estimator_core::sample::Sample;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -112,17 +112,13 @@ fn map_of_others(drives: &[LoggedDrive], number: usize) -> Option<Vec<MapRow>> {
     (2 * rows.len() > drives[number].run.rows.len()).then_some(rows)
 }
 
-/// Judges drives, read with `vehicle`, each by its reference.
+/// Judges drives, read with `model`, each by its reference.
 #[must_use]
-pub fn judge(
-    drives: &[LoggedDrive],
-    vehicle: &VehicleParameters,
-    references: &[Reference],
-) -> Judgement {
+pub fn judge(drives: &[LoggedDrive], model: &Model, references: &[Reference]) -> Judgement {
     let errors: Vec<f64> = drives
         .iter()
         .zip(references)
-        .flat_map(|(drive, reference)| windows(drive, vehicle, reference))
+        .flat_map(|(drive, reference)| windows(drive, model, reference))
         .collect();
     let rms = |errors: &[f64]| {
         (errors.iter().map(|e| e * e).sum::<f64>() / errors.len().max(1) as f64).sqrt()
@@ -162,31 +158,27 @@ fn interval(errors: &[f64], statistic: impl Fn(&[f64]) -> f64) -> (f64, f64) {
 
 /// The model's error in each cell of a drive in which it holds, %.
 #[must_use]
-pub fn errors(
-    drive: &LoggedDrive,
-    vehicle: &VehicleParameters,
-    reference: &Reference,
-) -> Vec<Option<f64>> {
+pub fn errors(drive: &LoggedDrive, model: &Model, reference: &Reference) -> Vec<Option<f64>> {
     let mut before: Option<f64> = None;
     drive
         .samples
         .iter()
         .map(|sample| {
-            let energy = 0.5 * f64::from(sample.place.speed_mps).powi(2);
+            let energy = 0.5 * f64::from(sample.end.speed_mps).powi(2);
             let from = before.replace(energy).filter(|_| sample.gap_cells == 0)?;
-            let condition = sample.place.condition;
+            let condition = sample.end.condition;
             let holds = condition.is_valid() && !condition.crawling;
-            let grade = linear(reference, sample.place.distance_m()).filter(|_| holds)?;
-            Some(model_slope_percent(vehicle, sample, (from, energy)) - 100.0 * sine(0.01 * grade))
+            let grade = linear(reference, sample.end.distance_m()).filter(|_| holds)?;
+            Some(model_slope_percent(model, sample, (from, energy)) - 100.0 * sine(0.01 * grade))
         })
         .collect()
 }
 
-fn windows(drive: &LoggedDrive, vehicle: &VehicleParameters, reference: &Reference) -> Vec<f64> {
+fn windows(drive: &LoggedDrive, model: &Model, reference: &Reference) -> Vec<f64> {
     let mut windows = Vec::new();
     let (mut sum, mut valid, mut all, mut start_m) = (0.0, 0.0, 0.0, f64::NAN);
-    for (sample, error) in drive.samples.iter().zip(errors(drive, vehicle, reference)) {
-        let at_m = sample.place.distance_m();
+    for (sample, error) in drive.samples.iter().zip(errors(drive, model, reference)) {
+        let at_m = sample.end.distance_m();
         if start_m.is_nan() {
             start_m = at_m;
         }
@@ -207,11 +199,11 @@ fn windows(drive: &LoggedDrive, vehicle: &VehicleParameters, reference: &Referen
 
 /// Sine of the slope in % that the force balance reads over a cell, adopted effects included,
 /// between two kinetic energies a kilogram, m²/s².
-fn model_slope_percent(vehicle: &VehicleParameters, sample: &Sample, energies: (f64, f64)) -> f64 {
-    let accelerated_kg = f64::from(sample.load.mass_kg + sample.load.rotating_kg);
+fn model_slope_percent(model: &Model, sample: &Sample, energies: (f64, f64)) -> f64 {
+    let accelerated_kg = f64::from(sample.forces.accelerated_kg());
     bare_model::slope_percent(
-        &vehicle.force_balance(&sample.load),
-        f64::from(vehicle.effects.force_n(vehicle, sample)) / accelerated_kg,
+        &model.vehicle.force_balance(&sample.forces),
+        f64::from(model.effects.force_n(&model.vehicle, sample)) / accelerated_kg,
         energies,
         f64::from(sample.length_m),
     )

@@ -1,11 +1,11 @@
 //! What is unexplained, drawn over what it depends on.
 
-use super::candidates::Variable;
+use super::dependence::Variable;
 use super::drive::{CommonRoad, LoggedDrive};
 use super::judgement::{self, Reference};
 use crate::report::page::Figure;
 use crate::report::plot::{Plot, Series, colour};
-use estimator_core::VehicleParameters;
+use estimator_core::Model;
 
 /// Parts into which the variable is divided.
 const PARTS: usize = 24;
@@ -18,7 +18,7 @@ pub fn picture(
     name: &str,
     variable: Variable,
     drives: &[LoggedDrive],
-    vehicle: &VehicleParameters,
+    model: &Model,
     references: &[Reference],
     road: Option<&CommonRoad>,
 ) -> Figure {
@@ -26,7 +26,7 @@ pub fn picture(
     for (drive, reference) in drives.iter().zip(references) {
         let places = road.map(|road| road.places(drive));
         let values = variable.values(drive, places.as_deref());
-        let errors = judgement::errors(drive, vehicle, reference);
+        let errors = judgement::errors(drive, model, reference);
         points.extend(
             values
                 .iter()

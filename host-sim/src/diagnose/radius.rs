@@ -3,11 +3,11 @@
 //! A wrong radius hardly shows in the slope, but in every speed. Speeds of the two kinds are
 //! compared where the vehicle neither speeds up nor slows down, since they are of unlike age.
 
-use super::Finding;
 use super::drive::LoggedDrive;
+use super::findings::Finding;
 use super::selection::ADOPTED;
-use estimator_core::CELL_LENGTH_M;
-use estimator_core::effect::{Adopted, Effect, wheel_radius};
+use estimator_core::effect::wheel_radius;
+use estimator_core::{AdoptedEffect, CELL_LENGTH_M, Effect};
 
 /// Slowest speed at which the two are compared, m/s.
 const SLOWEST_MPS: f32 = 8.0;
@@ -56,9 +56,9 @@ impl Wheels {
 
     /// As an effect.
     #[must_use]
-    pub fn adopted(&self) -> Adopted {
+    pub fn adopted(&self) -> AdoptedEffect {
         static EFFECT: &Effect = &wheel_radius::EFFECT;
-        Adopted::new(EFFECT, self.amount as f32, self.sigma as f32)
+        AdoptedEffect::new(EFFECT, self.amount as f32, self.sigma as f32)
     }
 
     /// To adopt, if the evidence asks for it.
@@ -80,12 +80,12 @@ fn blocks(drive: &LoggedDrive) -> Vec<f64> {
     for window in drive.samples.windows(STEADY_CELLS) {
         let (first, sample) = (&window[0], &window[STEADY_CELLS - 1]);
         way_m += f64::from(CELL_LENGTH_M);
-        let gnss_mps = sample.circumstances.gnss_speed_mps.get();
+        let gnss_mps = sample.effect_inputs.gnss_speed_mps.get();
         // A fix counts once.
         let is_new = gnss_mps.is_some() && gnss_mps != last;
         last = gnss_mps;
-        let mps = sample.place.speed_mps;
-        let steady = (mps - first.place.speed_mps).abs() < STEADY_MPS && mps > SLOWEST_MPS;
+        let mps = sample.end.speed_mps;
+        let steady = (mps - first.end.speed_mps).abs() < STEADY_MPS && mps > SLOWEST_MPS;
         if let Some(gnss_mps) = gnss_mps.filter(|_| is_new && steady) {
             sum += f64::from(gnss_mps / mps) - 1.0;
             count += 1.0;

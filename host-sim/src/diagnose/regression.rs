@@ -108,11 +108,11 @@ impl<'a> Regression<'a> {
 
     /// Minus twice the logarithm of the likelihood of the drives to fit with nothing missing.
     #[must_use]
-    pub fn surprise(&self) -> f64 {
+    pub fn negative_log_likelihood(&self) -> f64 {
         let stretches = self.evidence.stretches.iter();
         stretches
             .filter(|stretch| !(self.is_held_out)(stretch.drive))
-            .map(|stretch| stretch.surprise)
+            .map(|stretch| stretch.negative_log_likelihood)
             .sum()
     }
 

@@ -1,11 +1,12 @@
 //! report.json and the page.
 
+use super::findings::{Diagnosis, Finding};
 use super::judgement::{Judgement, WINDOW_M};
-use super::{Diagnosis, Finding};
 use crate::error::Result;
-use crate::output::stage_text;
+use crate::files::output::stage_text;
 use crate::report::page::{Figure, PAGE, Page, Section, Table};
 use crate::report::plot::{Mark, Plot, Series, colour};
+use estimator_core::effect::{self, search_of};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -35,7 +36,7 @@ pub fn to_json(diagnosis: &Diagnosis) -> Value {
         .map(|finding| {
             let details: serde_json::Map<String, Value> = finding
                 .adopted
-                .given()
+                .given_parameters()
                 .map(|(key, value)| (key.to_owned(), number(f64::from(value))))
                 .collect();
             json!({
@@ -46,7 +47,7 @@ pub fn to_json(diagnosis: &Diagnosis) -> Value {
                 "details": details,
                 "evidence": number(finding.evidence),
                 "cannot_be_told_from": finding.group,
-                "told_apart_by": finding.group.iter().filter_map(|name| told_apart_by(name)).collect::<Vec<_>>(),
+                "told_apart_by": finding.group.iter().filter_map(|name| separated_by(name)).collect::<Vec<_>>(),
             })
         })
         .collect();
@@ -81,33 +82,6 @@ pub fn to_json(diagnosis: &Diagnosis) -> Value {
             "depends_on": rest.depends_on,
             "evidence": number(rest.evidence),
         })).collect::<Vec<_>>(),
-    })
-}
-
-/// What data would tell an effect from others.
-#[must_use]
-pub fn told_apart_by(name: &str) -> Option<&'static str> {
-    Some(match name {
-        "rolling_resistance" | "brake_drag" => {
-            "drives with another load: rolling resistance goes with the weight, a dragging brake does not"
-        }
-        "air_drag" => "drives at other speeds: air resistance goes with the square of the speed",
-        "headwind" => "drives both ways, or on other days: wind turns with the course",
-        "auxiliary_load" => {
-            "drives at other speeds, and coasting with an open driveline: the force of a power goes down with speed"
-        }
-        "tyre_warmup" => "drives that begin warm: tyres are warm after half an hour",
-        "mass" => {
-            "coasting, and speeding up: mass takes part in both, torque in neither or only one"
-        }
-        "torque_scale" => "coasting in neutral, where no torque acts, and engine braking",
-        "driveline_loss" => {
-            "engine braking and long descents: losses brake there too, a torque scale drives"
-        }
-        "cornering" => "straight roads",
-        "road_surface" => "drives over other roads, and both ways over this one",
-        "wheel_radius" => "GNSS speed",
-        _ => return None,
     })
 }
 
@@ -146,7 +120,7 @@ pub fn in_a_sentence(diagnosis: &Diagnosis) -> String {
     let mut words = if names.is_empty() {
         "Nothing is adopted: the drives do not ask for any effect beyond the model.".to_owned()
     } else {
-        format!("Adopted: {}.", names.join("; "))
+        format!("AdoptedEffect: {}.", names.join("; "))
     };
     words += &format!(
         " On drives {}, the bare model is {:.3} % grade off before and {:.3} % after (RMSE over \
@@ -301,6 +275,11 @@ fn candidates_section(diagnosis: &Diagnosis) -> Section {
     }
 }
 
+/// Returns the drives or signals that would separate an effect from similar ones.
+fn separated_by(name: &str) -> Option<&'static str> {
+    Some(search_of(effect::named(name)?)?.separated_by)
+}
+
 fn adopted_section(diagnosis: &Diagnosis) -> Section {
     let mut words = vec![in_a_sentence(diagnosis)];
     for finding in &diagnosis.findings {
@@ -309,8 +288,8 @@ fn adopted_section(diagnosis: &Diagnosis) -> Section {
             finding.adopted.effect.name, finding.adopted.effect.about
         ));
         for name in &finding.group {
-            if let Some(data) = told_apart_by(name) {
-                words.push(format!("What would tell {name} from it: {data}."));
+            if let Some(data) = separated_by(name) {
+                words.push(format!("What would separate {name} from it: {data}."));
             }
         }
     }

@@ -1,36 +1,36 @@
 //! What drives ask for: the candidates of a set of drives, weighed, and read as effects.
 
-use super::Unexplained;
 use super::candidates::{Detail, Menu};
 use super::drive::{CommonRoad, LoggedDrive};
 use super::evidence::{self, Evidence, WINDS_MPS, judging_tuning, stretches};
+use super::findings::Unexplained;
 use super::selection::{Case, Selection, Selector};
-use crate::vehicle_file::VehicleFile;
-use estimator_core::VehicleParameters;
-use estimator_core::effect::{Adopted, Effect};
+use crate::files::vehicle::VehicleFile;
+use estimator_core::effect::{Varies, search_of};
+use estimator_core::{AdoptedEffect, Effect, Model};
 use rayon::prelude::*;
 
 /// Drives with what is tried on them.
 pub struct Search<'a> {
     drives: &'a [LoggedDrive],
     fitted: usize,
-    vehicle: &'a VehicleParameters,
+    model: &'a Model,
     /// The road that they share.
     pub road: Option<CommonRoad>,
     menu: Menu,
 }
 
 impl<'a> Search<'a> {
-    /// The first `fitted` of the drives, which were read with this vehicle, are to fit.
+    /// The first `fitted` of the drives, which were read with this model, are to fit.
     #[must_use]
-    pub fn new(drives: &'a [LoggedDrive], fitted: usize, vehicle: &'a VehicleParameters) -> Self {
+    pub fn new(drives: &'a [LoggedDrive], fitted: usize, model: &'a Model) -> Self {
         let road = CommonRoad::of(drives);
         let numbers: Vec<usize> = (0..fitted).collect();
         let menu = Menu::new(road.as_ref().map(CommonRoad::length_m), &numbers);
         Self {
             drives,
             fitted,
-            vehicle,
+            model,
             road,
             menu,
         }
@@ -46,7 +46,7 @@ impl<'a> Search<'a> {
             .map(|(number, drive)| {
                 let places = self.road.as_ref().map(|road| road.places(drive));
                 self.menu
-                    .columns(self.vehicle, number, drive, places.as_deref())
+                    .columns(&self.model.vehicle, number, drive, places.as_deref())
             })
             .collect();
         let mut best: Option<(Evidence, Selection)> = None;
@@ -57,14 +57,16 @@ impl<'a> Search<'a> {
             let evidence: Evidence = drives
                 .into_par_iter()
                 .map(|(number, (drive, columns))| {
-                    stretches(number, drive, self.vehicle, &tuning, columns)
+                    stretches(number, drive, self.model, &tuning, columns)
                 })
                 .collect::<Vec<_>>()
                 .into_iter()
                 .flatten()
                 .collect();
             let selection = self.select(&evidence, None);
-            let is_better = |(_, best): &(_, Selection)| selection.surprise < best.surprise;
+            let is_better = |(_, best): &(_, Selection)| {
+                selection.negative_log_likelihood < best.negative_log_likelihood
+            };
             if best.as_ref().is_none_or(is_better) {
                 best = Some((evidence, selection));
             }
@@ -84,7 +86,7 @@ impl<'a> Search<'a> {
         let mut vehicle = vehicle.clone();
         for step in &selection.steps {
             if let Some(adopted) = self.adopted(&step.adopted) {
-                let _ = vehicle.parameters.effects.adopt(adopted);
+                let _ = vehicle.model.effects.adopt(adopted);
             }
         }
         vehicle
@@ -99,42 +101,49 @@ impl<'a> Search<'a> {
 
     /// The effect of a case, ready for a vehicle file; none for a plain dependence.
     #[must_use]
-    pub fn adopted(&self, case: &Case) -> Option<Adopted> {
+    pub fn adopted(&self, case: &Case) -> Option<AdoptedEffect> {
         let candidate = &self.menu.candidates[case.candidate];
         let effect: &'static Effect = candidate.effect?;
         let (amount, sigma) = (case.amounts[0] as f32, case.sigmas[0] as f32);
-        let mut adopted = Adopted::new(effect, amount, sigma);
+        let mut adopted = AdoptedEffect::new(effect, amount, sigma);
         match candidate.choices[case.choice].detail {
             Detail::None | Detail::Period(_) => {}
-            Detail::Fan(with_fan) => {
-                let _ = adopted.set("with_fan", with_fan);
+            Detail::Value(key, value) => {
+                let _ = adopted.set(key, value);
             }
-            Detail::Time(time_s) => {
-                // How cold they are differs from drive to drive, and the next one is not known.
+            Detail::EachDrive(key, value) => {
+                // It differs from drive to drive, and the next one is not known.
                 let count = case.amounts.len() as f64;
                 let mean = case.amounts.iter().sum::<f64>() / count;
                 let between = case.amounts.iter().map(|a| (a - mean).powi(2)).sum::<f64>() / count;
                 let own = case.sigmas.iter().map(|s| s * s).sum::<f64>() / count;
-                adopted = Adopted::new(effect, mean.max(0.0) as f32, (between + own).sqrt() as f32);
-                let _ = adopted.set("time_s", time_s);
+                adopted =
+                    AdoptedEffect::new(effect, mean.max(0.0) as f32, (between + own).sqrt() as f32);
+                let _ = adopted.set(key, value);
             }
-            Detail::Compass => {
+            Detail::Direction(key) => {
                 let (north, east) = (case.amounts[0], case.amounts[1]);
-                let speed = north.hypot(east);
-                let along = |n: f64, e: f64| (n * north + e * east) / speed.max(1e-9);
+                let size = north.hypot(east);
+                let along = |n: f64, e: f64| (n * north + e * east) / size.max(1e-9);
                 let sigma = along(case.sigmas[0], 0.0).hypot(along(0.0, case.sigmas[1]));
-                adopted = Adopted::new(effect, speed as f32, sigma as f32);
-                let _ = adopted.set(
-                    "from_deg",
-                    east.atan2(north).to_degrees().rem_euclid(360.0) as f32,
-                );
+                adopted = AdoptedEffect::new(effect, size as f32, sigma as f32);
+                let direction_deg = east.atan2(north).to_degrees().rem_euclid(360.0);
+                let _ = adopted.set(key, direction_deg as f32);
             }
             Detail::Stretch(from_m, to_m) => {
-                if let Some(road) = &self.road {
-                    let (latitude, longitude) = road.position_at(0.5 * (from_m + to_m));
-                    let _ = adopted.set("latitude_deg", latitude as f32);
-                    let _ = adopted.set("longitude_deg", longitude as f32);
-                    let _ = adopted.set("length_m", (to_m - from_m) as f32);
+                if let (
+                    Some(road),
+                    Some(Varies::RoadSection {
+                        latitude_key,
+                        longitude_key,
+                        length_key,
+                    }),
+                ) = (&self.road, search_of(effect).map(|search| search.varies))
+                {
+                    let (latitude_deg, longitude_deg) = road.position_at(0.5 * (from_m + to_m));
+                    let _ = adopted.set(latitude_key, latitude_deg as f32);
+                    let _ = adopted.set(longitude_key, longitude_deg as f32);
+                    let _ = adopted.set(length_key, (to_m - from_m) as f32);
                 }
             }
         }

@@ -9,6 +9,7 @@
 use super::candidates::{Candidate, Choice, Detail, Menu};
 use super::evidence::Evidence;
 use super::regression::{Basis, Regression};
+use estimator_core::effect::search_of;
 use nalgebra::{DMatrix, DVector};
 
 /// Twice the logarithm of the odds from which an effect is adopted, against nothing and after the
@@ -24,8 +25,6 @@ const FREE: f64 = 100.0;
 const UNUSUAL: f64 = 4.0;
 /// Most effects that are adopted.
 const MOST_ADOPTED: usize = 4;
-/// Parameters that the base model has: a wrong one is no new effect.
-const BASE: [&str; 4] = ["rolling_resistance", "air_drag", "mass", "torque_scale"];
 
 /// What one candidate explains, given what is adopted already.
 #[derive(Clone, Debug)]
@@ -91,7 +90,7 @@ pub struct Selection {
     /// Every candidate as it stood before the first step.
     pub alone: Vec<Case>,
     /// Minus twice the logarithm of the likelihood of the drives to fit with what was adopted.
-    pub surprise: f64,
+    pub negative_log_likelihood: f64,
 }
 
 /// What is adopted so far, and what that does.
@@ -152,7 +151,7 @@ impl<'a> Selector<'a> {
             selection.steps.push(step);
         }
         let explained = self.regression.bayes(&basis, 1.0).unwrap_or_default();
-        selection.surprise = self.regression.surprise() - explained;
+        selection.negative_log_likelihood = self.regression.negative_log_likelihood() - explained;
         self.refit(&basis, &mut selection.steps);
         selection
     }
@@ -312,7 +311,10 @@ fn step(cases: &[Case], menu: &Menu) -> Option<Step> {
     // parameter of the base model comes first where they do not either.
     let scatter = rivals.iter().map(|case| case.scatter).fold(1.0, f64::max);
     let merit = |case: &Case| {
-        let is_base = BASE.contains(&menu.candidates[case.candidate].name);
+        let effect = menu.candidates[case.candidate].effect;
+        let is_base = effect
+            .and_then(search_of)
+            .is_some_and(|search| search.is_base_parameter);
         case.evidence_at(scatter) + case.held_out + if is_base { PREFERENCE } else { 0.0 }
     };
     let adopted = *rivals
@@ -354,8 +356,8 @@ fn is_possible(case: &Case, menu: &Menu) -> bool {
         return true;
     };
     match candidate.choices[case.choice].detail {
-        // Tyres are cold or not, on each drive; they are never the colder the longer they roll.
-        Detail::Time(_) => {
+        // On each drive the effect is there or not; it does not turn round.
+        Detail::EachDrive(..) => {
             let mut amounts = case.amounts.iter().zip(&case.sigmas);
             amounts.all(|(amount, sigma)| *amount > -1.5 * sigma && range.holds(*amount as f32))
         }

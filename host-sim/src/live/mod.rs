@@ -1,13 +1,17 @@
 //! The estimator on a live bus, and a recorded bus put on an interface.
 
+mod listening;
 pub mod panel;
 mod publisher;
 mod rate;
 pub mod replay;
 mod session;
 mod show;
+mod stop_flag;
 pub mod view;
 
+pub use listening::{Ended, ListenRequest, Listening};
 pub use publisher::Publisher;
 pub use session::{Reaction, Session};
 pub use show::Show;
+pub use stop_flag::stop_flag;

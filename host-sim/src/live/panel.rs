@@ -1,7 +1,7 @@
 //! A view as text: a panel to watch, lines to keep, JSON to process.
 
 use super::view::{InterfaceView, View};
-use crate::counter_words::events;
+use crate::terminal::counters::events;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 
@@ -40,7 +40,7 @@ pub fn line(view: &View) -> String {
     };
     let estimate = live.map(|live| &live.estimate);
     let distance_m = live.map_or(UNKNOWN.to_owned(), |live| {
-        format!("{:.1}", live.place.distance_m())
+        format!("{:.1}", live.end.distance_m())
     });
     joined(&[
         format!("{:.1}", view.time_s),
@@ -76,7 +76,7 @@ pub fn json(view: &View) -> Value {
     json!({
         "time_s": view.time_s,
         "mode": view.mode(),
-        "distance_m": live.map(|live| live.place.distance_m()),
+        "distance_m": live.map(|live| live.end.distance_m()),
         "speed_mps": live.map(|live| live.estimate.speed_mps),
         "grade_percent": live.map(|live| uncertain(live.estimate.grade_percent)),
         "altitude_m": live.and_then(|live| live.estimate.altitude_m).map(uncertain),
@@ -123,7 +123,7 @@ pub fn panel(view: &View) -> String {
         Some(live) => {
             let e = &live.estimate;
             let (grade, sigma) = (e.grade_percent.value, e.grade_percent.sigma);
-            let (way, speed) = (live.place.distance_m() * 1e-3, e.speed_mps * 3.6);
+            let (way, speed) = (live.end.distance_m() * 1e-3, e.speed_mps * 3.6);
             let bar = gauge(grade);
             let _ = writeln!(out, "grade     {grade:+7.2} % ± {sigma:.2}   {bar}");
             let altitude = e.altitude_m.map_or("not known".to_owned(), |z| {

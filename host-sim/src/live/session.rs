@@ -3,7 +3,7 @@
 use super::rate::Rate;
 use super::view::{InterfaceView, View};
 use crate::error::{Error, Result};
-use crate::output::{Staged, Writing};
+use crate::files::output::{Staged, Writing};
 use crate::recorder::{LongRun, Recorder};
 use crate::source::can_frame::TimedFrame;
 use crate::source::candump_writer::write_frame;

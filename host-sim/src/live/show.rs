@@ -3,7 +3,7 @@
 use super::panel::{header, json, line, panel};
 use super::view::View;
 use crate::error::Result;
-use crate::output::print;
+use crate::terminal::print::print;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{IsTerminal, stderr, stdout};
 use std::time::{Duration, Instant as Monotonic};

@@ -55,7 +55,7 @@ impl View {
         match &self.live {
             _ if self.is_silent => "silent".to_owned(),
             None => "waiting".to_owned(),
-            Some(live) => mode_of(live.place.condition),
+            Some(live) => mode_of(live.end.condition),
         }
     }
 

@@ -3,50 +3,44 @@
 //!
 //! Distances along a road are those of its own `distance_m`; a run's odometer only carries from
 //! one position to the next.
+//!
+//! * [`geometry`]: planes, roads, networks and where their ways join;
+//! * [`matching`]: where on a network each point of a run was;
+//! * [`fusion`]: cells of many runs become one;
+//! * [`io`]: files of maps, roads, networks and sums;
+//! * [`pipeline`]: from files of runs to a map, a few in memory at a time.
 
-mod alignment;
-mod cell_sums;
-mod course;
-mod dependence;
-mod fusion;
-mod joins;
-mod local_fit;
-mod map_file;
-mod map_geojson;
-mod map_parquet;
-mod matching;
-mod network;
-mod network_file;
-mod placing;
-mod plane;
-mod road_file;
-mod road_index;
-mod road_line;
-mod run_list;
-mod store;
-mod store_row;
-mod track;
-mod way_file;
+pub mod fusion;
+pub mod geometry;
+pub mod io;
+pub mod matching;
+pub mod pipeline;
 
-pub use cell_sums::CellSums;
-pub use dependence::{BETWEEN_SESSIONS, Dependence, Disagreement, Expectation, WITHIN_SESSION};
-pub use fusion::{Agreement, FusedMap, Fusion, GradeMap, SessionRun, fuse};
-pub use map_file::{
-    MapRow, read as read_map, read_ways as read_map_ways, stage as stage_map,
-    stage_ways as stage_map_ways, write as write_map,
+pub use fusion::cell_sums::CellSums;
+pub use fusion::dependence::{
+    BETWEEN_SESSIONS, Dependence, Disagreement, Expectation, WITHIN_SESSION,
 };
-pub use map_geojson::{stage as stage_map_geojson, stretches as map_stretches};
-pub use map_parquet::stage_placed;
-pub use matching::{Place, TrackPoint, match_track};
-pub use network::{Direction, Network, Way, WayName};
-pub use network_file::{is_geojson, read as read_network, road_through};
-pub use placing::{Coverage, PlacedCell, PlacedRun, place};
-pub use road_file::{RoadRow, read as read_road};
-pub use road_line::{RoadLine, RoadPoint, RoadProblem};
-pub use run_list::RunList;
-pub use store::{Store, StoredWay, check_session_name, read as read_store, stage as stage_store};
-pub use track::{road_of_run, track_of_run};
-pub use way_file::WayRows;
-
-/// Step of a map, m: that of a cell.
-pub const GRID_M: f64 = estimator_core::cell::CELL_LENGTH_M as f64;
+pub use fusion::grade_map::{Agreement, FusedMap, Fusion, GradeMap, SessionRun, fuse};
+pub use fusion::map_row::{MapRow, WayRows};
+pub use geometry::grid::GRID_M;
+pub use geometry::network::Network;
+pub use geometry::road_line::{RoadLine, RoadPoint, RoadProblem};
+pub use geometry::way_index::Way;
+pub use geometry::way_name::{Direction, WayName};
+pub use io::map_file::{
+    read as read_map, read_ways as read_map_ways, stage as stage_map, stage_ways as stage_map_ways,
+    write as write_map,
+};
+pub use io::map_geojson::{stage as stage_map_geojson, stretches as map_stretches};
+pub use io::map_parquet::stage_placed;
+pub use io::network_file::{is_geojson, read as read_network, road_through};
+pub use io::road_file::read as read_road;
+pub use io::road_row::RoadRow;
+pub use io::run_list::RunList;
+pub use io::session_name::check_session_name;
+pub use io::store::{Store, read as read_store, stage as stage_store};
+pub use io::store_row::StoredWay;
+pub use io::ways_csv::write as write_ways_csv;
+pub use matching::placing::{Coverage, PlacedCell, PlacedRun, place};
+pub use matching::track::{road_of_run, track_of_run};
+pub use matching::viterbi::{Place, TrackPoint, match_track};

@@ -1,10 +1,9 @@
 //! What a drive leaves.
 
-use super::no_room;
-use crate::error::Result;
-use crate::run_file::{RunRow, RunRows};
-use crate::spool::{Spool, blocks};
-use estimator_core::{Counters, Kept};
+use crate::error::{Error, Result};
+use crate::files::run::{RunRow, RunRows};
+use crate::files::spool::{Spool, blocks};
+use estimator_core::{Counters, PersistentState};
 use std::io;
 
 /// A whole drive, smoothed.
@@ -15,7 +14,7 @@ pub struct Run {
     /// What happened on the way.
     pub counters: Counters,
     /// What it leaves for the next drive, if it was long enough.
-    pub kept: Option<Kept>,
+    pub kept: Option<PersistentState>,
 }
 
 /// A whole drive, smoothed, that need not fit into memory.
@@ -26,7 +25,7 @@ pub struct LongRun {
     /// What happened on the way.
     pub counters: Counters,
     /// What it leaves for the next drive, if it was long enough.
-    pub kept: Option<Kept>,
+    pub kept: Option<PersistentState>,
 }
 
 impl LongRun {
@@ -62,7 +61,7 @@ impl Rows {
         self.0.count()
     }
 
-    /// Puts rows by at their numbers.
+    /// Stores rows at their numbers.
     pub(super) fn put(
         &mut self,
         first: usize,
@@ -81,4 +80,9 @@ impl RunRows for Rows {
         }
         Ok(())
     }
+}
+
+/// The temporary file of a drive could not be written or read back.
+pub(super) fn no_room(error: io::Error) -> Error {
+    Error::io(&std::env::temp_dir())(error)
 }

@@ -1,5 +1,7 @@
-//! Plots and the page that shows them.
+//! Plots, and the pages that show them.
 
+pub mod demo_page;
+pub mod map_page;
 pub mod page;
 pub mod plan;
 pub mod plot;

@@ -2,7 +2,7 @@
 
 use super::plot::Plot;
 use crate::error::{Error, Result};
-use crate::output::{Staged, stage_text};
+use crate::files::output::{Staged, stage_text};
 use askama::Template;
 use std::path::{Path, PathBuf};
 

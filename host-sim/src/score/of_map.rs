@@ -1,8 +1,8 @@
 //! A map against a reference.
 
-use super::{ScoreRow, Sums, Unscorable, is_end};
+use super::score_row::{ScoreRow, Sums, Unscorable, is_end};
 use crate::map::{MapRow, Network, Place, RoadLine, RoadRow, TrackPoint, match_track};
-use crate::series::linear;
+use crate::numeric::series::linear;
 
 /// Compares a map with a reference by distance: pairs of distance, m, and grade, %, sorted. Both
 /// must count distance from the same point.

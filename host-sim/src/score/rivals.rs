@@ -1,14 +1,17 @@
 //! What a run is judged beside, on the same traffic: the thesis's two methods, and an oracle.
 
-use crate::baseline::{Drive, Method, without_gaps};
+use crate::comparison::{Drive, Method, without_gaps};
 use crate::error::{Error, Result};
-use crate::oracle_file::OracleFile;
+use crate::files::oracle::OracleFile;
+use crate::files::run::RunRow;
+use crate::files::vehicle::VehicleFile;
 use crate::recorder::{Recorder, Run};
-use crate::run_file::RunRow;
 use crate::source::input::{Input, for_each_input};
-use crate::vehicle_file::VehicleFile;
-use estimator_core::sampler::Sample;
-use estimator_core::{CELL_LENGTH_M, Instant, Intake, Tuning};
+use estimator_core::sample::Sample;
+use estimator_core::{
+    CELL_LENGTH_M, Context, Instant, Intake, Model, ParameterError, Sampler, Tuning,
+};
+use std::iter::from_fn;
 use std::path::Path;
 
 /// Names of the oracle's three estimates.
@@ -55,6 +58,36 @@ fn number_of(row: &RunRow) -> u32 {
     (row.distance_m / f64::from(CELL_LENGTH_M)).round() as u32
 }
 
+/// The core's way from inputs to samples.
+struct Sampling {
+    context: Context,
+    intake: Intake,
+    sampler: Sampler,
+}
+
+impl Sampling {
+    fn of(model: Model) -> std::result::Result<Self, ParameterError> {
+        Ok(Self {
+            context: Context::new(model, Tuning::default())?,
+            intake: Intake::new(),
+            sampler: Sampler::new(),
+        })
+    }
+
+    fn on_input(&mut self, input: &Input, samples: &mut Vec<Sample>) {
+        let Self {
+            context,
+            intake,
+            sampler,
+        } = self;
+        match input {
+            Input::Frame(frame) => intake.on_frame(context, sampler, frame.time, &frame.frame),
+            Input::Reading(time, reading) => intake.on_reading(context, sampler, *time, *reading),
+        };
+        samples.extend(from_fn(|| sampler.next_sample()));
+    }
+}
+
 /// Estimates a run's log by the thesis's methods (if the believed vehicle is known) and by an
 /// oracle (if it is). `run_mps` is the mean speed of the run.
 ///
@@ -67,15 +100,13 @@ pub fn of_log(
     run_mps: f64,
 ) -> Result<Vec<Rival>> {
     let impossible = |e: &dyn ToString| Error::content(log, e.to_string());
-    let mut intake = believed
-        .map(|vehicle| Intake::new(vehicle.parameters.clone(), Tuning::default()))
+    let mut sampling = believed
+        .map(|vehicle| Sampling::of(vehicle.model.clone()))
         .transpose()
         .map_err(|e| impossible(&e))?;
     // In double precision: what is known nearly exactly has variances near nothing.
     let mut knowing = oracle
-        .map(|oracle| {
-            Recorder::<f64>::new(oracle.vehicle.parameters.clone(), oracle.tuning(run_mps))
-        })
+        .map(|oracle| Recorder::<f64>::new(oracle.vehicle.model.clone(), oracle.tuning(run_mps)))
         .transpose()
         .map_err(|e| impossible(&e))?;
     let mut start = None;
@@ -85,14 +116,8 @@ pub fn of_log(
         |_| (),
         |input| {
             start.get_or_insert(input.time());
-            if let Some(intake) = &mut intake {
-                match &input {
-                    Input::Frame(frame) => intake.on_frame(frame.time, &frame.frame),
-                    Input::Reading(time, reading) => intake.on_reading(*time, *reading),
-                };
-                while let Some(sample) = intake.next_sample() {
-                    samples.push(sample);
-                }
+            if let Some(sampling) = &mut sampling {
+                sampling.on_input(&input, &mut samples);
             }
             if let Some(recorder) = &mut knowing {
                 recorder.on_input(&input.without_mass());
@@ -113,14 +138,14 @@ pub fn of_log(
 fn by_method(method: Method, vehicle: &VehicleFile, samples: &[Sample], start: Instant) -> Rival {
     let mut cells = Vec::with_capacity(samples.len());
     for part in without_gaps(samples) {
-        let profile = method.estimate(&Drive::new(&vehicle.parameters, part));
+        let profile = method.estimate(&Drive::new(&vehicle.model.vehicle, part));
         let estimates = profile.grade_percent.iter().zip(&profile.sigma_percent);
         cells.extend(
             part.iter()
                 .zip(estimates)
                 .map(|(sample, (grade, sigma))| RivalCell {
-                    number: sample.place.cell,
-                    time_s: sample.place.time.since(start).micros() as f64 * 1e-6,
+                    number: sample.end.cell,
+                    time_s: sample.end.time.since(start).micros() as f64 * 1e-6,
                     grade_percent: *grade,
                     sigma_percent: *sigma,
                 }),

@@ -1,7 +1,7 @@
 //! The error table, as text and as JSON.
 
-use super::ScoreRow;
-use crate::text_table::text_table;
+use super::score_row::ScoreRow;
+use crate::terminal::table::text_table;
 use comfy_table::Table;
 
 /// Names of the columns of the error table.

@@ -1,7 +1,7 @@
 //! Where GNSS drifted, and the run without it.
 
 use estimator_core::filter::AltitudeEvent;
-use estimator_core::sampler::{Continuity, Sample};
+use estimator_core::sample::{AltitudeContinuity, Sample};
 use std::ops::RangeInclusive;
 
 /// Cells from where GNSS began to drift to where it did no longer, in the order of the run and
@@ -29,14 +29,14 @@ impl Drifts {
     /// may have gone anywhere.
     pub(super) fn without(&self, sample: &Sample, has_drifted: &mut bool) -> Sample {
         let mut sample = *sample;
-        let cell = sample.place.cell;
+        let cell = sample.end.cell;
         let next = self.0.partition_point(|drift| *drift.end() < cell);
         if self.0.get(next).is_some_and(|drift| drift.contains(&cell)) {
             sample.altitude = None;
             *has_drifted = true;
         } else if let Some(altitude) = sample.altitude.as_mut().filter(|_| *has_drifted) {
-            if altitude.continuity == Continuity::Followed {
-                altitude.continuity = Continuity::Drifted;
+            if altitude.continuity == AltitudeContinuity::Followed {
+                altitude.continuity = AltitudeContinuity::Drifted;
             }
             *has_drifted = false;
         }

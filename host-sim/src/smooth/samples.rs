@@ -1,6 +1,6 @@
 //! The samples of a run, wherever they are.
 
-use estimator_core::sampler::Sample;
+use estimator_core::sample::Sample;
 use std::convert::Infallible;
 use std::ops::Range;
 

@@ -2,8 +2,8 @@
 
 use super::can_frame::{CanFrame, TimedFrame};
 use super::candump::CandumpReader;
+use super::log_kind::{LogKind, kind_of};
 use super::signal_table::SignalTableReader;
-use super::{LogKind, kind_of};
 use crate::error::Result;
 use embedded_can::{Frame, Id};
 use estimator_core::signal::Pgn;

@@ -3,7 +3,7 @@
 use super::candump::Seconds;
 use super::log_file::LogFile;
 use crate::error::{Error, Result};
-use crate::output::write_whole;
+use crate::files::output::write_whole;
 use csv::ByteRecord;
 use estimator_core::{Instant, Reading, Signal, Value};
 use std::io::{self, Chain, Read, Write};

@@ -1,20 +1,21 @@
 //! How accurate the estimator is on simulated drives with wrong parameters, wind and cold tyres; and
 //! what a longer lag would buy.
 
-use super::{Outcome, Setting, Study};
+use super::definition::{Outcome, Setting, Study};
 use crate::error::Result;
-use crate::progress;
+use crate::numeric::series::linear;
 use crate::report::page::{Figure, Section, Table};
 use crate::report::plot::{Plot, Series, colour};
 use crate::score::END_CUT_M;
-use crate::series::linear;
-use crate::smooth::smooth_run;
-use crate::world::scenario::Scenario;
-use crate::world::simulate;
-use crate::world::truck::Preset;
-use estimator_core::filter::{Backward, Filter, Record};
-use estimator_core::lag::{BLOCK_CELLS, LAG_CELLS, bytes};
-use estimator_core::{CELL_LENGTH_M, Counters, Estimator, Tuning, Uncertain};
+use crate::simulator::scenario::Scenario;
+use crate::simulator::simulate;
+use crate::simulator::truck::Preset;
+use crate::smooth::{FilteredCell, smooth_run};
+use crate::terminal::progress;
+use estimator_core::filter::{Filter, SensorNoiseRatios};
+use estimator_core::smoother::BackwardPass;
+use estimator_core::smoother::fixed_lag::{BLOCK_CELLS, LAG_CELLS, bytes};
+use estimator_core::{CELL_LENGTH_M, Context, Estimator, Tuning, Uncertain};
 use rayon::prelude::*;
 use std::path::Path;
 
@@ -102,7 +103,7 @@ fn drive(text: &str, lags: &[usize]) -> Result<Drive> {
     let scenario = Scenario::parse(text, Path::new("accuracy"))?;
     let run = simulate(&scenario, 0)?;
     let tuning = Tuning::default();
-    let mut estimator = Estimator::<f32>::new(run.vehicle.parameters.clone(), tuning.clone())
+    let mut estimator = Estimator::<f32>::new(run.vehicle.model.clone(), tuning.clone())
         .expect("the simulator checked the vehicle");
     let mut samples = Vec::new();
     for frame in &run.frames {
@@ -112,13 +113,18 @@ fn drive(text: &str, lags: &[usize]) -> Result<Drive> {
             while estimator.next_cell().is_some() {}
         }
     }
-    let vehicle = estimator.vehicle();
-    let smoothed = smooth_run(vehicle, &tuning, &estimator.filter_anew::<f64>(), &samples);
-    let mut filter = Filter::<f32>::new();
-    let mut counters = Counters::default();
-    let records: Vec<Record<f32>> = samples
+    let smoothed = smooth_run(
+        estimator.model(),
+        &tuning,
+        &estimator.second_pass_filter::<f64>(),
+        &samples,
+    );
+    let mut filter = Filter::<f32>::new(&tuning, &SensorNoiseRatios::default(), None);
+    let mut context =
+        Context::new(estimator.model().clone(), tuning).expect("the estimator checked the vehicle");
+    let cells: Vec<FilteredCell<f32>> = samples
         .iter()
-        .filter_map(|sample| filter.step(vehicle, &tuning, sample, &mut counters))
+        .filter_map(|sample| FilteredCell::step(&mut filter, &mut context, sample))
         .collect();
 
     let truth: Vec<(f64, f64)> = run
@@ -127,13 +133,14 @@ fn drive(text: &str, lags: &[usize]) -> Result<Drive> {
         .map(|t| (t.time_s, t.grade_percent))
         .collect();
     let start = run.frames[0].time;
-    let ends_m = records[0].place.distance_m() + END_CUT_M
-        ..records[records.len() - 1].place.distance_m() - END_CUT_M;
-    let judged: Vec<Option<f64>> = records
+    let ends_m = cells[0].record.end.distance_m() + END_CUT_M
+        ..cells[cells.len() - 1].record.end.distance_m() - END_CUT_M;
+    let judged: Vec<Option<f64>> = cells
         .iter()
-        .map(|record| {
-            let time_s = record.place.time.since(start).micros() as f64 * 1e-6;
-            linear(&truth, time_s).filter(|_| ends_m.contains(&record.place.distance_m()))
+        .map(|cell| {
+            let end = &cell.record.end;
+            let time_s = end.time.since(start).micros() as f64 * 1e-6;
+            linear(&truth, time_s).filter(|_| ends_m.contains(&end.distance_m()))
         })
         .collect();
 
@@ -141,7 +148,7 @@ fn drive(text: &str, lags: &[usize]) -> Result<Drive> {
         smoothed: Errors::default(),
         live: Errors::default(),
         lagged: vec![Errors::default(); lags.len()],
-        scale: scale_error(&records, scenario.runs[0].true_scale()),
+        scale: scale_error(&cells, scenario.runs[0].true_scale()),
     };
     for (k, true_percent) in judged.iter().enumerate() {
         if let Some(true_percent) = true_percent {
@@ -150,32 +157,29 @@ fn drive(text: &str, lags: &[usize]) -> Result<Drive> {
                 .add(smoothed[k].estimate.grade_percent, *true_percent);
             errors
                 .live
-                .add(records[k].state.estimate().grade_percent, *true_percent);
+                .add(cells[k].state.estimate().grade_percent, *true_percent);
         }
     }
     for (lag, errors) in lags.iter().zip(&mut errors.lagged) {
         // As the core finishes cells: a block at a time.
-        for from in (0..records.len()).step_by(BLOCK_CELLS) {
-            let block = from..(from + BLOCK_CELLS).min(records.len());
-            let to = (block.end + lag * BLOCK_CELLS).min(records.len());
-            let mut backward = Backward::new();
+        for from in (0..cells.len()).step_by(BLOCK_CELLS) {
+            let block = from..(from + BLOCK_CELLS).min(cells.len());
+            let to = (block.end + lag * BLOCK_CELLS).min(cells.len());
+            let mut pass = BackwardPass::new();
             for k in (from..to).rev() {
                 if let Some(true_percent) = judged[k].filter(|_| block.contains(&k)) {
-                    errors.add(
-                        backward.estimate(&records[k].state).grade_percent,
-                        true_percent,
-                    );
+                    errors.add(pass.estimate(&cells[k].state).grade_percent, true_percent);
                 }
-                backward.retreat(&records[k].trace);
+                pass.retreat(&cells[k].record.smoother_input);
             }
         }
     }
     Ok(errors)
 }
 
-fn scale_error(records: &[Record<f32>], true_scale: f64) -> (f64, f64) {
-    let at = records.partition_point(|record| record.place.distance_m() < SCALE_AT_M);
-    let scale = records[at.min(records.len() - 1)].state.estimate().scale;
+fn scale_error(cells: &[FilteredCell<f32>], true_scale: f64) -> (f64, f64) {
+    let at = cells.partition_point(|cell| cell.record.end.distance_m() < SCALE_AT_M);
+    let scale = cells[at.min(cells.len() - 1)].state.estimate().scale;
     (f64::from(scale.value) - true_scale, f64::from(scale.sigma))
 }
 

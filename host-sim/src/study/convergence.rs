@@ -2,19 +2,21 @@
 
 pub mod curve;
 
-use super::experiments::measure::{mean, rmse};
-use super::experiments::replica::{Campaign, Heading};
-use super::{Outcome, Setting, Study};
-use crate::baseline::markov::Chain;
-use crate::baseline::original::{self, Noise};
-use crate::baseline::simulated::{self, Belief, Errors, SimulatedDrive};
-use crate::baseline::{STEP_M, pointwise};
+use super::definition::{Outcome, Setting, Study};
+use super::distance_drive::{self, Belief, Errors, SimulatedDrive};
+use super::experiments::campaign::Campaign;
+use super::experiments::heading::Heading;
+use super::experiments::measure::rmse;
+use crate::comparison::markov::Chain;
+use crate::comparison::original::{self, Noise};
+use crate::comparison::{STEP_M, pointwise};
 use crate::error::Result;
-use crate::progress;
+use crate::numeric::statistics::mean;
 use crate::report::page::{Figure, Section, Table};
 use crate::report::plot::{Mark, Plot, Series, colour};
-use crate::world::random::{Purpose, normal, stream};
-use crate::world::truck::Preset;
+use crate::simulator::random::{Purpose, normal, stream};
+use crate::simulator::truck::Preset;
+use crate::terminal::progress;
 use curve::{PowerLaw, floor_percent};
 use estimator_core::VehicleParameters;
 use rayon::prelude::*;
@@ -106,7 +108,7 @@ impl Conditions {
             ..Errors::default()
         };
         let mut rng = stream(self.seed, index, Purpose::Sensors);
-        simulated::simulate(
+        distance_drive::simulate(
             &self.grade_percent,
             &self.vehicle,
             belief,

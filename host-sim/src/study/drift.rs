@@ -1,7 +1,8 @@
 //! How far the bare vehicle model's altitude drifts: no GNSS, no filter, nothing fitted.
 
-use crate::bare_model;
-use estimator_core::vehicle::{Driveline, Load, VehicleParameters, air_density};
+use crate::diagnose::bare_model;
+use estimator_core::sample::ForceInputs;
+use estimator_core::vehicle::{Driveline, VehicleParameters, air_density};
 
 /// What the force balance needs of one row of a signal table.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,9 +75,9 @@ fn slope_percent(
     vehicle: &VehicleParameters,
 ) -> f64 {
     let real = |value: Option<f64>| value.map(|v| v as f32);
-    let balance = vehicle.force_balance(&Load {
+    let balance = vehicle.force_balance(&ForceInputs {
         traction_n: (0.5 * (from.traction_force_n + to.traction_force_n)) as f32,
-        rotating_kg: vehicle.rotating_kg(Driveline::Open),
+        rotating_kg: vehicle.rotating_kg(Driveline::Open, vehicle.wheel_radius_m),
         mass_kg: real(from.mass_kg).unwrap_or(vehicle.mass_kg),
         air_density: air_density(real(from.air_pressure_pa), real(from.ambient_celsius)),
     });

@@ -3,14 +3,14 @@
 
 pub mod road;
 
-use super::{Outcome, Setting, Study};
+use super::definition::{Outcome, Setting, Study};
 use crate::error::Result;
 use crate::map::PlacedRun;
-use crate::progress;
+use crate::numeric::statistics::mean;
 use crate::report::page::{Section, Table};
 use crate::score::{END_CUT_M, ScoreRow};
-use crate::study::experiments::measure::mean;
-use crate::world::truck::Preset;
+use crate::simulator::truck::Preset;
+use crate::terminal::progress;
 use rayon::prelude::*;
 use road::{FleetRoad, as_if_independent};
 

@@ -3,18 +3,18 @@
 
 pub mod errors;
 
+use super::definition::{Outcome, Setting, Study};
+use super::distance_drive::{self, Belief, Errors};
 use super::experiments::measure::rmse;
-use super::{Outcome, Setting, Study};
-use crate::baseline::STEP_M;
-use crate::baseline::markov::{BIN_M, Chain, STATES, centred, error_of};
-use crate::baseline::original::{self, Noise};
-use crate::baseline::simulated::{self, Belief, Errors};
+use crate::comparison::STEP_M;
+use crate::comparison::markov::{BIN_M, Chain, STATES, centred, error_of};
+use crate::comparison::original::{self, Noise};
 use crate::error::Result;
 use crate::report::page::{Figure, Section, Table};
 use crate::report::plot::{Mark, Plot, Series, colour};
-use crate::world::random::{Purpose, stream};
-use crate::world::road_generator::{RoadShape, generate};
-use crate::world::truck::Preset;
+use crate::simulator::random::{Purpose, stream};
+use crate::simulator::road_generator::{RoadShape, generate};
+use crate::simulator::truck::Preset;
 
 /// First lines of the committed chain.
 pub const ORIGIN: &str = "\
@@ -320,7 +320,7 @@ fn estimation_rmse(gps_m: &[f64], seed: u64) -> f64 {
     };
     let mut rng = stream(seed, 0, Purpose::Sensors);
     let vehicle = Preset::A.parameters();
-    let run = simulated::simulate(&grades, &vehicle, &Belief::TRUTH, &errors, &mut rng)
+    let run = distance_drive::simulate(&grades, &vehicle, &Belief::TRUTH, &errors, &mut rng)
         .expect("the preset has an engine and a gearbox");
     let estimate = original::estimate(&run.drive, &Noise::ORIGINAL).grade_percent;
     rmse(&grades, &estimate)

@@ -5,13 +5,13 @@
 //! resistance and s the sine of the slope, f = s + c + d; what each parameter makes of the
 //! estimated s follows by hand and stands beside what the filters' own code computes.
 
-use super::{Outcome, Setting, Study};
-use crate::baseline::{Drive, G, Point, pointwise};
+use super::definition::{Outcome, Setting, Study};
+use crate::comparison::{Drive, G, Point, pointwise};
 use crate::error::Result;
 use crate::report::page::{Figure, Section, Table};
 use crate::report::plot::{Mark, Plot, Series, colour, stretches};
-use crate::world::driver::SET_SPEED_MPS;
-use crate::world::truck::{Preset, Truck};
+use crate::simulator::driver::SET_SPEED_MPS;
+use crate::simulator::truck::{Preset, Truck};
 use estimator_core::vehicle::STANDARD_AIR_DENSITY;
 use estimator_core::{Traction, VehicleParameters};
 use plotters::style::RGBColor;

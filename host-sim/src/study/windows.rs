@@ -3,7 +3,7 @@
 //! A reference made of GNSS altitudes is noisy in short windows; the mean grade of a window is
 //! the altitude change over its length, so that noise falls with the length.
 
-use crate::series::linear;
+use crate::numeric::series::linear;
 
 /// Grade over the distance along one road, linear in between.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -5,15 +5,15 @@
 //! (which shares the vehicle's errors, not its passes' noise) and against terrain (which shares
 //! nothing, but is coarse).
 
+use super::definition::{Outcome, Setting, Study};
 use super::drift::{Drift, ForceSample, vehicle_model_drift};
 use super::windows::{GradeProfile, WindowErrors, window_errors};
-use super::{Outcome, Setting, Study};
 use crate::error::{Error, Result};
+use crate::files::run::RunRow;
 use crate::map::{self, GradeMap, MapRow, Network, RoadLine, SessionRun};
 use crate::recorder::estimate_log;
 use crate::report::page::{Figure, Section, Table};
 use crate::report::plot::{Mark, Plot, Series, colour};
-use crate::run_file::RunRow;
 use crate::source::terrain::Terrain;
 use crate::source::ztbus::{Direction, Mission, Pass, round_trips};
 use std::fs;
@@ -160,8 +160,8 @@ fn find(mission_file: &Path, terrain_folder: &Path) -> Result<Findings> {
 fn estimate(mission: &Mission, pass: &Pass, folder: &Path) -> Result<Vec<RunRow>> {
     let table = folder.join("pass.csv");
     mission.write_pass(&table, pass)?;
-    let vehicle = mission.vehicle().parameters;
-    let run = estimate_log::<f32>(&vehicle, None, &table, |_| ())?;
+    let model = mission.vehicle().model;
+    let run = estimate_log::<f32>(&model, None, &table, |_| ())?;
     Ok(run.in_memory()?.rows)
 }
 
@@ -192,7 +192,7 @@ fn ground(terrain: &mut Terrain, rows: &[MapRow]) -> Result<Vec<(f64, f64)>> {
 }
 
 fn drifts(mission: &Mission, passes: &[Pass]) -> Vec<Drift> {
-    let vehicle = mission.vehicle().parameters;
+    let model = mission.vehicle().model;
     round_trips(passes)
         .into_iter()
         .filter_map(|rows| {
@@ -209,7 +209,7 @@ fn drifts(mission: &Mission, passes: &[Pass]) -> Vec<Drift> {
                     })
                 })
                 .collect();
-            vehicle_model_drift(&samples, &vehicle, 0.0)
+            vehicle_model_drift(&samples, &model.vehicle, 0.0)
         })
         .collect()
 }

@@ -1,11 +1,11 @@
 //! A simulated drive in files.
 
 use crate::roadgrade;
+use host_sim::simulator::scenario::Scenario;
+use host_sim::simulator::simulate;
 use host_sim::source::can_frame::{CanFrame, TimedFrame};
 use host_sim::source::candump::CandumpReader;
 use host_sim::source::candump_writer::write_frame;
-use host_sim::world::scenario::Scenario;
-use host_sim::world::simulate;
 use std::fs::{self, File};
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};

@@ -4,7 +4,7 @@ use crate::bus::{Vcan, ip};
 use crate::drive::{Drive, replay, write_log};
 use crate::listener::{Heard, Listener, until_silent};
 use crate::roadgrade;
-use host_sim::run_file;
+use host_sim::files::run;
 use predicates::str::contains;
 
 /// A drive whose interface is lost in its middle by `lose` and found by `find`.
@@ -32,7 +32,7 @@ fn interrupted(
     assert_eq!(heard.frames(0), drive.frames.len() as u64);
     assert_eq!(heard.lost(0), 0);
     assert_eq!(heard.event(0, "interface_back"), 1);
-    let rows = run_file::read(&drive.file("live.csv")).unwrap();
+    let rows = run::read(&drive.file("live.csv")).unwrap();
     let last_s = rows.last().unwrap().time_s;
     assert!(rows.iter().filter(|row| row.time_s < 0.5 * last_s).count() > 10);
     assert!(rows.iter().filter(|row| row.time_s > 0.5 * last_s).count() > 10);

@@ -4,7 +4,7 @@ use crate::bus::{Vcan, wait_until};
 use crate::drive::{Drive, replay};
 use crate::listener::Listener;
 use crate::peers::candump;
-use host_sim::run_file::{self, RunRow};
+use host_sim::files::run::{self, RunRow};
 use std::fs;
 use std::path::Path;
 
@@ -70,7 +70,7 @@ fn the_estimate_is_sent_with_each_finished_cell_and_not_read_back() {
         payloads(&recording, CELL).len() >= finished
     });
     drop(candump);
-    let rows = run_file::read(&drive.file("live.csv")).unwrap();
+    let rows = run::read(&drive.file("live.csv")).unwrap();
     let cells = payloads(&recording, CELL);
     assert_eq!(cells.len(), finished);
     for cell in &cells {

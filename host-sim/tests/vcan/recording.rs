@@ -3,7 +3,7 @@
 use crate::bus::Vcan;
 use crate::drive::{Drive, frames_of, replay, untimed};
 use crate::listener::Listener;
-use host_sim::run_file;
+use host_sim::files::run;
 use host_sim::source::candump::CandumpReader;
 
 #[test]
@@ -31,9 +31,9 @@ fn a_drive_in_its_own_time_is_recorded_and_estimated_as_from_its_file() {
     assert_eq!(drive.estimate(&recording), drive.read("live.csv"));
 
     // Close to the file's: the kernel's stamps differ by how late a frame was sent.
-    let rows = run_file::read(&drive.file("live.csv")).unwrap();
+    let rows = run::read(&drive.file("live.csv")).unwrap();
     drive.estimate(&drive.log());
-    let from_file = run_file::read(&drive.file("estimated.csv")).unwrap();
+    let from_file = run::read(&drive.file("estimated.csv")).unwrap();
     assert!(rows.len().abs_diff(from_file.len()) <= 2);
     let off = rows.iter().zip(&from_file).map(|(live, file)| {
         (live.grade_percent - file.grade_percent).abs() / file.grade_sigma_percent

@@ -3,8 +3,8 @@
 use crate::bus::Vcan;
 use crate::drive::{Drive, replay};
 use crate::listener::until_silent;
+use host_sim::files::run;
 use host_sim::live::panel::header;
-use host_sim::run_file;
 use std::fs::File;
 use std::process::Command;
 use std::thread;
@@ -58,5 +58,5 @@ fn a_drive_whose_lines_cannot_be_written_ends_and_is_kept() {
     let said = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(1), "{said}");
     assert!(said.contains("stdout: No space left"), "{said}");
-    assert!(!run_file::read(&drive.file("live.csv")).unwrap().is_empty());
+    assert!(!run::read(&drive.file("live.csv")).unwrap().is_empty());
 }

@@ -1,4 +1,4 @@
-"""filterpy's filter on the model of firmware/peers/src/model.rs: `filter.py STATES...`; for each
+"""filterpy's filter on the model of tests/peers/src/model.rs: `filter.py STATES...`; for each
 size a line of JSON with the time of a step and where the filter is after a thousand."""
 
 import json

@@ -1,6 +1,6 @@
 //! How fast it is, beside others that do the same work.
 //!
-//! * [`single`], [`double`]: the filters of `firmware/peers` in either precision;
+//! * [`single`], [`double`]: the filters of `tests/peers` in either precision;
 //! * [`stopwatch`]: one of them, timed;
 //! * [`work`]: what a host does with a drive;
 //! * [`table`]: figures of one run, with their ratios.

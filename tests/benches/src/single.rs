@@ -5,13 +5,13 @@ pub type Real = f32;
 
 #[path = "contenders.rs"]
 mod contenders;
-#[path = "../../../firmware/peers/src/dense.rs"]
+#[path = "../../peers/src/dense.rs"]
 pub mod dense;
-#[path = "../../../firmware/peers/src/minikalman_filter.rs"]
+#[path = "../../peers/src/minikalman_filter.rs"]
 mod minikalman_filter;
-#[path = "../../../firmware/peers/src/model.rs"]
+#[path = "../../peers/src/model.rs"]
 pub mod model;
-#[path = "../../../firmware/peers/src/ours.rs"]
+#[path = "../../peers/src/ours.rs"]
 mod ours;
 
 pub use contenders::contenders;

@@ -1,6 +1,6 @@
 //! Figures of one run.
 
-use host_sim::text_table::text_table;
+use host_sim::terminal::table::text_table;
 
 /// What one of those who took turns needed, each time.
 #[derive(Clone, Debug)]

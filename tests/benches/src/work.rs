@@ -1,20 +1,20 @@
 //! What a host does with a drive: 40 km of motorway, half an hour of a full bus.
 
-use estimator_core::filter::Filter;
-use estimator_core::sampler::Sample;
-use estimator_core::{Counters, Decoder, Estimator, Scalar, Tuning, VehicleParameters};
+use estimator_core::filter::{Filter, SensorNoiseRatios};
+use estimator_core::sample::Sample;
+use estimator_core::{Context, Decoder, Estimator, Model, Scalar, Tuning};
 use flate2::Compression;
 use flate2::write::GzEncoder;
 use host_sim::error::Result;
+use host_sim::files::run::{self, RunRow};
 use host_sim::map::{GradeMap, Network, RoadLine, RoadPoint, SessionRun, place, road_of_run};
 use host_sim::recorder::{Recorder, estimate_log};
-use host_sim::run_file::{self, RunRow};
+use host_sim::simulator::scenario::Scenario;
+use host_sim::simulator::simulate;
 use host_sim::smooth::smooth_run;
 use host_sim::source::can_frame::TimedFrame;
 use host_sim::source::candump::CandumpReader;
 use host_sim::source::candump_writer::write_frame;
-use host_sim::world::scenario::Scenario;
-use host_sim::world::simulate;
 use std::fs::{self, File};
 use std::hint::black_box;
 use std::io::{BufWriter, Write};
@@ -30,7 +30,7 @@ const RUNS: usize = 8;
 pub struct Work {
     folder: TempDir,
     frames: Vec<TimedFrame>,
-    vehicle: VehicleParameters,
+    model: Model,
     samples: Vec<Sample>,
     rows: Vec<RunRow>,
     road: Vec<RoadPoint>,
@@ -56,8 +56,8 @@ impl Work {
     pub fn prepare() -> Result<Self> {
         let text = include_str!("../../../host-sim/scenarios/motorway.toml");
         let run = simulate(&Scenario::parse(text, Path::new("motorway"))?, 0)?;
-        let vehicle = run.vehicle.parameters.clone();
-        let mut recorder = Recorder::<f32>::new(vehicle.clone(), Tuning::default())
+        let model = run.vehicle.model.clone();
+        let mut recorder = Recorder::<f32>::new(model.clone(), Tuning::default())
             .expect("the simulator checked the vehicle");
         for frame in &run.frames {
             recorder.on_frame(frame);
@@ -66,13 +66,13 @@ impl Work {
         let work = Self {
             folder: TempDir::new().expect("room for a log"),
             frames: run.frames,
-            vehicle,
+            model,
             samples,
             road: road_of_run(&estimated.rows).expect("the drive has positions"),
             rows: estimated.rows,
         };
         work.write().expect("room for a log");
-        run_file::write(&work.run(), &work.rows)?;
+        run::write(&work.run(), &work.rows)?;
         Ok(work)
     }
 
@@ -224,7 +224,7 @@ impl Work {
     }
 
     fn estimate(&self) {
-        let mut estimator = Estimator::<f32>::new(self.vehicle.clone(), Tuning::default())
+        let mut estimator = Estimator::<f32>::new(self.model.clone(), Tuning::default())
             .expect("the simulator checked the vehicle");
         for timed in &self.frames {
             estimator.on_frame(timed.time, &timed.frame);
@@ -236,22 +236,24 @@ impl Work {
     }
 
     fn estimate_log(&self) {
-        let run = estimate_log::<f32>(&self.vehicle, None, &self.log(), |_| ());
+        let run = estimate_log::<f32>(&self.model, None, &self.log(), |_| ());
         black_box(run.expect("a whole log").rows.count());
     }
 
     fn filter<S: Scalar>(&self) {
-        let (mut filter, tuning) = (Filter::<S>::new(), Tuning::default());
-        let mut counters = Counters::default();
+        let mut context = Context::new(self.model.clone(), Tuning::default())
+            .expect("the simulator checked the vehicle");
+        let mut filter =
+            Filter::<S>::new(&context.tuning, &SensorNoiseRatios::default(), None);
         for sample in &self.samples {
-            black_box(filter.advance(&self.vehicle, &tuning, sample, &mut counters));
+            black_box(filter.step(&mut context, sample));
         }
     }
 
     fn smooth(&self) {
-        let filter = Filter::<f64>::new();
+        let filter = Filter::<f64>::new(&Tuning::default(), &SensorNoiseRatios::default(), None);
         let tuning = Tuning::default();
-        black_box(smooth_run(&self.vehicle, &tuning, &filter, &self.samples));
+        black_box(smooth_run(&self.model, &tuning, &filter, &self.samples));
     }
 
     fn fuse(&self) {
@@ -260,7 +262,7 @@ impl Work {
             .into();
         let mut map = GradeMap::new(&road);
         for _ in 0..RUNS {
-            let (cells, _) = run_file::read_cells(&self.run()).expect("it was written");
+            let (cells, _) = run::read_cells(&self.run()).expect("it was written");
             map.add_placed(None, &place(&road, &cells));
         }
         black_box(map.fused());
@@ -270,7 +272,7 @@ impl Work {
 /// A run of the demo, from its simulation into a map.
 fn simulate_and_fuse() {
     let run = simulate(&Scenario::builtin(), 0).expect("a scenario of our own");
-    let mut recorder = Recorder::<f32>::new(run.vehicle.parameters.clone(), Tuning::default())
+    let mut recorder = Recorder::<f32>::new(run.vehicle.model.clone(), Tuning::default())
         .expect("the simulator checked the vehicle");
     for frame in &run.frames {
         recorder.on_frame(frame);

@@ -3,8 +3,10 @@
 
 #![no_main]
 
-use estimator_core::filter::{Filter, State};
-use estimator_core::{Cell, Counters, Estimator, Fixed, Intake, Scalar, Tuning, Uncertain};
+use estimator_core::filter::{Filter, SensorNoiseRatios, State};
+use estimator_core::{
+    Cell, Context, Estimator, FixedPoint, Intake, Sampler, Scalar, Tuning, Uncertain,
+};
 use fuzz_targets::{Bus, Event, truck};
 use libfuzzer_sys::fuzz_target;
 use nalgebra::SymmetricEigen;
@@ -16,7 +18,7 @@ const LOOK: u32 = 16;
 
 fuzz_target!(|events: Vec<Event>| {
     through_estimator::<f32>(&events);
-    through_estimator::<Fixed>(&events);
+    through_estimator::<FixedPoint>(&events);
     through_filter(&events);
 });
 
@@ -58,18 +60,19 @@ fn sound(known: Uncertain) {
 }
 
 fn through_filter(events: &[Event]) {
-    let mut intake = Intake::new(truck(), Tuning::default()).expect("a truck");
-    let mut filter = Filter::<f32>::new();
-    let mut counters = Counters::default();
+    let mut context = Context::new(truck(), Tuning::default()).expect("a truck");
+    let mut intake = Intake::new();
+    let mut sampler = Sampler::new();
+    let mut filter = Filter::<f32>::new(&context.tuning, &SensorNoiseRatios::default(), None);
     let mut bus = Bus::default();
     for event in events {
         bus.play(event, &mut |timed| {
-            intake.on_frame(timed.time, &timed.frame);
-            while let Some(sample) = intake.next_sample() {
-                filter.advance(intake.vehicle(), intake.tuning(), &sample, &mut counters);
+            intake.on_frame(&mut context, &mut sampler, timed.time, &timed.frame);
+            while let Some(sample) = sampler.next_sample() {
+                filter.step(&mut context, &sample);
                 if let Some(state) = filter
                     .state()
-                    .filter(|_| counters.steps.is_multiple_of(LOOK))
+                    .filter(|_| context.counters.steps.is_multiple_of(LOOK))
                 {
                     positive(state);
                 }
@@ -81,7 +84,7 @@ fn through_filter(events: &[Event]) {
 
 /// Whether the covariance is positive, up to rounding, in units in which its variances are one.
 fn positive(state: &State<f32>) {
-    let p = state.p.to_matrix();
+    let p = state.covariance.to_nalgebra().map(f64::from);
     let sigmas = p.diagonal().map(|variance| {
         assert!(variance >= 0.0 && variance.is_finite());
         variance.max(f64::MIN_POSITIVE).sqrt()

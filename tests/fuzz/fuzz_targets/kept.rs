@@ -3,7 +3,7 @@
 #![no_main]
 
 use crc::{CRC_32_ISO_HDLC, Crc};
-use estimator_core::{Estimator, Kept, Tuning};
+use estimator_core::{Estimator, PersistentState, Tuning};
 use fuzz_targets::truck;
 use libfuzzer_sys::fuzz_target;
 
@@ -20,9 +20,9 @@ fuzz_target!(|input: &[u8]| {
             .checksum(content)
             .to_le_bytes();
     }
-    if let Ok(kept) = Kept::from_bytes(&bytes) {
+    if let Ok(kept) = PersistentState::from_bytes(&bytes) {
         assert_eq!(kept.to_bytes().as_slice(), bytes);
-        if let Ok(estimator) = Estimator::<f32>::with_kept(truck(), Tuning::default(), &kept) {
+        if let Ok(estimator) = Estimator::<f32>::restore(truck(), Tuning::default(), &kept) {
             assert!(estimator.live().is_none());
         }
     }

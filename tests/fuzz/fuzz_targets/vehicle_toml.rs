@@ -3,16 +3,16 @@
 
 #![no_main]
 
-use estimator_core::{Intake, Tuning};
+use estimator_core::{Context, Tuning};
 use fuzz_targets::as_file;
-use host_sim::vehicle_file::VehicleFile;
+use host_sim::files::vehicle::VehicleFile;
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
     as_file(".toml", bytes, |path| match VehicleFile::read(path) {
         Ok(vehicle) => {
-            let intake = Intake::new(vehicle.parameters.clone(), Tuning::default());
-            assert!(intake.is_ok(), "{:?}", intake.err());
+            let context = Context::new(vehicle.model.clone(), Tuning::default());
+            assert!(context.is_ok(), "{:?}", context.err());
             as_file(".toml", vehicle.to_toml().as_bytes(), |written| {
                 let again = VehicleFile::read(written).expect("what was written can be read");
                 assert_eq!(again, vehicle);

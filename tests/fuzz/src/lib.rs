@@ -4,11 +4,11 @@
 use arbitrary::Arbitrary;
 use embedded_can::{ExtendedId, Frame, StandardId};
 use estimator_core::signal::{encode, messages};
-use estimator_core::vehicle::{Gear, Powertrain, Traction, VehicleParameters};
-use estimator_core::{Effects, Instant, Signal, Value};
+use estimator_core::{Instant, Signal, Value, VehicleParameters};
 use host_sim::source::can_frame::{CanFrame, TimedFrame};
 use std::io::Write;
 use std::path::Path;
+use test_kit::truck_with;
 
 /// Something that happens on a bus.
 #[derive(Arbitrary, Debug)]
@@ -261,24 +261,10 @@ fn any_frame(
 /// A truck of two gears. Its fingerprint is in the corpus of `kept`.
 #[must_use]
 pub fn truck() -> VehicleParameters {
-    let gear = |ratio| Gear {
-        ratio,
-        efficiency: 0.985,
-    };
     VehicleParameters {
         mass_kg: 30_000.0,
-        drag_area_m2: 6.0,
         rolling_resistance: 0.006,
-        wheel_radius_m: 0.5,
-        wheel_inertia_kgm2: 100.0,
-        effects: Effects::default(),
-        traction: Traction::Powertrain(Powertrain {
-            engine_inertia_kgm2: 3.8,
-            reference_torque_nm: 2_500.0,
-            final_drive_ratio: 2.92,
-            final_drive_efficiency: 0.98,
-            gears: [gear(1.26), gear(1.0)].into_iter().collect(),
-        }),
+        ..truck_with(2_500.0, &[1.26, 1.0])
     }
 }
 

@@ -1,8 +1,8 @@
 //! Drives that faults happen to, and what is true of them.
 
 use host_sim::error::Result;
-use host_sim::world::scenario::Scenario;
-use host_sim::world::{SimulatedRun, simulate};
+use host_sim::simulator::scenario::Scenario;
+use host_sim::simulator::{SimulatedRun, simulate};
 use std::path::Path;
 
 /// 30 km with everything wrong by one sigma, wind and cold tyres, by truck "A" or "B".

@@ -4,10 +4,10 @@ use super::catalogue::{Fault, Kind, catalogue};
 use super::drive::drive;
 use super::outcome::{Phases, Times, Truth, estimated, is_sound};
 use estimator_core::Counters;
-use host_sim::counter_words::events;
 use host_sim::error::Result;
 use host_sim::recorder::Run;
-use host_sim::world::SimulatedRun;
+use host_sim::simulator::SimulatedRun;
+use host_sim::terminal::counters::events;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
@@ -64,14 +64,14 @@ impl Subject {
         let recorded = Box::new(run.frames.iter().copied());
         Ok(Self {
             truth: Truth::new(&run),
-            clean: estimated::<f32>(&run.vehicle.parameters, recorded),
+            clean: estimated::<f32>(&run.vehicle.model, recorded),
             run,
         })
     }
 
     fn with(&self, truck: &'static str, fault: &Fault) -> Outcome {
         let heard = fault.heard(&self.run.frames);
-        let run = estimated::<f32>(&self.run.vehicle.parameters, heard);
+        let run = estimated::<f32>(&self.run.vehicle.model, heard);
         let times = Times {
             window_s: fault.window_s,
             ahead_s: fault.ahead_s,

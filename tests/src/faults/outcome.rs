@@ -1,12 +1,12 @@
 //! What became of a drive with a fault: its errors, how honest its sigmas were, what was counted.
 
 use super::Frames;
-use estimator_core::{Scalar, Tuning, VehicleParameters};
+use estimator_core::{Model, Scalar, Tuning};
+use host_sim::files::run::RunRow;
+use host_sim::files::truth::TruthRow;
+use host_sim::numeric::series::linear;
 use host_sim::recorder::{Recorder, Run};
-use host_sim::run_file::RunRow;
-use host_sim::series::linear;
-use host_sim::truth_file::TruthRow;
-use host_sim::world::SimulatedRun;
+use host_sim::simulator::SimulatedRun;
 
 /// Ways at both ends of a drive that are left out, m.
 const ENDS_M: f64 = 500.0;
@@ -18,8 +18,8 @@ pub const RECOVERY_M: f64 = 2_000.0;
 /// # Panics
 /// With a vehicle that there cannot be, or without room for what it drives.
 #[must_use]
-pub fn estimated<S: Scalar>(vehicle: &VehicleParameters, frames: Frames<'_>) -> Run {
-    let mut recorder = Recorder::<S>::new(vehicle.clone(), Tuning::default())
+pub fn estimated<S: Scalar>(model: &Model, frames: Frames<'_>) -> Run {
+    let mut recorder = Recorder::<S>::new(model.clone(), Tuning::default())
         .expect("the simulator's vehicles can be");
     for frame in frames {
         recorder.on_frame(&frame);

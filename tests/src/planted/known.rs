@@ -1,6 +1,7 @@
 //! How the simulator is told of each effect.
 
-use super::FAN;
+/// An auxiliary load that goes on and off and is reported on the bus.
+pub const FAN: &str = "fan";
 
 /// Course in which the generated road heads, so that a wind can blow along it.
 pub const COURSE_DEG: f64 = 225.0;

@@ -1,6 +1,6 @@
 //! A mission's CSV file.
 
-use super::{Mission, Row};
+use super::mission::{Mission, Row};
 use crate::error::{Error, Result};
 use csv::StringRecord;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -35,7 +35,19 @@ struct Line<'a> {
     places: &'a [usize; COLUMNS.len()],
 }
 
-pub(super) fn mission(path: &Path) -> Result<Mission> {
+impl Mission {
+    /// Reads a mission.
+    ///
+    /// # Errors
+    /// With file, line and what was expected: missing columns, lines with too few or too many
+    /// fields, what is not a number, time that does not increase; and a mission without any
+    /// GNSS fix.
+    pub fn read(path: &Path) -> Result<Self> {
+        mission(path)
+    }
+}
+
+fn mission(path: &Path) -> Result<Mission> {
     let mut reader = csv::Reader::from_path(path).map_err(|e| csv_error(path, e))?;
     let places = places(path, reader.headers().map_err(|e| csv_error(path, e))?)?;
     let mut record = StringRecord::new();

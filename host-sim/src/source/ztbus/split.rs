@@ -4,8 +4,8 @@
 //! first trip starts, and the last one ends, at a terminus that the trips between have shown;
 //! what is driven before and after is the way from and to the garage.
 
+use super::mission::{Mission, Row};
 use super::turning::{Place, Turn, turns};
-use super::{Mission, Row};
 use map_3d::{Ellipsoid, geodetic2enu};
 use std::ops::Range;
 
@@ -67,7 +67,7 @@ pub struct Pass {
 
 impl Pass {
     /// Whether `next` follows at once and goes back to where this one started.
-    pub(super) fn returns_with(&self, next: &Self) -> bool {
+    fn returns_with(&self, next: &Self) -> bool {
         self.to.rows == next.from.rows
             && self.from.terminus == next.to.terminus
             && self.from.terminus != self.to.terminus
@@ -81,8 +81,36 @@ struct Halt {
     terminus: usize,
 }
 
+impl Mission {
+    /// One-way trips between termini, in time order; see [`Pass`].
+    #[must_use]
+    pub fn passes(&self) -> Vec<Pass> {
+        passes(self)
+    }
+}
+
+/// Row ranges of the complete round trips: each pass with the one that brings the bus back, no
+/// pass in two of them.
+///
+/// A round trip ends where it began, so that whatever altitude a model gains on it is an error.
+#[must_use]
+pub fn round_trips(passes: &[Pass]) -> Vec<Range<usize>> {
+    let mut trips = Vec::new();
+    let mut rest = passes;
+    while let [first, tail @ ..] = rest {
+        rest = tail;
+        if let [second, after @ ..] = tail
+            && first.returns_with(second)
+        {
+            trips.push(first.rows.start..second.rows.end);
+            rest = after;
+        }
+    }
+    trips
+}
+
 /// The passes of a mission: the whole drive from the first fix if it never goes back.
-pub(super) fn passes(mission: &Mission) -> Vec<Pass> {
+fn passes(mission: &Mission) -> Vec<Pass> {
     let drive = Drive::new(mission);
     let trips = drive.trips();
     let covered_m: f64 = trips

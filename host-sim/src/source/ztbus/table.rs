@@ -1,9 +1,10 @@
 //! Rows as a signal table.
 
-use super::Row;
+use super::mission::{Mission, Row};
+use super::split::Pass;
 use crate::error::Result;
-use crate::output::write_whole;
-use crate::run_file::round;
+use crate::files::output::write_whole;
+use crate::numeric::rounding::round;
 use estimator_core::Signal;
 use std::path::Path;
 
@@ -26,8 +27,26 @@ const COLUMNS: [Column; 11] = [
     (Signal::Passengers, 0, |row| row.passengers),
 ];
 
+impl Mission {
+    /// Writes the whole mission as a signal table.
+    ///
+    /// # Errors
+    /// What the file system says.
+    pub fn write(&self, path: &Path) -> Result<()> {
+        write(path, &self.rows)
+    }
+
+    /// Writes the rows of a pass as a signal table whose time starts at 0.
+    ///
+    /// # Errors
+    /// What the file system says.
+    pub fn write_pass(&self, path: &Path, pass: &Pass) -> Result<()> {
+        write(path, &self.rows[pass.rows.clone()])
+    }
+}
+
 /// Writes rows with the time counted from the first of them; what is missing stays empty.
-pub(super) fn write(path: &Path, rows: &[Row]) -> Result<()> {
+fn write(path: &Path, rows: &[Row]) -> Result<()> {
     let start_s = rows.first().map_or(0.0, |row| row.time_s);
     write_whole(path, |out| {
         let mut writer = csv::Writer::from_writer(out);

@@ -1,9 +1,11 @@
 //! Whether ours is better than the thesis's methods: run by run, and on maps.
 
+use super::experiment::Experiment;
+use super::heading::Heading;
 use super::measure::errors;
 use super::method::{Estimated, Method};
 use super::ours;
-use super::replica::{Experiment, Heading, Replica};
+use super::replica::Replica;
 use crate::report::page::{Figure, Table};
 use crate::report::plot::{Mark, Plot, Series, colour};
 use rayon::prelude::*;

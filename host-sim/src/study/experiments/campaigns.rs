@@ -1,12 +1,13 @@
 //! Ours against the modified method over several campaigns: whether one campaign was luck.
 
 use super::beside::{LARGEST_MAP_RMSE_PERCENT, judged_maps};
-use super::measure::mean;
+use super::campaign::Campaign;
+use super::experiment::Experiment;
 use super::method::{Estimated, Method};
-use super::replica::{Campaign, Experiment};
 use crate::error::Result;
+use crate::numeric::statistics::mean;
 use crate::report::page::{Section, Table};
-use crate::study::{Outcome, Setting, Study};
+use crate::study::definition::{Outcome, Setting, Study};
 use rayon::prelude::*;
 
 /// Number of campaigns.

@@ -1,10 +1,14 @@
 //! What the replicas predict against the thesis's numbers, and what the errors are made of.
 
-use super::measure::{errors, mean};
+use super::campaign::Campaign;
+use super::experiment::Experiment;
+use super::heading::Heading;
+use super::measure::errors;
 use super::method::{Estimated, Method};
-use super::replica::{Campaign, Experiment, Heading, Replica, Sources};
+use super::replica::{Replica, Sources};
+use crate::numeric::statistics::mean;
 use crate::report::page::Table;
-use crate::world::truck::Preset;
+use crate::simulator::truck::Preset;
 use rayon::prelude::*;
 
 /// Beyond this, a difference is named and explained.

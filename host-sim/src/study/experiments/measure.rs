@@ -1,7 +1,8 @@
 //! Errors of a profile as the thesis's tables print them, and maps merged by P.
 
 use super::replica::Replica;
-use crate::baseline::Profile;
+use crate::comparison::Profile;
+use std::ops::Range;
 
 /// "All data points except the first and last 200" (section 8.2).
 pub const EDGE: usize = 200;
@@ -64,12 +65,6 @@ fn rms(values: impl Iterator<Item = f64>) -> f64 {
     f64::sqrt(sum / count)
 }
 
-/// Mean of numbers; NaN of none.
-#[must_use]
-pub fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len() as f64
-}
-
 /// Runs over the same points merged with 1/P as weights (section 3).
 #[must_use]
 pub fn merged(profiles: &[&Profile]) -> Vec<f64> {
@@ -85,4 +80,10 @@ pub fn merged(profiles: &[&Profile]) -> Vec<f64> {
             sum / weights
         })
         .collect()
+}
+
+/// Points between the ends that are left out.
+#[must_use]
+pub fn inner(run: &Replica) -> Range<usize> {
+    EDGE..run.truth.len() - EDGE
 }

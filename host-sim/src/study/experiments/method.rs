@@ -1,10 +1,10 @@
 //! The methods that are set side by side on the same drives.
 
+use super::experiment::Experiment;
 use super::measure::{Errors, errors, merged, nees, rmse};
-use super::ours;
-use super::replica::{Experiment, Replica};
-use super::thesis;
-use crate::baseline::{self, Profile};
+use super::replica::Replica;
+use super::{ours, thesis};
+use crate::comparison::{self, Profile};
 use rayon::prelude::*;
 
 /// A grade estimation method, with all of the drive known.
@@ -74,8 +74,8 @@ impl Method {
     #[must_use]
     pub fn estimate(self, run: &Replica) -> Profile {
         match self {
-            Self::Original => baseline::Method::Original.estimate(&run.drive),
-            Self::Modified => baseline::Method::Modified.estimate(&run.drive),
+            Self::Original => comparison::Method::Original.estimate(&run.drive),
+            Self::Modified => comparison::Method::Modified.estimate(&run.drive),
             Self::Ours => ours::estimate(&run.drive).smoothed,
         }
     }

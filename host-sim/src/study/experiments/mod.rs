@@ -12,8 +12,11 @@
 //! * [`pointwise`], [`model_errors`], [`modified`]: sections 4.2, 7 and 8.
 
 pub mod beside;
+pub mod campaign;
 pub mod campaigns;
 pub mod comparison;
+pub mod experiment;
+pub mod heading;
 pub mod measure;
 pub mod method;
 pub mod model_errors;

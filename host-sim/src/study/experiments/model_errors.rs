@@ -1,14 +1,18 @@
 //! What the vehicle model gets wrong (section 7, figures 12-14).
 
-use super::measure::mean;
-use super::replica::{Campaign, Experiment, Heading, Replica, inner};
-use crate::baseline::original::{self, Noise};
-use crate::baseline::{STEP_M, pointwise};
+use super::campaign::Campaign;
+use super::experiment::Experiment;
+use super::heading::Heading;
+use super::measure::inner;
+use super::replica::Replica;
+use crate::comparison::original::{self, Noise};
+use crate::comparison::{STEP_M, pointwise};
 use crate::error::Result;
+use crate::numeric::robust_line::{Line, fit};
+use crate::numeric::statistics::mean;
 use crate::report::page::{Figure, Section, Table};
 use crate::report::plot::{Mark, Plot, Series, colour};
-use crate::robust_line::{Line, fit};
-use crate::study::{Outcome, Setting, Study};
+use crate::study::definition::{Outcome, Setting, Study};
 
 /// Points of a segment: 1250 m.
 const SEGMENT: usize = 500;

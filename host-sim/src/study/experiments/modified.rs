@@ -2,15 +2,17 @@
 //! ours beside them on the same drives.
 
 use super::beside;
+use super::campaign::Campaign;
 use super::comparison::{differences, made_of, summary};
-use super::measure::{Errors, merged, rmse};
+use super::heading::Heading;
+use super::measure::{Errors, inner, merged, rmse};
 use super::method::{Estimated, Method};
-use super::replica::{Campaign, Heading, Replica, inner};
-use crate::baseline::{Point, Profile, STEP_M};
+use super::replica::Replica;
+use crate::comparison::{Point, Profile, STEP_M};
 use crate::error::Result;
 use crate::report::page::{Figure, Section, Table};
 use crate::report::plot::{Plot, Series, colour, stretches};
-use crate::study::{Outcome, Setting, Study};
+use crate::study::definition::{Outcome, Setting, Study};
 
 /// Range of grade errors in the figures, %.
 const SHOWN_PERCENT: (f64, f64) = (-1.2, 1.2);

@@ -1,17 +1,16 @@
 //! Our estimator on a drive of the thesis's kind: the very filter of the vehicle with its default
 //! tuning, fed with what the other methods get.
 
-use crate::baseline::{Drive, Point, Profile, STEP_M};
+use crate::comparison::{Drive, Point, Profile, STEP_M};
 use crate::smooth::smooth_run;
-use estimator_core::filter::Filter;
-use estimator_core::lag::Lag;
-use estimator_core::sampler::{
-    AltitudeMeasurement, Circumstances, Continuity, Sample, SpeedMeasurement,
+use estimator_core::filter::{Filter, SensorNoiseRatios};
+use estimator_core::sample::{
+    AltitudeContinuity, AltitudeMeasurement, EffectInputs, ForceInputs, Sample, SpeedMeasurement,
 };
-use estimator_core::vehicle::Load;
+use estimator_core::smoother::FixedLag;
 use estimator_core::{
-    Cell, Condition, Counters, Effects, Instant, Place, Scalar, Traction, Tuning, Uncertain,
-    VehicleParameters,
+    Cell, CellEnd, Condition, Context, Counters, Instant, Model, Scalar, Traction, Tuning,
+    Uncertain, VehicleParameters,
 };
 use std::iter::from_fn;
 
@@ -40,26 +39,34 @@ pub fn estimate(drive: &Drive) -> Ours {
 /// The same in these numbers, on the vehicle and after it.
 #[must_use]
 pub fn estimate_in<Live: Scalar, After: Scalar>(drive: &Drive) -> Ours {
-    let vehicle = believed(drive);
-    let tuning = Tuning::default();
+    let mut context = Context {
+        model: Model::from(believed(drive)),
+        tuning: Tuning::default(),
+        counters: Counters::default(),
+    };
     let samples = samples(drive);
-    let mut filter = Filter::<Live>::new();
-    let mut counters = Counters::default();
-    let mut lag = Lag::new();
+    let mut filter = Filter::<Live>::new(&context.tuning, &SensorNoiseRatios::default(), None);
+    let mut lag = FixedLag::new();
     let mut cells: Vec<Cell> = Vec::with_capacity(samples.len());
     for sample in &samples {
-        if let Some(record) = filter.step(&vehicle, &tuning, sample, &mut counters) {
-            lag.push(&record.moved(), &record.state);
+        let record = filter.step(&mut context, sample);
+        if let (Some(record), Some(state)) = (record, filter.state()) {
+            lag.push(&record, state);
         }
         cells.extend(from_fn(|| lag.next_cell()));
     }
     cells.extend(from_fn(|| lag.drain_cell()));
-    let smoothed = smooth_run(&vehicle, &tuning, &filter.anew::<After>(), &samples);
+    let smoothed = smooth_run(
+        &context.model,
+        &context.tuning,
+        &filter.second_pass::<After>(&context.tuning),
+        &samples,
+    );
     Ours {
         smoothed: profile(smoothed.iter().map(|cell| cell.estimate.grade_percent)),
         lagged: profile(cells.iter().map(|cell| cell.lagged_grade_percent)),
         live: profile(cells.iter().map(|cell| cell.live_grade_percent)),
-        counters,
+        counters: context.counters,
     }
 }
 
@@ -72,7 +79,6 @@ fn believed(drive: &Drive) -> VehicleParameters {
         rolling_resistance: drive.rolling_resistance as f32,
         wheel_radius_m: 0.5,
         wheel_inertia_kgm2: 0.0,
-        effects: Effects::default(),
         traction: Traction::Force,
     }
 }
@@ -95,7 +101,7 @@ fn samples(drive: &Drive) -> Vec<Sample> {
             altitude = point.altitude_m.map(altitude_measurement);
         }
         samples.push(Sample {
-            place: Place {
+            end: CellEnd {
                 cell: k as u32,
                 time: Instant::from_micros((elapsed_s * 1e6) as u64),
                 position_e7: None,
@@ -105,21 +111,21 @@ fn samples(drive: &Drive) -> Vec<Sample> {
             gap_cells: 0,
             length_m: STEP_M as f32,
             duration_s: duration_s as f32,
-            load: Load {
+            forces: ForceInputs {
                 traction_n: before.traction_n as f32,
                 rotating_kg: before.rotating_kg as f32,
                 mass_kg: drive.mass_kg as f32,
                 air_density: before.air_density as f32,
             },
             // What effects depend on: the vehicle has none.
-            circumstances: Circumstances::default(),
+            effect_inputs: EffectInputs::default(),
             speed: Some(SpeedMeasurement {
                 mean_mps: point.speed_mps as f32,
                 behind_m: 0.0,
                 count: 1,
             }),
             altitude,
-            reopened: false,
+            after_load_change: false,
         });
     }
     samples
@@ -130,7 +136,7 @@ fn altitude_measurement(altitude_m: f64) -> AltitudeMeasurement {
         altitude_m: altitude_m as f32,
         behind_m: 0.0,
         dilution: 1.0,
-        continuity: Continuity::Followed,
+        continuity: AltitudeContinuity::Followed,
     }
 }
 

@@ -1,14 +1,17 @@
 //! Grade from the vehicle model alone, and its error (figures 6 and 8, tables 2-4).
 
-use super::measure::{errors, mean, valid_errors};
-use super::replica::{Campaign, Heading, Replica, inner};
+use super::campaign::Campaign;
+use super::heading::Heading;
+use super::measure::{errors, inner, valid_errors};
+use super::replica::Replica;
 use super::thesis;
-use crate::baseline::original::{self, Noise};
-use crate::baseline::{STEP_M, pointwise};
+use crate::comparison::original::{self, Noise};
+use crate::comparison::{STEP_M, pointwise};
 use crate::error::Result;
+use crate::numeric::statistics::mean;
 use crate::report::page::{Figure, Section, Table};
 use crate::report::plot::{Mark, Plot, Series, colour};
-use crate::study::{Outcome, Setting, Study};
+use crate::study::definition::{Outcome, Setting, Study};
 
 /// Length of the low-pass filter on speed in figure 6, m. The thesis does not tell its own.
 const LOW_PASS_M: f64 = 100.0;

@@ -1,6 +1,6 @@
 //! Numbers that the thesis prints, % grade. Rows are runs 1 to 5.
 
-use super::replica::Heading;
+use super::heading::Heading;
 
 /// Tables 2 and 3: µ, σ and RMSE of pointwise grade.
 #[must_use]

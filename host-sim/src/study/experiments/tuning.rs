@@ -19,14 +19,16 @@
 //! * It has found its equilibrium after 200 points, which is why those are left out. Altitude
 //!   settles to 1/e in σ_z/σ_climb points: the noise of altitude is 200 times that of a climb.
 
-use super::measure::{errors, mean};
-use super::replica::{Campaign, Replica};
-use crate::baseline::STEP_M;
-use crate::baseline::modified::{self, SEGMENT_M};
-use crate::baseline::original::{self, Noise};
+use super::campaign::Campaign;
+use super::measure::errors;
+use super::replica::Replica;
+use crate::comparison::STEP_M;
+use crate::comparison::modified::{self, SEGMENT_M};
+use crate::comparison::original::{self, Noise};
 use crate::error::Result;
+use crate::numeric::statistics::mean;
 use crate::report::page::{Section, Table};
-use crate::study::{Outcome, Setting, Study};
+use crate::study::definition::{Outcome, Setting, Study};
 use rayon::prelude::*;
 
 /// The training campaign; no study's default.

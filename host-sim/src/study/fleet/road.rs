@@ -2,18 +2,18 @@
 //! are worth. Tests drive on it as well.
 
 use crate::error::{Error, Result};
+use crate::files::run::RunCell;
 use crate::map::{
     CellSums, Dependence, FusedMap, GRID_M, GradeMap, MapRow, Network, PlacedRun, RoadLine,
     RoadPoint, RoadProblem, place,
 };
 use crate::recorder::Recorder;
-use crate::run_cell::RunCell;
 use crate::score::{ScoreRow, Unscorable, score_map};
-use crate::world::random::{Purpose, normal, stream};
-use crate::world::road::Node;
-use crate::world::scenario::Scenario;
-use crate::world::simulate;
-use crate::world::truck::Preset;
+use crate::simulator::random::{Purpose, normal, stream};
+use crate::simulator::road::Node;
+use crate::simulator::scenario::Scenario;
+use crate::simulator::simulate;
+use crate::simulator::truck::Preset;
 use estimator_core::Tuning;
 use rand::RngExt;
 use std::collections::BTreeMap;
@@ -105,7 +105,7 @@ impl FleetRoad {
 
     fn drive(&self, scenario: &Scenario, run: usize) -> Result<PlacedRun> {
         let run = simulate(scenario, run)?;
-        let mut recorder = Recorder::<f32>::new(run.vehicle.parameters.clone(), Tuning::default())
+        let mut recorder = Recorder::<f32>::new(run.vehicle.model.clone(), Tuning::default())
             .map_err(|e| problem(&e))?;
         for frame in &run.frames {
             recorder.on_frame(frame);

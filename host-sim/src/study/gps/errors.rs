@@ -1,14 +1,14 @@
 //! Series of altitude errors to train the chain on, one value each 2.5 m.
 
-use crate::baseline::STEP_M;
+use crate::comparison::STEP_M;
 use crate::error::{Error, Result};
 use crate::map::{Network, Place, RoadLine, RoadPoint, TrackPoint, match_track};
-use crate::series::linear;
+use crate::numeric::series::linear;
+use crate::simulator::random::{OrnsteinUhlenbeck, Purpose, stream};
+use crate::simulator::scenario_file::GnssErrors;
 use crate::source::ztbus::{Direction, Mission, Row};
 use crate::study::windows::forward;
 use crate::study::ztbus::mission_file;
-use crate::world::random::{OrnsteinUhlenbeck, Purpose, stream};
-use crate::world::scenario_file::GnssErrors;
 use std::ops::Range;
 use std::path::Path;
 

@@ -1,0 +1,34 @@
+//! The context of an estimate: what the parts of the estimator share.
+
+use crate::counters::Counters;
+use crate::model::Model;
+use crate::tuning::Tuning;
+use crate::vehicle::ParameterError;
+
+/// The vehicle model, the tuning and the counters. The estimator owns one context and passes it
+/// down.
+#[derive(Clone, Debug)]
+pub struct Context {
+    /// The model of the vehicle.
+    pub model: Model,
+    /// Noise levels and thresholds.
+    pub tuning: Tuning,
+    /// Counts of what happened.
+    pub counters: Counters,
+}
+
+impl Context {
+    /// Creates the context of a vehicle, with all counters zero.
+    ///
+    /// # Errors
+    /// The first parameter of the model that no vehicle can have.
+    pub fn new(model: impl Into<Model>, tuning: Tuning) -> Result<Self, ParameterError> {
+        let model = model.into();
+        model.check()?;
+        Ok(Self {
+            model,
+            tuning,
+            counters: Counters::default(),
+        })
+    }
+}

@@ -1,0 +1,308 @@
+//! The update with the GNSS altitude: what the gate decides of it, and the measurement.
+
+use super::altitude_gate::{
+    AltitudeEvent, AltitudeGate, AltitudeInnovation, GateDecision, ModelError, Segment, TestedFix,
+};
+use super::dynamics::Dynamics;
+use super::measurement::{Observation, ScalarMeasurement, ScalarUpdate};
+use super::noise_ratio::SensorNoiseRatios;
+use super::process_noise::wind_variance;
+use super::scale_prior_reset::ScalePriorReset;
+use super::state::State;
+use super::state_index::StateIndex;
+use super::state_index::StateIndex::{Altitude, Bias, GnssError, Scale, Slope, Wind};
+use super::step_record::Reset;
+use crate::context::Context;
+use crate::counters::{Counters, count};
+use crate::sample::{AltitudeContinuity, AltitudeMeasurement, Sample};
+use crate::scalar::Scalar;
+use crate::tuning::Tuning;
+
+/// What the filter remembers for the altitude updates.
+#[derive(Clone, Debug)]
+pub(super) struct AltitudeUpdate {
+    gate: AltitudeGate,
+    /// Steps of the receiver since the altitude was set from it, m.
+    datum_m: f32,
+}
+
+/// A GNSS altitude at the cell's end.
+#[derive(Clone, Copy, Debug)]
+struct Fix<S> {
+    altitude_m: f32,
+    variance: S,
+    continuity: AltitudeContinuity,
+}
+
+/// A fix that passed the gate.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct AcceptedFix<S>(Fix<S>);
+
+/// What the gate left of an altitude.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Gated<S> {
+    /// The fix with which to update the state, if any.
+    pub accepted: Option<AcceptedFix<S>>,
+    /// What happened besides.
+    pub event: Option<AltitudeEvent>,
+    /// Whether the altitude was set from the fix.
+    pub sets_altitude: bool,
+}
+
+impl AltitudeUpdate {
+    /// Creates the memory with the noise known so far.
+    pub(super) fn new(noise: &SensorNoiseRatios, tuning: &Tuning) -> Self {
+        Self {
+            gate: AltitudeGate::new(noise, tuning),
+            datum_m: 0.0,
+        }
+    }
+
+    /// Returns learned over assumed variance of a single fix.
+    pub(super) const fn noise_ratio(&self) -> f32 {
+        self.gate.noise_ratio()
+    }
+
+    /// Returns learned over assumed variance of the coloured error.
+    pub(super) const fn gnss_error_ratio(&self) -> f32 {
+        self.gate.gnss_error_ratio()
+    }
+
+    /// Advances over a cell whose end was predicted.
+    #[inline]
+    pub(super) fn advance<S: Scalar>(
+        &mut self,
+        sample: &Sample,
+        state: &State<S>,
+        dynamics: &Dynamics<S>,
+    ) {
+        let segment = segment(state, dynamics, sample);
+        self.gate.advance(segment, sample.duration_s);
+    }
+
+    /// Passes the altitude of a sample through the gate, and applies what the gate decides besides
+    /// the update: the altitude set, the datum moved, a drift undone.
+    #[inline]
+    pub(super) fn gate<S: Scalar>(
+        &mut self,
+        context: &mut Context,
+        sample: &Sample,
+        state: &mut State<S>,
+    ) -> Gated<S> {
+        let Some(altitude) = &sample.altitude else {
+            return Gated {
+                accepted: None,
+                event: None,
+                sets_altitude: false,
+            };
+        };
+        let mut fix = self.fix(&context.tuning, altitude, state);
+        if self.gate.silent_s() > context.tuning.gates.altitude_gap_s {
+            count(&mut context.counters.altitude_gaps);
+        }
+        let (decision, event) = self.decide(context, sample, state, &fix);
+        let mut gated = Gated {
+            accepted: None,
+            event,
+            sets_altitude: false,
+        };
+        match decision {
+            GateDecision::Fuse => gated.accepted = Some(AcceptedFix(fix)),
+            GateDecision::MoveDatum => {
+                self.move_datum(state, &mut fix);
+                gated.accepted = Some(AcceptedFix(fix));
+            }
+            GateDecision::SetAltitude => {
+                self.set_altitude(state, &mut fix);
+                gated.sets_altitude = true;
+            }
+            GateDecision::SetAltitudeAndWidenBias(sigma_percent) => {
+                let variance = S::from_f32(sigma_percent * sigma_percent);
+                state.covariance.add_variance(Bias, variance);
+                self.set_altitude(state, &mut fix);
+                gated.sets_altitude = true;
+            }
+            GateDecision::Reject => context.counters.altitudes_rejected += 1,
+            GateDecision::RejectAndUndo(model_error) => {
+                undo_drift(state, &model_error);
+                context.counters.altitudes_rejected += 1;
+            }
+        }
+        if let Some(event) = event {
+            count_event(&mut context.counters, event);
+        }
+        gated
+    }
+
+    /// Updates the state with a fix that passed the gate.
+    #[inline]
+    pub(super) fn apply<S: Scalar>(
+        &mut self,
+        context: &mut Context,
+        sample: &Sample,
+        state: &mut State<S>,
+        scale_reset: &mut ScalePriorReset,
+        AcceptedFix(fix): AcceptedFix<S>,
+    ) -> ScalarUpdate<S> {
+        let measurement = ScalarMeasurement {
+            observation: Observation::Altitude,
+            innovation: fix.innovation(state),
+            variance: fix.variance,
+        };
+        context.counters.altitudes_used += 1;
+        let update = measurement.apply(state);
+        if scale_reset.widen(state, sample.end.cell, &context.tuning.prior) {
+            // The model's error passed for noise of the receiver.
+            self.gate.unlearn(&context.tuning);
+            count(&mut context.counters.scales_reopened);
+        }
+        update
+    }
+
+    /// Returns the fix at the cell's end, with the variance of its white noise.
+    fn fix<S: Scalar>(
+        &self,
+        tuning: &Tuning,
+        altitude: &AltitudeMeasurement,
+        state: &State<S>,
+    ) -> Fix<S> {
+        let sigma = tuning.measurement_noise.altitude_sigma_m * altitude.dilution;
+        Fix {
+            altitude_m: altitude_at_end(state, altitude) - self.datum_m,
+            variance: S::from_f32(self.gate.noise_ratio() * sigma * sigma),
+            continuity: altitude.continuity,
+        }
+    }
+
+    /// Decides what to do with a fix, given the state before the measurements.
+    fn decide<S: Scalar>(
+        &mut self,
+        context: &Context,
+        sample: &Sample,
+        state: &State<S>,
+        fix: &Fix<S>,
+    ) -> (GateDecision, Option<AltitudeEvent>) {
+        let tuning = &context.tuning;
+        if state.origin_m.is_none()
+            || fix.continuity == AltitudeContinuity::Switched
+            || self.gate.silent_s() >= tuning.gates.gnss_silence.seconds()
+        {
+            self.gate.restart();
+            return (GateDecision::SetAltitude, Some(AltitudeEvent::SetAnew));
+        }
+        if fix.continuity == AltitudeContinuity::Drifted {
+            self.gate.restart();
+            return (GateDecision::MoveDatum, None);
+        }
+        let gnss_error_sigma_m = tuning.measurement_noise.gnss_error_sigma_m;
+        let innovation = AltitudeInnovation {
+            innovation: fix.innovation(state),
+            variance: fix.innovation_variance(state),
+            cell: sample.end.cell,
+            fix: TestedFix {
+                altitude_m: fix.altitude_m,
+                variance: fix.variance.to_f32(),
+                gnss_error_variance: self.gate.gnss_error_ratio()
+                    * gnss_error_sigma_m
+                    * gnss_error_sigma_m,
+                wind_variance: wind_variance(context, sample),
+                per_wind_length: 1.0 / tuning.process_noise.wind_length_m,
+            },
+        };
+        self.gate.decide(&innovation, state, tuning)
+    }
+
+    /// Moves the receiver's datum so that a fix has no innovation. How far is as uncertain as the
+    /// innovation was.
+    fn move_datum<S: Scalar>(&mut self, state: &mut State<S>, fix: &mut Fix<S>) {
+        let step_m = fix.innovation(state).to_f32();
+        let variance = fix.innovation_variance(state);
+        fix.altitude_m -= step_m;
+        self.datum_m += step_m;
+        state.covariance.add_variance(GnssError, variance);
+    }
+
+    /// Sets the altitude to the fix less the GNSS error, so that the two share the fix's error.
+    fn set_altitude<S: Scalar>(&mut self, state: &mut State<S>, fix: &mut Fix<S>) {
+        fix.altitude_m += self.datum_m;
+        self.datum_m = 0.0;
+        let origin_m = *state.origin_m.get_or_insert(fix.altitude_m);
+        let above_origin = S::from_f32(fix.altitude_m - origin_m);
+        state.mean[Altitude] = above_origin - state.mean[GnssError];
+        state.covariance.clear(Altitude);
+        state.covariance.shear(Altitude, GnssError, -S::ONE);
+        state.covariance.add_variance(Altitude, fix.variance);
+    }
+}
+
+impl<S: Scalar> Gated<S> {
+    /// Returns the reset of the step with what the gate did.
+    pub(super) const fn reset(&self, before: Reset) -> Reset {
+        if self.sets_altitude {
+            before.and_altitude()
+        } else {
+            before
+        }
+    }
+}
+
+impl<S: Scalar> Fix<S> {
+    fn innovation(&self, state: &State<S>) -> S {
+        let origin_m = state.origin_m.unwrap_or(self.altitude_m);
+        S::from_f32(self.altitude_m - origin_m) - Observation::Altitude.of(&state.mean)
+    }
+
+    fn innovation_variance(&self, state: &State<S>) -> S {
+        let observation = Observation::Altitude;
+        observation.of(&observation.cross(&state.covariance)) + self.variance
+    }
+}
+
+/// Returns the altitude at the cell's end, carried there along the slope from where it was taken, m.
+fn altitude_at_end<S: Scalar>(state: &State<S>, altitude: &AltitudeMeasurement) -> f32 {
+    let x = |index: StateIndex| state.mean[index];
+    let slope_percent = x(Slope) - x(Bias) - x(Wind) + state.net_traction * x(Scale);
+    altitude.altitude_m + altitude.behind_m * 0.01 * slope_percent.to_f32()
+}
+
+/// Returns what the model reads over the cell of a sample.
+fn segment<S: Scalar>(state: &State<S>, dynamics: &Dynamics<S>, sample: &Sample) -> Segment {
+    let per_percent_m = 0.01 * sample.length_m;
+    Segment {
+        length_m: sample.length_m,
+        gnss_error_kept: dynamics.keep_gnss_error.to_f32(),
+        climb_m: per_percent_m * state.mean[Slope].to_f32(),
+        traction_climb_m: per_percent_m * state.net_traction.to_f32(),
+        invalid_sigma_m: if sample.end.condition.is_valid() {
+            0.0
+        } else {
+            per_percent_m * state.sigma(Slope).to_f32()
+        },
+    }
+}
+
+/// Returns to the model error that was known before a drift. What the drift moved it by becomes
+/// variance.
+fn undo_drift<S: Scalar>(state: &mut State<S>, known: &ModelError) {
+    for (index, before) in [
+        (Bias, known.bias_percent),
+        (Wind, known.wind_percent),
+        (Scale, known.scale),
+    ] {
+        let before = S::from_f32(before);
+        let moved = state.mean[index] - before;
+        state.mean[index] = before;
+        state.covariance.add_variance(index, moved * moved);
+    }
+}
+
+fn count_event(counters: &mut Counters, event: AltitudeEvent) {
+    count(match event {
+        AltitudeEvent::Outlier => &mut counters.altitude_outliers,
+        AltitudeEvent::Stepped(_) => &mut counters.altitude_steps,
+        AltitudeEvent::DriftBegan(_) => &mut counters.altitude_drifts,
+        AltitudeEvent::DriftEnded(_) => return,
+        AltitudeEvent::DriftBelieved => &mut counters.altitude_drifts_believed,
+        AltitudeEvent::SetAnew => &mut counters.altitude_resets,
+    });
+}

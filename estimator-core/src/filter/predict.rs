@@ -1,0 +1,126 @@
+//! The prediction over one cell: dynamics, input and process noise in numbers of the vehicle.
+
+use super::dynamics::Dynamics;
+use super::effect_uncertainty::EffectContribution;
+use super::process_noise::{ColouredStates, process_noise};
+use super::state::State;
+use super::state_index::{PerState, StateIndex};
+use crate::context::Context;
+use crate::sample::Sample;
+use crate::scalar::Scalar;
+
+/// A prediction: F, the input, and Q.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Prediction<S> {
+    dynamics: Dynamics<S>,
+    /// The input: specific traction less rolling resistance and effects, times length, m²/s².
+    work: S,
+    noise: PerState<S>,
+}
+
+impl<S: Scalar> Prediction<S> {
+    /// Creates the prediction over the cell of a sample, from a state if there is one.
+    ///
+    /// A cruise control answers the road, so its force is no input from outside. Regressing the
+    /// speed on that force, with the slope as the noise, would pull the scale towards zero, the more
+    /// the stiffer the road model is. Therefore the slope that the model reads at its nominal scale
+    /// is the state that the road model and the speed describe, and the scale's error enters where
+    /// that slope becomes climb: GNSS observes it. Only a force that changes faster than roads bend
+    /// (coasting begins, a gear is in) is an input. Then the slope of the road stays, and the slope
+    /// that is read steps by the scale's error.
+    #[inline]
+    #[must_use]
+    pub fn new(
+        context: &Context,
+        sample: &Sample,
+        from: Option<&State<S>>,
+        gnss_error_ratio: f32,
+        effects: EffectContribution,
+    ) -> Self {
+        let length_m = sample.length_m;
+        let balance = context.model.vehicle.force_balance(&sample.forces);
+        let drag = balance.drag * length_m;
+        let gravity = balance.gravity * length_m;
+        let effects_per_kg = effects.force_n / sample.forces.accelerated_kg();
+        let coloured = ColouredStates::over(context, sample, gnss_error_ratio);
+        let traction = NetTraction::over(context, sample, from);
+        Self {
+            dynamics: Dynamics {
+                half_length: S::from_f32(0.5 * length_m),
+                // exp(-drag) to second order.
+                keep_energy: S::from_f32(1.0 - drag * (1.0 - 0.5 * drag)),
+                net_traction: S::from_f32(traction.percent),
+                traction_jump: S::from_f32(traction.jump_percent),
+                gravity: S::from_f32(gravity),
+                keep_slope_rate: S::from_f32(coloured.slope_rate.keep),
+                keep_bias: S::from_f32(coloured.bias.keep),
+                keep_wind: S::from_f32(coloured.wind.keep),
+                keep_gnss_error: S::from_f32(coloured.gnss_error.keep),
+            },
+            work: S::from_f32((balance.traction - balance.rolling - effects_per_kg) * length_m),
+            noise: process_noise(context, sample, &coloured, gravity, effects.bias_variance),
+        }
+    }
+
+    /// Predicts mean and covariance to the end of the cell.
+    #[inline]
+    pub fn apply(&self, state: &mut State<S>) {
+        self.dynamics.forward(state);
+        let energy = &mut state.mean[StateIndex::KineticEnergy];
+        *energy += self.work;
+        *energy = energy.max(S::ZERO);
+        let PerState {
+            kinetic_energy,
+            altitude: _, // Altitude and slope are integrals of other states.
+            slope: _,
+            slope_rate,
+            bias,
+            wind,
+            scale,
+            gnss_error,
+        } = self.noise;
+        let covariance = &mut state.covariance;
+        covariance.add_variance(StateIndex::KineticEnergy, kinetic_energy);
+        covariance.add_variance(StateIndex::SlopeRate, slope_rate);
+        covariance.add_variance(StateIndex::Bias, bias);
+        covariance.add_variance(StateIndex::Wind, wind);
+        covariance.add_variance(StateIndex::Scale, scale);
+        covariance.add_variance(StateIndex::GnssError, gnss_error);
+    }
+
+    /// Returns F.
+    #[must_use]
+    pub const fn dynamics(&self) -> &Dynamics<S> {
+        &self.dynamics
+    }
+}
+
+/// Net traction at the end of a cell, and the part of its change that no road can have caused.
+struct NetTraction {
+    percent: f32,
+    jump_percent: f32,
+}
+
+impl NetTraction {
+    /// A wrong mass scales all forces but those that are proportional to it; of what is unknown,
+    /// the mass is the largest part. Where the model does not hold, the last value stays.
+    fn over<S: Scalar>(context: &Context, sample: &Sample, from: Option<&State<S>>) -> Self {
+        let forces = &sample.forces;
+        let drag_n = context.model.vehicle.drag_n(forces, sample.end.speed_mps);
+        let now = 100.0 * (forces.traction_n - drag_n) / forces.weight_n();
+        let before = from.map_or(now, |state| state.net_traction.to_f32());
+        let percent = if sample.end.condition.is_valid() {
+            now
+        } else {
+            before
+        };
+        let change = percent - before;
+        let of_the_road = context.tuning.process_noise.traction_change_percent;
+        // Not `clamp`, which panics if the limits are in the wrong order.
+        let jump_percent = change - Scalar::min(of_the_road, Scalar::max(-of_the_road, change));
+        Self {
+            percent,
+            jump_percent,
+        }
+    }
+}

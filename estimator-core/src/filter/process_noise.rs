@@ -1,0 +1,124 @@
+//! Process noise: the matrix Q, which is diagonal, and the Gauss-Markov processes behind it.
+
+use super::state_index::PerState;
+use crate::context::Context;
+use crate::sample::Sample;
+use crate::scalar::Scalar;
+
+/// One step of a first-order Gauss-Markov process: x⁺ = k x + w, var w = (1 − k²) σ².
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct GaussMarkov {
+    /// The part k of the state that is left.
+    pub keep: f32,
+    /// The variance of w.
+    pub variance: f32,
+}
+
+impl GaussMarkov {
+    /// Creates the step for a length or time in correlation lengths or times, and the variance σ².
+    fn step(correlation_lengths: f32, variance: f32) -> Self {
+        let keep = 1.0 / (1.0 + correlation_lengths);
+        Self {
+            keep,
+            variance: (1.0 - keep * keep) * variance,
+        }
+    }
+}
+
+/// The coloured states over one cell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct ColouredStates {
+    pub slope_rate: GaussMarkov,
+    pub bias: GaussMarkov,
+    pub wind: GaussMarkov,
+    pub gnss_error: GaussMarkov,
+}
+
+impl ColouredStates {
+    /// Returns their steps over the cell of a sample. `gnss_error_ratio` is the learned over the
+    /// assumed variance of the GNSS error.
+    #[inline]
+    pub(super) fn over(context: &Context, sample: &Sample, gnss_error_ratio: f32) -> Self {
+        let process = &context.tuning.process_noise;
+        let measurement = &context.tuning.measurement_noise;
+        Self {
+            slope_rate: GaussMarkov::step(
+                sample.length_m / process.slope_rate_length_m,
+                process.slope_rate_sigma * process.slope_rate_sigma,
+            ),
+            bias: GaussMarkov::step(
+                sample.length_m / process.bias_length_m,
+                bias_variance(context, sample),
+            ),
+            wind: GaussMarkov::step(
+                sample.length_m / process.wind_length_m,
+                wind_variance(context, sample),
+            ),
+            gnss_error: GaussMarkov::step(
+                sample.duration_s / measurement.gnss_error_time_s,
+                gnss_error_ratio * measurement.gnss_error_sigma_m * measurement.gnss_error_sigma_m,
+            ),
+        }
+    }
+}
+
+/// Returns the diagonal of Q for the cell of a sample.
+///
+/// `gravity` is the energy that a slope of 1 % costs over the cell, m²/s². `effect_variance` is what
+/// uncertain effects add to the bias, %². While the model does not hold (shift, brake, no traction)
+/// the energy has the noise of a slope of [`invalid_noise_percent`]; this is the noise switching of
+/// the thesis (section 3).
+///
+/// [`invalid_noise_percent`]: crate::tuning::ProcessNoise::invalid_noise_percent
+#[inline]
+pub(super) fn process_noise<S: Scalar>(
+    context: &Context,
+    sample: &Sample,
+    coloured: &ColouredStates,
+    gravity: f32,
+    effect_variance: f32,
+) -> PerState<S> {
+    let tuning = &context.tuning.process_noise;
+    let model_percent = if sample.end.condition.is_valid() {
+        100.0 * tuning.force_noise_n / sample.forces.weight_n()
+    } else {
+        tuning.invalid_noise_percent
+    };
+    let energy_sigma = gravity * model_percent;
+    let walk = tuning.scale_walk_per_sqrt_km;
+    PerState {
+        kinetic_energy: S::from_f32(energy_sigma * energy_sigma),
+        altitude: S::ZERO,
+        slope: S::ZERO,
+        slope_rate: S::from_f32(coloured.slope_rate.variance),
+        bias: S::from_f32(coloured.bias.variance + effect_variance),
+        wind: S::from_f32(coloured.wind.variance),
+        scale: S::from_f32(walk * walk * sample.length_m * 0.001),
+        gnss_error: S::from_f32(coloured.gnss_error.variance),
+    }
+}
+
+/// Returns the variance of the bias of this vehicle at this speed, %².
+///
+/// Wind and auxiliaries are forces, which weigh less on a heavy vehicle. Errors of tyres and shape
+/// are proportional to their resistance.
+pub(super) fn bias_variance(context: &Context, sample: &Sample) -> f32 {
+    let tuning = &context.tuning.process_noise;
+    let vehicle = &context.model.vehicle;
+    let weight_n = sample.forces.weight_n();
+    let force = tuning.bias_force_n / weight_n;
+    let rolling = tuning.bias_rolling * vehicle.rolling_resistance;
+    let drag_n = vehicle.drag_n(&sample.forces, sample.end.speed_mps);
+    let drag = tuning.bias_drag * drag_n / weight_n;
+    1e4 * (force * force + rolling * rolling + drag * drag)
+}
+
+/// Returns the variance of what changing wind makes of air resistance, %²: the derivative of thesis
+/// eq. 5 with respect to the speed, times the wind's sigma.
+pub(super) fn wind_variance(context: &Context, sample: &Sample) -> f32 {
+    let speed = sample.end.speed_mps;
+    let per_mps_n = context.model.vehicle.drag_area_m2 * sample.forces.air_density * speed;
+    let wind_mps = context.tuning.process_noise.wind_sigma_mps;
+    let sigma = 100.0 * per_mps_n * wind_mps / sample.forces.weight_n();
+    sigma * sigma
+}

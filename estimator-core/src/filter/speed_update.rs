@@ -1,0 +1,120 @@
+//! The update with the wheel speed.
+
+use super::measurement::{Observation, ScalarMeasurement, ScalarUpdate};
+use super::noise_ratio::{NoiseRatio, SensorNoiseRatios};
+use super::state::State;
+use super::state_index::StateIndex;
+use super::step_record::Reset;
+use crate::context::Context;
+use crate::counters::count;
+use crate::sample::{Sample, SpeedMeasurement};
+use crate::scalar::Scalar;
+use crate::tuning::Tuning;
+use crate::vehicle::GRAVITY;
+
+/// What the filter remembers for the speed updates.
+#[derive(Clone, Debug)]
+pub(super) struct SpeedUpdate {
+    noise: NoiseRatio,
+    /// Distance since the last speed up to the last cell, m.
+    unmeasured_m: f32,
+}
+
+impl SpeedUpdate {
+    /// Creates the memory with the noise known so far.
+    pub(super) fn new(noise: &SensorNoiseRatios, tuning: &Tuning) -> Self {
+        let tuning = &tuning.measurement_noise;
+        Self {
+            noise: NoiseRatio::new(
+                noise.speed,
+                tuning.speed_ratio_low,
+                tuning.speed_ratio_high,
+                tuning.speed_ratio_gain,
+            ),
+            unmeasured_m: 0.0,
+        }
+    }
+
+    /// Returns learned over assumed variance of a reading.
+    pub(super) const fn noise_ratio(&self) -> f32 {
+        self.noise.ratio()
+    }
+
+    /// Updates the state with the speed of a sample, if there is one. `energy_before` is the kinetic
+    /// energy at the start of the cell, m²/s².
+    #[inline]
+    pub(super) fn apply<S: Scalar>(
+        &mut self,
+        context: &mut Context,
+        sample: &Sample,
+        state: &mut State<S>,
+        energy_before: S,
+        reset: Reset,
+    ) -> Option<ScalarUpdate<S>> {
+        let Some(speed) = sample.speed else {
+            self.unmeasured_m += sample.length_m;
+            return None;
+        };
+        let tuning = &context.tuning;
+        let energy = state.mean[StateIndex::KineticEnergy];
+        let gradient = (energy - energy_before) * S::from_f32(1.0 / sample.length_m);
+        let measurement = measurement(state, tuning, speed, gradient, self.noise.ratio());
+        let distance_m = core::mem::take(&mut self.unmeasured_m) + sample.length_m;
+        if is_step(state, tuning, distance_m, &measurement) {
+            // Of the speed, and not of what moves it. The step is in the sensor.
+            let variance = measurement.innovation.squared();
+            let energy = StateIndex::KineticEnergy;
+            state.covariance.add_variance(energy, variance);
+            count(&mut context.counters.speed_steps);
+        }
+        let update = measurement.apply(state);
+        let condition = sample.end.condition;
+        let normalised = update.normalised_squared();
+        if reset == Reset::None && condition.is_valid() && !condition.crawling {
+            let largest = tuning.measurement_noise.largest_innovation;
+            self.noise.learn(normalised.to_f32(), largest);
+        }
+        Some(update)
+    }
+}
+
+/// Returns whether the speed differs by more than noise, road and brakes can make over the distance
+/// since the last one: the sensor slipped, stuck or was replaced.
+fn is_step<S: Scalar>(
+    state: &State<S>,
+    tuning: &Tuning,
+    distance_m: f32,
+    measurement: &ScalarMeasurement<S>,
+) -> bool {
+    let innovation = measurement.innovation.to_f32();
+    let predicted = state.covariance.variance(StateIndex::KineticEnergy);
+    let variance = (predicted + measurement.variance).to_f32();
+    let most = || 0.01 * GRAVITY * tuning.process_noise.invalid_noise_percent * distance_m;
+    innovation * innovation > tuning.gates.speed_test_ratio * variance && innovation.abs() > most()
+}
+
+/// Returns the mean speed as a measurement of v²/2 at the cell's end. `gradient` is the predicted
+/// change of energy along the road, m²/s² per m, which carries the measurement there.
+fn measurement<S: Scalar>(
+    state: &State<S>,
+    tuning: &Tuning,
+    speed: SpeedMeasurement,
+    gradient: S,
+    noise_ratio: f32,
+) -> ScalarMeasurement<S> {
+    let mps = speed.mean_mps;
+    let sigma = if mps < tuning.detection.crawl_mps {
+        tuning.measurement_noise.crawl_speed_sigma_mps
+    } else {
+        tuning.measurement_noise.speed_sigma_mps
+    };
+    let measured = S::from_f32(0.5 * mps * mps) + gradient * S::from_f32(speed.behind_m);
+    let sigma_squared = noise_ratio * sigma * sigma;
+    let variance = mps * mps * sigma_squared / f32::from(speed.count.max(1));
+    ScalarMeasurement {
+        observation: Observation::Energy,
+        innovation: measured - state.mean[StateIndex::KineticEnergy],
+        // d(v²/2) = v dv, and dv²/2 where v is no larger than its noise.
+        variance: S::from_f32(variance + 0.5 * sigma_squared * sigma_squared),
+    }
+}

@@ -1,0 +1,148 @@
+//! Source arbitration: one source owns each signal.
+//!
+//! Two controllers may send the same parameter group (a brake and an engine controller both send
+//! CCVS1), and two groups the same signal (a position comes in 129025 and in 129029). Mixing them
+//! would add their offsets as noise. For 10 s the lowest source address wins; after that the first
+//! owner keeps the signal. After a silence of 5 s another source may stand in; the owner takes the
+//! signal back when it sends again.
+//!
+//! A truck may have two retarders, one at the engine and one at the gearbox. Each reports its own
+//! torque, so retarder torque has no owner.
+//!
+//! Which controller starts first is chance. J1939 gives the lowest addresses to the controllers that
+//! measure (engine 0, gearbox 3, brakes 11), and those above 127 to whatever asks for one.
+
+use crate::signal::Signal;
+use crate::time::Instant;
+use crate::tuning::HoldTimes;
+
+/// Whether a reading comes from the source that owns its signal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Admission {
+    /// It comes from the source in use.
+    Admitted,
+    /// It comes from another source than the last one in use. Its offset may differ.
+    Switched,
+    /// Another source owns the signal.
+    Refused,
+}
+
+/// The source of a signal: an address, and the message it is sent in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sender(u16);
+
+impl Sender {
+    /// No sender: there are not so many messages.
+    const NONE: Self = Self(u16::MAX);
+
+    const fn address(self) -> u8 {
+        self.0 as u8
+    }
+
+    /// Creates the sender with this address, in the message with this index.
+    #[must_use]
+    pub const fn new(message: usize, address: u8) -> Self {
+        Self(((message as u16) << 8) | address as u16)
+    }
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Ownership {
+    /// The source in use.
+    sender: Sender,
+    /// The source that takes the signal whenever it sends.
+    owner: Sender,
+    last_seen: Instant,
+}
+
+/// The owner of each signal.
+#[derive(Clone, Debug)]
+pub struct SourceArbiter {
+    signals: [Ownership; Signal::ALL.len()],
+    started: Option<Instant>,
+}
+
+impl SourceArbiter {
+    /// Creates the arbiter before the first reading.
+    #[must_use]
+    pub const fn new() -> Self {
+        let none = Ownership {
+            sender: Sender::NONE,
+            owner: Sender::NONE,
+            last_seen: Instant::ZERO,
+        };
+        Self {
+            signals: [none; Signal::ALL.len()],
+            started: None,
+        }
+    }
+
+    /// Decides whether a reading of `signal` counts. Only a measurement (`available`) takes or keeps
+    /// a signal.
+    pub fn admit(
+        &mut self,
+        signal: Signal,
+        sender: Sender,
+        now: Instant,
+        available: bool,
+        tuning: &HoldTimes,
+    ) -> Admission {
+        if signal == Signal::RetarderTorque {
+            return Admission::Admitted;
+        }
+        let Some(ownership) = self.signals.get_mut(signal as usize) else {
+            return Admission::Refused;
+        };
+        if ownership.sender == sender {
+            if available {
+                ownership.last_seen = now;
+            }
+            return Admission::Admitted;
+        }
+        let started = *self.started.get_or_insert(now);
+        let is_start = now.since(started) < tuning.source_start;
+        ownership.hand_over(sender, now, available, is_start, tuning)
+    }
+}
+
+impl Ownership {
+    /// Decides on a reading of another source than the one in use.
+    #[inline(never)] // Not on the path of every reading.
+    fn hand_over(
+        &mut self,
+        sender: Sender,
+        now: Instant,
+        available: bool,
+        is_start: bool,
+        tuning: &HoldTimes,
+    ) -> Admission {
+        let is_free = self.sender == Sender::NONE;
+        if !available {
+            return if is_free {
+                Admission::Admitted
+            } else {
+                Admission::Refused
+            };
+        }
+        let precedes = is_start && sender.address() < self.owner.address();
+        let returns = sender == self.owner;
+        if is_free || precedes {
+            self.owner = sender;
+        } else if !returns && now.since(self.last_seen) <= tuning.source_timeout {
+            return Admission::Refused;
+        }
+        self.sender = sender;
+        self.last_seen = now;
+        if is_free {
+            Admission::Admitted
+        } else {
+            Admission::Switched
+        }
+    }
+}
+
+impl Default for SourceArbiter {
+    fn default() -> Self {
+        Self::new()
+    }
+}

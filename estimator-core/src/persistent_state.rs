@@ -1,0 +1,362 @@
+//! The persistent state: what one drive leaves for the next, and its form in non-volatile memory.
+//!
+//! It holds the slow states with their covariance, and the noise of the sensors. Everything else is
+//! found again within seconds. Wind is not kept: it is another one the next day.
+//! [`crate::filter::prior`] decides how much of the persistent state the next drive starts with.
+//!
+//! The stored form has [`PersistentState::LEN`] bytes. Numbers are little endian, `f32` as in
+//! IEEE 754:
+//!
+//! | offset | type | content |
+//! |---|---|---|
+//! | 0 | 4 bytes | `72 67 6b 1a`: "rgk" and a control byte |
+//! | 4 | u32 | version of this table, 1 |
+//! | 8 | u32 | fingerprint of the vehicle parameters: CRC-32 over them |
+//! | 12 | f32 | mass of the model, kg |
+//! | 16 | f32 | bias, % |
+//! | 20 | f32 | its variance, %² |
+//! | 24 | f32 | scale less one |
+//! | 28 | f32 | its variance |
+//! | 32 | f32 | covariance of the two, % |
+//! | 36 | f32 | white noise of a wheel speed, 1 sigma, m/s |
+//! | 40 | f32 | white noise of a GNSS altitude, 1 sigma, m |
+//! | 44 | f32 | slow error of GNSS altitude, 1 sigma, m |
+//! | 48 | u32 | CRC-32 (ISO-HDLC, as in zip and Ethernet) over the bytes before |
+//!
+//! On an ECU, write the bytes when the ignition goes off, into the older of two slots: an interrupted
+//! write leaves the other slot intact. When the ignition comes on, read both slots and start with one
+//! that is valid.
+//!
+//! ```
+//! # use estimator_core::{Estimator, PersistentState, PersistentStateError, Traction, Tuning, VehicleParameters};
+//! # let vehicle = VehicleParameters {
+//! #     mass_kg: 19_000.0,
+//! #     drag_area_m2: 5.2,
+//! #     rolling_resistance: 0.008,
+//! #     wheel_radius_m: 0.48,
+//! #     wheel_inertia_kgm2: 60.0,
+//! #     traction: Traction::Force,
+//! # };
+//! # let slot = [0xff; PersistentState::LEN];
+//! # let mut written = None;
+//! let restored = PersistentState::from_bytes(&slot)
+//!     .and_then(|state| Estimator::<f32>::restore(vehicle.clone(), Tuning::default(), &state));
+//! let estimator = match restored {
+//!     Ok(estimator) => estimator,
+//!     Err(_) => Estimator::new(vehicle, Tuning::default())?, // empty, damaged, or of another vehicle
+//! };
+//! // ... a drive later:
+//! if let Some(state) = estimator.persistent_state() {
+//!     written = Some(state.to_bytes());
+//! }
+//! # assert!(written.is_none());
+//! # Ok::<(), estimator_core::ParameterError>(())
+//! ```
+
+use crate::filter::{SensorNoiseRatios, SlowStates};
+use crate::model::Model;
+use crate::scalar::Scalar;
+use crate::tuning::MeasurementNoise;
+use crate::vehicle::{ParameterError, Traction};
+use crc::{CRC_32_ISO_HDLC, Crc, Digest, NoTable};
+
+/// First bytes of the stored form.
+const MAGIC: u32 = u32::from_le_bytes(*b"rgk\x1a");
+/// Version of the layout and of the meaning of its numbers.
+const VERSION: u32 = 1;
+/// Without a table: the data are short and flash is scarce.
+const CHECKSUM: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
+
+/// Number of bytes that the checksum covers.
+const CHECKED: usize = PersistentState::LEN - 4;
+
+/// Ranges of the values that a drive can leave. A correct checksum does not replace them.
+mod possible {
+    use core::ops::RangeInclusive;
+    /// Mass, kg.
+    pub const MASS: RangeInclusive<f32> = 100.0..=1e6;
+    /// Bias, %.
+    pub const BIAS: RangeInclusive<f32> = -50.0..=50.0;
+    /// Scale error, 1.
+    pub const SCALE: RangeInclusive<f32> = -0.9..=9.0;
+    /// Variances of bias, %², and scale, 1.
+    pub const VARIANCE: RangeInclusive<f32> = 1e-12..=1e4;
+    /// Sigmas of the sensors, m/s or m.
+    pub const SIGMA: RangeInclusive<f32> = 1e-6..=1e4;
+    /// Square of the correlation. Rounding may leave it slightly above one.
+    pub const CORRELATION: RangeInclusive<f32> = 0.0..=1.001;
+}
+
+/// What one drive leaves for the next: the slow states and the noise of the sensors.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct PersistentState {
+    fingerprint: u32,
+    slow: SlowStates,
+    sensors: SensorSigmas,
+}
+
+/// Noise of the sensors as sigmas with units: the tuning may differ in the next release.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+struct SensorSigmas {
+    speed_mps: f32,
+    altitude_m: f32,
+    gnss_error_m: f32,
+}
+
+/// Why stored data are not used.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub enum PersistentStateError {
+    /// They have this many bytes, not [`PersistentState::LEN`].
+    Length(usize),
+    /// They do not start with the magic number: something else, or never written.
+    Magic,
+    /// Another release wrote them, with this version of the layout.
+    Version(u32),
+    /// They are damaged.
+    Checksum,
+    /// They hold a value that no drive can leave.
+    Value,
+    /// They belong to another vehicle, or to other parameters.
+    Vehicle,
+    /// The model has a parameter that no vehicle can have.
+    Parameter(ParameterError),
+}
+
+impl core::fmt::Display for PersistentStateError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Length(length) => write!(f, "{length} bytes: expected {}", PersistentState::LEN),
+            Self::Magic => f.write_str("not a persistent state"),
+            Self::Version(version) => write!(f, "version {version}: expected {VERSION}"),
+            Self::Checksum => f.write_str("damaged: the checksum does not match"),
+            Self::Value => f.write_str("holds a value that no drive can leave"),
+            Self::Vehicle => f.write_str("belongs to another vehicle, or to other parameters"),
+            Self::Parameter(error) => error.fmt(f),
+        }
+    }
+}
+
+impl core::error::Error for PersistentStateError {}
+
+impl From<ParameterError> for PersistentStateError {
+    fn from(error: ParameterError) -> Self {
+        Self::Parameter(error)
+    }
+}
+
+impl PersistentState {
+    /// Length of the stored form, bytes.
+    pub const LEN: usize = 52;
+
+    /// Creates what a drive leaves; `None` if a value could not be read back.
+    pub(crate) fn new(
+        model: &Model,
+        tuning: &MeasurementNoise,
+        slow: SlowStates,
+        noise: &SensorNoiseRatios,
+    ) -> Option<Self> {
+        let learned = |ratio: f32, sigma: f32| Scalar::sqrt(ratio) * sigma;
+        let state = Self {
+            fingerprint: fingerprint(model),
+            slow,
+            sensors: SensorSigmas {
+                speed_mps: learned(noise.speed, tuning.speed_sigma_mps),
+                altitude_m: learned(noise.altitude, tuning.altitude_sigma_m),
+                gnss_error_m: learned(noise.gnss_error, tuning.gnss_error_sigma_m),
+            },
+        };
+        state.is_possible().then_some(state)
+    }
+
+    /// Returns the slow states of the vehicle.
+    #[must_use]
+    pub const fn slow_states(&self) -> &SlowStates {
+        &self.slow
+    }
+
+    /// Returns the noise of the sensors, relative to what this tuning assumes.
+    #[must_use]
+    pub fn noise(&self, tuning: &MeasurementNoise) -> SensorNoiseRatios {
+        let ratio = |learned: f32, assumed: f32| (learned / assumed) * (learned / assumed);
+        SensorNoiseRatios {
+            speed: ratio(self.sensors.speed_mps, tuning.speed_sigma_mps),
+            altitude: ratio(self.sensors.altitude_m, tuning.altitude_sigma_m),
+            gnss_error: ratio(self.sensors.gnss_error_m, tuning.gnss_error_sigma_m),
+        }
+    }
+
+    /// Checks that it was learned with this model.
+    ///
+    /// # Errors
+    /// [`PersistentStateError::Vehicle`] if not.
+    pub fn check_model(&self, model: &Model) -> Result<(), PersistentStateError> {
+        if self.fingerprint == fingerprint(model) {
+            Ok(())
+        } else {
+            Err(PersistentStateError::Vehicle)
+        }
+    }
+
+    /// Returns the stored form.
+    #[must_use]
+    pub fn to_bytes(&self) -> [u8; Self::LEN] {
+        let SlowStates {
+            mass_kg,
+            bias_percent,
+            bias_variance,
+            scale_error,
+            scale_variance,
+            covariance,
+        } = self.slow;
+        let SensorSigmas {
+            speed_mps,
+            altitude_m,
+            gnss_error_m,
+        } = self.sensors;
+        let numbers = [
+            mass_kg,
+            bias_percent,
+            bias_variance,
+            scale_error,
+            scale_variance,
+            covariance,
+            speed_mps,
+            altitude_m,
+            gnss_error_m,
+        ];
+        let words = [MAGIC, VERSION, self.fingerprint]
+            .into_iter()
+            .chain(numbers.map(f32::to_bits));
+        let mut bytes = [0; Self::LEN];
+        for (place, word) in bytes.chunks_exact_mut(4).zip(words) {
+            place.copy_from_slice(&word.to_le_bytes());
+        }
+        let (content, checksum) = bytes.split_at_mut(CHECKED);
+        checksum.copy_from_slice(&CHECKSUM.checksum(content).to_le_bytes());
+        bytes
+    }
+
+    /// Reads the stored form. [`Self::check_model`] tests whether it belongs to a model.
+    ///
+    /// # Errors
+    /// The reason why the data are not a complete, undamaged state of this version.
+    pub fn from_bytes(bytes: &[u8]) -> Result<Self, PersistentStateError> {
+        let (words, rest) = bytes.as_chunks();
+        let word = |bytes: &[u8; 4]| u32::from_le_bytes(*bytes);
+        // Another version may have another length, which is checked later.
+        if words.first().map(word).is_some_and(|magic| magic != MAGIC) {
+            return Err(PersistentStateError::Magic);
+        }
+        if let Some(version) = words.get(1).map(word).filter(|found| *found != VERSION) {
+            return Err(PersistentStateError::Version(version));
+        }
+        let (
+            &[
+                _,
+                _,
+                fingerprint,
+                mass_kg,
+                bias_percent,
+                bias_variance,
+                scale_error,
+                scale_variance,
+                covariance,
+                speed_mps,
+                altitude_m,
+                gnss_error_m,
+                checksum,
+            ],
+            [],
+        ) = (words, rest)
+        else {
+            return Err(PersistentStateError::Length(bytes.len()));
+        };
+        let checked = bytes.get(..CHECKED).unwrap_or_default();
+        if CHECKSUM.checksum(checked) != word(&checksum) {
+            return Err(PersistentStateError::Checksum);
+        }
+        let number = f32::from_le_bytes;
+        let state = Self {
+            fingerprint: word(&fingerprint),
+            slow: SlowStates {
+                mass_kg: number(mass_kg),
+                bias_percent: number(bias_percent),
+                bias_variance: number(bias_variance),
+                scale_error: number(scale_error),
+                scale_variance: number(scale_variance),
+                covariance: number(covariance),
+            },
+            sensors: SensorSigmas {
+                speed_mps: number(speed_mps),
+                altitude_m: number(altitude_m),
+                gnss_error_m: number(gnss_error_m),
+            },
+        };
+        if state.is_possible() {
+            Ok(state)
+        } else {
+            Err(PersistentStateError::Value)
+        }
+    }
+
+    /// Returns whether a drive can leave it. Ranges do not contain NaN.
+    fn is_possible(&self) -> bool {
+        let Self { slow, sensors, .. } = self;
+        let correlation =
+            slow.covariance * slow.covariance / (slow.bias_variance * slow.scale_variance);
+        possible::MASS.contains(&slow.mass_kg)
+            && possible::BIAS.contains(&slow.bias_percent)
+            && possible::VARIANCE.contains(&slow.bias_variance)
+            && possible::SCALE.contains(&slow.scale_error)
+            && possible::VARIANCE.contains(&slow.scale_variance)
+            && possible::CORRELATION.contains(&correlation)
+            && possible::SIGMA.contains(&sensors.speed_mps)
+            && possible::SIGMA.contains(&sensors.altitude_m)
+            && possible::SIGMA.contains(&sensors.gnss_error_m)
+    }
+}
+
+/// Returns a fingerprint that differs between vehicles and between edits of one: CRC-32 over all
+/// parameters in a fixed order, effects with their names.
+fn fingerprint(model: &Model) -> u32 {
+    let vehicle = &model.vehicle;
+    let mut digest = CHECKSUM.digest();
+    let mut add = |number: f32| add_bytes(&mut digest, &number.to_le_bytes());
+    add(vehicle.mass_kg);
+    add(vehicle.drag_area_m2);
+    add(vehicle.rolling_resistance);
+    add(vehicle.wheel_radius_m);
+    add(vehicle.wheel_inertia_kgm2);
+    // A measured force adds nothing, a powertrain adds at least one gear.
+    if let Traction::Powertrain(powertrain) = &vehicle.traction {
+        add(powertrain.engine_inertia_kgm2);
+        add(powertrain.reference_torque_nm);
+        add(powertrain.final_drive_ratio);
+        add(powertrain.final_drive_efficiency);
+        for gear in &powertrain.gears {
+            add(gear.ratio);
+            add(gear.efficiency);
+        }
+    }
+    for adopted in model.effects.iter() {
+        let amount = [
+            ("amount", adopted.amount),
+            ("amount_sigma", adopted.amount_sigma),
+        ];
+        add_bytes(&mut digest, adopted.effect.name.as_bytes());
+        for (key, value) in amount.into_iter().chain(adopted.given_parameters()) {
+            add_bytes(&mut digest, key.as_bytes());
+            add_bytes(&mut digest, &value.to_le_bytes());
+        }
+    }
+    digest.finalize()
+}
+
+/// Not inlined: a checksum without a table is a loop over bits, of which one copy is enough.
+#[inline(never)]
+fn add_bytes(digest: &mut Digest<'_, u32, NoTable>, bytes: &[u8]) {
+    digest.update(bytes);
+}

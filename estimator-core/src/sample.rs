@@ -1,0 +1,106 @@
+//! A sample: what the filter is given for one cell.
+
+#[cfg(doc)]
+use crate::cell::CELL_LENGTH_M;
+use crate::cell::CellEnd;
+use crate::maybe::Maybe;
+
+/// The measurements and inputs of one cell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Sample {
+    /// Where and when the cell ends.
+    pub end: CellEnd,
+    /// Cells driven since the last sample without one (a gap in the traffic), normally 0.
+    pub gap_cells: u32,
+    /// Length of the step, m: [`CELL_LENGTH_M`].
+    pub length_m: f32,
+    /// Time taken, s.
+    pub duration_s: f32,
+    /// Mean forces and masses over the cell, scaled by the adopted effects.
+    pub forces: ForceInputs,
+    /// What effects depend on besides the forces.
+    pub effect_inputs: EffectInputs,
+    /// Mean of the speed readings in the cell, if there are any.
+    pub speed: Option<SpeedMeasurement>,
+    /// GNSS altitude taken in the cell, if there is one.
+    pub altitude: Option<AltitudeMeasurement>,
+    /// The vehicle stood before this cell, for long or to be loaded. What was learned of its bias
+    /// and scale may be wrong.
+    pub after_load_change: bool,
+}
+
+/// Mean of the speed readings in a cell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct SpeedMeasurement {
+    /// Quadratic mean, m/s: v²/2 grows evenly with distance, v does not.
+    pub mean_mps: f32,
+    /// Distance from where it was taken to the cell's end, m.
+    pub behind_m: f32,
+    /// Number of readings.
+    pub count: u8,
+}
+
+/// A GNSS altitude.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct AltitudeMeasurement {
+    /// Altitude, m.
+    pub altitude_m: f32,
+    /// Distance from where it was taken to the cell's end, m.
+    pub behind_m: f32,
+    /// Dilution of precision, at least 1.
+    pub dilution: f32,
+    /// How it follows from the altitude before it.
+    pub continuity: AltitudeContinuity,
+}
+
+/// How an altitude follows from the one before it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum AltitudeContinuity {
+    /// Both come from the same receiver.
+    #[default]
+    Followed,
+    /// The slow error may have changed by any amount since. No sender reports this; a second pass
+    /// over a drive may know it from the first.
+    Drifted,
+    /// The source is another one than before: its datum may differ by tens of metres.
+    Switched,
+}
+
+/// What the force balance depends on besides the vehicle parameters.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct ForceInputs {
+    /// Net force at the driven wheels, N.
+    pub traction_n: f32,
+    /// Mass that rotating parts add, kg.
+    pub rotating_kg: f32,
+    /// Mass of the combination, kg.
+    pub mass_kg: f32,
+    /// Air density, kg/m³.
+    pub air_density: f32,
+}
+
+/// What effects depend on besides the forces and the position.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct EffectInputs {
+    /// Time in motion since the start or the last long stop, s.
+    pub driven_s: f32,
+    /// Yaw rate, positive to the left, rad/s: the mean of the readings (SPN 1808), else from the
+    /// change of course.
+    pub yaw_rate_radps: Maybe,
+    /// Course over ground, clockwise from north, °.
+    pub course_deg: Maybe,
+    /// Speed over ground, m/s.
+    pub gnss_speed_mps: Maybe,
+    /// Fan drive (SPN 975), %.
+    pub fan_percent: Maybe,
+    /// Outside temperature, °C.
+    pub ambient_celsius: Maybe,
+    /// Whether the driveline passes torque; true for a measured force.
+    pub engaged: bool,
+}

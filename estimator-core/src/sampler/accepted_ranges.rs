@@ -1,0 +1,14 @@
+//! The ranges of readings that are accepted. Readings outside them are treated as not available.
+
+use core::ops::{Range, RangeInclusive};
+
+/// Speeds of road vehicles, m/s.
+pub(super) const SPEEDS_MPS: RangeInclusive<f32> = 0.0..=70.0;
+/// Altitudes of roads, m.
+pub(super) const ALTITUDES_M: Range<f32> = -1_000.0..10_000.0;
+/// Yaw rates of road vehicles, rad/s.
+pub(super) const YAW_RATES_RADPS: RangeInclusive<f32> = -2.0..=2.0;
+/// Courses over ground, °.
+pub(super) const COURSES_DEG: RangeInclusive<f32> = 0.0..=360.0;
+/// Fan drive, %.
+pub(super) const FANS_PERCENT: RangeInclusive<f32> = 0.0..=100.0;

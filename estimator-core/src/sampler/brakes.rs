@@ -1,0 +1,88 @@
+//! Reported brakes, and their hold time.
+
+use super::latest::Latest;
+use crate::signal::Signal;
+use crate::time::Instant;
+use crate::tuning::Tuning;
+
+/// Brake signals, and the end of their hold time.
+///
+/// A brake that is on when its sender stops sending stays on until its last value is stale, and for
+/// its hold time after that. Then nothing is known of it, as on a vehicle without brake signals.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Brakes {
+    switch: Latest,
+    pedal: Latest,
+    pressure: Latest,
+    parking_brake: Latest,
+    retarder: Latest,
+    until: Instant,
+}
+
+impl Brakes {
+    /// Takes a reading.
+    #[inline(always)] // In Sampler::record.
+    pub(super) fn record(
+        &mut self,
+        tuning: &Tuning,
+        now: Instant,
+        signal: Signal,
+        value: Option<f32>,
+    ) {
+        match signal {
+            Signal::BrakeSwitch => self.switch.set_if_available(value, now),
+            Signal::BrakePedal => self.pedal.set_if_available(value, now),
+            Signal::BrakePressure => self.pressure.set_if_available(value, now),
+            Signal::ParkingBrake => self.parking_brake.set_if_available(value, now),
+            Signal::RetarderTorque => self.retarder.set_if_available(value, now),
+            _ => return,
+        }
+        self.hold(tuning, now);
+    }
+
+    /// Extends the hold time while a brake is on.
+    pub(super) fn hold(&mut self, tuning: &Tuning, now: Instant) {
+        let hold_times = &tuning.hold_times;
+        if self.service_brakes(tuning, now) {
+            self.until = self.until.max(now + hold_times.brake_hold);
+        }
+        if self.retards(tuning, now) {
+            self.until = self.until.max(now + hold_times.retarder_hold);
+        }
+    }
+
+    fn service_brakes(&self, tuning: &Tuning, now: Instant) -> bool {
+        let timeout = tuning.hold_times.state_timeout;
+        let above = |latest: &Latest, limit| {
+            latest
+                .within(now, timeout)
+                .is_some_and(|value| value > limit)
+        };
+        self.switch.is_on(now, timeout)
+            || self.parking_brake.is_on(now, timeout)
+            || above(&self.pedal, tuning.detection.brake_pedal_percent)
+            || above(&self.pressure, tuning.detection.brake_pressure_pa)
+    }
+
+    fn retards(&self, tuning: &Tuning, now: Instant) -> bool {
+        self.retarder
+            .within(now, tuning.hold_times.state_timeout)
+            .is_some_and(|percent| percent < tuning.detection.retarder_percent)
+    }
+
+    /// Returns whether any signal of the service brakes is received.
+    pub(super) fn are_reported(&self, tuning: &Tuning, now: Instant) -> bool {
+        [&self.switch, &self.pedal, &self.pressure]
+            .into_iter()
+            .any(|signal| {
+                signal
+                    .within(now, tuning.hold_times.state_timeout)
+                    .is_some()
+            })
+    }
+
+    /// Returns whether a brake, or its hold time, is on.
+    pub(super) fn are_on(&self, now: Instant) -> bool {
+        now < self.until
+    }
+}

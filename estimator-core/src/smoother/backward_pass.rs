@@ -1,0 +1,96 @@
+//! The backward pass over filter steps: Bryson-Frazier as modified by Bierman.
+//!
+//! It carries the adjoint vector λ and its information matrix Λ, so that no covariance is inverted.
+//! The smoothed mean is x − P λ and the smoothed covariance P − P Λ P, with x and P as the filter
+//! had them at each cell (G. J. Bierman, "Fixed interval smoothing with discrete measurements", Int.
+//! J. Control 18:65, 1973). One step costs less than one of the filter, whose gains are in the
+//! record.
+
+use crate::cell::Estimate;
+use crate::filter::StateIndex::{Altitude, GnssError, KineticEnergy};
+use crate::filter::measurement::{Observation, ScalarUpdate};
+use crate::filter::{Covariance, Quantity, QuantityEstimate, SmootherInput, State, StateVector};
+use crate::scalar::Scalar;
+
+/// What later steps say about earlier ones: λ and Λ.
+#[derive(Clone, Copy, Debug)]
+pub struct BackwardPass<S> {
+    pub(super) lambda: StateVector<S>,
+    pub(super) information: Covariance<S>,
+}
+
+impl<S: Scalar> BackwardPass<S> {
+    /// Creates the pass at the newest step, of which nothing later is known.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            lambda: StateVector::ZERO,
+            information: Covariance::ZERO,
+        }
+    }
+
+    /// Returns the smoothed estimate of a quantity, given the filter's.
+    #[must_use]
+    pub fn smooth(&self, filtered: &QuantityEstimate<S>) -> QuantityEstimate<S> {
+        let spread = self.information.times(&filtered.cross);
+        let reduction = filtered.cross.dot(&spread);
+        QuantityEstimate {
+            mean: filtered.mean - filtered.cross.dot(&self.lambda),
+            variance: (filtered.variance - reduction).max(S::ZERO),
+            cross: filtered.cross,
+        }
+    }
+
+    /// Returns the smoothed estimate where the filter had `state`.
+    #[must_use]
+    pub fn estimate(&self, state: &State<S>) -> Estimate {
+        let smoothed = |quantity| self.smooth(&state.quantity(quantity));
+        let energy = self.smooth_energy(state);
+        Estimate {
+            grade_percent: smoothed(Quantity::Slope).grade(),
+            altitude_m: smoothed(Quantity::Altitude).altitude(state.origin_m),
+            speed_mps: (energy + energy).sqrt().to_f32(),
+            bias_percent: smoothed(Quantity::Bias).uncertain(),
+            scale: smoothed(Quantity::Scale).uncertain().plus(1.0),
+        }
+    }
+
+    fn smooth_energy(&self, state: &State<S>) -> S {
+        state.mean[KineticEnergy] - state.covariance.row(KineticEnergy).dot(&self.lambda)
+    }
+
+    /// Goes back over a step: from after its measurements to after those of the step before.
+    pub fn retreat(&mut self, step: &SmootherInput<S>) {
+        // In the reverse order of the filter's updates.
+        for (observation, update) in step.updates() {
+            self.undo(observation, update);
+        }
+        if step.reset.sets_altitude() {
+            self.information.shear(GnssError, Altitude, -S::ONE);
+            self.information.clear(Altitude);
+        }
+        if step.reset.is_gap() {
+            self.information.clear_after_gap();
+        } else {
+            step.dynamics.transpose_matrix(&mut self.information);
+        }
+        step.transpose_prediction(&mut self.lambda);
+    }
+
+    /// Applies λ ← (I − K h)' λ − h' ν/S and Λ ← (I − K h)' Λ (I − K h) + h' h/S. Only the states
+    /// that the measurement observes change.
+    fn undo(&mut self, observation: Observation, update: &ScalarUpdate<S>) {
+        let per_variance = S::ONE / update.innovation_variance;
+        let spread = self.information.times(&update.gain);
+        let within = update.gain.dot(&spread);
+        update.transpose_vector(observation, &mut self.lambda);
+        observation.add_to(&mut self.lambda, -(update.innovation * per_variance));
+        observation.add_products(&mut self.information, &spread, within + per_variance);
+    }
+}
+
+impl<S: Scalar> Default for BackwardPass<S> {
+    fn default() -> Self {
+        Self::new()
+    }
+}

@@ -1,0 +1,155 @@
+//! Every threshold and noise level of the estimator: default, unit, range, meaning and source on one
+//! line each.
+//!
+//! A host reads other values from a file (`--tuning FILE.toml`, see `docs/tuning.md`). The keys in
+//! that file are the field names here; a [`Duration`] has the ending `_ms`. Physical constants, the
+//! ranges of accepted readings and the sizes of fixed memory are no tuning: they stand where they
+//! are used.
+//!
+//! Force noises are forces. The grade error that they make is proportional to 1/(m g), so one set
+//! serves a loaded combination and a solo tractor.
+
+mod parameter;
+
+pub use parameter::{TuningError, TuningParameter};
+
+use crate::time::Duration;
+use parameter::tuning;
+
+tuning! {
+    /// Noise of the sensors, and how it is learned from innovations.
+    measurement_noise: MeasurementNoise {
+        speed_sigma_mps: f32 = 0.013, 1e-4..=1.0, "m/s", "white noise of one wheel-speed reading, 1 sigma", "thesis tables 2 and 3: width of the pointwise grade errors gives 0.009 to 0.013";
+        crawl_speed_sigma_mps: f32 = 0.1, 1e-4..=2.0, "m/s", "the same below `detection.crawl_mps`, where pulses of a wheel sensor are few", "estimate: one pulse of a 100-tooth wheel a reading";
+        speed_ratio_low: f32 = 0.1, 1e-3..=1.0, "1", "smallest learned over assumed variance of speed", "a third of the assumed sigma";
+        speed_ratio_high: f32 = 25.0, 1.0..=1e4, "1", "largest learned over assumed variance of speed", "five times the assumed sigma";
+        speed_ratio_gain: f32 = 0.01, 0.0..=1.0, "1", "part of a normalised squared innovation by which the ratio follows", "Mehra 1970; a memory of 100 readings";
+        altitude_sigma_m: f32 = 0.5, 0.01..=50.0, "m", "white noise of one GNSS altitude at a dilution of precision of 1, 1 sigma", "single-frequency receivers: 0.3 to 1 m from fix to fix";
+        altitude_ratio_low: f32 = 0.05, 1e-3..=1.0, "1", "smallest learned over assumed variance of altitude", "a fifth of the assumed sigma";
+        altitude_ratio_high: f32 = 100.0, 1.0..=1e4, "1", "largest learned over assumed variance of altitude", "ten times the assumed sigma";
+        altitude_ratio_gain: f32 = 0.03, 0.0..=1.0, "1", "part of a normalised squared innovation by which the ratio follows", "Mehra 1970; a memory of 30 fixes";
+        gnss_error_sigma_m: f32 = 3.0, 0.01..=100.0, "m", "coloured error of GNSS altitude, 1 sigma", "Ornstein-Uhlenbeck model, Sensors 20:6050";
+        gnss_error_time_s: f32 = 200.0, 1.0..=1e5, "s", "correlation time of the coloured error", "Ornstein-Uhlenbeck model, Sensors 20:6050: 100 to 300 s";
+        gnss_error_sum_s: f32 = 16.0, 1.0..=1000.0, "s", "time over which innovations are summed to learn the coloured error", "long beside white noise, short beside `gnss_error_time_s`";
+        gnss_error_ratio_low: f32 = 0.01, 1e-4..=1.0, "1", "smallest learned over assumed variance of the coloured error", "a tenth of the assumed sigma";
+        gnss_error_ratio_high: f32 = 100.0, 1.0..=1e4, "1", "largest learned over assumed variance of the coloured error", "ten times the assumed sigma";
+        gnss_error_first_weight: u8 = 3, 1.0..=255.0, "sums", "number of sums that the assumed variance counts as at first", "chosen: the first sums may move it by a third";
+        gnss_error_last_weight: u8 = 25, 1.0..=255.0, "sums", "number of sums that the learned variance is a mean over", "chosen: 400 s";
+        gnss_error_largest_sum: f32 = 9.0, 1.0..=1e4, "1", "squared sum over its variance that a sum counts as at most", "three sigmas: beyond is no noise";
+        largest_innovation: f32 = 25.0, 1.0..=1e4, "1", "normalised squared innovation that an innovation counts as at most when noise is learned", "five sigmas: beyond is no noise";
+        many_satellites: f32 = 8.0, 1.0..=50.0, "1", "number of satellites beyond which more do not lower the noise", "chosen";
+        dilution_per_missing_satellite: f32 = 0.5, 0.0..=10.0, "1", "dilution of precision that each satellite below `many_satellites` adds, unless the receiver reports more", "on average four satellites have three times the vertical error of many";
+        largest_dilution: f32 = 50.0, 1.0..=1e4, "1", "dilution of precision that counts at most", "chosen: what is beyond has no weight";
+    }
+
+    /// Noise of the road and of the vehicle model.
+    process_noise: ProcessNoise {
+        slope_rate_sigma: f32 = 0.006, 1e-5..=1.0, "%/m", "change of slope along the road, 1 sigma", "AASHTO: a crest for 110 km/h (K = 74) has 0.014";
+        slope_rate_length_m: f32 = 150.0, 2.5..=1e4, "m", "correlation length of the change of slope", "length of a vertical curve";
+        force_noise_n: f32 = 120.0, 0.0..=1e5, "N", "white force error over one cell, 1 sigma", "fitted on simulated drives";
+        invalid_noise_percent: f32 = 30.0, 0.0..=1e3, "%", "grade-equivalent noise over one cell in which the model does not hold (shift, brake, no traction), 1 sigma", "thesis section 3: variance up by orders of magnitude";
+        bias_force_n: f32 = 250.0, 0.0..=1e5, "N", "slow force error that does not grow with mass (auxiliaries, steady wind), 1 sigma", "VECTO long haul: 5 kW at 80 km/h are 225 N";
+        bias_rolling: f32 = 0.15, 0.0..=2.0, "1", "slow error as a part of the rolling resistance (tyres, surface), 1 sigma", "wet road 0.1 to 0.2; a wrong parameter 0.1";
+        bias_drag: f32 = 0.1, 0.0..=2.0, "1", "slow error as a part of the air resistance (shape, density), 1 sigma", "a wrong parameter 0.1";
+        bias_length_m: f32 = 100_000.0, 100.0..=1e7, "m", "correlation length of the bias", "tyres and oil change within 10 to 50 km";
+        wind_sigma_mps: f32 = 0.7, 0.0..=30.0, "m/s", "wind along the road that changes within kilometres, 1 sigma", "fitted on simulated drives";
+        wind_length_m: f32 = 3_000.0, 2.5..=1e6, "m", "correlation length of that wind", "wind changes within 1 to 10 km";
+        scale_walk_per_sqrt_km: f32 = 0.002, 0.0..=1.0, "1/√km", "random walk of the traction scale, 1 sigma", "chosen: 2 % in 100 km";
+        traction_change_percent: f32 = 0.1, 0.0..=100.0, "%", "largest change of traction over weight in one cell that the road may have caused", "AASHTO: the sharpest crest for 80 km/h (K = 26) bends by 0.096";
+        effect_change_length_m: f32 = 100.0, 2.5..=1e5, "m", "length of a change of an effect's slope that counts as one change", "chosen";
+    }
+
+    /// What is assumed where a drive begins, and when that is reset.
+    prior: Prior {
+        slope_sigma_percent: f32 = 3.0, 0.01..=50.0, "%", "grade before anything is known, 1 sigma", "roads: standard deviation 1 to 3";
+        scale_sigma: f32 = 0.1, 1e-4..=2.0, "1", "error of the traction scale (mass or torque), 1 sigma", "a parameter file for the load at hand: 0.1";
+        cold_tyre_rolling: f32 = 0.5, 0.0..=5.0, "1", "bias besides the usual at the start, as a part of the rolling resistance, 1 sigma", "cold tyres add 0.3 to 0.8 of it";
+        kept_bias: f32 = 0.35, 0.0..=1.0, "1", "part of the bias that belongs to the vehicle and is kept for the next drive", "drag area and shape outlast a trip, weather and tyre temperature do not: 0.3 (12 t) to 0.4 (39 t) of the variance";
+        kept_scale: f32 = 0.9, 0.0..=1.0, "1", "part of the scale that is kept for the next drive with the same mass", "regular hauls are the rule: one unreported change of load in ten drives";
+        any_load_scale_sigma: f32 = 0.25, 1e-4..=5.0, "1", "scale of a vehicle whose load may be any, 1 sigma", "30 % more load make 0.23";
+        same_load: f32 = 0.05, 0.0..=1.0, "1", "largest relative change of the mass that is the same load", "scatter of axle loads";
+        scale_reset_sigmas: f32 = 3.0, 0.1..=100.0, "1", "distance of the scale from its prior, in sigmas, beyond which the prior was too narrow", "three sigmas";
+        scale_reset_cells: u32 = 200, 1.0..=1e6, "cells", "number of cells for which it must be so", "500 m: single fixes move the scale far and back";
+    }
+
+    /// Gates: which measurements to reject.
+    gates: Gates {
+        speed_test_ratio: f32 = 25.0, 1.0..=1e6, "1", "normalised squared innovation beyond which a speed is a step of the sensor", "five sigmas";
+        altitude_test_ratio: f32 = 25.0, 1.0..=1e6, "1", "normalised squared innovation beyond which an altitude is rejected", "five sigmas: errors among houses have heavy tails";
+        receiver_step_fixes: u8 = 4, 1.0..=255.0, "fixes", "rejected fixes in a row that make a step of the receiver", "chosen";
+        receiver_step_agreement: f32 = 0.5, 0.0..=1.0, "1", "part of their offset within which these fixes must agree", "chosen";
+        drift_sigmas: f32 = 4.0, 0.1..=1e3, "1", "difference of climbs by GNSS and by the model, in sigmas, beyond which the receiver drifts", "chosen on simulated drives: no false drift in 20 drives";
+        drift_fixes: u8 = 3, 1.0..=255.0, "fixes", "compared fixes in a row that must say so", "chosen";
+        drift_segment_m: f32 = 100.0, 2.5..=1e4, "m", "length of a segment over which climbs are compared", "chosen: ten segments are one kilometre";
+        drift_model_sigma_m: f32 = 0.1, 0.0..=10.0, "m", "error of the model's climb that does not grow with length, 1 sigma", "reading noise at both ends";
+        drift_slope_sigma_percent: f32 = 0.25, 1e-3..=100.0, "%", "largest sigma of bias, wind and scale, as a slope, with which the model can test a receiver", "chosen: where a drive begins, the model is off";
+        drift_ratio_high: f32 = 10.0, 1.0..=1e4, "1", "largest learned over assumed variance of the climbs' difference", "three times the assumed sigma";
+        drift_ratio_gain: f32 = 0.005, 0.0..=1.0, "1", "part of a comparison by which the ratio follows", "a memory of 200 comparisons";
+        drift_largest_mean: f32 = 2.0, 1.0..=1e4, "1", "mean normalised squared difference that a comparison counts as at most", "a drift is not usual";
+        drift_end_ratio: f32 = 4.0, 0.1..=1e4, "1", "normalised squared difference below which a drift is over", "two sigmas";
+        drift_end_m: f32 = 300.0, 2.5..=1e5, "m", "length over which the climbs must agree again", "chosen";
+        drift_longest_m: f32 = 2_500.0, 2.5..=1e6, "m", "length after which a drift is an error of the model", "chosen: receivers recover sooner";
+        drift_believed_m: f32 = 5_000.0, 2.5..=1e6, "m", "length for which fixes are used untested afterwards", "chosen: the filter relearns its bias";
+        altitude_gap_s: f32 = 10.0, 0.1..=1e4, "s", "time without an altitude that counts as a gap", "slow receivers send every 5 s";
+        gnss_silence: ms = 300_000, 0.0..=1e8, "ms", "time without an altitude after which the next one sets the altitude", "the model's climb says less than a fix by then";
+    }
+
+    /// Hold times, delays and timeouts.
+    hold_times: HoldTimes {
+        shift_hold: ms = 1_000, 0.0..=60_000.0, "ms", "time for which the model stays invalid after a gear shift", "torque and speed signals have unlike delays";
+        brake_hold: ms = 1_000, 0.0..=60_000.0, "ms", "time for which the model stays invalid after braking", "brakes release within a second";
+        retarder_hold: ms = 2_000, 0.0..=60_000.0, "ms", "time for which the model stays invalid after retarder torque", "a retarder empties slowly";
+        gnss_latency: ms = 150, 0.0..=10_000.0, "ms", "age of a GNSS fix when it arrives", "typical of receivers on a bus";
+        torque_timeout: ms = 2_500, 0.0..=60_000.0, "ms", "age beyond which torque, force or engine speed are unknown", "tables at 1 Hz, one row missing";
+        speed_timeout: ms = 2_500, 0.0..=2_500.0, "ms", "longest time between two speed readings that is bridged", "tables at 1 Hz, one row missing";
+        state_timeout: ms = 5_000, 0.0..=600_000.0, "ms", "age beyond which a gear, a switch or a quality figure is unknown", "slowest sender of such a signal: 1 s";
+        effect_input_timeout: ms = 2_500, 0.0..=600_000.0, "ms", "age beyond which course, yaw rate and GNSS speed are unknown", "they change with the position";
+        source_timeout: ms = 5_000, 0.0..=600_000.0, "ms", "silence of a signal's source after which another one may stand in", "slowest relevant sender: 5 s (VP)";
+        source_start: ms = 10_000, 0.0..=600_000.0, "ms", "time from the first reading in which the lowest source address takes a signal", "controllers start within 10 s";
+        clock_set_back: ms = 1_000, 1.0..=60_000.0, "ms", "time for which inputs continue from an earlier time before the clock counts as set back", "chosen";
+        clock_far_ahead: ms = 10_000, 1.0..=600_000.0, "ms", "silence after which one input alone does not move the time", "all readings are stale by then";
+        weighing: ms = 30_000, 0.0..=600_000.0, "ms", "time after a stop in which a reported mass still belongs to it", "SPN 1760 has no fixed rate";
+        stop: ms = 3_000, 0.0..=600_000.0, "ms", "shortest standstill at which the vehicle may be weighed", "chosen";
+        long_stop: ms = 600_000, 0.0..=1e8, "ms", "standstill or silence after which load and tyre temperature may be any", "loading and coupling take minutes";
+    }
+
+    /// Detection: states of the vehicle that are inferred from signals, and plausibility of readings.
+    detection: Detection {
+        crawl_mps: f32 = 1.5, 0.0..=20.0, "m/s", "speed below which speed readings are coarse", "wheel sensors are bad below 1.5 (ZTBus)";
+        coast_mps: f32 = 5.0, 0.0..=50.0, "m/s", "speed from which an open driveline coasts; below it a clutch slips at launch and passes torque", "launch in the lowest gears ends below 5";
+        clutch_slip_percent: f32 = 5.0, 0.0..=50.0, "%", "clutch slip beyond a sensor's offset; and distance from full slip of an open clutch", "chosen";
+        engine_tolerance: f32 = 0.1, 0.0..=1.0, "1", "relative difference of engine speed and gear that is no slip", "worn tyres and ages of readings; gearboxes step by 0.17";
+        launch_tolerance: f32 = 0.05, 0.0..=1.0, "1", "the same at launch, where the engine approaches the gear's speed slowly", "chosen";
+        gear_agreed_readings: u16 = 100, 1.0..=65_535.0, "readings", "readings in which engine and gear must have agreed before a reported gear is rejected for turning otherwise", "chosen: 10 s at 10 Hz";
+        gear_most_readings: u16 = 1_000, 1.0..=65_535.0, "readings", "readings that such agreement counts as at most", "chosen: 100 s at 10 Hz";
+        loaded_percent: f32 = 10.0, 0.0..=100.0, "%", "net engine torque that more than the engine's own auxiliaries takes up", "chosen";
+        brake_pressure_pa: f32 = 20_000.0, 0.0..=1e7, "Pa", "pressure in the service brakes beyond a sensor's offset", "chosen";
+        brake_pedal_percent: f32 = 0.5, 0.0..=100.0, "%", "pedal travel beyond an offset", "resolution of SPN 521: 0.4";
+        retarder_percent: f32 = -1.5, -100.0..=0.0, "%", "retarder torque below which it brakes", "resolution of SPN 520: 1, and its drag";
+        undeclared_brake_percent: f32 = 3.0, 0.0..=100.0, "%", "slope of the moment above that of the road so far that is a brake, where no brake signal is received", "no road steepens by 3 within metres";
+        undeclared_brake_sigmas: f32 = 4.0, 0.0..=100.0, "1", "the same in standard deviations of the one around the other", "four sigmas";
+        undeclared_brake_moment_cells: f32 = 4.0, 1.0..=1e4, "cells", "cells over which the slope of the moment is averaged", "noise of the wheel speed";
+        undeclared_brake_road_cells: f32 = 40.0, 1.0..=1e4, "cells", "cells over which the slope of the road is averaged", "100 m";
+        undeclared_brake_sigma_cells: f32 = 400.0, 1.0..=1e5, "cells", "cells over which the standard deviation is averaged", "1 km";
+        undeclared_brake_longest_cells: u16 = 200, 1.0..=65_535.0, "cells", "cells after which it was a slope", "500 m";
+        speed_hardest_mps2: f32 = 10.0, 1.0..=100.0, "m/s²", "largest acceleration of a vehicle on tyres", "friction of 1";
+        speed_step_mps: f32 = 0.3, 0.0..=10.0, "m/s", "difference of two speed readings besides that", "noise, and steps of 1 km/h";
+        speed_believed: ms = 1_000, 0.0..=60_000.0, "ms", "time for which readings agree on another speed until it counts", "chosen";
+        speed_frozen_readings: u8 = 20, 1.0..=255.0, "readings", "equal speed readings in a row that may come from a stuck sensor", "chosen: 2 s at 10 Hz";
+        speed_frozen_change: f32 = 0.005, 0.0..=1.0, "1", "relative change of engine speed over the gear that shows it", "chosen";
+        speed_frozen_steps: f32 = 3.0, 0.0..=100.0, "steps", "the same in steps of the speed's resolution", "chosen";
+        altitude_frozen_m: f32 = 100.0, 1.0..=1e4, "m", "length on which no receiver repeats an altitude to the last digit", "chosen";
+        altitude_frozen_fixes: u8 = 6, 1.0..=255.0, "fixes", "repetitions that show a stuck receiver", "chosen";
+        fewest_satellites: f32 = 4.0, 0.0..=50.0, "1", "fewest satellites that give an altitude", "four unknowns: position and clock";
+        position_reach_m: f32 = 200.0, 0.0..=1e4, "m", "distance over which the last position is extended", "chosen";
+        course_mps: f32 = 2.0, 0.0..=20.0, "m/s", "lowest speed at which a course over ground has a meaning", "receivers hold or scatter it below";
+        turn_mps: f32 = 3.0, 0.0..=20.0, "m/s", "lowest speed at which its change gives a yaw rate", "chosen";
+        turn_length_m: f32 = 50.0, 1.0..=1e4, "m", "length over which the change of course is averaged", "a receiver's course scatters by 0.3°";
+        standing_mps: f32 = 0.1, 0.0..=2.0, "m/s", "speed below which a vehicle stands", "wheel sensors report zero from about there";
+        mass_change: f32 = 0.15, 0.0..=10.0, "1", "relative change of the reported mass at stops that is another load", "weighings and passenger counts report less well enough";
+        mass_low: f32 = 0.2, 0.0..=1.0, "1", "smallest reported mass that is accepted, as a part of the parameter", "an empty tractor of a full combination";
+        mass_high: f32 = 5.0, 1.0..=100.0, "1", "largest reported mass that is accepted, as a part of the parameter", "a full combination of an empty tractor";
+        persist_cells: u32 = 2_000, 0.0..=1e9, "cells", "cells driven before a drive leaves a persistent state", "5 km: before that it is not worth a write";
+        persist_altitudes: u32 = 100, 0.0..=1e9, "fixes", "altitudes used before a drive leaves a persistent state", "as above";
+    }
+}

@@ -1,0 +1,65 @@
+//! Ranges of parameters, and the error that names a parameter outside its range.
+
+use core::fmt;
+
+/// A parameter that no vehicle can have.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+pub struct ParameterError {
+    /// Name of the effect to which the parameter belongs; `None` for a parameter of the vehicle.
+    pub effect: Option<&'static str>,
+    /// Key in the vehicle file.
+    pub key: &'static str,
+    /// The value found.
+    pub value: f32,
+    /// What is expected, with its unit.
+    pub expected: &'static str,
+}
+
+impl fmt::Display for ParameterError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(effect) = self.effect {
+            write!(f, "effects.{effect}.")?;
+        }
+        write!(
+            f,
+            "{} = {}: expected {}",
+            self.key, self.value, self.expected
+        )
+    }
+}
+
+impl core::error::Error for ParameterError {}
+
+impl ParameterError {
+    /// Returns the same error as one of an effect's parameter.
+    pub(crate) const fn of_effect(self, name: &'static str) -> Self {
+        Self {
+            effect: Some(name),
+            ..self
+        }
+    }
+}
+
+/// Checks that a value is finite and from `low` to `high`.
+///
+/// # Errors
+/// The parameter with its value and what is expected, if it is not.
+pub(crate) fn check(
+    key: &'static str,
+    value: f32,
+    low: f32,
+    high: f32,
+    expected: &'static str,
+) -> Result<(), ParameterError> {
+    if value.is_finite() && value >= low && value <= high {
+        Ok(())
+    } else {
+        Err(ParameterError {
+            effect: None,
+            key,
+            value,
+            expected,
+        })
+    }
+}

@@ -1,0 +1,309 @@
+//! Inputs with a wrong time or speed, inputs that come too often, and inputs of another source.
+
+use estimator_core::signal::{FrameOutcome, Rejection, encode};
+use estimator_core::{Counters, Decoder, Estimator, Instant, Outcome, Signal, Tuning, Value};
+use test_kit::{TestFrame, frames_of, truck};
+
+const EEC1: u32 = 61_444;
+const CCVS1: u32 = 65_265;
+const EBC2: u32 = 65_215;
+const ETC2: u32 = 61_445;
+/// Of the truck in its direct gear, at 1 m/s.
+const RPM_PER_MPS: f32 = 55.77;
+/// With this torque it keeps 20 m/s on the flat, about.
+const TORQUE_PERCENT: f32 = 57.0;
+
+/// A drive by frames: torque, gear and speeds, ten times a second.
+struct Bus {
+    estimator: Estimator<f32>,
+    now_us: u64,
+}
+
+/// What the bus reports at a moment.
+#[derive(Clone, Copy)]
+struct Moment {
+    wheel_mps: f32,
+    axle_mps: f32,
+    engine_mps: f32,
+    source: u8,
+}
+
+fn at(mps: f32) -> Moment {
+    Moment {
+        wheel_mps: mps,
+        axle_mps: mps,
+        engine_mps: mps,
+        source: 0,
+    }
+}
+
+fn frame(pgn: u32, moment: Moment) -> TestFrame {
+    let mut payload = [0; 8];
+    encode(pgn, &mut payload, |signal| match signal {
+        Signal::EngineTorque => Value::Real(TORQUE_PERCENT),
+        Signal::EngineSpeed => Value::Real(RPM_PER_MPS * moment.engine_mps),
+        Signal::CurrentGear => Value::Real(11.0),
+        Signal::WheelSpeed => Value::Real(moment.wheel_mps),
+        Signal::FrontAxleSpeed => Value::Real(moment.axle_mps),
+        _ => Value::NotAvailable,
+    });
+    TestFrame::of_pgn(pgn, moment.source, &payload)
+}
+
+impl Bus {
+    fn new() -> Self {
+        Self {
+            estimator: Estimator::new(truck(), Tuning::default()).unwrap(),
+            now_us: 10_000_000_000,
+        }
+    }
+
+    fn put(&mut self, pgn: u32, moment: Moment) -> Outcome {
+        let now = Instant::from_micros(self.now_us);
+        let outcome = self.estimator.on_frame(now, &frame(pgn, moment));
+        while self.estimator.step().is_some() {}
+        while self.estimator.next_cell().is_some() {}
+        outcome
+    }
+
+    /// Drives on for some readings.
+    fn on(&mut self, readings: usize, moment: impl Fn(usize) -> Moment) {
+        for k in 0..readings {
+            for pgn in [EEC1, ETC2, EBC2, CCVS1] {
+                self.put(pgn, moment(k));
+            }
+            self.now_us += 100_000;
+        }
+    }
+
+    fn counters(&self) -> Counters {
+        *self.estimator.counters()
+    }
+
+    fn distance_m(&self) -> f64 {
+        self.estimator.live().unwrap().end.distance_m()
+    }
+
+    fn grade_percent(&self) -> f32 {
+        self.estimator.live().unwrap().estimate.grade_percent.value
+    }
+}
+
+/// A speed that never repeats.
+fn cruising(k: usize) -> Moment {
+    at(20.0 + 0.004 * (k % 5) as f32)
+}
+
+#[test]
+fn a_clock_that_is_set_back_stops_nothing() {
+    for back_us in [2_000_000, 3_600_000_000] {
+        let mut bus = Bus::new();
+        bus.on(600, cruising);
+        let before_m = bus.distance_m();
+        bus.now_us -= back_us;
+        bus.on(600, cruising);
+        let driven_m = bus.distance_m() - before_m;
+        assert!((driven_m - 1_200.0).abs() < 5.0, "{driven_m} m");
+        let counters = bus.counters();
+        assert_eq!((counters.clocks_set_back, counters.gaps), (1, 0));
+        assert!((1..=50).contains(&counters.time_backwards));
+    }
+}
+
+#[test]
+fn one_frame_of_another_day_stops_nothing() {
+    let mut bus = Bus::new();
+    bus.on(600, cruising);
+    let (before_m, now_us) = (bus.distance_m(), bus.now_us);
+    bus.now_us += 86_400_000_000;
+    assert_eq!(bus.put(CCVS1, at(20.0)), Outcome::TimeAhead);
+    bus.now_us = now_us;
+    bus.on(600, cruising);
+    let driven_m = bus.distance_m() - before_m;
+    assert!((driven_m - 1_200.0).abs() < 5.0, "{driven_m} m");
+    let counters = bus.counters();
+    assert_eq!((counters.times_ahead, counters.silences), (1, 0));
+    assert_eq!(counters.time_backwards, 0);
+}
+
+#[test]
+fn after_a_long_silence_the_second_frame_counts() {
+    let mut bus = Bus::new();
+    bus.on(600, cruising);
+    bus.now_us += 60_000_000;
+    assert_eq!(bus.put(CCVS1, at(20.0)), Outcome::TimeAhead);
+    assert_eq!(bus.put(CCVS1, at(20.0)), Outcome::Used);
+    let counters = bus.counters();
+    assert_eq!((counters.silences, counters.gaps), (1, 1));
+}
+
+#[test]
+fn a_speed_that_no_vehicle_comes_to_moves_nothing() {
+    let mut bus = Bus::new();
+    bus.on(600, cruising);
+    let (before_m, grade_percent) = (bus.distance_m(), bus.grade_percent());
+    bus.on(100, |k| {
+        let fails = k % 20 < 3;
+        if fails { at(0.0) } else { cruising(k) }
+    });
+    let driven_m = bus.distance_m() - before_m;
+    assert!((driven_m - 200.0).abs() < 5.0, "{driven_m} m");
+    assert!((bus.grade_percent() - grade_percent).abs() < 0.2);
+    // Of both sensors, in five failures of three readings.
+    assert_eq!(bus.counters().speed_leaps, 30);
+    // A speed that lasts is accepted in the end.
+    bus.on(60, |_| at(10.0));
+    let before_m = bus.distance_m();
+    bus.on(100, |k| at(10.0 + 0.004 * (k % 5) as f32));
+    let driven_m = bus.distance_m() - before_m;
+    assert!((driven_m - 100.0).abs() < 5.0, "{driven_m} m");
+}
+
+#[test]
+fn another_scale_of_the_speed_is_no_slope() {
+    // As when another sensor takes over: 3 % from one reading to the next.
+    let mut bus = Bus::new();
+    bus.on(600, cruising);
+    let before = bus.grade_percent();
+    bus.on(20, |k| {
+        let mps = 1.03 * cruising(k).wheel_mps;
+        Moment {
+            engine_mps: mps,
+            ..at(mps)
+        }
+    });
+    assert!((bus.grade_percent() - before).abs() < 0.5);
+    assert!((1..=3).contains(&bus.counters().speed_steps));
+}
+
+#[test]
+fn a_brake_between_speeds_a_second_apart_is_no_step() {
+    // As from loggers and receivers of 1 Hz: a city bus from stop to stop, without brake signals.
+    let mut bus = Bus::new();
+    let braking = |second: usize| match second % 40 {
+        phase @ 0..10 => 18.0 - 1.5 * phase as f32,
+        phase @ 10..20 => 3.0 + 1.5 * (phase - 10) as f32,
+        phase => 18.0 + 0.004 * (phase % 5) as f32,
+    };
+    bus.on(10, |_| at(18.0));
+    for second in 0..400 {
+        bus.put(CCVS1, at(braking(second)));
+        for _ in 0..10 {
+            bus.put(EEC1, at(braking(second)));
+            bus.put(ETC2, at(braking(second)));
+            bus.now_us += 100_000;
+        }
+    }
+    assert_eq!(bus.counters().speed_steps, 0);
+}
+
+#[test]
+fn where_the_wheel_speed_is_stuck_the_front_axle_stands_in() {
+    let mut bus = Bus::new();
+    bus.on(600, cruising);
+    let before_m = bus.distance_m();
+    // 20 m/s down to 15 in 50 s.
+    let slower = |k: usize| at(20.0 - 0.01 * k as f32);
+    bus.on(500, |k| Moment {
+        wheel_mps: 20.0,
+        ..slower(k)
+    });
+    assert!(bus.counters().frozen_speeds > 450);
+    let driven_m = bus.distance_m() - before_m;
+    assert!((driven_m - 875.0).abs() < 10.0, "{driven_m} m");
+    // A speed that stays because the vehicle's does is no fault.
+    let mut bus = Bus::new();
+    bus.on(600, cruising);
+    bus.on(600, |_| at(20.0));
+    assert_eq!(bus.counters().frozen_speeds, 0);
+}
+
+#[test]
+fn a_second_sender_at_the_same_address_is_counted() {
+    let mut bus = Bus::new();
+    bus.on(600, cruising);
+    assert_eq!(bus.counters().rates_exceeded, 0);
+    for k in 0..600 {
+        for pgn in [EEC1, ETC2, EBC2, CCVS1] {
+            bus.put(pgn, cruising(k));
+        }
+        bus.now_us += 50_000;
+        bus.put(CCVS1, cruising(k));
+        bus.now_us += 50_000;
+    }
+    // One message, once in eight frames. Jitter is not counted.
+    assert_eq!(bus.counters().rates_exceeded, 1_200 / 8);
+    let mut bus = Bus::new();
+    for k in 0..600_u64 {
+        bus.now_us = 10_000_000_000 + 100_000 * k + (k * 7_919) % 60_000;
+        bus.put(CCVS1, cruising(k as usize));
+    }
+    assert_eq!(bus.counters().rates_exceeded, 0);
+}
+
+#[test]
+fn the_true_source_gets_its_signal_back() {
+    let other = |k: usize| Moment {
+        source: 0x80,
+        ..at(25.0 + 0.004 * (k % 5) as f32)
+    };
+    // It sends first.
+    let mut bus = Bus::new();
+    bus.on(50, other);
+    for k in 0..300 {
+        bus.put(CCVS1, other(k));
+        bus.on(1, |_| cruising(k));
+    }
+    let now_mps = |bus: &Bus| bus.estimator.live().unwrap().estimate.speed_mps;
+    assert!((now_mps(&bus) - 20.0).abs() < 0.1);
+    // It sends in a pause of 10 s, and goes on.
+    bus.on(100, other);
+    assert!((now_mps(&bus) - 25.0).abs() < 0.1);
+    for k in 0..100 {
+        bus.put(CCVS1, other(k));
+        bus.on(1, |_| cruising(k));
+    }
+    assert!((now_mps(&bus) - 20.0).abs() < 0.1);
+    let counters = bus.counters();
+    assert!(counters.source_switches >= 3 && counters.other_source >= 300);
+    // After the first seconds no address takes precedence.
+    let mut bus = Bus::new();
+    let own = |k| Moment {
+        source: 0x21,
+        ..cruising(k)
+    };
+    bus.on(300, own);
+    for k in 0..100 {
+        bus.put(
+            CCVS1,
+            Moment {
+                source: 3,
+                ..at(25.0)
+            },
+        );
+        bus.on(1, |_| own(k));
+    }
+    assert!((now_mps(&bus) - 20.0).abs() < 0.1);
+    assert_eq!(bus.counters().source_switches, 0);
+}
+
+#[test]
+fn a_packet_that_never_ends_is_counted() {
+    let mut decoder = Decoder::new();
+    let mut frames = frames_of(129_029, 0x23, 5, &[0xff; 43]);
+    frames[0].data[1] = 223;
+    let mut outcomes = Vec::new();
+    for _ in 0..3 {
+        outcomes.extend(
+            frames
+                .iter()
+                .map(|frame| decoder.decode(frame, |_, _, _| {})),
+        );
+    }
+    let cut_off = FrameOutcome::Rejected(Rejection::FastPacketOrder);
+    let count = outcomes
+        .iter()
+        .filter(|outcome| **outcome == cut_off)
+        .count();
+    assert_eq!(count, 2, "{outcomes:?}");
+}

@@ -1,0 +1,8 @@
+//! The filter: its states, its solution, its statistics, its gates.
+
+mod altitude_gate;
+#[cfg(feature = "fixed")]
+mod fixed_point_drive;
+mod independent_solutions;
+mod states;
+mod statistics;

@@ -1,0 +1,143 @@
+//! What one drive leaves for the next: its content, its conditions, and the start of the next drive.
+
+use estimator_core::filter::Filter;
+use estimator_core::tuning::MeasurementNoise;
+use estimator_core::{Context, Estimate, Estimator, Tuning};
+use test_kit::by_force;
+use test_kit::hilly_drive::{Bus, KEPT, USUAL, drive, fresh};
+
+#[test]
+fn what_a_drive_has_learned_is_in_it() {
+    let estimator = drive::<f32>(fresh(), 12_000, USUAL);
+    let slow = *estimator.persistent_state().unwrap().slow_states();
+    // 10 % heavier than the model: less traction per kilogram than the model has.
+    assert!(
+        (slow.scale_error - (1.0 / 1.1 - 1.0)).abs() < 0.03,
+        "{slow:?}"
+    );
+    let scale = estimator.live().unwrap().estimate.scale;
+    assert_eq!(1.0 + slow.scale_error, scale.value);
+    assert!((slow.scale_variance.sqrt() - scale.sigma).abs() < 1e-6);
+    assert!(slow.covariance.powi(2) < slow.bias_variance * slow.scale_variance);
+    // Readings without noise: the learned noise is lower than the assumed one.
+    let (restored, learned) = (KEPT.noise(&MeasurementNoise::default()), estimator.noise());
+    assert!(learned.speed < 0.5);
+    for (restored, learned) in [
+        (restored.speed, learned.speed),
+        (restored.altitude, learned.altitude),
+        (restored.gnss_error, learned.gnss_error),
+    ] {
+        assert!(
+            (restored / learned - 1.0).abs() < 1e-5,
+            "{restored} {learned}"
+        );
+    }
+    // Stored with units: a release that assumes twice the sigma gets a quarter of the ratio.
+    let usual = MeasurementNoise::default();
+    let coarser = MeasurementNoise {
+        speed_sigma_mps: 2.0 * usual.speed_sigma_mps,
+        ..usual
+    };
+    assert!((KEPT.noise(&coarser).speed / restored.speed - 0.25).abs() < 1e-5);
+}
+
+#[test]
+fn precisions_leave_the_same() {
+    let double = drive::<f64>(fresh(), 12_000, USUAL)
+        .persistent_state()
+        .unwrap();
+    let (single, double) = (KEPT.slow_states(), double.slow_states());
+    assert!((single.scale_error - double.scale_error).abs() < 0.01);
+    assert!((single.bias_percent - double.bias_percent).abs() < 0.02);
+}
+
+#[test]
+fn a_short_drive_or_one_without_gnss_leaves_nothing() {
+    let no_gnss = Bus {
+        gnss: false,
+        ..USUAL
+    };
+    assert_eq!(fresh::<f32>().persistent_state(), None);
+    assert_eq!(drive::<f32>(fresh(), 4_900, USUAL).persistent_state(), None);
+    assert_eq!(
+        drive::<f32>(fresh(), 12_000, no_gnss).persistent_state(),
+        None
+    );
+    assert!(
+        drive::<f32>(fresh(), 5_100, USUAL)
+            .persistent_state()
+            .is_some()
+    );
+}
+
+/// Returns bias and scale at the first cells of a drive without GNSS, which would correct them.
+fn first_cells(estimator: Estimator<f32>, mass_kg: Option<f32>) -> Estimate {
+    let gnss = false;
+    let estimator = drive(estimator, 10, Bus { gnss, mass_kg });
+    estimator.live().unwrap().estimate
+}
+
+fn restored() -> Estimator<f32> {
+    Estimator::restore(by_force(), Tuning::default(), &KEPT).unwrap()
+}
+
+#[test]
+fn the_next_drive_begins_with_it_and_wider() {
+    let slow = KEPT.slow_states();
+    let (known, unknown) = (first_cells(restored(), None), first_cells(fresh(), None));
+    // Nearly all of the scale, with a larger sigma: the load may have changed.
+    assert!((known.scale.value - 1.0 - 0.9 * slow.scale_error).abs() < 0.001);
+    assert!(known.scale.sigma > 2.0 * slow.scale_variance.sqrt());
+    assert!((0.1..0.15).contains(&known.scale.sigma), "{known:?}");
+    // A part of the bias; tyres are cold again.
+    assert!(known.bias_percent.value.abs() < 0.5 * slow.bias_percent.abs() + 0.001);
+    let sigmas = known.bias_percent.sigma / unknown.bias_percent.sigma;
+    assert!((0.9..=1.0).contains(&sigmas), "{sigmas}");
+    // The sensor noise is kept.
+    assert!(
+        (restored().noise().speed / KEPT.noise(&MeasurementNoise::default()).speed - 1.0).abs()
+            < 1e-6
+    );
+}
+
+#[test]
+fn another_reported_mass_leaves_the_scale_as_at_a_first_drive() {
+    let (lighter, fresh) = (
+        first_cells(restored(), Some(20_000.0)),
+        first_cells(fresh(), Some(20_000.0)),
+    );
+    assert_eq!(lighter.scale, fresh.scale);
+    let weighed_again = first_cells(restored(), Some(39_500.0));
+    assert_eq!(weighed_again.scale, first_cells(restored(), None).scale);
+
+    // Learned with a mass from the bus, which reports the same mass again.
+    let reported = Bus {
+        mass_kg: Some(43_000.0),
+        ..USUAL
+    };
+    let state = drive::<f32>(self::fresh(), 12_000, reported)
+        .persistent_state()
+        .unwrap();
+    assert_eq!(state.slow_states().mass_kg, 43_000.0);
+    let again = Estimator::restore(by_force(), Tuning::default(), &state).unwrap();
+    let scale = first_cells(again, Some(43_000.0)).scale.value - 1.0;
+    assert!((scale - 0.9 * state.slow_states().scale_error).abs() < 0.001);
+}
+
+#[test]
+fn a_second_pass_starts_as_the_first() {
+    let estimator = drive(restored(), 3_000, USUAL);
+    let sample = estimator.sample().unwrap();
+    let start = |mut filter: Filter<f64>| {
+        let model = estimator.model().clone();
+        let mut context = Context::new(model, estimator.tuning().clone()).unwrap();
+        filter.step(&mut context, sample);
+        filter.state().unwrap().estimate().scale
+    };
+    let scale = start(estimator.second_pass_filter());
+    assert!((scale.value - 1.0 - 0.9 * KEPT.slow_states().scale_error).abs() < 0.001);
+    assert_eq!(
+        estimator.second_pass_filter::<f64>().noise(),
+        estimator.noise()
+    );
+}

@@ -1,0 +1,154 @@
+//! Stops: which masses count, and what a stop resets.
+
+use estimator_core::filter::StateIndex::{Bias, Scale};
+use estimator_core::sample::Sample;
+use estimator_core::{Signal, Tuning};
+use test_kit::readings_drive::Drive;
+use test_kit::{FilterRun, altitude, by_force, sample, speed, truck};
+
+fn at(mps: f32, mass_kg: Option<f32>) -> Vec<(Signal, f32)> {
+    let mass = mass_kg.map(|kg| (Signal::Mass, kg));
+    let force = (Signal::TractionForce, 4_000.0);
+    let speed = (Signal::WheelSpeed, mps);
+    mass.into_iter().chain([force, speed]).collect()
+}
+
+fn masses(samples: &[Sample]) -> Vec<f32> {
+    let mut masses: Vec<f32> = samples.iter().map(|sample| sample.forces.mass_kg).collect();
+    masses.dedup();
+    masses
+}
+
+fn reopenings(drive: &Drive) -> usize {
+    drive
+        .samples
+        .iter()
+        .filter(|sample| sample.after_load_change)
+        .count()
+}
+
+#[test]
+fn the_first_mass_counts_and_its_changes_while_driving_do_not() {
+    let mut drive = Drive::of(by_force());
+    assert_eq!(masses(&drive.on(5.0, &at(20.0, None))), [39_000.0]);
+    assert_eq!(
+        masses(&drive.on(5.0, &at(20.0, Some(40_000.0)))),
+        [40_000.0]
+    );
+    let changed = drive.on(5.0, &at(20.0, Some(40_400.0)));
+    assert_eq!(masses(&changed), [40_000.0]);
+    // A stop of two seconds is a traffic light; one of ten may be a ramp.
+    drive.on(2.0, &at(0.0, Some(40_400.0)));
+    assert_eq!(masses(&drive.on(2.0, &at(20.0, None))), [40_000.0]);
+    drive.on(10.0, &at(0.0, Some(40_400.0)));
+    assert_eq!(masses(&drive.on(2.0, &at(20.0, None))), [40_400.0]);
+    assert_eq!(
+        reopenings(&drive),
+        0,
+        "one percent is within the error of weighing"
+    );
+}
+
+#[test]
+fn another_load_at_a_stop_reopens_once_whenever_it_is_reported() {
+    // While it stands, just after, and first reported long after.
+    for (standing, soon) in [
+        (Some(20_000.0), Some(20_000.0)),
+        (Some(39_000.0), Some(20_000.0)),
+        (None, None),
+    ] {
+        let mut drive = Drive::of(by_force());
+        drive.on(20.0, &at(20.0, Some(39_000.0)));
+        drive.on(10.0, &at(0.0, standing));
+        drive.on(50.0, &at(20.0, soon));
+        drive.on(1.0, &at(20.0, Some(20_000.0)));
+        let after = drive.on(20.0, &at(20.0, Some(20_400.0)));
+        assert_eq!(masses(&after), [20_000.0]);
+        assert_eq!(reopenings(&drive), 1);
+    }
+}
+
+#[test]
+fn masses_that_no_such_vehicle_has_are_rejected() {
+    let mut drive = Drive::of(by_force());
+    for kg in [0.0, 3_000.0, 640_000.0, f32::NAN] {
+        assert_eq!(masses(&drive.on(5.0, &at(20.0, Some(kg)))), [39_000.0]);
+        drive.on(10.0, &at(0.0, Some(kg)));
+    }
+    assert_eq!(reopenings(&drive), 0);
+}
+
+#[test]
+fn a_long_standstill_reopens_whether_awake_or_asleep() {
+    let stop = |minutes: u64, awake: bool| {
+        let mut drive = Drive::of(by_force());
+        drive.on(20.0, &at(20.0, None));
+        drive.on(5.0, &at(0.0, None));
+        if awake {
+            drive.on(60.0 * minutes as f64, &at(0.0, None));
+        } else {
+            drive.now_ms += 60_000 * minutes;
+        }
+        drive.on(5.0, &at(0.0, None));
+        let after = drive.on(20.0, &at(20.0, None));
+        assert_eq!(reopenings(&drive), usize::from(after[0].after_load_change));
+        after[0].after_load_change
+    };
+    for awake in [true, false] {
+        assert!(!stop(9, awake));
+        assert!(stop(10, awake));
+    }
+    assert!(stop(16 * 60, false));
+}
+
+#[test]
+fn a_log_that_goes_on_the_next_day_reopens() {
+    let mut drive = Drive::of(by_force());
+    drive.on(20.0, &at(20.0, None));
+    drive.now_ms += 12 * 3_600_000;
+    let after = drive.on(20.0, &at(20.0, None));
+    assert!(after[0].after_load_change && after[0].gap_cells > 0);
+    assert_eq!(reopenings(&drive), 1);
+}
+
+#[test]
+fn a_cell_in_which_the_vehicle_stood_long_is_measured_where_it_is() {
+    let mut drive = Drive::of(by_force());
+    drive.on(20.0, &at(2.0, None));
+    // 1.3 m into a cell.
+    drive.on(300.0, &at(0.0, None));
+    let after = drive.on(5.0, &at(2.0, None));
+    let speed = after[0].speed.unwrap();
+    assert!((0.0..2.5).contains(&speed.behind_m), "{speed:?}");
+    assert!((0.0..=2.0).contains(&speed.mean_mps), "{speed:?}");
+    assert!(after[0].duration_s > 300.0);
+}
+
+#[test]
+fn what_was_learned_is_reset_after_a_load_change() {
+    let learned = |after_load_change: bool| {
+        let mut run = FilterRun::<f64>::new(truck(), Tuning::default());
+        // Hills of 2 % and 2 km, driven at a steady speed.
+        for cell in 0..12_000_u16 {
+            let angle = f32::from(cell) * (2.5 / 2_000.0 * core::f32::consts::TAU);
+            let force_n = 3_926.0 + 39_000.0 * 9.806_65 * 0.02 * angle.sin();
+            let mut sample = sample(cell.into(), force_n, 20.0);
+            sample.speed = speed(20.0);
+            sample.after_load_change = after_load_change && cell == 11_999;
+            if cell % 8 == 0 {
+                sample.altitude = altitude(100.0 - 6.366 * angle.cos());
+            }
+            run.step(&sample);
+        }
+        let state = run.filter.state().unwrap();
+        let found = (state.sigma(Scale), state.sigma(Bias), state.mean[Scale]);
+        (found, run.context.counters.loads_reopened)
+    };
+    let (before, none) = learned(false);
+    let (after, once) = learned(true);
+    assert_eq!((none, once), (0, 1));
+    assert!(before.0 < 0.03 && before.1 < 0.2, "{before:?}");
+    assert!((after.0 - 0.1).abs() < 0.005, "{after:?}");
+    assert!(after.1 > 0.3, "{after:?}");
+    assert!((after.2 - before.2).abs() < 0.02, "{before:?} {after:?}");
+}

@@ -1,0 +1,3 @@
+//! Signals: frames become readings.
+
+mod decoding;

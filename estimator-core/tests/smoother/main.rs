@@ -1,0 +1,3 @@
+//! The smoother: the fixed lag.
+
+mod fixed_lag;

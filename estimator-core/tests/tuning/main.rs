@@ -1,0 +1,3 @@
+//! The tuning: its table of parameters, and access by key.
+
+mod parameters;

@@ -1,0 +1,37 @@
+//! The thesis's two methods, by name.
+
+use super::drive::{Drive, Profile};
+use super::modified;
+use super::original::{self, Noise};
+
+/// A grade estimation method of the thesis, with the noise chosen for it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// Section 3.
+    Original,
+    /// Section 8.1.
+    Modified,
+}
+
+impl Method {
+    /// In the order in which they are compared.
+    pub const BOTH: [Self; 2] = [Self::Original, Self::Modified];
+
+    /// In words.
+    #[must_use]
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Original => "original",
+            Self::Modified => "modified",
+        }
+    }
+
+    /// The smoothed grade of a drive.
+    #[must_use]
+    pub fn estimate(self, drive: &Drive) -> Profile {
+        match self {
+            Self::Original => original::estimate(drive, &Noise::ORIGINAL),
+            Self::Modified => modified::estimate(drive).profile,
+        }
+    }
+}

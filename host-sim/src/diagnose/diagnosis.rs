@@ -1,0 +1,200 @@
+//! The diagnosis from end to end.
+
+use super::drive::LoggedDrive;
+use super::findings::{CandidateCase, Diagnosis, Finding, Request};
+use super::judgement::{self, Judgement, Reference, judge};
+use super::picture;
+use super::radius::Wheels;
+use super::search::Search;
+use super::selection::Step;
+use crate::error::{Error, Result};
+use crate::map::read_map;
+use estimator_core::{AdoptedEffect, Model};
+use rayon::prelude::*;
+use std::collections::BTreeSet;
+use std::ops::Range;
+use std::path::PathBuf;
+
+/// Part of the error at which one effect does clearly better than another.
+const CLEARLY: f64 = 0.9;
+
+/// Diagnoses.
+///
+/// # Errors
+/// Logs that cannot be read, with file and line, or are given twice; an impossible vehicle; a
+/// reference that cannot be read or lies elsewhere.
+pub fn diagnose(request: &Request) -> Result<Diagnosis> {
+    let logs = Logs::of(request)?;
+    let mut vehicle = request.vehicle.clone();
+    let mut findings = Vec::new();
+    let mut drives = logs.read(&vehicle.model)?;
+    let wheels = Wheels::measured(&drives[..logs.fitted]);
+    if let Some(finding) = wheels.as_ref().and_then(Wheels::finding) {
+        // The others are looked for with the right speeds and distances.
+        let _ = vehicle.model.effects.adopt(finding.adopted);
+        findings.push(finding);
+        drives = logs.read(&vehicle.model)?;
+    }
+    let with_wheels = vehicle.model.clone();
+    let search = Search::new(&drives, logs.fitted, &with_wheels);
+    let (evidence, selection) = search.evidence();
+    // The reference is estimated with what was found first, whatever is adopted in the end.
+    let found = search.vehicle_with(&vehicle, &selection).model;
+    let judge = Judge {
+        references: references(&logs.read(&found)?, request.reference.as_ref())?,
+        logs: &logs,
+    };
+    let before = judge.judge(&request.vehicle.model)?;
+    // Each with the number of its candidate.
+    let mut cases: Vec<(Option<usize>, CandidateCase)> = Vec::new();
+    for case in &selection.alone {
+        if let Some(adopted) = search.adopted(case) {
+            let alone = judge.alone(&with_wheels, adopted, case.evidence)?;
+            cases.push((Some(case.candidate), alone));
+        }
+    }
+    if let Some(wheels) = &wheels {
+        let (bare, adopted) = (&request.vehicle.model, wheels.adopted());
+        cases.push((None, judge.alone(bare, adopted, wheels.evidence())?));
+    }
+    let selection = match selection.steps.first().and_then(|step| lead(step, &cases)) {
+        Some(first) => search.select(&evidence, Some(first)),
+        None => selection,
+    };
+    let mut unexplained = Vec::new();
+    for step in &selection.steps {
+        match search.adopted(&step.adopted) {
+            Some(adopted) => findings.push(Finding {
+                adopted,
+                evidence: step.adopted.evidence,
+                group: search.names(&step.group),
+            }),
+            None => unexplained.push(search.unexplained(&step.adopted)),
+        }
+    }
+    let vehicle = search.vehicle_with(&vehicle, &selection);
+    let after = judge.judge(&vehicle.model)?;
+    if !unexplained.is_empty() {
+        let drives = logs.read(&vehicle.model)?;
+        for (number, rest) in unexplained.iter_mut().enumerate() {
+            let name = format!("unexplained_{}", number + 1);
+            let (model, road) = (&vehicle.model, search.road.as_ref());
+            rest.figure = rest.variable.map(|variable| {
+                picture::picture(&name, variable, &drives, model, &judge.references, road)
+            });
+        }
+    }
+    let mut candidates: Vec<CandidateCase> = cases.into_iter().map(|(_, case)| case).collect();
+    candidates.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
+    Ok(Diagnosis {
+        findings,
+        candidates,
+        unexplained,
+        before,
+        after,
+        judged_on_fitted: logs.judged.start == 0,
+        vehicle,
+    })
+}
+
+/// The logs of a request, those to fit first.
+struct Logs {
+    paths: Vec<PathBuf>,
+    fitted: usize,
+    /// Those that before and after are judged on.
+    judged: Range<usize>,
+}
+
+impl Logs {
+    fn of(request: &Request) -> Result<Self> {
+        let mut paths = request.logs.clone();
+        let held_out = match request.held_out.len() {
+            0 => usize::from(paths.len() >= 3),
+            given => given,
+        };
+        paths.extend_from_slice(&request.held_out);
+        let mut seen = BTreeSet::new();
+        if let Some(twice) = paths.iter().find(|path| !seen.insert(*path)) {
+            return Err(Error::content(
+                twice,
+                "given twice; expected each drive once, to fit or held out".to_owned(),
+            ));
+        }
+        let fitted = paths.len() - held_out;
+        let judged = if held_out > 0 { fitted } else { 0 }..paths.len();
+        Ok(Self {
+            paths,
+            fitted,
+            judged,
+        })
+    }
+
+    fn read(&self, model: &Model) -> Result<Vec<LoggedDrive>> {
+        Self::read_each(&self.paths, model)
+    }
+
+    fn read_judged(&self, model: &Model) -> Result<Vec<LoggedDrive>> {
+        Self::read_each(&self.paths[self.judged.clone()], model)
+    }
+
+    fn read_each(paths: &[PathBuf], model: &Model) -> Result<Vec<LoggedDrive>> {
+        let read = |path: &PathBuf| LoggedDrive::read(path, model);
+        paths.par_iter().map(read).collect()
+    }
+}
+
+/// What vehicles are judged by.
+struct Judge<'a> {
+    logs: &'a Logs,
+    /// Of all drives.
+    references: Vec<Reference>,
+}
+
+impl Judge<'_> {
+    fn judge(&self, model: &Model) -> Result<Judgement> {
+        let drives = self.logs.read_judged(model)?;
+        let references = &self.references[self.logs.judged.clone()];
+        Ok(judge(&drives, model, references))
+    }
+
+    /// One effect added to a vehicle; judged without it if the vehicle cannot have it.
+    fn alone(&self, model: &Model, adopted: AdoptedEffect, evidence: f64) -> Result<CandidateCase> {
+        let mut with = model.clone();
+        let possible = with.effects.adopt(adopted).is_ok() && with.check().is_ok();
+        Ok(CandidateCase {
+            name: adopted.effect.name,
+            amount: f64::from(adopted.amount),
+            sigma: f64::from(adopted.amount_sigma),
+            unit: adopted.effect.unit,
+            evidence,
+            after: self.judge(if possible { &with } else { model })?,
+        })
+    }
+}
+
+/// Of each drive, by a map if one is given.
+fn references(drives: &[LoggedDrive], map: Option<&PathBuf>) -> Result<Vec<Reference>> {
+    let Some(path) = map else {
+        return Ok(judgement::references(drives));
+    };
+    judgement::references_by_map(drives, &read_map(path)?).ok_or_else(|| {
+        let problem = "no drive is on this road; expected a map of the road that was driven";
+        Error::content(path, problem.to_owned())
+    })
+}
+
+/// Which of a group that the evidence cannot tell apart does clearly best on the drives judged, if
+/// it is not the one adopted.
+fn lead(step: &Step, cases: &[(Option<usize>, CandidateCase)]) -> Option<usize> {
+    let rmse = |candidate: usize| {
+        let mut own = cases.iter().filter(|(of, _)| *of == Some(candidate));
+        own.next().map(|(_, case)| case.after.rmse_percent)
+    };
+    let adopted = rmse(step.adopted.candidate)?;
+    step.group
+        .iter()
+        .filter_map(|case| Some((case.candidate, rmse(case.candidate)?)))
+        .filter(|(_, rmse)| *rmse < CLEARLY * adopted)
+        .min_by(|a, b| a.1.total_cmp(&b.1))
+        .map(|(candidate, _)| candidate)
+}

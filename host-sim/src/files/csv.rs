@@ -1,0 +1,172 @@
+//! CSV files with a header: rows written whole or not at all, and read with the line of what is
+//! wrong.
+
+use super::output::{Staged, stage};
+use super::row_check::Flaw;
+use crate::error::{Error, Result};
+use serde::{Deserialize, Deserializer, Serialize};
+use std::path::Path;
+
+/// An optional value of a column that must be there (serde takes a missing column for empty).
+pub(crate) fn column<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
+    cell: D,
+) -> std::result::Result<Option<T>, D::Error> {
+    Option::deserialize(cell)
+}
+
+/// Writes rows as CSV with a header, whole or not at all.
+///
+/// # Errors
+/// What the file system says.
+pub fn write_csv<T: Serialize>(path: &Path, rows: impl IntoIterator<Item = T>) -> Result<()> {
+    stage_csv(path, rows)?.commit()
+}
+
+/// Writes rows as CSV with a header, to appear when committed.
+///
+/// # Errors
+/// What the file system says.
+pub fn stage_csv<T: Serialize>(path: &Path, rows: impl IntoIterator<Item = T>) -> Result<Staged> {
+    stage(path, |out| {
+        let mut writer = csv::Writer::from_writer(out);
+        for row in rows {
+            writer.serialize(row).map_err(std::io::Error::other)?;
+        }
+        writer.flush()
+    })
+}
+
+/// Reads the rows of a CSV file with a header.
+///
+/// # Errors
+/// With file, line and what was expected; a file without rows is an error too.
+pub fn read_csv<T: for<'de> Deserialize<'de>>(path: &Path) -> Result<Vec<T>> {
+    read_checked(path, |_, _| Ok(()))
+}
+
+/// Reads the rows of a CSV file with a header; `check` judges each with the row before it.
+///
+/// # Errors
+/// With file, line and what was expected; a file without rows is an error too.
+pub fn read_checked<T: for<'de> Deserialize<'de>>(
+    path: &Path,
+    check: impl Fn(Option<&T>, &T) -> std::result::Result<(), Flaw>,
+) -> Result<Vec<T>> {
+    read_checked_with(&csv::ReaderBuilder::new(), path, check)
+}
+
+/// As [`read_checked`], with the reader that `builder` makes.
+///
+/// # Errors
+/// As [`read_checked`].
+pub fn read_checked_with<T: for<'de> Deserialize<'de>>(
+    builder: &csv::ReaderBuilder,
+    path: &Path,
+    check: impl Fn(Option<&T>, &T) -> std::result::Result<(), Flaw>,
+) -> Result<Vec<T>> {
+    let mut rows = Vec::new();
+    read_records(builder, path, |record| {
+        let row = record.read()?;
+        check(rows.last(), &row).map_err(|flaw| record.error(flaw))?;
+        rows.push(row);
+        Ok(())
+    })?;
+    Ok(rows)
+}
+
+/// A line of a CSV file.
+pub(crate) struct Record<'a> {
+    path: &'a Path,
+    headers: &'a csv::StringRecord,
+    fields: &'a csv::StringRecord,
+}
+
+impl Record<'_> {
+    /// Whether the file has a column of this name.
+    pub(crate) fn has_column(&self, name: &str) -> bool {
+        self.headers.iter().any(|header| header == name)
+    }
+
+    /// Its fields by the names of their columns.
+    pub(crate) fn read<T: for<'de> Deserialize<'de>>(&self) -> Result<T> {
+        self.fields
+            .deserialize(Some(self.headers))
+            .map_err(|e| csv_error(self.path, &e, Some(self.headers)))
+    }
+
+    /// What is wrong with it, with its line.
+    pub(crate) fn error(&self, flaw: Flaw) -> Error {
+        let line = self.fields.position().map_or(1, csv::Position::line);
+        Error::line(self.path, line, flaw.problem, flaw.expected)
+    }
+}
+
+/// Reads a CSV file with a header, line by line.
+///
+/// # Errors
+/// As [`read_checked`], and what `take` says.
+pub(crate) fn read_records(
+    builder: &csv::ReaderBuilder,
+    path: &Path,
+    mut take: impl FnMut(&Record) -> Result<()>,
+) -> Result<()> {
+    let file = std::fs::File::open(path).map_err(Error::io(path))?;
+    let mut reader = builder.from_reader(file);
+    let headers = reader
+        .headers()
+        .map_err(|e| csv_error(path, &e, None))?
+        .clone();
+    let mut fields = csv::StringRecord::new();
+    let mut is_empty = true;
+    while reader
+        .read_record(&mut fields)
+        .map_err(|e| csv_error(path, &e, None))?
+    {
+        is_empty = false;
+        take(&Record {
+            path,
+            headers: &headers,
+            fields: &fields,
+        })?;
+    }
+    if is_empty {
+        return Err(Error::content(
+            path,
+            "no rows; expected a header and at least one row",
+        ));
+    }
+    Ok(())
+}
+
+fn csv_error(path: &Path, error: &csv::Error, headers: Option<&csv::StringRecord>) -> Error {
+    if let csv::ErrorKind::Io(source) = error.kind() {
+        return Error::io(path)(std::io::Error::new(source.kind(), source.to_string()));
+    }
+    let mut line = error.position().map_or(1, csv::Position::line);
+    let problem = match error.kind() {
+        csv::ErrorKind::Deserialize { err, .. } => {
+            let column = headers
+                .zip(err.field())
+                .and_then(|(headers, field)| headers.get(field as usize));
+            if column.is_none() {
+                // Not one field's fault: a column that is missing or not known.
+                line = 1;
+            }
+            column.map_or_else(
+                || err.kind().to_string(),
+                |name| format!("{name}: {}", err.kind()),
+            )
+        }
+        csv::ErrorKind::UnequalLengths {
+            expected_len, len, ..
+        } => format!("{len} fields under a header of {expected_len}"),
+        csv::ErrorKind::Utf8 { .. } => "not text".into(),
+        _ => error.to_string(),
+    };
+    Error::line(
+        path,
+        line,
+        problem,
+        "the columns that the README lists, as numbers",
+    )
+}

@@ -1,0 +1,71 @@
+//! Runs in Hive's layout: `tile=N47E008/day=2026-11-21/NAME.parquet`, so that an engine, or a
+//! path with a wildcard, reads only the tiles and days it wants.
+
+use super::run::RunRows;
+use crate::error::{Error, Result};
+use std::path::{Path, PathBuf};
+
+/// Where in a data set a run belongs: in the tile in which it has its first position. A run is
+/// never cut, so the runs over a road also lie in the tiles from which they came.
+///
+/// # Errors
+/// If the run has no position.
+pub fn run_path(folder: &Path, rows: &mut dyn RunRows, day: &str, name: &str) -> Result<PathBuf> {
+    let mut position = None;
+    rows.each(&mut |row| {
+        position = position.or(row.latitude_deg.zip(row.longitude_deg));
+        Ok(())
+    })?;
+    let Some((latitude_deg, longitude_deg)) = position else {
+        let problem = "a run without positions has no tile; expected a fix in it, or --out";
+        return Err(Error::content(folder, problem));
+    };
+    Ok(folder
+        .join(format!("tile={}", tile(latitude_deg, longitude_deg)))
+        .join(format!("day={day}"))
+        .join(format!("{name}.parquet")))
+}
+
+/// What the run of a log is called: as the log, without its endings. `drive.csv.gz` is `drive`, and
+/// `drive.1.log` is `drive.1`, another than `drive.2`.
+#[must_use]
+pub fn run_name(log: &Path) -> String {
+    let name = log.file_name().unwrap_or_default().to_string_lossy();
+    let name = name.strip_suffix(".gz").unwrap_or(&name);
+    let ending = name.rfind('.').filter(|&at| at > 0);
+    name[..ending.unwrap_or(name.len())].to_owned()
+}
+
+/// The degree of latitude and longitude that a position lies in, by the corner in its south-west,
+/// as elevation data are named.
+#[must_use]
+pub fn tile(latitude_deg: f64, longitude_deg: f64) -> String {
+    let (south, west) = (latitude_deg.floor() as i32, longitude_deg.floor() as i32);
+    let north_south = if south < 0 { 'S' } else { 'N' };
+    let east_west = if west < 0 { 'W' } else { 'E' };
+    format!(
+        "{north_south}{:02}{east_west}{:03}",
+        south.abs(),
+        west.abs()
+    )
+}
+
+/// A day as YYYY-MM-DD.
+///
+/// # Errors
+/// What would do.
+pub fn check_day(text: &str) -> std::result::Result<String, String> {
+    let expected = || format!("{text:?} is no day; expected YYYY-MM-DD, as 2026-11-21");
+    let digits = |part: &str, count: usize| {
+        let is_number = part.len() == count && part.bytes().all(|byte| byte.is_ascii_digit());
+        is_number.then(|| part.parse::<u32>().ok()).flatten()
+    };
+    let parts: Vec<&str> = text.split('-').collect();
+    let [year, month, day] = parts[..] else {
+        return Err(expected());
+    };
+    match (digits(year, 4), digits(month, 2), digits(day, 2)) {
+        (Some(_), Some(1..=12), Some(1..=31)) => Ok(text.to_owned()),
+        _ => Err(expected()),
+    }
+}

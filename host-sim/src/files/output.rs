@@ -1,0 +1,113 @@
+//! Output files appear whole or not at all.
+
+use crate::error::{Error, Result};
+use std::fs::{self, Permissions};
+use std::io::{self, BufWriter, Write};
+use std::os::unix::fs::PermissionsExt;
+use std::path::{Path, PathBuf};
+use tempfile::NamedTempFile;
+
+/// A file that is written but has not yet appeared under its name. Dropped, it leaves nothing.
+#[derive(Debug)]
+#[must_use = "it appears when it is committed"]
+pub struct Staged {
+    path: PathBuf,
+    file: NamedTempFile,
+}
+
+impl Staged {
+    /// Lets it appear, in place of what was there.
+    ///
+    /// # Errors
+    /// What the file system says; `path` is then as it was before.
+    pub fn commit(self) -> Result<()> {
+        let Self { path, file } = self;
+        file.persist(&path).map_err(|e| Error::io(&path)(e.error))?;
+        Ok(())
+    }
+}
+
+/// A file that is written bit by bit. Dropped, it leaves nothing.
+#[derive(Debug)]
+pub struct Writing {
+    path: PathBuf,
+    file: BufWriter<NamedTempFile>,
+}
+
+impl Writing {
+    /// Begins a file that is to appear as `path`, in a temporary one beside it.
+    ///
+    /// # Errors
+    /// What the file system says.
+    pub fn begin(path: &Path) -> Result<Self> {
+        let folder = match path.parent() {
+            Some(parent) if !parent.as_os_str().is_empty() => parent,
+            _ => Path::new("."),
+        };
+        fs::create_dir_all(folder).map_err(Error::io(folder))?;
+        // Readable as any other new file; a temporary file is its owner's alone.
+        let file = tempfile::Builder::new()
+            .permissions(Permissions::from_mode(0o666))
+            .tempfile_in(folder)
+            .map_err(Error::io(path))?;
+        Ok(Self {
+            path: path.to_owned(),
+            file: BufWriter::new(file),
+        })
+    }
+
+    /// Ends it.
+    ///
+    /// # Errors
+    /// What the file system says.
+    pub fn finish(self) -> Result<Staged> {
+        let Self { path, file } = self;
+        let file = file
+            .into_inner()
+            .map_err(|e| Error::io(&path)(e.into_error()))?;
+        Ok(Staged { path, file })
+    }
+}
+
+impl Write for Writing {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.file.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}
+
+/// Writes `path` through `content`: into a temporary file beside it, renamed when complete.
+///
+/// # Errors
+/// Whatever `content` says, or the file system; `path` is then as it was before.
+pub fn write_whole(
+    path: &Path,
+    content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> Result<()> {
+    stage(path, content)?.commit()
+}
+
+/// As [`write_whole`], but the file appears only when it is committed: so that several files
+/// appear together or not at all.
+///
+/// # Errors
+/// Whatever `content` says, or the file system.
+pub fn stage(
+    path: &Path,
+    content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> Result<Staged> {
+    let mut writing = Writing::begin(path)?;
+    content(&mut writing).map_err(Error::io(path))?;
+    writing.finish()
+}
+
+/// As [`stage`], of a text.
+///
+/// # Errors
+/// What the file system says.
+pub fn stage_text(path: &Path, text: &str) -> Result<Staged> {
+    stage(path, |out| out.write_all(text.as_bytes()))
+}

@@ -1,0 +1,11 @@
+//! RUN.csv, or RUN.parquet: one row a cell of one traversal.
+
+mod cell;
+mod file;
+mod parquet;
+mod row;
+
+pub use cell::{RunCell, RunHash, RunIdentity};
+pub use file::{read, read_cells, write, write_from, write_rows};
+pub use parquet::{Origin, session};
+pub use row::{RunRow, RunRows};

@@ -1,0 +1,258 @@
+//! RUN.parquet: the columns of RUN.csv, with the same decimals.
+
+use super::cell::{RunCell, RunHash, RunIdentity};
+use super::row::{RunRow, RunRows};
+use crate::error::{Error, Result};
+use crate::files::output::Staged;
+use crate::files::parquet::{Column, Opened, TableWriter, open};
+use std::path::Path;
+
+/// Version of the columns; goes into the file's metadata.
+const SCHEMA: &str = "run 1";
+/// What fusion reads.
+const CELL_COLUMNS: [&str; 7] = [
+    "distance_m",
+    "latitude_deg",
+    "longitude_deg",
+    "altitude_m",
+    "altitude_sigma_m",
+    "grade_percent",
+    "grade_sigma_percent",
+];
+
+/// Where a run comes from, as far as it is known. Runs of one vehicle on one day are one session.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Origin {
+    pub vehicle: Option<String>,
+    /// As YYYY-MM-DD.
+    pub day: Option<String>,
+}
+
+impl Origin {
+    /// The name of the session; `None` unless vehicle and day are known.
+    #[must_use]
+    pub fn session(&self) -> Option<String> {
+        let (vehicle, day) = (self.vehicle.as_ref()?, self.day.as_ref()?);
+        Some(format!("{vehicle} {day}"))
+    }
+}
+
+/// Rows that are encoded at once: those of 20 km.
+const BATCH_ROWS: usize = 8192;
+
+/// Writes a run, to appear when committed; the rows with the decimals that files carry.
+///
+/// # Errors
+/// What the file system says, or the rows.
+pub fn stage(path: &Path, rows: &mut dyn RunRows, origin: &Origin) -> Result<Staged> {
+    let mut hash = RunHash::default();
+    rows.each(&mut |row| {
+        hash.add(&row.into());
+        Ok(())
+    })?;
+    let mut metadata = vec![
+        ("schema", SCHEMA.to_owned()),
+        ("identity", hash.identity().to_string()),
+    ];
+    let known = [
+        ("vehicle", origin.vehicle.clone()),
+        ("day", origin.day.clone()),
+        ("session", origin.session()),
+    ];
+    metadata.extend(
+        known
+            .into_iter()
+            .filter_map(|(key, value)| Some((key, value?))),
+    );
+    let mut table = TableWriter::begin(path, &columns(&[]), &metadata)?;
+    let mut batch = Vec::with_capacity(BATCH_ROWS);
+    rows.each(&mut |row| {
+        batch.push(*row);
+        if batch.len() == BATCH_ROWS {
+            table.write(columns(&batch))?;
+            batch.clear();
+        }
+        Ok(())
+    })?;
+    table.write(columns(&batch))?;
+    table.finish()
+}
+
+fn columns(rows: &[RunRow]) -> Vec<Column> {
+    let numbers = |name, value: fn(&RunRow) -> f64| Column::numbers(name, rows.iter().map(value));
+    let optional =
+        |name, value: fn(&RunRow) -> Option<f64>| Column::optional(name, rows.iter().map(value));
+    vec![
+        numbers("time_s", |row| row.time_s),
+        numbers("distance_m", |row| row.distance_m),
+        optional("latitude_deg", |row| row.latitude_deg),
+        optional("longitude_deg", |row| row.longitude_deg),
+        optional("altitude_m", |row| row.altitude_m),
+        optional("altitude_sigma_m", |row| row.altitude_sigma_m),
+        numbers("grade_percent", |row| row.grade_percent),
+        numbers("grade_sigma_percent", |row| row.grade_sigma_percent),
+        numbers("lagged_grade_percent", |row| row.lagged_grade_percent),
+        numbers("lagged_grade_sigma_percent", |row| {
+            row.lagged_grade_sigma_percent
+        }),
+        numbers("live_grade_percent", |row| row.live_grade_percent),
+        numbers("live_grade_sigma_percent", |row| {
+            row.live_grade_sigma_percent
+        }),
+        numbers("speed_mps", |row| row.speed_mps),
+        numbers("bias_percent", |row| row.bias_percent),
+        numbers("scale", |row| row.scale),
+        Column::whole("valid", rows.iter().map(|row| row.valid.into())),
+    ]
+}
+
+/// Opens a run of a version that is known; any file with the columns will do, if it says none.
+fn open_run(path: &Path) -> Result<Opened<'_>> {
+    let file = open(path)?;
+    match file.metadata("schema") {
+        None | Some(SCHEMA) => Ok(file),
+        Some(other) => Err(Error::content(
+            path,
+            format!("schema \"{other}\"; expected \"{SCHEMA}\""),
+        )),
+    }
+}
+
+/// The session that a file says its run belongs to.
+///
+/// # Errors
+/// If it cannot be opened.
+pub fn session(path: &Path) -> Result<Option<String>> {
+    Ok(open_run(path)?.metadata("session").map(str::to_owned))
+}
+
+/// Reads a run.
+///
+/// # Errors
+/// With file, row and what was expected.
+pub fn read(path: &Path) -> Result<Vec<RunRow>> {
+    let file = open_run(path)?;
+    let promised = file.metadata("identity").map(str::to_owned);
+    let mut rows = Vec::new();
+    let [
+        distance,
+        latitude,
+        longitude,
+        altitude,
+        altitude_sigma,
+        grade,
+        grade_sigma,
+    ] = CELL_COLUMNS;
+    let names = [
+        "time_s",
+        distance,
+        latitude,
+        longitude,
+        altitude,
+        altitude_sigma,
+        grade,
+        grade_sigma,
+        "lagged_grade_percent",
+        "lagged_grade_sigma_percent",
+        "live_grade_percent",
+        "live_grade_sigma_percent",
+        "speed_mps",
+        "bias_percent",
+        "scale",
+        "valid",
+    ];
+    file.read(names, |values| {
+        let number = rows.len() as u64 + 1;
+        let needed = |i: usize| values[i].ok_or_else(|| missing(path, number, names[i]));
+        let row = RunRow {
+            time_s: needed(0)?,
+            distance_m: needed(1)?,
+            latitude_deg: values[2],
+            longitude_deg: values[3],
+            altitude_m: values[4],
+            altitude_sigma_m: values[5],
+            grade_percent: needed(6)?,
+            grade_sigma_percent: needed(7)?,
+            lagged_grade_percent: needed(8)?,
+            lagged_grade_sigma_percent: needed(9)?,
+            live_grade_percent: needed(10)?,
+            live_grade_sigma_percent: needed(11)?,
+            speed_mps: needed(12)?,
+            bias_percent: needed(13)?,
+            scale: needed(14)?,
+            // Anything but 0 and 1 is refused by the check.
+            valid: match needed(15)? {
+                0.0 => 0,
+                1.0 => 1,
+                _ => u8::MAX,
+            },
+        };
+        RunRow::check(rows.last(), &row)
+            .map_err(|flaw| Error::line(path, number, flaw.problem, flaw.expected))?;
+        rows.push(row);
+        Ok(())
+    })?;
+    check_whole(
+        path,
+        promised.as_deref(),
+        rows.iter().map(RunCell::from),
+        rows.len(),
+    )?;
+    Ok(rows)
+}
+
+/// Reads what fusion needs of a run, and no other column.
+///
+/// # Errors
+/// With file, row and what was expected.
+pub fn read_cells(path: &Path) -> Result<(Vec<RunCell>, RunIdentity)> {
+    let file = open_run(path)?;
+    let promised = file.metadata("identity").map(str::to_owned);
+    let mut cells: Vec<RunCell> = Vec::new();
+    file.read(CELL_COLUMNS, |values| {
+        let number = cells.len() as u64 + 1;
+        let needed = |i: usize| values[i].ok_or_else(|| missing(path, number, CELL_COLUMNS[i]));
+        let cell = RunCell {
+            distance_m: needed(0)?,
+            position: values[1].zip(values[2]),
+            altitude: values[3].zip(values[4]),
+            grade_percent: needed(5)?,
+            grade_sigma_percent: needed(6)?,
+        };
+        if values[1].is_some() != values[2].is_some() {
+            let expected = "latitude_deg and longitude_deg, or neither";
+            return Err(Error::line(path, number, "half a position", expected));
+        }
+        cell.check(cells.last())
+            .map_err(|flaw| Error::line(path, number, flaw.problem, flaw.expected))?;
+        cells.push(cell);
+        Ok(())
+    })?;
+    let count = cells.len();
+    let identity = check_whole(path, promised.as_deref(), cells.iter().copied(), count)?;
+    Ok((cells, identity))
+}
+
+fn missing(path: &Path, row: u64, name: &str) -> Error {
+    Error::line(path, row, format!("{name} is missing"), "a number")
+}
+
+/// Parquet has no check sums that every writer and reader knows; the identity serves as one.
+fn check_whole(
+    path: &Path,
+    promised: Option<&str>,
+    cells: impl Iterator<Item = RunCell>,
+    count: usize,
+) -> Result<RunIdentity> {
+    if count == 0 {
+        return Err(Error::content(path, "no rows; expected at least one"));
+    }
+    let identity = RunIdentity::of(cells);
+    match promised {
+        Some(promised) if promised != identity.to_string() => Err(Error::content(
+            path,
+            "damaged: its cells are not those that were written; expected the file as it was",
+        )),
+        _ => Ok(identity),
+    }
+}

@@ -1,0 +1,148 @@
+//! A row of a RUN file: one cell of one traversal.
+
+use crate::error::Result;
+use crate::files::csv::column;
+use crate::files::row_check::{self, Flaw};
+use crate::numeric::rounding::round;
+use serde::{Deserialize, Serialize};
+
+/// One cell of a run. Angles in degrees, grades in %, `time_s` from the log's first frame.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RunRow {
+    pub time_s: f64,
+    pub distance_m: f64,
+    /// Empty where no fix was near.
+    #[serde(deserialize_with = "column")]
+    pub latitude_deg: Option<f64>,
+    /// Empty where no fix was near.
+    #[serde(deserialize_with = "column")]
+    pub longitude_deg: Option<f64>,
+    /// Empty before the first fix.
+    #[serde(deserialize_with = "column")]
+    pub altitude_m: Option<f64>,
+    #[serde(deserialize_with = "column")]
+    pub altitude_sigma_m: Option<f64>,
+    /// Smoothed over the whole run.
+    pub grade_percent: f64,
+    pub grade_sigma_percent: f64,
+    /// After a fixed lag.
+    pub lagged_grade_percent: f64,
+    pub lagged_grade_sigma_percent: f64,
+    /// Causal.
+    pub live_grade_percent: f64,
+    pub live_grade_sigma_percent: f64,
+    pub speed_mps: f64,
+    /// Grade that the vehicle model reads too high (smoothed).
+    pub bias_percent: f64,
+    /// True over modelled traction (smoothed).
+    pub scale: f64,
+    /// 1 where neither a shift nor braking (or their hold times) spoiled the model, else 0.
+    pub valid: u8,
+}
+
+impl RunRow {
+    /// Smoothed grade and its standard deviation, %.
+    #[must_use]
+    pub const fn smoothed(&self) -> (f64, f64) {
+        (self.grade_percent, self.grade_sigma_percent)
+    }
+
+    /// Lagged grade and its standard deviation, %.
+    #[must_use]
+    pub const fn lagged(&self) -> (f64, f64) {
+        (self.lagged_grade_percent, self.lagged_grade_sigma_percent)
+    }
+
+    /// Live grade and its standard deviation, %.
+    #[must_use]
+    pub const fn live(&self) -> (f64, f64) {
+        (self.live_grade_percent, self.live_grade_sigma_percent)
+    }
+
+    /// Whether the row can follow `before` in a run.
+    pub(crate) fn check(before: Option<&Self>, row: &Self) -> std::result::Result<(), Flaw> {
+        row_check::finite(&[
+            ("time_s", row.time_s),
+            ("distance_m", row.distance_m),
+            ("latitude_deg", row.latitude_deg.unwrap_or(0.0)),
+            ("longitude_deg", row.longitude_deg.unwrap_or(0.0)),
+            ("altitude_m", row.altitude_m.unwrap_or(0.0)),
+            ("altitude_sigma_m", row.altitude_sigma_m.unwrap_or(1.0)),
+            ("grade_percent", row.grade_percent),
+            ("grade_sigma_percent", row.grade_sigma_percent),
+            ("lagged_grade_percent", row.lagged_grade_percent),
+            ("lagged_grade_sigma_percent", row.lagged_grade_sigma_percent),
+            ("live_grade_percent", row.live_grade_percent),
+            ("live_grade_sigma_percent", row.live_grade_sigma_percent),
+            ("speed_mps", row.speed_mps),
+            ("bias_percent", row.bias_percent),
+            ("scale", row.scale),
+        ])?;
+        row_check::positive(&[
+            ("altitude_sigma_m", row.altitude_sigma_m.unwrap_or(1.0)),
+            ("grade_sigma_percent", row.grade_sigma_percent),
+            ("lagged_grade_sigma_percent", row.lagged_grade_sigma_percent),
+            ("live_grade_sigma_percent", row.live_grade_sigma_percent),
+        ])?;
+        match (row.latitude_deg, row.longitude_deg) {
+            (Some(latitude_deg), Some(longitude_deg)) => {
+                row_check::position(latitude_deg, longitude_deg)?;
+            }
+            (None, None) => {}
+            _ => {
+                return Err(Flaw {
+                    problem: "half a position".into(),
+                    expected: "latitude_deg and longitude_deg, or neither",
+                });
+            }
+        }
+        if row.valid > 1 {
+            return Err(Flaw {
+                problem: format!("valid is {}", row.valid),
+                expected: "0 or 1",
+            });
+        }
+        before.map_or(Ok(()), |before| {
+            row_check::forwards("time_s", before.time_s, row.time_s, false)?;
+            row_check::forwards("distance_m", before.distance_m, row.distance_m, true)
+        })
+    }
+
+    /// With the decimals that the file carries.
+    pub(super) fn rounded(&self) -> Self {
+        Self {
+            time_s: round(self.time_s, 4),
+            distance_m: round(self.distance_m, 2),
+            latitude_deg: self.latitude_deg.map(|v| round(v, 7)),
+            longitude_deg: self.longitude_deg.map(|v| round(v, 7)),
+            altitude_m: self.altitude_m.map(|v| round(v, 3)),
+            altitude_sigma_m: self.altitude_sigma_m.map(|v| round(v, 3)),
+            grade_percent: round(self.grade_percent, 5),
+            grade_sigma_percent: round(self.grade_sigma_percent, 5),
+            lagged_grade_percent: round(self.lagged_grade_percent, 5),
+            lagged_grade_sigma_percent: round(self.lagged_grade_sigma_percent, 5),
+            live_grade_percent: round(self.live_grade_percent, 5),
+            live_grade_sigma_percent: round(self.live_grade_sigma_percent, 5),
+            speed_mps: round(self.speed_mps, 4),
+            bias_percent: round(self.bias_percent, 5),
+            scale: round(self.scale, 5),
+            valid: self.valid,
+        }
+    }
+}
+
+/// Rows of a run that can be gone over more than once.
+pub trait RunRows {
+    /// Passes all of them to `take`, in the order of the run.
+    ///
+    /// # Errors
+    /// Those of `take`; or if they cannot be had.
+    fn each(&mut self, take: &mut dyn FnMut(&RunRow) -> Result<()>) -> Result<()>;
+}
+
+impl RunRows for &[RunRow] {
+    fn each(&mut self, take: &mut dyn FnMut(&RunRow) -> Result<()>) -> Result<()> {
+        self.iter().try_for_each(take)
+    }
+}

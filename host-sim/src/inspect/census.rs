@@ -1,0 +1,383 @@
+//! What a log holds: its messages, and the range of each signal in it.
+
+use super::pgn_names::{TRANSPORT_MANAGEMENT, name_of};
+use crate::numeric::rounding::round;
+use crate::source::can_frame::{CanFrame, TimedFrame};
+use crate::source::candump::Skipped;
+use crate::source::signal_table::SignalRow;
+use embedded_can::{Frame, Id};
+use estimator_core::signal::{FrameOutcome, Pgn};
+use estimator_core::{Decoder, Instant, Reading, Signal, Value};
+use serde::Serialize;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// What a log holds.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Census {
+    /// Time of the first frame or row, s, as in the log.
+    pub start_s: f64,
+    /// From the first to the last frame or row, s.
+    pub duration_s: f64,
+    /// Classic CAN frames; none in a signal table.
+    pub frames: u64,
+    /// Rows; none in a candump log.
+    pub rows: u64,
+    /// Parameter groups (29-bit identifiers), by ascending PGN.
+    pub messages: Vec<MessageCount>,
+    /// 11-bit identifiers, ascending. J1939 and NMEA 2000 have none.
+    pub standard_ids: Vec<StandardCount>,
+    /// Parameter groups that the transport protocol announced, by ascending PGN.
+    pub transported: Vec<TransportedCount>,
+    /// Frames that carry no data and only ask for some.
+    pub remote_frames: u64,
+    /// CAN FD frames, left out.
+    pub can_fd_frames: u64,
+    /// Bus errors that the interface reported, left out.
+    pub bus_errors: u64,
+    /// Decoded signals, in the order of [`Signal`], by sender.
+    pub signals: Vec<SignalCount>,
+}
+
+/// The frames of one parameter group.
+#[derive(Clone, Debug, Serialize)]
+pub struct MessageCount {
+    /// Parameter group number.
+    pub pgn: u32,
+    /// Its acronym, if known.
+    pub name: Option<&'static str>,
+    /// Whether the estimator reads it.
+    pub decoded: bool,
+    /// Addresses of the senders, ascending.
+    pub sources: Vec<u8>,
+    /// Number of frames.
+    pub frames: u64,
+    /// Mean rate; `None` for a single frame.
+    pub rate_hz: Option<f64>,
+    /// Frames that should hold signals but are too short, remote, or not in order.
+    pub unusable: u64,
+}
+
+/// The frames of one 11-bit identifier.
+#[derive(Clone, Debug, Serialize)]
+pub struct StandardCount {
+    /// The identifier.
+    pub id: u16,
+    /// Number of frames.
+    pub frames: u64,
+    /// Mean rate; `None` for a single frame.
+    pub rate_hz: Option<f64>,
+}
+
+/// A parameter group longer than a frame.
+#[derive(Clone, Debug, Serialize)]
+pub struct TransportedCount {
+    /// Parameter group number.
+    pub pgn: u32,
+    /// Its acronym, if known.
+    pub name: Option<&'static str>,
+    /// How often it was announced.
+    pub announced: u64,
+    /// Its length when last announced, bytes.
+    pub length_bytes: u16,
+}
+
+/// The readings of one signal from one sender.
+#[derive(Clone, Debug, Serialize)]
+pub struct SignalCount {
+    /// Name with unit ([`Signal::column`]).
+    pub signal: &'static str,
+    /// The parameter group it came in; `None` in a signal table.
+    pub pgn: Option<u32>,
+    /// The sender's address; `None` in a signal table.
+    pub source: Option<u8>,
+    /// Readings, or rows of a table.
+    pub count: u64,
+    /// Of these, measurements.
+    pub available: u64,
+    /// Of these, "not available", or an empty cell.
+    pub not_available: u64,
+    /// Of these, "error" or a reserved code.
+    pub errors: u64,
+    /// Least measurement, in the unit of `signal`.
+    pub min: Option<f64>,
+    /// Mean measurement.
+    pub mean: Option<f64>,
+    /// Largest measurement.
+    pub max: Option<f64>,
+}
+
+impl Census {
+    /// Measurements of any of `signals`.
+    #[must_use]
+    pub fn available(&self, signals: &[Signal]) -> u64 {
+        self.of(signals).map(|count| count.available).sum()
+    }
+
+    /// Largest measurement of any of `signals`.
+    #[must_use]
+    pub fn largest(&self, signals: &[Signal]) -> Option<f64> {
+        self.of(signals)
+            .filter_map(|count| count.max)
+            .reduce(f64::max)
+    }
+
+    /// The counts of any of `signals`.
+    pub fn of(&self, signals: &[Signal]) -> impl Iterator<Item = &SignalCount> {
+        self.signals
+            .iter()
+            .filter(|count| signals.iter().any(|s| s.column() == count.signal))
+    }
+}
+
+/// Events of one kind, in the order of time.
+#[derive(Clone, Copy, Debug, Default)]
+struct Tally {
+    count: u64,
+    first: Instant,
+    last: Instant,
+}
+
+impl Tally {
+    fn add(&mut self, now: Instant) {
+        if self.count == 0 {
+            self.first = now;
+        }
+        self.last = now;
+        self.count += 1;
+    }
+
+    fn duration_s(&self) -> f64 {
+        self.last.since(self.first).micros() as f64 / 1e6
+    }
+
+    fn rate_hz(&self) -> Option<f64> {
+        let seconds = self.duration_s();
+        (seconds > 0.0).then(|| round((self.count - 1) as f64 / seconds, 3))
+    }
+}
+
+#[derive(Debug, Default)]
+struct Group {
+    tally: Tally,
+    sources: BTreeSet<u8>,
+    unusable: u64,
+}
+
+/// Running figures of a signal.
+#[derive(Clone, Copy, Debug, Default)]
+struct Range {
+    count: u64,
+    available: u64,
+    errors: u64,
+    sum: f64,
+    min: f64,
+    max: f64,
+}
+
+impl Range {
+    fn add(&mut self, value: Value) {
+        self.count += 1;
+        let number = match value {
+            Value::Real(number) => f64::from(number),
+            Value::DegreesE7(angle) => f64::from(angle) / 1e7,
+            Value::NotAvailable => return,
+            Value::Error => {
+                self.errors += 1;
+                return;
+            }
+        };
+        let is_first = self.available == 0;
+        self.min = if is_first {
+            number
+        } else {
+            self.min.min(number)
+        };
+        self.max = if is_first {
+            number
+        } else {
+            self.max.max(number)
+        };
+        self.sum += number;
+        self.available += 1;
+    }
+
+    fn finish(&self, signal: Signal, sender: Option<Pgn>) -> SignalCount {
+        let figure = |value: f64| (self.available > 0).then(|| round(value, 7));
+        SignalCount {
+            signal: signal.column(),
+            pgn: sender.map(|pgn| pgn.number),
+            source: sender.map(|pgn| pgn.source),
+            count: self.count,
+            available: self.available,
+            not_available: self.count - self.available - self.errors,
+            errors: self.errors,
+            min: figure(self.min),
+            mean: figure(self.sum / self.available as f64),
+            max: figure(self.max),
+        }
+    }
+}
+
+/// Counts the frames of a bus.
+#[derive(Default)]
+pub struct BusCounter {
+    decoder: Decoder,
+    all: Tally,
+    remote: u64,
+    groups: BTreeMap<u32, Group>,
+    standard: BTreeMap<u16, Tally>,
+    transported: BTreeMap<u32, (u64, u16)>,
+    signals: BTreeMap<(Signal, u32, u8), Range>,
+}
+
+impl BusCounter {
+    /// Counts one frame.
+    pub fn add(&mut self, timed: &TimedFrame) {
+        let TimedFrame { time, frame } = timed;
+        self.all.add(*time);
+        self.remote += u64::from(frame.is_remote_frame());
+        let pgn = match frame.id() {
+            Id::Standard(id) => {
+                self.standard.entry(id.as_raw()).or_default().add(*time);
+                return;
+            }
+            Id::Extended(id) => Pgn::from_raw(id.as_raw()),
+        };
+        let group = self.groups.entry(pgn.number).or_default();
+        group.tally.add(*time);
+        group.sources.insert(pgn.source);
+        let signals = &mut self.signals;
+        let outcome = self.decoder.decode(frame, |_, pgn, reading: Reading| {
+            let key = (reading.signal, pgn.number, pgn.source);
+            signals.entry(key).or_default().add(reading.value);
+        });
+        if matches!(outcome, FrameOutcome::Rejected(_)) {
+            group.unusable += 1;
+        }
+        if let Some((announced, length_bytes)) = announcement(pgn, frame) {
+            let (count, length) = self.transported.entry(announced).or_default();
+            *count += 1;
+            *length = length_bytes;
+        }
+    }
+
+    /// The result.
+    #[must_use]
+    pub fn finish(self, skipped: Skipped) -> Census {
+        let decoded: BTreeSet<u32> = estimator_core::signal::messages()
+            .map(|m| m.pgn())
+            .collect();
+        Census {
+            start_s: self.all.first.micros() as f64 / 1e6,
+            duration_s: self.all.duration_s(),
+            frames: self.all.count,
+            rows: 0,
+            messages: self
+                .groups
+                .into_iter()
+                .map(|(pgn, group)| MessageCount {
+                    pgn,
+                    name: name_of(pgn),
+                    decoded: decoded.contains(&pgn),
+                    sources: group.sources.into_iter().collect(),
+                    frames: group.tally.count,
+                    rate_hz: group.tally.rate_hz(),
+                    unusable: group.unusable,
+                })
+                .collect(),
+            standard_ids: self
+                .standard
+                .into_iter()
+                .map(|(id, tally)| StandardCount {
+                    id,
+                    frames: tally.count,
+                    rate_hz: tally.rate_hz(),
+                })
+                .collect(),
+            transported: self
+                .transported
+                .into_iter()
+                .map(|(pgn, (announced, length_bytes))| TransportedCount {
+                    pgn,
+                    name: name_of(pgn),
+                    announced,
+                    length_bytes,
+                })
+                .collect(),
+            remote_frames: self.remote,
+            can_fd_frames: skipped.can_fd,
+            bus_errors: skipped.bus_errors,
+            signals: self
+                .signals
+                .into_iter()
+                .map(|((signal, number, source), range)| {
+                    range.finish(signal, Some(Pgn { number, source }))
+                })
+                .collect(),
+        }
+    }
+}
+
+/// The group and its length that a frame of the transport protocol announces: to all (control
+/// byte 32) or to one receiver (16), SAE J1939-21.
+fn announcement(pgn: Pgn, frame: &CanFrame) -> Option<(u32, u16)> {
+    if pgn.number != TRANSPORT_MANAGEMENT {
+        return None;
+    }
+    let [16 | 32, low, high, _, _, pgn0, pgn1, pgn2] = *frame.data() else {
+        return None;
+    };
+    let announced = u32::from_le_bytes([pgn0, pgn1, pgn2, 0]);
+    Some((announced, u16::from_le_bytes([low, high])))
+}
+
+/// Counts the rows of a signal table.
+pub struct TableCounter {
+    all: Tally,
+    columns: BTreeMap<Signal, Range>,
+}
+
+impl TableCounter {
+    /// For a table with these columns.
+    pub fn new(columns: impl IntoIterator<Item = Signal>) -> Self {
+        Self {
+            all: Tally::default(),
+            columns: columns
+                .into_iter()
+                .map(|signal| (signal, Range::default()))
+                .collect(),
+        }
+    }
+
+    /// Counts one row.
+    pub fn add(&mut self, row: &SignalRow) {
+        self.all.add(row.time);
+        for Reading { signal, value } in row.readings {
+            self.columns.entry(*signal).or_default().add(*value);
+        }
+    }
+
+    /// The result.
+    #[must_use]
+    pub fn finish(self) -> Census {
+        let rows = self.all.count;
+        Census {
+            start_s: self.all.first.micros() as f64 / 1e6,
+            duration_s: self.all.duration_s(),
+            rows,
+            signals: self
+                .columns
+                .into_iter()
+                .map(|(signal, range)| {
+                    // An empty cell gives no reading.
+                    let range = Range {
+                        count: rows,
+                        ..range
+                    };
+                    range.finish(signal, None)
+                })
+                .collect(),
+            ..Census::default()
+        }
+    }
+}

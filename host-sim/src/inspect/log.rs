@@ -1,0 +1,52 @@
+//! The census of a whole log, in constant memory.
+
+use super::census::{BusCounter, Census, TableCounter};
+use crate::error::Result;
+use crate::source::candump::CandumpReader;
+use crate::source::log_kind::{LogKind, kind_of};
+use crate::source::signal_table::SignalTableReader;
+use std::path::Path;
+
+/// Frames or rows between two reports of progress.
+const PROGRESS_STEP: u64 = 1 << 16;
+
+/// Counts what a log holds. `progress` is given the bytes read so far, now and then.
+///
+/// # Errors
+/// A log that cannot be read to its end, with file and line.
+pub fn census_of(log: &Path, progress: impl Fn(u64)) -> Result<(LogKind, Census)> {
+    let kind = kind_of(log)?;
+    let census = match kind {
+        LogKind::Candump => count_frames(log, progress)?,
+        LogKind::SignalTable => count_rows(log, progress)?,
+    };
+    Ok((kind, census))
+}
+
+fn count_frames(path: &Path, progress: impl Fn(u64)) -> Result<Census> {
+    let mut log = CandumpReader::open(path)?;
+    let mut counter = BusCounter::default();
+    let mut frames = 0_u64;
+    while let Some(frame) = log.next_frame()? {
+        counter.add(&frame);
+        frames += 1;
+        if frames.is_multiple_of(PROGRESS_STEP) {
+            progress(log.file().bytes_read());
+        }
+    }
+    Ok(counter.finish(log.skipped()))
+}
+
+fn count_rows(path: &Path, progress: impl Fn(u64)) -> Result<Census> {
+    let mut table = SignalTableReader::open(path)?;
+    let mut counter = TableCounter::new(table.signals());
+    let mut rows = 0_u64;
+    while let Some(row) = table.next_row()? {
+        counter.add(&row);
+        rows += 1;
+        if rows.is_multiple_of(PROGRESS_STEP) {
+            progress(table.file().bytes_read());
+        }
+    }
+    Ok(counter.finish())
+}

@@ -1,0 +1,24 @@
+//! Ctrl-C and SIGTERM end work in order.
+
+use crate::error::{Error, Result};
+use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::flag::{register, register_conditional_shutdown};
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+/// A flag that either signal sets. The second one ends the program at once.
+///
+/// # Errors
+/// If a handler cannot be set.
+pub fn stop_flag() -> Result<Arc<AtomicBool>> {
+    let stop = Arc::new(AtomicBool::new(false));
+    for signal in [SIGINT, SIGTERM] {
+        // What a shell reports of a program that a signal ended.
+        let status = 128 + signal;
+        register_conditional_shutdown(signal, status, Arc::clone(&stop))
+            .and_then(|_| register(signal, Arc::clone(&stop)))
+            .map_err(Error::io(Path::new("signal handler")))?;
+    }
+    Ok(stop)
+}

@@ -1,0 +1,74 @@
+//! One cell of a map, and the cells of one way.
+
+use crate::files::row_check::{self, Flaw};
+use crate::map::geometry::road_line::RoadPoint;
+use crate::map::geometry::way_name::WayName;
+use crate::numeric::rounding::round;
+use serde::{Deserialize, Serialize};
+
+/// One cell of a map. Cells that no run covered have no row.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MapRow {
+    /// Along the road; a multiple of 2.5 m.
+    pub distance_m: f64,
+    pub latitude_deg: f64,
+    pub longitude_deg: f64,
+    /// Empty where no run knew it.
+    pub altitude_m: Option<f64>,
+    /// 100 tan of the slope angle, positive uphill in the road's direction.
+    pub grade_percent: f64,
+    /// From the runs' own sigmas, what runs of one session share, and what all share.
+    pub grade_sigma_percent: f64,
+    /// How many traversals went in.
+    pub runs: u32,
+}
+
+impl MapRow {
+    /// Where it lies.
+    #[must_use]
+    pub const fn point(&self) -> RoadPoint {
+        RoadPoint {
+            distance_m: self.distance_m,
+            latitude_deg: self.latitude_deg,
+            longitude_deg: self.longitude_deg,
+        }
+    }
+
+    /// With the decimals that a text file carries.
+    pub(crate) fn rounded(&self) -> Self {
+        Self {
+            distance_m: round(self.distance_m, 2),
+            latitude_deg: round(self.latitude_deg, 7),
+            longitude_deg: round(self.longitude_deg, 7),
+            altitude_m: self.altitude_m.map(|v| round(v, 3)),
+            grade_percent: round(self.grade_percent, 5),
+            grade_sigma_percent: round(self.grade_sigma_percent, 5),
+            runs: self.runs,
+        }
+    }
+
+    /// Whether the row can follow `before` in a map.
+    pub(crate) fn check(before: Option<&Self>, row: &Self) -> Result<(), Flaw> {
+        row_check::finite(&[
+            ("distance_m", row.distance_m),
+            ("latitude_deg", row.latitude_deg),
+            ("longitude_deg", row.longitude_deg),
+            ("altitude_m", row.altitude_m.unwrap_or(0.0)),
+            ("grade_percent", row.grade_percent),
+            ("grade_sigma_percent", row.grade_sigma_percent),
+        ])?;
+        row_check::positive(&[("grade_sigma_percent", row.grade_sigma_percent)])?;
+        row_check::position(row.latitude_deg, row.longitude_deg)?;
+        before.map_or(Ok(()), |before| {
+            row_check::forwards("distance_m", before.distance_m, row.distance_m, true)
+        })
+    }
+}
+
+/// Rows of one way.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WayRows<T = MapRow> {
+    /// `None` for a single road.
+    pub name: Option<WayName>,
+    pub rows: Vec<T>,
+}

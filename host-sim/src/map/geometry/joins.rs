@@ -1,0 +1,160 @@
+//! Joins of ways, and how far it is from one to another.
+
+use pathfinding::prelude::dijkstra_reach;
+use std::ops::Range;
+
+/// A position may be this far behind a join before the way is left there, or before the join as
+/// the next way is entered, m: noise along the road.
+const BACK_M: f64 = 10.0;
+/// From a point of one way to a point of another.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Join {
+    pub way: usize,
+    pub at_m: f64,
+    pub to_way: usize,
+    pub to_m: f64,
+    /// The way goes on, or the other begins before: to take the join is a choice.
+    pub turns: bool,
+}
+
+/// The joins of a network; without any by default.
+#[derive(Debug, Default)]
+pub(crate) struct Joins {
+    /// Those that leave each way, along it.
+    leaving: Vec<Vec<Join>>,
+    /// Where each way is left or entered, along it.
+    places: Vec<Vec<f64>>,
+}
+
+/// A join that is taken: its way, and its number among those that leave it.
+type Taken = (usize, usize);
+
+/// From a place on one way to one on another, or on the same.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Route {
+    /// How far its length, forwards and backwards, is from the driven distance, m.
+    pub mismatch_m: f64,
+    pub joins: Vec<Join>,
+}
+
+impl Joins {
+    /// Of so many ways. The joins are in the order of their ways and along each.
+    pub(crate) fn new(count: usize, joins: Vec<Join>) -> Self {
+        let (mut leaving, mut places) = (vec![Vec::new(); count], vec![Vec::new(); count]);
+        for join in joins {
+            places[join.way].push(join.at_m);
+            places[join.to_way].push(join.to_m);
+            leaving[join.way].push(join);
+        }
+        for (leaving, places) in leaving.iter_mut().zip(&mut places) {
+            leaving.sort_by(|a, b| a.at_m.total_cmp(&b.at_m).then(a.to_way.cmp(&b.to_way)));
+            places.sort_by(f64::total_cmp);
+        }
+        Self { leaving, places }
+    }
+
+    /// Whether a way is left or entered within `reach_m` of a place on it.
+    pub(crate) fn is_near(&self, way: usize, at_m: f64, reach_m: f64) -> bool {
+        self.has_place(way, at_m - reach_m..at_m + reach_m)
+    }
+
+    /// The route between two places whose length is nearest to what was driven; none of those
+    /// longer than `limit_m`.
+    pub(crate) fn route(
+        &self,
+        from: (usize, f64),
+        to: (usize, f64),
+        driven_m: f64,
+        limit_m: f64,
+    ) -> Option<Route> {
+        // Nearly always one of these ends it.
+        if self.ahead(from.0, from.1 - BACK_M, limit_m).is_empty()
+            || !self.has_place(to.0, to.1 - limit_m..to.1 + BACK_M)
+        {
+            return None;
+        }
+        // Nodes are the joins, by way and number, each taken; the start is none of them.
+        let first = |node: &Option<Taken>| match *node {
+            None => (from.0, from.1 - BACK_M, from.1),
+            Some((way, k)) => {
+                let join = &self.leaving[way][k];
+                (join.to_way, join.to_m, join.to_m)
+            }
+        };
+        let next = |node: &Option<Taken>| {
+            let (way, begin_m, here_m) = first(node);
+            self.ahead(way, begin_m, limit_m).map(move |k| {
+                let length_m = (self.leaving[way][k].at_m - here_m).max(0.0);
+                (Some((way, k)), whole_um(length_m))
+            })
+        };
+        let mut seen = Vec::new();
+        let mut best: Option<Route> = None;
+        for reached in dijkstra_reach(&None, next) {
+            let length_m = reached.total_cost as f64 * 1e-6;
+            let worst_m = best.as_ref().map_or(f64::INFINITY, |best| best.mismatch_m);
+            if length_m > limit_m.min(driven_m + worst_m) {
+                break;
+            }
+            let Some(node @ (way, k)) = reached.node else {
+                continue;
+            };
+            seen.push((node, reached.parent.flatten()));
+            let join = self.leaving[way][k];
+            if join.to_way != to.0 || to.1 < join.to_m - BACK_M {
+                continue;
+            }
+            let forward_m = length_m + (to.1 - join.to_m).max(0.0);
+            if (forward_m - driven_m).abs() >= worst_m {
+                continue;
+            }
+            let joins = self.joins_to(node, &seen);
+            let back_m = (from.1 - joins[0].at_m).max(0.0) + (join.to_m - to.1).max(0.0);
+            let mismatch_m = (forward_m - driven_m).abs() + back_m;
+            if mismatch_m < worst_m {
+                best = Some(Route { mismatch_m, joins });
+            }
+        }
+        best
+    }
+
+    /// The joins on the way to a node, that of the node included.
+    fn joins_to(&self, node: Taken, seen: &[(Taken, Option<Taken>)]) -> Vec<Join> {
+        let mut joins = Vec::new();
+        let mut at = Some(node);
+        while let Some((way, k)) = at {
+            joins.push(self.leaving[way][k]);
+            at = seen
+                .iter()
+                .rev()
+                .find(|(node, _)| *node == (way, k))
+                .and_then(|(_, parent)| *parent);
+        }
+        joins.reverse();
+        joins
+    }
+
+    /// Numbers of the joins that leave a way over this distance.
+    fn ahead(&self, way: usize, from_m: f64, length_m: f64) -> Range<usize> {
+        let Some(leaving) = self.leaving.get(way) else {
+            return 0..0;
+        };
+        let begin = leaving.partition_point(|join| join.at_m < from_m);
+        // The start may lie behind the first.
+        let end = leaving.partition_point(|join| join.at_m <= from_m + BACK_M + length_m);
+        begin..end
+    }
+
+    fn has_place(&self, way: usize, within_m: Range<f64>) -> bool {
+        let Some(places) = self.places.get(way) else {
+            return false;
+        };
+        let next = places.partition_point(|&at_m| at_m < within_m.start);
+        places.get(next).is_some_and(|&at_m| at_m <= within_m.end)
+    }
+}
+
+/// Lengths in whole micrometres, which have an order.
+fn whole_um(length_m: f64) -> u64 {
+    (length_m * 1e6).round() as u64
+}

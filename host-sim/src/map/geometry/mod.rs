@@ -1,0 +1,12 @@
+//! Planes, roads as lines, networks of ways and where they join.
+
+pub mod course;
+pub mod find_joins;
+pub mod grid;
+pub mod joins;
+pub mod network;
+pub mod plane;
+pub mod road_index;
+pub mod road_line;
+pub mod way_index;
+pub mod way_name;

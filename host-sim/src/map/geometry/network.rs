@@ -1,0 +1,80 @@
+//! The roads of a map: ways, each a line in one direction of travel, and where they join. A single
+//! road is a network of one way that has no name.
+
+use super::find_joins::find_joins;
+use super::joins::Joins;
+use super::plane::LocalPlane;
+use super::road_index::Surroundings;
+use super::road_line::RoadLine;
+use super::way_index::{Candidate, Way, WayIndex};
+use super::way_name::WayName;
+use std::ops::Range;
+
+/// Ways, and where they join.
+#[derive(Debug)]
+pub struct Network {
+    ways: WayIndex,
+    joins: Joins,
+}
+
+impl From<RoadLine> for Network {
+    /// A single road. Where it meets itself is told by the odometer alone.
+    fn from(line: RoadLine) -> Self {
+        Self {
+            ways: WayIndex::new(vec![(None, line)]),
+            joins: Joins::default(),
+        }
+    }
+}
+
+impl Network {
+    /// A network of these ways, whose names differ; their order does not matter.
+    #[must_use]
+    pub fn new(mut ways: Vec<(WayName, RoadLine)>) -> Self {
+        ways.sort_by(|a, b| a.0.cmp(&b.0));
+        let ways = ways.into_iter().map(|(name, line)| (Some(name), line));
+        let ways = WayIndex::new(ways.collect());
+        Self {
+            joins: find_joins(&ways),
+            ways,
+        }
+    }
+
+    /// Its ways, in the order of their names.
+    #[must_use]
+    pub fn ways(&self) -> &[Way] {
+        self.ways.ways()
+    }
+
+    /// Number of cells on all its ways.
+    #[must_use]
+    pub const fn cells(&self) -> usize {
+        self.ways.cells()
+    }
+
+    /// Indices of the cells of a way among those of the network.
+    pub(crate) fn cells_of(&self, way: usize) -> Range<usize> {
+        self.ways.cells_of(way)
+    }
+
+    /// Distance along its way of the first cell, over 2.5 m.
+    pub(crate) fn first_number(&self, way: usize) -> i64 {
+        self.ways.first_number(way)
+    }
+
+    pub(crate) const fn joins(&self) -> &Joins {
+        &self.joins
+    }
+
+    /// As [`WayIndex::nearby`], with the joins of this network.
+    pub(crate) fn nearby(
+        &self,
+        surroundings: &mut Surroundings,
+        place_m: [f64; 3],
+        course: impl Fn(&LocalPlane) -> Option<[f64; 2]>,
+        along: &mut Vec<Candidate>,
+    ) -> bool {
+        let Self { ways, joins } = self;
+        ways.nearby(joins, surroundings, place_m, course, along)
+    }
+}

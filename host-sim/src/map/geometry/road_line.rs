@@ -1,0 +1,231 @@
+//! A road as a line on Earth.
+
+use super::grid::GRID_M;
+use super::plane::{LocalPlane, earth_centred};
+use std::cmp::Ordering::Less;
+use std::ops::RangeInclusive;
+
+/// Half the chord over which a course is taken, m: long against position noise of 2-3 m, short
+/// against bends. Runs and roads use the same, so that both cut a corner alike.
+pub(crate) const COURSE_REACH_M: f64 = 20.0;
+/// How far beside the line a position may lie, m: position error, lanes, an offset of the road
+/// data.
+pub(crate) const LATERAL_LIMIT_M: f64 = 25.0;
+
+/// One vertex of a road.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RoadPoint {
+    /// Along the road; grows strictly.
+    pub distance_m: f64,
+    pub latitude_deg: f64,
+    pub longitude_deg: f64,
+}
+
+/// Why points are not a road. Points count from 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum RoadProblem {
+    #[error("fewer than two points; expected a line")]
+    TooFewPoints,
+    #[error("distance_m does not grow at point {0}; expected it to, from point to point")]
+    NotForward(usize),
+    #[error("point {0} is over 300 km from the middle of the road; expected a smaller extent")]
+    TooWide(usize),
+}
+
+/// A road in its direction of travel.
+#[derive(Debug)]
+pub struct RoadLine {
+    plane: LocalPlane,
+    points: Vec<RoadPoint>,
+    plan: Vec<[f64; 2]>,
+    /// Direction of the road around each point, in its plane.
+    courses: Vec<[f64; 2]>,
+}
+
+impl RoadLine {
+    /// A road through these points.
+    ///
+    /// # Errors
+    /// Fewer than two points, distances that do not grow, or an extent that no plane serves.
+    pub fn new(points: Vec<RoadPoint>) -> Result<Self, RoadProblem> {
+        if points.len() < 2 {
+            return Err(RoadProblem::TooFewPoints);
+        }
+        if let Some(i) = points
+            .windows(2)
+            .position(|pair| pair[0].distance_m.partial_cmp(&pair[1].distance_m) != Some(Less))
+        {
+            return Err(RoadProblem::NotForward(i + 1));
+        }
+        let middle = points[points.len() / 2];
+        let plane = LocalPlane::around(middle.latitude_deg, middle.longitude_deg);
+        let plan = points
+            .iter()
+            .enumerate()
+            .map(|(i, point)| {
+                plane
+                    .point(earth_centred(point.latitude_deg, point.longitude_deg))
+                    .ok_or(RoadProblem::TooWide(i))
+            })
+            .collect::<Result<Vec<_>, _>>()?;
+        let mut road = Self {
+            plane,
+            points,
+            plan,
+            courses: Vec::new(),
+        };
+        road.courses = road
+            .points
+            .iter()
+            .enumerate()
+            .map(|(i, point)| road.course_at(point.distance_m, i))
+            .collect();
+        Ok(road)
+    }
+
+    /// Where the road begins, m.
+    pub fn start_m(&self) -> f64 {
+        self.points[0].distance_m
+    }
+
+    /// Where the road ends, m.
+    pub fn end_m(&self) -> f64 {
+        self.points[self.points.len() - 1].distance_m
+    }
+
+    /// Numbers of the cells on the road: their distances over 2.5 m.
+    pub(crate) fn cell_numbers(&self) -> RangeInclusive<i64> {
+        (self.start_m() / GRID_M).ceil() as i64..=(self.end_m() / GRID_M).floor() as i64
+    }
+
+    /// The road as a point at each of its cells: the form in which maps are stored.
+    pub fn on_grid(&self) -> Vec<RoadPoint> {
+        self.cell_numbers()
+            .map(|number| {
+                let distance_m = number as f64 * GRID_M;
+                let (latitude_deg, longitude_deg) = self.position_at(distance_m);
+                RoadPoint {
+                    distance_m,
+                    latitude_deg,
+                    longitude_deg,
+                }
+            })
+            .collect()
+    }
+
+    /// Latitude and longitude at a distance along the road, deg; beyond its ends, those of the
+    /// end.
+    pub fn position_at(&self, distance_m: f64) -> (f64, f64) {
+        let i = self
+            .points
+            .partition_point(|point| point.distance_m <= distance_m)
+            .clamp(1, self.points.len() - 1)
+            - 1;
+        let part = self.part_before(distance_m, i);
+        let (a, b) = (self.points[i], self.points[i + 1]);
+        let turn = wrapped_deg(b.longitude_deg - a.longitude_deg);
+        (
+            a.latitude_deg + part * (b.latitude_deg - a.latitude_deg),
+            wrapped_deg(a.longitude_deg + part * turn),
+        )
+    }
+
+    /// Its points.
+    pub(crate) fn points(&self) -> &[RoadPoint] {
+        &self.points
+    }
+
+    /// The plane in which positions on it are compared.
+    pub(crate) const fn plane(&self) -> &LocalPlane {
+        &self.plane
+    }
+
+    /// The point of segment `i` nearest to `point`; `None` if it is out of reach.
+    pub(crate) fn project(&self, i: usize, point: [f64; 2]) -> Option<Foot> {
+        let (a, b) = (self.plan[i], self.plan[i + 1]);
+        let along = [b[0] - a[0], b[1] - a[1]];
+        let to = [point[0] - a[0], point[1] - a[1]];
+        let ahead = to[0] * along[0] + to[1] * along[1];
+        let squared = along[0] * along[0] + along[1] * along[1];
+        // Of most segments around it is an end, and to find that takes no division. Beyond the ends
+        // of the road the tangent goes on: else all cells there would pile up on the end.
+        let part = if squared == 0.0 || (ahead <= 0.0 && i > 0) {
+            0.0
+        } else if ahead >= squared && i + 2 < self.plan.len() {
+            1.0
+        } else {
+            ahead / squared
+        };
+        let beside = |part: f64| [to[0] - part * along[0], to[1] - part * along[1]];
+        let squared_length = |[x, y]: [f64; 2]| x * x + y * y;
+        if squared_length(beside(part.clamp(0.0, 1.0))) > LATERAL_LIMIT_M * LATERAL_LIMIT_M {
+            return None;
+        }
+        let from_m = self.points[i].distance_m;
+        let length_m = self.points[i + 1].distance_m - from_m;
+        Some(Foot {
+            distance_m: from_m + part * length_m,
+            lateral_m: squared_length(beside(part)).sqrt(),
+            segment: i,
+            part,
+        })
+    }
+
+    /// Direction of the road at the foot of a position.
+    pub(crate) fn course_of(&self, foot: &Foot) -> [f64; 2] {
+        match foot.part {
+            0.0 => self.courses[foot.segment],
+            1.0 => self.courses[foot.segment + 1],
+            _ => self.course_at(foot.distance_m, foot.segment),
+        }
+    }
+
+    /// Direction of the road around a distance, in its plane. The distance is at this point, or not
+    /// far behind it.
+    fn course_at(&self, distance_m: f64, point: usize) -> [f64; 2] {
+        let at_m = distance_m.clamp(self.start_m(), self.end_m());
+        let (from, to) = (
+            self.plan_at(at_m - COURSE_REACH_M, point),
+            self.plan_at(at_m + COURSE_REACH_M, point),
+        );
+        [to[0] - from[0], to[1] - from[1]]
+    }
+
+    /// Looks for the segment from a point on that is not far: the whole road takes longer to search
+    /// than the few points between.
+    fn plan_at(&self, distance_m: f64, near: usize) -> [f64; 2] {
+        let mut i = near.min(self.points.len() - 2);
+        while i > 0 && self.points[i].distance_m > distance_m {
+            i -= 1;
+        }
+        while i + 2 < self.points.len() && self.points[i + 1].distance_m <= distance_m {
+            i += 1;
+        }
+        let part = self.part_before(distance_m, i);
+        let (a, b) = (self.plan[i], self.plan[i + 1]);
+        [a[0] + part * (b[0] - a[0]), a[1] + part * (b[1] - a[1])]
+    }
+
+    /// The part of a segment that lies before a distance.
+    fn part_before(&self, distance_m: f64, segment: usize) -> f64 {
+        let [from_m, to_m] = [segment, segment + 1].map(|i| self.points[i].distance_m);
+        ((distance_m - from_m) / (to_m - from_m)).clamp(0.0, 1.0)
+    }
+}
+
+/// Where a position meets the road.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Foot {
+    /// Along the road. Beyond its ends it counts on along the end's tangent.
+    pub distance_m: f64,
+    /// Beside the road, on either side.
+    pub lateral_m: f64,
+    segment: usize,
+    /// The part of the segment that lies before it.
+    part: f64,
+}
+
+/// An angle within ±180°.
+fn wrapped_deg(angle_deg: f64) -> f64 {
+    (angle_deg + 180.0).rem_euclid(360.0) - 180.0
+}

@@ -1,0 +1,77 @@
+//! MAP.csv, or MAP.parquet: the cells of one road, or of the ways of a network, fused over runs.
+
+use super::map_parquet;
+use super::way_file::{self, WayColumns};
+use crate::error::Result;
+use crate::files::csv::stage_csv;
+use crate::files::output::Staged;
+use crate::files::parquet::is_parquet;
+use crate::map::fusion::map_row::{MapRow, WayRows};
+use std::path::Path;
+
+/// Writes a map.
+///
+/// # Errors
+/// What the file system says.
+pub fn write(path: &Path, rows: &[MapRow]) -> Result<()> {
+    stage(path, rows)?.commit()
+}
+
+/// As [`stage`], of a network's map: columns `way` and `direction` come first. Of a single road the
+/// file is the same as by [`stage`].
+///
+/// # Errors
+/// What the file system says.
+pub fn stage_ways(path: &Path, ways: &[WayRows]) -> Result<Staged> {
+    if is_parquet(path) {
+        return map_parquet::stage(path, ways);
+    }
+    if let [WayRows { name: None, rows }] = ways {
+        return stage(path, rows);
+    }
+    stage_csv(
+        path,
+        ways.iter().flat_map(|way| {
+            // Each has a name where there are several.
+            let columns = WayColumns::from(way.name.as_ref());
+            way.rows
+                .iter()
+                .map(move |row| (columns.clone(), row.rounded()))
+        }),
+    )
+}
+
+/// Writes a map that appears when it is committed: as Parquet if the name ends in .parquet, else
+/// as CSV.
+///
+/// # Errors
+/// What the file system says.
+pub fn stage(path: &Path, rows: &[MapRow]) -> Result<Staged> {
+    if is_parquet(path) {
+        let way = WayRows {
+            name: None,
+            rows: rows.to_vec(),
+        };
+        return map_parquet::stage(path, &[way]);
+    }
+    stage_csv(path, rows.iter().map(MapRow::rounded))
+}
+
+/// Reads a map of a single road, CSV or Parquet.
+///
+/// # Errors
+/// With file, line and what was expected.
+pub fn read(path: &Path) -> Result<Vec<MapRow>> {
+    way_file::single(path, read_ways(path)?)
+}
+
+/// Reads a map way by way, CSV or Parquet.
+///
+/// # Errors
+/// With file, line and what was expected.
+pub fn read_ways(path: &Path) -> Result<Vec<WayRows>> {
+    if is_parquet(path) {
+        return map_parquet::read(path);
+    }
+    way_file::read_csv(path, MapRow::check)
+}

@@ -1,0 +1,146 @@
+//! MAP.parquet: the columns of MAP.csv, numbers in full. And placed runs, from which SQL makes
+//! the same map (`host-sim/sql/fuse.sql`).
+
+use super::road_row::RoadRow;
+use super::way_file::{self, DIRECTION, Grouping, WAY};
+use crate::error::{Error, Result};
+use crate::files::output::Staged;
+use crate::files::parquet::{Column, open, stage as stage_parquet};
+use crate::files::row_check::Flaw;
+use crate::map::fusion::map_row::{MapRow, WayRows};
+use crate::map::geometry::way_name::WayName;
+use crate::map::matching::placing::PlacedCell;
+use std::path::Path;
+
+/// Versions of the columns; in the files' metadata.
+const MAP_SCHEMA: &str = "map 1";
+const PLACED_SCHEMA: &str = "placed 1";
+
+/// Writes a map that appears when it is committed.
+///
+/// # Errors
+/// What the file system says.
+pub fn stage(path: &Path, ways: &[WayRows]) -> Result<Staged> {
+    let rows = || ways.iter().flat_map(|way| &way.rows);
+    let numbers = |name, value: fn(&MapRow) -> f64| Column::numbers(name, rows().map(value));
+    let mut columns = Vec::new();
+    if ways.iter().any(|way| way.name.is_some()) {
+        let texts = |value: fn(&WayName) -> &str| {
+            ways.iter().flat_map(move |way| {
+                std::iter::repeat_n(way.name.as_ref().map(value), way.rows.len())
+            })
+        };
+        columns.push(Column::texts(WAY, texts(|name| &name.way)));
+        columns.push(Column::texts(
+            DIRECTION,
+            texts(|name| name.direction.word()),
+        ));
+    }
+    columns.extend([
+        numbers("distance_m", |row| row.distance_m),
+        numbers("latitude_deg", |row| row.latitude_deg),
+        numbers("longitude_deg", |row| row.longitude_deg),
+        Column::optional("altitude_m", rows().map(|row| row.altitude_m)),
+        numbers("grade_percent", |row| row.grade_percent),
+        numbers("grade_sigma_percent", |row| row.grade_sigma_percent),
+        Column::whole("runs", rows().map(|row| row.runs.into())),
+    ]);
+    stage_parquet(path, columns, &[("schema", MAP_SCHEMA.to_owned())])
+}
+
+/// Reads a map.
+///
+/// # Errors
+/// With file, row and what was expected.
+pub fn read(path: &Path) -> Result<Vec<WayRows>> {
+    let names = [
+        "distance_m",
+        "latitude_deg",
+        "longitude_deg",
+        "altitude_m",
+        "grade_percent",
+        "grade_sigma_percent",
+        "runs",
+    ];
+    let row = |values: [Option<f64>; 7]| {
+        let needed = |i: usize| {
+            values[i].ok_or_else(|| Flaw {
+                problem: format!("{} is missing", names[i]),
+                expected: "a number",
+            })
+        };
+        Ok(MapRow {
+            distance_m: needed(0)?,
+            latitude_deg: needed(1)?,
+            longitude_deg: needed(2)?,
+            altitude_m: values[3],
+            grade_percent: needed(4)?,
+            grade_sigma_percent: needed(5)?,
+            runs: needed(6)? as u32,
+        })
+    };
+    read_ways(path, names, row, MapRow::check)
+}
+
+/// Reads a road: any Parquet file with these three columns.
+///
+/// # Errors
+/// With file, row and what was expected.
+pub fn read_road(path: &Path) -> Result<Vec<WayRows<RoadRow>>> {
+    let names = ["distance_m", "latitude_deg", "longitude_deg"];
+    let row = |values: [Option<f64>; 3]| match values {
+        [Some(distance_m), Some(latitude_deg), Some(longitude_deg)] => Ok(RoadRow {
+            distance_m,
+            latitude_deg,
+            longitude_deg,
+            altitude_m: None,
+            grade_percent: None,
+        }),
+        _ => Err(Flaw {
+            problem: "a number is missing".to_owned(),
+            expected: "distance_m, latitude_deg and longitude_deg",
+        }),
+    };
+    read_ways(path, names, row, RoadRow::check)
+}
+
+fn read_ways<T, const N: usize>(
+    path: &Path,
+    names: [&str; N],
+    row: impl Fn([Option<f64>; N]) -> std::result::Result<T, Flaw>,
+    check: fn(Option<&T>, &T) -> std::result::Result<(), Flaw>,
+) -> Result<Vec<WayRows<T>>> {
+    let file = open(path)?;
+    let has_ways = file.has_column(WAY);
+    let mut grouping = Grouping::new();
+    let mut number = 0;
+    file.read_texts(names, [WAY, DIRECTION], |values, texts| {
+        number += 1;
+        let name = has_ways.then(|| way_file::name_of(texts)).transpose();
+        name.and_then(|name| grouping.add(name, row(values)?, check))
+            .map_err(|flaw| Error::line(path, number, flaw.problem, flaw.expected))
+    })?;
+    Ok(grouping.done())
+}
+
+/// Writes a run's cells on a road, to appear when committed: `session` (none for a run that
+/// belongs to none), `cell` (distance along the road over 2.5 m), grade and altitude with their
+/// variances.
+///
+/// # Errors
+/// What the file system says.
+pub fn stage_placed(path: &Path, session: Option<&str>, cells: &[PlacedCell]) -> Result<Staged> {
+    let altitude = |of: fn((f64, f64)) -> f64| cells.iter().map(move |cell| cell.altitude.map(of));
+    let columns = vec![
+        Column::text("session", session, cells.len()),
+        Column::whole("cell", cells.iter().map(|cell| cell.number)),
+        Column::numbers("grade_percent", cells.iter().map(|cell| cell.grade_percent)),
+        Column::numbers(
+            "grade_variance_percent2",
+            cells.iter().map(|cell| cell.grade_variance),
+        ),
+        Column::optional("altitude_m", altitude(|known| known.0)),
+        Column::optional("altitude_variance_m2", altitude(|known| known.1)),
+    ];
+    stage_parquet(path, columns, &[("schema", PLACED_SCHEMA.to_owned())])
+}

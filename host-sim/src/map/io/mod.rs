@@ -1,0 +1,14 @@
+//! Files of maps, roads, networks, and of the sums behind a map.
+
+pub mod map_file;
+pub mod map_geojson;
+pub mod map_parquet;
+pub mod network_file;
+pub mod road_file;
+pub mod road_row;
+pub mod run_list;
+pub mod session_name;
+pub mod store;
+pub mod store_row;
+pub mod way_file;
+pub mod ways_csv;

@@ -1,0 +1,222 @@
+//! The road that a map is made of, from a file: ROAD.csv or ROAD.parquet, of one road or of ways,
+//! or the lines of a GeoJSON file.
+
+use super::road_file::read_ways;
+use super::road_row::RoadRow;
+use super::way_file::check_way;
+use crate::error::{Error, Result};
+use crate::files::row_check;
+use crate::map::geometry::network::Network;
+use crate::map::geometry::plane::chord_m;
+use crate::map::geometry::road_line::{RoadLine, RoadPoint};
+use crate::map::geometry::way_name::{Direction, WayName};
+use geojson::feature::Id;
+use geojson::{Feature, Position, Value as Shape};
+use serde::Deserialize;
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::BufReader;
+use std::path::Path;
+
+/// Where a feature's name may be, first the likelier: ours, Overpass, other exports.
+const NAMES: [&str; 4] = ["way", "@id", "id", "osm_id"];
+
+/// Whether a file of this name is, or is to be, GeoJSON.
+#[must_use]
+pub fn is_geojson(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| {
+        extension.eq_ignore_ascii_case("geojson") || extension.eq_ignore_ascii_case("json")
+    })
+}
+
+/// Reads a road or a network.
+///
+/// # Errors
+/// With file, line or feature, and what was expected.
+pub fn read(path: &Path) -> Result<Network> {
+    if is_geojson(path) {
+        return read_geojson(path);
+    }
+    let mut ways = Vec::new();
+    for way in read_ways(path)? {
+        let points = way.rows.iter().map(RoadRow::point).collect();
+        let Some(name) = way.name else {
+            return road_through(path, points);
+        };
+        let line = RoadLine::new(points)
+            .map_err(|problem| Error::content(path, format!("way {name}: {problem}")))?;
+        ways.push((name, line));
+    }
+    Ok(Network::new(ways))
+}
+
+/// A single road through these points, with a point for each of its cells: so that it is the same
+/// whether it comes from its file or from a store. `path` is named in the error.
+///
+/// # Errors
+/// If they are no road.
+pub fn road_through(path: &Path, points: Vec<RoadPoint>) -> Result<Network> {
+    RoadLine::new(points)
+        .and_then(|line| RoadLine::new(line.on_grid()))
+        .map(Network::from)
+        .map_err(|problem| Error::content(path, problem.to_string()))
+}
+
+/// The collection, each feature to be read by itself so that an error can name it.
+#[derive(Deserialize)]
+struct Collection {
+    r#type: String,
+    features: Vec<Value>,
+}
+
+fn read_geojson(path: &Path) -> Result<Network> {
+    let file = File::open(path).map_err(Error::io(path))?;
+    let collection: Collection = serde_json::from_reader(BufReader::new(file)).map_err(|e| {
+        if e.is_io() {
+            return Error::io(path)(e.into());
+        }
+        let expected = "a GeoJSON FeatureCollection";
+        match e.line() {
+            0 => Error::content(path, format!("{e}; expected {expected}")),
+            line => Error::line(path, line as u64, e.to_string(), expected),
+        }
+    })?;
+    if collection.r#type != "FeatureCollection" {
+        let problem = format!("type {:?}; expected FeatureCollection", collection.r#type);
+        return Err(Error::content(path, problem));
+    }
+    if collection.features.is_empty() {
+        return Err(Error::content(path, "no features; expected LineStrings"));
+    }
+    let mut ways = Vec::new();
+    let mut numbers: BTreeMap<String, usize> = BTreeMap::new();
+    for (number, feature) in (1..).zip(collection.features) {
+        let wrong = |problem: String| Error::content(path, format!("feature {number}: {problem}"));
+        let feature: Feature =
+            Feature::from_json_value(feature).map_err(|e| wrong(e.to_string()))?;
+        let name = name_of(&feature).map_err(wrong)?;
+        let wrong = |problem: String| wrong(format!("way {name}: {problem}"));
+        if let Some(first) = numbers.insert(name.clone(), number) {
+            let problem = format!("so is feature {first}; expected names that differ");
+            return Err(wrong(problem));
+        }
+        let points = points_of(&feature).map_err(wrong)?;
+        for direction in directions(&feature).map_err(wrong)? {
+            let line = line(points.clone(), direction).map_err(wrong)?;
+            let way = name.clone();
+            ways.push((WayName { way, direction }, line));
+        }
+    }
+    Ok(Network::new(ways))
+}
+
+/// A property that is told.
+fn told<'f>(feature: &'f Feature, key: &str) -> Option<&'f Value> {
+    feature.property(key).filter(|value| !value.is_null())
+}
+
+fn name_of(feature: &Feature) -> std::result::Result<String, String> {
+    let property = NAMES.iter().find_map(|key| told(feature, key));
+    let name = match (property, &feature.id) {
+        (Some(Value::String(name)), _) | (None, Some(Id::String(name))) => name.clone(),
+        (Some(Value::Number(number)), _) | (None, Some(Id::Number(number))) => number.to_string(),
+        (Some(other), _) => return Err(format!("way is {other}; expected a text or a number")),
+        (None, None) => return Err("no name; expected a property \"way\", or an id".to_owned()),
+    };
+    check_way(&name).map_err(|flaw| format!("{}; expected {}", flaw.problem, flaw.expected))?;
+    Ok(name)
+}
+
+/// As OpenStreetMap has it: both directions unless `oneway` says otherwise; roundabouts and
+/// motorways are one-way without saying so.
+fn directions(feature: &Feature) -> std::result::Result<Vec<Direction>, String> {
+    use Direction::{Backward, Forward};
+    let implied = || {
+        let is = |key: &str, values: &[&str]| {
+            told(feature, key)
+                .and_then(Value::as_str)
+                .is_some_and(|value| values.contains(&value))
+        };
+        is("junction", &["roundabout", "circular"]) || is("highway", &["motorway"])
+    };
+    let text = told(feature, "oneway").map(|value| match value {
+        Value::String(text) => text.clone(),
+        other => other.to_string(),
+    });
+    match text.as_deref() {
+        None | Some("") if implied() => Ok(vec![Forward]),
+        None | Some("" | "no" | "false" | "0" | "reversible" | "alternating") => {
+            Ok(vec![Forward, Backward])
+        }
+        Some("yes" | "true" | "1") => Ok(vec![Forward]),
+        Some("-1" | "reverse") => Ok(vec![Backward]),
+        Some(other) => Err(format!("oneway is {other:?}; expected yes, no or -1")),
+    }
+}
+
+/// Its positions: latitude and longitude, deg.
+fn points_of(feature: &Feature) -> std::result::Result<Vec<(f64, f64)>, String> {
+    let expected = "expected a LineString of two positions or more";
+    let positions = match feature.geometry.as_ref().map(|geometry| &geometry.value) {
+        Some(Shape::LineString(coordinates)) => coordinates,
+        // What is read from a shapefile is always of this kind.
+        Some(Shape::MultiLineString(coordinates)) => match &coordinates[..] {
+            [line] => line,
+            parts => {
+                let count = parts.len();
+                return Err(format!("a MultiLineString of {count} parts; {expected}"));
+            }
+        },
+        Some(other) => return Err(format!("a {}; {expected}", other.type_name())),
+        None => return Err(format!("no geometry; {expected}")),
+    };
+    let mut points: Vec<(f64, f64)> = Vec::with_capacity(positions.len());
+    for (number, position) in (1..).zip(positions) {
+        let point = point(position).map_err(|e| format!("position {number}: {e}"))?;
+        // The same once more is no step.
+        if points.last() != Some(&point) {
+            points.push(point);
+        }
+    }
+    if points.len() < 2 {
+        return Err(format!(
+            "{} position(s) that differ; {expected}",
+            points.len()
+        ));
+    }
+    Ok(points)
+}
+
+fn point(position: &Position) -> std::result::Result<(f64, f64), String> {
+    let [longitude_deg, latitude_deg, ..] = *position.as_slice() else {
+        return Err("expected longitude and latitude".to_owned());
+    };
+    row_check::position(latitude_deg, longitude_deg)
+        .map_err(|flaw| format!("{}; expected {}", flaw.problem, flaw.expected))?;
+    Ok((latitude_deg, longitude_deg))
+}
+
+/// Distances are those on the ellipsoid.
+fn line(
+    mut points: Vec<(f64, f64)>,
+    direction: Direction,
+) -> std::result::Result<RoadLine, String> {
+    if direction == Direction::Backward {
+        points.reverse();
+    }
+    let mut distance_m = 0.0;
+    let mut before = None;
+    let points = points.into_iter().map(|(latitude_deg, longitude_deg)| {
+        let place = (latitude_deg, longitude_deg, 0.0);
+        distance_m += before
+            .replace(place)
+            .map_or(0.0, |before| chord_m(before, place));
+        RoadPoint {
+            distance_m,
+            latitude_deg,
+            longitude_deg,
+        }
+    });
+    RoadLine::new(points.collect()).map_err(|problem| problem.to_string())
+}

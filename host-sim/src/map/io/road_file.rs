@@ -1,0 +1,27 @@
+//! ROAD.csv, or ROAD.parquet: a road, or ways, given from outside; a map serves too.
+
+use super::road_row::RoadRow;
+use super::{map_parquet, way_file};
+use crate::error::Result;
+use crate::files::parquet::is_parquet;
+use crate::map::fusion::map_row::WayRows;
+use std::path::Path;
+
+/// Reads a single road.
+///
+/// # Errors
+/// With file, line and what was expected.
+pub fn read(path: &Path) -> Result<Vec<RoadRow>> {
+    way_file::single(path, read_ways(path)?)
+}
+
+/// Reads a road, or ways.
+///
+/// # Errors
+/// With file, line and what was expected.
+pub(crate) fn read_ways(path: &Path) -> Result<Vec<WayRows<RoadRow>>> {
+    if is_parquet(path) {
+        return map_parquet::read_road(path);
+    }
+    way_file::read_csv(path, RoadRow::check)
+}

@@ -1,0 +1,64 @@
+//! One point of a road file.
+
+use crate::files::row_check::{self, Flaw};
+use crate::map::geometry::plane::chord_m;
+use crate::map::geometry::road_line::RoadPoint;
+use serde::Deserialize;
+
+/// Two points may be this much farther apart than their distances along the road say ...
+const CHORD_RATIO: f64 = 1.1;
+/// ... and this, m (position error of the road data).
+const CHORD_SLACK_M: f64 = 20.0;
+
+/// One point of a road. Columns beyond these are ignored.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+pub struct RoadRow {
+    /// Along the road; grows strictly.
+    pub distance_m: f64,
+    pub latitude_deg: f64,
+    pub longitude_deg: f64,
+    /// Of a reference.
+    pub altitude_m: Option<f64>,
+    /// Of a reference: 100 tan of the slope angle, positive uphill in the road's direction.
+    pub grade_percent: Option<f64>,
+}
+
+impl RoadRow {
+    /// The point on the ground.
+    pub fn point(&self) -> RoadPoint {
+        RoadPoint {
+            distance_m: self.distance_m,
+            latitude_deg: self.latitude_deg,
+            longitude_deg: self.longitude_deg,
+        }
+    }
+
+    /// Whether the row can follow `before` on a road.
+    pub(crate) fn check(before: Option<&Self>, row: &Self) -> Result<(), Flaw> {
+        row_check::finite(&[
+            ("distance_m", row.distance_m),
+            ("latitude_deg", row.latitude_deg),
+            ("longitude_deg", row.longitude_deg),
+            ("altitude_m", row.altitude_m.unwrap_or(0.0)),
+            ("grade_percent", row.grade_percent.unwrap_or(0.0)),
+        ])?;
+        row_check::position(row.latitude_deg, row.longitude_deg)?;
+        let Some(before) = before else {
+            return Ok(());
+        };
+        row_check::forwards("distance_m", before.distance_m, row.distance_m, true)?;
+        // Finds columns that are swapped, or a distance in another unit.
+        let place = |row: &Self| (row.latitude_deg, row.longitude_deg, 0.0);
+        let apart_m = chord_m(place(before), place(row));
+        let step_m = row.distance_m - before.distance_m;
+        if apart_m > CHORD_RATIO * step_m + CHORD_SLACK_M {
+            return Err(Flaw {
+                problem: format!(
+                    "{apart_m:.1} m from the point before, while distance_m grows by {step_m:.1} m"
+                ),
+                expected: "distance_m along the road, in m",
+            });
+        }
+        Ok(())
+    }
+}

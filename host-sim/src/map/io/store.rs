@@ -1,0 +1,209 @@
+//! SUMS.csv: the sums behind a map, so that it can grow without the runs that made it.
+//!
+//! First the road, or the ways of a network one after the other: a row for every cell, with its
+//! position and the sums of the runs that belong to no session. Then, session by session, a row for
+//! each cell that one of its runs covered. In a network's store each row tells its way. Numbers are written in full, so that nothing changes on the way. The first line holds
+//! version, number of rows and number of runs; behind the rows follows what each run is known by.
+
+use crate::map::fusion::grade_map::GradeMap;
+use crate::map::geometry::grid::GRID_M;
+use crate::map::geometry::network::Network;
+
+use super::run_list::RunList;
+use super::store_row::{StoreRow, StoredWay};
+use super::way_file::WayColumns;
+use crate::error::{Error, Result};
+use crate::files::csv::read_checked_with;
+use crate::files::output::Staged;
+use crate::map::geometry::plane::chord_m;
+use crate::map::geometry::road_line::RoadPoint;
+use std::fs::File;
+use std::io::{BufRead, BufReader, Read};
+use std::path::Path;
+
+/// What a file of this kind begins with; the number is that of its version.
+const MARK: &str = "# roadgrade sums 2, rows: ";
+/// What stands between the numbers of rows and of runs.
+const RUNS_MARK: &str = ", runs: ";
+/// A first line is not longer than this, bytes.
+const LONGEST_MARK: u64 = 80;
+/// Lines before the first row: mark and header.
+const LINES_BEFORE: u64 = 2;
+/// Cells of one road lie within this of each other, m: coordinates rounded in a file.
+const SAME_PLACE_M: f64 = 0.5;
+
+/// A map as stored.
+#[derive(Clone, Debug)]
+pub struct Store {
+    /// One, of a single road.
+    pub ways: Vec<StoredWay>,
+    rows: Vec<StoreRow>,
+    /// The runs behind it.
+    pub runs: RunList,
+}
+
+impl Store {
+    /// The cells of a single road; `None` of a network.
+    #[must_use]
+    pub fn road(&self) -> Option<&[RoadPoint]> {
+        match &self.ways[..] {
+            [StoredWay { name: None, cells }] => Some(cells),
+            _ => None,
+        }
+    }
+
+    /// The stored map, on a network of which [`Store::is_of`] holds.
+    #[must_use]
+    pub fn resume<'a>(&self, network: &'a Network) -> GradeMap<'a> {
+        let mut map = GradeMap::new(network);
+        for rows in self.rows.chunk_by(StoreRow::is_beside) {
+            let Ok(way) = network
+                .ways()
+                .binary_search_by(|way| way.name.cmp(&rows[0].way_name()))
+            else {
+                continue;
+            };
+            let cells = map.cells_of(rows[0].session.as_deref(), way);
+            let first = network.first_number(way);
+            for row in rows {
+                let index = usize::try_from(number_of(row.distance_m) - first).ok();
+                if let Some(cell) = index.and_then(|index| cells.get_mut(index)) {
+                    cell.merge(&row.sums());
+                }
+            }
+        }
+        map
+    }
+
+    /// Whether this is the store of that network.
+    #[must_use]
+    pub fn is_of(&self, network: &Network) -> bool {
+        network.ways().len() == self.ways.len()
+            && network.ways().iter().zip(&self.ways).all(|(given, way)| {
+                given.name == way.name && is_same_line(&given.line.on_grid(), &way.cells)
+            })
+    }
+}
+
+fn is_same_line(given: &[RoadPoint], stored: &[RoadPoint]) -> bool {
+    let place = |point: &RoadPoint| (point.latitude_deg, point.longitude_deg, 0.0);
+    given.len() == stored.len()
+        && given.iter().zip(stored).all(|(a, b)| {
+            a.distance_m == b.distance_m && chord_m(place(a), place(b)) < SAME_PLACE_M
+        })
+}
+
+/// Writes a map's sums, to appear when committed. A single road must be one through its own
+/// [`RoadLine::on_grid`](crate::map::RoadLine::on_grid).
+///
+/// # Errors
+/// What the file system says.
+pub fn stage(path: &Path, map: &GradeMap, runs: &RunList) -> Result<Staged> {
+    let ways = map.network().ways();
+    let grids: Vec<Vec<RoadPoint>> = ways.iter().map(|way| way.line.on_grid()).collect();
+    let rows: Vec<(usize, StoreRow)> = map
+        .sums()
+        .flat_map(|(session, way, cells)| {
+            grids[way]
+                .iter()
+                .zip(cells)
+                .filter(move |(_, sums)| session.is_none() || sums.estimates > 0)
+                .map(move |(point, sums)| (way, StoreRow::new(session, point, sums)))
+        })
+        .collect();
+    crate::files::output::stage(path, |out| {
+        writeln!(out, "{MARK}{}{RUNS_MARK}{}", rows.len(), runs.len())?;
+        let mut writer = csv::Writer::from_writer(&mut *out);
+        for (way, row) in &rows {
+            match &ways[*way].name {
+                None => writer.serialize(row),
+                name => writer.serialize((row, WayColumns::from(name.as_ref()))),
+            }
+            .map_err(std::io::Error::other)?;
+        }
+        writer.flush()?;
+        drop(writer);
+        runs.write(out)
+    })
+}
+
+/// Reads a map's sums.
+///
+/// # Errors
+/// With file, line and what was expected.
+pub fn read(path: &Path) -> Result<Store> {
+    let (promised, promised_runs) = promised_counts(path)?;
+    let rows = read_checked_with(
+        csv::ReaderBuilder::new().comment(Some(b'#')),
+        path,
+        StoreRow::check,
+    )?;
+    if rows.len() != promised {
+        return Err(Error::content(
+            path,
+            format!(
+                "{} rows; expected the {promised} of its first line",
+                rows.len()
+            ),
+        ));
+    }
+    let mut ways: Vec<StoredWay> = Vec::new();
+    for rows in rows.chunk_by(StoreRow::is_beside) {
+        // The check has seen to it that the first rows are of the road.
+        if rows[0].session.is_none() {
+            ways.push(StoredWay {
+                name: rows[0].way_name(),
+                cells: rows.iter().filter_map(StoreRow::point).collect(),
+            });
+        }
+    }
+    if let Some(i) = rows.iter().position(|row| !row.is_on(&ways)) {
+        return Err(Error::line(
+            path,
+            i as u64 + 1 + LINES_BEFORE,
+            format!("distance_m is {}", rows[i].distance_m),
+            format!("a cell of {}", extent(&ways, &rows[i])),
+        ));
+    }
+    let runs = RunList::read(path, promised_runs)?;
+    Ok(Store { ways, rows, runs })
+}
+
+/// The numbers of rows and of runs that the first line tells.
+fn promised_counts(path: &Path) -> Result<(usize, usize)> {
+    let file = File::open(path).map_err(Error::io(path))?;
+    let mut first = Vec::new();
+    BufReader::new(file.take(LONGEST_MARK))
+        .read_until(b'\n', &mut first)
+        .map_err(Error::io(path))?;
+    let first = String::from_utf8_lossy(&first);
+    first
+        .trim_end()
+        .strip_prefix(MARK)
+        .and_then(|counts| counts.split_once(RUNS_MARK))
+        .and_then(|(rows, runs)| Some((rows.parse().ok()?, runs.parse().ok()?)))
+        .ok_or_else(|| {
+            Error::line(
+                path,
+                1,
+                "not a store of this version",
+                format!("\"{MARK}\" and their numbers, as fuse --store writes it"),
+            )
+        })
+}
+
+/// The road that a row should be on, in words.
+fn extent(ways: &[StoredWay], row: &StoreRow) -> String {
+    let name = row.way_name();
+    let way = ways.iter().find(|way| way.name == name);
+    match way.map(|way| way.cells.as_slice()) {
+        Some([first, .., last]) => {
+            format!("the road, {} to {}", first.distance_m, last.distance_m)
+        }
+        _ => "a way that the rows before list".to_owned(),
+    }
+}
+
+fn number_of(distance_m: f64) -> i64 {
+    (distance_m / GRID_M).round() as i64
+}

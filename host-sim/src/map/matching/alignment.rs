@@ -1,0 +1,140 @@
+//! From matched points to smooth distances along the ways.
+
+use super::viterbi::{self, Place, TrackPoint};
+use crate::map::geometry::network::Network;
+use crate::numeric::local_fit;
+use std::ops::Range;
+
+/// Half width over which the offset between road and odometer is smoothed, m. Position noise of
+/// 2-3 m is uneven over this; an odometer 1 % wrong shifts the offset by 1 m, evenly.
+const OFFSET_REACH_M: f64 = 100.0;
+
+/// Points of a run that follow the network without a break.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stretch {
+    /// Which points of the run.
+    pub points: Range<usize>,
+    /// Distance along the legs of each: on the first that of its way.
+    pub distance_m: Vec<f64>,
+    /// The ways that it takes, one after the other.
+    pub legs: Vec<Leg>,
+}
+
+/// A way, or a part of it, on a stretch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Leg {
+    pub way: usize,
+    /// Distance along the legs where it begins.
+    pub begins_m: f64,
+    /// Distance along the legs less that along the way.
+    pub offset_m: f64,
+}
+
+/// A stretch as it is found.
+#[derive(Debug)]
+struct Open {
+    /// The last place on a way, and the odometer there.
+    last: (usize, f64, f64),
+    /// Matched points, each with its raw distance along the legs.
+    on: Vec<(usize, f64)>,
+    legs: Vec<Leg>,
+}
+
+/// The stretches of a run on the network. Points without a position belong to a stretch if it goes
+/// on behind them (matching has compared that with the odometer).
+pub fn stretches(network: &Network, track: &[TrackPoint], places: &[Place]) -> Vec<Stretch> {
+    let mut found = Vec::new();
+    let mut open: Option<Open> = None;
+    for (i, place) in places.iter().enumerate() {
+        match *place {
+            Place::OnRoad { way, distance_m } => {
+                let here = (way, distance_m, track[i].odometer_m);
+                let goes_on = open
+                    .as_mut()
+                    .is_some_and(|open| open.take(network, i, here));
+                if !goes_on {
+                    found.extend(open.replace(Open::at(i, here)));
+                }
+            }
+            Place::NoPosition => {}
+            Place::OffRoad | Place::Opposite => found.extend(open.take()),
+        }
+    }
+    found.extend(open);
+    found
+        .into_iter()
+        .map(|open| smoothed(track, &open.on, open.legs))
+        .collect()
+}
+
+impl Open {
+    fn at(i: usize, here: (usize, f64, f64)) -> Self {
+        let leg = Leg {
+            way: here.0,
+            begins_m: f64::NEG_INFINITY,
+            offset_m: 0.0,
+        };
+        Self {
+            last: here,
+            on: vec![(i, here.1)],
+            legs: vec![leg],
+        }
+    }
+
+    /// Goes on to a place, with the legs on the way there; `false` where none leads there.
+    fn take(&mut self, network: &Network, i: usize, here: (usize, f64, f64)) -> bool {
+        let (way, from_m, odometer_m) = self.last;
+        let driven_m = here.2 - odometer_m;
+        let (price, joins) = viterbi::step(network, (way, from_m), (here.0, here.1), driven_m);
+        for join in joins {
+            let leg = self.legs[self.legs.len() - 1];
+            let begins_m = leg.offset_m + join.at_m;
+            self.legs.push(Leg {
+                way: join.to_way,
+                begins_m: begins_m.max(leg.begins_m),
+                offset_m: begins_m - join.to_m,
+            });
+        }
+        if !price.is_finite() {
+            return false;
+        }
+        let leg = self.legs[self.legs.len() - 1];
+        self.on.push((i, here.1 + leg.offset_m));
+        self.last = here;
+        true
+    }
+}
+
+/// A stretch through the matched points `on`, each with its raw distance along the legs.
+fn smoothed(track: &[TrackPoint], on: &[(usize, f64)], legs: Vec<Leg>) -> Stretch {
+    let odometer_m: Vec<f64> = on.iter().map(|&(i, _)| track[i].odometer_m).collect();
+    let offset_m: Vec<f64> = on
+        .iter()
+        .zip(&odometer_m)
+        .map(|(&(_, distance_m), odometer_m)| distance_m - odometer_m)
+        .collect();
+    let offset_m = local_fit::smooth::<2>(&odometer_m, &offset_m, OFFSET_REACH_M);
+    let points = on[0].0..on[on.len() - 1].0 + 1;
+    let mut after = 0;
+    let distance_m = points
+        .clone()
+        .map(|i| {
+            let here_m = track[i].odometer_m;
+            while on[after].0 < i {
+                after += 1;
+            }
+            if on[after].0 == i {
+                return here_m + offset_m[after];
+            }
+            // Without a position: the offset changes evenly from the one known to the next.
+            let (from_m, to_m) = (odometer_m[after - 1], odometer_m[after]);
+            let part = (here_m - from_m) / (to_m - from_m).max(f64::MIN_POSITIVE);
+            here_m + offset_m[after - 1] + part * (offset_m[after] - offset_m[after - 1])
+        })
+        .collect();
+    Stretch {
+        points,
+        distance_m,
+        legs,
+    }
+}

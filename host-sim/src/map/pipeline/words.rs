@@ -1,0 +1,69 @@
+//! What a fusion says on the way and at its end.
+
+use crate::map::fusion::grade_map::{Agreement, FusedMap};
+use crate::map::geometry::grid::GRID_M;
+use crate::map::matching::placing::Coverage;
+use std::path::Path;
+
+/// Prints what a fusion came to.
+pub fn report(out: &Path, fused: &FusedMap) {
+    let cells: usize = fused.ways.iter().map(|way| way.rows.len()).sum();
+    let km = cells as f64 * GRID_M / 1000.0;
+    let ways = match fused.ways.len() {
+        1 => String::new(),
+        ways => format!(" on {ways} ways"),
+    };
+    eprintln!("{}: {cells} cells, {km:.2} km{ways}", out.display());
+    for (name, agreement) in &fused.within {
+        tell(&format!("runs of session {name}"), agreement);
+    }
+    tell("sessions", &fused.between);
+}
+
+/// Says how far estimates agree, where two of them meet.
+fn tell(who: &str, agreement: &Agreement) {
+    let Agreement {
+        disagreement,
+        dependence,
+    } = agreement;
+    let Some(ratio) = disagreement.ratio() else {
+        return;
+    };
+    let inflation = if dependence.inflation > 1.0 {
+        format!(
+            ", sigmas made {:.2} times as large",
+            dependence.inflation.sqrt()
+        )
+    } else {
+        String::new()
+    };
+    eprintln!(
+        "{who} differ by {:.2} times what their sigmas promise (squared: {ratio:.2}); taken as \
+         common: {:.0} % of the variance{inflation}",
+        ratio.sqrt(),
+        100.0 * dependence.share
+    );
+}
+
+/// How much of a run lies on the road, in words.
+pub fn describe(path: &Path, coverage: &Coverage) -> String {
+    let Coverage {
+        cells,
+        matched,
+        off_road,
+        opposite,
+        no_position,
+    } = coverage;
+    let warning = if *matched > 0 {
+        ""
+    } else if opposite > off_road {
+        "; warning: drives the other way, fuse it with runs of its direction"
+    } else {
+        "; warning: nowhere on the road"
+    };
+    format!(
+        "{}: {cells} cells: {matched} matched, {off_road} off the road, {opposite} in the \
+         opposite direction, {no_position} without position{warning}",
+        path.display()
+    )
+}

@@ -1,0 +1,7 @@
+//! Statistics.
+
+/// Mean of numbers; NaN of none.
+#[must_use]
+pub fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
+}

@@ -1,0 +1,245 @@
+//! Feeds one drive to an estimator and stores what comes out.
+
+use super::long_run::{LongRun, Rows, Run, no_room};
+use crate::error::Result;
+use crate::files::run::RunRow;
+use crate::files::spool::{Spool, blocks};
+use crate::smooth::{Samples, SmoothedCell, smooth_segments};
+use crate::source::can_frame::TimedFrame;
+use crate::source::input::Input;
+use estimator_core::sample::Sample;
+use estimator_core::{
+    Cell, Estimator, Instant, Model, ParameterError, Reading, Scalar, Tuning, Uncertain,
+};
+use serde::{Deserialize, Serialize};
+use std::io;
+use std::ops::Range;
+
+/// Bytes of an entry, with room for numbers of variable length at their longest.
+const SAMPLE_SLOT: usize = 128;
+const GRADES_SLOT: usize = 16;
+
+/// Grades of a cell that were known during the drive, %.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+struct OnlineGrades {
+    live: Uncertain,
+    lagged: Uncertain,
+}
+
+/// Feeds an estimator and keeps what it hands out.
+#[derive(Debug)]
+pub struct Recorder<S> {
+    estimator: Estimator<S>,
+    start: Option<Instant>,
+    samples: Spool<Sample, SAMPLE_SLOT>,
+    grades: Spool<OnlineGrades, GRADES_SLOT>,
+    /// The cells that the last input finished.
+    new_cells: Vec<Cell>,
+    /// The first sample or cell that could not be stored.
+    trouble: Option<io::Error>,
+}
+
+impl<S: Scalar> Recorder<S> {
+    /// A recorder of one drive with this vehicle.
+    ///
+    /// # Errors
+    /// The first parameter that no vehicle can have.
+    pub fn new(
+        model: impl Into<Model>,
+        tuning: Tuning,
+    ) -> std::result::Result<Self, ParameterError> {
+        Estimator::new(model, tuning).map(Self::from)
+    }
+
+    /// Tells when the drive began, if before the first input that comes here: `time_s` counts from
+    /// the first frame on the bus, wanted or not.
+    pub fn begin(&mut self, start: Instant) {
+        self.start.get_or_insert(start);
+    }
+
+    /// Takes one frame.
+    pub fn on_frame(&mut self, timed: &TimedFrame) {
+        self.start.get_or_insert(timed.time);
+        self.estimator.on_frame(timed.time, &timed.frame);
+        self.collect();
+    }
+
+    /// Takes one reading of a signal table.
+    pub fn on_reading(&mut self, time: Instant, reading: Reading) {
+        self.start.get_or_insert(time);
+        self.estimator.on_reading(time, reading);
+        self.collect();
+    }
+
+    /// Takes one input of a log.
+    pub fn on_input(&mut self, input: &Input) {
+        match input {
+            Input::Frame(frame) => self.on_frame(frame),
+            Input::Reading(time, reading) => self.on_reading(*time, *reading),
+        }
+    }
+
+    fn collect(&mut self) {
+        self.new_cells.clear();
+        while self.estimator.step().is_some() {
+            if let Some(sample) = self.estimator.sample() {
+                let kept = self.samples.push(sample);
+                self.notice(kept);
+            }
+            while let Some(cell) = self.estimator.next_cell() {
+                self.take_cell(cell);
+            }
+        }
+    }
+
+    fn take_cell(&mut self, cell: Cell) {
+        let grades = OnlineGrades {
+            live: cell.live_grade_percent,
+            lagged: cell.lagged_grade_percent,
+        };
+        let kept = self.grades.push(&grades);
+        self.notice(kept);
+        self.new_cells.push(cell);
+    }
+
+    /// Input goes on whatever the disk says; the end tells it.
+    fn notice(&mut self, kept: io::Result<()>) {
+        if let Err(error) = kept {
+            self.trouble.get_or_insert(error);
+        }
+    }
+
+    /// The cells that the last input finished.
+    pub fn new_cells(&self) -> &[Cell] {
+        &self.new_cells
+    }
+
+    /// Number of cells finished so far.
+    pub const fn cells_finished(&self) -> usize {
+        self.grades.count()
+    }
+
+    /// The state of the estimator.
+    pub fn estimator(&self) -> &Estimator<S> {
+        &self.estimator
+    }
+
+    /// Ends the drive: the last cells, and smoothing over the whole of it.
+    ///
+    /// # Errors
+    /// What the file system says, if the drive was too long for memory.
+    pub fn end(mut self) -> Result<LongRun> {
+        self.smooth().map_err(no_room)
+    }
+
+    /// As [`end`](Self::end), with all rows in memory.
+    ///
+    /// # Errors
+    /// As [`end`](Self::end).
+    pub fn finish(self) -> Result<Run> {
+        self.end()?.in_memory()
+    }
+
+    /// As [`finish`](Self::finish), with what the core sampled for each row.
+    ///
+    /// # Errors
+    /// As [`end`](Self::end).
+    pub fn finish_with_samples(mut self) -> Result<(Run, Vec<Sample>)> {
+        let run = self.smooth().map_err(no_room)?.in_memory()?;
+        // Before the first speed there is a sample and no row.
+        let all = self.samples.count();
+        let mut samples = Vec::with_capacity(run.rows.len());
+        self.samples
+            .each(all.saturating_sub(run.rows.len())..all, |sample| {
+                samples.push(*sample);
+            })
+            .map_err(no_room)?;
+        Ok((run, samples))
+    }
+
+    fn smooth(&mut self) -> io::Result<LongRun> {
+        while let Some(cell) = self.estimator.drain_cell() {
+            self.take_cell(cell);
+        }
+        if let Some(trouble) = self.trouble.take() {
+            return Err(trouble);
+        }
+        let start = self.start.unwrap_or_default();
+        let mut rows = Rows::default();
+        let (samples, grades) = (&mut self.samples, &mut self.grades);
+        smooth_segments(
+            self.estimator.model(),
+            self.estimator.tuning(),
+            &self.estimator.second_pass_filter::<f64>(),
+            samples,
+            |first, smoothed| {
+                // Both passes begin with the first speed.
+                let end = grades.count().min(first + smoothed.len());
+                let grades = grades.read(first.min(end)..end)?;
+                let segment = smoothed.iter().zip(&grades);
+                let segment = segment.map(|(smoothed, grades)| row(start, grades, smoothed));
+                rows.put(first, segment)
+            },
+        )?;
+        Ok(LongRun {
+            rows,
+            counters: *self.estimator.counters(),
+            kept: self.estimator.persistent_state(),
+        })
+    }
+}
+
+impl Samples for Spool<Sample, SAMPLE_SLOT> {
+    type Error = io::Error;
+
+    fn count(&self) -> usize {
+        Self::count(self)
+    }
+
+    fn each(&mut self, part: Range<usize>, mut take: impl FnMut(&Sample)) -> io::Result<()> {
+        for block in blocks(part) {
+            self.read(block)?.iter().for_each(&mut take);
+        }
+        Ok(())
+    }
+}
+
+impl<S> From<Estimator<S>> for Recorder<S> {
+    /// A recorder of the drive that this estimator begins.
+    fn from(estimator: Estimator<S>) -> Self {
+        Self {
+            estimator,
+            start: None,
+            samples: Spool::default(),
+            grades: Spool::default(),
+            new_cells: Vec::new(),
+            trouble: None,
+        }
+    }
+}
+
+fn row(start: Instant, grades: &OnlineGrades, smoothed: &SmoothedCell) -> RunRow {
+    let SmoothedCell {
+        end,
+        estimate: smoothed,
+    } = smoothed;
+    let degrees = |e7: i32| f64::from(e7) * 1e-7;
+    RunRow {
+        time_s: end.time.since(start).micros() as f64 * 1e-6,
+        distance_m: end.distance_m(),
+        latitude_deg: end.position_e7.map(|(latitude, _)| degrees(latitude)),
+        longitude_deg: end.position_e7.map(|(_, longitude)| degrees(longitude)),
+        altitude_m: smoothed.altitude_m.map(|z| z.value.into()),
+        altitude_sigma_m: smoothed.altitude_m.map(|z| z.sigma.into()),
+        grade_percent: smoothed.grade_percent.value.into(),
+        grade_sigma_percent: smoothed.grade_percent.sigma.into(),
+        lagged_grade_percent: grades.lagged.value.into(),
+        lagged_grade_sigma_percent: grades.lagged.sigma.into(),
+        live_grade_percent: grades.live.value.into(),
+        live_grade_sigma_percent: grades.live.sigma.into(),
+        speed_mps: smoothed.speed_mps.into(),
+        bias_percent: smoothed.bias_percent.value.into(),
+        scale: smoothed.scale.value.into(),
+        valid: end.condition.is_valid().into(),
+    }
+}

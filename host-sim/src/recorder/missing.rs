@@ -1,0 +1,34 @@
+//! What a drive's traffic lacked for an estimate.
+
+use super::long_run::LongRun;
+use crate::files::vehicle::VehicleFile;
+use estimator_core::Traction;
+
+/// What the traffic lacked for an estimate; `None` if nothing.
+#[must_use]
+pub fn missing(vehicle: &VehicleFile, run: &LongRun) -> Option<&'static str> {
+    let counters = &run.counters;
+    let problem = if counters.speeds_used == 0 {
+        "no speed: expected wheel-based speed (CCVS1, PGN 65265, or EBC2, PGN 65215; column \
+         wheel_speed_mps)"
+    } else if run.rows.count() == 0 {
+        "the vehicle never moved: no grade to estimate"
+    } else if counters.tractions_used == 0 {
+        match vehicle.model.vehicle.traction {
+            Traction::Powertrain(_) => {
+                "no engine torque with a known gear: expected EEC1 (PGN 61444; column \
+                 engine_torque_percent) and ETC2 (PGN 61445; column gear or gear_ratio) or engine \
+                 speed"
+            }
+            Traction::Force => {
+                "no traction force: expected column traction_force_n, as [traction] source = \
+                 \"force\" in the vehicle file says"
+            }
+        }
+    } else if counters.altitudes_used == 0 {
+        "no GNSS altitude: expected NMEA 2000 129029 (or VDS, PGN 65256; column altitude_m)"
+    } else {
+        return None;
+    };
+    Some(problem)
+}

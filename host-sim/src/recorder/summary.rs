@@ -1,0 +1,104 @@
+//! A summary of a drive.
+
+use super::long_run::LongRun;
+use crate::error::Result;
+use crate::files::run::RunRows;
+use crate::terminal::counters::events;
+use crate::terminal::table::text_table;
+use comfy_table::Table;
+use serde::Serialize;
+
+/// What a drive came to.
+#[derive(Debug, Default, Serialize)]
+pub struct Summary {
+    distance_km: f64,
+    duration_s: f64,
+    cells: usize,
+    valid_percent: f64,
+    grade_sigma_percent: f64,
+    lagged_grade_sigma_percent: f64,
+    live_grade_sigma_percent: f64,
+    climb_m: f64,
+    bias_percent: f64,
+    scale: f64,
+    events: Vec<(&'static str, u64)>,
+}
+
+impl Summary {
+    /// Of a run.
+    ///
+    /// # Errors
+    /// If its rows cannot be had.
+    pub fn new(run: &mut LongRun) -> Result<Self> {
+        let mut sums = Self {
+            cells: run.rows.count(),
+            scale: 1.0,
+            events: events(&run.counters),
+            ..Self::default()
+        };
+        let (mut first_m, mut last_m) = (None, None);
+        run.rows.each(&mut |row| {
+            sums.distance_km = row.distance_m * 1e-3;
+            sums.duration_s = row.time_s;
+            sums.valid_percent += f64::from(row.valid);
+            sums.grade_sigma_percent += row.grade_sigma_percent;
+            sums.lagged_grade_sigma_percent += row.lagged_grade_sigma_percent;
+            sums.live_grade_sigma_percent += row.live_grade_sigma_percent;
+            sums.bias_percent += row.bias_percent;
+            sums.scale = row.scale;
+            first_m = first_m.or(row.altitude_m);
+            last_m = row.altitude_m.or(last_m);
+            Ok(())
+        })?;
+        let count = sums.cells.max(1) as f64;
+        Ok(Self {
+            valid_percent: 100.0 * (sums.valid_percent / count),
+            grade_sigma_percent: sums.grade_sigma_percent / count,
+            lagged_grade_sigma_percent: sums.lagged_grade_sigma_percent / count,
+            live_grade_sigma_percent: sums.live_grade_sigma_percent / count,
+            climb_m: last_m.unwrap_or(0.0) - first_m.unwrap_or(0.0),
+            bias_percent: sums.bias_percent / count,
+            ..sums
+        })
+    }
+
+    /// Its table for a terminal.
+    #[must_use]
+    pub fn table(&self) -> Table {
+        let mut rows = Vec::new();
+        let mut line = |name: &str, value: String, unit: &str| {
+            rows.push(vec![name.to_owned(), unit.to_owned(), value]);
+        };
+        line("distance", format!("{:.3}", self.distance_km), "km");
+        line("duration", format!("{:.1}", self.duration_s), "s");
+        line("cells", self.cells.to_string(), "");
+        line("valid", format!("{:.1}", self.valid_percent), "%");
+        line("climb", format!("{:.1}", self.climb_m), "m");
+        let grade = "% grade";
+        line(
+            "sigma, smoothed",
+            format!("{:.3}", self.grade_sigma_percent),
+            grade,
+        );
+        line(
+            "sigma, lagged",
+            format!("{:.3}", self.lagged_grade_sigma_percent),
+            grade,
+        );
+        line(
+            "sigma, live",
+            format!("{:.3}", self.live_grade_sigma_percent),
+            grade,
+        );
+        line(
+            "model bias, mean",
+            format!("{:+.3}", self.bias_percent),
+            grade,
+        );
+        line("traction scale, end", format!("{:.3}", self.scale), "");
+        for (name, count) in &self.events {
+            line(name, count.to_string(), "");
+        }
+        text_table(&["", "unit", "value"], &rows, 2)
+    }
+}

@@ -1,0 +1,68 @@
+//! A file of a run judged with the files beside it.
+
+use super::companions::Companions;
+use super::rivals::Rival;
+use super::run_score::score_run_beside;
+use super::score_row::ScoreRow;
+use crate::error::{Error, Result};
+use crate::files::run;
+use crate::files::truth::TruthRow;
+use std::path::Path;
+
+/// A run with its rows, and what has to be said about them.
+#[derive(Clone, Debug)]
+pub struct Judged {
+    /// Its lines of the error table.
+    pub rows: Vec<ScoreRow>,
+    /// What was left out, and why.
+    pub notes: Vec<String>,
+}
+
+/// Judges a run, and what its files allow beside it.
+///
+/// # Errors
+/// A file that cannot be read or used; a log of another drive; a run without a cell to compare.
+pub fn judge(path: &Path, truth: &[TruthRow], files: &Companions) -> Result<Judged> {
+    let run = run::read(path)?;
+    let name = path.display().to_string();
+    let beside = |rivals: &[Rival]| {
+        score_run_beside(&name, &run, truth, rivals)
+            .map_err(|problem| Error::content(path, problem.to_string()))
+    };
+    let rivals = files.rivals(&run)?;
+    let mut scored = beside(&rivals)?;
+    let mut notes: Vec<String> = files.missing().into_iter().map(String::from).collect();
+    if scored.beyond_truth > 0 {
+        notes.push(format!(
+            "{} of {} cells left out, beyond the time span of the truth",
+            scored.beyond_truth,
+            run.len()
+        ));
+    }
+    let cells = scored.rows[0].cells;
+    let shared = |rival: &Rival| {
+        let mut rows = scored.rows.iter();
+        let row = rows.find(|row| row.estimate == rival.estimate);
+        row.map_or(0, |row| row.cells)
+    };
+    let fewest = rivals.iter().map(shared).min().unwrap_or(cells);
+    if fewest < cells {
+        let problem = format!("shares {fewest} of {cells} cells with the run");
+        if 2 * fewest >= cells {
+            notes.push(format!(
+                "the log {problem}; the run itself has no ratio to the oracle"
+            ));
+        } else if let Some(log) = files.named_log() {
+            let wanted = "expected the log that the run was estimated from";
+            return Err(Error::content(log, format!("{problem} {name}; {wanted}")));
+        } else {
+            let left_out = "original, modified and oracle left out";
+            notes.push(format!("{left_out}: the log beside the truth {problem}"));
+            scored = beside(&[])?;
+        }
+    }
+    Ok(Judged {
+        rows: scored.rows,
+        notes,
+    })
+}

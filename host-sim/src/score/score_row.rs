@@ -1,0 +1,151 @@
+//! One line of the error table, and means over lines.
+
+use crate::numeric::rounding::round;
+use serde::Serialize;
+
+/// Left out at both ends, m.
+pub const END_CUT_M: f64 = 500.0;
+
+/// Name of the rows that hold the mean over runs.
+pub const MEAN: &str = "mean";
+
+/// One line of the error table.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ScoreRow {
+    /// Which run, or [`MEAN`].
+    pub run: String,
+    /// `smoothed`, `lagged`, `live`, one of the [`rivals`](super::rivals), or `map`.
+    pub estimate: &'static str,
+    pub cells: usize,
+    pub rmse_percent: f64,
+    /// Over cells that neither a shift nor braking spoiled; `None` if there are none.
+    pub rmse_valid_percent: Option<f64>,
+    /// Mean of estimate minus truth.
+    pub bias_percent: f64,
+    /// Mean normalised squared error.
+    pub nees: f64,
+    /// RMSE over that of the oracle on the same cells: the lagged over the oracle's lagged, the
+    /// live over its live, all else over its smoothed.
+    pub oracle_ratio: Option<f64>,
+}
+
+impl ScoreRow {
+    /// With the decimals that a file carries.
+    pub fn rounded(&self) -> Self {
+        Self {
+            run: self.run.clone(),
+            estimate: self.estimate,
+            cells: self.cells,
+            rmse_percent: round(self.rmse_percent, 5),
+            rmse_valid_percent: self.rmse_valid_percent.map(|value| round(value, 5)),
+            bias_percent: round(self.bias_percent, 5),
+            nees: round(self.nees, 4),
+            oracle_ratio: self.oracle_ratio.map(|value| round(value, 4)),
+        }
+    }
+}
+
+/// Why there is nothing to score.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Unscorable {
+    /// Too short, or at another time.
+    #[error(
+        "no cell of {cells} both within the truth and {END_CUT_M} m away from either end; \
+         expected a longer run, or the truth of this drive"
+    )]
+    NothingLeft { cells: usize },
+    /// A reference without a grade.
+    #[error("no grade_percent; expected a reference with the grade of each point")]
+    NoGrade,
+    /// A reference that is no line.
+    #[error(transparent)]
+    Road(#[from] crate::map::RoadProblem),
+}
+
+/// Means over runs, one row for each estimate; cells are summed. Estimates come in the order in
+/// which they first appear. The ratio to the oracle is that of mean RMSEs, over the runs that have
+/// an oracle.
+pub fn mean(rows: &[ScoreRow]) -> Vec<ScoreRow> {
+    let mut estimates: Vec<&'static str> = Vec::new();
+    for row in rows {
+        if !estimates.contains(&row.estimate) {
+            estimates.push(row.estimate);
+        }
+    }
+    estimates
+        .into_iter()
+        .map(|estimate| {
+            let of: Vec<&ScoreRow> = rows.iter().filter(|row| row.estimate == estimate).collect();
+            let mean_of = |value: fn(&ScoreRow) -> Option<f64>| {
+                let known: Vec<f64> = of.iter().filter_map(|row| value(row)).collect();
+                (!known.is_empty()).then(|| known.iter().sum::<f64>() / known.len() as f64)
+            };
+            ScoreRow {
+                run: MEAN.into(),
+                estimate,
+                cells: of.iter().map(|row| row.cells).sum(),
+                rmse_percent: mean_of(|row| Some(row.rmse_percent)).unwrap_or_default(),
+                rmse_valid_percent: mean_of(|row| row.rmse_valid_percent),
+                bias_percent: mean_of(|row| Some(row.bias_percent)).unwrap_or_default(),
+                nees: mean_of(|row| Some(row.nees)).unwrap_or_default(),
+                oracle_ratio: ratio_of_means(&of),
+            }
+        })
+        .collect()
+}
+
+fn ratio_of_means(rows: &[&ScoreRow]) -> Option<f64> {
+    let (ours, oracles) = rows
+        .iter()
+        .filter_map(|row| Some((row.rmse_percent, row.oracle_ratio.filter(|r| *r > 0.0)?)))
+        .fold((0.0, 0.0), |sum, (rmse, ratio)| {
+            (sum.0 + rmse, sum.1 + rmse / ratio)
+        });
+    (oracles > 0.0).then(|| ours / oracles)
+}
+
+/// Whether a cell lies at an end of a run.
+pub(super) fn is_end(first_m: f64, last_m: f64, at_m: f64) -> bool {
+    at_m < first_m + END_CUT_M || at_m > last_m - END_CUT_M
+}
+
+/// Sums of errors over cells.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Sums {
+    cells: usize,
+    error: f64,
+    squared: f64,
+    normalised: f64,
+    valid_cells: usize,
+    valid_squared: f64,
+}
+
+impl Sums {
+    pub(super) fn add(&mut self, error_percent: f64, sigma_percent: f64, valid: bool) {
+        let squared = error_percent * error_percent;
+        self.cells += 1;
+        self.error += error_percent;
+        self.squared += squared;
+        self.normalised += squared / (sigma_percent * sigma_percent);
+        if valid {
+            self.valid_cells += 1;
+            self.valid_squared += squared;
+        }
+    }
+
+    /// `None` if there were no cells.
+    pub(super) fn row(&self, run: &str, estimate: &'static str) -> Option<ScoreRow> {
+        let cells = self.cells as f64;
+        (self.cells > 0).then(|| ScoreRow {
+            run: run.into(),
+            estimate,
+            cells: self.cells,
+            rmse_percent: (self.squared / cells).sqrt(),
+            rmse_valid_percent: (self.valid_cells > 0)
+                .then(|| (self.valid_squared / self.valid_cells as f64).sqrt()),
+            bias_percent: self.error / cells,
+            nees: self.normalised / cells,
+            oracle_ratio: None,
+        })
+    }
+}

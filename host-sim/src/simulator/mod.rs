@@ -1,0 +1,37 @@
+//! The simulator: trucks of known parameters on a road of known grade, heard on a bus.
+//!
+//! ```text
+//! scenario ─► road ─► drive (truck, driver, gearbox) ─► sensors, GNSS ─► bus frames
+//!                       └► truth
+//! ```
+//!
+//! Everything is decided by the scenario and its seed: the same scenario gives the same frames,
+//! byte for byte. [`simulate`] keeps a run in memory, [`Recording`] hands its frames out one by
+//! one.
+
+pub mod bus;
+pub mod drive;
+pub mod driver;
+pub mod gearbox;
+pub mod geodesy;
+pub mod gnss;
+mod oracle;
+pub mod planted;
+pub mod planted_file;
+pub mod random;
+mod range_check;
+mod recording;
+pub mod road;
+pub mod road_file;
+pub mod road_generator;
+pub mod scenario;
+mod scenario_check;
+pub mod scenario_file;
+pub mod sensors;
+pub mod truck;
+mod unmodelled;
+mod write_runs;
+
+pub use recording::{Recording, SimulatedRun, simulate};
+pub use unmodelled::Unmodelled;
+pub use write_runs::write_runs;

@@ -1,0 +1,121 @@
+//! A run that is driven, and what of it goes on the bus.
+
+use super::bus::Bus;
+use super::drive::{self, Drive};
+use super::gnss::Gnss;
+use super::scenario::Scenario;
+use super::sensors::Sensors;
+use crate::error::Result;
+use crate::files::truth::TruthRow;
+use crate::files::vehicle::VehicleFile;
+use crate::source::can_frame::TimedFrame;
+use estimator_core::VehicleParameters;
+
+/// Time between two rows of the truth, s.
+const TRUTH_STEP_S: f64 = 0.1;
+
+/// A whole run in memory.
+#[derive(Clone, Debug)]
+pub struct SimulatedRun {
+    /// The run's name in the scenario.
+    pub name: String,
+    /// The vehicle as the estimator is to believe it.
+    pub vehicle: VehicleFile,
+    /// The vehicle as it was.
+    pub true_parameters: VehicleParameters,
+    /// What was on the bus.
+    pub frames: Vec<TimedFrame>,
+    /// What really happened, every 100 ms from the first frame on.
+    pub truth: Vec<TruthRow>,
+}
+
+/// Drives run `index` of the scenario and keeps all of it.
+///
+/// # Errors
+/// A truck that comes to a stop on its road.
+///
+/// # Panics
+/// If the scenario has no run `index`.
+pub fn simulate(scenario: &Scenario, index: usize) -> Result<SimulatedRun> {
+    let recording = Recording::new(scenario, index)?;
+    let run = &scenario.runs[index];
+    Ok(SimulatedRun {
+        name: run.name.clone(),
+        vehicle: run.vehicle.clone(),
+        true_parameters: run.true_parameters.clone(),
+        frames: recording.frames().collect(),
+        truth: recording.truth(),
+    })
+}
+
+/// A run that was driven, ready to be put on the bus.
+#[derive(Debug)]
+pub struct Recording<'a> {
+    pub(super) scenario: &'a Scenario,
+    pub(super) index: usize,
+    pub(super) drive: Drive,
+}
+
+impl<'a> Recording<'a> {
+    /// Drives run `index` of the scenario.
+    ///
+    /// # Errors
+    /// A truck that comes to a stop on its road.
+    ///
+    /// # Panics
+    /// If the scenario has no run `index`.
+    pub fn new(scenario: &'a Scenario, index: usize) -> Result<Self> {
+        let drive = drive::drive(scenario, index)?;
+        Ok(Self {
+            scenario,
+            index,
+            drive,
+        })
+    }
+
+    /// What was driven, step by step.
+    #[must_use]
+    pub const fn drive(&self) -> &Drive {
+        &self.drive
+    }
+
+    /// The bus traffic, in order of time. Each call gives the same frames.
+    pub fn frames(&self) -> impl Iterator<Item = TimedFrame> {
+        let sensors = Sensors::new(self.scenario, self.index, &self.drive);
+        let gnss = Gnss::new(self.scenario, self.index, &self.drive);
+        Bus::new(
+            self.scenario,
+            self.index,
+            sensors,
+            gnss,
+            self.drive.duration_s(),
+        )
+    }
+
+    /// The truth every 100 ms, its time and distance counted from the first frame.
+    #[must_use]
+    pub fn truth(&self) -> Vec<TruthRow> {
+        let log_start_s = self.scenario.runs[self.index].start_time_s;
+        let Some(first) = self.frames().next() else {
+            return Vec::new();
+        };
+        let first_s = first.time.micros() as f64 * 1e-6 - log_start_s;
+        let from_m = self.drive.at(first_s).distance_m;
+        let rows = ((self.drive.duration_s() - first_s) / TRUTH_STEP_S) as usize + 1;
+        (0..rows)
+            .map(|row| {
+                let time_s = row as f64 * TRUTH_STEP_S;
+                let state = self.drive.at(first_s + time_s);
+                let road = &self.drive.road;
+                TruthRow {
+                    time_s,
+                    distance_m: state.distance_m - from_m,
+                    grade_percent: 100.0 * road.grade(state.distance_m),
+                    altitude_m: road.altitude_m(state.distance_m),
+                    shifting: u8::from(state.shifting),
+                    braking: u8::from(state.braking()),
+                }
+            })
+            .collect()
+    }
+}

@@ -1,0 +1,314 @@
+//! A scenario: the file made sure of, its road built and its vehicles drawn. The keys of the
+//! file are documented in [`scenario_file`](super::scenario_file).
+
+use super::planted_file::PlantedTable;
+use super::random::{Purpose, normal, stream};
+use super::range_check::check;
+use super::road::Road;
+use super::scenario_check::{check_document, check_shape, check_steady_wind};
+use super::scenario_file::{
+    Air, Direction, Document, GnssErrors, Latencies, NoiseLevels, ParameterErrors, Rates,
+    RoadSource, RunTable, Start, Tyres, Wind,
+};
+use super::truck::Truck;
+use super::{road_file, road_generator};
+use crate::error::{Error, Result};
+use crate::files::vehicle::VehicleFile;
+use estimator_core::{Traction, VehicleParameters};
+use rand_chacha::ChaCha8Rng;
+use std::fs;
+use std::ops::RangeInclusive;
+use std::path::{Path, PathBuf};
+
+/// Specific gas constant of dry air, J/(kg K).
+const GAS_CONSTANT: f64 = 287.05;
+/// What a factor may be, and what a random one is kept within.
+const FACTOR_RANGE: RangeInclusive<f64> = 0.2..=3.0;
+const DRAWN_RANGE: RangeInclusive<f64> = 0.3..=1.7;
+
+/// The embedded default of the main job.
+const BUILTIN: &str = include_str!("../../scenarios/demo.toml");
+
+/// What is to be simulated.
+#[derive(Clone, Debug)]
+pub struct Scenario {
+    /// The file, for messages.
+    pub origin: PathBuf,
+    /// Every random number follows from it.
+    pub seed: u64,
+    /// The road in its forward direction.
+    pub road: Road,
+    /// Noise of the vehicle's sensors.
+    pub noise: NoiseLevels,
+    /// Errors of the GNSS receiver.
+    pub gnss: GnssErrors,
+    /// Ages of the values when sent, ms.
+    pub latency_ms: Latencies,
+    /// Message rates.
+    pub rates: Rates,
+    /// The air.
+    pub air: Air,
+    /// How the tyres warm up.
+    pub tyres: Tyres,
+    /// What no vehicle file tells.
+    pub planted: PlantedTable,
+    /// The traversals.
+    pub runs: Vec<Run>,
+}
+
+/// One traversal by one vehicle.
+#[derive(Clone, Debug)]
+pub struct Run {
+    /// What its files are called.
+    pub name: String,
+    /// The vehicle as the estimator is to believe it.
+    pub vehicle: VehicleFile,
+    /// The vehicle as it is. A wrong torque signal shows as a reference torque unlike the
+    /// believed one.
+    pub true_parameters: VehicleParameters,
+    /// The same, ready to be driven.
+    pub truck: Truck,
+    /// Against the road's direction.
+    pub backward: bool,
+    /// Where it starts, in the direction of travel, m.
+    pub start_distance_m: f64,
+    /// How far it goes, m.
+    pub length_m: f64,
+    /// What the log's clock shows at the start, s.
+    pub start_time_s: f64,
+    /// Starts from standstill, else at the set speed.
+    pub from_standstill: bool,
+    /// How long its tyres have rolled before, s.
+    pub tyres_driven_s: f64,
+    /// The movement of the air.
+    pub wind: Wind,
+}
+
+impl Run {
+    /// True over believed traction per kilogram: what an estimator's scale should find.
+    #[must_use]
+    pub fn true_scale(&self) -> f64 {
+        let per_kg = |parameters: &VehicleParameters| {
+            let torque = match &parameters.traction {
+                Traction::Powertrain(powertrain) => f64::from(powertrain.reference_torque_nm),
+                Traction::Force => 1.0,
+            };
+            torque / f64::from(parameters.mass_kg)
+        };
+        per_kg(&self.true_parameters) / per_kg(&self.vehicle.model.vehicle)
+    }
+}
+
+impl Scenario {
+    /// Reads a scenario and everything it names.
+    ///
+    /// # Errors
+    /// Unknown keys, missing keys and impossible values, each named.
+    pub fn read(path: &Path) -> Result<Self> {
+        let text = fs::read_to_string(path).map_err(Error::io(path))?;
+        Self::parse(&text, path)
+    }
+
+    /// The scenario that is built in: 10 km, truck A three times and B twice, all parameters
+    /// wrong.
+    ///
+    /// # Panics
+    /// Never: a test reads it.
+    #[must_use]
+    pub fn builtin() -> Self {
+        Self::parse(BUILTIN, Path::new("built-in scenario")).expect("it is tested")
+    }
+
+    /// From the text of a scenario file; `origin` stands for it in messages, and the files it
+    /// names are looked for beside it.
+    ///
+    /// # Errors
+    /// As [`read`](Self::read).
+    pub fn parse(text: &str, origin: &Path) -> Result<Self> {
+        let key = |problem: String| Error::Key {
+            path: origin.to_owned(),
+            problem,
+        };
+        let toml_error = |e: toml::de::Error| key(e.to_string().trim_end().to_owned());
+        let document: Document = toml::from_str(text).map_err(toml_error)?;
+        check_document(&document).map_err(key)?;
+        let folder = origin.parent().unwrap_or(Path::new(""));
+        let road = match document
+            .road_source()
+            .map_err(|e| key(format!("road: {}", e.to_string().trim_end())))?
+        {
+            RoadSource::File(file) => road_file::read(&folder.join(file))?,
+            RoadSource::Shape(shape) => {
+                check_shape(&shape).map_err(key)?;
+                road_generator::generate(&shape, document.seed)
+            }
+        };
+        let mut runs: Vec<Run> = Vec::new();
+        for (index, table) in document.runs.iter().enumerate() {
+            let place = format!("runs[{index}]");
+            let named = |problem: String| key(format!("{place}.{problem}"));
+            if runs.iter().any(|run| run.name == table.name) {
+                return Err(named(format!(
+                    "name = \"{}\": expected a name that no other run has",
+                    table.name
+                )));
+            }
+            let vehicle = nominal(table, folder, &named)?;
+            let mut rng = stream(document.seed, index, Purpose::Parameters);
+            runs.push(run(table, &document, &road, vehicle, &mut rng).map_err(named)?);
+        }
+        Ok(Self {
+            origin: origin.to_owned(),
+            seed: document.seed,
+            road,
+            noise: document.noise,
+            gnss: document.gnss,
+            latency_ms: document.latency_ms,
+            rates: document.rates,
+            air: document.air,
+            tyres: document.tyres,
+            planted: document.planted,
+            runs,
+        })
+    }
+
+    /// Density of dry air, kg/m³.
+    #[must_use]
+    pub fn air_density(&self) -> f64 {
+        self.air.pressure_pa / (GAS_CONSTANT * (self.air.temperature_celsius + 273.15))
+    }
+
+    /// The vehicle that all runs are believed to have, if they share one.
+    #[must_use]
+    pub fn common_vehicle(&self) -> Option<&VehicleFile> {
+        let first = &self.runs.first()?.vehicle;
+        self.runs
+            .iter()
+            .all(|run| run.vehicle == *first)
+            .then_some(first)
+    }
+}
+
+/// The believed vehicle of a run.
+fn nominal(
+    table: &RunTable,
+    folder: &Path,
+    named: &impl Fn(String) -> Error,
+) -> Result<VehicleFile> {
+    let mut vehicle = match (table.truck, &table.vehicle) {
+        (Some(preset), None) => VehicleFile {
+            name: preset.name().to_owned(),
+            model: preset.parameters().into(),
+        },
+        (None, Some(file)) => VehicleFile::read(&folder.join(file))?,
+        (Some(_), Some(_)) => {
+            return Err(named(
+                "truck: there is a vehicle as well; expected one of them".to_owned(),
+            ));
+        }
+        (None, None) => {
+            return Err(named(
+                "truck: missing; expected truck = \"A\" or \"B\", or vehicle = \"FILE\"".to_owned(),
+            ));
+        }
+    };
+    if let Some(mass_kg) = table.mass_kg {
+        check("mass_kg", mass_kg, 500.0..=200_000.0).map_err(named)?;
+        vehicle.model.vehicle.mass_kg = mass_kg as f32;
+    }
+    Ok(vehicle)
+}
+
+/// A run with its true vehicle; the error is a problem that starts with the key's name.
+fn run(
+    table: &RunTable,
+    document: &Document,
+    road: &Road,
+    vehicle: VehicleFile,
+    rng: &mut ChaCha8Rng,
+) -> std::result::Result<Run, String> {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "_-.".contains(c);
+    if !table.name.starts_with(|c: char| c.is_ascii_alphanumeric())
+        || !table.name.chars().all(plain)
+    {
+        return Err(format!(
+            "name = \"{}\": expected letters, digits, '_', '-' and '.', the first a letter or digit",
+            table.name
+        ));
+    }
+    let road_m = road.length_m();
+    check(
+        "start_distance_m",
+        table.start_distance_m,
+        0.0..=road_m - 1.0,
+    )?;
+    let rest_m = road_m - table.start_distance_m;
+    let length_m = table.length_m.unwrap_or(rest_m);
+    check("length_m", length_m, 1.0..=rest_m)?;
+    check("start_time_s", table.start_time_s, 0.0..=1e12)?;
+    check("tyres_driven_s", table.tyres_driven_s, 0.0..=1e6)?;
+    let mut wind = document.wind;
+    if let Some(steady) = table.wind {
+        check_steady_wind(steady.speed_mps, steady.from_deg)?;
+        (wind.speed_mps, wind.from_deg) = (steady.speed_mps, steady.from_deg);
+    }
+    let errors = table.errors.unwrap_or(document.errors);
+    let mut true_parameters = vehicle.model.vehicle.clone();
+    true_parameters.wheel_radius_m *= document.planted.wheel_radius_factor as f32;
+    let true_parameters = disturbed(true_parameters, &errors, rng)?;
+    let truck = Truck::new(&true_parameters).ok_or(
+        "vehicle: has a measured traction force; expected one with a [powertrain]".to_owned(),
+    )?;
+    Ok(Run {
+        name: table.name.clone(),
+        vehicle,
+        true_parameters,
+        truck,
+        backward: table.direction == Direction::Backward,
+        start_distance_m: table.start_distance_m,
+        length_m,
+        start_time_s: table.start_time_s,
+        from_standstill: table.start == Start::Standstill,
+        tyres_driven_s: table.tyres_driven_s,
+        wind,
+    })
+}
+
+/// The vehicle with its errors.
+fn disturbed(
+    mut parameters: VehicleParameters,
+    errors: &ParameterErrors,
+    rng: &mut ChaCha8Rng,
+) -> std::result::Result<VehicleParameters, String> {
+    // All four are drawn whether they are used or not: one more key leaves the others as they were.
+    let mut factor = |name: &str, factor: Option<f64>, sigma: Option<f64>| {
+        let draw = normal(rng);
+        match (factor, sigma) {
+            (Some(_), Some(_)) => Err(format!(
+                "errors.{name}_factor: there is {name}_sigma as well; expected one of them"
+            )),
+            (Some(factor), None) => {
+                check(&format!("errors.{name}_factor"), factor, FACTOR_RANGE)?;
+                Ok(factor as f32)
+            }
+            (None, Some(sigma)) => {
+                check(&format!("errors.{name}_sigma"), sigma, 0.0..=0.5)?;
+                let factor = 1.0 + sigma * draw;
+                Ok(factor.clamp(*DRAWN_RANGE.start(), *DRAWN_RANGE.end()) as f32)
+            }
+            (None, None) => Ok(1.0),
+        }
+    };
+    parameters.mass_kg *= factor("mass", errors.mass_factor, errors.mass_sigma)?;
+    parameters.drag_area_m2 *= factor("drag", errors.drag_factor, errors.drag_sigma)?;
+    parameters.rolling_resistance *=
+        factor("rolling", errors.rolling_factor, errors.rolling_sigma)?;
+    let torque = factor("torque", errors.torque_factor, errors.torque_sigma)?;
+    if let Traction::Powertrain(powertrain) = &mut parameters.traction {
+        powertrain.reference_torque_nm *= torque;
+    }
+    parameters
+        .check()
+        .map_err(|e| format!("errors: the true {e}"))?;
+    Ok(parameters)
+}

@@ -1,0 +1,122 @@
+//! The vehicle's own sensors: what each controller believes at the moment it sends.
+//!
+//! Values are as old as their latency says and carry the sensor's noise; rounding to what a
+//! message can hold is the encoder's, except for the torque, which two signals share.
+
+use super::drive::{Drive, DriveState};
+use super::random::{Purpose, normal, stream};
+use super::scenario::Scenario;
+use super::scenario_file::{Air, Latencies, NoiseLevels};
+use estimator_core::{Signal, Value};
+use rand_chacha::ChaCha8Rng;
+
+/// SPN 899: cruise control sets the torque.
+const CRUISE_CONTROL_MODE: f32 = 2.0;
+
+/// The sensors of one run.
+#[derive(Debug)]
+pub struct Sensors<'a> {
+    drive: &'a Drive,
+    noise: NoiseLevels,
+    latency_ms: Latencies,
+    air: Air,
+    believed_mass_kg: f32,
+    /// True over believed radius.
+    wheel_radius_factor: f64,
+    rng: ChaCha8Rng,
+}
+
+impl<'a> Sensors<'a> {
+    /// The sensors of run `index`.
+    #[must_use]
+    pub fn new(scenario: &Scenario, index: usize, drive: &'a Drive) -> Self {
+        Self {
+            drive,
+            noise: scenario.noise,
+            latency_ms: scenario.latency_ms,
+            air: scenario.air,
+            believed_mass_kg: scenario.runs[index].vehicle.model.vehicle.mass_kg,
+            wheel_radius_factor: scenario.planted.wheel_radius_factor,
+            rng: stream(scenario.seed, index, Purpose::Sensors),
+        }
+    }
+
+    /// The value of a signal that is sent at a moment of the drive.
+    pub fn value(&mut self, signal: Signal, sent_s: f64) -> Value {
+        let state = self.drive.at(sent_s - 1e-3 * self.age_ms(signal));
+        let number = match signal {
+            Signal::EngineTorqueMode => CRUISE_CONTROL_MODE,
+            Signal::EngineTorqueFraction => 0.125 * (self.torque_eighths(&state) % 8) as f32,
+            Signal::EngineTorque => (self.torque_eighths(&state) / 8) as f32,
+            Signal::FrictionTorque => self.percent(state.friction_torque_nm) as f32,
+            Signal::EngineSpeed => state.engine_rpm as f32,
+            Signal::DrivelineEngaged => switch(state.engaged),
+            Signal::ShiftInProcess => switch(state.shifting),
+            Signal::ClutchSlip => state.clutch_slip_percent as f32,
+            Signal::OutputShaftSpeed => self.drive.truck.output_shaft_rpm(state.speed_mps) as f32,
+            Signal::SelectedGear => state.selected_gear as f32,
+            Signal::CurrentGear => state.gear as f32,
+            Signal::GearRatio => self.drive.truck.gear_ratio(state.gear) as f32,
+            Signal::BrakeSwitch => switch(state.brake_pedal_percent > 0.0),
+            Signal::BrakePedal => state.brake_pedal_percent as f32,
+            Signal::ParkingBrake => switch(state.parked),
+            Signal::RetarderTorque => 0.0,
+            Signal::Fan => state.fan_percent as f32,
+            Signal::Mass => self.believed_mass_kg,
+            Signal::AmbientTemperature => self.air.temperature_celsius as f32,
+            Signal::AirPressure => self.air.pressure_pa as f32,
+            Signal::YawRate => {
+                // Course turns to the right, yaw rate to the left.
+                let turn = self.drive.road.curvature_per_m(state.distance_m) * state.speed_mps;
+                (self.noise.yaw_rate_sigma_radps * normal(&mut self.rng) - turn) as f32
+            }
+            Signal::WheelSpeed | Signal::FrontAxleSpeed => {
+                let noise = self.noise.speed_sigma_mps * normal(&mut self.rng);
+                // Pulses are counted, and the way from one to the next is believed.
+                let told_mps = state.speed_mps / self.wheel_radius_factor;
+                // Wheels that stand give no pulses, and none that are negative.
+                if state.speed_mps > 0.0 {
+                    (told_mps + noise).max(0.0) as f32
+                } else {
+                    0.0
+                }
+            }
+            _ => return Value::NotAvailable,
+        };
+        Value::Real(number)
+    }
+
+    fn age_ms(&self, signal: Signal) -> f64 {
+        match signal {
+            Signal::EngineTorqueMode
+            | Signal::EngineTorqueFraction
+            | Signal::EngineTorque
+            | Signal::FrictionTorque
+            | Signal::EngineSpeed => self.latency_ms.torque,
+            Signal::WheelSpeed | Signal::FrontAxleSpeed => self.latency_ms.speed,
+            Signal::DrivelineEngaged
+            | Signal::ShiftInProcess
+            | Signal::ClutchSlip
+            | Signal::OutputShaftSpeed
+            | Signal::SelectedGear
+            | Signal::CurrentGear
+            | Signal::GearRatio => self.latency_ms.gearbox,
+            _ => self.latency_ms.chassis,
+        }
+    }
+
+    fn percent(&self, torque_nm: f64) -> f64 {
+        100.0 * torque_nm / self.drive.truck.reference_torque_nm
+    }
+
+    /// Indicated torque, friction included, in eighths of a percent: SPN 513 holds the whole
+    /// percents and SPN 4154 the eighths on top. Never negative.
+    fn torque_eighths(&self, state: &DriveState) -> u32 {
+        let indicated = self.percent(state.net_torque_nm + state.friction_torque_nm);
+        (8.0 * indicated).round().clamp(0.0, 1000.0) as u32
+    }
+}
+
+fn switch(on: bool) -> f32 {
+    f32::from(u8::from(on))
+}

@@ -1,0 +1,61 @@
+//! What the believed vehicle does not explain: the truth that a diagnosis is after.
+
+use super::drive::{DriveState, STEP_S};
+use super::recording::Recording;
+use super::truck::{GRAVITY, Truck};
+use crate::numeric::slope::sine;
+
+/// One step of a drive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Unmodelled {
+    /// Its length, m.
+    pub way_m: f64,
+    /// Grade in % that the believed force balance (thesis eq. 9, still air, warm tyres) reads from
+    /// signals without noise or delay, less the true grade: positive where something holds the
+    /// truck back that the vehicle file does not know. The service brake is taken as known.
+    pub percent: f64,
+    /// With a gear through and neither shift nor brake.
+    pub valid: bool,
+}
+
+impl Recording<'_> {
+    /// What the believed vehicle does not explain, a step after the other.
+    ///
+    /// # Panics
+    /// Never: the believed vehicle has the engine and gearbox of the true one.
+    pub fn unmodelled(&self) -> impl Iterator<Item = Unmodelled> {
+        let run = &self.scenario.runs[self.index];
+        let believed =
+            Truck::new(&run.vehicle.model.vehicle).expect("it has the true one's engine");
+        let radius_factor = self.scenario.planted.wheel_radius_factor;
+        let air_density = self.scenario.air_density();
+        let torque_factor = believed.reference_torque_nm / self.drive.truck.reference_torque_nm;
+        self.drive.states.iter().map(move |state| {
+            let way_m = STEP_S * state.speed_mps;
+            let per_torque = torque_factor * believed_per_torque(&believed, state);
+            let closed_gear = if state.engaged { state.gear } else { 0 };
+            let inertia_n =
+                believed.accelerated_kg(closed_gear) * state.acceleration_mps2 / radius_factor;
+            let force_n = per_torque * state.net_torque_nm
+                - believed.resistance_n(state.speed_mps / radius_factor, air_density)
+                - state.brake_n
+                - inertia_n;
+            let true_grade = self.drive.road.grade(state.distance_m + 0.5 * way_m);
+            let read = force_n / (believed.mass_kg * GRAVITY);
+            Unmodelled {
+                way_m,
+                percent: 100.0 * (read - sine(true_grade)),
+                valid: state.engaged && !state.shifting && !state.braking(),
+            }
+        })
+    }
+}
+
+/// Force for a newton metre of net torque as far as the driveline passes it, N/Nm.
+fn believed_per_torque(believed: &Truck, state: &DriveState) -> f64 {
+    if state.traction_n == 0.0 {
+        0.0
+    } else {
+        believed.force_per_torque(state.gear)
+    }
+}

@@ -1,0 +1,23 @@
+//! A filter step with the state after it.
+
+use estimator_core::filter::{Filter, State, StepRecord};
+use estimator_core::sample::Sample;
+use estimator_core::{Context, Scalar};
+
+/// A filter step with the state after it: what the backward pass needs of a cell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FilteredCell<S> {
+    /// The step.
+    pub record: StepRecord<S>,
+    /// Mean and covariance at the cell's end, measurements included.
+    pub state: State<S>,
+}
+
+impl<S: Scalar> FilteredCell<S> {
+    /// Takes a filter over the cell of a sample. Returns `None` where the filter has no estimate.
+    pub fn step(filter: &mut Filter<S>, context: &mut Context, sample: &Sample) -> Option<Self> {
+        let record = filter.step(context, sample)?;
+        let state = *filter.state()?;
+        Some(Self { record, state })
+    }
+}

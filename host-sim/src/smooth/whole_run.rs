@@ -1,0 +1,226 @@
+//! Smoothing of a whole run.
+//!
+//! The samples go through the core's filter a second time, in double precision and with the sensor
+//! noise that was known only at the end of the first pass. Then the core's backward pass goes back
+//! over all of it.
+//!
+//! The records of all cells are not kept. The run is divided into parts, and the filter before each
+//! part is kept. On the way back a part is filtered again from there; a part that is still too long
+//! is divided again (A. Griewank, "Achieving logarithmic growth of temporal and spatial complexity in
+//! reverse automatic differentiation", Optimization Methods and Software 1:35, 1992). The filter
+//! therefore goes over the run three times up to 41 km, and once more for each factor of 32. The
+//! memory, [`held_bytes`], grows by the same steps and no further. The results are those of a
+//! smoother that keeps everything, bit for bit.
+
+use super::drifts::Drifts;
+use super::filtered_cell::FilteredCell;
+use super::samples::Samples;
+use estimator_core::cell::CellEnd;
+use estimator_core::filter::{Filter, StepRecord};
+use estimator_core::sample::Sample;
+use estimator_core::smoother::BackwardPass;
+use estimator_core::{Context, Counters, Estimate, Model, Scalar, Tuning};
+use std::ops::Range;
+
+/// Largest number of cells in a part whose records are held.
+const RECORDS: usize = 512;
+/// Number of parts that a longer one is divided into.
+const PARTS: usize = 32;
+
+/// A cell of a smoothed run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SmoothedCell {
+    /// Where and when the cell ends.
+    pub end: CellEnd,
+    /// The estimate there, from all measurements of the run.
+    pub estimate: Estimate,
+}
+
+/// Returns the smoothed run: one cell for each sample from the first speed on. `filter` is that of
+/// the second pass ([`Filter::second_pass`]).
+///
+/// Where the filter finds a drift of GNSS, it has already followed it for some hundred metres. The
+/// filter then goes over the run twice more: without the fixes since the drift began, and using all
+/// of them, since a vehicle far from its parameters looks the same in its first kilometres. The pass
+/// with the most likely altitudes counts.
+#[must_use]
+pub fn smooth_run<S: Scalar>(
+    model: &Model,
+    tuning: &Tuning,
+    filter: &Filter<S>,
+    samples: &[Sample],
+) -> Vec<SmoothedCell> {
+    let mut segments = Vec::new();
+    let Ok(()) = smooth_segments(model, tuning, filter, &mut { samples }, |_, segment| {
+        segments.push(segment);
+        Ok(())
+    });
+    segments.into_iter().rev().flatten().collect()
+}
+
+/// Smooths a run that need not be in memory, from its end to its start. `take` gets one segment
+/// after the other, each in the order of the run, with the number of its first cell.
+///
+/// # Errors
+/// Those of `samples` and of `take`.
+pub fn smooth_segments<S: Scalar, M: Samples>(
+    model: &Model,
+    tuning: &Tuning,
+    filter: &Filter<S>,
+    samples: &mut M,
+    take: impl FnMut(usize, Vec<SmoothedCell>) -> Result<(), M::Error>,
+) -> Result<(), M::Error> {
+    let mut smoother = Smoother {
+        context: Context {
+            model: model.clone(),
+            tuning: tuning.clone(),
+            counters: Counters::default(),
+        },
+        samples,
+        drifts: Drifts::default(),
+        pass: BackwardPass::new(),
+        take,
+    };
+    let start = Checkpoint {
+        filter: filter.clone(),
+        has_drifted: false,
+        cells: 0,
+    };
+    let (mut least, drifts) = smoother.likelihood(start.clone())?;
+    if !drifts.is_empty() {
+        let mut believing = tuning.clone();
+        believing.gates.drift_sigmas = f32::INFINITY;
+        let mut best = (Drifts::default(), tuning.clone());
+        for other in [(drifts, tuning.clone()), (Drifts::default(), believing)] {
+            (smoother.drifts, smoother.context.tuning) = other.clone();
+            let (negative_log_likelihood, _) = smoother.likelihood(start.clone())?;
+            if negative_log_likelihood < least {
+                (least, best) = (negative_log_likelihood, other);
+            }
+        }
+        (smoother.drifts, smoother.context.tuning) = best;
+    }
+    let all = 0..smoother.samples.count();
+    smoother.go_back(all, start)
+}
+
+/// Returns the memory that smoothing of so many cells takes, bytes. It grows by one level of parts
+/// at 41, 1,300 and 42,000 km, and not between them.
+#[must_use]
+pub const fn held_bytes(cells: usize) -> usize {
+    let mut levels = 0;
+    let mut part = cells;
+    while part > RECORDS {
+        part = part.div_ceil(PARTS);
+        levels += 1;
+    }
+    let mark = size_of::<(Range<usize>, Checkpoint<f64>)>();
+    RECORDS * (size_of::<FilteredCell<f64>>() + size_of::<SmoothedCell>()) + levels * PARTS * mark
+}
+
+/// The filter at one place of the run.
+#[derive(Clone)]
+struct Checkpoint<S> {
+    filter: Filter<S>,
+    /// Whether the last altitudes were left out because they drifted.
+    has_drifted: bool,
+    /// Number of cells since the first speed.
+    cells: usize,
+}
+
+struct Smoother<'a, S, M, T> {
+    context: Context,
+    samples: &'a mut M,
+    /// Drifts whose altitudes are left out.
+    drifts: Drifts,
+    /// What the later cells say.
+    pass: BackwardPass<S>,
+    take: T,
+}
+
+impl<S, M, T> Smoother<'_, S, M, T>
+where
+    S: Scalar,
+    M: Samples,
+    T: FnMut(usize, Vec<SmoothedCell>) -> Result<(), M::Error>,
+{
+    /// Returns the mean negative log-likelihood of an altitude, times two and but for a constant,
+    /// and the drifts that the filter found.
+    fn likelihood(&mut self, mut from: Checkpoint<S>) -> Result<(f64, Drifts), M::Error> {
+        let (mut sum, mut altitudes) = (-0.0, 0_usize);
+        let mut found = Drifts::default();
+        let all = 0..self.samples.count();
+        self.filter(all, &mut from, |record, _| {
+            if let Some(update) = record.smoother_input.altitude {
+                let variance = update.innovation_variance.to_f64();
+                sum += update.innovation.to_f64().powi(2) / variance + variance.ln();
+                altitudes += 1;
+            }
+            found.note(record.event, record.end.cell);
+        })?;
+        Ok((sum / altitudes as f64, found))
+    }
+
+    /// Goes back over a part, before which the filter was at `start`.
+    fn go_back(&mut self, part: Range<usize>, start: Checkpoint<S>) -> Result<(), M::Error> {
+        if part.len() <= RECORDS {
+            return self.go_back_over_records(part, start);
+        }
+        let length = part.len().div_ceil(PARTS);
+        let mut marks = Vec::with_capacity(PARTS);
+        let mut checkpoint = start;
+        for begin in part.clone().step_by(length) {
+            let within = begin..part.end.min(begin + length);
+            marks.push((within.clone(), checkpoint.clone()));
+            if within.end < part.end {
+                self.filter(within, &mut checkpoint, |_, _| ())?;
+            }
+        }
+        while let Some((within, checkpoint)) = marks.pop() {
+            self.go_back(within, checkpoint)?;
+        }
+        Ok(())
+    }
+
+    fn go_back_over_records(
+        &mut self,
+        part: Range<usize>,
+        mut start: Checkpoint<S>,
+    ) -> Result<(), M::Error> {
+        let first = start.cells;
+        let mut filtered = Vec::with_capacity(part.len());
+        self.filter(part, &mut start, |record, filter| {
+            let state = filter.state().copied();
+            filtered.extend(state.map(|state| FilteredCell { record, state }));
+        })?;
+        let mut smoothed: Vec<SmoothedCell> = Vec::with_capacity(filtered.len());
+        for FilteredCell { record, state } in filtered.iter().rev() {
+            smoothed.push(SmoothedCell {
+                end: record.end,
+                estimate: self.pass.estimate(state),
+            });
+            self.pass.retreat(&record.smoother_input);
+        }
+        smoothed.reverse();
+        (self.take)(first, smoothed)
+    }
+
+    /// Takes the filter over a part. `note` gets each step, and the filter after it.
+    fn filter(
+        &mut self,
+        part: Range<usize>,
+        checkpoint: &mut Checkpoint<S>,
+        mut note: impl FnMut(StepRecord<S>, &Filter<S>),
+    ) -> Result<(), M::Error> {
+        let Self {
+            context, drifts, ..
+        } = self;
+        self.samples.each(part, |sample| {
+            let sample = drifts.without(sample, &mut checkpoint.has_drifted);
+            if let Some(record) = checkpoint.filter.step(context, &sample) {
+                checkpoint.cells += 1;
+                note(record, &checkpoint.filter);
+            }
+        })
+    }
+}

@@ -1,0 +1,31 @@
+//! What kind of log a file is.
+
+use crate::error::{Error, Result};
+use std::path::Path;
+
+/// What a log is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LogKind {
+    /// Frames of a bus, in either layout of candump.
+    Candump,
+    /// A signal table.
+    SignalTable,
+}
+
+/// Tells from the name what a log is: `.csv` and `.csv.gz` are signal tables, all else candump.
+///
+/// # Errors
+/// If there is no such file.
+pub fn kind_of(path: &Path) -> Result<LogKind> {
+    if path.metadata().map_err(Error::io(path))?.is_dir() {
+        return Err(Error::content(path, "is a folder; expected a log file"));
+    }
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let name = name.to_ascii_lowercase();
+    let name = name.strip_suffix(".gz").unwrap_or(&name);
+    Ok(if name.ends_with(".csv") {
+        LogKind::SignalTable
+    } else {
+        LogKind::Candump
+    })
+}

@@ -1,0 +1,245 @@
+//! Simulated drives in the distance domain (thesis section 4): the vehicle model of eq. 9 under a
+//! PI cruise control, and what its sensors would have told.
+
+use crate::comparison::{Drive, G, Point, STEP_M};
+use crate::simulator::driver::{BRAKE_OFF_MPS, BRAKE_ON_MPS, CruiseControl, SET_SPEED_MPS};
+use crate::simulator::random::normal;
+use crate::simulator::truck::Truck;
+use estimator_core::VehicleParameters;
+use estimator_core::vehicle::STANDARD_AIR_DENSITY;
+use rand_chacha::ChaCha8Rng;
+
+/// Deceleration that the brakes add, m/s².
+const BRAKE_MPS2: f64 = 0.5;
+/// Time without torque at the wheels while the gear changes, s.
+const SHIFT_S: f64 = 1.0;
+/// Engine speed below which the next lower gear is taken, rpm.
+const SHIFT_DOWN_BELOW_RPM: f64 = 1_000.0;
+/// Engine speed that the next higher gear must give before it is taken, rpm. With steps of 1.27
+/// between the gears this leaves room between shifting up and down.
+const SHIFT_UP_TO_RPM: f64 = 1_100.0;
+/// Below this speed no truck of the experiments was driven; keeps the distance domain defined.
+const SLOWEST_MPS: f64 = 2.0;
+
+/// What is believed of the vehicle, as factors of the truth (thesis: N(1, 0.2) in each run).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Belief {
+    /// Of the mass.
+    pub mass: f64,
+    /// Of the air drag.
+    pub drag: f64,
+    /// Of the rolling resistance.
+    pub rolling: f64,
+    /// Of the engine's torque.
+    pub torque: f64,
+}
+
+impl Belief {
+    /// Everything known as it is.
+    pub const TRUTH: Self = Self {
+        mass: 1.0,
+        drag: 1.0,
+        rolling: 1.0,
+        torque: 1.0,
+    };
+}
+
+/// What disturbs the measurements of a drive, beside false [`Belief`]s.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Errors<'a> {
+    /// Standard deviation of the white noise on wheel speed, m/s.
+    pub speed_mps: f64,
+    /// Error of GPS altitude at each point, m. Points beyond its end are without satellites.
+    pub gps_m: &'a [f64],
+    /// What the vehicle model will read too high at each point, %: a resisting force that acts
+    /// on the vehicle and that the model lacks, over its weight. None beyond its end.
+    pub model_percent: &'a [f64],
+}
+
+/// A drive as measured, and the truth of it.
+#[derive(Clone, Debug)]
+pub struct SimulatedDrive {
+    /// What was measured, and what is believed.
+    pub drive: Drive,
+    /// True grade at each point, %.
+    pub true_grade_percent: Vec<f64>,
+}
+
+/// A gear change that is under way.
+struct Shift {
+    /// Points it takes.
+    points: usize,
+    /// Points that are over.
+    done: usize,
+    /// Force before it, N.
+    force_n: f64,
+}
+
+/// The moving vehicle.
+struct Vehicle {
+    truck: Truck,
+    cruise: CruiseControl,
+    speed_mps: f64,
+    gear: usize,
+    shift: Option<Shift>,
+    braking: bool,
+}
+
+/// Forces over one step.
+struct Forces {
+    /// From the engine, truly, N.
+    traction_n: f64,
+    /// From the engine, as the bus tells it, N.
+    told_n: f64,
+    /// From the brakes, N.
+    brake_n: f64,
+    /// Gear that is engaged; 0 for none.
+    engaged: usize,
+}
+
+/// Drives along a road of the given grade, one value each [`STEP_M`], from a steady 80 km/h on.
+///
+/// `None` if the vehicle's parameters tell no engine and gearbox.
+#[must_use]
+pub fn simulate(
+    grade_percent: &[f64],
+    truck: &VehicleParameters,
+    belief: &Belief,
+    errors: &Errors<'_>,
+    rng: &mut ChaCha8Rng,
+) -> Option<SimulatedDrive> {
+    let air_density = f64::from(STANDARD_AIR_DENSITY);
+    let mut vehicle = Vehicle::new(Truck::new(truck)?, *grade_percent.first()?, air_density);
+    let mut points = Vec::with_capacity(grade_percent.len());
+    let mut altitude_m = 0.0;
+    for (k, grade) in grade_percent.iter().enumerate() {
+        let sine = grade / grade.hypot(100.0);
+        let shifting = vehicle.shift_gears();
+        let forces = vehicle.forces();
+        points.push(Point {
+            distance_m: k as f64 * STEP_M,
+            speed_mps: vehicle.speed_mps + errors.speed_mps * normal(rng),
+            traction_n: belief.torque * forces.told_n,
+            rotating_kg: vehicle.truck.accelerated_kg(vehicle.gear) - vehicle.truck.mass_kg,
+            air_density,
+            altitude_m: errors.gps_m.get(k).map(|error| altitude_m + error),
+            shifting,
+            braking: vehicle.braking,
+        });
+        let slope_n = vehicle.truck.mass_kg
+            * G
+            * (sine + 0.01 * errors.model_percent.get(k).copied().unwrap_or(0.0));
+        vehicle.advance(&forces, slope_n, air_density);
+        altitude_m += STEP_M * sine;
+    }
+    Some(SimulatedDrive {
+        drive: Drive {
+            mass_kg: belief.mass * f64::from(truck.mass_kg),
+            drag_area_m2: belief.drag * f64::from(truck.drag_area_m2),
+            rolling_resistance: belief.rolling * f64::from(truck.rolling_resistance),
+            points,
+        },
+        true_grade_percent: grade_percent.to_vec(),
+    })
+}
+
+impl Vehicle {
+    fn new(truck: Truck, first_grade_percent: f64, air_density: f64) -> Self {
+        let gear = truck.top_gear();
+        let slope_n = truck.mass_kg * G * 0.01 * first_grade_percent;
+        let force_n = truck.resistance_n(SET_SPEED_MPS, air_density) + slope_n;
+        Self {
+            cruise: CruiseControl::balanced_at(force_n / truck.accelerated_kg(gear)),
+            speed_mps: SET_SPEED_MPS,
+            gear,
+            shift: None,
+            braking: false,
+            truck,
+        }
+    }
+
+    /// Time that the next step takes, s.
+    fn step_s(&self) -> f64 {
+        STEP_M / self.speed_mps
+    }
+
+    /// Begins or goes on with a gear change where one is due; whether one is under way.
+    fn shift_gears(&mut self) -> bool {
+        if let Some(shift) = &mut self.shift {
+            shift.done += 1;
+            if shift.done < shift.points {
+                return true;
+            }
+            self.shift = None;
+            return false;
+        }
+        let rpm = |gear| self.truck.engine_rpm(gear, self.speed_mps);
+        let gear = if self.gear > 1 && rpm(self.gear) < SHIFT_DOWN_BELOW_RPM {
+            self.gear - 1
+        } else if self.gear < self.truck.top_gear() && rpm(self.gear + 1) > SHIFT_UP_TO_RPM {
+            self.gear + 1
+        } else {
+            return false;
+        };
+        let force_n = self.engine_force_n();
+        self.gear = gear;
+        self.shift = Some(Shift {
+            points: (SHIFT_S / self.step_s()).ceil() as usize,
+            done: 0,
+            force_n,
+        });
+        true
+    }
+
+    /// What cruise control asks of the engine, or what the engine brakes with under the brakes.
+    fn engine_force_n(&mut self) -> f64 {
+        let rpm = self.truck.engine_rpm(self.gear, self.speed_mps);
+        let lever = self.truck.force_per_torque(self.gear);
+        let drag_nm = -self.truck.friction_nm(rpm);
+        if self.braking {
+            return drag_nm * lever;
+        }
+        let limits_nm = (drag_nm, self.truck.full_load_nm(rpm));
+        let per_kg = lever / self.truck.accelerated_kg(self.gear);
+        let wish = self
+            .cruise
+            .wish(self.speed_mps, per_kg, limits_nm, self.step_s());
+        wish.net_nm * lever
+    }
+
+    fn forces(&mut self) -> Forces {
+        self.braking =
+            self.speed_mps > BRAKE_ON_MPS || self.braking && self.speed_mps > BRAKE_OFF_MPS;
+        let brake_n = if self.braking {
+            self.truck.mass_kg * BRAKE_MPS2
+        } else {
+            0.0
+        };
+        if let Some(shift) = &self.shift {
+            // The clutch is open, while the torque that is told fades out and in again.
+            let part = (1.0 - 2.0 * shift.done as f64 / shift.points as f64).abs();
+            return Forces {
+                traction_n: 0.0,
+                told_n: part * shift.force_n,
+                brake_n,
+                engaged: 0,
+            };
+        }
+        let traction_n = self.engine_force_n();
+        Forces {
+            traction_n,
+            told_n: traction_n,
+            brake_n,
+            engaged: self.gear,
+        }
+    }
+
+    /// Eq. 9 over one step. Forces are constant over it, so that v² changes linearly.
+    fn advance(&mut self, forces: &Forces, slope_n: f64, air_density: f64) {
+        let resistance_n = self.truck.resistance_n(self.speed_mps, air_density);
+        let net_n = forces.traction_n - forces.brake_n - resistance_n - slope_n;
+        let acceleration = net_n / self.truck.accelerated_kg(forces.engaged);
+        let squared = self.speed_mps.powi(2) + 2.0 * STEP_M * acceleration;
+        self.speed_mps = squared.max(SLOWEST_MPS.powi(2)).sqrt();
+    }
+}

@@ -1,0 +1,4 @@
+//! `roadgrade diagnose`.
+
+mod end_to_end;
+mod measured;

@@ -1,0 +1,69 @@
+//! What the model of a measured trolleybus lacks, where the measurements are.
+
+use host_sim::diagnose::{Request, diagnose};
+use host_sim::files::vehicle::VehicleFile;
+use std::path::{Path, PathBuf};
+use test_kit::command::program;
+
+const MISSION: &str = "../shared/data/ztbus/B183_2021-07-26_03-53-27_2021-07-26_07-18-47.csv";
+/// One way each; the last two are a round trip.
+const PASSES: [&str; 6] = [
+    "pass_01_outbound",
+    "pass_02_inbound",
+    "pass_03_outbound",
+    "pass_04_inbound",
+    "pass_05_outbound",
+    "pass_06_inbound",
+];
+
+#[test]
+fn drift_on_a_round_trip_held_out_goes_away() {
+    let mission = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("..")
+        .join(MISSION);
+    if !mission.exists() {
+        eprintln!("SKIPPED: no measured data at {MISSION}");
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    program()
+        .args(["import", "ztbus"])
+        .arg(&mission)
+        .arg("--out")
+        .arg(folder.path())
+        .assert()
+        .success();
+    let passes: Vec<PathBuf> = PASSES
+        .iter()
+        .map(|name| folder.path().join(format!("{name}.csv")))
+        .collect();
+    let found = diagnose(&Request {
+        vehicle: VehicleFile::read(&folder.path().join("vehicle.toml")).unwrap(),
+        logs: passes[..4].to_vec(),
+        held_out: passes[4..].to_vec(),
+        reference: None,
+    })
+    .unwrap();
+    for finding in &found.findings {
+        let adopted = &finding.adopted;
+        println!(
+            "{} {:.4} ± {:.4} {}, evidence {:.0}, or {:?}",
+            adopted.effect.name,
+            adopted.amount,
+            adopted.amount_sigma,
+            adopted.effect.unit,
+            finding.evidence,
+            finding.group
+        );
+    }
+    println!("unexplained: {:?}", found.unexplained);
+    let (before, after) = (&found.before, &found.after);
+    println!(
+        "drift {:+.2} and {:+.2} m/km, RMSE {:.3} and {:.3} %",
+        before.drift_m_per_km, after.drift_m_per_km, before.rmse_percent, after.rmse_percent
+    );
+    assert!(!found.judged_on_fitted && !found.findings.is_empty());
+    assert!(before.drift_m_per_km > 3.0);
+    assert!(after.drift_m_per_km.abs() < 0.6);
+    assert!(2.0 * after.rmse_percent < before.rmse_percent);
+}

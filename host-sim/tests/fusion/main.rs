@@ -1,0 +1,12 @@
+//! Runs become maps: roads, networks, stores, and `roadgrade fuse` and `export`.
+
+mod end_to_end;
+mod export;
+mod fleet;
+mod known_roads;
+mod network;
+mod network_files;
+mod parquet;
+mod road_line;
+mod sessions;
+mod store;

@@ -1,0 +1,61 @@
+//! `roadgrade import ztbus`: passes, tables, and files that cannot be used.
+
+mod bad_input;
+mod measured;
+mod mission_maker;
+mod passes;
+
+use assert_cmd::Command;
+use std::collections::BTreeMap;
+use std::path::Path;
+use test_kit::command::program;
+
+fn import(file: &Path, out: &Path) -> Command {
+    let mut command = program();
+    command.args(["import", "ztbus"]).arg(file);
+    command.arg("--out").arg(out);
+    command
+}
+
+/// A signal table as text by column.
+fn columns(path: &Path) -> BTreeMap<String, Vec<String>> {
+    let mut reader = csv::Reader::from_path(path).unwrap();
+    let names = reader.headers().unwrap().clone();
+    let mut columns: BTreeMap<String, Vec<String>> = BTreeMap::new();
+    for record in reader.records() {
+        for (name, field) in names.iter().zip(&record.unwrap()) {
+            columns
+                .entry(name.to_owned())
+                .or_default()
+                .push(field.to_owned());
+        }
+    }
+    columns
+}
+
+/// What every pass table must be: numbers only, time from 0 upwards, fixes, way as said.
+fn check_pass_tables(passes: &[serde_json::Value]) {
+    for pass in passes {
+        let table = columns(Path::new(pass["file"].as_str().unwrap()));
+        for (name, fields) in &table {
+            for field in fields.iter().filter(|field| !field.is_empty()) {
+                let value: f64 = field.parse().unwrap();
+                assert!(value.is_finite(), "{name}: {field}");
+            }
+        }
+        let numbers =
+            |name: &str| -> Vec<f64> { table[name].iter().map(|v| v.parse().unwrap()).collect() };
+        let time_s = numbers("time_s");
+        assert_eq!(time_s[0], 0.0);
+        assert!(time_s.windows(2).all(|two| two[1] > two[0]));
+        assert!(table["latitude_deg"].iter().all(|field| !field.is_empty()));
+        let speed_mps = numbers("wheel_speed_mps");
+        let way_m: f64 = time_s
+            .windows(2)
+            .zip(speed_mps.windows(2))
+            .map(|(t, v)| 0.5 * (v[0] + v[1]) * (t[1] - t[0]))
+            .sum();
+        let length_m = pass["length_m"].as_f64().unwrap();
+        assert!((way_m - length_m).abs() < 1.0, "{way_m} {length_m}");
+    }
+}

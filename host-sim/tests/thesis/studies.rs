@@ -1,0 +1,71 @@
+//! Studies of the thesis from the command line.
+
+use predicates::prelude::*;
+use std::fs;
+use std::path::Path;
+use test_kit::command::program;
+
+fn study(name: &str, out: &Path, data: &Path) -> assert_cmd::assert::Assert {
+    program()
+        .args(["study", name, "--out"])
+        .arg(out)
+        .arg("--data")
+        .arg(data)
+        .assert()
+}
+
+#[test]
+fn sensitivity_writes_its_page_table_and_both_figures() {
+    let folder = tempfile::tempdir().unwrap();
+    study("sensitivity", folder.path(), folder.path())
+        .success()
+        .stdout(predicate::str::contains("wheel radius"));
+    let table = fs::read_to_string(folder.path().join("sensitivity.csv")).unwrap();
+    assert!(table.contains("A,mass,-0.1667,-0.1667,"), "{table}");
+    assert_eq!(table.lines().count(), 15);
+    for name in ["sensitivity_A", "sensitivity_B"] {
+        let svg = fs::read_to_string(folder.path().join(name).with_extension("svg")).unwrap();
+        assert!(svg.contains("true grade (%)"), "{name}");
+        let csv = fs::read_to_string(folder.path().join(name).with_extension("csv")).unwrap();
+        // Seven parameters at 241 grades, and a header.
+        assert_eq!(csv.lines().count(), 7 * 241 + 1, "{name}");
+    }
+    let page = fs::read_to_string(folder.path().join("report.html")).unwrap();
+    assert!(page.contains("figure 7"));
+}
+
+#[test]
+fn without_measured_data_the_committed_chain_serves_and_the_page_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    study("gps", &out, folder.path()).success();
+    let page = fs::read_to_string(out.join("report.html")).unwrap();
+    assert!(page.contains("No measured mission in"), "{page}");
+    let table = fs::read_to_string(out.join("gps_statistics.csv")).unwrap();
+    assert!(table.contains("measured bus, generated"), "{table}");
+    assert!(!table.contains("measured bus, training"), "{table}");
+    assert!(table.contains("simulator, training"), "{table}");
+}
+
+#[test]
+fn a_measured_mission_that_cannot_be_read_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::create_dir(folder.path().join("ztbus")).unwrap();
+    fs::write(folder.path().join("ztbus/bad.csv"), "a,b\n1,2\n").unwrap();
+    let out = folder.path().join("out");
+    study("gps", &out, folder.path())
+        .code(1)
+        .stderr(predicate::str::contains("bad.csv"));
+    assert!(!out.join("report.html").exists());
+}
+
+#[test]
+fn the_same_seed_gives_the_same_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    let page = |name: &str| {
+        let out = folder.path().join(name);
+        study("gps", &out, folder.path()).success();
+        fs::read(out.join("report.html")).unwrap()
+    };
+    assert_eq!(page("one"), page("two"));
+}

@@ -1,0 +1,23 @@
+//! What the tests of all packages share.
+
+#[cfg(feature = "host")]
+pub mod command;
+pub mod dense;
+pub mod effect_drive;
+mod filter_runs;
+mod frames;
+pub mod hilly_drive;
+mod noise;
+pub mod readings_drive;
+#[cfg(feature = "host")]
+pub mod roads;
+mod samples;
+#[cfg(feature = "host")]
+pub mod simulated;
+mod trucks;
+
+pub use filter_runs::{FilterRun, FilteredCell, cells, run, run_counted, smooth};
+pub use frames::{TestFrame, frames_of};
+pub use noise::Noise;
+pub use samples::{altitude, sample, speed};
+pub use trucks::{by_force, truck, truck_with};

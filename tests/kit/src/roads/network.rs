@@ -1,0 +1,60 @@
+//! Networks of ways under spots.
+
+use super::Spot;
+use host_sim::files::run::RunRow;
+use host_sim::map::{Network, WayRows, fuse, read_network};
+use serde_json::{Value, json};
+use std::path::Path;
+
+/// Spots of a way that become its points: one every 20 m.
+const EVERY: usize = 8;
+
+/// A way through these spots; `oneway` as OpenStreetMap has it.
+pub fn way(name: &str, oneway: &str, spots: &[Spot]) -> Value {
+    let last = spots.len() - 1;
+    let points = (0..last).step_by(EVERY).chain([last]).map(|i| {
+        let (latitude, longitude) = spots[i].latitude_longitude_deg();
+        let round = |angle: f64| (angle * 1e7).round() / 1e7;
+        json!([round(longitude), round(latitude)])
+    });
+    json!({
+        "type": "Feature",
+        "properties": {"way": name, "oneway": oneway},
+        "geometry": {"type": "LineString", "coordinates": points.collect::<Vec<_>>()},
+    })
+}
+
+pub fn collection(ways: &[Value]) -> String {
+    json!({"type": "FeatureCollection", "features": ways}).to_string()
+}
+
+pub fn network(ways: &[Value]) -> Network {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("net.geojson");
+    save(&path, ways);
+    read_network(&path).expect("a network")
+}
+
+pub fn save(path: &Path, ways: &[Value]) {
+    std::fs::write(path, collection(ways)).expect("written");
+}
+
+/// The map of these runs, each a session of its own.
+pub fn map(network: &Network, runs: &[&[RunRow]]) -> Vec<WayRows> {
+    let runs: Vec<_> = runs.iter().map(|rows| super::alone(rows)).collect();
+    fuse(network, &runs).map.fused().ways
+}
+
+/// The rows of a way, driven forward.
+pub fn rows_of<'m>(map: &'m [WayRows], name: &str) -> &'m WayRows {
+    let shown = format!("{name} forward");
+    let of_way = |way: &&WayRows| way.name.as_ref().is_some_and(|n| n.to_string() == shown);
+    map.iter()
+        .find(of_way)
+        .unwrap_or_else(|| panic!("no way {name} in the map"))
+}
+
+pub fn names(map: &[WayRows]) -> Vec<String> {
+    let shown = |way: &WayRows| way.name.as_ref().expect("a name").to_string();
+    map.iter().map(shown).collect()
+}

@@ -1,0 +1,70 @@
+//! Scenarios for the tests of the simulator, and what a bus told.
+
+use estimator_core::signal::FrameOutcome;
+use estimator_core::{Decoder, Instant, Signal, Value};
+use host_sim::simulator::scenario::Scenario;
+use host_sim::simulator::{SimulatedRun, simulate};
+use std::path::Path;
+
+/// Neither noise nor latency: what the bus tells is true but for its resolution.
+pub const QUIET: &str = r#"
+[noise]
+speed_sigma_mps = 0.0
+yaw_rate_sigma_radps = 0.0
+[gnss]
+altitude_sigma_m = 0.0
+altitude_white_sigma_m = 0.0
+position_sigma_m = 0.0
+speed_sigma_mps = 0.0
+course_sigma_deg = 0.0
+[latency_ms]
+torque = 0.0
+speed = 0.0
+gearbox = 0.0
+chassis = 0.0
+gnss = 0.0
+"#;
+/// A road on which neither truck needs to shift or brake.
+pub const MILD: &str =
+    "[road]\nlength_m = 5000.0\ngrade_sigma_percent = 0.5\nlargest_grade_percent = 1.0\n";
+pub const A: &str = "[[runs]]\nname = \"a\"\ntruck = \"A\"\n";
+pub const B: &str = "[[runs]]\nname = \"b\"\ntruck = \"B\"\n";
+
+pub fn scenario(parts: &[&str]) -> Scenario {
+    Scenario::parse(&parts.concat(), Path::new("test")).unwrap()
+}
+
+pub fn run(parts: &[&str]) -> SimulatedRun {
+    simulate(&scenario(parts), 0).unwrap()
+}
+
+/// Every reading on the bus, in order.
+pub fn readings(run: &SimulatedRun) -> Vec<(Instant, u32, Signal, Value)> {
+    let mut decoder = Decoder::new();
+    let mut readings = Vec::new();
+    for timed in &run.frames {
+        let outcome = decoder.decode(&timed.frame, |_, pgn, reading| {
+            readings.push((timed.time, pgn.number, reading.signal, reading.value));
+        });
+        assert!(
+            matches!(
+                outcome,
+                FrameOutcome::Decoded { .. } | FrameOutcome::Partial
+            ),
+            "{outcome:?}"
+        );
+    }
+    readings
+}
+
+/// The values of one signal with their times in seconds from the first frame.
+pub fn series(run: &SimulatedRun, wanted: Signal) -> Vec<(f64, f32)> {
+    let start = run.frames[0].time;
+    readings(run)
+        .into_iter()
+        .filter(|reading| reading.2 == wanted)
+        .filter_map(|(time, _, _, value)| {
+            Some((1e-6 * time.since(start).micros() as f64, value.real()?))
+        })
+        .collect()
+}

@@ -1,0 +1,4 @@
+//! The diagnosis on logs with planted effects.
+
+mod bench;
+mod planted_logs;
