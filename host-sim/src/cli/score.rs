@@ -48,7 +48,7 @@ set
 
 The last five need the log; the thesis's methods also the vehicle file, the oracle an oracle file. \
 `simulate` writes all of them beside the truth, where they are found; what is not there is left \
-out. Keys of an oracle file: documentation of host_sim::files::oracle, or any that `simulate` writes.
+out. Keys of an oracle file: docs/formats.md, or any that `simulate` writes.
 
 Examples:
   roadgrade score --truth sim/a1.truth.csv --truth sim/a2.truth.csv a1.csv a2.csv

@@ -167,6 +167,6 @@ fn csv_error(path: &Path, error: &csv::Error, headers: Option<&csv::StringRecord
         path,
         line,
         problem,
-        "the columns that the README lists, as numbers",
+        "the columns of docs/formats.md, as numbers",
     )
 }
