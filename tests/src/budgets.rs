@@ -101,6 +101,13 @@ pub struct Budgets {
     columns: Vec<(String, Column)>,
 }
 
+/// What is wanted of a figure at most, for `f32` on a Cortex-M4F.
+#[must_use]
+pub fn wanted(figure: &str) -> Option<u32> {
+    let known = FIGURES.iter().find(|known| known.name == figure);
+    known.and_then(|known| known.bar)
+}
+
 /// The committed table.
 #[must_use]
 pub fn committed_file() -> PathBuf {
@@ -242,6 +249,12 @@ impl Budgets {
             })
             .collect();
         text_table(&header, &rows, 1).to_string()
+    }
+
+    /// Returns a figure of a column: target, scalar, and `effects` if the vehicle has them.
+    #[must_use]
+    pub fn figure(&self, column: &str, figure: &str) -> Option<u32> {
+        self.column(column)?.get(figure).copied()
     }
 
     fn header(&self, first: &str) -> Vec<String> {
