@@ -284,7 +284,7 @@ pub fn thesis() -> Result<Option<String>> {
 
 /// Replica and thesis of a row of the summary.
 fn summary_of(summary: &Table, what: &str) -> Result<[String; 2]> {
-    let of = |column| cell_of(summary, what, column).and_then(|cell| rounded(cell));
+    let of = |column| cell_of(summary, what, column).and_then(rounded);
     Ok([of("replica")?, of("thesis")?])
 }
 
