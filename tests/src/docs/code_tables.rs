@@ -1,7 +1,7 @@
 //! Tables that the core declares: tuning, effects, signals.
 
 use super::pipe_table::pipe_table;
-use estimator_core::effect::{CATALOGUE, EffectParameter};
+use estimator_core::effect::CATALOGUE;
 use estimator_core::signal::messages;
 use estimator_core::{Signal, Tuning};
 use host_sim::error::Result;
@@ -33,26 +33,31 @@ pub fn effects() -> Result<Option<String>> {
         [
             effect.number.to_string(),
             format!("`{}`", effect.name),
-            effect.unit.to_owned(),
-            number(effect.typical),
+            in_unit(&number(effect.typical), effect.unit),
             effect.about.to_owned(),
-            or_none(effect.parameters.iter().map(|parameter| {
-                let EffectParameter { key, about, .. } = parameter;
-                format!("`{key}`: {about}")
-            })),
             effect.source.to_owned(),
         ]
     });
     Ok(Some(pipe_table(
-        [
-            "number",
-            "name",
-            "unit",
-            "typical",
-            "physics",
-            "parameters",
-            "source",
-        ],
+        ["number", "name", "typical amount", "physics", "source"],
+        rows,
+    )))
+}
+
+/// What effects have besides their amounts.
+pub fn effect_parameters() -> Result<Option<String>> {
+    let rows = CATALOGUE.iter().flat_map(|effect| {
+        effect.parameters.iter().map(|parameter| {
+            [
+                format!("`{}`", effect.name),
+                format!("`{}`", parameter.key),
+                parameter.default.get().map_or("—".to_owned(), number),
+                parameter.about.to_owned(),
+            ]
+        })
+    });
+    Ok(Some(pipe_table(
+        ["effect", "parameter", "default", "meaning"],
         rows,
     )))
 }

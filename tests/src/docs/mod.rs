@@ -77,6 +77,7 @@ blocks! {
     "docs/tuning.md" "hold_times" TUNING Nothing code_tables::tuning("hold_times");
     "docs/tuning.md" "detection" TUNING Nothing code_tables::tuning("detection");
     "docs/theory/effects.md" "effects" EFFECTS Nothing code_tables::effects();
+    "docs/theory/effects.md" "parameters of effects" EFFECTS Nothing code_tables::effect_parameters();
     "docs/formats.md" "effect ranges" EFFECTS Nothing code_tables::effect_ranges();
     "docs/interfaces.md" "signals" SIGNALS Nothing code_tables::signals();
     "docs/interfaces.md" "counters" COUNTERS Nothing counter_table::counters();
