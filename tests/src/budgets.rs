@@ -101,7 +101,14 @@ pub struct Budgets {
     columns: Vec<(String, BudgetColumn)>,
 }
 
-/// Returns the committed table.
+/// Returns the bar of a figure for `f32` on a Cortex-M4F.
+#[must_use]
+pub fn wanted(figure: &str) -> Option<u32> {
+    let known = FIGURES.iter().find(|known| known.name == figure);
+    known.and_then(|known| known.bar)
+}
+
+/// Returns the path of the committed table.
 #[must_use]
 pub fn committed_file() -> PathBuf {
     root().join("firmware/budgets.csv")
@@ -246,6 +253,12 @@ impl Budgets {
             })
             .collect();
         text_table(&header, &rows, 1).to_string()
+    }
+
+    /// Returns a figure of a column: target, scalar, and `effects` if the vehicle has them.
+    #[must_use]
+    pub fn figure(&self, column: &str, figure: &str) -> Option<u32> {
+        self.column(column)?.get(figure).copied()
     }
 
     fn header(&self, first: &str) -> Vec<String> {

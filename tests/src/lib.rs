@@ -3,6 +3,7 @@
 pub mod budgets;
 pub mod change_indicator;
 pub mod diagnosed;
+pub mod docs;
 pub mod drive;
 pub mod emulator;
 pub mod faults;

@@ -6,7 +6,7 @@
 //! * [`table`]: figures of one run, with their ratios.
 //!
 //! `benches/` has all of it for criterion; `src/bin/beside.rs` lets everybody take turns, so that
-//! whatever else the machine does hits all alike, and writes the table of the README.
+//! whatever else the machine does hits all alike, and writes the table of `docs/results.md`.
 
 pub mod double;
 pub mod single;

@@ -1,0 +1,125 @@
+//! Tables that the core declares: tuning, effects, signals.
+
+use super::pipe_table::pipe_table;
+use estimator_core::effect::CATALOGUE;
+use estimator_core::signal::messages;
+use estimator_core::{Signal, Tuning};
+use host_sim::error::Result;
+
+/// The parameters of a group.
+pub fn tuning(group: &str) -> Result<Option<String>> {
+    let parameters = Tuning::PARAMETERS.iter().filter(|of| of.group == group);
+    let rows = parameters.map(|of| {
+        [
+            format!("`{}`", of.key),
+            in_unit(
+                &number(of.default.replace('_', "").parse().unwrap_or(f32::NAN)),
+                of.unit,
+            ),
+            format!("{} to {}", number(of.low), number(of.high)),
+            of.meaning.to_owned(),
+            of.source.to_owned(),
+        ]
+    });
+    Ok(Some(pipe_table(
+        ["key", "default", "range", "meaning", "source"],
+        rows,
+    )))
+}
+
+/// The catalogue of effects.
+pub fn effects() -> Result<Option<String>> {
+    let rows = CATALOGUE.iter().map(|effect| {
+        [
+            effect.number.to_string(),
+            format!("`{}`", effect.name),
+            in_unit(&number(effect.typical), effect.unit),
+            effect.about.to_owned(),
+            effect.source.to_owned(),
+        ]
+    });
+    Ok(Some(pipe_table(
+        ["number", "name", "typical amount", "physics", "source"],
+        rows,
+    )))
+}
+
+/// What effects have besides their amounts.
+pub fn effect_parameters() -> Result<Option<String>> {
+    let rows = CATALOGUE.iter().flat_map(|effect| {
+        effect.parameters.iter().map(|parameter| {
+            [
+                format!("`{}`", effect.name),
+                format!("`{}`", parameter.key),
+                parameter.default.get().map_or("—".to_owned(), number),
+                parameter.about.to_owned(),
+            ]
+        })
+    });
+    Ok(Some(pipe_table(
+        ["effect", "parameter", "default", "meaning"],
+        rows,
+    )))
+}
+
+/// What a vehicle file may have of each effect.
+pub fn effect_ranges() -> Result<Option<String>> {
+    let rows = CATALOGUE.iter().map(|effect| {
+        [
+            format!("`{}`", effect.name),
+            effect.range.words.to_owned(),
+            or_none(effect.parameters.iter().map(|parameter| {
+                let default = match parameter.default.get() {
+                    Some(default) => format!(", default {}", number(default)),
+                    None => String::new(),
+                };
+                format!("`{}` {}{default}", parameter.key, parameter.range.words)
+            })),
+        ]
+    });
+    Ok(Some(pipe_table(
+        ["effect", "range of `amount`", "parameters and ranges"],
+        rows,
+    )))
+}
+
+/// Every signal, in the order in which readings of one time are given.
+pub fn signals() -> Result<Option<String>> {
+    let rows = Signal::ALL.iter().map(|signal| {
+        let carriers = messages().filter(|message| message.signals().any(|of| of == *signal));
+        [
+            format!("`{signal:?}`"),
+            format!("`{}`", signal.column()),
+            or_none(carriers.map(|message| format!("{} {}", message.name(), message.pgn()))),
+        ]
+    });
+    Ok(Some(pipe_table(
+        ["signal", "column", "messages, with PGN"],
+        rows,
+    )))
+}
+
+fn or_none(items: impl Iterator<Item = String>) -> String {
+    let items: Vec<String> = items.collect();
+    if items.is_empty() {
+        "—".to_owned()
+    } else {
+        items.join("; ")
+    }
+}
+
+fn in_unit(number: &str, unit: &str) -> String {
+    match unit {
+        "1" => number.to_owned(),
+        unit => format!("{number} {unit}"),
+    }
+}
+
+/// Returns a number as short as it is exact, with commas from 10,000 on.
+fn number(number: f32) -> String {
+    let whole = number.abs() >= 10_000.0 && number.fract() == 0.0;
+    if whole && number > 0.0 {
+        return super::pipe_table::with_commas(number as u32);
+    }
+    number.to_string().replace('-', "−")
+}

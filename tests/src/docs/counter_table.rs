@@ -1,0 +1,64 @@
+//! The counters: their names, their meaning, and the words of `roadgrade` for them.
+
+use super::pipe_table::pipe_table;
+use crate::image::root;
+use estimator_core::Counters;
+use host_sim::error::{Error, Result};
+use host_sim::terminal::counters::events;
+use std::fs;
+
+/// Makes a table of all counters by name. A name that is missing below does not compile, since the
+/// pattern has to name all.
+macro_rules! counters {
+    ($($name:ident)*) => {
+        /// Each counter: its name, and counts of which only it is not zero.
+        fn each() -> Vec<(&'static str, Counters)> {
+            let Counters { $($name: _),* } = Counters::default();
+            vec![$((stringify!($name), Counters { $name: 1, ..Counters::default() })),*]
+        }
+    };
+}
+
+counters! {
+    frames frames_decoded frames_ignored frames_malformed fast_packets_broken
+    time_backwards times_ahead clocks_set_back silences
+    not_available errors other_source source_switches rates_exceeded
+    speed_leaps frozen_speeds speeds_used tractions_used poor_fixes frozen_fixes gaps
+    samples_lost cells_lost cells_unsound steps invalid_steps
+    altitudes_used altitudes_rejected altitude_outliers speed_steps brakes_guessed
+    loads_reopened scales_reopened
+    altitude_gaps altitude_steps altitude_drifts altitude_drifts_believed altitude_resets restarts
+}
+
+/// Every counter.
+pub fn counters() -> Result<Option<String>> {
+    let path = root().join("estimator-core/src/counters.rs");
+    let source = fs::read_to_string(&path).map_err(Error::io(&path))?;
+    let mut rows = Vec::new();
+    for (name, counts) in each() {
+        let words = events(&counts);
+        let meaning = meaning(&source, name)
+            .ok_or_else(|| Error::content(&path, format!("no documentation of {name}")))?;
+        rows.push([
+            format!("`{name}`"),
+            meaning,
+            words.first().map_or("—", |event| event.name).to_owned(),
+        ]);
+    }
+    Ok(Some(pipe_table(
+        ["counter", "what it counts", "in the program's words"],
+        rows,
+    )))
+}
+
+/// Returns the documentation of a counter.
+fn meaning(source: &str, name: &str) -> Option<String> {
+    let (before, _) = source.split_once(&format!("pub {name}: "))?;
+    let lines = before.lines().rev().skip(1);
+    let mut words: Vec<&str> = lines
+        .map_while(|line| line.trim().strip_prefix("///"))
+        .map(str::trim)
+        .collect();
+    words.reverse();
+    (!words.is_empty()).then(|| words.join(" "))
+}

@@ -1,0 +1,220 @@
+//! Who may import whom: no circle among the files of a crate, and one direction among its parts.
+//! `docs/architecture.md` gives the reasons.
+
+mod imports;
+
+use cross_tests::image::root;
+use imports::{Import, imports};
+use petgraph::algo::tarjan_scc;
+use petgraph::graphmap::DiGraphMap;
+use std::collections::BTreeSet;
+
+/// Crates whose files must not import each other in circles.
+const CRATES: [&str; 5] = [
+    "estimator-core/src",
+    "firmware/src",
+    "host-sim/src",
+    "tests/kit/src",
+    "tests/src",
+];
+
+/// Parts of the core from top to bottom. None imports what stands above it.
+const CORE: [&str; 21] = [
+    "estimator",
+    "broadcast",
+    "persistent_state",
+    "smoother",
+    "filter",
+    "intake",
+    "sampler",
+    "signal",
+    "context",
+    "model",
+    "effect",
+    "vehicle",
+    "sample",
+    "tuning",
+    "counters",
+    "cell",
+    "scalar",
+    "time",
+    "maybe",
+    "angle",
+    "division",
+];
+
+/// Rooms of the host, and the rooms that each may import. All may import `error`.
+const HOST: [(&str, &[&str]); 17] = [
+    (
+        "cli",
+        &[
+            "comparison",
+            "diagnose",
+            "files",
+            "inspect",
+            "live",
+            "map",
+            "numeric",
+            "recorder",
+            "report",
+            "score",
+            "simulator",
+            "smooth",
+            "source",
+            "study",
+            "terminal",
+        ],
+    ),
+    (
+        "study",
+        &[
+            "comparison",
+            "diagnose",
+            "files",
+            "map",
+            "numeric",
+            "recorder",
+            "report",
+            "score",
+            "simulator",
+            "smooth",
+            "source",
+            "terminal",
+        ],
+    ),
+    (
+        "diagnose",
+        &["files", "map", "numeric", "recorder", "report", "source"],
+    ),
+    ("report", &["files", "map", "numeric", "score"]),
+    ("live", &["files", "recorder", "source", "terminal"]),
+    // Not the simulator: real data have a truth, too.
+    (
+        "score",
+        &[
+            "comparison",
+            "files",
+            "map",
+            "numeric",
+            "recorder",
+            "source",
+            "terminal",
+        ],
+    ),
+    ("inspect", &["numeric", "source"]),
+    ("recorder", &["files", "smooth", "source", "terminal"]),
+    ("simulator", &["files", "numeric", "source", "terminal"]),
+    ("source", &["files", "numeric"]),
+    ("map", &["files", "numeric"]),
+    ("comparison", &["numeric"]),
+    ("files", &["numeric"]),
+    ("terminal", &[]),
+    ("numeric", &[]),
+    ("smooth", &[]),
+    ("error", &[]),
+];
+
+/// Circles that are there today. None may be added.
+const KNOWN_CIRCLES: [&str; 1] = ["vehicle/parameters.rs ↔ vehicle/powertrain.rs"];
+
+#[test]
+fn no_files_import_each_other_in_a_circle() {
+    let mut problems = Vec::new();
+    for folder in CRATES {
+        let found = imports(&root().join(folder));
+        let edges = found.iter().map(|import| (&*import.from, &*import.to));
+        let graph: DiGraphMap<&str, ()> = DiGraphMap::from_edges(edges);
+        for mut circle in tarjan_scc(&graph).into_iter().filter(|of| of.len() > 1) {
+            circle.sort_unstable();
+            let within =
+                |import: &&Import| circle.contains(&&*import.from) && circle.contains(&&*import.to);
+            let circle_words = circle.join(" ↔ ");
+            if !KNOWN_CIRCLES.contains(&&*circle_words) {
+                problems.push(format!("{folder}: a circle: {circle_words}"));
+                problems.extend(found.iter().filter(within).map(|of| in_words(folder, of)));
+            }
+        }
+    }
+    assert!(problems.is_empty(), "{}", problems.join("\n"));
+}
+
+#[test]
+fn no_part_of_the_core_imports_what_stands_above_it() {
+    let folder = "estimator-core/src";
+    let floor = |part: &str| CORE.iter().position(|of| *of == part);
+    check(folder, |from, to| match (floor(from), floor(to)) {
+        (Some(above), Some(below)) if above < below => None,
+        (Some(_), Some(_)) => Some(format!("`{to}` stands above `{from}`")),
+        (None, _) => Some(format!("`{from}` has no place in the order")),
+        (_, None) => Some(format!("`{to}` has no place in the order")),
+    });
+}
+
+#[test]
+fn rooms_of_the_host_import_what_they_may() {
+    check("host-sim/src", |from, to| {
+        let Some((_, allowed)) = HOST.iter().find(|(room, _)| *room == from) else {
+            return Some(format!("`{from}` is not in the table of rooms"));
+        };
+        let is_allowed = to == "error" || allowed.contains(&to);
+        (!is_allowed).then(|| format!("`{from}` may not import `{to}`"))
+    });
+}
+
+#[test]
+fn parts_of_the_orders_exist() {
+    let exists = |folder: &str, part: &str| {
+        let path = root().join(folder).join(part);
+        path.is_dir() || path.with_extension("rs").is_file()
+    };
+    for part in CORE {
+        assert!(exists("estimator-core/src", part), "{part}");
+    }
+    let rooms: BTreeSet<&str> = HOST.iter().map(|(room, _)| *room).collect();
+    for (room, allowed) in HOST {
+        assert!(exists("host-sim/src", room), "{room}");
+        for other in allowed {
+            assert!(rooms.contains(other), "{room}: {other}");
+        }
+    }
+}
+
+#[test]
+fn imports_are_found() {
+    let found = imports(&root().join("estimator-core/src"));
+    let has = |from: &str, to: &str| found.iter().any(|of| of.from == from && of.to == to);
+    // A `use`, a name that is exported again, a parent's.
+    assert!(has("estimator.rs", "context.rs"));
+    assert!(has("estimator.rs", "smoother/fixed_lag.rs"));
+    assert!(has("effect/headwind.rs", "effect/definition.rs"));
+    // A path within a macro.
+    assert!(has("tuning/mod.rs", "tuning/parameter.rs"));
+    assert!(!has("effect/definition.rs", "effect/mod.rs"));
+    assert!(found.iter().all(|import| import.line > 0), "{found:#?}");
+}
+
+/// Checks each import from one part of a crate to another one by a rule, which returns what is
+/// wrong.
+fn check(folder: &str, rule: impl Fn(&str, &str) -> Option<String>) {
+    let found = imports(&root().join(folder));
+    assert!(found.len() > 50, "{folder}: {} imports", found.len());
+    let problems: Vec<String> = found
+        .iter()
+        .filter(|import| part(&import.from) != part(&import.to))
+        .filter_map(|import| {
+            let problem = rule(part(&import.from), part(&import.to))?;
+            Some(format!("{}: {problem}", in_words(folder, import)))
+        })
+        .collect();
+    assert!(problems.is_empty(), "{}", problems.join("\n"));
+}
+
+fn in_words(folder: &str, Import { from, line, to }: &Import) -> String {
+    format!("{folder}/{from}:{line} imports {to}")
+}
+
+/// Returns the part of a crate that a file belongs to: its folder, or the file itself.
+fn part(file: &str) -> &str {
+    let first = file.split('/').next().unwrap_or(file);
+    first.strip_suffix(".rs").unwrap_or(first)
+}
