@@ -7,7 +7,8 @@ use estimator_core::effect::CATALOGUE;
 use estimator_core::{AdoptedEffect, Estimator, Instant, Model, PersistentState, Scalar, Tuning};
 use static_cell::StaticCell;
 
-/// A program that uses all of the estimator, with every effect to choose from; `None` when there is no more input.
+/// Returns a program that uses all of the estimator, with every effect to choose from; `None` when
+/// there is no more input.
 pub fn run<S: Scalar>(place: &'static StaticCell<Estimator<S>>) -> Option<()> {
     let mut model: Model = input()?;
     for effect in CATALOGUE {

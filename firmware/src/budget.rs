@@ -3,7 +3,7 @@
 //! The drive passes twice: through the estimator, call by call as a program makes them, and
 //! through its parts, so that the filter and the smoothing can be told apart.
 
-use crate::meter::{Meter, Tally, Uncountable, depth};
+use crate::meter::{CountTally, InstructionMeter, Uncountable, depth};
 use crate::recorded::{Recorded, Unusable};
 use core::fmt;
 use estimator_core::filter::{Filter, SensorNoiseRatios};
@@ -20,36 +20,36 @@ pub struct Budget {
     /// Beside the estimator itself, which may be made in its place.
     start_stack_bytes: usize,
     stack_bytes: usize,
-    ignored_frame: Tally,
-    relevant_frame: Tally,
+    ignored_frame: CountTally,
+    relevant_frame: CountTally,
     /// A call of `step` and the cells fetched after it.
-    cell: Tally,
+    cell: CountTally,
     /// The filter's part, with both measurements.
-    full_step: Tally,
+    full_step: CountTally,
     /// The filter's part, whatever was measured.
-    step: Tally,
+    step: CountTally,
     /// The smoother's part, once the lag is full.
-    lag: Tally,
+    lag: CountTally,
     /// The estimate now.
-    live: Tally,
+    live: CountTally,
 }
 
 /// Why nothing was counted.
 #[derive(Debug)]
-pub enum Problem {
+pub enum BudgetError {
     /// The drive cannot be used.
     Drive(Unusable),
     /// Instructions cannot be counted.
     Count(Uncountable),
 }
 
-impl From<Uncountable> for Problem {
+impl From<Uncountable> for BudgetError {
     fn from(uncountable: Uncountable) -> Self {
         Self::Count(uncountable)
     }
 }
 
-impl From<Unusable> for Problem {
+impl From<Unusable> for BudgetError {
     fn from(unusable: Unusable) -> Self {
         Self::Drive(unusable)
     }
@@ -59,7 +59,7 @@ impl From<Unusable> for Problem {
 ///
 /// # Errors
 /// An unusable drive, or a call too long to count.
-pub fn run<S: Scalar>(meter: &mut Meter) -> Result<Budget, Problem> {
+pub fn run<S: Scalar>(meter: &mut InstructionMeter) -> Result<Budget, BudgetError> {
     let mut budget = Budget {
         estimator_bytes: size_of::<Estimator<S>>(),
         ..Budget::default()
@@ -70,8 +70,11 @@ pub fn run<S: Scalar>(meter: &mut Meter) -> Result<Budget, Problem> {
 }
 
 impl Budget {
-    /// What a program that uses the estimator sees.
-    fn through_estimator<S: Scalar>(&mut self, meter: &mut Meter) -> Result<(), Problem> {
+    /// Returns what a program that uses the estimator sees.
+    fn through_estimator<S: Scalar>(
+        &mut self,
+        meter: &mut InstructionMeter,
+    ) -> Result<(), BudgetError> {
         let (model, mut drive) = Recorded::open()?;
         let (estimator, start_stack_bytes) =
             depth(|| Estimator::<S>::new(model, Tuning::default()));
@@ -87,7 +90,7 @@ impl Budget {
                     let (time, frame) = frame?;
                     self.frame(meter, &mut estimator, time, &frame)?;
                 }
-                Ok::<(), Problem>(())
+                Ok::<(), BudgetError>(())
             });
             done?;
             self.stack_bytes = self.stack_bytes.max(stack_bytes);
@@ -96,11 +99,11 @@ impl Budget {
 
     fn frame<S: Scalar>(
         &mut self,
-        meter: &mut Meter,
+        meter: &mut InstructionMeter,
         estimator: &mut Estimator<S>,
         time: Instant,
         frame: &impl embedded_can::Frame,
-    ) -> Result<(), Problem> {
+    ) -> Result<(), BudgetError> {
         let ignored_before = estimator.counters().frames_ignored;
         let (_, count) = meter.count(|| estimator.on_frame(time, frame))?;
         if estimator.counters().frames_ignored > ignored_before {
@@ -123,8 +126,11 @@ impl Budget {
         }
     }
 
-    /// The same drive, with the filter and the smoother called one after the other.
-    fn through_parts<S: Scalar>(&mut self, meter: &mut Meter) -> Result<(), Problem> {
+    /// Returns the same drive, with the filter and the smoother called one after the other.
+    fn through_parts<S: Scalar>(
+        &mut self,
+        meter: &mut InstructionMeter,
+    ) -> Result<(), BudgetError> {
         let (model, mut drive) = Recorded::open()?;
         let mut context = Context::new(model, Tuning::default()).map_err(Unusable::Vehicle)?;
         let mut intake = Intake::new();
@@ -133,7 +139,7 @@ impl Budget {
         let mut lag = FixedLag::<S>::new();
         let mut steps = 0;
         // Whole blocks only: a mean over a part of one would miss, or overrate, its end.
-        let mut block_of_lag = Tally::default();
+        let mut block_of_lag = CountTally::default();
         loop {
             let block = drive.next_block()?;
             if block.len() == 0 {
@@ -162,7 +168,7 @@ impl Budget {
                     }
                     if block_of_lag.calls() == BLOCK_CELLS as u32 {
                         self.lag.add_all(&block_of_lag);
-                        block_of_lag = Tally::default();
+                        block_of_lag = CountTally::default();
                     }
                 }
             }
@@ -192,7 +198,7 @@ impl fmt::Display for Budget {
     }
 }
 
-impl fmt::Display for Problem {
+impl fmt::Display for BudgetError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Drive(unusable) => write!(f, "{unusable}"),

@@ -50,7 +50,7 @@ impl Recorded {
         Ok((model, recorded))
     }
 
-    /// The next frames and when they were received; none at the end.
+    /// Returns the next frames and when they were received; none at the end.
     ///
     /// # Errors
     /// They cannot be read; and each that is malformed.

@@ -17,14 +17,14 @@ const CELLS_PER_KM: u32 = 400;
 
 /// Why a replay ended early.
 #[derive(Debug)]
-pub enum Problem {
+pub enum ReplayError {
     /// The drive cannot be used.
     Drive(Unusable),
     /// The cells cannot be written.
     Write(io::Error),
 }
 
-impl From<Unusable> for Problem {
+impl From<Unusable> for ReplayError {
     fn from(unusable: Unusable) -> Self {
         Self::Drive(unusable)
     }
@@ -38,13 +38,13 @@ impl From<Unusable> for Problem {
 ///
 /// # Panics
 /// When called twice: there is one estimator.
-pub fn run() -> Result<(), Problem> {
+pub fn run() -> Result<(), ReplayError> {
     let (vehicle, mut drive) = Recorded::open()?;
     let estimator = Estimator::new(vehicle, Tuning::default()).map_err(Unusable::Vehicle)?;
     let estimator = ESTIMATOR.init(estimator);
 
     let mut cells = Cells {
-        file: File::create(CELLS_FILE).map_err(Problem::Write)?,
+        file: File::create(CELLS_FILE).map_err(ReplayError::Write)?,
         count: 0,
         last_grade_percent: Uncertain::default(),
     };
@@ -99,15 +99,15 @@ struct Cells {
 }
 
 impl Cells {
-    fn write(&mut self, cell: &Cell) -> Result<(), Problem> {
+    fn write(&mut self, cell: &Cell) -> Result<(), ReplayError> {
         self.count += 1;
         self.last_grade_percent = cell.lagged_grade_percent;
         let record = cell::encode(cell);
-        self.file.write_all(&record).map_err(Problem::Write)
+        self.file.write_all(&record).map_err(ReplayError::Write)
     }
 }
 
-impl fmt::Display for Problem {
+impl fmt::Display for ReplayError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Drive(unusable) => write!(f, "{unusable}"),

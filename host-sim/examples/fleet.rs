@@ -27,7 +27,7 @@ const DAYS: usize = 28;
 
 /// One cell of the road as it is.
 #[derive(Clone, Copy, serde::Serialize)]
-struct Spot {
+struct FleetSpot {
     distance_m: f64,
     latitude_deg: f64,
     longitude_deg: f64,
@@ -64,9 +64,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-fn road(cells: usize) -> Vec<Spot> {
+fn road(cells: usize) -> Vec<FleetSpot> {
     const EARTH_M: f64 = 6_371_000.0;
-    let mut spot = Spot {
+    let mut spot = FleetSpot {
         distance_m: 0.0,
         latitude_deg: 47.4,
         longitude_deg: 8.1,
@@ -102,7 +102,7 @@ fn slow(rng: &mut ChaCha8Rng, length_m: f64) -> impl Iterator<Item = f64> {
     })
 }
 
-fn run(road: &[Spot], seed: u64, truck: u64, number: u64) -> Vec<RunRow> {
+fn run(road: &[FleetSpot], seed: u64, truck: u64, number: u64) -> Vec<RunRow> {
     let random = |stream: u64| {
         let mut rng = ChaCha8Rng::seed_from_u64(seed);
         rng.set_stream(stream);

@@ -1,9 +1,9 @@
-//! What can go wrong with an input, told so that it can be mended.
+//! Errors of inputs, with what was expected.
 
 use std::path::{Path, PathBuf};
 
-/// An input that cannot be used. The message names the file, the line where there is one, and
-/// what was expected.
+/// An error of an input. The message names the file, the line if there is one, and what was
+/// expected.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// The file cannot be opened or read.
@@ -11,19 +11,19 @@ pub enum Error {
     Io {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The cause.
         source: std::io::Error,
     },
-    /// One line of a text file is wrong.
+    /// A line of a text file is wrong.
     #[error("{}:{line}: {problem}; expected {expected}", path.display())]
     Line {
         /// The file.
         path: PathBuf,
-        /// Line number from 1.
+        /// Line number, from 1.
         line: u64,
         /// What was found.
         problem: String,
-        /// What would do.
+        /// What was expected.
         expected: String,
     },
     /// A key of a TOML file is wrong.
@@ -34,21 +34,21 @@ pub enum Error {
         /// What is wrong, with the key's name and what was expected.
         problem: String,
     },
-    /// The content as a whole cannot serve.
+    /// The content of the file as a whole cannot be used.
     #[error("{}: {problem}", path.display())]
     Content {
         /// The file.
         path: PathBuf,
-        /// What is missing or impossible, and what would do.
+        /// What is missing or wrong, and what was expected.
         problem: String,
     },
-    /// The command line asks for something that does not go together.
+    /// Options of the command line contradict each other.
     #[error("{0}")]
     Usage(String),
 }
 
 impl Error {
-    /// An I/O error of `path`.
+    /// Returns a function that makes an I/O error of `path`.
     pub fn io(path: &Path) -> impl FnOnce(std::io::Error) -> Self + '_ {
         |source| Self::Io {
             path: path.to_owned(),
@@ -56,7 +56,7 @@ impl Error {
         }
     }
 
-    /// A wrong line.
+    /// Creates the error of a line.
     pub fn line(
         path: &Path,
         line: u64,
@@ -71,7 +71,7 @@ impl Error {
         }
     }
 
-    /// A file that cannot serve as a whole.
+    /// Creates the error of a file as a whole.
     pub fn content(path: &Path, problem: impl Into<String>) -> Self {
         Self::Content {
             path: path.to_owned(),
@@ -80,5 +80,5 @@ impl Error {
     }
 }
 
-/// Short for results of this crate.
+/// Result of this crate.
 pub type Result<T> = std::result::Result<T, Error>;

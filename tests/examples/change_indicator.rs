@@ -28,7 +28,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Whether nothing differs, or is accepted.
+/// Returns whether nothing differs, or is accepted.
 fn run(options: &Options) -> Result<bool> {
     let indicated = indicate()?;
     let mut differs = false;

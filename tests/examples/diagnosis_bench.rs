@@ -6,7 +6,7 @@
 //! takes some seconds; `--effects clean,cornering` and `--sizes 0.3` choose some.
 
 use clap::Parser;
-use cross_tests::diagnosed::{Outcome, cases, effects, table};
+use cross_tests::diagnosed::{CaseOutcome, cases, effects, table};
 use cross_tests::exit_code;
 use host_sim::error::Result;
 use host_sim::terminal::progress;
@@ -40,7 +40,7 @@ fn main() -> ExitCode {
 fn run(args: &Args) -> Result<()> {
     let cases = cases(&args.effects, &args.sizes, args.seeds)?;
     let bar = progress::count(cases.len() as u64, "cases");
-    let done = |outcome: &Outcome| {
+    let done = |outcome: &CaseOutcome| {
         if args.cases {
             bar.suspend(|| eprintln!("{}", line(outcome)));
         }
@@ -49,8 +49,8 @@ fn run(args: &Args) -> Result<()> {
     table(&cases, done).map(drop)
 }
 
-/// A case and all that was found.
-fn line(outcome: &Outcome) -> String {
+/// Returns a case and all that was found.
+fn line(outcome: &CaseOutcome) -> String {
     let case = &outcome.case;
     let found = outcome.diagnosis.findings.iter().map(|finding| {
         let adopted = &finding.adopted;

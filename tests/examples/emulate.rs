@@ -13,7 +13,7 @@ use firmware::exchange::cell::{self, CELL_BYTES};
 use host_sim::error::{Error, Result};
 use host_sim::files::output::write_whole;
 use host_sim::files::vehicle::VehicleFile;
-use host_sim::source::input::{Input, for_each_input};
+use host_sim::source::input::{LogInput, for_each_input};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -44,7 +44,7 @@ fn run(args: &Args) -> Result<()> {
         &args.log,
         |_| (),
         |input| {
-            if let Input::Frame(frame) = input {
+            if let LogInput::Frame(frame) = input {
                 frames.push(frame);
             }
         },

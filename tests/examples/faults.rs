@@ -6,7 +6,7 @@
 
 use clap::Parser;
 use cross_tests::exit_code;
-use cross_tests::faults::matrix::{Row, matrix};
+use cross_tests::faults::matrix::{FaultRow, matrix};
 use cross_tests::faults::table::{committed_file, table};
 use host_sim::error::{Error, Result};
 use host_sim::files::output::write_whole;
@@ -47,7 +47,7 @@ fn run(options: &Options) -> Result<()> {
     Err(Error::content(&path, complaints.join("\n")))
 }
 
-fn named(row: &Row) -> impl Iterator<Item = String> {
+fn named(row: &FaultRow) -> impl Iterator<Item = String> {
     let complaints = row.complaints().into_iter();
     complaints.map(|complaint| format!("{}: {complaint}", row.fault.name))
 }

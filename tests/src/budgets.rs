@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 
 /// A board that images run on, and what its images compute in.
 #[derive(Clone, Copy, Debug)]
-pub struct Board {
+pub struct BoardTarget {
     /// As QEMU calls it.
     pub machine: &'static str,
     /// As Rust calls it.
@@ -25,16 +25,16 @@ pub struct Board {
 }
 
 /// All of them; the bars are for the first.
-pub const BOARDS: [Board; 2] = [CORTEX_M4F, CORTEX_M0];
+pub const BOARDS: [BoardTarget; 2] = [CORTEX_M4F, CORTEX_M0];
 /// Cortex-M4F.
-pub const CORTEX_M4F: Board = Board {
+pub const CORTEX_M4F: BoardTarget = BoardTarget {
     machine: "mps2-an386",
     target: "thumbv7em-none-eabihf",
     scalars: &["f32", "fixed"],
 };
 
 /// What a Cortex-M0 computes, without a float unit; QEMU has a Cortex-M3 with the same memory.
-pub const CORTEX_M0: Board = Board {
+pub const CORTEX_M0: BoardTarget = BoardTarget {
     machine: "mps2-an385",
     target: "thumbv6m-none-eabi",
     scalars: &["f32", "fixed"],
@@ -42,18 +42,18 @@ pub const CORTEX_M0: Board = Board {
 
 /// A row of the table.
 #[derive(Clone, Copy, Debug)]
-struct Figure {
+struct BudgetRow {
     name: &'static str,
     words: &'static str,
     /// What is wanted at most, for `f32` on a Cortex-M4F.
     bar: Option<u32>,
 }
 
-const fn figure(name: &'static str, words: &'static str, bar: Option<u32>) -> Figure {
-    Figure { name, words, bar }
+const fn figure(name: &'static str, words: &'static str, bar: Option<u32>) -> BudgetRow {
+    BudgetRow { name, words, bar }
 }
 
-const FIGURES: [Figure; 22] = [
+const FIGURES: [BudgetRow; 22] = [
     figure("flash_bytes", "flash of the estimator, bytes", Some(64_000)),
     figure("image_flash_bytes", "flash of its whole image", None),
     figure("estimator_bytes", "RAM of the estimator", Some(40_000)),
@@ -93,22 +93,22 @@ const INSTRUCTIONS: u64 = 168_000_000;
 const SLACK_PERCENT: u32 = 3;
 
 /// Figures by name.
-type Column = BTreeMap<String, u32>;
+type BudgetColumn = BTreeMap<String, u32>;
 
 /// Figures of each target, scalar and vehicle.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Budgets {
-    columns: Vec<(String, Column)>,
+    columns: Vec<(String, BudgetColumn)>,
 }
 
-/// What is wanted of a figure at most, for `f32` on a Cortex-M4F.
+/// Returns what is wanted of a figure at most, for `f32` on a Cortex-M4F.
 #[must_use]
 pub fn wanted(figure: &str) -> Option<u32> {
     let known = FIGURES.iter().find(|known| known.name == figure);
     known.and_then(|known| known.bar)
 }
 
-/// The committed table.
+/// Returns the committed table.
 #[must_use]
 pub fn committed_file() -> PathBuf {
     root().join("firmware/budgets.csv")
@@ -123,7 +123,7 @@ pub fn measure() -> Result<Budgets> {
     let vehicles = [("", truck()), (" effects", truck_with_every_effect())];
     for board in BOARDS {
         let images = build(&root().join("firmware"), board.target, "release")?;
-        let linked: Vec<Column> = board
+        let linked: Vec<BudgetColumn> = board
             .scalars
             .iter()
             .map(|scalar| read_off(&images, scalar))
@@ -140,16 +140,20 @@ pub fn measure() -> Result<Budgets> {
     Ok(budgets)
 }
 
-/// What the board counts, by scalar.
-fn counted(board: &Board, images: &Path, model: &Model) -> Result<Vec<(String, Column)>> {
+/// Returns what the board counts, by scalar.
+fn counted(
+    board: &BoardTarget,
+    images: &Path,
+    model: &Model,
+) -> Result<Vec<(String, BudgetColumn)>> {
     let image = images.join("budget");
     let printed = count(board.machine, &image, &drive_file(model, &drive()))?;
     let printed = String::from_utf8_lossy(&printed);
-    let mut columns: Vec<(String, Column)> = Vec::new();
+    let mut columns: Vec<(String, BudgetColumn)> = Vec::new();
     for line in printed.lines() {
         let problem = || Error::content(&image, format!("printed \"{line}\": expected a figure"));
         if let Some(scalar) = line.strip_prefix('[').and_then(|l| l.strip_suffix(']')) {
-            columns.push((scalar.to_owned(), Column::new()));
+            columns.push((scalar.to_owned(), BudgetColumn::new()));
             continue;
         }
         let (name, number) = line.split_once(' ').ok_or_else(problem)?;
@@ -174,8 +178,8 @@ fn counted(board: &Board, images: &Path, model: &Model) -> Result<Vec<(String, C
     Ok(columns)
 }
 
-/// What the linked images tell.
-fn read_off(images: &Path, scalar: &str) -> Result<Column> {
+/// Returns what the linked images tell.
+fn read_off(images: &Path, scalar: &str) -> Result<BudgetColumn> {
     let nothing = Image::read(&images.join("alone_nothing"))?;
     let alone = images.join(format!("alone_{scalar}"));
     let image = Image::read(&alone)?;
@@ -202,7 +206,7 @@ impl Budgets {
         let text = fs::read_to_string(path).map_err(Error::io(path))?;
         let mut lines = text.lines();
         let names = lines.next().unwrap_or_default().split(',').skip(1);
-        let columns = names.map(|name| (name.to_owned(), Column::new()));
+        let columns = names.map(|name| (name.to_owned(), BudgetColumn::new()));
         let mut budgets = Self {
             columns: columns.collect(),
         };
@@ -262,12 +266,12 @@ impl Budgets {
         std::iter::once(first.to_owned()).chain(names).collect()
     }
 
-    fn column(&self, name: &str) -> Option<&Column> {
+    fn column(&self, name: &str) -> Option<&BudgetColumn> {
         let mut columns = self.columns.iter();
         columns.find(|known| known.0 == name).map(|known| &known.1)
     }
 
-    fn row(&self, figure: &Figure, first: &str) -> Vec<String> {
+    fn row(&self, figure: &BudgetRow, first: &str) -> Vec<String> {
         let figures = self.columns.iter().map(|(_, column)| {
             let value = column.get(figure.name);
             value.map(u32::to_string).unwrap_or_default()
@@ -275,7 +279,7 @@ impl Budgets {
         std::iter::once(first.to_owned()).chain(figures).collect()
     }
 
-    /// What is worse here than `committed` allows, or is not in both, one line each.
+    /// Returns what is worse here than `committed` allows, or is not in both, one line each.
     #[must_use]
     pub fn excesses(&self, committed: &Self) -> Vec<String> {
         let mut excesses = Vec::new();

@@ -11,12 +11,12 @@ use crate::faults::catalogue::catalogue;
 use crate::faults::drive::drive as fault_drive;
 use crate::faults::outcome::estimated;
 use crate::image::root;
-use estimator_core::{Counters, FixedPoint, Model, PersistentState, Scalar};
+use estimator_core::{Counters, FixedPoint, Model, PersistentState, Scalar, Tuning};
 use host_sim::error::{Error, Result};
 use host_sim::files::output::write_whole;
 use host_sim::files::run::{RunCell, RunRow};
 use host_sim::map::{GradeMap, SessionRun, road_of_run, road_through};
-use host_sim::recorder::{Run, estimate_log};
+use host_sim::recorder::{SmoothedRun, estimate_log};
 use host_sim::simulator::scenario::Scenario;
 use host_sim::simulator::simulate;
 use host_sim::source::can_frame::TimedFrame;
@@ -60,7 +60,7 @@ pub struct Indicated {
     pub absent: Vec<String>,
 }
 
-/// The folder of the committed files.
+/// Returns the folder of the committed files.
 #[must_use]
 pub fn committed_folder() -> PathBuf {
     root().join("tests/change_indicator")
@@ -79,14 +79,14 @@ pub fn indicate() -> Result<Indicated> {
     Ok(all)
 }
 
-/// The committed text of an input, if there is any.
+/// Returns the committed text of an input, if there is any.
 #[must_use]
 pub fn committed(input: &str) -> Option<String> {
     fs::read_to_string(file_of(input)).ok()
 }
 
-/// The lines in which an input's text differs from the committed one, as a unified diff; empty if
-/// there is none.
+/// Returns the lines in which an input's text differs from the committed one, as a unified diff;
+/// empty if there is none.
 #[must_use]
 pub fn changes(indication: &Indication) -> String {
     let before = committed(&indication.input).unwrap_or_default();
@@ -104,7 +104,7 @@ pub fn changes(indication: &Indication) -> String {
 /// Accepts what the inputs give.
 ///
 /// # Errors
-/// What the file system says.
+/// Returns the error of the file system.
 pub fn write(indicated: &Indicated) -> Result<()> {
     for indication in &indicated.indications {
         write_whole(&file_of(&indication.input), |file| {
@@ -153,7 +153,7 @@ impl Indicated {
                 .iter()
                 .find(|fault| fault.name == name)
                 .ok_or_else(|| Error::content(Path::new(name), "is no fault of the catalogue"))?;
-            let run = estimated::<f32>(vehicle, fault.heard(&simulated.frames));
+            let run = estimated::<f32>(vehicle, fault.received(&simulated.frames));
             let words: Vec<&str> = name.split(|c: char| !c.is_alphanumeric()).collect();
             self.add(format!("fault_{}", words.join("_")), text_of(&run));
         }
@@ -185,14 +185,16 @@ impl Indicated {
             for (pass, number) in mission.passes().iter().take(2).zip(1..) {
                 let table = folder.path().join("pass.csv");
                 mission.write_pass(&table, pass)?;
-                let run = estimate_log::<f32>(&vehicle, None, &table, |_| ())?.in_memory()?;
+                let run = estimate_log::<f32>(&vehicle, &Tuning::default(), None, &table, |_| ())?
+                    .in_memory()?;
                 self.add(format!("ztbus_pass_{number}"), text_of(&run));
             }
         } else {
             self.absent.push(mission.display().to_string());
         }
         if idle.exists() {
-            let run = estimate_log::<f32>(&truck(), None, &idle, |_| ())?.in_memory()?;
+            let run = estimate_log::<f32>(&truck(), &Tuning::default(), None, &idle, |_| ())?
+                .in_memory()?;
             self.add("truck_idle", text_of(&run));
         } else {
             self.absent.push(idle.display().to_string());
@@ -206,9 +208,9 @@ fn small<S: Scalar>(model: &Model, frames: &[TimedFrame]) -> String {
 }
 
 /// Counters, what is left for the next drive, digest and rows of a run.
-fn text_of(run: &Run) -> String {
+fn text_of(run: &SmoothedRun) -> String {
     let kept = run
-        .kept
+        .persistent_state
         .as_ref()
         .map_or("none".to_owned(), |kept: &PersistentState| {
             kept.to_bytes()
@@ -243,7 +245,7 @@ fn map_of(runs: &[Vec<RunRow>]) -> Result<String> {
     Ok(rows_of(&map.fused().rows()))
 }
 
-/// A line for each counter that is not 0.
+/// Returns a line for each counter that is not 0.
 fn counted(counters: &Counters) -> String {
     let names_and_numbers = format!("{counters:#?}");
     let lines = names_and_numbers.lines().filter_map(|line| {
@@ -257,7 +259,7 @@ fn counted(counters: &Counters) -> String {
     lines.collect()
 }
 
-/// Number and digest of all rows, and one a kilometre, with all digits.
+/// Returns number and digest of all rows, and one a kilometre, with all digits.
 fn rows_of<T: Serialize>(rows: &[T]) -> String {
     let mut all = csv::Writer::from_writer(Vec::new());
     let mut shown = csv::Writer::from_writer(Vec::new());

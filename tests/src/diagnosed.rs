@@ -3,7 +3,8 @@
 //! The diagnosis gets the logs and the vehicle file, no more: what was planted lies in a folder
 //! that it is not told of.
 
-use crate::planted::{self, CATALOGUE, CLEAN, FAN, Logs, OUTSIDE};
+use crate::planted::{self, CATALOGUE, CLEAN, FAN, OUTSIDE, PlantedLogs};
+use estimator_core::Tuning;
 use host_sim::diagnose::drive::LoggedDrive;
 use host_sim::diagnose::{Diagnosis, Request, diagnose};
 use host_sim::error::{Error, Result};
@@ -34,7 +35,7 @@ pub const PAIRS: [&str; 6] = [
 
 /// One set of logs.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Case {
+pub struct DiagnosisCase {
     /// Of the catalogue, outside it, [`FAN`] or [`CLEAN`]; or two, joined by a plus.
     pub effect: String,
     /// As [`planted::logs`] takes it, %.
@@ -61,9 +62,9 @@ pub enum Verdict {
 
 /// A case and its diagnosis.
 #[derive(Clone, Debug)]
-pub struct Outcome {
+pub struct CaseOutcome {
     /// What was asked.
-    pub case: Case,
+    pub case: DiagnosisCase,
     /// What was found.
     pub diagnosis: Diagnosis,
     /// Grade errors of the filter on the runs held out: with the vehicle as it was believed, as
@@ -95,7 +96,7 @@ pub fn effects() -> impl Iterator<Item = &'static str> {
 ///
 /// # Errors
 /// An effect that there is not.
-pub fn cases(effects: &[String], sizes: &[f64], seeds: u64) -> Result<Vec<Case>> {
+pub fn cases(effects: &[String], sizes: &[f64], seeds: u64) -> Result<Vec<DiagnosisCase>> {
     let mut cases = Vec::new();
     for effect in effects {
         if !self::effects().any(|known| known == effect) {
@@ -113,7 +114,7 @@ pub fn cases(effects: &[String], sizes: &[f64], seeds: u64) -> Result<Vec<Case>>
                 .into_iter()
                 .flat_map(move |truck| (1..=seeds).map(move |seed| (size, truck, seed)))
         }) {
-            cases.push(Case {
+            cases.push(DiagnosisCase {
                 effect: effect.clone(),
                 size_percent,
                 truck,
@@ -124,8 +125,8 @@ pub fn cases(effects: &[String], sizes: &[f64], seeds: u64) -> Result<Vec<Case>>
     Ok(cases)
 }
 
-impl Case {
-    /// The effects planted, each with its size.
+impl DiagnosisCase {
+    /// Returns the effects planted, each with its size.
     fn planted(&self, size_percent: f64) -> Vec<(&str, f64)> {
         let of_pair = |effect| match effect {
             "wheel_radius" if self.effect.contains('+') => RADIUS_SIZE * size_percent,
@@ -139,7 +140,7 @@ impl Case {
     ///
     /// # Errors
     /// What [`planted::logs`] or the diagnosis says.
-    pub fn outcome(&self) -> Result<Outcome> {
+    pub fn outcome(&self) -> Result<CaseOutcome> {
         let folder = tempfile::tempdir().map_err(Error::io(Path::new("temporary folder")))?;
         let logs = |name: &str, size_percent: f64| {
             let planted = self.planted(size_percent);
@@ -149,6 +150,7 @@ impl Case {
         let logs = logs("case", self.size_percent)?;
         let believed = VehicleFile::read(&logs.vehicle)?;
         let diagnosis = diagnose(&Request {
+            tuning: Tuning::default(),
             vehicle: believed.clone(),
             logs: logs.fit.clone(),
             held_out: logs.held_out.clone(),
@@ -159,7 +161,7 @@ impl Case {
             GradeErrors::of(&logs, &diagnosis.vehicle)?,
             GradeErrors::of(&without, &believed)?,
         ];
-        Ok(Outcome {
+        Ok(CaseOutcome {
             case: self.clone(),
             diagnosis,
             filtered,
@@ -169,10 +171,10 @@ impl Case {
 
 impl GradeErrors {
     /// Of the runs held out, estimated with a vehicle.
-    fn of(logs: &Logs, vehicle: &VehicleFile) -> Result<Self> {
+    fn of(logs: &PlantedLogs, vehicle: &VehicleFile) -> Result<Self> {
         let (mut smoothed, mut live, mut cells) = (0.0, 0.0, 0.0);
         for (log, truth) in logs.held_out.iter().zip(&logs.truth.held_out) {
-            let run = LoggedDrive::read(log, &vehicle.model)?.run;
+            let run = LoggedDrive::read(log, &vehicle.model, &Tuning::default())?.run;
             let truth = truth::read(truth)?;
             let score = score_run("held out", &run.rows, &truth)
                 .map_err(|problem| Error::content(log, problem.to_string()))?;
@@ -204,7 +206,7 @@ fn catalogue_name(effect: &str) -> &str {
     }
 }
 
-/// How the diagnosis words what an effect outside the catalogue depends on.
+/// Returns how the diagnosis words what an effect outside the catalogue depends on.
 fn dependence(effect: &str) -> Option<&'static str> {
     match effect {
         "torque_hysteresis" => Some("torque (rising or falling)"),
@@ -214,8 +216,8 @@ fn dependence(effect: &str) -> Option<&'static str> {
     }
 }
 
-impl Outcome {
-    /// How it stands to what was planted; to the worse found of two.
+impl CaseOutcome {
+    /// Returns how it stands to what was planted; to the worse found of two.
     #[must_use]
     pub fn verdict(&self) -> Verdict {
         let planted = self.case.planted(0.0).into_iter();
@@ -242,7 +244,7 @@ impl Outcome {
         }
     }
 
-    /// What it says beyond what is planted: adopted effects by name, and in brackets what a
+    /// Returns what it says beyond what is planted: adopted effects by name, and in brackets what a
     /// dependence is on.
     fn besides(&self) -> impl Iterator<Item = String> {
         let planted = || self.case.planted(0.0).into_iter().map(|(effect, _)| effect);
@@ -267,8 +269,11 @@ impl Outcome {
 ///
 /// # Errors
 /// The first that a case gives.
-pub fn table(cases: &[Case], done: impl Fn(&Outcome) + Sync) -> Result<Vec<Outcome>> {
-    let outcomes: Vec<Outcome> = cases
+pub fn table(
+    cases: &[DiagnosisCase],
+    done: impl Fn(&CaseOutcome) + Sync,
+) -> Result<Vec<CaseOutcome>> {
+    let outcomes: Vec<CaseOutcome> = cases
         .par_iter()
         .map(|case| case.outcome().inspect(&done))
         .collect::<Result<_>>()?;
@@ -280,8 +285,8 @@ pub fn table(cases: &[Case], done: impl Fn(&Outcome) + Sync) -> Result<Vec<Outco
 type RowKey<'a> = (&'a str, String);
 
 /// Outcomes of each effect and size, in the order in which they come.
-fn rows(outcomes: &[Outcome]) -> Vec<(RowKey<'_>, Vec<&Outcome>)> {
-    let mut rows: Vec<(RowKey, Vec<&Outcome>)> = Vec::new();
+fn rows(outcomes: &[CaseOutcome]) -> Vec<(RowKey<'_>, Vec<&CaseOutcome>)> {
+    let mut rows: Vec<(RowKey, Vec<&CaseOutcome>)> = Vec::new();
     for outcome in outcomes {
         let case = &outcome.case;
         let key = (case.effect.as_str(), format!("{}", case.size_percent));
@@ -293,9 +298,9 @@ fn rows(outcomes: &[Outcome]) -> Vec<(RowKey<'_>, Vec<&Outcome>)> {
     rows
 }
 
-/// The confusion table, what is right over all, in words, and what the filter makes of it.
+/// Returns the confusion table, what is right over all, in words, and what the filter makes of it.
 #[must_use]
-pub fn confusion(outcomes: &[Outcome]) -> String {
+pub fn confusion(outcomes: &[CaseOutcome]) -> String {
     let found: Vec<Vec<String>> = rows(outcomes)
         .iter()
         .map(|(key, own)| {
@@ -330,12 +335,12 @@ pub fn confusion(outcomes: &[Outcome]) -> String {
     )
 }
 
-/// What the filter makes of each effect and size.
-fn filtered(outcomes: &[Outcome]) -> String {
+/// Returns what the filter makes of each effect and size.
+fn filtered(outcomes: &[CaseOutcome]) -> String {
     let rows: Vec<Vec<String>> = rows(outcomes)
         .iter()
         .map(|(key, own)| {
-            let rms = |of: &dyn Fn(&Outcome) -> f64| {
+            let rms = |of: &dyn Fn(&CaseOutcome) -> f64| {
                 let squares: f64 = own.iter().map(|outcome| of(outcome).powi(2)).sum();
                 (squares / own.len() as f64).sqrt()
             };
@@ -365,7 +370,7 @@ fn filtered(outcomes: &[Outcome]) -> String {
 }
 
 /// Counts of verdicts and errors before and after.
-fn cells(outcomes: &[&Outcome]) -> [String; 3] {
+fn cells(outcomes: &[&CaseOutcome]) -> [String; 3] {
     let count = |verdict| outcomes.iter().filter(|o| o.verdict() == verdict).count();
     let rms = |rmse_percent: fn(&Diagnosis) -> f64| {
         let squares = outcomes.iter().map(|o| rmse_percent(&o.diagnosis).powi(2));
@@ -390,7 +395,7 @@ fn cells(outcomes: &[&Outcome]) -> [String; 3] {
     ]
 }
 
-fn all_besides(outcomes: &[&Outcome]) -> String {
+fn all_besides(outcomes: &[&CaseOutcome]) -> String {
     let mut counts: BTreeMap<String, usize> = BTreeMap::new();
     for name in outcomes.iter().flat_map(|outcome| outcome.besides()) {
         *counts.entry(name).or_default() += 1;
@@ -402,18 +407,19 @@ fn all_besides(outcomes: &[&Outcome]) -> String {
     words.join(", ")
 }
 
-fn in_words(outcomes: &[Outcome]) -> String {
+fn in_words(outcomes: &[CaseOutcome]) -> String {
     let mut words = String::new();
-    let mut share = |what: &str, is_of: &dyn Fn(&Case) -> bool, verdicts: &[Verdict]| {
-        let own: Vec<&Outcome> = outcomes.iter().filter(|o| is_of(&o.case)).collect();
+    let mut share = |what: &str, is_of: &dyn Fn(&DiagnosisCase) -> bool, verdicts: &[Verdict]| {
+        let own: Vec<&CaseOutcome> = outcomes.iter().filter(|o| is_of(&o.case)).collect();
         let right = own.iter().filter(|o| verdicts.contains(&o.verdict()));
         if !own.is_empty() {
             let _ = writeln!(words, "{what}: {} of {}", right.count(), own.len());
         }
     };
-    let is_pair = |case: &Case| case.effect.contains('+');
-    let in_catalogue =
-        |case: &Case| case.effect != CLEAN && dependence(&case.effect).is_none() && !is_pair(case);
+    let is_pair = |case: &DiagnosisCase| case.effect.contains('+');
+    let in_catalogue = |case: &DiagnosisCase| {
+        case.effect != CLEAN && dependence(&case.effect).is_none() && !is_pair(case)
+    };
     share(
         "of the catalogue, named or in the group",
         &in_catalogue,

@@ -31,13 +31,13 @@ const ETC2: u32 = 61_445;
 const CCVS1: u32 = 65_265;
 const GNSS_POSITION: u32 = 129_029;
 
-/// A loaded truck in its highest gears.
+/// Returns a loaded truck in its highest gears.
 #[must_use]
 pub fn truck() -> Model {
     truck_with(3_500.0, &[1.26, GEAR.ratio]).into()
 }
 
-/// The truck with something of every effect that there is.
+/// Returns the truck with something of every effect that there is.
 ///
 /// # Panics
 /// When the catalogue has an effect that cannot be adopted.
@@ -55,15 +55,15 @@ pub fn truck_with_every_effect() -> Model {
     model
 }
 
-/// The drive of [`truck`] over rolling hills.
+/// Returns the drive of [`truck`] over rolling hills.
 ///
 /// Its bus carries a shift, braking, a fix with too few satellites, a broken fast packet, a gap
 /// without speed, frames of no interest and one that comes too late.
 #[must_use]
 pub fn drive() -> Vec<TimedFrame> {
-    let mut bus = Bus::default();
+    let mut bus = BusLog::default();
     for ms in (0..(DURATION_S * 1e3) as u64).step_by(50) {
-        let now = Moment::at(ms as f64 * 1e-3);
+        let now = TruckMoment::at(ms as f64 * 1e-3);
         bus.now = Instant::from_micros(ms * 1000);
         bus.send(EEC1, |signal| now.engine(signal));
         if ms % 100 == 0 {
@@ -82,7 +82,7 @@ pub fn drive() -> Vec<TimedFrame> {
 }
 
 /// The truck at one time.
-struct Moment {
+struct TruckMoment {
     seconds: f64,
     speed_mps: f64,
     altitude_m: f64,
@@ -90,7 +90,7 @@ struct Moment {
     north_m: f64,
 }
 
-impl Moment {
+impl TruckMoment {
     fn at(seconds: f64) -> Self {
         let model = truck();
         let vehicle = &model.vehicle;
@@ -173,13 +173,13 @@ fn switch(on: bool) -> Value {
 
 /// What was sent so far.
 #[derive(Default)]
-struct Bus {
+struct BusLog {
     now: Instant,
     frames: Vec<TimedFrame>,
     packets: u8,
 }
 
-impl Bus {
+impl BusLog {
     fn push(&mut self, frame: Option<CanFrame>) {
         self.frames.push(TimedFrame {
             time: self.now,
@@ -187,7 +187,7 @@ impl Bus {
         });
     }
 
-    /// A single frame.
+    /// Returns a single frame.
     fn send(&mut self, pgn: u32, value_of: impl FnMut(Signal) -> Value) {
         let mut payload = [0; 8];
         let length = encode(pgn, &mut payload, value_of).expect("a message of one frame");
@@ -195,7 +195,7 @@ impl Bus {
     }
 
     /// A fix as the seven frames of a fast packet.
-    fn send_position(&mut self, now: &Moment) {
+    fn send_position(&mut self, now: &TruckMoment) {
         if NO_FIX_YET.contains(&now.seconds) {
             return;
         }

@@ -22,7 +22,7 @@ const LONGEST_RUN: Duration = Duration::from_secs(120);
 
 /// What a run on the board left behind.
 #[derive(Debug)]
-pub struct Ended {
+pub struct EmulatorRun {
     /// Exit status of the image; none if it hung.
     pub status: Option<i32>,
     /// What it logged, a line each.
@@ -33,7 +33,7 @@ pub struct Ended {
     pub cells: Option<Vec<u8>>,
 }
 
-/// What this machine lacks to build and run the image; `None` if nothing.
+/// Returns what this machine lacks to build and run the image; `None` if nothing.
 #[must_use]
 pub fn missing() -> Option<String> {
     let runs = |program: &str| process::Command::new(program).arg("--version").output();
@@ -51,7 +51,7 @@ pub fn missing() -> Option<String> {
     }
 }
 
-/// The file that hands a drive to the board.
+/// Returns the file that hands a drive to the board.
 #[must_use]
 pub fn drive_file(model: &Model, frames: &[TimedFrame]) -> Vec<u8> {
     let mut bytes = vehicle::encode(model).to_vec();
@@ -69,7 +69,7 @@ pub fn drive_file(model: &Model, frames: &[TimedFrame]) -> Vec<u8> {
 /// # Panics
 /// When a temporary folder cannot be used or the image cannot be built.
 #[must_use]
-pub fn replay(drive: Option<&[u8]>) -> Ended {
+pub fn replay(drive: Option<&[u8]>) -> EmulatorRun {
     let folder = tempfile::tempdir().expect("a temporary folder");
     if let Some(drive) = drive {
         fs::write(inside(folder.path(), DRIVE_FILE), drive).expect("the drive can be written");
@@ -79,7 +79,7 @@ pub fn replay(drive: Option<&[u8]>) -> Ended {
         .timeout(LONGEST_RUN)
         .output()
         .expect("cargo runs");
-    Ended {
+    EmulatorRun {
         status: output.status.code(),
         log: logged(&output.stdout),
         stderr: String::from_utf8_lossy(&output.stderr).into_owned(),
@@ -103,7 +103,7 @@ fn logged(bytes: &[u8]) -> Vec<String> {
     lines
 }
 
-/// The cells of this machine for the same drive, in single precision as well.
+/// Returns the cells of this machine for the same drive, in single precision as well.
 ///
 /// # Panics
 /// For a vehicle that cannot be.

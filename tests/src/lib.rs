@@ -14,7 +14,7 @@ pub mod planted;
 use host_sim::error::Result;
 use std::process::ExitCode;
 
-/// How a program of this package ends; why is told on stderr.
+/// Returns how a program of this package ends; why is told on stderr.
 #[must_use]
 pub fn exit_code(result: Result<()>) -> ExitCode {
     match result {

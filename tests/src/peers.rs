@@ -76,7 +76,7 @@ pub fn table() -> Result<String> {
     Ok(text_table(&header, &rows, 3).to_string())
 }
 
-/// Names of the images of filters.
+/// Returns names of the images of filters.
 fn names(folder: &Path) -> Result<Vec<String>> {
     let mut names = Vec::new();
     for entry in fs::read_dir(folder).map_err(Error::io(folder))? {

@@ -71,7 +71,7 @@ pub struct Amount {
 
 /// What a diagnosis may see, and what is true.
 #[derive(Clone, Debug)]
-pub struct Logs {
+pub struct PlantedLogs {
     /// The vehicle as it is believed.
     pub vehicle: PathBuf,
     /// Two runs each way.
@@ -79,12 +79,12 @@ pub struct Logs {
     /// One run each way.
     pub held_out: Vec<PathBuf>,
     /// Not for the diagnosis.
-    pub truth: Truth,
+    pub truth: PlantedTruth,
 }
 
 /// What was planted, for the judge.
 #[derive(Clone, Debug)]
-pub struct Truth {
+pub struct PlantedTruth {
     /// Where the files are: outside the folder of the logs.
     pub folder: PathBuf,
     /// The scenario.
@@ -118,15 +118,20 @@ pub fn logs(
     truck: &str,
     seed: u64,
     folder: &Path,
-) -> Result<Logs> {
+) -> Result<PlantedLogs> {
     logs_of(&[(effect, size_percent)], truck, seed, folder)
 }
 
 /// As [`logs`], with several effects, each of its own size.
 ///
 /// # Errors
-/// As [`logs`].
-pub fn logs_of(effects: &[(&str, f64)], truck: &str, seed: u64, folder: &Path) -> Result<Logs> {
+/// Returns the errors of [`logs`].
+pub fn logs_of(
+    effects: &[(&str, f64)],
+    truck: &str,
+    seed: u64,
+    folder: &Path,
+) -> Result<PlantedLogs> {
     let bench = Bench {
         truck,
         seed,
@@ -162,11 +167,11 @@ pub fn logs_of(effects: &[(&str, f64)], truck: &str, seed: u64, folder: &Path) -
         truth::write(&truth, &recording.truth())?;
         truths.push(truth);
     }
-    Ok(Logs {
+    Ok(PlantedLogs {
         vehicle,
         held_out: files.split_off(FIT_RUNS),
         fit: files,
-        truth: Truth {
+        truth: PlantedTruth {
             folder: truth_folder,
             scenario: scenario_path,
             road,
@@ -177,10 +182,10 @@ pub fn logs_of(effects: &[(&str, f64)], truck: &str, seed: u64, folder: &Path) -
     })
 }
 
-/// How much of `effect` makes `size_percent` on the bench's runs.
+/// Returns how much of `effect` makes `size_percent` on the bench's runs.
 ///
 /// # Errors
-/// As [`logs`].
+/// Returns the errors of [`logs`].
 pub fn amount(effect: &str, size_percent: f64, truck: &str, seed: u64) -> Result<Amount> {
     let bench = Bench {
         truck,
@@ -190,8 +195,8 @@ pub fn amount(effect: &str, size_percent: f64, truck: &str, seed: u64) -> Result
     bench.calibrated(effect, size_percent)
 }
 
-/// What the believed vehicle does not explain in all runs of a scenario, gusts excepted: RMS over
-/// the way driven without shift or brake, %.
+/// Returns what the believed vehicle does not explain in all runs of a scenario, gusts excepted:
+/// RMS over the way driven without shift or brake, %.
 ///
 /// # Errors
 /// A truck that gets stuck.
@@ -200,15 +205,15 @@ pub fn unmodelled_rms_percent(scenario: &Scenario) -> Result<f64> {
     for run in &mut calm.runs {
         run.wind.gust_sigma_mps = 0.0;
     }
-    let (mut squares, mut way_m) = (0.0, 0.0);
+    let (mut squares, mut driven_m) = (0.0, 0.0);
     for index in 0..calm.runs.len() {
         let recording = Recording::new(&calm, index)?;
         for step in recording.unmodelled().filter(|step| step.valid) {
-            squares += step.way_m * step.percent * step.percent;
-            way_m += step.way_m;
+            squares += step.length_m * step.percent * step.percent;
+            driven_m += step.length_m;
         }
     }
-    Ok(f64::sqrt(squares / way_m))
+    Ok(f64::sqrt(squares / driven_m))
 }
 
 fn named(effect: &str) -> Result<&'static Known> {
@@ -223,7 +228,7 @@ fn refused(problem: impl Into<String>) -> Error {
     Error::content(Path::new(ORIGIN), problem)
 }
 
-/// The folder of the truth.
+/// Returns the folder of the truth.
 fn beside(folder: &Path) -> PathBuf {
     let mut name = folder.as_os_str().to_owned();
     name.push(".truth");
@@ -238,7 +243,7 @@ struct Bench<'a> {
 }
 
 impl Bench<'_> {
-    /// The amount of an effect, alone, that makes the size.
+    /// Returns the amount of an effect, alone, that makes the size.
     fn calibrated(&self, effect: &str, size_percent: f64) -> Result<Amount> {
         if !size_percent.is_finite() || size_percent == 0.0 {
             return Err(refused(format!(
@@ -273,7 +278,7 @@ impl Bench<'_> {
         })
     }
 
-    /// The scenario.
+    /// Returns the scenario.
     fn text(&self, planted: &[Amount]) -> Result<String> {
         let mut tables: BTreeMap<&str, String> = BTreeMap::from([
             ("rates", "fast_ms = 50.0\n".to_owned()),

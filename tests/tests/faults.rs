@@ -1,6 +1,6 @@
 //! The matrix of faults, as `tests/faults.md` has it; and what a table has no place for.
 
-use cross_tests::faults::catalogue::{Kind, catalogue};
+use cross_tests::faults::catalogue::{FaultKind, catalogue};
 use cross_tests::faults::drive::{DAY_LAPS, drive, lap};
 use cross_tests::faults::frames::pgn;
 use cross_tests::faults::matrix::matrix;
@@ -97,18 +97,30 @@ fn over_long_frames_are_read_as_far_as_they_are_known() {
     assert!(right == long, "another cell");
 }
 
-/// 24 hours, there and back on the same road: the last lap is as good as the second, and the way
-/// and the time are those of the clock and the road. Single precision, as on a vehicle; torque ten
-/// times a second instead of a hundred.
 #[test]
 fn a_day_without_a_stop() {
+    drives_without_a_stop(1);
+}
+
+/// As many days as `SOAK_DAYS` says.
+#[test]
+#[ignore = "takes minutes to hours: tests/run long_soak"]
+fn many_days_without_a_stop() {
+    let days = std::env::var("SOAK_DAYS").expect("SOAK_DAYS: how many days");
+    drives_without_a_stop(days.parse().expect("SOAK_DAYS: a number"));
+}
+
+/// Days there and back on the same road: the last lap is as good as the second, and distance and
+/// time are those of the road and of the clock. Single precision, as on a vehicle; torque ten times
+/// a second instead of a hundred.
+fn drives_without_a_stop(days: usize) {
     let laps = lap("A").unwrap();
     let vehicle = laps[0].vehicle.model.clone();
     let mut estimator = Estimator::<f32>::new(vehicle, Tuning::default()).unwrap();
     let mut start_s = 0.0;
     let mut of_laps = Vec::new();
     let mut length_m = 0.0;
-    for number in 0..DAY_LAPS {
+    for number in 0..days * DAY_LAPS {
         let run = &laps[number % 2];
         let first = run.frames[0].time;
         let truth: Vec<(f64, f64)> = run
@@ -146,7 +158,7 @@ fn a_day_without_a_stop() {
         length_m += last.distance_m;
         of_laps.push(f64::sqrt(squares / cells));
     }
-    assert!(start_s > 86_400.0, "{start_s} s");
+    assert!(start_s > 86_400.0 * days as f64, "{start_s} s");
     let counters = estimator.counters();
     let faults = [
         counters.time_backwards,
@@ -181,7 +193,7 @@ fn a_recording_without_a_fault_is_heard_as_it_is() {
     let run = drive("B", 1).unwrap();
     for fault in catalogue() {
         let same = fault
-            .heard(&run.frames)
+            .received(&run.frames)
             .zip(&run.frames)
             .take_while(|(heard, recorded)| heard == *recorded);
         let (alike, first) = (same.count(), run.frames[0].time);
@@ -189,7 +201,7 @@ fn a_recording_without_a_fault_is_heard_as_it_is() {
             timed.time.since(first).micros() as f64 * 1e-6
         });
         // Up to the fault all is the same; from there on something is not.
-        let harmless = fault.kind == Kind::Nothing;
+        let harmless = fault.kind == FaultKind::Nothing;
         assert_eq!(harmless, until_s.is_infinite(), "{}", fault.name);
         let unlike_from_s = fault.window_s.0;
         let wraps = fault.name.contains("32 bits");

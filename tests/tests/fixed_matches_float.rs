@@ -71,7 +71,7 @@ fn the_experiments_of_the_thesis() {
 fn estimated<S: Scalar>(run: &SimulatedRun, fault: &Fault) -> Ours {
     let (vehicle, tuning) = (&run.vehicle.model, Tuning::default());
     let mut recorder = Recorder::<S>::new(vehicle.clone(), tuning.clone()).unwrap();
-    for frame in fault.heard(&run.frames) {
+    for frame in fault.received(&run.frames) {
         recorder.on_frame(&frame);
     }
     let filter: Filter<S> = recorder.estimator().second_pass_filter();

@@ -136,8 +136,9 @@ impl<S: Scalar> Dynamics<S> {
 
     /// Returns the diagonal entries that are not one.
     ///
-    /// They act after the shears. The forces of the cell therefore lose a thousandth of the energy
-    /// loss to air resistance, which is negligible.
+    /// They act after the shears: air resistance takes its part of the whole work of the weight, not
+    /// of half of it, and none of the work of the other forces. The part is some thousandth in a
+    /// cell, which is negligible.
     #[inline(always)]
     fn decays(&self) -> [(StateIndex, S); 5] {
         [

@@ -53,8 +53,8 @@ impl SlowStates {
     ///
     /// The scale consists of mass and torque. Where no message reports the mass, a truck that has
     /// loaded looks like one that has not: with probability k the scale is what it was, otherwise it
-    /// is anything that a load can make it. The mean and variance of such a mixture are those of a
-    /// Markov step. A scale that was learned for another reported load says nothing of this one.
+    /// is anything that a load can make it. Averaged over loads, such a mixture has the mean and
+    /// variance of a Markov step. A scale that was learned for another reported load says nothing of this one.
     fn carry_over<S: Scalar>(&self, fresh: &mut State<S>, mass_kg: f32, tuning: &Prior) {
         let markov = |keep: f32, variance: f32, of_any: S| {
             let kept = S::from_f32(keep * keep);

@@ -7,7 +7,9 @@ use estimator_core::{
     AdoptedEffect, Estimate, Estimator, Model, PersistentStateError, Tuning, VehicleParameters,
 };
 use test_kit::by_force;
-use test_kit::effect_drive::{DEG_PER_KM, Moment, PLAIN, Planted, START_LATITUDE_DEG, drive};
+use test_kit::effect_drive::{
+    DEG_PER_KM, PLAIN, PlantedDifference, START_LATITUDE_DEG, VehicleMoment, drive,
+};
 use test_kit::hilly_drive::KEPT;
 use test_kit::truck;
 
@@ -42,7 +44,7 @@ fn difference(one: &[Estimate], other: &[Estimate]) -> f32 {
 }
 
 /// Traction as the bus reports it, N.
-type ReportedForce = fn(&Moment) -> f32;
+type ReportedForce = fn(&VehicleMoment) -> f32;
 
 /// Effects of a vehicle, and the traction that the bus then reports.
 fn resisting() -> Vec<(AdoptedEffect, ReportedForce)> {
@@ -76,7 +78,7 @@ fn resisting() -> Vec<(AdoptedEffect, ReportedForce)> {
         ),
         (adopted("brake_drag", 800.0, &[]), |m| m.force_n + 800.0),
         (adopted("road_surface", 0.003, &stretch), |m| {
-            let inside = (m.way_m - 4_000.0).abs() < 2_000.0;
+            let inside = (m.driven_m - 4_000.0).abs() < 2_000.0;
             m.force_n + if inside { 0.003 * WEIGHT_N } else { 0.0 }
         }),
         (adopted("torque_scale", -0.1, &[]), |m| m.force_n / 0.9),
@@ -88,8 +90,11 @@ fn an_effect_that_is_known_is_as_none() {
     let vehicle = by_force();
     let base = Model::from(vehicle.clone());
     let plain = drive(&base, &vehicle, PLAIN, SECONDS);
-    for (adopted, told_n) in resisting() {
-        let planted = Planted { told_n, ..PLAIN };
+    for (adopted, reported_n) in resisting() {
+        let planted = PlantedDifference {
+            reported_n,
+            ..PLAIN
+        };
         let knows = with(vehicle.clone(), &[adopted]);
         let known = difference(&plain, &drive(&knows, &vehicle, planted, SECONDS));
         let missing = difference(&plain, &drive(&base, &vehicle, planted, SECONDS));
@@ -123,8 +128,8 @@ fn a_scale_that_is_known_is_as_none() {
         wheel_radius_m: truth.wheel_radius_m / 1.05,
         ..truth.clone()
     };
-    let slow = Planted {
-        true_over_told: 1.05,
+    let slow = PlantedDifference {
+        true_over_reported: 1.05,
         ..PLAIN
     };
     for (assumed, planted, adopted) in [
@@ -145,9 +150,9 @@ fn a_scale_that_is_known_is_as_none() {
 #[test]
 fn masses_reported_on_the_bus_are_scaled_too() {
     use estimator_core::Signal;
-    use test_kit::readings_drive::Drive;
+    use test_kit::readings_drive::ReadingsDrive;
     let heavier = with(by_force(), &[adopted("mass", 0.1, &[])]);
-    let mut drive = Drive::of(heavier);
+    let mut drive = ReadingsDrive::of(heavier);
     let readings = [
         (Signal::TractionForce, 4_000.0),
         (Signal::Mass, 30_000.0),
@@ -161,8 +166,8 @@ fn masses_reported_on_the_bus_are_scaled_too() {
 /// Mean sigma of the live bias, of the scale and of the grade after some minutes.
 fn sigmas(adopted: AdoptedEffect) -> [f32; 3] {
     let vehicle = by_force();
-    let planted = Planted {
-        told_n: |m| m.force_n,
+    let planted = PlantedDifference {
+        reported_n: |m| m.force_n,
         ..PLAIN
     };
     let estimates = drive(&with(vehicle.clone(), &[adopted]), &vehicle, planted, 120.0);

@@ -4,16 +4,16 @@ use estimator_core::filter::AltitudeEvent;
 use estimator_core::sample::AltitudeContinuity;
 use estimator_core::{Counters, Signal, Tuning};
 use test_kit::by_force;
-use test_kit::readings_drive::Drive;
-use test_kit::{FilterRun, FilteredCell, Noise, altitude, sample, smooth, speed, truck};
+use test_kit::readings_drive::ReadingsDrive;
+use test_kit::{FilterRun, FilteredStep, Noise, altitude, sample, smooth, speed, truck};
 
 /// A level drive. `fault` returns the error of the fix in a cell, m.
-fn level_drive(fault: impl Fn(u32) -> f32) -> (Vec<FilteredCell<f64>>, Counters) {
+fn level_drive(fault: impl Fn(u32) -> f32) -> (Vec<FilteredStep<f64>>, Counters) {
     drive_with_fixes(|k, altitude_m| Some(altitude_m + fault(k)))
 }
 
 /// The same with the fixes that `fix` returns for a cell and its true altitude.
-fn drive_with_fixes(fix: impl Fn(u32, f32) -> Option<f32>) -> (Vec<FilteredCell<f64>>, Counters) {
+fn drive_with_fixes(fix: impl Fn(u32, f32) -> Option<f32>) -> (Vec<FilteredStep<f64>>, Counters) {
     let vehicle = truck();
     let weight_n = vehicle.mass_kg * 9.806_65;
     let air_n = 0.5 * vehicle.drag_area_m2 * 1.2 * 400.0;
@@ -33,7 +33,7 @@ fn drive_with_fixes(fix: impl Fn(u32, f32) -> Option<f32>) -> (Vec<FilteredCell<
     (cells, run.context.counters)
 }
 
-fn worst_grade(cells: &[FilteredCell<f64>]) -> f32 {
+fn worst_grade(cells: &[FilteredStep<f64>]) -> f32 {
     let late = &smooth(cells)[400..];
     late.iter()
         .map(|e| e.grade_percent.value.abs())
@@ -88,7 +88,7 @@ fn ramp(from: u32, to: u32, sign: f32) -> impl Fn(u32) -> f32 {
     move |k| sign * 0.025 * (k.clamp(from, to) - from) as f32
 }
 
-fn events(cells: &[FilteredCell<f64>]) -> Vec<(u32, AltitudeEvent)> {
+fn events(cells: &[FilteredStep<f64>]) -> Vec<(u32, AltitudeEvent)> {
     let events = cells
         .iter()
         .filter_map(|cell| Some((cell.record.end.cell, cell.record.event?)));
@@ -165,7 +165,7 @@ fn good_fixes_are_no_drift() {
 }
 
 /// Checks that a change of the datum moved neither slope nor slow states.
-fn unmoved(before: &FilteredCell<f64>, after: &FilteredCell<f64>) {
+fn unmoved(before: &FilteredStep<f64>, after: &FilteredStep<f64>) {
     let [before, after] = [before, after].map(|cell| cell.state.estimate());
     for (a, b, within) in [
         (before.grade_percent, after.grade_percent, 0.2),
@@ -225,7 +225,7 @@ fn a_stuck_receiver_is_not_used_and_few_satellites_count_less() {
             (Signal::WheelSpeed, 20.0),
         ]
     };
-    let mut drive = Drive::of(by_force());
+    let mut drive = ReadingsDrive::of(by_force());
     for k in 0..20 {
         drive.on(1.0, &moving(100.0 + 0.1 * k as f32));
     }
@@ -243,7 +243,7 @@ fn a_stuck_receiver_is_not_used_and_few_satellites_count_less() {
     assert_eq!(drive.context.counters.frozen_fixes, frozen, "it stands");
 
     let dilution = |more: &[(Signal, f32)]| {
-        let mut drive = Drive::of(by_force());
+        let mut drive = ReadingsDrive::of(by_force());
         let mut readings = more.to_vec();
         readings.extend(moving(50.0));
         let samples = drive.on(2.0, &readings);

@@ -6,7 +6,7 @@ use estimator_core::{
 };
 use std::iter::from_fn;
 use test_kit::{
-    FilterRun, FilteredCell, Noise, altitude, cells, run, sample, smooth, speed, truck,
+    FilterRun, FilteredStep, Noise, altitude, cells, run, sample, smooth, speed, truck,
 };
 
 /// A drive with a gap, missing speeds, an altitude that steps, brakes, crawling and standstill.
@@ -62,7 +62,7 @@ fn every_estimate_is_that_of_double_precision() {
             assert!((fixed.sigma / double.sigma - 1.0).abs() < 2e-3);
         }
     }
-    let live = |cell: &FilteredCell<FixedPoint>| cell.state.estimate();
+    let live = |cell: &FilteredStep<FixedPoint>| cell.state.estimate();
     let estimates: Vec<Estimate> = fixed.iter().map(live).collect();
     for (found, of) in [(estimates, 0), (smooth(&fixed), 1)] {
         let double: Vec<Estimate> = match of {

@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
 use test_kit::dense::{BIAS, SCALE, SLOPE, WIND, dense_model, net_tractions};
 use test_kit::{
-    FilterRun, FilteredCell, Noise, altitude, run, run_counted, sample, smooth, speed, truck,
+    FilterRun, FilteredStep, Noise, altitude, run, run_counted, sample, smooth, speed, truck,
 };
 
 /// Observed states of a speed.
@@ -24,7 +24,7 @@ fn measured_variance(update: &ScalarUpdate<f64>, states: &[StateIndex]) -> f64 {
 
 /// Returns slope and sigma of each cell, from the joint distribution of all states of all cells,
 /// conditioned on all measurements at once.
-fn batch(samples: &[Sample], cells: &[FilteredCell<f64>], tuning: &Tuning) -> Vec<(f64, f64)> {
+fn batch(samples: &[Sample], cells: &[FilteredStep<f64>], tuning: &Tuning) -> Vec<(f64, f64)> {
     let n = samples.len();
     let size = n * STATES;
     let mut mean = DVector::zeros(size);
@@ -127,7 +127,7 @@ fn random_drive() -> impl Strategy<Value = Vec<Sample>> {
 }
 
 /// Returns whether the speed of a cell was reset: its variance then contains its innovation squared.
-fn has_speed_step(cell: &FilteredCell<f64>) -> bool {
+fn has_speed_step(cell: &FilteredStep<f64>) -> bool {
     cell.record.smoother_input.speed.is_some_and(|used| {
         let square = used.innovation * used.innovation;
         let without = used.innovation_variance - square;
@@ -143,7 +143,7 @@ proptest! {
         let tuning = Tuning::default();
         let (cells, counters) = run_counted::<f64>(&samples, &tuning);
         // A drive whose altitude was reset has no single joint distribution.
-        let reset = |cell: &FilteredCell<f64>| cell.record.smoother_input.reset;
+        let reset = |cell: &FilteredStep<f64>| cell.record.smoother_input.reset;
         prop_assume!(cells[1..].iter().all(|cell| reset(cell) == Reset::None));
         // The batch has neither the variance that a step of the speed adds, nor that of a scale
         // whose prior was reset.

@@ -4,7 +4,7 @@ use estimator_core::filter::Filter;
 use estimator_core::tuning::MeasurementNoise;
 use estimator_core::{Context, Estimate, Estimator, Tuning};
 use test_kit::by_force;
-use test_kit::hilly_drive::{Bus, KEPT, USUAL, drive, fresh};
+use test_kit::hilly_drive::{BusSignals, KEPT, USUAL, drive, fresh};
 
 #[test]
 fn what_a_drive_has_learned_is_in_it() {
@@ -53,7 +53,7 @@ fn precisions_leave_the_same() {
 
 #[test]
 fn a_short_drive_or_one_without_gnss_leaves_nothing() {
-    let no_gnss = Bus {
+    let no_gnss = BusSignals {
         gnss: false,
         ..USUAL
     };
@@ -73,7 +73,7 @@ fn a_short_drive_or_one_without_gnss_leaves_nothing() {
 /// Returns bias and scale at the first cells of a drive without GNSS, which would correct them.
 fn first_cells(estimator: Estimator<f32>, mass_kg: Option<f32>) -> Estimate {
     let gnss = false;
-    let estimator = drive(estimator, 10, Bus { gnss, mass_kg });
+    let estimator = drive(estimator, 10, BusSignals { gnss, mass_kg });
     estimator.live().unwrap().estimate
 }
 
@@ -111,7 +111,7 @@ fn another_reported_mass_leaves_the_scale_as_at_a_first_drive() {
     assert_eq!(weighed_again.scale, first_cells(restored(), None).scale);
 
     // Learned with a mass from the bus, which reports the same mass again.
-    let reported = Bus {
+    let reported = BusSignals {
         mass_kg: Some(43_000.0),
         ..USUAL
     };

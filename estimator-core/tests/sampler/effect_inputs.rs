@@ -3,7 +3,7 @@
 use estimator_core::Signal;
 use estimator_core::sample::{EffectInputs, Sample};
 use test_kit::by_force;
-use test_kit::readings_drive::Drive;
+use test_kit::readings_drive::ReadingsDrive;
 use test_kit::truck;
 
 const FORCE: (Signal, f32) = (Signal::TractionForce, 4_000.0);
@@ -18,7 +18,7 @@ fn last(samples: &[Sample]) -> EffectInputs {
 
 #[test]
 fn inputs_are_known_until_they_are_stale() {
-    let mut drive = Drive::of(by_force());
+    let mut drive = ReadingsDrive::of(by_force());
     let readings = [
         FORCE,
         (Signal::Fan, 40.0),
@@ -48,7 +48,7 @@ fn inputs_are_known_until_they_are_stale() {
 
 #[test]
 fn impossible_values_are_not_known() {
-    let mut drive = Drive::of(by_force());
+    let mut drive = ReadingsDrive::of(by_force());
     for (signal, values) in [
         (Signal::Fan, [-1.0, 101.0, f32::NAN]),
         (Signal::YawRate, [3.0, -3.0, f32::INFINITY]),
@@ -69,7 +69,7 @@ fn impossible_values_are_not_known() {
 
 #[test]
 fn the_yaw_rate_is_the_mean_of_its_cell() {
-    let mut drive = Drive::of(by_force());
+    let mut drive = ReadingsDrive::of(by_force());
     // Two readings to each 100 ms: 2 m.
     let readings = [
         FORCE,
@@ -85,7 +85,7 @@ fn the_yaw_rate_is_the_mean_of_its_cell() {
 
 #[test]
 fn without_a_yaw_rate_it_comes_from_the_course() {
-    let mut drive = Drive::of(by_force());
+    let mut drive = ReadingsDrive::of(by_force());
     // To the left, through north: 2° a second, with a reading every 200 ms.
     let mut found = None;
     for step in 0..60_u16 {
@@ -116,7 +116,7 @@ fn without_a_yaw_rate_it_comes_from_the_course() {
 
 #[test]
 fn a_course_needs_speed() {
-    let mut drive = Drive::of(by_force());
+    let mut drive = ReadingsDrive::of(by_force());
     let readings = |mps: f32| [FORCE, (Signal::Course, 45.0), at(mps)];
     drive.on(4.0, &readings(2.5));
     let slow = last(&drive.on(8.0, &readings(2.5)));
@@ -129,9 +129,10 @@ fn a_course_needs_speed() {
 
 #[test]
 fn time_in_motion_ends_with_a_long_stop() {
-    let mut drive = Drive::of(by_force());
-    let driven =
-        |drive: &mut Drive, seconds: f64| last(&drive.on(seconds, &[FORCE, at(20.0)])).driven_s;
+    let mut drive = ReadingsDrive::of(by_force());
+    let driven = |drive: &mut ReadingsDrive, seconds: f64| {
+        last(&drive.on(seconds, &[FORCE, at(20.0)])).driven_s
+    };
     assert!((driven(&mut drive, 100.0) - 100.0).abs() < 1.0);
     // A stop of a minute is not counted and does not reset it. A gap in the traffic is counted and
     // does not reset it either.
@@ -148,7 +149,7 @@ fn time_in_motion_ends_with_a_long_stop() {
 
 #[test]
 fn torque_arrives_through_a_gear() {
-    let mut drive = Drive::of(truck());
+    let mut drive = ReadingsDrive::of(truck());
     let readings = |gear: f32, engaged: f32| {
         [
             (Signal::DrivelineEngaged, engaged),

@@ -3,7 +3,7 @@
 use estimator_core::sample::Sample;
 use estimator_core::signal::encode;
 use estimator_core::{Context, Instant, Intake, Reading, Sampler, Signal, Tuning, Value};
-use test_kit::readings_drive::Drive;
+use test_kit::readings_drive::ReadingsDrive;
 use test_kit::{TestFrame, truck};
 
 /// A direct gear (truck()'s eleventh) at 20 m/s turns the engine at this, rpm.
@@ -57,7 +57,7 @@ fn each_brake_has_its_hold_time() {
         (Signal::ParkingBrake, 1.0, 0.0, 1.0),
         (Signal::RetarderTorque, -20.0, 0.0, 2.0),
     ] {
-        let mut drive = Drive::of(truck());
+        let mut drive = ReadingsDrive::of(truck());
         let before = drive.on(5.0, &cruising(&[(signal, off)]));
         assert_eq!(valid(&before), before.len(), "{signal:?}");
         let during = drive.on(3.0, &cruising(&[(signal, on)]));
@@ -71,7 +71,7 @@ fn each_brake_has_its_hold_time() {
 
 #[test]
 fn a_retarder_at_rest_drags_a_percent_and_is_no_brake() {
-    let mut drive = Drive::of(truck());
+    let mut drive = ReadingsDrive::of(truck());
     let samples = drive.on(10.0, &cruising(&[(Signal::RetarderTorque, -1.0)]));
     assert_eq!(valid(&samples), samples.len());
 }
@@ -117,7 +117,7 @@ fn either_of_two_retarders_counts() {
 #[test]
 fn a_brake_whose_sender_falls_silent_counts_for_seconds_not_for_ever() {
     for nothing in [None, Some(Value::NotAvailable), Some(Value::Error)] {
-        let mut drive = Drive::of(truck());
+        let mut drive = ReadingsDrive::of(truck());
         drive.on(5.0, &cruising(&[(Signal::BrakeSwitch, 1.0)]));
         let mut readings: Vec<(Signal, Value)> = nothing
             .map(|value| (Signal::BrakeSwitch, value))
@@ -136,7 +136,7 @@ fn a_brake_whose_sender_falls_silent_counts_for_seconds_not_for_ever() {
 
 #[test]
 fn a_gear_shift_holds_and_passes_no_torque_where_the_driveline_is_not_reported() {
-    let mut drive = Drive::of(truck());
+    let mut drive = ReadingsDrive::of(truck());
     let flag = |on: f32| cruising(&[(Signal::ShiftInProcess, on)]);
     let before = drive.on(5.0, &flag(0.0));
     assert!(before.last().unwrap().forces.traction_n > 4_000.0);
@@ -150,7 +150,7 @@ fn a_gear_shift_holds_and_passes_no_torque_where_the_driveline_is_not_reported()
 
 #[test]
 fn an_open_driveline_coasts_without_traction_and_the_model_holds() {
-    let mut drive = Drive::of(truck());
+    let mut drive = ReadingsDrive::of(truck());
     let closed = drive.on(5.0, &cruising(&[(Signal::DrivelineEngaged, 1.0)]));
     assert_eq!(valid(&closed), closed.len());
     // Idling: the torque equals that of friction.
@@ -178,7 +178,7 @@ fn no_engine_torque_counts_behind_an_open_driveline() {
         &[(Signal::CurrentGear, 0.0)],
     ];
     for signals in open {
-        let mut drive = Drive::of(truck());
+        let mut drive = ReadingsDrive::of(truck());
         drive.on(5.0, &cruising(&[]));
         let samples = drive.on(5.0, &cruising(signals));
         for sample in &samples[1..] {
@@ -191,7 +191,7 @@ fn no_engine_torque_counts_behind_an_open_driveline() {
 
 #[test]
 fn a_slipping_clutch_is_not_trusted() {
-    let mut drive = Drive::of(truck());
+    let mut drive = ReadingsDrive::of(truck());
     let engaged = (Signal::DrivelineEngaged, 1.0);
     drive.on(5.0, &cruising(&[engaged, (Signal::ClutchSlip, 0.0)]));
     let slipping = drive.on(3.0, &cruising(&[engaged, (Signal::ClutchSlip, 30.0)]));
@@ -202,7 +202,7 @@ fn a_slipping_clutch_is_not_trusted() {
 
 #[test]
 fn an_open_driveline_whose_sender_has_no_measurement_stays_open_until_that_is_stale() {
-    let mut drive = Drive::of(truck());
+    let mut drive = ReadingsDrive::of(truck());
     drive.on(5.0, &cruising(&[(Signal::DrivelineEngaged, 0.0)]));
     let mut readings = vec![(Signal::DrivelineEngaged, Value::Error)];
     readings.extend(
@@ -223,7 +223,7 @@ fn an_open_driveline_whose_sender_has_no_measurement_stays_open_until_that_is_st
 #[test]
 fn a_gear_that_the_engine_does_not_turn_with_is_rejected() {
     // No signal reports the clutch: the gear stays what it was while the engine runs faster.
-    let mut drive = Drive::of(truck());
+    let mut drive = ReadingsDrive::of(truck());
     let closed = drive.on(5.0, &cruising(&[]));
     assert_eq!(valid(&closed), closed.len());
     let mut away = cruising(&[]);
@@ -238,12 +238,12 @@ fn a_gear_that_the_engine_does_not_turn_with_is_rejected() {
         assert!(sample.forces.traction_n.abs() < 1e-3);
     }
     // A gearbox that reports its clutch is accepted.
-    let mut drive = Drive::of(truck());
+    let mut drive = ReadingsDrive::of(truck());
     away.insert(0, (Signal::DrivelineEngaged, 1.0));
     let reported = drive.on(5.0, &away);
     assert_eq!(valid(&reported), reported.len());
     // Unless the engine turned with the reported gear before.
-    let mut drive = Drive::of(truck());
+    let mut drive = ReadingsDrive::of(truck());
     let mut with_it = away.clone();
     for (signal, value) in &mut with_it {
         if *signal == Signal::EngineSpeed {
@@ -258,7 +258,7 @@ fn a_gear_that_the_engine_does_not_turn_with_is_rejected() {
 
 #[test]
 fn a_gearbox_that_falls_silent_leaves_no_traction() {
-    let mut drive = Drive::of(truck());
+    let mut drive = ReadingsDrive::of(truck());
     drive.on(5.0, &cruising(&[(Signal::DrivelineEngaged, 0.0)]));
     let torque_only = [(Signal::EngineTorque, 57.0), (Signal::WheelSpeed, 20.0)];
     let samples = drive.on(12.0, &torque_only);
@@ -279,7 +279,7 @@ fn brakes_without_a_signal_are_detected_from_the_deceleration() {
         ])
     };
     let braked = |reported: bool, deceleration: f32| {
-        let mut drive = Drive::of(truck());
+        let mut drive = ReadingsDrive::of(truck());
         let mut mps = 22.0;
         let mut flagged = Vec::new();
         for second in 0..40 {

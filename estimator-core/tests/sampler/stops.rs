@@ -3,7 +3,7 @@
 use estimator_core::filter::StateIndex::{Bias, Scale};
 use estimator_core::sample::Sample;
 use estimator_core::{Signal, Tuning};
-use test_kit::readings_drive::Drive;
+use test_kit::readings_drive::ReadingsDrive;
 use test_kit::{FilterRun, altitude, by_force, sample, speed, truck};
 
 fn at(mps: f32, mass_kg: Option<f32>) -> Vec<(Signal, f32)> {
@@ -19,7 +19,7 @@ fn masses(samples: &[Sample]) -> Vec<f32> {
     masses
 }
 
-fn reopenings(drive: &Drive) -> usize {
+fn reopenings(drive: &ReadingsDrive) -> usize {
     drive
         .samples
         .iter()
@@ -29,7 +29,7 @@ fn reopenings(drive: &Drive) -> usize {
 
 #[test]
 fn the_first_mass_counts_and_its_changes_while_driving_do_not() {
-    let mut drive = Drive::of(by_force());
+    let mut drive = ReadingsDrive::of(by_force());
     assert_eq!(masses(&drive.on(5.0, &at(20.0, None))), [39_000.0]);
     assert_eq!(
         masses(&drive.on(5.0, &at(20.0, Some(40_000.0)))),
@@ -57,7 +57,7 @@ fn another_load_at_a_stop_reopens_once_whenever_it_is_reported() {
         (Some(39_000.0), Some(20_000.0)),
         (None, None),
     ] {
-        let mut drive = Drive::of(by_force());
+        let mut drive = ReadingsDrive::of(by_force());
         drive.on(20.0, &at(20.0, Some(39_000.0)));
         drive.on(10.0, &at(0.0, standing));
         drive.on(50.0, &at(20.0, soon));
@@ -70,7 +70,7 @@ fn another_load_at_a_stop_reopens_once_whenever_it_is_reported() {
 
 #[test]
 fn masses_that_no_such_vehicle_has_are_rejected() {
-    let mut drive = Drive::of(by_force());
+    let mut drive = ReadingsDrive::of(by_force());
     for kg in [0.0, 3_000.0, 640_000.0, f32::NAN] {
         assert_eq!(masses(&drive.on(5.0, &at(20.0, Some(kg)))), [39_000.0]);
         drive.on(10.0, &at(0.0, Some(kg)));
@@ -81,7 +81,7 @@ fn masses_that_no_such_vehicle_has_are_rejected() {
 #[test]
 fn a_long_standstill_reopens_whether_awake_or_asleep() {
     let stop = |minutes: u64, awake: bool| {
-        let mut drive = Drive::of(by_force());
+        let mut drive = ReadingsDrive::of(by_force());
         drive.on(20.0, &at(20.0, None));
         drive.on(5.0, &at(0.0, None));
         if awake {
@@ -103,7 +103,7 @@ fn a_long_standstill_reopens_whether_awake_or_asleep() {
 
 #[test]
 fn a_log_that_goes_on_the_next_day_reopens() {
-    let mut drive = Drive::of(by_force());
+    let mut drive = ReadingsDrive::of(by_force());
     drive.on(20.0, &at(20.0, None));
     drive.now_ms += 12 * 3_600_000;
     let after = drive.on(20.0, &at(20.0, None));
@@ -113,7 +113,7 @@ fn a_log_that_goes_on_the_next_day_reopens() {
 
 #[test]
 fn a_cell_in_which_the_vehicle_stood_long_is_measured_where_it_is() {
-    let mut drive = Drive::of(by_force());
+    let mut drive = ReadingsDrive::of(by_force());
     drive.on(20.0, &at(2.0, None));
     // 1.3 m into a cell.
     drive.on(300.0, &at(0.0, None));

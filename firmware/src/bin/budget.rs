@@ -28,9 +28,9 @@ fn main() -> ! {
 fn count() -> Result<(), firmware::budget::Problem> {
     use estimator_core::FixedPoint;
     use firmware::budget::run;
-    use firmware::meter::Meter;
+    use firmware::meter::InstructionMeter;
 
-    let mut meter = Meter::new()?;
+    let mut meter = InstructionMeter::new()?;
     semihosting::print!("[f32]\n{}", run::<f32>(&mut meter)?);
     semihosting::print!("[fixed]\n{}", run::<FixedPoint>(&mut meter)?);
     Ok(())

@@ -22,7 +22,7 @@ pub struct RecordedFrame {
     data: [u8; 8],
 }
 
-/// The record of a frame received at `time`; `None` if the frame has more than 8 bytes.
+/// Returns the record of a frame received at `time`; `None` if the frame has more than 8 bytes.
 pub fn encode(time: Instant, frame: &impl Frame) -> Option<[u8; FRAME_BYTES]> {
     let RecordedFrame {
         id,
@@ -51,7 +51,7 @@ pub fn encode(time: Instant, frame: &impl Frame) -> Option<[u8; FRAME_BYTES]> {
     ]))
 }
 
-/// The frame of a record, and when it was received.
+/// Returns the frame of a record, and when it was received.
 #[must_use]
 pub fn decode(record: &[u8]) -> Option<(Instant, RecordedFrame)> {
     let mut words = to_words(record, FRAME_BYTES)?;

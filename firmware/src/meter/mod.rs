@@ -9,7 +9,7 @@ mod stack;
 mod tally;
 
 pub use stack::depth;
-pub use tally::Tally;
+pub use tally::CountTally;
 
 use core::fmt;
 use core::hint::black_box;
@@ -24,7 +24,7 @@ const TURNS: u32 = 100_000;
 const LOOP: u64 = 2 * TURNS as u64;
 
 /// A counter of instructions.
-pub struct Meter {
+pub struct InstructionMeter {
     timer: SYST,
     /// Ticks that the loop took.
     ticks_of_loop: u64,
@@ -43,7 +43,7 @@ pub enum Uncountable {
     TooMany,
 }
 
-impl Meter {
+impl InstructionMeter {
     /// Starts the timer and finds out how many ticks an instruction takes.
     ///
     /// # Errors

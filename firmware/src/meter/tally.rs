@@ -2,13 +2,13 @@
 
 /// How often, how much in all, and how much at the most.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Tally {
+pub struct CountTally {
     calls: u32,
     sum: u64,
     worst: u32,
 }
 
-impl Tally {
+impl CountTally {
     /// One more count.
     pub fn add(&mut self, count: u32) {
         self.calls += 1;
@@ -23,13 +23,13 @@ impl Tally {
         self.worst = self.worst.max(other.worst);
     }
 
-    /// How often.
+    /// Returns how often.
     #[must_use]
     pub const fn calls(&self) -> u32 {
         self.calls
     }
 
-    /// The mean, rounded; zero of none.
+    /// Returns the mean, rounded; zero of none.
     #[must_use]
     pub const fn mean(&self) -> u32 {
         let calls = self.calls as u64;
@@ -39,7 +39,7 @@ impl Tally {
         }
     }
 
-    /// The largest.
+    /// Returns the largest.
     #[must_use]
     pub const fn worst(&self) -> u32 {
         self.worst

@@ -1,6 +1,6 @@
 //! CAN controllers: what they take, and what becomes of it.
 
-use crate::inbox::{Input, Sender};
+use crate::inbox::{InboxItem, InboxSender};
 use embassy_stm32::can::filter::{ExtendedFilter, StandardFilter};
 use embassy_stm32::can::{Can, CanConfigurator, CanRx, filter};
 use embassy_time::{Duration, Timer};
@@ -30,13 +30,13 @@ pub fn configure(mut can: CanConfigurator<'static>) -> Can<'static> {
 
 /// Takes frames off a controller into the inbox, for ever.
 #[embassy_executor::task(pool_size = 2)]
-pub async fn receive(mut can: CanRx<'static>, inbox: &'static Sender) {
+pub async fn receive(mut can: CanRx<'static>, inbox: &'static InboxSender) {
     loop {
         match can.read().await {
             Ok(envelope) => {
                 let (frame, time) = envelope.parts();
                 let time = Instant::from_micros(time.as_micros());
-                inbox.put(Input::Frame(time, frame));
+                inbox.put(InboxItem::Frame(time, frame));
             }
             Err(error) => {
                 defmt::debug!("bus error: {}", error);

@@ -1,6 +1,6 @@
 //! A GNSS receiver that speaks NMEA 0183 on a serial line.
 
-use crate::inbox::{Input, Sender};
+use crate::inbox::{InboxItem, InboxSender};
 use embassy_stm32::mode::Async;
 use embassy_stm32::usart::UartRx;
 use embassy_time::Instant as Clock;
@@ -20,7 +20,7 @@ const AHEAD: usize = 256;
 
 /// Takes sentences off the line into the inbox, for ever.
 #[embassy_executor::task]
-pub async fn receive(line: UartRx<'static, Async>, inbox: &'static Sender) {
+pub async fn receive(line: UartRx<'static, Async>, inbox: &'static InboxSender) {
     static RING: StaticCell<[u8; AHEAD]> = StaticCell::new();
     let mut line = line.into_ring_buffered(RING.init([0; AHEAD]));
     let mut sentence: Vec<u8, LONGEST> = Vec::new();
@@ -42,8 +42,8 @@ pub async fn receive(line: UartRx<'static, Async>, inbox: &'static Sender) {
     }
 }
 
-fn put(sentence: &str, now: Instant, inbox: &Sender) {
-    let put = |signal, value| inbox.put(Input::Reading(now, Reading { signal, value }));
+fn put(sentence: &str, now: Instant, inbox: &InboxSender) {
+    let put = |signal, value| inbox.put(InboxItem::Reading(now, Reading { signal, value }));
     match nmea::parse_str(sentence) {
         Ok(ParseResult::GGA(fix)) => position(&fix, put),
         Ok(ParseResult::RMC(motion)) => motion_of(&motion, put),

@@ -14,7 +14,7 @@ use static_cell::StaticCell;
 const SIZE: usize = 256;
 
 /// Something for the estimator, and when it arrived.
-pub enum Input {
+pub enum InboxItem {
     /// Off a bus.
     Frame(Instant, Frame),
     /// Off a serial line.
@@ -26,42 +26,42 @@ pub enum Input {
 }
 
 /// Where receiving tasks put what arrived.
-pub struct Sender {
+pub struct InboxSender {
     // Several tasks put in, one at a time: they share a priority.
-    queue: CriticalSectionMutex<RefCell<Producer<'static, Input>>>,
+    queue: CriticalSectionMutex<RefCell<Producer<'static, InboxItem>>>,
     arrived: Signal<CriticalSectionRawMutex, ()>,
     lost: AtomicU32,
 }
 
 /// Where the estimator takes it out.
-pub struct Receiver {
-    queue: Consumer<'static, Input>,
-    sender: &'static Sender,
+pub struct InboxReceiver {
+    queue: Consumer<'static, InboxItem>,
+    sender: &'static InboxSender,
 }
 
 /// Makes the queue; once.
 ///
 /// # Panics
 /// When called twice.
-pub fn open() -> (&'static Sender, Receiver) {
-    static QUEUE: StaticCell<Queue<Input, SIZE>> = StaticCell::new();
-    static SENDER: StaticCell<Sender> = StaticCell::new();
+pub fn open() -> (&'static InboxSender, InboxReceiver) {
+    static QUEUE: StaticCell<Queue<InboxItem, SIZE>> = StaticCell::new();
+    static SENDER: StaticCell<InboxSender> = StaticCell::new();
     let (producer, consumer) = QUEUE.init(Queue::new()).split();
-    let sender: &'static Sender = SENDER.init(Sender {
+    let sender: &'static InboxSender = SENDER.init(InboxSender {
         queue: CriticalSectionMutex::new(RefCell::new(producer)),
         arrived: Signal::new(),
         lost: AtomicU32::new(0),
     });
-    let receiver = Receiver {
+    let receiver = InboxReceiver {
         queue: consumer,
         sender,
     };
     (sender, receiver)
 }
 
-impl Sender {
+impl InboxSender {
     /// Puts one in; it is counted as lost if the queue is full.
-    pub fn put(&self, input: Input) {
+    pub fn put(&self, input: InboxItem) {
         let full = self
             .queue
             .lock(|queue| queue.borrow_mut().enqueue(input).is_err());
@@ -73,18 +73,18 @@ impl Sender {
     }
 }
 
-impl Receiver {
+impl InboxReceiver {
     /// Waits until something has arrived since the last wait.
     pub async fn arrived(&self) {
         self.sender.arrived.wait().await;
     }
 
     /// Takes the oldest out.
-    pub fn take(&mut self) -> Option<Input> {
+    pub fn take(&mut self) -> Option<InboxItem> {
         self.queue.dequeue()
     }
 
-    /// How many found the queue full.
+    /// Returns how many found the queue full.
     pub fn lost(&self) -> u32 {
         self.sender.lost.load(Ordering::Relaxed)
     }

@@ -68,7 +68,7 @@ fn UART4() {
 async fn main(_spawner: Spawner) {
     let p = embassy_stm32::init(clocks());
     let watchdog = IndependentWatchdog::new(p.IWDG, WATCHDOG_US);
-    let mut store = store::Store::new(p.FLASH);
+    let mut store = store::FlashStore::new(p.FLASH);
     let estimator = work::estimator(&mut store).await;
 
     let (sender, receiver) = inbox::open();

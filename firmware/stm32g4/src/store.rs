@@ -31,12 +31,12 @@ type Storage = MapStorage<
 >;
 
 /// The flash behind the image.
-pub struct Store {
+pub struct FlashStore {
     model: Result<Model, HeaderError>,
     states: Storage,
 }
 
-impl Store {
+impl FlashStore {
     /// Reads the vehicle.
     pub fn new(flash: Peri<'static, FLASH>) -> Self {
         let mut flash = Flash::new_blocking(flash);

@@ -1,7 +1,7 @@
 //! The estimator at work: takes what arrived, sends what it knows, keeps what it learned.
 
-use crate::inbox::{Input, Receiver};
-use crate::store::Store;
+use crate::inbox::{InboxItem, InboxReceiver};
+use crate::store::FlashStore;
 use embassy_futures::select::select;
 use embassy_stm32::can::{CanTx, Frame, Properties};
 use embassy_stm32::peripherals::IWDG;
@@ -26,7 +26,7 @@ static ESTIMATOR: StaticCell<Estimator<f32>> = StaticCell::new();
 
 /// Creates the estimator of the flashed vehicle, with what the last drive left. Returns `None`, and
 /// logs why, without a possible vehicle.
-pub async fn estimator(store: &mut Store) -> Option<&'static mut Estimator<f32>> {
+pub async fn estimator(store: &mut FlashStore) -> Option<&'static mut Estimator<f32>> {
     let model = match store.model() {
         Ok(model) => model.clone(),
         Err(error) => {
@@ -53,10 +53,10 @@ pub async fn estimator(store: &mut Store) -> Option<&'static mut Estimator<f32>>
 /// Works, for ever.
 pub async fn run(
     mut estimator: Option<&'static mut Estimator<f32>>,
-    mut inbox: Receiver,
+    mut inbox: InboxReceiver,
     mut sender: CanTx<'static>,
     bus: Properties,
-    mut store: Store,
+    mut store: FlashStore,
     mut watchdog: IndependentWatchdog<'static, IWDG>,
 ) -> ! {
     watchdog.unleash();
@@ -94,10 +94,10 @@ pub async fn run(
     }
 }
 
-fn take(estimator: &mut Estimator<f32>, input: &Input) {
+fn take(estimator: &mut Estimator<f32>, input: &InboxItem) {
     match input {
-        Input::Frame(time, frame) => estimator.on_frame(*time, frame),
-        Input::Reading(time, reading) => estimator.on_reading(*time, *reading),
+        InboxItem::Frame(time, frame) => estimator.on_frame(*time, frame),
+        InboxItem::Reading(time, reading) => estimator.on_reading(*time, *reading),
     };
     while let Some(step) = estimator.step() {
         if let Step::Moved(Some(event)) = step {

@@ -1,4 +1,4 @@
-//! The end of a drive, recorded or live: its files.
+//! Writes the files at the end of a drive, recorded or live.
 
 use crate::error::Result;
 use crate::files::kept;
@@ -6,34 +6,36 @@ use crate::files::run::{self, Origin};
 use crate::recorder::LongRun;
 use std::path::Path;
 
-/// Writes what a drive leaves: the run, and what is kept for the next one if there is a file for
-/// it, which is written ahead of the run: where that cannot be, neither appears.
+/// Writes the run, and the persistent state if there is a file for it. The state is staged before
+/// the run is written, so that neither file appears if one cannot be written.
 pub(super) fn write(
     drive: &mut LongRun,
     out: Option<&Path>,
     origin: &Origin,
-    kept_file: Option<&Path>,
+    state_file: Option<&Path>,
 ) -> Result<()> {
-    let keeping = match kept_file.zip(drive.kept.as_ref()) {
-        Some((file, kept)) => Some(kept::stage(file, kept)?),
+    let staged = match state_file.zip(drive.persistent_state.as_ref()) {
+        Some((file, state)) => Some(kept::stage(file, state)?),
         None => None,
     };
     if let Some(out) = out {
         run::write_rows(out, &mut drive.rows, origin)?;
     }
-    let is_kept = keeping.is_some();
-    if let Some(keeping) = keeping {
-        keeping.commit()?;
+    let is_stored = staged.is_some();
+    if let Some(staged) = staged {
+        staged.commit()?;
     }
     if let Some(out) = out {
         eprintln!("wrote {}", out.display());
     }
-    if let Some(file) = kept_file {
+    if let Some(file) = state_file {
         let file = file.display();
-        if is_kept {
-            eprintln!("kept for the next drive: {file}");
+        if is_stored {
+            eprintln!("stored the persistent state for the next drive: {file}");
         } else {
-            eprintln!("nothing to keep, 5 km with GNSS are needed: {file} is as it was");
+            eprintln!(
+                "no persistent state to store (it needs 5 km with GNSS): {file} is unchanged"
+            );
         }
     }
     Ok(())

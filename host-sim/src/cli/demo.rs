@@ -5,36 +5,41 @@ use crate::error::{Error, Result};
 use crate::files::csv::write_csv;
 use crate::files::oracle::{OracleFile, mean_speed_mps};
 use crate::files::vehicle::VehicleFile;
-use crate::files::{run, truth};
+use crate::files::{run, truth, tuning};
 use crate::map::{self, GradeMap, MapRow, Network, RoadLine, RoadRow, SessionRun};
 use crate::report::demo_page::{DemoDrive, demo_page};
 use crate::score::{self, ScoreRow, rivals};
 use crate::simulator::scenario::Scenario;
 use crate::simulator::write_runs;
 use crate::terminal::print::print;
+use estimator_core::Tuning;
 use std::path::{Path, PathBuf};
 
 /// Arguments of `demo`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Where logs, runs, map, scores and the page go.
+    /// Folder for the logs, runs, map, scores and the page.
     #[arg(long, value_name = "DIR", default_value = "roadgrade-demo")]
     out: PathBuf,
+    /// Values for the estimator's parameters; docs/tuning.md lists them.
+    #[arg(long, value_name = "FILE.toml")]
+    tuning: Option<PathBuf>,
 }
 
-/// Runs it.
+/// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
+    let tuning = tuning::read_or_default(args.tuning.as_deref())?;
     let scenario = Scenario::builtin();
     let out = &args.out;
-    eprintln!("1  simulate trucks whose parameters are not those of their files");
+    eprintln!("1  simulate trucks; their true parameters differ from their files");
     write_runs(&scenario, out)?;
     eprintln!("2  estimate each drive from its bus log");
     let drives = (0..scenario.runs.len())
-        .map(|index| drive(&scenario, index, out))
+        .map(|index| drive(&scenario, index, &tuning, out))
         .collect::<Result<Vec<_>>>()?;
     eprintln!("3  fuse the runs into a map");
     let (map, map_score) = fuse(&drives, out)?;
-    eprintln!("4  score against the truth, draw the page");
+    eprintln!("4  score against the truth and write the page");
     let mut scores: Vec<ScoreRow> = drives.iter().flat_map(|d| d.scores.clone()).collect();
     let mut overall = score::mean(&scores);
     overall.push(map_score);
@@ -47,12 +52,12 @@ pub fn run(args: &Args) -> Result<()> {
     print(&format!("page to open: {}\n", report.display()))
 }
 
-fn drive(scenario: &Scenario, index: usize, folder: &Path) -> Result<DemoDrive> {
+fn drive(scenario: &Scenario, index: usize, tuning: &Tuning, folder: &Path) -> Result<DemoDrive> {
     let run = &scenario.runs[index];
     let file = |ending: &str| folder.join(format!("{}.{ending}", run.name));
     let log = file("log");
     let vehicle = VehicleFile::read(&file("vehicle.toml"))?;
-    let estimated = estimate::drive::<f32>(&vehicle, None, &log)?;
+    let estimated = estimate::drive::<f32>(&vehicle, tuning, None, &log)?;
     estimate::check(&log, &vehicle, &estimated)?;
     let rows = estimated.in_memory()?.rows;
     run::write(&file("csv"), &rows)?;
@@ -80,7 +85,7 @@ fn fuse(drives: &[DemoDrive], folder: &Path) -> Result<(Vec<MapRow>, ScoreRow)> 
     let road = Network::from(road);
     let mut fused = GradeMap::new(&road);
     for drive in drives {
-        // The errors of every drive's parameters are its own: no two are of one session.
+        // Each drive has its own parameter errors, so no two drives share a session.
         fused.add_run(&SessionRun {
             session: None,
             rows: &drive.rows,

@@ -2,6 +2,7 @@
 
 use crate::diagnose::{Diagnosis, Request, diagnose, report};
 use crate::error::Result;
+use crate::files::tuning;
 use crate::files::vehicle::VehicleFile;
 use crate::terminal::print::print;
 use crate::terminal::progress;
@@ -11,30 +12,35 @@ use std::path::PathBuf;
 /// Arguments of `diagnose`.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Each effect of the catalogue is judged by what it would have done to the altitudes that GNSS \
-    told, weighed against the errors that GNSS, wind and road have anyway. One is adopted if the \
-    evidence for it is strong and the drives held out do not speak against it; effects that these \
-    drives cannot tell from it are named with it, and so is what would tell them apart. What no \
-    effect explains but clearly depends on time, place or a signal is reported as unexplained.\n\n\
-    Drives both ways over a road, at different speeds and loads, tell more than many alike.\n\n\
+    after_help = "The command tests each effect of the catalogue. It predicts how the effect would change the \
+    reported GNSS altitudes, and compares that with the usual errors of GNSS, wind and road. An \
+    effect is adopted if the evidence for it is strong and the held-out drives do not contradict \
+    it. The report also names effects that these drives cannot separate from an adopted one, and \
+    the data that would separate them. A residual that depends clearly on time, place or a signal, \
+    and that no effect explains, is reported as unexplained.\n\n\
+    Drives in both directions, at different speeds and loads, are worth more than many similar \
+    drives.\n\n\
     Examples:\n  \
     roadgrade diagnose --vehicle vehicle.toml --out found mon.log tue.log wed.log --holdout thu.log\n  \
     roadgrade diagnose --vehicle vehicle.toml --out found --reference map.csv *.log"
 )]
 pub struct Args {
-    /// The vehicle as it is believed.
+    /// Vehicle parameters as currently assumed.
     #[arg(long, value_name = "V.toml")]
     vehicle: PathBuf,
     /// Folder for report.json, vehicle.toml and report.html.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Grade to judge by, as `fuse` writes it.
+    /// Reference grade: a map that `fuse` wrote.
     #[arg(long, value_name = "MAP.csv")]
     reference: Option<PathBuf>,
-    /// Logs that are not used to fit, on which before and after are judged. Without any, the last
-    /// of three or more logs.
+    /// Logs for validation only. They are not fitted. The errors before and after are computed on
+    /// them. Default: the last log, if there are three or more.
     #[arg(long, value_name = "LOG", num_args = 1..)]
     holdout: Vec<PathBuf>,
+    /// Values for the estimator's parameters; docs/tuning.md lists them.
+    #[arg(long, value_name = "FILE.toml")]
+    tuning: Option<PathBuf>,
     /// Print report.json instead of tables.
     #[arg(long)]
     json: bool,
@@ -43,15 +49,16 @@ pub struct Args {
     logs: Vec<PathBuf>,
 }
 
-/// Runs it.
+/// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     let request = Request {
         vehicle: VehicleFile::read(&args.vehicle)?,
         logs: args.logs.clone(),
         held_out: args.holdout.clone(),
         reference: args.reference.clone(),
+        tuning: tuning::read_or_default(args.tuning.as_deref())?,
     };
-    let wait = progress::spinner("reading and judging drives");
+    let wait = progress::spinner("reading and evaluating drives");
     let found = diagnose(&request)?;
     wait.finish_and_clear();
     let page = report::write(&found, &args.out)?;

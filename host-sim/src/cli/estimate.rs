@@ -1,61 +1,64 @@
-//! `roadgrade estimate`: one recorded drive becomes a run.
+//! `roadgrade estimate`: estimates a run from a recorded drive.
 
 use super::conclusion;
 use crate::error::{Error, Result};
 use crate::files::run::{self, Origin};
 use crate::files::vehicle::VehicleFile;
-use crate::files::{data_set, kept};
-use crate::recorder::{self, LongRun, Summary};
+use crate::files::{data_set, kept, tuning};
+use crate::recorder::{self, LongRun, RunSummary};
 use crate::smooth::held_bytes;
 use crate::terminal::print::print;
 use crate::terminal::progress;
-use estimator_core::{PersistentState, Scalar};
+use estimator_core::{PersistentState, Scalar, Tuning};
 use std::path::{Path, PathBuf};
 use std::time::Instant as Clock;
 
 /// Arguments of `estimate`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-Needed on the bus: wheel speed (CCVS1 or EBC2), engine torque (EEC1) and friction (EEC3), the gear \
-(ETC2; or engine speed, from which it is told), GNSS altitude (129029, or VDS). `roadgrade inspect \
-LOG` tells what a log has. In a signal table the same by the names of its columns.
+Required signals: wheel speed (CCVS1 or EBC2), engine torque (EEC1) and friction (EEC3), the gear \
+(ETC2, or engine speed, from which the estimator derives it), GNSS altitude (129029, or VDS). A \
+signal table has the same signals as columns. `roadgrade inspect LOG` lists the signals of a log.
 
-RUN.csv has one row for each 2.5 m: grade in % (smoothed over the whole run, lagged by 500 m, \
-live), each with its standard deviation, position, altitude, and what the vehicle model was found \
-to be off by. RUN.parquet has the same columns, their units as metadata, and in the file's \
-metadata vehicle, day and session (\"VEHICLE DAY\"), which `fuse` goes by.
+RUN.csv has one row per cell of 2.5 m: grade in % (smoothed over the whole run, lagged by 500 m, \
+live), each with its standard deviation, position, altitude, and the estimated bias and scale of \
+the vehicle model. RUN.parquet has the same columns, with their units as metadata. The metadata \
+of the file has vehicle, day and session (\"VEHICLE DAY\"); `fuse` uses the session.
 
---dataset DIR files runs by place and day: the tile is the degree of latitude and longitude (its \
-south-western corner, as of elevation data) in which the run has its first position; a run is \
-never cut. `fuse` takes such a folder, or one tile of it, and engines know the layout as Hive's.
+--dataset DIR stores runs by tile and day. The tile is the degree of latitude and longitude of \
+the first position of the run. It is named by its south-western corner, as elevation data are. A \
+run is never split. `fuse` accepts such a folder, or one tile of it. Query engines read the layout \
+as Hive partitions.
 
---kept FILE is the vehicle's memory from one drive to the next, as its ECU would have it: what the model was found to be off by, and how noisy the sensors were, so that the first kilometres are better. Where there is no FILE yet, the drive begins as without. Estimate the drives once each, in the order in which they were driven. A FILE that is damaged, or that another vehicle or an edited V.toml left, is refused: then remove it, or give the vehicle another. Wind, cold tyres and a load that may have changed are allowed for; a drive with less than 5 km leaves FILE as it was.
+--kept FILE is the persistent state of the vehicle, as an ECU would store it between drives. It holds the estimated model errors and sensor noise, so the first kilometres of the next drive are more accurate. If FILE does not exist, the drive starts from the defaults. Estimate each drive once, in the order in which the drives took place. A damaged FILE is refused, and so is a FILE of another vehicle or of an edited V.toml: remove it, or use another FILE. The prior of the next drive allows for changes of wind, tyre temperature and load. A drive shorter than 5 km does not change FILE.
 
-A drive may be of any length: memory does not grow with it. What does, 100 kB for each kilometre, is in a temporary file (in TMPDIR) while it is estimated.")]
+A drive may have any length. Memory use is constant. A temporary file (in TMPDIR) takes 100 kB per kilometre.")]
 pub struct Args {
     /// Vehicle parameters.
     #[arg(long, value_name = "V.toml")]
     vehicle: PathBuf,
-    /// Where the run goes: Parquet if the name ends in .parquet, else CSV.
+    /// File for the run: Parquet if the name ends in .parquet, else CSV.
     #[arg(long, value_name = "RUN", required_unless_present = "dataset")]
     out: Option<PathBuf>,
-    /// A data set that takes the run, as DIR/tile=N47E008/day=DAY/LOG.parquet.
+    /// Data set folder for the run, as DIR/tile=N47E008/day=DAY/LOG.parquet.
     #[arg(long, value_name = "DIR", conflicts_with = "out", requires = "day")]
     dataset: Option<PathBuf>,
-    /// The day of the drive: with the vehicle's name it names the session that a Parquet run
-    /// belongs to.
+    /// Day of the drive. Vehicle name and day together name the session of a Parquet run.
     #[arg(long, value_name = "YYYY-MM-DD", value_parser = data_set::check_day)]
     day: Option<String>,
-    /// What the vehicle's last drive left, and what this one leaves for the next.
+    /// Persistent state of the vehicle: read before the drive, written after it.
     #[arg(long, value_name = "FILE")]
     kept: Option<PathBuf>,
-    /// Compute in double instead of single precision.
+    /// Tuning file with values for the estimator's parameters; docs/tuning.md lists them.
+    #[arg(long, value_name = "FILE.toml")]
+    tuning: Option<PathBuf>,
+    /// Compute in double precision instead of single precision.
     #[arg(long)]
     double: bool,
     /// Print the summary as JSON.
     #[arg(long)]
     json: bool,
-    /// candump log (either layout, also .gz), or signal table (.csv, also .csv.gz).
+    /// candump log (either layout, also .gz) or signal table (.csv, also .csv.gz).
     log: PathBuf,
 }
 
@@ -66,19 +69,20 @@ impl Args {
         };
         let name = data_set::run_name(&self.log);
         let path = data_set::run_path(folder, &mut run.rows, day, &name)?;
-        // The same drive may be estimated again; two trucks may give their logs one name.
+        // The same drive may be estimated again, but logs of two trucks may have the same name.
         if path.exists() && run::session(&path)? != origin.session() {
-            let problem = "has a run of another vehicle; expected none, or this one's: \
-                           give the log another name";
+            let problem = "already holds a run of another vehicle or day; give the log another \
+                           name";
             return Err(Error::content(&path, problem));
         }
         Ok(path)
     }
 }
 
-/// Runs it.
+/// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     let vehicle = VehicleFile::read(&args.vehicle)?;
+    let tuning = tuning::read_or_default(args.tuning.as_deref())?;
     let started = Clock::now();
     let file = args.kept.as_deref();
     let last = match file {
@@ -87,9 +91,9 @@ pub fn run(args: &Args) -> Result<()> {
     };
     let last = last.as_ref();
     let mut run = if args.double {
-        drive::<f64>(&vehicle, last, &args.log)?
+        drive::<f64>(&vehicle, &tuning, last, &args.log)?
     } else {
-        drive::<f32>(&vehicle, last, &args.log)?
+        drive::<f32>(&vehicle, &tuning, last, &args.log)?
     };
     let seconds = started.elapsed().as_secs_f64();
     check(&args.log, &vehicle, &run)?;
@@ -100,7 +104,7 @@ pub fn run(args: &Args) -> Result<()> {
     let out = args.run_path(&mut run, &origin)?;
     conclusion::write(&mut run, Some(&out), &origin, file)?;
 
-    let summary = Summary::new(&mut run)?;
+    let summary = RunSummary::new(&mut run)?;
     if args.json {
         let json = serde_json::to_string(&summary).expect("numbers are JSON");
         print(&format!("{json}\n"))?;
@@ -115,26 +119,27 @@ pub fn run(args: &Args) -> Result<()> {
         );
     }
     eprintln!(
-        "whole-run smoothing held {} kB",
+        "whole-run smoothing used {} kB",
         held_bytes(run.rows.count()) / 1000
     );
     Ok(())
 }
 
-/// Estimates one log, with a progress bar on long ones.
+/// Estimates one log and shows its progress.
 pub(super) fn drive<S: Scalar>(
     vehicle: &VehicleFile,
+    tuning: &Tuning,
     last: Option<&PersistentState>,
     log: &Path,
 ) -> Result<LongRun> {
     let bar = progress::bytes(log.metadata().map_or(0, |file| file.len()));
     let progress = |read| bar.set_position(read);
-    let run = recorder::estimate_log::<S>(&vehicle.model, last, log, progress);
+    let run = recorder::estimate_log::<S>(&vehicle.model, tuning, last, log, progress);
     bar.finish_and_clear();
     run
 }
 
-/// Whether the log held what an estimate needs; if not, what is missing.
+/// Returns an error that names the missing input if the log is not sufficient for an estimate.
 pub(super) fn check(log: &Path, vehicle: &VehicleFile, run: &LongRun) -> Result<()> {
     match recorder::missing(vehicle, run) {
         Some(problem) => Err(Error::content(log, problem)),

@@ -8,31 +8,31 @@ use std::path::PathBuf;
 /// Arguments of `export`.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "GeoJSON (RFC 7946, WGS 84): a line for each stretch of a way without a hole, with its length, \
-    mean grade and mean sigma, and arrays with the values of each of its positions: distances_m, \
+    after_help = "GeoJSON (RFC 7946, WGS 84): one line for each segment of a way without a gap. It has the length, \
+    the mean grade and the mean sigma, and arrays with one value per position: distances_m, \
     grades_percent, grade_sigmas_percent, altitudes_m, runs. With --pieces the lines are short and \
-    carry numbers only: what QGIS and geopandas colour by grade_percent. A sigma of a piece is the \
-    mean of its cells': neighbours err alike.\n\n\
-    CSV: a folder with WAY.csv for each way (WAY.backward.csv against its points), each a map by \
-    itself; what a file name cannot bear in a way's name becomes _.\n\n\
-    Page: one HTML file with the map in plan, coloured by grade and by sigma, and along the ways \
-    grade with two sigmas, sigma, and number of runs.\n\n\
+    have scalar properties only; QGIS and geopandas can colour them by grade_percent. The sigma of \
+    a piece is the mean sigma of its cells, because errors of neighbouring cells are correlated.\n\n\
+    CSV: a folder with WAY.csv for each way (WAY.backward.csv for the direction against its \
+    points). Each file is a map of its own. Characters that a file name cannot have become _.\n\n\
+    Page: one HTML file. It shows the map in plan view, coloured by grade and by sigma, and along \
+    each way the grade with two sigmas, the sigma and the number of runs.\n\n\
     Examples:\n  \
     roadgrade export map.parquet --out map.geojson --pieces 50\n  \
     roadgrade export map.parquet --out map.html\n  \
     roadgrade export map.csv --out ways"
 )]
 pub struct Args {
-    /// A map, as `fuse` wrote it.
+    /// A map that `fuse` wrote.
     #[arg(value_name = "MAP")]
     map: PathBuf,
-    /// Where it goes: NAME.geojson, NAME.html, or a folder for a CSV file a way.
+    /// Output: NAME.geojson, NAME.html, or a folder for one CSV file per way.
     #[arg(long, value_name = "FILE|DIR")]
     out: PathBuf,
-    /// What to write [default: what the name of --out says].
+    /// Output format [default: by the extension of --out].
     #[arg(long, value_enum)]
     format: Option<Format>,
-    /// Lines of this length (GeoJSON), m; 2.5 is a line from each cell to the next.
+    /// Length of the GeoJSON lines, m, at least 2.5 (one line per cell).
     #[arg(long, value_name = "METRES", value_parser = metres)]
     pieces: Option<f64>,
 }
@@ -44,11 +44,11 @@ enum Format {
     Page,
 }
 
-/// Runs it.
+/// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     let format = args.format()?;
     if args.pieces.is_some() && format != Format::Geojson {
-        let problem = "--pieces is for GeoJSON; expected --out NAME.geojson with it";
+        let problem = "--pieces applies to GeoJSON only; expected --out NAME.geojson";
         return Err(Error::Usage(problem.to_owned()));
     }
     let ways = map::read_map_ways(&args.map)?;
@@ -94,7 +94,7 @@ fn metres(argument: &str) -> std::result::Result<f64, String> {
         Ok(metres)
     } else {
         Err(format!(
-            "expected {} m, the length of a cell, or more",
+            "expected at least {} m, the length of a cell",
             map::GRID_M
         ))
     }

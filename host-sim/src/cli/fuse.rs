@@ -9,32 +9,32 @@ use std::path::PathBuf;
 /// Arguments of `fuse`.
 #[derive(Debug, clap::Args)]
 #[command(
-    after_help = "Each run is placed on the road by position and course; the odometer only carries from one \
-    position to the next. Where a run is off the road, crosses it or drives it the other way, it \
-    adds nothing. Smoothed grades and altitudes are then weighted by the inverse of their \
-    variances, every 2.5 m. Cells that no run covers have no row in the map.\n\n\
-    Runs of one vehicle on one day share its errors, so more of them help less and less: name \
-    them with --session, and they count as one estimate whose variance keeps the share that they \
-    have in common. The sessions then make the map, less a smaller share common to all. Both \
-    shares are learned from how far runs disagree; runs that disagree more than their sigmas \
-    allow make the map's sigmas larger.\n\n\
-    A network has many ways, each in one direction of travel: lines of a GeoJSON file with a \
-    property \"way\" (else @id, id, osm_id, or the feature's id), in both directions unless \"oneway\" \
-    says yes (or -1: against its points; roundabouts and motorways are one-way without it). A run \
-    passes from way to way where they share a point or one ends at another; a parallel road or a \
-    bridge above is not entered. The map then has columns way and direction, and distances count \
-    along each way in that direction.\n\n\
-    With --store the sums behind the map are kept in a file, and later runs are added to them \
-    without the earlier ones; its size depends on the road and on the sessions that have names, \
-    not on the number of runs (a line each). It is written now and then on the way: a fusion that \
-    was interrupted goes on from there when it is started again. A run that is in the map \
-    already, whatever its file is called now, is not counted again.\n\n\
-    A folder stands for all runs in it and its folders (.parquet, .csv), as those of \
-    `estimate --dataset`. A damaged file in a folder is named and left out whole, and the exit \
-    status is still 0 (--strict: 1, and no map); a damaged file that is named here is an error. \
-    A RUN.parquet knows its session if `estimate --day` has told it.\n\n\
-    Files are CSV or, if their names end in .parquet, Parquet; SUMS.csv is CSV. Give --road where \
-    runs come in no order: without it the first one decides where cells begin.\n\n\
+    after_help = "Each run is matched to the road by position and course; the odometer bridges the gaps between \
+    positions. Cells off the road, on crossing roads or in the opposite direction are not used. \
+    Smoothed grades and altitudes are then averaged every 2.5 m with inverse-variance weights. \
+    Cells that no run covers have no row in the map.\n\n\
+    Errors of runs of one vehicle on one day are correlated, so each further run adds less \
+    information. Name these runs with --session: they then count as one estimate, whose variance \
+    includes the common part. The map is the mean over sessions, which have a smaller common part \
+    too. Both common parts are estimated from the disagreement of the runs. If runs disagree more \
+    than their sigmas allow, the sigmas of the map increase.\n\n\
+    A network has many ways, each in one direction of travel. They are lines of a GeoJSON file with \
+    a property \"way\" (else @id, id, osm_id, or the id of the feature). A way has both directions \
+    unless \"oneway\" is yes, or -1 (against its points); roundabouts and motorways are one-way by \
+    default. A run can change ways where they share a point, or where one ends at another. It \
+    does not enter a parallel road or a bridge above. The map then has the columns way and \
+    direction. Distances count along each way in that direction.\n\n\
+    --store keeps the sums behind the map in a file, so that later runs can be added without the \
+    earlier ones. The size of the file depends on the road and on the named sessions, and only \
+    by one line per run on the number of runs. The file is updated during the fusion; an \
+    interrupted fusion continues from the last update. A run that is already in the map is not \
+    counted again, even if its file has a new name.\n\n\
+    A folder means all runs in it and in its subfolders (.parquet, .csv), such as those of \
+    `estimate --dataset`. A damaged file in a folder is reported and left out, and the exit status \
+    is still 0 (with --strict it is 1, and there is no map). A damaged file that is named here is \
+    an error. A RUN.parquet has its session if `estimate` ran with --day.\n\n\
+    Files are Parquet if their names end in .parquet, else CSV. SUMS.csv is always CSV. Give --road \
+    if the order of the runs may vary: without it, the first run decides where cells begin.\n\n\
     Examples:\n  \
     roadgrade fuse --out map.csv monday.csv tuesday.csv\n  \
     roadgrade fuse --out map.parquet --road road.csv --store sums.csv runs/tile=N47E008\n  \
@@ -44,41 +44,41 @@ use std::path::PathBuf;
     roadgrade fuse --out map.csv --store sums.csv --session truck7=a4.csv"
 )]
 pub struct Args {
-    /// Where the map goes: distance_m, latitude_deg, longitude_deg, altitude_m, grade_percent,
-    /// grade_sigma_percent, runs; of a network, way and direction come first.
+    /// File for the map. Columns: distance_m, latitude_deg, longitude_deg, altitude_m, grade_percent,
+    /// grade_sigma_percent, runs. For a network, way and direction come first.
     #[arg(long, value_name = "MAP.csv")]
     out: PathBuf,
-    /// The road, as distance_m, latitude_deg, longitude_deg from point to point in the direction
-    /// of travel (a map serves too), or a network: the same with a column way, or a GeoJSON file
-    /// of LineStrings. Without it the road is that of the store, or else the track of the first
-    /// run.
+    /// Road or network. A road has the columns distance_m, latitude_deg and longitude_deg, one row
+    /// per point in the direction of travel; a map is accepted too. A network has a column way in
+    /// addition, or is a GeoJSON file of LineStrings [default: the road of the store, else the
+    /// track of the first run].
     #[arg(long, value_name = "ROAD.csv|NET.geojson")]
     road: Option<PathBuf>,
-    /// Runs of one vehicle in one session, under a name; may be repeated, for other sessions and
-    /// for the same.
+    /// Runs of one vehicle in one named session. Repeat the option for other sessions, or for more
+    /// runs of the same session.
     #[arg(long = "session", value_name = "NAME=RUN.csv,RUN.csv", value_parser = session)]
     sessions: Vec<NamedSession>,
-    /// Sums to start from, if the file exists; written with the new runs in them. Without runs,
-    /// the map of the sums.
+    /// File of the sums: read if it exists, and written with the new runs added. Without runs, the
+    /// map is made of these sums.
     #[arg(long, value_name = "SUMS.csv")]
     store: Option<PathBuf>,
-    /// Where each run goes as it lies on the road, as DIR/road=MAP/*.parquet, MAP being the name
-    /// of the map's file: from these, SQL makes the same map.
+    /// Folder for the runs as placed on the road, DIR/road=MAP/*.parquet, where MAP is the name of
+    /// the map file. SQL computes the same map from these files.
     #[arg(long, value_name = "DIR")]
     placed: Option<PathBuf>,
-    /// A damaged file in a folder is an error.
+    /// Treat a damaged file in a folder as an error.
     #[arg(long)]
     strict: bool,
-    /// Runs to fuse, or folders of them, as `estimate` wrote them, each a session of its own
-    /// unless it tells another.
+    /// Runs to fuse, or folders of runs, as `estimate` wrote them. A run that names no session is a
+    /// session of its own.
     #[arg(required_unless_present_any = ["sessions", "store"], value_name = "RUN")]
     runs: Vec<PathBuf>,
 }
 
-/// Runs it.
+/// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     if args.store.as_ref() == Some(&args.out) {
-        let problem = "--store and --out name the same file; expected two";
+        let problem = "--store and --out name the same file; expected two different files";
         return Err(Error::Usage(problem.to_owned()));
     }
     let fused = fuse_files(&FuseRequest {
@@ -94,7 +94,7 @@ pub fn run(args: &Args) -> Result<()> {
     Ok(())
 }
 
-/// A session from the command line.
+/// Parses NAME=RUN.csv,RUN.csv.
 fn session(argument: &str) -> std::result::Result<NamedSession, String> {
     let expected = "expected NAME=RUN.csv,RUN.csv";
     let (name, runs) = argument.split_once('=').ok_or(expected)?;

@@ -12,21 +12,21 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, clap::Args)]
 pub struct Args {
     #[command(subcommand)]
-    source: Source,
+    source: ImportSource,
 }
 
 #[derive(Debug, Subcommand)]
-enum Source {
-    /// A ZTBus mission: writes mission.csv, vehicle.toml and one signal table for each one-way
-    /// trip.
+enum ImportSource {
+    /// Import a ZTBus mission. Writes mission.csv, vehicle.toml and one signal table for each
+    /// one-way trip.
     Ztbus(ZtbusArgs),
 }
 
 #[derive(Debug, clap::Args)]
 struct ZtbusArgs {
-    /// The mission's CSV file.
+    /// CSV file of the mission.
     file: PathBuf,
-    /// Folder to write to.
+    /// Output folder.
     #[arg(long)]
     out: PathBuf,
     /// Print the passes as JSON.
@@ -34,15 +34,15 @@ struct ZtbusArgs {
     json: bool,
 }
 
-/// Runs it.
+/// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     match &args.source {
-        Source::Ztbus(args) => ztbus(args),
+        ImportSource::Ztbus(args) => ztbus(args),
     }
 }
 
 #[derive(Serialize)]
-struct Summary {
+struct MissionSummary {
     rows: usize,
     duration_s: f64,
     length_m: f64,
@@ -63,7 +63,7 @@ struct PassSummary {
 }
 
 fn ztbus(args: &ZtbusArgs) -> Result<()> {
-    // Read and cut as a whole before the first file is written.
+    // The whole mission is read and split before the first file is written.
     let mission = Mission::read(&args.file)?;
     let passes = mission.passes();
     let summary = summary(&mission, &passes, &args.out);
@@ -90,9 +90,9 @@ fn ztbus(args: &ZtbusArgs) -> Result<()> {
     Ok(())
 }
 
-fn summary(mission: &Mission, passes: &[Pass], out: &Path) -> Summary {
+fn summary(mission: &Mission, passes: &[Pass], out: &Path) -> MissionSummary {
     let rows = mission.rows();
-    Summary {
+    MissionSummary {
         rows: rows.len(),
         duration_s: rows.last().map_or(0.0, |row| row.time_s),
         length_m: mission.odometer_m().last().copied().unwrap_or(0.0),

@@ -14,10 +14,10 @@ use std::path::{Path, PathBuf};
 /// Arguments of `inspect`.
 #[derive(Debug, clap::Args)]
 #[command(
-    long_about = "Show what is on a bus, and what an estimate would miss.\n\n\
-        Lists the messages with their senders and rates, the range of every signal that the \
-        estimator reads, and what an estimate needs of all that: whether it is there, and what \
-        happens without it. Reads the whole log, in constant memory.",
+    long_about = "Show which messages are in a log, and which inputs of an estimate are missing.\n\n\
+        Lists the messages with their source addresses and rates, and the range of every signal that \
+        the estimator reads. For each input of an estimate it reports whether the log has it, and \
+        what its absence costs. Reads the whole log in constant memory.",
     after_long_help = "Examples:\n  \
         roadgrade inspect drive.log\n  \
         roadgrade inspect --all drive.log.gz\n  \
@@ -27,8 +27,8 @@ pub struct Args {
     /// A candump log (`candump -l`, or as candump prints it with `-t a`), or a signal table
     /// (.csv); plain or gzip.
     log: PathBuf,
-    /// List every message and identifier; without it, only the most frequent of those that the
-    /// estimator does not read.
+    /// List every message and identifier. By default, only the most frequent of those that the
+    /// estimator does not read are listed.
     #[arg(long)]
     all: bool,
     /// Print everything as one JSON object.
@@ -36,7 +36,7 @@ pub struct Args {
     json: bool,
 }
 
-/// What `--json` prints.
+/// The JSON output.
 #[derive(Serialize)]
 struct Inspection<'a> {
     log: &'a Path,
@@ -46,7 +46,7 @@ struct Inspection<'a> {
     needs: &'a [Need],
 }
 
-/// Runs it.
+/// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     let bar = progress::bytes(args.log.metadata().map_or(0, |file| file.len()));
     let (kind, census) = census_of(&args.log, |read| bar.set_position(read))?;

@@ -1,12 +1,12 @@
-//! `roadgrade listen`: a live bus becomes a run.
+//! `roadgrade listen`: estimates a run from a live bus.
 
 use super::conclusion;
 use crate::error::{Error, Result};
 use crate::files::output::Staged;
 use crate::files::run::Origin;
 use crate::files::vehicle::VehicleFile;
-use crate::live::{Ended, ListenRequest, Listening};
-use crate::recorder::{self, LongRun, Summary};
+use crate::live::{EndedDrive, ListenRequest, Listening};
+use crate::recorder::{self, LongRun, RunSummary};
 use crate::terminal::print::print;
 use serde_json::json;
 use std::path::{Path, PathBuf};
@@ -15,58 +15,61 @@ use std::time::Duration;
 /// Arguments of `listen`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-On a terminal a panel shows the grade with its sigma, what the estimate is worth now (mode), speed, bias and scale of the vehicle model, frames a second and events. Where output goes elsewhere, one line a second goes to stdout, and the summary of the end to stderr; with --json both are JSON, one object a line.
+On a terminal a panel shows the grade with its sigma, the mode, speed, bias and scale of the vehicle model, frames per second and events. If stdout is not a terminal, one line per second goes to stdout and the final summary to stderr. With --json both are JSON, one object per line.
 
-mode: valid, or what the vehicle model suffers from: shifting, braking, no-traction, crawling, joined by +; waiting before the first speed; silent when no frame has come for two seconds.
+The mode is valid, or the conditions in which the vehicle model does not hold: shifting, braking, no-traction, crawling, joined by +. It is waiting before the first speed, and silent after two seconds without a frame.
 
-Ctrl-C (or SIGTERM) ends the drive: the run is smoothed as a whole and RUN.csv written, as `roadgrade estimate` does. A second Ctrl-C ends at once and writes nothing.
+Ctrl-C (or SIGTERM) ends the drive. The command then smooths the whole run and writes RUN.csv, as `roadgrade estimate` does. A second Ctrl-C ends the program at once and writes nothing.
 
-The kernel is asked only for the messages that an estimate needs, whoever sends them, and stamps them. Frames that it had to drop because they were not read fast enough are counted as lost. An interface that goes down or vanishes is waited for. Setting the computer's clock does no harm.
+The kernel filters and time-stamps the frames. It passes only the messages that an estimate needs, from any source address. Frames that the kernel drops because they are not read fast enough count as lost. If an interface goes down or disappears, the command waits until it is back. Setting the system clock does not affect the estimate.
 
---log FILE writes what was received, in candump's layout and with the times that the estimate used: `roadgrade estimate` of FILE gives the very same cells.
+--log FILE writes the received frames as a candump log, with the time stamps that the estimate used. `roadgrade estimate` of FILE gives the same cells.
 
---log-time goes with `roadgrade replay --log-time`: frames have the time of the log that is replayed, so that the cells are those of the file, to the last digit and at any speed; the drive ends with the log.
+--log-time belongs to `roadgrade replay --log-time`. Frames then have the time stamps of the replayed log. At any replay speed the cells equal those of the file to the last digit. The drive ends with the log.
 
---publish sends the estimate ten times a second, and each finished cell, on the first interface; the layout is estimator-core/dbc/grade.dbc. No address is claimed (J1939-81): give one that is free. With --address 254 the identifiers are those of the file, for tools that know nothing of J1939 addresses.
+--publish sends the estimate ten times per second, and each finished cell, on the first interface. The layout is estimator-core/dbc/grade.dbc. The command does not claim an address (J1939-81), so choose a free one. With --address 254 the identifiers are exactly those of the file, for tools without J1939 addressing.
 
 Try it without a truck:
   ip link add dev vcan0 type vcan && ip link set vcan0 up
   roadgrade simulate --scenario host-sim/scenarios/demo.toml --out sim
   roadgrade replay --can vcan0 sim/a1.log &
   roadgrade listen --can vcan0 --vehicle sim/a1.vehicle.toml --out run.csv
-All of it in a few seconds:
+The same in a few seconds:
   roadgrade replay --can vcan0 --log-time --speed max sim/a1.log &
   roadgrade listen --can vcan0 --log-time --vehicle sim/a1.vehicle.toml --out run.csv")]
 pub struct Args {
-    /// CAN interface; more than once for several buses of one vehicle.
+    /// CAN interface. Repeat the option for several buses of one vehicle.
     #[arg(long = "can", value_name = "INTERFACE", required = true)]
     interfaces: Vec<String>,
     /// Vehicle parameters.
     #[arg(long, value_name = "V.toml")]
     vehicle: PathBuf,
-    /// Where the run goes when the drive ends.
+    /// File for the run, written when the drive ends.
     #[arg(long, value_name = "RUN.csv")]
     out: Option<PathBuf>,
-    /// What the vehicle's last drive left, and what this one leaves for the next.
+    /// Persistent state of the vehicle: read before the drive, written after it.
     #[arg(long, value_name = "FILE")]
     kept: Option<PathBuf>,
-    /// Where the frames received go, as a candump log.
+    /// Tuning file with values for the estimator's parameters; docs/tuning.md lists them.
+    #[arg(long, value_name = "FILE.toml")]
+    tuning: Option<PathBuf>,
+    /// File for the received frames, as a candump log.
     #[arg(long, value_name = "FILE.log")]
     log: Option<PathBuf>,
     /// Send the estimate on the first interface.
     #[arg(long)]
     publish: bool,
-    /// J1939 address to send from.
+    /// J1939 source address of the published frames.
     #[arg(long, value_name = "N", default_value_t = 128, requires = "publish",
           value_parser = clap::value_parser!(u8).range(0..=254))]
     address: u8,
-    /// Frames have the time of the log that `replay --log-time` sends.
+    /// Use the time stamps that `replay --log-time` sends.
     #[arg(long)]
     log_time: bool,
-    /// End the drive when no frame has come for so long.
+    /// End the drive after this time without a frame.
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     end_after_silence: Option<Duration>,
-    /// JSON instead of lines, panel and table.
+    /// Print JSON instead of lines, panel and table.
     #[arg(long)]
     json: bool,
 }
@@ -76,7 +79,7 @@ fn seconds(text: &str) -> std::result::Result<Duration, String> {
     let seconds = text.parse().ok().filter(positive);
     seconds
         .and_then(|seconds| Duration::try_from_secs_f64(seconds).ok())
-        .ok_or_else(|| "expected a number of seconds above 0".to_owned())
+        .ok_or_else(|| "expected a number of seconds greater than 0".to_owned())
 }
 
 impl Args {
@@ -84,7 +87,8 @@ impl Args {
         ListenRequest {
             interfaces: &self.interfaces,
             vehicle_file: &self.vehicle,
-            kept: self.kept.as_deref(),
+            state_file: self.kept.as_deref(),
+            tuning: self.tuning.as_deref(),
             log: self.log.as_deref(),
             address: self.publish.then_some(self.address),
             log_time: self.log_time,
@@ -94,14 +98,14 @@ impl Args {
     }
 }
 
-/// Runs it.
+/// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     check(args)?;
     let vehicle = VehicleFile::read(&args.vehicle)?;
     let mut listening = Listening::begin(args.request(), &vehicle)?;
-    // What fails on the way ends the drive, and is reported when the drive is written.
+    // An error ends the drive. It is reported after the run is written.
     let ended = listening.run();
-    let Ended {
+    let EndedDrive {
         view,
         shown,
         run,
@@ -114,8 +118,8 @@ pub fn run(args: &Args) -> Result<()> {
     }
     let mut run = run?;
     conclude(args, &vehicle, &mut run)?;
-    let summary = Summary::new(&mut run)?;
-    let told = if args.json {
+    let summary = RunSummary::new(&mut run)?;
+    let printed = if args.json {
         let last = json!({ "summary": summary, "interfaces": view.interfaces });
         print(&format!("{last}\n"))
     } else if takes_stdout {
@@ -124,25 +128,25 @@ pub fn run(args: &Args) -> Result<()> {
     } else {
         print(&format!("{}\n", summary.table()))
     };
-    ended.and(shown).and(logged).and(told)
+    ended.and(shown).and(logged).and(printed)
 }
 
-/// Refuses interfaces that make no sense together.
+/// Returns an error for interface options that contradict each other.
 fn check(args: &Args) -> Result<()> {
     let names = &args.interfaces;
     let is_repeated = |(index, name): (usize, &String)| names[..index].contains(name);
     let problem = if names.iter().enumerate().any(is_repeated) {
-        "an interface is named twice; expected each once"
+        "an interface is named twice; name each interface once"
     } else if args.log_time && names.len() > 1 {
-        "--log-time with several interfaces; expected one, which all of the log is replayed to"
+        "--log-time with several interfaces; expected one interface that receives the whole log"
     } else {
         return Ok(());
     };
     Err(Error::Usage(problem.to_owned()))
 }
 
-/// Writes what the drive left. What was driven for hours is not thrown away because something was
-/// missing: that is said.
+/// Writes the files of the drive. If an input was missing, it warns and still writes the run: a
+/// drive of hours is worth keeping.
 fn conclude(args: &Args, vehicle: &VehicleFile, run: &mut LongRun) -> Result<()> {
     if let Some(problem) = recorder::missing(vehicle, run) {
         let bus = args.interfaces.join(", ");

@@ -1,4 +1,4 @@
-//! The command line: one file a subcommand.
+//! The command line: one file per subcommand.
 
 mod conclusion;
 mod demo;
@@ -36,37 +36,37 @@ pub struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Simulate, put on a bus, estimate, fuse, score and report, on a built-in scenario.
+    /// Run the whole chain on a built-in scenario: simulate, estimate, fuse, score and report.
     Demo(demo::Args),
-    /// Drive simulated trucks over a road and write their bus logs and the truth.
+    /// Simulate trucks on a road and write their bus logs and the true grade.
     Simulate(simulate::Args),
     /// Estimate the grade along one recorded drive.
     Estimate(estimate::Args),
-    /// Turn measured data sets into signal tables.
+    /// Convert measured data sets to signal tables.
     Import(import::Args),
-    /// Show what is on a bus, and what an estimate would miss.
+    /// Show which messages are in a log, and which inputs of an estimate are missing.
     Inspect(inspect::Args),
-    /// Put a recorded log on a CAN interface.
+    /// Send a recorded log on a CAN interface.
     Replay(replay::Args),
     /// Estimate the grade live, from CAN interfaces.
     Listen(listen::Args),
     /// Fuse runs over the same road into one map.
     Fuse(fuse::Args),
-    /// Show a map elsewhere: GeoJSON, a CSV file a way, or a page.
+    /// Convert a map to GeoJSON, to one CSV file per way, or to an HTML page.
     Export(export::Args),
     /// Compare runs with the truth.
     Score(score::Args),
-    /// Find what the vehicle model lacks, and add it.
+    /// Find effects that the vehicle model lacks, and add them to the vehicle file.
     Diagnose(diagnose::Args),
-    /// Compute tables and figures from measured data and from the thesis.
+    /// Compute the tables and figures of the thesis, and those of measured data.
     Study(study::Args),
 }
 
 impl Cli {
-    /// Runs the subcommand. Wrong usage ends the program with exit code 2.
+    /// Runs the subcommand. Wrong usage exits with code 2.
     ///
     /// # Errors
-    /// What could not be done, with file, line and what was expected.
+    /// Returns the error of the subcommand. It names the file, the line and what was expected.
     pub fn run(&self) -> Result<()> {
         self.dispatch().map_err(|error| match error {
             Error::Usage(problem) => Self::command()

@@ -1,4 +1,4 @@
-//! `roadgrade replay`: a recorded log on an interface.
+//! `roadgrade replay`: sends a recorded log on an interface.
 
 use crate::error::{Error, Result};
 use crate::live::replay::{Pace, Replay, Sent};
@@ -6,7 +6,7 @@ use crate::live::stop_flag;
 use crate::source::candump::CandumpReader;
 use crate::source::log_kind::{LogKind, kind_of};
 use crate::source::log_time;
-use crate::source::socketcan::{Sender, of_group};
+use crate::source::socketcan::{FrameSender, of_group};
 use crate::terminal::print::print;
 use crate::terminal::progress;
 use crate::terminal::table::text_table;
@@ -14,17 +14,17 @@ use serde_json::json;
 use std::path::PathBuf;
 use std::time::Instant as Monotonic;
 
-/// Frames between two moves of the progress bar.
+/// Frames between two updates of the progress bar.
 const BAR_STEP: u64 = 256;
 
 /// Arguments of `replay`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-Frames go out at the times that the log has, or so many times faster. All frames of the log are sent, whatever interfaces it names.
+Frames are sent at the times of the log, or faster by a factor. All frames of the log are sent, whatever interface it names for them.
 
-While the interface's queue is full (ENOBUFS) replay waits. A virtual interface has no such limit: with --speed max frames come faster than any listener reads them, and what does not fit into the listener's buffer is lost there; `roadgrade listen` counts such frames as lost.
+While the queue of the interface is full (ENOBUFS), replay waits. A virtual interface has no such limit. With --speed max its frames arrive faster than a listener can read them, and frames that do not fit into the buffer of the listener are lost. `roadgrade listen` counts them as lost.
 
---log-time sends the log's own time ahead of each change of it (PGN 65352, eight bytes, of the range for manufacturers), and asks the listener every hundred frames whether it has read them. `roadgrade listen --log-time` answers and takes the log's time for that of the frames: nothing is lost at any speed, and its cells are those that `roadgrade estimate` finds in the file, to the last digit. Replay waits ten seconds for the listener to appear. Without --log-time frames have the kernel's stamps: at speed 1 they differ from the log's by fractions of a millisecond, and so the cells by fractions of their sigma; at another speed an estimate from them is of a vehicle so many times faster, and of no use.
+--log-time sends the log's time stamp whenever it changes (PGN 65352, eight bytes, in the manufacturer range), and asks the listener for an acknowledgement every hundred frames. `roadgrade listen --log-time` acknowledges, and uses the log's time stamps. No frame is lost at any speed, and the cells equal those of `roadgrade estimate` to the last digit. Replay waits ten seconds for a listener. Without --log-time, frames have the kernel's time stamps. At speed 1 these differ from the log's by fractions of a millisecond, and the cells by fractions of their sigma. At any other speed an estimate from them is useless, because the time scale is wrong.
 
 Examples:
   roadgrade replay --can vcan0 drive.log
@@ -34,10 +34,10 @@ pub struct Args {
     /// CAN interface.
     #[arg(long = "can", value_name = "INTERFACE")]
     interface: String,
-    /// Times faster than the log's own time, such as 1, 10 or 0.5; or max.
+    /// Speed relative to the log, such as 1, 10 or 0.5; or max.
     #[arg(long, default_value = "1", value_parser = pace)]
     speed: Pace,
-    /// Send the log's own time along, for `listen --log-time`.
+    /// Send the log's time stamps too, for `listen --log-time`.
     #[arg(long)]
     log_time: bool,
     /// Print the summary as JSON.
@@ -58,10 +58,10 @@ fn pace(text: &str) -> std::result::Result<Pace, String> {
         .ok_or_else(|| "expected a number from 0.001 to 1000000, or max".to_owned())
 }
 
-/// Runs it.
+/// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     if kind_of(&args.log)? == LogKind::SignalTable {
-        let problem = "is a signal table; expected a candump log, frames of a bus";
+        let problem = "is a signal table; expected a candump log";
         return Err(Error::content(&args.log, problem));
     }
     let mut log = CandumpReader::open(&args.log)?;
@@ -70,7 +70,7 @@ pub fn run(args: &Args) -> Result<()> {
     } else {
         Vec::new()
     };
-    let sender = Sender::open(&args.interface, &filters)?;
+    let sender = FrameSender::open(&args.interface, &filters)?;
     let stop = stop_flag()?;
     let bar = progress::bytes(log.file().bytes_total());
     let begun = Monotonic::now();
@@ -109,12 +109,12 @@ fn summary(args: &Args, sent: &Sent, seconds: f64) -> String {
     let row = |name: &str, unit: &str, value: String| vec![name.to_owned(), unit.to_owned(), value];
     let mut rows = vec![
         row("frames sent", "", sent.frames.to_string()),
-        row("of the log", "s", format!("{log_s:.1}")),
+        row("log duration", "s", format!("{log_s:.1}")),
         row("sent in", "s", format!("{seconds:.1}")),
         row("rate", "frames/s", format!("{rate:.0}")),
     ];
     if args.speed != Pace::Max {
-        rows.push(row("late at most", "ms", format!("{latest_ms:.2}")));
+        rows.push(row("maximum delay", "ms", format!("{latest_ms:.2}")));
     }
     format!("{}\n", text_table(&["", "unit", "value"], &rows, 2))
 }

@@ -11,19 +11,19 @@ use crate::terminal::progress;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
-/// The options that name them; each once for all runs, or once for each.
+/// Options that name the companion files: once for all runs, or once for each run.
 #[derive(Debug, clap::Args)]
 struct Options {
-    /// The log that the run was estimated from; needed for the rows beside it. Once for all runs,
-    /// or one for each [default: NAME.log or NAME.log.gz beside NAME.truth.csv].
+    /// Log that the run was estimated from. The comparison rows need it. Give it once for all runs,
+    /// or once for each run [default: NAME.log or NAME.log.gz beside NAME.truth.csv].
     #[arg(long, value_name = "LOG")]
     log: Vec<PathBuf>,
-    /// The vehicle as it was believed, for the thesis's methods; once or one for each run [default:
-    /// NAME.vehicle.toml beside NAME.truth.csv, else vehicle.toml].
+    /// Assumed vehicle parameters, for the thesis's methods. Give it once for all runs, or once for
+    /// each run [default: NAME.vehicle.toml beside NAME.truth.csv, else vehicle.toml].
     #[arg(long, value_name = "V.toml")]
     vehicle: Vec<PathBuf>,
-    /// The true vehicle and noise, for the oracle; once or one for each run [default:
-    /// NAME.oracle.toml beside NAME.truth.csv].
+    /// True vehicle parameters and noise levels, for the oracle. Give it once for all runs, or once
+    /// for each run [default: NAME.oracle.toml beside NAME.truth.csv].
     #[arg(long, value_name = "ORACLE.toml")]
     oracle: Vec<PathBuf>,
 }
@@ -31,49 +31,49 @@ struct Options {
 /// Arguments of `score`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-Cells are compared with the truth at their time, both counted from the log's first frame. The first \
-and last 500 m of each run are left out. In each row: RMSE over all cells and over valid cells \
-(neither a gear shift nor braking), bias (estimate minus truth), the mean normalised squared error \
-(NEES, near 1 if the sigmas are honest), and the RMSE over the oracle's. Last the means over runs.
+Each cell is compared with the truth at the same time. Both times count from the first frame of \
+the log. The first and last 500 m of each run are not scored. Each row has the RMSE over all cells \
+and over valid cells (neither a gear shift nor braking), the bias (estimate minus truth), the mean \
+normalised squared error (NEES, near 1 if the sigmas are consistent), and the ratio of the RMSE to \
+the oracle's. The last rows are means over the runs.
 
 Rows of each run:
-  smoothed, lagged, live  what RUN.csv holds
+  smoothed, lagged, live  the estimates in RUN.csv
   original                the thesis's filter (section 3), smoothed
   modified                the thesis's filter after its corrections of mass and bias (section 8)
-  oracle, oracle_lagged,  our filter, told the true vehicle and how large every noise is (not what \
-it came
-  oracle_live             to): what better knowledge could gain. The lagged and the live grade are \
-set
-                          against its lagged and live, all else against its smoothed.
+  oracle, oracle_lagged,  this filter with the true vehicle parameters and noise levels: the best
+  oracle_live             that better parameters and tuning could reach. The lagged and the live
+                          grade are compared with its lagged and live grade, all others with its
+                          smoothed grade.
 
-The last five need the log; the thesis's methods also the vehicle file, the oracle an oracle file. \
-`simulate` writes all of them beside the truth, where they are found; what is not there is left \
-out. Keys of an oracle file: docs/formats.md, or any that `simulate` writes.
+The last five need the log. The thesis's methods also need the vehicle file, and the oracle needs an \
+oracle file. `simulate` writes these files beside the truth, and `score` finds them there. Rows \
+whose files are missing are left out. docs/formats.md lists the keys of an oracle file.
 
 Examples:
   roadgrade score --truth sim/a1.truth.csv --truth sim/a2.truth.csv a1.csv a2.csv
   roadgrade score --truth a.csv --log a.log --vehicle a.toml --oracle true.toml run.csv")]
 pub struct Args {
-    /// The truth of the drive; once for all runs, or repeated, one for each run in their order.
+    /// True grade of the drive. Give it once for all runs, or once for each run in their order.
     #[arg(long, required = true, value_name = "TRUTH.csv")]
     truth: Vec<PathBuf>,
     #[command(flatten)]
     companions: Options,
-    /// Where the table goes as CSV [default: score.csv beside the first run].
+    /// CSV file for the table [default: score.csv beside the first run].
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Print JSON instead of a table.
     #[arg(long)]
     json: bool,
-    /// Runs to judge, as `estimate` wrote them.
+    /// Runs to score, as `estimate` wrote them.
     #[arg(required = true, value_name = "RUN.csv")]
     runs: Vec<PathBuf>,
 }
 
-/// Runs it.
+/// Runs the command.
 ///
 /// # Errors
-/// A file that cannot be read or used; a run without a cell to compare.
+/// Returns an error if a file cannot be read or used, or a run has no cell to compare.
 pub fn run(args: &Args) -> Result<()> {
     check_counts(args)?;
     let truths = args
@@ -98,9 +98,9 @@ pub fn run(args: &Args) -> Result<()> {
         })
         .collect();
     bar.finish_and_clear();
-    // The first run that fails is told, whichever was done first.
+    // The error of the first run in order is reported, so that threads do not decide which.
     let judged = judged.into_iter().collect::<Result<Vec<_>>>()?;
-    tell(&args.runs, &judged);
+    print_notes(&args.runs, &judged);
     let mut rows: Vec<ScoreRow> = judged.into_iter().flat_map(|judged| judged.rows).collect();
     if args.runs.len() > 1 {
         rows.extend(mean(&rows));
@@ -119,7 +119,7 @@ pub fn run(args: &Args) -> Result<()> {
     Ok(())
 }
 
-/// Refuses wrong usage: each kind of file is named once for all runs or once for each.
+/// Returns a usage error unless each kind of file is named once for all runs or once for each.
 fn check_counts(args: &Args) -> Result<()> {
     let runs = args.runs.len();
     let options = &args.companions;
@@ -131,8 +131,8 @@ fn check_counts(args: &Args) -> Result<()> {
     ] {
         if count > 1 && count != runs {
             let problem = format!(
-                "{count} times --{option} for {runs} runs; expected one for all, or one for each \
-                 run"
+                "{count} times --{option} for {runs} runs; expected one for all runs, or one \
+                 for each run"
             );
             return Err(Error::Usage(problem));
         }
@@ -140,18 +140,18 @@ fn check_counts(args: &Args) -> Result<()> {
     Ok(())
 }
 
-/// Says on stderr what has to be said, once for all runs of which it is true.
-fn tell(runs: &[PathBuf], judged: &[Judged]) {
-    let mut told: Vec<(&str, Vec<&Path>)> = Vec::new();
+/// Prints each note on stderr, once for all the runs that have it.
+fn print_notes(runs: &[PathBuf], judged: &[Judged]) {
+    let mut notes: Vec<(&str, Vec<&Path>)> = Vec::new();
     for (run, judged) in runs.iter().zip(judged) {
         for note in &judged.notes {
-            match told.iter_mut().find(|(known, _)| known == note) {
+            match notes.iter_mut().find(|(known, _)| known == note) {
                 Some((_, of)) => of.push(run),
-                None => told.push((note, vec![run])),
+                None => notes.push((note, vec![run])),
             }
         }
     }
-    for (note, of) in told {
+    for (note, of) in notes {
         match of.as_slice() {
             [run] => eprintln!("{}: {note}", run.display()),
             of => eprintln!("{} and {} more: {note}", of[0].display(), of.len() - 1),

@@ -8,20 +8,20 @@ use std::path::PathBuf;
 /// Arguments of `simulate`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// What to simulate (TOML); see `host-sim/scenarios` for examples.
+    /// Scenario file (TOML). Examples are in `host-sim/scenarios`.
     #[arg(long, value_name = "FILE")]
     scenario: PathBuf,
-    /// Where NAME.log, NAME.truth.csv, NAME.vehicle.toml (what is believed of the vehicle) and
-    /// NAME.oracle.toml (what is true of it, and of the noise; for `score`) of each run go, the
-    /// road.csv, and vehicle.toml if all runs share one vehicle.
+    /// Output folder. Each run gets NAME.log, NAME.truth.csv, NAME.vehicle.toml (assumed
+    /// parameters) and NAME.oracle.toml (true parameters and noise, for `score`). The folder also
+    /// gets road.csv, and vehicle.toml if all runs share one vehicle.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
 }
 
-/// Runs it.
+/// Runs the command.
 ///
 /// # Errors
-/// A scenario that cannot be, or what the file system says.
+/// Returns an error of the scenario or of the file system.
 pub fn run(args: &Args) -> Result<()> {
     write_runs(&Scenario::read(&args.scenario)?, &args.out)
 }

@@ -2,13 +2,13 @@
 
 use crate::error::{Error, Result};
 use crate::report::page::{Page, Section};
-use crate::study::{Outcome, STUDIES, Setting, Study};
+use crate::study::{STUDIES, Setting, Study, StudyOutcome};
 use crate::terminal::print::print;
 use crate::terminal::table::text_table;
 use clap::builder::PossibleValuesParser;
 use std::path::PathBuf;
 
-/// The name that stands for all studies.
+/// Name that selects all studies.
 const ALL: &str = "all";
 
 fn names() -> PossibleValuesParser {
@@ -24,21 +24,21 @@ fn names() -> PossibleValuesParser {
 /// Arguments of `study`.
 #[derive(Debug, clap::Args)]
 pub struct Args {
-    /// Which one.
+    /// Name of the study.
     #[arg(value_parser = names())]
     name: String,
-    /// Where the tables (CSV), the figures (SVG, and CSV of what is drawn) and report.html go.
+    /// Folder for the tables (CSV), the figures (SVG, and CSV of their data) and report.html.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Where the measured data lie: ztbus/*.csv and srtm/*.hgt.
+    /// Folder with the measured data: ztbus/*.csv and srtm/*.hgt.
     #[arg(long, value_name = "DIR", default_value = "../shared/data")]
     data: PathBuf,
-    /// Every random number follows from it.
+    /// Seed of all random numbers.
     #[arg(long, default_value_t = 2011)]
     seed: u64,
 }
 
-/// Runs it.
+/// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     let setting = Setting {
         data: args.data.clone(),
@@ -49,19 +49,19 @@ pub fn run(args: &Args) -> Result<()> {
     for study in STUDIES.iter().filter(wanted) {
         eprintln!("{}: {}", study.name, study.about);
         match (study.run)(&setting)? {
-            Outcome::Done(section) => {
+            StudyOutcome::Done(section) => {
                 print_tables(&section)?;
                 sections.push(section);
             }
-            Outcome::Skipped(why) if args.name == ALL => eprintln!("skipped: {why}"),
-            Outcome::Skipped(why) => return Err(Error::content(&args.data, why)),
+            StudyOutcome::Skipped(why) if args.name == ALL => eprintln!("skipped: {why}"),
+            StudyOutcome::Skipped(why) => return Err(Error::content(&args.data, why)),
         }
     }
     let page = Page {
         title: "The thesis's tables and figures, computed".to_owned(),
         lead: "P. Ståhl, \"Performance analysis of a grade estimation method by means of \
-               simulation\" (Stockholm 2011), and measured data. Numbers of the thesis stand \
-               beside ours."
+               simulation\" (Stockholm 2011), and measured data. The tables list the \
+               thesis's numbers beside ours."
             .to_owned(),
         sections,
     };

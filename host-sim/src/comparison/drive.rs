@@ -15,7 +15,7 @@ const LONGEST_GNSS_GAP_M: f64 = 100.0;
 
 /// What was measured at one point of the way.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Point {
+pub struct MeasuredPoint {
     /// Driven distance, m.
     pub distance_m: f64,
     /// Wheel speed, m/s.
@@ -34,8 +34,8 @@ pub struct Point {
     pub braking: bool,
 }
 
-impl Point {
-    /// Whether the vehicle model holds here.
+impl MeasuredPoint {
+    /// Returns whether the vehicle model holds here.
     #[must_use]
     pub const fn is_valid(&self) -> bool {
         !(self.shifting || self.braking)
@@ -44,7 +44,7 @@ impl Point {
 
 /// One drive in the distance domain, with the parameters that are believed.
 #[derive(Clone, Debug)]
-pub struct Drive {
+pub struct MeasuredDrive {
     /// Believed mass, kg.
     pub mass_kg: f64,
     /// Believed drag area, m².
@@ -52,7 +52,7 @@ pub struct Drive {
     /// Believed rolling resistance coefficient.
     pub rolling_resistance: f64,
     /// The points, one each [`STEP_M`].
-    pub points: Vec<Point>,
+    pub points: Vec<MeasuredPoint>,
 }
 
 /// Grade and its standard deviation, point by point, %.
@@ -73,7 +73,7 @@ pub(super) fn percent_of_sine(sine: f64) -> f64 {
     100.0 * sine / (1.0 - sine * sine).sqrt()
 }
 
-impl Drive {
+impl MeasuredDrive {
     /// From the samples of one run, which must have no gap between them. GNSS altitude is
     /// interpolated over the way between fixes.
     ///
@@ -101,7 +101,7 @@ impl Drive {
                     ..
                 } = sample.forces;
                 let condition = sample.end.condition;
-                Point {
+                MeasuredPoint {
                     distance_m,
                     speed_mps: sample.end.speed_mps.into(),
                     traction_n: traction_n.into(),
@@ -126,13 +126,13 @@ impl Drive {
     }
 }
 
-/// The samples of a run cut where cells are missing: each part is a drive of its own, as the thesis
-/// knows no gaps.
+/// Returns the samples of a run cut where cells are missing: each part is a drive of its own, as
+/// the thesis knows no gaps.
 pub fn without_gaps(samples: &[Sample]) -> impl Iterator<Item = &[Sample]> {
     samples.chunk_by(|_, next| next.gap_cells == 0)
 }
 
-/// The mean over `length_m` about each value of a series with one value each [`STEP_M`].
+/// Returns the mean over `length_m` about each value of a series with one value each [`STEP_M`].
 #[must_use]
 pub fn moving_mean(values: &[f64], length_m: f64) -> Vec<f64> {
     let half = (0.5 * length_m / STEP_M).round() as usize;

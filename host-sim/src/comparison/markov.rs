@@ -32,20 +32,20 @@ pub struct Chain {
     counts: Vec<[u32; STATES]>,
 }
 
-/// The state nearest to an error in m; errors beyond the last state are put into it.
+/// Returns the state nearest to an error in m; errors beyond the last state are put into it.
 #[must_use]
 pub fn state_of(error_m: f64) -> usize {
     let state = (error_m / BIN_M).round() + CENTRE as f64;
     state.clamp(0.0, (STATES - 1) as f64) as usize
 }
 
-/// The error that a state stands for, m.
+/// Returns the error that a state stands for, m.
 #[must_use]
 pub fn error_of(state: usize) -> f64 {
     (state as f64 - CENTRE as f64) * BIN_M
 }
 
-/// A series less its mean.
+/// Returns a series less its mean.
 #[must_use]
 pub fn centred(errors_m: &[f64]) -> Vec<f64> {
     let mean = errors_m.iter().sum::<f64>() / errors_m.len().max(1) as f64;
@@ -78,7 +78,7 @@ impl Chain {
         Self { counts }
     }
 
-    /// The chain trained on the measured bus.
+    /// Creates the chain trained on the measured bus.
     ///
     /// # Panics
     /// Never: a test reads the file that is built in.
@@ -87,7 +87,7 @@ impl Chain {
         Self::parse(Path::new("gps_chain.csv"), MEASURED).expect("the built-in file is sound")
     }
 
-    /// How often state `from` was left.
+    /// Returns how often state `from` was left.
     #[must_use]
     pub fn visits(&self, from: usize) -> u32 {
         self.counts[from].iter().sum()
@@ -179,7 +179,7 @@ fn towards_centre(state: usize) -> usize {
     }
 }
 
-/// An index drawn with these weights, which add up to `total`; `None` if that is nothing.
+/// Returns an index drawn with these weights, which add up to `total`; `None` if that is nothing.
 fn drawn(weights: &[u32], total: u32, rng: &mut impl Rng) -> Option<usize> {
     if total == 0 {
         return None;

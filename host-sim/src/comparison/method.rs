@@ -1,19 +1,19 @@
 //! The thesis's two methods, by name.
 
-use super::drive::{Drive, Profile};
+use super::drive::{MeasuredDrive, Profile};
 use super::modified;
-use super::original::{self, Noise};
+use super::original::{self, NoiseSigmas};
 
 /// A grade estimation method of the thesis, with the noise chosen for it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Method {
+pub enum ComparisonMethod {
     /// Section 3.
     Original,
     /// Section 8.1.
     Modified,
 }
 
-impl Method {
+impl ComparisonMethod {
     /// In the order in which they are compared.
     pub const BOTH: [Self; 2] = [Self::Original, Self::Modified];
 
@@ -26,11 +26,11 @@ impl Method {
         }
     }
 
-    /// The smoothed grade of a drive.
+    /// Returns the smoothed grade of a drive.
     #[must_use]
-    pub fn estimate(self, drive: &Drive) -> Profile {
+    pub fn estimate(self, drive: &MeasuredDrive) -> Profile {
         match self {
-            Self::Original => original::estimate(drive, &Noise::ORIGINAL),
+            Self::Original => original::estimate(drive, &NoiseSigmas::ORIGINAL),
             Self::Modified => modified::estimate(drive).profile,
         }
     }

@@ -16,5 +16,5 @@ pub mod original;
 pub mod pointwise;
 
 pub(crate) use drive::G;
-pub use drive::{Drive, Point, Profile, STEP_M, moving_mean, without_gaps};
-pub use method::Method;
+pub use drive::{MeasuredDrive, MeasuredPoint, Profile, STEP_M, moving_mean, without_gaps};
+pub use method::ComparisonMethod;

@@ -1,10 +1,10 @@
 //! The modified method: mass and bias found against a GPS-heavy estimate, corrected, and the
 //! grade estimated again with less weight on GPS (thesis section 8.1).
 
-use super::drive::{Drive, G, Profile, STEP_M};
-use super::original::{self, Noise};
+use super::drive::{G, MeasuredDrive, Profile, STEP_M};
+use super::original::{self, NoiseSigmas};
 use super::pointwise;
-use crate::numeric::robust_line::{Line, fit};
+use crate::numeric::robust_line::{RobustLine, fit};
 
 /// Length over which errors are averaged before a line is fitted, m.
 pub const SEGMENT_M: f64 = 3_000.0;
@@ -15,22 +15,22 @@ pub struct Modified {
     /// The second estimate.
     pub profile: Profile,
     /// Model error against GPS-heavy grade; `None` with too few segments.
-    pub mass_line: Option<Line>,
+    pub mass_line: Option<RobustLine>,
     /// Whether the slope passed the 2-sigma rule and the mass was corrected by 1 + slope.
     pub mass_corrected: bool,
     /// Model error in % against distance in m, after the mass correction.
-    pub bias_line: Option<Line>,
+    pub bias_line: Option<RobustLine>,
 }
 
 /// Runs the whole procedure.
 #[must_use]
-pub fn estimate(drive: &Drive) -> Modified {
-    estimate_with(drive, &Noise::GPS_HEAVY, &Noise::GPS_LIGHT)
+pub fn estimate(drive: &MeasuredDrive) -> Modified {
+    estimate_with(drive, &NoiseSigmas::GPS_HEAVY, &NoiseSigmas::GPS_LIGHT)
 }
 
 /// Runs it with other noise in the first and in the second estimate.
 #[must_use]
-pub fn estimate_with(drive: &Drive, first: &Noise, second: &Noise) -> Modified {
+pub fn estimate_with(drive: &MeasuredDrive, first: &NoiseSigmas, second: &NoiseSigmas) -> Modified {
     let gps_heavy = original::estimate(drive, first).grade_percent;
     let mut corrected = drive.clone();
 
@@ -65,7 +65,7 @@ pub fn estimate_with(drive: &Drive, first: &Noise, second: &Noise) -> Modified {
 
 /// Means over a segment.
 #[derive(Clone, Copy, Debug)]
-struct Segment {
+struct GradeSegment {
     /// Way from the start of the drive to its middle, m.
     distance: f64,
     /// GPS-heavy grade, %.
@@ -77,7 +77,7 @@ struct Segment {
 /// Means over the points where the vehicle model holds. The thesis does not say that it leaves the
 /// others out; but a vehicle held by its brakes for a tenth of a segment reads several tenths of
 /// a percent too high there, always downhill, and would turn the line.
-fn segments(drive: &Drive, pointwise: &[f64], gps_heavy: &[f64]) -> Vec<Segment> {
+fn segments(drive: &MeasuredDrive, pointwise: &[f64], gps_heavy: &[f64]) -> Vec<GradeSegment> {
     let length = (SEGMENT_M / STEP_M) as usize;
     let segments = drive.points.len() / length;
     (0..segments)
@@ -89,7 +89,7 @@ fn segments(drive: &Drive, pointwise: &[f64], gps_heavy: &[f64]) -> Vec<Segment>
             }
             let mean =
                 |values: &[f64]| valid.iter().map(|&k| values[k]).sum::<f64>() / valid.len() as f64;
-            Some(Segment {
+            Some(GradeSegment {
                 distance: (segment as f64 + 0.5) * SEGMENT_M,
                 grade: mean(gps_heavy),
                 error: mean(pointwise) - mean(gps_heavy),

@@ -1,12 +1,12 @@
 //! The original method: a three-state extended Kalman filter in the distance domain, its noise
 //! switched, smoothed backwards (thesis section 3; equations as reconstructed from its model).
 
-use super::drive::{Drive, G, Point, Profile, STEP_M, percent_of_sine};
+use super::drive::{G, MeasuredDrive, MeasuredPoint, Profile, STEP_M, percent_of_sine};
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
 /// Elements of Q and R, as standard deviations.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Noise {
+pub struct NoiseSigmas {
     /// Wheel speed, m/s.
     pub speed_mps: f64,
     /// GNSS altitude, m.
@@ -21,7 +21,7 @@ pub struct Noise {
     pub grade_percent: f64,
 }
 
-impl Noise {
+impl NoiseSigmas {
     /// The original method: "vehicle data is treated as a signal with large amounts of white
     /// noise, thus giving more weight to GPS" (section 7.1). How the numbers of all three were
     /// chosen: `study::experiments::tuning`.
@@ -47,7 +47,7 @@ impl Noise {
     };
 }
 
-struct Step {
+struct FilterStep {
     predicted: Vector3<f64>,
     predicted_p: Matrix3<f64>,
     filtered: Vector3<f64>,
@@ -55,17 +55,17 @@ struct Step {
     transition: Matrix3<f64>,
 }
 
-/// The smoothed grade of a drive.
+/// Returns the smoothed grade of a drive.
 #[must_use]
-pub fn estimate(drive: &Drive, noise: &Noise) -> Profile {
+pub fn estimate(drive: &MeasuredDrive, noise: &NoiseSigmas) -> Profile {
     smooth(&filter(drive, noise))
 }
 
-/// The grade as known at each point from what came before it.
+/// Returns the grade as known at each point from what came before it.
 #[must_use]
-pub fn filtered(drive: &Drive, noise: &Noise) -> Profile {
+pub fn filtered(drive: &MeasuredDrive, noise: &NoiseSigmas) -> Profile {
     let steps = filter(drive, noise);
-    let each = |f: fn(&Step) -> f64| steps.iter().map(f).collect();
+    let each = |f: fn(&FilterStep) -> f64| steps.iter().map(f).collect();
     Profile {
         grade_percent: each(|step| percent_of_sine(step.filtered[2])),
         sigma_percent: each(|step| sigma_percent(&step.filtered_p)),
@@ -73,7 +73,7 @@ pub fn filtered(drive: &Drive, noise: &Noise) -> Profile {
 }
 
 /// Speed, altitude and grade (as sine) along a drive.
-fn filter(drive: &Drive, noise: &Noise) -> Vec<Step> {
+fn filter(drive: &MeasuredDrive, noise: &NoiseSigmas) -> Vec<FilterStep> {
     let Some(first) = drive.points.first() else {
         return Vec::new();
     };
@@ -81,7 +81,7 @@ fn filter(drive: &Drive, noise: &Noise) -> Vec<Step> {
     let mut x = Vector3::new(first.speed_mps, altitude.unwrap_or(0.0), 0.0);
     let mut p = Matrix3::from_diagonal(&Vector3::new(1.0, 100.0, 1e-3));
     let mut steps = Vec::with_capacity(drive.points.len());
-    let mut before: Option<&Point> = None;
+    let mut before: Option<&MeasuredPoint> = None;
     for point in &drive.points {
         let mut transition = Matrix3::identity();
         if let Some(before) = before {
@@ -93,7 +93,7 @@ fn filter(drive: &Drive, noise: &Noise) -> Vec<Step> {
         if let Some(altitude_m) = point.altitude_m {
             fuse(&mut x, &mut p, 1, altitude_m, noise.altitude_m);
         }
-        steps.push(Step {
+        steps.push(FilterStep {
             predicted,
             predicted_p,
             filtered: x,
@@ -105,8 +105,12 @@ fn filter(drive: &Drive, noise: &Noise) -> Vec<Step> {
     steps
 }
 
-/// One step of eq. 9 in v, its Jacobian beside it.
-fn predict(drive: &Drive, point: &Point, x: &Vector3<f64>) -> (Vector3<f64>, Matrix3<f64>) {
+/// Returns one step of eq. 9 in v, its Jacobian beside it.
+fn predict(
+    drive: &MeasuredDrive,
+    point: &MeasuredPoint,
+    x: &Vector3<f64>,
+) -> (Vector3<f64>, Matrix3<f64>) {
     // Below walking pace the distance domain has no answer; the thesis has no such data.
     let v = x[0].max(1.0);
     let mass = drive.mass_kg + point.rotating_kg;
@@ -125,7 +129,12 @@ fn predict(drive: &Drive, point: &Point, x: &Vector3<f64>) -> (Vector3<f64>, Mat
     (moved, jacobian)
 }
 
-fn process_noise(drive: &Drive, point: &Point, x: &Vector3<f64>, noise: &Noise) -> Matrix3<f64> {
+fn process_noise(
+    drive: &MeasuredDrive,
+    point: &MeasuredPoint,
+    x: &Vector3<f64>,
+    noise: &NoiseSigmas,
+) -> Matrix3<f64> {
     let percent = if point.is_valid() {
         noise.model_percent
     } else {
@@ -149,7 +158,7 @@ fn fuse(x: &mut Vector3<f64>, p: &mut Matrix3<f64>, state: usize, value: f64, si
 }
 
 /// Rauch, Tung and Striebel.
-fn smooth(steps: &[Step]) -> Profile {
+fn smooth(steps: &[FilterStep]) -> Profile {
     let n = steps.len();
     let mut profile = Profile {
         grade_percent: vec![0.0; n],

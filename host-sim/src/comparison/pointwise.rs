@@ -1,12 +1,12 @@
 //! Grade from the vehicle model alone, point by point (thesis section 4.2).
 
-use super::drive::{Drive, G, Point, STEP_M, moving_mean, percent_of_sine};
+use super::drive::{G, MeasuredDrive, MeasuredPoint, STEP_M, moving_mean, percent_of_sine};
 
 /// Eq. 9 solved for the grade in %, with a forward difference for the acceleration.
 ///
 /// The last point repeats the one before it.
 #[must_use]
-pub fn grade_percent(drive: &Drive) -> Vec<f64> {
+pub fn grade_percent(drive: &MeasuredDrive) -> Vec<f64> {
     let mut grade: Vec<f64> = drive
         .points
         .windows(2)
@@ -25,7 +25,7 @@ pub fn grade_percent(drive: &Drive) -> Vec<f64> {
 
 /// Eq. 9 solved for the grade in % at a point with a known acceleration in m/s².
 #[must_use]
-pub fn at(drive: &Drive, point: &Point, acceleration: f64) -> f64 {
+pub fn at(drive: &MeasuredDrive, point: &MeasuredPoint, acceleration: f64) -> f64 {
     let air_n = 0.5 * drive.drag_area_m2 * point.air_density * point.speed_mps.powi(2);
     let inertia_n = (drive.mass_kg + point.rotating_kg) * acceleration;
     let sine =
@@ -33,9 +33,10 @@ pub fn at(drive: &Drive, point: &Point, acceleration: f64) -> f64 {
     percent_of_sine(sine)
 }
 
-/// A drive whose speed went through a low-pass filter: the mean over `length_m` about each point.
+/// Returns a drive whose speed went through a low-pass filter: the mean over `length_m` about each
+/// point.
 #[must_use]
-pub fn with_smooth_speed(drive: &Drive, length_m: f64) -> Drive {
+pub fn with_smooth_speed(drive: &MeasuredDrive, length_m: f64) -> MeasuredDrive {
     let speeds: Vec<f64> = drive.points.iter().map(|point| point.speed_mps).collect();
     let mut smooth = drive.clone();
     let means = moving_mean(&speeds, length_m);

@@ -3,7 +3,7 @@
 
 use super::dependence::{BASIS_UNIT, BINS, BasisFunction, Covariate, Variable};
 use super::drive::{LoggedDrive, RoadPlace};
-use super::evidence::Column;
+use super::evidence::ForceColumn;
 use estimator_core::VehicleParameters;
 use estimator_core::effect::{CATALOGUE, Effect, ParameterValues, Varies, search_of};
 use estimator_core::vehicle::GRAVITY;
@@ -36,7 +36,7 @@ pub enum Detail {
     /// Amounts towards north and east; the detail with this key is the direction.
     Direction(&'static str),
     /// A stretch of the common road, m.
-    Stretch(f64, f64),
+    RoadSection(f64, f64),
     /// Period of a cycle, s.
     Period(f64),
 }
@@ -59,12 +59,12 @@ pub struct Candidate {
 pub struct Menu {
     /// What is tried.
     pub candidates: Vec<Candidate>,
-    columns: Vec<Kind>,
+    columns: Vec<ColumnKind>,
 }
 
 /// What a column is the force of.
 #[derive(Clone, Copy, Debug)]
-enum Kind {
+enum ColumnKind {
     Effect(&'static Effect, ParameterValues),
     /// On one drive only.
     OnDrive(&'static Effect, ParameterValues, usize),
@@ -106,7 +106,7 @@ impl Menu {
                     }]
                 }
                 Varies::RoadSection { .. } => match road_m {
-                    Some(road_m) => menu.stretches(road_m, None),
+                    Some(road_m) => menu.road_sections(road_m, None),
                     None => continue,
                 },
             };
@@ -131,8 +131,8 @@ impl Menu {
             });
         };
         if let Some(road_m) = road_m {
-            let mut choices = self.stretches(road_m, Some(true));
-            choices.extend(self.stretches(road_m, Some(false)));
+            let mut choices = self.road_sections(road_m, Some(true));
+            choices.extend(self.road_sections(road_m, Some(false)));
             plain(self, "place and direction", f64::from(BASIS_UNIT), choices);
         }
         let (mut period_s, longest_s, step) = PERIODS_S;
@@ -167,7 +167,7 @@ impl Menu {
     fn basis(&mut self, bases: &[BasisFunction], detail: Detail) -> Choice {
         let first = self.columns.len();
         self.columns
-            .extend(bases.iter().map(|&basis| Kind::Basis(basis)));
+            .extend(bases.iter().map(|&basis| ColumnKind::Basis(basis)));
         Choice {
             amounts: (first..self.columns.len())
                 .map(|column| vec![column])
@@ -182,7 +182,7 @@ impl Menu {
             let given = given.get(i).copied().flatten();
             details[i] = given.or(detail.default.get()).into();
         }
-        self.columns.push(Kind::Effect(effect, details));
+        self.columns.push(ColumnKind::Effect(effect, details));
         self.columns.len() - 1
     }
 
@@ -193,7 +193,7 @@ impl Menu {
         }
     }
 
-    /// An amount for each drive: how long the tyres had cooled before it is unknown.
+    /// Returns an amount for each drive: how long the tyres had cooled before it is unknown.
     fn on_each(
         &mut self,
         effect: &'static Effect,
@@ -201,14 +201,15 @@ impl Menu {
         drives: &[usize],
     ) -> Choice {
         let common = self.column(effect, &[Some(value)]);
-        let Kind::Effect(effect, details) = self.columns[common] else {
+        let ColumnKind::Effect(effect, details) = self.columns[common] else {
             unreachable!("it was just made");
         };
         self.columns.pop();
         let amounts = drives
             .iter()
             .map(|&drive| {
-                self.columns.push(Kind::OnDrive(effect, details, drive));
+                self.columns
+                    .push(ColumnKind::OnDrive(effect, details, drive));
                 vec![self.columns.len() - 1]
             })
             .collect();
@@ -218,19 +219,19 @@ impl Menu {
         }
     }
 
-    fn stretches(&mut self, road_m: f64, forward: Option<bool>) -> Vec<Choice> {
+    fn road_sections(&mut self, road_m: f64, forward: Option<bool>) -> Vec<Choice> {
         let pieces = ((road_m / PIECE_M).ceil() as usize).clamp(1, MOST_PIECES);
         let piece_m = road_m / pieces as f64;
         let first = self.columns.len();
         self.columns
-            .extend((0..pieces).map(|piece| Kind::Piece(piece, piece_m, forward)));
+            .extend((0..pieces).map(|piece| ColumnKind::Piece(piece, piece_m, forward)));
         let longest = (LONGEST_STRETCH * pieces as f64) as usize;
         let mut choices = Vec::new();
         for length in 1..=longest {
             for from in 0..=pieces - length {
                 choices.push(Choice {
                     amounts: vec![(first + from..first + from + length).collect()],
-                    detail: Detail::Stretch(
+                    detail: Detail::RoadSection(
                         from as f64 * piece_m,
                         (from + length) as f64 * piece_m,
                     ),
@@ -240,7 +241,7 @@ impl Menu {
         choices
     }
 
-    /// The forces of every column on a drive, N.
+    /// Returns the forces of every column on a drive, N.
     #[must_use]
     pub fn columns(
         &self,
@@ -248,17 +249,21 @@ impl Menu {
         number: usize,
         drive: &LoggedDrive,
         places: Option<&[Option<RoadPlace>]>,
-    ) -> Vec<Column> {
+    ) -> Vec<ForceColumn> {
         self.columns
             .iter()
             .map(|kind| match kind {
-                Kind::OnDrive(_, _, other) if *other != number => vec![0.0; drive.samples.len()],
-                Kind::Effect(effect, details) | Kind::OnDrive(effect, details, _) => drive
-                    .samples
-                    .iter()
-                    .map(|sample| effect.derivative_n(vehicle, sample, details, 0.0))
-                    .collect(),
-                Kind::Piece(piece, piece_m, way) => drive
+                ColumnKind::OnDrive(_, _, other) if *other != number => {
+                    vec![0.0; drive.samples.len()]
+                }
+                ColumnKind::Effect(effect, details) | ColumnKind::OnDrive(effect, details, _) => {
+                    drive
+                        .samples
+                        .iter()
+                        .map(|sample| effect.derivative_n(vehicle, sample, details, 0.0))
+                        .collect()
+                }
+                ColumnKind::Piece(piece, piece_m, way) => drive
                     .samples
                     .iter()
                     .enumerate()
@@ -272,25 +277,27 @@ impl Menu {
                         if here { weight_n } else { 0.0 }
                     })
                     .collect(),
-                Kind::Basis(basis) => basis.column(drive),
+                ColumnKind::Basis(basis) => basis.column(drive),
             })
             .collect()
     }
 
-    /// What a choice of a plain dependence is drawn over; none for effects.
+    /// Returns what a choice of a plain dependence is drawn over; none for effects.
     #[must_use]
     pub fn variable(&self, choice: &Choice) -> Option<Variable> {
         let column = *choice.amounts.first()?.first()?;
         match (self.columns[column], choice.detail) {
-            (Kind::Piece(_, _, Some(forward)), _) => Some(Variable::Road(forward)),
-            (Kind::Basis(_), Detail::Period(period_s)) => Some(Variable::Phase(period_s)),
-            (Kind::Basis(BasisFunction::Bin(covariate, _)), _) => Some(Variable::Signal(covariate)),
-            (Kind::Basis(BasisFunction::Rises(play)), _) => Some(Variable::Rises(play)),
+            (ColumnKind::Piece(_, _, Some(forward)), _) => Some(Variable::Road(forward)),
+            (ColumnKind::Basis(_), Detail::Period(period_s)) => Some(Variable::Phase(period_s)),
+            (ColumnKind::Basis(BasisFunction::Bin(covariate, _)), _) => {
+                Some(Variable::Signal(covariate))
+            }
+            (ColumnKind::Basis(BasisFunction::Rises(play)), _) => Some(Variable::Rises(play)),
             _ => None,
         }
     }
 
-    /// Number of columns.
+    /// Returns number of columns.
     #[must_use]
     pub fn width(&self) -> usize {
         self.columns.len()
@@ -298,7 +305,7 @@ impl Menu {
 }
 
 impl Choice {
-    /// Whether it is a cycle, whose phase is each drive's own.
+    /// Returns whether it is a cycle, whose phase is each drive's own.
     #[must_use]
     pub const fn is_cycle(&self) -> bool {
         matches!(self.detail, Detail::Period(_))

@@ -1,7 +1,7 @@
 //! Plain dependences on time, place and signals, for what no effect explains.
 
 use super::drive::{LoggedDrive, RoadPlace};
-use super::evidence::Column;
+use super::evidence::ForceColumn;
 use estimator_core::Instant;
 use estimator_core::sample::Sample;
 use estimator_core::vehicle::GRAVITY;
@@ -50,7 +50,7 @@ pub enum Covariate {
 }
 
 impl BasisFunction {
-    pub(super) fn column(self, drive: &LoggedDrive) -> Column {
+    pub(super) fn column(self, drive: &LoggedDrive) -> ForceColumn {
         let samples = &drive.samples;
         let unit_n = |sample: &Sample| BASIS_UNIT * sample.forces.mass_kg * GRAVITY;
         let of_phase = |period_s: f64, wave: fn(f64) -> f64| {
@@ -105,7 +105,7 @@ impl Variable {
         }
     }
 
-    /// Its value in each cell of a drive.
+    /// Returns its value in each cell of a drive.
     #[must_use]
     pub fn values(
         self,
@@ -143,7 +143,7 @@ impl Variable {
     }
 }
 
-/// What the log's clock shows, s.
+/// Returns what the log's clock shows, s.
 fn clock_s(sample: &Sample) -> f64 {
     1e-6 * sample.end.time.since(Instant::default()).micros() as f64
 }

@@ -2,14 +2,14 @@
 
 use super::drive::LoggedDrive;
 use super::findings::{CandidateCase, Diagnosis, Finding, Request};
-use super::judgement::{self, Judgement, Reference, judge};
+use super::judgement::{self, Judgement, ReferenceGrades, judge};
 use super::picture;
 use super::radius::Wheels;
-use super::search::Search;
-use super::selection::Step;
+use super::search::EffectSearch;
+use super::selection::SelectionStep;
 use crate::error::{Error, Result};
 use crate::map::read_map;
-use estimator_core::{AdoptedEffect, Model};
+use estimator_core::{AdoptedEffect, Model, Tuning};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -24,7 +24,7 @@ const CLEARLY: f64 = 0.9;
 /// Logs that cannot be read, with file and line, or are given twice; an impossible vehicle; a
 /// reference that cannot be read or lies elsewhere.
 pub fn diagnose(request: &Request) -> Result<Diagnosis> {
-    let logs = Logs::of(request)?;
+    let logs = RequestLogs::of(request)?;
     let mut vehicle = request.vehicle.clone();
     let mut findings = Vec::new();
     let mut drives = logs.read(&vehicle.model)?;
@@ -36,7 +36,7 @@ pub fn diagnose(request: &Request) -> Result<Diagnosis> {
         drives = logs.read(&vehicle.model)?;
     }
     let with_wheels = vehicle.model.clone();
-    let search = Search::new(&drives, logs.fitted, &with_wheels);
+    let search = EffectSearch::new(&drives, logs.fitted, &with_wheels, &request.tuning);
     let (evidence, selection) = search.evidence();
     // The reference is estimated with what was found first, whatever is adopted in the end.
     let found = search.vehicle_with(&vehicle, &selection).model;
@@ -98,14 +98,15 @@ pub fn diagnose(request: &Request) -> Result<Diagnosis> {
 }
 
 /// The logs of a request, those to fit first.
-struct Logs {
+struct RequestLogs {
     paths: Vec<PathBuf>,
     fitted: usize,
     /// Those that before and after are judged on.
     judged: Range<usize>,
+    tuning: Tuning,
 }
 
-impl Logs {
+impl RequestLogs {
     fn of(request: &Request) -> Result<Self> {
         let mut paths = request.logs.clone();
         let held_out = match request.held_out.len() {
@@ -126,28 +127,29 @@ impl Logs {
             paths,
             fitted,
             judged,
+            tuning: request.tuning.clone(),
         })
     }
 
     fn read(&self, model: &Model) -> Result<Vec<LoggedDrive>> {
-        Self::read_each(&self.paths, model)
+        self.read_each(&self.paths, model)
     }
 
     fn read_judged(&self, model: &Model) -> Result<Vec<LoggedDrive>> {
-        Self::read_each(&self.paths[self.judged.clone()], model)
+        self.read_each(&self.paths[self.judged.clone()], model)
     }
 
-    fn read_each(paths: &[PathBuf], model: &Model) -> Result<Vec<LoggedDrive>> {
-        let read = |path: &PathBuf| LoggedDrive::read(path, model);
+    fn read_each(&self, paths: &[PathBuf], model: &Model) -> Result<Vec<LoggedDrive>> {
+        let read = |path: &PathBuf| LoggedDrive::read(path, model, &self.tuning);
         paths.par_iter().map(read).collect()
     }
 }
 
 /// What vehicles are judged by.
 struct Judge<'a> {
-    logs: &'a Logs,
+    logs: &'a RequestLogs,
     /// Of all drives.
-    references: Vec<Reference>,
+    references: Vec<ReferenceGrades>,
 }
 
 impl Judge<'_> {
@@ -157,7 +159,7 @@ impl Judge<'_> {
         Ok(judge(&drives, model, references))
     }
 
-    /// One effect added to a vehicle; judged without it if the vehicle cannot have it.
+    /// Returns one effect added to a vehicle; judged without it if the vehicle cannot have it.
     fn alone(&self, model: &Model, adopted: AdoptedEffect, evidence: f64) -> Result<CandidateCase> {
         let mut with = model.clone();
         let possible = with.effects.adopt(adopted).is_ok() && with.check().is_ok();
@@ -173,7 +175,7 @@ impl Judge<'_> {
 }
 
 /// Of each drive, by a map if one is given.
-fn references(drives: &[LoggedDrive], map: Option<&PathBuf>) -> Result<Vec<Reference>> {
+fn references(drives: &[LoggedDrive], map: Option<&PathBuf>) -> Result<Vec<ReferenceGrades>> {
     let Some(path) = map else {
         return Ok(judgement::references(drives));
     };
@@ -183,9 +185,9 @@ fn references(drives: &[LoggedDrive], map: Option<&PathBuf>) -> Result<Vec<Refer
     })
 }
 
-/// Which of a group that the evidence cannot tell apart does clearly best on the drives judged, if
-/// it is not the one adopted.
-fn lead(step: &Step, cases: &[(Option<usize>, CandidateCase)]) -> Option<usize> {
+/// Returns which of a group that the evidence cannot tell apart does clearly best on the drives
+/// judged, if it is not the one adopted.
+fn lead(step: &SelectionStep, cases: &[(Option<usize>, CandidateCase)]) -> Option<usize> {
     let rmse = |candidate: usize| {
         let mut own = cases.iter().filter(|(of, _)| *of == Some(candidate));
         own.next().map(|(_, case)| case.after.rmse_percent)

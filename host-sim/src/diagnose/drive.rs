@@ -1,8 +1,10 @@
 //! A log as the diagnosis sees it: what the core sampled, and where each cell lies.
 
 use crate::error::{Error, Result};
-use crate::map::{Network, Place, RoadLine, RoadPoint, match_track, road_of_run, track_of_run};
-use crate::recorder::{Recorder, Run};
+use crate::map::{
+    MatchedPlace, Network, RoadLine, RoadPoint, match_track, road_of_run, track_of_run,
+};
+use crate::recorder::{Recorder, SmoothedRun};
 use crate::source::input::for_each_input;
 use estimator_core::filter::Filter;
 use estimator_core::sample::Sample;
@@ -15,7 +17,7 @@ pub struct LoggedDrive {
     /// What the core sampled, one for each row of the run.
     pub samples: Vec<Sample>,
     /// The estimate.
-    pub run: Run,
+    pub run: SmoothedRun,
     /// A filter that begins as the estimator's did and knows the sensors' noise.
     pub filter: Filter<f64>,
 }
@@ -25,8 +27,8 @@ impl LoggedDrive {
     ///
     /// # Errors
     /// An impossible vehicle; a log that cannot be read, with file and line; one without movement.
-    pub fn read(path: &Path, model: &Model) -> Result<Self> {
-        let mut recorder = Recorder::<f32>::new(model.clone(), Tuning::default())
+    pub fn read(path: &Path, model: &Model, tuning: &Tuning) -> Result<Self> {
+        let mut recorder = Recorder::<f32>::new(model.clone(), tuning.clone())
             .map_err(|e| Error::content(path, e.to_string()))?;
         for_each_input(path, |_| (), |input| recorder.on_input(&input))?;
         let filter = recorder.estimator().second_pass_filter();
@@ -62,14 +64,14 @@ pub struct CommonRoad {
 }
 
 impl CommonRoad {
-    /// The road that the longest of these drives took; `None` if none has positions.
+    /// Creates the road that the longest of these drives took; `None` if none has positions.
     #[must_use]
     pub fn of(drives: &[LoggedDrive]) -> Option<Self> {
         let longest = drives.iter().max_by_key(|drive| drive.run.rows.len())?;
         Self::through(road_of_run(&longest.run.rows)?)
     }
 
-    /// The road through these points; `None` if they make none.
+    /// Creates the road through these points; `None` if they make none.
     #[must_use]
     pub fn through(points: Vec<RoadPoint>) -> Option<Self> {
         let end_m = points.last()?.distance_m;
@@ -82,19 +84,19 @@ impl CommonRoad {
         Some(Self { ways, end_m })
     }
 
-    /// Its length, m.
+    /// Returns its length, m.
     #[must_use]
     pub const fn length_m(&self) -> f64 {
         self.end_m
     }
 
-    /// Latitude and longitude at a distance, deg.
+    /// Returns latitude and longitude at a distance, deg.
     #[must_use]
     pub fn position_at(&self, at_m: f64) -> (f64, f64) {
         self.ways[0].ways()[0].line.position_at(at_m)
     }
 
-    /// Where each sample of a drive lies.
+    /// Returns where each sample of a drive lies.
     #[must_use]
     pub fn places(&self, drive: &LoggedDrive) -> Vec<Option<RoadPlace>> {
         let track = track_of_run(&drive.run.rows);
@@ -104,7 +106,7 @@ impl CommonRoad {
             .zip(&back)
             .map(|(there, back)| match (there, back) {
                 (
-                    Place::OnRoad {
+                    MatchedPlace::OnRoad {
                         distance_m: at_m, ..
                     },
                     _,
@@ -114,7 +116,7 @@ impl CommonRoad {
                 }),
                 (
                     _,
-                    Place::OnRoad {
+                    MatchedPlace::OnRoad {
                         distance_m: at_m, ..
                     },
                 ) => Some(RoadPlace {

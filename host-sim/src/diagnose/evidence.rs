@@ -8,7 +8,7 @@
 //! ratio (Rosenberg 1973; de Jong 1991).
 //!
 //! Real errors are longer in correlation than any model of them. The sums are therefore kept for
-//! each stretch of a drive: how much they scatter from stretch to stretch tells what an estimate is
+//! each segment of a drive: how much they scatter from segment to segment tells what an estimate is
 //! worth (a sandwich with clusters: H. White, "Maximum likelihood estimation of misspecified
 //! models", Econometrica 50:1, 1982).
 
@@ -18,15 +18,15 @@ use estimator_core::vehicle::GRAVITY;
 use estimator_core::{CELL_LENGTH_M, Context, Counters, Model, Tuning};
 use nalgebra::{DMatrix, DVector};
 
-/// Length of a stretch, m.
-const STRETCH_M: f64 = 4_000.0;
+/// Length of a segment, m.
+const SEGMENT_M: f64 = 4_000.0;
 
 /// Force in N that the model lacks in each cell of a drive, for one unit of an amount.
-pub type Column = Vec<f32>;
+pub type ForceColumn = Vec<f32>;
 
-/// Sums over one stretch of a drive: of response times response, and of response times innovation.
+/// Sums over one segment of a drive: of response times response, and of response times innovation.
 #[derive(Clone, Debug)]
-pub struct Stretch {
+pub struct SegmentSums {
     /// Which drive it is of.
     pub drive: usize,
     /// Responses.
@@ -38,17 +38,17 @@ pub struct Stretch {
     pub negative_log_likelihood: f64,
 }
 
-/// All stretches of all drives.
+/// All segments of all drives.
 #[derive(Clone, Debug, Default)]
 pub struct Evidence {
     /// In the order of the drives.
-    pub stretches: Vec<Stretch>,
+    pub segments: Vec<SegmentSums>,
 }
 
-impl FromIterator<Stretch> for Evidence {
-    fn from_iter<I: IntoIterator<Item = Stretch>>(stretches: I) -> Self {
+impl FromIterator<SegmentSums> for Evidence {
+    fn from_iter<I: IntoIterator<Item = SegmentSums>>(segments: I) -> Self {
         Self {
-            stretches: stretches.into_iter().collect(),
+            segments: segments.into_iter().collect(),
         }
     }
 }
@@ -56,13 +56,13 @@ impl FromIterator<Stretch> for Evidence {
 /// Winds that come and go that are tried, 1 sigma, m/s.
 pub const WINDS_MPS: [f32; 5] = [0.1, 0.2, 0.4, 0.8, 1.6];
 
-/// The tuning with which drives are judged: what is the same on all drives of a vehicle is looked
-/// for, so that the filter's own slow states keep only what differs from drive to drive, and in the
-/// kilometres of wind. What climbs unlike the model is what is looked for: no fix drifts, and no
-/// scale goes too far.
+/// Returns the tuning with which drives are judged: what is the same on all drives of a vehicle is
+/// looked for, so that the filter's own slow states keep only what differs from drive to drive, and
+/// in the kilometres of wind. What climbs unlike the model is what is looked for: no fix drifts,
+/// and no scale goes too far.
 #[must_use]
-pub fn judging_tuning(wind_sigma_mps: f32) -> Tuning {
-    let mut tuning = Tuning::default();
+pub fn judging_tuning(estimator: &Tuning, wind_sigma_mps: f32) -> Tuning {
+    let mut tuning = estimator.clone();
     let process_noise = &mut tuning.process_noise;
     process_noise.wind_sigma_mps = wind_sigma_mps;
     process_noise.bias_force_n = 20.0;
@@ -76,15 +76,15 @@ pub fn judging_tuning(wind_sigma_mps: f32) -> Tuning {
     tuning
 }
 
-/// What a drive says about the forces in `columns`, stretch by stretch.
+/// Returns what a drive says about the forces in `columns`, segment by segment.
 #[must_use]
-pub fn stretches(
+pub fn segments(
     drive: usize,
     logged: &LoggedDrive,
     model: &Model,
     tuning: &Tuning,
-    columns: &[Column],
-) -> Vec<Stretch> {
+    columns: &[ForceColumn],
+) -> Vec<SegmentSums> {
     let mut context = Context {
         model: model.clone(),
         tuning: tuning.clone(),
@@ -93,15 +93,15 @@ pub fn stretches(
     let mut filter: Filter<f64> = Filter::new(tuning, &logged.filter.noise(), None);
     let mut errors = vec![StateVector::ZERO; columns.len()];
     let mut response = DVector::zeros(columns.len());
-    let empty = || Stretch {
+    let empty = || SegmentSums {
         drive,
         information: DMatrix::zeros(columns.len(), columns.len()),
         score: DVector::zeros(columns.len()),
         negative_log_likelihood: 0.0,
     };
     let mut found = Vec::new();
-    let mut stretch = empty();
-    let mut way_m = 0.0;
+    let mut segment = empty();
+    let mut length_m = 0.0;
     for (k, sample) in logged.samples.iter().enumerate() {
         let Some(record) = filter.step(&mut context, sample) else {
             continue;
@@ -115,32 +115,32 @@ pub fn stretches(
                 .carry_error(error, missing_m)
                 .unwrap_or(0.0);
         }
-        stretch.take(&record, &response);
-        way_m += f64::from(CELL_LENGTH_M);
-        if way_m >= STRETCH_M {
-            found.push(std::mem::replace(&mut stretch, empty()));
-            way_m = 0.0;
+        segment.take(&record, &response);
+        length_m += f64::from(CELL_LENGTH_M);
+        if length_m >= SEGMENT_M {
+            found.push(std::mem::replace(&mut segment, empty()));
+            length_m = 0.0;
         }
     }
-    found.push(stretch);
+    found.push(segment);
     found
 }
 
 impl Evidence {
-    /// Sums over all stretches of the drives that count.
+    /// Returns sums over all segments of the drives that count.
     #[must_use]
     pub fn sums(&self, counts: impl Fn(usize) -> bool) -> (DMatrix<f64>, DVector<f64>) {
-        let size = self.stretches.first().map_or(0, |s| s.score.len());
+        let size = self.segments.first().map_or(0, |s| s.score.len());
         let mut sums = (DMatrix::zeros(size, size), DVector::zeros(size));
-        for stretch in self.stretches.iter().filter(|s| counts(s.drive)) {
-            sums.0 += &stretch.information;
-            sums.1 += &stretch.score;
+        for segment in self.segments.iter().filter(|s| counts(s.drive)) {
+            sums.0 += &segment.information;
+            sums.1 += &segment.score;
         }
         sums
     }
 }
 
-impl Stretch {
+impl SegmentSums {
     fn take(&mut self, record: &StepRecord<f64>, response: &DVector<f64>) {
         let Some(applied) = &record.smoother_input.altitude else {
             return;

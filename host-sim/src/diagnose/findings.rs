@@ -4,7 +4,7 @@ use super::dependence::Variable;
 use super::judgement::Judgement;
 use crate::files::vehicle::VehicleFile;
 use crate::report::page::Figure;
-use estimator_core::AdoptedEffect;
+use estimator_core::{AdoptedEffect, Tuning};
 use std::path::PathBuf;
 
 /// What is to be diagnosed.
@@ -18,6 +18,8 @@ pub struct Request {
     pub held_out: Vec<PathBuf>,
     /// Map to judge by.
     pub reference: Option<PathBuf>,
+    /// Tuning of the estimator that reads the drives.
+    pub tuning: Tuning,
 }
 
 /// An effect that was adopted.

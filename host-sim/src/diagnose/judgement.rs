@@ -42,21 +42,22 @@ pub struct Judgement {
 }
 
 /// Reference grade along each drive: distance, m, and grade, %.
-pub type Reference = Vec<(f64, f64)>;
+pub type ReferenceGrades = Vec<(f64, f64)>;
 
-/// The reference of each drive: the map of all others, else its own estimate.
+/// Returns the reference of each drive: the map of all others, else its own estimate.
 #[must_use]
-pub fn references(drives: &[LoggedDrive]) -> Vec<Reference> {
+pub fn references(drives: &[LoggedDrive]) -> Vec<ReferenceGrades> {
     (0..drives.len())
         .map(|number| by_others(drives, number))
         .collect()
 }
 
-/// The reference of each drive where the map has its road, else as without a map; `None` if the map
-/// has the road of no drive.
+/// Returns the reference of each drive where the map has its road, else as without a map; `None` if
+/// the map has the road of no drive.
 #[must_use]
-pub fn references_by_map(drives: &[LoggedDrive], map: &[MapRow]) -> Option<Vec<Reference>> {
-    let of_map: Vec<Option<Reference>> = drives.iter().map(|drive| along_map(drive, map)).collect();
+pub fn references_by_map(drives: &[LoggedDrive], map: &[MapRow]) -> Option<Vec<ReferenceGrades>> {
+    let of_map: Vec<Option<ReferenceGrades>> =
+        drives.iter().map(|drive| along_map(drive, map)).collect();
     let met = of_map.iter().any(Option::is_some);
     let numbered = of_map.into_iter().enumerate();
     met.then(|| {
@@ -66,7 +67,7 @@ pub fn references_by_map(drives: &[LoggedDrive], map: &[MapRow]) -> Option<Vec<R
     })
 }
 
-fn by_others(drives: &[LoggedDrive], number: usize) -> Reference {
+fn by_others(drives: &[LoggedDrive], number: usize) -> ReferenceGrades {
     let drive = &drives[number];
     let of_map = map_of_others(drives, number).and_then(|map| along_map(drive, &map));
     of_map.unwrap_or_else(|| {
@@ -76,15 +77,15 @@ fn by_others(drives: &[LoggedDrive], number: usize) -> Reference {
     })
 }
 
-/// A map's grade along a drive, in its direction or against it; `None` if they hardly meet.
-fn along_map(drive: &LoggedDrive, map: &[MapRow]) -> Option<Reference> {
+/// Returns a map's grade along a drive, in its direction or against it; `None` if they hardly meet.
+fn along_map(drive: &LoggedDrive, map: &[MapRow]) -> Option<ReferenceGrades> {
     let grades: Vec<(f64, f64)> = map
         .iter()
         .map(|r| (r.distance_m, r.grade_percent))
         .collect();
     let road = CommonRoad::through(map.iter().map(MapRow::point).collect())?;
     let rows = &drive.run.rows;
-    let found: Reference = road
+    let found: ReferenceGrades = road
         .places(drive)
         .iter()
         .zip(rows)
@@ -114,7 +115,7 @@ fn map_of_others(drives: &[LoggedDrive], number: usize) -> Option<Vec<MapRow>> {
 
 /// Judges drives, read with `model`, each by its reference.
 #[must_use]
-pub fn judge(drives: &[LoggedDrive], model: &Model, references: &[Reference]) -> Judgement {
+pub fn judge(drives: &[LoggedDrive], model: &Model, references: &[ReferenceGrades]) -> Judgement {
     let errors: Vec<f64> = drives
         .iter()
         .zip(references)
@@ -156,9 +157,9 @@ fn interval(errors: &[f64], statistic: impl Fn(&[f64]) -> f64) -> (f64, f64) {
     (found[DRAWS / 20], found[DRAWS - 1 - DRAWS / 20])
 }
 
-/// The model's error in each cell of a drive in which it holds, %.
+/// Returns the model's error in each cell of a drive in which it holds, %.
 #[must_use]
-pub fn errors(drive: &LoggedDrive, model: &Model, reference: &Reference) -> Vec<Option<f64>> {
+pub fn errors(drive: &LoggedDrive, model: &Model, reference: &ReferenceGrades) -> Vec<Option<f64>> {
     let mut before: Option<f64> = None;
     drive
         .samples
@@ -174,7 +175,7 @@ pub fn errors(drive: &LoggedDrive, model: &Model, reference: &Reference) -> Vec<
         .collect()
 }
 
-fn windows(drive: &LoggedDrive, model: &Model, reference: &Reference) -> Vec<f64> {
+fn windows(drive: &LoggedDrive, model: &Model, reference: &ReferenceGrades) -> Vec<f64> {
     let mut windows = Vec::new();
     let (mut sum, mut valid, mut all, mut start_m) = (0.0, 0.0, 0.0, f64::NAN);
     for (sample, error) in drive.samples.iter().zip(errors(drive, model, reference)) {
@@ -197,8 +198,8 @@ fn windows(drive: &LoggedDrive, model: &Model, reference: &Reference) -> Vec<f64
     windows
 }
 
-/// Sine of the slope in % that the force balance reads over a cell, adopted effects included,
-/// between two kinetic energies a kilogram, m²/s².
+/// Returns sine of the slope in % that the force balance reads over a cell, adopted effects
+/// included, between two kinetic energies a kilogram, m²/s².
 fn model_slope_percent(model: &Model, sample: &Sample, energies: (f64, f64)) -> f64 {
     let accelerated_kg = f64::from(sample.forces.accelerated_kg());
     bare_model::slope_percent(

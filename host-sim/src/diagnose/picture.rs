@@ -2,7 +2,7 @@
 
 use super::dependence::Variable;
 use super::drive::{CommonRoad, LoggedDrive};
-use super::judgement::{self, Reference};
+use super::judgement::{self, ReferenceGrades};
 use crate::report::page::Figure;
 use crate::report::plot::{Plot, Series, colour};
 use estimator_core::Model;
@@ -12,14 +12,14 @@ const PARTS: usize = 24;
 /// Fewest cells of which a mean is drawn.
 const FEWEST_CELLS: usize = 20;
 
-/// The mean error of the bare model over a variable, with all that was adopted.
+/// Returns the mean error of the bare model over a variable, with all that was adopted.
 #[must_use]
 pub fn picture(
     name: &str,
     variable: Variable,
     drives: &[LoggedDrive],
     model: &Model,
-    references: &[Reference],
+    references: &[ReferenceGrades],
     road: Option<&CommonRoad>,
 ) -> Figure {
     let mut points: Vec<(f64, f64)> = Vec::new();

@@ -46,7 +46,7 @@ impl Wheels {
         })
     }
 
-    /// Twice the logarithm of the Bayes factor against wheels as told.
+    /// Returns twice the logarithm of the Bayes factor against wheels as told.
     #[must_use]
     pub fn evidence(&self) -> f64 {
         let typical = f64::from(wheel_radius::EFFECT.typical).powi(2);
@@ -72,14 +72,14 @@ impl Wheels {
     }
 }
 
-/// Mean of GNSS over wheel speed, less one, in each block of a drive.
+/// Returns mean of GNSS over wheel speed, less one, in each block of a drive.
 fn blocks(drive: &LoggedDrive) -> Vec<f64> {
     let mut blocks = Vec::new();
-    let (mut sum, mut count, mut way_m) = (0.0, 0.0, 0.0);
+    let (mut sum, mut count, mut length_m) = (0.0, 0.0, 0.0);
     let mut last = None;
     for window in drive.samples.windows(STEADY_CELLS) {
         let (first, sample) = (&window[0], &window[STEADY_CELLS - 1]);
-        way_m += f64::from(CELL_LENGTH_M);
+        length_m += f64::from(CELL_LENGTH_M);
         let gnss_mps = sample.effect_inputs.gnss_speed_mps.get();
         // A fix counts once.
         let is_new = gnss_mps.is_some() && gnss_mps != last;
@@ -90,11 +90,11 @@ fn blocks(drive: &LoggedDrive) -> Vec<f64> {
             sum += f64::from(gnss_mps / mps) - 1.0;
             count += 1.0;
         }
-        if way_m >= BLOCK_M {
+        if length_m >= BLOCK_M {
             if count > 5.0 {
                 blocks.push(sum / count);
             }
-            (sum, count, way_m) = (0.0, 0.0, 0.0);
+            (sum, count, length_m) = (0.0, 0.0, 0.0);
         }
     }
     blocks

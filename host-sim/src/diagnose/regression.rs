@@ -15,7 +15,7 @@ pub struct Basis {
 }
 
 impl Basis {
-    /// Number of amounts.
+    /// Returns number of amounts.
     #[must_use]
     pub fn size(&self) -> usize {
         self.amounts.len()
@@ -35,7 +35,7 @@ impl Basis {
     }
 }
 
-/// Sums of the information about amounts, each of which has the given columns.
+/// Returns sums of the information about amounts, each of which has the given columns.
 fn information_of(amounts: &[Vec<usize>], columns: &DMatrix<f64>) -> DMatrix<f64> {
     DMatrix::from_fn(amounts.len(), amounts.len(), |a, b| {
         let pairs = amounts[a]
@@ -106,17 +106,18 @@ impl<'a> Regression<'a> {
         }
     }
 
-    /// Minus twice the logarithm of the likelihood of the drives to fit with nothing missing.
+    /// Returns minus twice the logarithm of the likelihood of the drives to fit with nothing
+    /// missing.
     #[must_use]
     pub fn negative_log_likelihood(&self) -> f64 {
-        let stretches = self.evidence.stretches.iter();
-        stretches
-            .filter(|stretch| !(self.is_held_out)(stretch.drive))
-            .map(|stretch| stretch.negative_log_likelihood)
+        let segments = self.evidence.segments.iter();
+        segments
+            .filter(|segment| !(self.is_held_out)(segment.drive))
+            .map(|segment| segment.negative_log_likelihood)
             .sum()
     }
 
-    /// Twice the gain in log likelihood of a basis, its priors left out.
+    /// Returns twice the gain in log likelihood of a basis, its priors left out.
     #[must_use]
     pub fn explained(&self, basis: &Basis) -> f64 {
         let (information, score) = self.of(basis);
@@ -124,8 +125,8 @@ impl<'a> Regression<'a> {
         solution.map_or(0.0, |amounts| score.dot(&amounts))
     }
 
-    /// Twice the logarithm of the Bayes factor of a basis against nothing, with scores that scatter
-    /// `scatter` times as much (squared) as the model says.
+    /// Returns twice the logarithm of the Bayes factor of a basis against nothing, with scores that
+    /// scatter `scatter` times as much (squared) as the model says.
     #[must_use]
     pub fn bayes(&self, basis: &Basis, scatter: f64) -> Option<f64> {
         if basis.size() == 0 {
@@ -141,17 +142,18 @@ impl<'a> Regression<'a> {
         Some(quadratic - determinant)
     }
 
-    /// Twice the gain in log likelihood of these amounts of the columns on the drives held out.
+    /// Returns twice the gain in log likelihood of these amounts of the columns on the drives held
+    /// out.
     #[must_use]
     pub fn held_out(&self, columns: &DVector<f64>) -> f64 {
         let square = columns.dot(&(&self.held_information * columns));
         2.0 * columns.dot(&self.held_score) - square
     }
 
-    /// What each drive says beyond these amounts of the columns.
+    /// Returns what each drive says beyond these amounts of the columns.
     #[must_use]
     pub fn drives(&self, columns: &DVector<f64>) -> Vec<OfDrive> {
-        let drives: BTreeSet<usize> = self.evidence.stretches.iter().map(|s| s.drive).collect();
+        let drives: BTreeSet<usize> = self.evidence.segments.iter().map(|s| s.drive).collect();
         let of_drive = |drive| {
             let (information, score) = self.evidence.sums(|other| other == drive);
             OfDrive {
@@ -163,22 +165,23 @@ impl<'a> Regression<'a> {
         drives.into_iter().map(of_drive).collect()
     }
 
-    /// The amounts of a basis of at least one; `None` if they cannot be told from each other.
+    /// Returns the amounts of a basis of at least one; `None` if they cannot be told from each
+    /// other.
     #[must_use]
     pub fn fit(&self, basis: &Basis) -> Option<Fit> {
         let (information, score) = self.of(basis);
         let inverse = (information + basis.prior()).try_inverse()?;
         let amounts = &inverse * score;
         let columns = self.columns(basis, &amounts);
-        // Scatter of the scores around the fit, from stretch to stretch and from drive to drive.
+        // Scatter of the scores around the fit, from segment to segment and from drive to drive.
         let scores: Vec<(usize, DVector<f64>)> = self
             .evidence
-            .stretches
+            .segments
             .iter()
-            .filter(|stretch| !(self.is_held_out)(stretch.drive))
-            .map(|stretch| {
-                let left = &stretch.score - &stretch.information * &columns;
-                (stretch.drive, score_of(&basis.amounts, &left))
+            .filter(|segment| !(self.is_held_out)(segment.drive))
+            .map(|segment| {
+                let left = &segment.score - &segment.information * &columns;
+                (segment.drive, score_of(&basis.amounts, &left))
             })
             .collect();
         let mut of_drives: BTreeMap<usize, DVector<f64>> = BTreeMap::new();
@@ -201,12 +204,12 @@ impl<'a> Regression<'a> {
             };
             &inverse * spread * &inverse * correction
         };
-        let by_stretch = sandwich(&mut scores.iter().map(|(_, score)| score));
+        let by_segment = sandwich(&mut scores.iter().map(|(_, score)| score));
         let by_drive = sandwich(&mut of_drives.values());
         let sandwich = if of_drives.len() >= FEWEST_DRIVES {
-            by_stretch.sup(&by_drive)
+            by_segment.sup(&by_drive)
         } else {
-            by_stretch
+            by_segment
         };
         // The last amounts are the new ones: their scatter is what is asked for.
         let last = amounts.len() - 1;
@@ -223,7 +226,7 @@ impl<'a> Regression<'a> {
         })
     }
 
-    /// The columns' amounts.
+    /// Returns the columns' amounts.
     #[must_use]
     pub fn columns(&self, basis: &Basis, amounts: &DVector<f64>) -> DVector<f64> {
         let mut columns = DVector::zeros(self.score.len());
@@ -235,7 +238,7 @@ impl<'a> Regression<'a> {
         columns
     }
 
-    /// Sums over the drives to fit.
+    /// Returns sums over the drives to fit.
     fn of(&self, basis: &Basis) -> (DMatrix<f64>, DVector<f64>) {
         let information = information_of(&basis.amounts, &self.information);
         (information, score_of(&basis.amounts, &self.score))

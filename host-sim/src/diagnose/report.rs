@@ -10,7 +10,7 @@ use estimator_core::effect::{self, search_of};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
-/// A number for a file: JSON has none that is not finite.
+/// Returns a number for a file: JSON has none that is not finite.
 fn number(value: f64) -> Value {
     serde_json::Number::from_f64(value).map_or(Value::Null, Value::Number)
 }
@@ -27,7 +27,7 @@ fn errors(judgement: &Judgement) -> Value {
     })
 }
 
-/// What report.json says.
+/// Returns what report.json says.
 #[must_use]
 pub fn to_json(diagnosis: &Diagnosis) -> Value {
     let adopted: Vec<Value> = diagnosis
@@ -88,7 +88,7 @@ pub fn to_json(diagnosis: &Diagnosis) -> Value {
 /// Writes report.json, vehicle.toml and the page with its tables and figures, all or none.
 ///
 /// # Errors
-/// What the file system says.
+/// Returns the error of the file system.
 pub fn write(diagnosis: &Diagnosis, folder: &Path) -> Result<PathBuf> {
     let mut files = page(diagnosis).stage(folder)?;
     let vehicle = folder.join("vehicle.toml");
@@ -113,7 +113,7 @@ fn page(diagnosis: &Diagnosis) -> Page {
     }
 }
 
-/// The outcome in words.
+/// Returns the outcome in words.
 #[must_use]
 pub fn in_a_sentence(diagnosis: &Diagnosis) -> String {
     let names: Vec<String> = diagnosis.findings.iter().map(amount_in_words).collect();

@@ -2,28 +2,34 @@
 
 use super::candidates::{Detail, Menu};
 use super::drive::{CommonRoad, LoggedDrive};
-use super::evidence::{self, Evidence, WINDS_MPS, judging_tuning, stretches};
+use super::evidence::{self, Evidence, WINDS_MPS, judging_tuning, segments};
 use super::findings::Unexplained;
-use super::selection::{Case, Selection, Selector};
+use super::selection::{CandidateFit, Selection, Selector};
 use crate::files::vehicle::VehicleFile;
 use estimator_core::effect::{Varies, search_of};
-use estimator_core::{AdoptedEffect, Effect, Model};
+use estimator_core::{AdoptedEffect, Effect, Model, Tuning};
 use rayon::prelude::*;
 
 /// Drives with what is tried on them.
-pub struct Search<'a> {
+pub struct EffectSearch<'a> {
     drives: &'a [LoggedDrive],
     fitted: usize,
     model: &'a Model,
+    tuning: &'a Tuning,
     /// The road that they share.
     pub road: Option<CommonRoad>,
     menu: Menu,
 }
 
-impl<'a> Search<'a> {
-    /// The first `fitted` of the drives, which were read with this model, are to fit.
+impl<'a> EffectSearch<'a> {
+    /// Creates the first `fitted` of the drives, which were read with this model, are to fit.
     #[must_use]
-    pub fn new(drives: &'a [LoggedDrive], fitted: usize, model: &'a Model) -> Self {
+    pub fn new(
+        drives: &'a [LoggedDrive],
+        fitted: usize,
+        model: &'a Model,
+        tuning: &'a Tuning,
+    ) -> Self {
         let road = CommonRoad::of(drives);
         let numbers: Vec<usize> = (0..fitted).collect();
         let menu = Menu::new(road.as_ref().map(CommonRoad::length_m), &numbers);
@@ -31,15 +37,17 @@ impl<'a> Search<'a> {
             drives,
             fitted,
             model,
+            tuning,
             road,
             menu,
         }
     }
 
-    /// What the drives say, with the wind that makes them most likely, and what that asks for.
+    /// Returns what the drives say, with the wind that makes them most likely, and what that asks
+    /// for.
     #[must_use]
     pub fn evidence(&self) -> (Evidence, Selection) {
-        let columns: Vec<Vec<evidence::Column>> = self
+        let columns: Vec<Vec<evidence::ForceColumn>> = self
             .drives
             .par_iter()
             .enumerate()
@@ -52,12 +60,12 @@ impl<'a> Search<'a> {
         let mut best: Option<(Evidence, Selection)> = None;
         // One after the other: the sums of a fleet's drives are large.
         for wind_mps in WINDS_MPS {
-            let tuning = judging_tuning(wind_mps);
+            let tuning = judging_tuning(self.tuning, wind_mps);
             let drives: Vec<_> = self.drives.iter().zip(&columns).enumerate().collect();
             let evidence: Evidence = drives
                 .into_par_iter()
                 .map(|(number, (drive, columns))| {
-                    stretches(number, drive, self.model, &tuning, columns)
+                    segments(number, drive, self.model, &tuning, columns)
                 })
                 .collect::<Vec<_>>()
                 .into_iter()
@@ -74,13 +82,13 @@ impl<'a> Search<'a> {
         best.unwrap_or_default()
     }
 
-    /// What the evidence asks for; `first` as in [`Selector::select`].
+    /// Returns what the evidence asks for; `first` as in [`Selector::select`].
     #[must_use]
     pub fn select(&self, evidence: &Evidence, first: Option<usize>) -> Selection {
         Selector::new(&self.menu, evidence, |drive| drive >= self.fitted).select(first)
     }
 
-    /// The vehicle with all effects of a selection.
+    /// Returns the vehicle with all effects of a selection.
     #[must_use]
     pub fn vehicle_with(&self, vehicle: &VehicleFile, selection: &Selection) -> VehicleFile {
         let mut vehicle = vehicle.clone();
@@ -92,16 +100,16 @@ impl<'a> Search<'a> {
         vehicle
     }
 
-    /// Names of the effects of a group.
+    /// Returns names of the effects of a group.
     #[must_use]
-    pub fn names(&self, group: &[Case]) -> Vec<&'static str> {
-        let name = |case: &Case| self.menu.candidates[case.candidate].name;
+    pub fn names(&self, group: &[CandidateFit]) -> Vec<&'static str> {
+        let name = |case: &CandidateFit| self.menu.candidates[case.candidate].name;
         group.iter().map(name).collect()
     }
 
-    /// The effect of a case, ready for a vehicle file; none for a plain dependence.
+    /// Returns the effect of a case, ready for a vehicle file; none for a plain dependence.
     #[must_use]
-    pub fn adopted(&self, case: &Case) -> Option<AdoptedEffect> {
+    pub fn adopted(&self, case: &CandidateFit) -> Option<AdoptedEffect> {
         let candidate = &self.menu.candidates[case.candidate];
         let effect: &'static Effect = candidate.effect?;
         let (amount, sigma) = (case.amounts[0] as f32, case.sigmas[0] as f32);
@@ -130,7 +138,7 @@ impl<'a> Search<'a> {
                 let direction_deg = east.atan2(north).to_degrees().rem_euclid(360.0);
                 let _ = adopted.set(key, direction_deg as f32);
             }
-            Detail::Stretch(from_m, to_m) => {
+            Detail::RoadSection(from_m, to_m) => {
                 if let (
                     Some(road),
                     Some(Varies::RoadSection {
@@ -150,9 +158,9 @@ impl<'a> Search<'a> {
         Some(adopted)
     }
 
-    /// A plain dependence that was adopted.
+    /// Returns a plain dependence that was adopted.
     #[must_use]
-    pub fn unexplained(&self, case: &Case) -> Unexplained {
+    pub fn unexplained(&self, case: &CandidateFit) -> Unexplained {
         let candidate = &self.menu.candidates[case.candidate];
         let size = case.amounts.iter().map(|a| a * a).sum::<f64>().sqrt();
         let (where_or_when, rms_percent) = match candidate.choices[case.choice].detail {
@@ -160,7 +168,7 @@ impl<'a> Search<'a> {
                 format!(", period {period_s:.0} s"),
                 0.1 * size / 2f64.sqrt(),
             ),
-            Detail::Stretch(from_m, to_m) => (
+            Detail::RoadSection(from_m, to_m) => (
                 format!(", km {:.1} to {:.1}", from_m * 1e-3, to_m * 1e-3),
                 100.0 * size,
             ),

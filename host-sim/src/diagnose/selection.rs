@@ -3,7 +3,7 @@
 //! Forward selection by Bayes factors: each candidate's amount has a normal prior as wide as such
 //! amounts usually are, so that an effect is not adopted for explaining a little, and choices are
 //! paid for (R. E. Kass and A. E. Raftery, "Bayes factors", J. Am. Stat. Assoc. 90:773, 1995).
-//! Estimates are generalised least squares; where scores scatter from stretch to stretch more than
+//! Estimates are generalised least squares; where scores scatter from segment to segment more than
 //! the model says, the evidence counts that much less.
 
 use super::candidates::{Candidate, Choice, Detail, Menu};
@@ -28,7 +28,7 @@ const MOST_ADOPTED: usize = 4;
 
 /// What one candidate explains, given what is adopted already.
 #[derive(Clone, Debug)]
-pub struct Case {
+pub struct CandidateFit {
     /// Which of the menu.
     pub candidate: usize,
     /// The best of its choices.
@@ -50,14 +50,15 @@ pub struct Case {
     pub held_out: f64,
 }
 
-impl Case {
-    /// Its gain if scores scattered so much more than the model says. An amount of its own for each
-    /// drive leaves no scatter from drive to drive: two cases are compared as if both had the same.
+impl CandidateFit {
+    /// Returns its gain if scores scattered so much more than the model says. An amount of its own
+    /// for each drive leaves no scatter from drive to drive: two cases are compared as if both had
+    /// the same.
     fn gain_at(&self, scatter: f64) -> f64 {
         self.gain * self.scatter / scatter
     }
 
-    /// The same of its evidence.
+    /// Returns the same of its evidence.
     fn evidence_at(&self, scatter: f64) -> f64 {
         self.evidence - self.gain + self.gain_at(scatter)
     }
@@ -65,17 +66,17 @@ impl Case {
 
 /// What was adopted in one step of the selection, and what could have been instead.
 #[derive(Clone, Debug)]
-pub struct Step {
+pub struct SelectionStep {
     /// The one adopted.
-    pub adopted: Case,
+    pub adopted: CandidateFit,
     /// Others that the data cannot tell from it.
-    pub group: Vec<Case>,
+    pub group: Vec<CandidateFit>,
 }
 
-impl Step {
+impl SelectionStep {
     /// Has another of the group stand for it.
     fn lead(&mut self, candidate: usize) {
-        let same = |case: &Case| case.candidate == candidate;
+        let same = |case: &CandidateFit| case.candidate == candidate;
         if let Some(index) = self.group.iter().position(same) {
             std::mem::swap(&mut self.adopted, &mut self.group[index]);
         }
@@ -86,9 +87,9 @@ impl Step {
 #[derive(Clone, Debug, Default)]
 pub struct Selection {
     /// In the order of adoption.
-    pub steps: Vec<Step>,
+    pub steps: Vec<SelectionStep>,
     /// Every candidate as it stood before the first step.
-    pub alone: Vec<Case>,
+    pub alone: Vec<CandidateFit>,
     /// Minus twice the logarithm of the likelihood of the drives to fit with what was adopted.
     pub negative_log_likelihood: f64,
 }
@@ -156,7 +157,7 @@ impl<'a> Selector<'a> {
         selection
     }
 
-    fn choice(&self, case: &Case) -> &Choice {
+    fn choice(&self, case: &CandidateFit) -> &Choice {
         &self.menu.candidates[case.candidate].choices[case.choice]
     }
 
@@ -176,7 +177,7 @@ impl<'a> Selector<'a> {
         })
     }
 
-    fn cases(&self, basis: &Basis, taken: &[usize]) -> Vec<Case> {
+    fn cases(&self, basis: &Basis, taken: &[usize]) -> Vec<CandidateFit> {
         let Some(ground) = self.ground(basis) else {
             return Vec::new();
         };
@@ -187,8 +188,8 @@ impl<'a> Selector<'a> {
             .collect()
     }
 
-    /// The best choice of a candidate.
-    fn case(&self, ground: &Ground, index: usize, candidate: &Candidate) -> Option<Case> {
+    /// Returns the best choice of a candidate.
+    fn case(&self, ground: &Ground, index: usize, candidate: &Candidate) -> Option<CandidateFit> {
         if candidate.choices.first()?.is_cycle() {
             return self.cycle(ground, index, candidate);
         }
@@ -218,7 +219,7 @@ impl<'a> Selector<'a> {
         let with = basis.with(amounts, width);
         let fit = regression.fit(&with)?;
         let bayes = regression.bayes(&with, fit.scatter)? - regression.bayes(basis, fit.scatter)?;
-        Some(Case {
+        Some(CandidateFit {
             candidate: index,
             choice,
             amounts: own.clone().map(|i| fit.amounts[i]).collect(),
@@ -232,8 +233,8 @@ impl<'a> Selector<'a> {
         })
     }
 
-    /// A cycle has its own phase on each drive, so that each is fitted alone.
-    fn cycle(&self, ground: &Ground, index: usize, candidate: &Candidate) -> Option<Case> {
+    /// Returns a cycle has its own phase on each drive, so that each is fitted alone.
+    fn cycle(&self, ground: &Ground, index: usize, candidate: &Candidate) -> Option<CandidateFit> {
         let drives = self.regression.drives(&ground.columns);
         let prior = DMatrix::from_diagonal_element(2, 2, candidate.typical.powi(-2));
         // Gains on drives to fit and held out, and the mean square of the size.
@@ -258,7 +259,7 @@ impl<'a> Selector<'a> {
             .max_by(|a, b| a.1.0[0].total_cmp(&b.1.0[0]))?;
         let relative = gains.iter().map(|g| (0.5 * (g.0[0] - best.0[0])).exp());
         let mean = relative.sum::<f64>() / gains.len() as f64;
-        Some(Case {
+        Some(CandidateFit {
             candidate: index,
             choice,
             amounts: vec![best.1.sqrt()],
@@ -272,7 +273,7 @@ impl<'a> Selector<'a> {
     }
 
     /// The amounts of all that is adopted, together.
-    fn refit(&self, basis: &Basis, steps: &mut [Step]) {
+    fn refit(&self, basis: &Basis, steps: &mut [SelectionStep]) {
         if basis.size() == 0 {
             return;
         }
@@ -293,24 +294,24 @@ impl<'a> Selector<'a> {
     }
 }
 
-/// The effect that the cases ask for, if any does.
-fn step(cases: &[Case], menu: &Menu) -> Option<Step> {
+/// Returns the effect that the cases ask for, if any does.
+fn step(cases: &[CandidateFit], menu: &Menu) -> Option<SelectionStep> {
     let price = 2.0 * (menu.candidates.len() as f64).ln();
-    let asked = |case: &&Case| {
+    let asked = |case: &&CandidateFit| {
         case.evidence - price >= ADOPTED && case.held_out > -1.0 && is_possible(case, menu)
     };
     let best = cases
         .iter()
         .filter(asked)
         .max_by(by(|case| case.evidence_at(1.0)))?;
-    let rivals: Vec<&Case> = cases
+    let rivals: Vec<&CandidateFit> = cases
         .iter()
         .filter(|case| is_rival(case, best) && is_possible(case, menu))
         .collect();
     // Among those that the drives to fit cannot tell apart, the drives held out decide; and a
     // parameter of the base model comes first where they do not either.
     let scatter = rivals.iter().map(|case| case.scatter).fold(1.0, f64::max);
-    let merit = |case: &Case| {
+    let merit = |case: &CandidateFit| {
         let effect = menu.candidates[case.candidate].effect;
         let is_base = effect
             .and_then(search_of)
@@ -326,15 +327,15 @@ fn step(cases: &[Case], menu: &Menu) -> Option<Step> {
         .filter(|case| case.candidate != adopted.candidate)
         .map(|&case| case.clone())
         .collect();
-    Some(Step {
+    Some(SelectionStep {
         adopted: adopted.clone(),
         group,
     })
 }
 
-/// Whether the drives cannot tell a case from the best: it fits as well, whatever its prior, and is
-/// no less likely after all by more than that.
-fn is_rival(case: &Case, best: &Case) -> bool {
+/// Returns whether the drives cannot tell a case from the best: it fits as well, whatever its
+/// prior, and is no less likely after all by more than that.
+fn is_rival(case: &CandidateFit, best: &CandidateFit) -> bool {
     let scatter = best.scatter.max(case.scatter);
     let is_usual = |amount: &f64| amount.abs() <= 1.5 * case.width;
     let fits_as_well = best.evidence_at(scatter) - case.evidence_at(scatter) <= TOLD_APART
@@ -345,12 +346,14 @@ fn is_rival(case: &Case, best: &Case) -> bool {
     fits_as_well && case.evidence > 0.0
 }
 
-fn by(value: impl Fn(&Case) -> f64) -> impl Fn(&&Case, &&Case) -> std::cmp::Ordering {
+fn by(
+    value: impl Fn(&CandidateFit) -> f64,
+) -> impl Fn(&&CandidateFit, &&CandidateFit) -> std::cmp::Ordering {
     move |a, b| value(a).total_cmp(&value(b))
 }
 
-/// Whether a vehicle can have it.
-fn is_possible(case: &Case, menu: &Menu) -> bool {
+/// Returns whether a vehicle can have it.
+fn is_possible(case: &CandidateFit, menu: &Menu) -> bool {
     let candidate = &menu.candidates[case.candidate];
     let Some(range) = candidate.effect.map(|effect| effect.range) else {
         return true;

@@ -1,5 +1,5 @@
-//! CSV files with a header: rows written whole or not at all, and read with the line of what is
-//! wrong.
+//! CSV files with a header. They are written whole or not at all, and errors of reading name the
+//! line.
 
 use super::output::{Staged, stage};
 use super::row_check::Flaw;
@@ -7,7 +7,8 @@ use crate::error::{Error, Result};
 use serde::{Deserialize, Deserializer, Serialize};
 use std::path::Path;
 
-/// An optional value of a column that must be there (serde takes a missing column for empty).
+/// Deserializes an optional value of a required column (serde takes a missing column for an empty
+/// one).
 pub(crate) fn column<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
     cell: D,
 ) -> std::result::Result<Option<T>, D::Error> {
@@ -17,15 +18,15 @@ pub(crate) fn column<'de, T: Deserialize<'de>, D: Deserializer<'de>>(
 /// Writes rows as CSV with a header, whole or not at all.
 ///
 /// # Errors
-/// What the file system says.
+/// Returns the error of the file system.
 pub fn write_csv<T: Serialize>(path: &Path, rows: impl IntoIterator<Item = T>) -> Result<()> {
     stage_csv(path, rows)?.commit()
 }
 
-/// Writes rows as CSV with a header, to appear when committed.
+/// Writes rows as CSV with a header to a file that appears when it is committed.
 ///
 /// # Errors
-/// What the file system says.
+/// Returns the error of the file system.
 pub fn stage_csv<T: Serialize>(path: &Path, rows: impl IntoIterator<Item = T>) -> Result<Staged> {
     stage(path, |out| {
         let mut writer = csv::Writer::from_writer(out);
@@ -39,15 +40,15 @@ pub fn stage_csv<T: Serialize>(path: &Path, rows: impl IntoIterator<Item = T>) -
 /// Reads the rows of a CSV file with a header.
 ///
 /// # Errors
-/// With file, line and what was expected; a file without rows is an error too.
+/// Names the file, the line and what was expected; a file without rows is an error too.
 pub fn read_csv<T: for<'de> Deserialize<'de>>(path: &Path) -> Result<Vec<T>> {
     read_checked(path, |_, _| Ok(()))
 }
 
-/// Reads the rows of a CSV file with a header; `check` judges each with the row before it.
+/// Reads the rows of a CSV file with a header; `check` gets each row with the row before it.
 ///
 /// # Errors
-/// With file, line and what was expected; a file without rows is an error too.
+/// Names the file, the line and what was expected; a file without rows is an error too.
 pub fn read_checked<T: for<'de> Deserialize<'de>>(
     path: &Path,
     check: impl Fn(Option<&T>, &T) -> std::result::Result<(), Flaw>,
@@ -55,10 +56,10 @@ pub fn read_checked<T: for<'de> Deserialize<'de>>(
     read_checked_with(&csv::ReaderBuilder::new(), path, check)
 }
 
-/// As [`read_checked`], with the reader that `builder` makes.
+/// Reads rows as [`read_checked`] does, with the reader that `builder` makes.
 ///
 /// # Errors
-/// As [`read_checked`].
+/// Returns the errors of [`read_checked`].
 pub fn read_checked_with<T: for<'de> Deserialize<'de>>(
     builder: &csv::ReaderBuilder,
     path: &Path,
@@ -74,7 +75,7 @@ pub fn read_checked_with<T: for<'de> Deserialize<'de>>(
     Ok(rows)
 }
 
-/// A line of a CSV file.
+/// One record of a CSV file.
 pub(crate) struct Record<'a> {
     path: &'a Path,
     headers: &'a csv::StringRecord,
@@ -82,29 +83,29 @@ pub(crate) struct Record<'a> {
 }
 
 impl Record<'_> {
-    /// Whether the file has a column of this name.
+    /// Returns true if the file has a column of this name.
     pub(crate) fn has_column(&self, name: &str) -> bool {
         self.headers.iter().any(|header| header == name)
     }
 
-    /// Its fields by the names of their columns.
+    /// Deserializes the fields by the names of their columns.
     pub(crate) fn read<T: for<'de> Deserialize<'de>>(&self) -> Result<T> {
         self.fields
             .deserialize(Some(self.headers))
             .map_err(|e| csv_error(self.path, &e, Some(self.headers)))
     }
 
-    /// What is wrong with it, with its line.
+    /// Returns the error of a flaw, with file and line.
     pub(crate) fn error(&self, flaw: Flaw) -> Error {
         let line = self.fields.position().map_or(1, csv::Position::line);
         Error::line(self.path, line, flaw.problem, flaw.expected)
     }
 }
 
-/// Reads a CSV file with a header, line by line.
+/// Reads a CSV file with a header, record by record.
 ///
 /// # Errors
-/// As [`read_checked`], and what `take` says.
+/// Returns the errors of [`read_checked`], and those of `take`.
 pub(crate) fn read_records(
     builder: &csv::ReaderBuilder,
     path: &Path,
@@ -149,7 +150,7 @@ fn csv_error(path: &Path, error: &csv::Error, headers: Option<&csv::StringRecord
                 .zip(err.field())
                 .and_then(|(headers, field)| headers.get(field as usize));
             if column.is_none() {
-                // Not one field's fault: a column that is missing or not known.
+                // The error is not in one field: a column is missing or unknown.
                 line = 1;
             }
             column.map_or_else(
@@ -167,6 +168,6 @@ fn csv_error(path: &Path, error: &csv::Error, headers: Option<&csv::StringRecord
         path,
         line,
         problem,
-        "the columns of docs/formats.md, as numbers",
+        "the columns that docs/formats.md lists, as numbers",
     )
 }

@@ -1,15 +1,15 @@
-//! Runs in Hive's layout: `tile=N47E008/day=2026-11-21/NAME.parquet`, so that an engine, or a
-//! path with a wildcard, reads only the tiles and days it wants.
+//! Runs in Hive's layout: `tile=N47E008/day=2026-11-21/NAME.parquet`. A query engine, or a path
+//! with a wildcard, then reads only the tiles and days it needs.
 
 use super::run::RunRows;
 use crate::error::{Error, Result};
 use std::path::{Path, PathBuf};
 
-/// Where in a data set a run belongs: in the tile in which it has its first position. A run is
-/// never cut, so the runs over a road also lie in the tiles from which they came.
+/// Returns the path of a run in a data set: in the tile of its first position. A run is never
+/// split, so runs over a road can also be in neighbouring tiles.
 ///
 /// # Errors
-/// If the run has no position.
+/// Returns an error if the run has no position.
 pub fn run_path(folder: &Path, rows: &mut dyn RunRows, day: &str, name: &str) -> Result<PathBuf> {
     let mut position = None;
     rows.each(&mut |row| {
@@ -17,7 +17,8 @@ pub fn run_path(folder: &Path, rows: &mut dyn RunRows, day: &str, name: &str) ->
         Ok(())
     })?;
     let Some((latitude_deg, longitude_deg)) = position else {
-        let problem = "a run without positions has no tile; expected a fix in it, or --out";
+        let problem =
+            "the run has no position, so it has no tile; expected GNSS positions, or --out";
         return Err(Error::content(folder, problem));
     };
     Ok(folder
@@ -26,8 +27,8 @@ pub fn run_path(folder: &Path, rows: &mut dyn RunRows, day: &str, name: &str) ->
         .join(format!("{name}.parquet")))
 }
 
-/// What the run of a log is called: as the log, without its endings. `drive.csv.gz` is `drive`, and
-/// `drive.1.log` is `drive.1`, another than `drive.2`.
+/// Returns the name of the run of a log: the name of the log without its extensions. `drive.csv.gz`
+/// gives `drive`, and `drive.1.log` gives `drive.1`.
 #[must_use]
 pub fn run_name(log: &Path) -> String {
     let name = log.file_name().unwrap_or_default().to_string_lossy();
@@ -36,8 +37,8 @@ pub fn run_name(log: &Path) -> String {
     name[..ending.unwrap_or(name.len())].to_owned()
 }
 
-/// The degree of latitude and longitude that a position lies in, by the corner in its south-west,
-/// as elevation data are named.
+/// Returns the tile of a position: the degree of latitude and longitude, named by its south-western
+/// corner as elevation data are.
 #[must_use]
 pub fn tile(latitude_deg: f64, longitude_deg: f64) -> String {
     let (south, west) = (latitude_deg.floor() as i32, longitude_deg.floor() as i32);
@@ -50,12 +51,12 @@ pub fn tile(latitude_deg: f64, longitude_deg: f64) -> String {
     )
 }
 
-/// A day as YYYY-MM-DD.
+/// Checks that a day is YYYY-MM-DD.
 ///
 /// # Errors
-/// What would do.
+/// Names what was expected.
 pub fn check_day(text: &str) -> std::result::Result<String, String> {
-    let expected = || format!("{text:?} is no day; expected YYYY-MM-DD, as 2026-11-21");
+    let expected = || format!("{text:?} is not a date; expected YYYY-MM-DD, such as 2026-11-21");
     let digits = |part: &str, count: usize| {
         let is_number = part.len() == count && part.bytes().all(|byte| byte.is_ascii_digit());
         is_number.then(|| part.parse::<u32>().ok()).flatten()

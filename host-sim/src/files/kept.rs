@@ -1,4 +1,5 @@
-//! The file that stands for an ECU's non-volatile memory: one [`PersistentState`] as bytes.
+//! The file of a vehicle's persistent state: one [`PersistentState`] as bytes. It stands for an
+//! ECU's non-volatile memory.
 
 use super::output::{self, Staged};
 use crate::error::{Error, Result};
@@ -7,10 +8,11 @@ use std::fs;
 use std::io::ErrorKind;
 use std::path::Path;
 
-/// What the last drive of this vehicle left; `None` if there is no such file.
+/// Reads the persistent state of the vehicle's last drive; `None` if there is no such file.
 ///
 /// # Errors
-/// A file that cannot be read, is damaged or something else, or is another vehicle's.
+/// Returns an error if the file cannot be read, is damaged or something else, or belongs to another
+/// vehicle.
 pub fn read(path: &Path, model: &Model) -> Result<Option<PersistentState>> {
     let bytes = match fs::read(path) {
         Err(e) if e.kind() == ErrorKind::NotFound => return Ok(None),
@@ -21,15 +23,15 @@ pub fn read(path: &Path, model: &Model) -> Result<Option<PersistentState>> {
         Ok(kept)
     });
     kept.map(Some).map_err(|refusal| {
-        let expected = "expected what this vehicle's last drive left, or no file";
+        let expected = "expected the persistent state of this vehicle's last drive, or no file";
         Error::content(path, format!("{refusal}; {expected}"))
     })
 }
 
-/// Writes what this drive leaves, to appear when committed.
+/// Writes the persistent state to a file that appears when it is committed.
 ///
 /// # Errors
-/// What the file system says.
-pub fn stage(path: &Path, kept: &PersistentState) -> Result<Staged> {
-    output::stage(path, |out| out.write_all(&kept.to_bytes()))
+/// Returns the error of the file system.
+pub fn stage(path: &Path, state: &PersistentState) -> Result<Staged> {
+    output::stage(path, |out| out.write_all(&state.to_bytes()))
 }

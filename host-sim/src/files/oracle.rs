@@ -1,8 +1,8 @@
-//! `oracle.toml`: what an estimator would be told that knows the vehicle and every noise, but not
-//! what the noise came to. Beside it, the real one shows what it loses by not knowing.
+//! `oracle.toml`: the true vehicle parameters and the true noise levels of a run, but not the noise
+//! itself. A filter with these values shows what better parameters and tuning could reach.
 //!
-//! The tables of vehicle.toml with the true values, and `[noise]`. Keys marked optional may be left
-//! out, which means that there is none of it; unknown keys and impossible values are errors that
+//! The file has the tables of vehicle.toml with the true values, and `[noise]`. Optional keys may
+//! be left out; the effect is then absent. Unknown keys and values out of range are errors that
 //! name the key.
 //!
 //! ```toml
@@ -12,14 +12,15 @@
 //! [noise]                        # true levels, 1 sigma
 //! speed_sigma_mps = 0.011        # white, each wheel-speed reading
 //! gnss_white_sigma_m = 0.3       # white, each GNSS altitude
-//! gnss_slow = { sigma_m = 3.0, time_s = 250.0 }   # slow error of it, and how long it keeps its value
+//! gnss_slow = { sigma_m = 3.0, time_s = 250.0 }   # slow altitude error and its correlation time
 //! gnss_latency_s = 0.15          # age of a fix when it arrives
 //! force_white_sigma_n = 5.0      # optional: traction force, mean over a cell of 2.5 m
 //! force_slow = { sigma_n = 40.0, time_s = 300.0 }      # optional: auxiliaries and the like
-//! headwind = { sigma_mps = 1.4, time_s = 4000.0 }      # optional: along the road, about none; where a
-//!                                                      # steady one rules, longer than the run
+//! headwind = { sigma_mps = 1.4, time_s = 4000.0 }      # optional: along the road, zero mean; for
+//! a
+//!                                                      # steady wind, longer than the run
 //! cold_tyres = { amount = 0.3, time_s = 1500.0 }       # optional: rolling resistance is (1 + amount)
-//!                                                      # times as large at first, and goes down
+//!                                                      # times as large at first, and decays
 //! ```
 
 use super::output::write_whole;
@@ -32,7 +33,7 @@ use serde::{Deserialize, Serialize};
 use std::fs;
 use std::path::Path;
 
-/// What counts as no error at all, so that no variance is zero.
+/// Lower limits of the levels, so that no variance is zero.
 mod least {
     /// Wheel speed, m/s: a step of SPN 84 is 0.001.
     pub const SPEED_MPS: f64 = 3e-4;
@@ -46,26 +47,26 @@ mod least {
     pub const WIND_MPS: f64 = 0.01;
     /// Traction scale, 1.
     pub const SCALE: f32 = 1e-3;
-    /// Its wander, per square root of a km.
+    /// Random walk of the scale, per square root of a km.
     pub const SCALE_WALK: f32 = 1e-5;
 }
 
-/// Longest time that an error can be said to keep its value, s.
+/// Longest correlation time, s.
 pub const LONGEST_TIME_S: f64 = 1e6;
 
-/// The truth about a run, the course of its errors excepted.
+/// The true parameters and noise levels of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OracleFile {
-    /// The vehicle as it is.
+    /// The true vehicle.
     pub vehicle: VehicleFile,
     /// True levels of the noise.
-    pub noise: NoiseLevels,
+    pub noise: OracleNoise,
 }
 
 /// `[noise]`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct NoiseLevels {
+pub struct OracleNoise {
     /// White noise of one wheel-speed reading, m/s.
     pub speed_sigma_mps: f64,
     /// White noise of one GNSS altitude, m.
@@ -88,7 +89,7 @@ pub struct NoiseLevels {
     pub cold_tyres: Option<ColdTyres>,
 }
 
-/// An altitude error that keeps its value for a while.
+/// A correlated altitude error.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SlowAltitude {
@@ -98,7 +99,7 @@ pub struct SlowAltitude {
     pub time_s: f64,
 }
 
-/// A force that keeps its value for a while.
+/// A correlated force.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SlowForce {
@@ -118,7 +119,7 @@ pub struct Headwind {
     pub time_s: f64,
 }
 
-/// Rolling resistance above that of warm tyres.
+/// Rolling resistance above that of warm tyres, at the start.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ColdTyres {
@@ -128,7 +129,7 @@ pub struct ColdTyres {
     pub time_s: f64,
 }
 
-/// Mean speed of a run, m/s; at least 1.
+/// Returns the mean speed of a run, m/s; at least 1.
 #[must_use]
 pub fn mean_speed_mps(rows: &[RunRow]) -> f64 {
     let sum: f64 = rows.iter().map(|row| row.speed_mps).sum();
@@ -139,7 +140,7 @@ impl OracleFile {
     /// Reads and checks an oracle file.
     ///
     /// # Errors
-    /// Unknown keys, missing keys and impossible values, each named.
+    /// Names each unknown key, missing key and value out of range.
     pub fn read(path: &Path) -> Result<Self> {
         let text = fs::read_to_string(path).map_err(Error::io(path))?;
         let key = |problem: String| Error::Key {
@@ -148,9 +149,9 @@ impl OracleFile {
         };
         let toml_error = |e: toml::de::Error| key(e.to_string().trim_end().to_owned());
         let mut document: toml::Table = toml::from_str(&text).map_err(toml_error)?;
-        let noise: NoiseLevels = document
+        let noise: OracleNoise = document
             .remove("noise")
-            .ok_or_else(|| key("missing [noise] (true levels of the noise)".to_owned()))?
+            .ok_or_else(|| key("missing [noise]; expected the true noise levels".to_owned()))?
             .try_into()
             .map_err(|e: toml::de::Error| key(format!("[noise]: {}", e.to_string().trim_end())))?;
         noise.check().map_err(key)?;
@@ -161,25 +162,26 @@ impl OracleFile {
     /// Writes the file.
     ///
     /// # Errors
-    /// What the file system says.
+    /// Returns the error of the file system.
     pub fn write(&self, path: &Path) -> Result<()> {
         #[derive(Serialize)]
-        struct Noise {
-            noise: NoiseLevels,
+        struct NoiseTable {
+            noise: OracleNoise,
         }
-        let noise = toml::to_string(&Noise { noise: self.noise }).expect("plain numbers are TOML");
+        let noise =
+            toml::to_string(&NoiseTable { noise: self.noise }).expect("plain numbers are TOML");
         write_whole(path, |out| {
             write!(out, "{}\n{noise}", self.vehicle.to_toml())
         })
     }
 
-    /// What the filter is to be told of a run of this mean speed: no doubt about the vehicle, and
-    /// the true noise. The road, the hold times and whatever else no simulator decides stay as they
-    /// are.
+    /// Returns the tuning of the oracle for a run of this mean speed: no uncertainty of the vehicle
+    /// parameters, and the true noise levels. Road, hold times and other settings that no simulator
+    /// decides keep their defaults.
     ///
-    /// Wind and other slow forces are one process to the filter. Its variance is the sum of theirs;
-    /// it keeps its value as long as the sum does, in that each step adds as much variance as they
-    /// do together. Tyres are the slow bias, which begins with their error and forgets it as they
+    /// The filter models wind and other slow forces as one process. Its variance is the sum of
+    /// theirs. Its correlation time is such that each step adds as much variance as they do
+    /// together. Cold tyres are the slow bias, which starts with their error and decays as they
     /// warm up.
     #[must_use]
     pub fn tuning(&self, run_mps: f64) -> Tuning {
@@ -224,7 +226,7 @@ impl OracleFile {
     }
 }
 
-impl NoiseLevels {
+impl OracleNoise {
     fn check(&self) -> std::result::Result<(), String> {
         let within = |name: &str, value: f64, least: f64, most: f64| {
             if (least..=most).contains(&value) {

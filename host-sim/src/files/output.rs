@@ -1,4 +1,4 @@
-//! Output files appear whole or not at all.
+//! Output files that appear whole or not at all.
 
 use crate::error::{Error, Result};
 use std::fs::{self, Permissions};
@@ -7,19 +7,19 @@ use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
-/// A file that is written but has not yet appeared under its name. Dropped, it leaves nothing.
+/// A complete file that has not yet appeared under its name. If dropped, it leaves nothing.
 #[derive(Debug)]
-#[must_use = "it appears when it is committed"]
+#[must_use = "the file appears when it is committed"]
 pub struct Staged {
     path: PathBuf,
     file: NamedTempFile,
 }
 
 impl Staged {
-    /// Lets it appear, in place of what was there.
+    /// Moves the file to its path, in place of an earlier file.
     ///
     /// # Errors
-    /// What the file system says; `path` is then as it was before.
+    /// Returns the error of the file system; `path` is then unchanged.
     pub fn commit(self) -> Result<()> {
         let Self { path, file } = self;
         file.persist(&path).map_err(|e| Error::io(&path)(e.error))?;
@@ -27,7 +27,7 @@ impl Staged {
     }
 }
 
-/// A file that is written bit by bit. Dropped, it leaves nothing.
+/// A file that is written piece by piece. If dropped, it leaves nothing.
 #[derive(Debug)]
 pub struct Writing {
     path: PathBuf,
@@ -35,17 +35,17 @@ pub struct Writing {
 }
 
 impl Writing {
-    /// Begins a file that is to appear as `path`, in a temporary one beside it.
+    /// Begins a file for `path`, in a temporary file beside it.
     ///
     /// # Errors
-    /// What the file system says.
+    /// Returns the error of the file system.
     pub fn begin(path: &Path) -> Result<Self> {
         let folder = match path.parent() {
             Some(parent) if !parent.as_os_str().is_empty() => parent,
             _ => Path::new("."),
         };
         fs::create_dir_all(folder).map_err(Error::io(folder))?;
-        // Readable as any other new file; a temporary file is its owner's alone.
+        // Readable as any other new file; temporary files are private to their owner.
         let file = tempfile::Builder::new()
             .permissions(Permissions::from_mode(0o666))
             .tempfile_in(folder)
@@ -56,10 +56,10 @@ impl Writing {
         })
     }
 
-    /// Ends it.
+    /// Completes the file.
     ///
     /// # Errors
-    /// What the file system says.
+    /// Returns the error of the file system.
     pub fn finish(self) -> Result<Staged> {
         let Self { path, file } = self;
         let file = file
@@ -79,10 +79,11 @@ impl Write for Writing {
     }
 }
 
-/// Writes `path` through `content`: into a temporary file beside it, renamed when complete.
+/// Writes `path` through `content`: into a temporary file beside it, which is renamed when
+/// complete.
 ///
 /// # Errors
-/// Whatever `content` says, or the file system; `path` is then as it was before.
+/// Returns the error of `content` or of the file system; `path` is then unchanged.
 pub fn write_whole(
     path: &Path,
     content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
@@ -90,11 +91,11 @@ pub fn write_whole(
     stage(path, content)?.commit()
 }
 
-/// As [`write_whole`], but the file appears only when it is committed: so that several files
-/// appear together or not at all.
+/// Writes a file as [`write_whole`] does, but it appears only when it is committed. Several files
+/// can so appear together or not at all.
 ///
 /// # Errors
-/// Whatever `content` says, or the file system.
+/// Returns the error of `content` or of the file system.
 pub fn stage(
     path: &Path,
     content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
@@ -104,10 +105,10 @@ pub fn stage(
     writing.finish()
 }
 
-/// As [`stage`], of a text.
+/// Stages a text file; see [`stage`].
 ///
 /// # Errors
-/// What the file system says.
+/// Returns the error of the file system.
 pub fn stage_text(path: &Path, text: &str) -> Result<Staged> {
     stage(path, |out| out.write_all(text.as_bytes()))
 }

@@ -1,4 +1,4 @@
-//! Tables of numbers as Parquet: columns named as in the CSV files, units in the metadata.
+//! Tables of numbers as Parquet: column names as in the CSV files, units in the metadata.
 
 use super::output::{Staged, Writing};
 use crate::error::{Error, Result};
@@ -18,12 +18,12 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Once};
 
-/// Rows that are decoded at once.
+/// Number of rows that are decoded at once.
 const BATCH_ROWS: usize = 8192;
-/// Rows of a row group (164 km), which is encoded in memory before it is written.
+/// Number of rows of a row group (164 km). A group is encoded in memory before it is written.
 const ROW_GROUP_ROWS: usize = 65_536;
 
-/// Whether a file of this name is, or is to be, Parquet.
+/// Returns true if the name of the file ends in `.parquet`.
 #[must_use]
 pub fn is_parquet(path: &Path) -> bool {
     path.extension()
@@ -32,14 +32,14 @@ pub fn is_parquet(path: &Path) -> bool {
 
 /// A column to write.
 #[derive(Debug)]
-pub struct Column {
+pub struct ParquetColumn {
     name: &'static str,
     values: ArrayRef,
     nullable: bool,
 }
 
-impl Column {
-    /// Numbers that are all there.
+impl ParquetColumn {
+    /// Creates a column of numbers, none missing.
     pub fn numbers(name: &'static str, values: impl Iterator<Item = f64>) -> Self {
         Self::new(
             name,
@@ -48,12 +48,12 @@ impl Column {
         )
     }
 
-    /// Numbers of which some may be missing.
+    /// Creates a column of numbers, some of which may be missing.
     pub fn optional(name: &'static str, values: impl Iterator<Item = Option<f64>>) -> Self {
         Self::new(name, values.collect::<PrimitiveArray<Float64Type>>(), true)
     }
 
-    /// Whole numbers.
+    /// Creates a column of integers.
     pub fn whole(name: &'static str, values: impl Iterator<Item = i64>) -> Self {
         Self::new(
             name,
@@ -62,13 +62,13 @@ impl Column {
         )
     }
 
-    /// The same text, or none, in all of `count` rows.
+    /// Creates a column with the same text, or null, in all `count` rows.
     pub fn text(name: &'static str, value: Option<&str>, count: usize) -> Self {
         let values: StringArray = std::iter::repeat_n(value, count).collect();
         Self::new(name, values, true)
     }
 
-    /// Texts of which some may be missing.
+    /// Creates a column of texts, some of which may be missing.
     pub fn texts<'a>(name: &'static str, values: impl Iterator<Item = Option<&'a str>>) -> Self {
         Self::new(name, values.collect::<StringArray>(), true)
     }
@@ -88,7 +88,7 @@ impl Column {
     }
 }
 
-/// The unit that a column's name carries.
+/// Returns the unit that a column's name ends in.
 fn unit_of(name: &str) -> Option<&'static str> {
     let (_, unit) = name.rsplit_once('_')?;
     match unit {
@@ -103,17 +103,22 @@ fn unit_of(name: &str) -> Option<&'static str> {
     }
 }
 
-/// Writes columns, to appear when committed; `metadata` goes with the file as a whole.
+/// Writes columns to a file that appears when it is committed; `metadata` is the metadata of the
+/// file.
 ///
 /// # Errors
-/// What the file system says.
-pub fn stage(path: &Path, columns: Vec<Column>, metadata: &[(&str, String)]) -> Result<Staged> {
+/// Returns the error of the file system.
+pub fn stage(
+    path: &Path,
+    columns: Vec<ParquetColumn>,
+    metadata: &[(&str, String)],
+) -> Result<Staged> {
     let mut table = TableWriter::begin(path, &columns, metadata)?;
     table.write(columns)?;
     table.finish()
 }
 
-/// A table that is written some rows at a time.
+/// A table that is written in batches of rows.
 pub struct TableWriter {
     path: PathBuf,
     schema: Arc<Schema>,
@@ -121,13 +126,17 @@ pub struct TableWriter {
 }
 
 impl TableWriter {
-    /// Begins a file with columns like these, whatever their rows; `metadata` goes with the file
-    /// as a whole.
+    /// Begins a file with the schema of these columns; their rows are not written. `metadata` is
+    /// the metadata of the file.
     ///
     /// # Errors
-    /// What the file system says.
-    pub fn begin(path: &Path, columns: &[Column], metadata: &[(&str, String)]) -> Result<Self> {
-        let fields: Vec<Field> = columns.iter().map(Column::field).collect();
+    /// Returns the error of the file system.
+    pub fn begin(
+        path: &Path,
+        columns: &[ParquetColumn],
+        metadata: &[(&str, String)],
+    ) -> Result<Self> {
+        let fields: Vec<Field> = columns.iter().map(ParquetColumn::field).collect();
         let schema = Arc::new(Schema::new(fields));
         let metadata = metadata
             .iter()
@@ -147,11 +156,11 @@ impl TableWriter {
         })
     }
 
-    /// Writes rows behind the others.
+    /// Appends rows.
     ///
     /// # Errors
-    /// What the file system says.
-    pub fn write(&mut self, columns: Vec<Column>) -> Result<()> {
+    /// Returns the error of the file system.
+    pub fn write(&mut self, columns: Vec<ParquetColumn>) -> Result<()> {
         let values = columns.into_iter().map(|column| column.values).collect();
         RecordBatch::try_new(self.schema.clone(), values)
             .map_err(Into::into)
@@ -159,10 +168,10 @@ impl TableWriter {
             .map_err(|e| failed(&self.path, e))
     }
 
-    /// Ends the file, to appear when committed.
+    /// Completes the file; it appears when it is committed.
     ///
     /// # Errors
-    /// What the file system says.
+    /// Returns the error of the file system.
     pub fn finish(self) -> Result<Staged> {
         let Self { path, writer, .. } = self;
         writer.into_inner().map_err(|e| failed(&path, e))?.finish()
@@ -173,7 +182,7 @@ fn failed(path: &Path, error: ParquetError) -> Error {
     Error::io(path)(std::io::Error::other(error))
 }
 
-/// A file whose footer has been read.
+/// A Parquet file whose footer has been read.
 pub struct Opened<'a> {
     path: &'a Path,
     builder: ParquetRecordBatchReaderBuilder<File>,
@@ -182,7 +191,7 @@ pub struct Opened<'a> {
 /// Opens a file.
 ///
 /// # Errors
-/// If it cannot be read or its footer is damaged.
+/// Returns an error if the file cannot be read or its footer is damaged.
 pub fn open(path: &Path) -> Result<Opened<'_>> {
     let file = File::open(path).map_err(Error::io(path))?;
     if file.metadata().map_err(Error::io(path))?.is_dir() {
@@ -196,14 +205,16 @@ pub fn open(path: &Path) -> Result<Opened<'_>> {
     })
 }
 
-/// Decoders of damaged files may panic (an index out of range in a page): that is damage too, and
-/// must not end a fusion of thousands of files. Whatever `decode` has changed is to be dropped.
+/// Runs `decode` and treats a panic as damage. Decoders can panic on damaged files (an index out of
+/// range in a page), and that must not end a fusion of thousands of files. The caller discards what
+/// `decode` changed.
 fn guarded<T>(path: &Path, decode: impl FnOnce() -> Result<T>) -> Result<T> {
-    catch_quietly(decode).unwrap_or_else(|| Err(damaged(path, "its pages make no sense")))
+    catch_quietly(decode).unwrap_or_else(|| Err(damaged(path, "its pages cannot be decoded")))
 }
 
-/// What `attempt` gives, or `None` where it panics, of which nothing is printed. The panic hook is
-/// set once for all threads and asks whether this one wants quiet; else it does what it did before.
+/// Returns the result of `attempt`, or `None` if it panics; the panic is not printed. The panic
+/// hook is set once for all threads. It is silent for this thread only, and else calls the previous
+/// hook.
 fn catch_quietly<T>(attempt: impl FnOnce() -> T) -> Option<T> {
     static HOOK: Once = Once::new();
     thread_local! {
@@ -226,12 +237,12 @@ fn catch_quietly<T>(attempt: impl FnOnce() -> T) -> Option<T> {
 fn damaged(path: &Path, problem: &str) -> Error {
     Error::content(
         path,
-        format!("damaged, or no Parquet file: {problem}; expected the file as it was written"),
+        format!("damaged, or not a Parquet file: {problem}; restore the file as it was written"),
     )
 }
 
 impl Opened<'_> {
-    /// What `stage` was given under this key.
+    /// Returns the metadata value of this key; see [`stage`].
     pub fn metadata(&self, key: &str) -> Option<&str> {
         let pairs = self.builder.metadata().file_metadata().key_value_metadata();
         pairs?
@@ -241,22 +252,23 @@ impl Opened<'_> {
             .as_deref()
     }
 
-    /// Number of rows, as the footer says.
+    /// Returns the number of rows, as the footer states it.
     pub fn rows(&self) -> usize {
         usize::try_from(self.builder.metadata().file_metadata().num_rows()).unwrap_or(0)
     }
 
-    /// Whether there is a column of this name.
+    /// Returns true if there is a column of this name.
     #[must_use]
     pub fn has_column(&self, name: &str) -> bool {
         self.builder.schema().field_with_name(name).is_ok()
     }
 
-    /// Passes these columns of every row to `take`, row group by row group; the others are not
-    /// read. Whole numbers come as floating ones.
+    /// Passes these columns of every row to `take`, row group by row group. Other columns are not
+    /// read. Integers are converted to floating point.
     ///
     /// # Errors
-    /// A column that is missing, not numbers, or lacks a value that `take` needs; damage.
+    /// Returns an error if a column is missing or not numeric, if a value that `take` needs is
+    /// missing, and if the file is damaged.
     pub fn read<const N: usize>(
         self,
         names: [&str; N],
@@ -265,10 +277,11 @@ impl Opened<'_> {
         self.read_texts(names, [], |numbers, []| take(numbers))
     }
 
-    /// As [`Self::read`], with columns of texts; one of these that the file lacks has none.
+    /// Reads columns as [`Self::read`] does, with text columns. A text column that the file lacks
+    /// is null in every row.
     ///
     /// # Errors
-    /// As [`Self::read`].
+    /// Returns the errors of [`Self::read`].
     pub fn read_texts<const N: usize, const M: usize>(
         self,
         names: [&str; N],
@@ -285,7 +298,8 @@ impl Opened<'_> {
         mut take: impl FnMut([Option<f64>; N], [Option<&str>; M]) -> Result<()>,
     ) -> Result<()> {
         if let Some(name) = names.iter().find(|name| !self.has_column(name)) {
-            let problem = format!("no column {name}; expected the columns of docs/formats.md");
+            let problem =
+                format!("no column {name}; expected the columns that docs/formats.md lists");
             return Err(Error::content(self.path, problem));
         }
         let Self { path, builder } = self;
@@ -332,7 +346,7 @@ impl Opened<'_> {
     }
 }
 
-/// Numbers of one kind or the other.
+/// Numeric column of either type.
 enum Values<'a> {
     Float(&'a PrimitiveArray<Float64Type>),
     Whole(&'a PrimitiveArray<Int64Type>),

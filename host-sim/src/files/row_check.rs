@@ -1,16 +1,18 @@
-//! Checks on the rows of the CSV files, so that a wrong number is told with its line.
+//! Checks of CSV rows, so that an error names its line.
 
-/// What is wrong with a row: what was found, and what would do.
+/// A problem of a row.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Flaw {
+    /// What was found.
     pub problem: String,
+    /// What was expected.
     pub expected: &'static str,
 }
 
-/// Every number is finite.
+/// Checks that every number is finite.
 ///
 /// # Errors
-/// Names the first that is not.
+/// Names the first number that is not finite.
 pub fn finite(values: &[(&str, f64)]) -> Result<(), Flaw> {
     match values.iter().find(|(_, value)| !value.is_finite()) {
         None => Ok(()),
@@ -21,10 +23,11 @@ pub fn finite(values: &[(&str, f64)]) -> Result<(), Flaw> {
     }
 }
 
-/// Every number is greater than zero (a standard deviation of zero would outweigh every other).
+/// Checks that every number is greater than zero. A standard deviation of zero would have infinite
+/// weight.
 ///
 /// # Errors
-/// Names the first that is not.
+/// Names the first number that is not.
 pub fn positive(values: &[(&str, f64)]) -> Result<(), Flaw> {
     match values.iter().find(|(_, value)| *value <= 0.0) {
         None => Ok(()),
@@ -35,10 +38,10 @@ pub fn positive(values: &[(&str, f64)]) -> Result<(), Flaw> {
     }
 }
 
-/// A position on Earth.
+/// Checks a position on Earth, degrees.
 ///
 /// # Errors
-/// Names the angle out of range.
+/// Names the angle that is out of range.
 pub fn position(latitude_deg: f64, longitude_deg: f64) -> Result<(), Flaw> {
     let on_earth = |name, value: f64, limit: f64, expected| {
         if value.abs() <= limit {
@@ -64,7 +67,7 @@ pub fn position(latitude_deg: f64, longitude_deg: f64) -> Result<(), Flaw> {
     )
 }
 
-/// A quantity grows from row to row; `strictly` if it may not stand either.
+/// Checks that a quantity grows from row to row; if `strictly`, it may not stay equal.
 ///
 /// # Errors
 /// Names the quantity.

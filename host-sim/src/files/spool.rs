@@ -1,5 +1,5 @@
-//! Entries put by until a run is over: in memory while they are few, then in a temporary file
-//! (`TMPDIR`, else where the system has them), which nobody else sees and which is gone with the
+//! Storage for entries until a run is over: in memory while they are few, then in a temporary file
+//! (in `TMPDIR`, else in the system's folder). The file is unlinked, so it disappears with the
 //! process.
 
 use serde::Serialize;
@@ -9,26 +9,26 @@ use std::marker::PhantomData;
 use std::ops::Range;
 use tempfile::SpooledTempFile;
 
-/// Bytes that stay in memory.
+/// Number of bytes that stay in memory.
 const MEMORY_BYTES: usize = 256 * 1024;
-/// Entries that are written or read at once.
+/// Number of entries that are written or read at once.
 const BLOCK: usize = 512;
 
-/// A part in blocks of which each is little to hold.
+/// Splits a range into blocks that are small enough for memory.
 pub fn blocks(part: Range<usize>) -> impl Iterator<Item = Range<usize>> {
     let end = part.end;
     part.step_by(BLOCK)
         .map(move |begin| begin..end.min(begin + BLOCK))
 }
 
-/// Entries of at most `SLOT` bytes as postcard encodes them. All take as many, so that each is
-/// found by its number.
+/// Entries of at most `SLOT` bytes in postcard's encoding. Each takes a slot of this size, so that
+/// entries are found by number.
 #[derive(Debug)]
 pub struct Spool<T, const SLOT: usize> {
     file: SpooledTempFile,
-    /// Entries in the file.
+    /// Number of entries in the file.
     filed: usize,
-    /// The last ones, which are not yet.
+    /// The last entries, which are not yet in the file.
     waiting: Vec<u8>,
     entries: PhantomData<T>,
 }
@@ -45,7 +45,7 @@ impl<T, const SLOT: usize> Default for Spool<T, SLOT> {
 }
 
 impl<T, const SLOT: usize> Spool<T, SLOT> {
-    /// Number of entries, from the first to the last that was put by.
+    /// Returns the number of entries, the last stored number plus one.
     #[must_use]
     pub const fn count(&self) -> usize {
         self.filed + self.waiting.len() / SLOT
@@ -78,10 +78,10 @@ impl<T, const SLOT: usize> Spool<T, SLOT> {
 }
 
 impl<T: Serialize, const SLOT: usize> Spool<T, SLOT> {
-    /// Puts an entry behind the others.
+    /// Appends an entry.
     ///
     /// # Errors
-    /// What the file system says; an entry that does not fit its slot.
+    /// Returns the error of the file system, or an error if the entry does not fit its slot.
     pub fn push(&mut self, entry: &T) -> io::Result<()> {
         encode::<T, SLOT>(entry, &mut self.waiting)?;
         if self.waiting.len() < BLOCK * SLOT {
@@ -90,10 +90,10 @@ impl<T: Serialize, const SLOT: usize> Spool<T, SLOT> {
         self.file_waiting()
     }
 
-    /// Puts entries by at their numbers, in whatever order.
+    /// Stores entries at their numbers, in any order.
     ///
     /// # Errors
-    /// As [`push`](Self::push).
+    /// Returns the errors of [`push`](Self::push).
     pub fn put(&mut self, first: usize, entries: impl Iterator<Item = T>) -> io::Result<()> {
         self.file_waiting()?;
         let mut slots = Vec::new();
@@ -105,10 +105,10 @@ impl<T: Serialize, const SLOT: usize> Spool<T, SLOT> {
 }
 
 impl<T: DeserializeOwned, const SLOT: usize> Spool<T, SLOT> {
-    /// The entries of a part, to be read [block by block](blocks).
+    /// Returns the entries of a range; read it [block by block](blocks).
     ///
     /// # Errors
-    /// What the file system says; entries that were not put by.
+    /// Returns the error of the file system, or an error if an entry was never stored.
     pub fn read(&mut self, part: Range<usize>) -> io::Result<Vec<T>> {
         self.file_waiting()?;
         let mut slots = vec![0; part.len() * SLOT];

@@ -1,4 +1,4 @@
-//! TRUTH.csv: what a simulated drive really was.
+//! TRUTH.csv: the true state of a simulated drive.
 
 use super::csv::{read_checked, write_csv};
 use super::row_check::{self, Flaw};
@@ -7,13 +7,16 @@ use crate::numeric::rounding::round;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// The truth at one moment. `time_s` from the log's first frame.
+/// The truth at one time.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TruthRow {
+    /// Time since the first frame of the log, s.
     pub time_s: f64,
+    /// Driven distance, m.
     pub distance_m: f64,
-    /// 100 tan of the slope angle, positive uphill in the direction of travel.
+    /// True grade, %: 100 tan of the slope angle, positive uphill in the direction of travel.
     pub grade_percent: f64,
+    /// True altitude, m.
     pub altitude_m: f64,
     /// 1 during a gear shift, else 0.
     pub shifting: u8,
@@ -22,7 +25,7 @@ pub struct TruthRow {
 }
 
 impl TruthRow {
-    /// Whether the row can follow `before` in a drive.
+    /// Checks that the row can follow `before` in a drive.
     fn check(before: Option<&Self>, row: &Self) -> std::result::Result<(), Flaw> {
         row_check::finite(&[
             ("time_s", row.time_s),
@@ -40,7 +43,7 @@ impl TruthRow {
 /// Writes the truth of a drive.
 ///
 /// # Errors
-/// What the file system says.
+/// Returns the error of the file system.
 pub fn write(path: &Path, rows: &[TruthRow]) -> Result<()> {
     write_csv(
         path,
@@ -57,7 +60,7 @@ pub fn write(path: &Path, rows: &[TruthRow]) -> Result<()> {
 /// Reads the truth of a drive.
 ///
 /// # Errors
-/// With file, line and what was expected.
+/// Names the file, the line and what was expected.
 pub fn read(path: &Path) -> Result<Vec<TruthRow>> {
     read_checked(path, TruthRow::check)
 }

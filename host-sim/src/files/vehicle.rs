@@ -9,19 +9,19 @@ use serde::{Deserialize, Serialize};
 use std::fs;
 use std::path::Path;
 
-/// The model of a vehicle, with its name.
+/// A vehicle model with its name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VehicleFile {
     /// Name in tables.
     pub name: String,
-    /// Parameters and effects, as the estimator gets them.
+    /// Parameters and effects for the estimator.
     pub model: Model,
 }
 
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Document {
-    vehicle: Vehicle,
+struct VehicleDocument {
+    vehicle: VehicleTable,
     #[serde(skip_serializing_if = "Option::is_none")]
     powertrain: Option<PowertrainTable>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -32,7 +32,7 @@ struct Document {
 
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Vehicle {
+struct VehicleTable {
     name: String,
     mass_kg: f32,
     drag_area_m2: f32,
@@ -74,22 +74,22 @@ impl VehicleFile {
     /// Reads and checks a vehicle file.
     ///
     /// # Errors
-    /// Unknown keys, missing keys and impossible values, each named.
+    /// Names each unknown key, missing key and value out of range.
     pub fn read(path: &Path) -> Result<Self> {
         let text = fs::read_to_string(path).map_err(Error::io(path))?;
         Self::checked(toml::from_str(&text), path)
     }
 
-    /// From the tables of such a file; `path` is for messages.
+    /// Creates the vehicle from the tables of such a file; `path` is for error messages.
     ///
     /// # Errors
-    /// As [`read`](Self::read).
+    /// Returns the errors of [`read`](Self::read).
     pub(crate) fn from_table(table: toml::Table, path: &Path) -> Result<Self> {
         Self::checked(table.try_into(), path)
     }
 
     fn checked(
-        document: std::result::Result<Document, toml::de::Error>,
+        document: std::result::Result<VehicleDocument, toml::de::Error>,
         path: &Path,
     ) -> Result<Self> {
         let key = |problem: String| Error::Key {
@@ -110,13 +110,13 @@ impl VehicleFile {
     /// Writes the file.
     ///
     /// # Errors
-    /// What the file system says.
+    /// Returns the error of the file system.
     pub fn write(&self, path: &Path) -> Result<()> {
         let text = self.to_toml();
         write_whole(path, |out| out.write_all(text.as_bytes()))
     }
 
-    /// The file's text.
+    /// Returns the text of the file.
     #[must_use]
     pub fn to_toml(&self) -> String {
         let p = &self.model.vehicle;
@@ -129,8 +129,8 @@ impl VehicleFile {
                 }),
             ),
         };
-        let document = Document {
-            vehicle: Vehicle {
+        let document = VehicleDocument {
+            vehicle: VehicleTable {
                 name: self.name.clone(),
                 mass_kg: p.mass_kg,
                 drag_area_m2: p.drag_area_m2,
@@ -165,7 +165,7 @@ impl From<&Powertrain> for PowertrainTable {
     }
 }
 
-impl Document {
+impl VehicleDocument {
     fn model(&self) -> std::result::Result<Model, String> {
         let traction = match (&self.powertrain, &self.traction) {
             (Some(p), None) => {
@@ -195,7 +195,9 @@ impl Document {
                 }),
             ) => Traction::Force,
             (Some(_), Some(_)) => {
-                return Err("both [powertrain] and [traction]: expected one of them".to_owned());
+                return Err(
+                    "both [powertrain] and [traction] are given; expected one of them".to_owned(),
+                );
             }
             (None, None) => {
                 return Err(

@@ -121,7 +121,7 @@ impl Census {
             .reduce(f64::max)
     }
 
-    /// The counts of any of `signals`.
+    /// Returns the counts of any of `signals`.
     pub fn of(&self, signals: &[Signal]) -> impl Iterator<Item = &SignalCount> {
         self.signals
             .iter()
@@ -131,13 +131,13 @@ impl Census {
 
 /// Events of one kind, in the order of time.
 #[derive(Clone, Copy, Debug, Default)]
-struct Tally {
+struct EventTally {
     count: u64,
     first: Instant,
     last: Instant,
 }
 
-impl Tally {
+impl EventTally {
     fn add(&mut self, now: Instant) {
         if self.count == 0 {
             self.first = now;
@@ -158,7 +158,7 @@ impl Tally {
 
 #[derive(Debug, Default)]
 struct Group {
-    tally: Tally,
+    tally: EventTally,
     sources: BTreeSet<u8>,
     unusable: u64,
 }
@@ -222,10 +222,10 @@ impl Range {
 #[derive(Default)]
 pub struct BusCounter {
     decoder: Decoder,
-    all: Tally,
+    all: EventTally,
     remote: u64,
     groups: BTreeMap<u32, Group>,
-    standard: BTreeMap<u16, Tally>,
+    standard: BTreeMap<u16, EventTally>,
     transported: BTreeMap<u32, (u64, u16)>,
     signals: BTreeMap<(Signal, u32, u8), Range>,
 }
@@ -261,7 +261,7 @@ impl BusCounter {
         }
     }
 
-    /// The result.
+    /// Returns the result.
     #[must_use]
     pub fn finish(self, skipped: Skipped) -> Census {
         let decoded: BTreeSet<u32> = estimator_core::signal::messages()
@@ -318,8 +318,8 @@ impl BusCounter {
     }
 }
 
-/// The group and its length that a frame of the transport protocol announces: to all (control
-/// byte 32) or to one receiver (16), SAE J1939-21.
+/// Returns the group and its length that a frame of the transport protocol announces: to all
+/// (control byte 32) or to one receiver (16), SAE J1939-21.
 fn announcement(pgn: Pgn, frame: &CanFrame) -> Option<(u32, u16)> {
     if pgn.number != TRANSPORT_MANAGEMENT {
         return None;
@@ -333,7 +333,7 @@ fn announcement(pgn: Pgn, frame: &CanFrame) -> Option<(u32, u16)> {
 
 /// Counts the rows of a signal table.
 pub struct TableCounter {
-    all: Tally,
+    all: EventTally,
     columns: BTreeMap<Signal, Range>,
 }
 
@@ -341,7 +341,7 @@ impl TableCounter {
     /// For a table with these columns.
     pub fn new(columns: impl IntoIterator<Item = Signal>) -> Self {
         Self {
-            all: Tally::default(),
+            all: EventTally::default(),
             columns: columns
                 .into_iter()
                 .map(|signal| (signal, Range::default()))
@@ -357,7 +357,7 @@ impl TableCounter {
         }
     }
 
-    /// The result.
+    /// Returns the result.
     #[must_use]
     pub fn finish(self) -> Census {
         let rows = self.all.count;

@@ -142,7 +142,7 @@ const LIST: &[(&str, Importance, &[Signal], &str)] = &[
     ),
 ];
 
-/// What an estimate looks for, and what of it is in the log.
+/// Returns what an estimate looks for, and what of it is in the log.
 #[must_use]
 pub fn needs(census: &Census) -> Vec<Need> {
     LIST.iter()

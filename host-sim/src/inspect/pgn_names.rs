@@ -51,7 +51,7 @@ const NAMES: &[(u32, &str)] = &[
     (129_540, "GnssSatsInView"),
 ];
 
-/// The acronym of a parameter group, if it is known.
+/// Returns the acronym of a parameter group, if it is known.
 #[must_use]
 pub fn name_of(pgn: u32) -> Option<&'static str> {
     if let Some(message) = estimator_core::signal::messages().find(|m| m.pgn() == pgn) {

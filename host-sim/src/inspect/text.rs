@@ -298,7 +298,7 @@ fn figure(signal: &str, value: Option<f64>) -> String {
     value.map_or_else(|| "-".to_owned(), |v| format!("{v:.decimals$}"))
 }
 
-/// A count with its thousands set apart.
+/// Returns a count with its thousands set apart.
 fn grouped(count: u64) -> String {
     let digits = count.to_string();
     let mut text = String::new();

@@ -1,88 +1,91 @@
-//! A live bus, listened to until the drive ends.
+//! A drive on a live bus, from the first frame to the last.
 
 use super::publisher::Publisher;
 use super::session::{Reaction, Session};
 use super::show::Show;
 use super::stop_flag::stop_flag;
-use super::view::View;
+use super::view::LiveView;
 use crate::error::{Error, Result};
-use crate::files::kept;
 use crate::files::output::Staged;
 use crate::files::vehicle::VehicleFile;
+use crate::files::{kept, tuning};
 use crate::recorder::{LongRun, Recorder};
 use crate::source::log_time;
-use crate::source::socketcan::{BusEvent, Received, Receiver, of_group, wanted};
-use estimator_core::{Estimator, PersistentStateError, Tuning};
+use crate::source::socketcan::{BusEvent, FrameReceiver, Received, of_group, wanted};
+use estimator_core::{Estimator, PersistentStateError};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant as Monotonic};
 
-/// An event that repeats is told no more often.
-const TELL_AGAIN: Duration = Duration::from_secs(1);
+/// Minimum time between two reports of the same event.
+const REPORT_INTERVAL: Duration = Duration::from_secs(1);
 
-/// What is listened to, and what is done with it.
+/// Options of a live drive.
 #[derive(Clone, Copy, Debug)]
 pub struct ListenRequest<'a> {
     /// CAN interfaces, each once.
     pub interfaces: &'a [String],
-    /// File of the vehicle, for messages.
+    /// Vehicle file, for error messages.
     pub vehicle_file: &'a Path,
-    /// File with what the last drive left.
-    pub kept: Option<&'a Path>,
-    /// File that the frames received go to.
+    /// File of the persistent state of the last drive.
+    pub state_file: Option<&'a Path>,
+    /// Tuning file.
+    pub tuning: Option<&'a Path>,
+    /// File for the received frames.
     pub log: Option<&'a Path>,
-    /// J1939 address to send the estimate from.
+    /// J1939 source address of the published estimate; `None` if publishing is off.
     pub address: Option<u8>,
-    /// Frames have the time of the log that is replayed.
+    /// Use the time stamps of the replayed log.
     pub log_time: bool,
-    /// The drive ends when no frame has come for so long.
+    /// End the drive after this time without a frame.
     pub end_after_silence: Option<Duration>,
-    /// JSON instead of lines and panel.
+    /// Print JSON instead of lines and panel.
     pub json: bool,
 }
 
-/// A drive that is listened to.
+/// A live drive in progress.
 pub struct Listening<'a> {
     request: ListenRequest<'a>,
-    receiver: Receiver,
+    receiver: FrameReceiver,
     session: Session,
     publisher: Option<Publisher>,
     show: Show,
     stop: Arc<AtomicBool>,
-    told: BTreeMap<(usize, BusEvent), Monotonic>,
+    reported: BTreeMap<(usize, BusEvent), Monotonic>,
 }
 
-/// What a drive that is over leaves.
-pub struct Ended {
-    /// The last view of it.
-    pub view: View,
-    /// Whether that could be shown.
+/// The result of a finished live drive.
+pub struct EndedDrive {
+    /// The last view.
+    pub view: LiveView,
+    /// The result of showing the last view.
     pub shown: Result<()>,
     /// The run, smoothed as a whole.
     pub run: Result<LongRun>,
-    /// The log of what was received, to appear when committed.
+    /// The log of the received frames; it appears when it is committed.
     pub log: Result<Option<Staged>>,
-    /// Whether the view takes stdout.
+    /// True if the view is printed on stdout.
     pub takes_stdout: bool,
 }
 
 impl<'a> Listening<'a> {
-    /// Begins to listen.
+    /// Opens the interfaces and files, and begins the drive.
     ///
     /// # Errors
-    /// An impossible vehicle, or not that of the last drive; an interface or a file that cannot be
-    /// opened.
+    /// Returns an error for invalid vehicle parameters, for a persistent state of another vehicle,
+    /// and for an interface or a file that cannot be opened.
     pub fn begin(request: ListenRequest<'a>, vehicle: &VehicleFile) -> Result<Self> {
-        let (parameters, tuning) = (vehicle.model.clone(), Tuning::default());
-        let kept = match request.kept {
-            Some(file) => kept::read(file, &parameters)?,
+        let model = vehicle.model.clone();
+        let tuning = tuning::read_or_default(request.tuning)?;
+        let last = match request.state_file {
+            Some(file) => kept::read(file, &model)?,
             None => None,
         };
-        let estimator = match &kept {
-            Some(kept) => Estimator::<f32>::restore(parameters, tuning, kept),
-            None => Estimator::new(parameters, tuning).map_err(PersistentStateError::from),
+        let estimator = match &last {
+            Some(last) => Estimator::<f32>::restore(model, tuning, last),
+            None => Estimator::new(model, tuning).map_err(PersistentStateError::from),
         };
         let estimator =
             estimator.map_err(|e| Error::content(request.vehicle_file, e.to_string()))?;
@@ -97,7 +100,7 @@ impl<'a> Listening<'a> {
             filters.push(of_group(log_time::PGN));
         }
         let stop = stop_flag()?;
-        let receiver = Receiver::start(request.interfaces, &filters, Arc::clone(&stop))?;
+        let receiver = FrameReceiver::start(request.interfaces, &filters, Arc::clone(&stop))?;
         let address = request.address;
         let publisher = if address.is_some() || request.log_time {
             Some(Publisher::open(&request.interfaces[0], address)?)
@@ -117,25 +120,26 @@ impl<'a> Listening<'a> {
             publisher,
             show,
             stop,
-            told: BTreeMap::new(),
+            reported: BTreeMap::new(),
         })
     }
 
-    /// Takes traffic until it is told to end, or the log or its traffic is over.
+    /// Processes frames until the stop flag is set, the replayed log ends, or the silence limit is
+    /// reached.
     ///
     /// # Errors
-    /// What the terminal or the log file says.
+    /// Returns an error of the terminal or the log file.
     pub fn run(&mut self) -> Result<()> {
         loop {
             let mut patience = self.show.due_in();
             if let Some(due) = self.publisher.as_ref().and_then(Publisher::due_in) {
                 patience = patience.min(due);
             }
-            let Some(stretch) = self.receiver.next(patience) else {
+            let Some(batch) = self.receiver.next(patience) else {
                 return Ok(());
             };
             let mut is_over = false;
-            for received in &stretch {
+            for received in &batch {
                 is_over |= self.take(received)?;
             }
             let cells = self.session.fetch_cells();
@@ -156,15 +160,15 @@ impl<'a> Listening<'a> {
                 .end_after_silence
                 .is_some_and(|longest| silence >= longest)
             {
-                // The receiver hands out what it still has, and ends.
+                // The receiver returns the frames that it still holds, then ends.
                 self.stop.store(true, Ordering::Relaxed);
             }
         }
     }
 
-    /// Ends the drive: the last view, and smoothing over the whole of it.
+    /// Ends the drive: shows the last view and smooths the whole run.
     #[must_use]
-    pub fn finish(self) -> Ended {
+    pub fn finish(self) -> EndedDrive {
         let Self {
             mut session,
             publisher,
@@ -174,7 +178,7 @@ impl<'a> Listening<'a> {
         let view = session.view(publisher.and_then(|publisher| publisher.unsent()));
         let shown = show.show_last(&view);
         let (run, log) = session.finish();
-        Ended {
+        EndedDrive {
             view,
             shown,
             run,
@@ -183,12 +187,12 @@ impl<'a> Listening<'a> {
         }
     }
 
-    /// Takes what was received; true if the log is over.
+    /// Processes a received item. Returns true if the replayed log is over.
     fn take(&mut self, received: &Received) -> Result<bool> {
         let reaction = self.session.take(received)?;
         match reaction {
             Reaction::None => {}
-            Reaction::Tell(event) => self.tell(received.interface, event),
+            Reaction::Report(event) => self.report(received.interface, event),
             Reaction::Answer(answer) | Reaction::End(answer) => {
                 if let Some(publisher) = &mut self.publisher {
                     publisher.answer(answer);
@@ -198,11 +202,11 @@ impl<'a> Listening<'a> {
         Ok(matches!(reaction, Reaction::End(_)))
     }
 
-    fn tell(&mut self, interface: usize, event: BusEvent) {
+    fn report(&mut self, interface: usize, event: BusEvent) {
         let now = Monotonic::now();
-        let is_new = |told: &Monotonic| now.duration_since(*told) >= TELL_AGAIN;
-        if event.is_change() && self.told.get(&(interface, event)).is_none_or(is_new) {
-            self.told.insert((interface, event), now);
+        let is_new = |last: &Monotonic| now.duration_since(*last) >= REPORT_INTERVAL;
+        if event.is_change() && self.reported.get(&(interface, event)).is_none_or(is_new) {
+            self.reported.insert((interface, event), now);
             let name = &self.request.interfaces[interface];
             self.show.say(&format!("{name}: {}", event.words()));
         }

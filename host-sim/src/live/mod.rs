@@ -1,4 +1,4 @@
-//! The estimator on a live bus, and a recorded bus put on an interface.
+//! The estimator on a live bus, and the replay of a log on an interface.
 
 mod listening;
 pub mod panel;
@@ -10,7 +10,7 @@ mod show;
 mod stop_flag;
 pub mod view;
 
-pub use listening::{Ended, ListenRequest, Listening};
+pub use listening::{EndedDrive, ListenRequest, Listening};
 pub use publisher::Publisher;
 pub use session::{Reaction, Session};
 pub use show::Show;

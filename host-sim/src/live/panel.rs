@@ -1,6 +1,6 @@
-//! A view as text: a panel to watch, lines to keep, JSON to process.
+//! The live view as text: a panel, lines, or JSON.
 
-use super::view::{InterfaceView, View};
+use super::view::{InterfaceView, LiveView};
 use crate::terminal::counters::events;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
@@ -20,18 +20,19 @@ const COLUMNS: [(&str, usize); 12] = [
     ("lost", 6),
     ("events", 6),
 ];
-/// What stands where nothing is known.
+/// Placeholder for an unknown value.
 const UNKNOWN: &str = "-";
 
-/// The head of the lines.
+/// Returns the header of the lines.
 #[must_use]
 pub fn header() -> String {
     joined(&COLUMNS.map(|(name, _)| name.to_owned()))
 }
 
-/// One line, under [`header`]; words and numbers apart by blanks, `-` for what is not known.
+/// Returns one line, in the columns of [`header`]. Fields are separated by blanks; `-` is an
+/// unknown value.
 #[must_use]
-pub fn line(view: &View) -> String {
+pub fn line(view: &LiveView) -> String {
     let live = view.live.as_ref();
     let number = |value: Option<f32>, decimals: usize, signed: bool| match value {
         Some(value) if signed => format!("{value:+.decimals$}"),
@@ -67,9 +68,9 @@ fn joined(cells: &[String; COLUMNS.len()]) -> String {
     line
 }
 
-/// The same and more as JSON.
+/// Returns the view as JSON.
 #[must_use]
-pub fn json(view: &View) -> Value {
+pub fn json(view: &LiveView) -> Value {
     let live = view.live.as_ref();
     let uncertain =
         |value: estimator_core::Uncertain| json!({ "value": value.value, "sigma": value.sigma });
@@ -88,11 +89,11 @@ pub fn json(view: &View) -> Value {
     })
 }
 
-/// The core's counts, and those of this program, by name.
-fn counts(view: &View) -> Value {
+/// Returns the counters of the core and of this program, by their keys.
+fn counts(view: &LiveView) -> Value {
     let mut counts: serde_json::Map<String, Value> = events(&view.counters)
         .into_iter()
-        .map(|(name, count)| (name.to_owned(), count.into()))
+        .map(|event| (event.key.to_owned(), event.count.into()))
         .collect();
     for (name, count) in own_counts(view) {
         counts.insert(name.to_owned(), count.into());
@@ -100,7 +101,7 @@ fn counts(view: &View) -> Value {
     counts.into()
 }
 
-fn own_counts(view: &View) -> Vec<(&'static str, u64)> {
+fn own_counts(view: &LiveView) -> Vec<(&'static str, u64)> {
     let mut counts = Vec::new();
     if view.untimed > 0 {
         counts.push(("frames without a log time", view.untimed));
@@ -111,25 +112,25 @@ fn own_counts(view: &View) -> Vec<(&'static str, u64)> {
     counts
 }
 
-/// The panel, several lines of it.
+/// Returns the panel, several lines of text.
 #[must_use]
-pub fn panel(view: &View) -> String {
+pub fn panel(view: &LiveView) -> String {
     let mut out = String::new();
     let _ = writeln!(out, "time      {}   {}", clock(view.time_s), view.mode());
     match &view.live {
         None => {
-            let _ = writeln!(out, "grade     not yet: no speed was read");
+            let _ = writeln!(out, "grade     not available: no speed received yet");
         }
         Some(live) => {
             let e = &live.estimate;
             let (grade, sigma) = (e.grade_percent.value, e.grade_percent.sigma);
-            let (way, speed) = (live.end.distance_m() * 1e-3, e.speed_mps * 3.6);
+            let (distance, speed) = (live.end.distance_m() * 1e-3, e.speed_mps * 3.6);
             let bar = gauge(grade);
             let _ = writeln!(out, "grade     {grade:+7.2} % ± {sigma:.2}   {bar}");
             let altitude = e.altitude_m.map_or("not known".to_owned(), |z| {
                 format!("{:.1} m ± {:.1}", z.value, z.sigma)
             });
-            let _ = writeln!(out, "place     {way:.3} km   altitude {altitude}");
+            let _ = writeln!(out, "place     {distance:.3} km   altitude {altitude}");
             let _ = writeln!(out, "speed     {speed:.1} km/h");
             let (bias, scale) = (e.bias_percent, e.scale);
             let _ = writeln!(
@@ -150,6 +151,7 @@ pub fn panel(view: &View) -> String {
     }
     let words: Vec<String> = events(&view.counters)
         .into_iter()
+        .map(|event| (event.name, event.count))
         .chain(own_counts(view))
         .map(|(name, count)| format!("{count} {name}"))
         .collect();
@@ -170,17 +172,17 @@ fn of_interface(interface: &InterfaceView) -> String {
         lost,
         events,
     } = interface;
-    let mut line = format!("{name:<9} {frames_per_s:.0} frames/s   {frames} in all, {lost} lost");
+    let mut line = format!("{name:<9} {frames_per_s:.0} frames/s   {frames} in total, {lost} lost");
     for (event, count) in events {
         let _ = write!(line, ", {count} × {}", event.words());
     }
     line
 }
 
-/// Half the width of the gauge, in signs of half a percent.
+/// Half the width of the gauge, in characters of half a percent each.
 const HALF_GAUGE: usize = 16;
 
-/// The grade from -8 to 8 % as a bar from its middle.
+/// Returns the grade, from -8 to 8 %, as a bar from the middle of the gauge.
 fn gauge(grade_percent: f32) -> String {
     let signs = (grade_percent.abs() * 2.0).round() as usize;
     let filled = signs.min(HALF_GAUGE);

@@ -1,47 +1,49 @@
-//! The estimate, sent to whoever else is on the bus.
+//! Publication of the estimate on the bus.
 
 use crate::error::Result;
 use crate::source::can_frame::CanFrame;
 use crate::source::log_time::LogTime;
-use crate::source::socketcan::Sender;
+use crate::source::socketcan::FrameSender;
 use estimator_core::{Cell, Live, broadcast};
 use std::time::{Duration, Instant as Monotonic};
 
-/// Ten times a second.
+/// Period of the published estimate.
 const PERIOD: Duration = Duration::from_millis(100);
-/// Between two attempts to open an interface that was lost.
+/// Time between two attempts to reopen a lost interface.
 const RETRY: Duration = Duration::from_millis(500);
 
-/// Sends on one interface. What cannot be sent now is not worth sending later, and is counted.
+/// Sends on one interface. Frames that cannot be sent at once are dropped and counted, because a
+/// late estimate is of no use.
 #[derive(Debug)]
 pub struct Publisher {
     name: String,
-    sender: Option<Sender>,
-    look_at: Monotonic,
-    /// Our address, if the estimate is to be sent.
+    sender: Option<FrameSender>,
+    retry_at: Monotonic,
+    /// Source address; `None` if the estimate is not published.
     address: Option<u8>,
     next: Monotonic,
     unsent: u64,
 }
 
 impl Publisher {
-    /// Opens an interface. The estimate is sent from `address`; without one, answers only.
+    /// Opens an interface. The estimate is sent from `address`; with `None`, only acknowledgements
+    /// are sent.
     ///
     /// # Errors
-    /// An interface that is not there or not up, with what to do about it.
+    /// Returns an error if the interface is missing or down. The message says what to do.
     pub fn open(name: &str, address: Option<u8>) -> Result<Self> {
         let now = Monotonic::now();
         Ok(Self {
             name: name.to_owned(),
-            sender: Some(Sender::open(name, &[])?),
-            look_at: now,
+            sender: Some(FrameSender::open(name, &[])?),
+            retry_at: now,
             address,
             next: now,
             unsent: 0,
         })
     }
 
-    /// Sends these cells, and the estimate if it is time.
+    /// Sends these cells, and the estimate if it is due.
     pub fn publish(&mut self, live: Option<&Live>, cells: &[Cell]) {
         let Some(address) = self.address else {
             return;
@@ -51,25 +53,25 @@ impl Publisher {
         }
         let now = Monotonic::now();
         if now >= self.next {
-            // After a delay the beat goes on from now, without catching up.
+            // After a delay the period starts again from now; missed estimates are not sent.
             self.next = now.max(self.next + PERIOD);
             self.send(broadcast::live(live, address));
         }
     }
 
-    /// Until the estimate is to be sent again.
+    /// Returns the time until the next estimate is due; `None` if publishing is off.
     #[must_use]
     pub fn due_in(&self) -> Option<Duration> {
         let until = self.next.saturating_duration_since(Monotonic::now());
         self.address.map(|_| until)
     }
 
-    /// Sends an answer to a replay.
+    /// Sends an acknowledgement to a replay.
     pub fn answer(&mut self, answer: LogTime) {
         self.send(answer.frame());
     }
 
-    /// Frames of the estimate that could not be sent; `None` if none are to be.
+    /// Returns the number of frames that could not be sent; `None` if publishing is off.
     #[must_use]
     pub fn unsent(&self) -> Option<u64> {
         self.address.map(|_| self.unsent)
@@ -81,9 +83,9 @@ impl Publisher {
     }
 
     fn try_send(&mut self, frame: &CanFrame) -> bool {
-        if self.sender.is_none() && Monotonic::now() >= self.look_at {
-            self.sender = Sender::open(&self.name, &[]).ok();
-            self.look_at = Monotonic::now() + RETRY;
+        if self.sender.is_none() && Monotonic::now() >= self.retry_at {
+            self.sender = FrameSender::open(&self.name, &[]).ok();
+            self.retry_at = Monotonic::now() + RETRY;
         }
         let sent = self.sender.as_ref().map(|sender| sender.try_send(frame));
         if let Some(Err(_)) = sent {

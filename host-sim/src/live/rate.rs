@@ -1,26 +1,26 @@
-//! Frames a second, as they are now.
+//! Frame rate over the last second.
 
 use std::collections::VecDeque;
 use std::time::{Duration, Instant as Monotonic};
 
-/// Over how long a rate is taken.
+/// Averaging time.
 const WINDOW: Duration = Duration::from_secs(1);
 
-/// The rate of something that is counted.
+/// The rate of a counter.
 #[derive(Clone, Debug)]
-pub(super) struct Rate {
+pub(super) struct EventRate {
     counts: VecDeque<(Monotonic, u64)>,
 }
 
-impl Rate {
-    /// Begins with nothing counted.
+impl EventRate {
+    /// Creates a rate with a count of zero.
     pub(super) fn new(now: Monotonic) -> Self {
         Self {
             counts: VecDeque::from([(now, 0)]),
         }
     }
 
-    /// Takes the count as it is now, and returns the rate over the last second or a little more, 1/s.
+    /// Takes the current count and returns the rate over the last second, 1/s.
     pub(super) fn update(&mut self, now: Monotonic, count: u64) -> f64 {
         self.counts.push_back((now, count));
         let is_old = |at: &Monotonic| now.duration_since(*at) >= WINDOW;

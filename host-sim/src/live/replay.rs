@@ -1,43 +1,43 @@
-//! A recorded log put on an interface, in the log's own time or faster.
+//! Replay of a recorded log on an interface, at the log's times or faster.
 
 use crate::error::{Error, Result};
 use crate::source::can_frame::TimedFrame;
 use crate::source::log_time::LogTime;
-use crate::source::socketcan::Sender;
+use crate::source::socketcan::FrameSender;
 use estimator_core::Instant;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant as Monotonic};
 
-/// Frames sent before the listener is asked whether it has read them. A socket with the memory that
-/// Linux gives to everyone holds some 250 frames.
+/// Frames sent before the listener is asked for an acknowledgement. A socket with Linux's default
+/// buffer holds some 250 frames.
 const WINDOW: usize = 100;
-/// How long the first answer is waited for, and each later one.
+/// Timeouts of the first acknowledgement and of each later one.
 const FIRST_ANSWER: Duration = Duration::from_secs(10);
 const NEXT_ANSWER: Duration = Duration::from_secs(10);
-/// Between two questions, before the first answer.
+/// Time between two requests for the same acknowledgement.
 const ASK_AGAIN: Duration = Duration::from_millis(100);
-/// Longest sleep without a look whether to stop.
+/// Longest sleep between two checks of the stop flag.
 const NAP: Duration = Duration::from_millis(100);
 
-/// How fast.
+/// Replay speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pace {
-    /// The log's own time, divided by this.
+    /// Faster than the log by this factor.
     Times(f64),
-    /// As fast as the interface takes frames.
+    /// As fast as the interface accepts frames.
     Max,
 }
 
-/// What was sent.
+/// Summary of a replay.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sent {
-    /// Frames of the log.
+    /// Number of frames of the log that were sent.
     pub frames: u64,
-    /// First and last time in the log.
+    /// First and last time stamp of these frames.
     pub span: Option<(Instant, Instant)>,
-    /// How late a frame was at most.
+    /// Largest delay of a frame.
     pub latest: Duration,
 }
 
@@ -45,50 +45,51 @@ pub struct Sent {
 #[derive(Debug)]
 pub struct Replay<'a> {
     name: &'a str,
-    sender: Sender,
+    sender: FrameSender,
     pace: Pace,
-    tells_time: bool,
+    sends_time: bool,
     stop: &'a AtomicBool,
     begun: Monotonic,
-    /// Of frames on the bus, not yet answered for.
-    on_the_way: usize,
-    told: Option<Instant>,
+    /// Number of frames sent since the last acknowledgement.
+    unanswered: usize,
+    sent_time: Option<Instant>,
     sent: Sent,
 }
 
 impl<'a> Replay<'a> {
-    /// Begins on an interface. With `tells_time` the log's time goes along, for a listener that
-    /// answers.
+    /// Creates a replay on an interface. With `sends_time` the log's time stamps are sent too, to a
+    /// listener that acknowledges.
     #[must_use]
     pub fn new(
         name: &'a str,
-        sender: Sender,
+        sender: FrameSender,
         pace: Pace,
-        tells_time: bool,
+        sends_time: bool,
         stop: &'a AtomicBool,
     ) -> Self {
         Self {
             name,
             sender,
             pace,
-            tells_time,
+            sends_time,
             stop,
             begun: Monotonic::now(),
-            on_the_way: 0,
-            told: None,
+            unanswered: 0,
+            sent_time: None,
             sent: Sent::default(),
         }
     }
 
-    /// Sends one frame when it is its time; false if it was told to stop.
+    /// Sends one frame when it is due. Returns false if the stop flag is set.
     ///
     /// # Errors
-    /// The interface is down, gone or takes nothing; nobody answers.
+    /// Returns an error if the interface is down, gone or accepts no frame, or if no listener
+    /// acknowledges.
     pub fn send(&mut self, timed: &TimedFrame) -> Result<bool> {
         let first = match self.sent.span {
             Some((first, _)) => first,
             None => {
-                if self.tells_time {
+                if self.sends_time {
                     self.ask(LogTime::Ready(timed.time), FIRST_ANSWER)?;
                 }
                 self.begun = Monotonic::now();
@@ -107,21 +108,21 @@ impl<'a> Replay<'a> {
         if self.stop.load(Ordering::Relaxed) {
             return Ok(false);
         }
-        if self.tells_time {
-            self.tell(timed.time)?;
+        if self.sends_time {
+            self.send_time(timed.time)?;
         }
         self.sender.send(&timed.frame)?;
-        self.on_the_way += 1;
+        self.unanswered += 1;
         self.sent.frames += 1;
         Ok(true)
     }
 
-    /// Ends the log.
+    /// Ends the replay and returns its summary.
     ///
     /// # Errors
-    /// Nobody answers that the last frame is read.
+    /// Returns an error if no listener acknowledges the last frame.
     pub fn end(mut self) -> Result<Sent> {
-        if let (true, Some((_, last))) = (self.tells_time, self.sent.span) {
+        if let (true, Some((_, last))) = (self.sends_time, self.sent.span) {
             self.ask(LogTime::End(last), NEXT_ANSWER)?;
         }
         Ok(self.sent)
@@ -140,20 +141,20 @@ impl<'a> Replay<'a> {
         }
     }
 
-    /// Tells the time if it changed, and asks for an answer now and then.
-    fn tell(&mut self, time: Instant) -> Result<()> {
-        if self.on_the_way >= WINDOW {
+    /// Sends the time stamp if it changed, and asks for an acknowledgement every [`WINDOW`] frames.
+    fn send_time(&mut self, time: Instant) -> Result<()> {
+        if self.unanswered >= WINDOW {
             return self.ask(LogTime::Ready(time), NEXT_ANSWER);
         }
-        if self.told != Some(time) {
-            self.told = Some(time);
+        if self.sent_time != Some(time) {
+            self.sent_time = Some(time);
             self.sender.send(&self.frame(LogTime::Now(time))?)?;
-            self.on_the_way += 1;
+            self.unanswered += 1;
         }
         Ok(())
     }
 
-    /// Asks until the answer comes.
+    /// Asks until the acknowledgement arrives.
     fn ask(&mut self, question: LogTime, patience: Duration) -> Result<()> {
         let (LogTime::Now(time)
         | LogTime::Ready(time)
@@ -172,15 +173,15 @@ impl<'a> Replay<'a> {
                     continue;
                 };
                 if LogTime::read(&answer) == Some(LogTime::Answer(time)) {
-                    self.told = Some(time);
-                    self.on_the_way = 0;
+                    self.sent_time = Some(time);
+                    self.unanswered = 0;
                     return Ok(());
                 }
             }
         }
         let problem = format!(
-            "nobody answers for {} s; expected `roadgrade listen --can {} --log-time …` on the \
-             same bus, before the replay begins",
+            "no acknowledgement for {} s; start `roadgrade listen --can {} --log-time …` on the \
+             same bus before the replay",
             patience.as_secs(),
             self.name
         );
@@ -189,7 +190,7 @@ impl<'a> Replay<'a> {
 
     fn frame(&self, message: LogTime) -> Result<crate::source::can_frame::CanFrame> {
         message.frame().ok_or_else(|| {
-            let problem = "the log's time is beyond the year 4253, which --log-time cannot tell";
+            let problem = "the time of the log is beyond the year 4253, the limit of --log-time";
             Error::content(Path::new(self.name), problem)
         })
     }

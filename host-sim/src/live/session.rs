@@ -1,40 +1,40 @@
-//! One drive, live: what is received becomes an estimate, a log, and counts.
+//! One live drive: received frames become an estimate, a log and counts.
 
-use super::rate::Rate;
-use super::view::{InterfaceView, View};
+use super::rate::EventRate;
+use super::view::{InterfaceView, LiveView};
 use crate::error::{Error, Result};
 use crate::files::output::{Staged, Writing};
 use crate::recorder::{LongRun, Recorder};
 use crate::source::can_frame::TimedFrame;
 use crate::source::candump_writer::write_frame;
 use crate::source::log_time::LogTime;
-use crate::source::socketcan::{BusEvent, Received, What};
+use crate::source::socketcan::{BusEvent, Received, ReceivedItem};
 use estimator_core::{Cell, Instant};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant as Monotonic};
 
-/// No frame for so long is worth saying.
+/// Time without a frame after which the mode is `silent`.
 const SILENCE: Duration = Duration::from_secs(2);
 
-/// Whose time frames have.
+/// Source of the time stamps.
 #[derive(Clone, Debug)]
 enum Timing {
-    /// The kernel's, at which they came.
+    /// The kernel's time of reception.
     Kernel,
-    /// The log's that is being replayed, once it was told.
+    /// The time stamp of the replayed log, once one was received.
     Log(Option<Instant>),
 }
 
-/// What is to be done about something received.
+/// ReceivedItem is to be done about something received.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reaction {
     /// Nothing.
     None,
-    /// To be told to whoever watches.
-    Tell(BusEvent),
-    /// To be sent back.
+    /// Report this event to the user.
+    Report(BusEvent),
+    /// Send this acknowledgement.
     Answer(LogTime),
-    /// To be sent back; the log is over.
+    /// Send this acknowledgement; the log is over.
     End(LogTime),
 }
 
@@ -42,23 +42,23 @@ pub enum Reaction {
 #[derive(Debug)]
 pub struct Session {
     recorder: Recorder<f32>,
-    /// Finished and not yet fetched.
+    /// Finished cells that are not yet fetched.
     cells: Vec<Cell>,
     newest_cell: Option<Cell>,
     timing: Timing,
-    interfaces: Vec<(InterfaceView, Rate)>,
+    interfaces: Vec<(InterfaceView, EventRate)>,
     log: Option<(PathBuf, Writing)>,
     start: Option<Instant>,
     newest: Instant,
-    heard: Monotonic,
+    last_frame: Monotonic,
     untimed: u64,
 }
 
 impl Session {
-    /// Begins a drive on these interfaces. `log` is where all frames go as a candump log.
+    /// Begins a drive on these interfaces. `log` is the file for all frames, as a candump log.
     ///
     /// # Errors
-    /// If the log cannot be begun.
+    /// Returns an error if the log cannot be created.
     pub fn begin(
         recorder: Recorder<f32>,
         names: &[String],
@@ -71,7 +71,7 @@ impl Session {
                 name: name.clone(),
                 ..InterfaceView::default()
             };
-            (view, Rate::new(now))
+            (view, EventRate::new(now))
         };
         let log = match log {
             Some(path) => Some((path.to_owned(), Writing::begin(path)?)),
@@ -90,38 +90,38 @@ impl Session {
             log,
             start: None,
             newest: Instant::ZERO,
-            heard: now,
+            last_frame: now,
             untimed: 0,
         })
     }
 
-    /// Takes what was received.
+    /// Processes a received item.
     ///
     /// # Errors
-    /// If the log cannot be written.
+    /// Returns an error if the log cannot be written.
     pub fn take(&mut self, received: &Received) -> Result<Reaction> {
         let (interface, _) = &mut self.interfaces[received.interface];
-        match received.what {
-            What::Dropped(count) => {
+        match received.item {
+            ReceivedItem::Dropped(count) => {
                 interface.lost += u64::from(count);
                 Ok(Reaction::None)
             }
-            What::Event(event) => {
+            ReceivedItem::Event(event) => {
                 *interface.events.entry(event).or_default() += 1;
-                Ok(Reaction::Tell(event))
+                Ok(Reaction::Report(event))
             }
-            What::Frame(frame) => {
-                self.heard = Monotonic::now();
+            ReceivedItem::Frame(frame) => {
+                self.last_frame = Monotonic::now();
                 let mut time = received.time;
-                if let Timing::Log(told) = &self.timing {
+                if let Timing::Log(log_time) = &self.timing {
                     if let Some(message) = LogTime::read(&frame) {
                         return Ok(self.on_log_time(message));
                     }
-                    let Some(told) = told else {
+                    let Some(log_time) = log_time else {
                         self.untimed += 1;
                         return Ok(Reaction::None);
                     };
-                    time = *told;
+                    time = *log_time;
                 }
                 interface.frames += 1;
                 self.on_frame(&TimedFrame { time, frame }, received.interface)?;
@@ -132,7 +132,7 @@ impl Session {
 
     fn on_log_time(&mut self, message: LogTime) -> Reaction {
         let (LogTime::Now(time) | LogTime::Ready(time) | LogTime::End(time)) = message else {
-            // That of another listener.
+            // The acknowledgement of another listener.
             return Reaction::None;
         };
         self.timing = Timing::Log(Some(time));
@@ -159,18 +159,18 @@ impl Session {
         Ok(())
     }
 
-    /// What there is to see.
-    pub fn view(&mut self, unpublished: Option<u64>) -> View {
+    /// ReceivedItem there is to see.
+    pub fn view(&mut self, unpublished: Option<u64>) -> LiveView {
         let now = Monotonic::now();
         for (view, rate) in &mut self.interfaces {
             view.frames_per_s = rate.update(now, view.frames);
         }
         let estimator = self.recorder.estimator();
         let start = self.start.unwrap_or(self.newest);
-        View {
+        LiveView {
             time_s: self.newest.since(start).micros() as f64 * 1e-6,
             live: estimator.live(),
-            is_silent: now.duration_since(self.heard) > SILENCE,
+            is_silent: now.duration_since(self.last_frame) > SILENCE,
             cells_finished: self.recorder.cells_finished(),
             newest_cell_percent: self.newest_cell.map(|cell| {
                 let grade = cell.lagged_grade_percent;
@@ -187,25 +187,25 @@ impl Session {
         }
     }
 
-    /// How long no frame has come.
+    /// Returns the time since the last frame.
     #[must_use]
     pub fn silence(&self) -> Duration {
-        self.heard.elapsed()
+        self.last_frame.elapsed()
     }
 
-    /// The cells that were finished since they were last fetched.
+    /// Returns the cells that were finished since the last call.
     #[must_use]
     pub fn fetch_cells(&mut self) -> Vec<Cell> {
         std::mem::take(&mut self.cells)
     }
 
-    /// Ends the drive; the log, if there is one and it could be ended, is to be committed.
+    /// Ends the drive. Returns the smoothed run and the log, which the caller commits.
     pub fn finish(self) -> (Result<LongRun>, Result<Option<Staged>>) {
         let log = self.log.map(|(_, log)| log.finish()).transpose();
         (self.recorder.end(), log)
     }
 
-    /// The estimate now.
+    /// Returns the current estimate; `None` before the first speed.
     #[must_use]
     pub fn live(&self) -> Option<estimator_core::Live> {
         self.recorder.estimator().live()

@@ -1,14 +1,14 @@
-//! Where a view goes: a panel on a terminal, lines elsewhere.
+//! Output of the live view: a panel on a terminal, else lines or JSON.
 
 use super::panel::{header, json, line, panel};
-use super::view::View;
+use super::view::LiveView;
 use crate::error::Result;
 use crate::terminal::print::print;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{IsTerminal, stderr, stdout};
 use std::time::{Duration, Instant as Monotonic};
 
-/// Between two looks of a panel, and between two lines.
+/// Update periods of the panel and of the lines.
 const PANEL_PERIOD: Duration = Duration::from_millis(200);
 const LINE_PERIOD: Duration = Duration::from_secs(1);
 
@@ -27,7 +27,7 @@ enum Medium {
 }
 
 impl Show {
-    /// On a terminal a panel, where output goes elsewhere lines to stdout, or JSON if that is wanted.
+    /// Creates the output: JSON if `is_json`, else a panel on a terminal, else lines on stdout.
     #[must_use]
     pub fn new(is_json: bool) -> Self {
         let medium = if is_json {
@@ -53,10 +53,10 @@ impl Show {
         }
     }
 
-    /// Writes what stands above lines.
+    /// Writes the header of the lines.
     ///
     /// # Errors
-    /// If stdout cannot be written.
+    /// Returns an error if stdout cannot be written.
     pub fn begin(&self) -> Result<()> {
         match &self.medium {
             Medium::Lines => print(&format!("{}\n", header())),
@@ -64,17 +64,17 @@ impl Show {
         }
     }
 
-    /// Until the next view is due.
+    /// Returns the time until the next view is due.
     #[must_use]
     pub fn due_in(&self) -> Duration {
         self.next.saturating_duration_since(Monotonic::now())
     }
 
-    /// Shows a view, whether it is due or not.
+    /// Shows a view, even if it is not due yet.
     ///
     /// # Errors
-    /// If stdout cannot be written.
-    pub fn show(&mut self, view: &View) -> Result<()> {
+    /// Returns an error if stdout cannot be written.
+    pub fn show(&mut self, view: &LiveView) -> Result<()> {
         let period = match &self.medium {
             Medium::Panel(_) => PANEL_PERIOD,
             _ => LINE_PERIOD,
@@ -90,7 +90,7 @@ impl Show {
         }
     }
 
-    /// Says something to whoever watches.
+    /// Prints a message: above the panel, else on stderr.
     pub fn say(&self, message: &str) {
         match &self.medium {
             Medium::Panel(bar) => bar.println(message),
@@ -98,11 +98,11 @@ impl Show {
         }
     }
 
-    /// Shows the last view, and leaves it where it is.
+    /// Shows the last view and leaves it on the screen.
     ///
     /// # Errors
-    /// If stdout cannot be written.
-    pub fn show_last(&mut self, view: &View) -> Result<()> {
+    /// Returns an error if stdout cannot be written.
+    pub fn show_last(&mut self, view: &LiveView) -> Result<()> {
         self.show(view)?;
         if let Medium::Panel(bar) = &self.medium {
             bar.abandon();
@@ -110,7 +110,7 @@ impl Show {
         Ok(())
     }
 
-    /// Whether stdout has lines of its own, so that nothing else may go there.
+    /// Returns true if stdout carries the lines, so that nothing else may be printed there.
     #[must_use]
     pub fn takes_stdout(&self) -> bool {
         matches!(self.medium, Medium::Lines)

@@ -1,4 +1,4 @@
-//! Ctrl-C and SIGTERM end work in order.
+//! Orderly end on Ctrl-C and SIGTERM.
 
 use crate::error::{Error, Result};
 use signal_hook::consts::{SIGINT, SIGTERM};
@@ -7,14 +7,14 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-/// A flag that either signal sets. The second one ends the program at once.
+/// Returns a flag that SIGINT and SIGTERM set. A second signal ends the program at once.
 ///
 /// # Errors
-/// If a handler cannot be set.
+/// Returns an error if a handler cannot be installed.
 pub fn stop_flag() -> Result<Arc<AtomicBool>> {
     let stop = Arc::new(AtomicBool::new(false));
     for signal in [SIGINT, SIGTERM] {
-        // What a shell reports of a program that a signal ended.
+        // Shells report 128 + signal for a program that a signal ended.
         let status = 128 + signal;
         register_conditional_shutdown(signal, status, Arc::clone(&stop))
             .and_then(|_| register(signal, Arc::clone(&stop)))

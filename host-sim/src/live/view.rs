@@ -1,30 +1,30 @@
-//! What there is to see of a live estimate.
+//! The view of a live estimate.
 
 use crate::source::socketcan::BusEvent;
 use estimator_core::{Condition, Counters, Live};
 use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
 
-/// Everything that is shown.
+/// Everything that the panel, the lines and the JSON output show.
 #[derive(Clone, Debug)]
-pub struct View {
-    /// Time of the newest frame, from the first, s.
+pub struct LiveView {
+    /// Time of the newest frame since the first frame, s.
     pub time_s: f64,
     /// The estimate, once there is one.
     pub live: Option<Live>,
-    /// Whether frames come.
+    /// True if no frame has arrived for two seconds.
     pub is_silent: bool,
-    /// Cells finished, with their full lag.
+    /// Number of finished cells (those with their full lag).
     pub cells_finished: usize,
     /// Grade and sigma of the newest of them, %.
     pub newest_cell_percent: Option<(f32, f32)>,
-    /// What the core counted.
+    /// Counters of the core.
     pub counters: Counters,
-    /// The interfaces, in the order in which they were named.
+    /// The interfaces, in the order of the command line.
     pub interfaces: Vec<InterfaceView>,
-    /// Frames that could not be published; `None` if none are to be.
+    /// Number of frames that could not be published; `None` if publishing is off.
     pub unpublished: Option<u64>,
-    /// Frames without a time, where the log's is asked for.
+    /// Number of frames without a log time stamp, with `--log-time`.
     pub untimed: u64,
 }
 
@@ -33,13 +33,13 @@ pub struct View {
 pub struct InterfaceView {
     /// Its name.
     pub name: String,
-    /// Frames taken from it.
+    /// Number of frames received.
     pub frames: u64,
-    /// Frames a second, over the last second.
+    /// Frame rate over the last second, 1/s.
     pub frames_per_s: f64,
-    /// Frames that the kernel had to drop because they were not read fast enough.
+    /// Number of frames that the kernel dropped because they were not read fast enough.
     pub lost: u64,
-    /// What else happened on it.
+    /// Number of bus events, by event.
     #[serde(serialize_with = "by_name")]
     pub events: BTreeMap<BusEvent, u64>,
 }
@@ -48,8 +48,9 @@ fn by_name<S: Serializer>(events: &BTreeMap<BusEvent, u64>, to: S) -> Result<S::
     to.collect_map(events)
 }
 
-impl View {
-    /// What the estimate is worth now, in a word or two.
+impl LiveView {
+    /// Returns the mode: `silent`, `waiting`, `valid`, or the conditions in which the model does not
+    /// hold, joined by `+`.
     #[must_use]
     pub fn mode(&self) -> String {
         match &self.live {
@@ -59,27 +60,27 @@ impl View {
         }
     }
 
-    /// Frames that the kernel dropped, on all interfaces.
+    /// Returns the number of frames that the kernel dropped, on all interfaces.
     #[must_use]
     pub fn lost(&self) -> u64 {
         self.interfaces.iter().map(|interface| interface.lost).sum()
     }
 
-    /// Events on all interfaces.
+    /// Returns the number of events on all interfaces.
     #[must_use]
     pub fn events(&self) -> u64 {
         let counts = |interface: &InterfaceView| interface.events.values().sum::<u64>();
         self.interfaces.iter().map(counts).sum()
     }
 
-    /// Frames a second on all interfaces.
+    /// Returns the frame rate of all interfaces together, 1/s.
     #[must_use]
     pub fn frames_per_s(&self) -> f64 {
         self.interfaces.iter().map(|i| i.frames_per_s).sum()
     }
 }
 
-/// What the model suffers, joined by `+`; `valid` if nothing.
+/// Returns the conditions in which the model does not hold, joined by `+`, or `valid`.
 fn mode_of(condition: Condition) -> String {
     let Condition {
         shifting,

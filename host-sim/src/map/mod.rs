@@ -1,12 +1,11 @@
-//! From runs to a map: a road as a line, or the ways of a network, where on them each run was, and
-//! what the runs together say about their grade.
+//! From runs to a map: roads and networks, map matching, and fusion of the grades of many runs.
 //!
-//! Distances along a road are those of its own `distance_m`; a run's odometer only carries from
-//! one position to the next.
+//! Distances along a road are those of its own `distance_m`. The odometer of a run only bridges the
+//! gaps between positions.
 //!
 //! * [`geometry`]: planes, roads, networks and where their ways join;
-//! * [`matching`]: where on a network each point of a run was;
-//! * [`fusion`]: cells of many runs become one;
+//! * [`matching`]: matches the points of a run to a network;
+//! * [`fusion`]: fuses the cells of many runs;
 //! * [`io`]: files of maps, roads, networks and sums;
 //! * [`pipeline`]: from files of runs to a map, a few in memory at a time.
 
@@ -26,21 +25,21 @@ pub use geometry::grid::GRID_M;
 pub use geometry::network::Network;
 pub use geometry::road_line::{RoadLine, RoadPoint, RoadProblem};
 pub use geometry::way_index::Way;
-pub use geometry::way_name::{Direction, WayName};
+pub use geometry::way_name::{WayDirection, WayName};
 pub use io::map_file::{
     read as read_map, read_ways as read_map_ways, stage as stage_map, stage_ways as stage_map_ways,
     write as write_map,
 };
-pub use io::map_geojson::{stage as stage_map_geojson, stretches as map_stretches};
+pub use io::map_geojson::{segments as map_segments, stage as stage_map_geojson};
 pub use io::map_parquet::stage_placed;
 pub use io::network_file::{is_geojson, read as read_network, road_through};
 pub use io::road_file::read as read_road;
 pub use io::road_row::RoadRow;
 pub use io::run_list::RunList;
 pub use io::session_name::check_session_name;
-pub use io::store::{Store, read as read_store, stage as stage_store};
+pub use io::store::{MapStore, read as read_store, stage as stage_store};
 pub use io::store_row::StoredWay;
 pub use io::ways_csv::write as write_ways_csv;
 pub use matching::placing::{Coverage, PlacedCell, PlacedRun, place};
 pub use matching::track::{road_of_run, track_of_run};
-pub use matching::viterbi::{Place, TrackPoint, match_track};
+pub use matching::viterbi::{MatchedPlace, TrackPoint, match_track};

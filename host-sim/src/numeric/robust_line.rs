@@ -4,7 +4,7 @@
 
 /// y = slope · x + offset.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Line {
+pub struct RobustLine {
     /// dy/dx.
     pub slope: f64,
     /// Standard error of the slope.
@@ -13,8 +13,8 @@ pub struct Line {
     pub offset: f64,
 }
 
-impl Line {
-    /// y at `x`.
+impl RobustLine {
+    /// Returns y at `x`.
     #[must_use]
     pub fn at(&self, x: f64) -> f64 {
         self.slope * x + self.offset
@@ -25,12 +25,12 @@ const TUNING: f64 = 4.685;
 /// A median absolute deviation of normal errors, in standard deviations.
 const MAD_OF_NORMAL: f64 = 0.6745;
 const ITERATIONS: usize = 50;
-/// Fewer points leave nothing to tell outliers by.
+/// With fewer points outliers cannot be detected.
 const FEWEST_POINTS: usize = 4;
 
-/// The line, or `None` with too few points or all of them at one x.
+/// Fits a line; `None` with too few points, or if all have the same x.
 #[must_use]
-pub fn fit(points: impl IntoIterator<Item = (f64, f64)>) -> Option<Line> {
+pub fn fit(points: impl IntoIterator<Item = (f64, f64)>) -> Option<RobustLine> {
     let points: Vec<(f64, f64)> = points.into_iter().collect();
     if points.len() < FEWEST_POINTS {
         return None;
@@ -60,7 +60,7 @@ pub fn fit(points: impl IntoIterator<Item = (f64, f64)>) -> Option<Line> {
     Some(line)
 }
 
-fn weighted(points: &[(f64, f64)], weights: &[f64]) -> Option<Line> {
+fn weighted(points: &[(f64, f64)], weights: &[f64]) -> Option<RobustLine> {
     let sum = |f: &dyn Fn(f64, f64) -> f64| -> f64 {
         points
             .iter()
@@ -75,14 +75,14 @@ fn weighted(points: &[(f64, f64)], weights: &[f64]) -> Option<Line> {
     let offset = mean_y - slope * mean_x;
     let error = sum(&|x, y| (y - slope * x - offset).powi(2));
     let slope_sigma = (error / (total - 2.0) / spread).sqrt();
-    (slope.is_finite() && total > 2.0).then_some(Line {
+    (slope.is_finite() && total > 2.0).then_some(RobustLine {
         slope,
         slope_sigma,
         offset,
     })
 }
 
-fn residual_scale(points: &[(f64, f64)], line: &Line) -> f64 {
+fn residual_scale(points: &[(f64, f64)], line: &RobustLine) -> f64 {
     let mut residuals: Vec<f64> = points
         .iter()
         .map(|(x, y)| (y - line.at(*x)).abs())

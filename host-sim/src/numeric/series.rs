@@ -1,6 +1,6 @@
-//! Values over time or distance: sorted pairs, linear in between.
+//! Interpolation of series over time or distance.
 
-/// The value at `at` on the line between the two points around it; `None` outside of the series.
+/// Interpolates linearly between sorted points; `None` outside the series.
 #[must_use]
 pub fn linear(points: &[(f64, f64)], at: f64) -> Option<f64> {
     let after = points.partition_point(|point| point.0 < at);

@@ -1,12 +1,12 @@
-//! Feeds one drive to an estimator and stores what comes out.
+//! Runs the estimator over one drive and stores its output.
 
-use super::long_run::{LongRun, Rows, Run, no_room};
+use super::long_run::{LongRun, Rows, SmoothedRun, no_room};
 use crate::error::Result;
 use crate::files::run::RunRow;
 use crate::files::spool::{Spool, blocks};
 use crate::smooth::{Samples, SmoothedCell, smooth_segments};
 use crate::source::can_frame::TimedFrame;
-use crate::source::input::Input;
+use crate::source::input::LogInput;
 use estimator_core::sample::Sample;
 use estimator_core::{
     Cell, Estimator, Instant, Model, ParameterError, Reading, Scalar, Tuning, Uncertain,
@@ -15,18 +15,18 @@ use serde::{Deserialize, Serialize};
 use std::io;
 use std::ops::Range;
 
-/// Bytes of an entry, with room for numbers of variable length at their longest.
+/// Slot sizes of the entries, bytes, with integers of variable length at their longest.
 const SAMPLE_SLOT: usize = 128;
 const GRADES_SLOT: usize = 16;
 
-/// Grades of a cell that were known during the drive, %.
+/// Grades of a cell that were available during the drive, %.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct OnlineGrades {
     live: Uncertain,
     lagged: Uncertain,
 }
 
-/// Feeds an estimator and keeps what it hands out.
+/// Runs the estimator over one drive and stores its output.
 #[derive(Debug)]
 pub struct Recorder<S> {
     estimator: Estimator<S>,
@@ -35,15 +35,15 @@ pub struct Recorder<S> {
     grades: Spool<OnlineGrades, GRADES_SLOT>,
     /// The cells that the last input finished.
     new_cells: Vec<Cell>,
-    /// The first sample or cell that could not be stored.
+    /// The error of the first sample or cell that could not be stored.
     trouble: Option<io::Error>,
 }
 
 impl<S: Scalar> Recorder<S> {
-    /// A recorder of one drive with this vehicle.
+    /// Creates a recorder of one drive with this vehicle.
     ///
     /// # Errors
-    /// The first parameter that no vehicle can have.
+    /// Returns the first parameter that is out of range.
     pub fn new(
         model: impl Into<Model>,
         tuning: Tuning,
@@ -51,8 +51,8 @@ impl<S: Scalar> Recorder<S> {
         Estimator::new(model, tuning).map(Self::from)
     }
 
-    /// Tells when the drive began, if before the first input that comes here: `time_s` counts from
-    /// the first frame on the bus, wanted or not.
+    /// Sets the start of the drive, if it is before the first input: `time_s` counts from the first
+    /// frame on the bus, whether it is decoded or not.
     pub fn begin(&mut self, start: Instant) {
         self.start.get_or_insert(start);
     }
@@ -64,18 +64,18 @@ impl<S: Scalar> Recorder<S> {
         self.collect();
     }
 
-    /// Takes one reading of a signal table.
+    /// Processes one reading of a signal table.
     pub fn on_reading(&mut self, time: Instant, reading: Reading) {
         self.start.get_or_insert(time);
         self.estimator.on_reading(time, reading);
         self.collect();
     }
 
-    /// Takes one input of a log.
-    pub fn on_input(&mut self, input: &Input) {
+    /// Processes one input of a log.
+    pub fn on_input(&mut self, input: &LogInput) {
         match input {
-            Input::Frame(frame) => self.on_frame(frame),
-            Input::Reading(time, reading) => self.on_reading(*time, *reading),
+            LogInput::Frame(frame) => self.on_frame(frame),
+            LogInput::Reading(time, reading) => self.on_reading(*time, *reading),
         }
     }
 
@@ -84,7 +84,7 @@ impl<S: Scalar> Recorder<S> {
         while self.estimator.step().is_some() {
             if let Some(sample) = self.estimator.sample() {
                 let kept = self.samples.push(sample);
-                self.notice(kept);
+                self.note_failure(kept);
             }
             while let Some(cell) = self.estimator.next_cell() {
                 self.take_cell(cell);
@@ -98,55 +98,56 @@ impl<S: Scalar> Recorder<S> {
             lagged: cell.lagged_grade_percent,
         };
         let kept = self.grades.push(&grades);
-        self.notice(kept);
+        self.note_failure(kept);
         self.new_cells.push(cell);
     }
 
-    /// Input goes on whatever the disk says; the end tells it.
-    fn notice(&mut self, kept: io::Result<()>) {
-        if let Err(error) = kept {
+    /// Stores the first error of the disk. Processing goes on; [`end`](Self::end) returns the
+    /// error.
+    fn note_failure(&mut self, stored: io::Result<()>) {
+        if let Err(error) = stored {
             self.trouble.get_or_insert(error);
         }
     }
 
-    /// The cells that the last input finished.
+    /// Returns the cells that the last input finished.
     pub fn new_cells(&self) -> &[Cell] {
         &self.new_cells
     }
 
-    /// Number of cells finished so far.
+    /// Returns the number of finished cells.
     pub const fn cells_finished(&self) -> usize {
         self.grades.count()
     }
 
-    /// The state of the estimator.
+    /// Returns the estimator.
     pub fn estimator(&self) -> &Estimator<S> {
         &self.estimator
     }
 
-    /// Ends the drive: the last cells, and smoothing over the whole of it.
+    /// Ends the drive and smooths the whole run.
     ///
     /// # Errors
-    /// What the file system says, if the drive was too long for memory.
+    /// Returns the error of the file system, if the drive was too long for memory.
     pub fn end(mut self) -> Result<LongRun> {
         self.smooth().map_err(no_room)
     }
 
-    /// As [`end`](Self::end), with all rows in memory.
+    /// Ends the drive as [`end`](Self::end) does, with all rows in memory.
     ///
     /// # Errors
-    /// As [`end`](Self::end).
-    pub fn finish(self) -> Result<Run> {
+    /// Returns the errors of [`end`](Self::end).
+    pub fn finish(self) -> Result<SmoothedRun> {
         self.end()?.in_memory()
     }
 
-    /// As [`finish`](Self::finish), with what the core sampled for each row.
+    /// Ends the drive as [`finish`](Self::finish) does, and returns the sample of each row.
     ///
     /// # Errors
-    /// As [`end`](Self::end).
-    pub fn finish_with_samples(mut self) -> Result<(Run, Vec<Sample>)> {
+    /// Returns the errors of [`end`](Self::end).
+    pub fn finish_with_samples(mut self) -> Result<(SmoothedRun, Vec<Sample>)> {
         let run = self.smooth().map_err(no_room)?.in_memory()?;
-        // Before the first speed there is a sample and no row.
+        // Before the first speed there are samples without rows.
         let all = self.samples.count();
         let mut samples = Vec::with_capacity(run.rows.len());
         self.samples
@@ -184,7 +185,7 @@ impl<S: Scalar> Recorder<S> {
         Ok(LongRun {
             rows,
             counters: *self.estimator.counters(),
-            kept: self.estimator.persistent_state(),
+            persistent_state: self.estimator.persistent_state(),
         })
     }
 }
@@ -205,7 +206,7 @@ impl Samples for Spool<Sample, SAMPLE_SLOT> {
 }
 
 impl<S> From<Estimator<S>> for Recorder<S> {
-    /// A recorder of the drive that this estimator begins.
+    /// Creates a recorder of the drive that this estimator begins.
     fn from(estimator: Estimator<S>) -> Self {
         Self {
             estimator,

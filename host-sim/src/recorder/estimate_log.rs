@@ -1,4 +1,4 @@
-//! A whole log through the estimator.
+//! Estimation of a whole log.
 
 use super::drive_recorder::Recorder;
 use super::long_run::LongRun;
@@ -7,21 +7,22 @@ use crate::source::input::for_each_input;
 use estimator_core::{Estimator, Model, PersistentState, PersistentStateError, Scalar, Tuning};
 use std::path::Path;
 
-/// Feeds a whole log of either kind to an estimator that begins with what the last drive left, if
-/// anything. `progress` is told the bytes read so far, now and then.
+/// Passes a whole log of either kind to an estimator that starts from the persistent state of the
+/// last drive, if any. `progress` gets the bytes read so far.
 ///
 /// # Errors
-/// An impossible vehicle, or not that of the last drive; a log that cannot be read to its end, with
-/// file and line.
+/// Returns an error for invalid parameters, for the state of another vehicle, and, with file and
+/// line, for a log that cannot be read to its end.
 pub fn estimate_log<S: Scalar>(
     model: &Model,
-    kept: Option<&PersistentState>,
+    tuning: &Tuning,
+    persistent_state: Option<&PersistentState>,
     log: &Path,
     progress: impl Fn(u64),
 ) -> Result<LongRun> {
-    let (model, tuning) = (model.clone(), Tuning::default());
-    let estimator = match kept {
-        Some(kept) => Estimator::<S>::restore(model, tuning, kept),
+    let (model, tuning) = (model.clone(), tuning.clone());
+    let estimator = match persistent_state {
+        Some(persistent_state) => Estimator::<S>::restore(model, tuning, persistent_state),
         None => Estimator::new(model, tuning).map_err(PersistentStateError::from),
     };
     let mut recorder = Recorder::from(estimator.map_err(|e| Error::content(log, e.to_string()))?);

@@ -1,4 +1,4 @@
-//! What a drive leaves.
+//! The result of a drive.
 
 use crate::error::{Error, Result};
 use crate::files::run::{RunRow, RunRows};
@@ -6,43 +6,43 @@ use crate::files::spool::{Spool, blocks};
 use estimator_core::{Counters, PersistentState};
 use std::io;
 
-/// A whole drive, smoothed.
+/// A smoothed drive, in memory.
 #[derive(Debug)]
-pub struct Run {
+pub struct SmoothedRun {
     /// Its cells.
     pub rows: Vec<RunRow>,
-    /// What happened on the way.
+    /// Counters of the core.
     pub counters: Counters,
-    /// What it leaves for the next drive, if it was long enough.
-    pub kept: Option<PersistentState>,
+    /// State for the next drive; `None` if this one was too short.
+    pub persistent_state: Option<PersistentState>,
 }
 
-/// A whole drive, smoothed, that need not fit into memory.
+/// A smoothed drive that need not fit into memory.
 #[derive(Debug)]
 pub struct LongRun {
     /// Its cells.
     pub rows: Rows,
-    /// What happened on the way.
+    /// Counters of the core.
     pub counters: Counters,
-    /// What it leaves for the next drive, if it was long enough.
-    pub kept: Option<PersistentState>,
+    /// State for the next drive; `None` if this one was too short.
+    pub persistent_state: Option<PersistentState>,
 }
 
 impl LongRun {
-    /// The same with all rows in memory.
+    /// Reads all rows into memory.
     ///
     /// # Errors
-    /// What the file system says, where the rows are in a temporary file.
-    pub fn in_memory(mut self) -> Result<Run> {
+    /// Returns the error of the file system, if the rows are in a temporary file.
+    pub fn in_memory(mut self) -> Result<SmoothedRun> {
         let mut rows = Vec::with_capacity(self.rows.count());
         self.rows.each(&mut |row| {
             rows.push(*row);
             Ok(())
         })?;
-        Ok(Run {
+        Ok(SmoothedRun {
             rows,
             counters: self.counters,
-            kept: self.kept,
+            persistent_state: self.persistent_state,
         })
     }
 }
@@ -55,7 +55,7 @@ const ROW_SLOT: usize = 128;
 pub struct Rows(Spool<RunRow, ROW_SLOT>);
 
 impl Rows {
-    /// How many there are.
+    /// Returns the number of rows.
     #[must_use]
     pub const fn count(&self) -> usize {
         self.0.count()
@@ -82,7 +82,7 @@ impl RunRows for Rows {
     }
 }
 
-/// The temporary file of a drive could not be written or read back.
+/// Returns the error of a temporary file that cannot be written or read back.
 pub(super) fn no_room(error: io::Error) -> Error {
     Error::io(&std::env::temp_dir())(error)
 }

@@ -1,10 +1,10 @@
-//! What a drive's traffic lacked for an estimate.
+//! Inputs that a drive lacks for an estimate.
 
 use super::long_run::LongRun;
 use crate::files::vehicle::VehicleFile;
 use estimator_core::Traction;
 
-/// What the traffic lacked for an estimate; `None` if nothing.
+/// Returns the input that a drive lacks for an estimate; `None` if none is missing.
 #[must_use]
 pub fn missing(vehicle: &VehicleFile, run: &LongRun) -> Option<&'static str> {
     let counters = &run.counters;

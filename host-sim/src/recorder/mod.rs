@@ -1,7 +1,7 @@
-//! One drive through the core: traffic in, a run out.
+//! One drive through the core: inputs in, a run out.
 //!
-//! What grows with the drive is stored in [spools](crate::files::spool), 250 bytes a cell
-//! (100 kB/km), so that the memory held does not.
+//! The data that grow with the drive are stored in [spools](crate::files::spool), 250 bytes per
+//! cell (100 kB/km), so that memory use is constant.
 
 mod drive_recorder;
 mod estimate_log;
@@ -11,6 +11,6 @@ mod summary;
 
 pub use drive_recorder::Recorder;
 pub use estimate_log::estimate_log;
-pub use long_run::{LongRun, Rows, Run};
+pub use long_run::{LongRun, Rows, SmoothedRun};
 pub use missing::missing;
-pub use summary::Summary;
+pub use summary::RunSummary;

@@ -3,14 +3,14 @@
 use super::long_run::LongRun;
 use crate::error::Result;
 use crate::files::run::RunRows;
-use crate::terminal::counters::events;
+use crate::terminal::counters::{CountedEvent, events};
 use crate::terminal::table::text_table;
 use comfy_table::Table;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 /// What a drive came to.
 #[derive(Debug, Default, Serialize)]
-pub struct Summary {
+pub struct RunSummary {
     distance_km: f64,
     duration_s: f64,
     cells: usize,
@@ -21,14 +21,19 @@ pub struct Summary {
     climb_m: f64,
     bias_percent: f64,
     scale: f64,
-    events: Vec<(&'static str, u64)>,
+    #[serde(serialize_with = "by_key")]
+    events: Vec<CountedEvent>,
 }
 
-impl Summary {
+fn by_key<S: Serializer>(events: &[CountedEvent], to: S) -> std::result::Result<S::Ok, S::Error> {
+    to.collect_seq(events.iter().map(|event| (event.key, event.count)))
+}
+
+impl RunSummary {
     /// Of a run.
     ///
     /// # Errors
-    /// If its rows cannot be had.
+    /// Returns an error if its rows cannot be had.
     pub fn new(run: &mut LongRun) -> Result<Self> {
         let mut sums = Self {
             cells: run.rows.count(),
@@ -62,7 +67,7 @@ impl Summary {
         })
     }
 
-    /// Its table for a terminal.
+    /// Returns its table for a terminal.
     #[must_use]
     pub fn table(&self) -> Table {
         let mut rows = Vec::new();
@@ -96,8 +101,8 @@ impl Summary {
             grade,
         );
         line("traction scale, end", format!("{:.3}", self.scale), "");
-        for (name, count) in &self.events {
-            line(name, count.to_string(), "");
+        for event in &self.events {
+            line(event.name, event.count.to_string(), "");
         }
         text_table(&["", "unit", "value"], &rows, 2)
     }

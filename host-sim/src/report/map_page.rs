@@ -1,6 +1,6 @@
 //! The page of a map: plan, profiles, and how sure they are.
 
-use crate::map::{GRID_M, MapRow, WayRows, map_stretches};
+use crate::map::{GRID_M, MapRow, WayRows, map_segments};
 use crate::report::page::{Figure, Page, Section, Table};
 use crate::report::plan::{Classes, PlanLine, plan};
 use crate::report::plot::{Plot, Series, colour};
@@ -105,8 +105,8 @@ fn plan_section(ways: &[WayRows]) -> Section {
         unit: "%",
     };
     let lines = |value: fn(&MapRow) -> f64| -> Vec<PlanLine> {
-        let stretches = ways.iter().flat_map(|way| map_stretches(&way.rows));
-        stretches
+        let segments = ways.iter().flat_map(|way| map_segments(&way.rows));
+        segments
             .map(|rows| PlanLine {
                 points: rows
                     .iter()
@@ -141,7 +141,7 @@ fn plan_section(ways: &[WayRows]) -> Section {
     }
 }
 
-/// The least of 1, 1.5, 2, 3, 5, 7 times a power of ten that is not below.
+/// Returns the least of 1, 1.5, 2, 3, 5, 7 times a power of ten that is not below.
 fn nice_above(value: f64) -> f64 {
     let value = value.max(1e-3);
     let power = 10_f64.powi(value.log10().floor() as i32);
@@ -213,7 +213,7 @@ fn profile_section(number: usize, way: &WayRows) -> Section {
     let most = |value: fn(&MapRow) -> f64| way.rows.iter().map(value).fold(0.0, f64::max);
     sigma.y_range = Some((0.0, 1.1 * most(|row| row.grade_sigma_percent)));
     runs.y_range = Some((0.0, 1.1 * most(|row| f64::from(row.runs))));
-    for (part, rows) in map_stretches(&way.rows).enumerate() {
+    for (part, rows) in map_segments(&way.rows).enumerate() {
         // The legend tells each colour once.
         let name = |name: &str| {
             if part == 0 {

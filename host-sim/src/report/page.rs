@@ -73,7 +73,7 @@ impl Figure {
 }
 
 impl Table {
-    /// An empty table.
+    /// Creates an empty table.
     pub fn new(name: impl Into<String>, caption: impl Into<String>, header: &[&str]) -> Self {
         Self {
             name: name.into(),
@@ -106,7 +106,7 @@ impl Page {
     /// as NAME.svg and NAME.csv; returns the path of the page.
     ///
     /// # Errors
-    /// What the file system says.
+    /// Returns the error of the file system.
     pub fn write(&self, folder: &Path) -> Result<PathBuf> {
         for file in self.stage(folder)? {
             file.commit()?;
@@ -114,19 +114,19 @@ impl Page {
         Ok(folder.join(PAGE))
     }
 
-    /// The page by itself as a file, which appears when it is committed.
+    /// Returns the page by itself as a file, which appears when it is committed.
     ///
     /// # Errors
-    /// What the file system says.
+    /// Returns the error of the file system.
     pub fn stage_alone(&self, path: &Path) -> Result<Staged> {
         let html = self.render().map_err(std::io::Error::other);
         stage_text(path, &html.map_err(Error::io(path))?)
     }
 
-    /// The files that [`Self::write`] writes, which appear when they are committed.
+    /// Returns the files that [`Self::write`] writes, which appear when they are committed.
     ///
     /// # Errors
-    /// What the file system says.
+    /// Returns the error of the file system.
     pub fn stage(&self, folder: &Path) -> Result<Vec<Staged>> {
         let mut files = Vec::new();
         let mut stage = |name: &str, text: &str| -> Result<()> {

@@ -114,13 +114,13 @@ fn extent(values: impl Iterator<Item = f64>) -> (f64, f64) {
     })
 }
 
-/// Points at least this far apart, each with the mean value up to the next.
+/// Returns points at least this far apart, each with the mean value up to the next.
 fn thinned(points: impl Iterator<Item = (f64, f64, f64)>, step: f64) -> Vec<(f64, f64, f64)> {
-    let mut kept: Vec<(f64, f64, f64)> = Vec::new();
+    let mut thinned_points: Vec<(f64, f64, f64)> = Vec::new();
     let (mut sum, mut count) = (0.0, 0.0);
     let mut last = None;
     for (x, y, value) in points {
-        let is_near = kept
+        let is_near = thinned_points
             .last()
             .is_some_and(|before| (x - before.0).hypot(y - before.1) < step);
         if is_near {
@@ -129,18 +129,18 @@ fn thinned(points: impl Iterator<Item = (f64, f64, f64)>, step: f64) -> Vec<(f64
             last = Some((x, y));
         } else {
             (sum, count) = (value, 1.0);
-            kept.push((x, y, value));
+            thinned_points.push((x, y, value));
             last = None;
         }
-        if let Some(before) = kept.last_mut() {
+        if let Some(before) = thinned_points.last_mut() {
             before.2 = sum / count;
         }
     }
     // The end is where the line ends.
-    if let (Some((x, y)), Some(&(_, _, value))) = (last, kept.last()) {
-        kept.push((x, y, value));
+    if let (Some((x, y)), Some(&(_, _, value))) = (last, thinned_points.last()) {
+        thinned_points.push((x, y, value));
     }
-    kept
+    thinned_points
 }
 
 /// Moved to the right of its direction.

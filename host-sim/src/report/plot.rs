@@ -54,7 +54,7 @@ pub struct Series {
 }
 
 impl Series {
-    /// A line.
+    /// Creates a line.
     pub fn line(
         name: impl Into<String>,
         colour: RGBColor,
@@ -68,7 +68,7 @@ impl Series {
         }
     }
 
-    /// A band of two standard deviations about a line.
+    /// Creates a band of two standard deviations about a line.
     pub fn two_sigma(
         name: impl Into<String>,
         colour: RGBColor,
@@ -126,7 +126,7 @@ type Drawing<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
 type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
 impl Plot {
-    /// A plot with these axes and the usual height.
+    /// Creates a plot with these axes and the usual height.
     pub fn new(x_label: impl Into<String>, y_label: impl Into<String>) -> Self {
         Self {
             x_label: x_label.into(),
@@ -143,7 +143,7 @@ impl Plot {
         self
     }
 
-    /// The SVG text.
+    /// Returns the SVG text.
     ///
     /// # Panics
     /// Never: drawing into a string has no error.
@@ -157,7 +157,7 @@ impl Plot {
         text
     }
 
-    /// What is drawn, as CSV: series, x, y, and the lower edge of bands.
+    /// Returns what is drawn, as CSV: series, x, y, and the lower edge of bands.
     ///
     /// # Panics
     /// Never: memory takes every row.
@@ -220,8 +220,8 @@ impl Plot {
         Ok(())
     }
 
-    /// Names of the series in rows above the plot, where they hide nothing; returns their height
-    /// in pixels.
+    /// Returns names of the series in rows above the plot, where they hide nothing; returns their
+    /// height in pixels.
     fn draw_legend(&self, area: &Drawing<'_>) -> Result<i32, Box<dyn Error>> {
         const ROW_PX: i32 = 20;
         const LEFT_PX: i32 = 72;
@@ -295,7 +295,7 @@ fn spread(values: impl Iterator<Item = f64>, margin: f64) -> (f64, f64) {
     (low - pad, high + pad)
 }
 
-/// A number without trailing zeros.
+/// Returns a number without trailing zeros.
 fn short(value: f64) -> String {
     let text = format!("{value:.3}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
@@ -354,7 +354,7 @@ fn draw_series(chart: &mut Chart<'_, '_>, series: &Series) -> Result<(), Box<dyn
     Ok(())
 }
 
-/// A long line as the extremes of each of its columns: what a screen can show of it.
+/// Returns a long line as the extremes of each of its columns: what a screen can show of it.
 fn thinned(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     if points.len() <= MOST_POINTS {
         return points.to_vec();
@@ -374,7 +374,7 @@ fn thinned(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
 
 /// Joins neighbouring stretches where `is_on` holds, as x ranges to shade.
 #[must_use]
-pub fn stretches(cells: impl IntoIterator<Item = (f64, bool)>) -> Vec<(f64, f64)> {
+pub fn shaded_ranges(cells: impl IntoIterator<Item = (f64, bool)>) -> Vec<(f64, f64)> {
     let mut found: Vec<(f64, f64)> = Vec::new();
     let mut was_on = false;
     let mut before = f64::NAN;

@@ -61,13 +61,13 @@ impl Companions {
         }
     }
 
-    /// The log, if it was named on the command line.
+    /// Returns the log, if it was named on the command line.
     #[must_use]
     pub fn named_log(&self) -> Option<&Path> {
         self.log.as_deref().filter(|_| self.log_is_named)
     }
 
-    /// What is missing for a full table, in words.
+    /// Returns what is missing for a full table, in words.
     #[must_use]
     pub fn missing(&self) -> Vec<&'static str> {
         if self.log.is_none() {
@@ -87,7 +87,7 @@ impl Companions {
         vehicle.into_iter().chain(oracle).collect()
     }
 
-    /// What these files allow to be judged beside the run.
+    /// Returns what these files allow to be judged beside the run.
     ///
     /// # Errors
     /// A file that cannot be read or used.

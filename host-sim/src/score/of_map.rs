@@ -1,14 +1,14 @@
 //! A map against a reference.
 
 use super::score_row::{ScoreRow, Sums, Unscorable, is_end};
-use crate::map::{MapRow, Network, Place, RoadLine, RoadRow, TrackPoint, match_track};
+use crate::map::{MapRow, MatchedPlace, Network, RoadLine, RoadRow, TrackPoint, match_track};
 use crate::numeric::series::linear;
 
 /// Compares a map with a reference by distance: pairs of distance, m, and grade, %, sorted. Both
 /// must count distance from the same point.
 ///
 /// # Errors
-/// If no cell is left to compare.
+/// Returns an error if no cell is left to compare.
 pub fn score_map(map: &[MapRow], reference: &[(f64, f64)]) -> Result<ScoreRow, Unscorable> {
     let places: Vec<Option<f64>> = map.iter().map(|row| Some(row.distance_m)).collect();
     score_placed(map, &places, reference)
@@ -18,7 +18,7 @@ pub fn score_map(map: &[MapRow], reference: &[(f64, f64)]) -> Result<ScoreRow, U
 /// distances may count from different points.
 ///
 /// # Errors
-/// If the reference is no road or has no grade, or no cell is left to compare.
+/// Returns an error if the reference is no road or has no grade, or no cell is left to compare.
 pub fn score_map_on_road(map: &[MapRow], reference: &[RoadRow]) -> Result<ScoreRow, Unscorable> {
     let road = Network::from(RoadLine::new(
         reference.iter().map(RoadRow::point).collect(),
@@ -40,7 +40,7 @@ pub fn score_map_on_road(map: &[MapRow], reference: &[RoadRow]) -> Result<ScoreR
     let places: Vec<Option<f64>> = match_track(&road, &track)
         .into_iter()
         .map(|place| match place {
-            Place::OnRoad { distance_m, .. } => Some(distance_m),
+            MatchedPlace::OnRoad { distance_m, .. } => Some(distance_m),
             _ => None,
         })
         .collect();

@@ -1,12 +1,12 @@
 //! What a run is judged beside, on the same traffic: the thesis's two methods, and an oracle.
 
-use crate::comparison::{Drive, Method, without_gaps};
+use crate::comparison::{ComparisonMethod, MeasuredDrive, without_gaps};
 use crate::error::{Error, Result};
 use crate::files::oracle::OracleFile;
 use crate::files::run::RunRow;
 use crate::files::vehicle::VehicleFile;
-use crate::recorder::{Recorder, Run};
-use crate::source::input::{Input, for_each_input};
+use crate::recorder::{Recorder, SmoothedRun};
+use crate::source::input::{LogInput, for_each_input};
 use estimator_core::sample::Sample;
 use estimator_core::{
     CELL_LENGTH_M, Context, Instant, Intake, Model, ParameterError, Sampler, Tuning,
@@ -39,8 +39,8 @@ struct RivalCell {
 }
 
 impl Rival {
-    /// Grade and its standard deviation, %, in the cell of a run's row; `None` if it has no such
-    /// cell at that time.
+    /// Returns grade and its standard deviation, %, in the cell of a run's row; `None` if it has no
+    /// such cell at that time.
     #[must_use]
     pub fn at(&self, row: &RunRow) -> Option<(f64, f64)> {
         let number = number_of(row);
@@ -74,15 +74,17 @@ impl Sampling {
         })
     }
 
-    fn on_input(&mut self, input: &Input, samples: &mut Vec<Sample>) {
+    fn on_input(&mut self, input: &LogInput, samples: &mut Vec<Sample>) {
         let Self {
             context,
             intake,
             sampler,
         } = self;
         match input {
-            Input::Frame(frame) => intake.on_frame(context, sampler, frame.time, &frame.frame),
-            Input::Reading(time, reading) => intake.on_reading(context, sampler, *time, *reading),
+            LogInput::Frame(frame) => intake.on_frame(context, sampler, frame.time, &frame.frame),
+            LogInput::Reading(time, reading) => {
+                intake.on_reading(context, sampler, *time, *reading)
+            }
         };
         samples.extend(from_fn(|| sampler.next_sample()));
     }
@@ -127,7 +129,9 @@ pub fn of_log(
     let mut rivals = Vec::new();
     if let Some(vehicle) = believed {
         let start = start.unwrap_or_default();
-        rivals.extend(Method::BOTH.map(|method| by_method(method, vehicle, &samples, start)));
+        rivals.extend(
+            ComparisonMethod::BOTH.map(|method| by_method(method, vehicle, &samples, start)),
+        );
     }
     if let Some(recorder) = knowing {
         rivals.extend(of_run(&recorder.finish()?));
@@ -135,10 +139,15 @@ pub fn of_log(
     Ok(rivals)
 }
 
-fn by_method(method: Method, vehicle: &VehicleFile, samples: &[Sample], start: Instant) -> Rival {
+fn by_method(
+    method: ComparisonMethod,
+    vehicle: &VehicleFile,
+    samples: &[Sample],
+    start: Instant,
+) -> Rival {
     let mut cells = Vec::with_capacity(samples.len());
     for part in without_gaps(samples) {
-        let profile = method.estimate(&Drive::new(&vehicle.model.vehicle, part));
+        let profile = method.estimate(&MeasuredDrive::new(&vehicle.model.vehicle, part));
         let estimates = profile.grade_percent.iter().zip(&profile.sigma_percent);
         cells.extend(
             part.iter()
@@ -157,8 +166,8 @@ fn by_method(method: Method, vehicle: &VehicleFile, samples: &[Sample], start: I
     }
 }
 
-/// The oracle's run: smoothed, lagged, live.
-fn of_run(run: &Run) -> [Rival; 3] {
+/// Returns the oracle's run: smoothed, lagged, live.
+fn of_run(run: &SmoothedRun) -> [Rival; 3] {
     let rival = |estimate, value: fn(&RunRow) -> (f64, f64)| Rival {
         estimate,
         cells: run

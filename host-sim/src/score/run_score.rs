@@ -2,7 +2,7 @@
 
 use super::rivals::{ORACLE, Rival};
 use super::score_row::{ScoreRow, Sums, Unscorable, is_end};
-use crate::comparison::Method;
+use crate::comparison::ComparisonMethod;
 use crate::files::run::RunRow;
 use crate::files::truth::TruthRow;
 use crate::numeric::series::linear;
@@ -19,15 +19,15 @@ pub struct RunScore {
 /// Compares a run with the truth at the same times. Both must be sorted by time.
 ///
 /// # Errors
-/// If no cell is left to compare.
+/// Returns an error if no cell is left to compare.
 pub fn score_run(run: &str, rows: &[RunRow], truth: &[TruthRow]) -> Result<RunScore, Unscorable> {
     score_run_beside(run, rows, truth, &[])
 }
 
-/// The same, with others judged on the same cells.
+/// Returns the same, with others judged on the same cells.
 ///
 /// # Errors
-/// If no cell is left to compare.
+/// Returns an error if no cell is left to compare.
 pub fn score_run_beside(
     run: &str,
     rows: &[RunRow],
@@ -78,7 +78,7 @@ pub fn score_run_beside(
 /// Fills in the ratio of each row of a run, where the oracle has an estimate on the same cells.
 fn compare_with_oracle(rows: &mut [ScoreRow]) {
     let [oracle, oracle_lagged, oracle_live] = ORACLE;
-    let [original, modified] = Method::BOTH.map(Method::word);
+    let [original, modified] = ComparisonMethod::BOTH.map(ComparisonMethod::word);
     for (estimate, oracle) in [
         ("smoothed", oracle),
         ("lagged", oracle_lagged),

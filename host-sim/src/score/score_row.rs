@@ -104,7 +104,7 @@ fn ratio_of_means(rows: &[&ScoreRow]) -> Option<f64> {
     (oracles > 0.0).then(|| ours / oracles)
 }
 
-/// Whether a cell lies at an end of a run.
+/// Returns whether a cell lies at an end of a run.
 pub(super) fn is_end(first_m: f64, last_m: f64, at_m: f64) -> bool {
     at_m < first_m + END_CUT_M || at_m > last_m - END_CUT_M
 }

@@ -16,7 +16,7 @@ pub const HEADER: [&str; 8] = [
     "to oracle",
 ];
 
-/// The rows as text, one entry for each of [`HEADER`].
+/// Returns the rows as text, one entry for each of [`HEADER`].
 pub fn text(rows: &[ScoreRow]) -> Vec<Vec<String>> {
     rows.iter()
         .map(|row| {
@@ -37,12 +37,12 @@ pub fn text(rows: &[ScoreRow]) -> Vec<Vec<String>> {
         .collect()
 }
 
-/// The rows as an aligned table.
+/// Returns the rows as an aligned table.
 pub fn table(rows: &[ScoreRow]) -> Table {
     text_table(&HEADER, &text(rows), 2)
 }
 
-/// The rows as a JSON array.
+/// Returns the rows as a JSON array.
 pub fn json(rows: &[ScoreRow]) -> String {
     let rows: Vec<ScoreRow> = rows.iter().map(ScoreRow::rounded).collect();
     serde_json::json!(rows).to_string()

@@ -1,6 +1,6 @@
-//! The bus: each message at its own rate from its own controller, one frame after the other.
+//! The bus: each message at its own rate from its own controller, one frame at a time.
 
-use super::gnss::Gnss;
+use super::gnss::GnssReceiver;
 use super::random::{Purpose, stream};
 use super::scenario::Scenario;
 use super::sensors::Sensors;
@@ -20,7 +20,7 @@ const RETARDER: u8 = 0x10;
 const CAB: u8 = 0x21;
 const RECEIVER: u8 = 0x1c;
 
-/// Silence before the first message, s: the slowest sensor has something to tell by then.
+/// Silence before the first message, s; by then the slowest sensor has a value.
 const SILENCE_S: f64 = 0.5;
 /// Largest deviation from the period, as a part of it and in s.
 const JITTER: (f64, f64) = (0.02, 0.0005);
@@ -32,9 +32,9 @@ const FRAME_BITS: (f64, f64) = (75.0, 9.0);
 /// 250 kbit/s.
 const BIT_S: f64 = 4e-6;
 
-/// When a message of one controller is sent next.
+/// Schedule of a message of one controller.
 #[derive(Clone, Copy, Debug)]
-struct Sender {
+struct MessageSchedule {
     pgn: u32,
     address: u8,
     priority: u8,
@@ -49,26 +49,26 @@ struct Sender {
 
 /// The traffic of one run, in order of time.
 #[derive(Debug)]
-pub struct Bus<'a> {
+pub struct BusTraffic<'a> {
     sensors: Sensors<'a>,
-    gnss: Gnss<'a>,
+    gnss: GnssReceiver<'a>,
     gnss_latency_s: f64,
-    senders: Vec<Sender>,
+    senders: Vec<MessageSchedule>,
     log_start_s: f64,
     end_s: f64,
-    /// When the bus is free again.
+    /// Time at which the bus is free again, s.
     free_s: f64,
     waiting: VecDeque<TimedFrame>,
     rng: ChaCha8Rng,
 }
 
-impl<'a> Bus<'a> {
-    /// The bus of run `index`.
+impl<'a> BusTraffic<'a> {
+    /// Creates the traffic of run `index`.
     pub fn new(
         scenario: &Scenario,
         index: usize,
         sensors: Sensors<'a>,
-        gnss: Gnss<'a>,
+        gnss: GnssReceiver<'a>,
         end_s: f64,
     ) -> Self {
         let mut rng = stream(scenario.seed, index, Purpose::Bus);
@@ -76,9 +76,9 @@ impl<'a> Bus<'a> {
             .into_iter()
             .map(|(pgn, address, period_ms)| {
                 let period_s = 1e-3 * period_ms;
-                // What is sent rarely would else be missing from the log's first seconds.
+                // Rare messages would else be missing in the first seconds of the log.
                 let phase_s = rng.random_range(0.0..period_s.min(1.0));
-                Sender {
+                MessageSchedule {
                     pgn,
                     address,
                     priority: messages()
@@ -104,7 +104,7 @@ impl<'a> Bus<'a> {
         }
     }
 
-    /// Sends the message that is due first; false when the drive is over.
+    /// Sends the message that is due first. Returns false if the drive is over.
     fn send(&mut self) -> bool {
         let Some(sender) = self
             .senders
@@ -113,7 +113,7 @@ impl<'a> Bus<'a> {
         else {
             return false;
         };
-        let Sender {
+        let MessageSchedule {
             pgn,
             address,
             priority,
@@ -146,7 +146,7 @@ impl<'a> Bus<'a> {
         true
     }
 
-    /// Puts a frame on the bus as soon as it is free; it is received when its last bit is.
+    /// Sends a frame as soon as the bus is free; it is received after its last bit.
     fn transmit(&mut self, due_s: f64, frame: CanFrame) {
         let bits = FRAME_BITS.0 + FRAME_BITS.1 * frame.dlc() as f64;
         self.free_s = self.free_s.max(due_s) + bits * BIT_S;
@@ -158,7 +158,7 @@ impl<'a> Bus<'a> {
     }
 }
 
-impl Iterator for Bus<'_> {
+impl Iterator for BusTraffic<'_> {
     type Item = TimedFrame;
 
     fn next(&mut self) -> Option<TimedFrame> {
@@ -167,7 +167,7 @@ impl Iterator for Bus<'_> {
     }
 }
 
-/// PGN, sender and period in ms of every message (SAE J1939-71, NMEA 2000).
+/// Returns PGN, source address and period in ms of every message (SAE J1939-71, NMEA 2000).
 fn periods_ms(fast_ms: f64) -> [(u32, u8, f64); 16] {
     [
         (61_444, ENGINE, 10.0),

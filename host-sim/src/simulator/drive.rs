@@ -4,7 +4,7 @@
 
 use super::driver::{Brake, CruiseControl, SET_SPEED_MPS};
 use super::gearbox::{Flow, Gearbox, Situation, cruising_gear, launch_gear};
-use super::planted::{Place, Planted};
+use super::planted::{ContactPoint, PlantedEffects};
 use super::random::{OrnsteinUhlenbeck, Purpose, stream};
 use super::road::Road;
 use super::scenario::Scenario;
@@ -16,27 +16,26 @@ use rand_chacha::ChaCha8Rng;
 
 /// Step of the integration, s. Speed changes by less than 0.02 m/s in it.
 pub const STEP_S: f64 = 0.01;
-/// Time a run from standstill waits before it moves off, s.
+/// Waiting time of a run from standstill, s.
 const WAIT_S: f64 = 5.0;
-/// Change of torque, full load to none or back, 1/s: when the driver's wish moves it, and when
-/// the gearbox takes it away.
+/// Rate of change of torque, full load to none or back, 1/s: by the driver, and by the gearbox.
 const TORQUE_RATE_PER_S: (f64, f64) = (1.5, 8.0);
-/// Time in which a truck must get ahead by [`STUCK_M`], s.
+/// Time in which a truck must advance by [`STUCK_M`], s.
 const STUCK_S: f64 = 60.0;
 const STUCK_M: f64 = 10.0;
 
-/// What is true at the start of a step, and acts during it.
+/// The true state at the start of a step, and the forces during it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DriveState {
-    /// Place on the travelled road, m.
+    /// Distance on the travelled road, m.
     pub distance_m: f64,
     /// Speed, m/s.
     pub speed_mps: f64,
     /// Acceleration, m/s².
     pub acceleration_mps2: f64,
-    /// Traction force, before anything planted takes from it, N.
+    /// Traction force before planted losses, N.
     pub traction_n: f64,
-    /// Mass that accelerates, kg.
+    /// Accelerated mass, rotating parts included, kg.
     pub accelerated_kg: f64,
     /// Force of the service brake, N.
     pub brake_n: f64,
@@ -50,48 +49,48 @@ pub struct DriveState {
     pub friction_torque_nm: f64,
     /// Engine speed, rpm.
     pub engine_rpm: f64,
-    /// Current gear as the gearbox tells it; 0 is neutral.
+    /// Current gear as the gearbox reports it; 0 is neutral.
     pub gear: usize,
-    /// Gear to be engaged.
+    /// Target gear.
     pub selected_gear: usize,
-    /// A gear shift is going on.
+    /// True during a gear shift.
     pub shifting: bool,
-    /// The driveline passes torque without slip.
+    /// True if the driveline transmits torque without slip.
     pub engaged: bool,
     /// Slip of the clutch, %.
     pub clutch_slip_percent: f64,
-    /// The fan as the bus tells it, %.
+    /// Fan speed as reported on the bus, %.
     pub fan_percent: f64,
 }
 
 impl DriveState {
-    /// Whether a brake is used.
+    /// Returns true if a brake is applied.
     #[must_use]
     pub fn braking(&self) -> bool {
         self.brake_pedal_percent > 0.0 || self.brake_n > 0.0
     }
 }
 
-/// A traversal.
+/// A simulated traversal.
 #[derive(Clone, Debug)]
-pub struct Drive {
+pub struct SimulatedDrive {
     /// The road in the direction of travel.
     pub road: Road,
     /// The true vehicle.
     pub truck: Truck,
-    /// One a step of [`STEP_S`], from time 0 on.
+    /// One state per step of [`STEP_S`], from time 0.
     pub states: Vec<DriveState>,
 }
 
-impl Drive {
-    /// When the last step begins, s.
+impl SimulatedDrive {
+    /// Returns the start of the last step, s.
     #[must_use]
     pub fn duration_s(&self) -> f64 {
         self.states.len().saturating_sub(1) as f64 * STEP_S
     }
 
-    /// The state at a time; what moves steadily is taken from the line between two steps.
-    /// Before the start and after the end, that of the start and the end.
+    /// Returns the state at a time. Continuous quantities are interpolated between steps. Before
+    /// the start and after the end it is the first or the last state.
     #[must_use]
     pub fn at(&self, time_s: f64) -> DriveState {
         let steps = (time_s / STEP_S).clamp(0.0, (self.states.len() - 1) as f64);
@@ -109,7 +108,7 @@ impl Drive {
     }
 }
 
-/// The truck at the wheel of its driver.
+/// The truck in motion.
 struct Journey<'a> {
     truck: &'a Truck,
     road: &'a Road,
@@ -119,12 +118,12 @@ struct Journey<'a> {
     gust_mps: f64,
     gust_rng: ChaCha8Rng,
     tyres: Tyres,
-    /// How long the tyres have rolled, s.
+    /// Time that the tyres have rolled, s.
     rolled_s: f64,
-    planted: Planted,
+    planted: PlantedEffects,
     /// Length of the road if it is driven against its direction, m.
     turned_m: Option<f64>,
-    /// What the log's clock shows, s.
+    /// Time of the log clock, s.
     clock_s: f64,
     cruise: CruiseControl,
     brake: Brake,
@@ -139,11 +138,11 @@ struct Journey<'a> {
 /// Drives run `index` of the scenario to its end.
 ///
 /// # Errors
-/// A truck that comes to a stop on its road.
+/// Returns an error if the truck comes to a stop on its road.
 ///
 /// # Panics
 /// If the scenario has no run `index`.
-pub fn drive(scenario: &Scenario, index: usize) -> Result<Drive> {
+pub fn drive(scenario: &Scenario, index: usize) -> Result<SimulatedDrive> {
     let run = &scenario.runs[index];
     let road = if run.backward {
         scenario.road.reversed()
@@ -180,7 +179,7 @@ pub fn drive(scenario: &Scenario, index: usize) -> Result<Drive> {
             ));
         }
     }
-    Ok(Drive {
+    Ok(SimulatedDrive {
         road,
         truck,
         states,
@@ -202,7 +201,7 @@ impl<'a> Journey<'a> {
             gust_rng,
             tyres: scenario.tyres,
             rolled_s: run.tyres_driven_s,
-            planted: Planted::new(&scenario.planted, scenario.seed, index),
+            planted: PlantedEffects::new(&scenario.planted, scenario.seed, index),
             turned_m: run.backward.then(|| road.length_m()),
             clock_s: run.start_time_s,
             cruise: CruiseControl::default(),
@@ -244,7 +243,7 @@ impl<'a> Journey<'a> {
         self.cruise = CruiseControl::balanced_at(force_n / self.truck.mass_kg);
     }
 
-    /// Air, rolling and grade resistance and what is planted beside them, half a step ahead, N.
+    /// Returns air, rolling and grade resistance and the planted forces, half a step ahead, N.
     fn resistance_n(&self) -> f64 {
         let ahead_m = self.distance_m + 0.5 * STEP_S * self.speed_mps;
         let airspeed_mps = self.speed_mps + self.headwind_mps();
@@ -257,8 +256,8 @@ impl<'a> Journey<'a> {
                 .resistance_n(self.truck, self.place(ahead_m), self.speed_mps)
     }
 
-    fn place(&self, distance_m: f64) -> Place {
-        Place {
+    fn place(&self, distance_m: f64) -> ContactPoint {
+        ContactPoint {
             stored_m: self
                 .turned_m
                 .map_or(distance_m, |length_m| length_m - distance_m),
@@ -267,14 +266,14 @@ impl<'a> Journey<'a> {
         }
     }
 
-    /// Wind against the direction of travel, m/s.
+    /// Returns the headwind, m/s.
     fn headwind_mps(&self) -> f64 {
         let from_rad = self.wind.from_deg.to_radians();
         let course_rad = self.road.course_rad(self.distance_m);
         self.wind.speed_mps * (from_rad - course_rad).cos() + self.gust_mps
     }
 
-    /// One step; returns what was true at its start.
+    /// Advances by one step; returns the state at its start.
     fn step(&mut self, waiting: bool) -> DriveState {
         if self.wind.gust_sigma_mps > 0.0 {
             self.gust_mps = self.gust.advance(STEP_S, &mut self.gust_rng);
@@ -331,8 +330,8 @@ impl<'a> Journey<'a> {
         state
     }
 
-    /// Sets engine speed and torque; returns the gear through which they are tied to the wheels
-    /// (0 if they are not) and the slip of the clutch in %.
+    /// Sets engine speed and torque. Returns the gear that couples engine and wheels (0 if none)
+    /// and the slip of the clutch in %.
     fn run_engine(&mut self, flow: Flow) -> (usize, f64) {
         match flow {
             Flow::Through(0) => {
@@ -351,10 +350,12 @@ impl<'a> Journey<'a> {
                 };
                 let limits_nm = (lowest_nm, self.truck.full_load_nm(self.engine_rpm));
                 let per_kg = self.truck.force_per_torque(gear) / self.truck.mass_kg;
-                let wish = self.cruise.wish(self.speed_mps, per_kg, limits_nm, STEP_S);
+                let wish = self
+                    .cruise
+                    .request(self.speed_mps, per_kg, limits_nm, STEP_S);
                 self.situation.at_full_load = wish.at_full_load;
                 self.move_torque(wish.net_nm, TORQUE_RATE_PER_S.0);
-                // What the engine gave at another speed may be more than it has at this one.
+                // The engine torque of another speed may exceed the limit at this one.
                 self.net_torque_nm = self.net_torque_nm.clamp(limits_nm.0, limits_nm.1);
                 if slipping {
                     (0, 100.0 * (1.0 - turned_rpm / IDLE_RPM))

@@ -1,4 +1,4 @@
-//! The automated gearbox: which gear, and the interruption of torque on the way to it.
+//! The automated gearbox: selection of gears, and interruption of torque during shifts.
 
 use super::driver::SET_SPEED_MPS;
 use super::truck::{IDLE_RPM, Truck};
@@ -8,7 +8,7 @@ use std::ops::Range;
 
 /// Duration of a shift, s.
 const SHIFT_S: Range<f64> = 0.8..1.2;
-/// Part of a shift in which the torque is taken away before the driveline opens.
+/// Part of a shift in which the torque is reduced before the driveline opens.
 const RAMP_DOWN_PART: f64 = 0.2;
 /// Engine speed below which a lower gear is wanted in any case, rpm.
 const LOWEST_RPM: f64 = 950.0;
@@ -35,35 +35,35 @@ const LONGEST_STEP: usize = 2;
 /// Acceleration that the gear for moving off must give on the level, m/s².
 const LAUNCH_MPS2: f64 = 0.6;
 
-/// What the gearbox sees of the drive.
+/// Inputs of the gearbox.
 #[derive(Clone, Copy, Debug)]
 pub struct Situation {
     /// Speed, m/s.
     pub speed_mps: f64,
     /// Acceleration, m/s².
     pub acceleration_mps2: f64,
-    /// What holds the truck back: traction less what accelerates, N.
+    /// Resistance: traction minus the accelerating force, N.
     pub resisting_n: f64,
-    /// The engine gives all it has and more is wanted.
+    /// True if the engine is at its limit and more torque is requested.
     pub at_full_load: bool,
 }
 
-/// A shift under way.
+/// A shift in progress.
 #[derive(Clone, Copy, Debug)]
-struct Shift {
+struct ShiftInProgress {
     to: usize,
     elapsed_s: f64,
     duration_s: f64,
 }
 
-/// Where the torque goes.
+/// The path of the torque.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Flow {
     /// Through this gear; 0 is neutral.
     Through(usize),
-    /// Through this gear, being taken away ahead of a shift.
+    /// Through this gear, reduced before a shift.
     Leaving(usize),
-    /// Nowhere; the engine is on its way to the next gear's speed, `left_s` before closing.
+    /// Open: the engine synchronizes to the next gear, `left_s` before the driveline closes.
     Open {
         /// The next gear.
         to: usize,
@@ -76,13 +76,13 @@ pub enum Flow {
 #[derive(Clone, Debug)]
 pub struct Gearbox {
     gear: usize,
-    shift: Option<Shift>,
+    shift: Option<ShiftInProgress>,
     rested_s: f64,
     rng: ChaCha8Rng,
 }
 
 impl Gearbox {
-    /// In `gear`, for a long time.
+    /// Creates a gearbox in `gear`, with no recent shift.
     #[must_use]
     pub const fn new(gear: usize, rng: ChaCha8Rng) -> Self {
         Self {
@@ -93,35 +93,35 @@ impl Gearbox {
         }
     }
 
-    /// The gear as the bus tells it: the old one until a shift is over.
+    /// Returns the gear as reported on the bus: the old one until a shift is over.
     #[must_use]
     pub const fn gear(&self) -> usize {
         self.gear
     }
 
-    /// The gear that is wanted.
+    /// Returns the selected gear.
     #[must_use]
     pub fn selected(&self) -> usize {
         self.shift.map_or(self.gear, |shift| shift.to)
     }
 
-    /// Whether a shift is going on.
+    /// Returns true during a shift.
     #[must_use]
     pub const fn is_shifting(&self) -> bool {
         self.shift.is_some()
     }
 
-    /// Puts a gear in while standing.
+    /// Engages a gear at standstill.
     pub const fn engage(&mut self, gear: usize) {
         self.gear = gear;
     }
 
-    /// Moves on by `step_s`, and tells where the torque goes in it.
+    /// Advances by `step_s` and returns the path of the torque.
     pub fn step(&mut self, truck: &Truck, now: &Situation, step_s: f64) -> Flow {
         if self.shift.is_none() {
             self.rested_s += step_s;
             if let Some(to) = self.wanted(truck, now) {
-                self.shift = Some(Shift {
+                self.shift = Some(ShiftInProgress {
                     to,
                     elapsed_s: 0.0,
                     duration_s: self.rng.random_range(SHIFT_S),
@@ -148,7 +148,7 @@ impl Gearbox {
         }
     }
 
-    /// The gear to change to, if any.
+    /// Returns the gear to change to, if any.
     fn wanted(&self, truck: &Truck, now: &Situation) -> Option<usize> {
         if self.gear == 0 || self.rested_s < REST_S {
             return None;
@@ -180,7 +180,7 @@ impl Gearbox {
     }
 }
 
-/// The highest gear that keeps the engine above its lowest speed.
+/// Returns the highest gear that keeps the engine above its lowest speed.
 #[must_use]
 pub fn cruising_gear(truck: &Truck, speed_mps: f64) -> usize {
     (1..=truck.top_gear())
@@ -189,7 +189,7 @@ pub fn cruising_gear(truck: &Truck, speed_mps: f64) -> usize {
         .unwrap_or(1)
 }
 
-/// The highest gear in which half of the idling engine's torque moves the truck off briskly.
+/// Returns the highest gear in which half of the idling engine's torque is sufficient to start.
 #[must_use]
 pub fn launch_gear(truck: &Truck, resistance_n: f64) -> usize {
     let torque_nm = 0.5 * truck.full_load_nm(IDLE_RPM);

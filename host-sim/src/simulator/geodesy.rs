@@ -1,4 +1,4 @@
-//! Short ways on the WGS-84 ellipsoid.
+//! Short displacements on the WGS-84 ellipsoid.
 
 use std::f64::consts::PI;
 
@@ -7,18 +7,18 @@ const SEMI_MAJOR_M: f64 = 6_378_137.0;
 /// First eccentricity of WGS-84, squared.
 const ECCENTRICITY_SQUARED: f64 = 6.694_379_990_14e-3;
 
-/// A place in degrees.
+/// A position in degrees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Position {
-    /// North of the equator.
+    /// Latitude, deg, positive to the north.
     pub latitude_deg: f64,
-    /// East of Greenwich.
+    /// Longitude, deg, positive to the east.
     pub longitude_deg: f64,
 }
 
 impl Position {
-    /// Metres to one radian of latitude and of longitude here: the meridian's radius of
-    /// curvature and that of the parallel.
+    /// Returns the radii of curvature, m, of the meridian and of the parallel: metres per radian of
+    /// latitude and of longitude.
     fn radii_m(self) -> (f64, f64) {
         let (sin, cos) = self.latitude_deg.to_radians().sin_cos();
         let w = 1.0 - ECCENTRICITY_SQUARED * sin * sin;
@@ -27,7 +27,7 @@ impl Position {
         (meridian, parallel)
     }
 
-    /// The place `north_m` and `east_m` away; good for steps that are short beside the Earth.
+    /// Returns the position `north_m` and `east_m` away; valid for short displacements.
     #[must_use]
     pub fn moved(self, north_m: f64, east_m: f64) -> Self {
         let (meridian, parallel) = self.radii_m();
@@ -37,7 +37,7 @@ impl Position {
         }
     }
 
-    /// The course to `other`, rad clockwise from north.
+    /// Returns the course to `other`, rad clockwise from north.
     #[must_use]
     pub fn course_to_rad(self, other: Self) -> f64 {
         let (meridian, parallel) = self.radii_m();
@@ -46,7 +46,7 @@ impl Position {
         east.atan2(north)
     }
 
-    /// The place at the part `part` of the way to `other`.
+    /// Returns the position at the part `part` of the distance to `other`.
     #[must_use]
     pub fn towards(self, other: Self, part: f64) -> Self {
         Self {
@@ -56,7 +56,7 @@ impl Position {
     }
 }
 
-/// The same angle in -π to π.
+/// Wraps an angle to -π to π.
 #[must_use]
 pub fn wrapped_rad(angle_rad: f64) -> f64 {
     (angle_rad + PI).rem_euclid(2.0 * PI) - PI

@@ -1,9 +1,9 @@
-//! The GNSS receiver: position and altitude with errors that keep their value for minutes.
+//! The GNSS receiver: position and altitude with correlated errors.
 //!
-//! An Ornstein-Uhlenbeck process in time stands for what atmosphere, orbits and multipath make
-//! of a single-frequency fix; a little white noise on top is the receiver's own.
+//! An Ornstein-Uhlenbeck process in time models the errors of atmosphere, orbits and multipath of a
+//! single-frequency fix. White noise models the receiver's own noise.
 
-use super::drive::Drive;
+use super::drive::SimulatedDrive;
 use super::random::{OrnsteinUhlenbeck, Purpose, normal, stream};
 use super::scenario::Scenario;
 use super::scenario_file::GnssErrors;
@@ -15,9 +15,9 @@ const SATELLITES: (f64, f64, f64) = (10.0, 1.2, 60.0);
 /// Vertical over horizontal dilution of precision.
 const VDOP_TO_HDOP: f64 = 1.4;
 
-/// What the receiver tells at one moment.
+/// The output of the receiver at one time.
 #[derive(Clone, Copy, Debug)]
-pub struct Fix {
+pub struct GnssFix {
     has_fix: bool,
     latitude_e7: i32,
     longitude_e7: i32,
@@ -30,10 +30,11 @@ pub struct Fix {
 
 /// The receiver of one run.
 #[derive(Debug)]
-pub struct Gnss<'a> {
-    drive: &'a Drive,
+pub struct GnssReceiver<'a> {
+    drive: &'a SimulatedDrive,
     errors: GnssErrors,
-    /// Length of the road if it is driven against its direction, m: faults lie on it as stored.
+    /// Length of the road if it is driven against its direction, m; faults are placed on the road
+    /// as stored.
     turned_m: Option<f64>,
     altitude: OrnsteinUhlenbeck,
     north: OrnsteinUhlenbeck,
@@ -43,10 +44,10 @@ pub struct Gnss<'a> {
     rng: ChaCha8Rng,
 }
 
-impl<'a> Gnss<'a> {
-    /// The receiver of run `index`.
+impl<'a> GnssReceiver<'a> {
+    /// Creates the receiver of run `index`.
     #[must_use]
-    pub fn new(scenario: &Scenario, index: usize, drive: &'a Drive) -> Self {
+    pub fn new(scenario: &Scenario, index: usize, drive: &'a SimulatedDrive) -> Self {
         let mut rng = stream(scenario.seed, index, Purpose::Gnss);
         let errors = scenario.gnss.clone();
         let turned_m = scenario.runs[index].backward.then(|| drive.road.length_m());
@@ -69,8 +70,8 @@ impl<'a> Gnss<'a> {
         }
     }
 
-    /// The fix for a moment of the drive; moments are asked for in order.
-    pub fn fix(&mut self, time_s: f64) -> Fix {
+    /// Returns the fix at a time of the drive. Calls must be in order of time.
+    pub fn fix(&mut self, time_s: f64) -> GnssFix {
         let seconds = (time_s - self.last_s).max(0.0);
         self.last_s = time_s;
         let rng = &mut self.rng;
@@ -90,7 +91,7 @@ impl<'a> Gnss<'a> {
         let place = road.position(state.distance_m).moved(north_m, east_m);
         let course_deg = road.course_rad(state.distance_m).to_degrees()
             + self.errors.course_sigma_deg * normal(rng);
-        Fix {
+        GnssFix {
             has_fix: !self
                 .errors
                 .outages_m
@@ -108,7 +109,7 @@ impl<'a> Gnss<'a> {
 }
 
 impl GnssErrors {
-    /// What steps and ramps add to the altitude at a place of the stored road, m.
+    /// Returns the altitude error of steps and ramps at a distance on the stored road, m.
     fn fault_m(&self, stored_m: f64, turned: bool) -> f64 {
         let within = |from: f64, to: f64| (from..to).contains(&stored_m);
         let steps = self
@@ -128,8 +129,8 @@ impl GnssErrors {
     }
 }
 
-impl Fix {
-    /// The value of one of the receiver's signals.
+impl GnssFix {
+    /// Returns the value of one of the receiver's signals.
     #[must_use]
     pub fn value(&self, signal: Signal) -> Value {
         match signal {

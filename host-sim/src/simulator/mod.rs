@@ -1,13 +1,12 @@
-//! The simulator: trucks of known parameters on a road of known grade, heard on a bus.
+//! The simulator: trucks with known parameters on a road with known grade, and their bus traffic.
 //!
 //! ```text
 //! scenario ─► road ─► drive (truck, driver, gearbox) ─► sensors, GNSS ─► bus frames
 //!                       └► truth
 //! ```
 //!
-//! Everything is decided by the scenario and its seed: the same scenario gives the same frames,
-//! byte for byte. [`simulate`] keeps a run in memory, [`Recording`] hands its frames out one by
-//! one.
+//! The scenario and its seed determine everything: the same scenario gives the same frames, byte
+//! for byte. [`simulate`] returns a run in memory; [`Recording`] returns its frames one by one.
 
 pub mod bus;
 pub mod drive;

@@ -1,23 +1,22 @@
-//! What the simulator knows of a run and no estimator is told: the true vehicle, and how large
-//! every noise was made.
+//! The oracle file of a simulated run: the true vehicle and the true noise levels.
 
 use super::recording::Recording;
 use super::scenario_file::Wind;
 use crate::files::oracle::{
-    ColdTyres, Headwind, LONGEST_TIME_S, NoiseLevels, OracleFile, SlowAltitude,
+    ColdTyres, Headwind, LONGEST_TIME_S, OracleFile, OracleNoise, SlowAltitude,
 };
 use crate::files::vehicle::VehicleFile;
 use crate::numeric::rounding::round;
 use estimator_core::Model;
 
-/// Time between two looks at the course of the road, s.
+/// Time between two samples of the course of the road, s.
 const COURSE_STEP_S: f64 = 1.0;
 
 impl Recording<'_> {
-    /// The truth about this run's vehicle and noise.
+    /// Returns the true vehicle and noise levels of this run.
     ///
-    /// Faults of the GNSS receiver (steps, ramps, outages) are events and no noise: they are not in
-    /// it. Rounding by the bus is too small to be.
+    /// Faults of the GNSS receiver (steps, ramps, outages) are events, not noise, and are not
+    /// included. Rounding on the bus is negligible.
     #[must_use]
     pub fn oracle(&self) -> OracleFile {
         let scenario = self.scenario;
@@ -33,7 +32,7 @@ impl Recording<'_> {
                     effects: run.vehicle.model.effects.clone(),
                 },
             },
-            noise: NoiseLevels {
+            noise: OracleNoise {
                 speed_sigma_mps: scenario.noise.speed_sigma_mps,
                 gnss_white_sigma_m: gnss.altitude_white_sigma_m,
                 gnss_latency_s: 1e-3 * scenario.latency_ms.gnss,
@@ -52,22 +51,22 @@ impl Recording<'_> {
         }
     }
 
-    /// The steady wind along this run's road and the gusts, as one process that varies as much as
-    /// both and changes as fast. The steady part changes where the road bends.
+    /// Returns the steady headwind along the road and the gusts as one process with the same
+    /// variance and rate of change. The steady part changes where the road bends.
     fn headwind(&self, wind: &Wind) -> Option<Headwind> {
-        let looks = (self.drive.duration_s() / COURSE_STEP_S) as usize + 1;
+        let samples = (self.drive.duration_s() / COURSE_STEP_S) as usize + 1;
         let from_rad = wind.from_deg.to_radians();
-        let steady: Vec<f64> = (0..looks)
-            .map(|look| {
-                let place_m = self.drive.at(look as f64 * COURSE_STEP_S).distance_m;
+        let steady: Vec<f64> = (0..samples)
+            .map(|sample| {
+                let place_m = self.drive.at(sample as f64 * COURSE_STEP_S).distance_m;
                 wind.speed_mps * (from_rad - self.drive.road.course_rad(place_m)).cos()
             })
             .collect();
         let gusts = wind.gust_sigma_mps * wind.gust_sigma_mps;
         let variance = mean_square(steady.iter().copied()) + gusts;
         // Mean squared change over half of the run, as that of a random walk.
-        let half = (looks / 2).max(1);
-        let changes = steady.iter().zip(&steady[half.min(looks)..]);
+        let half = (samples / 2).max(1);
+        let changes = steady.iter().zip(&steady[half.min(samples)..]);
         let change = mean_square(changes.map(|(before, after)| after - before));
         let per_s = change / (2.0 * half as f64 * COURSE_STEP_S) + gusts / wind.gust_time_s;
         (variance > 0.0).then(|| Headwind {

@@ -1,6 +1,6 @@
-//! What is planted in one drive: the forces of [`PlantedTable`] as they act, moment by moment.
+//! The planted effects of one drive: the forces of [`PlantedTable`], step by step.
 
-use super::planted_file::{PlantedTable, Stretch};
+use super::planted_file::{PlantedTable, ResistanceSection};
 use super::random::{Purpose, stream};
 use super::truck::{GRAVITY, Truck};
 use rand::RngExt;
@@ -8,43 +8,43 @@ use rand_chacha::ChaCha8Rng;
 use std::f64::consts::PI;
 use std::ops::Range;
 
-/// Part of the time in which the fan is on.
+/// Part of the time that the fan is on.
 const FAN_SHARE: f64 = 0.4;
 /// Time that the fan stays on or off, as a part of the mean.
 const FAN_SPREAD: Range<f64> = 0.3..1.7;
 
-/// A place as the road's surface and the tyres meet it.
+/// The position of the vehicle on the road, for effects of road and tyres.
 #[derive(Clone, Copy, Debug)]
-pub struct Place {
-    /// Along the road in its forward direction, m.
+pub struct ContactPoint {
+    /// Distance along the road in its forward direction, m.
     pub stored_m: f64,
-    /// Driven in that direction.
+    /// True if it is driven in that direction.
     pub forward: bool,
-    /// Change of course with the way, rad/m.
+    /// Change of course with distance, rad/m.
     pub curvature_per_m: f64,
 }
 
 /// The effects of one drive.
 #[derive(Clone, Debug)]
-pub struct Planted {
+pub struct PlantedEffects {
     table: PlantedTable,
     fan: Fan,
-    /// Torque that arrives at the driveline, a play behind the engine's, Nm.
+    /// Torque at the driveline after hysteresis, Nm.
     followed_nm: f64,
     thermostat_on: bool,
 }
 
-/// A fan that its own controller switches.
+/// A fan with its own controller.
 #[derive(Clone, Debug)]
 struct Fan {
     on: bool,
-    /// Until it is switched, s.
+    /// Time until it switches, s.
     left_s: f64,
     rng: ChaCha8Rng,
 }
 
 impl Fan {
-    /// In the middle of its ways.
+    /// Starts at a random time of its cycle.
     fn new(period_s: f64, mut rng: ChaCha8Rng) -> Self {
         let on = rng.random_bool(FAN_SHARE);
         let mut fan = Self {
@@ -70,8 +70,8 @@ impl Fan {
     }
 }
 
-impl Planted {
-    /// What is planted in run `index` of the scenario seeded with `seed`.
+impl PlantedEffects {
+    /// Creates the effects of run `index` of the scenario with this `seed`.
     #[must_use]
     pub fn new(table: &PlantedTable, seed: u64, index: usize) -> Self {
         Self {
@@ -82,14 +82,14 @@ impl Planted {
         }
     }
 
-    /// Moves on by `step_s`, to a time of the log's clock.
+    /// Advances by `step_s`, to a time of the log clock.
     pub fn advance(&mut self, clock_s: f64, step_s: f64) {
         self.fan.advance(self.table.fan_period_s, step_s);
         let period_s = self.table.thermostat_period_s;
         self.thermostat_on = clock_s.rem_euclid(period_s) < 0.5 * period_s;
     }
 
-    /// The fan as SPN 975 tells it, %.
+    /// Returns the fan speed as SPN 975 reports it, %.
     #[must_use]
     pub fn fan_percent(&self) -> f64 {
         if self.table.fan_w > 0.0 && self.fan.on {
@@ -99,9 +99,9 @@ impl Planted {
         }
     }
 
-    /// What holds the vehicle back from outside or at its wheels, N.
+    /// Returns the planted forces against the motion, outside the driveline, N.
     #[must_use]
-    pub fn resistance_n(&self, truck: &Truck, place: Place, speed_mps: f64) -> f64 {
+    pub fn resistance_n(&self, truck: &Truck, place: ContactPoint, speed_mps: f64) -> f64 {
         let weight_n = truck.mass_kg * GRAVITY;
         let lateral = speed_mps * speed_mps * place.curvature_per_m / GRAVITY;
         let cornering = self.table.cornering_compliance_rad * lateral * lateral;
@@ -112,8 +112,9 @@ impl Planted {
         weight_n * (cornering + rolling) + self.table.brake_drag_n
     }
 
-    /// What is lost between an engine that gives `net_torque_nm` at `engine_rpm` and wheels on
-    /// which each newton metre makes `per_torque` newtons, N. Nothing through an open driveline.
+    /// Returns the force lost in the driveline, N, for a net engine torque `net_torque_nm` at
+    /// `engine_rpm`, where each newton metre makes `per_torque` newtons. It is zero if the
+    /// driveline is open.
     pub fn driveline_n(
         &mut self,
         truck: &Truck,
@@ -134,7 +135,7 @@ impl Planted {
         (lagging_nm + auxiliary_nm) * per_torque + self.table.driveline_loss * traction_n.abs()
     }
 
-    /// Power that the engine gives beside the wheels, W.
+    /// Returns the auxiliary power of the engine, W.
     fn power_w(&self) -> f64 {
         let while_on = |power_w: f64, on: bool| if on { power_w } else { 0.0 };
         self.table.auxiliary_w
@@ -143,8 +144,8 @@ impl Planted {
     }
 }
 
-fn rolling_at(stretches: &[Stretch], stored_m: f64) -> f64 {
-    stretches
+fn rolling_at(sections: &[ResistanceSection], stored_m: f64) -> f64 {
+    sections
         .iter()
         .filter(|&&(from_m, to_m, _)| (from_m..to_m).contains(&stored_m))
         .map(|&(.., rolling)| rolling)

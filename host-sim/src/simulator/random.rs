@@ -1,11 +1,11 @@
-//! Seeded randomness: one independent stream a purpose and run, so that a change in one place
-//! leaves the numbers of every other as they were.
+//! Seeded random numbers. Each purpose and run has its own stream, so that a change of one use does
+//! not change the others.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 
-/// What the numbers are for.
+/// Purpose of a stream.
 #[derive(Clone, Copy, Debug)]
 pub enum Purpose {
     /// Profile and plan of the road; the same for every run.
@@ -18,15 +18,15 @@ pub enum Purpose {
     Sensors,
     /// Errors of the GNSS receiver.
     Gnss,
-    /// Moments at which messages are sent.
+    /// Jitter of the messages.
     Bus,
     /// Gusts of wind.
     Wind,
-    /// When a planted fan runs.
+    /// Switching times of a planted fan.
     Fan,
 }
 
-/// The stream of `purpose` in run `index` of the scenario seeded with `seed`.
+/// Returns the stream of `purpose` in run `index` of the scenario with this `seed`.
 #[must_use]
 pub fn stream(seed: u64, index: usize, purpose: Purpose) -> ChaCha8Rng {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
@@ -34,7 +34,7 @@ pub fn stream(seed: u64, index: usize, purpose: Purpose) -> ChaCha8Rng {
     rng
 }
 
-/// One draw from the standard normal distribution.
+/// Draws from the standard normal distribution.
 pub fn normal(rng: &mut ChaCha8Rng) -> f64 {
     rng.sample(StandardNormal)
 }
@@ -48,7 +48,7 @@ pub struct OrnsteinUhlenbeck {
 }
 
 impl OrnsteinUhlenbeck {
-    /// A process with this standard deviation and correlation time, already in its stationary
+    /// Creates a process with this standard deviation and correlation time, in its stationary
     /// state.
     pub fn new(sigma: f64, time_s: f64, rng: &mut ChaCha8Rng) -> Self {
         Self {
@@ -58,11 +58,11 @@ impl OrnsteinUhlenbeck {
         }
     }
 
-    /// The value after `seconds` more; exact for any step.
+    /// Advances by `seconds` and returns the value; exact for any step.
     pub fn advance(&mut self, seconds: f64, rng: &mut ChaCha8Rng) -> f64 {
-        let kept = (-seconds / self.time_s).exp();
-        let fresh = self.sigma * (1.0 - kept * kept).sqrt();
-        self.value = kept * self.value + fresh * normal(rng);
+        let decay = (-seconds / self.time_s).exp();
+        let fresh = self.sigma * (1.0 - decay * decay).sqrt();
+        self.value = decay * self.value + fresh * normal(rng);
         self.value
     }
 }

@@ -1,11 +1,11 @@
-//! A number of a scenario within its range.
+//! Range check of scenario values.
 
 use std::ops::RangeInclusive;
 
-/// A number within a range.
+/// Checks that a number is within a range.
 ///
 /// # Errors
-/// What is wrong, beginning with the key's name.
+/// Returns the problem, beginning with the name of the key.
 pub fn check(name: &str, value: f64, range: RangeInclusive<f64>) -> Result<(), String> {
     if range.contains(&value) {
         Ok(())

@@ -1,8 +1,8 @@
-//! A run that is driven, and what of it goes on the bus.
+//! A simulated drive and its bus traffic.
 
-use super::bus::Bus;
-use super::drive::{self, Drive};
-use super::gnss::Gnss;
+use super::bus::BusTraffic;
+use super::drive::{self, SimulatedDrive};
+use super::gnss::GnssReceiver;
 use super::scenario::Scenario;
 use super::sensors::Sensors;
 use crate::error::Result;
@@ -19,20 +19,20 @@ const TRUTH_STEP_S: f64 = 0.1;
 pub struct SimulatedRun {
     /// The run's name in the scenario.
     pub name: String,
-    /// The vehicle as the estimator is to believe it.
+    /// The vehicle as the estimator assumes it.
     pub vehicle: VehicleFile,
-    /// The vehicle as it was.
+    /// The true vehicle.
     pub true_parameters: VehicleParameters,
-    /// What was on the bus.
+    /// The frames on the bus.
     pub frames: Vec<TimedFrame>,
-    /// What really happened, every 100 ms from the first frame on.
+    /// The true state, every 100 ms from the first frame on.
     pub truth: Vec<TruthRow>,
 }
 
-/// Drives run `index` of the scenario and keeps all of it.
+/// Simulates run `index` of the scenario in memory.
 ///
 /// # Errors
-/// A truck that comes to a stop on its road.
+/// Returns an error if the truck comes to a stop on its road.
 ///
 /// # Panics
 /// If the scenario has no run `index`.
@@ -48,19 +48,19 @@ pub fn simulate(scenario: &Scenario, index: usize) -> Result<SimulatedRun> {
     })
 }
 
-/// A run that was driven, ready to be put on the bus.
+/// A simulated drive whose bus traffic can be generated.
 #[derive(Debug)]
 pub struct Recording<'a> {
     pub(super) scenario: &'a Scenario,
     pub(super) index: usize,
-    pub(super) drive: Drive,
+    pub(super) drive: SimulatedDrive,
 }
 
 impl<'a> Recording<'a> {
-    /// Drives run `index` of the scenario.
+    /// Simulates run `index` of the scenario.
     ///
     /// # Errors
-    /// A truck that comes to a stop on its road.
+    /// Returns an error if the truck comes to a stop on its road.
     ///
     /// # Panics
     /// If the scenario has no run `index`.
@@ -73,17 +73,17 @@ impl<'a> Recording<'a> {
         })
     }
 
-    /// What was driven, step by step.
+    /// Returns the drive, step by step.
     #[must_use]
-    pub const fn drive(&self) -> &Drive {
+    pub const fn drive(&self) -> &SimulatedDrive {
         &self.drive
     }
 
-    /// The bus traffic, in order of time. Each call gives the same frames.
+    /// Returns the bus traffic, in order of time. Each call returns the same frames.
     pub fn frames(&self) -> impl Iterator<Item = TimedFrame> {
         let sensors = Sensors::new(self.scenario, self.index, &self.drive);
-        let gnss = Gnss::new(self.scenario, self.index, &self.drive);
-        Bus::new(
+        let gnss = GnssReceiver::new(self.scenario, self.index, &self.drive);
+        BusTraffic::new(
             self.scenario,
             self.index,
             sensors,
@@ -92,7 +92,7 @@ impl<'a> Recording<'a> {
         )
     }
 
-    /// The truth every 100 ms, its time and distance counted from the first frame.
+    /// Returns the truth every 100 ms; time and distance count from the first frame.
     #[must_use]
     pub fn truth(&self) -> Vec<TruthRow> {
         let log_start_s = self.scenario.runs[self.index].start_time_s;

@@ -1,25 +1,25 @@
-//! The road: grade, altitude and plan view along its length.
+//! The road: grade, altitude and plan view by distance.
 //!
-//! Grade is linear between nodes, so that vertical curves are the parabolas that roads are built
-//! with; altitude is the integral of the sine of the slope, so that the two never disagree.
+//! Grade is linear between nodes, so vertical curves are parabolas, as roads are built. Altitude is
+//! the integral of the sine of the slope, so both agree exactly.
 
 use super::geodesy::{Position, wrapped_rad};
 use crate::numeric::slope::sine;
 
-/// What a road is made from.
+/// A node of a road.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Node {
-    /// Way along the road's surface, m.
+    /// Distance along the surface of the road, m.
     pub distance_m: f64,
-    /// Where.
+    /// Position.
     pub position: Position,
     /// Tangent of the slope angle.
     pub grade: f64,
 }
 
-/// A node with what follows from its neighbours.
+/// A node with the quantities that follow from its neighbours.
 #[derive(Clone, Copy, Debug)]
-struct Point {
+struct NodeGeometry {
     node: Node,
     altitude_m: f64,
     course_rad: f64,
@@ -29,12 +29,12 @@ struct Point {
 /// A road in one direction of travel, from 0 to its length.
 #[derive(Clone, Debug)]
 pub struct Road {
-    points: Vec<Point>,
+    points: Vec<NodeGeometry>,
 }
 
 impl Road {
-    /// A road through nodes of ascending distance; distances are counted from the first. `None`
-    /// with fewer than two nodes or a distance that does not ascend.
+    /// Creates a road through nodes of ascending distance; distances count from the first node.
+    /// `None` with fewer than two nodes or distances that do not ascend.
     #[must_use]
     pub fn new(mut nodes: Vec<Node>, start_altitude_m: f64) -> Option<Self> {
         let start_m = nodes.first()?.distance_m;
@@ -45,7 +45,7 @@ impl Road {
             return None;
         }
         let mut altitude_m = start_altitude_m;
-        let mut points: Vec<Point> = Vec::with_capacity(nodes.len());
+        let mut points: Vec<NodeGeometry> = Vec::with_capacity(nodes.len());
         for (index, node) in nodes.iter().enumerate() {
             if let Some(last) = points.last() {
                 let length_m = node.distance_m - last.node.distance_m;
@@ -53,7 +53,7 @@ impl Road {
             }
             let before = nodes[index.saturating_sub(1)];
             let after = nodes[(index + 1).min(nodes.len() - 1)];
-            points.push(Point {
+            points.push(NodeGeometry {
                 node: *node,
                 altitude_m,
                 course_rad: before.position.course_to_rad(after.position),
@@ -69,7 +69,7 @@ impl Road {
         Some(Self { points })
     }
 
-    /// The same road driven the other way.
+    /// Returns the same road in the other direction.
     #[must_use]
     pub fn reversed(&self) -> Self {
         let length_m = self.length_m();
@@ -77,7 +77,7 @@ impl Road {
             .points
             .iter()
             .rev()
-            .map(|point| Point {
+            .map(|point| NodeGeometry {
                 node: Node {
                     distance_m: length_m - point.node.distance_m,
                     grade: -point.node.grade,
@@ -91,27 +91,28 @@ impl Road {
         Self { points }
     }
 
-    /// Length of the surface, m.
+    /// Returns length of the surface, m.
     #[must_use]
     pub fn length_m(&self) -> f64 {
         self.points.last().map_or(0.0, |last| last.node.distance_m)
     }
 
-    /// The nodes with their altitudes, m.
+    /// Returns the nodes with their altitudes, m.
     pub fn nodes(&self) -> impl Iterator<Item = (Node, f64)> {
         self.points
             .iter()
             .map(|point| (point.node, point.altitude_m))
     }
 
-    /// Tangent of the slope angle, positive uphill. Beyond an end of the road, that of the end.
+    /// Returns the tangent of the slope angle, positive uphill. Beyond an end it is that of the
+    /// end.
     #[must_use]
     pub fn grade(&self, distance_m: f64) -> f64 {
         let (from, to, part) = self.between(distance_m);
         from.node.grade + part * (to.node.grade - from.node.grade)
     }
 
-    /// Altitude, m.
+    /// Returns the altitude, m.
     #[must_use]
     pub fn altitude_m(&self, distance_m: f64) -> f64 {
         let (from, to, part) = self.between(distance_m);
@@ -120,29 +121,29 @@ impl Road {
         from.altitude_m + climb_m(from.node.grade, grade, length_m)
     }
 
-    /// Where.
+    /// Returns the position.
     #[must_use]
     pub fn position(&self, distance_m: f64) -> Position {
         let (from, to, part) = self.between(distance_m);
         from.node.position.towards(to.node.position, part)
     }
 
-    /// Direction of travel, rad clockwise from north, in -π to π.
+    /// Returns the direction of travel, rad clockwise from north, in -π to π.
     #[must_use]
     pub fn course_rad(&self, distance_m: f64) -> f64 {
         let (from, to, part) = self.between(distance_m);
         wrapped_rad(from.course_rad + part * wrapped_rad(to.course_rad - from.course_rad))
     }
 
-    /// Change of course with the way, rad/m, positive to the right.
+    /// Returns the change of course with distance, rad/m, positive to the right.
     #[must_use]
     pub fn curvature_per_m(&self, distance_m: f64) -> f64 {
         let (from, to, part) = self.between(distance_m);
         from.curvature_per_m + part * (to.curvature_per_m - from.curvature_per_m)
     }
 
-    /// The points on either side, and the part of the way between them.
-    fn between(&self, distance_m: f64) -> (&Point, &Point, f64) {
+    /// Returns the nodes on either side, and the relative position between them.
+    fn between(&self, distance_m: f64) -> (&NodeGeometry, &NodeGeometry, f64) {
         let after = self
             .points
             .partition_point(|point| point.node.distance_m <= distance_m)
@@ -154,8 +155,8 @@ impl Road {
     }
 }
 
-/// Altitude gained over `length_m` while the grade goes linearly from `from` to `to`: Simpson's
-/// rule on the sine of the slope, whose error is below a micrometre over a node spacing.
+/// Returns the altitude gained over `length_m` while the grade changes linearly from `from` to
+/// `to`. Simpson's rule on the sine of the slope has an error below a micrometre per node.
 fn climb_m(from: f64, to: f64, length_m: f64) -> f64 {
     let middle = 0.5 * (from + to);
     length_m / 6.0 * (sine(from) + 4.0 * sine(middle) + sine(to))

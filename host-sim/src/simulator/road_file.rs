@@ -1,4 +1,4 @@
-//! ROAD.csv: the road as a reference, read and written.
+//! ROAD.csv: a reference road, read and written.
 
 use super::geodesy::Position;
 use super::road::{Node, Road};
@@ -8,13 +8,13 @@ use crate::numeric::rounding::round;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// Steepest grade that a road can have, %.
+/// Steepest grade allowed, %.
 const STEEPEST_PERCENT: f64 = 35.0;
 
-/// One row. Altitude is read from the first row only: from there on it is the integral of the
+/// One row. Altitude is read from the first row only. From there on it is the integral of the
 /// grade, so that the simulated truth is consistent.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-struct RoadRow {
+struct RoadFileRow {
     distance_m: f64,
     latitude_deg: f64,
     longitude_deg: f64,
@@ -25,9 +25,9 @@ struct RoadRow {
 /// Reads a road.
 ///
 /// # Errors
-/// With file, line and what was expected.
+/// Names the file, the line and what was expected.
 pub fn read(path: &Path) -> Result<Road> {
-    let rows: Vec<RoadRow> = read_csv(path)?;
+    let rows: Vec<RoadFileRow> = read_csv(path)?;
     let mut last_m = f64::NEG_INFINITY;
     for (index, row) in rows.iter().enumerate() {
         // The header is line 1.
@@ -49,11 +49,11 @@ pub fn read(path: &Path) -> Result<Road> {
         .collect();
     let start_altitude_m = rows.first().map_or(0.0, |row| row.altitude_m);
     Road::new(nodes, start_altitude_m)
-        .ok_or_else(|| Error::content(path, "one row only; expected at least two"))
+        .ok_or_else(|| Error::content(path, "only one row; expected at least two"))
 }
 
-/// What is wrong with a row, and what would do.
-fn check(row: &RoadRow, last_m: f64) -> std::result::Result<(), (String, String)> {
+/// Returns the problem of a row and what was expected.
+fn check(row: &RoadFileRow, last_m: f64) -> std::result::Result<(), (String, String)> {
     let within = |name: &str, value: f64, limit: f64| {
         if value.abs() <= limit {
             Ok(())
@@ -75,14 +75,14 @@ fn check(row: &RoadRow, last_m: f64) -> std::result::Result<(), (String, String)
     }
 }
 
-/// Writes a road, a row a node.
+/// Writes a road, one row per node.
 ///
 /// # Errors
-/// What the file system says.
+/// Returns the error of the file system.
 pub fn write(path: &Path, road: &Road) -> Result<()> {
     write_csv(
         path,
-        road.nodes().map(|(node, altitude_m)| RoadRow {
+        road.nodes().map(|(node, altitude_m)| RoadFileRow {
             distance_m: round(node.distance_m, 3),
             latitude_deg: round(node.position.latitude_deg, 9),
             longitude_deg: round(node.position.longitude_deg, 9),

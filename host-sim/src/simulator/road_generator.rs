@@ -1,10 +1,10 @@
-//! A motorway that could have been built: seeded vertical and horizontal alignment.
+//! Generator of a realistic motorway: seeded vertical and horizontal alignment.
 //!
 //! The profile is a chain of tangents joined by vertical curves over which grade changes
 //! linearly. Its rate of change stays below a limit, as sight distance demands: at 110 km/h a
 //! crest has K = 74 m for one percent (AASHTO), that is 0.0135 % per m. The plan is a chain of
 //! straights and arcs joined by clothoids. Grade and course are pulled back to where they
-//! started, so that the road neither climbs away nor turns back on itself.
+//! started, so that the road neither climbs without limit nor turns back on itself.
 
 use super::geodesy::Position;
 use super::random::{Purpose, normal, stream};
@@ -29,36 +29,37 @@ const ARC_M: Range<f64> = 200.0..1_200.0;
 const CLOTHOID_M: Range<f64> = 80.0..200.0;
 /// Turn of one arc, rad: tight ones are short, or the road would cross itself.
 const LONGEST_TURN_RAD: f64 = 0.8;
-/// Part of the pieces that are straight.
+/// Fraction of straight pieces.
 const STRAIGHT_PART: f64 = 0.4;
 /// Curvature of an arc, as a part of the largest one.
 const ARC_SHARPNESS: Range<f64> = 0.15..1.0;
-/// Deviation from the first course beyond which arcs turn back, rad.
+/// Deviation from the initial course beyond which arcs turn back, rad.
 const COURSE_RETURN_RAD: f64 = 0.35;
 
-/// What road is wanted.
+/// Parameters of a generated road.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct RoadShape {
-    /// Length of the surface.
+    /// Length of the surface, m, 100 to 1e6, default 40 000.
     pub length_m: f64,
-    /// Standard deviation of the tangents' grade.
+    /// Standard deviation of the grade of the tangents, %, 0 to 10, default 1.4.
     pub grade_sigma_percent: f64,
-    /// Largest grade, up or down.
+    /// Largest grade, up or down, %, 0 to 15, default 5.
     pub largest_grade_percent: f64,
-    /// Largest change of grade with the way.
+    /// Largest change of grade with distance, %/m, 1e-4 to 0.2, default 0.0135.
     pub largest_change_percent_per_m: f64,
-    /// Radius of the tightest arc.
+    /// Radius of the tightest arc, m, 100 to 1e6, default 1500.
     pub smallest_radius_m: f64,
-    /// Radius of the widest arc; left out, 1/0.15 of the tightest.
+    /// Radius of the widest arc, m, at least 1.01 times the tightest; default 1/0.15 of the
+    /// tightest.
     pub largest_radius_m: Option<f64>,
-    /// Where it starts.
+    /// Latitude of the start, deg.
     pub start_latitude_deg: f64,
-    /// Where it starts.
+    /// Longitude of the start, deg.
     pub start_longitude_deg: f64,
-    /// How high it starts.
+    /// Altitude of the start, m.
     pub start_altitude_m: f64,
-    /// Where it heads, clockwise from north.
+    /// Course at the start, deg clockwise from north.
     pub start_course_deg: f64,
 }
 
@@ -80,7 +81,7 @@ impl Default for RoadShape {
     }
 }
 
-/// Builds the road that `seed` stands for.
+/// Generates the road of a `seed`.
 #[must_use]
 pub fn generate(shape: &RoadShape, seed: u64) -> Road {
     let mut rng = stream(seed, 0, Purpose::Road);
@@ -97,11 +98,11 @@ pub fn generate(shape: &RoadShape, seed: u64) -> Road {
         let distance_m = (step as f64 * NODE_STEP_M).min(shape.length_m);
         let grade = 0.01 * value_at(&grades, distance_m);
         if let Some(last) = nodes.last() {
-            let way_m = distance_m - last.distance_m;
-            let turn = 0.5 * way_m * value_at(&curvatures, distance_m - 0.5 * way_m);
+            let step_m = distance_m - last.distance_m;
+            let turn = 0.5 * step_m * value_at(&curvatures, distance_m - 0.5 * step_m);
             // Half the turn before the step and half after: the chord of the arc.
             course_rad += turn;
-            let level_m = way_m * (1.0 - sine(0.5 * (grade + last.grade)).powi(2)).sqrt();
+            let level_m = step_m * (1.0 - sine(0.5 * (grade + last.grade)).powi(2)).sqrt();
             position = position.moved(level_m * course_rad.cos(), level_m * course_rad.sin());
             course_rad += turn;
         }
@@ -115,7 +116,7 @@ pub fn generate(shape: &RoadShape, seed: u64) -> Road {
         .expect("at least two nodes at ascending distances were made")
 }
 
-/// A stretch that keeps the value it has, and then moves linearly to another.
+/// A piece with a constant value, followed by a linear change to another value.
 struct Piece {
     hold_m: f64,
     ramp_m: f64,
@@ -169,7 +170,7 @@ fn plan(shape: &RoadShape, rng: &mut ChaCha8Rng) -> Vec<(f64, f64)> {
     })
 }
 
-/// Chains pieces from zero on until the road is full. `next` is told the value so far and its
+/// Chains pieces from zero on to the length of the road. `next` gets the value so far and its
 /// integral.
 fn pieces(length_m: f64, mut next: impl FnMut(f64, f64) -> Piece) -> Vec<(f64, f64)> {
     let (mut at_m, mut value, mut integral) = (0.0, 0.0, 0.0);
@@ -185,7 +186,7 @@ fn pieces(length_m: f64, mut next: impl FnMut(f64, f64) -> Piece) -> Vec<(f64, f
     corners
 }
 
-/// The value on the line between the corners on either side.
+/// Interpolates between the corners on either side.
 fn value_at(corners: &[(f64, f64)], at_m: f64) -> f64 {
     let after = corners
         .partition_point(|corner| corner.0 <= at_m)

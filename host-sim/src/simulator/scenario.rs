@@ -1,5 +1,5 @@
-//! A scenario: the file made sure of, its road built and its vehicles drawn. The keys of the
-//! file are documented in [`scenario_file`](super::scenario_file).
+//! A scenario: the checked file, with its road built and its vehicles drawn. The keys of the file
+//! are documented in [`scenario_file`](super::scenario_file).
 
 use super::planted_file::PlantedTable;
 use super::random::{Purpose, normal, stream};
@@ -7,8 +7,8 @@ use super::range_check::check;
 use super::road::Road;
 use super::scenario_check::{check_document, check_shape, check_steady_wind};
 use super::scenario_file::{
-    Air, Direction, Document, GnssErrors, Latencies, NoiseLevels, ParameterErrors, Rates,
-    RoadSource, RunTable, Start, Tyres, Wind,
+    Air, DrivingDirection, GnssErrors, Latencies, ParameterErrors, Rates, RoadSource, RunTable,
+    ScenarioDocument, SensorNoiseLevels, Start, Tyres, Wind,
 };
 use super::truck::Truck;
 use super::{road_file, road_generator};
@@ -22,70 +22,70 @@ use std::path::{Path, PathBuf};
 
 /// Specific gas constant of dry air, J/(kg K).
 const GAS_CONSTANT: f64 = 287.05;
-/// What a factor may be, and what a random one is kept within.
+/// Range of a factor, and limits of a random factor.
 const FACTOR_RANGE: RangeInclusive<f64> = 0.2..=3.0;
 const DRAWN_RANGE: RangeInclusive<f64> = 0.3..=1.7;
 
-/// The embedded default of the main job.
+/// The built-in scenario of the demonstration.
 const BUILTIN: &str = include_str!("../../scenarios/demo.toml");
 
-/// What is to be simulated.
+/// A checked scenario.
 #[derive(Clone, Debug)]
 pub struct Scenario {
-    /// The file, for messages.
+    /// Path of the file, for error messages.
     pub origin: PathBuf,
-    /// Every random number follows from it.
+    /// Seed of all random numbers.
     pub seed: u64,
     /// The road in its forward direction.
     pub road: Road,
     /// Noise of the vehicle's sensors.
-    pub noise: NoiseLevels,
+    pub noise: SensorNoiseLevels,
     /// Errors of the GNSS receiver.
     pub gnss: GnssErrors,
-    /// Ages of the values when sent, ms.
+    /// Latencies of the messages, ms.
     pub latency_ms: Latencies,
     /// Message rates.
     pub rates: Rates,
-    /// The air.
+    /// Air pressure and temperature.
     pub air: Air,
-    /// How the tyres warm up.
+    /// Warming of the tyres.
     pub tyres: Tyres,
-    /// What no vehicle file tells.
+    /// Planted effects.
     pub planted: PlantedTable,
     /// The traversals.
-    pub runs: Vec<Run>,
+    pub runs: Vec<ScenarioRun>,
 }
 
 /// One traversal by one vehicle.
 #[derive(Clone, Debug)]
-pub struct Run {
-    /// What its files are called.
+pub struct ScenarioRun {
+    /// Name of the run and its files.
     pub name: String,
-    /// The vehicle as the estimator is to believe it.
+    /// The vehicle as the estimator assumes it.
     pub vehicle: VehicleFile,
-    /// The vehicle as it is. A wrong torque signal shows as a reference torque unlike the
-    /// believed one.
+    /// The true vehicle. A wrong torque signal is modelled as a reference torque that differs from
+    /// the assumed one.
     pub true_parameters: VehicleParameters,
-    /// The same, ready to be driven.
+    /// The true vehicle, ready to be simulated.
     pub truck: Truck,
-    /// Against the road's direction.
+    /// True if the run goes against the direction of the road.
     pub backward: bool,
-    /// Where it starts, in the direction of travel, m.
+    /// Start, m in the direction of travel.
     pub start_distance_m: f64,
-    /// How far it goes, m.
+    /// Length, m.
     pub length_m: f64,
-    /// What the log's clock shows at the start, s.
+    /// Time of the log clock at the start, s.
     pub start_time_s: f64,
-    /// Starts from standstill, else at the set speed.
+    /// True if the run starts from standstill, else at the set speed.
     pub from_standstill: bool,
-    /// How long its tyres have rolled before, s.
+    /// Time that the tyres have already rolled, s.
     pub tyres_driven_s: f64,
-    /// The movement of the air.
+    /// The wind.
     pub wind: Wind,
 }
 
-impl Run {
-    /// True over believed traction per kilogram: what an estimator's scale should find.
+impl ScenarioRun {
+    /// Returns true over assumed traction per kilogram: the true value of the estimator's scale.
     #[must_use]
     pub fn true_scale(&self) -> f64 {
         let per_kg = |parameters: &VehicleParameters| {
@@ -100,17 +100,16 @@ impl Run {
 }
 
 impl Scenario {
-    /// Reads a scenario and everything it names.
+    /// Reads a scenario and the files that it names.
     ///
     /// # Errors
-    /// Unknown keys, missing keys and impossible values, each named.
+    /// Names each unknown key, missing key and value out of range.
     pub fn read(path: &Path) -> Result<Self> {
         let text = fs::read_to_string(path).map_err(Error::io(path))?;
         Self::parse(&text, path)
     }
 
-    /// The scenario that is built in: 10 km, truck A three times and B twice, all parameters
-    /// wrong.
+    /// Returns the built-in scenario: 10 km, truck A three times and B twice, all parameters wrong.
     ///
     /// # Panics
     /// Never: a test reads it.
@@ -119,18 +118,18 @@ impl Scenario {
         Self::parse(BUILTIN, Path::new("built-in scenario")).expect("it is tested")
     }
 
-    /// From the text of a scenario file; `origin` stands for it in messages, and the files it
-    /// names are looked for beside it.
+    /// Parses the text of a scenario file. `origin` names it in messages; file names are relative
+    /// to it.
     ///
     /// # Errors
-    /// As [`read`](Self::read).
+    /// Returns the errors of [`read`](Self::read).
     pub fn parse(text: &str, origin: &Path) -> Result<Self> {
         let key = |problem: String| Error::Key {
             path: origin.to_owned(),
             problem,
         };
         let toml_error = |e: toml::de::Error| key(e.to_string().trim_end().to_owned());
-        let document: Document = toml::from_str(text).map_err(toml_error)?;
+        let document: ScenarioDocument = toml::from_str(text).map_err(toml_error)?;
         check_document(&document).map_err(key)?;
         let folder = origin.parent().unwrap_or(Path::new(""));
         let road = match document
@@ -143,13 +142,13 @@ impl Scenario {
                 road_generator::generate(&shape, document.seed)
             }
         };
-        let mut runs: Vec<Run> = Vec::new();
+        let mut runs: Vec<ScenarioRun> = Vec::new();
         for (index, table) in document.runs.iter().enumerate() {
             let place = format!("runs[{index}]");
             let named = |problem: String| key(format!("{place}.{problem}"));
             if runs.iter().any(|run| run.name == table.name) {
                 return Err(named(format!(
-                    "name = \"{}\": expected a name that no other run has",
+                    "name = \"{}\": expected a unique name",
                     table.name
                 )));
             }
@@ -172,13 +171,13 @@ impl Scenario {
         })
     }
 
-    /// Density of dry air, kg/m³.
+    /// Returns the density of dry air, kg/m³.
     #[must_use]
     pub fn air_density(&self) -> f64 {
         self.air.pressure_pa / (GAS_CONSTANT * (self.air.temperature_celsius + 273.15))
     }
 
-    /// The vehicle that all runs are believed to have, if they share one.
+    /// Returns the assumed vehicle of all runs, if they share one.
     #[must_use]
     pub fn common_vehicle(&self) -> Option<&VehicleFile> {
         let first = &self.runs.first()?.vehicle;
@@ -189,7 +188,7 @@ impl Scenario {
     }
 }
 
-/// The believed vehicle of a run.
+/// Returns the assumed vehicle of a run.
 fn nominal(
     table: &RunTable,
     folder: &Path,
@@ -203,7 +202,7 @@ fn nominal(
         (None, Some(file)) => VehicleFile::read(&folder.join(file))?,
         (Some(_), Some(_)) => {
             return Err(named(
-                "truck: there is a vehicle as well; expected one of them".to_owned(),
+                "truck: vehicle is given as well; expected one of them".to_owned(),
             ));
         }
         (None, None) => {
@@ -219,14 +218,14 @@ fn nominal(
     Ok(vehicle)
 }
 
-/// A run with its true vehicle; the error is a problem that starts with the key's name.
+/// Creates a run with its true vehicle. The error begins with the name of the key.
 fn run(
     table: &RunTable,
-    document: &Document,
+    document: &ScenarioDocument,
     road: &Road,
     vehicle: VehicleFile,
     rng: &mut ChaCha8Rng,
-) -> std::result::Result<Run, String> {
+) -> std::result::Result<ScenarioRun, String> {
     let plain = |c: char| c.is_ascii_alphanumeric() || "_-.".contains(c);
     if !table.name.starts_with(|c: char| c.is_ascii_alphanumeric())
         || !table.name.chars().all(plain)
@@ -256,15 +255,14 @@ fn run(
     let mut true_parameters = vehicle.model.vehicle.clone();
     true_parameters.wheel_radius_m *= document.planted.wheel_radius_factor as f32;
     let true_parameters = disturbed(true_parameters, &errors, rng)?;
-    let truck = Truck::new(&true_parameters).ok_or(
-        "vehicle: has a measured traction force; expected one with a [powertrain]".to_owned(),
-    )?;
-    Ok(Run {
+    let truck = Truck::new(&true_parameters)
+        .ok_or("vehicle: it has [traction]; expected a vehicle with a [powertrain]".to_owned())?;
+    Ok(ScenarioRun {
         name: table.name.clone(),
         vehicle,
         true_parameters,
         truck,
-        backward: table.direction == Direction::Backward,
+        backward: table.direction == DrivingDirection::Backward,
         start_distance_m: table.start_distance_m,
         length_m,
         start_time_s: table.start_time_s,
@@ -274,18 +272,18 @@ fn run(
     })
 }
 
-/// The vehicle with its errors.
+/// Returns the vehicle with its parameter errors.
 fn disturbed(
     mut parameters: VehicleParameters,
     errors: &ParameterErrors,
     rng: &mut ChaCha8Rng,
 ) -> std::result::Result<VehicleParameters, String> {
-    // All four are drawn whether they are used or not: one more key leaves the others as they were.
+    // All four are drawn, used or not, so that another key does not change the others.
     let mut factor = |name: &str, factor: Option<f64>, sigma: Option<f64>| {
         let draw = normal(rng);
         match (factor, sigma) {
             (Some(_), Some(_)) => Err(format!(
-                "errors.{name}_factor: there is {name}_sigma as well; expected one of them"
+                "errors.{name}_factor: {name}_sigma is given as well; expected one of them"
             )),
             (Some(factor), None) => {
                 check(&format!("errors.{name}_factor"), factor, FACTOR_RANGE)?;

@@ -1,18 +1,18 @@
-//! What values the keys of a scenario may have.
+//! Range checks of the keys of a scenario.
 
 use super::range_check::check;
 use super::road_generator::RoadShape;
-use super::scenario_file::Document;
+use super::scenario_file::ScenarioDocument;
 
-/// The document, files that it names excepted.
+/// Checks the document, but not the files that it names.
 ///
 /// # Errors
-/// What is wrong, beginning with the key's name.
-pub fn check_document(document: &Document) -> Result<(), String> {
+/// Returns the problem, beginning with the name of the key.
+pub fn check_document(document: &ScenarioDocument) -> Result<(), String> {
     if document.runs.is_empty() {
-        return Err("runs: there are none; expected at least one [[runs]]".to_owned());
+        return Err("runs: no runs; expected at least one [[runs]]".to_owned());
     }
-    let Document {
+    let ScenarioDocument {
         noise,
         gnss,
         latency_ms,
@@ -75,19 +75,19 @@ pub fn check_document(document: &Document) -> Result<(), String> {
     )
 }
 
-/// The steady part of the wind.
+/// Checks the steady part of the wind.
 ///
 /// # Errors
-/// What is wrong, beginning with the key's name.
+/// Returns the problem, beginning with the name of the key.
 pub fn check_steady_wind(speed_mps: f64, from_deg: f64) -> Result<(), String> {
     check("wind.speed_mps", speed_mps, 0.0..=40.0)?;
     check("wind.from_deg", from_deg, 0.0..=360.0)
 }
 
-/// A road that is to be generated.
+/// Checks the shape of a generated road.
 ///
 /// # Errors
-/// What is wrong, beginning with the key's name.
+/// Returns the problem, beginning with the name of the key.
 pub fn check_shape(shape: &RoadShape) -> Result<(), String> {
     check("road.length_m", shape.length_m, 100.0..=1e6)?;
     check(

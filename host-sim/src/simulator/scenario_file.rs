@@ -1,10 +1,10 @@
-//! The scenario file: TOML, every key of it.
+//! The scenario file (TOML) and all its keys.
 //!
-//! Only `[[runs]]` with `name` and a vehicle must be there; every other key has the default shown.
-//! Unknown keys and impossible values are errors that name the key.
+//! Only `[[runs]]` with `name` and a vehicle is required; every other key has the default shown.
+//! Unknown keys and values out of range are errors that name the key.
 //!
 //! ```toml
-//! seed = 1                       # every random number follows from it
+//! seed = 1                       # seed of all random numbers
 //!
 //! [road]                         # a generated road …
 //! length_m = 40000.0
@@ -26,15 +26,16 @@
 //!
 //! [gnss]
 //! altitude_sigma_m = 3.0         # slow error of the altitude …
-//! altitude_time_s = 250.0        # … and the time over which it keeps its value
+//! altitude_time_s = 250.0        # … and its correlation time
 //! altitude_white_sigma_m = 0.3   # error of each single altitude
 //! position_sigma_m = 1.5         # slow error to the north and to the east
 //! position_time_s = 250.0
 //! speed_sigma_mps = 0.05
 //! course_sigma_deg = 0.3
-//! outages_m = []                 # tunnels, e.g. [[5000.0, 5800.0]]; along the road as it is stored
-//! steps = []                     # [from_m, to_m, metres]: the altitude is off by so much in between
-//! ramps = []                     # [from_m, to_m, metres]: it drifts off to so much, and is right again
+//! outages_m = []                 # tunnels, e.g. [[5000.0, 5800.0]]; along the road as stored
+//! steps = []                     # [from_m, to_m, metres]: the altitude is wrong by this in
+//! between
+//! ramps = []                     # [from_m, to_m, metres]: the error grows to this, then ends
 //!
 //! [latency_ms]                   # age of a value when its message is sent
 //! torque = 10.0                  # engine: 61444, 65247
@@ -54,41 +55,41 @@
 //! speed_mps = 0.0                # steady part …
 //! from_deg = 270.0               # … and where it comes from, clockwise from north
 //! gust_sigma_mps = 0.0           # slow part along the road …
-//! gust_time_s = 60.0             # … and the time over which it keeps its value
+//! gust_time_s = 60.0             # … and its correlation time
 //!
 //! [tyres]                        # cold at the start: rolling resistance is (1 + amount) times as
-//! cold_amount = 0.0              # large and goes down exponentially
+//! cold_amount = 0.0              # large and decays exponentially
 //! cold_time_s = 1500.0
 //!
-//! [planted]                      # what no vehicle file tells; units and ranges: planted_file
+//! [planted]                      # effects in no vehicle file; units and ranges: planted_file
 //! cornering_compliance_rad = 0.0
 //! driveline_loss = 0.0
 //! auxiliary_w = 0.0
-//! fan_w = 0.0                    # told as SPN 975 …
+//! fan_w = 0.0                    # reported as SPN 975 …
 //! fan_period_s = 120.0           # … on for 0.4 of the time
 //! brake_drag_n = 0.0
 //! wheel_radius_factor = 1.0
-//! rough = []                     # [from_m, to_m, rolling resistance more]: in both directions
+//! rough = []                     # [from_m, to_m, added rolling resistance]: in both directions
 //! side_resistance = []           # likewise, in the forward direction only
 //! torque_hysteresis = 0.0        # % of the reference torque
-//! thermostat_w = 0.0             # told by nobody …
+//! thermostat_w = 0.0             # reported by no signal …
 //! thermostat_period_s = 90.0     # … on in the first half of each period
 //!
-//! [errors]                       # of every run that has no [runs.errors] of its own
+//! [errors]                       # for every run that has no [runs.errors]
 //!
 //! [[runs]]
 //! name = "a1"                    # of its files: letters, digits, '_', '-', '.'
 //! truck = "A"                    # or "B"; or a vehicle.toml with vehicle = "FILE"
-//! mass_kg = 39000.0              # another load than the vehicle's own; left out: the vehicle's
+//! mass_kg = 39000.0              # another mass; default: that of the vehicle
 //! direction = "forward"          # or "backward"
 //! start_distance_m = 0.0         # in the direction of travel
-//! length_m = 40000.0             # left out: to the end of the road
-//! start_time_s = 0.0             # of the log's clock
+//! length_m = 40000.0             # default: to the end of the road
+//! start_time_s = 0.0             # of the log clock
 //! start = "set_speed"            # or "standstill"
-//! tyres_driven_s = 0.0           # time already driven: tyres that are warm, among cold ones
+//! tyres_driven_s = 0.0           # time already driven: warm tyres
 //! # wind = { speed_mps = 3.0, from_deg = 90.0 }   # another steady wind than that of [wind]
 //!
-//! [runs.errors]                  # true over believed value; each either as a factor …
+//! [runs.errors]                  # true over assumed value; each either as a factor …
 //! mass_factor = 1.0
 //! drag_factor = 1.0
 //! rolling_factor = 1.0
@@ -97,7 +98,7 @@
 //! # drag_sigma, rolling_sigma, torque_sigma likewise
 //! ```
 //!
-//! Files are looked for beside the scenario.
+//! File names are relative to the scenario.
 
 use super::planted_file::PlantedTable;
 use super::road_generator::RoadShape;
@@ -105,32 +106,44 @@ use super::truck::Preset;
 use serde::Deserialize;
 use std::path::PathBuf;
 
-/// The document.
+/// The scenario document.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Document {
+pub struct ScenarioDocument {
+    /// `seed`: seed of all random numbers, default 1.
     #[serde(default = "one")]
     pub seed: u64,
+    /// `[road]`: a generated road or a file; see [`road_source`](Self::road_source).
     #[serde(default)]
     pub road: toml::Table,
+    /// `[noise]`: noise of the vehicle sensors.
     #[serde(default)]
-    pub noise: NoiseLevels,
+    pub noise: SensorNoiseLevels,
+    /// `[gnss]`: errors of the GNSS receiver.
     #[serde(default)]
     pub gnss: GnssErrors,
+    /// `[latency_ms]`: latencies of the messages.
     #[serde(default)]
     pub latency_ms: Latencies,
+    /// `[rates]`: message rates.
     #[serde(default)]
     pub rates: Rates,
+    /// `[air]`: pressure and temperature.
     #[serde(default)]
     pub air: Air,
+    /// `[wind]`: steady wind and gusts.
     #[serde(default)]
     pub wind: Wind,
+    /// `[tyres]`: cold tyres.
     #[serde(default)]
     pub tyres: Tyres,
+    /// `[planted]`: effects that no vehicle file describes.
     #[serde(default)]
     pub planted: PlantedTable,
+    /// `[errors]`: parameter errors of every run without `[runs.errors]`.
     #[serde(default)]
     pub errors: ParameterErrors,
+    /// `[[runs]]`: the traversals, at least one.
     #[serde(default)]
     pub runs: Vec<RunTable>,
 }
@@ -139,7 +152,7 @@ const fn one() -> u64 {
     1
 }
 
-/// Where the road comes from.
+/// The source of the road.
 #[derive(Clone, Debug)]
 pub enum RoadSource {
     /// Generated.
@@ -155,11 +168,11 @@ struct RoadFile {
     file: PathBuf,
 }
 
-impl Document {
-    /// Where the road comes from.
+impl ScenarioDocument {
+    /// Returns the source of the road.
     ///
     /// # Errors
-    /// Keys that do not belong to that source, named.
+    /// Names each key that does not belong to that source.
     pub fn road_source(&self) -> Result<RoadSource, toml::de::Error> {
         if self.road.contains_key("file") {
             let RoadFile { file } = self.road.clone().try_into()?;
@@ -170,15 +183,17 @@ impl Document {
     }
 }
 
-/// `[noise]`: the vehicle's own sensors.
+/// `[noise]`: noise of the vehicle sensors.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct NoiseLevels {
+pub struct SensorNoiseLevels {
+    /// White noise of each wheel-speed reading, 1 sigma, m/s, 0 to 5, default 0.011 (thesis 4.3.7).
     pub speed_sigma_mps: f64,
+    /// White noise of each yaw-rate reading, 1 sigma, rad/s, 0 to 1, default 0.002.
     pub yaw_rate_sigma_radps: f64,
 }
 
-impl Default for NoiseLevels {
+impl Default for SensorNoiseLevels {
     fn default() -> Self {
         Self {
             speed_sigma_mps: 0.011,
@@ -191,15 +206,27 @@ impl Default for NoiseLevels {
 #[derive(Clone, Debug, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct GnssErrors {
+    /// Slow altitude error, 1 sigma, m, 0 to 100, default 3.
     pub altitude_sigma_m: f64,
+    /// Correlation time of the slow altitude error, s, 0.1 to 1e6, default 250.
     pub altitude_time_s: f64,
+    /// White noise of each altitude, 1 sigma, m, 0 to 100, default 0.3.
     pub altitude_white_sigma_m: f64,
+    /// Slow position error to the north and to the east, 1 sigma, m, 0 to 1000, default 1.5.
     pub position_sigma_m: f64,
+    /// Correlation time of the position error, s, 0.1 to 1e6, default 250.
     pub position_time_s: f64,
+    /// White noise of the speed over ground, 1 sigma, m/s, 0 to 10, default 0.05.
     pub speed_sigma_mps: f64,
+    /// White noise of the course over ground, 1 sigma, deg, 0 to 180, default 0.3.
     pub course_sigma_deg: f64,
+    /// Segments without a fix, `[from_m, to_m]` along the road as stored, 0 to 1e9 m, default none.
     pub outages_m: Vec<(f64, f64)>,
+    /// Altitude steps, `[from_m, to_m, metres]`: the altitude is wrong by `metres`, -1e4 to 1e4,
+    /// between the two distances; default none.
     pub steps: Vec<(f64, f64, f64)>,
+    /// Altitude ramps, `[from_m, to_m, metres]`: the error grows to `metres`, -1e4 to 1e4, and ends
+    /// there; default none.
     pub ramps: Vec<(f64, f64, f64)>,
 }
 
@@ -224,10 +251,16 @@ impl Default for GnssErrors {
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Latencies {
+    /// Engine messages (PGN 61444, 65247), ms, 0 to 5000, default 10.
     pub torque: f64,
+    /// Wheel-speed messages (PGN 65265, 65215), ms, 0 to 5000, default 30.
     pub speed: f64,
+    /// Gearbox messages (PGN 61442, 61445), ms, 0 to 5000, default 10.
     pub gearbox: f64,
+    /// Brake and yaw-rate messages (PGN 65265 SPN 597, 61440, 61441, 61449), ms, 0 to 5000, default
+    /// 20.
     pub chassis: f64,
+    /// GNSS messages, ms, 0 to 5000, default 150.
     pub gnss: f64,
 }
 
@@ -247,6 +280,7 @@ impl Default for Latencies {
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Rates {
+    /// Period of ETC1 and VDC2, ms, 10 to 1000, default 10. A longer period makes smaller logs.
     pub fast_ms: f64,
 }
 
@@ -256,11 +290,13 @@ impl Default for Rates {
     }
 }
 
-/// `[air]`, as it is and as the bus tells it.
+/// `[air]`: the true values, which the bus reports too.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Air {
+    /// Air pressure, Pa, 50 000 to 110 000, default 101 000.
     pub pressure_pa: f64,
+    /// Air temperature, °C, -60 to 60, default 20.
     pub temperature_celsius: f64,
 }
 
@@ -273,13 +309,17 @@ impl Default for Air {
     }
 }
 
-/// `[wind]`, which nobody tells the estimator of.
+/// `[wind]`. No signal reports the wind.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Wind {
+    /// Speed of the steady wind, m/s, 0 to 40, default 0.
     pub speed_mps: f64,
+    /// Direction that the steady wind comes from, deg clockwise from north, 0 to 360, default 270.
     pub from_deg: f64,
+    /// Gusts along the road, 1 sigma, m/s, 0 to 20, default 0.
     pub gust_sigma_mps: f64,
+    /// Correlation time of the gusts, s, 0.1 to 1e6, default 60.
     pub gust_time_s: f64,
 }
 
@@ -294,19 +334,24 @@ impl Default for Wind {
     }
 }
 
-/// `[[runs]]`, `wind`: the steady part on another day.
+/// `wind` of `[[runs]]`: another steady wind.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SteadyWind {
+    /// Speed, m/s, 0 to 40.
     pub speed_mps: f64,
+    /// Direction that the wind comes from, deg clockwise from north, 0 to 360.
     pub from_deg: f64,
 }
 
-/// `[tyres]`, cold at the start of each run that has not driven before.
+/// `[tyres]`: cold at the start of each run, unless the run has already driven.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Tyres {
+    /// Additional rolling resistance at the start, as a part of that of warm tyres, 0 to 5, default
+    /// 0.
     pub cold_amount: f64,
+    /// Time constant of the warming, s, 1 to 1e6, default 1500.
     pub cold_time_s: f64,
 }
 
@@ -319,57 +364,88 @@ impl Default for Tyres {
     }
 }
 
-/// `[errors]`: how the true vehicle differs from the believed one.
+/// `[errors]`: true over assumed vehicle parameters.
 #[derive(Clone, Copy, Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ParameterErrors {
+    /// True over assumed mass, 0.2 to 3, default 1. Excludes `mass_sigma`.
     pub mass_factor: Option<f64>,
+    /// Standard deviation of a random factor about 1 for the mass, 0 to 0.5; factors are limited to
+    /// 0.3 to 1.7. Excludes `mass_factor`.
     pub mass_sigma: Option<f64>,
+    /// True over assumed drag area, 0.2 to 3, default 1. Excludes `drag_sigma`.
     pub drag_factor: Option<f64>,
+    /// Standard deviation of a random factor about 1 for the drag area, 0 to 0.5; factors are
+    /// limited to 0.3 to 1.7. Excludes `drag_factor`.
     pub drag_sigma: Option<f64>,
+    /// True over assumed rolling resistance coefficient, 0.2 to 3, default 1. Excludes
+    /// `rolling_sigma`.
     pub rolling_factor: Option<f64>,
+    /// Standard deviation of a random factor about 1 for the rolling resistance coefficient, 0 to
+    /// 0.5; factors are limited to 0.3 to 1.7. Excludes `rolling_factor`.
     pub rolling_sigma: Option<f64>,
+    /// True over assumed torque (true torque over reported percent times reference torque), 0.2 to
+    /// 3, default 1. Excludes `torque_sigma`.
     pub torque_factor: Option<f64>,
+    /// Standard deviation of a random factor about 1 for the torque, 0 to 0.5; factors are limited
+    /// to 0.3 to 1.7. Excludes `torque_factor`.
     pub torque_sigma: Option<f64>,
 }
 
-/// Which way.
+/// Direction of travel on the road.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Direction {
+pub enum DrivingDirection {
+    /// In the direction of the stored road (default).
     #[default]
     Forward,
+    /// Against it.
     Backward,
 }
 
-/// How a run begins.
+/// Initial state of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Start {
+    /// At the set speed of the cruise control (default).
     #[default]
     SetSpeed,
+    /// From standstill.
     Standstill,
 }
 
-/// `[[runs]]`.
+/// `[[runs]]`: one traversal.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RunTable {
+    /// Name of the run and of its files: letters, digits, `_`, `-` and `.`, the first a letter or
+    /// digit. Required and unique.
     pub name: String,
+    /// Preset of the vehicle, `A` or `B`. Excludes `vehicle`.
     pub truck: Option<Preset>,
+    /// Vehicle file with a `[powertrain]`, relative to the scenario. Excludes `truck`.
     pub vehicle: Option<PathBuf>,
+    /// Mass, kg, 500 to 200 000, default that of the vehicle.
     pub mass_kg: Option<f64>,
+    /// Direction of travel, default `forward`.
     #[serde(default)]
-    pub direction: Direction,
+    pub direction: DrivingDirection,
+    /// Start, m in the direction of travel, 0 to 1 m before the end of the road, default 0.
     #[serde(default)]
     pub start_distance_m: f64,
+    /// Length, m, 1 to the rest of the road, default the rest of the road.
     pub length_m: Option<f64>,
+    /// Time of the log clock at the start, s, 0 to 1e12, default 0.
     #[serde(default)]
     pub start_time_s: f64,
+    /// Initial state, default `set_speed`.
     #[serde(default)]
     pub start: Start,
+    /// Time that the tyres have already rolled, s, 0 to 1e6, default 0.
     #[serde(default)]
     pub tyres_driven_s: f64,
+    /// Steady wind of this run, default that of `[wind]`.
     pub wind: Option<SteadyWind>,
+    /// Parameter errors of this run, default those of `[errors]`.
     pub errors: Option<ParameterErrors>,
 }

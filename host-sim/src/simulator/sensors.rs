@@ -1,12 +1,12 @@
-//! The vehicle's own sensors: what each controller believes at the moment it sends.
+//! The sensors of the vehicle: the values that each controller sends.
 //!
-//! Values are as old as their latency says and carry the sensor's noise; rounding to what a
-//! message can hold is the encoder's, except for the torque, which two signals share.
+//! Values have the age of their latency and the noise of the sensor. The encoder rounds to the
+//! resolution of the message, except for the torque, which two signals share.
 
-use super::drive::{Drive, DriveState};
+use super::drive::{DriveState, SimulatedDrive};
 use super::random::{Purpose, normal, stream};
 use super::scenario::Scenario;
-use super::scenario_file::{Air, Latencies, NoiseLevels};
+use super::scenario_file::{Air, Latencies, SensorNoiseLevels};
 use estimator_core::{Signal, Value};
 use rand_chacha::ChaCha8Rng;
 
@@ -16,20 +16,20 @@ const CRUISE_CONTROL_MODE: f32 = 2.0;
 /// The sensors of one run.
 #[derive(Debug)]
 pub struct Sensors<'a> {
-    drive: &'a Drive,
-    noise: NoiseLevels,
+    drive: &'a SimulatedDrive,
+    noise: SensorNoiseLevels,
     latency_ms: Latencies,
     air: Air,
     believed_mass_kg: f32,
-    /// True over believed radius.
+    /// True over assumed wheel radius.
     wheel_radius_factor: f64,
     rng: ChaCha8Rng,
 }
 
 impl<'a> Sensors<'a> {
-    /// The sensors of run `index`.
+    /// Creates the sensors of run `index`.
     #[must_use]
-    pub fn new(scenario: &Scenario, index: usize, drive: &'a Drive) -> Self {
+    pub fn new(scenario: &Scenario, index: usize, drive: &'a SimulatedDrive) -> Self {
         Self {
             drive,
             noise: scenario.noise,
@@ -41,7 +41,7 @@ impl<'a> Sensors<'a> {
         }
     }
 
-    /// The value of a signal that is sent at a moment of the drive.
+    /// Returns the value of a signal that is sent at a time of the drive.
     pub fn value(&mut self, signal: Signal, sent_s: f64) -> Value {
         let state = self.drive.at(sent_s - 1e-3 * self.age_ms(signal));
         let number = match signal {
@@ -72,11 +72,11 @@ impl<'a> Sensors<'a> {
             }
             Signal::WheelSpeed | Signal::FrontAxleSpeed => {
                 let noise = self.noise.speed_sigma_mps * normal(&mut self.rng);
-                // Pulses are counted, and the way from one to the next is believed.
-                let told_mps = state.speed_mps / self.wheel_radius_factor;
-                // Wheels that stand give no pulses, and none that are negative.
+                // The sensor counts pulses; the distance per pulse is assumed.
+                let reported_mps = state.speed_mps / self.wheel_radius_factor;
+                // Wheels at standstill give no pulses, and no negative ones.
                 if state.speed_mps > 0.0 {
-                    (told_mps + noise).max(0.0) as f32
+                    (reported_mps + noise).max(0.0) as f32
                 } else {
                     0.0
                 }

@@ -41,7 +41,7 @@ pub enum Preset {
 }
 
 impl Preset {
-    /// What it is called in files.
+    /// Returns the name that files use.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -50,7 +50,7 @@ impl Preset {
         }
     }
 
-    /// Its parameters.
+    /// Returns its parameters.
     #[must_use]
     pub fn parameters(self) -> VehicleParameters {
         let gears = RATIOS
@@ -93,7 +93,7 @@ impl Preset {
     }
 }
 
-/// A gear seen from the wheels.
+/// One gear, referred to the wheels.
 #[derive(Clone, Copy, Debug)]
 struct Transmission {
     /// Ratio of the gearbox alone.
@@ -121,7 +121,7 @@ pub struct Truck {
 }
 
 impl Truck {
-    /// The vehicle with these true parameters; `None` if they tell no engine and gearbox.
+    /// Creates the vehicle with these true parameters; `None` without engine and gearbox.
     #[must_use]
     pub fn new(parameters: &VehicleParameters) -> Option<Self> {
         let Traction::Powertrain(powertrain) = &parameters.traction else {
@@ -151,13 +151,13 @@ impl Truck {
         })
     }
 
-    /// Number of the highest gear; gears count from 1, 0 is neutral.
+    /// Returns number of the highest gear; gears count from 1, 0 is neutral.
     #[must_use]
     pub fn top_gear(&self) -> usize {
         self.transmissions.len()
     }
 
-    /// Ratio of a gear; 0 in neutral.
+    /// Returns ratio of a gear; 0 in neutral.
     #[must_use]
     pub fn gear_ratio(&self, gear: usize) -> f64 {
         self.transmission(gear).map_or(0.0, |t| t.gear_ratio)

@@ -1,4 +1,4 @@
-//! What the believed vehicle does not explain: the truth that a diagnosis is after.
+//! The true error of the assumed vehicle model, the target of the diagnosis.
 
 use super::drive::{DriveState, STEP_S};
 use super::recording::Recording;
@@ -8,21 +8,21 @@ use crate::numeric::slope::sine;
 /// One step of a drive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unmodelled {
-    /// Its length, m.
-    pub way_m: f64,
-    /// Grade in % that the believed force balance (thesis eq. 9, still air, warm tyres) reads from
-    /// signals without noise or delay, less the true grade: positive where something holds the
-    /// truck back that the vehicle file does not know. The service brake is taken as known.
+    /// Length of the step, m.
+    pub length_m: f64,
+    /// Grade in % of the assumed force balance (thesis eq. 9, still air, warm tyres) from signals
+    /// without noise or delay, minus the true grade. It is positive where a force that the vehicle
+    /// file lacks acts against the motion. The service brake is taken as known.
     pub percent: f64,
-    /// With a gear through and neither shift nor brake.
+    /// True if a gear is engaged, without shift or brake.
     pub valid: bool,
 }
 
 impl Recording<'_> {
-    /// What the believed vehicle does not explain, a step after the other.
+    /// Returns the error of the assumed vehicle model, step by step.
     ///
     /// # Panics
-    /// Never: the believed vehicle has the engine and gearbox of the true one.
+    /// Never: the assumed vehicle has the engine and gearbox of the true one.
     pub fn unmodelled(&self) -> impl Iterator<Item = Unmodelled> {
         let run = &self.scenario.runs[self.index];
         let believed =
@@ -31,7 +31,7 @@ impl Recording<'_> {
         let air_density = self.scenario.air_density();
         let torque_factor = believed.reference_torque_nm / self.drive.truck.reference_torque_nm;
         self.drive.states.iter().map(move |state| {
-            let way_m = STEP_S * state.speed_mps;
+            let length_m = STEP_S * state.speed_mps;
             let per_torque = torque_factor * believed_per_torque(&believed, state);
             let closed_gear = if state.engaged { state.gear } else { 0 };
             let inertia_n =
@@ -40,10 +40,10 @@ impl Recording<'_> {
                 - believed.resistance_n(state.speed_mps / radius_factor, air_density)
                 - state.brake_n
                 - inertia_n;
-            let true_grade = self.drive.road.grade(state.distance_m + 0.5 * way_m);
+            let true_grade = self.drive.road.grade(state.distance_m + 0.5 * length_m);
             let read = force_n / (believed.mass_kg * GRAVITY);
             Unmodelled {
-                way_m,
+                length_m,
                 percent: 100.0 * (read - sine(true_grade)),
                 valid: state.engaged && !state.shifting && !state.braking(),
             }

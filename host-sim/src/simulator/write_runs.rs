@@ -1,4 +1,4 @@
-//! The files of every run of a scenario.
+//! Writer of the files of a scenario.
 
 use super::recording::Recording;
 use super::road_file;
@@ -11,17 +11,17 @@ use crate::terminal::progress;
 use rayon::prelude::*;
 use std::path::Path;
 
-/// Name of the bus in the logs.
+/// Name of the interface in the logs.
 const INTERFACE: &str = "can0";
 
-/// Drives every run of a scenario and writes its files.
+/// Simulates every run of a scenario and writes its files.
 ///
 /// # Errors
-/// A truck that gets stuck, or what the file system says.
+/// Returns an error if a truck gets stuck, or the error of the file system.
 pub fn write_runs(scenario: &Scenario, folder: &Path) -> Result<()> {
     let bar = progress::count(scenario.runs.len() as u64, "runs");
-    // Every run is driven once before the first file is written, so that a truck that gets stuck
-    // leaves none; driving costs little beside writing, and a drive is large to keep.
+    // Every run is simulated once before the first file is written, so that no file is left if a
+    // truck gets stuck. Simulation is fast compared with writing, and a drive is too large to keep.
     let runs = 0..scenario.runs.len();
     runs.clone()
         .into_par_iter()
@@ -45,7 +45,7 @@ pub fn write_runs(scenario: &Scenario, folder: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Writes the files of one run; returns what to say about it.
+/// Writes the files of one run; returns a summary line.
 fn write_run(scenario: &Scenario, index: usize, folder: &Path) -> Result<String> {
     let run = &scenario.runs[index];
     let recording = Recording::new(scenario, index)?;
@@ -63,7 +63,7 @@ fn write_run(scenario: &Scenario, index: usize, folder: &Path) -> Result<String>
     ))
 }
 
-/// Writes the run's bus traffic; returns the number of frames.
+/// Writes the bus traffic of the run; returns the number of frames.
 fn write_log(path: &Path, recording: &Recording) -> Result<u64> {
     let mut frames = 0;
     write_whole(path, |out| {

@@ -1,11 +1,10 @@
-//! Where GNSS drifted, and the run without it.
+//! Drifts of GNSS altitude, and samples without them.
 
 use estimator_core::filter::AltitudeEvent;
 use estimator_core::sample::{AltitudeContinuity, Sample};
 use std::ops::RangeInclusive;
 
-/// Cells from where GNSS began to drift to where it did no longer, in the order of the run and
-/// apart from each other.
+/// Ranges of cells in which GNSS altitude drifted, in order and disjoint.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Drifts(Vec<RangeInclusive<u32>>);
 
@@ -14,7 +13,7 @@ impl Drifts {
         self.0.is_empty()
     }
 
-    /// Takes up a drift that ended at this cell, if that is what happened there.
+    /// Adds the drift that ended at this cell, if the event is one.
     pub(super) fn note(&mut self, event: Option<AltitudeEvent>, cell: u32) {
         let Some(AltitudeEvent::DriftEnded(mut since)) = event else {
             return;
@@ -25,8 +24,8 @@ impl Drifts {
         self.0.push(since..=cell);
     }
 
-    /// The sample, without its altitude if that drifted; behind a drift the receiver's slow error
-    /// may have gone anywhere.
+    /// Returns the sample, without its altitude if that drifted. After a drift the slow error of
+    /// the receiver may have any value.
     pub(super) fn without(&self, sample: &Sample, has_drifted: &mut bool) -> Sample {
         let mut sample = *sample;
         let cell = sample.end.cell;

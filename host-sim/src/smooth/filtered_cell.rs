@@ -6,14 +6,14 @@ use estimator_core::{Context, Scalar};
 
 /// A filter step with the state after it: what the backward pass needs of a cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FilteredCell<S> {
+pub struct ForwardCell<S> {
     /// The step.
     pub record: StepRecord<S>,
     /// Mean and covariance at the cell's end, measurements included.
     pub state: State<S>,
 }
 
-impl<S: Scalar> FilteredCell<S> {
+impl<S: Scalar> ForwardCell<S> {
     /// Takes a filter over the cell of a sample. Returns `None` where the filter has no estimate.
     pub fn step(filter: &mut Filter<S>, context: &mut Context, sample: &Sample) -> Option<Self> {
         let record = filter.step(context, sample)?;

@@ -5,6 +5,6 @@ mod filtered_cell;
 mod samples;
 mod whole_run;
 
-pub use filtered_cell::FilteredCell;
+pub use filtered_cell::ForwardCell;
 pub use samples::Samples;
 pub use whole_run::{SmoothedCell, held_bytes, smooth_run, smooth_segments};

@@ -1,21 +1,21 @@
-//! The samples of a run, wherever they are.
+//! The samples of a run, in memory or on disk.
 
 use estimator_core::sample::Sample;
 use std::convert::Infallible;
 use std::ops::Range;
 
-/// Samples that can be gone over more than once.
+/// Samples that can be read more than once.
 pub trait Samples {
-    /// What can go wrong on the way.
+    /// Error of reading.
     type Error;
 
-    /// How many there are.
+    /// Returns the number of samples.
     fn count(&self) -> usize;
 
-    /// Passes those of a part to `take`, in the order of the run.
+    /// Passes the samples of a range to `take`, in the order of the run.
     ///
     /// # Errors
-    /// If they cannot be had.
+    /// Returns an error if the samples cannot be read.
     fn each(&mut self, part: Range<usize>, take: impl FnMut(&Sample)) -> Result<(), Self::Error>;
 }
 

@@ -4,16 +4,16 @@
 //! noise that was known only at the end of the first pass. Then the core's backward pass goes back
 //! over all of it.
 //!
-//! The records of all cells are not kept. The run is divided into parts, and the filter before each
-//! part is kept. On the way back a part is filtered again from there; a part that is still too long
-//! is divided again (A. Griewank, "Achieving logarithmic growth of temporal and spatial complexity in
-//! reverse automatic differentiation", Optimization Methods and Software 1:35, 1992). The filter
-//! therefore goes over the run three times up to 41 km, and once more for each factor of 32. The
-//! memory, [`held_bytes`], grows by the same steps and no further. The results are those of a
+//! The records of all cells are not kept in memory. The run is divided into parts, and the filter
+//! state before each part is stored. On the backward pass each part is filtered again from there. A
+//! part that is still too long is divided again (A. Griewank, "Achieving logarithmic growth of
+//! temporal and spatial complexity in reverse automatic differentiation", Optimization Methods and
+//! Software 1:35, 1992). The filter therefore runs three times over up to 41 km, and once more for
+//! each factor of 32. Memory, [`held_bytes`], grows by the same steps. The results equal those of a
 //! smoother that keeps everything, bit for bit.
 
 use super::drifts::Drifts;
-use super::filtered_cell::FilteredCell;
+use super::filtered_cell::ForwardCell;
 use super::samples::Samples;
 use estimator_core::cell::CellEnd;
 use estimator_core::filter::{Filter, StepRecord};
@@ -36,13 +36,13 @@ pub struct SmoothedCell {
     pub estimate: Estimate,
 }
 
-/// Returns the smoothed run: one cell for each sample from the first speed on. `filter` is that of
-/// the second pass ([`Filter::second_pass`]).
+/// Smooths a run. Returns one cell for each sample from the first speed on. `filter` is that of the
+/// second pass ([`Filter::second_pass`]).
 ///
-/// Where the filter finds a drift of GNSS, it has already followed it for some hundred metres. The
-/// filter then goes over the run twice more: without the fixes since the drift began, and using all
-/// of them, since a vehicle far from its parameters looks the same in its first kilometres. The pass
-/// with the most likely altitudes counts.
+/// When the filter detects a drift of GNSS, it has already followed it for some hundred metres. The
+/// filter then runs over the drive twice more: without the fixes since the drift began, and with
+/// all of them, because a vehicle with wrong parameters has the same symptoms in its first
+/// kilometres. The pass with the larger likelihood of the altitudes counts.
 #[must_use]
 pub fn smooth_run<S: Scalar>(
     model: &Model,
@@ -59,10 +59,10 @@ pub fn smooth_run<S: Scalar>(
 }
 
 /// Smooths a run that need not be in memory, from its end to its start. `take` gets one segment
-/// after the other, each in the order of the run, with the number of its first cell.
+/// after the other, each in the order of the run, with the index of its first cell.
 ///
 /// # Errors
-/// Those of `samples` and of `take`.
+/// Returns the error of `samples` or of `take`.
 pub fn smooth_segments<S: Scalar, M: Samples>(
     model: &Model,
     tuning: &Tuning,
@@ -115,14 +115,14 @@ pub const fn held_bytes(cells: usize) -> usize {
         levels += 1;
     }
     let mark = size_of::<(Range<usize>, Checkpoint<f64>)>();
-    RECORDS * (size_of::<FilteredCell<f64>>() + size_of::<SmoothedCell>()) + levels * PARTS * mark
+    RECORDS * (size_of::<ForwardCell<f64>>() + size_of::<SmoothedCell>()) + levels * PARTS * mark
 }
 
-/// The filter at one place of the run.
+/// The filter before a part of the run.
 #[derive(Clone)]
 struct Checkpoint<S> {
     filter: Filter<S>,
-    /// Whether the last altitudes were left out because they drifted.
+    /// True if the last altitudes were rejected because of a drift.
     has_drifted: bool,
     /// Number of cells since the first speed.
     cells: usize,
@@ -131,9 +131,9 @@ struct Checkpoint<S> {
 struct Smoother<'a, S, M, T> {
     context: Context,
     samples: &'a mut M,
-    /// Drifts whose altitudes are left out.
+    /// Drifts whose altitudes are not used.
     drifts: Drifts,
-    /// What the later cells say.
+    /// The estimate from the later cells.
     pass: BackwardPass<S>,
     take: T,
 }
@@ -191,10 +191,10 @@ where
         let mut filtered = Vec::with_capacity(part.len());
         self.filter(part, &mut start, |record, filter| {
             let state = filter.state().copied();
-            filtered.extend(state.map(|state| FilteredCell { record, state }));
+            filtered.extend(state.map(|state| ForwardCell { record, state }));
         })?;
         let mut smoothed: Vec<SmoothedCell> = Vec::with_capacity(filtered.len());
-        for FilteredCell { record, state } in filtered.iter().rev() {
+        for ForwardCell { record, state } in filtered.iter().rev() {
             smoothed.push(SmoothedCell {
                 end: record.end,
                 estimate: self.pass.estimate(state),

@@ -12,33 +12,34 @@ pub struct CanFrame {
     data: [u8; 8],
 }
 
-/// A frame and when it was received.
+/// A frame and its time of reception.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TimedFrame {
-    /// Reception, from the log's own origin.
+    /// Time of reception, since the origin of the log.
     pub time: Instant,
-    /// What was received.
+    /// The frame.
     pub frame: CanFrame,
 }
 
 impl CanFrame {
-    /// A frame with a raw 29-bit identifier; `None` if it has more bits or `data` more than 8
-    /// bytes.
+    /// Creates a frame with a raw 29-bit identifier; `None` if it has more bits, or `data` more
+    /// than 8 bytes.
     #[must_use]
     pub fn extended(id: u32, data: &[u8]) -> Option<Self> {
         Self::new(ExtendedId::new(id)?, data)
     }
 
-    /// A frame with a raw 11-bit identifier; `None` as for [`extended`](Self::extended).
+    /// Creates a frame with a raw 11-bit identifier; `None` as for [`extended`](Self::extended).
     #[must_use]
     pub fn standard(id: u16, data: &[u8]) -> Option<Self> {
         Self::new(StandardId::new(id)?, data)
     }
 
-    /// The frames that carry a payload with a raw 29-bit identifier: one, or from nine bytes on
-    /// those of an NMEA 2000 fast packet. Its frames have `sequence`, 0 to 7, and their number in
-    /// the first byte, the first one the length in its second, and the last one is padded with
-    /// ones. Without a frame if the identifier has more bits; what is beyond 223 bytes is cut off.
+    /// Returns the frames that carry a payload with a raw 29-bit identifier: one frame, or for nine
+    /// bytes and more those of an NMEA 2000 fast packet. Each has `sequence`, 0 to 7, and its
+    /// number in the first byte; the first frame has the length in its second byte; the last one is
+    /// padded with ones. Returns no frame if the identifier has more than 29 bits. Bytes beyond 223
+    /// are cut off.
     pub fn carrying(id: u32, sequence: u8, payload: &[u8]) -> impl Iterator<Item = Self> {
         let single = Self::extended(id, payload);
         let packet = if payload.len() > 8 {

@@ -5,16 +5,16 @@
 //! (001.000000)  can0  0CF00400   [8]  01 02 03 04 …     candump -t a|z on a terminal
 //! ```
 //!
-//! The parser is our own: it must read both layouts, tell a cut log from a whole one, name the
-//! line of each error, and pass millions of frames a second without an allocation a line.
+//! The parser is our own. It reads both layouts, detects truncated logs, names the line of each
+//! error, and reads millions of frames per second without an allocation per line.
 //!
-//! * The interface's name is not looked at: frames of all interfaces of a log are one stream.
-//! * CAN FD frames and the kernel's bus error reports are left out and counted in [`Skipped`].
-//! * A frame up to 10 ms older than the one before it has that one's time.
-//! * A last line without a line end counts only if nothing can be missing from it.
+//! * Interface names are ignored: frames of all interfaces of a log form one stream.
+//! * CAN FD frames and bus error reports of the kernel are skipped and counted in [`Skipped`].
+//! * A frame up to 10 ms older than the one before it gets the time of that frame.
+//! * A last line without a line end counts only if it cannot be truncated.
 
 use super::can_frame::TimedFrame;
-use super::candump_line::{Content, Problem, parse};
+use super::candump_line::{Content, LineProblem, parse};
 use super::lines::Lines;
 use super::log_file::LogFile;
 use crate::error::{Error, Result};
@@ -22,10 +22,10 @@ use estimator_core::{Duration, Instant};
 
 use std::path::Path;
 
-/// Longest part of a wrong line that a message quotes, bytes.
+/// Maximum length of the quote of a wrong line in a message, bytes.
 const QUOTE_BYTES: usize = 60;
 
-/// Lines that hold no classic CAN frame.
+/// Number of skipped lines.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Skipped {
     /// CAN FD frames: J1939 on classic CAN and NMEA 2000 have none.
@@ -34,13 +34,13 @@ pub struct Skipped {
     pub bus_errors: u64,
 }
 
-/// Frames of two interfaces, or of two senders on a virtual one, reach candump through two
-/// processors, which may swap them. One that is no later than this has the time of the one before.
+/// Frames of two interfaces, or of two senders on a virtual one, can be swapped on their way to
+/// candump. A frame that is late by no more than this gets the time of the one before.
 const DISORDER: Duration = Duration::from_millis(10);
 
-/// Reads a log frame by frame.
+/// Reader of candump logs, frame by frame.
 ///
-/// Time is as in the log, in microseconds: from the Unix epoch where candump logged absolute
+/// Times are those of the log, in microseconds; since the Unix epoch if candump logged absolute
 /// time.
 pub struct CandumpReader {
     lines: Lines,
@@ -53,7 +53,7 @@ impl CandumpReader {
     /// Opens a log.
     ///
     /// # Errors
-    /// If the file cannot be opened.
+    /// Returns an error if the file cannot be opened.
     pub fn open(path: &Path) -> Result<Self> {
         Ok(Self {
             lines: Lines::new(LogFile::open(path)?),
@@ -63,12 +63,12 @@ impl CandumpReader {
         })
     }
 
-    /// The next frame, `None` at the end.
+    /// Reads the next frame; `None` at the end.
     ///
     /// # Errors
-    /// With file, line and what was expected: a line that is none of candump's, a last line or
-    /// gzip stream that is cut off, time that runs backwards by more than 10 ms, a file without any
-    /// frame. What was handed out before such an error is a part of a damaged log.
+    /// Names the file, the line and what was expected: a line that is not candump's, a truncated
+    /// last line or gzip stream, time that runs backwards by more than 10 ms, a file without
+    /// frames. Frames returned before such an error are part of a damaged log.
     pub fn next_frame(&mut self) -> Result<Option<TimedFrame>> {
         loop {
             if !self.lines.advance()? {
@@ -81,11 +81,11 @@ impl CandumpReader {
                 Err(_) if !self.lines.has_end() && self.frames > 0 => return Err(self.cut_off()),
                 Err(problem) => return Err(self.wrong_line(&problem)),
             };
-            let told = Instant::from_micros(line.micros);
-            if self.newest.since(told) > DISORDER {
-                return Err(self.time_backwards(told));
+            let logged = Instant::from_micros(line.micros);
+            if self.newest.since(logged) > DISORDER {
+                return Err(self.time_backwards(logged));
             }
-            let time = self.newest.max(told);
+            let time = self.newest.max(logged);
             self.newest = time;
             match line.content {
                 Content::Frame(frame) => {
@@ -98,13 +98,13 @@ impl CandumpReader {
         }
     }
 
-    /// What was left out so far.
+    /// Returns the number of lines skipped so far.
     #[must_use]
     pub const fn skipped(&self) -> Skipped {
         self.skipped
     }
 
-    /// The file, for progress and messages.
+    /// Returns the file, for progress and messages.
     #[must_use]
     pub const fn file(&self) -> &LogFile {
         self.lines.file()
@@ -128,7 +128,7 @@ impl CandumpReader {
         ))
     }
 
-    fn wrong_line(&self, problem: &Problem) -> Error {
+    fn wrong_line(&self, problem: &LineProblem) -> Error {
         let line = self.lines.line();
         let quote = quote(line);
         let what = if line.iter().any(|b| b.is_ascii_control() && *b != b'\t') {
@@ -171,7 +171,7 @@ impl Iterator for CandumpReader {
     }
 }
 
-/// The head of a line with everything that is no printable ASCII escaped.
+/// Quotes the start of a line, with non-printable bytes escaped.
 fn quote(line: &[u8]) -> String {
     let head = &line[..line.len().min(QUOTE_BYTES)];
     let dots = if head.len() < line.len() { "…" } else { "" };

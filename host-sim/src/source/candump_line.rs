@@ -5,15 +5,15 @@ use embedded_can::{ExtendedId, Frame, Id, StandardId};
 
 /// Bit of an error message in SocketCAN's identifier word (`CAN_ERR_FLAG`).
 const ERROR_FLAG: u32 = 0x2000_0000;
-/// Digits of a time's seconds that still fit microseconds into 64 bits.
+/// Maximum number of digits of the seconds: microseconds then still fit 64 bits.
 const MOST_SECOND_DIGITS: usize = 12;
 
-/// What a line holds.
+/// The content of a line.
 #[derive(Debug)]
-pub(super) struct Line {
+pub(super) struct CandumpLine {
     pub micros: u64,
     pub content: Content,
-    /// Nothing can be missing at its end.
+    /// True if the line cannot be truncated.
     pub is_closed: bool,
 }
 
@@ -26,9 +26,9 @@ pub(super) enum Content {
     BusError,
 }
 
-/// Why a line is none of candump's.
+/// Why a line is not a candump line.
 #[derive(Debug)]
-pub(super) struct Problem {
+pub(super) struct LineProblem {
     pub what: &'static str,
     pub expected: &'static str,
 }
@@ -36,11 +36,11 @@ pub(super) struct Problem {
 const WHOLE_LINE: &str = "a candump line such as `(1.000000) can0 0CF00400#0102030405060708` \
                           or `(001.000000)  can0  0CF00400   [8]  01 02 03 04 05 06 07 08`";
 
-const fn problem(what: &'static str, expected: &'static str) -> Problem {
-    Problem { what, expected }
+const fn problem(what: &'static str, expected: &'static str) -> LineProblem {
+    LineProblem { what, expected }
 }
 
-type Parsed<T> = Result<T, Problem>;
+type Parsed<T> = Result<T, LineProblem>;
 
 /// Value of a hexadecimal digit; 0xff for any other byte.
 const NIBBLES: [u8; 256] = {
@@ -106,7 +106,8 @@ impl Cursor<'_> {
         Some(value)
     }
 
-    /// `12.345678`: the fraction may have one to nine digits; what is below a microsecond is cut.
+    /// Reads `12.345678`. The fraction may have one to nine digits; digits below a microsecond are
+    /// cut.
     fn micros(&mut self) -> Option<u64> {
         let (seconds, digits) = self.decimal();
         if digits == 0 || digits > MOST_SECOND_DIGITS || !self.take(b'.') {
@@ -122,7 +123,7 @@ impl Cursor<'_> {
         Some(seconds * 1_000_000 + micros)
     }
 
-    /// A number and how many digits it has; with more than 19 the number is of no use.
+    /// Reads a number and its count of digits; with more than 19 digits the number is meaningless.
     fn decimal(&mut self) -> (u64, usize) {
         let mut value = 0_u64;
         let mut digits = 0;
@@ -134,7 +135,7 @@ impl Cursor<'_> {
         (value, digits)
     }
 
-    /// An identifier; `None` for a bus error.
+    /// Reads an identifier; `None` for a bus error.
     fn identifier(&mut self) -> Parsed<Option<Id>> {
         let mut raw = 0_u32;
         let mut digits = 0;
@@ -160,8 +161,8 @@ impl Cursor<'_> {
     }
 }
 
-/// Reads a line without its end; `None` if it is blank.
-pub(super) fn parse(line: &[u8]) -> Parsed<Option<Line>> {
+/// Parses a line without its end; `None` if it is blank.
+pub(super) fn parse(line: &[u8]) -> Parsed<Option<CandumpLine>> {
     let mut rest = Cursor(line);
     rest.skip_blanks();
     if rest.0.is_empty() {
@@ -186,7 +187,7 @@ pub(super) fn parse(line: &[u8]) -> Parsed<Option<Line>> {
         rest.skip_blanks();
         screen_layout(&mut rest, id)?
     };
-    Ok(Some(Line {
+    Ok(Some(CandumpLine {
         micros,
         content,
         is_closed,

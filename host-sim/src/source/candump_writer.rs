@@ -1,4 +1,4 @@
-//! Frames as lines of `candump -l`.
+//! Writer of `candump -l` lines.
 
 use super::can_frame::TimedFrame;
 use embedded_can::{Frame, Id};
@@ -7,14 +7,14 @@ use std::io::{self, Write};
 /// Writes a frame in the layout of `candump -l`: `(1.000000) can0 0CF00400#0102030405060708`.
 ///
 /// # Errors
-/// What `out` says.
+/// Returns the error of `out`.
 pub fn write_frame<W: Write + ?Sized>(
     out: &mut W,
     timed: &TimedFrame,
     interface: &str,
 ) -> io::Result<()> {
     let micros = timed.time.micros();
-    let mut text = Text::default();
+    let mut text = LineBuffer::default();
     text.byte(b'(');
     text.decimal(micros / 1_000_000, 1);
     text.byte(b'.');
@@ -25,7 +25,7 @@ pub fn write_frame<W: Write + ?Sized>(
     out.write_all(interface.as_bytes())?;
 
     let frame = &timed.frame;
-    let mut text = Text::default();
+    let mut text = LineBuffer::default();
     text.byte(b' ');
     match frame.id() {
         Id::Extended(id) => text.hex(id.as_raw(), 8),
@@ -45,14 +45,14 @@ pub fn write_frame<W: Write + ?Sized>(
     out.write_all(text.bytes())
 }
 
-/// Half a line under construction: simulated logs have millions, too many for `write!`.
+/// A text under construction. Simulated logs have millions of lines, too many for `write!`.
 #[derive(Default)]
-struct Text {
+struct LineBuffer {
     bytes: [u8; 32],
     length: usize,
 }
 
-impl Text {
+impl LineBuffer {
     fn byte(&mut self, byte: u8) {
         self.bytes[self.length] = byte;
         self.length += 1;

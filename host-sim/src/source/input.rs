@@ -1,4 +1,4 @@
-//! What a log of either kind holds, one input after the other.
+//! The inputs of a log of either kind, one after the other.
 
 use super::can_frame::{CanFrame, TimedFrame};
 use super::candump::CandumpReader;
@@ -13,17 +13,17 @@ use std::path::Path;
 /// Combination vehicle weight, CVW.
 const CVW: u32 = 65_136;
 
-/// One thing that was heard.
+/// One input of the estimator.
 #[derive(Clone, Copy, Debug)]
-pub enum Input {
+pub enum LogInput {
     /// A frame of a bus.
     Frame(TimedFrame),
     /// A reading of a signal table.
     Reading(Instant, Reading),
 }
 
-impl Input {
-    /// When.
+impl LogInput {
+    /// Returns the time of the input.
     #[must_use]
     pub const fn time(&self) -> Instant {
         match self {
@@ -32,12 +32,12 @@ impl Input {
         }
     }
 
-    /// The same, with the vehicle's mass as not available: for an estimator that knows it better
-    /// than the bus.
+    /// Returns the input with the vehicle mass marked as not available, for an estimator that knows
+    /// the mass better than the bus.
     #[must_use]
     pub fn without_mass(self) -> Self {
         match self {
-            Self::Frame(TimedFrame { time, frame }) if tells_mass(&frame) => {
+            Self::Frame(TimedFrame { time, frame }) if carries_mass(&frame) => {
                 let unknown = [0xff; 8];
                 let frame = CanFrame::new(frame.id(), &unknown).unwrap_or(frame);
                 Self::Frame(TimedFrame { time, frame })
@@ -51,25 +51,25 @@ impl Input {
     }
 }
 
-fn tells_mass(frame: &CanFrame) -> bool {
+fn carries_mass(frame: &CanFrame) -> bool {
     matches!(frame.id(), Id::Extended(id) if Pgn::from_raw(id.as_raw()).number == CVW)
 }
 
-/// Hands every input of a log to `take`. `progress` is told the bytes read so far, now and then.
+/// Passes every input of a log to `take`, and the bytes read so far to `progress`.
 ///
 /// # Errors
-/// A log that cannot be read to its end, with file and line.
+/// Returns an error with file and line if the log cannot be read to its end.
 pub fn for_each_input(
     log: &Path,
     progress: impl Fn(u64),
-    mut take: impl FnMut(Input),
+    mut take: impl FnMut(LogInput),
 ) -> Result<()> {
     match kind_of(log)? {
         LogKind::Candump => {
             let mut reader = CandumpReader::open(log)?;
             let mut frames = 0_u32;
             while let Some(frame) = reader.next_frame()? {
-                take(Input::Frame(frame));
+                take(LogInput::Frame(frame));
                 frames = frames.wrapping_add(1);
                 if frames.is_multiple_of(8192) {
                     progress(reader.file().bytes_read());
@@ -80,7 +80,7 @@ pub fn for_each_input(
             let mut reader = SignalTableReader::open(log)?;
             while let Some(row) = reader.next_row()? {
                 for reading in row.readings {
-                    take(Input::Reading(row.time, *reading));
+                    take(LogInput::Reading(row.time, *reading));
                 }
             }
         }

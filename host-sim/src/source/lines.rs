@@ -1,4 +1,4 @@
-//! The lines of a log, one at a time, without copying them.
+//! The lines of a log, one at a time, without copies.
 
 use super::log_file::LogFile;
 use crate::error::{Error, Result};
@@ -6,16 +6,16 @@ use memchr::memchr;
 use std::io::{self, Read};
 use std::ops::Range;
 
-/// Bytes fetched at once, and the longest line that is still one.
+/// Number of bytes read at once, and the maximum length of a line.
 const BUFFER_BYTES: usize = 256 * 1024;
 
-/// Reads lines; memory does not depend on the log's length.
+/// Reader of lines; its memory does not depend on the length of the log.
 pub(super) struct Lines {
     file: LogFile,
     buffer: Vec<u8>,
-    /// Bytes read and not yet handed out.
+    /// Bytes read but not yet returned.
     waiting: Range<usize>,
-    /// The line handed out last, without its end.
+    /// The current line, without its end.
     line: Range<usize>,
     number: u64,
     has_end: bool,
@@ -37,25 +37,25 @@ impl Lines {
         &self.file
     }
 
-    /// Number of the current line, from 1.
+    /// Returns number of the current line, from 1.
     pub(super) const fn number(&self) -> u64 {
         self.number
     }
 
-    /// The current line, without its end.
+    /// Returns the current line, without its end.
     pub(super) fn line(&self) -> &[u8] {
         &self.buffer[self.line.clone()]
     }
 
-    /// Whether the current line ends in a line feed; only the last one may not.
+    /// Returns true if the current line ends in a line feed; only the last line may lack it.
     pub(super) const fn has_end(&self) -> bool {
         self.has_end
     }
 
-    /// Goes to the next line; false if there is none.
+    /// Goes to the next line. Returns false at the end of the file.
     ///
     /// # Errors
-    /// What the disk or the decompression says, and a line without end.
+    /// Returns an error of the disk or of the decompression, or for a line without end.
     pub(super) fn advance(&mut self) -> Result<bool> {
         let mut searched = 0;
         loop {
@@ -85,7 +85,7 @@ impl Lines {
         self.has_end = has_end;
     }
 
-    /// Gets more bytes behind those that wait; 0 at the end of the file.
+    /// Reads more bytes; returns 0 at the end of the file.
     fn fetch(&mut self) -> Result<usize> {
         self.buffer.copy_within(self.waiting.clone(), 0);
         self.waiting = 0..self.waiting.len();

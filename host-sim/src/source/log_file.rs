@@ -1,4 +1,4 @@
-//! A log on disk, plain or gzip, read as a stream of text bytes.
+//! A log on disk, plain or gzip, as a stream of bytes.
 
 use crate::error::{Error, Result};
 use flate2::read::MultiGzDecoder;
@@ -11,7 +11,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// First bytes of a gzip file (RFC 1952).
 const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
 
-/// An open log. What it is, plain or gzip, is told by its first bytes and not by its name.
+/// An open log. Its first bytes, not its name, decide whether it is gzip.
 pub struct LogFile {
     path: PathBuf,
     content: Box<dyn Read + Send>,
@@ -20,7 +20,7 @@ pub struct LogFile {
     bytes_total: u64,
 }
 
-/// Counts what is read from the disk: for gzip, that is not what comes out.
+/// Counts the bytes read from the disk, before decompression.
 struct Counting<R> {
     inner: R,
     bytes: Arc<AtomicU64>,
@@ -38,7 +38,7 @@ impl LogFile {
     /// Opens a log.
     ///
     /// # Errors
-    /// If it cannot be opened or is a folder.
+    /// Returns an error if the file cannot be opened or is a folder.
     pub fn open(path: &Path) -> Result<Self> {
         let mut file = File::open(path).map_err(Error::io(path))?;
         let metadata = file.metadata().map_err(Error::io(path))?;
@@ -52,7 +52,7 @@ impl LogFile {
             .map_err(Error::io(path))?;
         let is_gzip = head == GZIP_MAGIC;
         let bytes_read = Arc::new(AtomicU64::new(0));
-        // Chained rather than rewound: a pipe cannot be rewound.
+        // Chained, not rewound: a pipe cannot be rewound.
         let raw = Counting {
             inner: Cursor::new(head).chain(file),
             bytes: Arc::clone(&bytes_read),
@@ -71,33 +71,33 @@ impl LogFile {
         })
     }
 
-    /// Where it lies.
+    /// Returns the path of the log.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Bytes read from the disk so far.
+    /// Returns the number of bytes read from the disk so far.
     #[must_use]
     pub fn bytes_read(&self) -> u64 {
         self.bytes_read.load(Ordering::Relaxed)
     }
 
-    /// Size on the disk, bytes; 0 for a pipe.
+    /// Returns the size on the disk, bytes; 0 for a pipe.
     #[must_use]
     pub const fn bytes_total(&self) -> u64 {
         self.bytes_total
     }
 
-    /// What a failed read near `line` means to a user.
+    /// Returns the error of a failed read near `line`.
     #[must_use]
     pub fn read_error(&self, line: u64, error: io::Error) -> Error {
         if self.is_gzip {
             Error::line(
                 &self.path,
                 line,
-                format!("the gzip data are cut off or damaged ({error})"),
-                "a whole gzip file",
+                format!("the gzip data are truncated or damaged ({error})"),
+                "a complete gzip file",
             )
         } else {
             Error::io(&self.path)(error)

@@ -1,9 +1,9 @@
-//! What kind of log a file is.
+//! Kinds of log files.
 
 use crate::error::{Error, Result};
 use std::path::Path;
 
-/// What a log is.
+/// The kind of a log.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LogKind {
     /// Frames of a bus, in either layout of candump.
@@ -12,10 +12,11 @@ pub enum LogKind {
     SignalTable,
 }
 
-/// Tells from the name what a log is: `.csv` and `.csv.gz` are signal tables, all else candump.
+/// Returns the kind of a log by its name: `.csv` and `.csv.gz` are signal tables, all others
+/// candump logs.
 ///
 /// # Errors
-/// If there is no such file.
+/// Returns an error if the file does not exist.
 pub fn kind_of(path: &Path) -> Result<LogKind> {
     if path.metadata().map_err(Error::io(path))?.is_dir() {
         return Err(Error::content(path, "is a folder; expected a log file"));

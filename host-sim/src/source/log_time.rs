@@ -1,14 +1,14 @@
-//! The time of a recording, sent along with it.
+//! The time stamps of a log, sent with its replay.
 //!
-//! A frame that is replayed is stamped by the kernel anew, so that what is estimated from it
-//! differs in the last digits from what is estimated from the log. With a frame that tells the
-//! log's own time ahead of each change of it, the estimate is the same to the last bit, at any
-//! speed. The same frame asks the listener whether it is ready for more, without which a replay at
-//! full speed would overrun it: a virtual interface takes frames faster than anyone can read them.
+//! The kernel stamps a replayed frame anew, so an estimate from the replay differs from that of the
+//! log in the last digits. A frame with the log's time, sent before each change of it, makes both
+//! estimates equal to the last bit, at any speed. The same frame asks the listener for an
+//! acknowledgement. Without it a replay at full speed would overrun the listener: a virtual
+//! interface accepts frames faster than they can be read.
 //!
-//! The message is of the range that J1939-21 leaves to manufacturers, beside those of
-//! [`estimator_core::broadcast`]: seven bytes of microseconds, least first, and one that says what
-//! is meant.
+//! The message is in the range that J1939-21 leaves to manufacturers, beside those of
+//! [`estimator_core::broadcast`]: seven bytes of microseconds, least significant first, and one
+//! byte for the kind.
 
 use super::can_frame::CanFrame;
 use embedded_can::{ExtendedId, Frame, Id};
@@ -21,24 +21,24 @@ pub const PGN: u32 = 0xFF48;
 const SOURCE: u32 = 0xF9;
 /// Highest priority: it is the time of what follows.
 const PRIORITY: u32 = 0;
-/// Microseconds that fit: 2,283 years.
+/// Limit of the microseconds: 2,283 years.
 const MICROS_END: u64 = 1 << 56;
 
-/// What the message says.
+/// Kinds of the message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LogTime {
-    /// What follows is of this time.
+    /// The following frames have this time.
     Now(Instant),
-    /// The same, and please answer when everything before is read.
+    /// The following frames have this time; acknowledge when all earlier frames are read.
     Ready(Instant),
-    /// Everything before this time is read.
+    /// All frames before this time are read.
     Answer(Instant),
-    /// The log is over, please answer.
+    /// The log is over; acknowledge.
     End(Instant),
 }
 
 impl LogTime {
-    /// As a frame; `None` for a time that does not fit.
+    /// Encodes the message; `None` for a time that does not fit.
     #[must_use]
     pub fn frame(self) -> Option<CanFrame> {
         let (code, time) = match self {
@@ -53,7 +53,7 @@ impl LogTime {
         CanFrame::extended(PRIORITY << 26 | PGN << 8 | SOURCE, &data)
     }
 
-    /// From a frame; `None` if it is another message.
+    /// Decodes the message; `None` for another message.
     #[must_use]
     pub fn read(frame: &CanFrame) -> Option<Self> {
         let Id::Extended(id) = frame.id() else {

@@ -1,4 +1,5 @@
-//! Signal tables: CSV with `time_s` and a column a signal, plain or gzip; empty is missing.
+//! Signal tables: CSV with `time_s` and one column per signal, plain or gzip; an empty cell is
+//! missing.
 
 use super::candump::Seconds;
 use super::log_file::LogFile;
@@ -9,41 +10,41 @@ use estimator_core::{Instant, Reading, Signal, Value};
 use std::io::{self, Chain, Read, Write};
 use std::path::Path;
 
-/// The column of the time, in seconds from any origin.
+/// The time column, in seconds from any origin.
 const TIME: &str = "time_s";
-/// What some spreadsheets put before the header (the byte order mark).
+/// Byte order mark, which some spreadsheets write before the header.
 const UTF8_MARK: &[u8] = b"\xef\xbb\xbf";
-/// Beyond this many seconds, microseconds no longer count in `f64`.
+/// Beyond this many seconds `f64` does not resolve microseconds well.
 const LATEST_S: f64 = 4e9;
 
-/// A log with a line feed behind it, in case that its last line has none.
-type Text = Chain<LogFile, &'static [u8]>;
+/// A log with a line feed appended, because its last line may lack one.
+type TerminatedLog = Chain<LogFile, &'static [u8]>;
 
-/// Reads a table row by row; memory does not depend on its length.
+/// Reader of tables, row by row; its memory does not depend on the length of the table.
 pub struct SignalTableReader {
-    csv: csv::Reader<Text>,
+    csv: csv::Reader<TerminatedLog>,
     record: ByteRecord,
     fields: usize,
     time_column: usize,
-    /// In the order of [`Signal`], in which simultaneous readings must come.
-    columns: Vec<Column>,
+    /// In the order of [`Signal`], the required order of simultaneous readings.
+    columns: Vec<SignalColumn>,
     readings: Vec<Reading>,
     newest: Instant,
     rows: u64,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Column {
+struct SignalColumn {
     index: usize,
     signal: Signal,
 }
 
-/// What a table tells of one moment.
+/// One row of a table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SignalRow<'a> {
     /// `time_s`, rounded to microseconds.
     pub time: Instant,
-    /// What is not missing, in the order of [`Signal`]; may be empty.
+    /// The values that are not missing, in the order of [`Signal`]; may be empty.
     pub readings: &'a [Reading],
 }
 
@@ -51,7 +52,8 @@ impl SignalTableReader {
     /// Opens a table and reads its header.
     ///
     /// # Errors
-    /// If the file cannot be opened or is empty, or a column is unknown, given twice or missing.
+    /// Returns an error if the file cannot be opened or is empty, or if a column is unknown,
+    /// repeated or missing.
     pub fn open(path: &Path) -> Result<Self> {
         let mut csv = csv::ReaderBuilder::new()
             .trim(csv::Trim::All)
@@ -81,17 +83,17 @@ impl SignalTableReader {
         })
     }
 
-    /// The signals that have a column, in the order of [`Signal`].
+    /// Returns the signals that have a column, in the order of [`Signal`].
     pub fn signals(&self) -> impl Iterator<Item = Signal> {
         self.columns.iter().map(|column| column.signal)
     }
 
-    /// The next row, `None` at the end.
+    /// Reads the next row; `None` at the end.
     ///
     /// # Errors
-    /// With file, line, column and what was expected: a value that is no number, a row that is
-    /// too short or too long, time that runs backwards, a gzip stream that is cut off, a table
-    /// without rows.
+    /// Names the file, the line, the column and what was expected: a value that is not a number, a
+    /// row that is too short or too long, time that runs backwards, a truncated gzip stream, a
+    /// table without rows.
     pub fn next_row(&mut self) -> Result<Option<SignalRow<'_>>> {
         if !read_row(&mut self.csv, &mut self.record)? {
             if self.rows == 0 {
@@ -123,7 +125,7 @@ impl SignalTableReader {
         self.newest = time;
         self.readings.clear();
         for k in 0..self.columns.len() {
-            let Column { index, signal } = self.columns[k];
+            let SignalColumn { index, signal } = self.columns[k];
             if let Some(value) = self.value(index, signal)? {
                 self.readings.push(Reading { signal, value });
             }
@@ -134,7 +136,7 @@ impl SignalTableReader {
         }))
     }
 
-    /// The file, for progress and messages.
+    /// Returns the file, for progress and messages.
     #[must_use]
     pub fn file(&self) -> &LogFile {
         file_of(&self.csv)
@@ -148,7 +150,7 @@ impl SignalTableReader {
         Ok(Instant::from_micros((seconds * 1e6).round() as u64))
     }
 
-    /// The value of a cell; `None` if it is empty.
+    /// Returns the value of a cell; `None` if it is empty.
     fn value(&self, index: usize, signal: Signal) -> Result<Option<Value>> {
         if self.record.get(index).is_none_or(<[u8]>::is_empty) {
             return Ok(None);
@@ -159,13 +161,13 @@ impl SignalTableReader {
                 number
                     .filter(|degrees| degrees.abs() <= most)
                     .map(|degrees| Value::DegreesE7((degrees * 1e7).round() as i32)),
-                "degrees within the globe, or nothing if it is missing",
+                "degrees within the globe, or an empty cell",
             ),
             None => (
                 number
                     .map(|number| Value::Real(number as f32))
                     .filter(|value| value.real().is_some()),
-                "a finite number, or nothing if it is missing",
+                "a finite number, or an empty cell",
             ),
         };
         value
@@ -188,16 +190,16 @@ impl SignalTableReader {
     }
 }
 
-/// The line of the record read last: the reader stands behind its line feed.
-fn line_of(csv: &csv::Reader<Text>) -> u64 {
+/// Returns the line of the last record: the reader is behind its line feed.
+fn line_of(csv: &csv::Reader<TerminatedLog>) -> u64 {
     csv.position().line().saturating_sub(1)
 }
 
-fn file_of(csv: &csv::Reader<Text>) -> &LogFile {
+fn file_of(csv: &csv::Reader<TerminatedLog>) -> &LogFile {
     csv.get_ref().get_ref().0
 }
 
-/// Angles keep more digits than `f32` has; this is the largest that the globe has.
+/// Returns the largest value of an angle. Angles have more digits than `f32`.
 const fn largest_angle_deg(signal: Signal) -> Option<f64> {
     match signal {
         Signal::Latitude => Some(90.0),
@@ -206,10 +208,10 @@ const fn largest_angle_deg(signal: Signal) -> Option<f64> {
     }
 }
 
-/// Where the time and the signals stand.
-fn columns_of(path: &Path, line: u64, header: &ByteRecord) -> Result<(usize, Vec<Column>)> {
+/// Finds the columns of the time and the signals.
+fn columns_of(path: &Path, line: u64, header: &ByteRecord) -> Result<(usize, Vec<SignalColumn>)> {
     let mut time_column = None;
-    let mut columns: Vec<Column> = Vec::new();
+    let mut columns: Vec<SignalColumn> = Vec::new();
     for (index, name) in header.iter().enumerate() {
         let name = name.strip_prefix(UTF8_MARK).unwrap_or(name);
         let name = String::from_utf8_lossy(name);
@@ -225,14 +227,14 @@ fn columns_of(path: &Path, line: u64, header: &ByteRecord) -> Result<(usize, Vec
                 )
             })?;
             let is_known = columns.iter().any(|column| column.signal == signal);
-            columns.push(Column { index, signal });
+            columns.push(SignalColumn { index, signal });
             is_known
         };
         if is_twice {
             return Err(Error::line(
                 path,
                 line,
-                format!("column `{name}` is there twice"),
+                format!("column `{name}` is repeated"),
                 "each column once",
             ));
         }
@@ -256,8 +258,8 @@ fn all_columns() -> String {
     names.join(", ")
 }
 
-/// Reads the next record that is not blank; false at the end.
-fn read_row(csv: &mut csv::Reader<Text>, record: &mut ByteRecord) -> Result<bool> {
+/// Reads the next record that is not blank. Returns false at the end.
+fn read_row(csv: &mut csv::Reader<TerminatedLog>, record: &mut ByteRecord) -> Result<bool> {
     loop {
         let line = csv.position().line();
         let is_read = csv
@@ -273,14 +275,13 @@ fn read_row(csv: &mut csv::Reader<Text>, record: &mut ByteRecord) -> Result<bool
     }
 }
 
-/// Writes a table, whole or not at all: `time_s` and `columns`, and each row's values in the
-/// order of `columns` (angles in degrees), `None` or a value that is not finite where one is
-/// missing.
+/// Writes a table, whole or not at all: `time_s` and `columns`, and each row's values in the order
+/// of `columns` (angles in degrees). `None` and non-finite values are written as empty cells.
 ///
-/// Numbers get as many digits as reading them back needs.
+/// Numbers get as many digits as needed to read them back exactly.
 ///
 /// # Errors
-/// What the file system says; a row with more or fewer values than there are columns.
+/// Returns the error of the file system, or an error for a row with a wrong number of values.
 pub fn write<V: AsRef<[Option<f64>]>>(
     path: &Path,
     columns: &[Signal],

@@ -1,4 +1,4 @@
-//! Altitude of the ground from SRTM tiles.
+//! Altitude of the terrain from SRTM tiles.
 //!
 //! NASA's Shuttle Radar Topography Mission, version 3: one file a degree square, big-endian
 //! 16-bit metres above the geoid (EGM96), first row north. A radar sees roofs and treetops, and
@@ -11,10 +11,10 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Posts without a measurement: the data set's mark, and the one of some refillings of it.
+/// Values of posts without a measurement: that of the data set, and that of some filled versions.
 const VOIDS: [i16; 2] = [i16::MIN, -9999];
 
-/// A folder of SRTM tiles, each read when first asked for.
+/// A folder of SRTM tiles, each read at its first use.
 #[derive(Debug)]
 pub struct Terrain {
     folder: PathBuf,
@@ -22,7 +22,7 @@ pub struct Terrain {
 }
 
 impl Terrain {
-    /// Tiles named as NASA names them (`N47E008.hgt`) in `folder`.
+    /// Uses the tiles in `folder`, named as NASA names them (`N47E008.hgt`).
     #[must_use]
     pub fn new(folder: &Path) -> Self {
         Self {
@@ -31,11 +31,11 @@ impl Terrain {
         }
     }
 
-    /// Altitude of the ground in m above the geoid, bilinear between the four posts around;
-    /// `None` where one of them is void, and for what is no place on Earth.
+    /// Returns the altitude of the terrain, m above the geoid, bilinear between the four posts
+    /// around. Returns `None` if one of them is void, or for coordinates outside the globe.
     ///
     /// # Errors
-    /// A tile that is missing or whose size is not that of one; the message names it.
+    /// Names a tile that is missing or has the wrong size.
     pub fn altitude_m(&mut self, latitude_deg: f64, longitude_deg: f64) -> Result<Option<f64>> {
         let Some(place) = Coord::opt_new(latitude_deg, longitude_deg) else {
             return Ok(None);
@@ -77,7 +77,7 @@ fn bilinear(tile: &Tile, place: Coord) -> Option<f64> {
     let steps = (side - 1) as f64;
     let south = (f64::from(tile.latitude) + 1.0 - place.lat) * steps;
     let east = (place.lon - f64::from(tile.longitude)) * steps;
-    // On the last row or column the square before it serves.
+    // The last row or column uses the square before it.
     let row = (south as usize).min(side - 2);
     let column = (east as usize).min(side - 2);
     let (down, right) = (south - row as f64, east - column as f64);

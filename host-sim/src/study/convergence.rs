@@ -2,13 +2,13 @@
 
 pub mod curve;
 
-use super::definition::{Outcome, Setting, Study};
-use super::distance_drive::{self, Belief, Errors, SimulatedDrive};
+use super::definition::{Setting, Study, StudyOutcome};
+use super::distance_drive::{self, Belief, DistanceDrive, Disturbances};
 use super::experiments::campaign::Campaign;
 use super::experiments::heading::Heading;
 use super::experiments::measure::rmse;
 use crate::comparison::markov::Chain;
-use crate::comparison::original::{self, Noise};
+use crate::comparison::original::{self, NoiseSigmas};
 use crate::comparison::{STEP_M, pointwise};
 use crate::error::Result;
 use crate::numeric::statistics::mean;
@@ -101,11 +101,11 @@ impl Conditions {
         conditions
     }
 
-    fn drive(&self, index: usize, belief: &Belief, gps_m: &[f64]) -> SimulatedDrive {
-        let errors = Errors {
+    fn drive(&self, index: usize, belief: &Belief, gps_m: &[f64]) -> DistanceDrive {
+        let errors = Disturbances {
             speed_mps: self.speed_noise_mps,
             gps_m,
-            ..Errors::default()
+            ..Disturbances::default()
         };
         let mut rng = stream(self.seed, index, Purpose::Sensors);
         distance_drive::simulate(
@@ -118,7 +118,7 @@ impl Conditions {
         .expect("the preset has an engine and a gearbox")
     }
 
-    fn disturbed_drive(&self, index: usize) -> SimulatedDrive {
+    fn disturbed_drive(&self, index: usize) -> DistanceDrive {
         let mut rng = stream(self.seed, index, Purpose::Parameters);
         let mut factor =
             || (1.0 + PARAMETER_SIGMA * normal(&mut rng)).clamp(FACTOR_LIMITS.0, FACTOR_LIMITS.1);
@@ -143,7 +143,7 @@ impl Conditions {
         };
         let gps_m = vec![0.0; self.grade_percent.len()];
         let run = quiet.drive(0, &Belief::TRUTH, &gps_m);
-        let profile = original::estimate(&run.drive, &Noise::ORIGINAL);
+        let profile = original::estimate(&run.drive, &NoiseSigmas::ORIGINAL);
         rmse(&self.grade_percent, &profile.grade_percent)
     }
 
@@ -171,7 +171,7 @@ impl Conditions {
         for index in first..first + runs {
             let run = self.disturbed_drive(index);
             set.pointwise_sigma_percent.push(pointwise_sigma(&run));
-            let profile = original::estimate(&run.drive, &Noise::ORIGINAL);
+            let profile = original::estimate(&run.drive, &NoiseSigmas::ORIGINAL);
             let single = rmse(&self.grade_percent, &profile.grade_percent);
             set.single_rmse_percent.push(single);
             for k in 0..points {
@@ -188,7 +188,7 @@ impl Conditions {
 }
 
 /// Standard deviation of the pointwise error where the model holds, %.
-fn pointwise_sigma(run: &SimulatedDrive) -> f64 {
+fn pointwise_sigma(run: &DistanceDrive) -> f64 {
     let errors: Vec<f64> = pointwise::grade_percent(&run.drive)
         .iter()
         .zip(&run.true_grade_percent)
@@ -200,7 +200,7 @@ fn pointwise_sigma(run: &SimulatedDrive) -> f64 {
     mean(&errors.iter().map(|e| (e - mu).powi(2)).collect::<Vec<_>>()).sqrt()
 }
 
-fn run(setting: &Setting) -> Result<Outcome> {
+fn run(setting: &Setting) -> Result<StudyOutcome> {
     let road = Campaign::new(setting.seed).road(Heading::North).to_vec();
     let conditions = Conditions::calibrated(road, setting.seed);
     let total = THESIS.sets * THESIS.runs;
@@ -214,7 +214,7 @@ fn run(setting: &Setting) -> Result<Outcome> {
         total as f64 / seconds,
         rayon::current_num_threads()
     );
-    Ok(Outcome::Done(section(&conditions, &sets)))
+    Ok(StudyOutcome::Done(section(&conditions, &sets)))
 }
 
 /// RMSE after each run, mean over sets.

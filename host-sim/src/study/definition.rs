@@ -15,7 +15,7 @@ pub struct Setting {
 
 /// What became of a study.
 #[derive(Clone, Debug)]
-pub enum Outcome {
+pub enum StudyOutcome {
     /// Computed.
     Done(Section),
     /// The measured data it needs are not there; what is missing.
@@ -30,5 +30,5 @@ pub struct Study {
     /// What it shows.
     pub about: &'static str,
     /// Computes it.
-    pub run: fn(&Setting) -> Result<Outcome>,
+    pub run: fn(&Setting) -> Result<StudyOutcome>,
 }

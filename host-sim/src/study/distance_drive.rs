@@ -1,7 +1,7 @@
 //! Simulated drives in the distance domain (thesis section 4): the vehicle model of eq. 9 under a
 //! PI cruise control, and what its sensors would have told.
 
-use crate::comparison::{Drive, G, Point, STEP_M};
+use crate::comparison::{G, MeasuredDrive, MeasuredPoint, STEP_M};
 use crate::simulator::driver::{BRAKE_OFF_MPS, BRAKE_ON_MPS, CruiseControl, SET_SPEED_MPS};
 use crate::simulator::random::normal;
 use crate::simulator::truck::Truck;
@@ -46,7 +46,7 @@ impl Belief {
 
 /// What disturbs the measurements of a drive, beside false [`Belief`]s.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Errors<'a> {
+pub struct Disturbances<'a> {
     /// Standard deviation of the white noise on wheel speed, m/s.
     pub speed_mps: f64,
     /// Error of GPS altitude at each point, m. Points beyond its end are without satellites.
@@ -58,15 +58,15 @@ pub struct Errors<'a> {
 
 /// A drive as measured, and the truth of it.
 #[derive(Clone, Debug)]
-pub struct SimulatedDrive {
+pub struct DistanceDrive {
     /// What was measured, and what is believed.
-    pub drive: Drive,
+    pub drive: MeasuredDrive,
     /// True grade at each point, %.
     pub true_grade_percent: Vec<f64>,
 }
 
 /// A gear change that is under way.
-struct Shift {
+struct GearChange {
     /// Points it takes.
     points: usize,
     /// Points that are over.
@@ -76,12 +76,12 @@ struct Shift {
 }
 
 /// The moving vehicle.
-struct Vehicle {
+struct MovingVehicle {
     truck: Truck,
     cruise: CruiseControl,
     speed_mps: f64,
     gear: usize,
-    shift: Option<Shift>,
+    shift: Option<GearChange>,
     braking: bool,
 }
 
@@ -90,7 +90,7 @@ struct Forces {
     /// From the engine, truly, N.
     traction_n: f64,
     /// From the engine, as the bus tells it, N.
-    told_n: f64,
+    reported_n: f64,
     /// From the brakes, N.
     brake_n: f64,
     /// Gear that is engaged; 0 for none.
@@ -105,21 +105,21 @@ pub fn simulate(
     grade_percent: &[f64],
     truck: &VehicleParameters,
     belief: &Belief,
-    errors: &Errors<'_>,
+    errors: &Disturbances<'_>,
     rng: &mut ChaCha8Rng,
-) -> Option<SimulatedDrive> {
+) -> Option<DistanceDrive> {
     let air_density = f64::from(STANDARD_AIR_DENSITY);
-    let mut vehicle = Vehicle::new(Truck::new(truck)?, *grade_percent.first()?, air_density);
+    let mut vehicle = MovingVehicle::new(Truck::new(truck)?, *grade_percent.first()?, air_density);
     let mut points = Vec::with_capacity(grade_percent.len());
     let mut altitude_m = 0.0;
     for (k, grade) in grade_percent.iter().enumerate() {
         let sine = grade / grade.hypot(100.0);
         let shifting = vehicle.shift_gears();
         let forces = vehicle.forces();
-        points.push(Point {
+        points.push(MeasuredPoint {
             distance_m: k as f64 * STEP_M,
             speed_mps: vehicle.speed_mps + errors.speed_mps * normal(rng),
-            traction_n: belief.torque * forces.told_n,
+            traction_n: belief.torque * forces.reported_n,
             rotating_kg: vehicle.truck.accelerated_kg(vehicle.gear) - vehicle.truck.mass_kg,
             air_density,
             altitude_m: errors.gps_m.get(k).map(|error| altitude_m + error),
@@ -132,8 +132,8 @@ pub fn simulate(
         vehicle.advance(&forces, slope_n, air_density);
         altitude_m += STEP_M * sine;
     }
-    Some(SimulatedDrive {
-        drive: Drive {
+    Some(DistanceDrive {
+        drive: MeasuredDrive {
             mass_kg: belief.mass * f64::from(truck.mass_kg),
             drag_area_m2: belief.drag * f64::from(truck.drag_area_m2),
             rolling_resistance: belief.rolling * f64::from(truck.rolling_resistance),
@@ -143,7 +143,7 @@ pub fn simulate(
     })
 }
 
-impl Vehicle {
+impl MovingVehicle {
     fn new(truck: Truck, first_grade_percent: f64, air_density: f64) -> Self {
         let gear = truck.top_gear();
         let slope_n = truck.mass_kg * G * 0.01 * first_grade_percent;
@@ -183,7 +183,7 @@ impl Vehicle {
         };
         let force_n = self.engine_force_n();
         self.gear = gear;
-        self.shift = Some(Shift {
+        self.shift = Some(GearChange {
             points: (SHIFT_S / self.step_s()).ceil() as usize,
             done: 0,
             force_n,
@@ -191,7 +191,8 @@ impl Vehicle {
         true
     }
 
-    /// What cruise control asks of the engine, or what the engine brakes with under the brakes.
+    /// Returns what cruise control asks of the engine, or what the engine brakes with under the
+    /// brakes.
     fn engine_force_n(&mut self) -> f64 {
         let rpm = self.truck.engine_rpm(self.gear, self.speed_mps);
         let lever = self.truck.force_per_torque(self.gear);
@@ -203,7 +204,7 @@ impl Vehicle {
         let per_kg = lever / self.truck.accelerated_kg(self.gear);
         let wish = self
             .cruise
-            .wish(self.speed_mps, per_kg, limits_nm, self.step_s());
+            .request(self.speed_mps, per_kg, limits_nm, self.step_s());
         wish.net_nm * lever
     }
 
@@ -220,7 +221,7 @@ impl Vehicle {
             let part = (1.0 - 2.0 * shift.done as f64 / shift.points as f64).abs();
             return Forces {
                 traction_n: 0.0,
-                told_n: part * shift.force_n,
+                reported_n: part * shift.force_n,
                 brake_n,
                 engaged: 0,
             };
@@ -228,7 +229,7 @@ impl Vehicle {
         let traction_n = self.engine_force_n();
         Forces {
             traction_n,
-            told_n: traction_n,
+            reported_n: traction_n,
             brake_n,
             engaged: self.gear,
         }

@@ -24,7 +24,7 @@ pub struct ForceSample {
 
 /// Drift of the bare vehicle model over a stretch of road.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct Drift {
+pub struct ModelDrift {
     /// Way driven, m.
     pub length_m: f64,
     /// Altitude gained according to the model, m.
@@ -47,7 +47,7 @@ pub fn vehicle_model_drift(
     samples: &[ForceSample],
     vehicle: &VehicleParameters,
     climb_m: f64,
-) -> Option<Drift> {
+) -> Option<ModelDrift> {
     let mut length_m = 0.0;
     let mut modelled_climb_m = 0.0;
     for two in samples.windows(2) {
@@ -59,7 +59,7 @@ pub fn vehicle_model_drift(
         }
     }
     let drift_m = modelled_climb_m - climb_m;
-    (length_m > 0.0).then(|| Drift {
+    (length_m > 0.0).then(|| ModelDrift {
         length_m,
         modelled_climb_m,
         drift_m_per_km: 1000.0 * drift_m / length_m,
@@ -67,7 +67,7 @@ pub fn vehicle_model_drift(
     })
 }
 
-/// Sine of the slope in % between two rows.
+/// Returns sine of the slope in % between two rows.
 fn slope_percent(
     from: &ForceSample,
     to: &ForceSample,

@@ -3,7 +3,7 @@
 
 pub mod road;
 
-use super::definition::{Outcome, Setting, Study};
+use super::definition::{Setting, Study, StudyOutcome};
 use crate::error::Result;
 use crate::map::PlacedRun;
 use crate::numeric::statistics::mean;
@@ -45,9 +45,9 @@ const ALONE: usize = 1;
 const BESIDE: [(&str, usize); 2] = [("two of B", 3), ("two of A on another day", 4)];
 
 /// What one map is worth, and what it would be if runs were independent.
-type Pair = [ScoreRow; 2];
+type ScorePair = [ScoreRow; 2];
 
-fn run(setting: &Setting) -> Result<Outcome> {
+fn run(setting: &Setting) -> Result<StudyOutcome> {
     let bar = progress::count(ROADS * DAYS.len() as u64, "days");
     let roads = (0..ROADS)
         .into_par_iter()
@@ -62,7 +62,7 @@ fn run(setting: &Setting) -> Result<Outcome> {
         })
         .collect::<Result<Vec<_>>>()?;
     bar.finish_and_clear();
-    Ok(Outcome::Done(Section {
+    Ok(StudyOutcome::Done(Section {
         heading: "Maps of a fleet".to_owned(),
         words: vec![format!(
             "{ROADS} roads of 20 km. Mass, drag and rolling resistance are wrong by 10 % (1 sigma), \
@@ -74,7 +74,7 @@ fn run(setting: &Setting) -> Result<Outcome> {
     }))
 }
 
-fn scores(road: &FleetRoad, days: &[Vec<PlacedRun>]) -> Result<Vec<Pair>> {
+fn scores(road: &FleetRoad, days: &[Vec<PlacedRun>]) -> Result<Vec<ScorePair>> {
     let score = |(_, counts): &(_, [usize; DAYS.len()])| {
         let counted = days.iter().zip(counts);
         let taken: Vec<&[PlacedRun]> = counted.map(|(runs, &count)| &runs[..count]).collect();
@@ -85,9 +85,9 @@ fn scores(road: &FleetRoad, days: &[Vec<PlacedRun>]) -> Result<Vec<Pair>> {
     MAPS.iter().map(score).collect()
 }
 
-fn maps_table(roads: &[Vec<Pair>]) -> Table {
+fn maps_table(roads: &[Vec<ScorePair>]) -> Table {
     let rows = MAPS.iter().enumerate().map(|(map, (words, _))| {
-        let each = |value: fn(&Pair) -> f64| {
+        let each = |value: fn(&ScorePair) -> f64| {
             mean(&roads.iter().map(|of| value(&of[map])).collect::<Vec<f64>>())
         };
         vec![
@@ -107,7 +107,7 @@ fn maps_table(roads: &[Vec<Pair>]) -> Table {
     .with_rows(rows)
 }
 
-fn beside_table(roads: &[Vec<Pair>]) -> Table {
+fn beside_table(roads: &[Vec<ScorePair>]) -> Table {
     let rmse = |map: usize| roads.iter().map(move |of| of[map][0].rmse_percent);
     let pooled = |map| mean(&rmse(map).map(|rmse| rmse * rmse).collect::<Vec<f64>>()).sqrt();
     let rows = BESIDE.map(|(words, map)| {

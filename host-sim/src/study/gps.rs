@@ -3,12 +3,12 @@
 
 pub mod errors;
 
-use super::definition::{Outcome, Setting, Study};
-use super::distance_drive::{self, Belief, Errors};
+use super::definition::{Setting, Study, StudyOutcome};
+use super::distance_drive::{self, Belief, Disturbances};
 use super::experiments::measure::rmse;
 use crate::comparison::STEP_M;
 use crate::comparison::markov::{BIN_M, Chain, STATES, centred, error_of};
-use crate::comparison::original::{self, Noise};
+use crate::comparison::original::{self, NoiseSigmas};
 use crate::error::Result;
 use crate::report::page::{Figure, Section, Table};
 use crate::report::plot::{Mark, Plot, Series, colour};
@@ -21,7 +21,7 @@ pub const ORIGIN: &str = "\
 Transitions between errors of GNSS altitude over 2.5 m of way at 80 km/h, counted.
 Trained on one mission of the ZTBus data set (F. Widmer, A. Ritter, C. H. Onder, Scientific Data
 10:687, 2023; CC BY 4.0): bus 183, 2021-07-26, six passes, each less the mean over the passes in
-its direction. Made by host-sim/src/study/gps; host-sim/tests/gps_chain.rs compares.";
+its direction. Made by host-sim/src/study/gps; host-sim/tests/simulator/gps_chain.rs compares.";
 
 /// Lengths over which an error of altitude is told as one of grade, m.
 const GRADE_BASES_M: [f64; 3] = [500.0, 1_250.0, 3_000.0];
@@ -40,7 +40,7 @@ pub const STUDY: Study = Study {
 };
 
 /// One source of errors, and what its chain makes.
-struct Source {
+struct ErrorSource {
     /// In words.
     name: &'static str,
     /// In names of files.
@@ -52,7 +52,7 @@ struct Source {
     chain: Chain,
 }
 
-fn run(setting: &Setting) -> Result<Outcome> {
+fn run(setting: &Setting) -> Result<StudyOutcome> {
     let mut words = vec![
         "Sixty-one states stand for -15 m to +15 m in steps of 0.5 m; one step is 2.5 m of way at \
          80 km/h. Each run's mean is removed, its errors are rounded into states, transitions are \
@@ -64,7 +64,7 @@ fn run(setting: &Setting) -> Result<Outcome> {
     ];
     let mut sources = Vec::new();
     match errors::of_data(&setting.data)? {
-        Some(training) => sources.push(Source::new(
+        Some(training) => sources.push(ErrorSource::new(
             "measured bus",
             "measured",
             &training,
@@ -77,9 +77,9 @@ fn run(setting: &Setting) -> Result<Outcome> {
         )),
     }
     if sources.is_empty() {
-        sources.push(Source::committed(setting.seed));
+        sources.push(ErrorSource::committed(setting.seed));
     }
-    sources.push(Source::new(
+    sources.push(ErrorSource::new(
         "simulator",
         "simulated",
         &errors::simulated(setting.seed),
@@ -98,7 +98,7 @@ fn run(setting: &Setting) -> Result<Outcome> {
     for source in &sources {
         figures.extend(source.figures());
     }
-    Ok(Outcome::Done(Section {
+    Ok(StudyOutcome::Done(Section {
         heading: "GPS altitude error as a Markov chain (section 5)".to_owned(),
         words,
         tables: vec![statistics(&sources), effect(&sources, setting.seed)],
@@ -106,7 +106,7 @@ fn run(setting: &Setting) -> Result<Outcome> {
     }))
 }
 
-impl Source {
+impl ErrorSource {
     fn new(name: &'static str, key: &'static str, training: &[Vec<f64>], seed: u64) -> Self {
         let chain = Chain::train(training);
         let lengths: Vec<usize> = training.iter().map(Vec::len).collect();
@@ -202,7 +202,7 @@ impl Source {
     }
 }
 
-fn kind_colours(source: &Source) -> impl Iterator<Item = plotters::style::RGBColor> {
+fn kind_colours(source: &ErrorSource) -> impl Iterator<Item = plotters::style::RGBColor> {
     [colour::BLUE, colour::ORANGE]
         .into_iter()
         .skip(usize::from(source.training.is_empty()))
@@ -217,7 +217,7 @@ fn generated(chain: &Chain, lengths: &[usize], seed: u64) -> Vec<Vec<f64>> {
     series.collect()
 }
 
-/// Mean of f over all pairs `lag` apart in all series.
+/// Returns mean of f over all pairs `lag` apart in all series.
 fn mean_of_pairs(series: &[Vec<f64>], lag: usize, f: impl Fn(f64, f64) -> f64) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
     for one in series {
@@ -243,7 +243,7 @@ fn grade_percent(series: &[Vec<f64>], length_m: f64) -> f64 {
     100.0 / length_m * mean_of_pairs(series, lag, |a, b| (b - a).powi(2)).sqrt()
 }
 
-fn statistics(sources: &[Source]) -> Table {
+fn statistics(sources: &[ErrorSource]) -> Table {
     let header = [
         "series",
         "sigma m",
@@ -261,7 +261,7 @@ fn statistics(sources: &[Source]) -> Table {
     );
     let rows = sources
         .iter()
-        .flat_map(Source::kinds)
+        .flat_map(ErrorSource::kinds)
         .map(|(name, series)| {
             let mut row = vec![name, format!("{:.2}", sigma(series))];
             row.extend(
@@ -276,14 +276,14 @@ fn statistics(sources: &[Source]) -> Table {
 }
 
 /// As section 5.2.2 does: the same drive estimated with each series of errors.
-fn effect(sources: &[Source], seed: u64) -> Table {
+fn effect(sources: &[ErrorSource], seed: u64) -> Table {
     let header = ["GPS error", "runs", "mean RMSE %", "least %", "largest %"];
     let caption = "RMSE of the original filter's grade on one simulated drive of vehicle A, all \
                    its parameters known and its wheel speed noisy, with each series as the error \
                    of GPS altitude; the first and last 200 points left out. Thesis 5.2.2: with \
                    generated errors typically worse than with measured ones, the worst alike.";
     let none = ("none".to_owned(), vec![vec![0.0; 12_000]]);
-    let kinds = sources.iter().flat_map(Source::kinds);
+    let kinds = sources.iter().flat_map(ErrorSource::kinds);
     let kinds = kinds.map(|(name, series)| (name, series.to_vec()));
     let rows = std::iter::once(none).chain(kinds).map(|(name, series)| {
         let found: Vec<f64> = series
@@ -313,15 +313,15 @@ fn estimation_rmse(gps_m: &[f64], seed: u64) -> f64 {
     let grades: Vec<f64> = (0..gps_m.len())
         .map(|k| 100.0 * road.grade(k as f64 * STEP_M))
         .collect();
-    let errors = Errors {
+    let errors = Disturbances {
         speed_mps: SPEED_NOISE_MPS,
         gps_m,
-        ..Errors::default()
+        ..Disturbances::default()
     };
     let mut rng = stream(seed, 0, Purpose::Sensors);
     let vehicle = Preset::A.parameters();
     let run = distance_drive::simulate(&grades, &vehicle, &Belief::TRUTH, &errors, &mut rng)
         .expect("the preset has an engine and a gearbox");
-    let estimate = original::estimate(&run.drive, &Noise::ORIGINAL).grade_percent;
+    let estimate = original::estimate(&run.drive, &NoiseSigmas::ORIGINAL).grade_percent;
     rmse(&grades, &estimate)
 }

@@ -8,14 +8,16 @@ pub mod convergence;
 mod definition;
 pub mod distance_drive;
 pub mod drift;
+mod drive_errors;
 pub mod experiments;
 pub mod fleet;
 pub mod gps;
 pub mod sensitivity;
+pub mod sensors;
 pub mod windows;
 pub mod ztbus;
 
-pub use definition::{Outcome, Setting, Study};
+pub use definition::{Setting, Study, StudyOutcome};
 
 /// Every study, in the order of the report.
 pub const STUDIES: &[Study] = &[
@@ -28,6 +30,7 @@ pub const STUDIES: &[Study] = &[
     experiments::modified::STUDY,
     experiments::campaigns::STUDY,
     accuracy::STUDY,
+    sensors::STUDY,
     fleet::STUDY,
     ztbus::STUDY,
 ];

@@ -5,11 +5,11 @@
 //! resistance and s the sine of the slope, f = s + c + d; what each parameter makes of the
 //! estimated s follows by hand and stands beside what the filters' own code computes.
 
-use super::definition::{Outcome, Setting, Study};
-use crate::comparison::{Drive, G, Point, pointwise};
+use super::definition::{Setting, Study, StudyOutcome};
+use crate::comparison::{G, MeasuredDrive, MeasuredPoint, pointwise};
 use crate::error::Result;
 use crate::report::page::{Figure, Section, Table};
-use crate::report::plot::{Mark, Plot, Series, colour, stretches};
+use crate::report::plot::{Mark, Plot, Series, colour, shaded_ranges};
 use crate::simulator::driver::SET_SPEED_MPS;
 use crate::simulator::truck::{Preset, Truck};
 use estimator_core::vehicle::STANDARD_AIR_DENSITY;
@@ -109,14 +109,14 @@ pub struct WorkingPoint {
 
 /// What an error of a parameter does near the level road.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Effect {
+pub struct GradeErrorEffect {
     /// Change of the error with the true grade, %/%.
     pub slope: f64,
     /// Error on the level, %.
     pub offset_percent: f64,
 }
 
-/// Sine of the slope of a grade in %.
+/// Returns sine of the slope of a grade in %.
 fn sine(grade_percent: f64) -> f64 {
     grade_percent / grade_percent.hypot(100.0)
 }
@@ -167,7 +167,7 @@ pub fn error_percent(
         Parameter::Wind => air_density *= FACTOR * FACTOR,
         _ => {}
     }
-    let point = Point {
+    let point = MeasuredPoint {
         distance_m: 0.0,
         speed_mps: at.speed_mps,
         traction_n: torque_nm * truck.force_per_torque(at.gear),
@@ -177,7 +177,7 @@ pub fn error_percent(
         shifting: false,
         braking: false,
     };
-    let drive = Drive {
+    let drive = MeasuredDrive {
         mass_kg: truck.mass_kg,
         drag_area_m2: vehicle.drag_area_m2.into(),
         rolling_resistance: vehicle.rolling_resistance.into(),
@@ -186,7 +186,7 @@ pub fn error_percent(
     Some(pointwise::at(&drive, &point, 0.0) - at.grade_percent)
 }
 
-/// The vehicle with one parameter wrong.
+/// Returns the vehicle with one parameter wrong.
 fn believed(vehicle: &VehicleParameters, parameter: Parameter) -> VehicleParameters {
     let factor = FACTOR as f32;
     let mut believed = vehicle.clone();
@@ -207,20 +207,20 @@ fn believed(vehicle: &VehicleParameters, parameter: Parameter) -> VehicleParamet
 
 /// Slope and offset near the level road, from the filters' own code.
 #[must_use]
-pub fn numeric(vehicle: &VehicleParameters, parameter: Parameter) -> Option<Effect> {
+pub fn numeric(vehicle: &VehicleParameters, parameter: Parameter) -> Option<GradeErrorEffect> {
     let truck = Truck::new(vehicle)?;
     let error = |grade| error_percent(vehicle, &working_point(&truck, grade)?, parameter);
     let (down, up) = (error(-NEAR_LEVEL_PERCENT)?, error(NEAR_LEVEL_PERCENT)?);
-    Some(Effect {
+    Some(GradeErrorEffect {
         slope: (up - down) / (2.0 * NEAR_LEVEL_PERCENT),
         offset_percent: error(0.0)?,
     })
 }
 
-/// The same by hand: the estimate of s with the parameter at k times its value, less s, and its
-/// derivative in s.
+/// Returns the same by hand: the estimate of s with the parameter at k times its value, less s, and
+/// its derivative in s.
 #[must_use]
-pub fn analytic(vehicle: &VehicleParameters, parameter: Parameter) -> Effect {
+pub fn analytic(vehicle: &VehicleParameters, parameter: Parameter) -> GradeErrorEffect {
     let k = FACTOR;
     let c = f64::from(vehicle.rolling_resistance);
     let air_n = 0.5
@@ -242,15 +242,15 @@ pub fn analytic(vehicle: &VehicleParameters, parameter: Parameter) -> Effect {
         // d - k² d
         Parameter::Wind => (0.0, (1.0 - k * k) * d),
     };
-    Effect {
+    GradeErrorEffect {
         slope,
         offset_percent: 100.0 * offset,
     }
 }
 
-fn run(_: &Setting) -> Result<Outcome> {
+fn run(_: &Setting) -> Result<StudyOutcome> {
     let vehicles = [Preset::A, Preset::B];
-    Ok(Outcome::Done(Section {
+    Ok(StudyOutcome::Done(Section {
         heading: "Sensitivity of the pointwise grade (section 4.1, figure 7)".to_owned(),
         words: vec![
             "One parameter at a time is believed to be 120 % of what it is. The trucks hold \
@@ -279,7 +279,7 @@ fn figure(preset: Preset) -> Option<Figure> {
     let mut plot = Plot::new("true grade (%)", "grade error (% grade)");
     plot.height = 380;
     let held = |at: &WorkingPoint| at.speed_mps >= SET_SPEED_MPS && !at.braking;
-    plot.shaded = stretches(points.iter().map(|at| (at.grade_percent, !held(at))));
+    plot.shaded = shaded_ranges(points.iter().map(|at| (at.grade_percent, !held(at))));
     for parameter in Parameter::ALL {
         let (colour, mark) = parameter.drawn();
         let errors = points

@@ -54,7 +54,7 @@ impl GradeProfile {
         }
     }
 
-    /// Grade in % at a distance in m; `None` beyond the ends.
+    /// Returns grade in % at a distance in m; `None` beyond the ends.
     #[must_use]
     pub fn grade_percent(&self, at_m: f64) -> Option<f64> {
         linear(&self.points, at_m)

@@ -5,8 +5,8 @@
 //! (which shares the vehicle's errors, not its passes' noise) and against terrain (which shares
 //! nothing, but is coarse).
 
-use super::definition::{Outcome, Setting, Study};
-use super::drift::{Drift, ForceSample, vehicle_model_drift};
+use super::definition::{Setting, Study, StudyOutcome};
+use super::drift::{ForceSample, ModelDrift, vehicle_model_drift};
 use super::windows::{GradeProfile, WindowErrors, window_errors};
 use crate::error::{Error, Result};
 use crate::files::run::RunRow;
@@ -15,7 +15,8 @@ use crate::recorder::estimate_log;
 use crate::report::page::{Figure, Section, Table};
 use crate::report::plot::{Mark, Plot, Series, colour};
 use crate::source::terrain::Terrain;
-use crate::source::ztbus::{Direction, Mission, Pass, round_trips};
+use crate::source::ztbus::{Mission, Pass, PassDirection, round_trips};
+use estimator_core::Tuning;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -54,7 +55,7 @@ struct Findings {
     /// One for each pass.
     passes: Vec<PassErrors>,
     /// Bare vehicle model over each complete round trip.
-    drifts: Vec<Drift>,
+    drifts: Vec<ModelDrift>,
     /// For each direction: terrain, and each pass with its number, as grade over distance.
     profiles: Vec<DirectionProfiles>,
 }
@@ -70,18 +71,18 @@ struct DirectionProfiles {
     passes: Vec<(usize, Vec<MapRow>)>,
 }
 
-fn run(setting: &Setting) -> Result<Outcome> {
+fn run(setting: &Setting) -> Result<StudyOutcome> {
     let Some(mission) = mission_file(&setting.data) else {
-        return Ok(Outcome::Skipped(
+        return Ok(StudyOutcome::Skipped(
             "no ztbus/*.csv in it; expected a mission of the ZTBus data set (--data DIR)"
                 .to_owned(),
         ));
     };
     let found = find(&mission, &setting.data.join("srtm"))?;
-    Ok(Outcome::Done(section(&found)))
+    Ok(StudyOutcome::Done(section(&found)))
 }
 
-/// The first mission of the data folder by name.
+/// Returns the first mission of the data folder by name.
 pub(super) fn mission_file(data: &Path) -> Option<PathBuf> {
     let mut files: Vec<PathBuf> = fs::read_dir(data.join("ztbus"))
         .ok()?
@@ -103,7 +104,7 @@ fn find(mission_file: &Path, terrain_folder: &Path) -> Result<Findings> {
         .collect::<Result<Vec<_>>>()?;
     let mut found = Vec::new();
     let mut profiles = Vec::new();
-    for direction in [Direction::Outbound, Direction::Inbound] {
+    for direction in [PassDirection::Outbound, PassDirection::Inbound] {
         let members: Vec<usize> = (0..passes.len())
             .filter(|&k| passes[k].direction == direction && !runs[k].is_empty())
             .collect();
@@ -161,7 +162,7 @@ fn estimate(mission: &Mission, pass: &Pass, folder: &Path) -> Result<Vec<RunRow>
     let table = folder.join("pass.csv");
     mission.write_pass(&table, pass)?;
     let model = mission.vehicle().model;
-    let run = estimate_log::<f32>(&model, None, &table, |_| ())?;
+    let run = estimate_log::<f32>(&model, &Tuning::default(), None, &table, |_| ())?;
     Ok(run.in_memory()?.rows)
 }
 
@@ -191,7 +192,7 @@ fn ground(terrain: &mut Terrain, rows: &[MapRow]) -> Result<Vec<(f64, f64)>> {
     Ok(ground)
 }
 
-fn drifts(mission: &Mission, passes: &[Pass]) -> Vec<Drift> {
+fn drifts(mission: &Mission, passes: &[Pass]) -> Vec<ModelDrift> {
     let model = mission.vehicle().model;
     round_trips(passes)
         .into_iter()
@@ -257,7 +258,7 @@ fn pass_table(passes: &[PassErrors]) -> Table {
     }))
 }
 
-fn drift_table(drifts: &[Drift]) -> Table {
+fn drift_table(drifts: &[ModelDrift]) -> Table {
     let header = [
         "round trip",
         "length km",

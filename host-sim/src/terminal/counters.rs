@@ -1,10 +1,57 @@
-//! What the core counted, in words.
+//! Names of the core's counters.
 
 use estimator_core::Counters;
 
-/// What happened, without what did not.
+/// A counter that is not zero.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CountedEvent {
+    /// Its key in JSON output; stable.
+    pub key: &'static str,
+    /// Its name in tables and on the panel.
+    pub name: &'static str,
+    /// The count.
+    pub count: u64,
+}
+
+/// Keys whose name differs from the key.
+const NAMES: [(&str, &str); 22] = [
+    ("frames malformed", "malformed frames"),
+    ("fast packets broken", "incomplete fast packets"),
+    ("inputs back in time", "inputs with earlier time stamps"),
+    ("inputs far ahead", "inputs with time stamps far ahead"),
+    (
+        "values of other senders",
+        "values of other source addresses",
+    ),
+    ("sender switches", "source address switches"),
+    ("speeds that leapt", "speed jumps"),
+    ("speeds that were frozen", "frozen speeds"),
+    ("steps of the speed", "speed steps"),
+    ("gaps in speed", "speed gaps"),
+    ("cells that are no numbers", "non-finite cells"),
+    ("cells with brakes guessed", "cells with inferred braking"),
+    ("stops that reopened the load", "load prior resets at stops"),
+    ("scales far from the file", "scale prior resets"),
+    ("fixes of a frozen receiver", "frozen fixes"),
+    ("altitudes left out", "altitudes rejected"),
+    ("altitudes left out singly", "single altitude outliers"),
+    ("gaps in altitude", "altitude gaps"),
+    ("drifts of GNSS altitude", "GNSS altitude drifts"),
+    ("of these taken for true", "of these accepted"),
+    ("steps of GNSS altitude", "GNSS altitude steps"),
+    ("altitude set anew", "altitude resets"),
+];
+
+/// Returns the name of a counter with this key.
 #[must_use]
-pub fn events(c: &Counters) -> Vec<(&'static str, u64)> {
+pub fn name_of(key: &'static str) -> &'static str {
+    let known = NAMES.iter().find(|(known, _)| *known == key);
+    known.map_or(key, |(_, name)| name)
+}
+
+/// Returns the counters that are not zero, in a fixed order.
+#[must_use]
+pub fn events(c: &Counters) -> Vec<CountedEvent> {
     [
         ("frames malformed", c.frames_malformed.into()),
         ("fast packets broken", c.fast_packets_broken.into()),
@@ -42,5 +89,10 @@ pub fn events(c: &Counters) -> Vec<(&'static str, u64)> {
     ]
     .into_iter()
     .filter(|(_, count)| *count > 0)
+    .map(|(key, count)| CountedEvent {
+        key,
+        name: name_of(key),
+        count,
+    })
     .collect()
 }

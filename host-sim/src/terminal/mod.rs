@@ -1,4 +1,4 @@
-//! What a terminal shows: printing, progress, tables, words for counters.
+//! Terminal output: printing, progress, tables, names of counters.
 
 pub mod counters;
 pub mod print;

@@ -1,21 +1,21 @@
-//! Progress on long work: bars on a terminal's stderr, nothing elsewhere.
+//! Progress bars on stderr, if it is a terminal.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 
-/// A bar over a file's bytes.
+/// Returns a progress bar over `total` bytes.
 #[must_use]
 pub fn bytes(total: u64) -> ProgressBar {
     bar(total, "{bar:40} {bytes}/{total_bytes} {eta}")
 }
 
-/// A bar over a number of things.
+/// Returns a progress bar over `total` items, labelled `what`.
 #[must_use]
 pub fn count(total: u64, what: &str) -> ProgressBar {
     bar(total, &format!("{{bar:40}} {{pos}}/{{len}} {what} {{eta}}"))
 }
 
-/// Something that turns while work of unknown length goes on.
+/// Returns a spinner for work of unknown length.
 #[must_use]
 pub fn spinner(what: &str) -> ProgressBar {
     let spinner = if std::io::stderr().is_terminal() {

@@ -1,8 +1,9 @@
-//! Tables for a terminal: aligned, and Markdown when pasted elsewhere.
+//! Tables for a terminal, in aligned Markdown.
 
 use comfy_table::{CellAlignment, Table, presets};
 
-/// A table whose first `left` columns hold words, the others numbers.
+/// Returns a table whose first `left` columns are left-aligned (text); the others are
+/// right-aligned (numbers).
 #[must_use]
 pub fn text_table<S: AsRef<str>>(header: &[S], rows: &[Vec<String>], left: usize) -> Table {
     let mut table = Table::new();

@@ -1,5 +1,6 @@
 //! What the model of a measured trolleybus lacks, where the measurements are.
 
+use estimator_core::Tuning;
 use host_sim::diagnose::{Request, diagnose};
 use host_sim::files::vehicle::VehicleFile;
 use std::path::{Path, PathBuf};
@@ -38,6 +39,7 @@ fn drift_on_a_round_trip_held_out_goes_away() {
         .map(|name| folder.path().join(format!("{name}.csv")))
         .collect();
     let found = diagnose(&Request {
+        tuning: Tuning::default(),
         vehicle: VehicleFile::read(&folder.path().join("vehicle.toml")).unwrap(),
         logs: passes[..4].to_vec(),
         held_out: passes[4..].to_vec(),

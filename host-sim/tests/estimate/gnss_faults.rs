@@ -1,11 +1,11 @@
 //! What faults of the GNSS receiver cost a whole drive.
 
 use estimator_core::Tuning;
-use host_sim::recorder::{Recorder, Run};
+use host_sim::recorder::{Recorder, SmoothedRun};
 use host_sim::simulator::SimulatedRun;
 
 /// 30 km with everything wrong by one sigma, wind, cold tyres, and a fault at 15 km.
-fn drive(truck: &str, direction: &str, seed: u32, fault: &str) -> (SimulatedRun, Run) {
+fn drive(truck: &str, direction: &str, seed: u32, fault: &str) -> (SimulatedRun, SmoothedRun) {
     estimated(&format!(
         "seed = {seed}\n[road]\nlength_m = 30000.0\n\
          [errors]\nmass_sigma = 0.1\ndrag_sigma = 0.1\nrolling_sigma = 0.1\ntorque_sigma = 0.04\n\
@@ -18,7 +18,7 @@ fn drive(truck: &str, direction: &str, seed: u32, fault: &str) -> (SimulatedRun,
 }
 
 /// The first run of a scenario, and what becomes of it.
-fn estimated(text: &str) -> (SimulatedRun, Run) {
+fn estimated(text: &str) -> (SimulatedRun, SmoothedRun) {
     let run = test_kit::simulated::run(&[text]);
     let mut recorder = Recorder::<f32>::new(run.vehicle.model.clone(), Tuning::default()).unwrap();
     for frame in &run.frames {
@@ -29,7 +29,7 @@ fn estimated(text: &str) -> (SimulatedRun, Run) {
 }
 
 /// Mean squares of the smoothed error and of its normalised square, 500 m at both ends left out.
-fn squares(run: &SimulatedRun, found: &Run) -> (f64, f64) {
+fn squares(run: &SimulatedRun, found: &SmoothedRun) -> (f64, f64) {
     let truth: Vec<(f64, f64)> = run
         .truth
         .iter()

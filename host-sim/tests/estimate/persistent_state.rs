@@ -4,7 +4,7 @@
 use estimator_core::{Estimator, PersistentState, Tuning};
 use host_sim::files::run::RunRow;
 use host_sim::numeric::series::linear;
-use host_sim::recorder::{Recorder, Run};
+use host_sim::recorder::{Recorder, SmoothedRun};
 use host_sim::simulator::random::{Purpose, normal, stream};
 use host_sim::simulator::scenario::Scenario;
 use host_sim::simulator::{SimulatedRun, simulate};
@@ -46,9 +46,9 @@ fn driven(seed: u64, truck: &str, length_m: f64, factors: Factors) -> SimulatedR
     simulate(&scenario, 0).expect("driven")
 }
 
-fn estimated(drive: &SimulatedRun, kept: Option<&PersistentState>) -> Run {
+fn estimated(drive: &SimulatedRun, last: Option<&PersistentState>) -> SmoothedRun {
     let (vehicle, tuning) = (drive.vehicle.model.clone(), Tuning::default());
-    let estimator = match kept {
+    let estimator = match last {
         Some(kept) => Estimator::<f32>::restore(vehicle, tuning, kept).expect("of this truck"),
         None => Estimator::new(vehicle, tuning).expect("a truck"),
     };
@@ -108,7 +108,9 @@ fn second_drives(truck: &str, load: f64) -> [[Score; 3]; 2] {
             let mass = load * factors.mass;
             let first = driven(3_000 + number, truck, 20_000.0, factors);
             let second = driven(4_000 + number, truck, 6_500.0, Factors { mass, ..factors });
-            let kept = estimated(&first, None).kept.expect("20 km are enough");
+            let kept = estimated(&first, None)
+                .persistent_state
+                .expect("20 km are enough");
             let kept = PersistentState::from_bytes(&kept.to_bytes()).expect("undamaged");
             [None, Some(&kept)].map(|kept| first_km(&second, &estimated(&second, kept).rows))
         })

@@ -7,7 +7,7 @@ use estimator_core::smoother::BackwardPass;
 use estimator_core::{Context, Counters, Estimate, Estimator, Model, Scalar, Tuning};
 use host_sim::recorder::Recorder;
 use host_sim::simulator::{SimulatedRun, simulate};
-use host_sim::smooth::{FilteredCell, SmoothedCell, held_bytes, smooth_run};
+use host_sim::smooth::{ForwardCell, SmoothedCell, held_bytes, smooth_run};
 use std::ops::RangeInclusive;
 use test_kit::simulated::scenario;
 
@@ -30,12 +30,12 @@ fn keeping_all<S: Scalar>(
     filter: &Filter<S>,
     samples: &[Sample],
 ) -> (Vec<SmoothedCell>, bool) {
-    let pass = |samples: &[Sample], tuning: &Tuning| -> Vec<FilteredCell<S>> {
+    let pass = |samples: &[Sample], tuning: &Tuning| -> Vec<ForwardCell<S>> {
         let mut filter = filter.clone();
         let mut context = Context::new(model.clone(), tuning.clone()).unwrap();
         samples
             .iter()
-            .filter_map(|sample| FilteredCell::step(&mut filter, &mut context, sample))
+            .filter_map(|sample| ForwardCell::step(&mut filter, &mut context, sample))
             .collect()
     };
     let mut records = pass(samples, &Tuning::default());
@@ -72,7 +72,7 @@ fn keeping_all<S: Scalar>(
     (smoothed.collect(), leaves_out)
 }
 
-fn negative_log_likelihood<S: Scalar>(cells: &[FilteredCell<S>]) -> f64 {
+fn negative_log_likelihood<S: Scalar>(cells: &[ForwardCell<S>]) -> f64 {
     let each: Vec<f64> = cells
         .iter()
         .filter_map(|cell| cell.record.smoother_input.altitude)

@@ -2,7 +2,7 @@
 //! cost.
 
 use estimator_core::{Instant, Reading, Signal, Tuning, Value};
-use host_sim::recorder::{Recorder, Run};
+use host_sim::recorder::{Recorder, SmoothedRun};
 use host_sim::simulator::scenario::Scenario;
 use host_sim::simulator::{SimulatedRun, simulate};
 use test_kit::simulated::{readings, scenario};
@@ -11,7 +11,7 @@ use test_kit::simulated::{readings, scenario};
 type Timed = (f64, Reading);
 
 /// What a drive told, less the signals in `without`, `from_s` seconds later.
-fn told(run: &SimulatedRun, without: &[Signal], from_s: f64) -> Vec<Timed> {
+fn reported(run: &SimulatedRun, without: &[Signal], from_s: f64) -> Vec<Timed> {
     let start = run.frames[0].time;
     readings(run)
         .into_iter()
@@ -24,9 +24,9 @@ fn told(run: &SimulatedRun, without: &[Signal], from_s: f64) -> Vec<Timed> {
         .collect()
 }
 
-fn estimate(run: &SimulatedRun, tuning: &Tuning, told: &[Timed]) -> Run {
+fn estimate(run: &SimulatedRun, tuning: &Tuning, reported: &[Timed]) -> SmoothedRun {
     let mut recorder = Recorder::<f32>::new(run.vehicle.model.clone(), tuning.clone()).unwrap();
-    for (seconds, reading) in told {
+    for (seconds, reading) in reported {
         let time = Instant::from_micros((1e6 * (1.0 + seconds)).round() as u64);
         recorder.on_reading(time, *reading);
     }
@@ -45,7 +45,13 @@ fn true_grade(run: &SimulatedRun, distance_m: f64) -> f64 {
 /// Root mean squares of the smoothed, lagged and live grade errors from `from_m` to `to_m`, where
 /// the run's distances are `ahead_m` more than those of the truth; and the mean normalised square
 /// of the smoothed one.
-fn errors(run: &SimulatedRun, found: &Run, ahead_m: f64, from_m: f64, to_m: f64) -> [f64; 4] {
+fn errors(
+    run: &SimulatedRun,
+    found: &SmoothedRun,
+    ahead_m: f64,
+    from_m: f64,
+    to_m: f64,
+) -> [f64; 4] {
     let mut sums = [0.0; 4];
     let mut count = 0.0;
     for row in &found.rows {
@@ -93,7 +99,7 @@ fn mean_errors(
                 0,
             )
             .unwrap();
-            let found = estimate(&run, tuning, &told(&run, without, 0.0));
+            let found = estimate(&run, tuning, &reported(&run, without, 0.0));
             for (sum, error) in sums.iter_mut().zip(errors(&run, &found, 0.0, 0.0, to_m)) {
                 *sum += error;
             }
@@ -136,13 +142,13 @@ fn braking_that_nobody_tells_of_is_no_uphill() {
     believe.detection.undeclared_brake_percent = f32::INFINITY;
     for (truck, brakes_often) in [("A", true), ("B", false)] {
         let errors = |tuning, without| mean_errors(truck, "set_speed", tuning, without, 6_500.0);
-        let told = errors(&guess, &[]);
+        let reported = errors(&guess, &[]);
         let guessed = errors(&guess, BRAKES);
         let believed = errors(&believe, BRAKES);
         for k in 0..3 {
             assert!(
-                guessed[k] < 1.35 * told[k],
-                "{truck}: {guessed:?}, told {told:?}"
+                guessed[k] < 1.35 * reported[k],
+                "{truck}: {guessed:?}, told {reported:?}"
             );
             assert!(
                 !brakes_often || believed[k] > 2.0 * guessed[k],
@@ -180,7 +186,7 @@ const BRAKING_M: f64 = 242.0;
 
 /// Braking to a stop after `from_s`, and 20 s there.
 fn stop(from_s: f64, mass_kg: f32) -> Vec<Timed> {
-    let mut told = Vec::new();
+    let mut reported = Vec::new();
     for tenth in 1..=420 {
         let seconds = 0.1 * f64::from(tenth);
         let mps = (22.0 - seconds).max(0.0) as f32;
@@ -190,10 +196,10 @@ fn stop(from_s: f64, mass_kg: f32) -> Vec<Timed> {
             (Signal::WheelSpeed, mps),
         ] {
             let value = Value::Real(value);
-            told.push((from_s + seconds, Reading { signal, value }));
+            reported.push((from_s + seconds, Reading { signal, value }));
         }
     }
-    told
+    reported
 }
 
 #[test]
@@ -214,20 +220,20 @@ fn another_load_after_a_stop_is_learned_as_on_a_fresh_start() {
             simulate(&scenario, 0).unwrap(),
             simulate(&scenario, 1).unwrap(),
         );
-        let mut joined = told(&full, &[], 0.0);
+        let mut joined = reported(&full, &[], 0.0);
         let end_s = joined.last().unwrap().0;
         joined.extend(stop(end_s, 26_000.0));
         let end_s = joined.last().unwrap().0 + 0.1;
-        let ahead_m = |found: &Run| {
+        let ahead_m = |found: &SmoothedRun| {
             // Where the second drive begins.
             let begins = found.rows.iter().find(|row| row.time_s > end_s).unwrap();
             begins.distance_m
         };
-        joined.extend(told(&light, &[], end_s));
+        joined.extend(reported(&light, &[], end_s));
 
         let mut never = Tuning::default();
         never.detection.mass_change = f32::INFINITY;
-        let fresh = estimate(&light, &Tuning::default(), &told(&light, &[], 0.0));
+        let fresh = estimate(&light, &Tuning::default(), &reported(&light, &[], 0.0));
         let reopened = estimate(&full, &Tuning::default(), &joined);
         let kept = estimate(&full, &never, &joined);
         assert_eq!(reopened.counters.loads_reopened, 1);

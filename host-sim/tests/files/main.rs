@@ -2,4 +2,5 @@
 
 mod spool;
 mod terrain_tiles;
+mod tuning_file;
 mod vehicle_file;

@@ -2,7 +2,7 @@
 
 use assert_cmd::assert::Assert;
 use geojson::{Feature, FeatureCollection, Value as Shape};
-use host_sim::map::{Direction, MapRow, WayName, WayRows, read_map, stage_map_ways, write_map};
+use host_sim::map::{MapRow, WayDirection, WayName, WayRows, read_map, stage_map_ways, write_map};
 use predicates::prelude::*;
 use predicates::str::contains;
 use std::path::Path;
@@ -223,7 +223,7 @@ fn each_way_becomes_a_map_of_its_own() {
     // A name that a file cannot have beside one that it can.
     let twin = WayName {
         way: "way_7".to_owned(),
-        direction: Direction::Forward,
+        direction: WayDirection::Forward,
     };
     ways.push(WayRows {
         name: Some(twin),

@@ -1,6 +1,6 @@
 //! A road as a line: from points, from a run's own track, and where positions lie on it.
 
-use host_sim::map::{Network, Place, RoadLine, TrackPoint, match_track, road_of_run};
+use host_sim::map::{MatchedPlace, Network, RoadLine, TrackPoint, match_track, road_of_run};
 use test_kit::roads::{Spot, drive, fuse, hill_percent, hills, points, run};
 
 #[test]
@@ -33,7 +33,12 @@ fn first_track_is_smoothed_against_position_noise() {
 }
 
 /// Where the middle of a straight drive of 40 m lies that passes 10 m to the right of a spot.
-fn place_of_a_drive(network: &Network, spot: Spot, course_deg: f64, mirrored: bool) -> Place {
+fn place_of_a_drive(
+    network: &Network,
+    spot: Spot,
+    course_deg: f64,
+    mirrored: bool,
+) -> MatchedPlace {
     let course = course_deg.to_radians();
     let track: Vec<TrackPoint> = (-8..=8)
         .map(|step| {
@@ -63,15 +68,15 @@ fn a_position_lies_on_the_road_that_goes_the_same_way() {
     let network = Network::from(RoadLine::new(points(&spots)).expect("a road"));
     for course_deg in [0.0, 20.0, -40.0] {
         let place = place_of_a_drive(&network, spots[200], course_deg, false);
-        let Place::OnRoad { way: 0, distance_m } = place else {
+        let MatchedPlace::OnRoad { way: 0, distance_m } = place else {
             panic!("{course_deg}: {place:?}");
         };
         assert!((distance_m - 500.0).abs() < 0.01, "{distance_m}");
     }
     let place = |course_deg| place_of_a_drive(&network, spots[200], course_deg, false);
-    assert_eq!(place(60.0), Place::OffRoad);
-    assert_eq!(place(120.0), Place::OffRoad);
-    assert_eq!(place(180.0), Place::Opposite);
+    assert_eq!(place(60.0), MatchedPlace::OffRoad);
+    assert_eq!(place(120.0), MatchedPlace::OffRoad);
+    assert_eq!(place(180.0), MatchedPlace::Opposite);
     // A position alone tells no course, and lies on the road within 25 m.
     let alone = |east_m: f64| {
         let spot = Spot {
@@ -85,14 +90,17 @@ fn a_position_lies_on_the_road_that_goes_the_same_way() {
         match_track(&network, &[position])[0]
     };
     for east_m in [-24.9, -10.0, 10.0, 24.9] {
-        assert!(matches!(alone(east_m), Place::OnRoad { .. }), "{east_m}");
+        assert!(
+            matches!(alone(east_m), MatchedPlace::OnRoad { .. }),
+            "{east_m}"
+        );
     }
     for east_m in [-25.1, 25.1] {
-        assert_eq!(alone(east_m), Place::OffRoad, "{east_m}");
+        assert_eq!(alone(east_m), MatchedPlace::OffRoad, "{east_m}");
     }
     // The other side of the Earth folds onto no road.
     let mirrored = place_of_a_drive(&network, spots[200], 0.0, true);
-    assert_eq!(mirrored, Place::OffRoad);
+    assert_eq!(mirrored, MatchedPlace::OffRoad);
 }
 
 #[test]

@@ -186,14 +186,14 @@ fn many_runs_of_one_session_do_not_outvote_another() {
             .sum();
         sum / rows.len() as f64
     };
-    let told = bias(&runs);
+    let reported = bias(&runs);
     for run in &mut runs {
         run.session = None;
     }
     let untold = bias(&runs);
     // Twelve to one, they would leave +0.085.
     assert!((untold - 0.085).abs() < 0.005, "{untold}");
-    assert!(told < 0.05, "{told}");
+    assert!(reported < 0.05, "{reported}");
 }
 
 #[test]

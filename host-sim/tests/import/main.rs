@@ -50,12 +50,12 @@ fn check_pass_tables(passes: &[serde_json::Value]) {
         assert!(time_s.windows(2).all(|two| two[1] > two[0]));
         assert!(table["latitude_deg"].iter().all(|field| !field.is_empty()));
         let speed_mps = numbers("wheel_speed_mps");
-        let way_m: f64 = time_s
+        let driven_m: f64 = time_s
             .windows(2)
             .zip(speed_mps.windows(2))
             .map(|(t, v)| 0.5 * (v[0] + v[1]) * (t[1] - t[0]))
             .sum();
         let length_m = pass["length_m"].as_f64().unwrap();
-        assert!((way_m - length_m).abs() < 1.0, "{way_m} {length_m}");
+        assert!((driven_m - length_m).abs() < 1.0, "{driven_m} {length_m}");
     }
 }

@@ -56,13 +56,13 @@ impl MissionMaker {
             .windows(2)
             .map(|ends| distance_m(ends[0], ends[1]))
             .sum();
-        let (mut way_m, mut speed_mps) = (0.0, 0.0_f64);
-        while length_m - way_m > 0.2 {
-            let braking_mps = (2.0 * 0.8 * (length_m - way_m)).sqrt() - 0.4;
+        let (mut driven_m, mut speed_mps) = (0.0, 0.0_f64);
+        while length_m - driven_m > 0.2 {
+            let braking_mps = (2.0 * 0.8 * (length_m - driven_m)).sqrt() - 0.4;
             let next_mps = (speed_mps + 1.0).min(braking_mps).clamp(0.1, 11.0);
-            way_m = length_m.min(way_m + 0.5 * (speed_mps + next_mps));
+            driven_m = length_m.min(driven_m + 0.5 * (speed_mps + next_mps));
             speed_mps = next_mps;
-            (self.at, self.heading) = along(&line, way_m);
+            (self.at, self.heading) = along(&line, driven_m);
             self.row(speed_mps, None);
         }
         self.wait(1, 0)
@@ -107,8 +107,8 @@ fn distance_m(a: Point, b: Point) -> f64 {
     (a.0 - b.0).hypot(a.1 - b.1)
 }
 
-fn along(line: &[Point], way_m: f64) -> (Point, Point) {
-    let mut left_m = way_m;
+fn along(line: &[Point], driven_m: f64) -> (Point, Point) {
+    let mut left_m = driven_m;
     for (index, ends) in line.windows(2).enumerate() {
         let length_m = distance_m(ends[0], ends[1]);
         if left_m <= length_m || index + 2 == line.len() {

@@ -1,4 +1,4 @@
-//! What replay and listen are made of, without an interface.
+//! ReceivedItem replay and listen are made of, without an interface.
 
 #![cfg(target_os = "linux")]
 
@@ -7,14 +7,14 @@ use estimator_core::{
     CellEnd, Condition, Counters, Estimate, Instant, Live, Tuning, Uncertain, signal,
 };
 use host_sim::live::panel::{header, json, line, panel};
-use host_sim::live::view::{InterfaceView, View};
+use host_sim::live::view::{InterfaceView, LiveView};
 use host_sim::live::{Reaction, Session};
-use host_sim::recorder::{Recorder, Run};
+use host_sim::recorder::{Recorder, SmoothedRun};
 use host_sim::source::can_frame::{CanFrame, TimedFrame};
 use host_sim::source::candump::CandumpReader;
 use host_sim::source::log_time::{self, LogTime};
 use host_sim::source::socketcan::{
-    BusEvent, Received, SteadyClock, What, accepts, of_error_frame, of_group, wanted,
+    BusEvent, Received, ReceivedItem, SteadyClock, accepts, of_error_frame, of_group, wanted,
 };
 use proptest::prelude::*;
 use socketcan::CanErrorFrame;
@@ -140,8 +140,8 @@ fn a_clock_that_is_set_does_not_move_the_time_of_frames() {
     assert_eq!(micros(&clock, stamp, start + 5 * second), 1_005_000_000);
 }
 
-fn view(live: Option<Live>) -> View {
-    View {
+fn view(live: Option<Live>) -> LiveView {
+    LiveView {
         time_s: 3_725.25,
         live,
         is_silent: false,
@@ -284,7 +284,7 @@ fn session(
     Session::begin(recorder, &["can0".to_owned()], log_time, log).unwrap()
 }
 
-fn recorded(drive: &host_sim::simulator::SimulatedRun) -> Run {
+fn recorded(drive: &host_sim::simulator::SimulatedRun) -> SmoothedRun {
     let mut recorder =
         Recorder::<f32>::new(drive.vehicle.model.clone(), Tuning::default()).unwrap();
     for frame in &drive.frames {
@@ -297,7 +297,7 @@ fn received(time: Instant, frame: CanFrame) -> Received {
     Received {
         interface: 0,
         time,
-        what: What::Frame(frame),
+        item: ReceivedItem::Frame(frame),
     }
 }
 
@@ -348,18 +348,20 @@ fn frames_with_the_logs_time_give_the_logs_run() {
 fn what_is_no_frame_is_counted_and_told() {
     let drive = test_kit::simulated::run(&[test_kit::simulated::MILD, test_kit::simulated::A]);
     let mut session = session(&drive, false, None);
-    let other = |what| Received {
+    let other = |item| Received {
         interface: 0,
         time: Instant::ZERO,
-        what,
+        item,
     };
-    let bus_off = session.take(&other(What::Event(BusEvent::BusOff))).unwrap();
-    assert_eq!(bus_off, Reaction::Tell(BusEvent::BusOff));
+    let bus_off = session
+        .take(&other(ReceivedItem::Event(BusEvent::BusOff)))
+        .unwrap();
+    assert_eq!(bus_off, Reaction::Report(BusEvent::BusOff));
     assert_eq!(
-        session.take(&other(What::Dropped(12))).unwrap(),
+        session.take(&other(ReceivedItem::Dropped(12))).unwrap(),
         Reaction::None
     );
-    session.take(&other(What::Dropped(5))).unwrap();
+    session.take(&other(ReceivedItem::Dropped(5))).unwrap();
     let view = session.view(None);
     assert_eq!((view.lost(), view.events()), (17, 1));
     assert_eq!(view.interfaces[0].frames, 0);

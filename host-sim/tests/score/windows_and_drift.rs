@@ -94,15 +94,15 @@ fn drive(rolling_resistance: f64) -> (Vec<ForceSample>, f64) {
     let (mass_kg, step_s) = (21_000.0, 0.1);
     let accelerated_kg = mass_kg + 100.0 / 0.48_f64.powi(2);
     let speed_mps = |time_s: f64| 5.0 * (1.0 - (time_s * std::f64::consts::TAU / 60.0).cos());
-    let mut way_m = 0.0;
+    let mut driven_m = 0.0;
     let mut climb_m = 0.0;
     let samples = (0..6000)
         .map(|i| {
             let time_s = f64::from(i) * step_s;
             let v = speed_mps(time_s);
             let a = (speed_mps(time_s + 1e-4) - speed_mps(time_s - 1e-4)) / 2e-4;
-            let slope = 0.05 * (way_m / 400.0_f64).sin() + 0.01;
-            way_m += v * step_s;
+            let slope = 0.05 * (driven_m / 400.0_f64).sin() + 0.01;
+            driven_m += v * step_s;
             climb_m += slope * v * step_s;
             ForceSample {
                 time_s,

@@ -52,7 +52,7 @@ fn altitude_of_the_bus(run: &SimulatedRun, vehicle: &VehicleParameters) -> Vec<(
         let seconds = 1e-6 * time.since(start).micros() as f64;
         let speed = f64::from(value);
         if let Some((at, before)) = last_speed.replace((seconds, speed)) {
-            let way_m = 0.5 * (speed + before) * (seconds - at);
+            let driven_m = 0.5 * (speed + before) * (seconds - at);
             let density = f64::from(pressure) / (287.05 * (f64::from(celsius) + 273.15));
             let weight_n = f64::from(vehicle.mass_kg) * 9.806_65;
             let resistance_n = 0.25
@@ -64,7 +64,7 @@ fn altitude_of_the_bus(run: &SimulatedRun, vehicle: &VehicleParameters) -> Vec<(
                 vehicle.mass_kg + vehicle.rotating_kg(driveline, vehicle.wheel_radius_m);
             let kinetic_j = 0.5 * f64::from(accelerated_kg) * (speed * speed - before * before);
             let mean_n = force.0 / f64::from(force.1);
-            altitude_m += ((mean_n - resistance_n) * way_m - kinetic_j) / weight_n;
+            altitude_m += ((mean_n - resistance_n) * driven_m - kinetic_j) / weight_n;
         }
         force = (0.0, 0);
         profile.push((seconds, altitude_m));

@@ -164,7 +164,7 @@ fn the_chain_survives_its_file_and_a_bad_file_is_named() {
     let text = chain.to_text("made for a test\nin two lines");
     assert!(text.starts_with("# made for a test\n# in two lines\nfrom_m,to_m,count\n"));
     assert_eq!(Chain::parse(path, &text).unwrap(), chain);
-    for (bad, told) in [
+    for (bad, reported) in [
         ("from_m,to_m,count\n0,x,3\n", "chain.csv:2"),
         ("from_m,to_m,count\n0,0\n", "chain.csv:2"),
         ("from_m,to_m,count\n0,0,-1\n", "chain.csv:2"),
@@ -173,7 +173,7 @@ fn the_chain_survives_its_file_and_a_bad_file_is_named() {
         ("from_m,to_m,count\nnan,0,1\n", "multiples of 0.5 m"),
     ] {
         let error = Chain::parse(path, bad).unwrap_err().to_string();
-        assert!(error.contains(told), "{bad:?}: {error}");
+        assert!(error.contains(reported), "{bad:?}: {error}");
         assert!(error.contains("expected"), "{bad:?}: {error}");
     }
 }

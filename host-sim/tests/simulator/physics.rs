@@ -23,8 +23,8 @@ fn integrating_the_force_balance_gives_the_altitude_back() {
         let rolling_n = 39_000.0 * 9.806_65 * f64::from(0.0065_f32);
         let inertia_n = state.accelerated_kg * state.acceleration_mps2;
         let climbing_n = state.traction_n - drag_n - rolling_n - state.brake_n - inertia_n;
-        let way_m = STEP_S * (state.speed_mps + 0.5 * STEP_S * state.acceleration_mps2);
-        altitude_m += climbing_n / (39_000.0 * 9.806_65) * way_m;
+        let driven_m = STEP_S * (state.speed_mps + 0.5 * STEP_S * state.acceleration_mps2);
+        altitude_m += climbing_n / (39_000.0 * 9.806_65) * driven_m;
         shifts += u32::from(state.shifting);
         braked += u32::from(state.braking());
     }
@@ -118,8 +118,8 @@ fn generated_roads_could_have_been_built() {
         assert!((road.length_m() - shape.length_m).abs() < 1e-6);
         for pair in nodes.windows(2) {
             let [(from, low), (to, high)] = [pair[0], pair[1]];
-            let way_m = to.distance_m - from.distance_m;
-            let change = 100.0 * (to.grade - from.grade).abs() / way_m;
+            let driven_m = to.distance_m - from.distance_m;
+            let change = 100.0 * (to.grade - from.grade).abs() / driven_m;
             assert!(change <= shape.largest_change_percent_per_m * (1.0 + 1e-9));
             // Altitude is the integral of the sine of the slope.
             let steps = 1000;
@@ -127,7 +127,7 @@ fn generated_roads_could_have_been_built() {
                 .map(|k| {
                     let part = (f64::from(k) + 0.5) / f64::from(steps);
                     let grade = from.grade + part * (to.grade - from.grade);
-                    grade.atan().sin() * way_m / f64::from(steps)
+                    grade.atan().sin() * driven_m / f64::from(steps)
                 })
                 .sum();
             assert!((high - low - climbed).abs() < 1e-7);

@@ -54,7 +54,7 @@ fn nothing_is_planted_by_default() {
         let recording = Recording::new(&plain, 0).unwrap();
         let states = &recording.drive().states;
         assert!(states.iter().any(|s| s.shifting) && states.iter().any(DriveState::braking));
-        for step in recording.unmodelled().filter(|step| step.way_m > 0.0) {
+        for step in recording.unmodelled().filter(|step| step.length_m > 0.0) {
             assert!(step.percent.abs() < 1e-9, "{step:?}");
         }
         // What is left out is what is written as none.
@@ -152,7 +152,7 @@ fn curvy_roads_have_the_radii_that_were_asked_for() {
 }
 
 /// Work of the engine through the top gear as the bus tells it, over the way, N.
-fn told_force_n(run: &SimulatedRun) -> f64 {
+fn reported_force_n(run: &SimulatedRun) -> f64 {
     let friction = series(run, Signal::FrictionTorque);
     let fraction = series(run, Signal::EngineTorqueFraction);
     let speeds = series(run, Signal::WheelSpeed);
@@ -160,20 +160,20 @@ fn told_force_n(run: &SimulatedRun) -> f64 {
         let after = series.partition_point(|s| s.0 <= time_s);
         f64::from(series[after.saturating_sub(1)].1)
     };
-    let (mut work, mut way_m) = (0.0, 0.0);
+    let (mut work, mut driven_m) = (0.0, 0.0);
     for (time_s, torque) in series(run, Signal::EngineTorque) {
         let percent = f64::from(torque) + at(&fraction, time_s) - at(&friction, time_s);
         let speed_mps = at(&speeds, time_s);
         work += 0.01 * percent * 1750.0 * f64::from(2.92_f32) * EFFICIENCY / 0.5 * speed_mps;
-        way_m += speed_mps;
+        driven_m += speed_mps;
     }
-    work / way_m
+    work / driven_m
 }
 
 #[test]
 fn the_engine_works_against_what_is_planted() {
     let with = |text: &str| scenario(&["seed = 2\n", text, QUIET, MILD, A]);
-    let clean = told_force_n(&simulate(&with(""), 0).unwrap());
+    let clean = reported_force_n(&simulate(&with(""), 0).unwrap());
     for text in [
         "[planted]\nbrake_drag_n = 400.0\n",
         "[planted]\ndriveline_loss = 0.1\n",
@@ -188,14 +188,17 @@ fn the_engine_works_against_what_is_planted() {
         let scenario = with(text);
         let run = simulate(&scenario, 0).unwrap();
         let recording = Recording::new(&scenario, 0).unwrap();
-        let (sum, way_m) = recording.unmodelled().fold((0.0, 0.0), |sum, step| {
-            (sum.0 + step.way_m * step.percent, sum.1 + step.way_m)
+        let (sum, driven_m) = recording.unmodelled().fold((0.0, 0.0), |sum, step| {
+            (sum.0 + step.length_m * step.percent, sum.1 + step.length_m)
         });
-        let mean = sum / way_m;
-        let told = 100.0 * (told_force_n(&run) - clean) / WEIGHT_N;
+        let mean = sum / driven_m;
+        let reported = 100.0 * (reported_force_n(&run) - clean) / WEIGHT_N;
         assert!(mean > 0.04, "{text}: {mean}");
         // Torque has steps of 1/8 %, 0.003 % grade; at the end the speed is not quite the same.
-        assert!((told - mean).abs() < 0.006, "{text}: {told}, not {mean}");
+        assert!(
+            (reported - mean).abs() < 0.006,
+            "{text}: {reported}, not {mean}"
+        );
         // The driver holds the speed all the same.
         let last = recording.drive().states.last().unwrap().speed_mps;
         assert!((3.6 * last - 80.0).abs() < 2.0, "{text}: {last}");
@@ -210,11 +213,11 @@ fn a_fan_is_told_and_switches_irregularly() {
         &text,
         A,
     ]);
-    let told = series(&run, Signal::Fan);
-    assert!(told.iter().all(|s| s.1 == 0.0 || s.1 == 100.0));
-    let share = told.iter().filter(|s| s.1 > 0.0).count() as f64 / told.len() as f64;
+    let reported = series(&run, Signal::Fan);
+    assert!(reported.iter().all(|s| s.1 == 0.0 || s.1 == 100.0));
+    let share = reported.iter().filter(|s| s.1 > 0.0).count() as f64 / reported.len() as f64;
     assert!((0.33..0.47).contains(&share), "{share}");
-    let on: Vec<f64> = told
+    let on: Vec<f64> = reported
         .windows(2)
         .filter(|w| w[0].1 < w[1].1)
         .map(|w| w[1].0)
@@ -252,8 +255,8 @@ fn torque_lags_by_its_play() {
     for (state, percent) in &states {
         let lost_n = 0.01 * percent * WEIGHT_N;
         assert!(lost_n.abs() < play_n + 1e-3, "{lost_n}");
-        let moved_nm = state.net_torque_nm - before.net_torque_nm;
-        if moved_nm * (before.net_torque_nm - turned_nm) < 0.0 {
+        let shifted_nm = state.net_torque_nm - before.net_torque_nm;
+        if shifted_nm * (before.net_torque_nm - turned_nm) < 0.0 {
             turned_nm = before.net_torque_nm;
         }
         // Once it has moved by both plays from where it turned, it is a play behind.
@@ -280,10 +283,10 @@ fn wheels_of_another_radius_tell_another_speed() {
         .map(|(time_s, mps)| ((10.0 * time_s) as u64, mps))
         .collect();
     let mut compared = 0;
-    for (time_s, told_mps) in series(&run, Signal::WheelSpeed) {
+    for (time_s, reported_mps) in series(&run, Signal::WheelSpeed) {
         if let Some(true_mps) = gnss.get(&((10.0 * time_s) as u64)) {
             // A tenth of a second apart, and steps of 0.01 m/s.
-            assert!((told_mps * 0.97 - true_mps).abs() < 0.03);
+            assert!((reported_mps * 0.97 - true_mps).abs() < 0.03);
             compared += 1;
         }
     }

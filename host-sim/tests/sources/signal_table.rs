@@ -7,9 +7,9 @@ use proptest::prelude::*;
 use std::io::Write;
 use std::path::Path;
 
-type Row = (u64, Vec<(Signal, Value)>);
+type TableRow = (u64, Vec<(Signal, Value)>);
 
-fn read_path(path: &Path) -> Result<Vec<Row>, String> {
+fn read_path(path: &Path) -> Result<Vec<TableRow>, String> {
     let mut table = SignalTableReader::open(path).map_err(|e| e.to_string())?;
     let mut rows = Vec::new();
     while let Some(row) = table.next_row().map_err(|e| e.to_string())? {
@@ -19,7 +19,7 @@ fn read_path(path: &Path) -> Result<Vec<Row>, String> {
     Ok(rows)
 }
 
-fn read(content: &[u8]) -> Result<Vec<Row>, String> {
+fn read(content: &[u8]) -> Result<Vec<TableRow>, String> {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("table.csv");
     std::fs::write(&path, content).expect("a temporary file");
@@ -39,7 +39,7 @@ const TABLE: &str = "altitude_m,wheel_speed_mps,time_s,traction_force_n,latitude
     431.25,,100.2000004,,47.3769123,-8.5417\n\
     ,,100.2000004,,,\n";
 
-fn table_rows() -> Vec<Row> {
+fn table_rows() -> Vec<TableRow> {
     use Signal::{Altitude, Latitude, Longitude, TractionForce, WheelSpeed};
     vec![
         (
@@ -260,7 +260,7 @@ proptest! {
         start in 0..2_000_000_000_000_000_u64,
     ) {
         let mut micros = start;
-        let mut expected: Vec<Row> = Vec::new();
+        let mut expected: Vec<TableRow> = Vec::new();
         let mut written = Vec::new();
         for (step, values) in rows {
             micros += step;

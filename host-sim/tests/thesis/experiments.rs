@@ -1,6 +1,6 @@
 //! The ten experiments replicated: what was fitted fits, and what is predicted holds together.
 
-use host_sim::comparison::original::Noise;
+use host_sim::comparison::original::NoiseSigmas;
 use host_sim::comparison::{Profile, pointwise};
 use host_sim::numeric::statistics::mean;
 use host_sim::report::page::Section;
@@ -10,10 +10,10 @@ use host_sim::study::experiments::beside::{judged_maps, not_better};
 use host_sim::study::experiments::campaign::Campaign;
 use host_sim::study::experiments::heading::Heading;
 use host_sim::study::experiments::measure::{errors, merged, nees, rmse};
-use host_sim::study::experiments::method::{Estimated, Method};
+use host_sim::study::experiments::method::{Estimated, ThesisMethod};
 use host_sim::study::experiments::replica::{Replica, Sources};
 use host_sim::study::experiments::{ours, tuning};
-use host_sim::study::{Outcome, STUDIES, Setting};
+use host_sim::study::{STUDIES, Setting, StudyOutcome};
 use std::path::PathBuf;
 
 const SEED: u64 = 2011;
@@ -67,7 +67,7 @@ fn mean_of(found: &[Estimated], preset: Preset, value: fn(&Estimated) -> f64) ->
 #[test]
 fn the_modified_method_is_better_where_the_thesis_found_it_better() {
     let runs = replicas();
-    let [original, modified] = Method::OF_THESIS.map(|method| method.apply(&runs));
+    let [original, modified] = ThesisMethod::OF_THESIS.map(|method| method.apply(&runs));
     let a = [&original, &modified].map(|f| mean_of(f, Preset::A, |f| f.errors.rmse_valid));
     let b = [&original, &modified].map(|f| mean_of(f, Preset::B, |f| f.errors.rmse_valid));
     assert!(a[1] < 0.75 * a[0], "A: {a:?}");
@@ -93,7 +93,7 @@ fn the_modified_method_is_better_where_the_thesis_found_it_better() {
 #[test]
 fn maps_get_better_with_runs_and_begin_with_the_first() {
     let runs = replicas();
-    for method in Method::ALL {
+    for method in ThesisMethod::ALL {
         let found = method.apply(&runs);
         for direction in found.chunks(5) {
             let first = &direction[0];
@@ -119,7 +119,7 @@ const NOT_YET_BETTER: [(Heading, usize); 4] = [
 #[test]
 fn ours_is_better_than_the_modified_method() {
     let runs = replicas();
-    let all = Method::ALL.map(|method| method.apply(&runs));
+    let all = ThesisMethod::ALL.map(|method| method.apply(&runs));
     for experiment in not_better(&all) {
         let run = (experiment.heading, experiment.number);
         assert!(NOT_YET_BETTER.contains(&run), "{run:?}");
@@ -211,8 +211,8 @@ fn ours_is_told_an_altitude_once_a_second_and_none_without_satellites() {
     assert!((used(&silent.drive) / fixes - 8_000.0 / 18_800.0).abs() < 0.02);
     let sigma = |drive| ours::estimate(drive).smoothed.sigma_percent[14_000];
     // From the model alone it is less sure, and says so.
-    let [silent, told] = [&silent.drive, &run.drive].map(sigma);
-    assert!(silent > 1.2 * told, "{silent} {told}");
+    let [silent, reported] = [&silent.drive, &run.drive].map(sigma);
+    assert!(silent > 1.2 * reported, "{silent} {reported}");
 }
 
 #[test]
@@ -269,35 +269,36 @@ fn morning_runs_drift_down_and_others_do_not() {
 #[test]
 fn the_noise_in_use_is_the_best_on_the_training_runs() {
     let runs = tuning::training_runs();
-    let better = |used: Noise, others: Vec<Noise>, score: fn(&Replica, &Noise) -> f64| {
-        let reached = tuning::mean_of(&runs, &used, score);
-        // Neighbours on the grid only: the whole grid is the study's business.
-        let near = |a: f64, b: f64| (0.45..2.2).contains(&(a / b));
-        for other in others {
-            if near(other.altitude_m, used.altitude_m)
-                && near(other.model_percent, used.model_percent)
-                && near(other.grade_percent, used.grade_percent)
-            {
-                let found = tuning::mean_of(&runs, &other, score);
-                assert!(
-                    reached <= found + 1e-12,
-                    "{used:?} {reached}, but {other:?} {found}"
-                );
+    let better =
+        |used: NoiseSigmas, others: Vec<NoiseSigmas>, score: fn(&Replica, &NoiseSigmas) -> f64| {
+            let reached = tuning::mean_of(&runs, &used, score);
+            // Neighbours on the grid only: the whole grid is the study's business.
+            let near = |a: f64, b: f64| (0.45..2.2).contains(&(a / b));
+            for other in others {
+                if near(other.altitude_m, used.altitude_m)
+                    && near(other.model_percent, used.model_percent)
+                    && near(other.grade_percent, used.grade_percent)
+                {
+                    let found = tuning::mean_of(&runs, &other, score);
+                    assert!(
+                        reached <= found + 1e-12,
+                        "{used:?} {reached}, but {other:?} {found}"
+                    );
+                }
             }
-        }
-    };
+        };
     better(
-        Noise::ORIGINAL,
+        NoiseSigmas::ORIGINAL,
         tuning::for_original(),
         tuning::original_rmse,
     );
     better(
-        Noise::GPS_HEAVY,
+        NoiseSigmas::GPS_HEAVY,
         tuning::for_gps_heavy(),
         tuning::segment_rmse,
     );
     better(
-        Noise::GPS_LIGHT,
+        NoiseSigmas::GPS_LIGHT,
         tuning::for_gps_light(),
         tuning::modified_rmse,
     );
@@ -314,8 +315,8 @@ fn section(name: &str, threads: usize) -> Section {
         .build()
         .unwrap();
     match pool.install(|| (study.run)(&setting)).unwrap() {
-        Outcome::Done(section) => section,
-        Outcome::Skipped(why) => panic!("{why}"),
+        StudyOutcome::Done(section) => section,
+        StudyOutcome::Skipped(why) => panic!("{why}"),
     }
 }
 

@@ -1,13 +1,13 @@
 //! The original filter, the modified method and the robust line.
 
 use host_sim::comparison::modified::{self, Modified};
-use host_sim::comparison::original::{self, Noise};
+use host_sim::comparison::original::{self, NoiseSigmas};
 use host_sim::comparison::{Profile, STEP_M, pointwise};
 use host_sim::numeric::robust_line;
 use host_sim::simulator::random::{Purpose, normal, stream};
 use host_sim::simulator::road_generator::{RoadShape, generate};
 use host_sim::simulator::truck::Preset;
-use host_sim::study::distance_drive::{Belief, Errors, SimulatedDrive, simulate};
+use host_sim::study::distance_drive::{Belief, DistanceDrive, Disturbances, simulate};
 
 /// Left out at either end, as the thesis does.
 const EDGE: usize = 200;
@@ -19,7 +19,7 @@ fn hills(seed: u64) -> Vec<f64> {
         .collect()
 }
 
-fn drive(preset: Preset, seed: u64, belief: &Belief, errors: &Errors<'_>) -> SimulatedDrive {
+fn drive(preset: Preset, seed: u64, belief: &Belief, errors: &Disturbances<'_>) -> DistanceDrive {
     let mut rng = stream(seed, 0, Purpose::Sensors);
     simulate(&hills(seed), &preset.parameters(), belief, errors, &mut rng).unwrap()
 }
@@ -29,7 +29,7 @@ fn white(sigma: f64, seed: u64) -> Vec<f64> {
     (0..16_000).map(|_| sigma * normal(&mut rng)).collect()
 }
 
-fn rmse(run: &SimulatedDrive, grade_percent: &[f64]) -> f64 {
+fn rmse(run: &DistanceDrive, grade_percent: &[f64]) -> f64 {
     let cells = EDGE..grade_percent.len() - EDGE;
     let squares: Vec<f64> = cells
         .filter(|&k| run.drive.points[k].is_valid())
@@ -41,15 +41,15 @@ fn rmse(run: &SimulatedDrive, grade_percent: &[f64]) -> f64 {
 #[test]
 fn the_filter_follows_data_without_noise() {
     let gps = vec![0.0; 16_000];
-    let errors = Errors {
+    let errors = Disturbances {
         gps_m: &gps,
-        ..Errors::default()
+        ..Disturbances::default()
     };
     let run = drive(Preset::B, 1, &Belief::TRUTH, &errors);
-    let exact = Noise {
+    let exact = NoiseSigmas {
         speed_mps: 1e-3,
         model_percent: 0.05,
-        ..Noise::ORIGINAL
+        ..NoiseSigmas::ORIGINAL
     };
     let found = original::estimate(&run.drive, &exact);
     assert!(
@@ -62,19 +62,19 @@ fn the_filter_follows_data_without_noise() {
 #[test]
 fn smoothing_beats_filtering() {
     let gps = white(1.5, 2);
-    let errors = Errors {
+    let errors = Disturbances {
         gps_m: &gps,
         speed_mps: 0.013,
-        ..Errors::default()
+        ..Disturbances::default()
     };
     let run = drive(Preset::A, 2, &Belief::TRUTH, &errors);
     let smoothed = rmse(
         &run,
-        &original::estimate(&run.drive, &Noise::ORIGINAL).grade_percent,
+        &original::estimate(&run.drive, &NoiseSigmas::ORIGINAL).grade_percent,
     );
     let filtered = rmse(
         &run,
-        &original::filtered(&run.drive, &Noise::ORIGINAL).grade_percent,
+        &original::filtered(&run.drive, &NoiseSigmas::ORIGINAL).grade_percent,
     );
     assert!(
         smoothed < 0.8 * filtered,
@@ -85,12 +85,12 @@ fn smoothing_beats_filtering() {
 #[test]
 fn on_its_own_model_the_filter_knows_its_error() {
     // The road is a random walk in grade and the errors are white, as Q and R have it.
-    let noise = Noise {
+    let noise = NoiseSigmas {
         altitude_m: 1.5,
         model_percent: 0.5,
         climb_m: 1e-3,
         grade_percent: 0.03,
-        ..Noise::ORIGINAL
+        ..NoiseSigmas::ORIGINAL
     };
     let (mut squares, mut count) = (0.0, 0);
     for seed in 0..6 {
@@ -104,7 +104,7 @@ fn on_its_own_model_the_filter_knows_its_error() {
             .collect();
         let gps = white(noise.altitude_m, seed);
         let model = white(noise.model_percent, seed + 100);
-        let errors = Errors {
+        let errors = Disturbances {
             speed_mps: noise.speed_mps,
             gps_m: &gps,
             model_percent: &model,
@@ -132,18 +132,18 @@ fn on_its_own_model_the_filter_knows_its_error() {
 #[test]
 fn without_satellites_the_filter_goes_on_and_is_less_sure() {
     let gps = white(1.5, 4);
-    let all = Errors {
+    let all = Disturbances {
         gps_m: &gps,
         speed_mps: 0.009,
-        ..Errors::default()
+        ..Disturbances::default()
     };
-    let half = Errors {
+    let half = Disturbances {
         gps_m: &gps[..8_000],
         ..all
     };
     let [all, half] = [all, half].map(|errors| {
         let run = drive(Preset::B, 4, &Belief::TRUTH, &errors);
-        original::estimate(&run.drive, &Noise::ORIGINAL)
+        original::estimate(&run.drive, &NoiseSigmas::ORIGINAL)
     });
     let [with, without] = [all.sigma_percent[14_000], half.sigma_percent[14_000]];
     assert!(without > 1.05 * with, "{without} % against {with} %");
@@ -151,14 +151,14 @@ fn without_satellites_the_filter_goes_on_and_is_less_sure() {
     assert!(half.grade_percent.iter().all(|g| g.is_finite()));
 }
 
-fn modified(run: &SimulatedDrive) -> Modified {
+fn modified(run: &DistanceDrive) -> Modified {
     modified::estimate(&run.drive)
 }
 
 /// Of a constant model error, what the GPS-heavy filter leaves in its grade (`tuning`).
 fn share_left() -> f64 {
-    let climb_percent = 100.0 * Noise::GPS_HEAVY.climb_m / STEP_M;
-    climb_percent.powi(2) / (climb_percent.powi(2) + Noise::GPS_HEAVY.model_percent.powi(2))
+    let climb_percent = 100.0 * NoiseSigmas::GPS_HEAVY.climb_m / STEP_M;
+    climb_percent.powi(2) / (climb_percent.powi(2) + NoiseSigmas::GPS_HEAVY.model_percent.powi(2))
 }
 
 #[test]
@@ -167,9 +167,9 @@ fn the_mass_correction_finds_a_planted_error() {
     // drag, so the slope on α is k, and m(1+k) is the truth.
     for k in [0.2, 0.1, -0.08, -0.15] {
         let gps = vec![0.0; 16_000];
-        let errors = Errors {
+        let errors = Disturbances {
             gps_m: &gps,
-            ..Errors::default()
+            ..Disturbances::default()
         };
         let belief = Belief {
             mass: 1.0 / (1.0 + k),
@@ -221,13 +221,13 @@ fn the_method_itself_shows_that_bias() {
                 error_m
             })
             .collect();
-        let errors = Errors {
+        let errors = Disturbances {
             gps_m: &gps,
-            ..Errors::default()
+            ..Disturbances::default()
         };
         let run = drive(Preset::B, seed, &Belief::TRUTH, &errors);
         slopes.push(modified(&run).mass_line.unwrap().slope);
-        let gps_heavy = original::estimate(&run.drive, &Noise::GPS_HEAVY).grade_percent;
+        let gps_heavy = original::estimate(&run.drive, &NoiseSigmas::GPS_HEAVY).grade_percent;
         for segment in 0..13 {
             let cells = segment * 1_200..(segment + 1) * 1_200;
             let mean = |values: &[f64]| values[cells.clone()].iter().sum::<f64>() / 1_200.0;
@@ -263,10 +263,10 @@ fn an_insignificant_slope_leaves_the_mass_alone() {
                 value
             })
             .collect();
-        let errors = Errors {
+        let errors = Disturbances {
             gps_m: &gps,
             model_percent: &model,
-            ..Errors::default()
+            ..Disturbances::default()
         };
         let found = modified(&drive(Preset::B, seed, &Belief::TRUTH, &errors));
         let line = found.mass_line.unwrap();
@@ -285,10 +285,10 @@ fn the_bias_line_finds_a_planted_drift() {
     let model: Vec<f64> = (0..16_000)
         .map(|k| 0.4 - 1.5e-5 * f64::from(k) * STEP_M)
         .collect();
-    let errors = Errors {
+    let errors = Disturbances {
         gps_m: &gps,
         model_percent: &model,
-        ..Errors::default()
+        ..Disturbances::default()
     };
     let run = drive(Preset::B, 6, &Belief::TRUTH, &errors);
     let found = modified(&run);
@@ -302,15 +302,15 @@ fn the_bias_line_finds_a_planted_drift() {
         (line.offset / (0.4 * found_part) - 1.0).abs() < 0.03,
         "{line:?}"
     );
-    let original = original::estimate(&run.drive, &Noise::ORIGINAL).grade_percent;
+    let original = original::estimate(&run.drive, &NoiseSigmas::ORIGINAL).grade_percent;
     assert!(rmse(&run, &found.profile.grade_percent) < 0.7 * rmse(&run, &original));
 }
 
 #[test]
 fn smooth_speed_takes_the_noise_out_of_pointwise_grade() {
-    let errors = Errors {
+    let errors = Disturbances {
         speed_mps: 0.013,
-        ..Errors::default()
+        ..Disturbances::default()
     };
     let run = drive(Preset::A, 7, &Belief::TRUTH, &errors);
     let raw = rmse(&run, &pointwise::grade_percent(&run.drive));
@@ -352,10 +352,10 @@ fn a_line_needs_points_at_more_than_one_place() {
 
 #[test]
 fn no_points_no_estimate() {
-    let mut run = drive(Preset::B, 1, &Belief::TRUTH, &Errors::default());
+    let mut run = drive(Preset::B, 1, &Belief::TRUTH, &Disturbances::default());
     run.drive.points.clear();
     assert!(
-        original::estimate(&run.drive, &Noise::ORIGINAL)
+        original::estimate(&run.drive, &NoiseSigmas::ORIGINAL)
             .grade_percent
             .is_empty()
     );

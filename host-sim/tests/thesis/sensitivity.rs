@@ -1,7 +1,7 @@
 //! The vehicle model and figure 7.
 
 use estimator_core::{Traction, VehicleParameters};
-use host_sim::comparison::{Drive, Point, pointwise};
+use host_sim::comparison::{MeasuredDrive, MeasuredPoint, pointwise};
 use host_sim::simulator::truck::{GRAVITY, Preset, Truck};
 use host_sim::study::sensitivity::{Parameter, analytic, error_percent, numeric, working_point};
 
@@ -80,7 +80,7 @@ fn equation_9_is_equations_1_to_8_chained() {
                 for v in [1.5, 8.0, 22.0] {
                     for grade_percent in [-6.0, 0.0, 2.5] {
                         let alpha = f64::atan(0.01 * grade_percent);
-                        let point = Point {
+                        let point = MeasuredPoint {
                             distance_m: 0.0,
                             speed_mps: v,
                             traction_n: torque_nm * truck.force_per_torque(gear),
@@ -90,7 +90,7 @@ fn equation_9_is_equations_1_to_8_chained() {
                             shifting: false,
                             braking: false,
                         };
-                        let drive = Drive {
+                        let drive = MeasuredDrive {
                             mass_kg: truck.mass_kg,
                             drag_area_m2: vehicle.drag_area_m2.into(),
                             rolling_resistance: vehicle.rolling_resistance.into(),

@@ -4,7 +4,7 @@ use host_sim::comparison::{STEP_M, pointwise};
 use host_sim::simulator::random::{Purpose, stream};
 use host_sim::simulator::road_generator::{RoadShape, generate};
 use host_sim::simulator::truck::Preset;
-use host_sim::study::distance_drive::{Belief, Errors, SimulatedDrive, simulate};
+use host_sim::study::distance_drive::{Belief, DistanceDrive, Disturbances, simulate};
 
 fn hills(length_m: f64) -> Vec<f64> {
     let shape = RoadShape {
@@ -17,7 +17,7 @@ fn hills(length_m: f64) -> Vec<f64> {
         .collect()
 }
 
-fn drive(preset: Preset, belief: &Belief, errors: &Errors<'_>) -> SimulatedDrive {
+fn drive(preset: Preset, belief: &Belief, errors: &Disturbances<'_>) -> DistanceDrive {
     let mut rng = stream(3, 0, Purpose::Sensors);
     simulate(
         &hills(40_000.0),
@@ -30,7 +30,7 @@ fn drive(preset: Preset, belief: &Belief, errors: &Errors<'_>) -> SimulatedDrive
 }
 
 /// Pointwise less true grade where the model holds, %.
-fn errors_percent(run: &SimulatedDrive) -> Vec<f64> {
+fn errors_percent(run: &DistanceDrive) -> Vec<f64> {
     pointwise::grade_percent(&run.drive)
         .iter()
         .zip(&run.true_grade_percent)
@@ -44,7 +44,7 @@ fn errors_percent(run: &SimulatedDrive) -> Vec<f64> {
 #[test]
 fn undisturbed_the_model_gives_back_the_road() {
     for preset in [Preset::A, Preset::B] {
-        let run = drive(preset, &Belief::TRUTH, &Errors::default());
+        let run = drive(preset, &Belief::TRUTH, &Disturbances::default());
         let worst = errors_percent(&run)
             .into_iter()
             .map(f64::abs)
@@ -55,10 +55,10 @@ fn undisturbed_the_model_gives_back_the_road() {
 
 #[test]
 fn the_heavy_truck_shifts_and_brakes_and_the_light_one_keeps_its_gear() {
-    let heavy = drive(Preset::A, &Belief::TRUTH, &Errors::default())
+    let heavy = drive(Preset::A, &Belief::TRUTH, &Disturbances::default())
         .drive
         .points;
-    let light = drive(Preset::B, &Belief::TRUTH, &Errors::default())
+    let light = drive(Preset::B, &Belief::TRUTH, &Disturbances::default())
         .drive
         .points;
     assert!(heavy.iter().any(|point| point.shifting));
@@ -69,8 +69,8 @@ fn the_heavy_truck_shifts_and_brakes_and_the_light_one_keeps_its_gear() {
         .windows(2)
         .filter(|p| !p[0].shifting && p[1].shifting)
         .count();
-    let way_m = STEP_M * heavy.iter().filter(|p| p.shifting).count() as f64;
-    let mean_m = way_m / shifts as f64;
+    let driven_m = STEP_M * heavy.iter().filter(|p| p.shifting).count() as f64;
+    let mean_m = driven_m / shifts as f64;
     assert!(
         (10.0..30.0).contains(&mean_m),
         "{mean_m} m over {shifts} shifts"
@@ -93,9 +93,9 @@ fn the_heavy_truck_shifts_and_brakes_and_the_light_one_keeps_its_gear() {
 
 #[test]
 fn during_shifts_and_braking_the_model_is_wrong() {
-    let run = drive(Preset::A, &Belief::TRUTH, &Errors::default());
+    let run = drive(Preset::A, &Belief::TRUTH, &Disturbances::default());
     let grade = pointwise::grade_percent(&run.drive);
-    let mean = |wanted: fn(&host_sim::comparison::Point) -> bool| {
+    let mean = |wanted: fn(&host_sim::comparison::MeasuredPoint) -> bool| {
         let errors: Vec<f64> = (0..grade.len() - 1)
             .filter(|&k| wanted(&run.drive.points[k]))
             .map(|k| grade[k] - run.true_grade_percent[k])
@@ -110,9 +110,9 @@ fn during_shifts_and_braking_the_model_is_wrong() {
 #[test]
 fn a_model_error_is_read_as_grade() {
     let model = vec![-0.3; 16_000];
-    let errors = Errors {
+    let errors = Disturbances {
         model_percent: &model,
-        ..Errors::default()
+        ..Disturbances::default()
     };
     for error in errors_percent(&drive(Preset::B, &Belief::TRUTH, &errors)) {
         assert!((error + 0.3).abs() < 1e-3, "{error}");
@@ -122,9 +122,9 @@ fn a_model_error_is_read_as_grade() {
 #[test]
 fn noise_on_speed_gives_the_pointwise_width_of_the_thesis() {
     for (preset, speed_mps, width) in [(Preset::A, 0.013, 1.65), (Preset::B, 0.009, 1.17)] {
-        let errors = Errors {
+        let errors = Disturbances {
             speed_mps,
-            ..Errors::default()
+            ..Disturbances::default()
         };
         let found = errors_percent(&drive(preset, &Belief::TRUTH, &errors));
         let rms = (found.iter().map(|e| e * e).sum::<f64>() / found.len() as f64).sqrt();
@@ -141,20 +141,20 @@ fn a_false_torque_follows_the_grade_and_altitude_is_the_road_plus_the_error() {
         torque: 1.1,
         ..Belief::TRUTH
     };
-    let errors = Errors {
+    let errors = Disturbances {
         gps_m: &gps,
-        ..Errors::default()
+        ..Disturbances::default()
     };
     let run = drive(Preset::B, &belief, &errors);
     let truth = drive(Preset::B, &Belief::TRUTH, &errors);
-    for (told, real) in run.drive.points.iter().zip(&truth.drive.points) {
-        assert!((told.traction_n - 1.1 * real.traction_n).abs() < 1e-6);
+    for (reported, real) in run.drive.points.iter().zip(&truth.drive.points) {
+        assert!((reported.traction_n - 1.1 * real.traction_n).abs() < 1e-6);
     }
     let mut altitude_m = 4.0;
     for (k, point) in run.drive.points.iter().enumerate() {
         assert_eq!(point.altitude_m.is_some(), k < 100);
-        if let Some(told) = point.altitude_m {
-            assert!((told - altitude_m).abs() < 1e-9);
+        if let Some(reported) = point.altitude_m {
+            assert!((reported - altitude_m).abs() < 1e-9);
         }
         let grade = run.true_grade_percent[k];
         altitude_m += STEP_M * grade / grade.hypot(100.0);
@@ -163,9 +163,9 @@ fn a_false_torque_follows_the_grade_and_altitude_is_the_road_plus_the_error() {
 
 #[test]
 fn the_same_stream_gives_the_same_drive() {
-    let errors = Errors {
+    let errors = Disturbances {
         speed_mps: 0.013,
-        ..Errors::default()
+        ..Disturbances::default()
     };
     let [a, b] = [0, 1].map(|_| drive(Preset::A, &Belief::TRUTH, &errors).drive.points);
     assert!(a == b);

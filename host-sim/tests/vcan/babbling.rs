@@ -1,10 +1,10 @@
 //! A node that floods the bus.
 
 use crate::bus::Vcan;
-use crate::drive::{Drive, replay};
+use crate::drive::{VcanDrive, replay};
 use crate::listener::Listener;
 use host_sim::source::can_frame::CanFrame;
-use host_sim::source::socketcan::Sender;
+use host_sim::source::socketcan::FrameSender;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::thread;
 use std::time::Duration;
@@ -26,7 +26,7 @@ const REFUSED: &str = "values of other senders";
 /// must be those from the file.
 fn beside(name: &'static str, frame: CanFrame, burst: usize) -> Babbled {
     let vcan = Vcan::new(name);
-    let drive = Drive::new("A", 1_000.0);
+    let drive = VcanDrive::new("A", 1_000.0);
     let options = ["--log-time", "--out", "live.csv"];
     let undisturbed = Listener::start(&drive, &[vcan.0], &options);
     replay(vcan.0, &drive.log(), &["--log-time", "--speed", "max"]);
@@ -34,11 +34,11 @@ fn beside(name: &'static str, frame: CanFrame, burst: usize) -> Babbled {
     let from_file = drive.estimate(&drive.log());
     let is_over = AtomicBool::new(false);
     let sent = AtomicU64::new(0);
-    let heard = thread::scope(|scope| {
+    let output = thread::scope(|scope| {
         let listener = Listener::start(&drive, &[vcan.0], &options);
         scope.spawn(|| {
-            let sender = Sender::open(name, &[]).unwrap();
-            // The drive's own senders are heard first, as on a truck on which a node goes wrong.
+            let sender = FrameSender::open(name, &[]).unwrap();
+            // The drive's own senders are received first, as on a truck on which a node goes wrong.
             thread::sleep(Duration::from_millis(500));
             while !is_over.load(Ordering::Relaxed) {
                 for _ in 0..burst {
@@ -53,12 +53,12 @@ fn beside(name: &'static str, frame: CanFrame, burst: usize) -> Babbled {
         is_over.store(true, Ordering::Relaxed);
         listener.finish()
     });
-    assert_eq!(heard.lost(0), 0);
+    assert_eq!(output.lost(0), 0);
     assert_eq!(drive.read("live.csv"), from_file);
     let babbled = Babbled {
         sent: sent.into_inner(),
-        read: heard.frames(0) - drive.frames.len() as u64,
-        refused: [heard.counted(REFUSED), undisturbed.counted(REFUSED)],
+        read: output.frames(0) - drive.frames.len() as u64,
+        refused: [output.counted(REFUSED), undisturbed.counted(REFUSED)],
     };
     let Babbled {
         sent,

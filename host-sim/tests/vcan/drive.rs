@@ -12,12 +12,12 @@ use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
 /// A drive, its log and its vehicle.
-pub struct Drive {
+pub struct VcanDrive {
     folder: TempDir,
     pub frames: Vec<TimedFrame>,
 }
 
-impl Drive {
+impl VcanDrive {
     /// A kilometre or more by truck A or B.
     pub fn new(truck: &str, length_m: f64) -> Self {
         let text = format!(

@@ -1,7 +1,7 @@
 //! Reports of the controller, sent as a driver would.
 
 use crate::bus::Vcan;
-use crate::drive::{Drive, replay};
+use crate::drive::{VcanDrive, replay};
 use crate::listener::Listener;
 use socketcan::{CanErrorFrame, CanFrame, CanSocket, Socket};
 
@@ -9,7 +9,7 @@ use socketcan::{CanErrorFrame, CanFrame, CanSocket, Socket};
 #[ignore = "needs a CAN interface: tests/run vcan"]
 fn reports_of_the_controller_are_told_and_counted() {
     let vcan = Vcan::new("rgerr");
-    let drive = Drive::new("A", 300.0);
+    let drive = VcanDrive::new("A", 300.0);
     let mut listener = Listener::start(&drive, &[vcan.0], &[]);
     let socket = CanSocket::open(vcan.0).unwrap();
     let report = |class: u32, data: &[u8]| {
@@ -30,7 +30,7 @@ fn reports_of_the_controller_are_told_and_counted() {
     listener.wait_for("restarted");
     replay(vcan.0, &drive.log(), &["--speed", "20"]);
     listener.signal("INT");
-    let heard = listener.finish();
+    let output = listener.finish();
     for (event, count) in [
         ("error_warning", 1),
         ("error_passive", 1),
@@ -38,9 +38,9 @@ fn reports_of_the_controller_are_told_and_counted() {
         ("bus_off", 1),
         ("restarted", 1),
     ] {
-        assert_eq!(heard.event(0, event), count, "{event}");
+        assert_eq!(output.event(0, event), count, "{event}");
     }
     // They are no frames, and the estimate goes on.
-    assert_eq!(heard.frames(0), drive.frames.len() as u64);
-    assert!(!heard.said.iter().any(|said| said.contains("wire")));
+    assert_eq!(output.frames(0), drive.frames.len() as u64);
+    assert!(!output.said.iter().any(|said| said.contains("wire")));
 }

@@ -1,7 +1,7 @@
 //! `roadgrade listen` while it runs.
 
 use crate::bus::PATIENCE;
-use crate::drive::Drive;
+use crate::drive::VcanDrive;
 use crate::roadgrade;
 use serde_json::Value;
 use std::io::{BufRead, BufReader, Read};
@@ -10,7 +10,7 @@ use std::sync::mpsc::{Receiver, channel};
 use std::thread::{self, JoinHandle};
 
 /// `roadgrade listen` to live.csv, until the bus was silent for this long.
-pub fn until_silent(drive: &Drive, interface: &str, silence_s: &str) -> assert_cmd::Command {
+pub fn until_silent(drive: &VcanDrive, interface: &str, silence_s: &str) -> assert_cmd::Command {
     let mut command = roadgrade();
     command
         .args(["listen", "--can", interface])
@@ -31,7 +31,7 @@ pub struct Listener {
 }
 
 /// What it left.
-pub struct Heard {
+pub struct ListenerOutput {
     /// The last line of its JSON: summary and interfaces.
     pub end: Value,
     /// The lines before.
@@ -39,7 +39,7 @@ pub struct Heard {
     pub said: Vec<String>,
 }
 
-impl Heard {
+impl ListenerOutput {
     pub fn frames(&self, interface: usize) -> u64 {
         self.end["interfaces"][interface]["frames"]
             .as_u64()
@@ -65,7 +65,7 @@ impl Heard {
 
 impl Listener {
     /// Starts one; returns when it has its interfaces open.
-    pub fn start(drive: &Drive, interfaces: &[&str], options: &[&str]) -> Self {
+    pub fn start(drive: &VcanDrive, interfaces: &[&str], options: &[&str]) -> Self {
         let mut command = Command::new(env!("CARGO_BIN_EXE_roadgrade"));
         command
             .args(["listen", "--json", "--vehicle"])
@@ -134,7 +134,7 @@ impl Listener {
     }
 
     /// Waits for its end, which must be a good one.
-    pub fn finish(mut self) -> Heard {
+    pub fn finish(mut self) -> ListenerOutput {
         let status = self.child.wait().unwrap();
         self.said.extend(self.messages.iter());
         assert!(status.success(), "{status}: {:?}", self.said);
@@ -143,7 +143,7 @@ impl Listener {
             .lines()
             .map(|line| serde_json::from_str(line).unwrap())
             .collect();
-        Heard {
+        ListenerOutput {
             end: lines.pop().expect("a summary"),
             lines,
             said: self.said,

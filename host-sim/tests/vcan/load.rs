@@ -1,12 +1,12 @@
 //! As much as a bus carries, and more than is read.
 
 use crate::bus::Vcan;
-use crate::drive::{Drive, frames_of, replay, write_log};
+use crate::drive::{VcanDrive, frames_of, replay, write_log};
 use crate::listener::Listener;
 use estimator_core::signal::Pgn;
 use estimator_core::{Duration, signal};
 use host_sim::source::can_frame::{CanFrame, TimedFrame};
-use host_sim::source::socketcan::{Sender, accepts, wanted};
+use host_sim::source::socketcan::{FrameSender, accepts, wanted};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -17,7 +17,7 @@ const SECONDS: u64 = 10;
 
 /// A drive, and other traffic in all the room that it leaves: half of it of messages that the
 /// estimator reads, from another address.
-fn full_bus(drive: &Drive) -> Vec<TimedFrame> {
+fn full_bus(drive: &VcanDrive) -> Vec<TimedFrame> {
     let mut random = ChaCha8Rng::seed_from_u64(5);
     let pgns: Vec<u32> = signal::messages().map(|message| message.pgn()).collect();
     let start = drive.frames[0].time;
@@ -57,23 +57,23 @@ fn is_wanted(frame: &CanFrame) -> bool {
 #[ignore = "needs a CAN interface: tests/run vcan"]
 fn a_full_bus_is_read_without_a_lost_frame() {
     let vcan = Vcan::new("rgload");
-    let drive = Drive::new("A", 300.0);
+    let drive = VcanDrive::new("A", 300.0);
     let traffic = full_bus(&drive);
     write_log(&drive.file("full.log"), &traffic);
-    let listener = Listener::start(&drive, &[vcan.0], &["--log", "heard.log"]);
+    let listener = Listener::start(&drive, &[vcan.0], &["--log", "output.log"]);
     let sent = replay(vcan.0, &drive.file("full.log"), &["--speed", "1"]);
     listener.signal("INT");
-    let heard = listener.finish();
+    let output = listener.finish();
     let expected: Vec<CanFrame> = traffic
         .iter()
         .map(|timed| timed.frame)
         .filter(is_wanted)
         .collect();
     assert!(expected.len() > traffic.len() / 2 && expected.len() < traffic.len());
-    assert_eq!(heard.lost(0), 0);
-    assert_eq!(heard.frames(0), expected.len() as u64);
+    assert_eq!(output.lost(0), 0);
+    assert_eq!(output.frames(0), expected.len() as u64);
     assert!(
-        frames_of(&drive.file("heard.log")) == expected,
+        frames_of(&drive.file("output.log")) == expected,
         "other frames, or another order"
     );
     println!(
@@ -88,31 +88,31 @@ fn a_full_bus_is_read_without_a_lost_frame() {
 #[ignore = "needs a CAN interface: tests/run vcan"]
 fn frames_that_the_kernel_drops_are_counted() {
     let vcan = Vcan::new("rgdrop");
-    let drive = Drive::new("A", 300.0);
+    let drive = VcanDrive::new("A", 300.0);
     let listener = Listener::start(&drive, &[vcan.0], &["--end-after-silence", "3"]);
     // Nobody reads, and the memory for frames that wait runs full.
     listener.signal("STOP");
-    let sender = Sender::open(vcan.0, &[]).unwrap();
+    let sender = FrameSender::open(vcan.0, &[]).unwrap();
     let wheel_speed = CanFrame::extended(0x18FE_F100, &[0xff; 8]).unwrap();
     const SENT: u64 = 100_000;
     for _ in 0..SENT {
         sender.send(&wheel_speed).unwrap();
     }
     listener.signal("CONT");
-    let heard = listener.finish();
-    assert!(heard.lost(0) > 0);
-    assert_eq!(heard.frames(0) + heard.lost(0), SENT);
+    let output = listener.finish();
+    assert!(output.lost(0) > 0);
+    assert_eq!(output.frames(0) + output.lost(0), SENT);
     println!(
         "{} frames waited, {} were dropped and counted",
-        heard.frames(0),
-        heard.lost(0)
+        output.frames(0),
+        output.lost(0)
     );
 }
 
 #[test]
 fn filters_pass_what_the_decoder_reads_and_nothing_else() {
     let filters = wanted();
-    let drive = Drive::new("A", 300.0);
+    let drive = VcanDrive::new("A", 300.0);
     for frame in full_bus(&drive).iter().map(|timed| timed.frame) {
         let embedded_can::Id::Extended(id) = embedded_can::Frame::id(&frame) else {
             panic!("all are extended");

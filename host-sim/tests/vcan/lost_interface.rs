@@ -1,8 +1,8 @@
 //! Interfaces that are not there, go, and come back.
 
 use crate::bus::{Vcan, ip};
-use crate::drive::{Drive, replay, write_log};
-use crate::listener::{Heard, Listener, until_silent};
+use crate::drive::{VcanDrive, replay, write_log};
+use crate::listener::{Listener, ListenerOutput, until_silent};
 use crate::roadgrade;
 use host_sim::files::run;
 use predicates::str::contains;
@@ -13,9 +13,9 @@ fn interrupted(
     words: &str,
     lose: fn(&Vcan),
     find: fn(&Vcan),
-) -> (Drive, Heard) {
+) -> (VcanDrive, ListenerOutput) {
     let vcan = Vcan::new(name);
-    let drive = Drive::new("A", 400.0);
+    let drive = VcanDrive::new("A", 400.0);
     let (first, second) = drive.frames.split_at(drive.frames.len() / 2);
     write_log(&drive.file("first.log"), first);
     write_log(&drive.file("second.log"), second);
@@ -28,35 +28,35 @@ fn interrupted(
     listener.wait_for("interface back");
     replay(vcan.0, &drive.file("second.log"), &speed);
     listener.signal("INT");
-    let heard = listener.finish();
-    assert_eq!(heard.frames(0), drive.frames.len() as u64);
-    assert_eq!(heard.lost(0), 0);
-    assert_eq!(heard.event(0, "interface_back"), 1);
+    let output = listener.finish();
+    assert_eq!(output.frames(0), drive.frames.len() as u64);
+    assert_eq!(output.lost(0), 0);
+    assert_eq!(output.event(0, "interface_back"), 1);
     let rows = run::read(&drive.file("live.csv")).unwrap();
     let last_s = rows.last().unwrap().time_s;
     assert!(rows.iter().filter(|row| row.time_s < 0.5 * last_s).count() > 10);
     assert!(rows.iter().filter(|row| row.time_s > 0.5 * last_s).count() > 10);
-    (drive, heard)
+    (drive, output)
 }
 
 #[test]
 #[ignore = "needs a CAN interface: tests/run vcan"]
 fn an_interface_that_vanishes_is_found_again() {
-    let (_, heard) = interrupted("rggone", "interface gone", Vcan::remove, Vcan::add);
-    assert_eq!(heard.event(0, "interface_gone"), 1);
+    let (_, output) = interrupted("rggone", "interface gone", Vcan::remove, Vcan::add);
+    assert_eq!(output.event(0, "interface_gone"), 1);
 }
 
 #[test]
 #[ignore = "needs a CAN interface: tests/run vcan"]
 fn an_interface_that_is_set_down_is_found_again() {
-    let (_, heard) = interrupted("rgdown", "interface down", Vcan::down, Vcan::up);
-    assert_eq!(heard.event(0, "interface_down"), 1);
-    let told = heard
+    let (_, output) = interrupted("rgdown", "interface down", Vcan::down, Vcan::up);
+    assert_eq!(output.event(0, "interface_down"), 1);
+    let reported = output
         .said
         .iter()
         .filter(|said| said.contains("interface down"))
         .count();
-    assert_eq!(told, 1);
+    assert_eq!(reported, 1);
 }
 
 #[test]
@@ -64,7 +64,7 @@ fn an_interface_that_is_set_down_is_found_again() {
 fn an_interface_that_is_down_or_missing_at_the_start_is_an_error() {
     let vcan = Vcan::new("rgoff");
     vcan.down();
-    let drive = Drive::new("A", 300.0);
+    let drive = VcanDrive::new("A", 300.0);
     let listen = |interface: &str| {
         roadgrade()
             .args(["listen", "--can", interface, "--vehicle"])
@@ -97,7 +97,7 @@ fn an_interface_that_is_down_or_missing_at_the_start_is_an_error() {
 #[ignore = "needs a CAN interface: tests/run vcan"]
 fn a_bus_without_traffic_gives_no_run_and_says_why() {
     let vcan = Vcan::new("rgmute");
-    let drive = Drive::new("A", 300.0);
+    let drive = VcanDrive::new("A", 300.0);
     until_silent(&drive, vcan.0, "0.5")
         .assert()
         .code(1)
@@ -109,7 +109,7 @@ fn a_bus_without_traffic_gives_no_run_and_says_why() {
 #[ignore = "needs a CAN interface: tests/run vcan"]
 fn a_replay_with_its_time_needs_somebody_who_answers() {
     let vcan = Vcan::new("rgalone");
-    let drive = Drive::new("A", 300.0);
+    let drive = VcanDrive::new("A", 300.0);
     roadgrade()
         .args(["replay", "--log-time", "--can", vcan.0])
         .arg(drive.log())

@@ -1,7 +1,7 @@
 //! can-utils on the same bus.
 
 use crate::bus::{PATIENCE, Vcan, wait_until};
-use crate::drive::{Drive, frames_of, replay, untimed};
+use crate::drive::{VcanDrive, frames_of, replay, untimed};
 use crate::listener::Listener;
 use std::fs::File;
 use std::path::Path;
@@ -34,7 +34,7 @@ pub fn candump(vcan: &Vcan, filter: &str, to: &Path) -> Running {
 #[ignore = "needs a CAN interface: tests/run vcan"]
 fn candump_records_a_replay_that_estimate_reads() {
     let vcan = Vcan::new("rgdump");
-    let drive = Drive::new("A", 300.0);
+    let drive = VcanDrive::new("A", 300.0);
     let recording = drive.file("candump.log");
     let candump = candump(&vcan, "", &recording);
     replay(vcan.0, &drive.log(), &["--speed", "2"]);
@@ -49,11 +49,11 @@ fn candump_records_a_replay_that_estimate_reads() {
 #[ignore = "needs a CAN interface: tests/run vcan"]
 fn canplayer_feeds_a_listener_and_cangen_does_not_disturb_it() {
     let vcan = Vcan::new("rgplay");
-    let drive = Drive::new("A", 300.0);
+    let drive = VcanDrive::new("A", 300.0);
     let listener = Listener::start(
         &drive,
         &[vcan.0],
-        &["--out", "live.csv", "--log", "heard.log"],
+        &["--out", "live.csv", "--log", "output.log"],
     );
     // 11-bit identifiers of any length, every millisecond.
     let cangen = Command::new("cangen")
@@ -71,11 +71,11 @@ fn canplayer_feeds_a_listener_and_cangen_does_not_disturb_it() {
     assert!(status.success(), "{status} within {PATIENCE:?}");
     drop(cangen);
     listener.signal("INT");
-    let heard = listener.finish();
-    assert_eq!(heard.lost(0), 0);
-    assert_eq!(frames_of(&drive.file("heard.log")), untimed(&drive.frames));
+    let output = listener.finish();
+    assert_eq!(output.lost(0), 0);
+    assert_eq!(frames_of(&drive.file("output.log")), untimed(&drive.frames));
     assert_eq!(
-        drive.estimate(&drive.file("heard.log")),
+        drive.estimate(&drive.file("output.log")),
         drive.read("live.csv")
     );
 }
@@ -84,15 +84,15 @@ fn canplayer_feeds_a_listener_and_cangen_does_not_disturb_it() {
 #[ignore = "needs a CAN interface: tests/run vcan"]
 fn a_recording_of_two_senders_is_one_that_estimate_reads() {
     let vcan = Vcan::new("rgboth");
-    let drive = Drive::new("A", 300.0);
+    let drive = VcanDrive::new("A", 300.0);
     let recording = drive.file("candump.log");
     let candump = candump(&vcan, "", &recording);
     let options = ["--publish", "--out", "live.csv"];
     let listener = Listener::start(&drive, &[vcan.0], &options);
     replay(vcan.0, &drive.log(), &["--speed", "2"]);
     listener.signal("INT");
-    let heard = listener.finish();
-    assert_eq!(heard.frames(0), drive.frames.len() as u64);
+    let output = listener.finish();
+    assert_eq!(output.frames(0), drive.frames.len() as u64);
     let lines = || std::fs::read_to_string(&recording).unwrap().lines().count();
     wait_until("candump has the drive and the estimate", || {
         lines() > drive.frames.len() + 10

@@ -1,7 +1,7 @@
 //! The estimate on the bus, as a foreign listener sees it.
 
 use crate::bus::{Vcan, wait_until};
-use crate::drive::{Drive, replay};
+use crate::drive::{VcanDrive, replay};
 use crate::listener::Listener;
 use crate::peers::candump;
 use host_sim::files::run::{self, RunRow};
@@ -47,7 +47,7 @@ fn check_cell(data: &[u8; 8], rows: &[RunRow]) {
 #[ignore = "needs a CAN interface: tests/run vcan"]
 fn the_estimate_is_sent_with_each_finished_cell_and_not_read_back() {
     let vcan = Vcan::new("rgpub");
-    let drive = Drive::new("A", 1_200.0);
+    let drive = VcanDrive::new("A", 1_200.0);
     let recording = drive.file("candump.log");
     let candump = candump(&vcan, FILTER, &recording);
     let options = [
@@ -60,11 +60,11 @@ fn the_estimate_is_sent_with_each_finished_cell_and_not_read_back() {
     ];
     let listener = Listener::start(&drive, &[vcan.0], &options);
     replay(vcan.0, &drive.log(), &["--log-time", "--speed", "20"]);
-    let heard = listener.finish();
-    assert_eq!(heard.frames(0), drive.frames.len() as u64);
+    let output = listener.finish();
+    assert_eq!(output.frames(0), drive.frames.len() as u64);
 
     // All that had seen the full lag when the log ended.
-    let finished = heard.lines.last().unwrap()["cells"].as_u64().unwrap() as usize;
+    let finished = output.lines.last().unwrap()["cells"].as_u64().unwrap() as usize;
     assert!(finished > 100);
     wait_until("candump has all", || {
         payloads(&recording, CELL).len() >= finished

@@ -1,7 +1,7 @@
 //! In the kernel's time: what is recorded is what was estimated from, and what was sent.
 
 use crate::bus::Vcan;
-use crate::drive::{Drive, frames_of, replay, untimed};
+use crate::drive::{VcanDrive, frames_of, replay, untimed};
 use crate::listener::Listener;
 use host_sim::files::run;
 use host_sim::source::candump::CandumpReader;
@@ -10,23 +10,23 @@ use host_sim::source::candump::CandumpReader;
 #[ignore = "needs a CAN interface: tests/run vcan"]
 fn a_drive_in_its_own_time_is_recorded_and_estimated_as_from_its_file() {
     let vcan = Vcan::new("rgrec");
-    let drive = Drive::new("A", 600.0);
-    let options = ["--out", "live.csv", "--log", "heard.log"];
+    let drive = VcanDrive::new("A", 600.0);
+    let options = ["--out", "live.csv", "--log", "output.log"];
     let listener = Listener::start(&drive, &[vcan.0], &options);
     let sent = replay(vcan.0, &drive.log(), &["--speed", "1"]);
     listener.signal("TERM");
-    let heard = listener.finish();
-    assert_eq!(heard.lost(0), 0);
+    let output = listener.finish();
+    assert_eq!(output.lost(0), 0);
 
     // It showed itself on the way, about once a second.
-    assert!(heard.lines.len() > 5);
-    let newest = heard.lines.last().unwrap();
+    assert!(output.lines.len() > 5);
+    let newest = output.lines.last().unwrap();
     assert_eq!(newest["interfaces"][0]["frames"], drive.frames.len());
     assert!(newest["grade_percent"]["sigma"].as_f64().unwrap() > 0.0);
     assert!(newest["distance_m"].as_f64().unwrap() > 500.0);
 
     // Every frame, in order; and the recording gives the very same run.
-    let recording = drive.file("heard.log");
+    let recording = drive.file("output.log");
     assert_eq!(frames_of(&recording), untimed(&drive.frames));
     assert_eq!(drive.estimate(&recording), drive.read("live.csv"));
 
@@ -66,6 +66,6 @@ fn a_drive_in_its_own_time_is_recorded_and_estimated_as_from_its_file() {
     );
 }
 
-fn log_start(drive: &Drive) -> f64 {
+fn log_start(drive: &VcanDrive) -> f64 {
     drive.frames[0].time.micros() as f64 * 1e-3
 }

@@ -1,7 +1,7 @@
 //! The cells over an interface are those from the file.
 
 use crate::bus::Vcan;
-use crate::drive::{Drive, replay, write_log};
+use crate::drive::{VcanDrive, replay, write_log};
 use crate::listener::Listener;
 use std::thread;
 
@@ -12,15 +12,15 @@ const AT_ONCE: [&str; 3] = ["--log-time", "--speed", "max"];
 #[ignore = "needs a CAN interface: tests/run vcan"]
 fn ten_times_in_a_row_they_are_the_same_to_the_last_digit() {
     let vcan = Vcan::new("rgsame");
-    let drive = Drive::new("A", 1_000.0);
+    let drive = VcanDrive::new("A", 1_000.0);
     let from_file = drive.estimate(&drive.log());
     assert!(from_file.lines().count() > 350);
     for time in 1..=10 {
         let listener = Listener::start(&drive, &[vcan.0], &LOG_TIME);
         let sent = replay(vcan.0, &drive.log(), &AT_ONCE);
-        let heard = listener.finish();
-        assert_eq!(heard.lost(0), 0, "time {time}");
-        assert_eq!(heard.frames(0), drive.frames.len() as u64, "time {time}");
+        let output = listener.finish();
+        assert_eq!(output.lost(0), 0, "time {time}");
+        assert_eq!(output.frames(0), drive.frames.len() as u64, "time {time}");
         assert_eq!(drive.read("live.csv"), from_file, "time {time}");
         println!(
             "time {time}: {:.0} frames/s",
@@ -33,14 +33,14 @@ fn ten_times_in_a_row_they_are_the_same_to_the_last_digit() {
 #[ignore = "needs a CAN interface: tests/run vcan"]
 fn two_vehicles_on_two_interfaces_do_not_disturb_each_other() {
     let buses = [Vcan::new("rgtwo0"), Vcan::new("rgtwo1")];
-    let drives = [Drive::new("A", 1_000.0), Drive::new("B", 1_000.0)];
+    let drives = [VcanDrive::new("A", 1_000.0), VcanDrive::new("B", 1_000.0)];
     thread::scope(|scope| {
         for (vcan, drive) in buses.iter().zip(&drives) {
             scope.spawn(move || {
                 let listener = Listener::start(drive, &[vcan.0], &LOG_TIME);
                 replay(vcan.0, &drive.log(), &AT_ONCE);
-                let heard = listener.finish();
-                assert_eq!(heard.lost(0), 0);
+                let output = listener.finish();
+                assert_eq!(output.lost(0), 0);
                 assert_eq!(drive.read("live.csv"), drive.estimate(&drive.log()));
             });
         }
@@ -51,7 +51,7 @@ fn two_vehicles_on_two_interfaces_do_not_disturb_each_other() {
 #[ignore = "needs a CAN interface: tests/run vcan"]
 fn a_vehicle_with_two_buses_is_estimated_from_both() {
     let buses = [Vcan::new("rgbus0"), Vcan::new("rgbus1")];
-    let drive = Drive::new("A", 300.0);
+    let drive = VcanDrive::new("A", 300.0);
     // The GNSS receiver on a bus of its own: NMEA 2000 has parameter groups from 0x1F800.
     let is_gnss = |frame: &host_sim::source::can_frame::TimedFrame| {
         let embedded_can::Id::Extended(id) = embedded_can::Frame::id(&frame.frame) else {
@@ -65,7 +65,7 @@ fn a_vehicle_with_two_buses_is_estimated_from_both() {
         assert!(!frames.is_empty());
         write_log(&drive.file(name), frames);
     }
-    let options = ["--out", "live.csv", "--log", "heard.log"];
+    let options = ["--out", "live.csv", "--log", "output.log"];
     let listener = Listener::start(&drive, &[buses[0].0, buses[1].0], &options);
     thread::scope(|scope| {
         for ((name, _), vcan) in logs.iter().zip(&buses) {
@@ -74,13 +74,13 @@ fn a_vehicle_with_two_buses_is_estimated_from_both() {
         }
     });
     listener.signal("INT");
-    let heard = listener.finish();
-    assert_eq!(heard.frames(0), logs[0].1.len() as u64);
-    assert_eq!(heard.frames(1), logs[1].1.len() as u64);
+    let output = listener.finish();
+    assert_eq!(output.frames(0), logs[0].1.len() as u64);
+    assert_eq!(output.frames(1), logs[1].1.len() as u64);
     // In the order of time, or the reader of the log would refuse it.
     assert_eq!(
-        drive.estimate(&drive.file("heard.log")),
+        drive.estimate(&drive.file("output.log")),
         drive.read("live.csv")
     );
-    assert_eq!(heard.counted("altitudes left out"), 0);
+    assert_eq!(output.counted("altitudes left out"), 0);
 }

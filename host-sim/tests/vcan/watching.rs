@@ -1,7 +1,7 @@
 //! What somebody sees who pipes the output of `listen`.
 
 use crate::bus::Vcan;
-use crate::drive::{Drive, replay};
+use crate::drive::{VcanDrive, replay};
 use crate::listener::until_silent;
 use host_sim::files::run;
 use host_sim::live::panel::header;
@@ -13,7 +13,7 @@ use std::thread;
 #[ignore = "needs a CAN interface: tests/run vcan"]
 fn piped_there_is_a_line_a_second_and_the_summary_apart_from_them() {
     let vcan = Vcan::new("rgpipe");
-    let drive = Drive::new("A", 300.0);
+    let drive = VcanDrive::new("A", 300.0);
     let output = thread::scope(|scope| {
         let listening = scope.spawn(|| until_silent(&drive, vcan.0, "4").output().unwrap());
         replay(vcan.0, &drive.log(), &["--speed", "5"]);
@@ -42,7 +42,7 @@ fn piped_there_is_a_line_a_second_and_the_summary_apart_from_them() {
 #[ignore = "needs a CAN interface: tests/run vcan"]
 fn a_drive_whose_lines_cannot_be_written_ends_and_is_kept() {
     let vcan = Vcan::new("rgfull");
-    let drive = Drive::new("A", 300.0);
+    let drive = VcanDrive::new("A", 300.0);
     let output = thread::scope(|scope| {
         // Before the listener, which is to have something to keep when its first line fails.
         scope.spawn(|| replay(vcan.0, &drive.log(), &["--speed", "2"]));

@@ -2,13 +2,13 @@
 
 use super::dense::{adskalman, kfilter, multicalc, plain_nalgebra};
 use super::minikalman_filter::{minikalman_3, minikalman_5, minikalman_8};
-use super::model::Meter;
+use super::model::FilterMeter;
 use super::ours::ours;
 use crate::Contender;
 
-/// All filters. Those of one size other than ours do the same work.
+/// Returns all filters. Those of one size other than ours do the same work.
 #[must_use]
-pub fn contenders<M: Meter>() -> Vec<Contender<M>> {
+pub fn contenders<M: FilterMeter>() -> Vec<Contender<M>> {
     let mut all = Vec::new();
     let mut add = |name, states, measure| {
         all.push(Contender {

@@ -56,13 +56,13 @@ impl Stopwatch {
     }
 }
 
-impl single::model::Meter for Stopwatch {
+impl single::model::FilterMeter for Stopwatch {
     fn measure<const N: usize>(&mut self, _: usize, step: impl FnMut([f32; 2]) -> [f32; N]) {
         self.time(single::model::measurements, step);
     }
 }
 
-impl double::model::Meter for Stopwatch {
+impl double::model::FilterMeter for Stopwatch {
     fn measure<const N: usize>(&mut self, _: usize, step: impl FnMut([f64; 2]) -> [f64; N]) {
         self.time(double::model::measurements, step);
     }

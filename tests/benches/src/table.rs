@@ -4,7 +4,7 @@ use host_sim::terminal::table::text_table;
 
 /// What one of those who took turns needed, each time.
 #[derive(Clone, Debug)]
-pub struct Figure {
+pub struct BenchTimes {
     /// Who did what.
     pub name: String,
     /// What was counted.
@@ -13,7 +13,7 @@ pub struct Figure {
     pub turns_ns: Vec<f64>,
 }
 
-impl Figure {
+impl BenchTimes {
     /// That of the middle, ns.
     #[must_use]
     pub fn median_ns(&self) -> f64 {
@@ -27,9 +27,9 @@ impl Figure {
     }
 }
 
-/// A table of figures, each with its ratio to the one of that name.
+/// Returns a table of figures, each with its ratio to the one of that name.
 #[must_use]
-pub fn table(figures: &[Figure], base: &str) -> String {
+pub fn table(figures: &[BenchTimes], base: &str) -> String {
     let base = figures.iter().find(|figure| figure.name == base);
     let rows: Vec<Vec<String>> = figures
         .iter()

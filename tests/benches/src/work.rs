@@ -52,7 +52,7 @@ impl Work {
     /// Simulates the drive.
     ///
     /// # Errors
-    /// What the file system says.
+    /// Returns the error of the file system.
     pub fn prepare() -> Result<Self> {
         let text = include_str!("../../../host-sim/scenarios/motorway.toml");
         let run = simulate(&Scenario::parse(text, Path::new("motorway"))?, 0)?;
@@ -88,7 +88,7 @@ impl Work {
         Ok(())
     }
 
-    /// The log.
+    /// Returns the log.
     #[must_use]
     pub fn log(&self) -> PathBuf {
         self.folder.path().join("drive.log")
@@ -102,13 +102,13 @@ impl Work {
         self.folder.path().join("run.parquet")
     }
 
-    /// Number of frames in the log.
+    /// Returns number of frames in the log.
     #[must_use]
     pub fn frames(&self) -> usize {
         self.frames.len()
     }
 
-    /// All kinds of work.
+    /// Returns all kinds of work.
     #[must_use]
     pub fn jobs(&self) -> Vec<Job<'_>> {
         let (frames, cells) = (self.frames.len(), self.samples.len());
@@ -236,15 +236,14 @@ impl Work {
     }
 
     fn estimate_log(&self) {
-        let run = estimate_log::<f32>(&self.model, None, &self.log(), |_| ());
+        let run = estimate_log::<f32>(&self.model, &Tuning::default(), None, &self.log(), |_| ());
         black_box(run.expect("a whole log").rows.count());
     }
 
     fn filter<S: Scalar>(&self) {
         let mut context = Context::new(self.model.clone(), Tuning::default())
             .expect("the simulator checked the vehicle");
-        let mut filter =
-            Filter::<S>::new(&context.tuning, &SensorNoiseRatios::default(), None);
+        let mut filter = Filter::<S>::new(&context.tuning, &SensorNoiseRatios::default(), None);
         for sample in &self.samples {
             black_box(filter.step(&mut context, sample));
         }

@@ -3,11 +3,11 @@
 #![no_main]
 
 use estimator_core::{Decoder, Value};
-use fuzz_targets::{Bus, Event};
+use fuzz_targets::{Event, EventBus};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|events: Vec<Event>| {
-    let (mut bus, mut decoder) = (Bus::default(), Decoder::new());
+    let (mut bus, mut decoder) = (EventBus::default(), Decoder::new());
     for event in &events {
         bus.play(event, &mut |timed| {
             decoder.decode(&timed.frame, |_, _, reading| {

@@ -7,7 +7,7 @@ use estimator_core::filter::{Filter, SensorNoiseRatios, State};
 use estimator_core::{
     Cell, Context, Estimator, FixedPoint, Intake, Sampler, Scalar, Tuning, Uncertain,
 };
-use fuzz_targets::{Bus, Event, truck};
+use fuzz_targets::{Event, EventBus, truck};
 use libfuzzer_sys::fuzz_target;
 use nalgebra::SymmetricEigen;
 
@@ -24,7 +24,7 @@ fuzz_target!(|events: Vec<Event>| {
 
 fn through_estimator<S: Scalar>(events: &[Event]) {
     let mut estimator = Box::new(Estimator::<S>::new(truck(), Tuning::default()).expect("a truck"));
-    let mut bus = Bus::default();
+    let mut bus = EventBus::default();
     for event in events {
         bus.play(event, &mut |timed| {
             estimator.on_frame(timed.time, &timed.frame);
@@ -64,7 +64,7 @@ fn through_filter(events: &[Event]) {
     let mut intake = Intake::new();
     let mut sampler = Sampler::new();
     let mut filter = Filter::<f32>::new(&context.tuning, &SensorNoiseRatios::default(), None);
-    let mut bus = Bus::default();
+    let mut bus = EventBus::default();
     for event in events {
         bus.play(event, &mut |timed| {
             intake.on_frame(&mut context, &mut sampler, timed.time, &timed.frame);

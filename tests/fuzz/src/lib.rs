@@ -63,13 +63,13 @@ const GNSS_POSITION: u32 = 129_029;
 
 /// The clock and the place that events move.
 #[derive(Debug)]
-pub struct Bus {
+pub struct EventBus {
     micros: i64,
     altitude_m: f32,
     sequence: u8,
 }
 
-impl Default for Bus {
+impl Default for EventBus {
     fn default() -> Self {
         Self {
             micros: 1_000_000,
@@ -79,7 +79,7 @@ impl Default for Bus {
     }
 }
 
-impl Bus {
+impl EventBus {
     /// Hands the frames of an event to `sink`.
     pub fn play(&mut self, event: &Event, sink: &mut impl FnMut(&TimedFrame)) {
         match *event {
@@ -173,17 +173,17 @@ impl Bus {
                 source,
             } => {
                 let all = Signal::ALL;
-                let Some(told) = all.get(usize::from(which) % all.len()) else {
+                let Some(reported) = all.get(usize::from(which) % all.len()) else {
                     return;
                 };
                 let value_of = |signal| {
-                    if signal == *told {
+                    if signal == *reported {
                         Value::Real(value)
                     } else {
                         Value::NotAvailable
                     }
                 };
-                let carrier = messages().find(|message| message.signals().any(|s| s == *told));
+                let carrier = messages().find(|message| message.signals().any(|s| s == *reported));
                 if let Some(message) = carrier {
                     self.encoded(message.pgn(), source, &value_of, sink);
                 }
@@ -258,7 +258,7 @@ fn any_frame(
     }
 }
 
-/// A truck of two gears. Its fingerprint is in the corpus of `kept`.
+/// Returns a truck of two gears. Its fingerprint is in the corpus of `persistent_state`.
 #[must_use]
 pub fn truck() -> VehicleParameters {
     VehicleParameters {

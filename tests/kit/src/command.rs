@@ -5,7 +5,7 @@ use assert_cmd::assert::Assert;
 use std::path::Path;
 use tempfile::TempDir;
 
-/// The program `roadgrade`, built with the tests.
+/// Returns the program `roadgrade`, built with the tests.
 ///
 /// # Panics
 /// When it is not built.
@@ -19,7 +19,7 @@ pub fn roadgrade(folder: &Path, arguments: &[&str]) -> Assert {
     program().current_dir(folder).args(arguments).assert()
 }
 
-/// An empty folder that ends with the test.
+/// Returns an empty folder that ends with the test.
 ///
 /// # Panics
 /// When it cannot be made.

@@ -7,10 +7,10 @@ use estimator_core::{
 
 /// Of the vehicle at a moment, true.
 #[derive(Clone, Copy)]
-pub struct Moment {
+pub struct VehicleMoment {
     pub seconds: f32,
     pub speed_mps: f32,
-    pub way_m: f32,
+    pub driven_m: f32,
     /// To the left.
     pub yaw_rate_radps: f32,
     pub course_deg: f32,
@@ -21,17 +21,17 @@ pub struct Moment {
 
 /// What is different from the vehicle of the plain model.
 #[derive(Clone, Copy)]
-pub struct Planted {
+pub struct PlantedDifference {
     /// Traction that the bus tells instead of the force that the plain model needs, N.
-    pub told_n: fn(&Moment) -> f32,
+    pub reported_n: fn(&VehicleMoment) -> f32,
     /// True speed over the one that the bus tells.
-    pub true_over_told: f32,
+    pub true_over_reported: f32,
 }
 
 /// Nothing.
-pub const PLAIN: Planted = Planted {
-    told_n: |moment| moment.force_n,
-    true_over_told: 1.0,
+pub const PLAIN: PlantedDifference = PlantedDifference {
+    reported_n: |moment| moment.force_n,
+    true_over_reported: 1.0,
 };
 
 const STEP_S: f32 = 0.1;
@@ -43,12 +43,12 @@ const M_PER_DEG: f64 = 111_132.0;
 pub fn drive(
     believed: &Model,
     truth: &VehicleParameters,
-    planted: Planted,
+    planted: PlantedDifference,
     seconds: f32,
 ) -> Vec<Estimate> {
     let mut estimator = Estimator::<f32>::new(believed.clone(), Tuning::default()).unwrap();
     let mut estimates = Vec::new();
-    let mut way_m = 0.0_f32;
+    let mut driven_m = 0.0_f32;
     let mut north_m = 0.0_f64;
     let mut course_deg = 20.0_f32;
     for tick in 0..(seconds / STEP_S) as u32 {
@@ -56,15 +56,15 @@ pub fn drive(
         let speed_mps = 18.0 + 4.0 * (0.02 * time_s).sin();
         let gain_mps2 = 4.0 * 0.02 * (0.02 * time_s).cos();
         let yaw_rate_radps = 0.06 * (0.05 * time_s).sin();
-        let slope = 0.02 * (way_m / 190.0).sin();
-        let altitude_m = 200.0 + 0.02 * 190.0 * (1.0 - (way_m / 190.0).cos());
+        let slope = 0.02 * (driven_m / 190.0).sin();
+        let altitude_m = 200.0 + 0.02 * 190.0 * (1.0 - (driven_m / 190.0).cos());
         let rotating_kg = truth.wheel_inertia_kgm2 / truth.wheel_radius_m.powi(2);
         let resistance_n = 0.5 * 1.2 * truth.drag_area_m2 * speed_mps * speed_mps
             + truth.mass_kg * 9.806_65 * (truth.rolling_resistance + slope);
-        let moment = Moment {
+        let moment = VehicleMoment {
             seconds: time_s,
             speed_mps,
-            way_m,
+            driven_m,
             yaw_rate_radps,
             course_deg,
             fan_percent: if (time_s / 60.0) as u32 % 2 == 1 {
@@ -83,8 +83,8 @@ pub fn drive(
         put(Signal::YawRate, real(yaw_rate_radps));
         put(Signal::Course, real(course_deg));
         match &truth.traction {
-            Traction::Force => put(Signal::TractionForce, real((planted.told_n)(&moment))),
-            Traction::Powertrain(_) => tell_torque(truth, &moment, planted, &mut put),
+            Traction::Force => put(Signal::TractionForce, real((planted.reported_n)(&moment))),
+            Traction::Powertrain(_) => report_torque(truth, &moment, planted, &mut put),
         }
         if tick % 10 == 1 {
             let e7 = |deg: f64| Value::DegreesE7((deg * 1e7) as i32);
@@ -92,12 +92,15 @@ pub fn drive(
             put(Signal::Longitude, e7(15.0));
             put(Signal::Altitude, real(altitude_m));
         }
-        put(Signal::WheelSpeed, real(speed_mps / planted.true_over_told));
+        put(
+            Signal::WheelSpeed,
+            real(speed_mps / planted.true_over_reported),
+        );
         while estimator.step().is_some() {
             estimates.push(estimator.live().unwrap().estimate);
             while estimator.next_cell().is_some() {}
         }
-        way_m += speed_mps * STEP_S + 0.5 * gain_mps2 * STEP_S * STEP_S;
+        driven_m += speed_mps * STEP_S + 0.5 * gain_mps2 * STEP_S * STEP_S;
         north_m += f64::from(speed_mps * STEP_S);
         course_deg = (course_deg - yaw_rate_radps.to_degrees() * STEP_S).rem_euclid(360.0);
     }
@@ -110,10 +113,10 @@ pub const START_LATITUDE_DEG: f32 = 58.0;
 pub const DEG_PER_KM: f32 = 1_000.0 / 111_132.0;
 
 /// Torque in the direct gear, the engine turning with it.
-fn tell_torque(
+fn report_torque(
     truth: &VehicleParameters,
-    moment: &Moment,
-    planted: Planted,
+    moment: &VehicleMoment,
+    planted: PlantedDifference,
     put: &mut impl FnMut(Signal, Value),
 ) {
     let Traction::Powertrain(powertrain) = &truth.traction else {
@@ -122,7 +125,7 @@ fn tell_torque(
     let gear = powertrain.gears[10];
     let passes = gear.efficiency * powertrain.final_drive_efficiency;
     let turns = gear.ratio * powertrain.final_drive_ratio;
-    let at_wheels_nm = (planted.told_n)(moment) * truth.wheel_radius_m;
+    let at_wheels_nm = (planted.reported_n)(moment) * truth.wheel_radius_m;
     let torque_nm = at_wheels_nm / (turns * passes);
     put(Signal::DrivelineEngaged, Value::Real(1.0));
     put(Signal::CurrentGear, Value::Real(11.0));

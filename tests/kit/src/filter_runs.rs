@@ -9,7 +9,7 @@ use std::iter::from_fn;
 
 /// A filter step with the state after it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FilteredCell<S> {
+pub struct FilteredStep<S> {
     pub record: StepRecord<S>,
     pub state: State<S>,
 }
@@ -30,15 +30,15 @@ impl<S: Scalar> FilterRun<S> {
     }
 
     /// Takes a step.
-    pub fn step(&mut self, sample: &Sample) -> Option<FilteredCell<S>> {
+    pub fn step(&mut self, sample: &Sample) -> Option<FilteredStep<S>> {
         let record = self.filter.step(&mut self.context, sample)?;
         let state = *self.filter.state()?;
-        Some(FilteredCell { record, state })
+        Some(FilteredStep { record, state })
     }
 }
 
 /// Returns the steps of a drive of [`truck`].
-pub fn run<S: Scalar>(samples: &[Sample], tuning: &Tuning) -> Vec<FilteredCell<S>> {
+pub fn run<S: Scalar>(samples: &[Sample], tuning: &Tuning) -> Vec<FilteredStep<S>> {
     run_counted(samples, tuning).0
 }
 
@@ -46,7 +46,7 @@ pub fn run<S: Scalar>(samples: &[Sample], tuning: &Tuning) -> Vec<FilteredCell<S
 pub fn run_counted<S: Scalar>(
     samples: &[Sample],
     tuning: &Tuning,
-) -> (Vec<FilteredCell<S>>, Counters) {
+) -> (Vec<FilteredStep<S>>, Counters) {
     let mut run = FilterRun::new(truck(), tuning.clone());
     let cells = samples
         .iter()
@@ -56,7 +56,7 @@ pub fn run_counted<S: Scalar>(
 }
 
 /// Returns the estimates smoothed over all cells.
-pub fn smooth<S: Scalar>(cells: &[FilteredCell<S>]) -> Vec<Estimate> {
+pub fn smooth<S: Scalar>(cells: &[FilteredStep<S>]) -> Vec<Estimate> {
     let mut pass = BackwardPass::new();
     let mut estimates: Vec<_> = cells
         .iter()
@@ -72,7 +72,7 @@ pub fn smooth<S: Scalar>(cells: &[FilteredCell<S>]) -> Vec<Estimate> {
 }
 
 /// Returns the lagged cells of a drive, none lost.
-pub fn cells<S: Scalar>(filtered: &[FilteredCell<S>]) -> Vec<Cell> {
+pub fn cells<S: Scalar>(filtered: &[FilteredStep<S>]) -> Vec<Cell> {
     let mut lag = FixedLag::new();
     let mut cells = Vec::new();
     for cell in filtered {

@@ -9,7 +9,7 @@ pub struct TestFrame {
 }
 
 impl TestFrame {
-    /// A data frame of a parameter group from a source address.
+    /// Creates a data frame of a parameter group from a source address.
     pub fn of_pgn(pgn: u32, source: u8, data: &[u8]) -> Self {
         let id = (6 << 26) | (pgn << 8) | u32::from(source);
         Self {
@@ -52,7 +52,7 @@ impl embedded_can::Frame for TestFrame {
     }
 }
 
-/// The frames of a payload: itself, or its fast-packet frames.
+/// Returns the frames of a payload: itself, or its fast-packet frames.
 pub fn frames_of(pgn: u32, source: u8, sequence: u8, payload: &[u8]) -> Vec<TestFrame> {
     if payload.len() <= 8 {
         return vec![TestFrame::of_pgn(pgn, source, payload)];

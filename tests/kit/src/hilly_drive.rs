@@ -6,18 +6,18 @@ use std::sync::LazyLock;
 
 /// What the bus tells besides force and speed.
 #[derive(Clone, Copy)]
-pub struct Bus {
+pub struct BusSignals {
     pub gnss: bool,
     pub mass_kg: Option<f32>,
 }
 
-pub const USUAL: Bus = Bus {
+pub const USUAL: BusSignals = BusSignals {
     gnss: true,
     mass_kg: None,
 };
 
 /// Drives at 20 m/s over hills of 1.2 km, 10 % heavier than the vehicle's parameters say.
-pub fn drive<S: Scalar>(mut estimator: Estimator<S>, metres: u32, bus: Bus) -> Estimator<S> {
+pub fn drive<S: Scalar>(mut estimator: Estimator<S>, metres: u32, bus: BusSignals) -> Estimator<S> {
     let vehicle = by_force();
     let weight_n = 1.1 * vehicle.mass_kg * 9.806_65;
     let drag_n = 0.5 * vehicle.drag_area_m2 * 1.2 * 400.0;

@@ -16,7 +16,7 @@ mod samples;
 pub mod simulated;
 mod trucks;
 
-pub use filter_runs::{FilterRun, FilteredCell, cells, run, run_counted, smooth};
+pub use filter_runs::{FilterRun, FilteredStep, cells, run, run_counted, smooth};
 pub use frames::{TestFrame, frames_of};
 pub use noise::Noise;
 pub use samples::{altitude, sample, speed};

@@ -4,7 +4,7 @@ use estimator_core::sample::Sample;
 use estimator_core::{Context, Instant, Intake, Model, Reading, Sampler, Signal, Tuning, Value};
 
 /// A drive by readings every 100 ms.
-pub struct Drive {
+pub struct ReadingsDrive {
     pub context: Context,
     intake: Intake,
     sampler: Sampler,
@@ -12,7 +12,7 @@ pub struct Drive {
     pub samples: Vec<Sample>,
 }
 
-impl Drive {
+impl ReadingsDrive {
     pub fn of(model: impl Into<Model>) -> Self {
         Self {
             context: Context::new(model, Tuning::default()).unwrap(),

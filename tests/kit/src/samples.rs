@@ -5,7 +5,7 @@ use estimator_core::sample::{
 };
 use estimator_core::{CELL_LENGTH_M, CellEnd, Condition, Instant};
 
-/// A sample at cell `cell` with nothing measured.
+/// Returns a sample at cell `cell` with nothing measured.
 pub fn sample(cell: u32, traction_n: f32, speed_mps: f32) -> Sample {
     let duration_s = CELL_LENGTH_M / speed_mps;
     Sample {
@@ -32,7 +32,7 @@ pub fn sample(cell: u32, traction_n: f32, speed_mps: f32) -> Sample {
     }
 }
 
-/// A speed taken at the cell's end.
+/// Returns a speed taken at the cell's end.
 pub fn speed(mean_mps: f32) -> Option<SpeedMeasurement> {
     Some(SpeedMeasurement {
         mean_mps,
@@ -41,7 +41,7 @@ pub fn speed(mean_mps: f32) -> Option<SpeedMeasurement> {
     })
 }
 
-/// An altitude taken at the cell's end.
+/// Returns an altitude taken at the cell's end.
 pub fn altitude(altitude_m: f32) -> Option<AltitudeMeasurement> {
     Some(AltitudeMeasurement {
         altitude_m,

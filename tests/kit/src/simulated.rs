@@ -57,7 +57,7 @@ pub fn readings(run: &SimulatedRun) -> Vec<(Instant, u32, Signal, Value)> {
     readings
 }
 
-/// The values of one signal with their times in seconds from the first frame.
+/// Returns the values of one signal with their times in seconds from the first frame.
 pub fn series(run: &SimulatedRun, wanted: Signal) -> Vec<(f64, f32)> {
     let start = run.frames[0].time;
     readings(run)

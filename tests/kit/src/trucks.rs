@@ -2,15 +2,15 @@
 
 use estimator_core::{Gear, Powertrain, Traction, VehicleParameters};
 
-/// A semi-trailer combination of 39 t with twelve gears.
+/// Returns a semi-trailer combination of 39 t with twelve gears.
 #[must_use]
 pub fn truck() -> VehicleParameters {
     let ratios = [11.3, 9.1, 7.1, 5.7, 4.5, 3.6, 2.9, 2.3, 1.8, 1.4, 1.0, 0.8];
     truck_with(1_750.0, &ratios)
 }
 
-/// The same truck with an engine of this reference torque and these gear ratios, the first gear
-/// first.
+/// Returns the same truck with an engine of this reference torque and these gear ratios, the first
+/// gear first.
 ///
 /// # Panics
 /// When there are more gears than a powertrain can have.

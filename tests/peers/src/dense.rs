@@ -1,7 +1,7 @@
 //! Filters on matrices of a library's own, and the plain one written with nalgebra.
 
 use super::Real;
-use super::model::{Meter, Model};
+use super::model::{FilterMeter, LinearModel};
 use adskalman::{ObservationModel, StateAndCovariance, TransitionModelLinearNoControl};
 use kfilter::kalman::{Kalman, KalmanFilter, KalmanPredict, KalmanUpdate};
 use kfilter::measurement::{LinearMeasurement, Measurement};
@@ -10,7 +10,7 @@ use multicalc::linear_algebra;
 use nalgebra::{Const, Matrix2, SMatrix, SVector, Vector2};
 
 /// Nothing: what the harness itself takes.
-pub fn nothing(meter: &mut impl Meter) {
+pub fn nothing(meter: &mut impl FilterMeter) {
     meter.measure::<3>(0, |measured| [measured[0], measured[1], 0.0]);
 }
 
@@ -28,8 +28,8 @@ struct Plain<const N: usize> {
 }
 
 /// The textbook's equations on nalgebra's matrices, P ← (I − K H) P.
-pub fn plain_nalgebra<const N: usize>(meter: &mut impl Meter) {
-    let model = Model::<N>::new();
+pub fn plain_nalgebra<const N: usize>(meter: &mut impl FilterMeter) {
+    let model = LinearModel::<N>::new();
     let mut filter = Plain {
         f: matrix(model.transition),
         q: matrix(model.step_noise),
@@ -54,8 +54,8 @@ pub fn plain_nalgebra<const N: usize>(meter: &mut impl Meter) {
 }
 
 /// multicalc, as it comes: Joseph's form.
-pub fn multicalc<const N: usize>(meter: &mut impl Meter) {
-    let model = Model::<N>::new();
+pub fn multicalc<const N: usize>(meter: &mut impl FilterMeter) {
+    let model = LinearModel::<N>::new();
     let mut filter = estimation::KalmanFilter::new(
         linear_algebra::Vector::new([0.0; N]),
         linear_algebra::Matrix::new(model.covariance),
@@ -75,12 +75,12 @@ pub fn multicalc<const N: usize>(meter: &mut impl Meter) {
 }
 
 /// kfilter, in the older nalgebra that it speaks.
-pub fn kfilter<const N: usize>(meter: &mut impl Meter) {
+pub fn kfilter<const N: usize>(meter: &mut impl FilterMeter) {
     use nalgebra_034::{SMatrix, SVector};
     fn matrix<const R: usize, const C: usize>(rows: [[Real; C]; R]) -> SMatrix<Real, R, C> {
         SMatrix::from_fn(|i, j| rows[i][j])
     }
-    let model = Model::<N>::new();
+    let model = LinearModel::<N>::new();
     let mut filter = Kalman::new(
         matrix(model.transition),
         matrix(model.step_noise),
@@ -119,13 +119,13 @@ impl<const N: usize> TransitionModelLinearNoControl<Real, Const<N>> for Transiti
     }
 }
 
-struct Observation<const N: usize> {
+struct DenseObservation<const N: usize> {
     h: SMatrix<Real, 2, N>,
     transposed: SMatrix<Real, N, 2>,
     r: Matrix2<Real>,
 }
 
-impl<const N: usize> ObservationModel<Real, Const<N>, Const<2>> for Observation<N> {
+impl<const N: usize> ObservationModel<Real, Const<N>, Const<2>> for DenseObservation<N> {
     fn H(&self) -> &SMatrix<Real, 2, N> {
         &self.h
     }
@@ -138,15 +138,15 @@ impl<const N: usize> ObservationModel<Real, Const<N>, Const<2>> for Observation<
 }
 
 /// adskalman, as it comes: Joseph's form.
-pub fn adskalman<const N: usize>(meter: &mut impl Meter) {
-    let model = Model::<N>::new();
+pub fn adskalman<const N: usize>(meter: &mut impl FilterMeter) {
+    let model = LinearModel::<N>::new();
     let (f, h) = (matrix(model.transition), matrix(model.measured));
     let transition = Transition {
         f,
         transposed: f.transpose(),
         q: matrix(model.step_noise),
     };
-    let observation = Observation {
+    let observation = DenseObservation {
         h,
         transposed: h.transpose(),
         r: matrix(model.noise),

@@ -17,8 +17,8 @@ pub mod minikalman_filter;
 pub mod model;
 pub mod ours;
 
-use firmware::meter::{Meter, Tally, Uncountable, depth};
-use model::{Meter as FilterMeter, measurements};
+use firmware::meter::{CountTally, InstructionMeter, Uncountable, depth};
+use model::{FilterMeter, measurements};
 use semihosting::io::{self, Write};
 
 /// What filters compute in here. Their modules know it as `super::Real`: `tests/benches` has the same
@@ -30,9 +30,9 @@ const STEPS: u32 = 1_000;
 /// Counts on the board, and prints: instructions (mean and worst), bytes of stack and of the filter,
 /// the state.
 #[derive(Debug)]
-pub struct Board;
+pub struct BoardMeter;
 
-impl FilterMeter for Board {
+impl FilterMeter for BoardMeter {
     fn measure<const N: usize>(
         &mut self,
         bytes: usize,
@@ -46,8 +46,8 @@ fn count<const N: usize>(
     bytes: usize,
     step: &mut impl FnMut([f32; 2]) -> [f32; N],
 ) -> Result<(), Uncountable> {
-    let mut meter = Meter::new()?;
-    let mut tally = Tally::default();
+    let mut meter = InstructionMeter::new()?;
+    let mut tally = CountTally::default();
     let mut deepest = 0;
     let mut state = [0.0; N];
     for number in 0..STEPS {

@@ -1,16 +1,16 @@
 //! minikalman: its buffers have their sizes from macros, so this is one as well.
 
 use super::Real;
-use super::model::{Meter, Model};
+use super::model::{FilterMeter, LinearModel};
 use minikalman::prelude::*;
 use minikalman::regular::{RegularKalmanBuilder, RegularObservationBuilder};
 
 macro_rules! minikalman {
     ($name:ident, $states:expr) => {
         /// A filter of this many states.
-        pub fn $name(meter: &mut impl Meter) {
+        pub fn $name(meter: &mut impl FilterMeter) {
             const N: usize = $states;
-            let model = Model::<N>::new();
+            let model = LinearModel::<N>::new();
             impl_buffer_A!(mut transition, N, Real, 0.0);
             impl_buffer_x!(mut state, N, Real, 0.0);
             impl_buffer_P!(mut covariance, N, Real, 0.0);

@@ -4,7 +4,7 @@ use super::Real;
 use core::hint::black_box;
 
 /// Measures a filter.
-pub trait Meter {
+pub trait FilterMeter {
     /// Takes a filter of this size (bytes) that is moved a step by two measurements and says where
     /// it is.
     fn measure<const N: usize>(&mut self, bytes: usize, step: impl FnMut([Real; 2]) -> [Real; N]);
@@ -15,7 +15,7 @@ const STEP_S: Real = 0.05;
 
 /// The matrices by rows.
 #[derive(Clone, Copy, Debug)]
-pub struct Model<const N: usize> {
+pub struct LinearModel<const N: usize> {
     /// F, the transition.
     pub transition: [[Real; N]; N],
     /// Q, the noise of a step.
@@ -28,8 +28,8 @@ pub struct Model<const N: usize> {
     pub covariance: [[Real; N]; N],
 }
 
-impl<const N: usize> Model<N> {
-    /// The model of every filter here.
+impl<const N: usize> LinearModel<N> {
+    /// Creates the model of every filter here.
     #[must_use]
     pub fn new() -> Self {
         let one = diagonal([1.0; N]);
@@ -57,7 +57,7 @@ impl<const N: usize> Model<N> {
     }
 }
 
-impl<const N: usize> Default for Model<N> {
+impl<const N: usize> Default for LinearModel<N> {
     fn default() -> Self {
         Self::new()
     }

@@ -2,7 +2,7 @@
 //! surrounds them (the vehicle's forces, noise switching, gates).
 
 use super::Real;
-use super::model::Meter;
+use super::model::FilterMeter;
 use core::hint::black_box;
 use estimator_core::filter::measurement::{Observation, ScalarMeasurement};
 use estimator_core::filter::predict::Prediction;
@@ -14,7 +14,7 @@ use estimator_core::{
 };
 
 /// All its states, on a level road at 20 m/s.
-pub fn ours(meter: &mut impl Meter) {
+pub fn ours(meter: &mut impl FilterMeter) {
     let vehicle = VehicleParameters {
         mass_kg: 39_000.0,
         drag_area_m2: 6.0,

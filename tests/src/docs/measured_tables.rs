@@ -5,7 +5,7 @@ use clap::Parser;
 use host_sim::cli::Cli;
 use host_sim::error::{Error, Result};
 use host_sim::report::page::Table;
-use host_sim::study::{Outcome, STUDIES, Setting};
+use host_sim::study::{STUDIES, Setting, StudyOutcome};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -381,8 +381,8 @@ fn run_study(name: &str) -> Result<Option<Vec<Table>>> {
         seed: 2011,
     };
     Ok(match (study.run)(&setting)? {
-        Outcome::Done(section) => Some(section.tables),
-        Outcome::Skipped(_) => None,
+        StudyOutcome::Done(section) => Some(section.tables),
+        StudyOutcome::Skipped(_) => None,
     })
 }
 

@@ -8,8 +8,8 @@ use host_sim::source::can_frame::TimedFrame;
 /// Address that no sender of the simulator has.
 pub const STRANGER: u8 = 0x80;
 
-/// What was recorded `ago` before, sent again during the window from the address that `address`
-/// makes of the true one, each frame `times` times as fast as it came.
+/// Returns what was recorded `ago` before, sent again during the window from the address that
+/// `address` makes of the true one, each frame `times` times as fast as it came.
 pub fn replayed<'a>(
     recording: &'a [TimedFrame],
     window: Window,
@@ -31,7 +31,8 @@ pub fn replayed<'a>(
     repeated(readdressed, always, times)
 }
 
-/// What comes much later in the recording, sent already now: for an attacker who was there first.
+/// Returns what comes much later in the recording, sent already now: for an attacker who was there
+/// first.
 pub fn foretold(recording: &[TimedFrame], window: Window, by: Duration, address: u8) -> Frames<'_> {
     let always = Instant::ZERO..Instant::from_micros(u64::MAX);
     let early = recording
@@ -56,7 +57,8 @@ pub fn both<'a>(one: Frames<'a>, other: Frames<'a>) -> Frames<'a> {
     }))
 }
 
-/// A stranger's frames come a little after the ones that they imitate, not at the same moment.
+/// Returns a stranger's frames come a little after the ones that they imitate, not at the same
+/// moment.
 #[must_use]
 pub fn out_of_step(frames: Frames<'_>) -> Frames<'_> {
     let always = Instant::ZERO..Instant::from_micros(u64::MAX);

@@ -55,7 +55,7 @@ pub struct Fault {
     /// What is wrong.
     pub name: String,
     /// What it is a fault of.
-    pub kind: Kind,
+    pub kind: FaultKind,
     /// From and until, s from the first frame on.
     pub window_s: (f64, f64),
     /// What the clock is ahead from then on, s.
@@ -67,7 +67,7 @@ pub struct Fault {
 
 /// What is at fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum FaultKind {
     /// Nothing.
     Nothing,
     /// The bus.
@@ -84,7 +84,7 @@ pub enum Kind {
 
 impl Fault {
     fn new(
-        kind: Kind,
+        kind: FaultKind,
         name: impl Into<String>,
         for_s: f64,
         wrap: impl for<'a> Fn(&'a [TimedFrame], Window) -> Frames<'a> + Sync + Send + 'static,
@@ -117,18 +117,18 @@ impl Fault {
         }
     }
 
-    /// A recording as it is heard with the fault.
+    /// Returns a recording as it is heard with the fault.
     #[must_use]
-    pub fn heard<'a>(&self, recording: &'a [TimedFrame]) -> Frames<'a> {
+    pub fn received<'a>(&self, recording: &'a [TimedFrame]) -> Frames<'a> {
         let first = recording.first().map_or(Instant::ZERO, |timed| timed.time);
         let at = |since_s: f64| first + seconds(since_s);
         (self.wrap)(recording, at(self.window_s.0)..at(self.window_s.1))
     }
 }
 
-/// A fault of what is true, not of who sends it.
+/// Returns a fault of what is true, not of who sends it.
 fn wraps_frames(
-    kind: Kind,
+    kind: FaultKind,
     name: impl Into<String>,
     for_s: f64,
     wrap: impl for<'a> Fn(Frames<'a>, Window) -> Frames<'a> + Sync + Send + 'static,
@@ -145,7 +145,7 @@ fn true_frames(recording: &[TimedFrame]) -> Frames<'_> {
 /// Every fault, and first of all none.
 #[must_use]
 pub fn catalogue() -> Vec<Fault> {
-    let mut faults = vec![wraps_frames(Kind::Nothing, "none", 60.0, |f, _| f)];
+    let mut faults = vec![wraps_frames(FaultKind::Nothing, "none", 60.0, |f, _| f)];
     faults.extend(of_the_bus());
     faults.extend(of_signals());
     faults.extend(of_the_receiver());
@@ -156,7 +156,7 @@ pub fn catalogue() -> Vec<Fault> {
 
 fn of_the_bus() -> Vec<Fault> {
     let bus = |name, for_s, wrap: fn(Frames<'_>, Window) -> Frames<'_>| {
-        wraps_frames(Kind::Bus, name, for_s, wrap)
+        wraps_frames(FaultKind::Bus, name, for_s, wrap)
     };
     vec![
         bus("every tenth frame lost", 120.0, |f, w| every_lost(f, w, 10)),
@@ -166,28 +166,34 @@ fn of_the_bus() -> Vec<Fault> {
         bus("silence of 1 s", 1.0, |f, w| lost(f, w, |_| true)),
         bus("silence of 10 s", 10.0, |f, w| lost(f, w, |_| true)),
         bus("silence of 60 s", 60.0, |f, w| lost(f, w, |_| true)),
-        bus("every frame twice", 120.0, |f, w| repeated(f, w, 2)),
-        bus("0.5 s late", 120.0, |f, w| delayed(f, w, |_| seconds(0.5))),
-        bus("up to 0.2 s late at random", 120.0, |f, w| {
+        bus("every frame repeated", 120.0, |f, w| repeated(f, w, 2)),
+        bus("frames 0.5 s late", 120.0, |f, w| {
+            delayed(f, w, |_| seconds(0.5))
+        }),
+        bus("frames up to 0.2 s late at random", 120.0, |f, w| {
             delayed(f, w, |rng| seconds(rng.random_range(0.0..0.2)))
         }),
-        bus("neighbours swapped, with their times", 120.0, |f, w| {
-            swapped(f, w, true)
-        }),
-        bus("neighbours swapped before timing", 120.0, |f, w| {
-            swapped(f, w, false)
-        }),
+        bus(
+            "neighbouring frames swapped, with their time stamps",
+            120.0,
+            |f, w| swapped(f, w, true),
+        ),
+        bus(
+            "neighbouring frames swapped before time stamping",
+            120.0,
+            |f, w| swapped(f, w, false),
+        ),
         bus("one frame in five cut short", 120.0, |f, w| {
             truncated(f, w, 5)
         }),
         bus("over-long fast packets", 120.0, overlong_packets),
-        bus("a bit flipped in one frame of 100", 120.0, |f, w| {
+        bus("one bit flipped in one frame of 100", 120.0, |f, w| {
             bit_flipped(f, w, 100)
         }),
-        bus("fast packets' counters stand", 120.0, |f, w| {
+        bus("fast packet sequence counter stuck", 120.0, |f, w| {
             sequenced(f, w, |_| 0)
         }),
-        bus("fast packets' counters at random", 120.0, |f, w| {
+        bus("fast packet sequence counter random", 120.0, |f, w| {
             let mut rng = random();
             sequenced(f, w, move |_| rng.random_range(0..8))
         }),
@@ -201,16 +207,20 @@ fn of_the_bus() -> Vec<Fault> {
                 }
             })
         }),
-        bus("all senders at another address", 60.0, |f, w| {
+        bus("all messages from another source address", 60.0, |f, w| {
             readdressed(f, w, |own| own ^ 0x40)
         }),
-        bus("twins with 11-bit identifiers", 120.0, with_short_twins),
+        bus(
+            "duplicates with 11-bit identifiers",
+            120.0,
+            with_short_twins,
+        ),
     ]
 }
 
 fn of_signals() -> Vec<Fault> {
     let signal = |name: &str, for_s, wrap: fn(Frames<'_>, Window) -> Frames<'_>| {
-        wraps_frames(Kind::Signal, name, for_s, wrap)
+        wraps_frames(FaultKind::Signal, name, for_s, wrap)
     };
     let groups: [(&str, &'static [Signal]); 9] = [
         ("torque", TORQUE),
@@ -230,7 +240,7 @@ fn of_signals() -> Vec<Fault> {
             ("error", Value::Error, 120.0),
         ] {
             faults.push(wraps_frames(
-                Kind::Signal,
+                FaultKind::Signal,
                 format!("{name}: {code} for {for_s} s"),
                 for_s,
                 move |f, w| replaced(f, w, signals, value),
@@ -257,21 +267,25 @@ fn of_signals() -> Vec<Fault> {
         signal("shift stuck on", 120.0, |f, w| {
             replaced(f, w, SHIFT, Value::Real(1.0))
         }),
-        signal("one wheel speed in 20 off by up to 5 m/s", 120.0, |f, w| {
-            let mut rng = random();
-            altered(f, w, SPEED, move |_, mps| {
-                let off = rng.random_range(-5.0..5.0);
-                if rng.random_ratio(1, 20) {
-                    mps + off
-                } else {
-                    mps
-                }
-            })
-        }),
-        signal("wheel speed jumps to 0 each 10 s", 120.0, |f, w| {
+        signal(
+            "one wheel speed in 20 wrong by up to 5 m/s",
+            120.0,
+            |f, w| {
+                let mut rng = random();
+                altered(f, w, SPEED, move |_, mps| {
+                    let off = rng.random_range(-5.0..5.0);
+                    if rng.random_ratio(1, 20) {
+                        mps + off
+                    } else {
+                        mps
+                    }
+                })
+            },
+        ),
+        signal("wheel speed drops to 0 every 10 s", 120.0, |f, w| {
             altered(f, w, SPEED, |s, mps| if s % 10.0 < 0.3 { 0.0 } else { mps })
         }),
-        signal("one torque in 20 off by up to 50 %", 120.0, |f, w| {
+        signal("one torque in 20 wrong by up to 50 %", 120.0, |f, w| {
             let mut rng = random();
             altered(f, w, TORQUE, move |_, percent| {
                 let off = rng.random_range(-50.0_f32..50.0).round();
@@ -285,7 +299,7 @@ fn of_signals() -> Vec<Fault> {
         signal("speed 3 % high for 120 s", 120.0, |f, w| {
             altered(f, w, SPEEDS, |_, v| 1.03 * v)
         }),
-        signal("speed 3 % high for ever", FOR_EVER_S, |f, w| {
+        signal("speed 3 % high from the start", FOR_EVER_S, |f, w| {
             altered(f, w, SPEEDS, |_, v| 1.03 * v)
         })
         .from(0.0),
@@ -293,15 +307,15 @@ fn of_signals() -> Vec<Fault> {
     faults
 }
 
-/// Those of the GNSS receiver.
+/// Returns those of the GNSS receiver.
 #[must_use]
 pub fn of_the_receiver() -> Vec<Fault> {
     let gnss = |name, for_s, wrap: fn(Frames<'_>, Window) -> Frames<'_>| {
-        wraps_frames(Kind::Receiver, name, for_s, wrap)
+        wraps_frames(FaultKind::Receiver, name, for_s, wrap)
     };
     let kilometre_s = 1_000.0 / CRUISE_MPS;
     let ramp = |name, for_s: f64, metres: f32| {
-        wraps_frames(Kind::Receiver, name, for_s, move |f, w| {
+        wraps_frames(FaultKind::Receiver, name, for_s, move |f, w| {
             altered(f, w, ALTITUDE, move |s, m| m + metres * (s / for_s) as f32)
         })
     };
@@ -312,11 +326,11 @@ pub fn of_the_receiver() -> Vec<Fault> {
         gnss("no fix for 600 s", 600.0, |f, w| {
             replaced(f, w, FIX, Value::Real(0.0))
         }),
-        gnss("never a fix", FOR_EVER_S, |f, w| {
+        gnss("no fix at all", FOR_EVER_S, |f, w| {
             replaced(f, w, FIX, Value::Real(0.0))
         })
         .from(0.0),
-        gnss("silent for 120 s", 120.0, |f, w| {
+        gnss("no messages for 120 s", 120.0, |f, w| {
             lost(f, w, |timed| {
                 pgn(&timed.frame).is_some_and(|pgn| pgn >= 129_000)
             })
@@ -325,10 +339,10 @@ pub fn of_the_receiver() -> Vec<Fault> {
             replaced(f, w, ALTITUDE, Value::NotAvailable)
         }),
         gnss("frozen for 120 s", 120.0, |f, w| stuck(f, w, POSITION)),
-        gnss("25 m off for 60 s", 60.0, |f, w| {
+        gnss("altitude 25 m too high for 60 s", 60.0, |f, w| {
             altered(f, w, ALTITUDE, |_, m| m + 25.0)
         }),
-        gnss("single fixes 40 m off", 120.0, |f, w| {
+        gnss("single altitudes 40 m too high", 120.0, |f, w| {
             let mut rng = random();
             altered(f, w, ALTITUDE, move |_, m| {
                 if rng.random_ratio(1, 10) { m + 40.0 } else { m }
@@ -342,11 +356,11 @@ pub fn of_the_receiver() -> Vec<Fault> {
 
 fn of_the_clock() -> Vec<Fault> {
     let clock = |name, wrap: fn(Frames<'_>, Window) -> Frames<'_>| {
-        wraps_frames(Kind::Clock, name, 1.0, wrap)
+        wraps_frames(FaultKind::Clock, name, 1.0, wrap)
     };
     let leap = |name, ahead_s: f64| Fault {
         ahead_s,
-        ..wraps_frames(Kind::Clock, name, 1.0, move |f, w| {
+        ..wraps_frames(FaultKind::Clock, name, 1.0, move |f, w| {
             leaps(f, w, seconds(ahead_s))
         })
     };
@@ -356,13 +370,13 @@ fn of_the_clock() -> Vec<Fault> {
             ..clock("set back by 0.3 s", |f, w| set_back(f, w, seconds(0.3)))
         },
         clock("set back by 1 h", |f, w| set_back(f, w, seconds(3600.0))),
-        clock("counter of 32 bits begins anew", |f, w| wraps(f, w)),
-        leap("leaps ahead by 60 s", 60.0),
-        leap("leaps ahead by 1 h", 3600.0),
-        clock("single frames an hour early", |f, w| {
+        clock("counter of 32 bits wraps around", |f, w| wraps(f, w)),
+        leap("jumps ahead by 60 s", 60.0),
+        leap("jumps ahead by 1 h", 3600.0),
+        clock("single frames one hour early", |f, w| {
             strays(f, w, 100, seconds(3600.0), false)
         }),
-        clock("single frames a day late", |f, w| {
+        clock("single frames one day late", |f, w| {
             strays(f, w, 100, seconds(86_400.0), true)
         }),
     ]
@@ -370,20 +384,25 @@ fn of_the_clock() -> Vec<Fault> {
 
 fn attacks() -> Vec<Fault> {
     let attack = |name, for_s, wrap: fn(&[TimedFrame], Window) -> Frames<'_>| {
-        Fault::new(Kind::Attack, name, for_s, wrap)
+        Fault::new(FaultKind::Attack, name, for_s, wrap)
     };
     let ago: fn() -> Duration = || seconds(20.0);
     let with = |name, for_s, times, address: fn(u8) -> u8| {
-        Fault::new(Kind::Attack, name, for_s, move |recording, window| {
+        Fault::new(FaultKind::Attack, name, for_s, move |recording, window| {
             let theirs = replayed(recording, window, ago(), times, address);
             both(true_frames(recording), out_of_step(theirs))
         })
     };
     vec![
-        with("repeats from another address", 120.0, 1, |_| STRANGER),
-        with("the same, five times as fast", 120.0, 5, |_| STRANGER),
+        with("replay from another source address", 120.0, 1, |_| STRANGER),
+        with(
+            "replay from another source address, five times as fast",
+            120.0,
+            5,
+            |_| STRANGER,
+        ),
         attack(
-            "is there before the true senders",
+            "sends before the true senders start",
             60.0,
             |recording, window| {
                 let silent = window.start..window.start + seconds(5.0);
@@ -393,7 +412,7 @@ fn attacks() -> Vec<Fault> {
         )
         .from(0.0),
         attack(
-            "speaks while the true senders pause for 15 s",
+            "sends while the true senders pause for 15 s",
             60.0,
             |recording, window| {
                 let silent = window.start..window.start + seconds(15.0);
@@ -404,9 +423,9 @@ fn attacks() -> Vec<Fault> {
                 )
             },
         ),
-        with("repeats from the true addresses", 60.0, 1, |own| own),
+        with("replay from the true source addresses", 60.0, 1, |own| own),
         with(
-            "the same, five times as fast, true addresses",
+            "replay from the true source addresses, five times as fast",
             60.0,
             5,
             |own| own,

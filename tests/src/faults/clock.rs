@@ -3,7 +3,7 @@
 use super::{Frames, Window};
 use estimator_core::{Duration, Instant};
 
-/// The clock is set back when the window opens, and stays so.
+/// Returns the clock is set back when the window opens, and stays so.
 pub fn set_back<'a>(frames: Frames<'a>, window: Window, by: Duration) -> Frames<'a> {
     stamped(frames, move |time| {
         if time >= window.start {
@@ -14,7 +14,7 @@ pub fn set_back<'a>(frames: Frames<'a>, window: Window, by: Duration) -> Frames<
     })
 }
 
-/// The clock leaps ahead when the window opens, and stays so.
+/// Returns the clock leaps ahead when the window opens, and stays so.
 pub fn leaps<'a>(frames: Frames<'a>, window: Window, by: Duration) -> Frames<'a> {
     stamped(frames, move |time| {
         if time >= window.start {
@@ -25,7 +25,7 @@ pub fn leaps<'a>(frames: Frames<'a>, window: Window, by: Duration) -> Frames<'a>
     })
 }
 
-/// One frame of `n` in the window is told to be later or, if not `ahead`, earlier.
+/// Returns one frame of `n` in the window is told to be later or, if not `ahead`, earlier.
 pub fn strays<'a>(
     frames: Frames<'a>,
     window: Window,
@@ -47,7 +47,7 @@ pub fn strays<'a>(
     })
 }
 
-/// The clock counts microseconds in 32 bits, and begins anew when the window opens.
+/// Returns the clock counts microseconds in 32 bits, and begins anew when the window opens.
 pub fn wraps(frames: Frames<'_>, window: Window) -> Frames<'_> {
     let start = window.start.micros();
     stamped(frames, move |time| {

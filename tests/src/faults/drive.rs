@@ -27,7 +27,7 @@ pub const DAY_LAPS: usize = 98;
 /// 20 km there, and back again, for a day of [`DAY_LAPS`].
 ///
 /// # Errors
-/// As [`drive`].
+/// Returns the errors of [`drive`].
 pub fn lap(truck: &str) -> Result<[SimulatedRun; 2]> {
     let text = format!(
         "[road]\nlength_m = 20000.0\n[rates]\nfast_ms = 1000.0\n\

@@ -121,7 +121,7 @@ pub fn swapped<'a>(frames: Frames<'a>, window: Window, with_times: bool) -> Fram
     )
 }
 
-/// One frame of `n` is cut to a random length.
+/// Returns one frame of `n` is cut to a random length.
 pub fn truncated<'a>(frames: Frames<'a>, window: Window, n: u32) -> Frames<'a> {
     let mut rng = random();
     changed(frames, window, move |timed| {
@@ -146,7 +146,7 @@ pub fn overlong_packets<'a>(frames: Frames<'a>, window: Window) -> Frames<'a> {
     })
 }
 
-/// The sequence counters of fast packets are what `sequence` makes of them.
+/// Returns the sequence counters of fast packets are what `sequence` makes of them.
 pub fn sequenced<'a>(
     frames: Frames<'a>,
     window: Window,
@@ -161,7 +161,7 @@ pub fn sequenced<'a>(
     })
 }
 
-/// One bit of one frame in `n` is another.
+/// Returns one bit of one frame in `n` is another.
 pub fn bit_flipped<'a>(frames: Frames<'a>, window: Window, n: u32) -> Frames<'a> {
     let mut rng = random();
     changed(frames, window, move |mut timed| {
@@ -199,7 +199,7 @@ pub fn with_short_twins<'a>(frames: Frames<'a>, window: Window) -> Frames<'a> {
     })
 }
 
-/// The parameter group of a frame with a 29-bit identifier.
+/// Returns the parameter group of a frame with a 29-bit identifier.
 #[must_use]
 pub fn pgn(frame: &CanFrame) -> Option<u32> {
     raw_id(frame).map(|id| estimator_core::signal::Pgn::from_raw(id).number)

@@ -1,11 +1,11 @@
 //! Every fault on every drive, and what of it is as it should be.
 
-use super::catalogue::{Fault, Kind, catalogue};
+use super::catalogue::{Fault, FaultKind, catalogue};
 use super::drive::drive;
-use super::outcome::{Phases, Times, Truth, estimated, is_sound};
+use super::outcome::{Phases, Times, TrueDrive, estimated, is_sound};
 use estimator_core::Counters;
 use host_sim::error::Result;
-use host_sim::recorder::Run;
+use host_sim::recorder::SmoothedRun;
 use host_sim::simulator::SimulatedRun;
 use host_sim::terminal::counters::events;
 use rayon::prelude::*;
@@ -25,37 +25,37 @@ const WAY_M: f64 = 10.0;
 /// A drive that faults happen to, and what is made of it without any.
 struct Subject {
     run: SimulatedRun,
-    truth: Truth,
-    clean: Run,
+    truth: TrueDrive,
+    clean: SmoothedRun,
 }
 
-/// What came of a fault on all drives of one truck.
+/// The outcome of a fault on all drives of one truck.
 #[derive(Clone, Debug)]
-pub struct Outcome {
+pub struct FaultOutcome {
     /// The truck.
     pub truck: &'static str,
     /// Errors with the fault.
     pub with: Phases,
     /// Errors without it, of the same stretches.
     pub without: Phases,
-    /// What was counted more with the fault than without, by name.
+    /// Increase of the counters by the fault, by key.
     pub counted: BTreeMap<&'static str, u64>,
     /// Whether all numbers are some, with sigmas above nought.
     pub is_sound: bool,
     /// Whether each cell is what it is without the fault.
     pub is_harmless: bool,
     /// How much longer the way is than without the fault, where that is most, m.
-    pub way_m: f64,
+    pub distance_m: f64,
     /// How many cells are missing, on average.
     pub cells_missing: f64,
 }
 
-/// A fault and what came of it on each truck.
-pub struct Row {
+/// A fault and its outcome on each truck.
+pub struct FaultRow {
     /// The fault.
     pub fault: Fault,
     /// By truck.
-    pub outcomes: Vec<Outcome>,
+    pub outcomes: Vec<FaultOutcome>,
 }
 
 impl Subject {
@@ -63,14 +63,14 @@ impl Subject {
         let run = drive(truck, seed)?;
         let recorded = Box::new(run.frames.iter().copied());
         Ok(Self {
-            truth: Truth::new(&run),
+            truth: TrueDrive::new(&run),
             clean: estimated::<f32>(&run.vehicle.model, recorded),
             run,
         })
     }
 
-    fn with(&self, truck: &'static str, fault: &Fault) -> Outcome {
-        let heard = fault.heard(&self.run.frames);
+    fn with(&self, truck: &'static str, fault: &Fault) -> FaultOutcome {
+        let heard = fault.received(&self.run.frames);
         let run = estimated::<f32>(&self.run.vehicle.model, heard);
         let times = Times {
             window_s: fault.window_s,
@@ -80,28 +80,31 @@ impl Subject {
             ahead_s: 0.0,
             ..times
         };
-        let way_m = |run: &Run| run.rows.last().map_or(0.0, |row| row.distance_m);
-        Outcome {
+        let distance_m = |run: &SmoothedRun| run.rows.last().map_or(0.0, |row| row.distance_m);
+        FaultOutcome {
             truck,
             with: self.truth.phases(&run.rows, &times),
             without: self.truth.phases(&self.clean.rows, &right),
             counted: more(&run.counters, &self.clean.counters),
             is_sound: is_sound(&run.rows),
             is_harmless: run.rows == self.clean.rows,
-            way_m: way_m(&run) - way_m(&self.clean),
+            distance_m: distance_m(&run) - distance_m(&self.clean),
             cells_missing: self.clean.rows.len() as f64 - run.rows.len() as f64,
         }
     }
 }
 
-/// What was counted more than without a fault.
+/// Returns what was counted more than without a fault.
 fn more(with: &Counters, without: &Counters) -> BTreeMap<&'static str, u64> {
     let all = |counters: &Counters| -> BTreeMap<&'static str, u64> {
         let others = [
-            ("frames of no interest", counters.frames_ignored),
+            ("frames not decoded", counters.frames_ignored),
             ("cells without a valid model", counters.invalid_steps.into()),
         ];
-        events(counters).into_iter().chain(others).collect()
+        let counted = events(counters)
+            .into_iter()
+            .map(|event| (event.key, event.count));
+        counted.chain(others).collect()
     };
     let before = all(without);
     let more = all(with).into_iter().filter_map(|(name, count)| {
@@ -111,7 +114,7 @@ fn more(with: &Counters, without: &Counters) -> BTreeMap<&'static str, u64> {
     more.collect()
 }
 
-impl Outcome {
+impl FaultOutcome {
     /// Of all drives of one truck.
     fn merged(mut outcomes: impl Iterator<Item = Self>) -> Option<Self> {
         let mut all = outcomes.next()?;
@@ -124,8 +127,8 @@ impl Outcome {
             }
             all.is_sound &= one.is_sound;
             all.is_harmless &= one.is_harmless;
-            if one.way_m.abs() > all.way_m.abs() {
-                all.way_m = one.way_m;
+            if one.distance_m.abs() > all.distance_m.abs() {
+                all.distance_m = one.distance_m;
             }
             all.cells_missing += one.cells_missing;
             drives += 1.0;
@@ -134,15 +137,15 @@ impl Outcome {
         Some(all)
     }
 
-    /// Whether sigmas are honest while the fault lasts and over the whole drive, smoothed and
-    /// lagged.
+    /// Returns whether sigmas are honest while the fault lasts and over the whole drive, smoothed
+    /// and lagged.
     #[must_use]
     pub fn is_honest(&self) -> bool {
         let honest = |means: [f64; 3]| means[..2].iter().all(|mean| *mean < HONEST);
         honest(self.with.during.normalised()) && honest(self.with.whole.normalised())
     }
 
-    /// Whether the fault is got over: smoothed, lagged and live.
+    /// Returns whether the fault is got over: smoothed, lagged and live.
     #[must_use]
     pub fn is_recovered(&self) -> bool {
         let with = self.with.after.rmse_percent();
@@ -152,35 +155,40 @@ impl Outcome {
             .all(|(with, without)| *with <= RECOVERED.0 * without + RECOVERED.1)
     }
 
-    /// Whether the way is as long as without the fault.
+    /// Returns whether the way is as long as without the fault.
     #[must_use]
     pub fn is_as_long(&self) -> bool {
-        self.way_m.abs() <= WAY_M
+        self.distance_m.abs() <= WAY_M
     }
 
-    /// Whether it was counted, or there was nothing to count.
+    /// Returns whether it was counted, or there was nothing to count.
     #[must_use]
     pub fn is_counted(&self) -> bool {
         self.is_harmless || !self.counted.is_empty()
     }
 }
 
-impl Row {
-    /// What is not as it should be, and not declared by the fault either; or declared and not so.
+impl FaultRow {
+    /// Returns what is not as it should be, and not declared by the fault either; or declared and
+    /// not so.
     #[must_use]
     pub fn complaints(&self) -> Vec<String> {
         let mut complaints = Vec::new();
         let short = &self.fault.short;
         for (what, is_well, declared) in [
             (
-                "numbers that are none",
-                &Outcome::is_sound as &dyn Fn(&Outcome) -> bool,
+                "non-finite values",
+                &FaultOutcome::is_sound as &dyn Fn(&FaultOutcome) -> bool,
                 false,
             ),
-            ("sigmas too small", &Outcome::is_honest, short.dishonest),
-            ("not got over", &Outcome::is_recovered, short.lasting),
-            ("not counted", &Outcome::is_counted, short.unseen),
-            ("another way", &Outcome::is_as_long, short.displaced),
+            (
+                "sigmas too small",
+                &FaultOutcome::is_honest,
+                short.dishonest,
+            ),
+            ("no recovery", &FaultOutcome::is_recovered, short.lasting),
+            ("not counted", &FaultOutcome::is_counted, short.unseen),
+            ("distance error", &FaultOutcome::is_as_long, short.displaced),
         ] {
             let of: Vec<_> = self
                 .outcomes
@@ -190,24 +198,24 @@ impl Row {
             let trucks: Vec<_> = of.iter().map(|outcome| outcome.truck).collect();
             match (trucks.is_empty(), declared) {
                 (false, false) => complaints.push(format!("{what} ({})", trucks.join(", "))),
-                (true, true) => complaints.push(format!("declared, but not so: {what}")),
+                (true, true) => complaints.push(format!("declared, but not the case: {what}")),
                 _ => {}
             }
         }
         complaints
     }
 
-    /// What came of it, in a word.
+    /// Returns what came of it, in a word.
     #[must_use]
     pub fn verdict(&self) -> &'static str {
-        let all = |is: fn(&Outcome) -> bool| self.outcomes.iter().all(is);
-        if self.fault.kind == Kind::Nothing {
+        let all = |is: fn(&FaultOutcome) -> bool| self.outcomes.iter().all(is);
+        if self.fault.kind == FaultKind::Nothing {
             ""
-        } else if !all(Outcome::is_honest) || !all(Outcome::is_recovered) {
+        } else if !all(FaultOutcome::is_honest) || !all(FaultOutcome::is_recovered) {
             "**not withstood**"
         } else if all(|outcome| outcome.is_harmless) {
             "no effect"
-        } else if !all(Outcome::is_counted) {
+        } else if !all(FaultOutcome::is_counted) {
             "withstood, not detected"
         } else {
             "withstood"
@@ -215,7 +223,7 @@ impl Row {
     }
 }
 
-impl Outcome {
+impl FaultOutcome {
     const fn is_sound(&self) -> bool {
         self.is_sound
     }
@@ -225,14 +233,14 @@ impl Outcome {
 ///
 /// # Errors
 /// What the simulator says.
-pub fn matrix() -> Result<Vec<Row>> {
+pub fn matrix() -> Result<Vec<FaultRow>> {
     let faults = catalogue();
     let drives: Vec<(&'static str, u64)> = TRUCKS
         .into_iter()
         .flat_map(|truck| SEEDS.map(move |seed| (truck, seed)))
         .collect();
     // By drive, so that a drive is simulated once and few are in memory at the same time.
-    let by_drive: Vec<Vec<Outcome>> = drives
+    let by_drive: Vec<Vec<FaultOutcome>> = drives
         .par_iter()
         .map(|&(truck, seed)| {
             let subject = Subject::new(truck, seed)?;
@@ -245,9 +253,9 @@ pub fn matrix() -> Result<Vec<Row>> {
     let rows = faults.into_iter().enumerate().map(|(index, fault)| {
         let of_truck = |truck: &&str| {
             let outcomes = by_drive.iter().map(|outcomes| &outcomes[index]);
-            Outcome::merged(outcomes.filter(|outcome| outcome.truck == *truck).cloned())
+            FaultOutcome::merged(outcomes.filter(|outcome| outcome.truck == *truck).cloned())
         };
-        Row {
+        FaultRow {
             fault,
             outcomes: TRUCKS.iter().filter_map(of_truck).collect(),
         }

@@ -34,7 +34,7 @@ pub fn seconds(seconds: f64) -> Duration {
     Duration::from_micros((seconds * 1e6).round() as u64)
 }
 
-/// The same numbers each time.
+/// Returns the same numbers each time.
 #[must_use]
 pub fn random() -> ChaCha8Rng {
     ChaCha8Rng::seed_from_u64(1)

@@ -5,7 +5,7 @@ use estimator_core::{Model, Scalar, Tuning};
 use host_sim::files::run::RunRow;
 use host_sim::files::truth::TruthRow;
 use host_sim::numeric::series::linear;
-use host_sim::recorder::{Recorder, Run};
+use host_sim::recorder::{Recorder, SmoothedRun};
 use host_sim::simulator::SimulatedRun;
 
 /// Ways at both ends of a drive that are left out, m.
@@ -13,12 +13,12 @@ const ENDS_M: f64 = 500.0;
 /// Way after a fault's end from which it is to be over, m.
 pub const RECOVERY_M: f64 = 2_000.0;
 
-/// What an estimator made of frames.
+/// Returns what an estimator made of frames.
 ///
 /// # Panics
 /// With a vehicle that there cannot be, or without room for what it drives.
 #[must_use]
-pub fn estimated<S: Scalar>(model: &Model, frames: Frames<'_>) -> Run {
+pub fn estimated<S: Scalar>(model: &Model, frames: Frames<'_>) -> SmoothedRun {
     let mut recorder = Recorder::<S>::new(model.clone(), Tuning::default())
         .expect("the simulator's vehicles can be");
     for frame in frames {
@@ -27,7 +27,7 @@ pub fn estimated<S: Scalar>(model: &Model, frames: Frames<'_>) -> Run {
     recorder.finish().expect("room for a drive")
 }
 
-/// Whether every number in every row is one, and every sigma above nought.
+/// Returns whether every number in every row is one, and every sigma above nought.
 #[must_use]
 pub fn is_sound(rows: &[RunRow]) -> bool {
     rows.iter().all(|row| {
@@ -49,7 +49,7 @@ pub fn is_sound(rows: &[RunRow]) -> bool {
     })
 }
 
-/// Grade and sigma: smoothed, lagged and live.
+/// Returns grade and sigma: smoothed, lagged and live.
 const fn looks(row: &RunRow) -> [(f64, f64); 3] {
     [
         (row.grade_percent, row.grade_sigma_percent),
@@ -60,13 +60,13 @@ const fn looks(row: &RunRow) -> [(f64, f64); 3] {
 
 /// Errors over some cells, of one drive or several: smoothed, lagged and live.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Errors {
+pub struct CellErrors {
     cells: usize,
     squares: [f64; 3],
     normalised: [f64; 3],
 }
 
-impl Errors {
+impl CellErrors {
     fn add(&mut self, row: &RunRow, grade_percent: f64) {
         self.cells += 1;
         for (index, (value, sigma)) in looks(row).into_iter().enumerate() {
@@ -109,13 +109,13 @@ impl Errors {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Phases {
     /// Before it.
-    pub before: Errors,
+    pub before: CellErrors,
     /// With it, and on the way on which it is to be got over.
-    pub during: Errors,
+    pub during: CellErrors,
     /// After that.
-    pub after: Errors,
+    pub after: CellErrors,
     /// All of the drive.
-    pub whole: Errors,
+    pub whole: CellErrors,
 }
 
 impl Phases {
@@ -139,12 +139,12 @@ pub struct Times {
 
 /// A drive as it was, by time and by distance.
 #[derive(Debug)]
-pub struct Truth {
+pub struct TrueDrive {
     grades: Vec<(f64, f64)>,
-    ways: Vec<(f64, f64)>,
+    distances: Vec<(f64, f64)>,
 }
 
-impl Truth {
+impl TrueDrive {
     /// Of a drive.
     #[must_use]
     pub fn new(run: &SimulatedRun) -> Self {
@@ -153,42 +153,44 @@ impl Truth {
         };
         Self {
             grades: column(|row| row.grade_percent),
-            ways: column(|row| row.distance_m),
+            distances: column(|row| row.distance_m),
         }
     }
 
-    /// How far the drive had come at a time, m.
+    /// Returns how far the drive had come at a time, m.
     #[must_use]
-    pub fn way_m(&self, time_s: f64) -> f64 {
-        linear(&self.ways, time_s).unwrap_or_else(|| self.length_m())
+    pub fn distance_m(&self, time_s: f64) -> f64 {
+        linear(&self.distances, time_s).unwrap_or_else(|| self.length_m())
     }
 
-    /// All of it, m.
+    /// Returns all of it, m.
     #[must_use]
     pub fn length_m(&self) -> f64 {
-        self.ways.last().map_or(0.0, |(_, way_m)| *way_m)
+        self.distances
+            .last()
+            .map_or(0.0, |(_, distance_m)| *distance_m)
     }
 
     /// Compares a run with it. Cells are where the vehicle truly was when they ended.
     #[must_use]
     pub fn phases(&self, rows: &[RunRow], times: &Times) -> Phases {
         let (from_s, until_s) = times.window_s;
-        let from_m = self.way_m(from_s);
-        let recovered_m = self.way_m(until_s) + RECOVERY_M;
-        let mut errors = [Errors::default(); 4];
+        let from_m = self.distance_m(from_s);
+        let recovered_m = self.distance_m(until_s) + RECOVERY_M;
+        let mut errors = [CellErrors::default(); 4];
         for row in rows {
             let late_s = row.time_s - times.ahead_s;
             let time_s = if late_s >= from_s { late_s } else { row.time_s };
-            let way_m = self.way_m(time_s);
+            let distance_m = self.distance_m(time_s);
             let within = ENDS_M..self.length_m() - ENDS_M;
             let Some(grade_percent) =
-                linear(&self.grades, time_s).filter(|_| within.contains(&way_m))
+                linear(&self.grades, time_s).filter(|_| within.contains(&distance_m))
             else {
                 continue;
             };
-            let phase = match way_m {
-                way_m if way_m < from_m => 0,
-                way_m if way_m < recovered_m => 1,
+            let phase = match distance_m {
+                distance_m if distance_m < from_m => 0,
+                distance_m if distance_m < recovered_m => 1,
                 _ => 2,
             };
             errors[phase].add(row, grade_percent);

@@ -1,17 +1,17 @@
-//! Where the estimator falls short of withstanding a fault, and why.
+//! Requirements that the estimator does not meet under a fault, with the reason.
 
-/// What is not met.
+/// The requirements that are not met.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Short {
-    /// Sigmas are too small.
+    /// The sigmas are too small.
     pub dishonest: bool,
-    /// It is not got over within 2 km.
+    /// The error persists for more than 2 km after the fault.
     pub lasting: bool,
-    /// Nothing counts it.
+    /// No counter detects it.
     pub unseen: bool,
-    /// The way is longer or shorter.
+    /// The distance is wrong.
     pub displaced: bool,
-    /// Why.
+    /// The reason.
     pub reason: Option<&'static str>,
 }
 
@@ -35,37 +35,36 @@ const DISPLACED: Short = Short {
     ..MET
 };
 
-const BRIDGED: &str = "Not detected: gaps of less than 2.5 s are bridged by what was before and \
-    after.";
+const BRIDGED: &str = "Not detected: gaps shorter than 2.5 s are bridged by interpolation.";
 const NOISE_OF_TORQUE: &str =
-    "Not detected: torques come a hundred times a second and average out.";
-const NO_WAY: &str = "The way in a long gap is its time times the mean of the speeds before and \
-    after; its cells are missing, not made up.";
-const STUCK_SPEED: &str = "Detected only when the engine has come away by 0.5 % from the speed that is \
-    told: until then, for some seconds, a speed that does not change is read as a slope. After that \
-    the front axle's speed stands in, or there is none, and cells are missing.";
-const STUCK_TORQUE: &str = "Not detected for what it is: full load and overrun are constant torques, \
-    too, and the road may rise by what the torque lacks. GNSS, which tells otherwise, is taken to \
-    drift for up to 2.5 km, and what was learned of the model meanwhile is unlearned slowly.";
-const WRONG_RADIUS: &str = "A step of the speed is counted where it comes while driving. Speeds that \
-    are wrong from the start are those of another wheel radius, as worn tyres have: the way is wrong \
-    by as much, the grade by 3 % of itself. `diagnose` finds that over several drives.";
-const SLOW_DRIFT: &str = "Not detected for what it is: 2 m per km for some minutes is what a \
-    receiver's slow error does anyway, and what a slow error of the model looks like. The error is \
-    bounded by the drift's own slope, 0.2 %.";
-const A_LEAP: &str = "A clock that leaps ahead is told like a silent bus: the way is that of the time \
-    that seems to have passed. Stamp frames by a clock that nobody sets.";
-const STANDS_IN: &str = "Not defended: who speaks alone for more than 5 s is believed, as a second \
-    controller should be. It is counted, and ends when the true sender is back.";
-const ONE_ADDRESS: &str = "Not defended: two that use one address cannot be told apart on a bus \
-    without authentication. It is counted.";
+    "Not detected: torque is received a hundred times per second, and the errors average out.";
+const NO_DISTANCE: &str = "The distance of a long gap is its duration times the mean of the speeds \
+    before and after it. Its cells are missing.";
+const STUCK_SPEED: &str = "Detected only when the engine speed differs by 0.5 % from the reported wheel \
+    speed. Until then, for some seconds, a constant speed is read as a slope. After that the front axle \
+    speed is used. Without it cells are missing.";
+const STUCK_TORQUE: &str = "Not detected: full load and overrun are constant torques too, and the road \
+    may rise by the missing torque. The estimator takes the contradicting GNSS altitudes for a drift, for \
+    up to 2.5 km. The model parameters learned meanwhile recover slowly.";
+const WRONG_RADIUS: &str = "A step of the speed is counted if it occurs while driving. A speed that is \
+    wrong from the start equals that of another wheel radius, such as worn tyres: the distance is wrong \
+    by the same ratio, the grade by 3 % of itself. `diagnose` finds the error over several drives.";
+const SLOW_DRIFT: &str = "Not detected: 2 m per km for some minutes is usual for the slow error of a \
+    receiver, and has the same symptoms as a slow error of the model. The error is bounded by the slope of \
+    the drift, 0.2 %.";
+const CLOCK_JUMP: &str = "A clock that jumps ahead cannot be distinguished from a silent bus: the distance \
+    is that of the apparent time. Use a clock for time stamps that is never set.";
+const ONLY_SENDER: &str = "Not defended: the only sender for more than 5 s is accepted, as a redundant \
+    controller must be. The switch is counted, and ends when the true sender is back.";
+const ONE_ADDRESS: &str = "Not defended: two senders with one source address cannot be distinguished on a \
+    bus without authentication. The rate is counted.";
 
 /// By the fault's name.
 const ALL: &[(&str, Short, &str)] = &[
     ("silence of 1 s", UNSEEN, BRIDGED),
-    ("silence of 60 s", DISPLACED, NO_WAY),
-    ("both speeds: error for 120 s", DISPLACED, NO_WAY),
-    ("all signals: error for 120 s", DISPLACED, NO_WAY),
+    ("silence of 60 s", DISPLACED, NO_DISTANCE),
+    ("both speeds: error for 120 s", DISPLACED, NO_DISTANCE),
+    ("all signals: error for 120 s", DISPLACED, NO_DISTANCE),
     ("wheel speed stuck", DISHONEST, STUCK_SPEED),
     (
         "both speeds stuck",
@@ -84,26 +83,30 @@ const ALL: &[(&str, Short, &str)] = &[
         STUCK_TORQUE,
     ),
     (
-        "one torque in 20 off by up to 50 %",
+        "one torque in 20 wrong by up to 50 %",
         UNSEEN,
         NOISE_OF_TORQUE,
     ),
     ("speed 3 % high for 120 s", DISPLACED, WRONG_RADIUS),
-    ("speed 3 % high for ever", DISPLACED, WRONG_RADIUS),
+    ("speed 3 % high from the start", DISPLACED, WRONG_RADIUS),
     ("drifts up by 10 m in 5 km", DISHONEST, SLOW_DRIFT),
-    ("leaps ahead by 60 s", DISPLACED, A_LEAP),
-    ("leaps ahead by 1 h", DISPLACED, A_LEAP),
+    ("jumps ahead by 60 s", DISPLACED, CLOCK_JUMP),
+    ("jumps ahead by 1 h", DISPLACED, CLOCK_JUMP),
     (
-        "speaks while the true senders pause for 15 s",
+        "sends while the true senders pause for 15 s",
         Short {
             displaced: true,
             ..DISHONEST
         },
-        STANDS_IN,
+        ONLY_SENDER,
     ),
-    ("repeats from the true addresses", DISHONEST, ONE_ADDRESS),
     (
-        "the same, five times as fast, true addresses",
+        "replay from the true source addresses",
+        DISHONEST,
+        ONE_ADDRESS,
+    ),
+    (
+        "replay from the true source addresses, five times as fast",
         DISHONEST,
         ONE_ADDRESS,
     ),

@@ -1,45 +1,47 @@
 //! The table of the matrix, `tests/faults.md`.
 
-use super::catalogue::Kind;
-use super::matrix::{Outcome, Row};
-use super::outcome::Errors;
+use super::catalogue::FaultKind;
+use super::matrix::{FaultOutcome, FaultRow};
+use super::outcome::CellErrors;
 use crate::image::root;
+use host_sim::terminal::counters::name_of;
 use std::fmt::Write;
 use std::path::PathBuf;
 
 const HEAD: &str = "\
-# Faults, and what comes of them
+# Faults and their outcomes
 
 Written by `cargo run -p cross-tests --release --example faults -- --write`; checked by
 `tests/tests/faults.rs`. Each row is one fault on eight simulated drives of 30 km, four by each truck
-(A 39 t, B 12 t), with mass, drag, rolling resistance and torque wrong by one sigma, cold tyres, wind
-and a slow GNSS error of 2 m. A fault begins at 600 s and lasts as long as its name says, else for the
-time given.
+(A 39 t, B 12 t). Mass, drag, rolling resistance and torque are wrong by one sigma, the tyres are cold,
+and there is wind and a slow GNSS error of 2 m. A fault begins at 600 s. Its name or the second column
+states its duration.
 
-Errors are RMSE of grade in %, smoothed / lagged / live: before the fault; with it (from its begin to
-2 km after its end) and, in brackets, on the same stretch without it; and from there to the end of the
-drive, likewise. NEES is the mean of squared errors over stated variances, smoothed / lagged / live,
-with the fault (as above): 1 where sigmas are honest. *Counted* is what the estimator's counters tell
-more than without the fault, over the four drives. *Way* is what the distance is off at the end, and
-how many cells are missing.
+Errors are RMSE of grade in %, smoothed / lagged / live. *Before* is before the fault. *With* is from
+the start of the fault to 2 km after its end; the value in brackets is that of the same segment without
+the fault. *After* is from there to the end of the drive, likewise. NEES is the mean of squared errors
+over stated variances, smoothed / lagged / live, with the fault: 1 for consistent sigmas. *Distance* is
+the distance error at the end, and the number of missing cells. *Counted* is the increase of the
+estimator's counters over the four drives.
 
-*Withstood*: numbers that are numbers, NEES below 3 (smoothed and lagged; with the fault and over the
-drive), and the error after it at most 1.25 times what it is without, plus 0.01 %. *No effect*: the
-cells are the same to the last bit. What is not withstood, or not seen, has its reason below the table.
+*Withstood* means: all values are finite, NEES is below 3 (smoothed and lagged; with the fault and over
+the drive), and the error after the fault is at most 1.25 times that without it, plus 0.01 %. *No
+effect* means: the cells are equal to the last bit. Each fault that is not withstood, or not detected,
+has its reason below the table.
 ";
 
 /// Counted kinds that are shown; the rest are few or follow from these.
 const MOST_KINDS: usize = 4;
 
-/// Where the table is.
+/// Returns where the table is.
 #[must_use]
 pub fn committed_file() -> PathBuf {
     root().join("tests/faults.md")
 }
 
-/// The table.
+/// Returns the table.
 #[must_use]
-pub fn table(rows: &[Row]) -> String {
+pub fn table(rows: &[FaultRow]) -> String {
     let mut text = HEAD.to_owned();
     let mut kind = None;
     let mut reasons = Vec::new();
@@ -49,7 +51,7 @@ pub fn table(rows: &[Row]) -> String {
             let _ = writeln!(
                 text,
                 "\n## {}\n\n| fault | for, s | truck | outcome | before | with (without) | after (without) \
-                 | NEES | way, m; cells | counted |\n|---|---|---|---|---|---|---|---|---|---|",
+                 | NEES | distance, m; cells | counted |\n|---|---|---|---|---|---|---|---|---|---|",
                 heading(row.fault.kind)
             );
         }
@@ -75,7 +77,7 @@ pub fn table(rows: &[Row]) -> String {
                 beside(&outcome.with.during, &outcome.without.during),
                 beside(&outcome.with.after, &outcome.without.after),
                 normalised(&outcome.with.during),
-                way(outcome),
+                distance(outcome),
                 counted(outcome)
             );
         }
@@ -89,14 +91,14 @@ pub fn table(rows: &[Row]) -> String {
     text
 }
 
-const fn heading(kind: Kind) -> &'static str {
+const fn heading(kind: FaultKind) -> &'static str {
     match kind {
-        Kind::Nothing => "None",
-        Kind::Bus => "The bus",
-        Kind::Signal => "Senders",
-        Kind::Receiver => "The GNSS receiver",
-        Kind::Clock => "The listener's clock",
-        Kind::Attack => "Somebody else on the bus",
+        FaultKind::Nothing => "None",
+        FaultKind::Bus => "Bus",
+        FaultKind::Signal => "Senders",
+        FaultKind::Receiver => "GNSS receiver",
+        FaultKind::Clock => "The receiving clock",
+        FaultKind::Attack => "Attacks on the bus",
     }
 }
 
@@ -104,7 +106,7 @@ fn three(numbers: [f64; 3]) -> String {
     numbers.map(|number| format!("{number:.3}")).join(" / ")
 }
 
-fn beside(with: &Errors, without: &Errors) -> String {
+fn beside(with: &CellErrors, without: &CellErrors) -> String {
     if with.cells() == 0 {
         return "–".to_owned();
     }
@@ -115,28 +117,28 @@ fn beside(with: &Errors, without: &Errors) -> String {
     )
 }
 
-fn normalised(errors: &Errors) -> String {
+fn normalised(errors: &CellErrors) -> String {
     errors
         .normalised()
         .map(|mean| format!("{mean:.1}"))
         .join(" / ")
 }
 
-fn way(outcome: &Outcome) -> String {
-    let way_m = outcome.way_m.round();
+fn distance(outcome: &FaultOutcome) -> String {
+    let distance_m = outcome.distance_m.round();
     let missing = outcome.cells_missing.round();
-    if way_m == 0.0 && missing == 0.0 {
+    if distance_m == 0.0 && missing == 0.0 {
         return String::new();
     }
-    format!("{way_m:+}; {:+}", -missing)
+    format!("{distance_m:+}; {:+}", -missing)
 }
 
-fn counted(outcome: &Outcome) -> String {
+fn counted(outcome: &FaultOutcome) -> String {
     let mut kinds: Vec<_> = outcome.counted.iter().collect();
-    kinds.sort_by_key(|(name, count)| (std::cmp::Reverse(**count), **name));
+    kinds.sort_by_key(|(key, count)| (std::cmp::Reverse(**count), **key));
     let shown = kinds.iter().take(MOST_KINDS);
     let shown: Vec<String> = shown
-        .map(|(name, count)| format!("{name} {count}"))
+        .map(|(key, count)| format!("{} {count}", name_of(key)))
         .collect();
     shown.join(", ")
 }

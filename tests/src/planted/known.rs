@@ -87,7 +87,7 @@ const KNOWN: [Known; 16] = [
     }),
 ];
 
-/// A stretch of the road, away from its ends.
+/// Returns a stretch of the road, away from its ends.
 fn stretch(key: &str, seed: u64, length_m: f64, amount: f64) -> String {
     let from_m = 3_000.0 + spread(seed, 14_000.0 - length_m);
     format!(
@@ -102,7 +102,7 @@ fn spread(seed: u64, span: f64) -> f64 {
     (span * part.fract()).round()
 }
 
-/// The effect of that name.
+/// Returns the effect of that name.
 #[must_use]
 pub fn known(effect: &str) -> Option<&'static Known> {
     KNOWN.iter().find(|known| known.effect == effect)

@@ -1,6 +1,6 @@
 //! A few cases of the bench; `cross-tests`' example `diagnosis_bench` runs all.
 
-use cross_tests::diagnosed::{Case, Outcome, Verdict, cases, effects, table};
+use cross_tests::diagnosed::{CaseOutcome, DiagnosisCase, Verdict, cases, effects, table};
 use cross_tests::planted::CLEAN;
 use std::slice;
 
@@ -23,7 +23,7 @@ const CASES: [(&str, f64, &str, &[Verdict]); 7] = [
 
 #[test]
 fn effects_that_nobody_declared_are_found_and_none_where_there_is_none() {
-    let asked = CASES.map(|(effect, size_percent, truck, _)| Case {
+    let asked = CASES.map(|(effect, size_percent, truck, _)| DiagnosisCase {
         effect: effect.to_owned(),
         size_percent,
         truck,
@@ -40,7 +40,7 @@ fn effects_that_nobody_declared_are_found_and_none_where_there_is_none() {
 }
 
 /// Whether the bare model is right where it was, and much better where it was wrong.
-fn helps(outcome: &Outcome) -> bool {
+fn helps(outcome: &CaseOutcome) -> bool {
     let diagnosis = &outcome.diagnosis;
     let (before, after) = (diagnosis.before.rmse_percent, diagnosis.after.rmse_percent);
     match outcome.case.effect.as_str() {
@@ -55,7 +55,7 @@ fn helps(outcome: &Outcome) -> bool {
     }
 }
 
-fn said(outcome: &Outcome) -> String {
+fn said(outcome: &CaseOutcome) -> String {
     let diagnosis = &outcome.diagnosis;
     let found = diagnosis.findings.iter();
     format!(

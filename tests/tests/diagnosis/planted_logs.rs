@@ -1,7 +1,7 @@
 //! Has each log of the bench the effect in it that was asked for, and nothing that tells of it?
 
 use cross_tests::planted::{
-    CATALOGUE, CLEAN, FAN, Logs, OUTSIDE, amount, logs, logs_of, unmodelled_rms_percent,
+    CATALOGUE, CLEAN, FAN, OUTSIDE, PlantedLogs, amount, logs, logs_of, unmodelled_rms_percent,
 };
 use estimator_core::signal::FrameOutcome;
 use estimator_core::{Decoder, Driveline, Signal, Traction, VehicleParameters};
@@ -62,13 +62,13 @@ fn logs_hold_what_was_asked_for() {
         let scenario = Scenario::read(&logs.truth.scenario).unwrap();
         let rms = unmodelled_rms_percent(&scenario).unwrap();
         assert!((rms - 0.3).abs() < 0.006, "{effect}: {rms}");
-        let told = told_rms_percent(&logs);
+        let reported = reported_rms_percent(&logs);
         let expected = if partly.contains(&effect) {
             0.24..0.29
         } else {
             0.285..0.315
         };
-        assert!(expected.contains(&told), "{effect}: {told}");
+        assert!(expected.contains(&reported), "{effect}: {reported}");
     }
 }
 
@@ -81,8 +81,11 @@ fn clean_logs_hold_nothing() {
         let scenario = Scenario::read(&logs.truth.scenario).unwrap();
         assert!(unmodelled_rms_percent(&scenario).unwrap() < 1e-9);
         // Gusts of 0.3 m/s, the rounding of friction (SPN 514) and noise remain.
-        let told = told_rms_percent(&logs);
-        assert!(told < if truck == "A" { 0.035 } else { 0.09 }, "{told}");
+        let reported = reported_rms_percent(&logs);
+        assert!(
+            reported < if truck == "A" { 0.035 } else { 0.09 },
+            "{reported}"
+        );
     }
 }
 
@@ -250,7 +253,7 @@ fn at(values: &[(f64, f64)], time_s: f64) -> f64 {
 
 /// From the logs alone: over windows without shift or brake, the height that the believed force
 /// balance makes of torque and speed, less the true height, as a grade; its RMS in %.
-fn told_rms_percent(logs: &Logs) -> f64 {
+fn reported_rms_percent(logs: &PlantedLogs) -> f64 {
     let runs = logs.fit.iter().chain(&logs.held_out);
     let truths = logs.truth.fit.iter().chain(&logs.truth.held_out);
     let errors: Vec<f64> = runs

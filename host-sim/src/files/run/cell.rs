@@ -1,4 +1,4 @@
-//! What fusion needs of a cell of a run, and what a run is known by.
+//! The columns of a run that fusion needs, and the identity of a run.
 
 use super::row::RunRow;
 use crate::files::row_check::{self, Flaw};
@@ -6,17 +6,18 @@ use std::fmt;
 use std::str::FromStr;
 use xxhash_rust::xxh3::Xxh3;
 
-/// One cell of a run: the columns of a RUN file that a map is made of.
+/// One cell of a run, with the columns that a map is made of.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RunCell {
-    /// By odometer.
+    /// Driven distance by the odometer, m.
     pub distance_m: f64,
     /// Latitude and longitude, deg; `None` where no fix was near.
     pub position: Option<(f64, f64)>,
     /// Altitude and its standard deviation, m.
     pub altitude: Option<(f64, f64)>,
-    /// Smoothed over the whole run.
+    /// Smoothed grade, %.
     pub grade_percent: f64,
+    /// Standard deviation of the smoothed grade, %.
     pub grade_sigma_percent: f64,
 }
 
@@ -39,10 +40,10 @@ impl From<&Self> for RunCell {
 }
 
 impl RunCell {
-    /// Whether the cell can follow `before` in a run.
+    /// Checks that the cell can follow `before` in a run.
     ///
     /// # Errors
-    /// What is wrong with it.
+    /// Names the problem of the cell.
     pub(crate) fn check(&self, before: Option<&Self>) -> Result<(), Flaw> {
         let (latitude_deg, longitude_deg) = self.position.unwrap_or((0.0, 0.0));
         let (altitude_m, altitude_sigma_m) = self.altitude.unwrap_or((0.0, 1.0));
@@ -66,13 +67,13 @@ impl RunCell {
     }
 }
 
-/// What a run is known by, whatever its file is called and whether that is CSV or Parquet: a hash
-/// of 128 bits over its cells. It tells a run that is added twice, and a file that was damaged.
+/// The identity of a run: a hash of 128 bits over its cells. It does not depend on the name or
+/// format of the file. It detects runs that are added twice, and damaged files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct RunIdentity(u128);
 
 impl RunIdentity {
-    /// Of these cells.
+    /// Computes the identity of these cells.
     pub fn of(cells: impl IntoIterator<Item = RunCell>) -> Self {
         let mut hash = RunHash::default();
         for cell in cells {
@@ -82,14 +83,14 @@ impl RunIdentity {
     }
 }
 
-/// Makes an identity of one cell after the other.
+/// Hash of a run, cell by cell.
 #[derive(Default)]
 pub struct RunHash(Xxh3);
 
 impl RunHash {
     /// Takes the next cell.
     pub fn add(&mut self, cell: &RunCell) {
-        // No number of a run is NaN, so that it can stand for what is missing.
+        // No number of a run is NaN, so NaN can stand for a missing value.
         let pair = |pair: Option<(f64, f64)>| pair.unwrap_or((f64::NAN, f64::NAN));
         let (position, altitude) = (pair(cell.position), pair(cell.altitude));
         let values = [
@@ -103,13 +104,13 @@ impl RunHash {
         ];
         let mut bytes = [0; 7 * size_of::<f64>()];
         for (bytes, value) in bytes.chunks_exact_mut(size_of::<f64>()).zip(values) {
-            // Text does not tell minus zero from zero in every writer.
+            // Not every text writer distinguishes minus zero from zero.
             bytes.copy_from_slice(&(value + 0.0).to_le_bytes());
         }
         self.0.update(&bytes);
     }
 
-    /// Of the cells so far.
+    /// Returns the identity of the cells so far.
     #[must_use]
     pub fn identity(&self) -> RunIdentity {
         RunIdentity(self.0.digest128())

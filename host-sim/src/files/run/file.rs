@@ -1,4 +1,4 @@
-//! Reading and writing a run, CSV or Parquet as its name ends.
+//! Reading and writing of runs, CSV or Parquet by the extension of the file.
 
 use super::cell::{RunCell, RunIdentity};
 use super::parquet::{self, Origin};
@@ -12,23 +12,23 @@ use std::path::Path;
 /// Writes a run: as Parquet if the name ends in .parquet, else as CSV.
 ///
 /// # Errors
-/// What the file system says.
+/// Returns the error of the file system.
 pub fn write(path: &Path, rows: &[RunRow]) -> Result<()> {
     write_from(path, rows, &Origin::default())
 }
 
-/// As [`write()`], with what is known of where the run comes from (Parquet only).
+/// Writes a run as [`write()`] does, with its origin (Parquet only).
 ///
 /// # Errors
-/// What the file system says.
+/// Returns the error of the file system.
 pub fn write_from(path: &Path, mut rows: &[RunRow], origin: &Origin) -> Result<()> {
     write_rows(path, &mut rows, origin)
 }
 
-/// As [`write_from`], of rows that need not be in memory.
+/// Writes a run as [`write_from`] does; the rows need not be in memory.
 ///
 /// # Errors
-/// What the file system says, or the rows.
+/// Returns the error of the file system or of the rows.
 pub fn write_rows(path: &Path, rows: &mut dyn RunRows, origin: &Origin) -> Result<()> {
     if is_parquet(path) {
         return parquet::stage(path, &mut Rounded(rows), origin)?.commit();
@@ -42,7 +42,7 @@ pub fn write_rows(path: &Path, rows: &mut dyn RunRows, origin: &Origin) -> Resul
     writing.finish()?.commit()
 }
 
-/// Rows with the decimals that files carry.
+/// Rows rounded as files have them.
 struct Rounded<'a>(&'a mut dyn RunRows);
 
 impl RunRows for Rounded<'_> {
@@ -54,7 +54,7 @@ impl RunRows for Rounded<'_> {
 /// Reads a run, CSV or Parquet.
 ///
 /// # Errors
-/// With file, line and what was expected.
+/// Names the file, the line and what was expected.
 pub fn read(path: &Path) -> Result<Vec<RunRow>> {
     if is_parquet(path) {
         parquet::read(path)
@@ -63,10 +63,10 @@ pub fn read(path: &Path) -> Result<Vec<RunRow>> {
     }
 }
 
-/// Reads what fusion needs of a run, CSV or Parquet.
+/// Reads the columns of a run that fusion needs, CSV or Parquet.
 ///
 /// # Errors
-/// With file, line and what was expected.
+/// Names the file, the line and what was expected.
 pub fn read_cells(path: &Path) -> Result<(Vec<RunCell>, RunIdentity)> {
     if is_parquet(path) {
         return parquet::read_cells(path);

@@ -1,4 +1,4 @@
-//! RUN.csv, or RUN.parquet: one row a cell of one traversal.
+//! RUN.csv and RUN.parquet: one row per cell of one traversal.
 
 mod cell;
 mod file;

@@ -4,12 +4,12 @@ use super::cell::{RunCell, RunHash, RunIdentity};
 use super::row::{RunRow, RunRows};
 use crate::error::{Error, Result};
 use crate::files::output::Staged;
-use crate::files::parquet::{Column, Opened, TableWriter, open};
+use crate::files::parquet::{Opened, ParquetColumn, TableWriter, open};
 use std::path::Path;
 
-/// Version of the columns; goes into the file's metadata.
+/// Version of the columns, in the metadata of the file.
 const SCHEMA: &str = "run 1";
-/// What fusion reads.
+/// Columns that fusion reads.
 const CELL_COLUMNS: [&str; 7] = [
     "distance_m",
     "latitude_deg",
@@ -20,16 +20,17 @@ const CELL_COLUMNS: [&str; 7] = [
     "grade_sigma_percent",
 ];
 
-/// Where a run comes from, as far as it is known. Runs of one vehicle on one day are one session.
+/// The origin of a run, as far as it is known. Runs of one vehicle on one day form one session.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Origin {
+    /// Name of the vehicle.
     pub vehicle: Option<String>,
-    /// As YYYY-MM-DD.
+    /// Day of the drive, YYYY-MM-DD.
     pub day: Option<String>,
 }
 
 impl Origin {
-    /// The name of the session; `None` unless vehicle and day are known.
+    /// Returns the name of the session; `None` unless vehicle and day are known.
     #[must_use]
     pub fn session(&self) -> Option<String> {
         let (vehicle, day) = (self.vehicle.as_ref()?, self.day.as_ref()?);
@@ -37,13 +38,13 @@ impl Origin {
     }
 }
 
-/// Rows that are encoded at once: those of 20 km.
+/// Number of rows that are encoded at once (20 km).
 const BATCH_ROWS: usize = 8192;
 
-/// Writes a run, to appear when committed; the rows with the decimals that files carry.
+/// Writes a run, rounded as in CSV files, to a file that appears when it is committed.
 ///
 /// # Errors
-/// What the file system says, or the rows.
+/// Returns the error of the file system or of the rows.
 pub fn stage(path: &Path, rows: &mut dyn RunRows, origin: &Origin) -> Result<Staged> {
     let mut hash = RunHash::default();
     rows.each(&mut |row| {
@@ -78,10 +79,12 @@ pub fn stage(path: &Path, rows: &mut dyn RunRows, origin: &Origin) -> Result<Sta
     table.finish()
 }
 
-fn columns(rows: &[RunRow]) -> Vec<Column> {
-    let numbers = |name, value: fn(&RunRow) -> f64| Column::numbers(name, rows.iter().map(value));
-    let optional =
-        |name, value: fn(&RunRow) -> Option<f64>| Column::optional(name, rows.iter().map(value));
+fn columns(rows: &[RunRow]) -> Vec<ParquetColumn> {
+    let numbers =
+        |name, value: fn(&RunRow) -> f64| ParquetColumn::numbers(name, rows.iter().map(value));
+    let optional = |name, value: fn(&RunRow) -> Option<f64>| {
+        ParquetColumn::optional(name, rows.iter().map(value))
+    };
     vec![
         numbers("time_s", |row| row.time_s),
         numbers("distance_m", |row| row.distance_m),
@@ -102,11 +105,11 @@ fn columns(rows: &[RunRow]) -> Vec<Column> {
         numbers("speed_mps", |row| row.speed_mps),
         numbers("bias_percent", |row| row.bias_percent),
         numbers("scale", |row| row.scale),
-        Column::whole("valid", rows.iter().map(|row| row.valid.into())),
+        ParquetColumn::whole("valid", rows.iter().map(|row| row.valid.into())),
     ]
 }
 
-/// Opens a run of a version that is known; any file with the columns will do, if it says none.
+/// Opens a run of a known version. A file without a version is accepted if it has the columns.
 fn open_run(path: &Path) -> Result<Opened<'_>> {
     let file = open(path)?;
     match file.metadata("schema") {
@@ -118,10 +121,10 @@ fn open_run(path: &Path) -> Result<Opened<'_>> {
     }
 }
 
-/// The session that a file says its run belongs to.
+/// Returns the session that the file names.
 ///
 /// # Errors
-/// If it cannot be opened.
+/// Returns an error if the file cannot be opened.
 pub fn session(path: &Path) -> Result<Option<String>> {
     Ok(open_run(path)?.metadata("session").map(str::to_owned))
 }
@@ -129,7 +132,7 @@ pub fn session(path: &Path) -> Result<Option<String>> {
 /// Reads a run.
 ///
 /// # Errors
-/// With file, row and what was expected.
+/// Names the file, the row and what was expected.
 pub fn read(path: &Path) -> Result<Vec<RunRow>> {
     let file = open_run(path)?;
     let promised = file.metadata("identity").map(str::to_owned);
@@ -180,7 +183,7 @@ pub fn read(path: &Path) -> Result<Vec<RunRow>> {
             speed_mps: needed(12)?,
             bias_percent: needed(13)?,
             scale: needed(14)?,
-            // Anything but 0 and 1 is refused by the check.
+            // The check refuses any value but 0 and 1.
             valid: match needed(15)? {
                 0.0 => 0,
                 1.0 => 1,
@@ -201,10 +204,10 @@ pub fn read(path: &Path) -> Result<Vec<RunRow>> {
     Ok(rows)
 }
 
-/// Reads what fusion needs of a run, and no other column.
+/// Reads the columns of a run that fusion needs.
 ///
 /// # Errors
-/// With file, row and what was expected.
+/// Names the file, the row and what was expected.
 pub fn read_cells(path: &Path) -> Result<(Vec<RunCell>, RunIdentity)> {
     let file = open_run(path)?;
     let promised = file.metadata("identity").map(str::to_owned);
@@ -220,8 +223,8 @@ pub fn read_cells(path: &Path) -> Result<(Vec<RunCell>, RunIdentity)> {
             grade_sigma_percent: needed(6)?,
         };
         if values[1].is_some() != values[2].is_some() {
-            let expected = "latitude_deg and longitude_deg, or neither";
-            return Err(Error::line(path, number, "half a position", expected));
+            let expected = "both latitude_deg and longitude_deg, or neither";
+            return Err(Error::line(path, number, "incomplete position", expected));
         }
         cell.check(cells.last())
             .map_err(|flaw| Error::line(path, number, flaw.problem, flaw.expected))?;
@@ -237,7 +240,8 @@ fn missing(path: &Path, row: u64, name: &str) -> Error {
     Error::line(path, row, format!("{name} is missing"), "a number")
 }
 
-/// Parquet has no check sums that every writer and reader knows; the identity serves as one.
+/// Checks the cells against the identity in the metadata. Parquet has no checksum that all tools
+/// write and verify.
 fn check_whole(
     path: &Path,
     promised: Option<&str>,
@@ -251,7 +255,7 @@ fn check_whole(
     match promised {
         Some(promised) if promised != identity.to_string() => Err(Error::content(
             path,
-            "damaged: its cells are not those that were written; expected the file as it was",
+            "damaged: its cells differ from those that were written; restore the file",
         )),
         _ => Ok(identity),
     }

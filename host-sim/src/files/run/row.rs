@@ -6,61 +6,63 @@ use crate::files::row_check::{self, Flaw};
 use crate::numeric::rounding::round;
 use serde::{Deserialize, Serialize};
 
-/// One cell of a run. Angles in degrees, grades in %, `time_s` from the log's first frame.
+/// One cell of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RunRow {
+    /// Time since the first frame of the log, s.
     pub time_s: f64,
+    /// Driven distance at the end of the cell, m.
     pub distance_m: f64,
-    /// Empty where no fix was near.
+    /// Latitude, deg; empty without a fix nearby.
     #[serde(deserialize_with = "column")]
     pub latitude_deg: Option<f64>,
-    /// Empty where no fix was near.
+    /// Longitude, deg; empty without a fix nearby.
     #[serde(deserialize_with = "column")]
     pub longitude_deg: Option<f64>,
-    /// Empty before the first fix.
+    /// Altitude, m; empty before the first fix.
     #[serde(deserialize_with = "column")]
     pub altitude_m: Option<f64>,
     #[serde(deserialize_with = "column")]
     pub altitude_sigma_m: Option<f64>,
-    /// Smoothed over the whole run.
+    /// Smoothed grade over the whole run, %.
     pub grade_percent: f64,
     pub grade_sigma_percent: f64,
-    /// After a fixed lag.
+    /// Grade after a fixed lag, %.
     pub lagged_grade_percent: f64,
     pub lagged_grade_sigma_percent: f64,
-    /// Causal.
+    /// Causal grade, %.
     pub live_grade_percent: f64,
     pub live_grade_sigma_percent: f64,
     pub speed_mps: f64,
-    /// Grade that the vehicle model reads too high (smoothed).
+    /// Bias of the vehicle model as grade, % (smoothed): the modelled grade is too high by this.
     pub bias_percent: f64,
     /// True over modelled traction (smoothed).
     pub scale: f64,
-    /// 1 where neither a shift nor braking (or their hold times) spoiled the model, else 0.
+    /// 1 if the vehicle model holds, 0 during shifts, braking and their hold times.
     pub valid: u8,
 }
 
 impl RunRow {
-    /// Smoothed grade and its standard deviation, %.
+    /// Returns smoothed grade and its standard deviation, %.
     #[must_use]
     pub const fn smoothed(&self) -> (f64, f64) {
         (self.grade_percent, self.grade_sigma_percent)
     }
 
-    /// Lagged grade and its standard deviation, %.
+    /// Returns lagged grade and its standard deviation, %.
     #[must_use]
     pub const fn lagged(&self) -> (f64, f64) {
         (self.lagged_grade_percent, self.lagged_grade_sigma_percent)
     }
 
-    /// Live grade and its standard deviation, %.
+    /// Returns live grade and its standard deviation, %.
     #[must_use]
     pub const fn live(&self) -> (f64, f64) {
         (self.live_grade_percent, self.live_grade_sigma_percent)
     }
 
-    /// Whether the row can follow `before` in a run.
+    /// Checks that the row can follow `before` in a run.
     pub(crate) fn check(before: Option<&Self>, row: &Self) -> std::result::Result<(), Flaw> {
         row_check::finite(&[
             ("time_s", row.time_s),
@@ -92,8 +94,8 @@ impl RunRow {
             (None, None) => {}
             _ => {
                 return Err(Flaw {
-                    problem: "half a position".into(),
-                    expected: "latitude_deg and longitude_deg, or neither",
+                    problem: "incomplete position".into(),
+                    expected: "both latitude_deg and longitude_deg, or neither",
                 });
             }
         }
@@ -109,7 +111,7 @@ impl RunRow {
         })
     }
 
-    /// With the decimals that the file carries.
+    /// Rounds the values as files have them.
     pub(super) fn rounded(&self) -> Self {
         Self {
             time_s: round(self.time_s, 4),
@@ -132,12 +134,12 @@ impl RunRow {
     }
 }
 
-/// Rows of a run that can be gone over more than once.
+/// Rows of a run that can be read more than once.
 pub trait RunRows {
-    /// Passes all of them to `take`, in the order of the run.
+    /// Passes all rows to `take`, in the order of the run.
     ///
     /// # Errors
-    /// Those of `take`; or if they cannot be had.
+    /// Returns the error of `take`, or an error if the rows cannot be read.
     fn each(&mut self, take: &mut dyn FnMut(&RunRow) -> Result<()>) -> Result<()>;
 }
 

@@ -4,26 +4,26 @@ use estimator_core::effect::{self, CATALOGUE};
 use estimator_core::{AdoptedEffect, AdoptedEffects, Effect};
 use std::collections::BTreeMap;
 
-/// By name of the effect, then by key.
+/// Effect tables by name, then by key.
 pub(super) type Tables = BTreeMap<String, BTreeMap<String, f32>>;
 
 const AMOUNT: &str = "amount";
 const AMOUNT_SIGMA: &str = "amount_sigma";
 
-/// The effects of these tables. Whether their values can be is for the core to check.
+/// Creates the effects of these tables. The core checks their values.
 ///
 /// # Errors
-/// Names and keys that are unknown, and keys that are missing.
+/// Names each unknown effect, unknown key and missing key.
 pub(super) fn from_tables(tables: &Tables) -> Result<AdoptedEffects, String> {
     let mut effects = AdoptedEffects::default();
     for (name, table) in tables {
         let effect = effect::named(name).ok_or_else(|| {
             let names = CATALOGUE.map(|effect| effect.name).join(", ");
-            format!("effects.{name}: there is no such effect; expected one of {names}")
+            format!("effects.{name}: unknown effect; expected one of {names}")
         })?;
         effects
             .adopt(adopted(effect, table)?)
-            .map_err(|_| format!("effects.{name}: more effects than there are"))?;
+            .map_err(|_| format!("effects.{name}: too many effects"))?;
     }
     Ok(effects)
 }
@@ -54,7 +54,7 @@ fn adopted(
     Ok(adopted)
 }
 
-/// The tables of these effects.
+/// Returns the tables of these effects.
 pub(super) fn to_tables(effects: &AdoptedEffects) -> Tables {
     let table = |adopted: &AdoptedEffect| {
         let amount = [

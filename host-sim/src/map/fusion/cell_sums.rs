@@ -1,24 +1,24 @@
-//! What is known of one cell of a road, as sums.
+//! The sums of one cell of a road.
 
 use super::dependence::{Dependence, Disagreement};
 
-/// A variance of the grade is taken within these, %²: sigmas of 0.00001 % (the last decimal of a
-/// RUN.csv) to 1000 %, so that no square leaves the range of numbers.
+/// Limits of the grade variance, %²: sigmas of 0.00001 % (the last decimal of a RUN.csv) to 1000 %,
+/// so that no square overflows.
 const VARIANCE_LIMITS: (f64, f64) = (1e-10, 1e6);
 
-/// Sums over the estimates of one cell: their order does not matter, and they stay as large as
-/// they are however many estimates come. The default knows nothing. With w = 1/sigma².
+/// Sums over the estimates of one cell, with w = 1/sigma². They do not depend on the order of the
+/// estimates, and their size does not grow. The default has no estimate.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CellSums {
     /// Number of estimates.
     pub estimates: u32,
     /// Sum of w of the grade, 1/%².
     pub weight: f64,
-    /// Sum of w², 1/%⁴: tells how evenly the weight is spread.
+    /// Sum of w², 1/%⁴, for the effective number of estimates.
     pub weight_square: f64,
     /// Sum of w times grade, 1/%.
     pub grade: f64,
-    /// Sum of w times grade²: tells how far estimates disagree.
+    /// Sum of w times grade², for the disagreement.
     pub grade_square: f64,
     /// Sum of 1/sigma² of the altitude, 1/m².
     pub altitude_weight: f64,
@@ -27,7 +27,8 @@ pub struct CellSums {
 }
 
 impl CellSums {
-    /// Of one estimate: grade and its variance, %, and altitude and its variance, m.
+    /// Creates the sums of one estimate: grade and its variance, %, and altitude and its variance,
+    /// m.
     pub fn of(grade: (f64, f64), altitude: Option<(f64, f64)>) -> Self {
         let (grade_percent, variance) = grade;
         let weight = variance.clamp(VARIANCE_LIMITS.0, VARIANCE_LIMITS.1).recip();
@@ -46,7 +47,7 @@ impl CellSums {
         }
     }
 
-    /// Adds what others know of the same place. Commutative.
+    /// Adds the sums of other estimates of the same cell. Commutative.
     pub fn merge(&mut self, other: &Self) {
         self.estimates = self.estimates.saturating_add(other.estimates);
         self.weight += other.weight;
@@ -57,7 +58,7 @@ impl CellSums {
         self.altitude += other.altitude;
     }
 
-    /// Weighted mean of the grade and its variance, %; `None` if nothing is known.
+    /// Returns the weighted mean of the grade and its variance, %; `None` without estimates.
     pub fn grade(&self, dependence: &Dependence) -> Option<(f64, f64)> {
         let Dependence { share, inflation } = *dependence;
         (self.estimates > 0).then(|| {
@@ -66,12 +67,12 @@ impl CellSums {
         })
     }
 
-    /// Weighted mean, m; `None` if nothing is known.
+    /// Returns the weighted mean of the altitude, m; `None` without estimates.
     pub fn altitude_m(&self) -> Option<f64> {
         (self.altitude_weight > 0.0).then(|| self.altitude / self.altitude_weight)
     }
 
-    /// All estimates as one: their mean, with the variance that their dependence leaves it.
+    /// Combines all estimates into one: their mean, with the variance under this correlation.
     pub fn pooled(&self, dependence: &Dependence) -> Self {
         self.grade(dependence)
             .map_or_else(Self::default, |grade| Self {
@@ -81,7 +82,7 @@ impl CellSums {
             })
     }
 
-    /// How far the estimates differ here.
+    /// Returns the disagreement of the estimates.
     pub fn disagreement(&self) -> Disagreement {
         if self.estimates < 2 {
             return Disagreement::default();
@@ -95,7 +96,7 @@ impl CellSums {
         }
     }
 
-    /// Kish's effective number, between 1 and the number of estimates.
+    /// Returns Kish's effective number of estimates, between 1 and their number.
     fn effective_estimates(&self) -> f64 {
         self.weight * self.weight / self.weight_square
     }

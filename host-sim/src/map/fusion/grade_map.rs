@@ -1,13 +1,13 @@
 //! Fusion of runs in two levels, weighted by the inverse of their variances (Sahlholm and
 //! Johansson, "Road grade estimation for look-ahead vehicle control using multiple measurement
-//! runs", 2010; thesis section 3.1; that runs are not independent: dependence.rs).
+//! runs", 2010; thesis section 3.1). The correlation between runs is in dependence.rs.
 //!
-//! The runs of one session (one vehicle, one day) become one estimate, the sessions become the
-//! map. A run that belongs to no session is a session of its own.
+//! The runs of one session (one vehicle, one day) give one estimate; the sessions give the map. A
+//! run without a session is a session of its own.
 //!
-//! Only sums are kept: for each session by name, and for all runs without one together. So a
-//! map's size does not depend on the number of its runs, runs can be added one by one and maps
-//! merged in any order.
+//! Only sums are kept: one for each named session, and one for all runs without a session. The size
+//! of a map does not depend on the number of runs. Runs can be added one by one, and maps merged in
+//! any order.
 
 use super::cell_sums::CellSums;
 use super::dependence::{BETWEEN_SESSIONS, Dependence, Disagreement, Expectation, WITHIN_SESSION};
@@ -18,7 +18,7 @@ use crate::map::matching::placing::{Coverage, PlacedRun, place};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-/// A run, and the session that it belongs to.
+/// A run with its session.
 #[derive(Clone, Copy, Debug)]
 pub struct SessionRun<'a> {
     /// `None` is a session of its own.
@@ -26,26 +26,26 @@ pub struct SessionRun<'a> {
     pub rows: &'a [RunRow],
 }
 
-/// What estimates of one kind turned out to have in common.
+/// Agreement of estimates, and the correlation derived from it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Agreement {
     pub disagreement: Disagreement,
     pub dependence: Dependence,
 }
 
-/// A map, and how far to trust what went into it.
+/// A fused map, with the agreement of its runs.
 #[derive(Clone, Debug)]
 pub struct FusedMap {
-    /// The ways with the cells that some run covered; those without any are left out.
+    /// The ways with the cells that some run covered; ways without such cells are left out.
     pub ways: Vec<WayRows>,
-    /// Runs within each session that has a name.
+    /// Agreement within each named session.
     pub within: Vec<(String, Agreement)>,
-    /// Sessions against each other.
+    /// Agreement of the sessions.
     pub between: Agreement,
 }
 
 impl FusedMap {
-    /// The rows of all ways.
+    /// Returns the rows of all ways.
     #[must_use]
     pub fn rows(&self) -> Vec<MapRow> {
         let rows = self.ways.iter().flat_map(|way| &way.rows);
@@ -53,27 +53,27 @@ impl FusedMap {
     }
 }
 
-/// Sums of the cells of each way that a session drove.
+/// Sums of the cells of each way that a session covers.
 type SessionSums = BTreeMap<usize, Vec<CellSums>>;
 
-/// Accumulated cells of a network, every 2.5 m of each way.
+/// Sums over a network, for every cell of 2.5 m of each way.
 #[derive(Clone, Debug)]
 pub struct GradeMap<'a> {
     network: &'a Network,
     /// Runs without a session, on all ways.
     alone: Vec<CellSums>,
-    /// Runs of each session.
+    /// Runs of each open session.
     sessions: BTreeMap<String, SessionSums>,
-    /// Sessions that are complete, and how far their runs agreed.
+    /// Closed sessions, with the agreement of their runs.
     closed: Pooled,
     within: Vec<(String, Agreement)>,
 }
 
-/// Sessions, each one estimate.
+/// Sessions, each as one estimate.
 #[derive(Clone, Debug)]
 struct Pooled {
     cells: Vec<CellSums>,
-    /// Runs behind them.
+    /// Number of runs.
     runs: Vec<u32>,
 }
 
@@ -101,7 +101,7 @@ impl Pooled {
 }
 
 impl<'a> GradeMap<'a> {
-    /// An empty map of a network.
+    /// Creates an empty map of a network.
     pub fn new(network: &'a Network) -> Self {
         let count = network.cells();
         Self {
@@ -113,19 +113,19 @@ impl<'a> GradeMap<'a> {
         }
     }
 
-    /// The network that it is a map of.
+    /// Returns the network of the map.
     pub const fn network(&self) -> &'a Network {
         self.network
     }
 
-    /// Adds one run, and says how much of it lies on the network.
+    /// Adds one run; returns its coverage of the network.
     pub fn add_run(&mut self, run: &SessionRun) -> Coverage {
         let placed = place(self.network, &cells_of_run(run.rows));
         self.add_placed(run.session, &placed);
         placed.coverage
     }
 
-    /// Adds a run that was placed on this map's network.
+    /// Adds a run that was placed on the network of this map.
     pub fn add_placed(&mut self, session: Option<&str>, run: &PlacedRun) {
         if run.cells.is_empty() {
             return;
@@ -144,8 +144,8 @@ impl<'a> GradeMap<'a> {
         }
     }
 
-    /// Makes one estimate of a session's runs, for good: its memory is free again. No run of this
-    /// session may be added later, and what is left is not for a store.
+    /// Combines the runs of a session into one estimate and frees their memory. No run of this
+    /// session may be added later, and the map can no longer be stored.
     pub fn close_session(&mut self, name: &str) {
         if let Some(session) = self.sessions.remove(name) {
             let agreement = self.closed.add(self.network, &session);
@@ -153,7 +153,7 @@ impl<'a> GradeMap<'a> {
         }
     }
 
-    /// Adds what another map of the same network knows.
+    /// Adds the sums of another map of the same network.
     pub fn merge(&mut self, other: &Self) {
         let is_same = std::ptr::eq(self.network, other.network);
         debug_assert!(is_same, "maps of one network");
@@ -170,7 +170,7 @@ impl<'a> GradeMap<'a> {
         self.within.extend(other.within.iter().cloned());
     }
 
-    /// What the runs together say.
+    /// Returns the fused map.
     pub fn fused(&self) -> FusedMap {
         let mut pooled = self.closed.clone();
         let mut within = self.within.clone();
@@ -215,14 +215,14 @@ impl<'a> GradeMap<'a> {
         }
     }
 
-    /// Cells of which sums are held.
+    /// Returns the number of cells whose sums are held.
     pub fn held_cells(&self) -> usize {
         let of_sessions = self.sessions.values().flat_map(BTreeMap::values);
         self.alone.len() + of_sessions.map(Vec::len).sum::<usize>()
     }
 
-    /// Sums of every cell of each way: of the runs without a session on all ways, then of each
-    /// session by name on those that it drove.
+    /// Returns the sums of every cell of each way: first of the runs without a session on all ways,
+    /// then of each named session on the ways that it covers.
     pub(crate) fn sums(&self) -> impl Iterator<Item = (Option<&str>, usize, &[CellSums])> {
         let ways = 0..self.network.ways().len();
         let alone = ways.map(|way| (None, way, &self.alone[self.network.cells_of(way)]));
@@ -233,7 +233,7 @@ impl<'a> GradeMap<'a> {
         alone.chain(named)
     }
 
-    /// The cells of a way in which runs of a session are summed.
+    /// Returns the sums of a session in the cells of a way.
     pub(crate) fn cells_of(&mut self, session: Option<&str>, way: usize) -> &mut [CellSums] {
         let of_way = self.network.cells_of(way);
         let Some(name) = session else {
@@ -265,15 +265,15 @@ fn agreement<'c>(
     }
 }
 
-/// A map fused from runs, and what each gave to it.
+/// A map fused from runs, with the coverage of each.
 #[derive(Clone, Debug)]
 pub struct Fusion<'a> {
     pub map: GradeMap<'a>,
-    /// One for each run, in the order given.
+    /// Coverage of each run, in the order given.
     pub coverage: Vec<Coverage>,
 }
 
-/// Fuses runs onto a network. The result does not depend on the number of threads.
+/// Fuses runs on a network. The result does not depend on the number of threads.
 pub fn fuse<'a>(network: &'a Network, runs: &[SessionRun]) -> Fusion<'a> {
     let placed: Vec<PlacedRun> = runs
         .par_iter()

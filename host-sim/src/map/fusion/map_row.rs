@@ -9,22 +9,22 @@ use serde::{Deserialize, Serialize};
 /// One cell of a map. Cells that no run covered have no row.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MapRow {
-    /// Along the road; a multiple of 2.5 m.
+    /// Distance along the road, m; a multiple of 2.5 m.
     pub distance_m: f64,
     pub latitude_deg: f64,
     pub longitude_deg: f64,
-    /// Empty where no run knew it.
+    /// Altitude, m; empty if no run has it.
     pub altitude_m: Option<f64>,
-    /// 100 tan of the slope angle, positive uphill in the road's direction.
+    /// Grade, %: 100 tan of the slope angle, positive uphill in the direction of the road.
     pub grade_percent: f64,
-    /// From the runs' own sigmas, what runs of one session share, and what all share.
+    /// Standard deviation of the grade, %: from the runs' sigmas and their common errors.
     pub grade_sigma_percent: f64,
-    /// How many traversals went in.
+    /// Number of runs.
     pub runs: u32,
 }
 
 impl MapRow {
-    /// Where it lies.
+    /// Returns the position of the cell.
     #[must_use]
     pub const fn point(&self) -> RoadPoint {
         RoadPoint {
@@ -34,7 +34,7 @@ impl MapRow {
         }
     }
 
-    /// With the decimals that a text file carries.
+    /// Rounds the values as text files have them.
     pub(crate) fn rounded(&self) -> Self {
         Self {
             distance_m: round(self.distance_m, 2),
@@ -47,7 +47,7 @@ impl MapRow {
         }
     }
 
-    /// Whether the row can follow `before` in a map.
+    /// Checks that the row can follow `before` in a map.
     pub(crate) fn check(before: Option<&Self>, row: &Self) -> Result<(), Flaw> {
         row_check::finite(&[
             ("distance_m", row.distance_m),
@@ -68,7 +68,7 @@ impl MapRow {
 /// Rows of one way.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WayRows<T = MapRow> {
-    /// `None` for a single road.
+    /// Name of the way; `None` for a single road.
     pub name: Option<WayName>,
     pub rows: Vec<T>,
 }

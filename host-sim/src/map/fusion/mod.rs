@@ -1,4 +1,4 @@
-//! Cells of many runs become one, weighted by the inverse of their variances.
+//! Inverse-variance weighted fusion of the cells of many runs.
 
 pub mod cell_sums;
 pub mod dependence;

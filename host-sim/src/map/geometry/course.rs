@@ -1,31 +1,31 @@
-//! Directions of vehicles and roads against each other.
+//! Courses of vehicles relative to roads.
 
-/// Courses within this are the same direction, within this of the reverse the opposite one, deg.
+/// Tolerance of the same direction and of the opposite direction, deg.
 const COURSE_TOLERANCE_DEG: f64 = 45.0;
 
-/// How a vehicle goes on a road.
+/// Course of a vehicle relative to a road.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Heading {
+pub(crate) enum CourseRelation {
     Along,
-    /// Neither, but rather forwards than backwards.
+    /// Across, more forwards than backwards.
     AcrossForward,
     AcrossBackward,
     Opposite,
 }
 
-/// Told without the angle itself, at every segment around: within 45° what is ahead is more than
-/// what is beside.
-pub(crate) fn heading(road: [f64; 2], course: [f64; 2]) -> Heading {
+/// Compares two directions without computing the angle: it is below 45° if the component along the
+/// road exceeds the lateral one.
+pub(crate) fn heading(road: [f64; 2], course: [f64; 2]) -> CourseRelation {
     let beside = (road[0] * course[1] - road[1] * course[0]).abs();
     let ahead = road[0] * course[0] + road[1] * course[1];
     let limit = beside / COURSE_TOLERANCE_DEG.to_radians().tan();
     if ahead >= limit {
-        Heading::Along
+        CourseRelation::Along
     } else if ahead <= -limit {
-        Heading::Opposite
+        CourseRelation::Opposite
     } else if ahead >= 0.0 {
-        Heading::AcrossForward
+        CourseRelation::AcrossForward
     } else {
-        Heading::AcrossBackward
+        CourseRelation::AcrossBackward
     }
 }

@@ -1,4 +1,4 @@
-//! Where ways of a network join.
+//! Finds the joins of a network.
 
 use super::joins::{Join, Joins};
 use super::plane::earth_centred;
@@ -6,18 +6,18 @@ use super::road_index::Surroundings;
 use super::way_index::WayIndex;
 use std::collections::BTreeSet;
 
-/// An end of a way within this of another way joins it, m: networks of which ways do not share
-/// their points.
+/// An end of a way within this distance of another way joins it, m, for networks whose ways share
+/// no points.
 const END_REACH_M: f64 = 5.0;
-/// Points whose coordinates round to the same here are one, 1/deg (a centimetre).
+/// Points whose coordinates round to the same value are one, 1/deg (a centimetre).
 const SAME_POINT: f64 = 1e7;
 
-/// Ways join where they share a point, and where one ends at another. A way and its own
-/// opposite direction do not: a truck does not turn on the road.
+/// Finds the joins: ways join where they share a point, and where one ends at another. A way and
+/// its own opposite direction do not join, because trucks do not make U-turns on the road.
 pub(crate) fn find_joins(ways: &WayIndex) -> Joins {
     let mut joins = shared_points(ways);
     joins.retain(|join| !is_u_turn(ways, join));
-    // An end that shares its point with another way is joined as the network has it.
+    // An end that shares a point with another way is joined as the network states it.
     let joined: BTreeSet<(usize, u64)> = joins
         .iter()
         .flat_map(|join| [(join.way, join.at_m), (join.to_way, join.to_m)])
@@ -64,7 +64,7 @@ fn shared_points(ways: &WayIndex) -> Vec<Join> {
     joins
 }
 
-/// Joins of ends, other than those that are joined, with ways that they are near.
+/// Returns the joins of ends with nearby ways, except for ends that are already joined.
 fn ends(ways: &WayIndex, is_joined: impl Fn(usize, f64) -> bool) -> Vec<Join> {
     let mut joins = Vec::new();
     for (way, of_way) in ways.ways().iter().enumerate() {
@@ -87,8 +87,8 @@ fn ends(ways: &WayIndex, is_joined: impl Fn(usize, f64) -> bool) -> Vec<Join> {
                 if near.way == way || near.foot.lateral_m > END_REACH_M {
                     continue;
                 }
-                // Beyond its ends a way is none; and none is left at its start or entered at its
-                // end.
+                // A way has no joins beyond its ends. It is not left at its start, or entered at
+                // its end.
                 let other = &ways.ways()[near.way].line;
                 let other_m = near.foot.distance_m;
                 let (start_m, end_m) = (other.start_m(), other.end_m());

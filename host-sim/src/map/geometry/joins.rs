@@ -3,42 +3,42 @@
 use pathfinding::prelude::dijkstra_reach;
 use std::ops::Range;
 
-/// A position may be this far behind a join before the way is left there, or before the join as
-/// the next way is entered, m: noise along the road.
+/// Tolerance along the road, m: a position may be this far behind a join before the way is left
+/// there, or before the join as the next way is entered.
 const BACK_M: f64 = 10.0;
-/// From a point of one way to a point of another.
+/// A join, from a point of one way to a point of another.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Join {
     pub way: usize,
     pub at_m: f64,
     pub to_way: usize,
     pub to_m: f64,
-    /// The way goes on, or the other begins before: to take the join is a choice.
+    /// True if the way continues, or the other begins before: taking the join is a choice.
     pub turns: bool,
 }
 
-/// The joins of a network; without any by default.
+/// The joins of a network.
 #[derive(Debug, Default)]
 pub(crate) struct Joins {
-    /// Those that leave each way, along it.
+    /// Joins that leave each way, in order of distance.
     leaving: Vec<Vec<Join>>,
-    /// Where each way is left or entered, along it.
+    /// Distances at which each way is left or entered.
     places: Vec<Vec<f64>>,
 }
 
-/// A join that is taken: its way, and its number among those that leave it.
+/// A join in a route: its way, and its index among those that leave it.
 type Taken = (usize, usize);
 
-/// From a place on one way to one on another, or on the same.
+/// A route from a place on one way to a place on another, or on the same.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Route {
-    /// How far its length, forwards and backwards, is from the driven distance, m.
+    /// Difference between its length and the driven distance, m.
     pub mismatch_m: f64,
     pub joins: Vec<Join>,
 }
 
 impl Joins {
-    /// Of so many ways. The joins are in the order of their ways and along each.
+    /// Creates the joins of `count` ways. They are in the order of their ways and distances.
     pub(crate) fn new(count: usize, joins: Vec<Join>) -> Self {
         let (mut leaving, mut places) = (vec![Vec::new(); count], vec![Vec::new(); count]);
         for join in joins {
@@ -53,13 +53,13 @@ impl Joins {
         Self { leaving, places }
     }
 
-    /// Whether a way is left or entered within `reach_m` of a place on it.
+    /// Returns true if a way is left or entered within `reach_m` of a place on it.
     pub(crate) fn is_near(&self, way: usize, at_m: f64, reach_m: f64) -> bool {
         self.has_place(way, at_m - reach_m..at_m + reach_m)
     }
 
-    /// The route between two places whose length is nearest to what was driven; none of those
-    /// longer than `limit_m`.
+    /// Returns the route between two places whose length is nearest to the driven distance, among
+    /// those up to `limit_m`.
     pub(crate) fn route(
         &self,
         from: (usize, f64),
@@ -67,13 +67,13 @@ impl Joins {
         driven_m: f64,
         limit_m: f64,
     ) -> Option<Route> {
-        // Nearly always one of these ends it.
+        // One of these is almost always the result.
         if self.ahead(from.0, from.1 - BACK_M, limit_m).is_empty()
             || !self.has_place(to.0, to.1 - limit_m..to.1 + BACK_M)
         {
             return None;
         }
-        // Nodes are the joins, by way and number, each taken; the start is none of them.
+        // Nodes are the joins of the route, by way and index; the start is not one of them.
         let first = |node: &Option<Taken>| match *node {
             None => (from.0, from.1 - BACK_M, from.1),
             Some((way, k)) => {
@@ -118,7 +118,7 @@ impl Joins {
         best
     }
 
-    /// The joins on the way to a node, that of the node included.
+    /// Returns the joins up to a node, that of the node included.
     fn joins_to(&self, node: Taken, seen: &[(Taken, Option<Taken>)]) -> Vec<Join> {
         let mut joins = Vec::new();
         let mut at = Some(node);
@@ -134,7 +134,7 @@ impl Joins {
         joins
     }
 
-    /// Numbers of the joins that leave a way over this distance.
+    /// Returns the indices of the joins that leave a way within this distance.
     fn ahead(&self, way: usize, from_m: f64, length_m: f64) -> Range<usize> {
         let Some(leaving) = self.leaving.get(way) else {
             return 0..0;
@@ -154,7 +154,7 @@ impl Joins {
     }
 }
 
-/// Lengths in whole micrometres, which have an order.
+/// Returns a length in whole micrometres, which are ordered.
 fn whole_um(length_m: f64) -> u64 {
     (length_m * 1e6).round() as u64
 }

@@ -1,4 +1,4 @@
-//! Planes, roads as lines, networks of ways and where they join.
+//! Planes, roads, networks of ways and their joins.
 
 pub mod course;
 pub mod find_joins;

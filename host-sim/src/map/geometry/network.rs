@@ -1,16 +1,16 @@
-//! The roads of a map: ways, each a line in one direction of travel, and where they join. A single
-//! road is a network of one way that has no name.
+//! The roads of a map: ways, each a line in one direction of travel, and their joins. A single road
+//! is a network of one way without a name.
 
 use super::find_joins::find_joins;
 use super::joins::Joins;
 use super::plane::LocalPlane;
 use super::road_index::Surroundings;
 use super::road_line::RoadLine;
-use super::way_index::{Candidate, Way, WayIndex};
+use super::way_index::{Way, WayCandidate, WayIndex};
 use super::way_name::WayName;
 use std::ops::Range;
 
-/// Ways, and where they join.
+/// Ways and their joins.
 #[derive(Debug)]
 pub struct Network {
     ways: WayIndex,
@@ -18,7 +18,7 @@ pub struct Network {
 }
 
 impl From<RoadLine> for Network {
-    /// A single road. Where it meets itself is told by the odometer alone.
+    /// Creates the network of a single road. Where it meets itself, only the odometer decides.
     fn from(line: RoadLine) -> Self {
         Self {
             ways: WayIndex::new(vec![(None, line)]),
@@ -28,7 +28,7 @@ impl From<RoadLine> for Network {
 }
 
 impl Network {
-    /// A network of these ways, whose names differ; their order does not matter.
+    /// Creates a network of these ways. Their names differ; their order is irrelevant.
     #[must_use]
     pub fn new(mut ways: Vec<(WayName, RoadLine)>) -> Self {
         ways.sort_by(|a, b| a.0.cmp(&b.0));
@@ -40,13 +40,13 @@ impl Network {
         }
     }
 
-    /// Its ways, in the order of their names.
+    /// Returns its ways, in the order of their names.
     #[must_use]
     pub fn ways(&self) -> &[Way] {
         self.ways.ways()
     }
 
-    /// Number of cells on all its ways.
+    /// Returns number of cells on all its ways.
     #[must_use]
     pub const fn cells(&self) -> usize {
         self.ways.cells()
@@ -66,13 +66,13 @@ impl Network {
         &self.joins
     }
 
-    /// As [`WayIndex::nearby`], with the joins of this network.
+    /// Finds passes near a place; see [`WayIndex::nearby`].
     pub(crate) fn nearby(
         &self,
         surroundings: &mut Surroundings,
         place_m: [f64; 3],
         course: impl Fn(&LocalPlane) -> Option<[f64; 2]>,
-        along: &mut Vec<Candidate>,
+        along: &mut Vec<WayCandidate>,
     ) -> bool {
         let Self { ways, joins } = self;
         ways.nearby(joins, surroundings, place_m, course, along)

@@ -1,14 +1,14 @@
-//! A plane in which positions are near each other.
+//! A local tangent plane.
 
 use map_3d::Ellipsoid::WGS84;
 
-/// How far from its origin the plane serves, m: there, lengths are 0.1 % short.
+/// Range of the plane around its origin, m; lengths at its edge are 0.1 % short.
 const REACH_M: f64 = 300e3;
 
-/// East and north of an origin (tangent plane of WGS 84, altitude left out).
+/// East and north of an origin (tangent plane of WGS 84, without altitude).
 ///
-/// Lengths radial to the origin shrink by s²/2R²: 8e-6 at the ends of a 50 km road, so a lateral
-/// offset of 25 m is right within a millimetre. Distances along a road are never measured here.
+/// Lengths radial to the origin are short by s²/2R²: 8e-6 at the ends of a 50 km road, so a lateral
+/// offset of 25 m is accurate to a millimetre. Distances along a road are never measured here.
 #[derive(Clone, Copy, Debug)]
 pub struct LocalPlane {
     /// Earth-centred, m.
@@ -18,7 +18,7 @@ pub struct LocalPlane {
 }
 
 impl LocalPlane {
-    /// A plane that touches the ellipsoid there.
+    /// Creates the plane that touches the ellipsoid at this position.
     pub fn around(latitude_deg: f64, longitude_deg: f64) -> Self {
         let (sin_lat, cos_lat) = latitude_deg.to_radians().sin_cos();
         let (sin_lon, cos_lon) = longitude_deg.to_radians().sin_cos();
@@ -32,7 +32,7 @@ impl LocalPlane {
         }
     }
 
-    /// East and north of a place on the ellipsoid, m; `None` farther away than the plane serves.
+    /// Returns east and north of a place on the ellipsoid, m; `None` beyond the range of the plane.
     pub fn point(&self, place_m: [f64; 3]) -> Option<[f64; 2]> {
         let [east, north, up] = self.axes.map(|axis| {
             (0..3)
@@ -44,13 +44,13 @@ impl LocalPlane {
     }
 }
 
-/// A place on the ellipsoid, earth-centred, m.
+/// Returns earth-centred coordinates of a position on the ellipsoid, m.
 pub fn earth_centred(latitude_deg: f64, longitude_deg: f64) -> [f64; 3] {
     let (latitude, longitude) = (latitude_deg.to_radians(), longitude_deg.to_radians());
     map_3d::geodetic2ecef(latitude, longitude, 0.0, WGS84).into()
 }
 
-/// Straight-line distance between two places given as latitude, longitude and altitude, m.
+/// Returns the straight-line distance between two positions (latitude, longitude, altitude), m.
 pub fn chord_m(from: (f64, f64, f64), to: (f64, f64, f64)) -> f64 {
     let earth_centred = |(latitude_deg, longitude_deg, altitude_m): (f64, f64, f64)| {
         map_3d::geodetic2ecef(

@@ -1,4 +1,4 @@
-//! Which segments of which ways lie near a position.
+//! A spatial index of the segments of ways.
 
 use super::plane::earth_centred;
 use super::road_line::{LATERAL_LIMIT_M, RoadLine};
@@ -6,13 +6,13 @@ use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree, RTreeObject};
 use std::ops::Range;
 
-/// Segments of one entry of the index: at a point every 2.5 m there are twenty near a position,
-/// and asking for each by itself takes longer than looking at a few more.
+/// Number of segments per entry of the index. With a point every 2.5 m twenty segments are near a
+/// position, and checking a few more is faster than a query for each.
 const PIECE: usize = 8;
-/// Longer segments share an entry only up to this, m: a box around eight of them would hold much
-/// that is not near.
+/// Longer segments share an entry only up to this length, m; a box around eight of them would
+/// contain much that is not near.
 const PIECE_M: f64 = 100.0;
-/// How far positions may go before the index is asked again, m.
+/// Distance of positions from the last query before the index is queried again, m.
 const SURROUNDINGS_M: f64 = 50.0;
 /// Of the Earth, m.
 const RADIUS_M: f64 = 6.37e6;
@@ -20,29 +20,29 @@ const RADIUS_M: f64 = 6.37e6;
 /// A box with its way and segments.
 type BoxedPiece = GeomWithData<Rectangle<[f64; 3]>, (usize, Range<usize>)>;
 
-/// Boxes around pieces of ways, earth-centred: so a network may be as large as it likes.
+/// Boxes around parts of ways in earth-centred coordinates; the size of a network is not limited.
 #[derive(Debug)]
 pub(crate) struct RoadIndex {
     pieces: RTree<BoxedPiece>,
 }
 
-/// Pieces of ways around a place: those that the next positions need too.
+/// The segments around a place, cached for the next positions.
 #[derive(Debug, Default)]
 pub(crate) struct Surroundings {
     centre: Option<[f64; 3]>,
-    pieces: Vec<Piece>,
+    pieces: Vec<WaySegments>,
 }
 
-/// Segments of one way.
+/// A range of segments of one way.
 #[derive(Debug)]
-pub(crate) struct Piece {
+pub(crate) struct WaySegments {
     pub way: usize,
     pub segments: Range<usize>,
     around: AABB<[f64; 3]>,
 }
 
 impl RoadIndex {
-    /// Of these ways.
+    /// Creates the index of these ways.
     pub(crate) fn of<'a>(ways: impl Iterator<Item = &'a RoadLine>) -> Self {
         let mut pieces = Vec::new();
         for (way, line) in ways.enumerate() {
@@ -71,13 +71,13 @@ impl RoadIndex {
         }
     }
 
-    /// Pieces that may lie within reach of a place, in the order of ways and along each.
-    /// `surroundings` are those of an earlier place on the same network, or none.
+    /// Returns the segments that may be within reach of a place, in the order of ways and
+    /// distances. `surroundings` is the cache of an earlier place on the same network, or none.
     pub(crate) fn near<'s>(
         &self,
         surroundings: &'s mut Surroundings,
         place_m: [f64; 3],
-    ) -> impl Iterator<Item = &'s Piece> + use<'s> {
+    ) -> impl Iterator<Item = &'s WaySegments> + use<'s> {
         if !surroundings.hold(place_m) {
             *surroundings = self.surroundings(place_m);
         }
@@ -89,16 +89,16 @@ impl RoadIndex {
     fn surroundings(&self, centre: [f64; 3]) -> Surroundings {
         let reach = LATERAL_LIMIT_M + SURROUNDINGS_M;
         let around = AABB::from_corners(centre.map(|x| x - reach), centre.map(|x| x + reach));
-        let mut pieces: Vec<Piece> = self
+        let mut pieces: Vec<WaySegments> = self
             .pieces
             .locate_in_envelope_intersecting(around)
-            .map(|piece| Piece {
+            .map(|piece| WaySegments {
                 way: piece.data.0,
                 segments: piece.data.1.clone(),
                 around: piece.geom().envelope(),
             })
             .collect();
-        // The index answers in its own order.
+        // The index returns its entries in no fixed order.
         pieces.sort_unstable_by_key(|piece| (piece.way, piece.segments.start));
         Surroundings {
             centre: Some(centre),
@@ -107,8 +107,8 @@ impl RoadIndex {
     }
 }
 
-/// A box around points and the lines between them as they lie on the ground: a chord of the Earth
-/// runs below it by its length squared over eight radii.
+/// Returns a box around points and the lines between them on the ground: a chord of the Earth is
+/// below the ground by its length squared over eight radii.
 fn around(places: &[[f64; 3]]) -> AABB<[f64; 3]> {
     let boxed = AABB::from_points(places);
     let (lower, upper) = (boxed.lower(), boxed.upper());
@@ -118,7 +118,7 @@ fn around(places: &[[f64; 3]]) -> AABB<[f64; 3]> {
 }
 
 impl Surroundings {
-    /// Whether everything within reach of a place is among them.
+    /// Returns true if the cache contains all segments within reach of a place.
     fn hold(&self, place_m: [f64; 3]) -> bool {
         self.centre
             .is_some_and(|centre| (0..3).all(|i| (place_m[i] - centre[i]).abs() <= SURROUNDINGS_M))

@@ -1,34 +1,33 @@
-//! A road as a line on Earth.
+//! A road as a line on the ellipsoid.
 
 use super::grid::GRID_M;
 use super::plane::{LocalPlane, earth_centred};
 use std::cmp::Ordering::Less;
 use std::ops::RangeInclusive;
 
-/// Half the chord over which a course is taken, m: long against position noise of 2-3 m, short
-/// against bends. Runs and roads use the same, so that both cut a corner alike.
+/// Half the chord of a course, m: long compared with position noise of 2-3 m, short compared with
+/// bends. Runs and roads use the same value, so both cut corners alike.
 pub(crate) const COURSE_REACH_M: f64 = 20.0;
-/// How far beside the line a position may lie, m: position error, lanes, an offset of the road
-/// data.
+/// Maximum lateral offset of a position, m: position error, lanes, offset of the road data.
 pub(crate) const LATERAL_LIMIT_M: f64 = 25.0;
 
 /// One vertex of a road.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RoadPoint {
-    /// Along the road; grows strictly.
+    /// Distance along the road, m; grows strictly.
     pub distance_m: f64,
     pub latitude_deg: f64,
     pub longitude_deg: f64,
 }
 
-/// Why points are not a road. Points count from 0.
+/// Why points do not make a road. Points count from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum RoadProblem {
     #[error("fewer than two points; expected a line")]
     TooFewPoints,
-    #[error("distance_m does not grow at point {0}; expected it to, from point to point")]
+    #[error("distance_m does not grow at point {0}; expected it to grow from point to point")]
     NotForward(usize),
-    #[error("point {0} is over 300 km from the middle of the road; expected a smaller extent")]
+    #[error("point {0} is over 300 km from the middle of the road; expected a smaller road")]
     TooWide(usize),
 }
 
@@ -43,10 +42,11 @@ pub struct RoadLine {
 }
 
 impl RoadLine {
-    /// A road through these points.
+    /// Creates a road through these points.
     ///
     /// # Errors
-    /// Fewer than two points, distances that do not grow, or an extent that no plane serves.
+    /// Returns an error for fewer than two points, distances that do not grow, or too large an
+    /// extent.
     pub fn new(points: Vec<RoadPoint>) -> Result<Self, RoadProblem> {
         if points.len() < 2 {
             return Err(RoadProblem::TooFewPoints);
@@ -83,22 +83,22 @@ impl RoadLine {
         Ok(road)
     }
 
-    /// Where the road begins, m.
+    /// Returns where the road begins, m.
     pub fn start_m(&self) -> f64 {
         self.points[0].distance_m
     }
 
-    /// Where the road ends, m.
+    /// Returns where the road ends, m.
     pub fn end_m(&self) -> f64 {
         self.points[self.points.len() - 1].distance_m
     }
 
-    /// Numbers of the cells on the road: their distances over 2.5 m.
+    /// Returns the indices of the cells on the road: their distances over 2.5 m.
     pub(crate) fn cell_numbers(&self) -> RangeInclusive<i64> {
         (self.start_m() / GRID_M).ceil() as i64..=(self.end_m() / GRID_M).floor() as i64
     }
 
-    /// The road as a point at each of its cells: the form in which maps are stored.
+    /// Returns the road as one point per cell, the form in which maps are stored.
     pub fn on_grid(&self) -> Vec<RoadPoint> {
         self.cell_numbers()
             .map(|number| {
@@ -113,8 +113,8 @@ impl RoadLine {
             .collect()
     }
 
-    /// Latitude and longitude at a distance along the road, deg; beyond its ends, those of the
-    /// end.
+    /// Returns latitude and longitude at a distance along the road, deg. Beyond an end they are
+    /// those of the end.
     pub fn position_at(&self, distance_m: f64) -> (f64, f64) {
         let i = self
             .points
@@ -130,25 +130,25 @@ impl RoadLine {
         )
     }
 
-    /// Its points.
+    /// Returns the points of the road.
     pub(crate) fn points(&self) -> &[RoadPoint] {
         &self.points
     }
 
-    /// The plane in which positions on it are compared.
+    /// Returns the plane in which positions are compared.
     pub(crate) const fn plane(&self) -> &LocalPlane {
         &self.plane
     }
 
-    /// The point of segment `i` nearest to `point`; `None` if it is out of reach.
+    /// Projects a point onto segment `i`; `None` if it is out of reach.
     pub(crate) fn project(&self, i: usize, point: [f64; 2]) -> Option<Foot> {
         let (a, b) = (self.plan[i], self.plan[i + 1]);
         let along = [b[0] - a[0], b[1] - a[1]];
         let to = [point[0] - a[0], point[1] - a[1]];
         let ahead = to[0] * along[0] + to[1] * along[1];
         let squared = along[0] * along[0] + along[1] * along[1];
-        // Of most segments around it is an end, and to find that takes no division. Beyond the ends
-        // of the road the tangent goes on: else all cells there would pile up on the end.
+        // The nearest point of most segments is an end; that test needs no division. The tangent
+        // continues beyond the ends of the road, so that cells do not accumulate at the end.
         let part = if squared == 0.0 || (ahead <= 0.0 && i > 0) {
             0.0
         } else if ahead >= squared && i + 2 < self.plan.len() {
@@ -171,7 +171,7 @@ impl RoadLine {
         })
     }
 
-    /// Direction of the road at the foot of a position.
+    /// Returns the direction of the road at a projected position.
     pub(crate) fn course_of(&self, foot: &Foot) -> [f64; 2] {
         match foot.part {
             0.0 => self.courses[foot.segment],
@@ -180,8 +180,8 @@ impl RoadLine {
         }
     }
 
-    /// Direction of the road around a distance, in its plane. The distance is at this point, or not
-    /// far behind it.
+    /// Returns the direction of the road around a distance, in its plane. The distance is at this
+    /// point, or slightly behind it.
     fn course_at(&self, distance_m: f64, point: usize) -> [f64; 2] {
         let at_m = distance_m.clamp(self.start_m(), self.end_m());
         let (from, to) = (
@@ -191,8 +191,8 @@ impl RoadLine {
         [to[0] - from[0], to[1] - from[1]]
     }
 
-    /// Looks for the segment from a point on that is not far: the whole road takes longer to search
-    /// than the few points between.
+    /// Returns the position at a distance. It searches the segment from a nearby point, which is
+    /// faster than a search of the whole road.
     fn plan_at(&self, distance_m: f64, near: usize) -> [f64; 2] {
         let mut i = near.min(self.points.len() - 2);
         while i > 0 && self.points[i].distance_m > distance_m {
@@ -206,26 +206,26 @@ impl RoadLine {
         [a[0] + part * (b[0] - a[0]), a[1] + part * (b[1] - a[1])]
     }
 
-    /// The part of a segment that lies before a distance.
+    /// Returns the part of a segment before a distance.
     fn part_before(&self, distance_m: f64, segment: usize) -> f64 {
         let [from_m, to_m] = [segment, segment + 1].map(|i| self.points[i].distance_m);
         ((distance_m - from_m) / (to_m - from_m)).clamp(0.0, 1.0)
     }
 }
 
-/// Where a position meets the road.
+/// Projection of a position onto the road.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Foot {
-    /// Along the road. Beyond its ends it counts on along the end's tangent.
+    /// Distance along the road, m. Beyond the ends it continues along the tangent.
     pub distance_m: f64,
-    /// Beside the road, on either side.
+    /// Lateral offset, m, without sign.
     pub lateral_m: f64,
     segment: usize,
-    /// The part of the segment that lies before it.
+    /// The part of the segment before the projection.
     part: f64,
 }
 
-/// An angle within ±180°.
+/// Wraps an angle to ±180°.
 fn wrapped_deg(angle_deg: f64) -> f64 {
     (angle_deg + 180.0).rem_euclid(360.0) - 180.0
 }

@@ -1,6 +1,6 @@
-//! Ways with an index of their segments, and which of them pass near a place.
+//! Ways with a spatial index of their segments.
 
-use super::course::{Heading, heading};
+use super::course::{CourseRelation, heading};
 use super::grid::GRID_M;
 use super::joins::Joins;
 use super::plane::LocalPlane;
@@ -12,10 +12,10 @@ use std::ops::Range;
 /// One way.
 #[derive(Debug)]
 pub struct Way {
-    /// `None` for a single road.
+    /// Name of the way; `None` for a single road.
     pub name: Option<WayName>,
     pub line: RoadLine,
-    /// Index of its first cell among those of the network.
+    /// Index of its first cell in the network.
     first_cell: usize,
 }
 
@@ -27,20 +27,20 @@ pub(crate) struct WayIndex {
     cells: usize,
 }
 
-/// A place at which a position may be.
+/// A candidate pass for a position.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Candidate {
+pub(crate) struct WayCandidate {
     pub way: usize,
     pub foot: Foot,
-    /// The course fits only as that of a vehicle that turns off, or onto the way, here.
+    /// True if the course only fits a vehicle that turns off, or onto the way, here.
     pub turning: bool,
 }
 
-/// A way, and a position and a course in its plane.
-type View = (usize, Option<[f64; 2]>, Option<[f64; 2]>);
+/// A way, with a position and a course in its plane.
+type ProjectedPosition = (usize, Option<[f64; 2]>, Option<[f64; 2]>);
 
 impl WayIndex {
-    /// An index of these ways, in their order.
+    /// Creates an index of these ways, in their order.
     pub(crate) fn new(ways: Vec<(Option<WayName>, RoadLine)>) -> Self {
         let mut cells = 0;
         let ways: Vec<Way> = ways
@@ -63,17 +63,17 @@ impl WayIndex {
         }
     }
 
-    /// Its ways, in the order of their names.
+    /// Returns the ways, in the order of their names.
     pub(crate) fn ways(&self) -> &[Way] {
         &self.ways
     }
 
-    /// Number of cells on all its ways.
+    /// Returns the number of cells of all ways.
     pub(crate) const fn cells(&self) -> usize {
         self.cells
     }
 
-    /// Indices of the cells of a way among those of the network.
+    /// Returns the indices of the cells of a way in the network.
     pub(crate) fn cells_of(&self, way: usize) -> Range<usize> {
         let end = self
             .ways
@@ -82,12 +82,12 @@ impl WayIndex {
         self.ways[way].first_cell..end
     }
 
-    /// Distance along its way of the first cell, over 2.5 m.
+    /// Returns the distance of the first cell along its way, over 2.5 m.
     pub(crate) fn first_number(&self, way: usize) -> i64 {
         *self.ways[way].line.cell_numbers().start()
     }
 
-    /// A foot beyond an end of its way lies on the end where another way goes on.
+    /// Moves a projection beyond an end of its way onto the end, if another way continues there.
     fn within(&self, joins: &Joins, way: usize, mut foot: Foot) -> Foot {
         let line = &self.ways[way].line;
         let within_m = foot.distance_m.clamp(line.start_m(), line.end_m());
@@ -99,21 +99,21 @@ impl WayIndex {
         foot
     }
 
-    /// Puts the passes of ways near a place, earth-centred, behind those in `along`: the nearest
-    /// point of each that goes the same way, in the order of ways and along each. `course` gives
-    /// the vehicle's direction in a way's plane. Tells whether a way goes the opposite way here.
+    /// Appends to `along` the passes of ways near a place (earth-centred) in the same direction:
+    /// the nearest point of each, in the order of ways and distances. `course` gives the direction
+    /// of the vehicle in the plane of a way. Returns true if a way has the opposite direction here.
     pub(crate) fn nearby(
         &self,
         joins: &Joins,
         surroundings: &mut Surroundings,
         place_m: [f64; 3],
         course: impl Fn(&LocalPlane) -> Option<[f64; 2]>,
-        along: &mut Vec<Candidate>,
+        along: &mut Vec<WayCandidate>,
     ) -> bool {
         let mut opposite = false;
         let mut last = None;
-        // The way that is looked at, with the position and the course in its plane.
-        let mut view: Option<View> = None;
+        // The current way, with the position and the course in its plane.
+        let mut view: Option<ProjectedPosition> = None;
         for piece in self.index.near(surroundings, place_m) {
             let line = &self.ways[piece.way].line;
             let (_, point, course) = match view {
@@ -130,26 +130,25 @@ impl WayIndex {
                 let foot = self.within(joins, piece.way, foot);
                 let heading = course.map(|course| heading(line.course_of(&foot), course));
                 let turning = match heading {
-                    None | Some(Heading::Along) => false,
-                    Some(Heading::Opposite) => {
+                    None | Some(CourseRelation::Along) => false,
+                    Some(CourseRelation::Opposite) => {
                         opposite = true;
                         continue;
                     }
-                    // At a join one end of a chord lies on the way before or behind.
-                    Some(Heading::AcrossForward)
+                    // At a join one end of a chord is on the previous or the next way.
+                    Some(CourseRelation::AcrossForward)
                         if joins.is_near(piece.way, foot.distance_m, COURSE_REACH_M) =>
                     {
                         true
                     }
                     Some(_) => continue,
                 };
-                let candidate = Candidate {
+                let candidate = WayCandidate {
                     way: piece.way,
                     foot,
                     turning,
                 };
-                // Neighbouring segments are one pass of the road, of which the nearest point
-                // counts.
+                // Neighbouring segments are one pass of the road; its nearest point counts.
                 let same_pass = last == Some((piece.way, i.wrapping_sub(1)));
                 last = Some((piece.way, i));
                 match along.last_mut() {
@@ -167,7 +166,7 @@ impl WayIndex {
 }
 
 impl Way {
-    /// Distance along the way of each of its cells, m.
+    /// Returns the distances of the cells along the way, m.
     pub fn cell_distances(&self) -> impl Iterator<Item = f64> {
         self.line
             .cell_numbers()

@@ -1,28 +1,27 @@
-//! What a way of a network is called.
+//! Names of the ways of a network.
 
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// In which direction a way is driven.
+/// Direction in which a way is driven.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Direction {
+pub enum WayDirection {
     /// In the order of its points.
     Forward,
-    /// Against it.
+    /// Against the order of its points.
     Backward,
 }
 
-/// What a way of a network is called. Distances on it, and the sign of its grade, are those of its
-/// direction.
+/// Name of a way. Distances along it and the sign of its grade follow its direction.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct WayName {
     pub way: String,
-    pub direction: Direction,
+    pub direction: WayDirection,
 }
 
-impl Direction {
-    /// As files have it.
+impl WayDirection {
+    /// Returns the word that files use.
     #[must_use]
     pub const fn word(self) -> &'static str {
         match self {

@@ -1,4 +1,4 @@
-//! MAP.csv, or MAP.parquet: the cells of one road, or of the ways of a network, fused over runs.
+//! MAP.csv or MAP.parquet: the fused cells of one road, or of the ways of a network.
 
 use super::map_parquet;
 use super::way_file::{self, WayColumns};
@@ -12,16 +12,16 @@ use std::path::Path;
 /// Writes a map.
 ///
 /// # Errors
-/// What the file system says.
+/// Returns the error of the file system.
 pub fn write(path: &Path, rows: &[MapRow]) -> Result<()> {
     stage(path, rows)?.commit()
 }
 
-/// As [`stage`], of a network's map: columns `way` and `direction` come first. Of a single road the
-/// file is the same as by [`stage`].
+/// Writes the map of a network as [`stage`] does, with the columns `way` and `direction` first. A
+/// single road has no such columns.
 ///
 /// # Errors
-/// What the file system says.
+/// Returns the error of the file system.
 pub fn stage_ways(path: &Path, ways: &[WayRows]) -> Result<Staged> {
     if is_parquet(path) {
         return map_parquet::stage(path, ways);
@@ -32,7 +32,7 @@ pub fn stage_ways(path: &Path, ways: &[WayRows]) -> Result<Staged> {
     stage_csv(
         path,
         ways.iter().flat_map(|way| {
-            // Each has a name where there are several.
+            // Each way has a name if there are several.
             let columns = WayColumns::from(way.name.as_ref());
             way.rows
                 .iter()
@@ -41,11 +41,11 @@ pub fn stage_ways(path: &Path, ways: &[WayRows]) -> Result<Staged> {
     )
 }
 
-/// Writes a map that appears when it is committed: as Parquet if the name ends in .parquet, else
-/// as CSV.
+/// Writes a map to a file that appears when it is committed: Parquet if the name ends in .parquet,
+/// else CSV.
 ///
 /// # Errors
-/// What the file system says.
+/// Returns the error of the file system.
 pub fn stage(path: &Path, rows: &[MapRow]) -> Result<Staged> {
     if is_parquet(path) {
         let way = WayRows {
@@ -60,7 +60,7 @@ pub fn stage(path: &Path, rows: &[MapRow]) -> Result<Staged> {
 /// Reads a map of a single road, CSV or Parquet.
 ///
 /// # Errors
-/// With file, line and what was expected.
+/// Names the file, the line and what was expected.
 pub fn read(path: &Path) -> Result<Vec<MapRow>> {
     way_file::single(path, read_ways(path)?)
 }
@@ -68,7 +68,7 @@ pub fn read(path: &Path) -> Result<Vec<MapRow>> {
 /// Reads a map way by way, CSV or Parquet.
 ///
 /// # Errors
-/// With file, line and what was expected.
+/// Names the file, the line and what was expected.
 pub fn read_ways(path: &Path) -> Result<Vec<WayRows>> {
     if is_parquet(path) {
         return map_parquet::read(path);

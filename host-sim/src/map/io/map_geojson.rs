@@ -1,4 +1,4 @@
-//! A map as GeoJSON (RFC 7946): lines that a geographic information system can colour by grade.
+//! A map as GeoJSON (RFC 7946): lines that a GIS can colour by grade.
 
 use super::way_file::{DIRECTION, WAY};
 use crate::error::Result;
@@ -12,21 +12,21 @@ use serde_json::json;
 use std::io;
 use std::path::Path;
 
-/// Writes a map, to appear when committed: a line for each stretch of a way without a hole, which
-/// carries the values of its cells as arrays. With `piece_m`, lines of about that length instead,
-/// each with the mean grade between its ends.
+/// Writes a map to a file that appears when it is committed. Each segment of a way without a gap is
+/// a line with the values of its cells as arrays. With `piece_m`, lines have about that length, m,
+/// and the mean grade between their ends.
 ///
 /// # Errors
-/// What the file system says.
+/// Returns the error of the file system.
 pub fn stage(path: &Path, ways: &[WayRows], piece_m: Option<f64>) -> Result<Staged> {
     stage_file(path, |out| {
         let mut writer = FeatureWriter::from_writer(out);
         for way in ways {
-            for stretch in stretches(&way.rows) {
+            for segment in segments(&way.rows) {
                 match piece_m {
-                    None => write(&mut writer, &whole(way.name.as_ref(), stretch))?,
+                    None => write(&mut writer, &whole(way.name.as_ref(), segment))?,
                     Some(piece_m) => {
-                        for piece in pieces(stretch, piece_m) {
+                        for piece in pieces(segment, piece_m) {
                             write(&mut writer, &feature(way.name.as_ref(), piece))?;
                         }
                     }
@@ -41,28 +41,28 @@ fn write<W: io::Write>(writer: &mut FeatureWriter<W>, feature: &Feature) -> io::
     writer.write_feature(feature).map_err(io::Error::other)
 }
 
-/// Rows without a hole between them. A line across the date line is cut there (RFC 7946, 3.1.9).
-pub fn stretches(rows: &[MapRow]) -> impl Iterator<Item = &[MapRow]> {
+/// Splits rows at gaps. A line across the date line is split there (RFC 7946, 3.1.9).
+pub fn segments(rows: &[MapRow]) -> impl Iterator<Item = &[MapRow]> {
     rows.chunk_by(|a, b| {
         b.distance_m - a.distance_m < 1.5 * GRID_M
             && (b.longitude_deg - a.longitude_deg).abs() < 180.0
     })
 }
 
-/// Parts of a stretch; each ends where the next begins.
-fn pieces(stretch: &[MapRow], piece_m: f64) -> impl Iterator<Item = &[MapRow]> {
+/// Splits a segment into pieces; each ends where the next begins.
+fn pieces(segment: &[MapRow], piece_m: f64) -> impl Iterator<Item = &[MapRow]> {
     let cells = ((piece_m / GRID_M).round() as usize).max(1);
-    let last = stretch.len() - 1;
+    let last = segment.len() - 1;
     (0..last.max(1))
         .step_by(cells)
-        .map(move |first| &stretch[first..=(first + cells).min(last)])
+        .map(move |first| &segment[first..=(first + cells).min(last)])
 }
 
-/// A line with what holds for all of it.
+/// Returns a line with its scalar properties.
 fn feature(name: Option<&WayName>, rows: &[MapRow]) -> Feature {
     let position = |row: &MapRow| vec![round(row.longitude_deg, 7), round(row.latitude_deg, 7)];
     let geometry = Geometry::new(match rows {
-        // A cell by itself is no line.
+        // A single cell is not a line.
         [only] => Shape::Point(position(only)),
         _ => Shape::LineString(rows.iter().map(position).collect()),
     });
@@ -71,27 +71,27 @@ fn feature(name: Option<&WayName>, rows: &[MapRow]) -> Feature {
     let altitudes: Vec<f64> = rows.iter().filter_map(|row| row.altitude_m).collect();
     let altitude_m = altitudes.iter().sum::<f64>() / altitudes.len() as f64;
     let mut properties = JsonObject::new();
-    let mut tell = |key: &str, value: JsonValue| properties.insert(key.to_owned(), value);
+    let mut set = |key: &str, value: JsonValue| properties.insert(key.to_owned(), value);
     if let Some(name) = name {
-        tell(WAY, json!(name.way));
-        tell(DIRECTION, json!(name.direction));
+        set(WAY, json!(name.way));
+        set(DIRECTION, json!(name.direction));
     }
-    tell("from_m", json!(round(from_m, 2)));
-    tell("to_m", json!(round(to_m, 2)));
-    tell("length_m", json!(round(to_m - from_m, 2)));
-    tell(
+    set("from_m", json!(round(from_m, 2)));
+    set("to_m", json!(round(to_m, 2)));
+    set("length_m", json!(round(to_m - from_m, 2)));
+    set(
         "grade_percent",
         json!(round(mean(rows, |row| row.grade_percent), 5)),
     );
-    // The error of a run is nearly one over a kilometre: its mean is no surer than its parts.
-    tell(
+    // Errors of a run are almost constant over a kilometre, so the mean has the sigma of its parts.
+    set(
         "grade_sigma_percent",
         json!(round(mean(rows, |row| row.grade_sigma_percent), 5)),
     );
-    // No known altitude makes NaN, which JSON has as null.
-    tell("altitude_m", json!(round(altitude_m, 3)));
-    tell("runs_least", json!(runs().min()));
-    tell("runs_most", json!(runs().max()));
+    // Without a known altitude the mean is NaN, which is null in JSON.
+    set("altitude_m", json!(round(altitude_m, 3)));
+    set("runs_least", json!(runs().min()));
+    set("runs_most", json!(runs().max()));
     Feature {
         geometry: Some(geometry),
         properties: Some(properties),
@@ -99,7 +99,7 @@ fn feature(name: Option<&WayName>, rows: &[MapRow]) -> Feature {
     }
 }
 
-/// A line with the values of each of its positions.
+/// Returns a line with the values of each of its positions.
 fn whole(name: Option<&WayName>, rows: &[MapRow]) -> Feature {
     let mut feature = feature(name, rows);
     let numbers = |value: fn(&MapRow) -> f64, decimals: i32| -> JsonValue {
@@ -118,7 +118,7 @@ fn whole(name: Option<&WayName>, rows: &[MapRow]) -> Feature {
     feature
 }
 
-/// Mean along the line through these.
+/// Returns the mean along the line through these rows.
 fn mean(rows: &[MapRow], value: fn(&MapRow) -> f64) -> f64 {
     if let [only] = rows {
         return value(only);

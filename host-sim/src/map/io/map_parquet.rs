@@ -1,28 +1,28 @@
-//! MAP.parquet: the columns of MAP.csv, numbers in full. And placed runs, from which SQL makes
-//! the same map (`host-sim/sql/fuse.sql`).
+//! MAP.parquet: the columns of MAP.csv, not rounded. Also placed runs, from which SQL computes the
+//! same map (`host-sim/sql/fuse.sql`).
 
 use super::road_row::RoadRow;
 use super::way_file::{self, DIRECTION, Grouping, WAY};
 use crate::error::{Error, Result};
 use crate::files::output::Staged;
-use crate::files::parquet::{Column, open, stage as stage_parquet};
+use crate::files::parquet::{ParquetColumn, open, stage as stage_parquet};
 use crate::files::row_check::Flaw;
 use crate::map::fusion::map_row::{MapRow, WayRows};
 use crate::map::geometry::way_name::WayName;
 use crate::map::matching::placing::PlacedCell;
 use std::path::Path;
 
-/// Versions of the columns; in the files' metadata.
+/// Versions of the columns, in the metadata of the files.
 const MAP_SCHEMA: &str = "map 1";
 const PLACED_SCHEMA: &str = "placed 1";
 
-/// Writes a map that appears when it is committed.
+/// Writes a map to a file that appears when it is committed.
 ///
 /// # Errors
-/// What the file system says.
+/// Returns the error of the file system.
 pub fn stage(path: &Path, ways: &[WayRows]) -> Result<Staged> {
     let rows = || ways.iter().flat_map(|way| &way.rows);
-    let numbers = |name, value: fn(&MapRow) -> f64| Column::numbers(name, rows().map(value));
+    let numbers = |name, value: fn(&MapRow) -> f64| ParquetColumn::numbers(name, rows().map(value));
     let mut columns = Vec::new();
     if ways.iter().any(|way| way.name.is_some()) {
         let texts = |value: fn(&WayName) -> &str| {
@@ -30,8 +30,8 @@ pub fn stage(path: &Path, ways: &[WayRows]) -> Result<Staged> {
                 std::iter::repeat_n(way.name.as_ref().map(value), way.rows.len())
             })
         };
-        columns.push(Column::texts(WAY, texts(|name| &name.way)));
-        columns.push(Column::texts(
+        columns.push(ParquetColumn::texts(WAY, texts(|name| &name.way)));
+        columns.push(ParquetColumn::texts(
             DIRECTION,
             texts(|name| name.direction.word()),
         ));
@@ -40,10 +40,10 @@ pub fn stage(path: &Path, ways: &[WayRows]) -> Result<Staged> {
         numbers("distance_m", |row| row.distance_m),
         numbers("latitude_deg", |row| row.latitude_deg),
         numbers("longitude_deg", |row| row.longitude_deg),
-        Column::optional("altitude_m", rows().map(|row| row.altitude_m)),
+        ParquetColumn::optional("altitude_m", rows().map(|row| row.altitude_m)),
         numbers("grade_percent", |row| row.grade_percent),
         numbers("grade_sigma_percent", |row| row.grade_sigma_percent),
-        Column::whole("runs", rows().map(|row| row.runs.into())),
+        ParquetColumn::whole("runs", rows().map(|row| row.runs.into())),
     ]);
     stage_parquet(path, columns, &[("schema", MAP_SCHEMA.to_owned())])
 }
@@ -51,7 +51,7 @@ pub fn stage(path: &Path, ways: &[WayRows]) -> Result<Staged> {
 /// Reads a map.
 ///
 /// # Errors
-/// With file, row and what was expected.
+/// Names the file, the row and what was expected.
 pub fn read(path: &Path) -> Result<Vec<WayRows>> {
     let names = [
         "distance_m",
@@ -85,7 +85,7 @@ pub fn read(path: &Path) -> Result<Vec<WayRows>> {
 /// Reads a road: any Parquet file with these three columns.
 ///
 /// # Errors
-/// With file, row and what was expected.
+/// Names the file, the row and what was expected.
 pub fn read_road(path: &Path) -> Result<Vec<WayRows<RoadRow>>> {
     let names = ["distance_m", "latitude_deg", "longitude_deg"];
     let row = |values: [Option<f64>; 3]| match values {
@@ -123,24 +123,24 @@ fn read_ways<T, const N: usize>(
     Ok(grouping.done())
 }
 
-/// Writes a run's cells on a road, to appear when committed: `session` (none for a run that
-/// belongs to none), `cell` (distance along the road over 2.5 m), grade and altitude with their
-/// variances.
+/// Writes the cells of a run on a road to a file that appears when it is committed: `session` (null
+/// for a run without one), `cell` (distance along the road over 2.5 m), grade and altitude with
+/// their variances.
 ///
 /// # Errors
-/// What the file system says.
+/// Returns the error of the file system.
 pub fn stage_placed(path: &Path, session: Option<&str>, cells: &[PlacedCell]) -> Result<Staged> {
     let altitude = |of: fn((f64, f64)) -> f64| cells.iter().map(move |cell| cell.altitude.map(of));
     let columns = vec![
-        Column::text("session", session, cells.len()),
-        Column::whole("cell", cells.iter().map(|cell| cell.number)),
-        Column::numbers("grade_percent", cells.iter().map(|cell| cell.grade_percent)),
-        Column::numbers(
+        ParquetColumn::text("session", session, cells.len()),
+        ParquetColumn::whole("cell", cells.iter().map(|cell| cell.number)),
+        ParquetColumn::numbers("grade_percent", cells.iter().map(|cell| cell.grade_percent)),
+        ParquetColumn::numbers(
             "grade_variance_percent2",
             cells.iter().map(|cell| cell.grade_variance),
         ),
-        Column::optional("altitude_m", altitude(|known| known.0)),
-        Column::optional("altitude_variance_m2", altitude(|known| known.1)),
+        ParquetColumn::optional("altitude_m", altitude(|known| known.0)),
+        ParquetColumn::optional("altitude_variance_m2", altitude(|known| known.1)),
     ];
     stage_parquet(path, columns, &[("schema", PLACED_SCHEMA.to_owned())])
 }

@@ -1,4 +1,4 @@
-//! Files of maps, roads, networks, and of the sums behind a map.
+//! Files of maps, roads, networks and sums.
 
 pub mod map_file;
 pub mod map_geojson;

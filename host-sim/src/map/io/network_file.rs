@@ -1,5 +1,5 @@
-//! The road that a map is made of, from a file: ROAD.csv or ROAD.parquet, of one road or of ways,
-//! or the lines of a GeoJSON file.
+//! The road or network of a map from a file: ROAD.csv or ROAD.parquet with one road or several
+//! ways, or the lines of a GeoJSON file.
 
 use super::road_file::read_ways;
 use super::road_row::RoadRow;
@@ -9,7 +9,7 @@ use crate::files::row_check;
 use crate::map::geometry::network::Network;
 use crate::map::geometry::plane::chord_m;
 use crate::map::geometry::road_line::{RoadLine, RoadPoint};
-use crate::map::geometry::way_name::{Direction, WayName};
+use crate::map::geometry::way_name::{WayDirection, WayName};
 use geojson::feature::Id;
 use geojson::{Feature, Position, Value as Shape};
 use serde::Deserialize;
@@ -19,10 +19,10 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
-/// Where a feature's name may be, first the likelier: ours, Overpass, other exports.
+/// Properties for the name of a feature, in order of precedence: ours, Overpass, other exports.
 const NAMES: [&str; 4] = ["way", "@id", "id", "osm_id"];
 
-/// Whether a file of this name is, or is to be, GeoJSON.
+/// Returns true if the extension is that of GeoJSON.
 #[must_use]
 pub fn is_geojson(path: &Path) -> bool {
     path.extension().is_some_and(|extension| {
@@ -33,7 +33,7 @@ pub fn is_geojson(path: &Path) -> bool {
 /// Reads a road or a network.
 ///
 /// # Errors
-/// With file, line or feature, and what was expected.
+/// Names the file, the line or feature, and what was expected.
 pub fn read(path: &Path) -> Result<Network> {
     if is_geojson(path) {
         return read_geojson(path);
@@ -51,11 +51,11 @@ pub fn read(path: &Path) -> Result<Network> {
     Ok(Network::new(ways))
 }
 
-/// A single road through these points, with a point for each of its cells: so that it is the same
-/// whether it comes from its file or from a store. `path` is named in the error.
+/// Creates a single road through these points, with a point for each of its cells, so that it is
+/// the same whether it comes from its file or from a store. `path` is for error messages.
 ///
 /// # Errors
-/// If they are no road.
+/// Returns an error if the points do not make a road.
 pub fn road_through(path: &Path, points: Vec<RoadPoint>) -> Result<Network> {
     RoadLine::new(points)
         .and_then(|line| RoadLine::new(line.on_grid()))
@@ -63,7 +63,7 @@ pub fn road_through(path: &Path, points: Vec<RoadPoint>) -> Result<Network> {
         .map_err(|problem| Error::content(path, problem.to_string()))
 }
 
-/// The collection, each feature to be read by itself so that an error can name it.
+/// The collection; each feature is parsed by itself, so that errors name it.
 #[derive(Deserialize)]
 struct Collection {
     r#type: String,
@@ -98,7 +98,7 @@ fn read_geojson(path: &Path) -> Result<Network> {
         let name = name_of(&feature).map_err(wrong)?;
         let wrong = |problem: String| wrong(format!("way {name}: {problem}"));
         if let Some(first) = numbers.insert(name.clone(), number) {
-            let problem = format!("so is feature {first}; expected names that differ");
+            let problem = format!("same name as feature {first}; expected unique names");
             return Err(wrong(problem));
         }
         let points = points_of(&feature).map_err(wrong)?;
@@ -111,13 +111,13 @@ fn read_geojson(path: &Path) -> Result<Network> {
     Ok(Network::new(ways))
 }
 
-/// A property that is told.
-fn told<'f>(feature: &'f Feature, key: &str) -> Option<&'f Value> {
+/// Returns a property that is not null.
+fn property<'f>(feature: &'f Feature, key: &str) -> Option<&'f Value> {
     feature.property(key).filter(|value| !value.is_null())
 }
 
 fn name_of(feature: &Feature) -> std::result::Result<String, String> {
-    let property = NAMES.iter().find_map(|key| told(feature, key));
+    let property = NAMES.iter().find_map(|key| property(feature, key));
     let name = match (property, &feature.id) {
         (Some(Value::String(name)), _) | (None, Some(Id::String(name))) => name.clone(),
         (Some(Value::Number(number)), _) | (None, Some(Id::Number(number))) => number.to_string(),
@@ -128,19 +128,19 @@ fn name_of(feature: &Feature) -> std::result::Result<String, String> {
     Ok(name)
 }
 
-/// As OpenStreetMap has it: both directions unless `oneway` says otherwise; roundabouts and
-/// motorways are one-way without saying so.
-fn directions(feature: &Feature) -> std::result::Result<Vec<Direction>, String> {
-    use Direction::{Backward, Forward};
+/// Returns the directions of a way, as OpenStreetMap defines them: both unless `oneway` says
+/// otherwise; roundabouts and motorways are one-way by default.
+fn directions(feature: &Feature) -> std::result::Result<Vec<WayDirection>, String> {
+    use WayDirection::{Backward, Forward};
     let implied = || {
         let is = |key: &str, values: &[&str]| {
-            told(feature, key)
+            property(feature, key)
                 .and_then(Value::as_str)
                 .is_some_and(|value| values.contains(&value))
         };
         is("junction", &["roundabout", "circular"]) || is("highway", &["motorway"])
     };
-    let text = told(feature, "oneway").map(|value| match value {
+    let text = property(feature, "oneway").map(|value| match value {
         Value::String(text) => text.clone(),
         other => other.to_string(),
     });
@@ -155,12 +155,12 @@ fn directions(feature: &Feature) -> std::result::Result<Vec<Direction>, String> 
     }
 }
 
-/// Its positions: latitude and longitude, deg.
+/// Returns the positions: latitude and longitude, deg.
 fn points_of(feature: &Feature) -> std::result::Result<Vec<(f64, f64)>, String> {
     let expected = "expected a LineString of two positions or more";
     let positions = match feature.geometry.as_ref().map(|geometry| &geometry.value) {
         Some(Shape::LineString(coordinates)) => coordinates,
-        // What is read from a shapefile is always of this kind.
+        // Lines read from a shapefile are always of this type.
         Some(Shape::MultiLineString(coordinates)) => match &coordinates[..] {
             [line] => line,
             parts => {
@@ -174,7 +174,7 @@ fn points_of(feature: &Feature) -> std::result::Result<Vec<(f64, f64)>, String> 
     let mut points: Vec<(f64, f64)> = Vec::with_capacity(positions.len());
     for (number, position) in (1..).zip(positions) {
         let point = point(position).map_err(|e| format!("position {number}: {e}"))?;
-        // The same once more is no step.
+        // A repeated position is no step.
         if points.last() != Some(&point) {
             points.push(point);
         }
@@ -197,12 +197,12 @@ fn point(position: &Position) -> std::result::Result<(f64, f64), String> {
     Ok((latitude_deg, longitude_deg))
 }
 
-/// Distances are those on the ellipsoid.
+/// Creates the line; distances are those on the ellipsoid.
 fn line(
     mut points: Vec<(f64, f64)>,
-    direction: Direction,
+    direction: WayDirection,
 ) -> std::result::Result<RoadLine, String> {
-    if direction == Direction::Backward {
+    if direction == WayDirection::Backward {
         points.reverse();
     }
     let mut distance_m = 0.0;

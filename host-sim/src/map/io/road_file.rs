@@ -1,4 +1,4 @@
-//! ROAD.csv, or ROAD.parquet: a road, or ways, given from outside; a map serves too.
+//! ROAD.csv or ROAD.parquet: a road or several ways from the user; a map is accepted too.
 
 use super::road_row::RoadRow;
 use super::{map_parquet, way_file};
@@ -10,7 +10,7 @@ use std::path::Path;
 /// Reads a single road.
 ///
 /// # Errors
-/// With file, line and what was expected.
+/// Names the file, the line and what was expected.
 pub fn read(path: &Path) -> Result<Vec<RoadRow>> {
     way_file::single(path, read_ways(path)?)
 }
@@ -18,7 +18,7 @@ pub fn read(path: &Path) -> Result<Vec<RoadRow>> {
 /// Reads a road, or ways.
 ///
 /// # Errors
-/// With file, line and what was expected.
+/// Names the file, the line and what was expected.
 pub(crate) fn read_ways(path: &Path) -> Result<Vec<WayRows<RoadRow>>> {
     if is_parquet(path) {
         return map_parquet::read_road(path);

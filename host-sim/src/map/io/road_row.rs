@@ -5,26 +5,27 @@ use crate::map::geometry::plane::chord_m;
 use crate::map::geometry::road_line::RoadPoint;
 use serde::Deserialize;
 
-/// Two points may be this much farther apart than their distances along the road say ...
+/// Two points may be farther apart than their distances along the road state by this part ...
 const CHORD_RATIO: f64 = 1.1;
-/// ... and this, m (position error of the road data).
+/// ... and by this, m (position error of the road data).
 const CHORD_SLACK_M: f64 = 20.0;
 
-/// One point of a road. Columns beyond these are ignored.
+/// One point of a road. Other columns are ignored.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 pub struct RoadRow {
-    /// Along the road; grows strictly.
+    /// Distance along the road, m; grows strictly.
     pub distance_m: f64,
     pub latitude_deg: f64,
     pub longitude_deg: f64,
-    /// Of a reference.
+    /// Altitude of a reference, m.
     pub altitude_m: Option<f64>,
-    /// Of a reference: 100 tan of the slope angle, positive uphill in the road's direction.
+    /// Grade of a reference, %: 100 tan of the slope angle, positive uphill in the direction of the
+    /// road.
     pub grade_percent: Option<f64>,
 }
 
 impl RoadRow {
-    /// The point on the ground.
+    /// Returns the position of the point.
     pub fn point(&self) -> RoadPoint {
         RoadPoint {
             distance_m: self.distance_m,
@@ -33,7 +34,7 @@ impl RoadRow {
         }
     }
 
-    /// Whether the row can follow `before` on a road.
+    /// Checks that the row can follow `before` on a road.
     pub(crate) fn check(before: Option<&Self>, row: &Self) -> Result<(), Flaw> {
         row_check::finite(&[
             ("distance_m", row.distance_m),
@@ -47,7 +48,7 @@ impl RoadRow {
             return Ok(());
         };
         row_check::forwards("distance_m", before.distance_m, row.distance_m, true)?;
-        // Finds columns that are swapped, or a distance in another unit.
+        // Detects columns that are swapped, or a distance in another unit.
         let place = |row: &Self| (row.latitude_deg, row.longitude_deg, 0.0);
         let apart_m = chord_m(place(before), place(row));
         let step_m = row.distance_m - before.distance_m;

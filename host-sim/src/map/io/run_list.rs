@@ -1,4 +1,5 @@
-//! Which runs are in a map: so that none counts twice, and an interrupted fusion goes on.
+//! The list of runs in a map. It prevents that a run counts twice, and lets an interrupted fusion
+//! continue.
 
 use crate::error::{Error, Result};
 use crate::files::run::RunIdentity;
@@ -7,42 +8,42 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader, Write};
 use std::path::Path;
 
-/// What the line of a run begins with; a comment to the reader of the rows.
+/// Prefix of the line of a run; a comment for the reader of the rows.
 const RUN_MARK: &str = "# run ";
 
-/// The runs of a map, 16 bytes each.
+/// The identities of the runs of a map, 16 bytes each.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct RunList(BTreeSet<RunIdentity>);
 
 impl RunList {
-    /// Adds a run; `false` if it was there already.
+    /// Adds a run. Returns `false` if it is already in the list.
     pub fn insert(&mut self, run: RunIdentity) -> bool {
         self.0.insert(run)
     }
 
-    /// Whether a run is there.
+    /// Returns true if the run is in the list.
     pub fn contains(&self, run: RunIdentity) -> bool {
         self.0.contains(&run)
     }
 
-    /// Their number.
+    /// Returns the number of runs.
     pub fn len(&self) -> usize {
         self.0.len()
     }
 
-    /// Whether there is none.
+    /// Returns true if the list is empty.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
-    /// One line each, behind the rows of a store.
+    /// Writes one line per run, after the rows of a store.
     pub(crate) fn write(&self, out: &mut dyn Write) -> io::Result<()> {
         self.0
             .iter()
             .try_for_each(|run| writeln!(out, "{RUN_MARK}{run}"))
     }
 
-    /// Those of a store, which promises this many.
+    /// Reads the list of a store, which promises this many runs.
     pub(crate) fn read(path: &Path, promised: usize) -> Result<Self> {
         let file = File::open(path).map_err(Error::io(path))?;
         let mut runs = Self::default();
@@ -55,7 +56,7 @@ impl RunList {
                 .ok()
                 .and_then(|run| run.parse().ok());
             if !run.is_some_and(|run| runs.insert(run)) {
-                let problem = "not a run, or one that was there already";
+                let problem = "not a run, or a run that is already listed";
                 return Err(Error::line(
                     path,
                     number,

@@ -2,15 +2,15 @@
 
 use crate::files::row_check::Flaw;
 
-/// A name that a session can have in files and messages.
+/// Checks the name of a session for files and messages.
 ///
 /// # Errors
-/// What is wrong with it, and what would do.
+/// Names the problem and what was expected.
 pub fn check_session_name(name: &str) -> Result<(), Flaw> {
     if name.trim().is_empty() || name.chars().any(char::is_control) {
         return Err(Flaw {
             problem: format!("session name {name:?}"),
-            expected: "some letters or digits, no line breaks",
+            expected: "letters or digits, no line breaks",
         });
     }
     Ok(())

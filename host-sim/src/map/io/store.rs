@@ -1,9 +1,10 @@
-//! SUMS.csv: the sums behind a map, so that it can grow without the runs that made it.
+//! SUMS.csv: the sums behind a map, so that runs can be added without the earlier ones.
 //!
-//! First the road, or the ways of a network one after the other: a row for every cell, with its
-//! position and the sums of the runs that belong to no session. Then, session by session, a row for
-//! each cell that one of its runs covered. In a network's store each row tells its way. Numbers are written in full, so that nothing changes on the way. The first line holds
-//! version, number of rows and number of runs; behind the rows follows what each run is known by.
+//! First comes the road, or the ways of a network in order: one row per cell, with its position and
+//! the sums of the runs without a session. Then, session by session, one row per cell that a run of
+//! the session covers. In the store of a network each row names its way. Numbers are written
+//! exactly. The first line has the version, the number of rows and the number of runs; the
+//! identities of the runs follow after the rows.
 
 use crate::map::fusion::grade_map::GradeMap;
 use crate::map::geometry::grid::GRID_M;
@@ -21,29 +22,29 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
-/// What a file of this kind begins with; the number is that of its version.
+/// Prefix of a file of this kind; the number is its version.
 const MARK: &str = "# roadgrade sums 2, rows: ";
-/// What stands between the numbers of rows and of runs.
+/// Text between the numbers of rows and of runs.
 const RUNS_MARK: &str = ", runs: ";
-/// A first line is not longer than this, bytes.
+/// Maximum length of the first line, bytes.
 const LONGEST_MARK: u64 = 80;
-/// Lines before the first row: mark and header.
+/// Lines before the first row: first line and header.
 const LINES_BEFORE: u64 = 2;
-/// Cells of one road lie within this of each other, m: coordinates rounded in a file.
+/// Tolerance between cells of the same road, m: coordinates are rounded in files.
 const SAME_PLACE_M: f64 = 0.5;
 
-/// A map as stored.
+/// A stored map.
 #[derive(Clone, Debug)]
-pub struct Store {
-    /// One, of a single road.
+pub struct MapStore {
+    /// One way for a single road.
     pub ways: Vec<StoredWay>,
     rows: Vec<StoreRow>,
-    /// The runs behind it.
+    /// The runs in the map.
     pub runs: RunList,
 }
 
-impl Store {
-    /// The cells of a single road; `None` of a network.
+impl MapStore {
+    /// Returns the cells of a single road; `None` for a network.
     #[must_use]
     pub fn road(&self) -> Option<&[RoadPoint]> {
         match &self.ways[..] {
@@ -52,7 +53,7 @@ impl Store {
         }
     }
 
-    /// The stored map, on a network of which [`Store::is_of`] holds.
+    /// Returns the stored map, on a network for which [`MapStore::is_of`] is true.
     #[must_use]
     pub fn resume<'a>(&self, network: &'a Network) -> GradeMap<'a> {
         let mut map = GradeMap::new(network);
@@ -75,7 +76,7 @@ impl Store {
         map
     }
 
-    /// Whether this is the store of that network.
+    /// Returns true if the store belongs to this network.
     #[must_use]
     pub fn is_of(&self, network: &Network) -> bool {
         network.ways().len() == self.ways.len()
@@ -93,11 +94,11 @@ fn is_same_line(given: &[RoadPoint], stored: &[RoadPoint]) -> bool {
         })
 }
 
-/// Writes a map's sums, to appear when committed. A single road must be one through its own
-/// [`RoadLine::on_grid`](crate::map::RoadLine::on_grid).
+/// Writes the sums of a map to a file that appears when it is committed. A single road must have
+/// one point per cell; see [`RoadLine::on_grid`](crate::map::RoadLine::on_grid).
 ///
 /// # Errors
-/// What the file system says.
+/// Returns the error of the file system.
 pub fn stage(path: &Path, map: &GradeMap, runs: &RunList) -> Result<Staged> {
     let ways = map.network().ways();
     let grids: Vec<Vec<RoadPoint>> = ways.iter().map(|way| way.line.on_grid()).collect();
@@ -130,8 +131,8 @@ pub fn stage(path: &Path, map: &GradeMap, runs: &RunList) -> Result<Staged> {
 /// Reads a map's sums.
 ///
 /// # Errors
-/// With file, line and what was expected.
-pub fn read(path: &Path) -> Result<Store> {
+/// Names the file, the line and what was expected.
+pub fn read(path: &Path) -> Result<MapStore> {
     let (promised, promised_runs) = promised_counts(path)?;
     let rows = read_checked_with(
         csv::ReaderBuilder::new().comment(Some(b'#')),
@@ -149,7 +150,7 @@ pub fn read(path: &Path) -> Result<Store> {
     }
     let mut ways: Vec<StoredWay> = Vec::new();
     for rows in rows.chunk_by(StoreRow::is_beside) {
-        // The check has seen to it that the first rows are of the road.
+        // The check ensures that the first rows are those of the road.
         if rows[0].session.is_none() {
             ways.push(StoredWay {
                 name: rows[0].way_name(),
@@ -166,10 +167,10 @@ pub fn read(path: &Path) -> Result<Store> {
         ));
     }
     let runs = RunList::read(path, promised_runs)?;
-    Ok(Store { ways, rows, runs })
+    Ok(MapStore { ways, rows, runs })
 }
 
-/// The numbers of rows and of runs that the first line tells.
+/// Returns the numbers of rows and of runs in the first line.
 fn promised_counts(path: &Path) -> Result<(usize, usize)> {
     let file = File::open(path).map_err(Error::io(path))?;
     let mut first = Vec::new();
@@ -192,7 +193,7 @@ fn promised_counts(path: &Path) -> Result<(usize, usize)> {
         })
 }
 
-/// The road that a row should be on, in words.
+/// Returns the road that a row should be on, as text.
 fn extent(ways: &[StoredWay], row: &StoreRow) -> String {
     let name = row.way_name();
     let way = ways.iter().find(|way| way.name == name);

@@ -1,4 +1,4 @@
-//! One row of SUMS.csv, and what it cannot but fulfil.
+//! One row of SUMS.csv, and its consistency checks.
 
 use super::session_name::check_session_name;
 use crate::files::csv::column;
@@ -6,18 +6,18 @@ use crate::files::row_check::{self, Flaw};
 use crate::map::fusion::cell_sums::CellSums;
 use crate::map::geometry::grid::GRID_M;
 use crate::map::geometry::road_line::RoadPoint;
-use crate::map::geometry::way_name::{Direction, WayName};
+use crate::map::geometry::way_name::{WayDirection, WayName};
 use serde::{Deserialize, Serialize};
 
-/// Sums may miss an inequality by so much in proportion: rounding.
+/// Relative tolerance of the inequalities of sums: rounding.
 const ROUNDING: f64 = 1e-9;
 
 /// A road or a way as stored.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StoredWay {
-    /// `None` for a single road.
+    /// Name of the way; `None` for a single road.
     pub name: Option<WayName>,
-    /// Where each of its cells is.
+    /// Position of each of its cells.
     pub cells: Vec<RoadPoint>,
 }
 
@@ -26,10 +26,10 @@ pub struct StoredWay {
 #[serde(deny_unknown_fields)]
 pub(crate) struct StoreRow {
     pub distance_m: f64,
-    /// Empty for the road and runs without a session.
+    /// Session; empty for the road and runs without a session.
     #[serde(deserialize_with = "column")]
     pub session: Option<String>,
-    /// Of the road; empty in the rows of a session.
+    /// Position of the road's cell; empty in the rows of a session.
     #[serde(deserialize_with = "column")]
     latitude_deg: Option<f64>,
     #[serde(deserialize_with = "column")]
@@ -41,11 +41,11 @@ pub(crate) struct StoreRow {
     grade_square_sum: f64,
     altitude_weight: f64,
     altitude_sum: f64,
-    /// Of a network; written as [`WayColumns`].
+    /// Way of a network; written as [`WayColumns`].
     #[serde(default, skip_serializing)]
     way: Option<String>,
     #[serde(default, skip_serializing)]
-    direction: Option<Direction>,
+    direction: Option<WayDirection>,
 }
 
 impl StoreRow {
@@ -68,7 +68,7 @@ impl StoreRow {
         }
     }
 
-    /// `None` on a single road.
+    /// Returns the name of the way; `None` on a single road.
     pub(crate) fn way_name(&self) -> Option<WayName> {
         Some(WayName {
             way: self.way.clone()?,
@@ -76,12 +76,12 @@ impl StoreRow {
         })
     }
 
-    /// Whether the row is of the same session and way.
+    /// Returns true if both rows are of the same session and way.
     pub(crate) fn is_beside(&self, other: &Self) -> bool {
         (&self.session, &self.way, self.direction) == (&other.session, &other.way, other.direction)
     }
 
-    /// Whether it is of a cell of these ways, which are in the order of their names.
+    /// Returns true if the row is of a cell of these ways, which are sorted by name.
     pub(crate) fn is_on(&self, ways: &[StoredWay]) -> bool {
         let name = self.way_name();
         let Ok(way) = ways.binary_search_by(|way| way.name.cmp(&name)) else {
@@ -103,7 +103,7 @@ impl StoreRow {
         }
     }
 
-    /// Of the road; `None` in the rows of a session.
+    /// Returns the position of the road's cell; `None` in the rows of a session.
     pub(crate) fn point(&self) -> Option<RoadPoint> {
         Some(RoadPoint {
             distance_m: self.distance_m,
@@ -112,7 +112,7 @@ impl StoreRow {
         })
     }
 
-    /// Whether the row can follow `before`.
+    /// Checks that the row can follow `before`.
     pub(crate) fn check(before: Option<&Self>, row: &Self) -> Result<(), Flaw> {
         row_check::finite(&[
             ("distance_m", row.distance_m),
@@ -133,8 +133,8 @@ impl StoreRow {
         row.check_sums()
     }
 
-    /// The road from cell to cell, or the ways in the order of their names; then sessions in the
-    /// order of their names, each way by way and forwards.
+    /// Checks the order: the road from cell to cell, or the ways sorted by name; then the sessions
+    /// sorted by name, each way by way and forwards.
     fn check_place(&self, before: Option<&Self>) -> Result<(), Flaw> {
         let wrong = |problem: &str, expected: &'static str| {
             Err(Flaw {
@@ -145,7 +145,10 @@ impl StoreRow {
         if self.way.is_some() != self.direction.is_some()
             || before.is_some_and(|before| before.way.is_some() != self.way.is_some())
         {
-            return wrong("half the name of a way", "way and direction, or neither");
+            return wrong(
+                "incomplete name of a way",
+                "both way and direction, or neither",
+            );
         }
         let next_way = before.is_some_and(|before| {
             before.session == self.session && before.way_name() < self.way_name()
@@ -160,8 +163,8 @@ impl StoreRow {
                     }
                     Some(_) if next_way => Ok(()),
                     Some(before) if before.way_name() != self.way_name() => wrong(
-                        "a way behind one of a later name",
-                        "the order of their names, each in one piece",
+                        "ways out of order",
+                        "ways sorted by name, each in one block",
                     ),
                     Some(before) if self.distance_m != before.distance_m + GRID_M => Err(Flaw {
                         problem: format!(
@@ -184,8 +187,8 @@ impl StoreRow {
                 if before.session == self.session {
                     if before.way_name() != self.way_name() {
                         return wrong(
-                            "a way behind one of a later name",
-                            "the order of their names, each in one piece",
+                            "ways out of order",
+                            "ways sorted by name, each in one block",
                         );
                     }
                     let (last_m, now_m) = (before.distance_m, self.distance_m);
@@ -193,20 +196,20 @@ impl StoreRow {
                 }
                 if before.session > self.session {
                     return wrong(
-                        "a session behind one of a later name",
-                        "the order of their names, each in one piece",
+                        "sessions out of order",
+                        "sessions sorted by name, each in one block",
                     );
                 }
                 self.session.as_deref().map_or(Ok(()), check_session_name)
             }
             (Some(_), ..) => wrong(
                 "a position in a row of a session",
-                "only the road's rows to",
+                "positions only in the rows of the road",
             ),
         }
     }
 
-    /// What sums of weights and values cannot but fulfil.
+    /// Checks the inequalities between sums of weights and values.
     fn check_sums(&self) -> Result<(), Flaw> {
         let runs = f64::from(self.runs);
         let at_most = |a: f64, b: f64| a <= b * (1.0 + ROUNDING);
@@ -228,7 +231,7 @@ impl StoreRow {
             Ok(())
         } else {
             Err(Flaw {
-                problem: format!("sums that {} runs cannot have", self.runs),
+                problem: format!("sums that are impossible for {} runs", self.runs),
                 expected: "the row as it was written",
             })
         }

@@ -1,25 +1,25 @@
-//! Files that hold one road, or several ways: then `way` and `direction` are columns.
+//! Files with one road, or with several ways in the columns `way` and `direction`.
 
 use crate::error::{Error, Result};
 use crate::files::csv::{Record, read_records};
 use crate::files::row_check::Flaw;
 use crate::map::fusion::map_row::WayRows;
-use crate::map::geometry::way_name::{Direction, WayName};
+use crate::map::geometry::way_name::{WayDirection, WayName};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 use std::path::Path;
 
-/// The column that says that a file holds ways.
+/// Column of the way's name; its presence marks a file of ways.
 pub(crate) const WAY: &str = "way";
-/// The column beside it; without it all are driven forward.
+/// Column of the direction; without it all ways are driven forward.
 pub(crate) const DIRECTION: &str = "direction";
 
-/// What tells the way in a row.
+/// The columns of a way's name.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct WayColumns {
     way: String,
     #[serde(default)]
-    direction: Option<Direction>,
+    direction: Option<WayDirection>,
 }
 
 impl From<Option<&WayName>> for WayColumns {
@@ -36,12 +36,12 @@ impl WayColumns {
         check_way(&self.way)?;
         Ok(WayName {
             way: self.way,
-            direction: self.direction.unwrap_or(Direction::Forward),
+            direction: self.direction.unwrap_or(WayDirection::Forward),
         })
     }
 }
 
-/// A way's name, as a file gives it.
+/// Checks the name of a way.
 pub(crate) fn check_way(way: &str) -> std::result::Result<(), Flaw> {
     if way.trim().is_empty() || way.chars().any(char::is_control) {
         return Err(Flaw {
@@ -52,7 +52,7 @@ pub(crate) fn check_way(way: &str) -> std::result::Result<(), Flaw> {
     Ok(())
 }
 
-/// Rows as they come, to be told apart by way.
+/// Groups rows by way.
 pub(crate) struct Grouping<T> {
     ways: Vec<WayRows<T>>,
     seen: BTreeSet<WayName>,
@@ -66,7 +66,7 @@ impl<T> Grouping<T> {
         }
     }
 
-    /// Adds a row behind those of its way; `check` judges it with the one before.
+    /// Adds a row to its way; `check` gets it with the row before.
     pub(crate) fn add(
         &mut self,
         name: Option<WayName>,
@@ -83,8 +83,8 @@ impl<T> Grouping<T> {
             && !self.seen.insert(name.clone())
         {
             return Err(Flaw {
-                problem: format!("way {name} once more"),
-                expected: "the rows of a way one behind the other",
+                problem: format!("way {name} appears twice"),
+                expected: "the rows of a way in one block",
             });
         }
         let rows = vec![row];
@@ -100,7 +100,7 @@ impl<T> Grouping<T> {
 /// Reads the rows of a CSV file, way by way.
 ///
 /// # Errors
-/// With file, line and what was expected.
+/// Names the file, the line and what was expected.
 pub(crate) fn read_csv<T: for<'de> Deserialize<'de>>(
     path: &Path,
     check: fn(Option<&T>, &T) -> std::result::Result<(), Flaw>,
@@ -120,12 +120,12 @@ pub(crate) fn read_csv<T: for<'de> Deserialize<'de>>(
     Ok(grouping.done())
 }
 
-/// A way's name from the columns of a Parquet file.
+/// Returns the name of a way from the columns of a Parquet file.
 pub(crate) fn name_of([way, direction]: [Option<&str>; 2]) -> std::result::Result<WayName, Flaw> {
     let direction = match direction {
         None => None,
-        Some("forward") => Some(Direction::Forward),
-        Some("backward") => Some(Direction::Backward),
+        Some("forward") => Some(WayDirection::Forward),
+        Some("backward") => Some(WayDirection::Backward),
         Some(other) => {
             return Err(Flaw {
                 problem: format!("direction is {other:?}"),
@@ -137,13 +137,13 @@ pub(crate) fn name_of([way, direction]: [Option<&str>; 2]) -> std::result::Resul
     WayColumns { way, direction }.name()
 }
 
-/// The rows of a file that is to hold a single road.
+/// Returns the rows of a file with a single road.
 pub(crate) fn single<T>(path: &Path, mut ways: Vec<WayRows<T>>) -> Result<Vec<T>> {
     match ways.len() {
         0 => Ok(Vec::new()),
         1 => Ok(ways.swap_remove(0).rows),
         several => {
-            let problem = format!("{several} ways; expected a single road here");
+            let problem = format!("{several} ways; expected a single road");
             Err(Error::content(path, problem))
         }
     }

@@ -1,18 +1,18 @@
-//! A CSV file for each way of a map.
+//! One CSV file for each way of a map.
 
 use super::map_file;
 use crate::error::{Error, Result};
 use crate::map::fusion::map_row::WayRows;
-use crate::map::geometry::way_name::{Direction, WayName};
+use crate::map::geometry::way_name::{WayDirection, WayName};
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
-/// Writes the files into a folder, all or, if one cannot be written, none. A single road's is named
-/// as the map.
+/// Writes the files into a folder, all or none. The file of a single road has the name of the map.
 pub fn write(folder: &Path, map: &Path, ways: &[WayRows]) -> Result<()> {
     fs::create_dir_all(folder).map_err(Error::io(folder))?;
-    // Within it: what is beside may be another file system, to which nothing can be renamed.
+    // Staged within the folder: a folder beside it may be another file system, and files cannot be
+    // renamed across.
     let complete = tempfile::tempdir_in(folder).map_err(Error::io(folder))?;
     let mut names = BTreeSet::new();
     for way in ways {
@@ -26,21 +26,21 @@ pub fn write(folder: &Path, map: &Path, ways: &[WayRows]) -> Result<()> {
     Ok(())
 }
 
-/// A name that no way before had; `taken` also has this one then.
+/// Returns a name that no way before had, and adds it to `taken`.
 fn file_name(name: Option<&WayName>, map: &Path, taken: &mut BTreeSet<String>) -> String {
     let stem = match name {
         None => map.file_stem().unwrap_or_default().to_string_lossy().into(),
         Some(WayName { way, direction }) => {
             let safe = |c: char| c.is_alphanumeric() || matches!(c, '-' | '_' | '.');
             let stem = way.replace(|c| !safe(c), "_");
-            // A file is not to be hidden, nor is a folder to be left.
+            // The file must not be hidden, and must not leave the folder.
             let stem = match stem.strip_prefix('.') {
                 Some(rest) => format!("_{rest}"),
                 None => stem,
             };
             match direction {
-                Direction::Forward => stem,
-                Direction::Backward => format!("{stem}.backward"),
+                WayDirection::Forward => stem,
+                WayDirection::Backward => format!("{stem}.backward"),
             }
         }
     };

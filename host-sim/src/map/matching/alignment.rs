@@ -1,6 +1,6 @@
 //! From matched points to smooth distances along the ways.
 
-use super::viterbi::{self, Place, TrackPoint};
+use super::viterbi::{self, MatchedPlace, TrackPoint};
 use crate::map::geometry::network::Network;
 use crate::numeric::local_fit;
 use std::ops::Range;
@@ -9,45 +9,49 @@ use std::ops::Range;
 /// 2-3 m is uneven over this; an odometer 1 % wrong shifts the offset by 1 m, evenly.
 const OFFSET_REACH_M: f64 = 100.0;
 
-/// Points of a run that follow the network without a break.
+/// Points of a run that follow the network without a gap.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Stretch {
-    /// Which points of the run.
+pub struct MatchedSegment {
+    /// Range of points of the run.
     pub points: Range<usize>,
-    /// Distance along the legs of each: on the first that of its way.
+    /// Distance of each point along the legs, m; on the first leg that along its way.
     pub distance_m: Vec<f64>,
-    /// The ways that it takes, one after the other.
+    /// The ways of the segment, in order.
     pub legs: Vec<Leg>,
 }
 
-/// A way, or a part of it, on a stretch.
+/// A way, or a part of it, in a segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Leg {
     pub way: usize,
-    /// Distance along the legs where it begins.
+    /// Distance along the legs at its start, m.
     pub begins_m: f64,
-    /// Distance along the legs less that along the way.
+    /// Distance along the legs minus that along the way, m.
     pub offset_m: f64,
 }
 
-/// A stretch as it is found.
+/// A segment under construction.
 #[derive(Debug)]
 struct Open {
     /// The last place on a way, and the odometer there.
     last: (usize, f64, f64),
-    /// Matched points, each with its raw distance along the legs.
+    /// Matched points with their raw distance along the legs.
     on: Vec<(usize, f64)>,
     legs: Vec<Leg>,
 }
 
-/// The stretches of a run on the network. Points without a position belong to a stretch if it goes
-/// on behind them (matching has compared that with the odometer).
-pub fn stretches(network: &Network, track: &[TrackPoint], places: &[Place]) -> Vec<Stretch> {
+/// Returns the matched segments of a run. Points without a position belong to a segment if it
+/// continues after them (matching has compared it with the odometer).
+pub fn matched_segments(
+    network: &Network,
+    track: &[TrackPoint],
+    places: &[MatchedPlace],
+) -> Vec<MatchedSegment> {
     let mut found = Vec::new();
     let mut open: Option<Open> = None;
     for (i, place) in places.iter().enumerate() {
         match *place {
-            Place::OnRoad { way, distance_m } => {
+            MatchedPlace::OnRoad { way, distance_m } => {
                 let here = (way, distance_m, track[i].odometer_m);
                 let goes_on = open
                     .as_mut()
@@ -56,8 +60,8 @@ pub fn stretches(network: &Network, track: &[TrackPoint], places: &[Place]) -> V
                     found.extend(open.replace(Open::at(i, here)));
                 }
             }
-            Place::NoPosition => {}
-            Place::OffRoad | Place::Opposite => found.extend(open.take()),
+            MatchedPlace::NoPosition => {}
+            MatchedPlace::OffRoad | MatchedPlace::Opposite => found.extend(open.take()),
         }
     }
     found.extend(open);
@@ -81,7 +85,7 @@ impl Open {
         }
     }
 
-    /// Goes on to a place, with the legs on the way there; `false` where none leads there.
+    /// Continues to a place, with the legs between. Returns `false` if no route leads there.
     fn take(&mut self, network: &Network, i: usize, here: (usize, f64, f64)) -> bool {
         let (way, from_m, odometer_m) = self.last;
         let driven_m = here.2 - odometer_m;
@@ -105,8 +109,8 @@ impl Open {
     }
 }
 
-/// A stretch through the matched points `on`, each with its raw distance along the legs.
-fn smoothed(track: &[TrackPoint], on: &[(usize, f64)], legs: Vec<Leg>) -> Stretch {
+/// Returns the segment through the matched points `on`, with their raw distances along the legs.
+fn smoothed(track: &[TrackPoint], on: &[(usize, f64)], legs: Vec<Leg>) -> MatchedSegment {
     let odometer_m: Vec<f64> = on.iter().map(|&(i, _)| track[i].odometer_m).collect();
     let offset_m: Vec<f64> = on
         .iter()
@@ -126,13 +130,13 @@ fn smoothed(track: &[TrackPoint], on: &[(usize, f64)], legs: Vec<Leg>) -> Stretc
             if on[after].0 == i {
                 return here_m + offset_m[after];
             }
-            // Without a position: the offset changes evenly from the one known to the next.
+            // Without a position the offset is interpolated between the known ones.
             let (from_m, to_m) = (odometer_m[after - 1], odometer_m[after]);
             let part = (here_m - from_m) / (to_m - from_m).max(f64::MIN_POSITIVE);
             here_m + offset_m[after - 1] + part * (offset_m[after] - offset_m[after - 1])
         })
         .collect();
-    Stretch {
+    MatchedSegment {
         points,
         distance_m,
         legs,

@@ -1,47 +1,47 @@
-//! A run's cells on the grid of each way: all that a map takes of it.
+//! The cells of a run on the grid of each way.
 
-use super::alignment::{Leg, Stretch, stretches};
+use super::alignment::{Leg, MatchedSegment, matched_segments};
 use super::track::track_of_run;
-use super::viterbi::{Place, match_track};
+use super::viterbi::{MatchedPlace, match_track};
 use crate::files::run::RunCell;
 use crate::map::geometry::grid::GRID_M;
 use crate::map::geometry::network::Network;
 
-/// Cells of a run farther apart than this are not joined, m: two rows of a RUN.csv are missing.
+/// Cells of a run farther apart than this are not joined, m: rows of the file are missing.
 const JOIN_LIMIT_M: f64 = 8.0;
 
-/// How much of a run lies on the road, in cells.
+/// Coverage of the road by a run, in cells.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Coverage {
     pub cells: usize,
-    /// On the road, those bridged by odometer included.
+    /// On the road, cells bridged by odometer included.
     pub matched: usize,
     pub off_road: usize,
-    /// At the road, driven against its direction.
+    /// On the road, but against its direction.
     pub opposite: usize,
-    /// Without a position, and not bridged.
+    /// Without a position and not bridged.
     pub no_position: usize,
 }
 
-/// What a run knows of one cell of a way.
+/// The estimate of a run in one cell of a way.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlacedCell {
-    /// Which way of the network; 0 of a single road.
+    /// Index of the way; 0 for a single road.
     pub way: usize,
     /// Distance along the way over 2.5 m.
     pub number: i64,
     pub grade_percent: f64,
-    /// Square of the sigma, %².
+    /// Variance of the grade, %².
     pub grade_variance: f64,
     /// Altitude, m, and its variance, m².
     pub altitude: Option<(f64, f64)>,
 }
 
-/// A run on a network.
+/// A run placed on a network.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlacedRun {
     pub coverage: Coverage,
-    /// In the order in which they were driven; a road that passes a place twice has it twice.
+    /// In the order of driving; a road that passes a place twice has it twice.
     pub cells: Vec<PlacedCell>,
 }
 
@@ -49,17 +49,17 @@ pub struct PlacedRun {
 pub fn place(network: &Network, cells: &[RunCell]) -> PlacedRun {
     let track = track_of_run(cells);
     let places = match_track(network, &track);
-    let count = |wanted: Place| places.iter().filter(|&&place| place == wanted).count();
+    let count = |wanted: MatchedPlace| places.iter().filter(|&&place| place == wanted).count();
     let mut coverage = Coverage {
         cells: cells.len(),
-        off_road: count(Place::OffRoad),
-        opposite: count(Place::Opposite),
+        off_road: count(MatchedPlace::OffRoad),
+        opposite: count(MatchedPlace::Opposite),
         ..Coverage::default()
     };
     let mut placed = Vec::with_capacity(cells.len());
-    for stretch in stretches(network, &track, &places) {
-        coverage.matched += stretch.points.len();
-        place_stretch(&mut placed, network, cells, &stretch);
+    for segment in matched_segments(network, &track, &places) {
+        coverage.matched += segment.points.len();
+        place_segment(&mut placed, network, cells, &segment);
     }
     coverage.no_position =
         coverage.cells - coverage.matched - coverage.off_road - coverage.opposite;
@@ -69,23 +69,23 @@ pub fn place(network: &Network, cells: &[RunCell]) -> PlacedRun {
     }
 }
 
-/// Interpolates a run onto the grid between neighbouring cells. Errors of neighbours are nearly
-/// the same, so variances are interpolated, not reduced.
-fn place_stretch(
+/// Interpolates a segment onto the grid. Errors of neighbouring cells are almost equal, so
+/// variances are interpolated and not reduced.
+fn place_segment(
     placed: &mut Vec<PlacedCell>,
     network: &Network,
     cells: &[RunCell],
-    stretch: &Stretch,
+    segment: &MatchedSegment,
 ) {
-    let cells = &cells[stretch.points.clone()];
-    let mut legs = stretch.legs.iter();
+    let cells = &cells[segment.points.clone()];
+    let mut legs = segment.legs.iter();
     let Some(mut leg) = legs.next() else {
         return;
     };
     let numbers = |leg: &Leg| network.ways()[leg.way].line.cell_numbers();
-    // Number of the first cell of this leg that this run has not yet filled.
+    // Index of the first cell of this leg that the run has not yet filled.
     let mut next = *numbers(leg).start();
-    for (pair, at_m) in cells.windows(2).zip(stretch.distance_m.windows(2)) {
+    for (pair, at_m) in cells.windows(2).zip(segment.distance_m.windows(2)) {
         let (from_m, to_m) = (at_m[0], at_m[1]);
         if to_m <= from_m || pair[1].distance_m - pair[0].distance_m > JOIN_LIMIT_M {
             continue;
@@ -112,7 +112,7 @@ fn place_stretch(
     }
 }
 
-/// What a run knows between two of its cells.
+/// Returns the estimate between two cells of a run.
 fn between((way, number): (usize, i64), a: &RunCell, b: &RunCell, part: f64) -> PlacedCell {
     let mix = |a: f64, b: f64| a + part * (b - a);
     PlacedCell {

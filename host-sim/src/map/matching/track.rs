@@ -1,4 +1,4 @@
-//! A run's own track, as points to match and as a road for other runs.
+//! The track of a run, as points to match and as a road for other runs.
 
 use super::viterbi::TrackPoint;
 use crate::files::run::RunCell;
@@ -9,10 +9,10 @@ use crate::numeric::local_fit;
 /// Half width over which the track is smoothed, m. The fit is quadratic: it follows bends of
 /// 50 m radius within half a metre, and takes out position noise as a mean over ±30 m would.
 const TRACK_REACH_M: f64 = 60.0;
-/// Points nearer to the one before than this are left out, m: a receiver that stands still.
+/// Minimum distance between points, m; a receiver at standstill gives no more.
 const STANDSTILL_M: f64 = 0.5;
 
-/// What a run says about where it went.
+/// Returns the track of a run.
 pub fn track_of_run<R>(rows: &[R]) -> Vec<TrackPoint>
 where
     RunCell: for<'a> From<&'a R>,
@@ -26,9 +26,9 @@ where
         .collect()
 }
 
-/// The road that a run drove, from its first position to its last: its track, smoothed lightly.
-/// Distances are lengths of that track from its start; over cells without a position, which it
-/// passes in a straight line, those of the odometer. `None` with fewer than two positions.
+/// Returns the road of a run: its smoothed track, from the first position to the last. Distances
+/// are lengths of the track from its start. Over cells without a position the track is a straight
+/// line, and distances are those of the odometer. `None` with fewer than two positions.
 pub fn road_of_run<R>(rows: &[R]) -> Option<Vec<RoadPoint>>
 where
     RunCell: for<'a> From<&'a R>,
@@ -43,7 +43,7 @@ where
         })
         .collect();
     let odometer_m: Vec<f64> = fixes.iter().map(|fix| rows[fix.0].distance_m).collect();
-    // Relative to the first, so that a road across the date line stays in one piece.
+    // Relative to the first position, so that a road across the date line stays continuous.
     let first = *fixes.first()?;
     let latitude: Vec<f64> = fixes.iter().map(|fix| fix.1 - first.1).collect();
     let longitude: Vec<f64> = fixes
@@ -57,7 +57,7 @@ where
     let mut last: Option<(usize, (f64, f64, f64))> = None;
     let mut distance_m = 0.0;
     let altitude = |row: &RunCell| row.altitude.map(|(altitude_m, _)| altitude_m);
-    // Where it is not known it stays as it was: an invented step would lengthen the road.
+    // An unknown altitude stays as it was: an invented step would lengthen the road.
     let mut altitude_m = rows.iter().find_map(altitude).unwrap_or(0.0);
     for (fix, (latitude, longitude)) in fixes.iter().zip(latitude.iter().zip(&longitude)) {
         altitude_m = altitude(&rows[fix.0]).unwrap_or(altitude_m);

@@ -1,69 +1,70 @@
-//! Which point of which way each point of a run belongs to.
+//! Map matching: the way and distance of each point of a run.
 //!
 //! A hidden Markov model over the run, solved by Viterbi's algorithm (after Newson and Krumm,
-//! "Hidden Markov map matching through noise and sparseness", 2009). The states at a position
-//! are the passes of ways near it that go the same way, and "off the road"; passing from one to the
-//! next must agree with the odometer, and from one way to another there must be a route of that
-//! length over their joins. So a run stays on its own pass where a road comes near itself or
-//! crosses itself, and a crossing or parallel street is not worth entering.
+//! "Hidden Markov map matching through noise and sparseness", 2009). The states of a position are
+//! the nearby passes of ways in the same direction, and "off the road". A transition must agree
+//! with the odometer; a change of ways needs a route of that length over their joins. A run
+//! therefore stays on its own pass where a road comes near itself or crosses itself, and does not
+//! enter crossing or parallel streets.
 
 use crate::map::geometry::joins::Join;
 use crate::map::geometry::network::Network;
 use crate::map::geometry::plane::{LocalPlane, earth_centred};
 use crate::map::geometry::road_index::Surroundings;
 use crate::map::geometry::road_line::{COURSE_REACH_M, LATERAL_LIMIT_M};
-use crate::map::geometry::way_index::Candidate;
+use crate::map::geometry::way_index::WayCandidate;
 
-/// Price of leaving the road or coming onto it, in positions off the road: a stretch on the road
-/// must be worth two of them, 100 m of perfect fit, or it is a crossing.
+/// Cost of leaving or entering the road, in positions off the road. A segment on the road must be
+/// worth two of them, 100 m of perfect fit; shorter ones are crossings.
 const SWITCH_PRICE: f64 = 20.0;
-/// Progress along the road and by odometer may differ by this for the price of a position off
+/// Difference between progress along the road and by odometer that costs as much as a position off
 /// the road, m ...
 const SLIP_M: f64 = 10.0;
-/// ... and by this part of the distance (odometer scale, roads with straightened bends). More
-/// costs the square of it, so that a leap is never cheaper than leaving and coming back.
+/// ... plus this part of the distance (odometer scale, roads with straightened bends). The cost
+/// grows with the square of the difference, so that a jump never costs less than leaving and
+/// returning.
 const SLIP_RATIO: f64 = 0.05;
-/// Price of a turn: of leaving a way that goes on, or entering one that began before, in positions
-/// off the road. So a crossing street is not taken for the width of a junction.
+/// Cost of a turn, in positions off the road: leaving a way that continues, or entering one that
+/// began before. It prevents matches to a crossing street within a junction.
 const TURN_PRICE: f64 = 1.0;
-/// Price of a position whose course fits only as that of a vehicle that turns.
+/// Cost of a position whose course only fits a turning vehicle.
 const TURNING_PRICE: f64 = 0.5;
-/// Positions this far apart by odometer do not tell a course, m.
+/// Positions farther apart than this by odometer give no course, m.
 const COURSE_GAP_M: f64 = 30.0;
-/// A course needs positions over at least this, m.
+/// Minimum distance of the positions for a course, m.
 const COURSE_SPAN_M: f64 = 10.0;
 
 /// One point of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrackPoint {
-    /// Driven distance; does not decrease.
+    /// Driven distance, m; does not decrease.
     pub odometer_m: f64,
     /// Latitude and longitude, deg.
     pub position: Option<(f64, f64)>,
 }
 
-/// Where one point of a run lies.
+/// The match of one point of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Place {
-    /// On this way of the network (a single road is its way 0), at this distance along it, m.
+pub enum MatchedPlace {
+    /// On this way of the network (0 for a single road), at this distance along it, m.
     OnRoad { way: usize, distance_m: f64 },
-    /// At the road, driving against its direction.
+    /// On the road, driving against its direction.
     Opposite,
-    /// Not at the road, or across it.
+    /// Off the road, or across it.
     OffRoad,
-    /// The run has no position here.
+    /// Without a position.
     NoPosition,
 }
 
-/// Places each point of a run on the network.
-pub fn match_track(network: &Network, track: &[TrackPoint]) -> Vec<Place> {
-    let mut places = vec![Place::NoPosition; track.len()];
-    let fixes: Vec<Fix> = track
+/// Matches each point of a run to the network.
+pub fn match_track(network: &Network, track: &[TrackPoint]) -> Vec<MatchedPlace> {
+    let mut places = vec![MatchedPlace::NoPosition; track.len()];
+    let fixes: Vec<PositionedPoint> = track
         .iter()
         .enumerate()
         .filter_map(|(index, point)| {
             let (latitude_deg, longitude_deg) = point.position?;
-            Some(Fix {
+            Some(PositionedPoint {
                 index,
                 odometer_m: point.odometer_m,
                 place_m: earth_centred(latitude_deg, longitude_deg),
@@ -82,37 +83,37 @@ pub fn match_track(network: &Network, track: &[TrackPoint]) -> Vec<Place> {
     let states = best_states(network, &fixes, &nearby);
     for (i, state) in states.into_iter().enumerate() {
         places[fixes[i].index] = match nearby.along(i).get(state) {
-            Some(candidate) => Place::OnRoad {
+            Some(candidate) => MatchedPlace::OnRoad {
                 way: candidate.way,
                 distance_m: candidate.foot.distance_m,
             },
-            None if nearby.opposite[i] => Place::Opposite,
-            None => Place::OffRoad,
+            None if nearby.opposite[i] => MatchedPlace::Opposite,
+            None => MatchedPlace::OffRoad,
         };
     }
     places
 }
 
 /// A point of the run that has a position.
-struct Fix {
+struct PositionedPoint {
     index: usize,
     odometer_m: f64,
-    /// Earth-centred.
+    /// Earth-centred position, m.
     place_m: [f64; 3],
 }
 
-/// What lies near each position.
+/// Passes of ways near each position.
 struct Nearby {
-    /// Passes of ways that go the same way, one position behind the other.
-    along: Vec<Candidate>,
-    /// Where those of each position end.
+    /// Passes in the same direction, position by position.
+    along: Vec<WayCandidate>,
+    /// End of the passes of each position.
     ends: Vec<usize>,
-    /// Whether a way goes the opposite way there.
+    /// True if a way has the opposite direction there.
     opposite: Vec<bool>,
 }
 
 impl Nearby {
-    /// Mostly a position is on one way.
+    /// Reserves memory for one way per position.
     fn with_room(positions: usize) -> Self {
         Self {
             along: Vec::with_capacity(positions),
@@ -121,7 +122,7 @@ impl Nearby {
         }
     }
 
-    fn along(&self, i: usize) -> &[Candidate] {
+    fn along(&self, i: usize) -> &[WayCandidate] {
         &self.along[self.begin(i)..self.ends[i]]
     }
 
@@ -130,22 +131,22 @@ impl Nearby {
     }
 }
 
-/// For each position those from about 20 m before it to as far after it, without a gap between
-/// them.
-fn chords(fixes: &[Fix]) -> impl Iterator<Item = &[Fix]> {
-    let way_m = |a: usize, b: usize| fixes[b].odometer_m - fixes[a].odometer_m;
+/// Returns, for each position, the positions from about 20 m before it to 20 m after it, without a
+/// gap.
+fn chords(fixes: &[PositionedPoint]) -> impl Iterator<Item = &[PositionedPoint]> {
+    let apart_m = |a: usize, b: usize| fixes[b].odometer_m - fixes[a].odometer_m;
     let (mut from, mut to) = (0, 0);
     (0..fixes.len()).map(move |i| {
-        if i > 0 && way_m(i - 1, i) > COURSE_GAP_M {
+        if i > 0 && apart_m(i - 1, i) > COURSE_GAP_M {
             from = i;
         }
-        while from < i && way_m(from + 1, i) >= COURSE_REACH_M {
+        while from < i && apart_m(from + 1, i) >= COURSE_REACH_M {
             from += 1;
         }
         to = to.max(i);
         while to + 1 < fixes.len()
-            && way_m(i, to) < COURSE_REACH_M
-            && way_m(to, to + 1) <= COURSE_GAP_M
+            && apart_m(i, to) < COURSE_REACH_M
+            && apart_m(to, to + 1) <= COURSE_GAP_M
         {
             to += 1;
         }
@@ -153,9 +154,9 @@ fn chords(fixes: &[Fix]) -> impl Iterator<Item = &[Fix]> {
     })
 }
 
-/// Direction of the run from the first to the last of these, in a plane; `None` where they do not
-/// tell one.
-fn course(fixes: &[Fix], plane: &LocalPlane) -> Option<[f64; 2]> {
+/// Returns the direction of the run from the first to the last of these positions, in a plane;
+/// `None` if they do not define one.
+fn course(fixes: &[PositionedPoint], plane: &LocalPlane) -> Option<[f64; 2]> {
     let (first, last) = (fixes.first()?, fixes.last()?);
     let span_m = last.odometer_m - first.odometer_m;
     if span_m < COURSE_SPAN_M {
@@ -163,12 +164,13 @@ fn course(fixes: &[Fix], plane: &LocalPlane) -> Option<[f64; 2]> {
     }
     let (a, b) = (plane.point(first.place_m)?, plane.point(last.place_m)?);
     let chord = [b[0] - a[0], b[1] - a[1]];
-    // A chord far shorter than the drive is a turn on the spot or a receiver that stands still.
+    // A chord far shorter than the driven distance is a turn on the spot or a receiver at
+    // standstill.
     (chord[0].hypot(chord[1]) >= 0.5 * span_m).then_some(chord)
 }
 
-/// Price of passing from one place to another over this distance by odometer, and the joins on
-/// the way; infinite where no way leads there.
+/// Returns the cost of a transition between two places over this distance by odometer, and the
+/// joins between them. The cost is infinite if there is no route.
 pub(crate) fn step(
     network: &Network,
     from: (usize, f64),
@@ -184,7 +186,7 @@ pub(crate) fn step(
     if direct <= 1.0 {
         return (direct, Vec::new());
     }
-    // What is longer costs more than leaving the road and coming back.
+    // A longer one costs more than leaving the road and returning.
     let limit_m = driven_m + slip_m * (2.0 * SWITCH_PRICE).sqrt();
     let route = network.joins().route(from, to, driven_m, limit_m);
     match route.map(|route| {
@@ -197,17 +199,18 @@ pub(crate) fn step(
     }
 }
 
-/// One state in Viterbi's lattice.
-struct State {
+/// A state of Viterbi's lattice.
+struct LatticeState {
     cost: f64,
-    /// The state before, on the cheapest way here.
+    /// Previous state on the path of least cost.
     before: usize,
 }
 
-/// For each position the index of its state: of a pass in `along`, or their number for "off".
-fn best_states(network: &Network, fixes: &[Fix], nearby: &Nearby) -> Vec<usize> {
-    // The states of all positions, one position behind the other; each has one more than places.
-    let mut lattice: Vec<State> = Vec::with_capacity(2 * fixes.len());
+/// Returns the best state of each position: the index of a pass in `along`, or their number for
+/// "off".
+fn best_states(network: &Network, fixes: &[PositionedPoint], nearby: &Nearby) -> Vec<usize> {
+    // The states of all positions, in order; each position has one more than passes.
+    let mut lattice: Vec<LatticeState> = Vec::with_capacity(2 * fixes.len());
     let begin = |i: usize| nearby.begin(i) + i;
     for i in 0..fixes.len() {
         let near = nearby.along(i);
@@ -222,7 +225,7 @@ fn best_states(network: &Network, fixes: &[Fix], nearby: &Nearby) -> Vec<usize> 
                     fixes[i].odometer_m - fixes[previous].odometer_m,
                 ),
             };
-            lattice.push(State {
+            lattice.push(LatticeState {
                 cost: cost + stay_price(near.get(state)),
                 before,
             });
@@ -238,8 +241,9 @@ fn best_states(network: &Network, fixes: &[Fix], nearby: &Nearby) -> Vec<usize> 
     chosen
 }
 
-/// Being beside the road grows dear with the square of the offset, up to being off it.
-fn stay_price(place: Option<&Candidate>) -> f64 {
+/// Returns the cost of the lateral offset, which grows with its square up to that of being off the
+/// road.
+fn stay_price(place: Option<&WayCandidate>) -> f64 {
     place.map_or(1.0, |candidate| {
         let turning = if candidate.turning {
             TURNING_PRICE
@@ -250,13 +254,13 @@ fn stay_price(place: Option<&Candidate>) -> f64 {
     })
 }
 
-/// Cost of the cheapest way to a place, or off the road, and the state before it. "Off" can always
-/// be reached and left, so there always is one.
+/// Returns the least cost to reach a place, or "off", and the previous state. "Off" can always be
+/// reached and left, so a path always exists.
 fn cheapest(
     network: &Network,
-    states: &[State],
-    before: &[Candidate],
-    place: Option<&Candidate>,
+    states: &[LatticeState],
+    before: &[WayCandidate],
+    place: Option<&WayCandidate>,
     driven_m: f64,
 ) -> (f64, usize) {
     let mut best = (f64::INFINITY, 0);
@@ -273,11 +277,11 @@ fn cheapest(
     best
 }
 
-fn place_of(candidate: &Candidate) -> (usize, f64) {
+fn place_of(candidate: &WayCandidate) -> (usize, f64) {
     (candidate.way, candidate.foot.distance_m)
 }
 
-fn index_of_least(states: &[State]) -> usize {
+fn index_of_least(states: &[LatticeState]) -> usize {
     (0..states.len())
         .min_by(|&a, &b| states[a].cost.total_cmp(&states[b].cost))
         .unwrap_or(0)

@@ -1,7 +1,7 @@
-//! The fusion of files of runs into the file of a map.
+//! Fusion of run files into a map file.
 
 use super::inputs::Inputs;
-use super::intake::Intake;
+use super::intake::RunIntake;
 use super::road::{Stored, road};
 use crate::error::{Error, Result};
 use crate::map::fusion::grade_map::{FusedMap, GradeMap};
@@ -10,39 +10,39 @@ use crate::map::io::run_list::RunList;
 use crate::map::io::{map_file, store};
 use std::path::{Path, PathBuf};
 
-/// Runs of one vehicle in one session, under a name.
+/// Runs of one vehicle in one named session.
 #[derive(Clone, Debug)]
 pub struct NamedSession {
-    /// What it is called.
+    /// Name of the session.
     pub name: String,
-    /// Files of runs, or folders of them.
+    /// Run files, or folders of them.
     pub runs: Vec<PathBuf>,
 }
 
-/// What is to be fused, and where it goes.
+/// Options of a fusion.
 #[derive(Clone, Copy, Debug)]
 pub struct FuseRequest<'a> {
-    /// Files of runs, or folders of them, each a session of its own unless it names another.
+    /// Run files, or folders of them; each run is a session of its own unless it names one.
     pub runs: &'a [PathBuf],
-    /// Runs whose session has a name.
+    /// Runs of named sessions.
     pub sessions: &'a [NamedSession],
     /// File of the road or the network.
     pub road: Option<&'a Path>,
-    /// File of the sums, to start from if it exists and to write.
+    /// File of the sums: read if it exists, and written.
     pub store: Option<&'a Path>,
-    /// Folder for the runs as they lie on the road.
+    /// Folder for the placed runs.
     pub placed: Option<&'a Path>,
     /// File of the map.
     pub out: &'a Path,
-    /// Whether a damaged file in a folder is an error.
+    /// True if a damaged file in a folder is an error.
     pub strict: bool,
 }
 
-/// Fuses runs into a map, and writes it and the sums behind it.
+/// Fuses runs into a map; writes the map and its sums.
 ///
 /// # Errors
-/// A file that cannot be read or used, and a map without a cell; nothing is written then, but the
-/// sums of runs that were added before.
+/// Returns an error if a file cannot be read or used, or if the map has no cell. Nothing is then
+/// written, except sums of runs that were added before.
 pub fn fuse_files(request: &FuseRequest) -> Result<FusedMap> {
     let mut inputs = request.inputs()?;
     if inputs.runs.is_empty() && !inputs.damaged.is_empty() {
@@ -61,12 +61,12 @@ pub fn fuse_files(request: &FuseRequest) -> Result<FusedMap> {
         None => (GradeMap::new(&road), RunList::default()),
     };
     let first = inputs.runs.first().map(|input| input.path.clone());
-    let mut intake = Intake::new(sums, runs, request.store, request.placed_folder());
+    let mut intake = RunIntake::new(sums, runs, request.store, request.placed_folder());
     intake.add(inputs, request.strict)?;
     let fused = intake.sums.fused();
     if fused.ways.is_empty() {
         let path = first.as_deref().or(request.store).unwrap_or(request.out);
-        let problem = "no cell of the road is covered; expected runs over it, in its direction";
+        let problem = "no cell of the road is covered; expected runs on it, in its direction";
         return Err(Error::content(path, problem));
     }
     let map = map_file::stage_ways(request.out, &fused.ways)?;
@@ -78,7 +78,7 @@ pub fn fuse_files(request: &FuseRequest) -> Result<FusedMap> {
     };
     map.commit()?;
     if let Some(sums) = sums {
-        // Last: should it fail, the runs are not in the store and can be added again.
+        // Last: if it fails, the runs are not in the store and can be added again.
         sums.commit()?;
     }
     Ok(fused)
@@ -99,13 +99,14 @@ impl<'a> FuseRequest<'a> {
         Ok(inputs)
     }
 
-    /// Hive's layout: the road is a column whose value the folder has.
+    /// Returns the folder of the placed runs in Hive's layout: the road is a column with its value
+    /// in the folder's name.
     fn placed_folder(&self) -> Option<PathBuf> {
         let road = self.out.file_stem().unwrap_or_default().to_string_lossy();
         Some(self.placed?.join(format!("road={road}")))
     }
 
-    /// The sums to start from; there must be some if there is nothing to add.
+    /// Reads the sums; if `required`, they must exist.
     fn stored(&self, required: bool) -> Result<Option<Stored<'a>>> {
         match self.store {
             Some(path) if required || path.exists() => {

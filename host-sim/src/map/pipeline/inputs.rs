@@ -1,4 +1,4 @@
-//! Which runs a command line means: files and folders, and the session of each.
+//! The runs of a command line: files and folders, with their sessions.
 
 use crate::error::{Error, Result};
 use crate::files::parquet::is_parquet;
@@ -8,30 +8,30 @@ use std::path::{Path, PathBuf};
 
 /// One run to fuse.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Input {
+pub(crate) struct RunInput {
     /// `None` is a session of its own.
     pub(crate) session: Option<String>,
     pub(crate) path: PathBuf,
-    /// Found in a folder: if it is damaged, the others go on without it.
+    /// True if found in a folder: a damaged file is then left out.
     pub(crate) found: bool,
 }
 
 /// All runs to fuse.
 #[derive(Debug, Default)]
 pub(crate) struct Inputs {
-    /// In the order in which they are added: runs without a session, then session by session, so
-    /// that each can be closed before the next.
-    pub(crate) runs: Vec<Input>,
-    /// Why files found in folders could not be opened.
+    /// In the order of adding: runs without a session, then session by session, so that each can be
+    /// closed before the next.
+    pub(crate) runs: Vec<RunInput>,
+    /// Errors of files found in folders that could not be opened.
     pub(crate) damaged: Vec<Error>,
 }
 
 impl Inputs {
-    /// Adds a run, or all runs in a folder and its folders, in the order of their names. A
-    /// session that is told here counts before the one that a file tells.
+    /// Adds a run, or all runs in a folder and its subfolders, in the order of their names.
+    /// `session` takes precedence over the session that a file names.
     pub(crate) fn add(&mut self, path: &Path, session: Option<&str>) -> Result<()> {
         if !path.is_dir() {
-            let input = Input {
+            let input = RunInput {
                 session: session.map(str::to_owned),
                 path: path.to_owned(),
                 found: false,
@@ -40,25 +40,25 @@ impl Inputs {
         }
         let before = self.runs.len() + self.damaged.len();
         for path in files_below(path)? {
-            self.push(Input {
+            self.push(RunInput {
                 session: session.map(str::to_owned),
                 path,
                 found: true,
             })?;
         }
         if self.runs.len() + self.damaged.len() == before {
-            let problem = "no runs in this folder; expected files that end in .parquet or .csv";
+            let problem = "no runs in this folder; expected .parquet or .csv files";
             return Err(Error::content(path, problem));
         }
         Ok(())
     }
 
-    /// Puts the runs in order.
+    /// Sorts the runs.
     pub(crate) fn sort(&mut self) {
         self.runs.sort_by(|a, b| a.session.cmp(&b.session));
     }
 
-    fn push(&mut self, mut input: Input) -> Result<()> {
+    fn push(&mut self, mut input: RunInput) -> Result<()> {
         if input.session.is_none() && is_parquet(&input.path) {
             match run::session(&input.path) {
                 Ok(session) => input.session = session,
@@ -74,8 +74,8 @@ impl Inputs {
     }
 }
 
-/// Runs in a folder and the folders in it, by name. Names that begin with `.` or `_` are not
-/// data: so Spark and Hive have it.
+/// Returns the runs in a folder and its subfolders, by name. Names that begin with `.` or `_` are
+/// not data, as in Spark and Hive.
 fn files_below(folder: &Path) -> Result<Vec<PathBuf>> {
     let mut entries = fs::read_dir(folder)
         .and_then(|entries| {

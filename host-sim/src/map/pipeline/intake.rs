@@ -1,6 +1,6 @@
-//! Takes runs into a map, a few in memory at a time.
+//! Adds runs to a map, a few in memory at a time.
 
-use super::inputs::{Input, Inputs};
+use super::inputs::{Inputs, RunInput};
 use super::words::describe;
 use crate::error::{Error, Result};
 use crate::files::run::{self, RunIdentity};
@@ -13,28 +13,28 @@ use crate::map::matching::placing::{PlacedRun, place};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
-/// Runs that are placed at once, for each thread; as many wait to be added.
+/// Number of runs per thread that are placed at once; as many wait to be added.
 const RUNS_A_THREAD: usize = 8;
-/// A store is written after this many cells, or after as many as it holds where that is more: so
-/// that an interruption costs seconds, and writing does not cost more than adding.
+/// A store is written after this many cells, or after as many as it holds if that is more. An
+/// interruption then costs seconds, and writing costs no more than adding.
 const CELLS_A_SAVE: usize = 10_000_000;
 
-/// What becomes of the runs.
-pub(crate) struct Intake<'a, 'r> {
+/// The runs of a fusion.
+pub(crate) struct RunIntake<'a, 'r> {
     pub(crate) sums: GradeMap<'r>,
     pub(crate) runs: RunList,
-    /// Written now and then, if there is one; else sessions are closed when they are complete.
+    /// The store, written from time to time. Without a store, complete sessions are closed.
     pub(crate) store: Option<&'a Path>,
-    /// Folder of a road's placed runs.
+    /// Folder of the placed runs.
     pub(crate) placed: Option<PathBuf>,
-    pub(crate) tally: Tally,
+    pub(crate) tally: RunTally,
     open_session: Option<String>,
     cells_since_save: usize,
 }
 
-/// How many runs there were of each kind.
+/// Number of runs of each kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Tally {
+pub(crate) struct RunTally {
     pub(crate) added: usize,
     pub(crate) unmatched: usize,
     pub(crate) repeated: usize,
@@ -44,18 +44,18 @@ pub(crate) struct Tally {
 /// A run that was read and placed.
 struct Arrival {
     identity: RunIdentity,
-    /// `None` for one that is in the map.
+    /// `None` for a run that is already in the map.
     placed: Option<PlacedRun>,
 }
 
 /// Runs of one session.
 struct Batch<'i> {
-    inputs: &'i [Input],
-    /// Judged in their order: which error is told must not depend on threads.
+    inputs: &'i [RunInput],
+    /// In order, so that the reported error does not depend on threads.
     arrivals: Vec<Result<Arrival>>,
 }
 
-impl<'a, 'r> Intake<'a, 'r> {
+impl<'a, 'r> RunIntake<'a, 'r> {
     pub(crate) fn new(
         sums: GradeMap<'r>,
         runs: RunList,
@@ -67,21 +67,21 @@ impl<'a, 'r> Intake<'a, 'r> {
             runs,
             store,
             placed,
-            tally: Tally::default(),
+            tally: RunTally::default(),
             open_session: None,
             cells_since_save: 0,
         }
     }
 
-    /// Adds these. Files found in a folder that are damaged are named and left out whole; one
-    /// that the command line names is an error, as all are if `strict`.
+    /// Adds runs. Damaged files found in a folder are reported and left out. A damaged file of the
+    /// command line is an error, and so is any damaged file if `strict`.
     pub(crate) fn add(&mut self, inputs: Inputs, strict: bool) -> Result<()> {
         for e in inputs.damaged {
             self.leave_out(e, strict)?;
         }
         let runs = inputs.runs;
         let in_flight = RUNS_A_THREAD * rayon::current_num_threads();
-        // What was there at the start: those need not be placed.
+        // Runs that were in the map at the start need not be placed.
         let (road, known) = (self.sums.network(), self.runs.clone());
         let batches = runs
             .chunk_by(|a, b| a.session == b.session)
@@ -120,11 +120,11 @@ impl<'a, 'r> Intake<'a, 'r> {
         self.save_now_and_then()
     }
 
-    fn take(&mut self, input: &Input, arrival: &Arrival) -> Result<()> {
+    fn take(&mut self, input: &RunInput, arrival: &Arrival) -> Result<()> {
         let Arrival { identity, placed } = arrival;
         let path = input.path.display();
         let Some(placed) = placed.as_ref().filter(|_| self.runs.insert(*identity)) else {
-            eprintln!("{path}: in the map already, not counted again");
+            eprintln!("{path}: already in the map, not counted again");
             self.tally.repeated += 1;
             return Ok(());
         };
@@ -163,9 +163,9 @@ impl<'a, 'r> Intake<'a, 'r> {
         Ok(())
     }
 
-    /// Whether there is something to make a map of; says what was left out.
-    fn judge(&self, runs: &[Input]) -> Result<()> {
-        let Tally {
+    /// Checks that the map is not empty, and prints what was left out.
+    fn judge(&self, runs: &[RunInput]) -> Result<()> {
+        let RunTally {
             added,
             unmatched,
             repeated,
@@ -184,21 +184,21 @@ impl<'a, 'r> Intake<'a, 'r> {
             ));
         }
         if unmatched > 0 {
-            eprintln!("warning: {unmatched} of {added} runs gave nothing");
+            eprintln!("warning: {unmatched} of {added} runs cover no cell");
         }
         if repeated > 0 {
-            eprintln!("warning: {repeated} runs were in the map already");
+            eprintln!("warning: {repeated} runs were already in the map");
         }
         if damaged > 0 {
-            eprintln!("warning: {damaged} files were damaged and left out, {added} runs added");
+            eprintln!("warning: {damaged} damaged files left out, {added} runs added");
         }
         Ok(())
     }
 }
 
 impl<'i> Batch<'i> {
-    fn place(inputs: &'i [Input], road: &Network, known: &RunList) -> Self {
-        let arrive = |input: &Input| {
+    fn place(inputs: &'i [RunInput], road: &Network, known: &RunList) -> Self {
+        let arrive = |input: &RunInput| {
             let (cells, identity) = run::read_cells(&input.path)?;
             let placed = (!known.contains(identity)).then(|| place(road, &cells));
             Ok(Arrival { identity, placed })

@@ -1,4 +1,4 @@
-//! From files of runs to the file of a map, a few runs in memory at a time.
+//! From run files to a map file, a few runs in memory at a time.
 
 pub mod fuse_files;
 mod inputs;

@@ -1,25 +1,26 @@
-//! The road that runs are fused on.
+//! The road for the fusion.
 
 use super::inputs::Inputs;
 use crate::error::{Error, Result};
 use crate::files::run;
 use crate::map::geometry::network::Network;
 use crate::map::io::network_file::{read, road_through};
-use crate::map::io::store::Store;
+use crate::map::io::store::MapStore;
 use crate::map::matching::track::road_of_run;
 use std::path::Path;
 
-/// Sums of earlier runs, and where they are stored.
+/// The sums of earlier runs, and their file.
 pub(super) struct Stored<'a> {
     pub(super) path: &'a Path,
-    pub(super) store: Store,
+    pub(super) store: MapStore,
 }
 
-/// The road or the network: the file `given`, else the one of the store, else the track of the
-/// first run. A single road has a point for each of its cells whether it comes from a store or not:
-/// runs that are added later are then placed exactly as they would have been at first.
+/// Returns the road or the network: the file `given`, else the road of the store, else the track of
+/// the first run. A single road has a point for each of its cells, whether it comes from a store or
+/// not, so that later runs are placed identically.
 ///
-/// # Errors
+/// Returns an error if a file cannot be read, if it has another road than the store, or if the runs
+/// have no positions.
 /// A file that cannot be read or is another road than the store's; runs without positions.
 pub(super) fn road(
     given: Option<&Path>,
@@ -31,27 +32,27 @@ pub(super) fn road(
         return given.map_or_else(|| road_from_runs(inputs), Ok);
     };
     if given.as_ref().is_some_and(|road| !store.is_of(road)) {
-        let problem = "the store of another road; expected the one of --road, or no --road";
+        let problem = "the store has another road; expected the one of --road, or no --road";
         return Err(Error::content(path, problem));
     }
     match (store.road(), given) {
         (Some(points), _) => road_through(path, points.to_vec()),
         (None, Some(network)) => Ok(network),
         (None, None) => {
-            let problem = "the store of a network; expected its file by --road too";
+            let problem = "the store has a network; give the file of the network with --road";
             Err(Error::content(path, problem))
         }
     }
 }
 
-/// The road of the first run that has a track.
+/// Returns the road of the first run that has a track.
 fn road_from_runs(inputs: &Inputs) -> Result<Network> {
     let mut damage = None;
     for input in &inputs.runs {
         let path = &input.path;
         let track = match run::read_cells(path) {
             Ok((cells, _)) => road_of_run(&cells),
-            // Told when it is its turn, if another run gives the road.
+            // The error is reported when the run is added, if another run gives the road.
             Err(e) if input.found => {
                 damage.get_or_insert(e);
                 continue;

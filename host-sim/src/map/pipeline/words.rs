@@ -1,11 +1,11 @@
-//! What a fusion says on the way and at its end.
+//! Messages of a fusion.
 
 use crate::map::fusion::grade_map::{Agreement, FusedMap};
 use crate::map::geometry::grid::GRID_M;
 use crate::map::matching::placing::Coverage;
 use std::path::Path;
 
-/// Prints what a fusion came to.
+/// Prints a summary of the fusion.
 pub fn report(out: &Path, fused: &FusedMap) {
     let cells: usize = fused.ways.iter().map(|way| way.rows.len()).sum();
     let km = cells as f64 * GRID_M / 1000.0;
@@ -15,13 +15,13 @@ pub fn report(out: &Path, fused: &FusedMap) {
     };
     eprintln!("{}: {cells} cells, {km:.2} km{ways}", out.display());
     for (name, agreement) in &fused.within {
-        tell(&format!("runs of session {name}"), agreement);
+        report_agreement(&format!("runs of session {name}"), agreement);
     }
-    tell("sessions", &fused.between);
+    report_agreement("sessions", &fused.between);
 }
 
-/// Says how far estimates agree, where two of them meet.
-fn tell(who: &str, agreement: &Agreement) {
+/// Prints how well estimates agree, where two of them meet.
+fn report_agreement(who: &str, agreement: &Agreement) {
     let Agreement {
         disagreement,
         dependence,
@@ -38,14 +38,14 @@ fn tell(who: &str, agreement: &Agreement) {
         String::new()
     };
     eprintln!(
-        "{who} differ by {:.2} times what their sigmas promise (squared: {ratio:.2}); taken as \
+        "{who} differ by {:.2} times their sigmas (squared: {ratio:.2}); taken as \
          common: {:.0} % of the variance{inflation}",
         ratio.sqrt(),
         100.0 * dependence.share
     );
 }
 
-/// How much of a run lies on the road, in words.
+/// Returns the coverage of the road by a run as text.
 pub fn describe(path: &Path, coverage: &Coverage) -> String {
     let Coverage {
         cells,
@@ -57,9 +57,9 @@ pub fn describe(path: &Path, coverage: &Coverage) -> String {
     let warning = if *matched > 0 {
         ""
     } else if opposite > off_road {
-        "; warning: drives the other way, fuse it with runs of its direction"
+        "; warning: opposite direction; fuse it with runs of its own direction"
     } else {
-        "; warning: nowhere on the road"
+        "; warning: never on the road"
     };
     format!(
         "{}: {cells} cells: {matched} matched, {off_road} off the road, {opposite} in the \

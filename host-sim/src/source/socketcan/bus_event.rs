@@ -1,10 +1,10 @@
-//! What an interface tells besides frames.
+//! Events of an interface besides frames.
 
 use serde::Serialize;
 use socketcan::errors::ControllerProblems;
 use socketcan::{CanErrorFrame, ErrorCause};
 
-/// What happened to a bus or its interface.
+/// An event of a bus or its interface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum BusEvent {
@@ -18,11 +18,11 @@ pub enum BusEvent {
     ErrorWarning,
     /// Few errors again.
     ErrorActive,
-    /// The controller's own buffer ran over: frames were lost before the kernel had them.
+    /// The controller's own buffer overflowed: frames were lost before the kernel received them.
     ControllerOverflow,
     /// A frame on the wire was wrong.
     WireError,
-    /// Nobody acknowledged a frame.
+    /// No node acknowledged a frame.
     NotAcknowledged,
     /// Another report of the controller: lost arbitration, a late transmission, the transceiver.
     OtherReport,
@@ -32,12 +32,12 @@ pub enum BusEvent {
     InterfaceGone,
     /// The interface is up again.
     InterfaceBack,
-    /// The computer's clock was set; the time of frames goes on as if it had not been.
+    /// The system clock was set. The time stamps of frames continue without the step.
     ClockSet,
 }
 
 impl BusEvent {
-    /// In a few words.
+    /// Returns a short description.
     #[must_use]
     pub const fn words(self) -> &'static str {
         match self {
@@ -57,7 +57,8 @@ impl BusEvent {
         }
     }
 
-    /// Whether the state of the bus changed, which is worth a message; a single error is not.
+    /// Returns true if the state of the bus changed, which is worth a message; a single error is
+    /// not.
     #[must_use]
     pub const fn is_change(self) -> bool {
         !matches!(
@@ -67,7 +68,7 @@ impl BusEvent {
     }
 }
 
-/// What an error frame reports, in the order of its causes; each event once.
+/// Returns the events that an error frame reports, each once, in the order of their causes.
 #[must_use]
 pub fn of_error_frame(frame: &CanErrorFrame) -> Vec<BusEvent> {
     let mut events = Vec::new();
@@ -78,7 +79,7 @@ pub fn of_error_frame(frame: &CanErrorFrame) -> Vec<BusEvent> {
             ErrorCause::Controller(problems) => of_controller(*problems),
             ErrorCause::Protocol { .. } | ErrorCause::BusError => BusEvent::WireError,
             ErrorCause::NoAck => BusEvent::NotAcknowledged,
-            // They come with a cause, and are none.
+            // These come with a cause, and are not events themselves.
             ErrorCause::Counters { .. } => continue,
             _ => BusEvent::OtherReport,
         };
@@ -89,7 +90,7 @@ pub fn of_error_frame(frame: &CanErrorFrame) -> Vec<BusEvent> {
     events
 }
 
-/// The worst of a controller's states.
+/// Returns the worst state of a controller.
 fn of_controller(problems: ControllerProblems) -> BusEvent {
     let overflow = ControllerProblems::RX_OVERFLOW | ControllerProblems::TX_OVERFLOW;
     let passive = ControllerProblems::RX_PASSIVE | ControllerProblems::TX_PASSIVE;

@@ -1,4 +1,4 @@
-//! Which frames the kernel is asked for: those that the decoder reads, whoever sends them.
+//! Kernel filters: the messages that the decoder reads, from any source address.
 
 use estimator_core::signal;
 
@@ -12,7 +12,7 @@ const GROUP_TO_DESTINATION: u32 = 0x03ff_0000;
 /// PDU formats below have a destination (PDU1).
 const FIRST_BROADCAST_FORMAT: u32 = 0xf0;
 
-/// The filter for a parameter group: identifier and mask, in words of SocketCAN. It passes every
+/// Returns the filter of a parameter group: identifier and mask as SocketCAN words. It passes every
 /// priority, source address and destination.
 #[must_use]
 pub const fn of_group(pgn: u32) -> (u32, u32) {
@@ -24,7 +24,7 @@ pub const fn of_group(pgn: u32) -> (u32, u32) {
     (EXTENDED | (pgn << 8 & mask), EXTENDED | mask)
 }
 
-/// The filters for every message that the decoder knows, from the layouts in
+/// Returns the filters of all messages that the decoder knows, from the layouts in
 /// `estimator-core/dbc`.
 #[must_use]
 pub fn wanted() -> Vec<(u32, u32)> {
@@ -33,7 +33,7 @@ pub fn wanted() -> Vec<(u32, u32)> {
         .collect()
 }
 
-/// Whether any of `filters` lets an identifier word pass, as the kernel decides it.
+/// Returns true if any of `filters` accepts an identifier word, as the kernel decides it.
 #[must_use]
 pub fn accepts(filters: &[(u32, u32)], word: u32) -> bool {
     filters.iter().any(|(id, mask)| word & mask == id & mask)

@@ -1,4 +1,4 @@
-//! One CAN interface: opened, read, lost and found again.
+//! One CAN interface: opened, read, lost and reopened.
 
 use super::bus_event::{BusEvent, of_error_frame};
 use crate::error::Error;
@@ -11,33 +11,33 @@ use std::os::fd::{AsFd, BorrowedFd};
 use std::path::Path;
 use std::time::{Duration, Instant as Monotonic, SystemTime};
 
-/// Memory for frames that wait to be read, bytes: some ten seconds of a full bus of 500 kbit/s.
-/// Without the right to more, the kernel gives what `net.core.rmem_max` allows.
+/// Size of the receive buffer, bytes: some ten seconds of a full bus at 500 kbit/s. Without the
+/// privilege for it, the kernel gives what `net.core.rmem_max` allows.
 const RECEIVE_BUFFER_BYTES: i32 = 32 << 20;
-/// Between two looks whether a lost interface is back.
+/// Time between two attempts to reopen a lost interface.
 const RETRY: Duration = Duration::from_millis(200);
-/// Option that tells about a socket's memory (asm-generic/socket.h): 32-bit words, of which number
-/// [`libc::SK_MEMINFO_DROPS`] counts the frames dropped since the socket was opened. The count of
-/// `SO_RXQ_OVFL` is the same, but comes only with the next frame, and so never after the last.
+/// Socket option for memory statistics (asm-generic/socket.h): 32-bit words, of which number
+/// [`libc::SK_MEMINFO_DROPS`] counts the frames dropped since the socket was opened. `SO_RXQ_OVFL`
+/// has the same count, but only with the next frame, so never after the last one.
 const SO_MEMINFO: i32 = 55;
 const MEMINFO_WORDS: usize = 9;
 
-/// A CAN interface that is read from.
+/// A CAN interface for reading.
 #[derive(Debug)]
 pub(super) struct Interface {
     name: String,
     filters: Vec<(u32, u32)>,
-    state: State,
-    drops_told: u32,
+    state: LinkState,
+    drops_reported: u32,
 }
 
 #[derive(Debug)]
-enum State {
+enum LinkState {
     Up(CanSocket),
-    Lost { look_at: Monotonic, is_gone: bool },
+    Lost { retry_at: Monotonic, is_gone: bool },
 }
 
-/// What reading gave.
+/// The result of a read.
 #[derive(Debug)]
 pub(super) enum Read {
     Frame(CanFrame, SystemTime),
@@ -46,28 +46,28 @@ pub(super) enum Read {
 }
 
 impl Interface {
-    /// Opens an interface, which must be there and up, for what passes `filters`.
+    /// Opens an interface, which must exist and be up, for frames that pass `filters`.
     pub(super) fn open(name: &str, filters: &[(u32, u32)]) -> Result<Self, Error> {
         let socket = open(name, filters).map_err(|error| open_error(name, &error))?;
         Ok(Self {
             name: name.to_owned(),
             filters: filters.to_owned(),
-            state: State::Up(socket),
-            drops_told: 0,
+            state: LinkState::Up(socket),
+            drops_reported: 0,
         })
     }
 
-    /// What to wait on, while it is up.
+    /// Returns the file descriptor to wait on, while the interface is up.
     pub(super) fn descriptor(&self) -> Option<BorrowedFd<'_>> {
         match &self.state {
-            State::Up(socket) => Some(socket.as_fd()),
-            State::Lost { .. } => None,
+            LinkState::Up(socket) => Some(socket.as_fd()),
+            LinkState::Lost { .. } => None,
         }
     }
 
-    /// Reads what is there, without waiting.
+    /// Reads an available item without waiting.
     pub(super) fn read(&mut self) -> Read {
-        let State::Up(socket) = &self.state else {
+        let LinkState::Up(socket) = &self.state else {
             return Read::Nothing;
         };
         match socket.read_frame_with_timestamps() {
@@ -81,7 +81,7 @@ impl Interface {
                 frame.map_or(Read::Nothing, |frame| Read::Frame(frame, stamp))
             }
             Err(error) => match error.raw_os_error() {
-                // Without a code it is not the kernel's: a frame of another kind.
+                // A frame without a code is not from the kernel: it is of another kind.
                 Some(libc::EAGAIN | libc::EINTR) | None => Read::Nothing,
                 Some(libc::ENETDOWN) => self.lose(BusEvent::InterfaceDown),
                 _ => self.lose(BusEvent::InterfaceGone),
@@ -89,41 +89,41 @@ impl Interface {
         }
     }
 
-    /// Frames that the kernel had to drop since the last question, because they were not read fast
-    /// enough.
+    /// Returns the number of frames that the kernel dropped since the last call, because they were
+    /// not read fast enough.
     pub(super) fn dropped(&mut self) -> u32 {
-        let State::Up(socket) = &self.state else {
+        let LinkState::Up(socket) = &self.state else {
             return 0;
         };
         let mut words = [0; 4 * MEMINFO_WORDS];
-        let told = socket.get_socket_option_bytes(libc::SOL_SOCKET, SO_MEMINFO, &mut words);
+        let option = socket.get_socket_option_bytes(libc::SOL_SOCKET, SO_MEMINFO, &mut words);
         let drops = &words[4 * libc::SK_MEMINFO_DROPS as usize..];
-        match (told, drops.first_chunk()) {
+        match (option, drops.first_chunk()) {
             (Ok(length), Some(drops)) if length == words.len() => {
                 let drops = u32::from_ne_bytes(*drops);
-                drops.wrapping_sub(std::mem::replace(&mut self.drops_told, drops))
+                drops.wrapping_sub(std::mem::replace(&mut self.drops_reported, drops))
             }
             // Kernels before 4.12.
             _ => 0,
         }
     }
 
-    /// Looks now and then whether a lost interface is back; tells what it finds, once.
-    pub(super) fn look_for(&mut self, now: Monotonic) -> Option<BusEvent> {
-        let State::Lost { look_at, is_gone } = &mut self.state else {
+    /// Tries to reopen a lost interface from time to time. Returns an event when its state changes.
+    pub(super) fn try_reopen(&mut self, now: Monotonic) -> Option<BusEvent> {
+        let LinkState::Lost { retry_at, is_gone } = &mut self.state else {
             return None;
         };
-        if now < *look_at {
+        if now < *retry_at {
             return None;
         }
-        *look_at = now + RETRY;
+        *retry_at = now + RETRY;
         match open(&self.name, &self.filters) {
             Ok(socket) => {
-                self.state = State::Up(socket);
-                self.drops_told = 0;
+                self.state = LinkState::Up(socket);
+                self.drops_reported = 0;
                 Some(BusEvent::InterfaceBack)
             }
-            // What is removed is set down first.
+            // An interface is set down before it is removed.
             Err(error) if error.raw_os_error() == Some(libc::ENODEV) && !*is_gone => {
                 *is_gone = true;
                 Some(BusEvent::InterfaceGone)
@@ -133,8 +133,8 @@ impl Interface {
     }
 
     fn lose(&mut self, event: BusEvent) -> Read {
-        self.state = State::Lost {
-            look_at: Monotonic::now(),
+        self.state = LinkState::Lost {
+            retry_at: Monotonic::now(),
             is_gone: event == BusEvent::InterfaceGone,
         };
         Read::Events(vec![event])
@@ -154,14 +154,14 @@ fn open(name: &str, filters: &[(u32, u32)]) -> io::Result<CanSocket> {
             let size = RECEIVE_BUFFER_BYTES as usize;
             socket.as_raw_socket().set_recv_buffer_size(size)
         })?;
-    // Bound to an interface that is down, a socket has that as an error to tell.
+    // A socket bound to an interface that is down has this as a pending error.
     match socket.as_raw_socket().take_error()? {
         Some(error) => Err(error),
         None => Ok(socket),
     }
 }
 
-/// Why an interface could not be opened, and what to do about it.
+/// Returns the error of an interface that cannot be opened, with what to do.
 #[must_use]
 pub fn open_error(name: &str, error: &io::Error) -> Error {
     let advice = match error.raw_os_error() {
@@ -170,7 +170,7 @@ pub fn open_error(name: &str, error: &io::Error) -> Error {
                 .to_owned()
         }
         Some(libc::ENODEV) => format!(
-            "no CAN interface of that name; `ip -brief link` lists those there are, and `ip link \
+            "no CAN interface of this name; `ip -brief link` lists the interfaces, and `ip link \
              add dev {name} type vcan && ip link set {name} up` makes a virtual one"
         ),
         Some(libc::ENETDOWN) => format!(

@@ -1,10 +1,10 @@
 //! SocketCAN: Linux's CAN interfaces, `can0` or `vcan0`, as a source of frames and a place to send
 //! them.
 //!
-//! [`Receiver`] reads one or more interfaces in a thread of its own, so that a slow terminal or a
-//! slow disk costs no frame, and hands over what came in the order of the kernel's time stamps.
-//! [`Sender`] sends. An interface that goes down or vanishes is reported once and opened anew when
-//! it is back.
+//! [`FrameReceiver`] reads one or more interfaces in its own thread, so that a slow terminal or
+//! disk loses no frame. It returns the frames in the order of the kernel's time stamps.
+//! [`FrameSender`] sends. An interface that goes down or disappears is reported once and reopened
+//! when it is back.
 
 mod bus_event;
 mod filter;
@@ -16,6 +16,6 @@ mod steady_clock;
 pub use bus_event::{BusEvent, of_error_frame};
 pub use filter::{accepts, of_group, wanted};
 pub use interface::open_error;
-pub use receiver::{Received, Receiver, What};
-pub use sender::Sender;
+pub use receiver::{FrameReceiver, Received, ReceivedItem};
+pub use sender::FrameSender;
 pub use steady_clock::SteadyClock;

@@ -1,4 +1,4 @@
-//! Interfaces read in a thread of their own, and merged by time.
+//! Interfaces read in a thread of their own and merged by time.
 
 use super::bus_event::BusEvent;
 use super::interface::{Interface, Read};
@@ -14,34 +14,34 @@ use std::sync::mpsc::{Receiver as Channel, RecvTimeoutError, SyncSender, sync_ch
 use std::thread;
 use std::time::{Duration, Instant as Monotonic, SystemTime};
 
-/// What came from an interface.
+/// An item received from an interface.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Received {
-    /// Number of the interface, in the order in which they were named.
+    /// Index of the interface, in the order of the command line.
     pub interface: usize,
-    /// When, by the kernel's stamp for frames.
+    /// Time; for frames the kernel's time stamp.
     pub time: Instant,
-    /// What.
-    pub what: What,
+    /// The item.
+    pub item: ReceivedItem,
 }
 
-/// One thing that an interface gave.
+/// A frame, an event or a loss.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum What {
+pub enum ReceivedItem {
     /// A frame.
     Frame(CanFrame),
-    /// Something happened to the bus.
+    /// An event of the bus.
     Event(BusEvent),
-    /// So many frames came faster than they were read and are lost.
+    /// This number of frames was lost, because they were not read fast enough.
     Dropped(u32),
 }
 
 impl Received {
-    /// The frame, if it is one.
+    /// Returns the frame; `None` for other items.
     #[must_use]
     pub fn frame(&self) -> Option<TimedFrame> {
-        match self.what {
-            What::Frame(frame) => Some(TimedFrame {
+        match self.item {
+            ReceivedItem::Frame(frame) => Some(TimedFrame {
                 time: self.time,
                 frame,
             }),
@@ -50,33 +50,33 @@ impl Received {
     }
 }
 
-/// Frames of an interface read at a stretch, before the next one has its turn.
-const STRETCH: usize = 4096;
-/// Stretches that may wait for their reader: millions of frames, minutes of a full bus.
+/// Maximum number of frames read from one interface before the next one is read.
+const BATCH: usize = 4096;
+/// Capacity of the queue, in batches: millions of frames, minutes of a full bus.
 const WAITING: usize = 4096;
-/// Longest wait for a frame, before lost interfaces and the end are thought of.
+/// Longest wait for a frame before lost interfaces and the stop flag are checked.
 const WAIT_MILLIS: u16 = 50;
-/// How long a frame is kept back for an older one of another interface.
+/// Time that a frame is held for older frames of other interfaces.
 const MERGE: Span = Span::from_millis(2);
 
-/// The reading end of the thread.
+/// The receiving end of the thread.
 #[derive(Debug)]
-pub struct Receiver {
-    stretches: Channel<Vec<Received>>,
+pub struct FrameReceiver {
+    batches: Channel<Vec<Received>>,
 }
 
-impl Receiver {
+impl FrameReceiver {
     /// Opens the interfaces and reads what passes `filters` until `stop` is set.
     ///
     /// # Errors
-    /// An interface that is not there or not up, with what to do about it.
+    /// Returns an error if an interface is missing or down. The message says what to do.
     pub fn start(names: &[String], filters: &[(u32, u32)], stop: Arc<AtomicBool>) -> Result<Self> {
         let interfaces = names
             .iter()
             .map(|name| Interface::open(name, filters))
             .collect::<Result<_>>()?;
-        let (sink, stretches) = sync_channel(WAITING);
-        let reading = Reading {
+        let (sink, batches) = sync_channel(WAITING);
+        let reading = ReceiveThread {
             interfaces,
             clock: SteadyClock::new(Monotonic::now(), SystemTime::now()),
             held: Vec::new(),
@@ -86,14 +86,14 @@ impl Receiver {
             .name("can".to_owned())
             .spawn(move || reading.run(&sink, &stop))
             .map_err(Error::io(Path::new("reading thread")))?;
-        Ok(Self { stretches })
+        Ok(Self { batches })
     }
 
-    /// What came next, in order of time; empty if nothing came for `patience`, `None` when it was
-    /// told to stop and everything that had come is handed out.
+    /// Returns the next items in order of time. The list is empty if none arrives within
+    /// `patience`. Returns `None` after the stop flag is set and all items are returned.
     #[must_use]
     pub fn next(&self, patience: Duration) -> Option<Vec<Received>> {
-        match self.stretches.recv_timeout(patience) {
+        match self.batches.recv_timeout(patience) {
             Ok(stretch) => Some(stretch),
             Err(RecvTimeoutError::Timeout) => Some(Vec::new()),
             Err(RecvTimeoutError::Disconnected) => None,
@@ -101,15 +101,15 @@ impl Receiver {
     }
 }
 
-struct Reading {
+struct ReceiveThread {
     interfaces: Vec<Interface>,
     clock: SteadyClock,
-    /// Read, but perhaps not yet in their order.
+    /// Items that were read, but perhaps not yet in order.
     held: Vec<Received>,
     newest: Instant,
 }
 
-impl Reading {
+impl ReceiveThread {
     fn run(mut self, sink: &SyncSender<Vec<Received>>, stop: &AtomicBool) {
         while !stop.load(Ordering::Relaxed) {
             self.wait();
@@ -120,11 +120,11 @@ impl Reading {
             }
         }
         let rest = self.in_order(Instant::from_micros(u64::MAX));
-        // Nobody may be left to read it.
+        // The receiving end may be dropped already.
         let _ = sink.send(rest);
     }
 
-    /// Until a frame comes.
+    /// Waits for a frame.
     fn wait(&self) {
         let wait = if self.held.is_empty() {
             WAIT_MILLIS
@@ -137,48 +137,48 @@ impl Reading {
             .filter_map(Interface::descriptor)
             .map(|descriptor| PollFd::new(descriptor, PollFlags::POLLIN))
             .collect();
-        // A signal ends the wait early, and nothing else can go wrong with it.
+        // A signal ends the wait early; no other error can occur.
         let _ = poll(&mut descriptors, wait);
     }
 
-    /// Reads what is there; returns the time up to which nothing is missing.
+    /// Reads all frames that are available. Returns the time up to which no frame is missing.
     fn read(&mut self) -> Instant {
         let begun = Monotonic::now();
         let time_of_day = SystemTime::now();
         let now = self.clock.time(time_of_day, begun);
         let mut complete_to = now;
         if self.clock.check(begun, time_of_day) {
-            let event = What::Event(BusEvent::ClockSet);
+            let event = ReceivedItem::Event(BusEvent::ClockSet);
             self.held
                 .extend((0..self.interfaces.len()).map(|interface| Received {
                     interface,
                     time: now,
-                    what: event,
+                    item: event,
                 }));
         }
         for (number, interface) in self.interfaces.iter_mut().enumerate() {
             let mut newest = now;
-            let mut push = |time, what| {
+            let mut push = |time, item| {
                 self.held.push(Received {
                     interface: number,
                     time,
-                    what,
+                    item,
                 });
             };
-            if let Some(event) = interface.look_for(begun) {
-                push(now, What::Event(event));
+            if let Some(event) = interface.try_reopen(begun) {
+                push(now, ReceivedItem::Event(event));
             }
-            let mut left = STRETCH;
+            let mut left = BATCH;
             while left > 0 {
                 left -= 1;
                 match interface.read() {
                     Read::Frame(frame, stamp) => {
                         newest = self.clock.time(stamp, Monotonic::now());
-                        push(newest, What::Frame(frame));
+                        push(newest, ReceivedItem::Frame(frame));
                     }
                     Read::Events(events) => {
                         for event in events {
-                            push(newest, What::Event(event));
+                            push(newest, ReceivedItem::Event(event));
                         }
                     }
                     Read::Nothing => break,
@@ -189,13 +189,14 @@ impl Reading {
             }
             match interface.dropped() {
                 0 => {}
-                dropped => push(newest, What::Dropped(dropped)),
+                dropped => push(newest, ReceivedItem::Dropped(dropped)),
             }
         }
         complete_to
     }
 
-    /// What was read, as far as nothing older can come any more; of a single interface all of it.
+    /// Returns the items that no older item can precede; with a single interface these are all
+    /// items.
     fn in_order(&mut self, complete_to: Instant) -> Vec<Received> {
         let mut ready = if self.interfaces.len() == 1 {
             std::mem::take(&mut self.held)
@@ -205,7 +206,7 @@ impl Reading {
             let count = self.held.partition_point(is_ready);
             self.held.drain(..count).collect()
         };
-        // Where the clock was set, a stamp or two may be off.
+        // A stamp may be wrong at the moment the clock is set.
         for received in &mut ready {
             self.newest = self.newest.max(received.time);
             received.time = self.newest;

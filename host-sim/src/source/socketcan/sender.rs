@@ -11,28 +11,28 @@ use std::path::Path;
 use std::thread;
 use std::time::{Duration, Instant as Monotonic};
 
-/// Between two attempts while the interface's queue is full.
+/// Time between two attempts while the queue of the interface is full.
 const RETRY: Duration = Duration::from_micros(500);
-/// Queue full for so long: nobody on the bus acknowledges.
+/// Timeout of a full queue: no node on the bus acknowledges.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-/// An interface that is sent to. What it sends itself it never reads.
+/// An interface for sending. It does not receive its own frames.
 #[derive(Debug)]
-pub struct Sender {
+pub struct FrameSender {
     name: String,
     socket: CanSocket,
 }
 
-impl Sender {
-    /// Opens an interface, also to read what passes `filters`.
+impl FrameSender {
+    /// Opens an interface for sending, and for receiving the frames that pass `filters`.
     ///
     /// # Errors
-    /// An interface that is not there or not up, with what to do about it.
+    /// Returns an error if the interface is missing or down. The message says what to do.
     pub fn open(name: &str, filters: &[(u32, u32)]) -> Result<Self> {
         let open = || {
             let socket = CanSocket::open(name)?;
             socket.set_nonblocking(true)?;
-            // With none, nothing is received, and nothing piles up.
+            // Without filters nothing is received, so that nothing accumulates.
             socket.set_filters(filters)?;
             match socket.as_raw_socket().take_error()? {
                 Some(error) => Err(error),
@@ -45,10 +45,10 @@ impl Sender {
         })
     }
 
-    /// Sends a frame now or not at all; false if the queue is full.
+    /// Sends a frame without waiting. Returns false if the queue is full.
     ///
     /// # Errors
-    /// What the kernel says: the interface is down or gone.
+    /// Returns the kernel's error: the interface is down or gone.
     pub fn try_send(&self, frame: &CanFrame) -> io::Result<bool> {
         let raw = if frame.is_remote_frame() {
             RawFrame::new_remote(frame.id(), frame.dlc())
@@ -70,7 +70,7 @@ impl Sender {
     /// Sends a frame, and waits while the interface's queue is full.
     ///
     /// # Errors
-    /// The interface is down or gone, or takes nothing for ten seconds.
+    /// Returns an error if the interface is down or gone, or accepts nothing for ten seconds.
     pub fn send(&self, frame: &CanFrame) -> Result<()> {
         let begun = Monotonic::now();
         loop {
@@ -78,7 +78,7 @@ impl Sender {
                 Ok(true) => return Ok(()),
                 Ok(false) if begun.elapsed() < PATIENCE => thread::sleep(RETRY),
                 Ok(false) => {
-                    let problem = "takes no frame for 10 s; expected another node on the bus that \
+                    let problem = "accepts no frame for 10 s; expected another node on the bus that \
                                    acknowledges, with the same bit rate";
                     return Err(Error::content(Path::new(&self.name), problem));
                 }
@@ -87,10 +87,10 @@ impl Sender {
         }
     }
 
-    /// A frame that came, waiting for it no longer than `patience`.
+    /// Receives a frame; `None` if none arrives within `patience`.
     ///
     /// # Errors
-    /// The interface is down or gone.
+    /// Returns an error if the interface is down or gone.
     pub fn receive(&self, patience: Duration) -> Result<Option<CanFrame>> {
         match self.socket.read_frame_timeout(patience) {
             Ok(frame) => Ok(CanFrame::new(frame.id(), frame.data())),

@@ -1,4 +1,4 @@
-//! Time stamps that go on when the computer's clock is set.
+//! Time stamps that continue when the system clock is set.
 //!
 //! The kernel stamps frames with the time of day. A truck's computer often starts in 1970 and
 //! learns the time from its GNSS receiver minutes later; and a clock that is set back would make
@@ -7,21 +7,21 @@
 use estimator_core::Instant;
 use std::time::{Duration, Instant as Monotonic, SystemTime, UNIX_EPOCH};
 
-/// A change of the clock that counts. Reading both clocks takes microseconds; what delays it by
-/// more than this between the two is waited out by reading again.
+/// Smallest clock change that counts. Reading both clocks takes microseconds; a longer delay
+/// between the two readings is avoided by reading again.
 const LEAST_CHANGE: Duration = Duration::from_millis(20);
 
-/// Turns time stamps of the day into times that do not leap.
+/// Converts time stamps of the system clock to times without steps.
 #[derive(Clone, Debug)]
 pub struct SteadyClock {
     start: Monotonic,
     start_of_day: SystemTime,
-    /// What the clock was set forward by since, in µs.
+    /// Sum of the clock changes since the start, µs.
     set_by_micros: i64,
 }
 
 impl SteadyClock {
-    /// Begins with the clock as it is.
+    /// Starts with the current clock.
     #[must_use]
     pub fn new(now: Monotonic, time_of_day: SystemTime) -> Self {
         Self {
@@ -31,7 +31,7 @@ impl SteadyClock {
         }
     }
 
-    /// Compares both clocks; true if that of the day was set since the last time.
+    /// Compares both clocks. Returns true if the system clock was set since the last call.
     pub fn check(&mut self, now: Monotonic, time_of_day: SystemTime) -> bool {
         let expected = self.start_of_day + now.duration_since(self.start);
         let set_by = micros_between(expected, time_of_day);
@@ -42,14 +42,14 @@ impl SteadyClock {
         is_set
     }
 
-    /// The steady time of a stamp that was read at `now`: the time of day if the clock had never been
-    /// set.
+    /// Returns the steady time of a stamp that was read at `now`: the system time as if the clock
+    /// had never been set.
     #[must_use]
     pub fn time(&self, stamp: SystemTime, now: Monotonic) -> Instant {
         let since_epoch = micros_between(UNIX_EPOCH, stamp).saturating_sub(self.set_by_micros);
         let latest = self.start_of_day + now.duration_since(self.start);
         let latest = micros_between(UNIX_EPOCH, latest).max(0) as u64;
-        // A stamp from the moment at which the clock was set is of either time.
+        // A stamp from the moment of the change may be of either time.
         Instant::from_micros((since_epoch.max(0) as u64).min(latest))
     }
 }

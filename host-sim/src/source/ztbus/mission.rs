@@ -1,16 +1,16 @@
-//! A mission, and what is known of its bus beforehand.
+//! A mission, and the assumed parameters of its bus.
 
 use crate::files::vehicle::VehicleFile;
 use estimator_core::{Model, Traction, VehicleParameters};
 
 /// Mass of the empty bus, kg (the paper: about 19 t).
 pub const KERB_MASS_KG: f64 = 19_000.0;
-/// Mass of a passenger, kg; the prior that others use for this bus.
+/// Mass of a passenger, kg; the prior of the literature for this bus.
 pub const PASSENGER_MASS_KG: f64 = 70.0;
 
-/// One second of a mission. What was not measured is `None`.
+/// One second of a mission; `None` is missing.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Row {
+pub struct MissionRow {
     /// Time since the mission's first row, s.
     pub time_s: f64,
     /// Speed from the shaft of the middle axle's motor, m/s; the paper calibrated it on GNSS.
@@ -35,14 +35,14 @@ pub struct Row {
     pub passengers: Option<f64>,
 }
 
-impl Row {
+impl MissionRow {
     /// Kerb mass and passengers; the empty bus before the first count, kg.
     #[must_use]
     pub fn mass_kg(&self) -> f64 {
         KERB_MASS_KG + PASSENGER_MASS_KG * self.passengers.unwrap_or(0.0)
     }
 
-    /// Latitude and longitude, if there is a fix.
+    /// Returns latitude and longitude, if there is a fix.
     #[must_use]
     pub fn position_deg(&self) -> Option<(f64, f64)> {
         self.latitude_deg.zip(self.longitude_deg)
@@ -52,37 +52,37 @@ impl Row {
 /// A whole mission.
 #[derive(Clone, Debug)]
 pub struct Mission {
-    pub(super) rows: Vec<Row>,
+    pub(super) rows: Vec<MissionRow>,
     pub(super) odometer_m: Vec<f64>,
     pub(super) first_fix: usize,
     pub(super) bus: Option<String>,
 }
 
 impl Mission {
-    /// Its rows, in time order.
+    /// Returns its rows, in time order.
     #[must_use]
-    pub fn rows(&self) -> &[Row] {
+    pub fn rows(&self) -> &[MissionRow] {
         &self.rows
     }
 
-    /// Way driven since the first row, m; one entry a row.
+    /// Returns the driven distance since the first row, m, one value per row.
     #[must_use]
     pub fn odometer_m(&self) -> &[f64] {
         &self.odometer_m
     }
 
-    /// The first row with a GNSS fix.
+    /// Returns the index of the first row with a GNSS fix.
     #[must_use]
     pub fn first_fix(&self) -> usize {
         self.first_fix
     }
 
-    /// What is known of the bus beforehand.
+    /// Returns the assumed parameters of the bus.
     ///
-    /// Drag area (8 m² frontal, cd 0.65) and rolling resistance are the priors that others use
-    /// for this bus; nothing is fitted. The wheel radius is that of its tyre size, 275/70 R 22.5.
-    /// The inertia is ten such wheels (two on the front axle, four on each of the others) at
-    /// about 10 kg m²; the rotors of the motors are not in it, as nothing is published of them.
+    /// Drag area (8 m² frontal, cd 0.65) and rolling resistance are the priors of the literature
+    /// for this bus; nothing is fitted. The wheel radius is that of the tyre size, 275/70 R 22.5.
+    /// The inertia is that of ten such wheels (two on the front axle, four on each other axle) at
+    /// about 10 kg m². The rotors of the motors are not included, because no value is published.
     #[must_use]
     pub fn vehicle(&self) -> VehicleFile {
         VehicleFile {

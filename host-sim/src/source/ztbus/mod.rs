@@ -10,5 +10,5 @@ mod split;
 mod table;
 mod turning;
 
-pub use mission::{KERB_MASS_KG, Mission, PASSENGER_MASS_KG, Row};
-pub use split::{Direction, Pass, round_trips};
+pub use mission::{KERB_MASS_KG, Mission, MissionRow, PASSENGER_MASS_KG};
+pub use split::{Pass, PassDirection, round_trips};

@@ -1,18 +1,18 @@
 //! A mission's CSV file.
 
-use super::mission::{Mission, Row};
+use super::mission::{Mission, MissionRow};
 use crate::error::{Error, Result};
 use csv::StringRecord;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::path::Path;
 
-/// Offset of a brake-pressure sensor is below this, Pa; the core's sampler draws the line there
-/// too.
+/// Upper limit of the offset of a brake-pressure sensor, Pa; the core's sampler uses the same
+/// limit.
 const BRAKE_PRESSURE_PA: f64 = 20_000.0;
-/// Below this speed the receiver's course is that of earlier driving, m/s.
+/// Below this speed, m/s, the course of the receiver is that of earlier driving.
 const COURSE_SPEED_MPS: f64 = 0.5;
 
-/// Columns that are read, among the data set's 26.
+/// Columns that are read, of the 26 of the data set.
 const COLUMNS: [&str; 12] = [
     "time_unix",
     "gnss_altitude",
@@ -28,8 +28,8 @@ const COLUMNS: [&str; 12] = [
     "traction_tractionForce",
 ];
 
-/// One line with the places of its columns.
-struct Line<'a> {
+/// One line with the indices of its columns.
+struct MissionLine<'a> {
     path: &'a Path,
     record: &'a StringRecord,
     places: &'a [usize; COLUMNS.len()],
@@ -39,8 +39,8 @@ impl Mission {
     /// Reads a mission.
     ///
     /// # Errors
-    /// With file, line and what was expected: missing columns, lines with too few or too many
-    /// fields, what is not a number, time that does not increase; and a mission without any
+    /// Names the file, the line and what was expected: missing columns, lines with too few or too
+    /// many fields, values that are not numbers, time that does not increase, a mission without a
     /// GNSS fix.
     pub fn read(path: &Path) -> Result<Self> {
         mission(path)
@@ -51,7 +51,7 @@ fn mission(path: &Path) -> Result<Mission> {
     let mut reader = csv::Reader::from_path(path).map_err(|e| csv_error(path, e))?;
     let places = places(path, reader.headers().map_err(|e| csv_error(path, e))?)?;
     let mut record = StringRecord::new();
-    let mut rows: Vec<Row> = Vec::new();
+    let mut rows: Vec<MissionRow> = Vec::new();
     let mut odometer_m = Vec::new();
     let mut first_unix_s = None;
     let mut passengers = None;
@@ -59,7 +59,7 @@ fn mission(path: &Path) -> Result<Mission> {
         .read_record(&mut record)
         .map_err(|e| csv_error(path, e))?
     {
-        let line = Line {
+        let line = MissionLine {
             path,
             record: &record,
             places: &places,
@@ -74,7 +74,7 @@ fn mission(path: &Path) -> Result<Mission> {
         let row = line.row(time_s, passengers)?;
         passengers = row.passengers;
         odometer_m.push(match (rows.last(), odometer_m.last()) {
-            (Some(last), Some(way_m)) => way_m + way_between_m(last, &row),
+            (Some(last), Some(driven_m)) => driven_m + distance_between_m(last, &row),
             _ => 0.0,
         });
         rows.push(row);
@@ -96,8 +96,8 @@ fn mission(path: &Path) -> Result<Mission> {
     })
 }
 
-/// Way between two rows; where only one speed is known, it is taken for both.
-fn way_between_m(from: &Row, to: &Row) -> f64 {
+/// Returns the distance between two rows; if only one speed is known, it is used for both.
+fn distance_between_m(from: &MissionRow, to: &MissionRow) -> f64 {
     let mean_mps = match (from.speed_mps, to.speed_mps) {
         (Some(a), Some(b)) => 0.5 * (a + b),
         (one, other) => one.or(other).unwrap_or(0.0),
@@ -105,7 +105,7 @@ fn way_between_m(from: &Row, to: &Row) -> f64 {
     mean_mps * (to.time_s - from.time_s)
 }
 
-/// The paper names its files after bus and time: `B183_2019-10-16_…`.
+/// Returns the paper names its files after bus and time: `B183_2019-10-16_…`.
 fn bus_of(path: &Path) -> Option<String> {
     let (bus, _) = path.file_stem()?.to_str()?.split_once('_')?;
     let number = bus.strip_prefix('B')?;
@@ -131,13 +131,13 @@ fn places(path: &Path, header: &StringRecord) -> Result<[usize; COLUMNS.len()]> 
     Ok(places)
 }
 
-impl Line<'_> {
+impl MissionLine<'_> {
     fn error(&self, problem: impl Into<String>, expected: &str) -> Error {
         let line = self.record.position().map_or(1, csv::Position::line);
         Error::line(self.path, line, problem, expected)
     }
 
-    /// A measurement; `-` and `NaN` stand for none.
+    /// Reads a measurement; `-` and `NaN` mean missing.
     fn number(&self, column: &str) -> Result<Option<f64>> {
         let field = COLUMNS
             .iter()
@@ -156,7 +156,7 @@ impl Line<'_> {
         }
     }
 
-    /// A measurement that another unit or another file would put out of its range.
+    /// Reads a measurement and checks its range, which detects another unit or another file.
     fn within(&self, column: &str, low: f64, high: f64, expected: &str) -> Result<Option<f64>> {
         let value = self.number(column)?;
         match value {
@@ -172,7 +172,7 @@ impl Line<'_> {
             .ok_or_else(|| self.error("time_unix is missing", "seconds since 1970"))
     }
 
-    fn row(&self, time_s: f64, passengers_before: Option<f64>) -> Result<Row> {
+    fn row(&self, time_s: f64, passengers_before: Option<f64>) -> Result<MissionRow> {
         let speed = self.number("odometry_vehicleSpeed")?;
         let brake_pressure_pa = self.number("traction_brakePressure")?;
         let holds = |column| -> Result<Option<bool>> {
@@ -187,10 +187,10 @@ impl Line<'_> {
         let course = self.number("gnss_course")?;
         let ambient_kelvin = self.number("temperature_ambient")?;
         let passengers = self.number("itcs_numberOfPassengers")?;
-        Ok(Row {
+        Ok(MissionRow {
             time_s,
-            // The motor shaft swings back by some cm/s when the bus comes to a stop; way is
-            // counted forward only.
+            // The motor shaft swings back by some cm/s when the bus stops; distance counts forward
+            // only.
             speed_mps: speed.map(|mps| mps.max(0.0)),
             traction_force_n: self.number("traction_tractionForce")?,
             brake_pressure_pa,

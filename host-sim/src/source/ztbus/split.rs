@@ -1,11 +1,11 @@
-//! One-way trips: a mission is cut where the bus waits at its termini.
+//! One-way trips: a mission is split where the bus waits at its termini.
 //!
-//! No timetable and no map: the termini are where the drive turns back on its own road. The
-//! first trip starts, and the last one ends, at a terminus that the trips between have shown;
-//! what is driven before and after is the way from and to the garage.
+//! No timetable and no map is used. The termini are where the drive turns back on its own road. The
+//! first trip starts, and the last one ends, at a terminus that the trips between have shown. The
+//! rest is the drive from and to the garage.
 
-use super::mission::{Mission, Row};
-use super::turning::{Place, Turn, turns};
+use super::mission::{Mission, MissionRow};
+use super::turning::{PlanePoint, Turn, turns};
 use map_3d::{Ellipsoid, geodetic2enu};
 use std::ops::Range;
 
@@ -19,21 +19,21 @@ const TERMINUS_M: f64 = 300.0;
 const VISIT_M: f64 = 200.0;
 /// A loop in which the bus turns is at most this long, m.
 const TURNING_LOOP_M: f64 = 1_000.0;
-/// Passes that cover less than this part of the drive are no structure of it.
+/// Trips that cover less than this part of the drive do not define its structure.
 const COVERED_PART: f64 = 0.3;
 
-/// Which way a pass goes.
+/// Direction of a pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Direction {
+pub enum PassDirection {
     /// As the first pass between its two termini.
     Outbound,
-    /// Back.
+    /// In the opposite direction.
     Inbound,
 }
 
-impl Direction {
-    /// Its word in tables and file names.
+impl PassDirection {
+    /// Returns the word for tables and file names.
     #[must_use]
     pub const fn word(self) -> &'static str {
         match self {
@@ -46,15 +46,15 @@ impl Direction {
 /// A one-way trip from terminus to terminus.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pass {
-    /// Which way it goes.
-    pub direction: Direction,
+    /// Direction.
+    pub direction: PassDirection,
     /// Its rows, from the last one at standstill in one terminus to the first one in the next.
     pub rows: Range<usize>,
     /// Start since the mission's first row, s.
     pub start_s: f64,
     /// Time taken, s.
     pub duration_s: f64,
-    /// Way driven, m.
+    /// Driven distance, m.
     pub length_m: f64,
     /// GNSS altitude at its end less that at its start, each the mean while the bus stood
     /// there, m.
@@ -66,7 +66,7 @@ pub struct Pass {
 }
 
 impl Pass {
-    /// Whether `next` follows at once and goes back to where this one started.
+    /// Returns true if `next` follows at once and goes back to the start of this pass.
     fn returns_with(&self, next: &Self) -> bool {
         self.to.rows == next.from.rows
             && self.from.terminus == next.to.terminus
@@ -89,8 +89,8 @@ impl Mission {
     }
 }
 
-/// Row ranges of the complete round trips: each pass with the one that brings the bus back, no
-/// pass in two of them.
+/// Returns the row ranges of the complete round trips. Each is a pass and the pass that brings the
+/// bus back; no pass is in two of them.
 ///
 /// A round trip ends where it began, so that whatever altitude a model gains on it is an error.
 #[must_use]
@@ -109,15 +109,15 @@ pub fn round_trips(passes: &[Pass]) -> Vec<Range<usize>> {
     trips
 }
 
-/// The passes of a mission: the whole drive from the first fix if it never goes back.
+/// Returns the passes of a mission; the whole drive from the first fix if it never turns back.
 fn passes(mission: &Mission) -> Vec<Pass> {
-    let drive = Drive::new(mission);
+    let drive = MissionTrack::new(mission);
     let trips = drive.trips();
     let covered_m: f64 = trips
         .iter()
-        .map(|(from, to)| drive.way_m(to.rows.start) - drive.way_m(from.rows.end - 1))
+        .map(|(from, to)| drive.driven_m(to.rows.start) - drive.driven_m(from.rows.end - 1))
         .sum();
-    let whole_m = drive.way_m(mission.rows.len() - 1) - drive.way_m(mission.first_fix);
+    let whole_m = drive.driven_m(mission.rows.len() - 1) - drive.driven_m(mission.first_fix);
     let trips = if covered_m < COVERED_PART * whole_m || trips.is_empty() {
         vec![drive.whole()]
     } else {
@@ -126,30 +126,30 @@ fn passes(mission: &Mission) -> Vec<Pass> {
     let mut passes: Vec<Pass> = Vec::new();
     for (from, to) in trips {
         let seen_other_way = passes.iter().any(|pass| {
-            pass.direction == Direction::Outbound
+            pass.direction == PassDirection::Outbound
                 && (pass.from.terminus, pass.to.terminus) == (to.terminus, from.terminus)
         });
         let direction = if seen_other_way {
-            Direction::Inbound
+            PassDirection::Inbound
         } else {
-            Direction::Outbound
+            PassDirection::Outbound
         };
         passes.push(drive.pass(direction, from, to));
     }
     passes
 }
 
-/// A mission seen as a track on a plane.
-struct Drive<'a> {
+/// A mission as a track on a plane.
+struct MissionTrack<'a> {
     mission: &'a Mission,
     /// East and north of the first fix, m; one entry a row.
     plane_m: Vec<Option<(f64, f64)>>,
 }
 
-impl<'a> Drive<'a> {
+impl<'a> MissionTrack<'a> {
     fn new(mission: &'a Mission) -> Self {
         let origin = mission.rows[mission.first_fix].position_deg();
-        let on_plane = |row: &Row| {
+        let on_plane = |row: &MissionRow| {
             let ((lat, lon), (lat0, lon0)) = row.position_deg().zip(origin)?;
             let (east_m, north_m, _) = geodetic2enu(
                 lat.to_radians(),
@@ -168,24 +168,24 @@ impl<'a> Drive<'a> {
         }
     }
 
-    fn way_m(&self, row: usize) -> f64 {
+    fn driven_m(&self, row: usize) -> f64 {
         self.mission.odometer_m[row]
     }
 
-    /// The first row that has driven this far.
-    fn row_at(&self, way_m: f64) -> usize {
-        let row = self.mission.odometer_m.partition_point(|&m| m < way_m);
+    /// Returns the first row that has driven this far.
+    fn row_at(&self, driven_m: f64) -> usize {
+        let row = self.mission.odometer_m.partition_point(|&m| m < driven_m);
         row.min(self.mission.rows.len() - 1)
     }
 
     fn turns(&self) -> Vec<Turn> {
-        let places: Vec<Place> = self
+        let places: Vec<PlanePoint> = self
             .plane_m
             .iter()
             .zip(&self.mission.odometer_m)
-            .filter_map(|(plane, &way_m)| {
-                plane.map(|(east_m, north_m)| Place {
-                    way_m,
+            .filter_map(|(plane, &driven_m)| {
+                plane.map(|(east_m, north_m)| PlanePoint {
+                    driven_m,
                     east_m,
                     north_m,
                 })
@@ -194,7 +194,7 @@ impl<'a> Drive<'a> {
         turns(&places)
     }
 
-    /// Where each trip starts and ends.
+    /// Returns where each trip starts and ends.
     fn trips(&self) -> Vec<(Halt, Halt)> {
         let turns = self.turns();
         let mut termini = Termini::default();
@@ -221,15 +221,15 @@ impl<'a> Drive<'a> {
         trips
     }
 
-    /// The halts of trips on one road, within `bounds`.
+    /// Returns the halts of trips on one road, within `bounds`.
     fn halts(&self, turns: &[Turn], termini: &mut Termini, bounds: Range<usize>) -> Vec<Halt> {
-        let mut near = |from_m: f64, way_m: f64, to_m: f64| {
+        let mut near = |from_m: f64, driven_m: f64, to_m: f64| {
             let rows = self.row_at(from_m - WAITING_M)..self.row_at(to_m + WAITING_M) + 1;
-            self.halt(termini, rows, self.row_at(way_m))
+            self.halt(termini, rows, self.row_at(driven_m))
         };
         let mut halts: Vec<Halt> = turns
             .iter()
-            .map(|turn| near(turn.before_m.1, turn.way_m, turn.after_m.0))
+            .map(|turn| near(turn.before_m.1, turn.driven_m, turn.after_m.0))
             .collect();
         let (start, end) = if let ([first, second, ..], [.., before_last, last]) =
             (halts.as_slice(), halts.as_slice())
@@ -240,7 +240,7 @@ impl<'a> Drive<'a> {
             )
         } else {
             // Only one terminus is known: the trips reach as far as the road is the same.
-            let mut at = |way_m: f64| near(way_m, way_m, way_m);
+            let mut at = |driven_m: f64| near(driven_m, driven_m, driven_m);
             let reach_m = turns.first().map(|turn| (turn.before_m.0, turn.after_m.1));
             (
                 reach_m.map(|(start_m, _)| at(start_m)),
@@ -252,7 +252,7 @@ impl<'a> Drive<'a> {
         halts
     }
 
-    /// The longest wait in `rows`, else the row `otherwise`.
+    /// Returns the longest wait in `rows`, else the row `otherwise`.
     fn halt(&self, termini: &mut Termini, rows: Range<usize>, otherwise: usize) -> Halt {
         let rows = self
             .longest_wait(rows, |_| true)
@@ -268,7 +268,7 @@ impl<'a> Drive<'a> {
         }
     }
 
-    /// The longest run of rows at standstill where `counts` holds.
+    /// Returns the longest run of rows at standstill where `counts` holds.
     fn longest_wait(
         &self,
         rows: Range<usize>,
@@ -287,8 +287,8 @@ impl<'a> Drive<'a> {
         longest
     }
 
-    /// The last halt at a known terminus before another halt, not before row `start`; `None` if
-    /// the bus was not there.
+    /// Returns the last halt at a known terminus before another halt, not before row `start`;
+    /// `None` if the bus was not there.
     fn halt_before(
         &self,
         halt: &Halt,
@@ -300,12 +300,12 @@ impl<'a> Drive<'a> {
         let last = (start..halt.rows.start)
             .rev()
             .find(|&row| self.offset_m(row, place) < VISIT_M)?;
-        let first = self.row_at(self.way_m(last) - TURNING_LOOP_M).max(start);
+        let first = self.row_at(self.driven_m(last) - TURNING_LOOP_M).max(start);
         self.halt_on_visit(first..last + 1, place, terminus)
     }
 
-    /// The first halt at a known terminus after another halt, before row `end`; `None` if the
-    /// bus was not there.
+    /// Returns the first halt at a known terminus after another halt, before row `end`; `None` if
+    /// the bus was not there.
     fn halt_after(
         &self,
         halt: &Halt,
@@ -315,11 +315,13 @@ impl<'a> Drive<'a> {
     ) -> Option<Halt> {
         let place = termini.place(terminus);
         let first = (halt.rows.end..end).find(|&row| self.offset_m(row, place) < VISIT_M)?;
-        let last = self.row_at(self.way_m(first) + TURNING_LOOP_M).min(end - 1);
+        let last = self
+            .row_at(self.driven_m(first) + TURNING_LOOP_M)
+            .min(end - 1);
         self.halt_on_visit(first..last + 1, place, terminus)
     }
 
-    /// The longest wait at a terminus, else when the bus was nearest to it.
+    /// Returns the longest wait at a terminus, else when the bus was nearest to it.
     fn halt_on_visit(
         &self,
         visit: Range<usize>,
@@ -335,12 +337,12 @@ impl<'a> Drive<'a> {
         Some(Halt { rows, terminus })
     }
 
-    /// How far from a place the bus is; infinite without a fix.
+    /// Returns how far from a place the bus is; infinite without a fix.
     fn offset_m(&self, row: usize, place: (f64, f64)) -> f64 {
         self.plane_m[row].map_or(f64::INFINITY, |here| distance_m(here, place))
     }
 
-    /// The drive from the first fix on, as one trip.
+    /// Returns the drive from the first fix on, as one trip.
     fn whole(&self) -> (Halt, Halt) {
         let halt = |row: usize, terminus| Halt {
             rows: row..row + 1,
@@ -352,7 +354,7 @@ impl<'a> Drive<'a> {
         )
     }
 
-    fn pass(&self, direction: Direction, from: Halt, to: Halt) -> Pass {
+    fn pass(&self, direction: PassDirection, from: Halt, to: Halt) -> Pass {
         let (first, last) = (from.rows.end - 1, to.rows.start);
         let all = &self.mission.rows;
         let altitude_m =
@@ -362,7 +364,7 @@ impl<'a> Drive<'a> {
             rows: first..last + 1,
             start_s: all[first].time_s,
             duration_s: all[last].time_s - all[first].time_s,
-            length_m: self.way_m(last) - self.way_m(first),
+            length_m: self.driven_m(last) - self.driven_m(first),
             climb_m: altitude_m(&to.rows)
                 .zip(altitude_m(&from.rows))
                 .map(|(end, start)| end - start),
@@ -378,7 +380,7 @@ impl<'a> Drive<'a> {
 struct Termini(Vec<(f64, f64)>);
 
 impl Termini {
-    /// The number of the terminus at this place, a new one if none is near.
+    /// Returns the number of the terminus at this place, a new one if none is near.
     fn index(&mut self, place: (f64, f64)) -> usize {
         let known = self
             .0

@@ -1,6 +1,6 @@
 //! Rows as a signal table.
 
-use super::mission::{Mission, Row};
+use super::mission::{Mission, MissionRow};
 use super::split::Pass;
 use crate::error::Result;
 use crate::files::output::write_whole;
@@ -8,10 +8,10 @@ use crate::numeric::rounding::round;
 use estimator_core::Signal;
 use std::path::Path;
 
-/// A column: its signal, its decimals, and where its value is.
-type Column = (Signal, i32, fn(&Row) -> Option<f64>);
+/// A column: its signal, its decimals, and its value in a row.
+type TableColumn = (Signal, i32, fn(&MissionRow) -> Option<f64>);
 
-const COLUMNS: [Column; 11] = [
+const COLUMNS: [TableColumn; 11] = [
     (Signal::WheelSpeed, 4, |row| row.speed_mps),
     (Signal::TractionForce, 1, |row| row.traction_force_n),
     (Signal::BrakeSwitch, 0, |row| {
@@ -31,7 +31,7 @@ impl Mission {
     /// Writes the whole mission as a signal table.
     ///
     /// # Errors
-    /// What the file system says.
+    /// Returns the error of the file system.
     pub fn write(&self, path: &Path) -> Result<()> {
         write(path, &self.rows)
     }
@@ -39,14 +39,14 @@ impl Mission {
     /// Writes the rows of a pass as a signal table whose time starts at 0.
     ///
     /// # Errors
-    /// What the file system says.
+    /// Returns the error of the file system.
     pub fn write_pass(&self, path: &Path, pass: &Pass) -> Result<()> {
         write(path, &self.rows[pass.rows.clone()])
     }
 }
 
-/// Writes rows with the time counted from the first of them; what is missing stays empty.
-fn write(path: &Path, rows: &[Row]) -> Result<()> {
+/// Writes rows with the time since the first of them; missing values stay empty.
+fn write(path: &Path, rows: &[MissionRow]) -> Result<()> {
     let start_s = rows.first().map_or(0.0, |row| row.time_s);
     write_whole(path, |out| {
         let mut writer = csv::Writer::from_writer(out);
@@ -64,6 +64,6 @@ fn write(path: &Path, rows: &[Row]) -> Result<()> {
 }
 
 fn text(value: f64, decimals: i32) -> String {
-    // Adding zero turns a negative zero into a plain one.
+    // Adding zero turns minus zero into zero.
     (round(value, decimals) + 0.0).to_string()
 }

@@ -1,15 +1,14 @@
-//! Where a drive turns back on its own road.
+//! Places where a drive turns back on its own road.
 //!
-//! A point of the road that is driven again the other way is a retraced pair; half-way between
-//! the two, counted along the way driven, is the place where the bus turned. All pairs of one
-//! trip and the next share that half-way point, whatever loop was driven to turn and although
-//! some streets are one-way: they gather there.
+//! A point of the road that is driven again in the other direction makes a pair. The middle of the
+//! two, by driven distance, is where the bus turned. All pairs of one trip and the next have nearly
+//! the same middle, whatever loop was driven to turn, and although some streets are one-way.
 
-/// A place on the drive, on a plane.
+/// A point of the drive, on a plane.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place {
-    /// Way driven, m.
-    pub(super) way_m: f64,
+pub(super) struct PlanePoint {
+    /// Driven distance, m.
+    pub(super) driven_m: f64,
     pub(super) east_m: f64,
     pub(super) north_m: f64,
 }
@@ -17,8 +16,8 @@ pub(super) struct Place {
 /// A turn and the road that was driven both before and after it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Turn {
-    /// Way at the turn, m.
-    pub(super) way_m: f64,
+    /// Driven distance at the turn, m.
+    pub(super) driven_m: f64,
     /// Way from the first to the last place on the retraced road before the turn, m.
     pub(super) before_m: (f64, f64),
     /// The same after the turn.
@@ -27,17 +26,18 @@ pub(super) struct Turn {
     retraced_m: f64,
 }
 
-/// Part of the way between two turns that is retraced if it is one trip: the rest is one-way
+/// Least part of the distance between two turns that is retraced in one trip; the rest is one-way
 /// streets and turning loops.
 const RETRACED_PART: f64 = 0.6;
 
 impl Turn {
-    /// Whether the way to the `next` turn is one trip on a road that one of them retraces.
+    /// Returns true if the distance to the `next` turn is one trip on a road that one of them
+    /// retraces.
     pub(super) fn shares_road_with(&self, next: &Self) -> bool {
-        let way_m = next.way_m - self.way_m;
-        let before_m = next.way_m - next.before_m.0;
-        let after_m = self.after_m.1 - self.way_m;
-        before_m.max(after_m) > RETRACED_PART * way_m
+        let driven_m = next.driven_m - self.driven_m;
+        let before_m = next.driven_m - next.before_m.0;
+        let after_m = self.after_m.1 - self.driven_m;
+        before_m.max(after_m) > RETRACED_PART * driven_m
     }
 }
 
@@ -58,25 +58,25 @@ const SHORTEST_PART: f64 = 0.25;
 
 /// A place with its heading as a unit vector.
 struct Headed {
-    place: Place,
+    place: PlanePoint,
     heading: (f64, f64),
 }
 
-/// A place and the first one later on the same road the other way.
+/// A point and the first later point on the same road in the other direction.
 #[derive(Clone, Copy)]
-struct Pair {
+struct ReturnPair {
     before_m: f64,
     after_m: f64,
 }
 
-impl Pair {
+impl ReturnPair {
     fn middle_m(&self) -> f64 {
         0.5 * (self.before_m + self.after_m)
     }
 }
 
-/// The turns of a drive, in order. Trips shorter than about 1 km are not told apart.
-pub(super) fn turns(places: &[Place]) -> Vec<Turn> {
+/// Returns the turns of a drive, in order. Trips shorter than about 1 km are not separated.
+pub(super) fn turns(places: &[PlanePoint]) -> Vec<Turn> {
     let mut pairs = pairs(&headed(places));
     pairs.sort_by(|a, b| a.middle_m().total_cmp(&b.middle_m()));
     let mut turns: Vec<Turn> = Vec::new();
@@ -85,19 +85,19 @@ pub(super) fn turns(places: &[Place]) -> Vec<Turn> {
         if turn.retraced_m < SHORTEST_M.max(SHORTEST_PART * longest) {
             break;
         }
-        pairs.retain(|pair| (pair.middle_m() - turn.way_m).abs() > SCATTER_M);
+        pairs.retain(|pair| (pair.middle_m() - turn.driven_m).abs() > SCATTER_M);
         turns.push(turn);
     }
-    turns.sort_by(|a, b| a.way_m.total_cmp(&b.way_m));
+    turns.sort_by(|a, b| a.driven_m.total_cmp(&b.driven_m));
     turns
 }
 
-fn headed(places: &[Place]) -> Vec<Headed> {
-    let mut spaced: Vec<Place> = Vec::new();
+fn headed(places: &[PlanePoint]) -> Vec<Headed> {
+    let mut spaced: Vec<PlanePoint> = Vec::new();
     for place in places {
         if spaced
             .last()
-            .is_none_or(|last| place.way_m - last.way_m >= STEP_M)
+            .is_none_or(|last| place.driven_m - last.driven_m >= STEP_M)
         {
             spaced.push(*place);
         }
@@ -108,7 +108,7 @@ fn headed(places: &[Place]) -> Vec<Headed> {
             let east_m = three[2].east_m - three[0].east_m;
             let north_m = three[2].north_m - three[0].north_m;
             let chord_m = east_m.hypot(north_m);
-            // Where the bus turns on the spot there is no heading.
+            // A bus that turns on the spot has no heading.
             (chord_m > STEP_M).then(|| Headed {
                 place: three[1],
                 heading: (east_m / chord_m, north_m / chord_m),
@@ -117,7 +117,7 @@ fn headed(places: &[Place]) -> Vec<Headed> {
         .collect()
 }
 
-fn pairs(headed: &[Headed]) -> Vec<Pair> {
+fn pairs(headed: &[Headed]) -> Vec<ReturnPair> {
     let retraces = |a: &Headed, b: &Headed| {
         let (dx, dy) = (
             a.place.east_m - b.place.east_m,
@@ -131,16 +131,16 @@ fn pairs(headed: &[Headed]) -> Vec<Pair> {
         .enumerate()
         .filter_map(|(index, a)| {
             let b = headed[index + 1..].iter().find(|b| retraces(a, b))?;
-            Some(Pair {
-                before_m: a.place.way_m,
-                after_m: b.place.way_m,
+            Some(ReturnPair {
+                before_m: a.place.driven_m,
+                after_m: b.place.driven_m,
             })
         })
         .collect()
 }
 
-/// The turn on which most pairs agree; `pairs` are in the order of their half-way points.
-fn strongest(pairs: &[Pair]) -> Option<Turn> {
+/// Returns the turn on which most pairs agree; `pairs` are in the order of their half-way points.
+fn strongest(pairs: &[ReturnPair]) -> Option<Turn> {
     let mut first = 0;
     let mut most = 0..0;
     for end in 1..=pairs.len() {
@@ -152,14 +152,14 @@ fn strongest(pairs: &[Pair]) -> Option<Turn> {
         }
     }
     let members = &pairs[most];
-    let way_m = members.get(members.len() / 2)?.middle_m();
+    let driven_m = members.get(members.len() / 2)?.middle_m();
     let around = members
         .iter()
-        .filter(|pair| pair.before_m < way_m && pair.after_m > way_m);
+        .filter(|pair| pair.before_m < driven_m && pair.after_m > driven_m);
     let mut turn = Turn {
-        way_m,
-        before_m: (way_m, 0.0),
-        after_m: (f64::INFINITY, way_m),
+        driven_m,
+        before_m: (driven_m, 0.0),
+        after_m: (f64::INFINITY, driven_m),
         retraced_m: 0.0,
     };
     for pair in around {

@@ -31,8 +31,8 @@ impl PowerLaw {
     }
 }
 
-/// What is left with runs without number: RMSE² = floor² + b/N, least squares in 1/N over the
-/// runs after `skipped`. Independent errors add by their squares; what all runs share stays.
+/// Returns what is left with runs without number: RMSE² = floor² + b/N, least squares in 1/N over
+/// the runs after `skipped`. Independent errors add by their squares; what all runs share stays.
 #[must_use]
 pub fn floor_percent(rmse_percent: &[f64], skipped: usize) -> f64 {
     let points: Vec<(f64, f64)> = (1..)

@@ -3,7 +3,7 @@
 use super::experiment::Experiment;
 use super::heading::Heading;
 use super::measure::errors;
-use super::method::{Estimated, Method};
+use super::method::{Estimated, ThesisMethod};
 use super::ours;
 use super::replica::Replica;
 use crate::report::page::{Figure, Table};
@@ -23,7 +23,7 @@ pub struct Map {
     pub heading: Heading,
     /// Of how many runs it is.
     pub runs: usize,
-    /// RMSE(m) in the order of [`Method::ALL`], %.
+    /// RMSE(m) in the order of [`ThesisMethod::ALL`], %.
     pub rmse: [f64; 3],
 }
 
@@ -54,7 +54,7 @@ pub fn not_better([_, modified, ours]: &[Vec<Estimated>; 3]) -> Vec<Experiment> 
         .collect()
 }
 
-/// The maps that are judged.
+/// Returns the maps that are judged.
 #[must_use]
 pub fn judged_maps(all: &[Vec<Estimated>; 3]) -> Vec<Map> {
     let last_of = |heading, runs| {
@@ -77,7 +77,7 @@ pub fn judged_maps(all: &[Vec<Estimated>; 3]) -> Vec<Map> {
         .collect()
 }
 
-/// What the tables say, in words.
+/// Returns what the tables say, in words.
 #[must_use]
 pub fn words(all: &[Vec<Estimated>; 3]) -> Vec<String> {
     let runs = all[0].len();
@@ -127,7 +127,7 @@ pub fn words(all: &[Vec<Estimated>; 3]) -> Vec<String> {
     ]
 }
 
-/// The methods run by run.
+/// Returns the methods run by run.
 #[must_use]
 pub fn each_run(runs: &[Replica], all: &[Vec<Estimated>; 3]) -> Table {
     let [original, modified, ours] = all;
@@ -171,7 +171,7 @@ pub fn each_run(runs: &[Replica], all: &[Vec<Estimated>; 3]) -> Table {
     table
 }
 
-/// The methods on the maps that are judged.
+/// Returns the methods on the maps that are judged.
 #[must_use]
 pub fn maps(all: &[Vec<Estimated>; 3]) -> Table {
     let header = [
@@ -194,7 +194,7 @@ pub fn maps(all: &[Vec<Estimated>; 3]) -> Table {
     Table::new("maps", caption, &header).with_rows(rows)
 }
 
-/// How maps get better with runs, one figure a direction.
+/// Returns how maps get better with runs, one figure a direction.
 #[must_use]
 pub fn figures(all: &[Vec<Estimated>; 3]) -> Vec<Figure> {
     Heading::BOTH
@@ -202,7 +202,7 @@ pub fn figures(all: &[Vec<Estimated>; 3]) -> Vec<Figure> {
         .map(|heading| {
             let mut plot = Plot::new("runs in the map", "RMSE(m) (%)");
             let colours = [colour::GREY, colour::ORANGE, colour::BLUE];
-            for ((method, found), colour) in Method::ALL.into_iter().zip(all).zip(colours) {
+            for ((method, found), colour) in ThesisMethod::ALL.into_iter().zip(all).zip(colours) {
                 let members = found.iter().filter(|f| f.experiment.heading == heading);
                 let points = members.map(|f| (f.experiment.number as f64, f.rmse_merged));
                 plot = plot.with(Series::line(method.phrase(), colour, points));

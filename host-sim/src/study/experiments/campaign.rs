@@ -14,7 +14,7 @@ use crate::comparison::{G, STEP_M, pointwise};
 use crate::simulator::driver::SET_SPEED_MPS;
 use crate::simulator::random::{OrnsteinUhlenbeck, Purpose, stream};
 use crate::simulator::road_generator::{RoadShape, generate};
-use crate::study::distance_drive::{Belief, Errors, simulate};
+use crate::study::distance_drive::{Belief, Disturbances, simulate};
 use estimator_core::vehicle::STANDARD_AIR_DENSITY;
 use rayon::prelude::*;
 
@@ -39,7 +39,7 @@ pub struct Campaign {
 }
 
 impl Campaign {
-    /// The roads that a seed stands for.
+    /// Creates the roads that a seed stands for.
     #[must_use]
     pub fn new(seed: u64) -> Self {
         let road = |seed| {
@@ -69,7 +69,7 @@ impl Campaign {
         }
     }
 
-    /// The ten experiments, fitted and driven.
+    /// Returns the ten experiments, fitted and driven.
     #[must_use]
     pub fn replicas(&self) -> Vec<Replica> {
         Experiment::all()
@@ -78,7 +78,7 @@ impl Campaign {
             .collect()
     }
 
-    /// One run with its fitted numbers, disturbed by some sources only.
+    /// Returns one run with its fitted numbers, disturbed by some sources only.
     #[must_use]
     pub fn drive(&self, experiment: Experiment, fitted: Fitted, sources: Sources) -> Replica {
         let truth = self.road(experiment.heading);
@@ -90,7 +90,7 @@ impl Campaign {
             torque: 1.0 + sources.torque * (experiment.belief().torque - 1.0),
             ..Belief::TRUTH
         };
-        let errors = Errors {
+        let errors = Disturbances {
             speed_mps: sources.speed * fitted.speed_mps,
             gps_m: &gps,
             model_percent: &model,
@@ -147,7 +147,7 @@ impl Campaign {
         error_m
     }
 
-    /// What the model reads too high at each point, %.
+    /// Returns what the model reads too high at each point, %.
     fn model_error_percent(
         &self,
         experiment: Experiment,

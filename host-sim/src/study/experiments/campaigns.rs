@@ -3,11 +3,11 @@
 use super::beside::{LARGEST_MAP_RMSE_PERCENT, judged_maps};
 use super::campaign::Campaign;
 use super::experiment::Experiment;
-use super::method::{Estimated, Method};
+use super::method::{Estimated, ThesisMethod};
 use crate::error::Result;
 use crate::numeric::statistics::mean;
 use crate::report::page::{Section, Table};
-use crate::study::definition::{Outcome, Setting, Study};
+use crate::study::definition::{Setting, Study, StudyOutcome};
 use rayon::prelude::*;
 
 /// Number of campaigns.
@@ -22,13 +22,13 @@ pub const STUDY: Study = Study {
     run,
 };
 
-fn run(setting: &Setting) -> Result<Outcome> {
+fn run(setting: &Setting) -> Result<StudyOutcome> {
     let all: Vec<[Vec<Estimated>; 3]> = (1..=CAMPAIGNS)
         .into_par_iter()
         .map(|number| {
             let seed = setting.seed.wrapping_add(APART * number);
             let runs = Campaign::new(seed).replicas();
-            Method::ALL.map(|method| method.apply(&runs))
+            ThesisMethod::ALL.map(|method| method.apply(&runs))
         })
         .collect();
     let experiments = Experiment::all().len();
@@ -41,7 +41,7 @@ fn run(setting: &Setting) -> Result<Outcome> {
             sum(|pair| pair.1.errors.rmse_valid) < sum(|pair| pair.0.errors.rmse_valid)
         })
         .count();
-    Ok(Outcome::Done(Section {
+    Ok(StudyOutcome::Done(Section {
         heading: "The ten runs over ten campaigns".to_owned(),
         words: vec![format!(
             "One campaign is one draw of roads, GPS errors and wind. Over {CAMPAIGNS} of them our \
@@ -53,7 +53,7 @@ fn run(setting: &Setting) -> Result<Outcome> {
     }))
 }
 
-/// A run in each campaign, by the modified method and by ours.
+/// Returns a run in each campaign, by the modified method and by ours.
 fn pairs(all: &[[Vec<Estimated>; 3]], run: usize) -> Vec<(&Estimated, &Estimated)> {
     all.iter()
         .map(|[_, modified, ours]| (&modified[run], &ours[run]))

@@ -4,7 +4,7 @@ use super::campaign::Campaign;
 use super::experiment::Experiment;
 use super::heading::Heading;
 use super::measure::errors;
-use super::method::{Estimated, Method};
+use super::method::{Estimated, ThesisMethod};
 use super::replica::{Replica, Sources};
 use crate::numeric::statistics::mean;
 use crate::report::page::Table;
@@ -33,9 +33,9 @@ pub struct Compared {
 
 /// The numbers that sum up tables 5-8.
 #[derive(Clone, Debug)]
-pub struct Summary(pub Vec<Compared>);
+pub struct ComparisonSummary(pub Vec<Compared>);
 
-impl Summary {
+impl ComparisonSummary {
     /// As a table.
     #[must_use]
     pub fn table(&self) -> Table {
@@ -52,16 +52,19 @@ impl Summary {
     }
 }
 
-/// Sums up both methods.
+/// Returns sums up both methods.
 #[must_use]
-pub fn summary(original: &[Estimated], modified: &[Estimated]) -> Summary {
+pub fn summary(original: &[Estimated], modified: &[Estimated]) -> ComparisonSummary {
     let mut all = Vec::new();
     for (preset, truck) in [(Preset::A, "A"), (Preset::B, "B")] {
         let of = |found: &[Estimated], value: &dyn Fn(&Estimated) -> f64| -> f64 {
             let members = found.iter().filter(|f| f.experiment.preset() == preset);
             mean(&members.map(value).collect::<Vec<f64>>())
         };
-        let pairs = [(Method::Original, original), (Method::Modified, modified)];
+        let pairs = [
+            (ThesisMethod::Original, original),
+            (ThesisMethod::Modified, modified),
+        ];
         for (method, found) in pairs {
             all.push(Compared {
                 what: format!("mean RMSE(v) of the {}, truck {truck}", method.phrase()),
@@ -79,8 +82,8 @@ pub fn summary(original: &[Estimated], modified: &[Estimated]) -> Summary {
                 (
                     gain(before.errors.rmse_valid, after.errors.rmse_valid),
                     gain(
-                        printed(Method::Original, before.experiment, 2),
-                        printed(Method::Modified, before.experiment, 2),
+                        printed(ThesisMethod::Original, before.experiment, 2),
+                        printed(ThesisMethod::Modified, before.experiment, 2),
                     ),
                 )
             })
@@ -93,7 +96,10 @@ pub fn summary(original: &[Estimated], modified: &[Estimated]) -> Summary {
     }
     for heading in Heading::BOTH {
         for runs in [3, 5] {
-            for (method, found) in [(Method::Original, original), (Method::Modified, modified)] {
+            for (method, found) in [
+                (ThesisMethod::Original, original),
+                (ThesisMethod::Modified, modified),
+            ] {
                 let last = found
                     .iter()
                     .find(|f| (f.experiment.heading, f.experiment.number) == (heading, runs));
@@ -109,18 +115,19 @@ pub fn summary(original: &[Estimated], modified: &[Estimated]) -> Summary {
             }
         }
     }
-    Summary(all)
+    ComparisonSummary(all)
 }
 
-/// A column of tables 5-8 as the thesis printed it, %; NaN for a method that it does not have.
-fn printed(method: Method, experiment: Experiment, column: usize) -> f64 {
+/// Returns a column of tables 5-8 as the thesis printed it, %; NaN for a method that it does not
+/// have.
+fn printed(method: ThesisMethod, experiment: Experiment, column: usize) -> f64 {
     let row = method.of_thesis(experiment);
     row.map_or(f64::NAN, |row| row[column])
 }
 
-/// Which numbers differ by more than a quarter, in words.
+/// Returns which numbers differ by more than a quarter, in words.
 #[must_use]
-pub fn differences(summary: &Summary) -> Vec<String> {
+pub fn differences(summary: &ComparisonSummary) -> Vec<String> {
     let far: Vec<String> = summary
         .0
         .iter()
@@ -252,10 +259,10 @@ pub fn made_of(campaign: &Campaign, runs: &[Replica]) -> Table {
 }
 
 /// Each method for A, then for B; empty where there is no number.
-fn means(value: impl Fn(Preset, Method) -> f64) -> Vec<String> {
+fn means(value: impl Fn(Preset, ThesisMethod) -> f64) -> Vec<String> {
     [Preset::A, Preset::B]
         .into_iter()
-        .flat_map(|preset| Method::ALL.map(|method| value(preset, method)))
+        .flat_map(|preset| ThesisMethod::ALL.map(|method| value(preset, method)))
         .map(|mean| {
             if mean.is_nan() {
                 String::new()
@@ -270,7 +277,7 @@ fn mean_rmse(
     campaign: &Campaign,
     runs: &[Replica],
     preset: Preset,
-    method: Method,
+    method: ThesisMethod,
     sources: Sources,
 ) -> f64 {
     let each: Vec<f64> = runs

@@ -19,7 +19,7 @@ pub struct Experiment {
 }
 
 impl Experiment {
-    /// All ten.
+    /// Returns all ten.
     #[must_use]
     pub fn all() -> Vec<Self> {
         Heading::BOTH
@@ -28,7 +28,7 @@ impl Experiment {
             .collect()
     }
 
-    /// Which truck drove (table 1).
+    /// Returns which truck drove (table 1).
     #[must_use]
     pub const fn preset(self) -> Preset {
         if self.number <= 3 {
@@ -38,7 +38,7 @@ impl Experiment {
         }
     }
 
-    /// What is falsely believed of its truck.
+    /// Returns what is falsely believed of its truck.
     #[must_use]
     pub fn belief(self) -> Belief {
         let torque = match self.preset() {
@@ -57,8 +57,9 @@ impl Experiment {
         thesis::pointwise(self.heading)[self.number - 1]
     }
 
-    /// Whether the truck had stood overnight. The thesis names southbound 4. Southbound 1 has the
-    /// most positive mean of its truck, from which that falls run by run: as from cold tyres.
+    /// Returns whether the truck had stood overnight. The thesis names southbound 4. Southbound 1
+    /// has the most positive mean of its truck, from which that falls run by run: as from cold
+    /// tyres.
     pub(super) const fn is_morning(self) -> bool {
         matches!(
             self,
@@ -80,7 +81,7 @@ impl Experiment {
         }
     }
 
-    /// Its own number in the streams of random numbers.
+    /// Returns its own number in the streams of random numbers.
     pub(super) const fn index(self) -> usize {
         self.number
             + match self.heading {

@@ -9,7 +9,7 @@ pub const EDGE: usize = 200;
 
 /// Errors of one run, % grade.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Errors {
+pub struct RunErrors {
     /// Mean where the vehicle model holds.
     pub mu: f64,
     /// Standard deviation there.
@@ -22,12 +22,12 @@ pub struct Errors {
 
 /// Errors of a profile on its run, first and last 200 points left out.
 #[must_use]
-pub fn errors(run: &Replica, grade_percent: &[f64]) -> Errors {
+pub fn errors(run: &Replica, grade_percent: &[f64]) -> RunErrors {
     let valid = valid_errors(run, grade_percent);
     let count = valid.len() as f64;
     let mu = valid.iter().sum::<f64>() / count;
     let rmse_valid = rms(valid.iter().copied());
-    Errors {
+    RunErrors {
         mu,
         sigma: (rmse_valid * rmse_valid - mu * mu).sqrt(),
         rmse_valid,
@@ -50,7 +50,7 @@ pub fn rmse(truth: &[f64], grade_percent: &[f64]) -> f64 {
     rms((EDGE..truth.len() - EDGE).map(|k| grade_percent[k] - truth[k]))
 }
 
-/// Mean over all points between the ends of (error / sigma)²: 1 if the sigmas are honest.
+/// Returns mean over all points between the ends of (error / sigma)²: 1 if the sigmas are honest.
 #[must_use]
 pub fn nees(truth: &[f64], profile: &Profile) -> f64 {
     let normalised = |k: usize| {
@@ -82,7 +82,7 @@ pub fn merged(profiles: &[&Profile]) -> Vec<f64> {
         .collect()
 }
 
-/// Points between the ends that are left out.
+/// Returns points between the ends that are left out.
 #[must_use]
 pub fn inner(run: &Replica) -> Range<usize> {
     EDGE..run.truth.len() - EDGE

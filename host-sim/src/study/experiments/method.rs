@@ -1,7 +1,7 @@
 //! The methods that are set side by side on the same drives.
 
 use super::experiment::Experiment;
-use super::measure::{Errors, errors, merged, nees, rmse};
+use super::measure::{RunErrors, errors, merged, nees, rmse};
 use super::replica::Replica;
 use super::{ours, thesis};
 use crate::comparison::{self, Profile};
@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 /// A grade estimation method, with all of the drive known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Method {
+pub enum ThesisMethod {
     /// Section 3 of the thesis.
     Original,
     /// Section 8.1 of the thesis.
@@ -26,14 +26,14 @@ pub struct Estimated {
     /// Its estimate.
     pub profile: Profile,
     /// Errors of it.
-    pub errors: Errors,
+    pub errors: RunErrors,
     /// Mean normalised squared error: 1 if the stated sigmas are honest.
     pub nees: f64,
     /// RMSE(m): of the map of this and all runs before it in the same direction, %.
     pub rmse_merged: f64,
 }
 
-impl Method {
+impl ThesisMethod {
     /// In the order in which they are compared.
     pub const ALL: [Self; 3] = [Self::Original, Self::Modified, Self::Ours];
     /// Those of the thesis.
@@ -70,17 +70,17 @@ impl Method {
         all.get(experiment.number - 1).copied()
     }
 
-    /// The grade of a run.
+    /// Returns the grade of a run.
     #[must_use]
     pub fn estimate(self, run: &Replica) -> Profile {
         match self {
-            Self::Original => comparison::Method::Original.estimate(&run.drive),
-            Self::Modified => comparison::Method::Modified.estimate(&run.drive),
+            Self::Original => comparison::ComparisonMethod::Original.estimate(&run.drive),
+            Self::Modified => comparison::ComparisonMethod::Modified.estimate(&run.drive),
             Self::Ours => ours::estimate(&run.drive).smoothed,
         }
     }
 
-    /// All runs, estimated and merged one by one in each direction.
+    /// Returns all runs, estimated and merged one by one in each direction.
     #[must_use]
     pub fn apply(self, runs: &[Replica]) -> Vec<Estimated> {
         let profiles: Vec<Profile> = runs.par_iter().map(|run| self.estimate(run)).collect();

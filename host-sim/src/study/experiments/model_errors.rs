@@ -5,14 +5,14 @@ use super::experiment::Experiment;
 use super::heading::Heading;
 use super::measure::inner;
 use super::replica::Replica;
-use crate::comparison::original::{self, Noise};
+use crate::comparison::original::{self, NoiseSigmas};
 use crate::comparison::{STEP_M, pointwise};
 use crate::error::Result;
-use crate::numeric::robust_line::{Line, fit};
+use crate::numeric::robust_line::{RobustLine, fit};
 use crate::numeric::statistics::mean;
 use crate::report::page::{Figure, Section, Table};
 use crate::report::plot::{Mark, Plot, Series, colour};
-use crate::study::definition::{Outcome, Setting, Study};
+use crate::study::definition::{Setting, Study, StudyOutcome};
 
 /// Points of a segment: 1250 m.
 const SEGMENT: usize = 500;
@@ -28,7 +28,7 @@ pub const STUDY: Study = Study {
 
 /// Means over one segment.
 #[derive(Clone, Copy, Debug)]
-struct Segment {
+struct SegmentMeans {
     middle_km: f64,
     true_grade: f64,
     found_grade: f64,
@@ -39,14 +39,14 @@ struct Segment {
 /// A run's segments with the lines through them.
 struct Segments {
     experiment: Experiment,
-    all: Vec<Segment>,
-    found_drift: Option<Line>,
-    true_drift: Option<Line>,
-    found_slope: Option<Line>,
-    true_slope: Option<Line>,
+    all: Vec<SegmentMeans>,
+    found_drift: Option<RobustLine>,
+    true_drift: Option<RobustLine>,
+    found_slope: Option<RobustLine>,
+    true_slope: Option<RobustLine>,
 }
 
-fn run(setting: &Setting) -> Result<Outcome> {
+fn run(setting: &Setting) -> Result<StudyOutcome> {
     let runs = Campaign::new(setting.seed).replicas();
     let each: Vec<Segments> = runs.iter().map(segments).collect();
     let is = |e: Experiment, heading, number| (e.heading, e.number) == (heading, number);
@@ -60,7 +60,7 @@ fn run(setting: &Setting) -> Result<Outcome> {
             figures.push(slope_figure(segments));
         }
     }
-    Ok(Outcome::Done(Section {
+    Ok(StudyOutcome::Done(Section {
         heading: "Errors of the vehicle model (thesis 7)".to_owned(),
         words: vec![
             "The mean errors of table 4 are with the pointwise grade. Over segments of 1250 m, the \
@@ -78,8 +78,8 @@ fn run(setting: &Setting) -> Result<Outcome> {
 
 fn segments(run: &Replica) -> Segments {
     let grade = pointwise::grade_percent(&run.drive);
-    let gps_heavy = original::estimate(&run.drive, &Noise::GPS_HEAVY).grade_percent;
-    let all: Vec<Segment> = (0..run.truth.len() / SEGMENT)
+    let gps_heavy = original::estimate(&run.drive, &NoiseSigmas::GPS_HEAVY).grade_percent;
+    let all: Vec<SegmentMeans> = (0..run.truth.len() / SEGMENT)
         .filter_map(|segment| {
             let cells = segment * SEGMENT..(segment + 1) * SEGMENT;
             let valid: Vec<usize> = cells
@@ -91,7 +91,7 @@ fn segments(run: &Replica) -> Segments {
             let over = |values: &[f64]| mean(&valid.iter().map(|&k| values[k]).collect::<Vec<_>>());
             let (true_grade, found_grade) = (over(&run.truth), over(&gps_heavy));
             let model = over(&grade);
-            Some(Segment {
+            Some(SegmentMeans {
                 middle_km: (segment as f64 + 0.5) * SEGMENT as f64 * STEP_M * 1e-3,
                 true_grade,
                 found_grade,
@@ -100,8 +100,9 @@ fn segments(run: &Replica) -> Segments {
             })
         })
         .collect();
-    let line =
-        |x: fn(&Segment) -> f64, y: fn(&Segment) -> f64| fit(all.iter().map(|s| (x(s), y(s))));
+    let line = |x: fn(&SegmentMeans) -> f64, y: fn(&SegmentMeans) -> f64| {
+        fit(all.iter().map(|s| (x(s), y(s))))
+    };
     Segments {
         experiment: run.experiment,
         found_drift: line(|s| s.middle_km, |s| s.found_error),
@@ -124,7 +125,7 @@ fn table(each: &[Segments]) -> Table {
     ];
     let caption = "Lines through segments of 1250 m: error against distance, and against grade.";
     Table::new("model_errors", caption, &header).with_rows(each.iter().map(|segments| {
-        let text = |line: Option<Line>, of: fn(&Line) -> f64| {
+        let text = |line: Option<RobustLine>, of: fn(&RobustLine) -> f64| {
             line.map_or("-".to_owned(), |line| format!("{:+.3}", of(&line)))
         };
         vec![
@@ -156,7 +157,7 @@ fn warm_up(run: &Replica) -> Vec<Figure> {
         ),
         (
             "fig12_bottom",
-            original::estimate(&run.drive, &Noise::ORIGINAL).grade_percent,
+            original::estimate(&run.drive, &NoiseSigmas::ORIGINAL).grade_percent,
             "Figure 12, bottom: error of the original estimation on the same run.",
         ),
     ]
@@ -179,7 +180,7 @@ fn warm_up(run: &Replica) -> Vec<Figure> {
 
 /// Figure 13.
 fn bias_figure(segments: &Segments) -> Figure {
-    let dots = |y: fn(&Segment) -> f64| segments.all.iter().map(move |s| (s.middle_km, y(s)));
+    let dots = |y: fn(&SegmentMeans) -> f64| segments.all.iter().map(move |s| (s.middle_km, y(s)));
     let ends = ends(&segments.all, |s| s.middle_km);
     let mut plot = Plot::new("distance (km)", "grade error (%)")
         .with(Series::line("found", colour::BLUE, dots(|s| s.found_error)).drawn(Mark::Dots))
@@ -238,7 +239,7 @@ fn slope_figure(segments: &Segments) -> Figure {
         let turned = segments.found_slope.map(|line| {
             let grades: Vec<f64> = segments.all.iter().map(|s| s.found_grade).collect();
             let turn = 2.0 * sign * line.slope_sigma;
-            Line {
+            RobustLine {
                 slope: line.slope + turn,
                 offset: line.offset - turn * mean(&grades),
                 ..line
@@ -254,7 +255,7 @@ fn slope_figure(segments: &Segments) -> Figure {
     )
 }
 
-fn ends(segments: &[Segment], x: fn(&Segment) -> f64) -> (f64, f64) {
+fn ends(segments: &[SegmentMeans], x: fn(&SegmentMeans) -> f64) -> (f64, f64) {
     let all = segments.iter().map(x);
     all.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
         (low.min(x), high.max(x))
@@ -265,7 +266,7 @@ fn with_line(
     plot: Plot,
     name: &str,
     colour: plotters::style::RGBColor,
-    line: Option<Line>,
+    line: Option<RobustLine>,
     ends: (f64, f64),
     mark: Mark,
 ) -> Plot {

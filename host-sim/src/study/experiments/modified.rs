@@ -5,14 +5,14 @@ use super::beside;
 use super::campaign::Campaign;
 use super::comparison::{differences, made_of, summary};
 use super::heading::Heading;
-use super::measure::{Errors, inner, merged, rmse};
-use super::method::{Estimated, Method};
+use super::measure::{RunErrors, inner, merged, rmse};
+use super::method::{Estimated, ThesisMethod};
 use super::replica::Replica;
-use crate::comparison::{Point, Profile, STEP_M};
+use crate::comparison::{MeasuredPoint, Profile, STEP_M};
 use crate::error::Result;
 use crate::report::page::{Figure, Section, Table};
-use crate::report::plot::{Plot, Series, colour, stretches};
-use crate::study::definition::{Outcome, Setting, Study};
+use crate::report::plot::{Plot, Series, colour, shaded_ranges};
+use crate::study::definition::{Setting, Study, StudyOutcome};
 
 /// Range of grade errors in the figures, %.
 const SHOWN_PERCENT: (f64, f64) = (-1.2, 1.2);
@@ -24,17 +24,17 @@ pub const STUDY: Study = Study {
     run,
 };
 
-fn run(setting: &Setting) -> Result<Outcome> {
+fn run(setting: &Setting) -> Result<StudyOutcome> {
     let campaign = Campaign::new(setting.seed);
     let runs = campaign.replicas();
-    let all = Method::ALL.map(|method| method.apply(&runs));
+    let all = ThesisMethod::ALL.map(|method| method.apply(&runs));
     let [original, modified, ours] = &all;
     let table = |number, method, heading, found| table(number, method, heading, found, ours);
     let mut tables = vec![
-        table(5, Method::Modified, Heading::South, modified),
-        table(6, Method::Modified, Heading::North, modified),
-        table(7, Method::Original, Heading::South, original),
-        table(8, Method::Original, Heading::North, original),
+        table(5, ThesisMethod::Modified, Heading::South, modified),
+        table(6, ThesisMethod::Modified, Heading::North, modified),
+        table(7, ThesisMethod::Original, Heading::South, original),
+        table(8, ThesisMethod::Original, Heading::North, original),
         beside::each_run(&runs, &all),
         beside::maps(&all),
     ];
@@ -46,7 +46,7 @@ fn run(setting: &Setting) -> Result<Outcome> {
     words.extend(differences(&compared));
     let mut figures = beside::figures(&all);
     figures.extend(error_figures(&runs, &all));
-    Ok(Outcome::Done(Section {
+    Ok(StudyOutcome::Done(Section {
         heading: "Original and modified method, and ours (thesis 8)".to_owned(),
         words,
         tables,
@@ -66,11 +66,11 @@ fn words() -> Vec<String> {
     ]
 }
 
-/// One of tables 5-8: a method of the thesis as replicated and as printed, and ours on the same
-/// runs.
+/// Returns one of tables 5-8: a method of the thesis as replicated and as printed, and ours on the
+/// same runs.
 fn table(
     number: usize,
-    method: Method,
+    method: ThesisMethod,
     heading: Heading,
     all: &[Estimated],
     ours: &[Estimated],
@@ -104,7 +104,7 @@ fn table(
 
 /// µ, σ, RMSE(v), RMSE(a) and RMSE(m).
 fn five(found: &Estimated) -> [f64; 5] {
-    let Errors {
+    let RunErrors {
         mu,
         sigma,
         rmse_valid,
@@ -143,7 +143,7 @@ fn error_figures(runs: &[Replica], all: &[Vec<Estimated>; 3]) -> Vec<Figure> {
     ];
     let mut figures = Vec::new();
     for (name, number, what, wanted) in shown {
-        for (method, found) in Method::ALL.into_iter().zip(all) {
+        for (method, found) in ThesisMethod::ALL.into_iter().zip(all) {
             let chosen: Vec<(&Replica, &Estimated)> = runs
                 .iter()
                 .zip(found)
@@ -167,12 +167,13 @@ fn error_figure(name: &str, caption: &str, runs: &[(&Replica, &Estimated)]) -> O
     let profiles: Vec<&Profile> = runs.iter().map(|(_, found)| &found.profile).collect();
     let grade = merged(&profiles);
     let km = |k: usize| k as f64 * STEP_M * 1e-3;
-    let any =
-        |k: usize, of: fn(&Point) -> bool| runs.iter().any(|(run, _)| of(&run.drive.points[k]));
+    let any = |k: usize, of: fn(&MeasuredPoint) -> bool| {
+        runs.iter().any(|(run, _)| of(&run.drive.points[k]))
+    };
     let error = inner(first).map(|k| (km(k), grade[k] - first.truth[k]));
     let mut plot =
         Plot::new("distance (km)", "grade error (%)").with(Series::line("", colour::BLUE, error));
-    plot.shaded = stretches(inner(first).map(|k| (km(k), any(k, |point| point.braking))));
+    plot.shaded = shaded_ranges(inner(first).map(|k| (km(k), any(k, |point| point.braking))));
     plot.ticks = inner(first)
         .filter(|&k| any(k, |point| point.shifting) && !any(k - 1, |point| point.shifting))
         .map(km)

@@ -1,7 +1,7 @@
 //! Our estimator on a drive of the thesis's kind: the very filter of the vehicle with its default
 //! tuning, fed with what the other methods get.
 
-use crate::comparison::{Drive, Point, Profile, STEP_M};
+use crate::comparison::{MeasuredDrive, MeasuredPoint, Profile, STEP_M};
 use crate::smooth::smooth_run;
 use estimator_core::filter::{Filter, SensorNoiseRatios};
 use estimator_core::sample::{
@@ -32,13 +32,13 @@ pub struct Ours {
 
 /// Drives the filter over a drive, on the vehicle in single precision and after it in double.
 #[must_use]
-pub fn estimate(drive: &Drive) -> Ours {
+pub fn estimate(drive: &MeasuredDrive) -> Ours {
     estimate_in::<f32, f64>(drive)
 }
 
-/// The same in these numbers, on the vehicle and after it.
+/// Returns the same in these numbers, on the vehicle and after it.
 #[must_use]
-pub fn estimate_in<Live: Scalar, After: Scalar>(drive: &Drive) -> Ours {
+pub fn estimate_in<Live: Scalar, After: Scalar>(drive: &MeasuredDrive) -> Ours {
     let mut context = Context {
         model: Model::from(believed(drive)),
         tuning: Tuning::default(),
@@ -70,9 +70,9 @@ pub fn estimate_in<Live: Scalar, After: Scalar>(drive: &Drive) -> Ours {
     }
 }
 
-/// The vehicle as the drive believes it. The force and what rotates come with each point: how large
-/// a wheel is does not matter.
-fn believed(drive: &Drive) -> VehicleParameters {
+/// Returns the vehicle as the drive believes it. The force and what rotates come with each point:
+/// how large a wheel is does not matter.
+fn believed(drive: &MeasuredDrive) -> VehicleParameters {
     VehicleParameters {
         mass_kg: drive.mass_kg as f32,
         drag_area_m2: drive.drag_area_m2 as f32,
@@ -83,10 +83,10 @@ fn believed(drive: &Drive) -> VehicleParameters {
     }
 }
 
-/// One sample a point, which ends the cell before it: speed and altitude are those of the point,
-/// force and condition those of the way that led there. The drive has altitude at each point; a
-/// receiver tells it once a second.
-fn samples(drive: &Drive) -> Vec<Sample> {
+/// Returns one sample a point, which ends the cell before it: speed and altitude are those of the
+/// point, force and condition those of the way that led there. The drive has altitude at each
+/// point; a receiver tells it once a second.
+fn samples(drive: &MeasuredDrive) -> Vec<Sample> {
     let points = &drive.points;
     let mut elapsed_s = 0.0;
     let mut next_fix_s = 0.0;
@@ -140,7 +140,7 @@ fn altitude_measurement(altitude_m: f64) -> AltitudeMeasurement {
     }
 }
 
-fn condition(point: &Point) -> Condition {
+fn condition(point: &MeasuredPoint) -> Condition {
     Condition {
         shifting: point.shifting,
         braking: point.braking,

@@ -5,13 +5,13 @@ use super::heading::Heading;
 use super::measure::{errors, inner, valid_errors};
 use super::replica::Replica;
 use super::thesis;
-use crate::comparison::original::{self, Noise};
+use crate::comparison::original::{self, NoiseSigmas};
 use crate::comparison::{STEP_M, pointwise};
 use crate::error::Result;
 use crate::numeric::statistics::mean;
 use crate::report::page::{Figure, Section, Table};
 use crate::report::plot::{Mark, Plot, Series, colour};
-use crate::study::definition::{Outcome, Setting, Study};
+use crate::study::definition::{Setting, Study, StudyOutcome};
 
 /// Length of the low-pass filter on speed in figure 6, m. The thesis does not tell its own.
 const LOW_PASS_M: f64 = 100.0;
@@ -29,7 +29,7 @@ pub const STUDY: Study = Study {
     run,
 };
 
-fn run(setting: &Setting) -> Result<Outcome> {
+fn run(setting: &Setting) -> Result<StudyOutcome> {
     let runs = Campaign::new(setting.seed).replicas();
     let mut figures = Vec::new();
     for run in &runs {
@@ -38,7 +38,7 @@ fn run(setting: &Setting) -> Result<Outcome> {
             figures.extend(histograms(run));
         }
     }
-    Ok(Outcome::Done(Section {
+    Ok(StudyOutcome::Done(Section {
         heading: "Pointwise grade and its error (thesis 3.1, 4.2)".to_owned(),
         words: words(),
         tables: tables(&runs),
@@ -140,7 +140,7 @@ fn three_errors(run: &Replica) -> Vec<Figure> {
         ),
         (
             "fig6_bottom",
-            original::estimate(&run.drive, &Noise::ORIGINAL).grade_percent,
+            original::estimate(&run.drive, &NoiseSigmas::ORIGINAL).grade_percent,
             "Figure 6, bottom: after the Kalman filter, with the large GPS error at 25 km.",
         ),
     ]
@@ -168,7 +168,7 @@ fn histograms(run: &Replica) -> Vec<Figure> {
         ),
         (
             "fig8_right",
-            original::estimate(&run.drive, &Noise::ORIGINAL).grade_percent,
+            original::estimate(&run.drive, &NoiseSigmas::ORIGINAL).grade_percent,
             "Figure 8, right: error after the original grade estimation, northbound 3.",
         ),
     ]

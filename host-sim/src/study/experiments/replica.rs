@@ -1,7 +1,7 @@
 //! One experiment, driven, and what disturbs it.
 
 use super::experiment::Experiment;
-use crate::comparison::Drive;
+use crate::comparison::MeasuredDrive;
 
 /// What disturbs a run, as factors of what is assumed: all 1 in the experiments, others to see what
 /// an error is made of.
@@ -59,7 +59,7 @@ pub struct Replica {
     /// What was fitted to it.
     pub fitted: Fitted,
     /// What was measured.
-    pub drive: Drive,
+    pub drive: MeasuredDrive,
     /// True grade, %.
     pub truth: Vec<f64>,
 }

@@ -24,11 +24,11 @@ use super::measure::errors;
 use super::replica::Replica;
 use crate::comparison::STEP_M;
 use crate::comparison::modified::{self, SEGMENT_M};
-use crate::comparison::original::{self, Noise};
+use crate::comparison::original::{self, NoiseSigmas};
 use crate::error::Result;
 use crate::numeric::statistics::mean;
 use crate::report::page::{Section, Table};
-use crate::study::definition::{Outcome, Setting, Study};
+use crate::study::definition::{Setting, Study, StudyOutcome};
 use rayon::prelude::*;
 
 /// The training campaign; no study's default.
@@ -44,48 +44,48 @@ const GRADES_PERCENT: [f64; 5] = [0.015, 0.03, 0.06, 0.12, 0.24];
 /// Tried for the other two: noise of altitude and of the model as factors of the original's.
 const FACTORS: [f64; 5] = [1.0, 2.0, 4.0, 8.0, 16.0];
 
-/// The training runs.
+/// Returns the training runs.
 #[must_use]
 pub fn training_runs() -> Vec<Replica> {
     Campaign::new(TRAINING_SEED).replicas()
 }
 
-/// What is tried for the original filter.
+/// Returns what is tried for the original filter.
 #[must_use]
-pub fn for_original() -> Vec<Noise> {
+pub fn for_original() -> Vec<NoiseSigmas> {
     pairs(&CLIMBS_M, &GRADES_PERCENT)
-        .map(|(climb_m, grade_percent)| Noise {
+        .map(|(climb_m, grade_percent)| NoiseSigmas {
             altitude_m: SETTLING * climb_m,
             model_percent: MODEL_OVER_CLIMB * 100.0 * climb_m / STEP_M,
             climb_m,
             grade_percent,
-            ..Noise::ORIGINAL
+            ..NoiseSigmas::ORIGINAL
         })
         .collect()
 }
 
-/// What is tried for the GPS-heavy filter: the model trusted less.
+/// Returns what is tried for the GPS-heavy filter: the model trusted less.
 #[must_use]
-pub fn for_gps_heavy() -> Vec<Noise> {
+pub fn for_gps_heavy() -> Vec<NoiseSigmas> {
     pairs(&FACTORS, &GRADES_PERCENT)
-        .map(|(factor, grade_percent)| Noise {
-            model_percent: factor * Noise::ORIGINAL.model_percent,
+        .map(|(factor, grade_percent)| NoiseSigmas {
+            model_percent: factor * NoiseSigmas::ORIGINAL.model_percent,
             grade_percent,
-            ..Noise::ORIGINAL
+            ..NoiseSigmas::ORIGINAL
         })
         .collect()
 }
 
-/// What is tried for the GPS-light filter: altitude trusted less, and the model more.
+/// Returns what is tried for the GPS-light filter: altitude trusted less, and the model more.
 #[must_use]
-pub fn for_gps_light() -> Vec<Noise> {
+pub fn for_gps_light() -> Vec<NoiseSigmas> {
     let mut all = Vec::new();
     for (altitude, model) in pairs(&FACTORS, &FACTORS) {
-        all.extend(GRADES_PERCENT.map(|grade_percent| Noise {
-            altitude_m: altitude * Noise::ORIGINAL.altitude_m,
-            model_percent: Noise::ORIGINAL.model_percent / model,
+        all.extend(GRADES_PERCENT.map(|grade_percent| NoiseSigmas {
+            altitude_m: altitude * NoiseSigmas::ORIGINAL.altitude_m,
+            model_percent: NoiseSigmas::ORIGINAL.model_percent / model,
             grade_percent,
-            ..Noise::ORIGINAL
+            ..NoiseSigmas::ORIGINAL
         }));
     }
     all
@@ -99,14 +99,14 @@ fn pairs<'a>(first: &'a [f64], second: &'a [f64]) -> impl Iterator<Item = (f64, 
     first.iter().flat_map(with)
 }
 
-/// The candidate with the smallest mean of `score` over the runs, and that mean.
+/// Returns the candidate with the smallest mean of `score` over the runs, and that mean.
 #[must_use]
 pub fn best(
     runs: &[Replica],
-    candidates: Vec<Noise>,
-    score: impl Fn(&Replica, &Noise) -> f64 + Sync,
-) -> Option<(Noise, f64)> {
-    let scores: Vec<(Noise, f64)> = candidates
+    candidates: Vec<NoiseSigmas>,
+    score: impl Fn(&Replica, &NoiseSigmas) -> f64 + Sync,
+) -> Option<(NoiseSigmas, f64)> {
+    let scores: Vec<(NoiseSigmas, f64)> = candidates
         .into_par_iter()
         .map(|noise| {
             let each: Vec<f64> = runs.iter().map(|run| score(run, &noise)).collect();
@@ -118,13 +118,13 @@ pub fn best(
 
 /// RMSE(v) of the original method, %.
 #[must_use]
-pub fn original_rmse(run: &Replica, noise: &Noise) -> f64 {
+pub fn original_rmse(run: &Replica, noise: &NoiseSigmas) -> f64 {
     errors(run, &original::estimate(&run.drive, noise).grade_percent).rmse_valid
 }
 
 /// RMS error of the mean grade over segments, %.
 #[must_use]
-pub fn segment_rmse(run: &Replica, noise: &Noise) -> f64 {
+pub fn segment_rmse(run: &Replica, noise: &NoiseSigmas) -> f64 {
     let grade = original::estimate(&run.drive, noise).grade_percent;
     let length = (SEGMENT_M / STEP_M) as usize;
     let squares: Vec<f64> = grade
@@ -137,8 +137,8 @@ pub fn segment_rmse(run: &Replica, noise: &Noise) -> f64 {
 
 /// RMSE(v) of the modified method with this noise in its second estimate, %.
 #[must_use]
-pub fn modified_rmse(run: &Replica, noise: &Noise) -> f64 {
-    let found = modified::estimate_with(&run.drive, &Noise::GPS_HEAVY, noise);
+pub fn modified_rmse(run: &Replica, noise: &NoiseSigmas) -> f64 {
+    let found = modified::estimate_with(&run.drive, &NoiseSigmas::GPS_HEAVY, noise);
     errors(run, &found.profile.grade_percent).rmse_valid
 }
 
@@ -149,26 +149,26 @@ pub const STUDY: Study = Study {
     run,
 };
 
-fn run(_: &Setting) -> Result<Outcome> {
+fn run(_: &Setting) -> Result<StudyOutcome> {
     let runs = training_runs();
     let filters = [
         (
             "original",
-            Noise::ORIGINAL,
+            NoiseSigmas::ORIGINAL,
             best(&runs, for_original(), original_rmse),
-            mean_of(&runs, &Noise::ORIGINAL, original_rmse),
+            mean_of(&runs, &NoiseSigmas::ORIGINAL, original_rmse),
         ),
         (
             "GPS-heavy",
-            Noise::GPS_HEAVY,
+            NoiseSigmas::GPS_HEAVY,
             best(&runs, for_gps_heavy(), segment_rmse),
-            mean_of(&runs, &Noise::GPS_HEAVY, segment_rmse),
+            mean_of(&runs, &NoiseSigmas::GPS_HEAVY, segment_rmse),
         ),
         (
             "GPS-light",
-            Noise::GPS_LIGHT,
+            NoiseSigmas::GPS_LIGHT,
             best(&runs, for_gps_light(), modified_rmse),
-            mean_of(&runs, &Noise::GPS_LIGHT, modified_rmse),
+            mean_of(&runs, &NoiseSigmas::GPS_LIGHT, modified_rmse),
         ),
     ];
     let mut table = Table::new(
@@ -190,7 +190,7 @@ fn run(_: &Setting) -> Result<Outcome> {
     );
     for (name, used, found, reached) in filters {
         let Some((best, least)) = found else { continue };
-        let texts = |noise: &Noise, reached: f64| {
+        let texts = |noise: &NoiseSigmas, reached: f64| {
             [
                 noise.altitude_m.to_string(),
                 noise.model_percent.to_string(),
@@ -204,7 +204,7 @@ fn run(_: &Setting) -> Result<Outcome> {
         row.extend(texts(&best, least));
         table.rows.push(row);
     }
-    Ok(Outcome::Done(Section {
+    Ok(StudyOutcome::Done(Section {
         heading: "Noise of the filters".to_owned(),
         words: vec![
             "The thesis prints no Q and R. Ours are chosen on ten training runs with roads \
@@ -229,9 +229,13 @@ fn run(_: &Setting) -> Result<Outcome> {
     }))
 }
 
-/// Mean of a score over the runs.
+/// Returns mean of a score over the runs.
 #[must_use]
-pub fn mean_of(runs: &[Replica], noise: &Noise, score: fn(&Replica, &Noise) -> f64) -> f64 {
+pub fn mean_of(
+    runs: &[Replica],
+    noise: &NoiseSigmas,
+    score: fn(&Replica, &NoiseSigmas) -> f64,
+) -> f64 {
     mean(
         &runs
             .par_iter()

@@ -45,10 +45,10 @@ pub struct FleetRoad {
 }
 
 impl FleetRoad {
-    /// The road of a seed.
+    /// Creates the road of a seed.
     ///
     /// # Errors
-    /// If a scenario cannot have this seed.
+    /// Returns an error if a scenario cannot have this seed.
     pub fn new(seed: u64) -> Result<Self> {
         let road = scenario(seed, "[[runs]]\nname = \"x\"\ntruck = \"A\"\n")?.road;
         let nodes = || road.nodes().map(|(node, _)| node);
@@ -71,7 +71,7 @@ impl FleetRoad {
     /// 10 %, torque by 4 % (1 sigma), cold tyres, wind of 2 m/s from anywhere.
     ///
     /// # Errors
-    /// If a drive cannot be simulated or put by.
+    /// Returns an error if a drive cannot be simulated or put by.
     pub fn day(&self, number: usize, truck: Preset, runs: usize) -> Result<Vec<PlacedRun>> {
         let mut rng = stream(self.seed, FIRST_STREAM + number, Purpose::Parameters);
         let mut factor = |sigma: f64| (1.0 + sigma * normal(&mut rng)).clamp(0.7, 1.3);
@@ -114,7 +114,7 @@ impl FleetRoad {
         Ok(place(&self.network, &cells))
     }
 
-    /// The map of runs, each day's a session.
+    /// Returns the map of runs, each day's a session.
     pub fn map(&self, days: &[&[PlacedRun]]) -> FusedMap {
         let mut map = GradeMap::new(&self.network);
         for (number, runs) in days.iter().enumerate() {
@@ -125,17 +125,17 @@ impl FleetRoad {
         map.fused()
     }
 
-    /// What a map is worth.
+    /// Returns what a map is worth.
     ///
     /// # Errors
-    /// If it has no cell far enough from its ends.
+    /// Returns an error if it has no cell far enough from its ends.
     pub fn score(&self, map: &[MapRow]) -> Result<ScoreRow> {
         score_map(map, &self.truth).map_err(|e: Unscorable| problem(&e))
     }
 }
 
-/// The rows of a map as they would be if no two runs shared an error: the mean of the single runs,
-/// each weighted by the inverse of its variance.
+/// Returns the rows of a map as they would be if no two runs shared an error: the mean of the
+/// single runs, each weighted by the inverse of its variance.
 pub fn as_if_independent<'a>(
     map: &[MapRow],
     runs: impl Iterator<Item = &'a PlacedRun>,

@@ -2,11 +2,11 @@
 
 use crate::comparison::STEP_M;
 use crate::error::{Error, Result};
-use crate::map::{Network, Place, RoadLine, RoadPoint, TrackPoint, match_track};
+use crate::map::{MatchedPlace, Network, RoadLine, RoadPoint, TrackPoint, match_track};
 use crate::numeric::series::linear;
 use crate::simulator::random::{OrnsteinUhlenbeck, Purpose, stream};
 use crate::simulator::scenario_file::GnssErrors;
-use crate::source::ztbus::{Direction, Mission, Row};
+use crate::source::ztbus::{Mission, MissionRow, PassDirection};
 use crate::study::windows::forward;
 use crate::study::ztbus::mission_file;
 use std::ops::Range;
@@ -41,7 +41,7 @@ pub fn simulated(seed: u64) -> Vec<Vec<f64>> {
 /// [`measured`] of the first mission in the data folder; `None` if there is none.
 ///
 /// # Errors
-/// As [`measured`].
+/// Returns the errors of [`measured`].
 pub fn of_data(data: &Path) -> Result<Option<Vec<Vec<f64>>>> {
     mission_file(data).as_deref().map(measured).transpose()
 }
@@ -62,8 +62,8 @@ pub fn measured(mission_file: &Path) -> Result<Vec<Vec<f64>>> {
     let mission = Mission::read(mission_file)?;
     let passes = mission.passes();
     let mut series = Vec::new();
-    for direction in [Direction::Outbound, Direction::Inbound] {
-        let tracks: Vec<Vec<Fix>> = passes
+    for direction in [PassDirection::Outbound, PassDirection::Inbound] {
+        let tracks: Vec<Vec<AltitudeFix>> = passes
             .iter()
             .filter(|pass| pass.direction == direction)
             .map(|pass| fixes(&mission, pass.rows.clone()))
@@ -74,7 +74,7 @@ pub fn measured(mission_file: &Path) -> Result<Vec<Vec<f64>>> {
         let road = RoadLine::new(vertices(&tracks[0]))
             .map(Network::from)
             .map_err(|problem| Error::content(mission_file, problem.to_string()))?;
-        let placed: Vec<Vec<Placed>> = tracks.iter().map(|track| place(&road, track)).collect();
+        let placed: Vec<Vec<MatchedFix>> = tracks.iter().map(|track| place(&road, track)).collect();
         series.extend(deviations(&placed));
     }
     if series.is_empty() {
@@ -88,23 +88,23 @@ pub fn measured(mission_file: &Path) -> Result<Vec<Vec<f64>>> {
 }
 
 /// One row with position and altitude.
-struct Fix {
+struct AltitudeFix {
     time_s: f64,
     track: TrackPoint,
     altitude_m: f64,
 }
 
 /// A fix on the road.
-struct Placed {
+struct MatchedFix {
     time_s: f64,
     distance_m: f64,
     altitude_m: f64,
 }
 
-fn fixes(mission: &Mission, rows: Range<usize>) -> Vec<Fix> {
+fn fixes(mission: &Mission, rows: Range<usize>) -> Vec<AltitudeFix> {
     let odometer_m = &mission.odometer_m()[rows.clone()];
-    let fix = |(row, &odometer_m): (&Row, &f64)| {
-        Some(Fix {
+    let fix = |(row, &odometer_m): (&MissionRow, &f64)| {
+        Some(AltitudeFix {
             time_s: row.time_s,
             track: TrackPoint {
                 odometer_m,
@@ -120,7 +120,7 @@ fn fixes(mission: &Mission, rows: Range<usize>) -> Vec<Fix> {
         .collect()
 }
 
-fn vertices(track: &[Fix]) -> Vec<RoadPoint> {
+fn vertices(track: &[AltitudeFix]) -> Vec<RoadPoint> {
     let mut road: Vec<RoadPoint> = Vec::new();
     for TrackPoint {
         odometer_m,
@@ -141,13 +141,13 @@ fn vertices(track: &[Fix]) -> Vec<RoadPoint> {
     road
 }
 
-fn place(road: &Network, track: &[Fix]) -> Vec<Placed> {
+fn place(road: &Network, track: &[AltitudeFix]) -> Vec<MatchedFix> {
     let points: Vec<TrackPoint> = track.iter().map(|fix| fix.track).collect();
     match_track(road, &points)
         .into_iter()
         .zip(track)
         .filter_map(|(place, fix)| match place {
-            Place::OnRoad { distance_m, .. } => Some(Placed {
+            MatchedPlace::OnRoad { distance_m, .. } => Some(MatchedFix {
                 time_s: fix.time_s,
                 distance_m,
                 altitude_m: fix.altitude_m,
@@ -157,8 +157,8 @@ fn place(road: &Network, track: &[Fix]) -> Vec<Placed> {
         .collect()
 }
 
-/// What each pass has above the mean of all, where all have been.
-fn deviations(passes: &[Vec<Placed>]) -> Vec<Vec<f64>> {
+/// Returns what each pass has above the mean of all, where all have been.
+fn deviations(passes: &[Vec<MatchedFix>]) -> Vec<Vec<f64>> {
     let profiles: Vec<Vec<(f64, f64)>> = passes
         .iter()
         .map(|pass| forward(pass.iter().map(|fix| (fix.distance_m, fix.altitude_m))))

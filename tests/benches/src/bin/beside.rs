@@ -6,7 +6,7 @@
 //! ```
 
 use benches::stopwatch::{STEPS, Stopwatch};
-use benches::table::{Figure, table};
+use benches::table::{BenchTimes, table};
 use benches::work::Work;
 use benches::{Contender, double, single};
 use serde_json::Value;
@@ -48,25 +48,25 @@ fn beside(turns: usize, python: Option<&str>) -> Result<(), Box<dyn Error>> {
 }
 
 /// A filter's turns, and where it ended in its first.
-struct Filter {
+struct FilterTurns {
     states: usize,
     precision: usize,
-    figure: Figure,
+    figure: BenchTimes,
     state: Vec<f64>,
 }
 
 fn filters(turns: usize, python: Option<&str>) -> Result<(), Box<dyn Error>> {
-    let mut all: Vec<Filter> = Vec::new();
+    let mut all: Vec<FilterTurns> = Vec::new();
     for turn in 0..turns * FILTER_TURNS {
         let mut number = 0;
         let mut note = |precision, name: &str, states, step_ns, state: Vec<f64>| {
             if turn == 0 {
-                let figure = Figure {
+                let figure = BenchTimes {
                     name: name.to_owned(),
                     unit: "step",
                     turns_ns: Vec::new(),
                 };
-                all.push(Filter {
+                all.push(FilterTurns {
                     states,
                     precision,
                     figure,
@@ -108,10 +108,10 @@ fn filters(turns: usize, python: Option<&str>) -> Result<(), Box<dyn Error>> {
     }
     for (precision, title) in ["f32", "f64"].into_iter().enumerate() {
         for size in SIZES {
-            let of_size = |f: &&Filter| f.states == size && f.precision == precision;
-            let here: Vec<&Filter> = all.iter().filter(of_size).collect();
+            let of_size = |f: &&FilterTurns| f.states == size && f.precision == precision;
+            let here: Vec<&FilterTurns> = all.iter().filter(of_size).collect();
             agree(&here, AGREEMENT[precision])?;
-            let figures: Vec<Figure> = here.iter().map(|f| f.figure.clone()).collect();
+            let figures: Vec<BenchTimes> = here.iter().map(|f| f.figure.clone()).collect();
             let base = if size == 8 { OURS } else { &figures[0].name };
             println!("{size} states, {title}\n{}\n", table(&figures, base));
         }
@@ -119,8 +119,8 @@ fn filters(turns: usize, python: Option<&str>) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Whether all peers are where the first of them is.
-fn agree(filters: &[&Filter], tolerance: f64) -> Result<(), String> {
+/// Returns whether all peers are where the first of them is.
+fn agree(filters: &[&FilterTurns], tolerance: f64) -> Result<(), String> {
     let mut peers = filters.iter().filter(|f| f.figure.name != OURS);
     let Some(first) = peers.next() else {
         return Ok(());
@@ -143,15 +143,15 @@ fn drive(turns: usize, python: Option<&str>) -> Result<(), Box<dyn Error>> {
     let work = Work::prepare()?;
     let log = work.log();
     let mut jobs = work.jobs();
-    let mut figures: Vec<Figure> = jobs
+    let mut figures: Vec<BenchTimes> = jobs
         .iter()
-        .map(|job| Figure {
+        .map(|job| BenchTimes {
             name: job.name.to_owned(),
             unit: job.unit,
             turns_ns: Vec::new(),
         })
         .collect();
-    let mut python_decode = Figure {
+    let mut python_decode = BenchTimes {
         name: "python-can and cantools".to_owned(),
         unit: "frame",
         turns_ns: Vec::new(),
@@ -178,7 +178,7 @@ fn drive(turns: usize, python: Option<&str>) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// What a program in Python says, one JSON object a line.
+/// Returns what a program in Python says, one JSON object a line.
 fn ask(
     python: &str,
     program: &str,

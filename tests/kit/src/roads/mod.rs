@@ -40,7 +40,7 @@ impl Spot {
     }
 }
 
-/// A drive from `(east, north)` with the compass course (deg) and the grade (%) that the
+/// Returns a drive from `(east, north)` with the compass course (deg) and the grade (%) that the
 /// functions give for each driven distance (m along the slope).
 pub fn drive(
     from_m: (f64, f64),
@@ -88,7 +88,7 @@ pub fn hill_percent(distance_m: f64) -> f64 {
     3.0 * (distance_m / 300.0).sin()
 }
 
-/// The same way, driven back.
+/// Returns the same way, driven back.
 pub fn reversed(spots: &[Spot]) -> Vec<Spot> {
     let end_m = spots[spots.len() - 1].distance_m;
     spots
@@ -114,7 +114,7 @@ pub fn moved(spots: &[Spot], east_m: f64, north_m: f64) -> Vec<Spot> {
         .collect()
 }
 
-/// A perfect run over these spots at 20 m/s, which says that its sigma is 0.1 %.
+/// Returns a perfect run over these spots at 20 m/s, which says that its sigma is 0.1 %.
 pub fn run(spots: &[Spot]) -> Vec<RunRow> {
     spots
         .iter()
@@ -142,7 +142,7 @@ pub fn run(spots: &[Spot]) -> Vec<RunRow> {
         .collect()
 }
 
-/// The road under these spots, with its grade.
+/// Returns the road under these spots, with its grade.
 pub fn road(spots: &[Spot]) -> Vec<RoadRow> {
     spots
         .iter()
@@ -190,7 +190,7 @@ pub fn fuse<'a>(road: &'a Network, runs: &[&[RunRow]]) -> Fusion<'a> {
     map::fuse(road, &runs)
 }
 
-/// A run that is a session of its own.
+/// Returns a run that is a session of its own.
 pub fn alone(rows: &[RunRow]) -> SessionRun<'_> {
     SessionRun {
         session: None,

@@ -9,7 +9,7 @@ use std::path::Path;
 /// Spots of a way that become its points: one every 20 m.
 const EVERY: usize = 8;
 
-/// A way through these spots; `oneway` as OpenStreetMap has it.
+/// Returns a way through these spots; `oneway` as OpenStreetMap has it.
 pub fn way(name: &str, oneway: &str, spots: &[Spot]) -> Value {
     let last = spots.len() - 1;
     let points = (0..last).step_by(EVERY).chain([last]).map(|i| {
@@ -39,13 +39,13 @@ pub fn save(path: &Path, ways: &[Value]) {
     std::fs::write(path, collection(ways)).expect("written");
 }
 
-/// The map of these runs, each a session of its own.
+/// Returns the map of these runs, each a session of its own.
 pub fn map(network: &Network, runs: &[&[RunRow]]) -> Vec<WayRows> {
     let runs: Vec<_> = runs.iter().map(|rows| super::alone(rows)).collect();
     fuse(network, &runs).map.fused().ways
 }
 
-/// The rows of a way, driven forward.
+/// Returns the rows of a way, driven forward.
 pub fn rows_of<'m>(map: &'m [WayRows], name: &str) -> &'m WayRows {
     let shown = format!("{name} forward");
     let of_way = |way: &&WayRows| way.name.as_ref().is_some_and(|n| n.to_string() == shown);

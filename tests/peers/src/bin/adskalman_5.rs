@@ -1,4 +1,4 @@
 #![no_std]
 #![no_main]
 
-peers::image!(peers::dense::adskalman::<5>(&mut peers::Board));
+peers::image!(peers::dense::adskalman::<5>(&mut peers::BoardMeter));

@@ -1,4 +1,4 @@
 #![no_std]
 #![no_main]
 
-peers::image!(peers::dense::kfilter::<8>(&mut peers::Board));
+peers::image!(peers::dense::kfilter::<8>(&mut peers::BoardMeter));

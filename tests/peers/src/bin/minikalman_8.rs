@@ -1,4 +1,6 @@
 #![no_std]
 #![no_main]
 
-peers::image!(peers::minikalman_filter::minikalman_8(&mut peers::Board));
+peers::image!(peers::minikalman_filter::minikalman_8(
+    &mut peers::BoardMeter
+));

@@ -1,4 +1,4 @@
 #![no_std]
 #![no_main]
 
-peers::image!(peers::dense::multicalc::<3>(&mut peers::Board));
+peers::image!(peers::dense::multicalc::<3>(&mut peers::BoardMeter));

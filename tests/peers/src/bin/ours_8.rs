@@ -1,4 +1,4 @@
 #![no_std]
 #![no_main]
 
-peers::image!(peers::ours::ours(&mut peers::Board));
+peers::image!(peers::ours::ours(&mut peers::BoardMeter));

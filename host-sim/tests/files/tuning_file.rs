@@ -1,0 +1,136 @@
+//! Tuning files: every parameter can be set, what is wrong is named, and the commands use them.
+
+use estimator_core::Tuning;
+use host_sim::files::tuning::read_or_default;
+use predicates::prelude::PredicateBooleanExt;
+use predicates::str::contains;
+use std::fs;
+use std::path::Path;
+use tempfile::TempDir;
+use test_kit::command::roadgrade;
+
+fn read(text: &str) -> Result<Tuning, String> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("tuning.toml");
+    fs::write(&path, text).unwrap();
+    read_or_default(Some(&path)).map_err(|error| error.to_string())
+}
+
+/// Every parameter with its default, as a user would write it down.
+fn all_defaults() -> String {
+    let mut text = String::new();
+    let mut group = "";
+    for parameter in Tuning::PARAMETERS {
+        if parameter.group != group {
+            group = parameter.group;
+            text += &format!("[{group}]\n");
+        }
+        let default = parameter.default;
+        text += &format!("{} = {default}\n", parameter.key);
+    }
+    text
+}
+
+#[test]
+fn a_missing_key_keeps_its_default() {
+    assert_eq!(read("").unwrap(), Tuning::default());
+    assert_eq!(read_or_default(None).unwrap(), Tuning::default());
+    assert_eq!(read(&all_defaults()).unwrap(), Tuning::default());
+    let tuned = read("[gates]\ndrift_fixes = 5\n[hold_times]\nshift_hold_ms = 1500\n").unwrap();
+    let mut expected = Tuning::default();
+    expected.gates.drift_fixes = 5;
+    expected.hold_times.shift_hold = estimator_core::Duration::from_millis(1_500);
+    assert_eq!(tuned, expected);
+}
+
+#[test]
+fn what_is_wrong_is_named_with_what_is_expected() {
+    for (text, named) in [
+        (
+            "[gate]\n",
+            "[gate]: unknown table; expected one of measurement_noise, ",
+        ),
+        ("gates = 1\n", "gates: expected a table"),
+        (
+            "[gates]\ndrift = 1\n",
+            "gates.drift: unknown key; expected one of speed_test_ratio, ",
+        ),
+        (
+            "[gates]\ndrift_fixes = 2.5\n",
+            "gates.drift_fixes = 2.5: expected a whole number",
+        ),
+        (
+            "[gates]\ndrift_fixes = 0\n",
+            "gates.drift_fixes = 0: expected a value from 1 to 255",
+        ),
+        (
+            "[gates]\ndrift_sigmas = \"4\"\n",
+            "gates.drift_sigmas = \"4\": expected a number",
+        ),
+        (
+            "[gates]\ndrift_sigmas = nan\n",
+            "gates.drift_sigmas = nan: expected a value from",
+        ),
+        ("[gates\n", "TOML parse error"),
+    ] {
+        let refusal = read(text).unwrap_err();
+        assert!(refusal.contains(named), "{text}: {refusal}");
+        assert!(refusal.contains("tuning.toml"), "{refusal}");
+    }
+}
+
+/// The logs of the demonstration.
+fn demo(folder: &Path) {
+    roadgrade(folder, &["demo", "--out", "demo"]).success();
+}
+
+fn estimate(folder: &Path, out: &str, tuning: &[&str]) -> Vec<u8> {
+    let vehicle = ["--vehicle", "demo/a1.vehicle.toml"];
+    let arguments = [
+        &["estimate"][..],
+        &vehicle,
+        tuning,
+        &["--out", out, "demo/a1.log"],
+    ]
+    .concat();
+    roadgrade(folder, &arguments).success();
+    fs::read(folder.join(out)).unwrap()
+}
+
+#[test]
+fn estimates_use_the_file() {
+    let folder = TempDir::new().unwrap();
+    let at = folder.path();
+    demo(at);
+    fs::write(at.join("defaults.toml"), all_defaults()).unwrap();
+    fs::write(
+        at.join("stiff.toml"),
+        "[process_noise]\nslope_rate_sigma = 0.002\n",
+    )
+    .unwrap();
+    let plain = estimate(at, "plain.csv", &[]);
+    assert!(plain == estimate(at, "defaults.csv", &["--tuning", "defaults.toml"]));
+    assert!(plain != estimate(at, "stiff.csv", &["--tuning", "stiff.toml"]));
+}
+
+#[test]
+fn a_wrong_file_is_refused_before_anything_is_written() {
+    let folder = TempDir::new().unwrap();
+    let at = folder.path();
+    demo(at);
+    fs::write(at.join("wrong.toml"), "[prior]\nscale_sigma = -1\n").unwrap();
+    let refused = || contains("wrong.toml").and(contains("prior.scale_sigma = -1"));
+    let tuning = ["--tuning", "wrong.toml"];
+    let vehicle = ["--vehicle", "demo/a1.vehicle.toml"];
+    for (command, rest) in [
+        (&["estimate"][..], &["--out", "run.csv", "demo/a1.log"][..]),
+        (&["diagnose"], &["--out", "run.csv", "demo/a1.log"]),
+    ] {
+        let arguments = [command, &vehicle, &tuning, rest].concat();
+        roadgrade(at, &arguments).code(1).stderr(refused());
+        assert!(!at.join("run.csv").exists());
+    }
+    let arguments = [&["demo", "--out", "other"][..], &tuning].concat();
+    roadgrade(at, &arguments).code(1).stderr(refused());
+    assert!(!at.join("other").exists());
+}

@@ -1,0 +1,58 @@
+# shellcheck shell=bash disable=SC2154 # Variables of tests/run.
+# What is built for boards: clippy, the core alone, the images, and what they cost.
+
+check_clippy_boards() {
+    # Benches are not run here; they have to compile.
+    cargo clippy --manifest-path tests/benches/Cargo.toml --all-targets \
+        --target-dir "$target" -- -D warnings
+    need_target "$board"
+    cargo clippy -p estimator-core --target "$board" -- -D warnings
+    cargo clippy -p estimator-core --target "$board" --features defmt,fixed,serde -- -D warnings
+    cargo clippy -p firmware --target "$board" -- -D warnings
+    cargo clippy --manifest-path tests/peers/Cargo.toml --target "$board" \
+        --target-dir "$target" -- -D warnings
+}
+
+check_no_std() {
+    local triple
+    for triple in "$board" "$small"; do
+        need_target "$triple"
+        cargo build -p estimator-core --target "$triple"
+        cargo build -p estimator-core --features fixed --target "$triple"
+    done
+}
+
+check_firmware() {
+    need_target "$board"
+    need_program qemu-system-arm
+    cargo build -p firmware --release --target "$board"
+    print_size "$target/$board/release/mps2_an386"
+    local names name others=()
+    mapfile -t names < <(test_names)
+    for name in "${names[@]}"; do
+        [[ $name == firmware ]] || others+=("$name")
+    done
+    run_tests "${others[@]}"
+    # The real board: linked, not run.
+    local features
+    for features in "" gnss-serial; do
+        (cd firmware/stm32g4 &&
+            cargo build --release --features "$features" --target-dir "$target")
+    done
+    print_size "$target/$board/release/stm32g4"
+}
+
+print_size() {
+    if has_program size && [[ -f $1 ]]; then
+        size "$1"
+    fi
+}
+
+# Counts of instructions and bytes against firmware/budgets.csv.
+check_budgets() {
+    need_target "$board"
+    need_target "$small"
+    need_program qemu-system-arm
+    # As it was built with the tests: what it measures are images, which it builds as they are to be.
+    cargo run --example budgets -- --check
+}

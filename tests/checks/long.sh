@@ -1,0 +1,152 @@
+# shellcheck shell=bash disable=SC2154 # Variables of tests/run.
+# What takes hours. Each check writes a file in tests/long, which is committed: first the source that
+# it belongs to and how much was done, as comments, then the figures.
+
+readonly soak_days=${SOAK_DAYS:-365}
+readonly seeds=${SEEDS:-20}
+readonly diagnosis_sizes=${DIAGNOSIS_SIZES:-0.05,0.1,0.3}
+readonly fuzz_s=${FUZZ_S:-3600}
+readonly mutants_shard=${MUTANTS_SHARD:-0/1}
+readonly long_results=(soak.csv seeds.csv diagnosis.txt fuzz.csv mutants.csv)
+
+# A truck that drives without a stop, on one estimator, for SOAK_DAYS days.
+check_long_soak() {
+    local log=$work/log status=0
+    SOAK_DAYS=$soak_days cargo test --test faults many_days_without_a_stop -- \
+        --ignored --nocapture 2>&1 | tee "$log" || status=$?
+    {
+        echo "days,rms_laps_3_to_12_percent,rms_last_10_laps_percent,result"
+        sed -n 's/^.*live, % RMS: \([0-9.]*\) in .*, \([0-9.]*\) in .*$/\1,\2/p' "$log" |
+            sed "s/^/$soak_days,/; s/\$/,$(result_of "$status")/"
+    } | write_result soak.csv "$soak_days days of driving"
+    return "$status"
+}
+
+# The quick tests, whose properties draw other cases with each seed.
+check_long_seeds() {
+    local seed counts rows=$work/rows
+    for ((seed = 1; seed <= seeds; seed++)); do
+        PROPTEST_RNG_SEED=$seed PROPTEST_CASES=1024 check_test_quick >"$work/log" 2>&1 ||
+            cat "$work/log"
+        counts=$(sed -n 's/^tests: \(.*\) passed; \(.*\) failed.*$/\1,\2/p' "$work/log")
+        echo "$seed,$counts" | tee -a "$rows"
+    done
+    { echo "seed,tests_passed,tests_failed" && cat "$rows"; } |
+        write_result seeds.csv "$seeds seeds, 1024 cases a property"
+    ! grep -qv ',0$' "$rows"
+}
+
+# The bench of the diagnosis, on logs of other seeds.
+check_long_diagnosis() {
+    local status=0
+    cargo run --release -p cross-tests --example diagnosis_bench -- \
+        --seeds "$seeds" --sizes "$diagnosis_sizes" >"$work/table" || status=$?
+    write_result diagnosis.txt "effects of $diagnosis_sizes % on two trucks, $seeds seeds" \
+        <"$work/table"
+    return "$status"
+}
+
+# From the seeds and from what earlier runs found, FUZZ_S seconds a target.
+check_long_fuzz() {
+    build_fuzz
+    local name status=0
+    while read -r name; do
+        fuzz_long "$name" || status=1
+    done < <(fuzz_names)
+    { echo "target,runs,coverage,features,inputs,result" && cat "$work"/*.row; } |
+        write_result fuzz.csv "$fuzz_s s a target"
+    return "$status"
+}
+
+fuzz_long() {
+    local name=$1 found=$target/fuzz/corpus/$1 log=$work/$1.log status=0
+    mkdir -p "$found" "$target/fuzz/artifacts"
+    "$(fuzz_program "$name")" "$found" "tests/fuzz/corpus/$name" -max_total_time="$fuzz_s" \
+        -max_len=4096 -timeout=60 -print_final_stats=1 \
+        -artifact_prefix="$target/fuzz/artifacts/$name-" >"$log" 2>&1 || status=$?
+    ((status == 0)) || tail -n 40 "$log"
+    local reached runs
+    reached=$(grep -o 'cov: .*' "$log" | tail -n 1 |
+        sed 's/^cov: \([0-9]*\) ft: \([0-9]*\) corp: \([0-9]*\).*$/\1,\2,\3/')
+    runs=$(sed -n 's/^stat::number_of_executed_units: *//p' "$log")
+    echo "$name,$runs,$reached,$(result_of "$status")" | tee "$work/$name.row"
+    return "$status"
+}
+
+# Does a test of the core fail if a line of it is wrong?
+check_long_mutants() {
+    has_program cargo-mutants || cargo install --locked cargo-mutants ||
+        not_run mutants.csv "cargo-mutants could not be installed"
+    local out=$target/mutants status=0
+    rm -rf "$out"
+    mkdir -p "$out"
+    # The folder is removed, so that cargo's temporary copy does not have it.
+    env -u CARGO_TARGET_DIR cargo mutants --package estimator-core --shard "$mutants_shard" \
+        --output "$out" --timeout 120 --no-times --colors never \
+        -- --lib --tests || status=$?
+    # 2: some were not caught, 3: some took too long.
+    ((status == 0 || status == 2 || status == 3)) || return "$status"
+    local outcome path=$out/mutants.out
+    {
+        echo "outcome,count"
+        for outcome in caught missed timeout unviable; do
+            echo "$outcome,$(wc -l <"$path/$outcome.txt")"
+        done
+        sed 's/^/# missed: /' "$path/missed.txt"
+    } | write_result mutants.csv "shard $mutants_shard of the mutants of the core"
+}
+
+# --- results ---------------------------------------------------------------------------------------
+
+# Says which results are older than the source. That fails nothing.
+check_long_results() {
+    local name file source
+    source=$(source_digest)
+    for name in "${long_results[@]}"; do
+        file=tests/long/$name
+        if [[ ! -f $file ]]; then
+            note "tests/long: no result of $name"
+        elif grep -q '^# not run: ' "$file"; then
+            note "tests/long: $name was not run: $(sed -n 's/^# not run: //p' "$file")"
+        elif ! grep -qx "# source: $source" "$file"; then
+            note "tests/long: the result of $name is older than the source"
+        else
+            echo "$name: of this source"
+        fi
+    done
+}
+
+# Of all that estimates and all that simulates.
+source_digest() {
+    find estimator-core/src host-sim/src -type f -print0 | LC_ALL=C sort -z |
+        xargs -0 sha256sum | sha256sum | cut -c 1-16
+}
+
+# Writes what it reads to a result, with the source and how much was done.
+write_result() {
+    local name=$1 amount=$2
+    {
+        echo "# source: $(source_digest)"
+        echo "# date: $(date -u +%F)"
+        echo "# amount: $amount"
+        echo "# seconds: $((SECONDS - started))"
+        cat
+    } >"$work/$name.result"
+    mv "$work/$name.result" "tests/long/$name"
+    echo "tests/long/$name:"
+    sed 's/^/    /' "tests/long/$name"
+}
+
+# Ends the check, and leaves why as its result.
+not_run() {
+    printf '# source: %s\n# not run: %s\n' "$(source_digest)" "$2" >"tests/long/$1"
+    skip "$2"
+}
+
+result_of() {
+    if (($1 == 0)); then
+        echo passed
+    else
+        echo failed
+    fi
+}

@@ -1,0 +1,160 @@
+# shellcheck shell=bash disable=SC2154 # Variables of tests/run.
+# What checks need: programs, targets of Rust, packages of Python; and how they are installed.
+
+# Programs and the Debian packages that have them.
+declare -rA package_of=(
+    [qemu-system-arm]=qemu-system-arm
+    [qemu-system-x86_64]=qemu-system-x86 [busybox]=busybox-static
+    [ip]=iproute2 [candump]=can-utils
+    [java]=default-jre-headless
+)
+readonly board=thumbv7em-none-eabihf # Cortex-M4F
+readonly small=thumbv6m-none-eabi    # Cortex-M0: no float unit, no compare-and-swap
+readonly python_packages=(cantools duckdb pyspark)
+readonly python=$target/python/bin/python
+
+check_setup() {
+    local missing=() program package
+    has_toolchain || install_toolchain || true
+    has_toolchain || missing+=("the toolchain of rust-toolchain.toml")
+    touch "$scratch/toolchain_is_there"
+    install_programs || true
+    for program in "${!package_of[@]}"; do
+        has_program "$program" || missing+=("$program")
+    done
+    for package in "${python_packages[@]}"; do
+        has_python_package "$package" || missing+=("$package")
+    done
+    if ((${#missing[@]})); then
+        skip "could not install $(join_by ', ' "${missing[@]}")"
+    fi
+    cargo --version
+    qemu-system-arm --version | head -n 1
+}
+
+# --- waiting for the setup that runs beside ------------------------------------------------------
+
+await_toolchain() {
+    until [[ -e $scratch/toolchain_is_there || ! -e $scratch/installing ]]; do
+        sleep 0.2
+    done
+}
+
+await_setup() {
+    while [[ -e $scratch/installing ]]; do
+        sleep 0.5
+    done
+}
+
+# --- programs ------------------------------------------------------------------------------------
+
+has_program() {
+    command -v "$1" >/dev/null
+}
+
+need_program() {
+    has_program "$1" || await_setup
+    has_program "$1" || skip "$1 is not installed"
+}
+
+# The packages of Debian and of Python beside each other.
+install_programs() {
+    local program packages=()
+    for program in "${!package_of[@]}"; do
+        has_program "$program" || packages+=("${package_of[$program]}")
+    done
+    install_python_packages "${python_packages[@]}" &
+    ((${#packages[@]} == 0)) || install_packages "${packages[@]}" || true
+    wait $! || true
+}
+
+install_packages() {
+    if ! has_program apt-get; then
+        echo "$*: there is no apt-get to install them with"
+        return 1
+    fi
+    local install=(env DEBIAN_FRONTEND=noninteractive
+        apt-get install -y -q --no-install-recommends "$@")
+    as_root "${install[@]}" || { as_root apt-get update -q && as_root "${install[@]}"; }
+}
+
+as_root() {
+    if ((EUID == 0)); then
+        "$@"
+    elif has_program sudo && sudo -n true 2>/dev/null; then
+        sudo -n "$@"
+    else
+        echo "not allowed to run: $*"
+        return 1
+    fi
+}
+
+# --- packages of PyPI, in an environment of their own ---------------------------------------------
+
+has_python_package() {
+    "$python" -c "import $1" 2>/dev/null
+}
+
+install_python_packages() {
+    [[ -x $python ]] || python3 -m venv "$target/python" || return 1
+    local package missing=()
+    for package in "$@"; do
+        has_python_package "$package" || missing+=("$package")
+    done
+    ((${#missing[@]} == 0)) || "$python" -m pip install -q --disable-pip-version-check "${missing[@]}"
+}
+
+# Whether a package is there, or can be installed; if not, it is noted that $2 was skipped.
+want_python_package() {
+    await_setup
+    install_python_packages "$1" && return
+    note "SKIPPED $2: could not install $1"
+    return 1
+}
+
+# --- Rust ----------------------------------------------------------------------------------------
+
+has_target() {
+    local libraries
+    libraries=$(rustc --print target-libdir --target "$1") && [[ -d $libraries ]]
+}
+
+need_target() {
+    has_target "$1" || skip "the Rust target $1 is not installed"
+}
+
+has_toolchain() {
+    local triple
+    for triple in "$board" "$small"; do
+        has_target "$triple" || return 1
+    done
+    cargo fmt --version >/dev/null && cargo clippy --version >/dev/null
+}
+
+# rustup reads rust-toolchain.toml; older ones than 1.28 install what it names when asked to show it.
+install_toolchain() {
+    if ! has_program rustup; then
+        echo "the toolchain: there is no rustup to install it with (https://rustup.rs)"
+        return 1
+    fi
+    rustup toolchain install || rustup show
+}
+
+# --- saying what was not done ----------------------------------------------------------------------
+
+# Ends the check: it cannot be run here, for the reason given.
+skip() {
+    echo "$1" >"$work/reason"
+    exit "$skipped_status"
+}
+
+# Prints a line, now and again at the end.
+note() {
+    echo "$1" | tee -a "$work/notes"
+}
+
+join_by() {
+    local separator=$1 joined=$2
+    shift 2
+    printf '%s' "$joined" "${@/#/$separator}"
+}

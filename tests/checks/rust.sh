@@ -1,0 +1,83 @@
+# shellcheck shell=bash disable=SC2154 # Variables of tests/run.
+# What cargo checks on the host: format, clippy, documentation, tests; and Miri.
+
+# Property tests draw the same cases each time, so that a red run can be repeated.
+export PROPTEST_RNG_SEED=${PROPTEST_RNG_SEED:-20110301} PROPTEST_DISABLE_FAILURE_PERSISTENCE=true
+
+# Three of the tests' binaries take most of the time of all.
+readonly slow_tests=(diagnosis thesis faults)
+
+check_format() {
+    cargo fmt --check
+    # Workspaces of their own.
+    local own
+    for own in tests/peers firmware/stm32g4 tests/benches tests/fuzz; do
+        cargo fmt --check --manifest-path "$own/Cargo.toml"
+    done
+    # Declared by a macro: cargo does not see them.
+    rustfmt --check --edition 2024 estimator-core/src/effect/*.rs
+    if has_program shellcheck; then
+        shellcheck tests/run tests/checks/*.sh tests/vcan/machine tests/benches/run
+    fi
+}
+
+check_clippy() {
+    cargo clippy --all-targets -- -D warnings
+}
+
+check_docs() {
+    RUSTDOCFLAGS="-D warnings" cargo doc --no-deps
+    cargo test --doc
+    need_target "$board"
+    RUSTDOCFLAGS="-D warnings" cargo doc --no-deps -p firmware --target "$board"
+}
+
+check_test_quick() {
+    run_tests "${slow_tests[@]}" firmware
+}
+
+# But for the examples in the documentation (docs) and what needs images of the firmware (firmware).
+check_test() {
+    run_tests firmware
+}
+
+# Runs the tests of all packages but for those of the binaries named. What is built is always the
+# same, so that nothing is built anew with other features.
+run_tests() {
+    local name log=$work/tests status=0 tests=()
+    while read -r name; do
+        [[ " $* " == *" $name "* ]] || tests+=(--test "$name")
+    done < <(test_names)
+    cargo test --lib --bins --no-fail-fast "${tests[@]}" -- --show-output 2>&1 |
+        tee "$log" || status=$?
+    totals "$log"
+    { grep -h '^SKIPPED' "$log" || true; } | sort -u >>"$work/notes"
+    return "$status"
+}
+
+# The names of the binaries of tests.
+test_names() {
+    local path
+    for path in {estimator-core,host-sim,tests}/tests/{*.rs,*/main.rs}; do
+        [[ -f $path ]] || continue
+        path=${path%/main.rs}
+        path=${path##*/}
+        echo "${path%.rs}"
+    done
+}
+
+# The sum of what the test programs in a log say.
+totals() {
+    awk '/^test result:/ { passed += $4; failed += $6; ignored += $8 }
+        END { printf "tests: %d passed; %d failed; %d ignored\n", passed, failed, ignored }' "$1"
+}
+
+# The core, which has no `unsafe` of its own, on its dependencies, which have.
+check_miri() {
+    cargo +nightly miri --version ||
+        rustup toolchain install nightly --profile minimal --component miri,rust-src ||
+        skip "there is no nightly toolchain with miri"
+    MIRIFLAGS=-Zmiri-disable-isolation PROPTEST_CASES=2 CARGO_TARGET_DIR=$target/miri \
+        cargo +nightly miri test -p estimator-core --features fixed \
+        --test signal --test numerics
+}

@@ -1,0 +1,42 @@
+# shellcheck shell=bash disable=SC2154 # Variables of tests/run.
+# Virtual CAN interfaces with can-utils on them: on this kernel if it has them and lets us, else in a
+# virtual machine.
+
+check_vcan() {
+    local program log=$work/vcan status=0
+    for program in ip candump canplayer cangen; do
+        need_program "$program"
+    done
+    # Of all packages: named alone, this one would be built anew with other features.
+    program=$(cargo test --test vcan --no-run --message-format=json |
+        sed -n 's/.*"executable":"\([^"]*\/vcan-[^"]*\)".*/\1/p')
+    local tests=("$program" --ignored --test-threads=1 --show-output)
+    if has_vcan; then
+        as_root unshare --net "${tests[@]}" 2>&1 | tee "$log" || status=$?
+    else
+        echo "this kernel has no vcan, or it is not allowed: in a virtual machine"
+        in_machine "${tests[@]}" 2>&1 | tee "$log" || status=$?
+        ((status != skipped_status)) || skip "there is no kernel for the virtual machine"
+    fi
+    totals "$log"
+    ((status == 0)) || return "$status"
+    # What was published, as a public tool reads it with the layout file.
+    want_python_package cantools "decoding with cantools" || return 0
+    "$python" tests/vcan/decode.py estimator-core/dbc/grade.dbc <"$log"
+}
+
+# Whether virtual CAN interfaces can be made here, in a network of their own.
+has_vcan() {
+    {
+        as_root modprobe vcan
+        as_root unshare --net ip link add dev vcan0 type vcan
+    } >/dev/null 2>&1
+}
+
+in_machine() {
+    need_program qemu-system-x86_64
+    need_program busybox
+    need_program apt-get
+    CARRIED="ip candump canplayer cangen $target/debug/roadgrade" \
+        tests/vcan/machine "$target/vcan" "$@"
+}

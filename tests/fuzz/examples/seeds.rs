@@ -1,0 +1,415 @@
+//! Writes the seeds of the fuzz targets that are not text:
+//!
+//! ```text
+//! cargo run --manifest-path tests/fuzz/Cargo.toml --example seeds
+//! ```
+//!
+//! The names of the seeds say what they are. Seeds of the readers of text are written by hand.
+
+use arbitrary::{Arbitrary, Unstructured};
+use estimator_core::{Estimator, Signal, Tuning};
+use flate2::{Compression, GzBuilder};
+use fuzz_targets::{Event, EventBus, truck};
+use std::io::Write;
+use std::path::Path;
+use std::{fs, io};
+
+type Events = Vec<Event>;
+
+fn main() -> io::Result<()> {
+    let corpus = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus");
+    for (name, events) in of_estimator() {
+        write(&corpus, "estimator", name, &encoded(&events))?;
+    }
+    for (name, events) in of_decode() {
+        write(&corpus, "decode", name, &encoded(&events))?;
+    }
+    for (name, bytes) in of_persistent_state() {
+        write(&corpus, "persistent_state", name, &bytes)?;
+    }
+    for (target, from, to) in [
+        ("candump", "short_form", "gzip"),
+        ("signal_table", "some_columns", "gzip"),
+    ] {
+        let text = fs::read(corpus.join(target).join(from))?;
+        write(&corpus, target, to, &compressed(&text)?)?;
+    }
+    Ok(())
+}
+
+fn write(corpus: &Path, target: &str, name: &str, bytes: &[u8]) -> io::Result<()> {
+    let folder = corpus.join(target);
+    fs::create_dir_all(&folder)?;
+    fs::write(folder.join(name), bytes)
+}
+
+// --- traffic ---------------------------------------------------------------------------------------
+
+/// Traffic that carries the filter to where a fault can hurt.
+fn of_estimator() -> Vec<(&'static str, Events)> {
+    vec![
+        ("a_drive", vec![drive(2_000), drive(2_200), drive(2_100)]),
+        (
+            "a_drive_without_gnss",
+            vec![without_gnss(2_000), without_gnss(2_100)],
+        ),
+        (
+            "a_steep_climb",
+            vec![drive(1_500), climb(150, 90), climb(150, 90)],
+        ),
+        ("brakes_and_shifts", brakes_and_shifts()),
+        (
+            "stop_and_go",
+            vec![drive(800), drive(0), drive(900), drive(3), drive(1_000)],
+        ),
+        (
+            "gnss_jumps_and_comes_back",
+            vec![
+                drive(2_000),
+                climb(5_000, 40),
+                climb(-5_000, 40),
+                drive(2_000),
+            ],
+        ),
+        (
+            "time_goes_back",
+            vec![drive(2_000), wait(-30_000), drive(2_000)],
+        ),
+        (
+            "an_hour_of_silence",
+            vec![drive(2_000), wait(3_600_000), drive(2_000)],
+        ),
+        ("signals_that_are_no_numbers", no_numbers()),
+        ("two_sources_of_one_message", two_sources()),
+    ]
+}
+
+/// Frames, known and unknown.
+fn of_decode() -> Vec<(&'static str, Events)> {
+    vec![
+        ("a_drive", vec![drive(2_000)]),
+        ("every_message_of_zeros", every_message(0x00)),
+        ("every_message_not_available", every_message(0xff)),
+        ("every_message_in_error", every_message(0xfe)),
+        ("every_signal_largest", every_signal(f32::MAX)),
+        ("every_signal_least", every_signal(f32::MIN)),
+        ("fast_packets_out_of_order", parts(&[0, 2, 1, 3, 5, 4, 6])),
+        (
+            "fast_packets_without_their_first",
+            parts(&[1, 2, 3, 4, 5, 6]),
+        ),
+        ("fast_packets_twice", parts(&[0, 0, 1, 1, 2, 2, 3, 3])),
+        (
+            "frames_cut_short",
+            (0..9).map(|n| frame(0x0CF0_0400, n)).collect(),
+        ),
+        ("frames_that_have_no_data", no_data()),
+    ]
+}
+
+fn drive(speed_cmps: u16) -> Event {
+    Event::Drive {
+        seconds: 40,
+        speed_cmps,
+        torque_percent: 35,
+        gear: 2,
+        climb_cmps: 20,
+        braking: false,
+        shifting: false,
+        gnss: true,
+    }
+}
+
+fn climb(climb_cmps: i16, torque_percent: i8) -> Event {
+    Event::Drive {
+        seconds: 20,
+        speed_cmps: 1_500,
+        torque_percent,
+        gear: 1,
+        climb_cmps,
+        braking: false,
+        shifting: false,
+        gnss: true,
+    }
+}
+
+fn without_gnss(speed_cmps: u16) -> Event {
+    Event::Drive {
+        seconds: 40,
+        speed_cmps,
+        torque_percent: 35,
+        gear: 2,
+        climb_cmps: 0,
+        braking: false,
+        shifting: false,
+        gnss: false,
+    }
+}
+
+fn brakes_and_shifts() -> Events {
+    let short = |gear: i8, braking: bool, shifting: bool| Event::Drive {
+        seconds: 3,
+        speed_cmps: 1_400,
+        torque_percent: if braking || shifting { 0 } else { 60 },
+        gear,
+        climb_cmps: -30,
+        braking,
+        shifting,
+        gnss: true,
+    };
+    vec![
+        drive(1_500),
+        short(1, false, true),
+        short(2, false, false),
+        short(2, true, false),
+        short(2, true, true),
+        short(-1, false, false),
+        drive(1_400),
+    ]
+}
+
+fn wait(millis: i32) -> Event {
+    Event::Wait { millis }
+}
+
+fn no_numbers() -> Events {
+    let values = [
+        f32::NAN,
+        f32::INFINITY,
+        f32::NEG_INFINITY,
+        -0.0,
+        f32::MIN_POSITIVE,
+    ];
+    let mut events = vec![drive(2_000)];
+    for value in values {
+        events.extend(every_signal(value));
+    }
+    events.push(drive(2_000));
+    events
+}
+
+fn every_signal(value: f32) -> Events {
+    let all = 0..Signal::ALL.len();
+    all.map(|which| Event::Signal {
+        which: which as u8,
+        value,
+        source: 0,
+    })
+    .collect()
+}
+
+fn two_sources() -> Events {
+    let mut events = vec![drive(2_000)];
+    for turn in 0..40 {
+        events.push(Event::Message {
+            which: turn / 2,
+            source: 33 * (turn % 2),
+            sequence: turn % 8,
+            data: [turn; 16],
+        });
+    }
+    events.push(drive(2_000));
+    events
+}
+
+fn every_message(byte: u8) -> Events {
+    let all = 0..estimator_core::signal::messages().count();
+    all.map(|which| Event::Message {
+        which: which as u8,
+        source: 0,
+        sequence: 0,
+        data: [byte; 16],
+    })
+    .collect()
+}
+
+/// Frames of fast packets of every message, in this order.
+fn parts(counters: &[u8]) -> Events {
+    let all = 0..estimator_core::signal::messages().count();
+    all.flat_map(|which| {
+        counters.iter().map(move |counter| Event::Part {
+            which: which as u8,
+            source: 1,
+            head: 0x40 | counter,
+            length: 8,
+            data: [43, 1, 2, 3, 4, 5, 6],
+        })
+    })
+    .collect()
+}
+
+fn frame(id: u32, length: u8) -> Event {
+    Event::Frame {
+        id,
+        extended: true,
+        remote: false,
+        length,
+        data: [1, 2, 3, 4, 5, 6, 7, 8],
+    }
+}
+
+fn no_data() -> Events {
+    let kinds = [(false, false), (false, true), (true, false), (true, true)];
+    kinds
+        .into_iter()
+        .map(|(extended, remote)| Event::Frame {
+            id: 0x0CF0_0400,
+            extended,
+            remote,
+            length: 0,
+            data: [0; 8],
+        })
+        .collect()
+}
+
+// --- traffic as the bytes that `arbitrary` makes it of ----------------------------------------------
+
+const KINDS: u64 = 6;
+
+/// # Panics
+/// If `arbitrary` makes other events of these bytes.
+fn encoded(events: &[Event]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    for event in events {
+        // One more.
+        bytes.push(1);
+        encode(event, &mut bytes);
+    }
+    let decoded = Events::arbitrary_take_rest(Unstructured::new(&bytes)).expect("events");
+    assert_eq!(format!("{decoded:?}"), format!("{events:?}"));
+    bytes
+}
+
+fn encode(event: &Event, bytes: &mut Vec<u8>) {
+    let mut kind = |kind: u64| {
+        // The least number that falls to it.
+        let number = (kind << 32).div_ceil(KINDS) as u32;
+        bytes.extend(number.to_le_bytes());
+    };
+    match *event {
+        Event::Frame {
+            id,
+            extended,
+            remote,
+            length,
+            data,
+        } => {
+            kind(0);
+            bytes.extend(id.to_le_bytes());
+            bytes.extend([u8::from(extended), u8::from(remote), length]);
+            bytes.extend(data);
+        }
+        Event::Message {
+            which,
+            source,
+            sequence,
+            data,
+        } => {
+            kind(1);
+            bytes.extend([which, source, sequence]);
+            bytes.extend(data);
+        }
+        Event::Part {
+            which,
+            source,
+            head,
+            length,
+            data,
+        } => {
+            kind(2);
+            bytes.extend([which, source, head, length]);
+            bytes.extend(data);
+        }
+        Event::Drive {
+            seconds,
+            speed_cmps,
+            torque_percent,
+            gear,
+            climb_cmps,
+            braking,
+            shifting,
+            gnss,
+        } => {
+            kind(3);
+            bytes.push(seconds);
+            bytes.extend(speed_cmps.to_le_bytes());
+            bytes.extend(torque_percent.to_le_bytes());
+            bytes.extend(gear.to_le_bytes());
+            bytes.extend(climb_cmps.to_le_bytes());
+            bytes.extend([braking, shifting, gnss].map(u8::from));
+        }
+        Event::Signal {
+            which,
+            value,
+            source,
+        } => {
+            kind(4);
+            bytes.push(which);
+            bytes.extend(value.to_bits().to_le_bytes());
+            bytes.push(source);
+        }
+        Event::Wait { millis } => {
+            kind(5);
+            bytes.extend(millis.to_le_bytes());
+        }
+    }
+}
+
+// --- what a drive leaves ----------------------------------------------------------------------------
+
+/// First byte of a seed: whether the target mends the checksum.
+const AS_IT_IS: u8 = 0;
+const MENDED: u8 = 1;
+
+fn of_persistent_state() -> Vec<(&'static str, Vec<u8>)> {
+    let whole = left_by_a_drive();
+    let seed = |mends: u8, bytes: &[u8]| [&[mends], bytes].concat();
+    let with = |offset: usize, word: [u8; 4]| {
+        let mut bytes = whole.clone();
+        bytes[offset..offset + 4].copy_from_slice(&word);
+        seed(MENDED, &bytes)
+    };
+    let mut damaged = whole.clone();
+    damaged[20] ^= 0x10;
+    vec![
+        ("after_a_drive", seed(AS_IT_IS, &whole)),
+        ("never_written", seed(AS_IT_IS, &vec![0xff; whole.len()])),
+        ("cut_short", seed(AS_IT_IS, &whole[..whole.len() - 1])),
+        (
+            "a_byte_too_long",
+            seed(AS_IT_IS, &[&whole[..], &[0]].concat()),
+        ),
+        ("damaged", seed(AS_IT_IS, &damaged)),
+        ("of_something_else", with(0, *b"ELF\0")),
+        ("of_a_later_version", with(4, 2_u32.to_le_bytes())),
+        ("of_another_vehicle", with(8, [1, 2, 3, 4])),
+        ("bias_not_a_number", with(16, f32::NAN.to_le_bytes())),
+        ("variance_below_zero", with(20, (-1.0_f32).to_le_bytes())),
+        ("correlation_above_one", with(32, 10.0_f32.to_le_bytes())),
+    ]
+}
+
+fn left_by_a_drive() -> Vec<u8> {
+    let mut estimator = Estimator::<f32>::new(truck(), Tuning::default()).expect("a truck");
+    let mut bus = EventBus::default();
+    for _ in 0..10 {
+        bus.play(&drive(2_000), &mut |timed| {
+            estimator.on_frame(timed.time, &timed.frame);
+            while estimator.step().is_some() {
+                while estimator.next_cell().is_some() {}
+            }
+        });
+    }
+    estimator
+        .persistent_state()
+        .expect("a drive")
+        .to_bytes()
+        .to_vec()
+}
+
+/// The same bytes each time: without the time, the name and the system.
+fn compressed(text: &[u8]) -> io::Result<Vec<u8>> {
+    let mut encoder = GzBuilder::new().write(Vec::new(), Compression::best());
+    encoder.write_all(text)?;
+    encoder.finish()
+}
