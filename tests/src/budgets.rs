@@ -101,14 +101,14 @@ pub struct Budgets {
     columns: Vec<(String, BudgetColumn)>,
 }
 
-/// Returns what is wanted of a figure at most, for `f32` on a Cortex-M4F.
+/// Returns the bar of a figure for `f32` on a Cortex-M4F.
 #[must_use]
 pub fn wanted(figure: &str) -> Option<u32> {
     let known = FIGURES.iter().find(|known| known.name == figure);
     known.and_then(|known| known.bar)
 }
 
-/// Returns the committed table.
+/// Returns the path of the committed table.
 #[must_use]
 pub fn committed_file() -> PathBuf {
     root().join("firmware/budgets.csv")

@@ -48,7 +48,8 @@ Rows of each run:
 
 The last five need the log. The thesis's methods also need the vehicle file, and the oracle needs an \
 oracle file. `simulate` writes these files beside the truth, and `score` finds them there. Rows \
-whose files are missing are left out. docs/formats.md lists the keys of an oracle file.
+whose files are missing are left out. The keys of an oracle file are documented in \
+docs/formats.md.
 
 Examples:
   roadgrade score --truth sim/a1.truth.csv --truth sim/a2.truth.csv a1.csv a2.csv

@@ -168,6 +168,6 @@ fn csv_error(path: &Path, error: &csv::Error, headers: Option<&csv::StringRecord
         path,
         line,
         problem,
-        "the columns that docs/formats.md lists, as numbers",
+        "the columns of docs/formats.md, as numbers",
     )
 }

@@ -298,8 +298,7 @@ impl Opened<'_> {
         mut take: impl FnMut([Option<f64>; N], [Option<&str>; M]) -> Result<()>,
     ) -> Result<()> {
         if let Some(name) = names.iter().find(|name| !self.has_column(name)) {
-            let problem =
-                format!("no column {name}; expected the columns that docs/formats.md lists");
+            let problem = format!("no column {name}; expected the columns of docs/formats.md");
             return Err(Error::content(self.path, problem));
         }
         let Self { path, builder } = self;

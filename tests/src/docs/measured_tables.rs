@@ -212,6 +212,33 @@ pub fn accuracy_in_short() -> Result<Option<String>> {
     })
 }
 
+/// Errors without one signal or another.
+pub fn sensors() -> Result<Option<String>> {
+    of_table("sensors", "sensors", |sensors| {
+        let rows = sensors.rows.iter().map(|row| match row.as_slice() {
+            [missing, a @ .., b1, b2, b3, b4] if a.len() == 4 => Ok([
+                missing.clone(),
+                a[..3].join(" / "),
+                a[3].clone(),
+                [b1.as_str(), b2, b3].join(" / "),
+                b4.clone(),
+            ]),
+            _ => Err(unexpected("a row of the sensors has other columns")),
+        });
+        let rows = rows.collect::<Result<Vec<_>>>()?;
+        Ok(pipe_table(
+            [
+                "missing for the whole drive",
+                "truck A, 39 t",
+                "NEES",
+                "truck B, 12 t",
+                "NEES",
+            ],
+            rows,
+        ))
+    })
+}
+
 /// Maps of several runs.
 pub fn fleet() -> Result<Option<String>> {
     of_table("fleet", "fleet_maps", |maps| {

@@ -53,6 +53,7 @@ const MOTORWAY: &str = "roadgrade simulate, estimate, score: motorway.toml";
 const DEMO: &str = "roadgrade demo";
 const ACCURACY: &str = "roadgrade study accuracy";
 const FLEET: &str = "roadgrade study fleet";
+const SENSORS: &str = "roadgrade study sensors";
 const THESIS: &str = "roadgrade study modified";
 const ZTBUS: &str = "roadgrade study ztbus";
 
@@ -81,6 +82,7 @@ blocks! {
     "docs/formats.md" "effect ranges" EFFECTS Nothing code_tables::effect_ranges();
     "docs/interfaces.md" "signals" SIGNALS Nothing code_tables::signals();
     "docs/interfaces.md" "counters" COUNTERS Nothing counter_table::counters();
+    "docs/interfaces.md" "sensors" SENSORS Minute measured_tables::sensors();
     "docs/interfaces.md" "budgets" BUDGETS Nothing budget_tables::of_the_estimator();
     "docs/results.md" "budgets" BUDGETS Nothing budget_tables::with_effects();
     "docs/results.md" "budgets of fixed point" BUDGETS Nothing budget_tables::fixed_point();
