@@ -4,6 +4,7 @@ pub mod force_balance;
 pub mod parameter_check;
 pub mod parameters;
 pub mod powertrain;
+mod traction;
 
 pub use force_balance::{ForceBalance, GRAVITY, STANDARD_AIR_DENSITY, air_density};
 pub use parameter_check::ParameterError;

@@ -1,4 +1,4 @@
-//! The counters: their names, their meaning, and the words of `roadgrade` for them.
+//! The counters: their names, their meaning, and what `roadgrade` calls them.
 
 use super::pipe_table::pipe_table;
 use crate::image::root;
@@ -36,17 +36,19 @@ pub fn counters() -> Result<Option<String>> {
     let source = fs::read_to_string(&path).map_err(Error::io(&path))?;
     let mut rows = Vec::new();
     for (name, counts) in each() {
-        let words = events(&counts);
+        let events = events(&counts);
+        let event = events.first();
         let meaning = meaning(&source, name)
             .ok_or_else(|| Error::content(&path, format!("no documentation of {name}")))?;
         rows.push([
             format!("`{name}`"),
             meaning,
-            words.first().map_or("—", |event| event.name).to_owned(),
+            event.map_or("—", |event| event.key).to_owned(),
+            event.map_or("—", |event| event.name).to_owned(),
         ]);
     }
     Ok(Some(pipe_table(
-        ["counter", "what it counts", "in the program's words"],
+        ["counter", "what it counts", "key in JSON", "name in tables"],
         rows,
     )))
 }

@@ -4,9 +4,6 @@ use super::{pages, place, root};
 use clap::{Command, CommandFactory};
 use host_sim::cli::Cli;
 
-/// Options that pages describe and the program does not have yet.
-const NOT_YET: [&str; 1] = ["--tuning"];
-
 #[test]
 fn commands_and_their_options_exist() {
     let mut problems = Vec::new();
@@ -113,7 +110,7 @@ fn check_roadgrade(arguments: &[String]) -> Result<(), String> {
             .next()
             .unwrap_or(word);
         if let Some(long) = option.strip_prefix("--") {
-            if !has_option(command, long) && !NOT_YET.contains(&option) {
+            if !has_option(command, long) {
                 return Err(format!("no option {option} of {}", command.get_name()));
             }
             after_option = true;

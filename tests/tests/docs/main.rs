@@ -84,6 +84,23 @@ fn every_page_of_the_book_is_in_its_summary() {
 }
 
 #[test]
+fn every_test_program_is_in_the_table_of_tests() {
+    let testing = Page::read(&root().join("docs/testing.md"));
+    for folder in ["estimator-core/tests", "host-sim/tests", "tests/tests"] {
+        for entry in std::fs::read_dir(root().join(folder)).unwrap() {
+            let path = entry.unwrap().path();
+            let name = path.file_stem().unwrap().to_str().unwrap();
+            let is_program = path.join("main.rs").exists() || path.is_file();
+            let is_listed = testing.code.iter().any(|(_, code)| code == name);
+            assert!(
+                is_listed || !is_program,
+                "{folder}/{name} is not in docs/testing.md"
+            );
+        }
+    }
+}
+
+#[test]
 fn tables_are_current() {
     let made = generated(Cost::Seconds).unwrap();
     for block in &made.skipped {
