@@ -13,7 +13,7 @@ pub const STEP_M: f64 = CELL_LENGTH_M as f64;
 /// it there were no satellites.
 const LONGEST_GNSS_GAP_M: f64 = 100.0;
 
-/// What was measured at one point of the way.
+/// The measurements at one point of a drive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeasuredPoint {
     /// Driven distance, m.
@@ -108,7 +108,7 @@ impl MeasuredDrive {
                     rotating_kg: rotating_kg.into(),
                     air_density: air_density.into(),
                     altitude_m: interpolated(&fixes, distance_m),
-                    // The thesis always knows the torque; a stretch without is as bad as a shift.
+                    // The thesis always knows the torque; a segment without it counts as a shift.
                     shifting: condition.shifting || condition.no_traction,
                     braking: condition.braking,
                 }

@@ -1,7 +1,7 @@
 //! The error of GNSS altitude as a Markov chain (thesis section 5, after its reference 8).
 //!
 //! Sixty-one states stand for errors of -15 m to +15 m in steps of 0.5 m; one step of the chain
-//! is one step of the way, [`super::STEP_M`].
+//! is one step of distance, [`super::STEP_M`].
 //!
 //! Where this departs from the thesis's print: its formula for G divides by a sum over the first
 //! index of F, a column's, although F(i, j) counts transitions from i to j and a row of G is

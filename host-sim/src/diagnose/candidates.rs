@@ -8,23 +8,23 @@ use estimator_core::VehicleParameters;
 use estimator_core::effect::{CATALOGUE, Effect, ParameterValues, Varies, search_of};
 use estimator_core::vehicle::GRAVITY;
 
-/// Length of a piece of road, of which rough stretches are made, m.
+/// Length of a piece of road, of which rough sections are made, m.
 const PIECE_M: f64 = 500.0;
 /// Most pieces; longer roads have longer ones.
 const MOST_PIECES: usize = 60;
-/// Longest stretch, as a part of the road: what is everywhere is no stretch.
+/// Longest section, as a part of the road: an effect everywhere is not a section.
 const LONGEST_STRETCH: f64 = 0.4;
 
-/// One way in which an effect may be there.
+/// One variant of a candidate.
 #[derive(Clone, Debug)]
 pub struct Choice {
     /// For each of its amounts, the columns that make its force together.
     pub amounts: Vec<Vec<usize>>,
-    /// What tells it from other choices.
+    /// The detail in which it differs from other choices.
     pub detail: Detail,
 }
 
-/// What tells one choice from another.
+/// The detail in which choices differ.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Detail {
     /// There is nothing to choose.
@@ -35,7 +35,7 @@ pub enum Detail {
     EachDrive(&'static str, f32),
     /// Amounts towards north and east; the detail with this key is the direction.
     Direction(&'static str),
-    /// A stretch of the common road, m.
+    /// A section of the common road, m.
     RoadSection(f64, f64),
     /// Period of a cycle, s.
     Period(f64),

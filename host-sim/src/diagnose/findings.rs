@@ -1,4 +1,4 @@
-//! What a diagnosis is asked, and what it finds.
+//! Request and result of a diagnosis.
 
 use super::dependence::Variable;
 use super::judgement::Judgement;
@@ -29,7 +29,7 @@ pub struct Finding {
     pub adopted: AdoptedEffect,
     /// Twice the logarithm of its Bayes factor.
     pub evidence: f64,
-    /// Effects that the data cannot tell from it.
+    /// Effects that the data cannot separate from it.
     pub group: Vec<&'static str>,
 }
 
@@ -67,7 +67,7 @@ pub struct Unexplained {
 /// All that was found.
 #[derive(Clone, Debug)]
 pub struct Diagnosis {
-    /// AdoptedEffect, in the order of adoption.
+    /// Adopted effects, in the order of adoption.
     pub findings: Vec<Finding>,
     /// Every candidate alone, the best first.
     pub candidates: Vec<CandidateCase>,

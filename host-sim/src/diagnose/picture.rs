@@ -1,4 +1,4 @@
-//! What is unexplained, drawn over what it depends on.
+//! Plots of the unexplained residual over the variable that it depends on.
 
 use super::dependence::Variable;
 use super::drive::{CommonRoad, LoggedDrive};

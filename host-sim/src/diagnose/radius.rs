@@ -1,4 +1,4 @@
-//! Wheels that are larger or smaller than told: GNSS speed against the speed from the wheels.
+//! Errors of the wheel radius: GNSS speed against wheel speed.
 //!
 //! A wrong radius hardly shows in the slope, but in every speed. Speeds of the two kinds are
 //! compared where the vehicle neither speeds up nor slows down, since they are of unlike age.
@@ -46,7 +46,7 @@ impl Wheels {
         })
     }
 
-    /// Returns twice the logarithm of the Bayes factor against wheels as told.
+    /// Returns twice the logarithm of the Bayes factor against the assumed radius.
     #[must_use]
     pub fn evidence(&self) -> f64 {
         let typical = f64::from(wheel_radius::EFFECT.typical).powi(2);

@@ -158,7 +158,7 @@ fn amount_in_words(finding: &Finding) -> String {
     );
     if !finding.group.is_empty() {
         words += &format!(
-            " (or {}, which these drives cannot tell from it)",
+            " (or {}, which these drives cannot separate from it)",
             finding.group.join(", ")
         );
     }
@@ -266,7 +266,7 @@ fn candidates_section(diagnosis: &Diagnosis) -> Section {
     Section {
         heading: "Each candidate's case".to_owned(),
         words: vec![
-            "Every effect is tried for what it would have done to the altitudes that GNSS told, \
+            "Every effect is tested by the change of the reported GNSS altitudes that it predicts, \
              weighed against the errors that GNSS, wind and road have anyway."
                 .to_owned(),
         ],

@@ -1,4 +1,4 @@
-//! What drives ask for: the candidates of a set of drives, weighed, and read as effects.
+//! Search for effects: the candidates of a set of drives, their evidence, and their effects.
 
 use super::candidates::{Detail, Menu};
 use super::drive::{CommonRoad, LoggedDrive};
@@ -10,7 +10,7 @@ use estimator_core::effect::{Varies, search_of};
 use estimator_core::{AdoptedEffect, Effect, Model, Tuning};
 use rayon::prelude::*;
 
-/// Drives with what is tried on them.
+/// Drives with the candidates that are tried on them.
 pub struct EffectSearch<'a> {
     drives: &'a [LoggedDrive],
     fitted: usize,

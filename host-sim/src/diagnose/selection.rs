@@ -15,7 +15,7 @@ use nalgebra::{DMatrix, DVector};
 /// Twice the logarithm of the odds from which an effect is adopted, against nothing and after the
 /// number of candidates is paid for.
 pub const ADOPTED: f64 = 3.0;
-/// Candidates whose evidence is within this of the best cannot be told from it: 20 to 1.
+/// Candidates whose evidence is within this of the best cannot be separated from it: 20 to 1.
 pub const TOLD_APART: f64 = 6.0;
 /// A parameter of the base model is preferred where others are better by no more than this.
 const PREFERENCE: f64 = 2.0;
@@ -26,7 +26,7 @@ const UNUSUAL: f64 = 4.0;
 /// Most effects that are adopted.
 const MOST_ADOPTED: usize = 4;
 
-/// What one candidate explains, given what is adopted already.
+/// Fit of one candidate, given the effects that are already adopted.
 #[derive(Clone, Debug)]
 pub struct CandidateFit {
     /// Which of the menu.
@@ -69,7 +69,7 @@ impl CandidateFit {
 pub struct SelectionStep {
     /// The one adopted.
     pub adopted: CandidateFit,
-    /// Others that the data cannot tell from it.
+    /// Other candidates that the data cannot separate from it.
     pub group: Vec<CandidateFit>,
 }
 

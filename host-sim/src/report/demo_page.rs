@@ -104,10 +104,10 @@ pub fn demo_page(drives: &[DemoDrive], map: &[MapRow], scores: &[ScoreRow]) -> P
                     "Root of the mean squared error, bias and mean normalised squared error \
                      (NEES; 1 means that the stated sigmas are honest) in % grade, first and last \
                      500 m left out. Live is what the vehicle knows at once, lagged what it knows \
-                     500 m later, smoothed what the whole run tells."
+                     500 m later, smoothed what the whole run gives."
                         .to_owned(),
                     "Beside them, from the same logs: the thesis's original filter, its modified \
-                     method, and an oracle, which is this filter told the true vehicle and how \
+                     method, and an oracle, which is this filter given the true vehicle and how \
                      large every noise is. These drives have neither wind nor cold tyres, so that \
                      an oracle's vehicle model is exact. The last column is the error over the \
                      oracle's."

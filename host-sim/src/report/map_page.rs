@@ -116,7 +116,7 @@ fn plan_section(ways: &[WayRows]) -> Section {
             .collect()
     };
     let directions = if ways.len() > 1 {
-        " Each way is drawn a little to the right of where it is."
+        " Each way is drawn slightly to the right of its position."
     } else {
         ""
     };
@@ -214,7 +214,7 @@ fn profile_section(number: usize, way: &WayRows) -> Section {
     sigma.y_range = Some((0.0, 1.1 * most(|row| row.grade_sigma_percent)));
     runs.y_range = Some((0.0, 1.1 * most(|row| f64::from(row.runs))));
     for (part, rows) in map_segments(&way.rows).enumerate() {
-        // The legend tells each colour once.
+        // The legend lists each colour once.
         let name = |name: &str| {
             if part == 0 {
                 name.to_owned()

@@ -372,7 +372,7 @@ fn thinned(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// Joins neighbouring stretches where `is_on` holds, as x ranges to shade.
+/// Joins neighbouring cells that are on into x ranges to shade.
 #[must_use]
 pub fn shaded_ranges(cells: impl IntoIterator<Item = (f64, bool)>) -> Vec<(f64, f64)> {
     let mut found: Vec<(f64, f64)> = Vec::new();

@@ -65,7 +65,7 @@ pub struct DistanceDrive {
     pub true_grade_percent: Vec<f64>,
 }
 
-/// A gear change that is under way.
+/// A gear change in progress.
 struct GearChange {
     /// Points it takes.
     points: usize,
@@ -89,7 +89,7 @@ struct MovingVehicle {
 struct Forces {
     /// From the engine, truly, N.
     traction_n: f64,
-    /// From the engine, as the bus tells it, N.
+    /// Traction force as reported on the bus, N.
     reported_n: f64,
     /// From the brakes, N.
     brake_n: f64,
@@ -99,7 +99,7 @@ struct Forces {
 
 /// Drives along a road of the given grade, one value each [`STEP_M`], from a steady 80 km/h on.
 ///
-/// `None` if the vehicle's parameters tell no engine and gearbox.
+/// `None` if the vehicle has no engine and gearbox parameters.
 #[must_use]
 pub fn simulate(
     grade_percent: &[f64],
@@ -217,7 +217,7 @@ impl MovingVehicle {
             0.0
         };
         if let Some(shift) = &self.shift {
-            // The clutch is open, while the torque that is told fades out and in again.
+            // The clutch is open while the reported torque fades out and in again.
             let part = (1.0 - 2.0 * shift.done as f64 / shift.points as f64).abs();
             return Forces {
                 traction_n: 0.0,

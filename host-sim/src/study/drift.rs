@@ -22,14 +22,14 @@ pub struct ForceSample {
     pub air_pressure_pa: Option<f64>,
 }
 
-/// Drift of the bare vehicle model over a stretch of road.
+/// Drift of the bare vehicle model over a section of road.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct ModelDrift {
     /// Way driven, m.
     pub length_m: f64,
     /// Altitude gained according to the model, m.
     pub modelled_climb_m: f64,
-    /// Modelled less real altitude gain, per km of way.
+    /// Modelled minus real altitude gain, per km of distance.
     pub drift_m_per_km: f64,
     /// The same as a mean error of grade, %.
     pub grade_error_percent: f64,

@@ -23,9 +23,9 @@ Trained on one mission of the ZTBus data set (F. Widmer, A. Ritter, C. H. Onder,
 10:687, 2023; CC BY 4.0): bus 183, 2021-07-26, six passes, each less the mean over the passes in
 its direction. Made by host-sim/src/study/gps; host-sim/tests/simulator/gps_chain.rs compares.";
 
-/// Lengths over which an error of altitude is told as one of grade, m.
+/// Lengths over which an altitude error is converted to a grade error, m.
 const GRADE_BASES_M: [f64; 3] = [500.0, 1_250.0, 3_000.0];
-/// Distances at which autocorrelation is told, m.
+/// Distances at which the autocorrelation is listed, m.
 const LAGS_M: [f64; 3] = [100.0, 500.0, 1_250.0];
 /// As far as autocorrelation is drawn, m.
 const LONGEST_LAG_M: f64 = 3_000.0;

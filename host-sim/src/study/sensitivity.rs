@@ -44,7 +44,7 @@ pub enum Parameter {
     Drag,
     /// Rolling resistance.
     Rolling,
-    /// Maximum torque, of which the bus tells a part.
+    /// Reference torque; the bus reports a percentage of it.
     Torque,
     /// Wheel radius, in the torque's lever only: the thesis takes speed as measured.
     WheelRadius,

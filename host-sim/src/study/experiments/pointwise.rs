@@ -13,7 +13,7 @@ use crate::report::page::{Figure, Section, Table};
 use crate::report::plot::{Mark, Plot, Series, colour};
 use crate::study::definition::{Setting, Study, StudyOutcome};
 
-/// Length of the low-pass filter on speed in figure 6, m. The thesis does not tell its own.
+/// Length of the low-pass filter on speed in figure 6, m. The thesis does not state its own.
 const LOW_PASS_M: f64 = 100.0;
 /// The section of northbound 3 that figure 6 shows, m: the large GPS error is in it.
 const SHOWN_M: (f64, f64) = (22_500.0, 26_500.0);

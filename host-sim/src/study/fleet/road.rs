@@ -29,7 +29,7 @@ const DAYS_APART: u64 = 1_000;
 /// Streams of parameters below this are those of a scenario's runs.
 const FIRST_STREAM: usize = 100;
 
-/// Errors that nobody shares, of the size stated.
+/// Independent errors with the stated variances.
 const INDEPENDENT: Dependence = Dependence {
     share: 0.0,
     inflation: 1.0,
@@ -71,7 +71,7 @@ impl FleetRoad {
     /// 10 %, torque by 4 % (1 sigma), cold tyres, wind of 2 m/s from anywhere.
     ///
     /// # Errors
-    /// Returns an error if a drive cannot be simulated or put by.
+    /// Returns an error if a drive cannot be simulated or stored.
     pub fn day(&self, number: usize, truck: Preset, runs: usize) -> Result<Vec<PlacedRun>> {
         let mut rng = stream(self.seed, FIRST_STREAM + number, Purpose::Parameters);
         let mut factor = |sigma: f64| (1.0 + sigma * normal(&mut rng)).clamp(0.7, 1.3);
