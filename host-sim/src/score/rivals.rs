@@ -67,9 +67,10 @@ struct Sampling {
 
 impl Sampling {
     fn of(model: Model) -> std::result::Result<Self, ParameterError> {
+        let context = Context::new(model, Tuning::default())?;
         Ok(Self {
-            context: Context::new(model, Tuning::default())?,
-            intake: Intake::new(),
+            intake: Intake::new(&context.tuning),
+            context,
             sampler: Sampler::new(),
         })
     }
@@ -81,8 +82,8 @@ impl Sampling {
             sampler,
         } = self;
         match input {
-            Input::Frame(frame) => intake.on_frame(context, sampler, frame.time, &frame.frame),
-            Input::Reading(time, reading) => intake.on_reading(context, sampler, *time, *reading),
+            Input::Frame(frame) => intake.on_frame(context, frame.time, &frame.frame, sampler),
+            Input::Reading(time, reading) => intake.on_reading(context, *time, *reading, sampler),
         };
         samples.extend(from_fn(|| sampler.next_sample()));
     }
