@@ -9,12 +9,13 @@ use crate::vehicle::ParameterError;
 /// down.
 #[derive(Clone, Debug)]
 pub struct Context {
+    // First, since every frame counts: a Cortex-M0 reaches only the start of a struct directly.
+    /// Counts of what happened.
+    pub counters: Counters,
     /// The model of the vehicle.
     pub model: Model,
     /// Noise levels and thresholds.
     pub tuning: Tuning,
-    /// Counts of what happened.
-    pub counters: Counters,
 }
 
 impl Context {

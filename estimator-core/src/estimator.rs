@@ -79,10 +79,11 @@ impl<S: Scalar> Estimator<S> {
     /// The first parameter that no vehicle can have.
     pub fn new(model: impl Into<Model>, tuning: Tuning) -> Result<Self, ParameterError> {
         let context = Context::new(model, tuning)?;
+        let intake = Intake::new(&context.tuning);
         let filter = Filter::new(&context.tuning, &SensorNoiseRatios::default(), None);
         Ok(Self {
             context,
-            intake: Intake::new(),
+            intake,
             sampler: Sampler::new(),
             filter,
             lag: FixedLag::new(),
@@ -113,14 +114,14 @@ impl<S: Scalar> Estimator<S> {
     /// Takes one frame, received at `now`.
     pub fn on_frame<F: Frame>(&mut self, now: Instant, frame: &F) -> Outcome {
         self.intake
-            .on_frame(&mut self.context, &mut self.sampler, now, frame)
+            .on_frame(&mut self.context, now, frame, &mut self.sampler)
     }
 
     /// Takes one reading that comes without a bus. Readings of the same time go in the order of
     /// [`Signal`](crate::Signal).
     pub fn on_reading(&mut self, now: Instant, reading: Reading) -> Outcome {
         self.intake
-            .on_reading(&mut self.context, &mut self.sampler, now, reading)
+            .on_reading(&mut self.context, now, reading, &mut self.sampler)
     }
 
     /// Moves the filter over one cell. Returns `None` if no cell is ready; call it until then.

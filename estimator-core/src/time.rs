@@ -63,15 +63,20 @@ impl Duration {
         self.micros
     }
 
-    /// Seconds, in f32. Spans beyond 4,294 s saturate: nothing in the core looks that far.
+    /// Microseconds, in 32 bits. Spans beyond 4,294 s saturate: nothing in the core looks that far.
     #[must_use]
-    pub const fn seconds(self) -> f32 {
-        let micros = if self.micros > u32::MAX as u64 {
+    pub(crate) const fn short_micros(self) -> u32 {
+        if self.micros > u32::MAX as u64 {
             u32::MAX
         } else {
             self.micros as u32
-        };
-        micros as f32 * 1e-6
+        }
+    }
+
+    /// Seconds, in f32. Spans beyond 4,294 s saturate.
+    #[must_use]
+    pub const fn seconds(self) -> f32 {
+        self.short_micros() as f32 * 1e-6
     }
 }
 

@@ -133,7 +133,7 @@ impl Budget {
     ) -> Result<(), BudgetError> {
         let (model, mut drive) = Recorded::open()?;
         let mut context = Context::new(model, Tuning::default()).map_err(Unusable::Vehicle)?;
-        let mut intake = Intake::new();
+        let mut intake = Intake::new(&context.tuning);
         let mut sampler = Sampler::new();
         let mut filter = Filter::<S>::new(&context.tuning, &SensorNoiseRatios::default(), None);
         let mut lag = FixedLag::<S>::new();
@@ -147,7 +147,7 @@ impl Budget {
             }
             for frame in block {
                 let (time, frame) = frame?;
-                intake.on_frame(&mut context, &mut sampler, time, &frame);
+                intake.on_frame(&mut context, time, &frame, &mut sampler);
                 while let Some(sample) = sampler.next_sample() {
                     let (record, count) = meter.count(|| filter.step(&mut context, &sample))?;
                     self.step.add(count);

@@ -37,7 +37,7 @@ pub(super) struct ColouredStates {
 impl ColouredStates {
     /// Returns their steps over the cell of a sample. `gnss_error_ratio` is the learned over the
     /// assumed variance of the GNSS error.
-    #[inline]
+    #[inline(always)] // In Prediction::new, so that weight and air resistance are computed once.
     pub(super) fn over(context: &Context, sample: &Sample, gnss_error_ratio: f32) -> Self {
         let process = &context.tuning.process_noise;
         let measurement = &context.tuning.measurement_noise;

@@ -38,7 +38,11 @@ pub(super) enum TimeCheck {
 /// The time of the newest input.
 #[derive(Clone, Debug)]
 pub(super) struct Clock {
-    now: Instant,
+    /// Silence after which one input alone does not move the time, µs. A copy of the tuning in 32
+    /// bits: every frame is compared with it.
+    far_ahead_us: u32,
+    /// Time stamp of the newest input that was in time, by the receiver's clock.
+    stamp: Instant,
     /// By how much the receiver's clock is behind since it was set back, µs.
     behind_us: u64,
     anomaly: Anomaly,
@@ -46,9 +50,10 @@ pub(super) struct Clock {
 
 impl Clock {
     /// Creates the clock before the first input.
-    pub(super) const fn new() -> Self {
+    pub(super) fn new(tuning: &HoldTimes) -> Self {
         Self {
-            now: Instant::ZERO,
+            far_ahead_us: tuning.clock_far_ahead.short_micros(),
+            stamp: Instant::ZERO,
             behind_us: 0,
             anomaly: Anomaly::NoInput,
         }
@@ -56,28 +61,33 @@ impl Clock {
 
     /// Returns the time of the newest input that was in time.
     pub(super) const fn now(&self) -> Instant {
-        self.now
+        self.time_of(self.stamp)
+    }
+
+    /// Returns the time of a time stamp.
+    const fn time_of(&self, stamp: Instant) -> Instant {
+        Instant::from_micros(stamp.micros().wrapping_add(self.behind_us))
     }
 
     /// Advances to the time stamp of an input, and returns what it means.
     #[inline]
     pub(super) fn advance(&mut self, stamp: Instant, tuning: &HoldTimes) -> TimeCheck {
-        let time = Instant::from_micros(stamp.micros().wrapping_add(self.behind_us));
-        // One comparison: a time before now wraps to one very far ahead.
-        let since_us = time.micros().wrapping_sub(self.now.micros());
-        if since_us <= tuning.clock_far_ahead.micros() {
-            self.now = time;
+        // A stamp before the newest one wraps to one very far ahead. Stamps are compared and not
+        // times, which need one more addition.
+        let since_us = stamp.micros().wrapping_sub(self.stamp.micros());
+        if u32::try_from(since_us).is_ok_and(|us| us <= self.far_ahead_us) {
+            self.stamp = stamp;
             self.anomaly = Anomaly::None;
             return TimeCheck::Follows;
         }
-        self.out_of_time(time, tuning.clock_set_back)
+        self.out_of_time(stamp, tuning.clock_set_back)
     }
 
     #[inline(never)] // Not on the path of every frame.
-    fn out_of_time(&mut self, time: Instant, set_back: Duration) -> TimeCheck {
-        let now = self.now;
+    fn out_of_time(&mut self, stamp: Instant, set_back: Duration) -> TimeCheck {
+        let (now, time) = (self.now(), self.time_of(stamp));
         if self.anomaly == Anomaly::NoInput {
-            self.now = time;
+            self.stamp = stamp;
             self.anomaly = Anomaly::None;
             TimeCheck::Follows
         } else if time >= now {
@@ -86,7 +96,7 @@ impl Clock {
                 self.anomaly = Anomaly::Ahead(time);
                 return TimeCheck::FarAhead;
             }
-            self.now = time;
+            self.stamp = stamp;
             self.anomaly = Anomaly::None;
             TimeCheck::Silent
         } else {
@@ -100,7 +110,7 @@ impl Clock {
                 return TimeCheck::Late;
             }
             self.behind_us = self.behind_us.wrapping_add(now.since(first).micros());
-            self.now = now + since;
+            self.stamp = stamp;
             self.anomaly = Anomaly::None;
             TimeCheck::SetBack
         }

@@ -16,6 +16,7 @@ use crate::counters::{Counters, count};
 use crate::sampler::Sampler;
 use crate::signal::{Decoder, FrameOutcome, Reading, Rejection, Signal, Value};
 use crate::time::Instant;
+use crate::tuning::Tuning;
 use clock::{Clock, TimeCheck};
 use embedded_can::Frame;
 
@@ -51,14 +52,15 @@ struct Checks {
 }
 
 impl Intake {
-    /// Creates an intake that has received nothing.
+    /// Creates an intake that has received nothing. A later change of `clock_far_ahead` in the tuning
+    /// has no effect on it.
     #[must_use]
-    pub const fn new() -> Self {
+    pub fn new(tuning: &Tuning) -> Self {
         Self {
             decoder: Decoder::new(),
             rates: RateMonitor::new(),
             checks: Checks {
-                clock: Clock::new(),
+                clock: Clock::new(&tuning.hold_times),
                 sources: SourceArbiter::new(),
             },
         }
@@ -69,9 +71,9 @@ impl Intake {
     pub fn on_frame<F: Frame>(
         &mut self,
         context: &mut Context,
-        sampler: &mut Sampler,
         now: Instant,
         frame: &F,
+        sampler: &mut Sampler,
     ) -> Outcome {
         let Self {
             decoder,
@@ -123,9 +125,9 @@ impl Intake {
     pub fn on_reading(
         &mut self,
         context: &mut Context,
-        sampler: &mut Sampler,
         now: Instant,
         reading: Reading,
+        sampler: &mut Sampler,
     ) -> Outcome {
         let Self { checks, .. } = self;
         if let Some(out_of_time) = checks.time(context, now) {
@@ -134,12 +136,6 @@ impl Intake {
         checks.take(context, sampler, reading.signal, reading.value, None);
         sampler.start(checks.clock.now());
         Outcome::Used
-    }
-}
-
-impl Default for Intake {
-    fn default() -> Self {
-        Self::new()
     }
 }
 

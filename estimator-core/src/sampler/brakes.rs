@@ -21,7 +21,7 @@ pub(super) struct Brakes {
 
 impl Brakes {
     /// Takes a reading.
-    #[inline(always)] // In Sampler::record.
+    #[inline(never)] // See Sampler::record().
     pub(super) fn record(
         &mut self,
         tuning: &Tuning,

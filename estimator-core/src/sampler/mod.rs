@@ -32,7 +32,7 @@ use crate::counters::count;
 use crate::effect::Acts;
 use crate::sample::{AltitudeContinuity, EffectInputs, ForceInputs, Sample};
 use crate::scalar::Scalar;
-use crate::signal::{Reading, Signal};
+use crate::signal::{Reading, Signal, Value};
 use crate::time::Instant;
 use crate::vehicle::{Driveline, Traction, air_density};
 use accepted_ranges::SPEEDS_MPS;
@@ -128,6 +128,8 @@ impl Sampler {
 
     /// Takes one reading. `source_switched` is whether it comes from another source than the last
     /// reading of the signal.
+    // The parts with many signals are called, not inlined: a compiler for Cortex-M0 computes the
+    // addresses of all that is inlined here before the match, for every reading.
     #[inline(always)] // Called once: where the intake passes readings on.
     pub fn record(
         &mut self,
@@ -174,15 +176,15 @@ impl Sampler {
             Signal::Mass => parts.stops.mass(context, now, value),
             Signal::AmbientTemperature => parts.air.ambient.set(value, now),
             Signal::AirPressure => parts.air.pressure.set(value, now),
-            Signal::FixMethod | Signal::Satellites | Signal::Hdop | Signal::Vdop => {
-                parts.gnss.quality(now, reading.signal, value);
+            Signal::FixMethod
+            | Signal::Satellites
+            | Signal::Hdop
+            | Signal::Vdop
+            | Signal::Latitude
+            | Signal::Longitude
+            | Signal::Altitude => {
+                self.record_fix(context, now, reading.signal, reading.value, source_switched);
             }
-            Signal::Latitude => parts.gnss.latitude(reading.value),
-            Signal::Longitude => {
-                let at_m = self.fix_distance_m(context, now);
-                self.parts.gnss.longitude(reading.value, at_m);
-            }
-            Signal::Altitude => self.altitude(context, now, value, source_switched),
             Signal::WheelSpeed | Signal::FrontAxleSpeed => {
                 if let Some(mps) = parts.check_speed(context, now, reading.signal, value) {
                     self.speed(context, now, mps);
@@ -221,6 +223,28 @@ impl Sampler {
         let hold_times = &context.tuning.hold_times;
         self.odometer
             .distance_m(now, hold_times.gnss_latency, hold_times.speed_timeout)
+    }
+
+    /// Takes a reading of the GNSS receiver.
+    #[inline(never)] // See record().
+    fn record_fix(
+        &mut self,
+        context: &mut Context,
+        now: Instant,
+        signal: Signal,
+        value: Value,
+        source_switched: bool,
+    ) {
+        let gnss = &mut self.parts.gnss;
+        match signal {
+            Signal::Latitude => gnss.latitude(value),
+            Signal::Longitude => {
+                let at_m = self.fix_distance_m(context, now);
+                self.parts.gnss.longitude(value, at_m);
+            }
+            Signal::Altitude => self.altitude(context, now, value.real(), source_switched),
+            _ => gnss.quality(now, signal, value.real()),
+        }
     }
 
     fn altitude(
@@ -293,7 +317,7 @@ impl Default for Sampler {
 impl Parts {
     /// Takes a reading of the driveline. Most readings repeat the one before; then only the hold
     /// time of a transition is extended.
-    #[inline(always)] // In Sampler::record.
+    #[inline(never)] // See Sampler::record().
     fn record_driveline(
         &mut self,
         context: &Context,

@@ -56,6 +56,7 @@ impl Stops {
     }
 
     /// Takes a reported mass.
+    #[inline(never)] // See Sampler::record().
     pub(super) fn mass(&mut self, context: &Context, now: Instant, value: Option<f32>) {
         let detection = &context.tuning.detection;
         let masses = detection.mass_low..detection.mass_high;

@@ -60,6 +60,8 @@ impl<S: Scalar> BackwardPass<S> {
     }
 
     /// Goes back over a step: from after its measurements to after those of the step before.
+    // Within a block its fields are too far from the start for a Cortex-M0 to reach them directly.
+    #[inline(never)]
     pub fn retreat(&mut self, step: &SmootherInput<S>) {
         // In the reverse order of the filter's updates.
         for (observation, update) in step.updates() {

@@ -117,12 +117,29 @@ impl<S: Scalar> FixedLag<S> {
         self.finished.pop_front()
     }
 
+    /// Appends an empty block. It is filled in the queue: on the stack it would be the largest
+    /// object of all.
+    #[inline(never)] // Its copy of the block is gone from the stack before the block is filled.
+    fn open_block(&mut self) {
+        let block = Block {
+            smoother: BlockSmoother::new(),
+            cells: self.filtered.len(),
+        };
+        // There is room: finish() keeps that of one block free.
+        if self.blocks.push_back(block).is_err() {
+            self.filtered.clear();
+        }
+    }
+
     /// Makes a block of the steps since the last one.
+    #[inline(never)] // So that its stack and that of finish() are not in use at once.
     fn close_block(&mut self) {
-        let mut smoother = BlockSmoother::new();
-        let cells = self.filtered.len();
+        self.open_block();
+        let Some(Block { smoother, .. }) = self.blocks.back_mut() else {
+            return;
+        };
         while let Some(cell) = self.filtered.pop() {
-            // There is room: finish() keeps that of one block free.
+            // There is room, as for the block.
             let _ = self.pending.push_back(PendingCell {
                 // Field by field: a copy as a whole needs memmove, a kilobyte of flash.
                 end: CellEnd { ..cell.end },
@@ -135,10 +152,10 @@ impl<S: Scalar> FixedLag<S> {
             });
             smoother.retreat(&cell.smoother_input);
         }
-        let _ = self.blocks.push_back(Block { smoother, cells });
     }
 
     /// Finishes the oldest block. Returns the number of finished cells that it overwrites.
+    #[inline(never)] // As close_block().
     fn finish(&mut self) -> usize {
         let mut pass = BackwardPass::new();
         for later in self.blocks.iter().skip(1).rev() {

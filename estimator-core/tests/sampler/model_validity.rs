@@ -79,7 +79,7 @@ fn a_retarder_at_rest_drags_a_percent_and_is_no_brake() {
 #[test]
 fn either_of_two_retarders_counts() {
     let mut context = Context::new(truck(), Tuning::default()).unwrap();
-    let mut intake = Intake::new();
+    let mut intake = Intake::new(&context.tuning);
     let mut sampler = Sampler::new();
     let mut braking = Vec::new();
     let frame = |source, percent| {
@@ -98,12 +98,12 @@ fn either_of_two_retarders_counts() {
             (0x10, if k < 50 { 0.0 } else { -30.0 }),
             (0x0f, 0.0),
         ] {
-            intake.on_frame(&mut context, &mut sampler, now, &frame(source, percent));
+            intake.on_frame(&mut context, now, &frame(source, percent), &mut sampler);
         }
         for (signal, value) in cruising(&[]) {
             let value = Value::Real(value);
             let reading = Reading { signal, value };
-            intake.on_reading(&mut context, &mut sampler, now, reading);
+            intake.on_reading(&mut context, now, reading, &mut sampler);
         }
         while let Some(sample) = sampler.next_sample() {
             braking.push((k, sample.end.condition.braking));

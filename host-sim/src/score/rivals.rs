@@ -67,9 +67,10 @@ struct Sampling {
 
 impl Sampling {
     fn of(model: Model) -> std::result::Result<Self, ParameterError> {
+        let context = Context::new(model, Tuning::default())?;
         Ok(Self {
-            context: Context::new(model, Tuning::default())?,
-            intake: Intake::new(),
+            intake: Intake::new(&context.tuning),
+            context,
             sampler: Sampler::new(),
         })
     }
@@ -81,9 +82,9 @@ impl Sampling {
             sampler,
         } = self;
         match input {
-            LogInput::Frame(frame) => intake.on_frame(context, sampler, frame.time, &frame.frame),
+            LogInput::Frame(frame) => intake.on_frame(context, frame.time, &frame.frame, sampler),
             LogInput::Reading(time, reading) => {
-                intake.on_reading(context, sampler, *time, *reading)
+                intake.on_reading(context, *time, *reading, sampler)
             }
         };
         samples.extend(from_fn(|| sampler.next_sample()));

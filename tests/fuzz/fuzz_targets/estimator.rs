@@ -61,13 +61,13 @@ fn sound(known: Uncertain) {
 
 fn through_filter(events: &[Event]) {
     let mut context = Context::new(truck(), Tuning::default()).expect("a truck");
-    let mut intake = Intake::new();
+    let mut intake = Intake::new(&context.tuning);
     let mut sampler = Sampler::new();
     let mut filter = Filter::<f32>::new(&context.tuning, &SensorNoiseRatios::default(), None);
     let mut bus = EventBus::default();
     for event in events {
         bus.play(event, &mut |timed| {
-            intake.on_frame(&mut context, &mut sampler, timed.time, &timed.frame);
+            intake.on_frame(&mut context, timed.time, &timed.frame, &mut sampler);
             while let Some(sample) = sampler.next_sample() {
                 filter.step(&mut context, &sample);
                 if let Some(state) = filter

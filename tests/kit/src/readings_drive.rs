@@ -14,9 +14,10 @@ pub struct ReadingsDrive {
 
 impl ReadingsDrive {
     pub fn of(model: impl Into<Model>) -> Self {
+        let context = Context::new(model, Tuning::default()).unwrap();
         Self {
-            context: Context::new(model, Tuning::default()).unwrap(),
-            intake: Intake::new(),
+            intake: Intake::new(&context.tuning),
+            context,
             sampler: Sampler::new(),
             now_ms: 0,
             samples: Vec::new(),
@@ -27,7 +28,7 @@ impl ReadingsDrive {
         let now = Instant::from_micros(self.now_ms * 1000);
         let reading = Reading { signal, value };
         self.intake
-            .on_reading(&mut self.context, &mut self.sampler, now, reading);
+            .on_reading(&mut self.context, now, reading, &mut self.sampler);
     }
 
     /// Drives on for some seconds with these readings every 100 ms, in their order; the samples of
