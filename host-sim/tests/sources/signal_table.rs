@@ -93,7 +93,7 @@ fn gzip_is_read_and_a_damaged_one_refused() {
     assert_eq!(read(&packed), Ok(table_rows()));
     let message = read(&packed[..packed.len() - 4]).expect_err("cut off");
     assert!(
-        message.contains("gzip data are cut off or damaged"),
+        message.contains("gzip data are truncated or damaged"),
         "{message}"
     );
 }
@@ -131,11 +131,11 @@ fn headers_are_checked() {
         ),
         (
             "time_s,gear,gear\n1,2,3\n",
-            "table.csv:1: column `gear` is there twice; expected",
+            "table.csv:1: column `gear` is repeated; expected",
         ),
         (
             "time_s,gear,time_s\n1,2,3\n",
-            "table.csv:1: column `time_s` is there twice; expected",
+            "table.csv:1: column `time_s` is repeated; expected",
         ),
         (
             "\u{1}\u{2}\u{3}\n",
