@@ -163,7 +163,7 @@ fn cells_are_checked_with_line_and_column() {
         ),
         (
             "1,2,\n\n\n2,abc,",
-            "table.csv:5: gear is `abc`; expected a finite number, or nothing",
+            "table.csv:5: gear is `abc`; expected a finite number, or an empty cell",
         ),
         (
             "1,2,\r\n2,NaN,\r\n",
