@@ -1,5 +1,7 @@
 //! The bench around `estimator-core`: sources of traffic, whole-run smoothing, maps, reports.
 
+#![warn(missing_docs)]
+
 pub mod cli;
 pub mod comparison;
 pub mod diagnose;

@@ -217,8 +217,9 @@ macro_rules! tuning {
                     if group == stringify!($group)
                         && key == $crate::tuning::parameter::parameter_key!($kind, $name)
                     {
-                        let range: core::ops::RangeInclusive<f64> = $low..=$high;
-                        if !range.contains(&value) {
+                        // In the precision of the parameter: a limit that is read back is within it.
+                        let (low, high): (f64, f64) = ($low, $high);
+                        if !(low as f32..=high as f32).contains(&(value as f32)) {
                             return Err(TuningError::OutOfRange { low: $low, high: $high });
                         }
                         type Type = $crate::tuning::parameter::parameter_type!($kind);

@@ -40,6 +40,7 @@ pub struct CandidateCase {
     pub name: &'static str,
     /// Estimate if it alone were adopted, and its sigma.
     pub amount: f64,
+    /// Standard deviation of the estimate.
     pub sigma: f64,
     /// Unit of both.
     pub unit: &'static str,
@@ -75,6 +76,7 @@ pub struct Diagnosis {
     pub unexplained: Vec<Unexplained>,
     /// The bare model on the drives held out, before and after.
     pub before: Judgement,
+    /// The bare model on the same drives, after.
     pub after: Judgement,
     /// Whether these drives were used to fit as well, for want of others.
     pub judged_on_fitted: bool,

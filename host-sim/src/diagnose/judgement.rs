@@ -30,9 +30,11 @@ const BLOCK: usize = 5;
 pub struct Judgement {
     /// Root mean square over windows, %, with an interval of 90 %.
     pub rmse_percent: f64,
+    /// Interval of 90 % of the RMSE, %.
     pub rmse_interval: (f64, f64),
     /// Mean over windows, %, with an interval of 90 %.
     pub bias_percent: f64,
+    /// Interval of 90 % of the mean error, %.
     pub bias_interval: (f64, f64),
     /// Altitude that the model gains over the reference in each km, m.
     pub drift_m_per_km: f64,

@@ -120,7 +120,7 @@ pub fn in_a_sentence(diagnosis: &Diagnosis) -> String {
     let mut words = if names.is_empty() {
         "Nothing is adopted: the drives do not ask for any effect beyond the model.".to_owned()
     } else {
-        format!("AdoptedEffect: {}.", names.join("; "))
+        format!("Adopted: {}.", names.join("; "))
     };
     words += &format!(
         " On drives {}, the bare model is {:.3} % grade off before and {:.3} % after (RMSE over \

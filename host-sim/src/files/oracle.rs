@@ -16,9 +16,8 @@
 //! gnss_latency_s = 0.15          # age of a fix when it arrives
 //! force_white_sigma_n = 5.0      # optional: traction force, mean over a cell of 2.5 m
 //! force_slow = { sigma_n = 40.0, time_s = 300.0 }      # optional: auxiliaries and the like
-//! headwind = { sigma_mps = 1.4, time_s = 4000.0 }      # optional: along the road, zero mean; for
-//! a
-//!                                                      # steady wind, longer than the run
+//! headwind = { sigma_mps = 1.4, time_s = 4000.0 }      # optional: along the road, zero mean; if
+//!                                                      # steady, longer than the run
 //! cold_tyres = { amount = 0.3, time_s = 1500.0 }       # optional: rolling resistance is (1 + amount)
 //!                                                      # times as large at first, and decays
 //! ```

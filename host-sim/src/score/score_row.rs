@@ -16,7 +16,9 @@ pub struct ScoreRow {
     pub run: String,
     /// `smoothed`, `lagged`, `live`, one of the [`rivals`](super::rivals), or `map`.
     pub estimate: &'static str,
+    /// Number of cells compared.
     pub cells: usize,
+    /// RMSE of the grade over all cells, %.
     pub rmse_percent: f64,
     /// Over cells that neither a shift nor braking spoiled; `None` if there are none.
     pub rmse_valid_percent: Option<f64>,
@@ -53,7 +55,10 @@ pub enum Unscorable {
         "no cell of {cells} both within the truth and {END_CUT_M} m away from either end; \
          expected a longer run, or the truth of this drive"
     )]
-    NothingLeft { cells: usize },
+    NothingLeft {
+        /// Number of cells of the run.
+        cells: usize,
+    },
     /// A reference without a grade.
     #[error("no grade_percent; expected a reference with the grade of each point")]
     NoGrade,

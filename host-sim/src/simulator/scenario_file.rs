@@ -33,8 +33,7 @@
 //! speed_sigma_mps = 0.05
 //! course_sigma_deg = 0.3
 //! outages_m = []                 # tunnels, e.g. [[5000.0, 5800.0]]; along the road as stored
-//! steps = []                     # [from_m, to_m, metres]: the altitude is wrong by this in
-//! between
+//! steps = []                     # [from_m, to_m, metres]: the altitude is wrong by this
 //! ramps = []                     # [from_m, to_m, metres]: the error grows to this, then ends
 //!
 //! [latency_ms]                   # age of a value when its message is sent

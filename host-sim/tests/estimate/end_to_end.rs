@@ -391,7 +391,9 @@ fn a_data_set_takes_runs_by_tile_and_day() {
     fs::write(&vehicle, other).unwrap();
     command(&["--dataset", "runs", "--day", "2026-11-21"])
         .code(1)
-        .stderr(contains("a_forward.parquet: has a run of another vehicle"));
+        .stderr(contains(
+            "a_forward.parquet: already holds a run of another vehicle",
+        ));
     assert_eq!(run::read(&file).unwrap(), rows);
 
     command(&["--dataset", "runs"])

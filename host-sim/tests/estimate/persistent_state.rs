@@ -213,9 +213,9 @@ fn the_file_goes_from_drive_to_drive() {
     let (plain, plain_out) = estimate(folder, "one", None);
     plain.success();
     let (first, first_out) = estimate(folder, "one", Some(&memory));
-    first
-        .success()
-        .stderr(contains("kept for the next drive").and(contains("truck.kept")));
+    first.success().stderr(
+        contains("stored the persistent state for the next drive").and(contains("truck.kept")),
+    );
     assert_eq!(fs::read(plain_out).unwrap(), fs::read(first_out).unwrap());
     let left = fs::read(&memory).unwrap();
     assert_eq!(left.len(), PersistentState::LEN);
@@ -251,7 +251,7 @@ fn the_file_goes_from_drive_to_drive() {
 
     // A short drive leaves what was there.
     let (short, short_out) = estimate(folder, "short", Some(&memory));
-    short.success().stderr(contains("is as it was"));
+    short.success().stderr(contains("is unchanged"));
     assert!(short_out.exists());
     assert_eq!(fs::read(&memory).unwrap(), second_left);
 }
@@ -278,7 +278,7 @@ fn a_file_that_is_not_to_be_used_is_refused_with_its_name_and_leaves_everything(
     refused("two", &damaged, "damaged");
     refused("two", &left[..20], "20 bytes: expected 52");
     refused("two", b"", "0 bytes: expected 52");
-    refused("two", b"time_s,distance_m\n", "not what a drive keeps");
+    refused("two", b"time_s,distance_m\n", "not a persistent state");
     let mut later = left.clone();
     later[4] = 2;
     refused("two", &later, "version 2: expected 1");

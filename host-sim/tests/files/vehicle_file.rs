@@ -82,7 +82,7 @@ fn what_is_wrong_with_an_effect_is_named() {
     for (effects, expected) in [
         (
             "[effects.tire_warmup]\namount = 1\namount_sigma = 0\n",
-            "effects.tire_warmup: there is no such effect; expected one of rolling_resistance, ",
+            "effects.tire_warmup: unknown effect; expected one of rolling_resistance, ",
         ),
         (
             "[effects.mass]\namount = 0.1\n",
@@ -193,6 +193,6 @@ fn an_estimate_counts_with_the_effects_of_its_vehicle() {
     ];
     roadgrade(folder.path(), &arguments)
         .code(1)
-        .stderr(contains("bad.toml: effects.wind: there is no such effect"));
+        .stderr(contains("bad.toml: effects.wind: unknown effect"));
     assert!(!file("bad.csv").exists());
 }

@@ -82,11 +82,11 @@ fn a_run_that_matches_nowhere_is_a_warning_beside_others() {
         .success()
         .stderr(
             contains("back.csv: 2401 cells: 0 matched")
-                .and(contains("warning: drives the other way"))
+                .and(contains("warning: opposite direction"))
                 .and(contains(
                     "away.csv: 2401 cells: 0 matched, 2401 off the road",
                 ))
-                .and(contains("warning: 2 of 3 runs gave nothing")),
+                .and(contains("warning: 2 of 3 runs cover no cell")),
         );
     assert!(folder.path().join("map.csv").exists());
 }
@@ -170,7 +170,11 @@ fn broken_runs_are_told_with_file_and_line() {
             set(7, "-0.1"),
             "bad.csv:4: grade_sigma_percent is -0.1",
         ),
-        ("half a position", set(2, ""), "bad.csv:4: half a position"),
+        (
+            "incomplete position",
+            set(2, ""),
+            "bad.csv:4: incomplete position",
+        ),
         (
             "not on Earth",
             set(2, "147.4"),

@@ -336,7 +336,7 @@ fn what_cannot_be_exported_is_refused() {
         ("none.csv", "none.csv: "),
         ("empty.csv", "empty.csv: no rows"),
         ("bad.csv", "bad.csv:4: distance_m is 0 after 2.5"),
-        ("bad.parquet", "bad.parquet: damaged, or no Parquet file"),
+        ("bad.parquet", "bad.parquet: damaged, or not a Parquet file"),
     ] {
         for out in ["x.geojson", "x.html", "x"] {
             export(folder.path(), &[map, "--out", out])

@@ -143,7 +143,7 @@ fn ways_may_come_as_csv() {
     fuse(at, &["--out", "no.csv", "--road", "torn.csv", "0.csv"])
         .failure()
         .code(1)
-        .stderr(contains("torn.csv:2403: way a forward once more"));
+        .stderr(contains("torn.csv:2403: way a forward appears twice"));
     std::fs::write(at.join("unnamed.csv"), text.replace("\nb,", "\n ,")).expect("written");
     fuse(at, &["--out", "no.csv", "--road", "unnamed.csv", "0.csv"])
         .failure()
@@ -204,7 +204,7 @@ fn a_store_of_a_network_grows_run_by_run() {
     }
     fuse(at, &[&stored[..], &["2.csv"]].concat())
         .success()
-        .stderr(contains("in the map already"));
+        .stderr(contains("already in the map"));
 
     // Without the network, and with another.
     let before = bytes(at, "sums.csv");
@@ -212,7 +212,7 @@ fn a_store_of_a_network_grows_run_by_run() {
         .failure()
         .code(1)
         .stderr(contains(
-            "the store of a network; expected its file by --road too",
+            "the store has a network; give the file of the network with --road",
         ));
     save(&at.join("other.geojson"), &three(&hills())[..2]);
     fuse(
@@ -229,7 +229,7 @@ fn a_store_of_a_network_grows_run_by_run() {
     )
     .failure()
     .code(1)
-    .stderr(contains("the store of another road"));
+    .stderr(contains("the store has another road"));
     // Rows of ways that the store does not have, or in another order.
     let text = String::from_utf8(before.clone()).expect("text");
     for (from, to, expected) in [
@@ -238,13 +238,9 @@ fn a_store_of_a_network_grows_run_by_run() {
             ",d,forward",
             "a cell of a way that the rows before list",
         ),
-        (
-            ",a,forward",
-            ",z,forward",
-            "a way behind one of a later name",
-        ),
+        (",a,forward", ",z,forward", "ways out of order"),
         (",b,forward", ",b,sideways", "unknown variant `sideways`"),
-        (",b,forward", ",,forward", "half the name of a way"),
+        (",b,forward", ",,forward", "incomplete name of a way"),
     ] {
         let begin = if expected.contains("rows before") {
             text.find(",day,").expect("a session")
@@ -306,7 +302,7 @@ fn a_map_of_ways_is_no_single_road() {
     assert!(
         problem
             .to_string()
-            .contains("3 ways; expected a single road here"),
+            .contains("3 ways; expected a single road"),
         "{problem}"
     );
 }
@@ -420,7 +416,7 @@ fn bad_networks_are_refused_with_file_and_feature() {
         ),
         (
             with(&|way| way["properties"]["way"] = json!("a")),
-            "feature 2: way a: so is feature 1; expected names that differ",
+            "feature 2: way a: same name as feature 1; expected unique names",
         ),
         (
             with(&|way| way["properties"]["oneway"] = json!("perhaps")),

@@ -221,9 +221,9 @@ fn a_run_counts_once() {
         "x=first.csv",
     ];
     fuse(at, &[&road[..], &more].concat()).success().stderr(
-        contains("copy.parquet: in the map already, not counted again")
-            .and(contains("first.csv: in the map already"))
-            .and(contains("warning: 2 runs were in the map already")),
+        contains("copy.parquet: already in the map, not counted again")
+            .and(contains("first.csv: already in the map"))
+            .and(contains("warning: 2 runs were already in the map")),
     );
     same(
         &map(&folder, "once.parquet"),
@@ -254,12 +254,12 @@ fn an_interrupted_fusion_goes_on() {
     // ... and the same command as before.
     fuse_runs(&["runs"])
         .success()
-        .stderr(contains("warning: 3 runs were in the map already"));
+        .stderr(contains("warning: 3 runs were already in the map"));
     let resumed = map(&folder, "map.parquet");
     let sums = fs::read(at.join("sums.csv")).expect("sums");
     fuse_runs(&["runs"])
         .success()
-        .stderr(contains("warning: 7 runs were in the map already"));
+        .stderr(contains("warning: 7 runs were already in the map"));
     assert_eq!(fs::read(at.join("sums.csv")).expect("sums"), sums);
     same(&resumed, &map(&folder, "map.parquet"), 0.0);
     fuse(at, &["--road", "road.csv", "--out", "all.parquet", "runs"]).success();
@@ -275,11 +275,11 @@ fn an_interrupted_fusion_goes_on() {
         ),
         (
             format!("{text}{last}\n"),
-            "not a run, or one that was there already",
+            "not a run, or a run that is already listed",
         ),
         (
             text.replace(&last, "# run 12"),
-            "not a run, or one that was there already",
+            "not a run, or a run that is already listed",
         ),
     ];
     for (text, message) in cases {
@@ -324,9 +324,7 @@ fn a_damaged_file_is_named_and_left_out_whole() {
             .stderr(
                 contains("3.parquet: ")
                     .and(contains(": left out"))
-                    .and(contains(
-                        "warning: 1 files were damaged and left out, 6 runs added",
-                    )),
+                    .and(contains("warning: 1 damaged files left out, 6 runs added")),
             );
         same(&others, &map(&folder, "map.parquet"), 0.0);
         fs::remove_file(at.join("map.parquet")).expect("removed");
@@ -375,7 +373,7 @@ fn no_flipped_bit_passes_or_panics() {
             Err(e) => {
                 assert!(e.to_string().contains("a.parquet"), "{e}");
                 refused += 1;
-                if e.to_string().contains("its pages make no sense") {
+                if e.to_string().contains("its pages cannot be decoded") {
                     senseless = Some(bytes);
                 }
             }
@@ -386,7 +384,7 @@ fn no_flipped_bit_passes_or_panics() {
     fs::write(&path, senseless.expect("one of them")).expect("written");
     fuse(folder.path(), &["--out", "map.parquet", "a.parquet"])
         .code(1)
-        .stderr(contains("its pages make no sense").and(contains("panicked").not()));
+        .stderr(contains("its pages cannot be decoded").and(contains("panicked").not()));
 }
 
 #[test]

@@ -171,7 +171,7 @@ fn a_store_of_another_road_is_refused() {
     let (map, sums) = (text(&folder, "map.csv"), text(&folder, "sums.csv"));
     fuse(at, &["--store", "sums.csv", "--road", "road.csv", "1.csv"])
         .code(1)
-        .stderr(contains("sums.csv: the store of another road"));
+        .stderr(contains("sums.csv: the store has another road"));
     // Nor does a run that drives elsewhere, or the other way, change anything.
     let away = run(&moved(&hills(), 90e3, 0.0));
     let back = run(&reversed(&hills()));
@@ -326,28 +326,28 @@ fn broken_stores_are_told_with_file_and_line() {
         (set(5, 5, "NaN"), "sums.csv:5: weight is NaN".to_owned()),
         (
             set(5, 5, "-4"),
-            "sums.csv:5: sums that 1 runs cannot have".to_owned(),
+            "sums.csv:5: sums that are impossible for 1 runs".to_owned(),
         ),
         (
             set(5, 6, "1"),
-            "sums.csv:5: sums that 1 runs cannot have".to_owned(),
+            "sums.csv:5: sums that are impossible for 1 runs".to_owned(),
         ),
         (
             set(5, 8, "1e-9"),
-            "sums.csv:5: sums that 1 runs cannot have".to_owned(),
+            "sums.csv:5: sums that are impossible for 1 runs".to_owned(),
         ),
         (
             set(5, 4, "0"),
-            "sums.csv:5: sums that 0 runs cannot have".to_owned(),
+            "sums.csv:5: sums that are impossible for 0 runs".to_owned(),
         ),
         (set(5, 4, "-1"), "sums.csv:5: runs: ".to_owned()),
-        (session(9, "-1"), at_session("sums that 2 runs cannot have")),
-        (session(0, "0"), at_session("distance_m is 0 after")),
         (
-            session(1, "a"),
-            at_session("a session behind one of a later name"),
+            session(9, "-1"),
+            at_session("sums that are impossible for 2 runs"),
         ),
-        (session(1, " "), at_session("a session behind one of")),
+        (session(0, "0"), at_session("distance_m is 0 after")),
+        (session(1, "a"), at_session("sessions out of order")),
+        (session(1, " "), at_session("sessions out of order")),
         (
             set(last_row, 0, "1000"),
             format!("sums.csv:{last_row}: distance_m is 1000"),

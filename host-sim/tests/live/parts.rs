@@ -249,13 +249,13 @@ fn the_panel_shows_grade_interfaces_and_events() {
         "72.0 km/h",
         "bias +0.05 % ± 0.02   scale 1.012 ± 0.030",
         "812 finished   newest -1.25 % ± 0.06",
-        "412 frames/s   123456 in all, 3 lost, 2 × bus off, 1 × restarted",
+        "412 frames/s   123456 in total, 3 lost, 2 × bus off, 1 × restarted",
         "17 values not available, 4 frames not published",
     ] {
         assert!(text.contains(part), "{part} in\n{text}");
     }
     let before = panel(&view(None));
-    assert!(before.contains("not yet"));
+    assert!(before.contains("no speed received yet"));
     // A steep slope does not burst the gauge.
     let mut steep = live(Condition::default());
     steep.estimate.grade_percent.value = 400.0;

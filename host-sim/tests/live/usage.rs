@@ -57,8 +57,8 @@ fn wrong_usage_is_told() {
         ),
         (with(&["--publish", "--address", "255"]), "0..=254"),
         (with(&["--address", "3"]), "--publish"),
-        (with(&["--end-after-silence", "0"]), "above 0"),
-        (with(&["--end-after-silence", "1e99"]), "above 0"),
+        (with(&["--end-after-silence", "0"]), "greater than 0"),
+        (with(&["--end-after-silence", "1e99"]), "greater than 0"),
         (vec!["replay", "drive.log"], "--can"),
         (vec!["replay", "--can", "vcan0"], "LOG"),
         (
@@ -124,7 +124,7 @@ fn an_interface_that_is_none_of_can_is_told() {
     let files = Files::new();
     let vehicle = ["--vehicle", "vehicle.toml"];
     // There is a loopback interface everywhere; where the kernel has no CAN, that is the reason.
-    let words = || contains("no CAN interface of that name").or(contains("this kernel has no CAN"));
+    let words = || contains("no CAN interface of this name").or(contains("this kernel has no CAN"));
     files
         .run(&[&["listen", "--can", "lo"], &vehicle[..]].concat())
         .code(1)

@@ -282,17 +282,20 @@ fn gzip_data_that_are_cut_off_or_damaged_are_refused() {
     for cut in [3, 12, packed.len() / 2, packed.len() - 1] {
         let message = error(&packed[..cut]);
         assert!(
-            message.contains("gzip data are cut off or damaged"),
+            message.contains("gzip data are truncated or damaged"),
             "{message}"
         );
-        assert!(message.ends_with("expected a whole gzip file"), "{message}");
+        assert!(
+            message.ends_with("expected a complete gzip file"),
+            "{message}"
+        );
     }
     let mut damaged = packed.clone();
     let checksum = damaged.len() - 8;
     damaged[checksum] ^= 1;
     let message = error(&damaged);
     assert!(
-        message.starts_with("drive.log:5001: the gzip data are cut off or damaged"),
+        message.starts_with("drive.log:5001: the gzip data are truncated or damaged"),
         "{message}"
     );
 }

@@ -93,7 +93,7 @@ fn gzip_is_read_and_a_damaged_one_refused() {
     assert_eq!(read(&packed), Ok(table_rows()));
     let message = read(&packed[..packed.len() - 4]).expect_err("cut off");
     assert!(
-        message.contains("gzip data are cut off or damaged"),
+        message.contains("gzip data are truncated or damaged"),
         "{message}"
     );
 }
@@ -131,11 +131,11 @@ fn headers_are_checked() {
         ),
         (
             "time_s,gear,gear\n1,2,3\n",
-            "table.csv:1: column `gear` is there twice; expected",
+            "table.csv:1: column `gear` is repeated; expected",
         ),
         (
             "time_s,gear,time_s\n1,2,3\n",
-            "table.csv:1: column `time_s` is there twice; expected",
+            "table.csv:1: column `time_s` is repeated; expected",
         ),
         (
             "\u{1}\u{2}\u{3}\n",
@@ -163,7 +163,7 @@ fn cells_are_checked_with_line_and_column() {
         ),
         (
             "1,2,\n\n\n2,abc,",
-            "table.csv:5: gear is `abc`; expected a finite number, or nothing",
+            "table.csv:5: gear is `abc`; expected a finite number, or an empty cell",
         ),
         (
             "1,2,\r\n2,NaN,\r\n",

@@ -89,7 +89,7 @@ fn an_interface_that_is_down_or_missing_at_the_start_is_an_error() {
     for assert in [listen("lo"), replay("lo")] {
         assert
             .code(1)
-            .stderr(contains("no CAN interface of that name"));
+            .stderr(contains("no CAN interface of this name"));
     }
 }
 

@@ -24,16 +24,21 @@ pub struct RunRow {
     #[serde(deserialize_with = "column")]
     pub altitude_m: Option<f64>,
     #[serde(deserialize_with = "column")]
+    /// Standard deviation of the altitude, m; empty before the first fix.
     pub altitude_sigma_m: Option<f64>,
     /// Smoothed grade over the whole run, %.
     pub grade_percent: f64,
+    /// Standard deviation of the smoothed grade, %.
     pub grade_sigma_percent: f64,
     /// Grade after a fixed lag, %.
     pub lagged_grade_percent: f64,
+    /// Standard deviation of the lagged grade, %.
     pub lagged_grade_sigma_percent: f64,
     /// Causal grade, %.
     pub live_grade_percent: f64,
+    /// Standard deviation of the live grade, %.
     pub live_grade_sigma_percent: f64,
+    /// Speed, m/s.
     pub speed_mps: f64,
     /// Bias of the vehicle model as grade, % (smoothed): the modelled grade is too high by this.
     pub bias_percent: f64,

@@ -23,13 +23,16 @@ use std::collections::BTreeMap;
 pub struct SessionRun<'a> {
     /// `None` is a session of its own.
     pub session: Option<&'a str>,
+    /// The cells of the run.
     pub rows: &'a [RunRow],
 }
 
 /// Agreement of estimates, and the correlation derived from it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Agreement {
+    /// Disagreement of the estimates.
     pub disagreement: Disagreement,
+    /// Correlation derived from it.
     pub dependence: Dependence,
 }
 
@@ -268,6 +271,7 @@ fn agreement<'c>(
 /// A map fused from runs, with the coverage of each.
 #[derive(Clone, Debug)]
 pub struct Fusion<'a> {
+    /// The fused map.
     pub map: GradeMap<'a>,
     /// Coverage of each run, in the order given.
     pub coverage: Vec<Coverage>,

@@ -11,7 +11,9 @@ use serde::{Deserialize, Serialize};
 pub struct MapRow {
     /// Distance along the road, m; a multiple of 2.5 m.
     pub distance_m: f64,
+    /// Latitude, deg.
     pub latitude_deg: f64,
+    /// Longitude, deg.
     pub longitude_deg: f64,
     /// Altitude, m; empty if no run has it.
     pub altitude_m: Option<f64>,
@@ -70,5 +72,6 @@ impl MapRow {
 pub struct WayRows<T = MapRow> {
     /// Name of the way; `None` for a single road.
     pub name: Option<WayName>,
+    /// Its rows, in order of distance.
     pub rows: Vec<T>,
 }

@@ -16,17 +16,22 @@ pub(crate) const LATERAL_LIMIT_M: f64 = 25.0;
 pub struct RoadPoint {
     /// Distance along the road, m; grows strictly.
     pub distance_m: f64,
+    /// Latitude, deg.
     pub latitude_deg: f64,
+    /// Longitude, deg.
     pub longitude_deg: f64,
 }
 
 /// Why points do not make a road. Points count from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum RoadProblem {
+    /// There are fewer than two points.
     #[error("fewer than two points; expected a line")]
     TooFewPoints,
+    /// The distance does not grow at this point.
     #[error("distance_m does not grow at point {0}; expected it to grow from point to point")]
     NotForward(usize),
+    /// This point is beyond the range of the plane.
     #[error("point {0} is over 300 km from the middle of the road; expected a smaller road")]
     TooWide(usize),
 }

@@ -14,6 +14,7 @@ use std::ops::Range;
 pub struct Way {
     /// Name of the way; `None` for a single road.
     pub name: Option<WayName>,
+    /// Its line.
     pub line: RoadLine,
     /// Index of its first cell in the network.
     first_cell: usize,

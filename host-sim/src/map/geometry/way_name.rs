@@ -16,7 +16,9 @@ pub enum WayDirection {
 /// Name of a way. Distances along it and the sign of its grade follow its direction.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct WayName {
+    /// Name in the file of the network.
     pub way: String,
+    /// Direction in which it is driven.
     pub direction: WayDirection,
 }
 

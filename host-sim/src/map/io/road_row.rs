@@ -15,7 +15,9 @@ const CHORD_SLACK_M: f64 = 20.0;
 pub struct RoadRow {
     /// Distance along the road, m; grows strictly.
     pub distance_m: f64,
+    /// Latitude, deg.
     pub latitude_deg: f64,
+    /// Longitude, deg.
     pub longitude_deg: f64,
     /// Altitude of a reference, m.
     pub altitude_m: Option<f64>,

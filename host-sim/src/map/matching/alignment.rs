@@ -23,6 +23,7 @@ pub struct MatchedSegment {
 /// A way, or a part of it, in a segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Leg {
+    /// Index of the way in the network.
     pub way: usize,
     /// Distance along the legs at its start, m.
     pub begins_m: f64,

@@ -13,9 +13,11 @@ const JOIN_LIMIT_M: f64 = 8.0;
 /// Coverage of the road by a run, in cells.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Coverage {
+    /// Number of cells of the run.
     pub cells: usize,
     /// On the road, cells bridged by odometer included.
     pub matched: usize,
+    /// Off the road.
     pub off_road: usize,
     /// On the road, but against its direction.
     pub opposite: usize,
@@ -30,6 +32,7 @@ pub struct PlacedCell {
     pub way: usize,
     /// Distance along the way over 2.5 m.
     pub number: i64,
+    /// Grade in the direction of the way, %.
     pub grade_percent: f64,
     /// Variance of the grade, %².
     pub grade_variance: f64,
@@ -40,6 +43,7 @@ pub struct PlacedCell {
 /// A run placed on a network.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlacedRun {
+    /// Coverage of the network.
     pub coverage: Coverage,
     /// In the order of driving; a road that passes a place twice has it twice.
     pub cells: Vec<PlacedCell>,

@@ -47,7 +47,12 @@ pub struct TrackPoint {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MatchedPlace {
     /// On this way of the network (0 for a single road), at this distance along it, m.
-    OnRoad { way: usize, distance_m: f64 },
+    OnRoad {
+        /// Index of the way.
+        way: usize,
+        /// Distance along it, m.
+        distance_m: f64,
+    },
     /// On the road, driving against its direction.
     Opposite,
     /// Off the road, or across it.
