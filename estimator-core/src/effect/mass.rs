@@ -8,7 +8,7 @@ pub static EFFECT: Effect = Effect {
     number: 7,
     name: "mass",
     unit: "1",
-    about: "The vehicle is heavier by this part of the mass that the parameter or the bus tells.",
+    about: "The vehicle is heavier by this part of the mass that the parameter or the bus reports.",
     source: "thesis eq. 9",
     typical: 0.1,
     range: Bounds::new(-0.6, 3.0, "-0.6 to 3"),

@@ -1,4 +1,4 @@
-//! A torque, or a traction force, that is told too small or too large.
+//! A torque, or a traction force, that is reported too small or too large.
 
 use super::definition::{Acts, Bounds, Effect, Physics, Search, Varies};
 
@@ -7,8 +7,8 @@ pub static EFFECT: Effect = Effect {
     number: 8,
     name: "torque_scale",
     unit: "1",
-    about: "The true traction force is larger by this part of what the engine or the motor tells, driving and braking.",
-    source: "thesis eq. 4; engines tell torque within some 5 %",
+    about: "The true traction force is larger by this part of what the engine or the motor reports, driving and braking.",
+    source: "thesis eq. 4; engines report torque within some 5 %",
     typical: 0.05,
     range: Bounds::new(-0.5, 1.0, "-0.5 to 1"),
     parameters: &[],

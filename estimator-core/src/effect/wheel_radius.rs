@@ -9,7 +9,7 @@ pub static EFFECT: Effect = Effect {
     number: 9,
     name: "wheel_radius",
     unit: "1",
-    about: "The wheels roll further by this part: speed and distance are larger than told, and a torque gives less force.",
+    about: "The wheels roll further by this part: speed and distance are larger than reported, and a torque gives less force.",
     source: "thesis eq. 9; new and worn tyres differ by 0.02 to 0.03",
     typical: 0.01,
     range: Bounds::new(-0.2, 0.2, "-0.2 to 0.2"),

@@ -199,7 +199,7 @@ const fn large_product(a: i64, b: i64) -> i64 {
 /// 2¹²⁶ over a number from 2⁶³ on, to about 58 bits: by Newton's rule from a quotient of 16 bits.
 const fn reciprocal(of: u64) -> u64 {
     let high = of >> 32;
-    // The bit is set: it tells the compiler that this is no zero.
+    // The bit is set: the compiler then knows that this is not zero.
     let first = (u32::MAX / ((of >> 48) as u32 | 0x8000)) as u64;
     let rest = (1_u64 << 49).wrapping_sub(high * first) >> 17;
     let second = (first * rest) >> 16;

@@ -19,7 +19,7 @@ use cortex_m::peripheral::syst::SystClkSource;
 
 /// All of the timer's 24 bits.
 const FULL: u32 = 0x00ff_ffff;
-/// Turns of the loop that tells what a tick is, and its instructions, two a turn.
+/// Turns of the loop that calibrates a tick, and its instructions, two a turn.
 const TURNS: u32 = 100_000;
 const LOOP: u64 = 2 * TURNS as u64;
 

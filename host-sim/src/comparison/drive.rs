@@ -9,7 +9,7 @@ use estimator_core::{CELL_LENGTH_M, VehicleParameters};
 pub const STEP_M: f64 = CELL_LENGTH_M as f64;
 
 /// Longest way between two fixes on which altitude is taken from the line between them, m. The
-/// slowest receivers tell one a second, each 30 m on a motorway; two or three may be missing. Beyond
+/// slowest receivers report one a second, each 30 m on a motorway; two or three may be missing. Beyond
 /// it there were no satellites.
 const LONGEST_GNSS_GAP_M: f64 = 100.0;
 
@@ -77,7 +77,7 @@ impl MeasuredDrive {
     /// From the samples of one run, which must have no gap between them. GNSS altitude is
     /// interpolated over the way between fixes.
     ///
-    /// The mass is the mean of what the vehicle told on the way, or the parameter where it told
+    /// The mass is the mean of what the vehicle reported on the way, or the parameter where it reported
     /// none: what an estimator on board had to go by.
     #[must_use]
     pub fn new(vehicle: &VehicleParameters, samples: &[Sample]) -> Self {

@@ -8,7 +8,7 @@
 //! ratio (Rosenberg 1973; de Jong 1991).
 //!
 //! Real errors are longer in correlation than any model of them. The sums are therefore kept for
-//! each segment of a drive: how much they scatter from segment to segment tells what an estimate is
+//! each segment of a drive: how much they scatter from segment to segment shows what an estimate is
 //! worth (a sandwich with clusters: H. White, "Maximum likelihood estimation of misspecified
 //! models", Econometrica 50:1, 1982).
 

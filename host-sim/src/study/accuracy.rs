@@ -67,8 +67,8 @@ fn run(setting: &Setting) -> Result<StudyOutcome> {
         heading: "Accuracy with wrong parameters, wind and cold tyres".to_owned(),
         words: vec![format!(
             "{} drives of 40 km for each line. {WORDS} The first and last {END_CUT_M:.0} m are left out. The slow \
-             error of the receiver's altitude keeps its value for some 250 s; its size is not told \
-             to the estimator, which learns it. What limits the grade here is what GNSS can tell of \
+             error of the receiver's altitude keeps its value for some 250 s; the estimator \
+             is not given its size, it learns it. What limits the grade here is what GNSS can tell of \
              the model's slow error.",
             2 * ROADS
         )],

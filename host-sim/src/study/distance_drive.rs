@@ -1,5 +1,5 @@
 //! Simulated drives in the distance domain (thesis section 4): the vehicle model of eq. 9 under a
-//! PI cruise control, and what its sensors would have told.
+//! PI cruise control, and what its sensors would have reported.
 
 use crate::comparison::{G, MeasuredDrive, MeasuredPoint, STEP_M};
 use crate::simulator::driver::{BRAKE_OFF_MPS, BRAKE_ON_MPS, CruiseControl, SET_SPEED_MPS};

@@ -150,7 +150,7 @@ pub fn working_point(truck: &Truck, grade_percent: f64) -> Option<WorkingPoint> 
 }
 
 /// Error of the pointwise grade in % at a working point with one parameter at [`FACTOR`] times
-/// its true value. What brakes take is counted as torque, as if a retarder told it.
+/// its true value. What brakes take is counted as torque, as if a retarder reported it.
 #[must_use]
 pub fn error_percent(
     vehicle: &VehicleParameters,

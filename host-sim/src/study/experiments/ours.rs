@@ -85,7 +85,7 @@ fn believed(drive: &MeasuredDrive) -> VehicleParameters {
 
 /// Returns one sample a point, which ends the cell before it: speed and altitude are those of the
 /// point, force and condition those of the way that led there. The drive has altitude at each
-/// point; a receiver tells it once a second.
+/// point; a receiver reports it once a second.
 fn samples(drive: &MeasuredDrive) -> Vec<Sample> {
     let points = &drive.points;
     let mut elapsed_s = 0.0;

@@ -3,14 +3,14 @@
 //!
 //! | filter    | what is as small as possible in the mean over the ten training runs |
 //! |-----------|----------------------------------------------------------------------|
-//! | original  | RMSE(v), under what the thesis tells of its filter |
+//! | original  | RMSE(v), under what the thesis reports of its filter |
 //! | GPS-heavy | RMS error of the mean grade over segments of 3000 m (its use), with no less weight on GPS than the original |
 //! | GPS-light | RMSE(v) of the modified method, with no more weight on GPS than the original |
 //!
 //! This is the third choice, made with the results of two others in sight: see the words of the
 //! study.
 //!
-//! Two things the thesis tells of its original filter, and both fix a ratio:
+//! Two things the thesis reports of its original filter, and both fix a ratio:
 //!
 //! * Of a constant model error it leaves 0.14 (µ of tables 7-8 over µ of tables 2-3, mean of the
 //!   eight biased runs). The filter leaves σ_c²/(σ_c² + σ_m²), with σ_c the noise of a step's climb
