@@ -18,7 +18,7 @@
 //! * [`intake`] decides which readings count: one source for each signal, time that only goes
 //!   forward, rates that one sender can have. It stands before the sampler so that nothing behind it
 //!   has to distrust a reading's origin.
-//! * [`sampler`] turns readings of different rates and ages into one [`Sample`](sample::Sample) a
+//! * [`sampler`] turns readings of different rates and ages into one [`Sample`] a
 //!   cell of 2.5 m. After it, time is distance: in the distance domain every equation is linear.
 //! * [`filter`] is the Kalman filter, [`smoother`] its fixed-lag smoother. Neither knows a signal.
 //! * [`vehicle`] holds parameters and force balance, [`effect`] what that balance lacks, [`model`]

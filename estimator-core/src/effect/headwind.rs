@@ -27,7 +27,8 @@ pub static EFFECT: Effect = Effect {
             (Some(_), None) => return 0.0,
         };
         let air_mps = sample.end.speed_mps + amount * ahead;
-        sample.forces.drag_n(vehicle.drag_area_m2, air_mps) - vehicle.drag_n(&sample.forces, sample.end.speed_mps)
+        sample.forces.drag_n(vehicle.drag_area_m2, air_mps)
+            - vehicle.drag_n(&sample.forces, sample.end.speed_mps)
     }),
 };
 

@@ -1,6 +1,6 @@
 //! The intake: frames in, checked readings out to the sampler.
 //!
-//! Three checks stand between a bus and the sampler: [`clock`] for the time of each input,
+//! Three checks stand between a bus and the sampler: the clock for the time of each input,
 //! [`source_arbiter`] for one source a signal, and [`rate_monitor`] for messages that come too fast.
 //! What they reject is counted.
 

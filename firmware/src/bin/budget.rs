@@ -25,7 +25,7 @@ fn main() -> ! {
 
 /// Prints the figures of each scalar under its name.
 #[cfg(target_os = "none")]
-fn count() -> Result<(), firmware::budget::Problem> {
+fn count() -> Result<(), firmware::budget::BudgetError> {
     use estimator_core::FixedPoint;
     use firmware::budget::run;
     use firmware::meter::InstructionMeter;
