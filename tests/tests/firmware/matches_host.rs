@@ -85,10 +85,11 @@ fn an_unusable_drive_ends_with_status_1_and_its_reason() {
     weightless.vehicle.mass_kg = -1.0;
     let mut long_frame = good.clone();
     long_frame[VEHICLE_BYTES + 2 * FRAME_BYTES + 12] = 9;
-    let no_header = "\"drive.bin\": expected 1008 bytes";
+    let cut_short = "\"drive.bin\": expected 1008 bytes";
+    let no_header = "\"drive.bin\": expected the header of a vehicle";
     let cases: [(Option<&[u8]>, &str); 6] = [
         (None, "\"drive.bin\": "),
-        (Some(&[]), no_header),
+        (Some(&[]), cut_short),
         (Some(&good[1..]), no_header),
         (
             Some(&good[..good.len() - 1]),
