@@ -64,7 +64,7 @@ impl<S: Scalar> SmootherInput<S> {
     /// Annals of Economic and Social Measurement 2:399, 1973; P. de Jong, "The diffuse Kalman
     /// filter", Annals of Statistics 19:1073, 1991). What is missing is a part of the slope that is
     /// read, as the bias is, and not a force on the speed. Drivers answer the road, so force and
-    /// road are correlated, and only the altitude tells them apart.
+    /// road are correlated, and only the altitude separates them.
     pub fn carry_error(&self, error: &mut StateVector<S>, missing_climb_m: S) -> Option<S> {
         if self.reset.is_gap() {
             error.clear_after_gap();

@@ -1,6 +1,6 @@
 //! Messages that come faster than before.
 //!
-//! Two nodes that send the same message from one address cannot be told apart, but together they
+//! Two nodes that send the same message from one address look like one sender, but together they
 //! send more often than one did. The usual rate is learned: senders differ, and few standards state
 //! it.
 

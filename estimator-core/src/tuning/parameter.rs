@@ -218,9 +218,9 @@ macro_rules! tuning {
                         && key == $crate::tuning::parameter::parameter_key!($kind, $name)
                     {
                         // In the precision of the parameter: a limit that is read back is within it.
-                        let (low, high): (f64, f64) = ($low, $high);
-                        if !(low as f32..=high as f32).contains(&(value as f32)) {
-                            return Err(TuningError::OutOfRange { low: $low, high: $high });
+                        let (low, high) = ($low, $high);
+                        if !(low..=high).contains(&(value as f32)) {
+                            return Err(TuningError::OutOfRange { low, high });
                         }
                         type Type = $crate::tuning::parameter::parameter_type!($kind);
                         self.$group.$name = Type::from_number(value).ok_or(TuningError::NotWhole)?;

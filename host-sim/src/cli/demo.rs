@@ -1,11 +1,12 @@
 //! `roadgrade demo`: the main job from end to end, on a built-in scenario.
 
 use super::estimate;
+use super::tuning_option::TuningOption;
 use crate::error::{Error, Result};
 use crate::files::csv::write_csv;
 use crate::files::oracle::{OracleFile, mean_speed_mps};
 use crate::files::vehicle::VehicleFile;
-use crate::files::{run, truth, tuning};
+use crate::files::{run, truth};
 use crate::map::{self, GradeMap, MapRow, Network, RoadLine, RoadRow, SessionRun};
 use crate::report::demo_page::{DemoDrive, demo_page};
 use crate::score::{self, ScoreRow, rivals};
@@ -21,14 +22,13 @@ pub struct Args {
     /// Folder for the logs, runs, map, scores and the page.
     #[arg(long, value_name = "DIR", default_value = "roadgrade-demo")]
     out: PathBuf,
-    /// Values for the estimator's parameters; docs/tuning.md lists them.
-    #[arg(long, value_name = "FILE.toml")]
-    tuning: Option<PathBuf>,
+    #[command(flatten)]
+    tuning: TuningOption,
 }
 
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
-    let tuning = tuning::read_or_default(args.tuning.as_deref())?;
+    let tuning = args.tuning.read()?;
     let scenario = Scenario::builtin();
     let out = &args.out;
     eprintln!("1  simulate trucks; their true parameters differ from their files");

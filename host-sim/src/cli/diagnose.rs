@@ -1,8 +1,8 @@
 //! `roadgrade diagnose`.
 
+use super::tuning_option::TuningOption;
 use crate::diagnose::{Diagnosis, Request, diagnose, report};
 use crate::error::Result;
-use crate::files::tuning;
 use crate::files::vehicle::VehicleFile;
 use crate::terminal::print::print;
 use crate::terminal::progress;
@@ -38,9 +38,8 @@ pub struct Args {
     /// them. Default: the last log, if there are three or more.
     #[arg(long, value_name = "LOG", num_args = 1..)]
     holdout: Vec<PathBuf>,
-    /// Values for the estimator's parameters; docs/tuning.md lists them.
-    #[arg(long, value_name = "FILE.toml")]
-    tuning: Option<PathBuf>,
+    #[command(flatten)]
+    tuning: TuningOption,
     /// Print report.json instead of tables.
     #[arg(long)]
     json: bool,
@@ -56,7 +55,7 @@ pub fn run(args: &Args) -> Result<()> {
         logs: args.logs.clone(),
         held_out: args.holdout.clone(),
         reference: args.reference.clone(),
-        tuning: tuning::read_or_default(args.tuning.as_deref())?,
+        tuning: args.tuning.read()?,
     };
     let wait = progress::spinner("reading and evaluating drives");
     let found = diagnose(&request)?;

@@ -1,10 +1,11 @@
 //! `roadgrade estimate`: estimates a run from a recorded drive.
 
 use super::conclusion;
+use super::tuning_option::TuningOption;
 use crate::error::{Error, Result};
 use crate::files::run::{self, Origin};
 use crate::files::vehicle::VehicleFile;
-use crate::files::{data_set, kept, tuning};
+use crate::files::{data_set, kept};
 use crate::recorder::{self, LongRun, RunSummary};
 use crate::smooth::held_bytes;
 use crate::terminal::print::print;
@@ -49,9 +50,8 @@ pub struct Args {
     /// Persistent state of the vehicle: read before the drive, written after it.
     #[arg(long, value_name = "FILE")]
     kept: Option<PathBuf>,
-    /// Tuning file with values for the estimator's parameters; docs/tuning.md lists them.
-    #[arg(long, value_name = "FILE.toml")]
-    tuning: Option<PathBuf>,
+    #[command(flatten)]
+    tuning: TuningOption,
     /// Compute in double precision instead of single precision.
     #[arg(long)]
     double: bool,
@@ -82,7 +82,7 @@ impl Args {
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     let vehicle = VehicleFile::read(&args.vehicle)?;
-    let tuning = tuning::read_or_default(args.tuning.as_deref())?;
+    let tuning = args.tuning.read()?;
     let started = Clock::now();
     let file = args.kept.as_deref();
     let last = match file {

@@ -1,6 +1,7 @@
 //! `roadgrade listen`: estimates a run from a live bus.
 
 use super::conclusion;
+use super::tuning_option::TuningOption;
 use crate::error::{Error, Result};
 use crate::files::output::Staged;
 use crate::files::run::Origin;
@@ -50,9 +51,8 @@ pub struct Args {
     /// Persistent state of the vehicle: read before the drive, written after it.
     #[arg(long, value_name = "FILE")]
     kept: Option<PathBuf>,
-    /// Tuning file with values for the estimator's parameters; docs/tuning.md lists them.
-    #[arg(long, value_name = "FILE.toml")]
-    tuning: Option<PathBuf>,
+    #[command(flatten)]
+    tuning: TuningOption,
     /// File for the received frames, as a candump log.
     #[arg(long, value_name = "FILE.log")]
     log: Option<PathBuf>,
@@ -83,18 +83,18 @@ fn seconds(text: &str) -> std::result::Result<Duration, String> {
 }
 
 impl Args {
-    fn request(&self) -> ListenRequest<'_> {
-        ListenRequest {
+    fn request(&self) -> Result<ListenRequest<'_>> {
+        Ok(ListenRequest {
             interfaces: &self.interfaces,
             vehicle_file: &self.vehicle,
             state_file: self.kept.as_deref(),
-            tuning: self.tuning.as_deref(),
+            tuning: self.tuning.read()?,
             log: self.log.as_deref(),
             address: self.publish.then_some(self.address),
             log_time: self.log_time,
             end_after_silence: self.end_after_silence,
             json: self.json,
-        }
+        })
     }
 }
 
@@ -102,7 +102,7 @@ impl Args {
 pub fn run(args: &Args) -> Result<()> {
     check(args)?;
     let vehicle = VehicleFile::read(&args.vehicle)?;
-    let mut listening = Listening::begin(args.request(), &vehicle)?;
+    let mut listening = Listening::begin(args.request()?, &vehicle)?;
     // An error ends the drive. It is reported after the run is written.
     let ended = listening.run();
     let EndedDrive {

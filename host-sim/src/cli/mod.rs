@@ -15,6 +15,7 @@ mod replay;
 mod score;
 mod simulate;
 mod study;
+mod tuning_option;
 #[cfg(not(target_os = "linux"))]
 mod without_can;
 #[cfg(not(target_os = "linux"))]

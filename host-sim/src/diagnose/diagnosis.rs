@@ -185,8 +185,8 @@ fn references(drives: &[LoggedDrive], map: Option<&PathBuf>) -> Result<Vec<Refer
     })
 }
 
-/// Returns which of a group that the evidence cannot tell apart does clearly best on the drives
-/// judged, if it is not the one adopted.
+/// Returns the candidate with a clearly smaller error on the judged drives, among those that the
+/// evidence cannot separate; `None` if it is the adopted one.
 fn lead(step: &SelectionStep, cases: &[(Option<usize>, CandidateCase)]) -> Option<usize> {
     let rmse = |candidate: usize| {
         let mut own = cases.iter().filter(|(of, _)| *of == Some(candidate));

@@ -165,8 +165,7 @@ impl<'a> Regression<'a> {
         drives.into_iter().map(of_drive).collect()
     }
 
-    /// Returns the amounts of a basis of at least one; `None` if they cannot be told from each
-    /// other.
+    /// Returns the amounts of a basis of at least one; `None` if they cannot be separated.
     #[must_use]
     pub fn fit(&self, basis: &Basis) -> Option<Fit> {
         let (information, score) = self.of(basis);

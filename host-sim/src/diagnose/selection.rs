@@ -126,7 +126,7 @@ impl<'a> Selector<'a> {
     }
 
     /// Adopts one effect after the other as long as the evidence asks for one; `first` is that which
-    /// stands for those that the evidence cannot tell apart in the first step, if it is given.
+    /// stands for those that the evidence cannot separate in the first step, if it is given.
     #[must_use]
     pub fn select(&self, first: Option<usize>) -> Selection {
         let mut basis = Basis::default();
@@ -308,7 +308,7 @@ fn step(cases: &[CandidateFit], menu: &Menu) -> Option<SelectionStep> {
         .iter()
         .filter(|case| is_rival(case, best) && is_possible(case, menu))
         .collect();
-    // Among those that the drives to fit cannot tell apart, the drives held out decide; and a
+    // Among those that the fitted drives cannot separate, the drives held out decide; and a
     // parameter of the base model comes first where they do not either.
     let scatter = rivals.iter().map(|case| case.scatter).fold(1.0, f64::max);
     let merit = |case: &CandidateFit| {
@@ -333,8 +333,8 @@ fn step(cases: &[CandidateFit], menu: &Menu) -> Option<SelectionStep> {
     })
 }
 
-/// Returns whether the drives cannot tell a case from the best: it fits as well, whatever its
-/// prior, and is no less likely after all by more than that.
+/// Returns whether the drives cannot separate a case from the best one: it fits as well, whatever
+/// its prior, and is no less likely after all by more than that.
 fn is_rival(case: &CandidateFit, best: &CandidateFit) -> bool {
     let scatter = best.scatter.max(case.scatter);
     let is_usual = |amount: &f64| amount.abs() <= 1.5 * case.width;

@@ -6,13 +6,13 @@ use super::show::Show;
 use super::stop_flag::stop_flag;
 use super::view::LiveView;
 use crate::error::{Error, Result};
+use crate::files::kept;
 use crate::files::output::Staged;
 use crate::files::vehicle::VehicleFile;
-use crate::files::{kept, tuning};
 use crate::recorder::{LongRun, Recorder};
 use crate::source::log_time;
 use crate::source::socketcan::{BusEvent, FrameReceiver, Received, of_group, wanted};
-use estimator_core::{Estimator, PersistentStateError};
+use estimator_core::Tuning;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
@@ -23,7 +23,7 @@ use std::time::{Duration, Instant as Monotonic};
 const REPORT_INTERVAL: Duration = Duration::from_secs(1);
 
 /// Options of a live drive.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct ListenRequest<'a> {
     /// CAN interfaces, each once.
     pub interfaces: &'a [String],
@@ -31,8 +31,8 @@ pub struct ListenRequest<'a> {
     pub vehicle_file: &'a Path,
     /// File of the persistent state of the last drive.
     pub state_file: Option<&'a Path>,
-    /// Tuning file.
-    pub tuning: Option<&'a Path>,
+    /// Values for the estimator's parameters.
+    pub tuning: Tuning,
     /// File for the received frames.
     pub log: Option<&'a Path>,
     /// J1939 source address of the published estimate; `None` if publishing is off.
@@ -77,24 +77,13 @@ impl<'a> Listening<'a> {
     /// Returns an error for invalid vehicle parameters, for a persistent state of another vehicle,
     /// and for an interface or a file that cannot be opened.
     pub fn begin(request: ListenRequest<'a>, vehicle: &VehicleFile) -> Result<Self> {
-        let model = vehicle.model.clone();
-        let tuning = tuning::read_or_default(request.tuning)?;
         let last = match request.state_file {
-            Some(file) => kept::read(file, &model)?,
+            Some(file) => kept::read(file, &vehicle.model)?,
             None => None,
         };
-        let estimator = match &last {
-            Some(last) => Estimator::<f32>::restore(model, tuning, last),
-            None => Estimator::new(model, tuning).map_err(PersistentStateError::from),
-        };
-        let estimator =
-            estimator.map_err(|e| Error::content(request.vehicle_file, e.to_string()))?;
-        let session = Session::begin(
-            Recorder::from(estimator),
-            request.interfaces,
-            request.log_time,
-            request.log,
-        )?;
+        let recorder = Recorder::resume(&vehicle.model, &request.tuning, last.as_ref())
+            .map_err(|e| Error::content(request.vehicle_file, e.to_string()))?;
+        let session = Session::begin(recorder, request.interfaces, request.log_time, request.log)?;
         let mut filters = wanted();
         if request.log_time {
             filters.push(of_group(log_time::PGN));

@@ -9,7 +9,8 @@ use crate::source::can_frame::TimedFrame;
 use crate::source::input::LogInput;
 use estimator_core::sample::Sample;
 use estimator_core::{
-    Cell, Estimator, Instant, Model, ParameterError, Reading, Scalar, Tuning, Uncertain,
+    Cell, Estimator, Instant, Model, ParameterError, PersistentState, PersistentStateError,
+    Reading, Scalar, Tuning, Uncertain,
 };
 use serde::{Deserialize, Serialize};
 use std::io;
@@ -49,6 +50,24 @@ impl<S: Scalar> Recorder<S> {
         tuning: Tuning,
     ) -> std::result::Result<Self, ParameterError> {
         Estimator::new(model, tuning).map(Self::from)
+    }
+
+    /// Creates a recorder of one drive that starts from the persistent state of the last one, if
+    /// there is any.
+    ///
+    /// # Errors
+    /// Returns an error for a parameter that is out of range and for the state of another vehicle.
+    pub fn resume(
+        model: &Model,
+        tuning: &Tuning,
+        persistent_state: Option<&PersistentState>,
+    ) -> std::result::Result<Self, PersistentStateError> {
+        let (model, tuning) = (model.clone(), tuning.clone());
+        let estimator = match persistent_state {
+            Some(persistent_state) => Estimator::restore(model, tuning, persistent_state)?,
+            None => Estimator::new(model, tuning)?,
+        };
+        Ok(Self::from(estimator))
     }
 
     /// Sets the start of the drive, if it is before the first input: `time_s` counts from the first

@@ -4,7 +4,7 @@ use super::drive_recorder::Recorder;
 use super::long_run::LongRun;
 use crate::error::{Error, Result};
 use crate::source::input::for_each_input;
-use estimator_core::{Estimator, Model, PersistentState, PersistentStateError, Scalar, Tuning};
+use estimator_core::{Model, PersistentState, Scalar, Tuning};
 use std::path::Path;
 
 /// Passes a whole log of either kind to an estimator that starts from the persistent state of the
@@ -20,12 +20,8 @@ pub fn estimate_log<S: Scalar>(
     log: &Path,
     progress: impl Fn(u64),
 ) -> Result<LongRun> {
-    let (model, tuning) = (model.clone(), tuning.clone());
-    let estimator = match persistent_state {
-        Some(persistent_state) => Estimator::<S>::restore(model, tuning, persistent_state),
-        None => Estimator::new(model, tuning).map_err(PersistentStateError::from),
-    };
-    let mut recorder = Recorder::from(estimator.map_err(|e| Error::content(log, e.to_string()))?);
+    let mut recorder = Recorder::<S>::resume(model, tuning, persistent_state)
+        .map_err(|e| Error::content(log, e.to_string()))?;
     for_each_input(log, progress, |input| recorder.on_input(&input))?;
     recorder.end()
 }

@@ -2,7 +2,7 @@
 //! what a longer lag would buy.
 
 use super::definition::{Setting, Study, StudyOutcome};
-use super::drive_errors::{DriveErrors, DriveOnRoad, WORDS};
+use super::drive_errors::{DriveErrors, DriveOnRoad, WORDS, mean_of};
 use crate::error::Result;
 use crate::report::page::{Figure, Section, Table};
 use crate::report::plot::{Plot, Series, colour};
@@ -66,20 +66,15 @@ fn run(setting: &Setting) -> Result<StudyOutcome> {
     Ok(StudyOutcome::Done(Section {
         heading: "Accuracy with wrong parameters, wind and cold tyres".to_owned(),
         words: vec![format!(
-            "{} drives of 40 km for each line. {WORDS} The first and last {END_CUT_M:.0} m are left out. The slow \
-             error of the receiver's altitude keeps its value for some 250 s; the estimator \
-             is not given its size, it learns it. What limits the grade here is what GNSS can tell of \
-             the model's slow error.",
+            "{} drives of 40 km for each line. {WORDS} The first and last {END_CUT_M:.0} m are left \
+             out. The slow error of the receiver's altitude keeps its value for some 250 s; the \
+             estimator is not given its size, it learns it. What limits the grade here is what \
+             GNSS can tell of the model's slow error.",
             2 * ROADS
         )],
         tables: vec![accuracy(&groups, &drives), lag_table(&curves)],
         figures: vec![lag_figure(&curves)],
     }))
-}
-
-fn mean(values: impl Iterator<Item = f64>) -> f64 {
-    let (sum, count) = values.fold((0.0, 0.0), |(sum, n), value| (sum + value, n + 1.0));
-    sum / f64::max(count, 1.0)
 }
 
 /// Returns what 68.3 % of the values stay within.
@@ -114,7 +109,7 @@ fn accuracy(groups: &[(Preset, f64)], drives: &[Vec<DriveErrors>]) -> Table {
     );
     for ((truck, receiver_m), drives) in groups.iter().zip(drives) {
         let lagged = |drive: &DriveErrors| drive.lagged[lag_place(drive)];
-        let each = |errors: &dyn Fn(&DriveErrors) -> f64| mean(drives.iter().map(errors));
+        let each = |errors: &dyn Fn(&DriveErrors) -> f64| mean_of(drives, errors);
         table.rows.push(vec![
             truck.name().to_owned(),
             format!("{receiver_m:.0}"),
@@ -149,7 +144,7 @@ fn lag_m(blocks: usize) -> f64 {
 }
 
 fn lag_rmse(drives: &[DriveErrors], i: usize) -> f64 {
-    mean(drives.iter().map(|drive| drive.lagged[i].rmse()))
+    mean_of(drives, |drive| drive.lagged[i].rmse())
 }
 
 fn lag_table(curves: &[(Preset, &[DriveErrors]); 2]) -> Table {

@@ -2,6 +2,7 @@
 
 use crate::error::Result;
 use crate::numeric::series::linear;
+use crate::numeric::statistics::mean;
 use crate::score::END_CUT_M;
 use crate::simulator::scenario::Scenario;
 use crate::simulator::truck::Preset;
@@ -47,6 +48,15 @@ pub struct DriveErrors {
     pub lagged: Vec<ErrorSums>,
     /// Found less true scale, and its sigma, at [`SCALE_AT_M`].
     pub scale: (f64, f64),
+}
+
+/// Returns the mean of a value over drives; NaN if there is none.
+pub fn mean_of<'a>(
+    drives: impl IntoIterator<Item = &'a DriveErrors>,
+    value: impl Fn(&DriveErrors) -> f64,
+) -> f64 {
+    let values: Vec<f64> = drives.into_iter().map(value).collect();
+    mean(&values)
 }
 
 impl ErrorSums {
@@ -187,19 +197,16 @@ fn samples(run: &SimulatedRun, missing: &[Signal], estimator: &mut Estimator<f32
     let mut decoder = Decoder::new();
     let mut samples = Vec::new();
     for frame in &run.frames {
-        let mut readings = Vec::new();
         decoder.decode(&frame.frame, |_, _, reading| {
-            if !missing.contains(&reading.signal) {
-                readings.push(reading);
+            if missing.contains(&reading.signal) {
+                return;
             }
-        });
-        for reading in readings {
             estimator.on_reading(frame.time, reading);
             while estimator.step().is_some() {
                 samples.extend(estimator.sample().copied());
                 while estimator.next_cell().is_some() {}
             }
-        }
+        });
     }
     samples
 }

@@ -1,7 +1,7 @@
 //! Which sensors permit which error: the same drives without one signal or another.
 
 use super::definition::{Setting, Study, StudyOutcome};
-use super::drive_errors::{DriveErrors, DriveOnRoad, ErrorSums, WORDS};
+use super::drive_errors::{DriveErrors, DriveOnRoad, ErrorSums, WORDS, mean_of};
 use crate::error::Result;
 use crate::report::page::{Section, Table};
 use crate::score::END_CUT_M;
@@ -144,10 +144,7 @@ fn table(cases: &[(&str, Vec<Signal>)], of_trucks: &[Vec<OfTruck>]) -> Table {
                 .collect();
             let kinds: [fn(&DriveErrors) -> &ErrorSums; 3] =
                 [|e| &e.smoothed, |e| &e.lagged[0], |e| &e.live];
-            let mean = |value: &dyn Fn(&DriveErrors) -> f64| {
-                let sum: f64 = found.iter().map(|errors| value(errors)).sum();
-                sum / found.len() as f64
-            };
+            let mean = |value: &dyn Fn(&DriveErrors) -> f64| mean_of(found.iter().copied(), value);
             if found.is_empty() {
                 row.extend(["none"; 4].map(str::to_owned));
                 continue;

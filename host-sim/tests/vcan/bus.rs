@@ -35,6 +35,12 @@ impl Vcan {
         ip(&["link", "del", "dev", self.0]);
     }
 
+    /// The frames that the kernel dropped between the interface and the sockets.
+    pub fn rx_dropped(&self) -> u64 {
+        let file = format!("/sys/class/net/{}/statistics/rx_dropped", self.0);
+        fs::read_to_string(file).unwrap().trim().parse().unwrap()
+    }
+
     /// Until candump listens, to all frames or to some.
     pub fn wait_for_candump(&self) {
         wait_until("candump listens", || {

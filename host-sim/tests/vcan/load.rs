@@ -3,12 +3,14 @@
 use crate::bus::Vcan;
 use crate::drive::{VcanDrive, frames_of, replay, write_log};
 use crate::listener::Listener;
+use estimator_core::signal;
 use estimator_core::signal::Pgn;
-use estimator_core::{Duration, signal};
 use host_sim::source::can_frame::{CanFrame, TimedFrame};
 use host_sim::source::socketcan::{FrameSender, accepts, wanted};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
+use std::thread;
+use std::time::Duration;
 
 /// Frames with 29-bit identifier and eight bytes that a bus of 500 kbit/s carries in a second: 131
 /// bits each with the gap after it, without stuffing. With it, it is fewer.
@@ -21,7 +23,7 @@ fn full_bus(drive: &VcanDrive) -> Vec<TimedFrame> {
     let mut random = ChaCha8Rng::seed_from_u64(5);
     let pgns: Vec<u32> = signal::messages().map(|message| message.pgn()).collect();
     let start = drive.frames[0].time;
-    let end = start + Duration::from_micros(SECONDS * 1_000_000);
+    let end = start + estimator_core::Duration::from_micros(SECONDS * 1_000_000);
     let mut own = drive
         .frames
         .iter()
@@ -29,7 +31,8 @@ fn full_bus(drive: &VcanDrive) -> Vec<TimedFrame> {
         .peekable();
     (0..SECONDS * FULL_LOAD_HZ)
         .map(|slot| {
-            let time = start + Duration::from_micros(slot * 1_000_000 / FULL_LOAD_HZ);
+            let time =
+                start + estimator_core::Duration::from_micros(slot * 1_000_000 / FULL_LOAD_HZ);
             if let Some(frame) = own.next_if(|frame| frame.time <= time) {
                 return TimedFrame { time, ..*frame };
             }
@@ -98,12 +101,16 @@ fn frames_that_the_kernel_drops_are_counted() {
     for _ in 0..SENT {
         sender.send(&wheel_speed).unwrap();
     }
+    // Longer than the silence that ends the drive: frames that wait are read all the same.
+    thread::sleep(Duration::from_secs(4));
     listener.signal("CONT");
     let output = listener.finish();
     assert!(output.lost(0) > 0);
-    assert_eq!(output.frames(0) + output.lost(0), SENT);
+    // A busy kernel drops frames before they reach any socket; only the interface counts these.
+    let before_sockets = vcan.rx_dropped();
+    assert_eq!(output.frames(0) + output.lost(0) + before_sockets, SENT);
     println!(
-        "{} frames waited, {} were dropped and counted",
+        "{} frames waited, {} were dropped and counted, {before_sockets} never reached the socket",
         output.frames(0),
         output.lost(0)
     );

@@ -4,6 +4,7 @@ use pulldown_cmark::{CodeBlockKind, Event, Options, Parser, Tag, TagEnd};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
+use walkdir::{DirEntry, WalkDir};
 
 /// A page.
 #[derive(Debug)]
@@ -91,26 +92,19 @@ fn anchor(heading: &str) -> String {
 
 /// Returns all files below a folder that are part of the repository, in order.
 pub fn files(folder: &Path) -> Vec<PathBuf> {
-    let mut paths: Vec<PathBuf> = fs::read_dir(folder)
-        .unwrap()
-        .map(|entry| entry.unwrap().path())
-        .collect();
-    paths.sort();
-    let mut files = Vec::new();
-    for path in paths {
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        // Built, found by fuzzing, or not ours.
-        let is_foreign =
-            name.starts_with('.') || ["target", "corpus", "artifacts"].contains(&&*name);
-        if path.is_dir() {
-            if !is_foreign {
-                files.extend(self::files(&path));
-            }
-        } else if !is_foreign {
-            files.push(path);
-        }
-    }
-    files
+    // Built, found by fuzzing, or not ours.
+    let is_foreign = |entry: &DirEntry| {
+        let name = entry.file_name().to_string_lossy();
+        name.starts_with('.') || ["target", "corpus", "artifacts"].contains(&&*name)
+    };
+    WalkDir::new(folder)
+        .sort_by_file_name()
+        .into_iter()
+        .filter_entry(|entry| entry.depth() == 0 || !is_foreign(entry))
+        .map(Result::unwrap)
+        .filter(|entry| entry.file_type().is_file())
+        .map(DirEntry::into_path)
+        .collect()
 }
 
 #[test]

@@ -119,6 +119,9 @@ impl ReceiveThread {
                 return;
             }
         }
+        // The sockets may still hold frames from before the stop.
+        let stopped = self.clock.time(SystemTime::now(), Monotonic::now());
+        while self.read() < stopped {}
         let rest = self.in_order(Instant::from_micros(u64::MAX));
         // The receiving end may be dropped already.
         let _ = sink.send(rest);

@@ -1,8 +1,8 @@
 //! A replica of each experiment: a simulated drive with errors as the thesis reports them.
 //!
 //! Two numbers a run are fitted, to tables 2 and 3: the mean pointwise error by a constant model
-//! error, and its RMSE by the noise on wheel speed. Everything else is assumed from what the
-//! thesis tells in words or from physics, and is the same for every run of a truck. GPS errors came
+//! error, and its RMSE by the noise on wheel speed. Everything else follows from the
+//! text of the thesis or from physics, and is the same for every run of a truck. GPS errors came
 //! from a process of 3 m over 300 s until the trained chain existed; the rest was never changed.
 
 use super::experiment::Experiment;
