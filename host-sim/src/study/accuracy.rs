@@ -1,5 +1,5 @@
-//! How accurate the estimator is on simulated drives with wrong parameters, wind and cold tyres; and
-//! what a longer lag would buy.
+//! Accuracy of the estimator on simulated drives with wrong parameters, wind and cold tyres; and
+//! the error as a function of the lag.
 
 use super::definition::{Setting, Study, StudyOutcome};
 use super::drive_errors::{DriveErrors, DriveOnRoad, WORDS, mean_of};
@@ -20,7 +20,7 @@ pub const STUDY: Study = Study {
     run,
 };
 
-/// Roads for each truck and receiver; each is driven in both directions.
+/// Roads for each truck and receiver. Each road is driven in both directions.
 const ROADS: u64 = 10;
 /// Sizes of the receiver's slow altitude error, 1 sigma, m.
 const RECEIVERS_M: [f64; 3] = [1.0, 2.0, 3.0];
@@ -77,7 +77,7 @@ fn run(setting: &Setting) -> Result<StudyOutcome> {
     }))
 }
 
-/// Returns what 68.3 % of the values stay within.
+/// Returns the 68.3 % quantile of the values.
 fn one_sigma(values: impl Iterator<Item = f64>) -> f64 {
     let mut values: Vec<f64> = values.collect();
     values.sort_by(f64::total_cmp);
@@ -126,7 +126,7 @@ fn accuracy(groups: &[(Preset, f64)], drives: &[Vec<DriveErrors>]) -> Table {
     table
 }
 
-/// Returns where the core's own lag stands among those of a drive.
+/// Returns the index of the core's own lag in [`DriveErrors::lagged`].
 fn lag_place(drive: &DriveErrors) -> usize {
     if drive.lagged.len() == 1 {
         0

@@ -24,13 +24,13 @@ use std::time::Instant;
 
 /// Standard deviation of the factors on mass, drag, rolling resistance and torque (section 4.3).
 const PARAMETER_SIGMA: f64 = 0.2;
-/// Factors beyond three standard deviations are put there, so that no mass comes near zero or
-/// below; of a thousand draws that touches three.
+/// Limits of the factors, three standard deviations from 1. They keep the mass well above zero. Of
+/// a thousand draws, about three are clamped.
 const FACTOR_LIMITS: (f64, f64) = (0.4, 1.6);
 /// Mean standard deviation of the pointwise error of vehicle A, runs 1-3 of tables 2 and 3, %.
 pub const POINTWISE_SIGMA_PERCENT: f64 =
     (1.6817 + 1.6369 + 1.5805 + 1.6973 + 1.6426 + 1.6420) / 6.0;
-/// Runs at the start of the curve to which N^-c is fitted, as in the thesis.
+/// Number of runs at the start of the curve to which N^-c is fitted, as in the thesis.
 const FITTED: usize = 10;
 
 /// The study, for the list.
@@ -40,22 +40,22 @@ pub const STUDY: Study = Study {
     run,
 };
 
-/// How much is simulated.
+/// Extent of the simulation.
 #[derive(Clone, Copy, Debug)]
 pub struct Extent {
-    /// Maps that are made.
+    /// Number of maps.
     pub sets: usize,
-    /// Runs in each.
+    /// Number of runs in each map.
     pub runs: usize,
 }
 
 /// The thesis's 800 runs.
 pub const THESIS: Extent = Extent { sets: 20, runs: 40 };
 
-/// Everything that all runs share.
+/// Conditions that all runs share.
 #[derive(Clone, Debug)]
 pub struct Conditions {
-    /// True grade each 2.5 m, %.
+    /// True grade every 2.5 m, %.
     pub grade_percent: Vec<f64>,
     /// The vehicle.
     pub vehicle: VehicleParameters,
@@ -63,11 +63,11 @@ pub struct Conditions {
     pub speed_noise_mps: f64,
     /// Errors of GPS altitude.
     pub chain: Chain,
-    /// Every random number follows from it.
+    /// Seed of every random number.
     pub seed: u64,
 }
 
-/// What became of one set.
+/// Result of one set.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Set {
     /// RMSE of the map after each run, %.
@@ -79,10 +79,11 @@ pub struct Set {
 }
 
 impl Conditions {
-    /// Vehicle A on a road of these grades, its speed noise calibrated, with measured GPS errors.
+    /// Returns the conditions for vehicle A on a road of these grades (%, every 2.5 m), with
+    /// calibrated speed noise and measured GPS errors.
     ///
-    /// The pointwise error is the speed noise, differenced, on top of what is there without it:
-    /// two drives without false parameters tell both.
+    /// Speed noise adds its variance to that of the pointwise error. Two drives with true
+    /// parameters, one without speed noise and one with it, give both variances.
     #[must_use]
     pub fn calibrated(grade_percent: Vec<f64>, seed: u64) -> Self {
         const PROBE_MPS: f64 = 0.01;
@@ -133,8 +134,8 @@ impl Conditions {
         self.drive(index, &belief, &gps_m)
     }
 
-    /// RMSE that the filter itself leaves where nothing is wrong: no noise, no GPS error, every
-    /// parameter known, %.
+    /// Returns the RMSE (%) of the filter on an undisturbed run: no noise, no GPS error, true
+    /// parameters.
     #[must_use]
     pub fn undisturbed_rmse(&self) -> f64 {
         let quiet = Self {
@@ -149,8 +150,8 @@ impl Conditions {
 
     /// Simulates, estimates, smooths and fuses the runs of each set; calls `done` after each run.
     ///
-    /// Sets are independent and each is summed in its own order, so that the number of threads
-    /// changes nothing.
+    /// Sets are independent. Each set is summed in its own order, so the result does not depend on
+    /// the number of threads.
     #[must_use]
     pub fn converge(&self, extent: Extent, done: impl Fn() + Sync) -> Vec<Set> {
         (0..extent.sets)
@@ -187,7 +188,7 @@ impl Conditions {
     }
 }
 
-/// Standard deviation of the pointwise error where the model holds, %.
+/// Returns the standard deviation of the pointwise error where the model is valid, %.
 fn pointwise_sigma(run: &DistanceDrive) -> f64 {
     let errors: Vec<f64> = pointwise::grade_percent(&run.drive)
         .iter()
@@ -217,7 +218,7 @@ fn run(setting: &Setting) -> Result<StudyOutcome> {
     Ok(StudyOutcome::Done(section(&conditions, &sets)))
 }
 
-/// RMSE after each run, mean over sets.
+/// Returns the RMSE after each run, mean over sets.
 fn mean_curve(sets: &[&Set]) -> Vec<f64> {
     let after = |n: usize| sets.iter().map(|set| set.rmse_percent[n]).sum::<f64>();
     (0..THESIS.runs)
@@ -225,7 +226,7 @@ fn mean_curve(sets: &[&Set]) -> Vec<f64> {
         .collect()
 }
 
-/// Standard error of the exponent by the jackknife over sets.
+/// Returns the standard error of the exponent, by the jackknife over sets.
 fn exponent_sigma(sets: &[Set]) -> f64 {
     let without: Vec<f64> = (0..sets.len())
         .map(|left_out| {

@@ -1,34 +1,34 @@
-//! What a study is.
+//! Definition of a study.
 
 use crate::error::Result;
 use crate::report::page::Section;
 use std::path::PathBuf;
 
-/// What a study is given.
+/// Settings of a study.
 #[derive(Clone, Debug)]
 pub struct Setting {
-    /// Where the measured data lie: `ztbus/*.csv` and `srtm/*.hgt`.
+    /// Folder of the measured data: `ztbus/*.csv` and `srtm/*.hgt`.
     pub data: PathBuf,
-    /// Every random number follows from it.
+    /// Seed of every random number.
     pub seed: u64,
 }
 
-/// What became of a study.
+/// Outcome of a study.
 #[derive(Clone, Debug)]
 pub enum StudyOutcome {
     /// Computed.
     Done(Section),
-    /// The measured data it needs are not there; what is missing.
+    /// Skipped because measured data are missing; says which.
     Skipped(String),
 }
 
 /// One study.
 #[derive(Clone, Copy, Debug)]
 pub struct Study {
-    /// What it is called on the command line.
+    /// Name on the command line.
     pub name: &'static str,
-    /// What it shows.
+    /// One line on what the study shows.
     pub about: &'static str,
-    /// Computes it.
+    /// Runs the study.
     pub run: fn(&Setting) -> Result<StudyOutcome>,
 }

@@ -1,5 +1,5 @@
 //! Simulated drives in the distance domain (thesis section 4): the vehicle model of eq. 9 under a
-//! PI cruise control, and what its sensors would have reported.
+//! PI cruise control, and the readings of its sensors.
 
 use crate::comparison::{G, MeasuredDrive, MeasuredPoint, STEP_M};
 use crate::simulator::driver::{BRAKE_OFF_MPS, BRAKE_ON_MPS, CruiseControl, SET_SPEED_MPS};
@@ -13,29 +13,30 @@ use rand_chacha::ChaCha8Rng;
 const BRAKE_MPS2: f64 = 0.5;
 /// Time without torque at the wheels while the gear changes, s.
 const SHIFT_S: f64 = 1.0;
-/// Engine speed below which the next lower gear is taken, rpm.
+/// The gearbox shifts down below this engine speed, rpm.
 const SHIFT_DOWN_BELOW_RPM: f64 = 1_000.0;
-/// Engine speed that the next higher gear must give before it is taken, rpm. With steps of 1.27
-/// between the gears this leaves room between shifting up and down.
+/// The gearbox shifts up if the next gear gives at least this engine speed, rpm. With ratio steps
+/// of 1.27 between the gears this leaves a hysteresis between shifting up and down.
 const SHIFT_UP_TO_RPM: f64 = 1_100.0;
-/// Below this speed no truck of the experiments was driven; keeps the distance domain defined.
+/// Lower limit of the speed, m/s. No truck of the experiments drove slower. The limit keeps the
+/// distance domain defined.
 const SLOWEST_MPS: f64 = 2.0;
 
-/// What is believed of the vehicle, as factors of the truth (thesis: N(1, 0.2) in each run).
+/// Assumed parameters of the vehicle, as factors of the truth (thesis: N(1, 0.2) in each run).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Belief {
-    /// Of the mass.
+    /// Factor of the mass.
     pub mass: f64,
-    /// Of the air drag.
+    /// Factor of the air drag.
     pub drag: f64,
-    /// Of the rolling resistance.
+    /// Factor of the rolling resistance.
     pub rolling: f64,
-    /// Of the engine's torque.
+    /// Factor of the engine torque.
     pub torque: f64,
 }
 
 impl Belief {
-    /// Everything known as it is.
+    /// All parameters true.
     pub const TRUTH: Self = Self {
         mass: 1.0,
         drag: 1.0,
@@ -44,22 +45,22 @@ impl Belief {
     };
 }
 
-/// What disturbs the measurements of a drive, beside false [`Belief`]s.
+/// Disturbances of the measurements of a drive, in addition to a false [`Belief`].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Disturbances<'a> {
     /// Standard deviation of the white noise on wheel speed, m/s.
     pub speed_mps: f64,
-    /// Error of GPS altitude at each point, m. Points beyond its end are without satellites.
+    /// Error of GPS altitude at each point, m. Points beyond the end have no fix.
     pub gps_m: &'a [f64],
-    /// What the vehicle model will read too high at each point, %: a resisting force that acts
-    /// on the vehicle and that the model lacks, over its weight. None beyond its end.
+    /// Error of the vehicle model at each point, %: a resisting force that the model lacks, over
+    /// the weight. Zero beyond the end.
     pub model_percent: &'a [f64],
 }
 
-/// A drive as measured, and the truth of it.
+/// A measured drive with its true grade.
 #[derive(Clone, Debug)]
 pub struct DistanceDrive {
-    /// What was measured, and what is believed.
+    /// Measurements and assumed parameters.
     pub drive: MeasuredDrive,
     /// True grade at each point, %.
     pub true_grade_percent: Vec<f64>,
@@ -67,11 +68,11 @@ pub struct DistanceDrive {
 
 /// A gear change in progress.
 struct GearChange {
-    /// Points it takes.
+    /// Number of points that the gear change takes.
     points: usize,
-    /// Points that are over.
+    /// Number of points so far.
     done: usize,
-    /// Force before it, N.
+    /// Force before the gear change, N.
     force_n: f64,
 }
 
@@ -87,19 +88,20 @@ struct MovingVehicle {
 
 /// Forces over one step.
 struct Forces {
-    /// From the engine, truly, N.
+    /// True traction force of the engine, N.
     traction_n: f64,
     /// Traction force as reported on the bus, N.
     reported_n: f64,
-    /// From the brakes, N.
+    /// Brake force, N.
     brake_n: f64,
-    /// Gear that is engaged; 0 for none.
+    /// Engaged gear; 0 for none.
     engaged: usize,
 }
 
-/// Drives along a road of the given grade, one value each [`STEP_M`], from a steady 80 km/h on.
+/// Simulates a drive along a road with one grade (%) per [`STEP_M`]. It starts at a steady
+/// 80 km/h.
 ///
-/// `None` if the vehicle has no engine and gearbox parameters.
+/// Returns `None` if the vehicle has no engine and gearbox parameters.
 #[must_use]
 pub fn simulate(
     grade_percent: &[f64],
@@ -158,12 +160,12 @@ impl MovingVehicle {
         }
     }
 
-    /// Time that the next step takes, s.
+    /// Returns the duration of the next step, s.
     fn step_s(&self) -> f64 {
         STEP_M / self.speed_mps
     }
 
-    /// Begins or goes on with a gear change where one is due; whether one is under way.
+    /// Starts or continues a gear change. Returns whether one is in progress.
     fn shift_gears(&mut self) -> bool {
         if let Some(shift) = &mut self.shift {
             shift.done += 1;
@@ -191,8 +193,8 @@ impl MovingVehicle {
         true
     }
 
-    /// Returns what cruise control asks of the engine, or what the engine brakes with under the
-    /// brakes.
+    /// Returns the engine force that cruise control requests, or that of engine braking while the
+    /// brakes are on.
     fn engine_force_n(&mut self) -> f64 {
         let rpm = self.truck.engine_rpm(self.gear, self.speed_mps);
         let lever = self.truck.force_per_torque(self.gear);
@@ -217,7 +219,7 @@ impl MovingVehicle {
             0.0
         };
         if let Some(shift) = &self.shift {
-            // The clutch is open while the reported torque fades out and in again.
+            // The clutch is open. The reported torque fades out and in again.
             let part = (1.0 - 2.0 * shift.done as f64 / shift.points as f64).abs();
             return Forces {
                 traction_n: 0.0,
@@ -235,7 +237,7 @@ impl MovingVehicle {
         }
     }
 
-    /// Eq. 9 over one step. Forces are constant over it, so that v² changes linearly.
+    /// Applies eq. 9 over one step. Forces are constant over it, so v² changes linearly.
     fn advance(&mut self, forces: &Forces, slope_n: f64, air_density: f64) {
         let resistance_n = self.truck.resistance_n(self.speed_mps, air_density);
         let net_n = forces.traction_n - forces.brake_n - resistance_n - slope_n;

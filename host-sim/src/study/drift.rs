@@ -1,10 +1,10 @@
-//! How far the bare vehicle model's altitude drifts: no GNSS, no filter, nothing fitted.
+//! Altitude drift of the bare vehicle model: no GNSS, no filter, no fit.
 
 use crate::diagnose::bare_model;
 use estimator_core::sample::ForceInputs;
 use estimator_core::vehicle::{Driveline, VehicleParameters, air_density};
 
-/// What the force balance needs of one row of a signal table.
+/// The signals of one row of a signal table that the force balance uses.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ForceSample {
     /// Time, s.
@@ -13,35 +13,35 @@ pub struct ForceSample {
     pub speed_mps: f64,
     /// Force at the wheels, N.
     pub traction_force_n: f64,
-    /// Mass; the vehicle's parameter if `None`, kg.
+    /// Mass, kg; `None` for the vehicle's parameter.
     pub mass_kg: Option<f64>,
-    /// Temperature of the air, °C; its density is the standard one unless the pressure too is
-    /// known.
+    /// Air temperature, °C. The air density is the standard one unless the pressure is known as
+    /// well.
     pub ambient_celsius: Option<f64>,
-    /// Pressure of the air, Pa.
+    /// Air pressure, Pa.
     pub air_pressure_pa: Option<f64>,
 }
 
 /// Drift of the bare vehicle model over a section of road.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct ModelDrift {
-    /// Way driven, m.
+    /// Distance driven, m.
     pub length_m: f64,
-    /// Altitude gained according to the model, m.
+    /// Altitude gain according to the model, m.
     pub modelled_climb_m: f64,
-    /// Modelled minus real altitude gain, per km of distance.
+    /// Modelled minus true altitude gain, per km of distance.
     pub drift_m_per_km: f64,
-    /// The same as a mean error of grade, %.
+    /// The same as a mean grade error, %.
     pub grade_error_percent: f64,
 }
 
 /// Integrates the pointwise grade of the force balance (thesis eq. 9, solved for the slope) over
-/// the way driven and compares it with the real altitude gain `climb_m`: 0 for complete round
-/// trips, which end where they began.
+/// the distance, and compares it with the true altitude gain `climb_m`. That gain is 0 for complete
+/// round trips.
 ///
-/// Between two rows speed is linear in time and the force is their mean, as in the core's
-/// sampler. Friction brakes are not in the model: what they take is counted as climb. `None` if
-/// the vehicle does not move.
+/// Between two rows the speed is linear in time and the force is their mean, as in the core's
+/// sampler. The model has no friction brakes: their work counts as climb. Returns `None` if the
+/// vehicle does not move.
 #[must_use]
 pub fn vehicle_model_drift(
     samples: &[ForceSample],
@@ -67,7 +67,7 @@ pub fn vehicle_model_drift(
     })
 }
 
-/// Returns sine of the slope in % between two rows.
+/// Returns the sine of the slope between two rows, %.
 fn slope_percent(
     from: &ForceSample,
     to: &ForceSample,

@@ -16,12 +16,12 @@ use estimator_core::{Context, Estimator, Sample, Tuning, Uncertain};
 use std::ops::Range;
 use std::path::Path;
 
-/// What the drives assume, in words for the page.
+/// The assumptions of the drives, in words for the page.
 pub const WORDS: &str = "Mass, drag and rolling resistance are wrong by 10 % (1 sigma), torque by \
                          4 %, tyres begin with 30 % more resistance, and a wind of 2 m/s has slow \
                          gusts of 0.3.";
 
-/// Where the scale is judged, m.
+/// Distance at which the traction scale is judged, m.
 pub const SCALE_AT_M: f64 = 20_000.0;
 
 /// One simulated drive of 40 km.
@@ -38,15 +38,15 @@ pub struct ErrorSums {
     normalised: f64,
 }
 
-/// Errors on one drive.
+/// Errors of all estimates on one drive.
 pub struct DriveErrors {
     /// Errors of the grade smoothed over the whole drive.
     pub smoothed: ErrorSums,
-    /// Errors of the grade as it is known at once.
+    /// Errors of the live grade.
     pub live: ErrorSums,
-    /// Errors of the lagged grade, for each lag that was asked for.
+    /// Errors of the lagged grade, for each requested lag.
     pub lagged: Vec<ErrorSums>,
-    /// Found less true scale, and its sigma, at [`SCALE_AT_M`].
+    /// Estimated minus true traction scale, and its sigma, at [`SCALE_AT_M`].
     pub scale: (f64, f64),
 }
 
@@ -73,7 +73,7 @@ impl ErrorSums {
         (self.squared / self.cells).sqrt()
     }
 
-    /// Returns the mean normalised squared error: 1 if the stated sigmas are honest.
+    /// Returns the mean normalised squared error: 1 if the stated sigmas are consistent.
     #[must_use]
     pub fn nees(&self) -> f64 {
         self.normalised / self.cells
@@ -81,11 +81,11 @@ impl ErrorSums {
 }
 
 impl DriveOnRoad {
-    /// Drives a truck along the road of `seed`. `receiver_m` is the receiver's slow altitude error
-    /// (1 sigma, m).
+    /// Simulates a drive of a truck along the road of `seed`. `receiver_m` is the receiver's slow
+    /// altitude error (1 sigma, m).
     ///
     /// # Errors
-    /// A truck that comes to a stop on its road.
+    /// Returns an error if the truck comes to a stop on its road.
     pub fn new(seed: u64, truck: Preset, backward: bool, receiver_m: f64) -> Result<Self> {
         let text = scenario(seed, truck, backward, receiver_m);
         let scenario = Scenario::parse(&text, Path::new("a drive with wrong parameters"))?;
@@ -144,7 +144,7 @@ impl DriveOnRoad {
         Some(errors)
     }
 
-    /// Returns the true grade (%) of each cell that is judged.
+    /// Returns the true grade (%) of each cell that is judged, `None` for the others.
     fn judged(&self, cells: &[ForwardCell<f32>]) -> Vec<Option<f64>> {
         let truth: Vec<(f64, f64)> = self
             .run
@@ -165,7 +165,8 @@ impl DriveOnRoad {
     }
 }
 
-/// 40 km; mass, drag and rolling resistance wrong by 10 % (1 sigma), torque by 4 %.
+/// Returns the scenario: 40 km; mass, drag and rolling resistance wrong by 10 % (1 sigma), torque
+/// by 4 %.
 fn scenario(seed: u64, truck: Preset, backward: bool, receiver_m: f64) -> String {
     let direction = if backward { "backward" } else { "forward" };
     format!(
@@ -192,7 +193,7 @@ fn scenario(seed: u64, truck: Preset, backward: bool, receiver_m: f64) -> String
     )
 }
 
-/// Gives the run's frames to the estimator, without the signals in `missing`.
+/// Passes the run's frames to the estimator, without the signals in `missing`.
 fn samples(run: &SimulatedRun, missing: &[Signal], estimator: &mut Estimator<f32>) -> Vec<Sample> {
     let mut decoder = Decoder::new();
     let mut samples = Vec::new();
@@ -211,13 +212,13 @@ fn samples(run: &SimulatedRun, missing: &[Signal], estimator: &mut Estimator<f32
     samples
 }
 
-/// Returns the distances (m) between the cut ends of the drive.
+/// Returns the range of distances (m) that is judged, without the ends of the drive.
 fn between_cuts(cells: &[ForwardCell<f32>]) -> Range<f64> {
     let end_m = |cell: &ForwardCell<f32>| cell.record.end.distance_m();
     end_m(&cells[0]) + END_CUT_M..end_m(&cells[cells.len() - 1]) - END_CUT_M
 }
 
-/// Judges the grades as the core finishes cells with this lag: a block at a time.
+/// Judges the lagged grades. The core finishes cells one block at a time.
 fn lagged(cells: &[ForwardCell<f32>], judged: &[Option<f64>], lag_blocks: usize) -> ErrorSums {
     let mut errors = ErrorSums::default();
     for from in (0..cells.len()).step_by(BLOCK_CELLS) {

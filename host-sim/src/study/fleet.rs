@@ -1,5 +1,5 @@
-//! What maps of several runs are worth, and whether they know it: runs of one day share their
-//! errors, a light truck has larger ones.
+//! Accuracy of maps of several runs, and whether their sigmas are consistent. Runs of one day share
+//! their errors; a light truck has larger errors.
 
 pub mod road;
 
@@ -23,7 +23,7 @@ pub const STUDY: Study = Study {
 
 /// Number of roads.
 const ROADS: u64 = 24;
-/// The days of a road: which truck, and how often it passes.
+/// The days of a road: the truck, and its number of runs.
 const DAYS: [(Preset, usize); 5] = [
     (Preset::A, 12),
     (Preset::A, 3),
@@ -31,7 +31,7 @@ const DAYS: [(Preset, usize); 5] = [
     (Preset::B, 2),
     (Preset::B, 2),
 ];
-/// The maps, and how many runs of each day they are made from.
+/// The maps, and the number of runs of each day in them.
 const MAPS: [(&str, [usize; DAYS.len()]); 6] = [
     ("one run of A", [1, 0, 0, 0, 0]),
     ("three runs of A, one day", [3, 0, 0, 0, 0]),
@@ -40,11 +40,11 @@ const MAPS: [(&str, [usize; DAYS.len()]); 6] = [
     ("three of A, two of A on another day", [3, 2, 0, 0, 0]),
     ("three days of three A, two days of two B", [3, 3, 3, 2, 2]),
 ];
-/// The map of heavy trucks alone, and those with two more runs, by what these are.
+/// Indices of the map of heavy trucks alone, and of the maps with two more runs.
 const ALONE: usize = 1;
 const BESIDE: [(&str, usize); 2] = [("two of B", 3), ("two of A on another day", 4)];
 
-/// What one map is worth, and what it would be if runs were independent.
+/// Score of one map, and its score if runs were independent.
 type ScorePair = [ScoreRow; 2];
 
 fn run(setting: &Setting) -> Result<StudyOutcome> {

@@ -1,5 +1,5 @@
-//! The error of GNSS altitude as a Markov chain: trained, and what it generates verified
-//! (thesis section 5).
+//! The error of GNSS altitude as a Markov chain: training, and verification of the series that it
+//! generates (thesis section 5).
 
 pub mod errors;
 
@@ -16,7 +16,7 @@ use crate::simulator::random::{Purpose, stream};
 use crate::simulator::road_generator::{RoadShape, generate};
 use crate::simulator::truck::Preset;
 
-/// First lines of the committed chain.
+/// Header comment of the committed chain.
 pub const ORIGIN: &str = "\
 Transitions between errors of GNSS altitude over 2.5 m of way at 80 km/h, counted.
 Trained on one mission of the ZTBus data set (F. Widmer, A. Ritter, C. H. Onder, Scientific Data
@@ -27,7 +27,7 @@ its direction. Made by host-sim/src/study/gps; host-sim/tests/simulator/gps_chai
 const GRADE_BASES_M: [f64; 3] = [500.0, 1_250.0, 3_000.0];
 /// Distances at which the autocorrelation is listed, m.
 const LAGS_M: [f64; 3] = [100.0, 500.0, 1_250.0];
-/// As far as autocorrelation is drawn, m.
+/// Longest distance of the autocorrelation plot, m.
 const LONGEST_LAG_M: f64 = 3_000.0;
 /// Noise of wheel speed in the drives of the verification, m/s.
 const SPEED_NOISE_MPS: f64 = 0.013;
@@ -39,13 +39,13 @@ pub const STUDY: Study = Study {
     run,
 };
 
-/// One source of errors, and what its chain makes.
+/// One source of errors, and the series of its chain.
 struct ErrorSource {
-    /// In words.
+    /// Name in words.
     name: &'static str,
-    /// In names of files.
+    /// Name in names of files.
     key: &'static str,
-    /// What the chain was trained on; empty if it is not at hand.
+    /// Series that the chain was trained on; empty if they are not available.
     training: Vec<Vec<f64>>,
     /// The same number of generated series.
     generated: Vec<Vec<f64>>,
@@ -130,7 +130,7 @@ impl ErrorSource {
         }
     }
 
-    /// Each kind of series there is, with its name.
+    /// Returns the training and the generated series, each with its name.
     fn kinds(&self) -> impl Iterator<Item = (String, &[Vec<f64>])> {
         [("training", &self.training), ("generated", &self.generated)]
             .into_iter()
@@ -210,14 +210,14 @@ fn kind_colours(source: &ErrorSource) -> impl Iterator<Item = plotters::style::R
 
 fn generated(chain: &Chain, lengths: &[usize], seed: u64) -> Vec<Vec<f64>> {
     let series = lengths.iter().enumerate().map(|(run, &length)| {
-        // Streams of their own: those of the first runs made the simulated training.
+        // Streams of their own: the streams of the first runs made the simulated training series.
         let mut rng = stream(seed, 1_000 + run, Purpose::Gnss);
         centred(&chain.generate(length, &mut rng))
     });
     series.collect()
 }
 
-/// Returns mean of f over all pairs `lag` apart in all series.
+/// Returns the mean of f over all pairs `lag` apart in all series.
 fn mean_of_pairs(series: &[Vec<f64>], lag: usize, f: impl Fn(f64, f64) -> f64) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
     for one in series {
@@ -237,7 +237,7 @@ fn autocorrelation(series: &[Vec<f64>], lag: usize) -> f64 {
     mean_of_pairs(series, lag, |a, b| a * b) / sigma(series).powi(2)
 }
 
-/// Root mean square of the change over a length, as grade, %.
+/// Returns the root mean square of the change over a length, as grade, %.
 fn grade_percent(series: &[Vec<f64>], length_m: f64) -> f64 {
     let lag = (length_m / STEP_M) as usize;
     100.0 / length_m * mean_of_pairs(series, lag, |a, b| (b - a).powi(2)).sqrt()
@@ -275,7 +275,7 @@ fn statistics(sources: &[ErrorSource]) -> Table {
     Table::new("gps_statistics", caption, &header).with_rows(rows)
 }
 
-/// As section 5.2.2 does: the same drive estimated with each series of errors.
+/// Estimates the same drive with each series of errors, as in section 5.2.2.
 fn effect(sources: &[ErrorSource], seed: u64) -> Table {
     let header = ["GPS error", "runs", "mean RMSE %", "least %", "largest %"];
     let caption = "RMSE of the original filter's grade on one simulated drive of vehicle A, all \

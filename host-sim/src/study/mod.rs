@@ -1,7 +1,8 @@
-//! Tables and figures, computed: one file a study.
+//! Tables and figures: one file a study.
 //!
-//! A study is a function from [`Setting`] to a [`Section`](crate::report::page::Section) of the report; its tables and figures
-//! are written beside the page by their names. Adding one takes a file and a line in [`STUDIES`].
+//! A study is a function from [`Setting`] to a [`Section`](crate::report::page::Section) of the
+//! report. Its tables and figures are files beside the page. A new study takes a file and a line in
+//! [`STUDIES`].
 
 pub mod accuracy;
 pub mod convergence;

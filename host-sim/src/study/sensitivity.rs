@@ -1,9 +1,9 @@
-//! What a wrong parameter does to the pointwise grade (thesis section 4.1, figure 7).
+//! Effect of a wrong parameter on the pointwise grade (thesis section 4.1, figure 7).
 //!
-//! The truck drives steadily, so that eq. 9 has no acceleration and no inertia in it. With
-//! f = F/(mg) the force at the wheels over the weight, d the air's part of it, c the rolling
-//! resistance and s the sine of the slope, f = s + c + d; what each parameter makes of the
-//! estimated s follows by hand and stands beside what the filters' own code computes.
+//! The truck drives steadily, so eq. 9 has no acceleration and no inertia. With f = F/(mg) the
+//! force at the wheels over the weight, d the part of air drag in it, c the rolling resistance and
+//! s the sine of the slope, f = s + c + d. The effect of each parameter on the estimated s is
+//! derived by hand, and compared with the result of the filters' own code.
 
 use super::definition::{Setting, Study, StudyOutcome};
 use crate::comparison::{G, MeasuredDrive, MeasuredPoint, pointwise};
@@ -16,16 +16,16 @@ use estimator_core::vehicle::STANDARD_AIR_DENSITY;
 use estimator_core::{Traction, VehicleParameters};
 use plotters::style::RGBColor;
 
-/// What is believed over what is true.
+/// Factor of a wrong parameter.
 pub const FACTOR: f64 = 1.2;
-/// Grades on either side of level, %.
+/// Largest grade on either side of level, %.
 const STEEPEST_PERCENT: f64 = 6.0;
-/// Distance between the grades that are computed, %.
+/// Distance between computed grades, %.
 const STEP_PERCENT: f64 = 0.05;
-/// Engine speeds in use under full load, rpm.
+/// Range of engine speeds under full load, rpm.
 const ENGINE_RPM: (f64, f64) = (900.0, 1_900.0);
-/// Grade on either side of level over which a slope is taken, %: no truck has to brake or loses
-/// speed on it.
+/// Grade on either side of level for the slope of the error, %. No truck brakes or loses speed on
+/// it.
 const NEAR_LEVEL_PERCENT: f64 = 0.1;
 
 /// The study, for the list.
@@ -35,7 +35,7 @@ pub const STUDY: Study = Study {
     run,
 };
 
-/// What may be believed wrongly.
+/// A parameter that may be wrong.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Parameter {
     /// Mass.
@@ -46,16 +46,16 @@ pub enum Parameter {
     Rolling,
     /// Reference torque; the bus reports a percentage of it.
     Torque,
-    /// Wheel radius, in the torque's lever only: the thesis takes speed as measured.
+    /// Wheel radius, in the torque's lever only. As in the thesis, speed is as measured.
     WheelRadius,
     /// Efficiency of the driveline.
     Driveline,
-    /// Speed of the air, in the drag term only: wind.
+    /// Air speed, in the drag term only: wind.
     Wind,
 }
 
 impl Parameter {
-    /// In the thesis's order.
+    /// All parameters, in the thesis's order.
     pub const ALL: [Self; 7] = [
         Self::Mass,
         Self::Drag,
@@ -78,7 +78,8 @@ impl Parameter {
         }
     }
 
-    /// Colour and mark; torque and driveline have the same effect and lie on each other.
+    /// Returns the colour and mark. Torque and driveline have the same effect; their curves
+    /// coincide.
     const fn drawn(self) -> (RGBColor, Mark) {
         match self {
             Self::Mass => (colour::BLUE, Mark::Line),
@@ -92,22 +93,22 @@ impl Parameter {
     }
 }
 
-/// Where a truck drives on a grade.
+/// Working point of a truck on a grade.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WorkingPoint {
-    /// The true grade, %.
+    /// True grade, %.
     pub grade_percent: f64,
     /// Steady speed, m/s.
     pub speed_mps: f64,
     /// Gear.
     pub gear: usize,
-    /// Force at the wheels that keeps the speed, N; negative if it holds the truck back.
+    /// Force at the wheels that keeps the speed, N; negative if it decelerates the truck.
     pub force_n: f64,
-    /// Whether the engine alone cannot hold the truck back.
+    /// Whether the engine brake alone cannot keep the speed.
     pub braking: bool,
 }
 
-/// What an error of a parameter does near the level road.
+/// Effect of a wrong parameter near the level road.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GradeErrorEffect {
     /// Change of the error with the true grade, %/%.
@@ -116,23 +117,24 @@ pub struct GradeErrorEffect {
     pub offset_percent: f64,
 }
 
-/// Returns sine of the slope of a grade in %.
+/// Returns the sine of the slope of a grade in %.
 fn sine(grade_percent: f64) -> f64 {
     grade_percent / grade_percent.hypot(100.0)
 }
 
-/// Steady driving at 80 km/h wherever possible: uphill as fast as full load allows, in the best
-/// gear, downhill with whatever holds the speed. `None` if the truck cannot climb the grade.
+/// Returns steady driving at 80 km/h where possible. Uphill the speed is the highest under full
+/// load, in the best gear; downhill, engine and brakes hold the speed. Returns `None` if the truck
+/// cannot climb the grade.
 #[must_use]
 pub fn working_point(truck: &Truck, grade_percent: f64) -> Option<WorkingPoint> {
-    /// Step in which speeds are tried, m/s.
+    /// Step of the tried speeds, m/s.
     const STEP_MPS: f64 = 0.01;
     let speeds =
         (0..(SET_SPEED_MPS / STEP_MPS) as usize).map(|step| SET_SPEED_MPS - step as f64 * STEP_MPS);
     speeds.into_iter().find_map(|speed_mps| {
         let force_n = truck.resistance_n(speed_mps, STANDARD_AIR_DENSITY.into())
             + truck.mass_kg * G * sine(grade_percent);
-        // The highest gear that can: as a driver saves fuel.
+        // The highest possible gear, which saves fuel.
         let gear = (1..=truck.top_gear()).rev().find(|&gear| {
             let rpm = truck.engine_rpm(gear, speed_mps);
             (ENGINE_RPM.0..=ENGINE_RPM.1).contains(&rpm)
@@ -149,8 +151,8 @@ pub fn working_point(truck: &Truck, grade_percent: f64) -> Option<WorkingPoint> 
     })
 }
 
-/// Error of the pointwise grade in % at a working point with one parameter at [`FACTOR`] times
-/// its true value. What brakes take is counted as torque, as if a retarder reported it.
+/// Returns the error of the pointwise grade (%) at a working point with one parameter at [`FACTOR`]
+/// times its true value. Brake force counts as torque, as if a retarder reported it.
 #[must_use]
 pub fn error_percent(
     vehicle: &VehicleParameters,
@@ -163,7 +165,7 @@ pub fn error_percent(
     let (mut torque_nm, mut air_density) = (torque_nm, f64::from(STANDARD_AIR_DENSITY));
     match parameter {
         Parameter::Torque => torque_nm *= FACTOR,
-        // Air that is faster than the vehicle counts by its square, in eq. 5 alone.
+        // Drag depends on the square of air speed; other terms do not change.
         Parameter::Wind => air_density *= FACTOR * FACTOR,
         _ => {}
     }
@@ -205,7 +207,7 @@ fn believed(vehicle: &VehicleParameters, parameter: Parameter) -> VehicleParamet
     believed
 }
 
-/// Slope and offset near the level road, from the filters' own code.
+/// Returns the slope and offset near the level road, from the filters' own code.
 #[must_use]
 pub fn numeric(vehicle: &VehicleParameters, parameter: Parameter) -> Option<GradeErrorEffect> {
     let truck = Truck::new(vehicle)?;
@@ -217,8 +219,8 @@ pub fn numeric(vehicle: &VehicleParameters, parameter: Parameter) -> Option<Grad
     })
 }
 
-/// Returns the same by hand: the estimate of s with the parameter at k times its value, less s, and
-/// its derivative in s.
+/// Returns the same derived by hand: the estimate of s with the parameter at k times its value,
+/// less s, and its derivative in s.
 #[must_use]
 pub fn analytic(vehicle: &VehicleParameters, parameter: Parameter) -> GradeErrorEffect {
     let k = FACTOR;

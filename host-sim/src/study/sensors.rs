@@ -1,4 +1,4 @@
-//! Which sensors permit which error: the same drives without one signal or another.
+//! Value of each sensor: the same drives without one signal or another.
 
 use super::definition::{Setting, Study, StudyOutcome};
 use super::drive_errors::{DriveErrors, DriveOnRoad, ErrorSums, WORDS, mean_of};
@@ -18,7 +18,7 @@ pub const STUDY: Study = Study {
     run,
 };
 
-/// Roads for each truck; each is driven in both directions.
+/// Roads for each truck. Each road is driven in both directions.
 const ROADS: u64 = 5;
 /// The receiver's slow altitude error, 1 sigma, m.
 const RECEIVER_M: f64 = 2.0;
@@ -56,7 +56,7 @@ const NEEDED: &[Signal] = &[
     Signal::Altitude,
 ];
 
-/// What is missing, in words, and the signals.
+/// Returns the cases: missing sensors in words, and their signals.
 fn cases() -> Vec<(&'static str, Vec<Signal>)> {
     let all_but_needed = Signal::ALL.iter().filter(|signal| !NEEDED.contains(signal));
     vec![
@@ -97,7 +97,7 @@ fn cases() -> Vec<(&'static str, Vec<Signal>)> {
     ]
 }
 
-/// Errors of the drives of one truck in one case; `None` where there is no estimate.
+/// Errors on the drives of one truck in one case; `None` where there is no estimate.
 type OfTruck = Vec<Option<DriveErrors>>;
 
 fn run(setting: &Setting) -> Result<StudyOutcome> {

@@ -1,11 +1,11 @@
 //! Grade errors over long windows.
 //!
-//! A reference made of GNSS altitudes is noisy in short windows; the mean grade of a window is
-//! the altitude change over its length, so that noise falls with the length.
+//! A reference from GNSS altitudes is noisy in short windows. The mean grade of a window is the
+//! altitude change over its length, so the noise falls with the length.
 
 use crate::numeric::series::linear;
 
-/// Grade over the distance along one road, linear in between.
+/// Grade over the distance along one road, with linear interpolation.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GradeProfile {
     /// Distance in m, strictly increasing, and grade in %.
@@ -23,12 +23,12 @@ pub struct WindowErrors {
     pub windows: usize,
 }
 
-/// Step of the common grid of two profiles, m; the length of four cells.
+/// Step of the common grid of two profiles, m: four cells.
 const GRID_M: f64 = 10.0;
 
 impl GradeProfile {
-    /// From pairs of distance in m and grade in %; pairs that do not go forward along the road
-    /// or are not finite are left out.
+    /// Creates a profile from pairs of distance (m) and grade (%). Pairs that do not increase the
+    /// distance or are not finite are left out.
     #[must_use]
     pub fn new(pairs: impl IntoIterator<Item = (f64, f64)>) -> Self {
         Self {
@@ -36,8 +36,8 @@ impl GradeProfile {
         }
     }
 
-    /// From pairs of distance in m along the road and altitude in m: the grade at each is the
-    /// change of altitude over `base_m` around it, less at the ends.
+    /// Creates a profile from pairs of distance (m) along the road and altitude (m). The grade at
+    /// each is the altitude change over `base_m` around it; over less at the ends.
     #[must_use]
     pub fn from_altitudes(pairs: impl IntoIterator<Item = (f64, f64)>, base_m: f64) -> Self {
         let altitudes = forward(pairs);
@@ -54,7 +54,7 @@ impl GradeProfile {
         }
     }
 
-    /// Returns grade in % at a distance in m; `None` beyond the ends.
+    /// Returns the grade (%) at a distance in m; `None` beyond the ends.
     #[must_use]
     pub fn grade_percent(&self, at_m: f64) -> Option<f64> {
         linear(&self.points, at_m)
@@ -65,9 +65,9 @@ impl GradeProfile {
     }
 }
 
-/// Errors of `estimate` against `reference`, each the mean over a window of `window_m`, the
-/// windows one after the other over the part of the road that both cover. `None` if that is
-/// shorter than one window.
+/// Returns the errors of `estimate` against `reference`, both as means over windows of `window_m`.
+/// The windows follow one another over the part of the road that both cover. Returns `None` if that
+/// part is shorter than one window.
 #[must_use]
 pub fn window_errors(
     estimate: &GradeProfile,

@@ -1,9 +1,8 @@
-//! The measured city bus: what the estimator makes of real data, and what the bare vehicle model
-//! would have made of it.
+//! The measured city bus: results of the estimator on real data, and of the bare vehicle model.
 //!
-//! No truth is known. Each pass is judged against the map of the other passes in its direction
-//! (which shares the vehicle's errors, not its passes' noise) and against terrain (which shares
-//! nothing, but is coarse).
+//! The truth is unknown. Each pass is judged against the map of the other passes in its direction
+//! (which shares the vehicle's errors, but not the noise of its passes) and against terrain (which
+//! shares no error, but is coarse).
 
 use super::definition::{Setting, Study, StudyOutcome};
 use super::drift::{ForceSample, ModelDrift, vehicle_model_drift};
@@ -20,15 +19,15 @@ use estimator_core::Tuning;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Windows over which grades are compared, m.
+/// Length of the windows over which grades are compared, m.
 const WINDOW_M: f64 = 600.0;
-/// Base over which the terrain's altitudes become a grade, m.
+/// Distance over which the terrain's altitudes become a grade, m.
 const TERRAIN_BASE_M: f64 = 200.0;
 
 /// One pass with its errors.
 #[derive(Clone, Debug)]
 struct PassErrors {
-    /// Number in the mission, from 1.
+    /// Number of the pass in the mission, from 1.
     pass: usize,
     /// Direction in words.
     direction: &'static str,
@@ -36,9 +35,9 @@ struct PassErrors {
     others: Option<WindowErrors>,
     /// Against terrain, over [`WINDOW_M`].
     terrain: Option<WindowErrors>,
-    /// What the vehicle model was found to read too high, mean over the pass, %.
+    /// Estimated bias of the vehicle model, mean over the pass, %; positive if it reads too high.
     bias_percent: f64,
-    /// Traction scale found at the end.
+    /// Estimated traction scale at the end.
     scale: f64,
 }
 
@@ -49,14 +48,14 @@ pub const STUDY: Study = Study {
     run,
 };
 
-/// What the study found.
+/// Result of the study.
 #[derive(Debug)]
 struct Findings {
-    /// One for each pass.
+    /// Errors of each pass.
     passes: Vec<PassErrors>,
-    /// Bare vehicle model over each complete round trip.
+    /// Drift of the bare vehicle model over each complete round trip.
     drifts: Vec<ModelDrift>,
-    /// For each direction: terrain, and each pass with its number, as grade over distance.
+    /// Profiles of each direction: terrain, and each pass with its number.
     profiles: Vec<DirectionProfiles>,
 }
 
@@ -67,7 +66,7 @@ struct DirectionProfiles {
     direction: &'static str,
     /// Terrain altitude, m, over distance, m.
     terrain: Vec<(f64, f64)>,
-    /// Pass number, and its grade mapped onto the road.
+    /// Pass number, and its grade on the distances of the road.
     passes: Vec<(usize, Vec<MapRow>)>,
 }
 
@@ -82,7 +81,7 @@ fn run(setting: &Setting) -> Result<StudyOutcome> {
     Ok(StudyOutcome::Done(section(&found)))
 }
 
-/// Returns the first mission of the data folder by name.
+/// Returns the first mission of the data folder, by name.
 pub(super) fn mission_file(data: &Path) -> Option<PathBuf> {
     let mut files: Vec<PathBuf> = fs::read_dir(data.join("ztbus"))
         .ok()?
@@ -157,7 +156,7 @@ fn find(mission_file: &Path, terrain_folder: &Path) -> Result<Findings> {
     })
 }
 
-/// Estimates a pass as a user would: from its signal table.
+/// Estimates a pass from its signal table, as a user would.
 fn estimate(mission: &Mission, pass: &Pass, folder: &Path) -> Result<Vec<RunRow>> {
     let table = folder.join("pass.csv");
     mission.write_pass(&table, pass)?;
@@ -181,7 +180,7 @@ fn profile(rows: &[MapRow]) -> GradeProfile {
     GradeProfile::new(rows.iter().map(|row| (row.distance_m, row.grade_percent)))
 }
 
-/// Terrain altitude along a mapped pass.
+/// Returns the terrain altitude along a mapped pass.
 fn ground(terrain: &mut Terrain, rows: &[MapRow]) -> Result<Vec<(f64, f64)>> {
     let mut ground = Vec::new();
     for row in rows {

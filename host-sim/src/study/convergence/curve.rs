@@ -1,16 +1,16 @@
-//! What is fitted to RMSE against the number of runs.
+//! Curves fitted to the RMSE as a function of the number of runs.
 
 /// RMSE = first · N^-exponent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PowerLaw {
     /// RMSE of one run, %.
     pub first_percent: f64,
-    /// The thesis's c.
+    /// Exponent, c in the thesis.
     pub exponent: f64,
 }
 
 impl PowerLaw {
-    /// Least squares in the logarithms; values of 1, 2, 3, ... runs.
+    /// Fits a line by least squares to the logarithms of the RMSE (%) after 1, 2, 3, ... runs.
     #[must_use]
     pub fn fit(rmse_percent: &[f64]) -> Self {
         let points: Vec<(f64, f64)> = (1..)
@@ -24,15 +24,16 @@ impl PowerLaw {
         }
     }
 
-    /// RMSE of `n` runs, %.
+    /// Returns the RMSE of `n` runs, %.
     #[must_use]
     pub fn at(&self, n: usize) -> f64 {
         self.first_percent * (n as f64).powf(-self.exponent)
     }
 }
 
-/// Returns what is left with runs without number: RMSE² = floor² + b/N, least squares in 1/N over
-/// the runs after `skipped`. Independent errors add by their squares; what all runs share stays.
+/// Returns the floor of the RMSE for an unlimited number of runs: RMSE² = floor² + b/N. The fit is
+/// least squares in 1/N over the runs after `skipped`. Independent errors average out; errors that
+/// all runs share form the floor.
 #[must_use]
 pub fn floor_percent(rmse_percent: &[f64], skipped: usize) -> f64 {
     let points: Vec<(f64, f64)> = (1..)
@@ -43,7 +44,7 @@ pub fn floor_percent(rmse_percent: &[f64], skipped: usize) -> f64 {
     line(&points).0.max(0.0).sqrt()
 }
 
-/// Offset and slope of the least-squares line.
+/// Returns the offset and the slope of the least-squares line.
 fn line(points: &[(f64, f64)]) -> (f64, f64) {
     let n = points.len() as f64;
     let (x, y) = points

@@ -1,4 +1,4 @@
-//! Whether ours is better than the thesis's methods: run by run, and on maps.
+//! Our estimator against the thesis's methods: run by run, and on maps.
 
 use super::experiment::Experiment;
 use super::heading::Heading;
@@ -10,25 +10,25 @@ use crate::report::page::{Figure, Table};
 use crate::report::plot::{Mark, Plot, Series, colour};
 use rayon::prelude::*;
 
-/// What the map of the three runs of truck A, and that of all five runs, may err by in each
-/// direction, %: a little less than the thesis's reference does (section 3.1).
+/// Largest RMSE of the map of truck A's three runs, and of the map of all five runs, in each
+/// direction, %. It is a little below the error of the thesis's reference (section 3.1).
 pub const LARGEST_MAP_RMSE_PERCENT: f64 = 0.045;
-/// Runs of which there are maps: those of A, and all.
+/// Numbers of runs in the judged maps: the runs of A, and all runs.
 const RUNS_OF_MAPS: [usize; 2] = [3, 5];
 
 /// The three methods on one map.
 #[derive(Clone, Copy, Debug)]
 pub struct Map {
-    /// Its direction.
+    /// Direction of travel.
     pub heading: Heading,
-    /// Of how many runs it is.
+    /// Number of runs in the map.
     pub runs: usize,
     /// RMSE(m) in the order of [`ThesisMethod::ALL`], %.
     pub rmse: [f64; 3],
 }
 
 impl Map {
-    /// Of what it is.
+    /// Returns the name of the map: its runs and direction.
     #[must_use]
     pub fn name(&self) -> String {
         format!("{} runs {}", self.runs, self.heading.word())
@@ -36,14 +36,14 @@ impl Map {
 }
 
 impl Experiment {
-    /// Direction and number.
+    /// Returns the direction and the number.
     #[must_use]
     pub fn name(self) -> String {
         format!("{} {}", self.heading.word(), self.number)
     }
 }
 
-/// Runs in which ours is not better than the modified method, by RMSE(v).
+/// Returns the runs in which ours is not better than the modified method, by RMSE(v).
 #[must_use]
 pub fn not_better([_, modified, ours]: &[Vec<Estimated>; 3]) -> Vec<Experiment> {
     modified
@@ -77,7 +77,7 @@ pub fn judged_maps(all: &[Vec<Estimated>; 3]) -> Vec<Map> {
         .collect()
 }
 
-/// Returns what the tables say, in words.
+/// Returns the summary of the tables in words.
 #[must_use]
 pub fn words(all: &[Vec<Estimated>; 3]) -> Vec<String> {
     let runs = all[0].len();
@@ -127,7 +127,7 @@ pub fn words(all: &[Vec<Estimated>; 3]) -> Vec<String> {
     ]
 }
 
-/// Returns the methods run by run.
+/// Returns the table of the methods run by run.
 #[must_use]
 pub fn each_run(runs: &[Replica], all: &[Vec<Estimated>; 3]) -> Table {
     let [original, modified, ours] = all;
@@ -171,7 +171,7 @@ pub fn each_run(runs: &[Replica], all: &[Vec<Estimated>; 3]) -> Table {
     table
 }
 
-/// Returns the methods on the maps that are judged.
+/// Returns the table of the methods on the judged maps.
 #[must_use]
 pub fn maps(all: &[Vec<Estimated>; 3]) -> Table {
     let header = [
@@ -194,7 +194,7 @@ pub fn maps(all: &[Vec<Estimated>; 3]) -> Table {
     Table::new("maps", caption, &header).with_rows(rows)
 }
 
-/// Returns how maps get better with runs, one figure a direction.
+/// Returns the RMSE of maps over the number of runs, one figure a direction.
 #[must_use]
 pub fn figures(all: &[Vec<Estimated>; 3]) -> Vec<Figure> {
     Heading::BOTH

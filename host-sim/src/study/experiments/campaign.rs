@@ -1,9 +1,10 @@
 //! A replica of each experiment: a simulated drive with errors as the thesis reports them.
 //!
-//! Two numbers a run are fitted, to tables 2 and 3: the mean pointwise error by a constant model
-//! error, and its RMSE by the noise on wheel speed. Everything else follows from the
-//! text of the thesis or from physics, and is the same for every run of a truck. GPS errors came
-//! from a process of 3 m over 300 s until the trained chain existed; the rest was never changed.
+//! Two numbers of each run are fitted to tables 2 and 3. A constant model error gives the mean
+//! pointwise error; noise on wheel speed gives its RMSE. Everything else follows from the text of
+//! the thesis or from physics, and is the same for every run of a truck. The first version took GPS
+//! errors from a process of 3 m over 300 s; the trained chain has replaced it. The rest is
+//! unchanged.
 
 use super::experiment::Experiment;
 use super::heading::Heading;
@@ -18,19 +19,19 @@ use crate::study::distance_drive::{Belief, Disturbances, simulate};
 use estimator_core::vehicle::STANDARD_AIR_DENSITY;
 use rayon::prelude::*;
 
-/// Length of either road, m. Long enough for what happened at 42 km.
+/// Length of either road, m. It includes the GPS error at 42 km.
 pub const LENGTH_M: f64 = 47_000.0;
-/// A large GPS error is a bump of this standard length, m.
+/// Standard length of a large GPS error, which has the shape of a bump, m.
 const BUMP_M: f64 = 200.0;
 /// Wind along the road: standard deviation, m/s, and correlation length, m ("slow").
 const WIND: (f64, f64) = (1.5, 2_000.0);
-/// Cold tyres: rolling resistance above its final value, as a part of it, and the way on which
-/// that falls to 1/e, m.
+/// Cold tyres: rolling resistance above its final value, as a fraction of it, and the distance over
+/// which that excess falls to 1/e, m.
 const COLD_TYRES: (f64, f64) = (0.5, 15_000.0);
 /// Rounds of fitting; the mean and the RMSE hardly depend on each other.
 const ROUNDS: usize = 4;
 
-/// Two roads, and the experiments on them.
+/// The two roads, and the experiments on them.
 #[derive(Clone, Debug)]
 pub struct Campaign {
     seed: u64,
@@ -39,7 +40,7 @@ pub struct Campaign {
 }
 
 impl Campaign {
-    /// Creates the roads that a seed stands for.
+    /// Creates the roads of a seed.
     #[must_use]
     pub fn new(seed: u64) -> Self {
         let road = |seed| {
@@ -60,7 +61,7 @@ impl Campaign {
         }
     }
 
-    /// True grade in a direction, %.
+    /// Returns the true grade in a direction, %.
     #[must_use]
     pub fn road(&self, heading: Heading) -> &[f64] {
         match heading {
@@ -78,7 +79,7 @@ impl Campaign {
             .collect()
     }
 
-    /// Returns one run with its fitted numbers, disturbed by some sources only.
+    /// Returns one run with its fitted numbers, with each disturbance scaled by its factor.
     #[must_use]
     pub fn drive(&self, experiment: Experiment, fitted: Fitted, sources: Sources) -> Replica {
         let truth = self.road(experiment.heading);
@@ -106,7 +107,7 @@ impl Campaign {
         }
     }
 
-    /// Fits the run's mean by a constant and its RMSE by speed noise.
+    /// Fits a constant to the run's mean error and speed noise to its RMSE.
     fn fit(&self, experiment: Experiment) -> Replica {
         let [mu, _, rmse] = experiment.pointwise();
         let mut fitted = Fitted {
@@ -124,7 +125,7 @@ impl Campaign {
                 ..Sources::ALL
             };
             let rest = found(fitted, silent).sigma.powi(2);
-            // Of the mean square, the part that is speed noise: now, and as it should be.
+            // The part of the mean square error due to speed noise: now, and as it should be.
             let now = all.sigma.powi(2) - rest;
             let wanted = rmse * rmse - mu * mu - rest;
             fitted.speed_mps *= (wanted / now).sqrt();
@@ -133,8 +134,8 @@ impl Campaign {
         self.drive(experiment, fitted, Sources::ALL)
     }
 
-    /// GPS altitude error at each point, m: from the chain of section 5, trained on measured errors,
-    /// and the large ones that the thesis shows.
+    /// Returns the GPS altitude error at each point, m: from the chain of section 5, trained on
+    /// measured errors, and the large errors that the thesis shows.
     fn gps_error_m(&self, experiment: Experiment) -> Vec<f64> {
         let mut rng = stream(self.seed, experiment.index(), Purpose::Gnss);
         let mut error_m = Chain::measured().generate(self.road(experiment.heading).len(), &mut rng);
@@ -147,7 +148,7 @@ impl Campaign {
         error_m
     }
 
-    /// Returns what the model reads too high at each point, %.
+    /// Returns the error of the vehicle model at each point, %.
     fn model_error_percent(
         &self,
         experiment: Experiment,

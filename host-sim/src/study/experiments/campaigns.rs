@@ -1,4 +1,4 @@
-//! Ours against the modified method over several campaigns: whether one campaign was luck.
+//! Our estimator against the modified method over several campaigns, to exclude chance.
 
 use super::beside::{LARGEST_MAP_RMSE_PERCENT, judged_maps};
 use super::campaign::Campaign;
@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 /// Number of campaigns.
 const CAMPAIGNS: u64 = 10;
-/// From the seed of one to that of the next. A campaign's roads take two seeds.
+/// Difference between the seeds of two campaigns. A campaign's roads take two seeds.
 const APART: u64 = 10;
 
 /// The study, for the list.
@@ -53,7 +53,7 @@ fn run(setting: &Setting) -> Result<StudyOutcome> {
     }))
 }
 
-/// Returns a run in each campaign, by the modified method and by ours.
+/// Returns the estimates of one run in each campaign, by the modified method and by ours.
 fn pairs(all: &[[Vec<Estimated>; 3]], run: usize) -> Vec<(&Estimated, &Estimated)> {
     all.iter()
         .map(|[_, modified, ours]| (&modified[run], &ours[run]))
@@ -140,7 +140,7 @@ fn maps_table(all: &[[Vec<Estimated>; 3]]) -> Table {
     Table::new("campaigns_maps", caption, &header).with_rows(rows)
 }
 
-/// Least, median and largest.
+/// Returns the minimum, median and maximum.
 fn spread(mut values: Vec<f64>) -> [f64; 3] {
     values.sort_by(f64::total_cmp);
     let middle = values.len() / 2;

@@ -1,4 +1,4 @@
-//! What the replicas predict against the thesis's numbers, and what the errors are made of.
+//! Predictions of the replicas against the thesis's numbers, and the contributions to the errors.
 
 use super::campaign::Campaign;
 use super::experiment::Experiment;
@@ -11,32 +11,32 @@ use crate::report::page::Table;
 use crate::simulator::truck::Preset;
 use rayon::prelude::*;
 
-/// Beyond this, a difference is named and explained.
+/// Relative difference above which a number is named and explained.
 const QUARTER: f64 = 0.25;
 
-/// Factors of the GPS errors and of the wind with which the replicas would come near the thesis:
-/// found by hand after the predictions, to see whether two numbers can explain all of them.
+/// Factors of the GPS errors and of the wind that bring the replicas near the thesis. They were
+/// found by hand after the predictions, to see whether two numbers can explain all differences.
 const EXPLAINING: (f64, f64) = (0.7, 1.7);
 /// Standard deviation of the thesis's reference grade (section 3.1), %.
 const REFERENCE_PERCENT: f64 = 0.05;
 
-/// One number, the replica's and the thesis's.
+/// One number of the replica and of the thesis.
 #[derive(Clone, Debug)]
 pub struct Compared {
-    /// What it is.
+    /// Name of the number.
     pub what: String,
-    /// Of the replicated runs.
+    /// Value for the replicated runs.
     pub replica: f64,
-    /// The thesis's.
+    /// Value in the thesis.
     pub thesis: f64,
 }
 
-/// The numbers that sum up tables 5-8.
+/// The numbers that summarise tables 5-8.
 #[derive(Clone, Debug)]
 pub struct ComparisonSummary(pub Vec<Compared>);
 
 impl ComparisonSummary {
-    /// As a table.
+    /// Returns the numbers as a table.
     #[must_use]
     pub fn table(&self) -> Table {
         let header = ["what", "replica", "thesis", "replica over thesis"];
@@ -52,7 +52,7 @@ impl ComparisonSummary {
     }
 }
 
-/// Returns sums up both methods.
+/// Summarises both methods.
 #[must_use]
 pub fn summary(original: &[Estimated], modified: &[Estimated]) -> ComparisonSummary {
     let mut all = Vec::new();
@@ -118,14 +118,14 @@ pub fn summary(original: &[Estimated], modified: &[Estimated]) -> ComparisonSumm
     ComparisonSummary(all)
 }
 
-/// Returns a column of tables 5-8 as the thesis printed it, %; NaN for a method that it does not
-/// have.
+/// Returns a column of tables 5-8 as the thesis printed it, %; NaN for a method that the thesis
+/// does not have.
 fn printed(method: ThesisMethod, experiment: Experiment, column: usize) -> f64 {
     let row = method.of_thesis(experiment);
     row.map_or(f64::NAN, |row| row[column])
 }
 
-/// Returns which numbers differ by more than a quarter, in words.
+/// Returns, in words, the numbers that differ by more than a quarter.
 #[must_use]
 pub fn differences(summary: &ComparisonSummary) -> Vec<String> {
     let far: Vec<String> = summary
@@ -155,8 +155,8 @@ pub fn differences(summary: &ComparisonSummary) -> Vec<String> {
     ]
 }
 
-/// RMSE(v) that remains if one source of error at a time disturbs the runs, means over a truck;
-/// and what it would be with the errors that explain the thesis's numbers.
+/// Returns the RMSE(v) with one error source at a time, means over a truck; and with the errors
+/// that explain the thesis's numbers.
 #[must_use]
 pub fn made_of(campaign: &Campaign, runs: &[Replica]) -> Table {
     let none = Sources::NONE;
@@ -258,7 +258,7 @@ pub fn made_of(campaign: &Campaign, runs: &[Replica]) -> Table {
     table
 }
 
-/// Each method for A, then for B; empty where there is no number.
+/// Returns each method's value for A, then for B; empty where there is none.
 fn means(value: impl Fn(Preset, ThesisMethod) -> f64) -> Vec<String> {
     [Preset::A, Preset::B]
         .into_iter()

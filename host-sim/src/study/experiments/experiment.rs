@@ -5,21 +5,21 @@ use super::thesis;
 use crate::simulator::truck::Preset;
 use crate::study::distance_drive::Belief;
 
-/// What is believed of truck A's torque, as a factor: section 7.3 finds errors that go with the
-/// grade.
+/// Assumed torque of truck A, as a factor of the truth. Section 7.3 finds errors proportional to
+/// the grade.
 const TORQUE_A: f64 = 1.05;
 
-/// One experiment, before anything is fitted.
+/// One experiment, before the fit.
 #[derive(Clone, Copy, Debug)]
 pub struct Experiment {
-    /// Direction.
+    /// Direction of travel.
     pub heading: Heading,
-    /// Number in that direction, from 1.
+    /// Number of the run in that direction, from 1.
     pub number: usize,
 }
 
 impl Experiment {
-    /// Returns all ten.
+    /// Returns all ten experiments.
     #[must_use]
     pub fn all() -> Vec<Self> {
         Heading::BOTH
@@ -28,7 +28,7 @@ impl Experiment {
             .collect()
     }
 
-    /// Returns which truck drove (table 1).
+    /// Returns the truck (table 1).
     #[must_use]
     pub const fn preset(self) -> Preset {
         if self.number <= 3 {
@@ -38,7 +38,7 @@ impl Experiment {
         }
     }
 
-    /// Returns what is falsely believed of its truck.
+    /// Returns the false parameters of its truck.
     #[must_use]
     pub fn belief(self) -> Belief {
         let torque = match self.preset() {
@@ -51,15 +51,15 @@ impl Experiment {
         }
     }
 
-    /// µ, σ and RMSE of its pointwise grade in the thesis.
+    /// Returns µ, σ and RMSE of its pointwise grade in the thesis.
     #[must_use]
     pub const fn pointwise(self) -> [f64; 3] {
         thesis::pointwise(self.heading)[self.number - 1]
     }
 
     /// Returns whether the truck had stood overnight. The thesis names southbound 4. Southbound 1
-    /// has the most positive mean of its truck, from which that falls run by run: as from cold
-    /// tyres.
+    /// has the most positive mean of its truck. The mean then falls run by run, as cold tyres would
+    /// explain.
     pub(super) const fn is_morning(self) -> bool {
         matches!(
             self,
@@ -70,9 +70,9 @@ impl Experiment {
         )
     }
 
-    /// Large GPS errors: where, m, and how large, m. The thesis shows them at about 25 km in
-    /// figures 6 (northbound 3) and 13 (southbound 4), and at 42 km in northbound 4, where the
-    /// RMSE doubles: there as large as its error chain goes.
+    /// Returns the large GPS errors: position and size, m. The thesis shows them at about 25 km in
+    /// figures 6 (northbound 3) and 13 (southbound 4), and at 42 km in northbound 4, where the RMSE
+    /// doubles. The last one is set to the largest error of its chain.
     pub(super) const fn gps_bumps(self) -> &'static [(f64, f64)] {
         match (self.heading, self.number) {
             (Heading::South, 4) | (Heading::North, 3) => &[(25_000.0, 6.0)],
@@ -81,7 +81,7 @@ impl Experiment {
         }
     }
 
-    /// Returns its own number in the streams of random numbers.
+    /// Returns its index in the streams of random numbers.
     pub(super) const fn index(self) -> usize {
         self.number
             + match self.heading {

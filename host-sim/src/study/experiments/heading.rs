@@ -13,7 +13,7 @@ impl Heading {
     /// Both, in the thesis's order.
     pub const BOTH: [Self; 2] = [Self::South, Self::North];
 
-    /// In words.
+    /// Returns the direction in words.
     #[must_use]
     pub const fn word(self) -> &'static str {
         match self {

@@ -10,17 +10,17 @@ pub const EDGE: usize = 200;
 /// Errors of one run, % grade.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RunErrors {
-    /// Mean where the vehicle model holds.
+    /// Mean where the vehicle model is valid.
     pub mu: f64,
-    /// Standard deviation there.
+    /// Standard deviation where the vehicle model is valid.
     pub sigma: f64,
-    /// RMSE there: RMSE(v).
+    /// RMSE where the vehicle model is valid: RMSE(v).
     pub rmse_valid: f64,
     /// RMSE at all points: RMSE(a).
     pub rmse_all: f64,
 }
 
-/// Errors of a profile on its run, first and last 200 points left out.
+/// Returns the errors of a profile on its run, without the first and last 200 points.
 #[must_use]
 pub fn errors(run: &Replica, grade_percent: &[f64]) -> RunErrors {
     let valid = valid_errors(run, grade_percent);
@@ -35,7 +35,7 @@ pub fn errors(run: &Replica, grade_percent: &[f64]) -> RunErrors {
     }
 }
 
-/// Error at each point between the ends where the vehicle model holds, %.
+/// Returns the error at each point between the ends where the vehicle model is valid, %.
 #[must_use]
 pub fn valid_errors(run: &Replica, grade_percent: &[f64]) -> Vec<f64> {
     (EDGE..run.truth.len() - EDGE)
@@ -44,13 +44,14 @@ pub fn valid_errors(run: &Replica, grade_percent: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// RMSE at all points between the ends.
+/// Returns the RMSE at all points between the ends.
 #[must_use]
 pub fn rmse(truth: &[f64], grade_percent: &[f64]) -> f64 {
     rms((EDGE..truth.len() - EDGE).map(|k| grade_percent[k] - truth[k]))
 }
 
-/// Returns mean over all points between the ends of (error / sigma)²: 1 if the sigmas are honest.
+/// Returns the mean of (error / sigma)² over all points between the ends: 1 if the sigmas are
+/// consistent.
 #[must_use]
 pub fn nees(truth: &[f64], profile: &Profile) -> f64 {
     let normalised = |k: usize| {
@@ -65,7 +66,7 @@ fn rms(values: impl Iterator<Item = f64>) -> f64 {
     f64::sqrt(sum / count)
 }
 
-/// Runs over the same points merged with 1/P as weights (section 3).
+/// Merges runs over the same points with weights 1/P (section 3). Returns the grade, %.
 #[must_use]
 pub fn merged(profiles: &[&Profile]) -> Vec<f64> {
     let points = profiles
@@ -82,7 +83,7 @@ pub fn merged(profiles: &[&Profile]) -> Vec<f64> {
         .collect()
 }
 
-/// Returns points between the ends that are left out.
+/// Returns the points without the first and last 200.
 #[must_use]
 pub fn inner(run: &Replica) -> Range<usize> {
     EDGE..run.truth.len() - EDGE

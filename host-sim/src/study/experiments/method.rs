@@ -1,4 +1,4 @@
-//! The methods that are set side by side on the same drives.
+//! The methods that are compared on the same drives.
 
 use super::experiment::Experiment;
 use super::measure::{RunErrors, errors, merged, nees, rmse};
@@ -7,7 +7,7 @@ use super::{ours, thesis};
 use crate::comparison::{self, Profile};
 use rayon::prelude::*;
 
-/// A grade estimation method, with all of the drive known.
+/// A grade estimation method that uses the whole drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ThesisMethod {
     /// Section 3 of the thesis.
@@ -21,25 +21,25 @@ pub enum ThesisMethod {
 /// A run estimated by one method.
 #[derive(Clone, Debug)]
 pub struct Estimated {
-    /// Which run.
+    /// The run.
     pub experiment: Experiment,
     /// Its estimate.
     pub profile: Profile,
-    /// Errors of it.
+    /// Errors of the estimate.
     pub errors: RunErrors,
-    /// Mean normalised squared error: 1 if the stated sigmas are honest.
+    /// Mean normalised squared error: 1 if the stated sigmas are consistent.
     pub nees: f64,
     /// RMSE(m): of the map of this and all runs before it in the same direction, %.
     pub rmse_merged: f64,
 }
 
 impl ThesisMethod {
-    /// In the order in which they are compared.
+    /// All methods, in the order of the comparison.
     pub const ALL: [Self; 3] = [Self::Original, Self::Modified, Self::Ours];
-    /// Those of the thesis.
+    /// The methods of the thesis.
     pub const OF_THESIS: [Self; 2] = [Self::Original, Self::Modified];
 
-    /// In a word, as names of files and columns have it.
+    /// Returns the name of the method in names of files and columns.
     #[must_use]
     pub const fn word(self) -> &'static str {
         match self {
@@ -49,7 +49,7 @@ impl ThesisMethod {
         }
     }
 
-    /// As captions call it.
+    /// Returns the name of the method in captions.
     #[must_use]
     pub const fn phrase(self) -> &'static str {
         match self {
@@ -59,7 +59,7 @@ impl ThesisMethod {
         }
     }
 
-    /// µ, σ, RMSE(v), RMSE(a) and RMSE(m) that the thesis measured in a run, if it has the method.
+    /// Returns µ, σ, RMSE(v), RMSE(a) and RMSE(m) of a run in the thesis, if it has the method.
     #[must_use]
     pub fn of_thesis(self, experiment: Experiment) -> Option<[f64; 5]> {
         let all = match self {
@@ -70,7 +70,7 @@ impl ThesisMethod {
         all.get(experiment.number - 1).copied()
     }
 
-    /// Returns the grade of a run.
+    /// Estimates the grade of a run.
     #[must_use]
     pub fn estimate(self, run: &Replica) -> Profile {
         match self {
@@ -80,7 +80,7 @@ impl ThesisMethod {
         }
     }
 
-    /// Returns all runs, estimated and merged one by one in each direction.
+    /// Returns all runs, estimated, and merged one by one in each direction.
     #[must_use]
     pub fn apply(self, runs: &[Replica]) -> Vec<Estimated> {
         let profiles: Vec<Profile> = runs.par_iter().map(|run| self.estimate(run)).collect();

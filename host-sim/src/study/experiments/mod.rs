@@ -1,13 +1,12 @@
 //! The ten experiments of the thesis, replicated: trucks A (runs 1-3) and B (runs 4-5), south and
 //! north between Södertälje and Nyköping.
 //!
-//! * [`replica`]: what disturbs each run, and the two numbers of it that are fitted;
-//! * [`thesis`]: what the thesis measured;
-//! * [`method`], [`ours`]: the methods that are set side by side, and how ours is fed;
+//! * [`replica`]: the disturbances of each run, and its two fitted numbers;
+//! * [`thesis`]: the measured results of the thesis;
+//! * [`method`], [`ours`]: the methods compared, and the inputs of ours;
 //! * [`measure`]: errors of a profile, and maps merged by P;
-//! * [`beside`], [`campaigns`]: whether ours is better than the thesis's methods, on one campaign
-//!   and on ten;
-//! * [`comparison`]: the replicas beside the thesis, and what the errors are made of;
+//! * [`beside`], [`campaigns`]: ours against the thesis's methods, on one campaign and on ten;
+//! * [`comparison`]: the replicas against the thesis, and the contributions to the errors;
 //! * [`tuning`]: how the noise of the filters was chosen;
 //! * [`pointwise`], [`model_errors`], [`modified`]: sections 4.2, 7 and 8.
 

@@ -1,4 +1,4 @@
-//! What the vehicle model gets wrong (section 7, figures 12-14).
+//! Errors of the vehicle model (section 7, figures 12-14).
 
 use super::campaign::Campaign;
 use super::experiment::Experiment;
@@ -16,7 +16,7 @@ use crate::study::definition::{Setting, Study, StudyOutcome};
 
 /// Points of a segment: 1250 m.
 const SEGMENT: usize = 500;
-/// Length of the low-pass filter on speed in figure 12, m, without which nothing but noise shows.
+/// Length of the low-pass filter on speed in figure 12, m. Without it only noise is visible.
 const LOW_PASS_M: f64 = 100.0;
 
 /// The study, for the list.
@@ -235,7 +235,7 @@ fn slope_figure(segments: &Segments) -> Figure {
         Mark::Dashed,
     );
     for (name, sign) in [("k ± 2σ", 1.0), ("", -1.0)] {
-        // Turned about the segments' mean, where the line is known best.
+        // Turned about the segments' mean, where the line has its smallest variance.
         let turned = segments.found_slope.map(|line| {
             let grades: Vec<f64> = segments.all.iter().map(|s| s.found_grade).collect();
             let turn = 2.0 * sign * line.slope_sigma;

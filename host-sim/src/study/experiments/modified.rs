@@ -1,5 +1,5 @@
-//! The original and the modified method side by side (section 8, tables 5-8, figures 15-18), and
-//! ours beside them on the same drives.
+//! The original and the modified method (section 8, tables 5-8, figures 15-18), and ours on the
+//! same drives.
 
 use super::beside;
 use super::campaign::Campaign;
@@ -102,7 +102,7 @@ fn table(
     Table::new(format!("table{number}"), caption, &header).with_rows(rows)
 }
 
-/// µ, σ, RMSE(v), RMSE(a) and RMSE(m).
+/// Returns µ, σ, RMSE(v), RMSE(a) and RMSE(m).
 fn five(found: &Estimated) -> [f64; 5] {
     let RunErrors {
         mu,
@@ -160,8 +160,8 @@ fn error_figures(runs: &[Replica], all: &[Vec<Estimated>; 3]) -> Vec<Figure> {
     figures
 }
 
-/// Error over distance of the map of some runs, or of a single one. Braking in any of them is
-/// shaded, shifts in any of them are marked on the axis.
+/// Plots the error over distance of the map of some runs, or of a single run. Braking in any of
+/// them is shaded; gear shifts in any of them are marked on the axis.
 fn error_figure(name: &str, caption: &str, runs: &[(&Replica, &Estimated)]) -> Option<Figure> {
     let (first, _) = runs.first()?;
     let profiles: Vec<&Profile> = runs.iter().map(|(_, found)| &found.profile).collect();

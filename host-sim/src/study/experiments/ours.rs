@@ -1,5 +1,5 @@
-//! Our estimator on a drive of the thesis's kind: the very filter of the vehicle with its default
-//! tuning, fed with what the other methods get.
+//! Our estimator on a drive of the thesis's kind: the filter of the vehicle with its default
+//! tuning, on the inputs of the other methods.
 
 use crate::comparison::{MeasuredDrive, MeasuredPoint, Profile, STEP_M};
 use crate::smooth::smooth_run;
@@ -20,23 +20,23 @@ const FIX_INTERVAL_S: f64 = 1.0;
 /// Our estimator on one drive.
 #[derive(Clone, Debug)]
 pub struct Ours {
-    /// The grade with all of the drive known.
+    /// Smoothed grade.
     pub smoothed: Profile,
-    /// A fixed lag after each point.
+    /// Lagged grade.
     pub lagged: Profile,
-    /// At each point.
+    /// Live grade.
     pub live: Profile,
-    /// What the filter used and left out on the vehicle.
+    /// Readings that the filter used and rejected on the vehicle.
     pub counters: Counters,
 }
 
-/// Drives the filter over a drive, on the vehicle in single precision and after it in double.
+/// Runs the filter on a drive: in single precision as on the vehicle, in double after it.
 #[must_use]
 pub fn estimate(drive: &MeasuredDrive) -> Ours {
     estimate_in::<f32, f64>(drive)
 }
 
-/// Returns the same in these numbers, on the vehicle and after it.
+/// Returns the same in the number types `Live` (on the vehicle) and `After` (after the drive).
 #[must_use]
 pub fn estimate_in<Live: Scalar, After: Scalar>(drive: &MeasuredDrive) -> Ours {
     let mut context = Context {
@@ -70,8 +70,8 @@ pub fn estimate_in<Live: Scalar, After: Scalar>(drive: &MeasuredDrive) -> Ours {
     }
 }
 
-/// Returns the vehicle as the drive believes it. The force and what rotates come with each point:
-/// how large a wheel is does not matter.
+/// Returns the vehicle with the drive's assumed parameters. Traction force and rotating mass come
+/// with each point, so the wheel radius does not matter.
 fn believed(drive: &MeasuredDrive) -> VehicleParameters {
     VehicleParameters {
         mass_kg: drive.mass_kg as f32,
@@ -83,8 +83,8 @@ fn believed(drive: &MeasuredDrive) -> VehicleParameters {
     }
 }
 
-/// Returns one sample a point, which ends the cell before it: speed and altitude are those of the
-/// point, force and condition those of the way that led there. The drive has altitude at each
+/// Returns one sample a point, which ends the cell before it. Speed and altitude are those of the
+/// point; force and condition are those of the step before it. The drive has altitude at each
 /// point; a receiver reports it once a second.
 fn samples(drive: &MeasuredDrive) -> Vec<Sample> {
     let points = &drive.points;
@@ -117,7 +117,7 @@ fn samples(drive: &MeasuredDrive) -> Vec<Sample> {
                 mass_kg: drive.mass_kg as f32,
                 air_density: before.air_density as f32,
             },
-            // What effects depend on: the vehicle has none.
+            // Inputs of effects: the vehicle has none.
             effect_inputs: EffectInputs::default(),
             speed: Some(SpeedMeasurement {
                 mean_mps: point.speed_mps as f32,

@@ -15,11 +15,11 @@ use crate::study::definition::{Setting, Study, StudyOutcome};
 
 /// Length of the low-pass filter on speed in figure 6, m. The thesis does not state its own.
 const LOW_PASS_M: f64 = 100.0;
-/// The section of northbound 3 that figure 6 shows, m: the large GPS error is in it.
+/// The section of northbound 3 that figure 6 shows, m. It contains the large GPS error.
 const SHOWN_M: (f64, f64) = (22_500.0, 26_500.0);
-/// Bars of a histogram.
+/// Number of bars of a histogram.
 const BARS: usize = 60;
-/// Widths of the fitted normal distribution that a histogram shows on either side.
+/// Range of a histogram on either side, in widths of the fitted normal distribution.
 const SIGMAS: f64 = 4.0;
 
 /// The study, for the list.
@@ -123,7 +123,7 @@ fn tables(runs: &[Replica]) -> Vec<Table> {
     tables
 }
 
-/// Figure 6: without filter, with a low-pass filter on speed, and after the Kalman filter.
+/// Plots figure 6: without filter, with a low-pass filter on speed, and after the Kalman filter.
 fn three_errors(run: &Replica) -> Vec<Figure> {
     let smooth = pointwise::with_smooth_speed(&run.drive, LOW_PASS_M);
     [
@@ -158,7 +158,7 @@ fn three_errors(run: &Replica) -> Vec<Figure> {
     .collect()
 }
 
-/// Figure 8: histograms of the error with the normal distribution fitted to it.
+/// Plots figure 8: histograms of the error with the normal distribution fitted to it.
 fn histograms(run: &Replica) -> Vec<Figure> {
     [
         (

@@ -1,10 +1,10 @@
-//! One experiment, driven, and what disturbs it.
+//! One replicated experiment and its disturbances.
 
 use super::experiment::Experiment;
 use crate::comparison::MeasuredDrive;
 
-/// What disturbs a run, as factors of what is assumed: all 1 in the experiments, others to see what
-/// an error is made of.
+/// Disturbances of a run, as factors of the assumed ones. The experiments have all of them at 1;
+/// other values show the contribution of each.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sources {
     /// Noise on wheel speed.
@@ -22,7 +22,7 @@ pub struct Sources {
 }
 
 impl Sources {
-    /// Everything, as in the experiments.
+    /// All disturbances, as in the experiments.
     pub const ALL: Self = Self {
         speed: 1.0,
         gps: 1.0,
@@ -31,7 +31,7 @@ impl Sources {
         warm_up: 1.0,
         torque: 1.0,
     };
-    /// Nothing.
+    /// No disturbance.
     pub const NONE: Self = Self {
         speed: 0.0,
         gps: 0.0,
@@ -42,7 +42,7 @@ impl Sources {
     };
 }
 
-/// The two numbers of a run that are fitted.
+/// The two fitted numbers of a run.
 #[derive(Clone, Copy, Debug)]
 pub struct Fitted {
     /// Constant model error, %.
@@ -51,14 +51,14 @@ pub struct Fitted {
     pub speed_mps: f64,
 }
 
-/// One experiment, driven.
+/// One replicated experiment.
 #[derive(Clone, Debug)]
 pub struct Replica {
-    /// Which one.
+    /// The experiment.
     pub experiment: Experiment,
-    /// What was fitted to it.
+    /// The fitted numbers.
     pub fitted: Fitted,
-    /// What was measured.
+    /// The measurements.
     pub drive: MeasuredDrive,
     /// True grade, %.
     pub truth: Vec<f64>,

@@ -2,7 +2,7 @@
 
 use super::heading::Heading;
 
-/// Tables 2 and 3: µ, σ and RMSE of pointwise grade.
+/// Returns µ, σ and RMSE of pointwise grade, tables 2 and 3.
 #[must_use]
 pub const fn pointwise(heading: Heading) -> [[f64; 3]; 5] {
     match heading {
@@ -23,7 +23,7 @@ pub const fn pointwise(heading: Heading) -> [[f64; 3]; 5] {
     }
 }
 
-/// Table 4: mean pointwise error.
+/// Returns the mean pointwise error, table 4.
 #[must_use]
 pub const fn mean(heading: Heading) -> [f64; 5] {
     match heading {
@@ -32,7 +32,7 @@ pub const fn mean(heading: Heading) -> [f64; 5] {
     }
 }
 
-/// Tables 7 and 8: µ, σ, RMSE(v), RMSE(a) and RMSE(m) of the original method.
+/// Returns µ, σ, RMSE(v), RMSE(a) and RMSE(m) of the original method, tables 7 and 8.
 #[must_use]
 pub const fn original(heading: Heading) -> [[f64; 5]; 5] {
     match heading {
@@ -53,7 +53,7 @@ pub const fn original(heading: Heading) -> [[f64; 5]; 5] {
     }
 }
 
-/// Tables 5 and 6: the same of the modified method.
+/// Returns the same of the modified method, tables 5 and 6.
 #[must_use]
 pub const fn modified(heading: Heading) -> [[f64; 5]; 5] {
     match heading {

@@ -1,23 +1,23 @@
 //! How the noise of the three filters was chosen: by a stated criterion, on a training
 //! campaign of other roads and other errors (the thesis tuned on "a training set" too).
 //!
-//! | filter    | what is as small as possible in the mean over the ten training runs |
-//! |-----------|----------------------------------------------------------------------|
-//! | original  | RMSE(v), under what the thesis reports of its filter |
+//! | filter    | criterion: the minimum of the mean over the ten training runs of |
+//! |-----------|------------------------------------------------------------------|
+//! | original  | RMSE(v), with the two ratios below |
 //! | GPS-heavy | RMS error of the mean grade over segments of 3000 m (its use), with no less weight on GPS than the original |
 //! | GPS-light | RMSE(v) of the modified method, with no more weight on GPS than the original |
 //!
-//! This is the third choice, made with the results of two others in sight: see the words of the
-//! study.
+//! This is the third choice. The results of two others were known when it was made: see the text of
+//! the study.
 //!
-//! Two things the thesis reports of its original filter, and both fix a ratio:
+//! The thesis reports two properties of its original filter. Each fixes a ratio:
 //!
-//! * Of a constant model error it leaves 0.14 (µ of tables 7-8 over µ of tables 2-3, mean of the
-//!   eight biased runs). The filter leaves σ_c²/(σ_c² + σ_m²), with σ_c the noise of a step's climb
-//!   and σ_m that of the model, both as grade: σ_m = 2.5 σ_c. So µ of the original method is no
-//!   prediction; its σ and RMSE are.
-//! * It has found its equilibrium after 200 points, which is why those are left out. Altitude
-//!   settles to 1/e in σ_z/σ_climb points: the noise of altitude is 200 times that of a climb.
+//! * A fraction 0.14 of a constant model error remains (µ of tables 7-8 over µ of tables 2-3, mean
+//!   of the eight biased runs). The filter leaves σ_c²/(σ_c² + σ_m²), with σ_c the noise of a
+//!   step's climb and σ_m that of the model, both as grade: σ_m = 2.5 σ_c. So µ of the original
+//!   method is no prediction; its σ and RMSE are.
+//! * The filter is in steady state after 200 points, which is why those are left out. Altitude
+//!   settles to 1/e in σ_z/σ_climb points, so the noise of altitude is 200 times that of a climb.
 
 use super::campaign::Campaign;
 use super::measure::errors;
@@ -31,17 +31,17 @@ use crate::report::page::{Section, Table};
 use crate::study::definition::{Setting, Study, StudyOutcome};
 use rayon::prelude::*;
 
-/// The training campaign; no study's default.
+/// Seed of the training campaign. No study has it as default.
 pub const TRAINING_SEED: u64 = 40;
-/// Points in which the original filter finds its equilibrium.
+/// Number of points until the original filter is in steady state.
 const SETTLING: f64 = 200.0;
 /// Noise of the model over that of a climb, both as grade.
 const MODEL_OVER_CLIMB: f64 = 2.5;
-/// Tried for the original: noise of the climb over a step, m.
+/// Candidates for the original filter: noise of the climb over a step, m.
 const CLIMBS_M: [f64; 6] = [0.0025, 0.005, 0.01, 0.02, 0.04, 0.08];
-/// Tried for all: change of grade over a step, %.
+/// Candidates for all filters: change of grade over a step, %.
 const GRADES_PERCENT: [f64; 5] = [0.015, 0.03, 0.06, 0.12, 0.24];
-/// Tried for the other two: noise of altitude and of the model as factors of the original's.
+/// Candidates for the other two: noise of altitude and of the model as factors of the original's.
 const FACTORS: [f64; 5] = [1.0, 2.0, 4.0, 8.0, 16.0];
 
 /// Returns the training runs.
@@ -50,7 +50,7 @@ pub fn training_runs() -> Vec<Replica> {
     Campaign::new(TRAINING_SEED).replicas()
 }
 
-/// Returns what is tried for the original filter.
+/// Returns the candidates for the original filter.
 #[must_use]
 pub fn for_original() -> Vec<NoiseSigmas> {
     pairs(&CLIMBS_M, &GRADES_PERCENT)
@@ -64,7 +64,7 @@ pub fn for_original() -> Vec<NoiseSigmas> {
         .collect()
 }
 
-/// Returns what is tried for the GPS-heavy filter: the model trusted less.
+/// Returns the candidates for the GPS-heavy filter: more noise of the model.
 #[must_use]
 pub fn for_gps_heavy() -> Vec<NoiseSigmas> {
     pairs(&FACTORS, &GRADES_PERCENT)
@@ -76,7 +76,7 @@ pub fn for_gps_heavy() -> Vec<NoiseSigmas> {
         .collect()
 }
 
-/// Returns what is tried for the GPS-light filter: altitude trusted less, and the model more.
+/// Returns the candidates for the GPS-light filter: more noise of altitude, less of the model.
 #[must_use]
 pub fn for_gps_light() -> Vec<NoiseSigmas> {
     let mut all = Vec::new();
@@ -116,13 +116,13 @@ pub fn best(
     scores.into_iter().min_by(|a, b| a.1.total_cmp(&b.1))
 }
 
-/// RMSE(v) of the original method, %.
+/// Returns the RMSE(v) of the original method, %.
 #[must_use]
 pub fn original_rmse(run: &Replica, noise: &NoiseSigmas) -> f64 {
     errors(run, &original::estimate(&run.drive, noise).grade_percent).rmse_valid
 }
 
-/// RMS error of the mean grade over segments, %.
+/// Returns the RMS error of the mean grade over segments, %.
 #[must_use]
 pub fn segment_rmse(run: &Replica, noise: &NoiseSigmas) -> f64 {
     let grade = original::estimate(&run.drive, noise).grade_percent;
@@ -135,7 +135,7 @@ pub fn segment_rmse(run: &Replica, noise: &NoiseSigmas) -> f64 {
     mean(&squares).sqrt()
 }
 
-/// RMSE(v) of the modified method with this noise in its second estimate, %.
+/// Returns the RMSE(v) of the modified method with this noise in its second estimate, %.
 #[must_use]
 pub fn modified_rmse(run: &Replica, noise: &NoiseSigmas) -> f64 {
     let found = modified::estimate_with(&run.drive, &NoiseSigmas::GPS_HEAVY, noise);
@@ -229,7 +229,7 @@ fn run(_: &Setting) -> Result<StudyOutcome> {
     }))
 }
 
-/// Returns mean of a score over the runs.
+/// Returns the mean of a score over the runs.
 #[must_use]
 pub fn mean_of(
     runs: &[Replica],

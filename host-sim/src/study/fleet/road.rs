@@ -1,5 +1,5 @@
-//! A road that trucks drive all day with parameters wrong in the same way, and what the maps of it
-//! are worth. Tests drive on it as well.
+//! A road that trucks drive all day with the same wrong parameters, and the scores of its maps.
+//! Tests use it as well.
 
 use crate::error::{Error, Result};
 use crate::files::run::RunCell;
@@ -22,11 +22,11 @@ use std::path::Path;
 
 /// Length of the road, m.
 const LENGTH_M: f64 = 20_000.0;
-/// What stands for the scenario's file in messages.
+/// Name in messages, in place of the scenario's file.
 const ORIGIN: &str = "fleet";
-/// Days have seeds of their own, this far from road to road.
+/// Distance between the seeds of two roads' days.
 const DAYS_APART: u64 = 1_000;
-/// Streams of parameters below this are those of a scenario's runs.
+/// First stream of the days' parameters. The streams below it are those of a scenario's runs.
 const FIRST_STREAM: usize = 100;
 
 /// Independent errors with the stated variances.
@@ -48,7 +48,7 @@ impl FleetRoad {
     /// Creates the road of a seed.
     ///
     /// # Errors
-    /// Returns an error if a scenario cannot have this seed.
+    /// Returns an error if the seed is outside the range of a scenario.
     pub fn new(seed: u64) -> Result<Self> {
         let road = scenario(seed, "[[runs]]\nname = \"x\"\ntruck = \"A\"\n")?.road;
         let nodes = || road.nodes().map(|(node, _)| node);
@@ -67,8 +67,9 @@ impl FleetRoad {
         })
     }
 
-    /// Runs of one truck on one day, placed on the road: mass, drag and rolling resistance wrong by
-    /// 10 %, torque by 4 % (1 sigma), cold tyres, wind of 2 m/s from anywhere.
+    /// Returns the runs of one truck on one day, placed on the road. Mass, drag and rolling
+    /// resistance are wrong by 10 %, torque by 4 % (1 sigma); tyres are cold; wind is 2 m/s from
+    /// any direction.
     ///
     /// # Errors
     /// Returns an error if a drive cannot be simulated or stored.
@@ -95,7 +96,7 @@ impl FleetRoad {
             );
         }
         let mut scenario = scenario(self.seed, &text)?;
-        // The road is there; what else is random is the day's own.
+        // The road exists already. All other random numbers are the day's own.
         scenario.seed = self
             .seed
             .wrapping_mul(DAYS_APART)
@@ -114,7 +115,7 @@ impl FleetRoad {
         Ok(place(&self.network, &cells))
     }
 
-    /// Returns the map of runs, each day's a session.
+    /// Returns the map of the runs; each day is a session.
     pub fn map(&self, days: &[&[PlacedRun]]) -> FusedMap {
         let mut map = GradeMap::new(&self.network);
         for (number, runs) in days.iter().enumerate() {
@@ -125,17 +126,17 @@ impl FleetRoad {
         map.fused()
     }
 
-    /// Returns what a map is worth.
+    /// Returns the score of a map.
     ///
     /// # Errors
-    /// Returns an error if it has no cell far enough from its ends.
+    /// Returns an error if the map has no cell far enough from its ends.
     pub fn score(&self, map: &[MapRow]) -> Result<ScoreRow> {
         score_map(map, &self.truth).map_err(|e: Unscorable| problem(&e))
     }
 }
 
-/// Returns the rows of a map as they would be if no two runs shared an error: the mean of the
-/// single runs, each weighted by the inverse of its variance.
+/// Returns the rows of a map with the sigmas of independent runs: the mean of the single runs, each
+/// weighted by the inverse of its variance.
 pub fn as_if_independent<'a>(
     map: &[MapRow],
     runs: impl Iterator<Item = &'a PlacedRun>,

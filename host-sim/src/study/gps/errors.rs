@@ -1,4 +1,4 @@
-//! Series of altitude errors to train the chain on, one value each 2.5 m.
+//! Series of altitude errors to train the chain on, one value every 2.5 m.
 
 use crate::comparison::STEP_M;
 use crate::error::{Error, Result};
@@ -12,17 +12,17 @@ use crate::study::ztbus::mission_file;
 use std::ops::Range;
 use std::path::Path;
 
-/// Speed at which simulated errors are laid along the way, m/s: the thesis's 80 km/h.
+/// Speed that converts time of simulated errors to distance, m/s: the thesis's 80 km/h.
 pub const SPEED_MPS: f64 = 80.0 / 3.6;
 /// Length of a simulated series, m.
 const LENGTH_M: f64 = 40_000.0;
-/// Simulated series; as many as the thesis has drives.
+/// Number of simulated series, as many as the thesis has drives.
 const RUNS: usize = 10;
-/// Vertices of a road made from raw fixes are at least this far apart, m: more than their noise.
+/// Smallest distance between vertices of a road made from raw fixes, m; larger than their noise.
 const VERTEX_M: f64 = 10.0;
 
-/// Errors as this project's own simulator makes them, resampled at [`SPEED_MPS`]. The receiver's
-/// white noise is left out: linear interpolation between fixes a second apart would not be white.
+/// Returns the errors of this project's own simulator, resampled at [`SPEED_MPS`]. The receiver's
+/// white noise is left out: interpolation between fixes a second apart would correlate it.
 #[must_use]
 pub fn simulated(seed: u64) -> Vec<Vec<f64>> {
     let errors = GnssErrors::default();
@@ -38,7 +38,7 @@ pub fn simulated(seed: u64) -> Vec<Vec<f64>> {
         .collect()
 }
 
-/// [`measured`] of the first mission in the data folder; `None` if there is none.
+/// Returns [`measured`] of the first mission in the data folder; `None` if there is none.
 ///
 /// # Errors
 /// Returns the errors of [`measured`].
@@ -46,18 +46,18 @@ pub fn of_data(data: &Path) -> Result<Option<Vec<Vec<f64>>>> {
     mission_file(data).as_deref().map(measured).transpose()
 }
 
-/// Errors of a measured mission: each pass's raw altitude less the mean over the passes in its
-/// direction at the same place of the road, over time, laid along the way at [`SPEED_MPS`].
+/// Returns the errors of a measured mission, converted to distance at [`SPEED_MPS`]. An error is a
+/// pass's raw altitude less the mean over the passes in its direction at the same place.
 ///
-/// By time and not by the bus's own way: atmosphere, multipath and the receiver's filter change
-/// with time, and at a bus's 5 m/s the same error would look five times as fast to a truck. What
-/// the receiver does while the bus stands is part of it.
+/// The conversion is by time, not by the bus's own distance. Atmosphere, multipath and the
+/// receiver's filter change with time; at a bus's 5 m/s the same error would change five times as
+/// fast for a truck. Errors while the bus stands are included.
 ///
-/// The mean of N passes holds a part 1/N of each pass's own error, so that the differences are
-/// too small by √(1 - 1/N); they are scaled back.
+/// The mean of N passes holds a part 1/N of each pass's own error. The differences are therefore
+/// too small by √(1 - 1/N), and are scaled back.
 ///
 /// # Errors
-/// A mission that cannot be read or whose passes have no common road.
+/// Returns an error if the mission cannot be read or its passes have no common road.
 pub fn measured(mission_file: &Path) -> Result<Vec<Vec<f64>>> {
     let mission = Mission::read(mission_file)?;
     let passes = mission.passes();
@@ -157,7 +157,7 @@ fn place(road: &Network, track: &[AltitudeFix]) -> Vec<MatchedFix> {
         .collect()
 }
 
-/// Returns what each pass has above the mean of all, where all have been.
+/// Returns each pass's altitude less the mean of all passes, at the places that all passed.
 fn deviations(passes: &[Vec<MatchedFix>]) -> Vec<Vec<f64>> {
     let profiles: Vec<Vec<(f64, f64)>> = passes
         .iter()
@@ -181,7 +181,7 @@ fn deviations(passes: &[Vec<MatchedFix>]) -> Vec<Vec<f64>> {
         .collect()
 }
 
-/// Errors over time, one for each step of a drive at [`SPEED_MPS`].
+/// Converts errors over time to one error for each step of a drive at [`SPEED_MPS`].
 fn by_way(errors: &[(f64, f64)]) -> Vec<f64> {
     let start_s = errors.first().map_or(0.0, |first| first.0);
     (0..)
