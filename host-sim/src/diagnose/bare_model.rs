@@ -1,10 +1,10 @@
-//! The slope that the force balance alone reads: no GNSS and no filter help it.
+//! The slope from the force balance alone, without GNSS and without a filter.
 
 use estimator_core::vehicle::ForceBalance;
 
-/// Returns sine of the slope in %, of the force balance (thesis eq. 9) solved for it, over
-/// `length_m` between two kinetic energies a kilogram, m²/s²; `effects_mps2` is what adopted
-/// effects take.
+/// Returns the sine of the slope in % over `length_m`, between two kinetic energies per kilogram
+/// (m²/s²). It is the force balance (thesis eq. 9) solved for the slope. `effects_mps2` is the
+/// deceleration by adopted effects, m/s².
 #[must_use]
 pub fn slope_percent(
     balance: &ForceBalance,

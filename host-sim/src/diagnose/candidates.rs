@@ -1,5 +1,5 @@
-//! What is tried: the core's effects, each as a column of forces or as several to choose from; and
-//! plain dependences on time, place and signals, for what no effect explains.
+//! Candidates of the search: the core's effects, each with one or several choices; and plain
+//! dependences on time, place and signals, for a residual that no effect explains.
 
 use super::dependence::{BASIS_UNIT, BINS, BasisFunction, Covariate, Variable};
 use super::drive::{LoggedDrive, RoadPlace};
@@ -8,32 +8,32 @@ use estimator_core::VehicleParameters;
 use estimator_core::effect::{CATALOGUE, Effect, ParameterValues, Varies, search_of};
 use estimator_core::vehicle::GRAVITY;
 
-/// Length of a piece of road, of which rough sections are made, m.
+/// Length of a piece of road, m. Road sections are made of pieces.
 const PIECE_M: f64 = 500.0;
-/// Most pieces; longer roads have longer ones.
+/// Largest number of pieces. Longer roads have longer pieces.
 const MOST_PIECES: usize = 60;
-/// Longest section, as a part of the road: an effect everywhere is not a section.
+/// Longest section, as a fraction of the road: an effect everywhere is not a section.
 const LONGEST_STRETCH: f64 = 0.4;
 
-/// One variant of a candidate.
+/// One choice of a candidate.
 #[derive(Clone, Debug)]
 pub struct Choice {
-    /// For each of its amounts, the columns that make its force together.
+    /// For each of its amounts, the columns whose sum is its force.
     pub amounts: Vec<Vec<usize>>,
-    /// The detail in which it differs from other choices.
+    /// The parameter in which it differs from other choices.
     pub detail: Detail,
 }
 
-/// The detail in which choices differ.
+/// The parameter in which choices differ.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Detail {
-    /// There is nothing to choose.
+    /// The candidate has one choice.
     None,
-    /// A value of the detail with this key.
+    /// A value of the parameter with this key.
     Value(&'static str, f32),
-    /// The same, with an amount for each drive.
+    /// The same, with a separate amount for each drive.
     EachDrive(&'static str, f32),
-    /// Amounts towards north and east; the detail with this key is the direction.
+    /// Amounts towards north and east. The parameter with this key is the direction.
     Direction(&'static str),
     /// A section of the common road, m.
     RoadSection(f64, f64),
@@ -41,46 +41,47 @@ pub enum Detail {
     Period(f64),
 }
 
-/// Something to try, with its choices.
+/// A candidate with its choices.
 #[derive(Clone, Debug)]
 pub struct Candidate {
-    /// Name of the effect, or what the rest depends on.
+    /// Name of the effect, or of the variable of a plain dependence.
     pub name: &'static str,
-    /// The effect; none for a plain dependence.
+    /// The effect; `None` for a plain dependence.
     pub effect: Option<&'static Effect>,
     /// Usual size of an amount.
     pub typical: f64,
-    /// At least one.
+    /// At least one choice.
     pub choices: Vec<Choice>,
 }
 
-/// Columns of one kind of every drive are in the same place.
+/// The candidates. A column has the same index on every drive.
 #[derive(Clone, Debug, Default)]
 pub struct Menu {
-    /// What is tried.
+    /// The candidates.
     pub candidates: Vec<Candidate>,
     columns: Vec<ColumnKind>,
 }
 
-/// What a column is the force of.
+/// The source of a column's force.
 #[derive(Clone, Copy, Debug)]
 enum ColumnKind {
     Effect(&'static Effect, ParameterValues),
     /// On one drive only.
     OnDrive(&'static Effect, ParameterValues, usize),
-    /// The weight, on a piece of road, both ways or one.
+    /// The weight on a piece of road, in one direction or both.
     Piece(usize, f64, Option<bool>),
     /// A thousandth of the weight times a function of a signal.
     Basis(BasisFunction),
 }
 
-/// Periods of cycles that are tried, s: from the shortest that a fix a second and the road's waves
-/// leave, each a twentieth longer than the last.
+/// Tried periods of cycles, s: shortest, longest, and the ratio of one to the one before. The
+/// shortest period is limited by one fix a second and by the waves of the road.
 const PERIODS_S: (f64, f64, f64) = (40.0, 900.0, 1.05);
-/// Plays of a driveline's hysteresis that are tried, % of the weight.
+/// Tried widths of a driveline's hysteresis, % of the weight.
 const PLAYS_PERCENT: [f32; 3] = [0.1, 0.3, 1.0];
 impl Menu {
-    /// For drives with these numbers to fit, over a road of this length if they share one.
+    /// Creates the candidates for the drives with these numbers. `road_m` is the length of their
+    /// common road, if they have one.
     #[must_use]
     pub fn new(road_m: Option<f64>, drives: &[usize]) -> Self {
         let mut menu = Self::default();
@@ -155,7 +156,7 @@ impl Menu {
             ("time in motion", Covariate::TimeInMotion),
             ("temperature", Covariate::Temperature),
         ] {
-            // One less than there are: the mean is a resistance.
+            // One less than the number of bins: their mean is a resistance.
             let bases: Vec<BasisFunction> = (1..BINS)
                 .map(|bin| BasisFunction::Bin(covariate, bin))
                 .collect();
@@ -193,7 +194,8 @@ impl Menu {
         }
     }
 
-    /// Returns an amount for each drive: how long the tyres had cooled before it is unknown.
+    /// Returns a choice with an amount for each drive. The time for which the tyres had cooled
+    /// before a drive is unknown.
     fn on_each(
         &mut self,
         effect: &'static Effect,
@@ -282,7 +284,7 @@ impl Menu {
             .collect()
     }
 
-    /// Returns what a choice of a plain dependence is drawn over; none for effects.
+    /// Returns the x variable of a plain dependence's plot; `None` for effects.
     #[must_use]
     pub fn variable(&self, choice: &Choice) -> Option<Variable> {
         let column = *choice.amounts.first()?.first()?;
@@ -297,7 +299,7 @@ impl Menu {
         }
     }
 
-    /// Returns number of columns.
+    /// Returns the number of columns.
     #[must_use]
     pub fn width(&self) -> usize {
         self.columns.len()
@@ -305,7 +307,7 @@ impl Menu {
 }
 
 impl Choice {
-    /// Returns whether it is a cycle, whose phase is each drive's own.
+    /// Returns whether it is a cycle. The phase of a cycle is each drive's own.
     #[must_use]
     pub const fn is_cycle(&self) -> bool {
         matches!(self.detail, Detail::Period(_))

@@ -1,4 +1,4 @@
-//! Plain dependences on time, place and signals, for what no effect explains.
+//! Plain dependences on time, place and signals, for a residual that no effect explains.
 
 use super::drive::{LoggedDrive, RoadPlace};
 use super::evidence::ForceColumn;
@@ -6,46 +6,46 @@ use estimator_core::Instant;
 use estimator_core::sample::Sample;
 use estimator_core::vehicle::GRAVITY;
 
-/// Parts into which a signal's values are sorted.
+/// Number of bins of a signal's values.
 pub(super) const BINS: usize = 5;
-/// A tenth of a percent is the usual size of a plain dependence: its columns are in that unit.
+/// Unit of the columns of a plain dependence: a tenth of a percent of the weight, its usual size.
 pub(super) const BASIS_UNIT: f32 = 1e-3;
 
-/// What a plain dependence is drawn over.
+/// The x variable of a plain dependence's plot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Variable {
-    /// Distance along the common road, m, in one direction.
+    /// Distance along the common road, m; whether in its direction.
     Road(bool),
     /// The log's clock within a period, s.
     Phase(f64),
     /// A signal.
     Signal(Covariate),
-    /// Whether traction rises (1) or falls (−1), with this play.
+    /// Whether traction rises (1) or falls (−1), with this hysteresis.
     Rises(f32),
 }
 
-/// Plain functions, of about one in size.
+/// Basis functions, of magnitude about one.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum BasisFunction {
     /// Cosine and sine of the clock in a period, s.
     Cosine(f64),
     Sine(f64),
-    /// Whether a signal is in its lowest, second, … of [`BINS`] parts, less the mean of that.
+    /// Whether a signal is in its lowest, second, … of [`BINS`] bins, less the mean of that.
     Bin(Covariate, usize),
-    /// 1 where traction over weight (%) rises, −1 where it falls, with this play.
+    /// 1 where traction over weight (%) rises, −1 where it falls, with this hysteresis.
     Rises(f32),
 }
 
-/// A signal on which the rest may depend.
+/// A signal on which the residual may depend.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Covariate {
-    /// m/s.
+    /// Speed, m/s.
     Speed,
     /// Traction over weight, %.
     Traction,
-    /// s.
+    /// Time in motion, s.
     TimeInMotion,
-    /// °C.
+    /// Air temperature, °C.
     Temperature,
 }
 
@@ -90,7 +90,7 @@ impl BasisFunction {
 }
 
 impl Variable {
-    /// With its unit, for an axis.
+    /// Returns the label of an axis, with the unit.
     #[must_use]
     pub fn label(self) -> String {
         match self {
@@ -143,12 +143,12 @@ impl Variable {
     }
 }
 
-/// Returns what the log's clock shows, s.
+/// Returns the time of the log's clock, s.
 fn clock_s(sample: &Sample) -> f64 {
     1e-6 * sample.end.time.since(Instant::default()).micros() as f64
 }
 
-/// 1 where traction over weight rises, −1 where it falls, with a play in %.
+/// Returns 1 where traction over weight rises, −1 where it falls, with a hysteresis in %.
 fn rises(samples: &[Sample], play_percent: f32) -> Vec<f32> {
     let mut behind: Option<f32> = None;
     samples

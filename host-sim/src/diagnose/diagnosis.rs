@@ -1,4 +1,4 @@
-//! The diagnosis from end to end.
+//! The whole diagnosis, from logs to result.
 
 use super::drive::LoggedDrive;
 use super::findings::{CandidateCase, Diagnosis, Finding, Request};
@@ -15,14 +15,14 @@ use std::collections::BTreeSet;
 use std::ops::Range;
 use std::path::PathBuf;
 
-/// Part of the error at which one effect does clearly better than another.
+/// An effect is clearly better than another if its error is below this fraction of the other's.
 const CLEARLY: f64 = 0.9;
 
-/// Diagnoses.
+/// Runs a diagnosis.
 ///
 /// # Errors
-/// Logs that cannot be read, with file and line, or are given twice; an impossible vehicle; a
-/// reference that cannot be read or lies elsewhere.
+/// Returns an error, with file and line, if a log cannot be read or is given twice; if the vehicle
+/// is impossible; or if the reference cannot be read or is of another road.
 pub fn diagnose(request: &Request) -> Result<Diagnosis> {
     let logs = RequestLogs::of(request)?;
     let mut vehicle = request.vehicle.clone();
@@ -30,7 +30,7 @@ pub fn diagnose(request: &Request) -> Result<Diagnosis> {
     let mut drives = logs.read(&vehicle.model)?;
     let wheels = Wheels::measured(&drives[..logs.fitted]);
     if let Some(finding) = wheels.as_ref().and_then(Wheels::finding) {
-        // The others are looked for with the right speeds and distances.
+        // The search for other effects uses the corrected speeds and distances.
         let _ = vehicle.model.effects.adopt(finding.adopted);
         findings.push(finding);
         drives = logs.read(&vehicle.model)?;
@@ -38,14 +38,14 @@ pub fn diagnose(request: &Request) -> Result<Diagnosis> {
     let with_wheels = vehicle.model.clone();
     let search = EffectSearch::new(&drives, logs.fitted, &with_wheels, &request.tuning);
     let (evidence, selection) = search.evidence();
-    // The reference is estimated with what was found first, whatever is adopted in the end.
+    // The reference is estimated with the first selection, whatever is adopted in the end.
     let found = search.vehicle_with(&vehicle, &selection).model;
     let judge = Judge {
         references: references(&logs.read(&found)?, request.reference.as_ref())?,
         logs: &logs,
     };
     let before = judge.judge(&request.vehicle.model)?;
-    // Each with the number of its candidate.
+    // Each case with the index of its candidate.
     let mut cases: Vec<(Option<usize>, CandidateCase)> = Vec::new();
     for case in &selection.alone {
         if let Some(adopted) = search.adopted(case) {
@@ -97,11 +97,11 @@ pub fn diagnose(request: &Request) -> Result<Diagnosis> {
     })
 }
 
-/// The logs of a request, those to fit first.
+/// The logs of a request. Those to fit are first.
 struct RequestLogs {
     paths: Vec<PathBuf>,
     fitted: usize,
-    /// Those that before and after are judged on.
+    /// Indices of the logs on which before and after are judged.
     judged: Range<usize>,
     tuning: Tuning,
 }
@@ -145,10 +145,10 @@ impl RequestLogs {
     }
 }
 
-/// What vehicles are judged by.
+/// The references and the drives on which vehicles are judged.
 struct Judge<'a> {
     logs: &'a RequestLogs,
-    /// Of all drives.
+    /// References of all drives.
     references: Vec<ReferenceGrades>,
 }
 
@@ -159,7 +159,8 @@ impl Judge<'_> {
         Ok(judge(&drives, model, references))
     }
 
-    /// Returns one effect added to a vehicle; judged without it if the vehicle cannot have it.
+    /// Returns the case of one effect added to a vehicle. The vehicle is judged without the effect
+    /// if it cannot have it.
     fn alone(&self, model: &Model, adopted: AdoptedEffect, evidence: f64) -> Result<CandidateCase> {
         let mut with = model.clone();
         let possible = with.effects.adopt(adopted).is_ok() && with.check().is_ok();
@@ -174,7 +175,7 @@ impl Judge<'_> {
     }
 }
 
-/// Of each drive, by a map if one is given.
+/// Returns the reference of each drive, from a map if one is given.
 fn references(drives: &[LoggedDrive], map: Option<&PathBuf>) -> Result<Vec<ReferenceGrades>> {
     let Some(path) = map else {
         return Ok(judgement::references(drives));

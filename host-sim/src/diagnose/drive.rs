@@ -1,4 +1,4 @@
-//! A log as the diagnosis sees it: what the core sampled, and where each cell lies.
+//! A log as input of the diagnosis: the core's samples, and the place of each cell.
 
 use crate::error::{Error, Result};
 use crate::map::{
@@ -14,19 +14,19 @@ use std::path::Path;
 /// One log, read with a vehicle.
 #[derive(Debug)]
 pub struct LoggedDrive {
-    /// What the core sampled, one for each row of the run.
+    /// The core's samples, one for each row of the run.
     pub samples: Vec<Sample>,
     /// The estimate.
     pub run: SmoothedRun,
-    /// A filter that begins as the estimator's did and knows the sensors' noise.
+    /// A filter in the estimator's initial state, with its sensor noise.
     pub filter: Filter<f64>,
 }
 
 impl LoggedDrive {
     /// Reads a log.
     ///
-    /// # Errors
-    /// An impossible vehicle; a log that cannot be read, with file and line; one without movement.
+    /// # Errors Returns an error, with file and line, if the log cannot be read; if the vehicle is
+    /// impossible; or if the log has no movement.
     pub fn read(path: &Path, model: &Model, tuning: &Tuning) -> Result<Self> {
         let mut recorder = Recorder::<f32>::new(model.clone(), tuning.clone())
             .map_err(|e| Error::content(path, e.to_string()))?;
@@ -47,16 +47,16 @@ impl LoggedDrive {
     }
 }
 
-/// Where on a common road a cell lies, and whether it is driven in the road's direction.
+/// Place of a cell on a common road, and its direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RoadPlace {
     /// Distance along the road, m.
     pub at_m: f64,
-    /// In the road's direction.
+    /// Whether the cell is driven in the road's direction.
     pub forward: bool,
 }
 
-/// A road, both ways.
+/// A road that is driven in both directions.
 #[derive(Debug)]
 pub struct CommonRoad {
     ways: [Network; 2],
@@ -64,7 +64,7 @@ pub struct CommonRoad {
 }
 
 impl CommonRoad {
-    /// Creates the road that the longest of these drives took; `None` if none has positions.
+    /// Creates the road of the longest of these drives; `None` if none has positions.
     #[must_use]
     pub fn of(drives: &[LoggedDrive]) -> Option<Self> {
         let longest = drives.iter().max_by_key(|drive| drive.run.rows.len())?;
@@ -90,13 +90,13 @@ impl CommonRoad {
         self.end_m
     }
 
-    /// Returns latitude and longitude at a distance, deg.
+    /// Returns latitude and longitude (deg) at a distance (m).
     #[must_use]
     pub fn position_at(&self, at_m: f64) -> (f64, f64) {
         self.ways[0].ways()[0].line.position_at(at_m)
     }
 
-    /// Returns where each sample of a drive lies.
+    /// Returns the place of each sample of a drive.
     #[must_use]
     pub fn places(&self, drive: &LoggedDrive) -> Vec<Option<RoadPlace>> {
         let track = track_of_run(&drive.run.rows);

@@ -1,15 +1,15 @@
-//! What drives say about forces that the model lacks.
+//! Evidence of drives for forces that the model lacks.
 //!
 //! The filter is linear: a missing force that is proportional to an unknown amount moves its
-//! normalised innovations by that amount times a known response. With the right model innovations
-//! are white and of unit variance whatever the road does, so that amounts follow from them by
-//! least squares, with the errors of GNSS, wind, road and slow bias weighed as the filter weighs
-//! them: these are the generalised least squares estimates, and the gain in fit is the likelihood
-//! ratio (Rosenberg 1973; de Jong 1991).
+//! normalised innovations by that amount times a known response. With the right model, innovations
+//! are white and of unit variance on any road. Amounts therefore follow from them by least squares.
+//! The filter's weights account for the errors of GNSS, wind, road and slow bias. These are the
+//! generalised least squares estimates, and the gain in fit is the likelihood ratio (Rosenberg
+//! 1973; de Jong 1991).
 //!
-//! Real errors are longer in correlation than any model of them. The sums are therefore kept for
-//! each segment of a drive: how much they scatter from segment to segment shows what an estimate is
-//! worth (a sandwich with clusters: H. White, "Maximum likelihood estimation of misspecified
+//! Real errors have longer correlation than any model of them. The sums are therefore kept for each
+//! segment of a drive. Their scatter from segment to segment gives the variance of an estimate (a
+//! sandwich estimator with clusters: H. White, "Maximum likelihood estimation of misspecified
 //! models", Econometrica 50:1, 1982).
 
 use super::drive::LoggedDrive;
@@ -21,19 +21,19 @@ use nalgebra::{DMatrix, DVector};
 /// Length of a segment, m.
 const SEGMENT_M: f64 = 4_000.0;
 
-/// Force in N that the model lacks in each cell of a drive, for one unit of an amount.
+/// Missing force (N) in each cell of a drive, for one unit of an amount.
 pub type ForceColumn = Vec<f32>;
 
 /// Sums over one segment of a drive: of response times response, and of response times innovation.
 #[derive(Clone, Debug)]
 pub struct SegmentSums {
-    /// Which drive it is of.
+    /// Index of the drive.
     pub drive: usize,
-    /// Responses.
+    /// Sum of response times response.
     pub information: DMatrix<f64>,
-    /// Responses times innovations.
+    /// Sum of response times innovation.
     pub score: DVector<f64>,
-    /// Minus twice the logarithm of the likelihood of the altitudes with nothing missing, but for a
+    /// Minus twice the log likelihood of the altitudes without any missing force, but for a
     /// constant.
     pub negative_log_likelihood: f64,
 }
@@ -53,13 +53,13 @@ impl FromIterator<SegmentSums> for Evidence {
     }
 }
 
-/// Winds that come and go that are tried, 1 sigma, m/s.
+/// Tried standard deviations of the wind, m/s.
 pub const WINDS_MPS: [f32; 5] = [0.1, 0.2, 0.4, 0.8, 1.6];
 
-/// Returns the tuning with which drives are judged: what is the same on all drives of a vehicle is
-/// looked for, so that the filter's own slow states keep only what differs from drive to drive, and
-/// in the kilometres of wind. What climbs unlike the model is what is looked for: no fix drifts,
-/// and no scale goes too far.
+/// Returns the tuning of the filter for the search. Errors that are the same on all drives are
+/// candidates of the search. The filter's own slow states therefore have only the variance of what
+/// differs from drive to drive and along a drive, such as wind. The drift gate and the reset of the
+/// scale are off: they would remove the effects that are searched for.
 #[must_use]
 pub fn judging_tuning(estimator: &Tuning, wind_sigma_mps: f32) -> Tuning {
     let mut tuning = estimator.clone();
@@ -76,7 +76,7 @@ pub fn judging_tuning(estimator: &Tuning, wind_sigma_mps: f32) -> Tuning {
     tuning
 }
 
-/// Returns what a drive says about the forces in `columns`, segment by segment.
+/// Returns the sums of a drive for the forces in `columns`, one for each segment.
 #[must_use]
 pub fn segments(
     drive: usize,
@@ -127,7 +127,7 @@ pub fn segments(
 }
 
 impl Evidence {
-    /// Returns sums over all segments of the drives that count.
+    /// Returns the sums over all segments of the selected drives.
     #[must_use]
     pub fn sums(&self, counts: impl Fn(usize) -> bool) -> (DMatrix<f64>, DVector<f64>) {
         let size = self.segments.first().map_or(0, |s| s.score.len());

@@ -7,16 +7,17 @@ use crate::report::page::Figure;
 use estimator_core::{AdoptedEffect, Tuning};
 use std::path::PathBuf;
 
-/// What is to be diagnosed.
+/// Request for a diagnosis.
 #[derive(Clone, Debug)]
 pub struct Request {
-    /// The vehicle as it is believed.
+    /// The vehicle with its assumed parameters.
     pub vehicle: VehicleFile,
     /// Logs to fit.
     pub logs: Vec<PathBuf>,
-    /// Logs that are not used to fit. With none, and at least three to fit, the last of those.
+    /// Logs that are not fitted. If none is given, and at least three are to fit, the last of
+    /// those.
     pub held_out: Vec<PathBuf>,
-    /// Map to judge by.
+    /// Map as reference.
     pub reference: Option<PathBuf>,
     /// Tuning of the estimator that reads the drives.
     pub tuning: Tuning,
@@ -33,39 +34,39 @@ pub struct Finding {
     pub group: Vec<&'static str>,
 }
 
-/// One candidate's case.
+/// Result for one candidate.
 #[derive(Clone, Debug)]
 pub struct CandidateCase {
     /// Name of the effect.
     pub name: &'static str,
-    /// Estimate if it alone were adopted, and its sigma.
+    /// Estimate with it alone adopted.
     pub amount: f64,
     /// Standard deviation of the estimate.
     pub sigma: f64,
     /// Unit of both.
     pub unit: &'static str,
-    /// Twice the logarithm of the Bayes factor against nothing.
+    /// Twice the logarithm of the Bayes factor against no effect.
     pub evidence: f64,
-    /// Judged with it alone.
+    /// Judgement with it alone adopted.
     pub after: Judgement,
 }
 
-/// What is left that no effect explains.
+/// A clear dependence that no effect explains.
 #[derive(Clone, Debug)]
 pub struct Unexplained {
-    /// What it depends on.
+    /// The variable that it depends on.
     pub depends_on: String,
     /// Its size, % grade.
     pub rms_percent: f64,
     /// Twice the logarithm of the Bayes factor.
     pub evidence: f64,
-    /// What it is drawn over.
+    /// The x variable of its plot.
     pub variable: Option<Variable>,
-    /// The picture.
+    /// The plot.
     pub figure: Option<Figure>,
 }
 
-/// All that was found.
+/// Result of a diagnosis.
 #[derive(Clone, Debug)]
 pub struct Diagnosis {
     /// Adopted effects, in the order of adoption.
@@ -74,12 +75,12 @@ pub struct Diagnosis {
     pub candidates: Vec<CandidateCase>,
     /// Clear dependences that no effect explains.
     pub unexplained: Vec<Unexplained>,
-    /// The bare model on the drives held out, before and after.
+    /// The bare model on the drives held out, before.
     pub before: Judgement,
     /// The bare model on the same drives, after.
     pub after: Judgement,
-    /// Whether these drives were used to fit as well, for want of others.
+    /// Whether these drives were also fitted, because no others exist.
     pub judged_on_fitted: bool,
-    /// What the vehicle file becomes.
+    /// The vehicle file with the adopted effects.
     pub vehicle: VehicleFile,
 }

@@ -1,8 +1,9 @@
-//! The bare vehicle model against a reference: no GNSS and no filter help it.
+//! The bare vehicle model, without GNSS and without a filter, against a reference.
 //!
-//! The mean slope that the force balance reads over 600 m, against that of the reference: a map
-//! that was given, else the map of all other drives in the same direction, else the drive's own
-//! smoothed estimate. Single cells say little, since every reference is noisy there.
+//! The mean slope of the force balance over 600 m is compared with that of the reference. The
+//! reference is a given map, else the map of all other drives in the same direction, else the
+//! drive's own smoothed estimate. Single cells are not compared, since every reference is noisy
+//! there.
 
 use super::bare_model;
 use super::drive::{CommonRoad, LoggedDrive};
@@ -17,33 +18,32 @@ use rand_chacha::rand_core::SeedableRng;
 
 /// Length of a window, m.
 pub const WINDOW_M: f64 = 600.0;
-/// Part of a window in which the model must hold.
+/// Fraction of a window in which the model must be valid.
 const VALID: f64 = 0.8;
-/// Draws of the bootstrap, and its seed.
+/// Number of bootstrap draws, and their seed.
 const DRAWS: usize = 500;
 const SEED: u64 = 1;
-/// Windows that are drawn together, since neighbours err alike: 3 km.
+/// Number of windows in a block of the bootstrap (3 km): the errors of neighbours are correlated.
 const BLOCK: usize = 5;
 
 /// Errors of the bare model.
 #[derive(Clone, Debug, Default)]
 pub struct Judgement {
-    /// Root mean square over windows, %, with an interval of 90 %.
+    /// Root mean square over windows, %.
     pub rmse_percent: f64,
     /// Interval of 90 % of the RMSE, %.
     pub rmse_interval: (f64, f64),
-    /// Mean over windows, %, with an interval of 90 %.
+    /// Mean over windows, %.
     pub bias_percent: f64,
     /// Interval of 90 % of the mean error, %.
     pub bias_interval: (f64, f64),
-    /// Altitude that the model gains over the reference in each km, m.
+    /// Altitude gain of the model minus that of the reference, m per km.
     pub drift_m_per_km: f64,
-    /// In each window of the drives one after the other: slope that the model reads less that of the
-    /// reference, %.
+    /// Slope of the model minus that of the reference in each window, one drive after the other, %.
     pub windows: Vec<f64>,
 }
 
-/// Reference grade along each drive: distance, m, and grade, %.
+/// Reference along each drive: distance, m, and grade, %.
 pub type ReferenceGrades = Vec<(f64, f64)>;
 
 /// Returns the reference of each drive: the map of all others, else its own estimate.
@@ -54,8 +54,8 @@ pub fn references(drives: &[LoggedDrive]) -> Vec<ReferenceGrades> {
         .collect()
 }
 
-/// Returns the reference of each drive where the map has its road, else as without a map; `None` if
-/// the map has the road of no drive.
+/// Returns the reference of each drive: the map where it has the drive's road, else as without a
+/// map. Returns `None` if the map has none of the roads.
 #[must_use]
 pub fn references_by_map(drives: &[LoggedDrive], map: &[MapRow]) -> Option<Vec<ReferenceGrades>> {
     let of_map: Vec<Option<ReferenceGrades>> =
@@ -115,7 +115,7 @@ fn map_of_others(drives: &[LoggedDrive], number: usize) -> Option<Vec<MapRow>> {
     (2 * rows.len() > drives[number].run.rows.len()).then_some(rows)
 }
 
-/// Judges drives, read with `model`, each by its reference.
+/// Judges drives that were read with `model`, each by its reference.
 #[must_use]
 pub fn judge(drives: &[LoggedDrive], model: &Model, references: &[ReferenceGrades]) -> Judgement {
     let errors: Vec<f64> = drives
@@ -138,8 +138,9 @@ pub fn judge(drives: &[LoggedDrive], model: &Model, references: &[ReferenceGrade
     }
 }
 
-/// 90 % of a statistic over block bootstrap draws (H. R. Künsch, "The jackknife and the bootstrap
-/// for general stationary observations", Annals of Statistics 17:1217, 1989).
+/// Returns the 90 % interval of a statistic over block bootstrap draws (H. R. Künsch, "The
+/// jackknife and the bootstrap for general stationary observations", Annals of Statistics 17:1217,
+/// 1989).
 fn interval(errors: &[f64], statistic: impl Fn(&[f64]) -> f64) -> (f64, f64) {
     if errors.len() < 2 * BLOCK {
         return (f64::NAN, f64::NAN);
@@ -159,7 +160,7 @@ fn interval(errors: &[f64], statistic: impl Fn(&[f64]) -> f64) -> (f64, f64) {
     (found[DRAWS / 20], found[DRAWS - 1 - DRAWS / 20])
 }
 
-/// Returns the model's error in each cell of a drive in which it holds, %.
+/// Returns the model's error (%) in each cell of a drive, where the model is valid.
 #[must_use]
 pub fn errors(drive: &LoggedDrive, model: &Model, reference: &ReferenceGrades) -> Vec<Option<f64>> {
     let mut before: Option<f64> = None;
@@ -200,8 +201,8 @@ fn windows(drive: &LoggedDrive, model: &Model, reference: &ReferenceGrades) -> V
     windows
 }
 
-/// Returns sine of the slope in % that the force balance reads over a cell, adopted effects
-/// included, between two kinetic energies a kilogram, m²/s².
+/// Returns the sine of the slope (%) of the force balance over a cell, adopted effects included,
+/// between two kinetic energies per kilogram, m²/s².
 fn model_slope_percent(model: &Model, sample: &Sample, energies: (f64, f64)) -> f64 {
     let accelerated_kg = f64::from(sample.forces.accelerated_kg());
     bare_model::slope_percent(

@@ -1,15 +1,15 @@
-//! From drives to what the vehicle model lacks: residual, effect, vehicle file, and the error before
-//! and after on drives that were not used.
+//! Diagnosis of the vehicle model: residual, effect, vehicle file, and the error before and after
+//! on drives that were not fitted.
 //!
-//! * [`drive`]: a log as it is seen here, and where its cells lie on a common road;
-//! * [`candidates`]: what is tried: effects ([`estimator_core::effect::Search`]) and plain dependences
-//!   ([`dependence`]); [`evidence`]: what drives say about it; [`regression`]: amounts
-//!   and likelihoods from that; [`selection`]: what is adopted; [`search`]: these, one after the
-//!   other;
-//! * [`radius`]: wheels, which show in speed and distance rather than in slope;
+//! * [`drive`]: a log as input, and the places of its cells on a common road;
+//! * [`candidates`]: the candidates: effects ([`estimator_core::effect::Search`]) and plain
+//!   dependences ([`dependence`]); [`evidence`]: the sums of the drives for them; [`regression`]:
+//!   amounts and likelihoods from these; [`selection`]: which candidates are adopted; [`search`]:
+//!   all these steps;
+//! * [`radius`]: the wheel radius, which shows in speed and distance rather than in slope;
 //! * [`judgement`]: the bare model against a reference, before and after;
-//! * [`diagnosis`]: all of it; [`findings`]: what it finds;
-//! * [`picture`]: what stays unexplained, drawn; [`report`]: report.json and the page.
+//! * [`diagnosis`]: the whole procedure; [`findings`]: its request and result;
+//! * [`picture`]: plots of unexplained dependences; [`report`]: report.json and the page.
 
 pub mod bare_model;
 pub mod candidates;

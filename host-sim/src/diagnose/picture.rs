@@ -7,12 +7,12 @@ use crate::report::page::Figure;
 use crate::report::plot::{Plot, Series, colour};
 use estimator_core::Model;
 
-/// Parts into which the variable is divided.
+/// Number of parts of the variable's range.
 const PARTS: usize = 24;
-/// Fewest cells of which a mean is drawn.
+/// Fewest cells for a mean.
 const FEWEST_CELLS: usize = 20;
 
-/// Returns the mean error of the bare model over a variable, with all that was adopted.
+/// Returns a plot of the mean error of the bare model over a variable, with all adopted effects.
 #[must_use]
 pub fn picture(
     name: &str,
@@ -35,7 +35,7 @@ pub fn picture(
         );
     }
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
-    // Parts with as many cells each, but for places and clocks, which are as long.
+    // Parts have equal numbers of cells; for places and clocks they have equal lengths.
     let even = matches!(variable, Variable::Road(_) | Variable::Phase(_));
     let (low, high) = match (points.first(), points.last()) {
         (Some(first), Some(last)) => (first.0, last.0),

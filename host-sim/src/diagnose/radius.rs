@@ -1,7 +1,7 @@
 //! Errors of the wheel radius: GNSS speed against wheel speed.
 //!
-//! A wrong radius hardly shows in the slope, but in every speed. Speeds of the two kinds are
-//! compared where the vehicle neither speeds up nor slows down, since they are of unlike age.
+//! A wrong radius hardly changes the slope, but it changes every speed. The two speeds are compared
+//! where the vehicle neither accelerates nor brakes, since their ages differ.
 
 use super::drive::LoggedDrive;
 use super::findings::Finding;
@@ -9,27 +9,27 @@ use super::selection::ADOPTED;
 use estimator_core::effect::wheel_radius;
 use estimator_core::{AdoptedEffect, CELL_LENGTH_M, Effect};
 
-/// Slowest speed at which the two are compared, m/s.
+/// Slowest speed of the comparison, m/s.
 const SLOWEST_MPS: f32 = 8.0;
-/// Largest change of speed over the last cells for a steady one, m/s.
+/// Largest change of a steady speed over the last cells, m/s.
 const STEADY_MPS: f32 = 0.15;
 const STEADY_CELLS: usize = 10;
-/// Length of a block, whose means count as independent, m.
+/// Length of a block, m. Means of blocks count as independent.
 const BLOCK_M: f64 = 2_000.0;
-/// What the comparison itself may be off: latency, slip, climb of the road.
+/// Standard deviation of the comparison itself: latency, slip, climb of the road.
 const FLOOR: f64 = 5e-4;
 
-/// What GNSS says of the wheels.
+/// Correction of the wheel radius from GNSS speed.
 #[derive(Clone, Copy, Debug)]
 pub struct Wheels {
-    /// True radius over the one believed, less one.
+    /// True over assumed radius, less one.
     pub amount: f64,
     /// Its sigma.
     pub sigma: f64,
 }
 
 impl Wheels {
-    /// From all drives; `None` without speeds to compare.
+    /// Estimates the correction from all drives; `None` with fewer than three blocks.
     #[must_use]
     pub fn measured(drives: &[LoggedDrive]) -> Option<Self> {
         let blocks: Vec<f64> = drives.iter().flat_map(blocks).collect();
@@ -54,14 +54,14 @@ impl Wheels {
         self.amount.powi(2) / own * typical / (typical + own) - (1.0 + typical / own).ln()
     }
 
-    /// As an effect.
+    /// Returns the correction as an effect.
     #[must_use]
     pub fn adopted(&self) -> AdoptedEffect {
         static EFFECT: &Effect = &wheel_radius::EFFECT;
         AdoptedEffect::new(EFFECT, self.amount as f32, self.sigma as f32)
     }
 
-    /// To adopt, if the evidence asks for it.
+    /// Returns the effect if the evidence is enough to adopt it.
     #[must_use]
     pub fn finding(&self) -> Option<Finding> {
         (self.evidence() >= ADOPTED).then(|| Finding {
@@ -72,7 +72,7 @@ impl Wheels {
     }
 }
 
-/// Returns mean of GNSS over wheel speed, less one, in each block of a drive.
+/// Returns the mean of GNSS speed over wheel speed, less one, in each block of a drive.
 fn blocks(drive: &LoggedDrive) -> Vec<f64> {
     let mut blocks = Vec::new();
     let (mut sum, mut count, mut length_m) = (0.0, 0.0, 0.0);

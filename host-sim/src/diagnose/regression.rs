@@ -1,13 +1,13 @@
-//! Least squares on what drives say: amounts, their sigmas, and how likely a set of them is.
+//! Least squares on the evidence: amounts, their sigmas and likelihoods.
 
 use super::evidence::Evidence;
 use nalgebra::{DMatrix, DVector};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Fewest drives whose scatter says anything.
+/// Fewest drives whose scatter is used.
 const FEWEST_DRIVES: usize = 3;
 
-/// Amounts to estimate, each with the columns of force that go with it and its prior precision.
+/// Amounts to estimate, each with its columns of force and its prior precision.
 #[derive(Clone, Debug, Default)]
 pub struct Basis {
     amounts: Vec<Vec<usize>>,
@@ -15,13 +15,13 @@ pub struct Basis {
 }
 
 impl Basis {
-    /// Returns number of amounts.
+    /// Returns the number of amounts.
     #[must_use]
     pub fn size(&self) -> usize {
         self.amounts.len()
     }
 
-    /// With more amounts, whose prior is this wide.
+    /// Returns the basis with additional amounts, whose priors have this standard deviation.
     #[must_use]
     pub fn with(&self, amounts: &[Vec<usize>], typical: f64) -> Self {
         let mut basis = self.clone();
@@ -35,7 +35,7 @@ impl Basis {
     }
 }
 
-/// Returns sums of the information about amounts, each of which has the given columns.
+/// Returns the information matrix of amounts, each of which is a sum of columns.
 fn information_of(amounts: &[Vec<usize>], columns: &DMatrix<f64>) -> DMatrix<f64> {
     DMatrix::from_fn(amounts.len(), amounts.len(), |a, b| {
         let pairs = amounts[a]
@@ -59,21 +59,21 @@ pub struct Fit {
     pub amounts: DVector<f64>,
     /// Their covariance, widened by the scatter of the scores.
     pub covariance: DMatrix<f64>,
-    /// How much more the score of the last amount scatters (squared) than the model says, at least
+    /// Ratio of the scatter of the last amount's score (squared) to that of the model, at least
     /// one.
     pub scatter: f64,
 }
 
-/// What one drive alone says, beyond what is fitted.
+/// Sums of one drive, less the fitted amounts.
 pub struct OfDrive {
-    /// Whether it is held out.
+    /// Whether the drive is held out.
     pub held_out: bool,
     information: DMatrix<f64>,
     score: DVector<f64>,
 }
 
 impl OfDrive {
-    /// Information and score of amounts.
+    /// Returns the information and the score of amounts.
     #[must_use]
     pub fn of(&self, amounts: &[Vec<usize>]) -> (DMatrix<f64>, DVector<f64>) {
         let information = information_of(amounts, &self.information);
@@ -81,7 +81,7 @@ impl OfDrive {
     }
 }
 
-/// The evidence, and which drives are held out.
+/// Regression on the evidence of the drives that are not held out.
 pub struct Regression<'a> {
     evidence: &'a Evidence,
     is_held_out: Box<dyn Fn(usize) -> bool + 'a>,
@@ -92,7 +92,7 @@ pub struct Regression<'a> {
 }
 
 impl<'a> Regression<'a> {
-    /// On these drives.
+    /// Creates the regression. `is_held_out` selects drives by index.
     pub fn new(evidence: &'a Evidence, is_held_out: impl Fn(usize) -> bool + 'a) -> Self {
         let (information, score) = evidence.sums(|drive| !is_held_out(drive));
         let (held_information, held_score) = evidence.sums(&is_held_out);
@@ -106,8 +106,7 @@ impl<'a> Regression<'a> {
         }
     }
 
-    /// Returns minus twice the logarithm of the likelihood of the drives to fit with nothing
-    /// missing.
+    /// Returns minus twice the log likelihood of the drives to fit, without any missing force.
     #[must_use]
     pub fn negative_log_likelihood(&self) -> f64 {
         let segments = self.evidence.segments.iter();
@@ -117,7 +116,7 @@ impl<'a> Regression<'a> {
             .sum()
     }
 
-    /// Returns twice the gain in log likelihood of a basis, its priors left out.
+    /// Returns twice the gain in log likelihood of a basis, without its priors.
     #[must_use]
     pub fn explained(&self, basis: &Basis) -> f64 {
         let (information, score) = self.of(basis);
@@ -125,8 +124,8 @@ impl<'a> Regression<'a> {
         solution.map_or(0.0, |amounts| score.dot(&amounts))
     }
 
-    /// Returns twice the logarithm of the Bayes factor of a basis against nothing, with scores that
-    /// scatter `scatter` times as much (squared) as the model says.
+    /// Returns twice the logarithm of the Bayes factor of a basis against none. `scatter` is the
+    /// ratio of the scatter of the scores (squared) to that of the model.
     #[must_use]
     pub fn bayes(&self, basis: &Basis, scatter: f64) -> Option<f64> {
         if basis.size() == 0 {
@@ -142,15 +141,15 @@ impl<'a> Regression<'a> {
         Some(quadratic - determinant)
     }
 
-    /// Returns twice the gain in log likelihood of these amounts of the columns on the drives held
-    /// out.
+    /// Returns twice the gain in log likelihood on the drives held out, with these amounts of the
+    /// columns.
     #[must_use]
     pub fn held_out(&self, columns: &DVector<f64>) -> f64 {
         let square = columns.dot(&(&self.held_information * columns));
         2.0 * columns.dot(&self.held_score) - square
     }
 
-    /// Returns what each drive says beyond these amounts of the columns.
+    /// Returns the sums of each drive, less these amounts of the columns.
     #[must_use]
     pub fn drives(&self, columns: &DVector<f64>) -> Vec<OfDrive> {
         let drives: BTreeSet<usize> = self.evidence.segments.iter().map(|s| s.drive).collect();
@@ -165,7 +164,8 @@ impl<'a> Regression<'a> {
         drives.into_iter().map(of_drive).collect()
     }
 
-    /// Returns the amounts of a basis of at least one; `None` if they cannot be separated.
+    /// Returns the estimates of a basis with at least one amount; `None` if they cannot be
+    /// separated.
     #[must_use]
     pub fn fit(&self, basis: &Basis) -> Option<Fit> {
         let (information, score) = self.of(basis);
@@ -210,7 +210,7 @@ impl<'a> Regression<'a> {
         } else {
             by_segment
         };
-        // The last amounts are the new ones: their scatter is what is asked for.
+        // The last amounts are the new ones. The result is their scatter.
         let last = amounts.len() - 1;
         let scatter = (sandwich[(last, last)] / inverse[(last, last)]).max(1.0);
         let mut covariance = inverse;
@@ -225,7 +225,7 @@ impl<'a> Regression<'a> {
         })
     }
 
-    /// Returns the columns' amounts.
+    /// Returns the amounts of the columns.
     #[must_use]
     pub fn columns(&self, basis: &Basis, amounts: &DVector<f64>) -> DVector<f64> {
         let mut columns = DVector::zeros(self.score.len());
@@ -237,7 +237,7 @@ impl<'a> Regression<'a> {
         columns
     }
 
-    /// Returns sums over the drives to fit.
+    /// Returns information and score of a basis, summed over the drives to fit.
     fn of(&self, basis: &Basis) -> (DMatrix<f64>, DVector<f64>) {
         let information = information_of(&basis.amounts, &self.information);
         (information, score_of(&basis.amounts, &self.score))

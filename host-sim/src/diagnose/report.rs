@@ -10,7 +10,7 @@ use estimator_core::effect::{self, search_of};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
-/// Returns a number for a file: JSON has none that is not finite.
+/// Returns a number for JSON: `null` if it is not finite.
 fn number(value: f64) -> Value {
     serde_json::Number::from_f64(value).map_or(Value::Null, Value::Number)
 }
@@ -27,7 +27,7 @@ fn errors(judgement: &Judgement) -> Value {
     })
 }
 
-/// Returns what report.json says.
+/// Returns the content of report.json.
 #[must_use]
 pub fn to_json(diagnosis: &Diagnosis) -> Value {
     let adopted: Vec<Value> = diagnosis
@@ -88,7 +88,7 @@ pub fn to_json(diagnosis: &Diagnosis) -> Value {
 /// Writes report.json, vehicle.toml and the page with its tables and figures, all or none.
 ///
 /// # Errors
-/// Returns the error of the file system.
+/// Returns an error if a file cannot be written.
 pub fn write(diagnosis: &Diagnosis, folder: &Path) -> Result<PathBuf> {
     let mut files = page(diagnosis).stage(folder)?;
     let vehicle = folder.join("vehicle.toml");
@@ -113,7 +113,7 @@ fn page(diagnosis: &Diagnosis) -> Page {
     }
 }
 
-/// Returns the outcome in words.
+/// Returns a summary in words.
 #[must_use]
 pub fn in_a_sentence(diagnosis: &Diagnosis) -> String {
     let names: Vec<String> = diagnosis.findings.iter().map(amount_in_words).collect();
@@ -165,7 +165,7 @@ fn amount_in_words(finding: &Finding) -> String {
     words
 }
 
-/// Three digits that mean something.
+/// Formats a number with three significant digits.
 fn short(value: f64) -> String {
     let digits = if value == 0.0 {
         0
@@ -275,7 +275,7 @@ fn candidates_section(diagnosis: &Diagnosis) -> Section {
     }
 }
 
-/// Returns the drives or signals that would separate an effect from similar ones.
+/// Returns the data that would separate an effect from similar ones.
 fn separated_by(name: &str) -> Option<&'static str> {
     Some(search_of(effect::named(name)?)?.separated_by)
 }

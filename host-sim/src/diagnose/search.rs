@@ -10,19 +10,20 @@ use estimator_core::effect::{Varies, search_of};
 use estimator_core::{AdoptedEffect, Effect, Model, Tuning};
 use rayon::prelude::*;
 
-/// Drives with the candidates that are tried on them.
+/// Search over drives, with its candidates.
 pub struct EffectSearch<'a> {
     drives: &'a [LoggedDrive],
     fitted: usize,
     model: &'a Model,
     tuning: &'a Tuning,
-    /// The road that they share.
+    /// The common road of the drives.
     pub road: Option<CommonRoad>,
     menu: Menu,
 }
 
 impl<'a> EffectSearch<'a> {
-    /// Creates the first `fitted` of the drives, which were read with this model, are to fit.
+    /// Creates a search. The drives were read with this model. The first `fitted` of them are to
+    /// fit, the others are held out.
     #[must_use]
     pub fn new(
         drives: &'a [LoggedDrive],
@@ -43,8 +44,8 @@ impl<'a> EffectSearch<'a> {
         }
     }
 
-    /// Returns what the drives say, with the wind that makes them most likely, and what that asks
-    /// for.
+    /// Returns the evidence of the drives, with the wind of the highest likelihood, and the
+    /// effects that are selected from it.
     #[must_use]
     pub fn evidence(&self) -> (Evidence, Selection) {
         let columns: Vec<Vec<evidence::ForceColumn>> = self
@@ -58,7 +59,7 @@ impl<'a> EffectSearch<'a> {
             })
             .collect();
         let mut best: Option<(Evidence, Selection)> = None;
-        // One after the other: the sums of a fleet's drives are large.
+        // Sequential, because the sums of a fleet's drives are large.
         for wind_mps in WINDS_MPS {
             let tuning = judging_tuning(self.tuning, wind_mps);
             let drives: Vec<_> = self.drives.iter().zip(&columns).enumerate().collect();
@@ -82,7 +83,7 @@ impl<'a> EffectSearch<'a> {
         best.unwrap_or_default()
     }
 
-    /// Returns what the evidence asks for; `first` as in [`Selector::select`].
+    /// Selects effects on the evidence; `first` as in [`Selector::select`].
     #[must_use]
     pub fn select(&self, evidence: &Evidence, first: Option<usize>) -> Selection {
         Selector::new(&self.menu, evidence, |drive| drive >= self.fitted).select(first)
@@ -100,14 +101,14 @@ impl<'a> EffectSearch<'a> {
         vehicle
     }
 
-    /// Returns names of the effects of a group.
+    /// Returns the names of the effects of a group.
     #[must_use]
     pub fn names(&self, group: &[CandidateFit]) -> Vec<&'static str> {
         let name = |case: &CandidateFit| self.menu.candidates[case.candidate].name;
         group.iter().map(name).collect()
     }
 
-    /// Returns the effect of a case, ready for a vehicle file; none for a plain dependence.
+    /// Returns the effect of a case, as a vehicle file has it; `None` for a plain dependence.
     #[must_use]
     pub fn adopted(&self, case: &CandidateFit) -> Option<AdoptedEffect> {
         let candidate = &self.menu.candidates[case.candidate];
@@ -120,7 +121,7 @@ impl<'a> EffectSearch<'a> {
                 let _ = adopted.set(key, value);
             }
             Detail::EachDrive(key, value) => {
-                // It differs from drive to drive, and the next one is not known.
+                // The amount differs from drive to drive, and that of the next drive is unknown.
                 let count = case.amounts.len() as f64;
                 let mean = case.amounts.iter().sum::<f64>() / count;
                 let between = case.amounts.iter().map(|a| (a - mean).powi(2)).sum::<f64>() / count;
@@ -158,7 +159,7 @@ impl<'a> EffectSearch<'a> {
         Some(adopted)
     }
 
-    /// Returns a plain dependence that was adopted.
+    /// Returns an adopted plain dependence for the report.
     #[must_use]
     pub fn unexplained(&self, case: &CandidateFit) -> Unexplained {
         let candidate = &self.menu.candidates[case.candidate];

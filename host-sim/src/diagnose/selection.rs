@@ -1,10 +1,11 @@
-//! Which effects the evidence asks for.
+//! Selection of effects on the evidence.
 //!
-//! Forward selection by Bayes factors: each candidate's amount has a normal prior as wide as such
-//! amounts usually are, so that an effect is not adopted for explaining a little, and choices are
-//! paid for (R. E. Kass and A. E. Raftery, "Bayes factors", J. Am. Stat. Assoc. 90:773, 1995).
-//! Estimates are generalised least squares; where scores scatter from segment to segment more than
-//! the model says, the evidence counts that much less.
+//! Forward selection by Bayes factors. The normal prior of a candidate's amount has the usual size
+//! of such amounts as its standard deviation. An effect that explains little is therefore not
+//! adopted, and a candidate with many choices needs more evidence (R. E. Kass and A. E. Raftery,
+//! "Bayes factors", J. Am. Stat. Assoc. 90:773, 1995). Estimates are generalised least squares.
+//! Where scores scatter from segment to segment more than the model predicts, the evidence is
+//! divided by that ratio.
 
 use super::candidates::{Candidate, Choice, Detail, Menu};
 use super::evidence::Evidence;
@@ -12,26 +13,26 @@ use super::regression::{Basis, Regression};
 use estimator_core::effect::search_of;
 use nalgebra::{DMatrix, DVector};
 
-/// Twice the logarithm of the odds from which an effect is adopted, against nothing and after the
-/// number of candidates is paid for.
+/// An effect is adopted from this evidence on: twice the logarithm of its odds against no effect,
+/// corrected for the number of candidates.
 pub const ADOPTED: f64 = 3.0;
 /// Candidates whose evidence is within this of the best cannot be separated from it: 20 to 1.
 pub const TOLD_APART: f64 = 6.0;
-/// A parameter of the base model is preferred where others are better by no more than this.
+/// A parameter of the base model is preferred if other candidates are better by at most this.
 const PREFERENCE: f64 = 2.0;
-/// A prior this much wider than usual leaves an amount free.
+/// Width of a prior that leaves an amount free, as a multiple of its usual size.
 const FREE: f64 = 100.0;
-/// Amounts that are this many times as large as usual are still faults.
+/// Largest width of a prior, as a multiple of the usual size.
 const UNUSUAL: f64 = 4.0;
-/// Most effects that are adopted.
+/// Largest number of adopted effects.
 const MOST_ADOPTED: usize = 4;
 
 /// Fit of one candidate, given the effects that are already adopted.
 #[derive(Clone, Debug)]
 pub struct CandidateFit {
-    /// Which of the menu.
+    /// Index of the candidate.
     pub candidate: usize,
-    /// The best of its choices.
+    /// Index of the best of its choices.
     pub choice: usize,
     /// Estimates of its amounts.
     pub amounts: Vec<f64>,
@@ -39,42 +40,42 @@ pub struct CandidateFit {
     pub sigmas: Vec<f64>,
     /// Twice the logarithm of the Bayes factor against not having it.
     pub evidence: f64,
-    /// Twice the gain in log likelihood, the prior left out.
+    /// Twice the gain in log likelihood, without the prior.
     pub gain: f64,
-    /// How much more its score scatters (squared) than the model says; evidence and gain are so
-    /// much less.
+    /// Ratio of its score's scatter (squared) to that of the model. Evidence and gain are divided
+    /// by it.
     pub scatter: f64,
-    /// Width of the prior of each amount.
+    /// Standard deviation of the prior of each amount.
     pub width: f64,
-    /// Twice the gain in log likelihood on the drives held out, with the amounts of the others.
+    /// Twice the gain in log likelihood on the drives held out, with the amounts fitted on the
+    /// others.
     pub held_out: f64,
 }
 
 impl CandidateFit {
-    /// Returns its gain if scores scattered so much more than the model says. An amount of its own
-    /// for each drive leaves no scatter from drive to drive: two cases are compared as if both had
-    /// the same.
+    /// Returns the gain for a common scatter. A candidate with an amount for each drive has no
+    /// scatter from drive to drive. Two cases are therefore compared at the same scatter.
     fn gain_at(&self, scatter: f64) -> f64 {
         self.gain * self.scatter / scatter
     }
 
-    /// Returns the same of its evidence.
+    /// Returns the evidence for a common scatter.
     fn evidence_at(&self, scatter: f64) -> f64 {
         self.evidence - self.gain + self.gain_at(scatter)
     }
 }
 
-/// What was adopted in one step of the selection, and what could have been instead.
+/// One step of the selection: the adopted candidate and its rivals.
 #[derive(Clone, Debug)]
 pub struct SelectionStep {
-    /// The one adopted.
+    /// The adopted candidate.
     pub adopted: CandidateFit,
     /// Other candidates that the data cannot separate from it.
     pub group: Vec<CandidateFit>,
 }
 
 impl SelectionStep {
-    /// Has another of the group stand for it.
+    /// Exchanges the adopted candidate for another of the group.
     fn lead(&mut self, candidate: usize) {
         let same = |case: &CandidateFit| case.candidate == candidate;
         if let Some(index) = self.group.iter().position(same) {
@@ -83,18 +84,18 @@ impl SelectionStep {
     }
 }
 
-/// The result.
+/// Result of a selection.
 #[derive(Clone, Debug, Default)]
 pub struct Selection {
-    /// In the order of adoption.
+    /// The steps, in the order of adoption.
     pub steps: Vec<SelectionStep>,
-    /// Every candidate as it stood before the first step.
+    /// Every candidate before the first step.
     pub alone: Vec<CandidateFit>,
-    /// Minus twice the logarithm of the likelihood of the drives to fit with what was adopted.
+    /// Minus twice the log likelihood of the drives to fit, with the adopted candidates.
     pub negative_log_likelihood: f64,
 }
 
-/// What is adopted so far, and what that does.
+/// The adopted effects and their fit.
 struct Ground {
     basis: Basis,
     /// Amounts of the columns.
@@ -102,18 +103,18 @@ struct Ground {
     /// Twice the gain in log likelihood, on the drives to fit and on those held out.
     explained: f64,
     held_out: f64,
-    /// Twice the logarithm of the Bayes factor, the model's word taken for the scatter.
+    /// Twice the logarithm of the Bayes factor, with the scatter that the model predicts.
     bayes: f64,
 }
 
-/// Selects from a menu.
+/// Selection among the candidates of a menu.
 pub struct Selector<'a> {
     menu: &'a Menu,
     regression: Regression<'a>,
 }
 
 impl<'a> Selector<'a> {
-    /// For these drives.
+    /// Creates a selector. `is_held_out` selects drives by index.
     pub fn new(
         menu: &'a Menu,
         evidence: &'a Evidence,
@@ -125,8 +126,9 @@ impl<'a> Selector<'a> {
         }
     }
 
-    /// Adopts one effect after the other as long as the evidence asks for one; `first` is that which
-    /// stands for those that the evidence cannot separate in the first step, if it is given.
+    /// Adopts one effect after the other until the evidence for the next is too small. `first`, if
+    /// given, replaces the adopted candidate of the first step, where the evidence cannot separate
+    /// them.
     #[must_use]
     pub fn select(&self, first: Option<usize>) -> Selection {
         let mut basis = Basis::default();
@@ -143,7 +145,7 @@ impl<'a> Selector<'a> {
             let choice = self.choice(&step.adopted);
             taken.push(step.adopted.candidate);
             if choice.is_cycle() {
-                // Its phases are each drive's own.
+                // The phases of a cycle are each drive's own.
                 cases.retain(|case| !taken.contains(&case.candidate));
             } else {
                 basis = basis.with(&choice.amounts, step.adopted.width);
@@ -188,7 +190,7 @@ impl<'a> Selector<'a> {
             .collect()
     }
 
-    /// Returns the best choice of a candidate.
+    /// Returns the fit of the best choice of a candidate.
     fn case(&self, ground: &Ground, index: usize, candidate: &Candidate) -> Option<CandidateFit> {
         if candidate.choices.first()?.is_cycle() {
             return self.cycle(ground, index, candidate);
@@ -205,13 +207,13 @@ impl<'a> Selector<'a> {
             .filter_map(|(i, choice)| Some((i, gain(choice)?)))
             .collect();
         let (choice, best) = gains.iter().copied().max_by(|a, b| a.1.total_cmp(&b.1))?;
-        // All choices are equally likely beforehand: the mean of their Bayes factors.
+        // All choices have equal prior probability: the mean of their Bayes factors counts.
         let relative = gains.iter().map(|(_, gain)| (0.5 * (gain - best)).exp());
         let mean = relative.sum::<f64>() / candidate.choices.len() as f64;
         let amounts = &candidate.choices[choice].amounts;
         let own = basis.size()..basis.size() + amounts.len();
-        // A prior as wide as such amounts usually are, or, since faults are unusual, as this one
-        // is, up to a few times that.
+        // The prior's width is the usual size. Faults are unusual: if this amount is larger, the
+        // width is that amount, up to a few times the usual size.
         let free = regression.fit(&basis.with(amounts, FREE * candidate.typical))?;
         let square: f64 = own.clone().map(|i| free.amounts[i].powi(2)).sum();
         let size = (square / amounts.len() as f64).sqrt();
@@ -233,7 +235,7 @@ impl<'a> Selector<'a> {
         })
     }
 
-    /// Returns a cycle has its own phase on each drive, so that each is fitted alone.
+    /// Returns the fit of a cycle. Its phase differs between drives, so each drive is fitted alone.
     fn cycle(&self, ground: &Ground, index: usize, candidate: &Candidate) -> Option<CandidateFit> {
         let drives = self.regression.drives(&ground.columns);
         let prior = DMatrix::from_diagonal_element(2, 2, candidate.typical.powi(-2));
@@ -272,7 +274,7 @@ impl<'a> Selector<'a> {
         })
     }
 
-    /// The amounts of all that is adopted, together.
+    /// Fits the amounts of all adopted effects together.
     fn refit(&self, basis: &Basis, steps: &mut [SelectionStep]) {
         if basis.size() == 0 {
             return;
@@ -294,7 +296,7 @@ impl<'a> Selector<'a> {
     }
 }
 
-/// Returns the effect that the cases ask for, if any does.
+/// Returns the step that the cases justify, if any.
 fn step(cases: &[CandidateFit], menu: &Menu) -> Option<SelectionStep> {
     let price = 2.0 * (menu.candidates.len() as f64).ln();
     let asked = |case: &&CandidateFit| {
@@ -308,8 +310,8 @@ fn step(cases: &[CandidateFit], menu: &Menu) -> Option<SelectionStep> {
         .iter()
         .filter(|case| is_rival(case, best) && is_possible(case, menu))
         .collect();
-    // Among those that the fitted drives cannot separate, the drives held out decide; and a
-    // parameter of the base model comes first where they do not either.
+    // Among candidates that the fitted drives cannot separate, the drives held out decide. If they
+    // do not either, a parameter of the base model comes first.
     let scatter = rivals.iter().map(|case| case.scatter).fold(1.0, f64::max);
     let merit = |case: &CandidateFit| {
         let effect = menu.candidates[case.candidate].effect;
@@ -333,8 +335,8 @@ fn step(cases: &[CandidateFit], menu: &Menu) -> Option<SelectionStep> {
     })
 }
 
-/// Returns whether the drives cannot separate a case from the best one: it fits as well, whatever
-/// its prior, and is no less likely after all by more than that.
+/// Returns whether the drives cannot separate a case from the best one: its evidence is close to
+/// the best, or its gain without the prior is.
 fn is_rival(case: &CandidateFit, best: &CandidateFit) -> bool {
     let scatter = best.scatter.max(case.scatter);
     let is_usual = |amount: &f64| amount.abs() <= 1.5 * case.width;
@@ -342,7 +344,7 @@ fn is_rival(case: &CandidateFit, best: &CandidateFit) -> bool {
         || (best.gain_at(scatter) - case.gain_at(scatter) <= TOLD_APART
             && case.amounts.len() <= best.amounts.len()
             && case.amounts.iter().all(is_usual));
-    // What is less likely than nothing is no rival of anything.
+    // A case that is less likely than no effect is no rival.
     fits_as_well && case.evidence > 0.0
 }
 
@@ -352,14 +354,14 @@ fn by(
     move |a, b| value(a).total_cmp(&value(b))
 }
 
-/// Returns whether a vehicle can have it.
+/// Returns whether a vehicle can have the effect.
 fn is_possible(case: &CandidateFit, menu: &Menu) -> bool {
     let candidate = &menu.candidates[case.candidate];
     let Some(range) = candidate.effect.map(|effect| effect.range) else {
         return true;
     };
     match candidate.choices[case.choice].detail {
-        // On each drive the effect is there or not; it does not turn round.
+        // On each drive the effect is present or absent; it has no negative amount.
         Detail::EachDrive(..) => {
             let mut amounts = case.amounts.iter().zip(&case.sigmas);
             amounts.all(|(amount, sigma)| *amount > -1.5 * sigma && range.holds(*amount as f32))
