@@ -73,7 +73,8 @@ impl DrivelineSignals {
         if changed && signal == Signal::GearRatio {
             self.gear_of_ratio = match &context.model.vehicle.traction {
                 Traction::Powertrain(powertrain) => {
-                    value.and_then(|ratio| powertrain.gear_of_ratio(ratio))
+                    let tolerance = context.tuning.detection.gear_ratio_tolerance;
+                    value.and_then(|ratio| powertrain.gear_of_ratio(ratio, tolerance))
                 }
                 Traction::Force => None,
             };
@@ -170,7 +171,8 @@ impl DrivelineSignals {
         let in_doubt = is_launch || !self.is_clutch_reported(tuning, now);
         let gear = match (reported, engine_rpm, speed_mps) {
             (None, Some(rpm), Some(mps)) if !is_reported => {
-                powertrain.gear_of_speeds(rpm, mps, model.wheel_radius_m())
+                let tolerance = detection.gear_ratio_tolerance;
+                powertrain.gear_of_speeds(rpm, mps, model.wheel_radius_m(), tolerance)
             }
             // A gear is reported whether it is in or not. Where no other signal reports that, and at
             // launch, the engine must turn with it. It must also do so where it did so far: else the

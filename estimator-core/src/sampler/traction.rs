@@ -72,7 +72,8 @@ impl TractionInput {
             return false;
         }
         // The first report is no change.
-        let is_step = self.driveline_was_known && !driveline.is_nearly(&self.driveline);
+        let tolerance = context.tuning.detection.gear_ratio_tolerance;
+        let is_step = self.driveline_was_known && !driveline.is_nearly(&self.driveline, tolerance);
         self.driveline_was_known = true;
         self.driveline = driveline;
         if let Some(net_percent) = self.net_torque_percent(context, now) {

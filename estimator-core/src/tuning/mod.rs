@@ -120,6 +120,7 @@ tuning! {
         clutch_slip_percent: f32 = 5.0, 0.0..=50.0, "%", "clutch slip beyond a sensor's offset; and distance from full slip of an open clutch", "chosen";
         engine_tolerance: f32 = 0.1, 0.0..=1.0, "1", "relative difference of engine speed and gear that is no slip", "worn tyres and ages of readings; gearboxes step by 0.17";
         launch_tolerance: f32 = 0.05, 0.0..=1.0, "1", "the same at launch, where the engine approaches the gear's speed slowly", "chosen";
+        gear_ratio_tolerance: f32 = 0.05, 0.0..=0.5, "1", "relative difference up to which a measured ratio is that of a gear", "the narrowest gearboxes step by 0.17";
         gear_agreed_readings: u16 = 100, 1.0..=65_535.0, "readings", "readings in which engine and gear must have agreed before a reported gear is rejected for turning otherwise", "chosen: 10 s at 10 Hz";
         gear_most_readings: u16 = 1_000, 1.0..=65_535.0, "readings", "readings that such agreement counts as at most", "chosen: 100 s at 10 Hz";
         loaded_percent: f32 = 10.0, 0.0..=100.0, "%", "net engine torque that more than the engine's own auxiliaries takes up", "chosen";

@@ -55,20 +55,17 @@ pub enum Driveline {
 }
 
 impl Driveline {
-    /// Returns whether both are the same state; gears may differ by the noise of a measured ratio.
-    pub(crate) fn is_nearly(&self, other: &Self) -> bool {
+    /// Returns whether both are the same state; gears may differ by `tolerance`, the relative noise
+    /// of a measured ratio.
+    pub(crate) fn is_nearly(&self, other: &Self, tolerance: f32) -> bool {
         match (self, other) {
             (Self::Engaged(a), Self::Engaged(b)) => {
-                (a.ratio - b.ratio).abs() <= RATIO_TOLERANCE * b.ratio
+                (a.ratio - b.ratio).abs() <= tolerance * b.ratio
             }
             _ => self == other,
         }
     }
 }
-
-/// Relative difference up to which a measured ratio is that of a gear. The narrowest gearboxes step
-/// by 17 %.
-const RATIO_TOLERANCE: f32 = 0.05;
 
 impl Powertrain {
     pub(super) fn check(&self) -> Result<(), ParameterError> {
@@ -129,19 +126,19 @@ impl Powertrain {
         self.gears.get(index).copied()
     }
 
-    /// Returns the gear of a measured ratio.
+    /// Returns the gear of a measured ratio, whose relative error is at most `tolerance`.
     ///
     /// A ratio that no gear has, but that lies within the gearbox's range, gives a gear of this
     /// ratio with the efficiency of the nearest gear: a vehicle file may round its ratios. `None`
     /// beyond the range.
     #[must_use]
-    pub fn gear_of_ratio(&self, ratio: f32) -> Option<Gear> {
+    pub fn gear_of_ratio(&self, ratio: f32, tolerance: f32) -> Option<Gear> {
         let distance = |gear: &Gear| (gear.ratio - ratio).abs();
         let nearest = self
             .gears
             .iter()
             .reduce(|a, b| if distance(b) < distance(a) { b } else { a })?;
-        if distance(nearest) <= RATIO_TOLERANCE * nearest.ratio {
+        if distance(nearest) <= tolerance * nearest.ratio {
             return Some(*nearest);
         }
         let largest = self.gears.iter().fold(0.0_f32, |m, g| m.max(g.ratio));
@@ -152,14 +149,15 @@ impl Powertrain {
         })
     }
 
-    /// Returns the gear that fits an engine speed and a road speed within 5 %; `None` below 30 rpm
-    /// of the output shaft, or if no gear fits.
+    /// Returns the gear that fits an engine speed and a road speed within the relative `tolerance`;
+    /// `None` below 30 rpm of the output shaft, or if no gear fits.
     #[must_use]
     pub fn gear_of_speeds(
         &self,
         engine_rpm: f32,
         speed_mps: f32,
         wheel_radius_m: f32,
+        tolerance: f32,
     ) -> Option<Gear> {
         let shaft_rpm = self.shaft_rpm(speed_mps, wheel_radius_m);
         if shaft_rpm < 30.0 {
@@ -168,7 +166,7 @@ impl Powertrain {
         let ratio = engine_rpm / shaft_rpm;
         self.gears
             .iter()
-            .find(|gear| (gear.ratio - ratio).abs() <= RATIO_TOLERANCE * gear.ratio)
+            .find(|gear| (gear.ratio - ratio).abs() <= tolerance * gear.ratio)
             .copied()
     }
 

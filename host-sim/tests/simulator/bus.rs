@@ -37,7 +37,7 @@ fn altitude_of_the_bus(run: &SimulatedRun, vehicle: &VehicleParameters) -> Vec<(
         else {
             continue;
         };
-        let driveline = Driveline::Engaged(powertrain.gear_of_ratio(ratio).unwrap());
+        let driveline = Driveline::Engaged(powertrain.gear_of_ratio(ratio, 0.05).unwrap());
         if signal == Signal::EngineTorque {
             force.0 += f64::from(vehicle.traction_n(
                 driveline,

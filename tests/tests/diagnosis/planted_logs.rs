@@ -273,7 +273,7 @@ fn window_errors_percent(log: &Path, truth: &[TruthRow]) -> Vec<f64> {
     let speeds = series(Signal::WheelSpeed);
     let driveline = |time_s: f64| {
         let ratio = at(series(Signal::GearRatio), time_s) as f32;
-        Driveline::Engaged(powertrain.gear_of_ratio(ratio).unwrap())
+        Driveline::Engaged(powertrain.gear_of_ratio(ratio, 0.05).unwrap())
     };
     // The mean of the four readings around a moment.
     let speed = |time_s: f64| {
