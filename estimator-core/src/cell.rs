@@ -40,6 +40,43 @@ impl Condition {
     }
 }
 
+/// What disagrees in a cell: signals that cannot all be right. All false where everything agrees.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Disagreement {
+    /// Climb by GNSS and climb by the forces.
+    pub climb: bool,
+    /// Descent by GNSS and a vehicle that gains no speed: a brake that no signal reports.
+    pub brake: bool,
+    /// Torque and acceleration.
+    pub torque: bool,
+    /// Wheel speed and GNSS speed.
+    pub speed: bool,
+    /// Reported gear, engine speed and wheel speed.
+    pub gear: bool,
+}
+
+impl Disagreement {
+    /// Returns whether everything agrees.
+    #[must_use]
+    pub const fn is_none(self) -> bool {
+        !(self.climb | self.brake | self.torque | self.speed | self.gear)
+    }
+
+    /// Returns the union of both.
+    #[must_use]
+    pub const fn or(self, other: Self) -> Self {
+        Self {
+            climb: self.climb | other.climb,
+            brake: self.brake | other.brake,
+            torque: self.torque | other.torque,
+            speed: self.speed | other.speed,
+            gear: self.gear | other.gear,
+        }
+    }
+}
+
 /// An estimate with its standard deviation.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -112,6 +149,8 @@ pub struct Live {
     pub end: CellEnd,
     /// The estimate there.
     pub estimate: Estimate,
+    /// What disagrees there, as far as it is known.
+    pub disagreement: Disagreement,
 }
 
 /// A finished cell: the live grade at its end, and the lagged grade.
@@ -128,4 +167,9 @@ pub struct Cell {
     /// Altitude in m, in the datum of the GNSS source, smoothed within its block of cells; `None`
     /// before the first fix.
     pub altitude_m: Option<Uncertain>,
+    /// Whether nothing disagreed at the cell's end, as far as it was known there. Where it is
+    /// false, the sigma of the live grade may be too small.
+    pub live_consistent: bool,
+    /// Whether nothing disagrees here, as far as it is known a fixed lag later.
+    pub lagged_consistent: bool,
 }

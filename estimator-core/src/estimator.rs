@@ -1,6 +1,6 @@
 //! The facade: frames and time stamps in, cells and a live estimate out.
 
-use crate::cell::{Cell, CellEnd, Live};
+use crate::cell::{Cell, CellEnd, Disagreement, Live};
 use crate::context::Context;
 use crate::counters::{Counters, count};
 use crate::filter::{AltitudeEvent, Filter, SensorNoiseRatios, SlowStates};
@@ -68,6 +68,7 @@ pub struct Estimator<S> {
     filter: Filter<S>,
     lag: FixedLag<S>,
     end: CellEnd,
+    disagreement: Disagreement,
     sample: Option<Sample>,
 }
 
@@ -88,6 +89,7 @@ impl<S: Scalar> Estimator<S> {
             filter,
             lag: FixedLag::new(),
             end: CellEnd::default(),
+            disagreement: Disagreement::default(),
             sample: None,
         })
     }
@@ -132,6 +134,7 @@ impl<S: Scalar> Estimator<S> {
             return Some(Step::Skipped);
         };
         self.end = record.end;
+        self.disagreement = record.disagreement;
         let lost = self.lag.push(&record, state) as u32;
         let counter = &mut self.context.counters.cells_lost;
         *counter = counter.saturating_add(lost);
@@ -144,6 +147,7 @@ impl<S: Scalar> Estimator<S> {
         self.filter.state().map(|state| Live {
             end: self.end,
             estimate: state.estimate(),
+            disagreement: self.disagreement,
         })
     }
 

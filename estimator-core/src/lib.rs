@@ -72,7 +72,7 @@ pub mod time;
 pub mod tuning;
 pub mod vehicle;
 
-pub use cell::{CELL_LENGTH_M, Cell, CellEnd, Condition, Estimate, Live, Uncertain};
+pub use cell::{CELL_LENGTH_M, Cell, CellEnd, Condition, Disagreement, Estimate, Live, Uncertain};
 pub use context::Context;
 pub use counters::Counters;
 pub use effect::Effect;

@@ -2,7 +2,7 @@
 
 #[cfg(doc)]
 use crate::cell::CELL_LENGTH_M;
-use crate::cell::CellEnd;
+use crate::cell::{CellEnd, Disagreement};
 use crate::maybe::Maybe;
 
 /// The measurements and inputs of one cell.
@@ -28,6 +28,8 @@ pub struct Sample {
     /// The vehicle stood before this cell, for long or to be loaded. What was learned of its bias
     /// and scale may be wrong.
     pub after_load_change: bool,
+    /// Signals that disagree in this cell.
+    pub disagreement: Disagreement,
 }
 
 /// Mean of the speed readings in a cell.

@@ -164,6 +164,8 @@ impl<S: Scalar> Filter<S> {
                 altitude,
             },
             event: gated.event,
+            disagreement: sample.disagreement,
+            disagreeing_cells: u32::from(!sample.disagreement.is_none()),
         })
     }
 

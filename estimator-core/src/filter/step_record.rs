@@ -5,7 +5,7 @@ use super::dynamics::Dynamics;
 use super::measurement::{Observation, ScalarUpdate};
 use super::state_index::StateIndex::{Altitude, GnssError};
 use super::state_index::StateVector;
-use crate::cell::CellEnd;
+use crate::cell::{CellEnd, Disagreement};
 use crate::scalar::Scalar;
 
 /// A reset of states between the prediction and the measurements.
@@ -121,4 +121,8 @@ pub struct StepRecord<S> {
     pub smoother_input: SmootherInput<S>,
     /// What happened to the altitude, if more than its use.
     pub event: Option<AltitudeEvent>,
+    /// What disagrees in the cell.
+    pub disagreement: Disagreement,
+    /// Number of cells up to this one in which it disagrees. More than one if it is noticed late.
+    pub disagreeing_cells: u32,
 }

@@ -26,7 +26,7 @@ mod speed_check;
 mod stops;
 mod traction;
 
-use crate::cell::{CELL_LENGTH_M, CellEnd, Condition};
+use crate::cell::{CELL_LENGTH_M, CellEnd, Condition, Disagreement};
 use crate::context::Context;
 use crate::counters::count;
 use crate::effect::Acts;
@@ -457,6 +457,7 @@ impl Parts {
             speed: driven.speed,
             altitude: self.gnss.altitude_before(CELL_LENGTH_M),
             after_load_change: self.stops.take_load_change(context),
+            disagreement: Disagreement::default(),
         };
         self.gnss.cell_closed();
         sample

@@ -38,6 +38,7 @@ struct FilteredCell<S> {
     slope: QuantityEstimate<S>,
     altitude: QuantityEstimate<S>,
     origin_m: Option<f32>,
+    consistent: bool,
 }
 
 /// A cell that was smoothed by its block and waits for later blocks.
@@ -48,6 +49,8 @@ struct PendingCell<S> {
     altitude_m: Option<Uncertain>,
     /// Its covariance is with the states at the end of the block.
     slope: QuantityEstimate<S>,
+    live_consistent: bool,
+    lagged_consistent: bool,
 }
 
 /// A full block, and the number of its cells.
@@ -65,6 +68,8 @@ pub struct FixedLag<S> {
     /// The cells of these blocks, the oldest block first, but within each block the last cell first.
     pending: Deque<PendingCell<S>, { BLOCKS * BLOCK_CELLS }>,
     finished: Deque<Cell, BLOCK_CELLS>,
+    /// First cell of the newest disagreement that pending cells are not marked with.
+    disagreeing_since: Option<u32>,
 }
 
 impl<S: Scalar> FixedLag<S> {
@@ -76,6 +81,7 @@ impl<S: Scalar> FixedLag<S> {
             blocks: Deque::new(),
             pending: Deque::new(),
             finished: Deque::new(),
+            disagreeing_since: None,
         }
     }
 
@@ -89,7 +95,13 @@ impl<S: Scalar> FixedLag<S> {
             slope: state.quantity(Quantity::Slope),
             altitude: state.quantity(Quantity::Altitude),
             origin_m: state.origin_m,
+            consistent: step.disagreement.is_none(),
         });
+        if !step.disagreement.is_none() {
+            let since = (step.end.cell + 1).saturating_sub(step.disagreeing_cells);
+            let before = self.disagreeing_since.unwrap_or(since);
+            self.disagreeing_since = Some(before.min(since));
+        }
         if !self.filtered.is_full() {
             return 0;
         }
@@ -138,6 +150,10 @@ impl<S: Scalar> FixedLag<S> {
         let Some(Block { smoother, .. }) = self.blocks.back_mut() else {
             return;
         };
+        let disagreeing_since = self.disagreeing_since.take().unwrap_or(u32::MAX);
+        for cell in &mut self.pending {
+            cell.lagged_consistent &= cell.end.cell < disagreeing_since;
+        }
         while let Some(cell) = self.filtered.pop() {
             // There is room, as for the block.
             let _ = self.pending.push_back(PendingCell {
@@ -149,6 +165,8 @@ impl<S: Scalar> FixedLag<S> {
                     .smooth(&cell.altitude)
                     .altitude(cell.origin_m),
                 slope: smoother.smooth(&cell.slope),
+                live_consistent: cell.consistent,
+                lagged_consistent: cell.consistent && cell.end.cell < disagreeing_since,
             });
             smoother.retreat(&cell.smoother_input);
         }
@@ -176,6 +194,8 @@ impl<S: Scalar> FixedLag<S> {
                 live_grade_percent: cell.live_grade_percent,
                 lagged_grade_percent: pass.smooth(&cell.slope).grade(),
                 altitude_m: cell.altitude_m,
+                live_consistent: cell.live_consistent,
+                lagged_consistent: cell.lagged_consistent,
             });
         }
         lost
