@@ -235,6 +235,15 @@ impl AltitudeUpdate {
     }
 }
 
+impl<S: Scalar> AcceptedFix<S> {
+    /// Returns the altitude above the origin, m, and the variance of its white noise, m².
+    pub(super) fn above_origin(&self, state: &State<S>) -> (f32, f32) {
+        let Self(fix) = self;
+        let origin_m = state.origin_m.unwrap_or(fix.altitude_m);
+        (fix.altitude_m - origin_m, fix.variance.to_f32())
+    }
+}
+
 impl<S: Scalar> Gated<S> {
     /// Returns the reset of the step with what the gate did.
     pub(super) const fn reset(&self, before: Reset) -> Reset {

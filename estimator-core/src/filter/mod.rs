@@ -22,6 +22,7 @@ mod altitude_update;
 pub mod covariance;
 pub mod dynamics;
 mod effect_uncertainty;
+mod error_levels;
 pub mod measurement;
 mod noise_ratio;
 pub mod predict;
@@ -51,8 +52,10 @@ use crate::scalar::Scalar;
 use crate::tuning::Tuning;
 use altitude_update::AltitudeUpdate;
 use effect_uncertainty::EffectUncertainty;
+use error_levels::{ErrorLevels, LevelCell};
 use predict::Prediction;
 use prior::{initial_state, reopen_after_load_change};
+use process_noise::{bias_variance, wind_variance};
 use scale_prior_reset::ScalePriorReset;
 use speed_update::SpeedUpdate;
 
@@ -65,6 +68,7 @@ pub struct Filter<S> {
     altitude: AltitudeUpdate,
     effects: EffectUncertainty,
     scale_reset: ScalePriorReset,
+    levels: ErrorLevels,
 }
 
 /// A state at the end of a cell before its measurements.
@@ -87,6 +91,7 @@ impl<S: Scalar> Filter<S> {
             altitude: AltitudeUpdate::new(noise, tuning),
             effects: EffectUncertainty::new(),
             scale_reset: ScalePriorReset::new(),
+            levels: ErrorLevels::new(),
         }
     }
 
@@ -96,6 +101,7 @@ impl<S: Scalar> Filter<S> {
     pub fn second_pass<T: Scalar>(&self, tuning: &Tuning) -> Filter<T> {
         Filter {
             scale_reset: self.scale_reset.restarted(),
+            levels: self.levels.restarted(),
             ..Filter::new(tuning, &self.noise(), self.prior)
         }
     }
@@ -124,11 +130,13 @@ impl<S: Scalar> Filter<S> {
     pub fn step(&mut self, context: &mut Context, sample: &Sample) -> Option<StepRecord<S>> {
         self.reopen(context, sample);
         let effects = self.effects.advance(context, sample);
+        let levels = self.levels.levels();
+        let gnss_error_ratio = levels.gnss_error_ratio(self.altitude.gnss_error_ratio());
         let prediction = Prediction::new(
             context,
             sample,
             self.state.as_ref(),
-            self.altitude.gnss_error_ratio(),
+            (&levels, gnss_error_ratio),
             effects,
         );
         let Self {
@@ -137,6 +145,7 @@ impl<S: Scalar> Filter<S> {
             speed,
             altitude,
             scale_reset,
+            levels,
             ..
         } = self;
         let Predicted {
@@ -147,6 +156,18 @@ impl<S: Scalar> Filter<S> {
         altitude.advance(sample, state, prediction.dynamics());
         let gated = altitude.gate(context, sample, state);
         let reset = gated.reset(reset);
+        if reset != Reset::None {
+            levels.interrupt();
+        }
+        levels.advance(
+            &level_cell(context, sample, state),
+            &context.tuning.process_noise,
+            &context.tuning.measurement_noise,
+        );
+        if let Some(fix) = &gated.accepted {
+            let (altitude_m, variance) = fix.above_origin(state);
+            levels.fix(altitude_m, variance);
+        }
         let speed = speed.apply(context, sample, state, energy_before, reset);
         let altitude = gated
             .accepted
@@ -238,6 +259,17 @@ fn start_after_gap<S: Scalar>(state: &mut State<S>, tuning: &Tuning, speed: Spee
         (StateIndex::SlopeRate, tuning.process_noise.slope_rate_sigma),
     ] {
         state.covariance.set(index, index, square(sigma));
+    }
+}
+
+fn level_cell<S: Scalar>(context: &Context, sample: &Sample, state: &State<S>) -> LevelCell {
+    let slope = state.mean[StateIndex::Slope] + state.net_traction * state.mean[StateIndex::Scale];
+    LevelCell {
+        length_m: sample.length_m,
+        duration_s: sample.duration_s,
+        climb_m: 0.01 * sample.length_m * slope.to_f32(),
+        bias_variance: bias_variance(context, sample),
+        wind_variance: wind_variance(context, sample),
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::dynamics::Dynamics;
 use super::effect_uncertainty::EffectContribution;
+use super::error_levels::Levels;
 use super::process_noise::{ColouredStates, process_noise};
 use super::state::State;
 use super::state_index::{PerState, StateIndex};
@@ -30,11 +31,11 @@ impl<S: Scalar> Prediction<S> {
     /// that is read steps by the scale's error.
     #[inline]
     #[must_use]
-    pub fn new(
+    pub(super) fn new(
         context: &Context,
         sample: &Sample,
         from: Option<&State<S>>,
-        gnss_error_ratio: f32,
+        (levels, gnss_error_ratio): (&Levels, f32),
         effects: EffectContribution,
     ) -> Self {
         let length_m = sample.length_m;
@@ -42,7 +43,7 @@ impl<S: Scalar> Prediction<S> {
         let drag = balance.drag * length_m;
         let gravity = balance.gravity * length_m;
         let effects_per_kg = effects.force_n / sample.forces.accelerated_kg();
-        let coloured = ColouredStates::over(context, sample, gnss_error_ratio);
+        let coloured = ColouredStates::over(context, sample, levels, gnss_error_ratio);
         let traction = NetTraction::over(context, sample, from);
         Self {
             dynamics: Dynamics {

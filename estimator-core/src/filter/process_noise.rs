@@ -1,5 +1,6 @@
 //! Process noise: the matrix Q, which is diagonal, and the Gauss-Markov processes behind it.
 
+use super::error_levels::Levels;
 use super::state_index::PerState;
 use crate::context::Context;
 use crate::sample::Sample;
@@ -16,7 +17,7 @@ pub(super) struct GaussMarkov {
 
 impl GaussMarkov {
     /// Creates the step for a length or time in correlation lengths or times, and the variance σ².
-    fn step(correlation_lengths: f32, variance: f32) -> Self {
+    pub(super) fn step(correlation_lengths: f32, variance: f32) -> Self {
         let keep = 1.0 / (1.0 + correlation_lengths);
         Self {
             keep,
@@ -35,10 +36,15 @@ pub(super) struct ColouredStates {
 }
 
 impl ColouredStates {
-    /// Returns their steps over the cell of a sample. `gnss_error_ratio` is the learned over the
-    /// assumed variance of the GNSS error.
+    /// Returns their steps over the cell of a sample, with the learned levels. `gnss_error_ratio` is
+    /// the learned over the assumed variance of the GNSS error.
     #[inline(always)] // In Prediction::new, so that weight and air resistance are computed once.
-    pub(super) fn over(context: &Context, sample: &Sample, gnss_error_ratio: f32) -> Self {
+    pub(super) fn over(
+        context: &Context,
+        sample: &Sample,
+        levels: &Levels,
+        gnss_error_ratio: f32,
+    ) -> Self {
         let process = &context.tuning.process_noise;
         let measurement = &context.tuning.measurement_noise;
         Self {
@@ -51,8 +57,8 @@ impl ColouredStates {
                 bias_variance(context, sample),
             ),
             wind: GaussMarkov::step(
-                sample.length_m / process.wind_length_m,
-                wind_variance(context, sample),
+                sample.length_m / (levels.wind_length_ratio * process.wind_length_m),
+                levels.wind_ratio * wind_variance(context, sample),
             ),
             gnss_error: GaussMarkov::step(
                 sample.duration_s / measurement.gnss_error_time_s,

@@ -126,6 +126,7 @@ fn samples(drive: &MeasuredDrive) -> Vec<Sample> {
             }),
             altitude,
             after_load_change: false,
+            disagreement: estimator_core::Disagreement::default(),
         });
     }
     samples

@@ -1,0 +1,422 @@
+//! Levels of the two coloured errors, from competing hypotheses.
+//!
+//! The climb by GNSS and the climb by the forces differ for two reasons: the coloured error of the
+//! receiver, and the slow error of the vehicle model (wind, torque, surface). The filter trusts one
+//! as much as it distrusts the other, so a wrong level of either makes its sigma wrong. How large
+//! each is, single innovations do not show. The differences over hundreds of metres and kilometres
+//! do: the receiver's error stays within bounds, that of the model adds up to a climb.
+//!
+//! A bank of small filters follows the difference, each with other levels. The likelihood of their
+//! innovations weighs them (D. T. Magill, "Optimal adaptive estimation of sampled stochastic
+//! processes", IEEE Trans. Automatic Control 10:434, 1965). It forgets over kilometres, since wind
+//! and surface change. A knot joins the cells of some eighty metres, and each cell takes one
+//! hypothesis over the last knot, so that no step takes much longer than another.
+
+use super::process_noise::GaussMarkov;
+use crate::scalar::Scalar;
+use crate::tuning::{MeasurementNoise, ProcessNoise};
+
+/// Variance ratio and correlation length ratio of the model's slow error: as assumed, or larger and
+/// faster.
+const MODEL_LEVELS: [(f32, f32); 7] = [
+    (1.0, 1.0),
+    (4.0, 1.0),
+    (4.0, 0.2),
+    (16.0, 0.2),
+    (64.0, 0.2),
+    (256.0, 0.2),
+    (1_024.0, 0.2),
+];
+/// Levels of the receiver's error beside each: a smaller one, the best so far, and a larger one.
+const RECEIVER_LEVELS: usize = 3;
+const HYPOTHESES: usize = MODEL_LEVELS.len() * RECEIVER_LEVELS;
+/// Step from one of them to the next, as a variance ratio.
+const RECEIVER_STEP: f32 = 1.5;
+
+/// The levels in use.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Levels {
+    /// Variance of the wind state over the assumed one, 1.
+    pub wind_ratio: f32,
+    /// Its correlation length over the assumed one, 1.
+    pub wind_length_ratio: f32,
+    /// Variance of the receiver's coloured error over the assumed one, 1, and the part with which
+    /// it counts.
+    pub receiver: (f32, f32),
+}
+
+impl Levels {
+    /// Returns the level of the receiver's coloured error, given what its innovations alone say.
+    pub(super) fn gnss_error_ratio(&self, of_innovations: f32) -> f32 {
+        let (ratio, part) = self.receiver;
+        of_innovations + part * (ratio - of_innovations)
+    }
+}
+
+/// The levels, and the bank that finds them.
+#[derive(Clone, Debug)]
+pub(super) struct ErrorLevels {
+    bank: [[Hypothesis; RECEIVER_LEVELS]; MODEL_LEVELS.len()],
+    open: OpenKnot,
+    knot: Option<Knot>,
+    /// Next hypothesis to take over the knot.
+    next: u8,
+    /// Best log-likelihood of the last round, and sums over the round under way.
+    best: f32,
+    sums: Sums,
+    levels: Levels,
+}
+
+/// What a cell adds to a knot.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LevelCell {
+    /// Length, m.
+    pub length_m: f32,
+    /// Duration, s.
+    pub duration_s: f32,
+    /// Climb by the forces, with the scale known so far, m.
+    pub climb_m: f32,
+    /// Variances of bias and wind as they are assumed, %².
+    pub bias_variance: f32,
+    pub wind_variance: f32,
+}
+
+/// A knot that is being filled.
+#[derive(Clone, Copy, Debug, Default)]
+struct OpenKnot {
+    length_m: f32,
+    duration_s: f32,
+    climb_m: f32,
+    /// Sums over fixes: altitude less the climb since the knot began, and variance.
+    altitude_sum_m: f32,
+    variance_sum: f32,
+    fixes: f32,
+}
+
+/// A knot: the mean of its fixes, brought to its end by the climb of the forces.
+#[derive(Clone, Copy, Debug)]
+struct Knot {
+    length_m: f32,
+    duration_s: f32,
+    climb_m: f32,
+    altitude_m: f32,
+    variance: f32,
+    bias_variance: f32,
+    wind_variance: f32,
+}
+
+/// A filter of altitude, bias, wind and receiver error, and its log-likelihood.
+#[derive(Clone, Copy, Debug)]
+struct Hypothesis {
+    mean: [f32; 4],
+    covariance: [[f32; 4]; 4],
+    /// Variance of the receiver's coloured error over the assumed one, 1.
+    receiver_ratio: f32,
+    log_likelihood: f32,
+    is_started: bool,
+}
+
+/// Sums over the hypotheses of a round, weighted by likelihood.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sums {
+    best: f32,
+    weight: f32,
+    wind: f32,
+    wind_length: f32,
+    receiver: f32,
+    larger: f32,
+}
+
+const ALTITUDE: usize = 0;
+const BIAS: usize = 1;
+const WIND: usize = 2;
+const RECEIVER: usize = 3;
+
+impl Hypothesis {
+    const NEW: Self = Self {
+        mean: [0.0; 4],
+        covariance: [[0.0; 4]; 4],
+        receiver_ratio: 1.0,
+        log_likelihood: 0.0,
+        is_started: false,
+    };
+
+    /// Starts the altitude at a knot; the slow states stay.
+    fn start(&mut self, knot: &Knot, wind: f32, receiver: f32) {
+        let p = &mut self.covariance;
+        if self.mean == [0.0; 4] {
+            *p = [[0.0; 4]; 4];
+            p[BIAS][BIAS] = knot.bias_variance;
+            p[WIND][WIND] = wind;
+            p[RECEIVER][RECEIVER] = receiver;
+        }
+        self.mean[ALTITUDE] = knot.altitude_m - self.mean[RECEIVER];
+        for k in 0..4 {
+            p[ALTITUDE][k] = -p[RECEIVER][k];
+            p[k][ALTITUDE] = p[ALTITUDE][k];
+        }
+        p[ALTITUDE][ALTITUDE] = p[RECEIVER][RECEIVER] + knot.variance;
+        self.is_started = true;
+    }
+
+    /// Takes the filter over a knot. Returns twice its negative log-likelihood.
+    fn step(
+        &mut self,
+        knot: &Knot,
+        bias: GaussMarkov,
+        wind: GaussMarkov,
+        receiver: GaussMarkov,
+    ) -> f32 {
+        let (x, p) = (&mut self.mean, &mut self.covariance);
+        let lever = -0.01 * knot.length_m;
+        x[ALTITUDE] += knot.climb_m + lever * (x[BIAS] + x[WIND]);
+        for k in 0..4 {
+            p[ALTITUDE][k] += lever * (p[BIAS][k] + p[WIND][k]);
+        }
+        for k in 0..4 {
+            p[k][ALTITUDE] += lever * (p[k][BIAS] + p[k][WIND]);
+        }
+        for (i, markov) in [(BIAS, bias), (WIND, wind), (RECEIVER, receiver)] {
+            x[i] *= markov.keep;
+            for k in 0..4 {
+                p[i][k] *= markov.keep;
+                p[k][i] *= markov.keep;
+            }
+            p[i][i] += markov.variance;
+        }
+        // The new part of the wind acts on a half of the knot, as a mean.
+        p[ALTITUDE][ALTITUDE] += lever * lever * wind.variance / 3.0;
+        let mut cross = [0.0; 4];
+        for (k, cross) in cross.iter_mut().enumerate() {
+            *cross = p[k][ALTITUDE] + p[k][RECEIVER];
+        }
+        let variance = cross[ALTITUDE] + cross[RECEIVER] + knot.variance;
+        let innovation = knot.altitude_m - x[ALTITUDE] - x[RECEIVER];
+        let per_variance = 1.0 / variance;
+        for i in 0..4 {
+            let gain = cross[i] * per_variance;
+            x[i] += gain * innovation;
+            for k in 0..4 {
+                p[i][k] -= gain * cross[k];
+            }
+        }
+        Scalar::min(innovation * innovation * per_variance, 25.0) + libm::logf(variance)
+    }
+}
+
+impl ErrorLevels {
+    /// Creates the bank, with the assumed levels in use.
+    pub(super) const fn new() -> Self {
+        Self {
+            bank: [[
+                Hypothesis {
+                    receiver_ratio: 1.0 / RECEIVER_STEP,
+                    ..Hypothesis::NEW
+                },
+                Hypothesis::NEW,
+                Hypothesis {
+                    receiver_ratio: RECEIVER_STEP,
+                    ..Hypothesis::NEW
+                },
+            ]; MODEL_LEVELS.len()],
+            open: OpenKnot {
+                length_m: 0.0,
+                duration_s: 0.0,
+                climb_m: 0.0,
+                altitude_sum_m: 0.0,
+                variance_sum: 0.0,
+                fixes: 0.0,
+            },
+            knot: None,
+            next: 0,
+            best: 0.0,
+            sums: Sums {
+                best: f32::NEG_INFINITY,
+                weight: 0.0,
+                wind: 0.0,
+                wind_length: 0.0,
+                receiver: 0.0,
+                larger: 0.0,
+            },
+            levels: Levels {
+                wind_ratio: 1.0,
+                wind_length_ratio: 1.0,
+                receiver: (1.0, 0.0),
+            },
+        }
+    }
+
+    /// Returns the bank before its start, with the likelihoods and levels found so far.
+    pub(super) fn restarted(&self) -> Self {
+        let mut restarted = Self::new();
+        for (new, old) in restarted
+            .bank
+            .iter_mut()
+            .flatten()
+            .zip(self.bank.iter().flatten())
+        {
+            new.log_likelihood = old.log_likelihood;
+            new.receiver_ratio = old.receiver_ratio;
+        }
+        restarted.best = self.best;
+        restarted.levels = self.levels;
+        restarted
+    }
+
+    /// Returns the levels in use.
+    pub(super) const fn levels(&self) -> Levels {
+        self.levels
+    }
+
+    /// Notes that altitudes after here do not follow from those before.
+    pub(super) fn interrupt(&mut self) {
+        self.open = OpenKnot::default();
+        self.knot = None;
+        self.next = 0;
+        self.sums = Sums {
+            best: f32::NEG_INFINITY,
+            ..Sums::default()
+        };
+        for hypothesis in self.bank.iter_mut().flatten() {
+            hypothesis.is_started = false;
+        }
+    }
+
+    /// Takes a fix at the end of the newest cell, above any fixed altitude, m.
+    pub(super) fn fix(&mut self, altitude_m: f32, variance: f32) {
+        self.open.altitude_sum_m += altitude_m - self.open.climb_m;
+        self.open.variance_sum += variance;
+        self.open.fixes += 1.0;
+    }
+
+    /// Advances over a cell.
+    pub(super) fn advance(
+        &mut self,
+        cell: &LevelCell,
+        process: &ProcessNoise,
+        measurement: &MeasurementNoise,
+    ) {
+        let open = &mut self.open;
+        if open.length_m >= process.level_knot_m && open.fixes > 0.0 && self.knot.is_none() {
+            self.knot = Some(Knot {
+                length_m: open.length_m,
+                duration_s: open.duration_s,
+                climb_m: open.climb_m,
+                altitude_m: open.altitude_sum_m / open.fixes + open.climb_m,
+                variance: open.variance_sum / (open.fixes * open.fixes),
+                bias_variance: cell.bias_variance,
+                wind_variance: cell.wind_variance,
+            });
+            *open = OpenKnot::default();
+        }
+        open.length_m += cell.length_m;
+        open.duration_s += cell.duration_s;
+        open.climb_m += cell.climb_m;
+        if let Some(knot) = self.knot {
+            self.take(&knot, process, measurement);
+        }
+    }
+
+    fn take(&mut self, knot: &Knot, process: &ProcessNoise, measurement: &MeasurementNoise) {
+        let index = usize::from(self.next);
+        let level = index / RECEIVER_LEVELS % MODEL_LEVELS.len();
+        let (wind_ratio, wind_length_ratio) = MODEL_LEVELS[level];
+        let Some(group) = self.bank.get_mut(level) else {
+            return;
+        };
+        let hypothesis = &mut group[index % RECEIVER_LEVELS];
+        let receiver_sigma_m = measurement.gnss_error_sigma_m;
+        let receiver_variance = hypothesis.receiver_ratio * receiver_sigma_m * receiver_sigma_m;
+        let wind_variance = wind_ratio * knot.wind_variance;
+        if hypothesis.is_started {
+            let wind_length_m = wind_length_ratio * process.wind_length_m;
+            let lost = hypothesis.step(
+                knot,
+                GaussMarkov::step(knot.length_m / process.bias_length_m, knot.bias_variance),
+                GaussMarkov::step(knot.length_m / wind_length_m, wind_variance),
+                GaussMarkov::step(
+                    knot.duration_s / measurement.gnss_error_time_s,
+                    receiver_variance,
+                ),
+            );
+            hypothesis.log_likelihood *= 1.0 - knot.length_m / process.level_memory_m;
+            hypothesis.log_likelihood -= 0.5 * lost;
+        } else {
+            hypothesis.start(knot, wind_variance, receiver_variance);
+        }
+        if index % RECEIVER_LEVELS == RECEIVER_LEVELS - 1 {
+            let (best, receiver_ratio) = settle(group, measurement);
+            // A level as assumed needs no evidence.
+            let credit = if level > 0 {
+                process.level_evidence
+            } else {
+                0.0
+            };
+            let likelihood = best - credit;
+            self.sums.best = Scalar::max(self.sums.best, likelihood);
+            let weight = libm::expf(Scalar::min(likelihood - self.best, 20.0));
+            self.sums.weight += weight;
+            self.sums.wind += weight * wind_ratio;
+            self.sums.wind_length += weight * wind_length_ratio;
+            self.sums.receiver += weight * receiver_ratio;
+            if level > 0 {
+                self.sums.larger += weight;
+            }
+        }
+        self.next += 1;
+        if usize::from(self.next) < HYPOTHESES {
+            return;
+        }
+        self.next = 0;
+        self.knot = None;
+        let sums = core::mem::take(&mut self.sums);
+        self.sums.best = f32::NEG_INFINITY;
+        self.best = sums.best;
+        if sums.weight > 0.0 {
+            let per_weight = 1.0 / sums.weight;
+            self.levels = Levels {
+                wind_ratio: sums.wind * per_weight,
+                wind_length_ratio: sums.wind_length * per_weight,
+                receiver: (sums.receiver * per_weight, sums.larger * per_weight),
+            };
+        }
+    }
+}
+
+/// Moves the receiver's levels of a group so that the best is in the middle. Returns the
+/// log-likelihood and the ratio at the top of the parabola through the three.
+fn settle(group: &mut [Hypothesis; RECEIVER_LEVELS], measurement: &MeasurementNoise) -> (f32, f32) {
+    let [small, middle, large] = group;
+    let (down, up) = (
+        middle.log_likelihood - small.log_likelihood,
+        middle.log_likelihood - large.log_likelihood,
+    );
+    let (best, ratio) = (middle.log_likelihood, middle.receiver_ratio);
+    if down < -1.0 && small.receiver_ratio > measurement.gnss_error_ratio_low {
+        *large = *middle;
+        *middle = *small;
+        small.receiver_ratio /= RECEIVER_STEP;
+        return (middle.log_likelihood, middle.receiver_ratio);
+    }
+    if up < -1.0 && large.receiver_ratio < measurement.gnss_error_ratio_high {
+        *small = *middle;
+        *middle = *large;
+        large.receiver_ratio *= RECEIVER_STEP;
+        return (middle.log_likelihood, middle.receiver_ratio);
+    }
+    let bend = down + up;
+    if bend <= 0.1 {
+        return (best, ratio);
+    }
+    let at = Scalar::min(1.0, Scalar::max(-1.0, 0.5 * (down - up) / bend));
+    (
+        best + 0.5 * at * (down - up) - 0.5 * at * at * bend,
+        ratio
+            * (1.0
+                + at * (if at > 0.0 {
+                    RECEIVER_STEP - 1.0
+                } else {
+                    1.0 - 1.0 / RECEIVER_STEP
+                })),
+    )
+}
