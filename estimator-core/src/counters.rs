@@ -45,6 +45,8 @@ pub struct Counters {
     pub poor_fixes: u32,
     /// GNSS fixes that repeated an altitude over a distance on which no receiver does.
     pub frozen_fixes: u32,
+    /// Times that the vehicle began to reverse.
+    pub reversals: u32,
     /// Gaps without speed.
     pub gaps: u32,
     /// Samples lost because `step` was not called often enough.

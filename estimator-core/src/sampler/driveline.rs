@@ -20,8 +20,37 @@ pub(super) struct DrivelineSignals {
     gear_of_ratio: Option<Gear>,
     gear: Latest,
     engine_speed: Latest,
-    /// Readings in which the engine turned with the gear, less those in which it did not.
+    /// Readings in which the engine turned with the reported gear.
     agreed: u16,
+    measured_ratio: MeasuredRatio,
+}
+
+/// The ratio at which the engine turns, where that is not the reported gear's.
+///
+/// Torque and engine speed are a power, and power reaches the wheels whatever gear is reported: a
+/// wrong report, or a range gear between gearbox and axle.
+#[derive(Clone, Copy, Debug, Default)]
+struct MeasuredRatio {
+    ratio: f32,
+    since: Option<Instant>,
+}
+
+impl MeasuredRatio {
+    /// Takes a ratio. Returns the ratio that has lasted for long enough.
+    fn follow(&mut self, tuning: &Tuning, now: Instant, ratio: f32) -> Option<f32> {
+        let tolerance = tuning.detection.gear_ratio_tolerance;
+        let since = self
+            .since
+            .filter(|_| (ratio - self.ratio).abs() <= tolerance * self.ratio);
+        let Some(since) = since else {
+            *self = Self {
+                ratio,
+                since: Some(now),
+            };
+            return None;
+        };
+        (now.since(since) >= tuning.hold_times.measured_ratio).then_some(self.ratio)
+    }
 }
 
 /// The state of the driveline at one time.
@@ -132,6 +161,11 @@ impl DrivelineSignals {
         }
     }
 
+    /// Returns the reported gear; negative in reverse.
+    pub(super) fn gear(&self, tuning: &Tuning, now: Instant) -> Option<f32> {
+        self.gear.within(now, tuning.hold_times.state_timeout)
+    }
+
     /// Returns the engine speed over the ratio of the engaged gear, rpm. It is proportional to the
     /// speed of the wheels.
     pub(super) fn turns(&self, tuning: &Tuning, now: Instant, driveline: Driveline) -> Option<f32> {
@@ -185,17 +219,20 @@ impl DrivelineSignals {
                 };
                 let turned_rpm = powertrain.engine_rpm(gear, mps, model.wheel_radius_m());
                 let turns = (rpm - turned_rpm).abs() <= tolerance * turned_rpm;
-                if !in_doubt {
-                    self.agreed = if turns {
-                        detection
-                            .gear_most_readings
-                            .min(self.agreed.saturating_add(1))
-                    } else {
-                        self.agreed.saturating_sub(1)
-                    };
+                if turns && !in_doubt {
+                    self.agreed = self.agreed.saturating_add(1);
                 }
                 let must_turn = in_doubt || self.agreed >= detection.gear_agreed_readings;
-                (turns || !must_turn).then_some(gear)
+                if turns || !must_turn {
+                    self.measured_ratio = MeasuredRatio::default();
+                    Some(gear)
+                } else if is_launch {
+                    None
+                } else {
+                    let ratio = gear.ratio * rpm / turned_rpm;
+                    let measured = self.measured_ratio.follow(tuning, now, ratio);
+                    measured.map(|ratio| Gear { ratio, ..gear })
+                }
             }
             (reported, ..) => reported,
         };

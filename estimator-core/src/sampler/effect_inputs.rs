@@ -83,6 +83,12 @@ impl EffectSignals {
         self.turn_radps = Some(averaged + weight * (radps - averaged));
     }
 
+    /// Returns the course over ground with the time of its reading, °.
+    pub(super) fn fresh_course(&self, tuning: &Tuning, now: Instant) -> Option<(f32, Instant)> {
+        let (course_deg, age) = self.course.with_age(now)?;
+        (age <= tuning.hold_times.effect_input_timeout).then(|| (course_deg, now - age))
+    }
+
     /// Returns the inputs at the end of a cell, and starts the next cell.
     pub(super) fn take(&mut self, tuning: &Tuning, now: Instant, speed_mps: f32) -> EffectInputs {
         let timeout = tuning.hold_times.effect_input_timeout;

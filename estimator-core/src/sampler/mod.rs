@@ -10,7 +10,7 @@
 //! | `brakes`, `brake_detector` | brakes that signals report; brakes that none reports |
 //! | `odometer`, `speed_check` | distance and cells; plausibility of speed readings |
 //! | `gnss` | positions and altitudes along the driven distance |
-//! | `stops` | standstills, weighings, load changes |
+//! | `stops`, `reversing` | standstills, weighings, load changes; direction of motion |
 //! | `effect_inputs` | what effects depend on |
 //! | `latest`, `accepted_ranges` | newest values and their age; ranges of accepted readings |
 
@@ -22,6 +22,7 @@ mod effect_inputs;
 mod gnss;
 mod latest;
 mod odometer;
+mod reversing;
 mod speed_check;
 mod stops;
 mod traction;
@@ -44,6 +45,7 @@ use gnss::{AltitudeOutcome, Gnss};
 use heapless::Deque;
 use latest::{Latest, TimedValue};
 use odometer::{DrivenCell, Interval, Odometer};
+use reversing::{DirectionSignals, Reversing};
 use speed_check::{Plausibility, SpeedCheck};
 use stops::Stops;
 use traction::TractionInput;
@@ -70,6 +72,7 @@ struct Parts {
     brakes: Brakes,
     brake_detector: BrakeDetector,
     stops: Stops,
+    reversing: Reversing,
     gnss: Gnss,
     wheel_speed: Latest,
     wheel_check: SpeedCheck,
@@ -105,6 +108,7 @@ impl Sampler {
                 brakes: Brakes::default(),
                 brake_detector: BrakeDetector::default(),
                 stops: Stops::default(),
+                reversing: Reversing::default(),
                 gnss: Gnss::default(),
                 wheel_speed: Latest::default(),
                 wheel_check: SpeedCheck::default(),
@@ -284,6 +288,22 @@ impl Sampler {
         parts.follow_driveline(context, now, Some(speed_mps));
         parts.brakes.hold(&context.tuning, now);
         parts.stops.speed(&context.tuning, speed);
+        let direction = DirectionSignals {
+            speed_mps,
+            gear: parts.driveline.gear(&context.tuning, now),
+            course: parts.effect_signals.fresh_course(&context.tuning, now),
+        };
+        let was_reversing = parts.reversing.is_on();
+        if parts.reversing.follow(&context.tuning, now, &direction) {
+            if !was_reversing {
+                count(&mut context.counters.reversals);
+            }
+            parts.traction.take_mean_n(now);
+            parts.gnss.clear();
+            parts.brake_detector.restart();
+            odometer.stand(speed);
+            return;
+        }
         let slower_mps = odometer
             .speed_mps()
             .map_or(speed_mps, |last| Scalar::min(last, speed_mps));

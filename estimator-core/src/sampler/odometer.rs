@@ -113,6 +113,19 @@ impl Odometer {
         self.open.gap_cells = self.open.gap_cells.max(1);
     }
 
+    /// Takes a speed that moves the vehicle, but not forward: the distance stands still, and the next
+    /// cell does not follow the last one.
+    pub(super) fn stand(&mut self, speed: TimedValue) {
+        let before = self.last_speed.replace(speed);
+        let seconds = before.map_or(0.0, |last| speed.time.since(last.time).seconds());
+        self.open = OpenCell {
+            length_m: self.open.length_m,
+            duration_s: self.open.duration_s + seconds,
+            gap_cells: self.open.gap_cells.max(1),
+            ..OpenCell::default()
+        };
+    }
+
     /// Skips a distance of which only the approximate length is known.
     fn skip(&mut self, distance_m: f32, duration: Duration) {
         let cells = (distance_m / CELL_LENGTH_M).clamp(0.0, 4e9) as u32;

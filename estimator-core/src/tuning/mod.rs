@@ -111,6 +111,7 @@ tuning! {
         source_start: ms = 10_000, 0.0..=600_000.0, "ms", "time from the first reading in which the lowest source address takes a signal", "controllers start within 10 s";
         clock_set_back: ms = 1_000, 1.0..=60_000.0, "ms", "time for which inputs continue from an earlier time before the clock counts as set back", "chosen";
         clock_far_ahead: ms = 10_000, 1.0..=600_000.0, "ms", "silence after which one input alone does not move the time", "all readings are stale by then";
+        measured_ratio: ms = 2_000, 0.0..=60_000.0, "ms", "time for which engine and wheels must turn at a ratio other than the reported gear's until it counts", "clutches close within two seconds";
         weighing: ms = 30_000, 0.0..=600_000.0, "ms", "time after a stop in which a reported mass still belongs to it", "SPN 1760 has no fixed rate";
         stop: ms = 3_000, 0.0..=600_000.0, "ms", "shortest standstill at which the vehicle may be weighed", "chosen";
         long_stop: ms = 600_000, 0.0..=1e8, "ms", "standstill or silence after which load and tyre temperature may be any", "loading and coupling take minutes";
@@ -125,7 +126,6 @@ tuning! {
         launch_tolerance: f32 = 0.05, 0.0..=1.0, "1", "the same at launch, where the engine approaches the gear's speed slowly", "chosen";
         gear_ratio_tolerance: f32 = 0.05, 0.0..=0.5, "1", "relative difference up to which a measured ratio is that of a gear", "the narrowest gearboxes step by 0.17";
         gear_agreed_readings: u16 = 100, 1.0..=65_535.0, "readings", "readings in which engine and gear must have agreed before a reported gear is rejected for turning otherwise", "chosen: 10 s at 10 Hz";
-        gear_most_readings: u16 = 1_000, 1.0..=65_535.0, "readings", "readings that such agreement counts as at most", "chosen: 100 s at 10 Hz";
         loaded_percent: f32 = 10.0, 0.0..=100.0, "%", "net engine torque that more than the engine's own auxiliaries takes up", "chosen";
         brake_pressure_pa: f32 = 20_000.0, 0.0..=1e7, "Pa", "pressure in the service brakes beyond a sensor's offset", "chosen";
         brake_pedal_percent: f32 = 0.5, 0.0..=100.0, "%", "pedal travel beyond an offset", "resolution of SPN 521: 0.4";
@@ -149,6 +149,8 @@ tuning! {
         course_mps: f32 = 2.0, 0.0..=20.0, "m/s", "lowest speed at which a course over ground has a meaning", "receivers hold or scatter it below";
         turn_mps: f32 = 3.0, 0.0..=20.0, "m/s", "lowest speed at which its change gives a yaw rate", "chosen";
         turn_length_m: f32 = 50.0, 1.0..=1e4, "m", "length over which the change of course is averaged", "a receiver's course scatters by 0.3°";
+        reverse_course_mps: f32 = 0.8, 0.0..=20.0, "m/s", "lowest speed at which a course shows the direction of motion", "receivers scatter it by tens of degrees there";
+        reverse_turned_deg: f32 = 120.0, 90.0..=180.0, "°", "change of course over a stop beyond which the vehicle reverses", "no vehicle turns so far within metres";
         standing_mps: f32 = 0.1, 0.0..=2.0, "m/s", "speed below which a vehicle stands", "wheel sensors report zero from about there";
         mass_change: f32 = 0.15, 0.0..=10.0, "1", "relative change of the reported mass at stops that is another load", "weighings and passenger counts report less well enough";
         mass_low: f32 = 0.2, 0.0..=1.0, "1", "smallest reported mass that is accepted, as a part of the parameter", "an empty tractor of a full combination";
