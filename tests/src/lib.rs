@@ -8,6 +8,7 @@ pub mod drive;
 pub mod emulator;
 pub mod faults;
 pub mod image;
+pub mod manoeuvres;
 pub mod peers;
 pub mod planted;
 

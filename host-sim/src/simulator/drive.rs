@@ -1,9 +1,13 @@
 //! One traversal in time: the force balance (thesis eq. 9) integrated in fine steps.
 //!
 //! v' = (F_traction − F_air − F_roll − F_grade − F_planted − F_brake) / m_accelerated
+//!
+//! Reversing is the same balance solved for the torque: its speed is given.
 
-use super::driver::{Brake, CruiseControl, SET_SPEED_MPS};
+use super::driver::{Brake, CruiseControl, Retarder, SET_SPEED_MPS, TorqueRequest};
 use super::gearbox::{Flow, Gearbox, Situation, cruising_gear, launch_gear};
+use super::manoeuvre_file::Section;
+use super::manoeuvres::{Here, Order, Stops};
 use super::planted::{ContactPoint, PlantedEffects};
 use super::random::{OrnsteinUhlenbeck, Purpose, stream};
 use super::road::Road;
@@ -23,12 +27,20 @@ const TORQUE_RATE_PER_S: (f64, f64) = (1.5, 8.0);
 /// Time in which a truck must advance by [`STUCK_M`], s.
 const STUCK_S: f64 = 60.0;
 const STUCK_M: f64 = 10.0;
+/// Speed below which a held truck stands, m/s.
+const STANDSTILL_MPS: f64 = 1e-6;
+/// Forward gear that has the ratio of the reverse gear.
+const REVERSE_GEAR: usize = 1;
+/// Position of the brake pedal while reversing downhill, %.
+const REVERSE_PEDAL: f64 = 10.0;
 
 /// The true state at the start of a step, and the forces during it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DriveState {
-    /// Distance on the travelled road, m.
+    /// Place on the travelled road, m.
     pub distance_m: f64,
+    /// Way driven backwards, less that on ferries, m: driven distance minus place.
+    pub set_back_m: f64,
     /// Speed, m/s.
     pub speed_mps: f64,
     /// Acceleration, m/s².
@@ -39,6 +51,8 @@ pub struct DriveState {
     pub accelerated_kg: f64,
     /// Force of the service brake, N.
     pub brake_n: f64,
+    /// Force of the retarder, N.
+    pub retarder_n: f64,
     /// Position of the brake pedal, %.
     pub brake_pedal_percent: f64,
     /// The parking brake is set.
@@ -51,6 +65,12 @@ pub struct DriveState {
     pub engine_rpm: f64,
     /// Current gear as the gearbox reports it; 0 is neutral.
     pub gear: usize,
+    /// True while the reverse gear is engaged; `gear` is then the one of the same ratio.
+    pub in_reverse: bool,
+    /// Ratio of the transfer case.
+    pub range_ratio: f64,
+    /// Speed at which a ferry carries the vehicle along the road, m/s.
+    pub carried_mps: f64,
     /// Target gear.
     pub selected_gear: usize,
     /// True during a gear shift.
@@ -67,7 +87,19 @@ impl DriveState {
     /// Returns true if a brake is applied.
     #[must_use]
     pub fn braking(&self) -> bool {
-        self.brake_pedal_percent > 0.0 || self.brake_n > 0.0
+        self.brake_pedal_percent > 0.0 || self.brake_n > 0.0 || self.retarder_n > 0.0
+    }
+
+    /// Returns true if the vehicle moves backwards.
+    #[must_use]
+    pub fn is_reversing(&self) -> bool {
+        self.in_reverse && self.speed_mps > 0.0
+    }
+
+    /// Returns the distance driven forwards, m. It stands still while the vehicle reverses.
+    #[must_use]
+    pub fn driven_m(&self) -> f64 {
+        self.distance_m + self.set_back_m
     }
 }
 
@@ -101,6 +133,7 @@ impl SimulatedDrive {
         let between = |a: f64, b: f64| a + part * (b - a);
         DriveState {
             distance_m: between(from.distance_m, to.distance_m),
+            set_back_m: between(from.set_back_m, to.set_back_m),
             speed_mps: between(from.speed_mps, to.speed_mps),
             engine_rpm: between(from.engine_rpm, to.engine_rpm),
             ..from
@@ -110,7 +143,7 @@ impl SimulatedDrive {
 
 /// The truck in motion.
 struct Journey<'a> {
-    truck: &'a Truck,
+    truck: Truck,
     road: &'a Road,
     air_density: f64,
     wind: Wind,
@@ -125,8 +158,13 @@ struct Journey<'a> {
     turned_m: Option<f64>,
     /// Time of the log clock, s.
     clock_s: f64,
+    stops: Stops,
+    sections: &'a [Section],
+    here: Here,
+    set_back_m: f64,
     cruise: CruiseControl,
     brake: Brake,
+    retarder: Retarder,
     gearbox: Gearbox,
     situation: Situation,
     net_torque_nm: f64,
@@ -150,7 +188,7 @@ pub fn drive(scenario: &Scenario, index: usize) -> Result<SimulatedDrive> {
         scenario.road.clone()
     };
     let truck = run.truck.clone();
-    let mut journey = Journey::new(&truck, &road, scenario, index);
+    let mut journey = Journey::new(truck.clone(), &road, scenario, index);
     journey.distance_m = run.start_distance_m;
     if run.from_standstill {
         journey.stand();
@@ -159,12 +197,26 @@ pub fn drive(scenario: &Scenario, index: usize) -> Result<SimulatedDrive> {
     }
     let end_m = run.start_distance_m + run.length_m;
     let mut states: Vec<DriveState> = Vec::new();
+    // Since when the truck ought to advance.
+    let mut since = 0;
     while journey.distance_m < end_m {
         let time_s = states.len() as f64 * STEP_S;
         let waiting = run.from_standstill && time_s < WAIT_S;
-        states.push(journey.step(waiting));
+        let order = if waiting {
+            Order::Stand {
+                carried_mps: 0.0,
+                in_reverse: false,
+            }
+        } else {
+            journey.order()
+        };
+        states.push(journey.step(order));
+        if order != Order::Drive && !waiting {
+            since = states.len();
+        }
         let earlier = states.len().checked_sub((STUCK_S / STEP_S) as usize);
         if let Some(earlier) = earlier
+            && earlier >= since
             && journey.distance_m - states[earlier].distance_m < STUCK_M
         {
             return Err(Error::content(
@@ -187,7 +239,7 @@ pub fn drive(scenario: &Scenario, index: usize) -> Result<SimulatedDrive> {
 }
 
 impl<'a> Journey<'a> {
-    fn new(truck: &'a Truck, road: &'a Road, scenario: &Scenario, index: usize) -> Self {
+    fn new(truck: Truck, road: &'a Road, scenario: &'a Scenario, index: usize) -> Self {
         let run = &scenario.runs[index];
         let wind = run.wind;
         let mut gust_rng = stream(scenario.seed, index, Purpose::Wind);
@@ -204,11 +256,17 @@ impl<'a> Journey<'a> {
             planted: PlantedEffects::new(&scenario.planted, scenario.seed, index),
             turned_m: run.backward.then(|| road.length_m()),
             clock_s: run.start_time_s,
+            stops: Stops::new(&run.stops, run.start_distance_m),
+            sections: &run.sections,
+            here: Here::at(&run.sections, run.start_distance_m),
+            set_back_m: 0.0,
             cruise: CruiseControl::default(),
             brake: Brake::default(),
+            retarder: Retarder::default(),
             gearbox: Gearbox::new(0, stream(scenario.seed, index, Purpose::Gearbox)),
             situation: Situation {
                 speed_mps: 0.0,
+                set_speed_mps: SET_SPEED_MPS,
                 acceleration_mps2: 0.0,
                 resisting_n: 0.0,
                 at_full_load: false,
@@ -228,14 +286,14 @@ impl<'a> Journey<'a> {
     /// At the set speed, in balance.
     fn cruise(&mut self) {
         self.speed_mps = SET_SPEED_MPS;
-        let gear = cruising_gear(self.truck, self.speed_mps);
+        let gear = cruising_gear(&self.truck, self.speed_mps);
         self.gearbox.engage(gear);
         let rpm = self.truck.engine_rpm(gear, self.speed_mps);
         let per_torque = self.truck.force_per_torque(gear);
         let resistance_n = self.resistance_n();
         let lost_n =
             self.planted
-                .driveline_n(self.truck, resistance_n / per_torque, per_torque, rpm);
+                .driveline_n(&self.truck, resistance_n / per_torque, per_torque, rpm);
         let balance_nm = (resistance_n + lost_n) / per_torque;
         self.net_torque_nm =
             balance_nm.clamp(-self.truck.friction_nm(rpm), self.truck.full_load_nm(rpm));
@@ -249,11 +307,11 @@ impl<'a> Journey<'a> {
         let airspeed_mps = self.speed_mps + self.headwind_mps();
         let cold = self.tyres.cold_amount * (-self.rolled_s / self.tyres.cold_time_s).exp();
         self.truck.air_resistance_n(airspeed_mps, self.air_density)
-            + self.truck.rolling_resistance_n() * (1.0 + cold)
+            + self.truck.rolling_resistance_n() * (1.0 + cold) * self.here.rolling_factor
             + self.truck.mass_kg * GRAVITY * sine(self.road.grade(ahead_m))
             + self
                 .planted
-                .resistance_n(self.truck, self.place(ahead_m), self.speed_mps)
+                .resistance_n(&self.truck, self.place(ahead_m), self.speed_mps)
     }
 
     fn place(&self, distance_m: f64) -> ContactPoint {
@@ -270,26 +328,78 @@ impl<'a> Journey<'a> {
     fn headwind_mps(&self) -> f64 {
         let from_rad = self.wind.from_deg.to_radians();
         let course_rad = self.road.course_rad(self.distance_m);
-        self.wind.speed_mps * (from_rad - course_rad).cos() + self.gust_mps
+        self.wind.speed_mps * (from_rad - course_rad).cos() + self.gust_mps + self.here.headwind_mps
+    }
+
+    /// Advances the stops by one step; returns what the driver does in it.
+    fn order(&mut self) -> Order {
+        let order = self.stops.order(self.distance_m, self.speed_mps, STEP_S);
+        if let Some(mass_kg) = self.stops.mass_kg() {
+            self.truck.mass_kg = mass_kg;
+        }
+        if matches!(order, Order::Stand { .. }) {
+            self.gearbox.park();
+        }
+        order
     }
 
     /// Advances by one step; returns the state at its start.
-    fn step(&mut self, waiting: bool) -> DriveState {
+    fn step(&mut self, order: Order) -> DriveState {
         if self.wind.gust_sigma_mps > 0.0 {
             self.gust_mps = self.gust.advance(STEP_S, &mut self.gust_rng);
         }
         self.rolled_s += STEP_S;
         self.clock_s += STEP_S;
         self.planted.advance(self.clock_s, STEP_S);
+        self.look_around();
+        match order {
+            Order::Reverse {
+                speed_mps,
+                acceleration_mps2,
+            } => self.reverse(speed_mps, acceleration_mps2),
+            _ => self.go_on(order),
+        }
+    }
+
+    /// Takes in what the sections at this place change.
+    fn look_around(&mut self) {
+        if self.sections.is_empty() {
+            return;
+        }
+        self.here = Here::at(self.sections, self.distance_m);
+        self.truck.engage_range(self.here.range_ratio);
+        self.cruise.set_speed(self.here.set_speed_mps);
+        self.situation.set_speed_mps = self.here.set_speed_mps;
+    }
+
+    /// Advances forwards, or stands.
+    fn go_on(&mut self, order: Order) -> DriveState {
+        let (waiting, carried_mps, in_reverse) = match order {
+            Order::Stand {
+                carried_mps,
+                in_reverse,
+            } => (true, carried_mps, in_reverse),
+            _ => (false, 0.0, false),
+        };
         let resistance_n = self.resistance_n();
         if !waiting && self.gearbox.gear() == 0 {
-            self.gearbox.engage(launch_gear(self.truck, resistance_n));
+            self.gearbox.engage(launch_gear(&self.truck, resistance_n));
         }
-        let brake_n = self.truck.mass_kg * self.brake.step(self.speed_mps, waiting, STEP_S);
+        let hold = waiting || order == Order::Halt;
+        let set_speed_mps = self.here.set_speed_mps;
+        let brake_n = self.truck.mass_kg
+            * self
+                .brake
+                .step_about(set_speed_mps, self.speed_mps, hold, STEP_S);
+        let excess_mps = self.speed_mps - set_speed_mps;
+        let retarder_n = self.truck.mass_kg
+            * self
+                .retarder
+                .step(self.here.retarder && !hold, excess_mps, STEP_S);
         self.situation.speed_mps = self.speed_mps;
-        let flow = self.gearbox.step(self.truck, &self.situation, STEP_S);
+        let flow = self.gearbox.step(&self.truck, &self.situation, STEP_S);
         let before_rpm = self.engine_rpm;
-        let (closed_gear, slip_percent) = self.run_engine(flow);
+        let (closed_gear, slip_percent) = self.run_engine(flow, order == Order::Halt);
         let per_torque = match flow {
             Flow::Through(gear) | Flow::Leaving(gear) => self.truck.force_per_torque(gear),
             Flow::Open { .. } => 0.0,
@@ -297,26 +407,33 @@ impl<'a> Journey<'a> {
         let traction_n = self.net_torque_nm * per_torque;
         let lost_n =
             self.planted
-                .driveline_n(self.truck, self.net_torque_nm, per_torque, self.engine_rpm);
+                .driveline_n(&self.truck, self.net_torque_nm, per_torque, self.engine_rpm)
+                + self.here.pto_nm * per_torque;
         let accelerated_kg = self.truck.accelerated_kg(closed_gear);
-        let mut acceleration = (traction_n - resistance_n - lost_n - brake_n) / accelerated_kg;
+        let mut acceleration =
+            (traction_n - resistance_n - lost_n - (brake_n + retarder_n)) / accelerated_kg;
         if self.speed_mps + acceleration * STEP_S < 0.0 {
             // Brakes and tyres hold the truck; they do not push it back.
             acceleration = -self.speed_mps / STEP_S;
         }
         let state = DriveState {
             distance_m: self.distance_m,
+            set_back_m: self.set_back_m,
             speed_mps: self.speed_mps,
             acceleration_mps2: acceleration,
             traction_n,
             accelerated_kg,
             brake_n,
+            retarder_n,
             brake_pedal_percent: self.brake.pedal_percent(),
             parked: waiting,
             net_torque_nm: self.net_torque_nm,
             friction_torque_nm: self.truck.friction_nm(before_rpm),
             engine_rpm: before_rpm,
             gear: self.gearbox.gear(),
+            in_reverse,
+            range_ratio: self.truck.range_ratio(),
+            carried_mps,
             selected_gear: self.gearbox.selected(),
             shifting: self.gearbox.is_shifting(),
             engaged: closed_gear > 0,
@@ -327,12 +444,65 @@ impl<'a> Journey<'a> {
         self.situation.resisting_n = traction_n - accelerated_kg * acceleration;
         self.distance_m += STEP_S * (self.speed_mps + 0.5 * STEP_S * acceleration);
         self.speed_mps += STEP_S * acceleration;
+        if hold && self.speed_mps < STANDSTILL_MPS {
+            self.speed_mps = 0.0;
+        }
+        self.distance_m += STEP_S * carried_mps;
+        self.set_back_m -= STEP_S * carried_mps;
+        state
+    }
+
+    /// Advances backwards at a given speed, m/s; the engine or the brake gives the force for it.
+    fn reverse(&mut self, speed_mps: f64, acceleration_mps2: f64) -> DriveState {
+        let gear = REVERSE_GEAR;
+        let before_rpm = self.engine_rpm;
+        let turned_rpm = self.truck.engine_rpm(gear, speed_mps);
+        let slips = turned_rpm < IDLE_RPM;
+        self.engine_rpm = turned_rpm.max(IDLE_RPM);
+        let accelerated_kg = self.truck.accelerated_kg(if slips { 0 } else { gear });
+        let resistance_n = self.truck.resistance_n(speed_mps, self.air_density)
+            - self.truck.mass_kg * GRAVITY * sine(self.road.grade(self.distance_m));
+        let force_n = accelerated_kg * acceleration_mps2 + resistance_n;
+        let per_torque = self.truck.force_per_torque(gear);
+        self.net_torque_nm = force_n.max(0.0) / per_torque;
+        let brake_n = (-force_n).max(0.0);
+        let state = DriveState {
+            distance_m: self.distance_m,
+            set_back_m: self.set_back_m,
+            speed_mps,
+            acceleration_mps2,
+            traction_n: self.net_torque_nm * per_torque,
+            accelerated_kg,
+            brake_n,
+            retarder_n: 0.0,
+            brake_pedal_percent: if brake_n > 0.0 { REVERSE_PEDAL } else { 0.0 },
+            parked: false,
+            net_torque_nm: self.net_torque_nm,
+            friction_torque_nm: self.truck.friction_nm(before_rpm),
+            engine_rpm: self.engine_rpm,
+            gear,
+            in_reverse: true,
+            range_ratio: self.truck.range_ratio(),
+            carried_mps: 0.0,
+            selected_gear: gear,
+            shifting: false,
+            engaged: !slips,
+            clutch_slip_percent: if slips {
+                100.0 * (1.0 - turned_rpm / IDLE_RPM)
+            } else {
+                0.0
+            },
+            fan_percent: self.planted.fan_percent(),
+        };
+        let back_m = STEP_S * (speed_mps + 0.5 * STEP_S * acceleration_mps2);
+        self.distance_m -= back_m;
+        self.set_back_m += back_m;
         state
     }
 
     /// Sets engine speed and torque. Returns the gear that couples engine and wheels (0 if none)
     /// and the slip of the clutch in %.
-    fn run_engine(&mut self, flow: Flow) -> (usize, f64) {
+    fn run_engine(&mut self, flow: Flow, halting: bool) -> (usize, f64) {
         match flow {
             Flow::Through(0) => {
                 self.net_torque_nm = 0.0;
@@ -350,9 +520,15 @@ impl<'a> Journey<'a> {
                 };
                 let limits_nm = (lowest_nm, self.truck.full_load_nm(self.engine_rpm));
                 let per_kg = self.truck.force_per_torque(gear) / self.truck.mass_kg;
-                let wish = self
-                    .cruise
-                    .request(self.speed_mps, per_kg, limits_nm, STEP_S);
+                let wish = if halting {
+                    TorqueRequest {
+                        net_nm: lowest_nm,
+                        at_full_load: false,
+                    }
+                } else {
+                    self.cruise
+                        .request(self.speed_mps, per_kg, limits_nm, STEP_S)
+                };
                 self.situation.at_full_load = wish.at_full_load;
                 self.move_torque(wish.net_nm, TORQUE_RATE_PER_S.0);
                 // The engine torque of another speed may exceed the limit at this one.

@@ -24,6 +24,8 @@ const INTEGRAL_PER_S2: f64 = 0.02;
 #[derive(Clone, Copy, Debug, Default)]
 pub struct CruiseControl {
     integral_mps2: f64,
+    /// Another set speed than [`SET_SPEED_MPS`], m/s.
+    other_set_speed_mps: Option<f64>,
 }
 
 /// The torque request of the cruise control.
@@ -39,7 +41,15 @@ impl CruiseControl {
     /// Creates a cruise control in balance at this specific force, m/s².
     #[must_use]
     pub const fn balanced_at(integral_mps2: f64) -> Self {
-        Self { integral_mps2 }
+        Self {
+            integral_mps2,
+            other_set_speed_mps: None,
+        }
+    }
+
+    /// Sets the speed to keep, m/s.
+    pub const fn set_speed(&mut self, set_speed_mps: f64) {
+        self.other_set_speed_mps = Some(set_speed_mps);
     }
 
     /// Returns the torque for the next `step_s`. `force_per_kg_nm` is the specific force of one
@@ -52,7 +62,7 @@ impl CruiseControl {
         limits_nm: (f64, f64),
         step_s: f64,
     ) -> TorqueRequest {
-        let error_mps = SET_SPEED_MPS - speed_mps;
+        let error_mps = self.other_set_speed_mps.unwrap_or(SET_SPEED_MPS) - speed_mps;
         let wanted = (PROPORTIONAL_PER_S * error_mps + self.integral_mps2) / force_per_kg_nm;
         let net_nm = wanted.clamp(limits_nm.0, limits_nm.1);
         if (wanted - net_nm) * error_mps <= 0.0 {
@@ -75,13 +85,24 @@ pub struct Brake {
 impl Brake {
     /// Advances pedal and air pressure by `step_s`; returns the specific braking force, m/s².
     pub fn step(&mut self, speed_mps: f64, hold: bool, step_s: f64) -> f64 {
-        self.pressed = hold
-            || speed_mps
-                > if self.pressed {
-                    BRAKE_OFF_MPS
-                } else {
-                    BRAKE_ON_MPS
-                };
+        self.step_about(SET_SPEED_MPS, speed_mps, hold, step_s)
+    }
+
+    /// Does the same as [`step`](Self::step) at another set speed, m/s.
+    pub fn step_about(
+        &mut self,
+        set_speed_mps: f64,
+        speed_mps: f64,
+        hold: bool,
+        step_s: f64,
+    ) -> f64 {
+        let lower_mps = SET_SPEED_MPS - set_speed_mps;
+        let limit_mps = if self.pressed {
+            BRAKE_OFF_MPS
+        } else {
+            BRAKE_ON_MPS
+        };
+        self.pressed = hold || speed_mps > limit_mps - lower_mps;
         let target = if self.pressed {
             BRAKE_DECELERATION
         } else {
@@ -98,5 +119,36 @@ impl Brake {
     #[must_use]
     pub fn pedal_percent(&self) -> f64 {
         if self.pressed { PEDAL_PERCENT } else { 0.0 }
+    }
+}
+
+/// Specific force of the retarder for a speed above its limit, 1/s, and the largest one, m/s².
+const RETARDER: (f64, f64) = (0.5, 1.0);
+/// Speed above the set speed from which the retarder brakes, m/s.
+const RETARDER_ON_MPS: f64 = 0.5;
+/// Time in which the retarder follows its request, s.
+const RETARDER_LAG_S: f64 = 0.4;
+/// Deceleration below which the retarder is off, m/s².
+const RETARDER_OFF: f64 = 1e-3;
+
+/// The retarder, which keeps a speed downhill.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Retarder {
+    deceleration_mps2: f64,
+}
+
+impl Retarder {
+    /// Advances by `step_s`; returns the specific braking force, m/s².
+    pub fn step(&mut self, is_used: bool, excess_mps: f64, step_s: f64) -> f64 {
+        let wanted = if is_used {
+            (RETARDER.0 * (excess_mps - RETARDER_ON_MPS)).clamp(0.0, RETARDER.1)
+        } else {
+            0.0
+        };
+        self.deceleration_mps2 += (wanted - self.deceleration_mps2) * step_s / RETARDER_LAG_S;
+        if wanted == 0.0 && self.deceleration_mps2 < RETARDER_OFF {
+            self.deceleration_mps2 = 0.0;
+        }
+        self.deceleration_mps2
     }
 }

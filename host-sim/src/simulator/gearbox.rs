@@ -1,6 +1,5 @@
 //! The automated gearbox: selection of gears, and interruption of torque during shifts.
 
-use super::driver::SET_SPEED_MPS;
 use super::truck::{IDLE_RPM, Truck};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
@@ -40,6 +39,8 @@ const LAUNCH_MPS2: f64 = 0.6;
 pub struct Situation {
     /// Speed, m/s.
     pub speed_mps: f64,
+    /// Speed that the driver wants, m/s.
+    pub set_speed_mps: f64,
     /// Acceleration, m/s².
     pub acceleration_mps2: f64,
     /// Resistance: traction minus the accelerating force, N.
@@ -116,6 +117,12 @@ impl Gearbox {
         self.gear = gear;
     }
 
+    /// Opens the driveline at standstill, shift or not.
+    pub fn park(&mut self) {
+        self.gear = 0;
+        self.shift = None;
+    }
+
     /// Advances by `step_s` and returns the path of the torque.
     pub fn step(&mut self, truck: &Truck, now: &Situation, step_s: f64) -> Flow {
         if self.shift.is_none() {
@@ -172,7 +179,7 @@ impl Gearbox {
         let lower = self.gear.checked_sub(1).filter(|&gear| gear > 0)?;
         let losing = now.at_full_load
             && now.acceleration_mps2 < LOSING_MPS2
-            && now.speed_mps < SET_SPEED_MPS - TOLERATED_LOSS_MPS
+            && now.speed_mps < now.set_speed_mps - TOLERATED_LOSS_MPS
             && rpm(lower) < AFTER_DOWNSHIFT_RPM
             && force(lower) > DOWNSHIFT_GAIN * force(self.gear);
         let too_slow = own < LOWEST_RPM && own > IDLE_RPM && now.acceleration_mps2 < 0.0;

@@ -89,7 +89,9 @@ impl<'a> GnssReceiver<'a> {
         };
         let altitude_error_m = noise_m + self.errors.fault_m(stored_m, self.turned_m.is_some());
         let place = road.position(state.distance_m).moved(north_m, east_m);
+        let backwards_deg = if state.is_reversing() { 180.0 } else { 0.0 };
         let course_deg = road.course_rad(state.distance_m).to_degrees()
+            + backwards_deg
             + self.errors.course_sigma_deg * normal(rng);
         GnssFix {
             has_fix: !self
@@ -100,7 +102,10 @@ impl<'a> GnssReceiver<'a> {
             latitude_e7: (place.latitude_deg * 1e7).round() as i32,
             longitude_e7: (place.longitude_deg * 1e7).round() as i32,
             altitude_m: road.altitude_m(state.distance_m) + altitude_error_m,
-            speed_mps: (state.speed_mps + self.errors.speed_sigma_mps * normal(rng)).max(0.0),
+            speed_mps: (state.speed_mps
+                + state.carried_mps
+                + self.errors.speed_sigma_mps * normal(rng))
+            .max(0.0),
             course_deg: course_deg.rem_euclid(360.0),
             satellites,
             hdop: 0.6 + 2.0 / (satellites - 3.0),

@@ -14,6 +14,8 @@ pub mod driver;
 pub mod gearbox;
 pub mod geodesy;
 pub mod gnss;
+pub mod manoeuvre_file;
+pub mod manoeuvres;
 mod oracle;
 pub mod planted;
 pub mod planted_file;

@@ -100,7 +100,7 @@ impl<'a> Recording<'a> {
             return Vec::new();
         };
         let first_s = first.time.micros() as f64 * 1e-6 - log_start_s;
-        let from_m = self.drive.at(first_s).distance_m;
+        let from_m = self.drive.at(first_s).driven_m();
         let rows = ((self.drive.duration_s() - first_s) / TRUTH_STEP_S) as usize + 1;
         (0..rows)
             .map(|row| {
@@ -109,7 +109,7 @@ impl<'a> Recording<'a> {
                 let road = &self.drive.road;
                 TruthRow {
                     time_s,
-                    distance_m: state.distance_m - from_m,
+                    distance_m: state.driven_m() - from_m,
                     grade_percent: 100.0 * road.grade(state.distance_m),
                     altitude_m: road.altitude_m(state.distance_m),
                     shifting: u8::from(state.shifting),

@@ -1,6 +1,7 @@
 //! A scenario: the checked file, with its road built and its vehicles drawn. The keys of the file
 //! are documented in [`scenario_file`](super::scenario_file).
 
+use super::manoeuvre_file::{Section, Stop, check_manoeuvres};
 use super::planted_file::PlantedTable;
 use super::random::{Purpose, normal, stream};
 use super::range_check::check;
@@ -82,6 +83,10 @@ pub struct ScenarioRun {
     pub tyres_driven_s: f64,
     /// The wind.
     pub wind: Wind,
+    /// Stops on the way, in order.
+    pub stops: Vec<Stop>,
+    /// Sections in which something is different.
+    pub sections: Vec<Section>,
 }
 
 impl ScenarioRun {
@@ -251,6 +256,7 @@ fn run(
         check_steady_wind(steady.speed_mps, steady.from_deg)?;
         (wind.speed_mps, wind.from_deg) = (steady.speed_mps, steady.from_deg);
     }
+    check_manoeuvres(&table.stops, &table.sections)?;
     let errors = table.errors.unwrap_or(document.errors);
     let mut true_parameters = vehicle.model.vehicle.clone();
     true_parameters.wheel_radius_m *= document.planted.wheel_radius_factor as f32;
@@ -269,6 +275,8 @@ fn run(
         from_standstill: table.start == Start::Standstill,
         tyres_driven_s: table.tyres_driven_s,
         wind,
+        stops: table.stops.clone(),
+        sections: table.sections.clone(),
     })
 }
 

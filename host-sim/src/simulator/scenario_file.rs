@@ -95,10 +95,28 @@
 //! torque_factor = 1.0            # true torque over reported percent times reference torque
 //! # mass_sigma = 0.1             # … or drawn from 1 ± sigma (thesis 4.3: 0.2)
 //! # drag_sigma, rolling_sigma, torque_sigma likewise
+//!
+//! # [[runs.stops]]               # units and ranges: manoeuvre_file
+//! # at_m = 15000.0               # in the direction of travel, as start_distance_m
+//! # seconds = 60.0
+//! # mass_kg = 15000.0            # true mass from then on, which nothing reports
+//! # reverse_m = 0.0              # way driven backwards before the time at standstill
+//! # carried_m = 0.0              # way that a ferry carries the standing vehicle
+//!
+//! # [[runs.sections]]
+//! # from_m = 15000.0
+//! # to_m = 20000.0
+//! # rolling_factor = 1.0         # snow, gravel, a lifted axle
+//! # headwind_mps = 0.0           # besides that of [wind]
+//! # pto_nm = 0.0                 # power take-off; the reported torque includes it
+//! # range_ratio = 1.0            # transfer case between gearbox and axle
+//! # set_speed_mps = 22.2
+//! # retarder = false             # keeps the set speed downhill; SPN 520 reports it
 //! ```
 //!
 //! File names are relative to the scenario.
 
+use super::manoeuvre_file::{Section, Stop};
 use super::planted_file::PlantedTable;
 use super::road_generator::RoadShape;
 use super::truck::Preset;
@@ -447,4 +465,10 @@ pub struct RunTable {
     pub wind: Option<SteadyWind>,
     /// Parameter errors of this run, default those of `[errors]`.
     pub errors: Option<ParameterErrors>,
+    /// `[[runs.stops]]`: stops on the way, in order, default none.
+    #[serde(default)]
+    pub stops: Vec<Stop>,
+    /// `[[runs.sections]]`: sections in which something is different, default none.
+    #[serde(default)]
+    pub sections: Vec<Section>,
 }

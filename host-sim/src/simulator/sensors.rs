@@ -53,13 +53,19 @@ impl<'a> Sensors<'a> {
             Signal::DrivelineEngaged => switch(state.engaged),
             Signal::ShiftInProcess => switch(state.shifting),
             Signal::ClutchSlip => state.clutch_slip_percent as f32,
-            Signal::OutputShaftSpeed => self.drive.truck.output_shaft_rpm(state.speed_mps) as f32,
+            Signal::OutputShaftSpeed => {
+                (self.drive.truck.output_shaft_rpm(state.speed_mps) * state.range_ratio) as f32
+            }
+            Signal::SelectedGear | Signal::CurrentGear if state.in_reverse => -1.0,
             Signal::SelectedGear => state.selected_gear as f32,
             Signal::CurrentGear => state.gear as f32,
             Signal::GearRatio => self.drive.truck.gear_ratio(state.gear) as f32,
             Signal::BrakeSwitch => switch(state.brake_pedal_percent > 0.0),
             Signal::BrakePedal => state.brake_pedal_percent as f32,
             Signal::ParkingBrake => switch(state.parked),
+            Signal::RetarderTorque if state.retarder_n > 0.0 => {
+                -self.drive.truck.retarder_percent(state.retarder_n) as f32
+            }
             Signal::RetarderTorque => 0.0,
             Signal::Fan => state.fan_percent as f32,
             Signal::Mass => self.believed_mass_kg,

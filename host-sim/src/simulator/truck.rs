@@ -5,6 +5,8 @@ use std::f64::consts::PI;
 
 /// Standard gravity, m/s².
 pub const GRAVITY: f64 = 9.806_65;
+/// Largest torque of the retarder, at the output shaft, Nm.
+const RETARDER_NM: f64 = 3_500.0;
 /// Engine speed without load, rpm.
 pub const IDLE_RPM: f64 = 600.0;
 
@@ -114,6 +116,8 @@ pub struct Truck {
     wheel_radius_m: f64,
     wheel_inertia_kgm2: f64,
     final_drive_ratio: f64,
+    /// Ratio of a transfer case between gearbox and final drive.
+    range_ratio: f64,
     engine_inertia_kgm2: f64,
     /// True torque at a reported 100 %, Nm.
     pub reference_torque_nm: f64,
@@ -145,10 +149,33 @@ impl Truck {
             wheel_radius_m: f64::from(parameters.wheel_radius_m),
             wheel_inertia_kgm2: f64::from(parameters.wheel_inertia_kgm2),
             final_drive_ratio,
+            range_ratio: 1.0,
             engine_inertia_kgm2: f64::from(powertrain.engine_inertia_kgm2),
             reference_torque_nm: f64::from(powertrain.reference_torque_nm),
             transmissions,
         })
+    }
+
+    /// Engages this ratio of a transfer case between gearbox and final drive.
+    pub fn engage_range(&mut self, range_ratio: f64) {
+        if self.range_ratio != range_ratio {
+            self.range_ratio = range_ratio;
+            for transmission in &mut self.transmissions {
+                transmission.ratio = transmission.gear_ratio * self.final_drive_ratio * range_ratio;
+            }
+        }
+    }
+
+    /// Returns the ratio of the transfer case.
+    #[must_use]
+    pub const fn range_ratio(&self) -> f64 {
+        self.range_ratio
+    }
+
+    /// Returns the retarder's torque for its force at the wheels, % of its largest one.
+    #[must_use]
+    pub fn retarder_percent(&self, force_n: f64) -> f64 {
+        100.0 * force_n * self.wheel_radius_m / (self.final_drive_ratio * RETARDER_NM)
     }
 
     /// Returns number of the highest gear; gears count from 1, 0 is neutral.
@@ -176,7 +203,7 @@ impl Truck {
     /// Engine speed at which `gear` turns without slip, rpm; 0 in neutral.
     #[must_use]
     pub fn engine_rpm(&self, gear: usize, speed_mps: f64) -> f64 {
-        self.output_shaft_rpm(speed_mps) * self.gear_ratio(gear)
+        self.output_shaft_rpm(speed_mps) * self.range_ratio * self.gear_ratio(gear)
     }
 
     /// Full-load net torque, Nm.

@@ -39,6 +39,7 @@ impl Recording<'_> {
             let force_n = per_torque * state.net_torque_nm
                 - believed.resistance_n(state.speed_mps / radius_factor, air_density)
                 - state.brake_n
+                - state.retarder_n
                 - inertia_n;
             let true_grade = self.drive.road.grade(state.distance_m + 0.5 * length_m);
             let read = force_n / (believed.mass_kg * GRAVITY);

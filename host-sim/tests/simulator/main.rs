@@ -3,5 +3,6 @@
 mod bus;
 mod end_to_end;
 mod gps_chain;
+mod manoeuvres;
 mod physics;
 mod planted_effects;

@@ -1,0 +1,82 @@
+//! Manoeuvres and faults on simulated drives, and whether any sigma lies:
+//!
+//! ```text
+//! cargo run -p cross-tests --release --example manoeuvres -- [--only WORDS]... [--truck A|B]
+//!     [--seeds N] [--random N [--seed S]] [--json]
+//! ```
+
+use clap::Parser;
+use cross_tests::exit_code;
+use cross_tests::manoeuvres::bench::bench;
+use cross_tests::manoeuvres::catalogue::catalogue;
+use cross_tests::manoeuvres::drives::Plan;
+use cross_tests::manoeuvres::random::drawn;
+use cross_tests::manoeuvres::road::BenchRoad;
+use cross_tests::manoeuvres::table::{json, table};
+use host_sim::error::Result;
+use host_sim::terminal::print::print;
+use host_sim::terminal::progress;
+use std::process::ExitCode;
+
+/// Drives manoeuvres and faults through the estimator, and judges errors by their sigmas.
+#[derive(Parser)]
+struct Options {
+    /// Only those whose name contains this; may be repeated.
+    #[arg(long, value_name = "WORDS")]
+    only: Vec<String>,
+    /// Only this truck, A or B.
+    #[arg(long)]
+    truck: Option<String>,
+    /// Drives of each manoeuvre and truck, each on another stretch of the road.
+    #[arg(long, default_value_t = 1, conflicts_with = "random")]
+    seeds: u64,
+    /// Instead, so many drives with two or three manoeuvres or faults at once.
+    #[arg(long, value_name = "N")]
+    random: Option<usize>,
+    /// Seed of the random drives.
+    #[arg(long, default_value_t = 1, requires = "random")]
+    seed: u64,
+    /// Print JSON instead of a table.
+    #[arg(long)]
+    json: bool,
+}
+
+impl Options {
+    fn wants(&self, plan: &Plan) -> bool {
+        let named = self.only.is_empty() || self.only.iter().any(|words| plan.name.contains(words));
+        let truck = self.truck.as_deref();
+        named && truck.is_none_or(|truck| truck == plan.truck.name())
+    }
+
+    fn plans(&self) -> Vec<Plan> {
+        let all = match self.random {
+            Some(count) => drawn(count, self.seed),
+            None => (1..=self.seeds).flat_map(catalogue).collect(),
+        };
+        let mut plans: Vec<Plan> = all.into_iter().filter(|plan| self.wants(plan)).collect();
+        plans.sort_by_key(|plan| !plan.faults.is_empty());
+        plans
+    }
+}
+
+fn main() -> ExitCode {
+    exit_code(run(&Options::parse()))
+}
+
+fn run(options: &Options) -> Result<()> {
+    let road = BenchRoad::load()?;
+    if !road.is_measured {
+        eprintln!(
+            "no ../shared/data/e4/road.csv: drives on a generated road of the same statistics"
+        );
+    }
+    let plans = options.plans();
+    let bar = progress::count(plans.len() as u64, "drives");
+    let rows = bench(&road, plans, || bar.inc(1));
+    bar.finish_and_clear();
+    if options.json {
+        print(&format!("{:#}\n", json(&rows)))
+    } else {
+        print(&format!("{}\n", table(&rows)))
+    }
+}

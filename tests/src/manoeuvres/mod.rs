@@ -1,0 +1,20 @@
+//! The bench of manoeuvres and faults: does each error lie within what its sigma says, or is the
+//! estimate marked there?
+//!
+//! ```text
+//! catalogue, random ─► plan ─► drive (simulator) ─► frames with edits ─► run ─► judgement ─► table
+//! ```
+//!
+//! [`road`] has the road, [`drives`] the plan of a drive and its truth, [`signals`] the changes of
+//! what frames say, [`catalogue`] the manoeuvres by name, [`random`] combinations of them,
+//! [`cells`] the cells beside the truth, [`judge`] the numbers and bars, and [`table`] the print.
+
+pub mod bench;
+pub mod catalogue;
+pub mod cells;
+pub mod drives;
+pub mod judge;
+pub mod random;
+pub mod road;
+pub mod signals;
+pub mod table;

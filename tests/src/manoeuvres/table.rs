@@ -1,0 +1,183 @@
+//! The table of the bench, its totals, and both as JSON.
+
+use super::bench::BenchRow;
+use super::judge::{FEW_WINDOWS, HONEST, Judgement, KindJudgement, WORST};
+use host_sim::terminal::table::text_table;
+use serde_json::{Value, json};
+use std::fmt::Write;
+
+/// Returns the table and the totals.
+#[must_use]
+pub fn table(rows: &[BenchRow]) -> String {
+    let header = [
+        "manoeuvre or fault",
+        "truck",
+        "seed",
+        "RMSE % s/l/v",
+        "NEES s/l/v",
+        "worst 5 km",
+        "marked %",
+        "verdict",
+    ];
+    let lines: Vec<Vec<String>> = rows.iter().map(line).collect();
+    let mut text = text_table(&header, &lines, 2).to_string();
+    let _ = write!(text, "\n\n{}", Totals::of(rows).text());
+    text
+}
+
+fn line(row: &BenchRow) -> Vec<String> {
+    let plan = &row.plan;
+    let mut line = vec![
+        plan.name.clone(),
+        plan.truck.name().to_owned(),
+        plan.seed.to_string(),
+    ];
+    match &row.judgement {
+        Ok(judgement) => line.extend([
+            three(judgement, |of| format!("{:.3}", of.rmse_percent)),
+            three(judgement, |of| of.nees.map_or_else(|| "–".into(), short)),
+            three(judgement, |of| short(of.worst())),
+            three(judgement, |of| format!("{:.0}", of.marked_percent)),
+            verdict(judgement),
+        ]),
+        Err(error) => {
+            line.extend(std::iter::repeat_n(String::new(), 4));
+            line.push(error.clone());
+        }
+    }
+    line
+}
+
+fn three(judgement: &Judgement, of: impl Fn(&KindJudgement) -> String) -> String {
+    judgement.of.iter().map(of).collect::<Vec<_>>().join(" / ")
+}
+
+fn short(number: f64) -> String {
+    if number < 9.95 {
+        format!("{number:.1}")
+    } else {
+        format!("{number:.0}")
+    }
+}
+
+/// Returns what is not met; an asterisk where the smoothed error is above 1.5 times that without a
+/// fault, plus 0.02 %.
+fn verdict(judgement: &Judgement) -> String {
+    let complaints = judgement.complaints();
+    let words = if complaints.is_empty() {
+        "ok".to_owned()
+    } else {
+        complaints.join(", ")
+    };
+    let star = if judgement.keeps_accuracy { "" } else { " *" };
+    words + star
+}
+
+/// Sums over all drives.
+#[derive(Clone, Debug, Default)]
+struct Totals {
+    drives: usize,
+    failed: usize,
+    lying: usize,
+    unmet: usize,
+    windows: [usize; 3],
+    above: [usize; 3],
+    far_above: [usize; 3],
+    marked_without_fault_percent: [f64; 3],
+}
+
+impl Totals {
+    fn of(rows: &[BenchRow]) -> Self {
+        let judgements: Vec<&Judgement> = rows
+            .iter()
+            .filter_map(|row| row.judgement.as_ref().ok())
+            .collect();
+        let count = |kind: usize, above: f64| {
+            let windows = judgements
+                .iter()
+                .flat_map(|judgement| &judgement.of[kind].windows);
+            windows.filter(|nees| **nees > above).count()
+        };
+        let faultless: Vec<_> = judgements.iter().filter(|j| !j.has_fault).collect();
+        let marked = |kind: usize| {
+            let sum: f64 = faultless.iter().map(|j| j.of[kind].marked_percent).sum();
+            sum / faultless.len().max(1) as f64
+        };
+        Self {
+            drives: rows.len(),
+            failed: rows.len() - judgements.len(),
+            lying: judgements.iter().filter(|j| j.lies()).count(),
+            unmet: judgements
+                .iter()
+                .filter(|j| !j.complaints().is_empty())
+                .count(),
+            windows: [0, 1, 2].map(|kind| count(kind, f64::NEG_INFINITY)),
+            above: [0, 1, 2].map(|kind| count(kind, HONEST)),
+            far_above: [0, 1, 2].map(|kind| count(kind, WORST)),
+            marked_without_fault_percent: [0, 1, 2].map(marked),
+        }
+    }
+
+    /// Returns true if every bar of single drives and of windows is met.
+    fn is_met(&self) -> bool {
+        let few = |kind: usize| self.above[kind] as f64 <= FEW_WINDOWS * self.windows[kind] as f64;
+        self.failed == 0
+            && self.unmet == 0
+            && (0..3).all(|kind| few(kind) && self.far_above[kind] == 0)
+    }
+
+    fn text(&self) -> String {
+        let of = |counts: [usize; 3]| counts.map(|count| count.to_string()).join(" / ");
+        format!(
+            "{} drives: {} lie, {} miss a bar (lies included), {} without result\n\
+             windows of 5 km (s/l/v): {}; NEES above {HONEST}: {}; above {WORST}: {}\n\
+             marked without a fault, % (s/l/v): {}\n\
+             bars {}",
+            self.drives,
+            self.lying,
+            self.unmet,
+            self.failed,
+            of(self.windows),
+            of(self.above),
+            of(self.far_above),
+            self.marked_without_fault_percent
+                .map(|percent| format!("{percent:.2}"))
+                .join(" / "),
+            if self.is_met() { "met" } else { "NOT met" },
+        )
+    }
+}
+
+/// Returns rows and totals as JSON.
+#[must_use]
+pub fn json(rows: &[BenchRow]) -> Value {
+    let drives: Vec<Value> = rows
+        .iter()
+        .map(|row| {
+            let mut drive = json!({
+                "name": row.plan.name,
+                "truck": row.plan.truck.name(),
+                "seed": row.plan.seed,
+            });
+            match &row.judgement {
+                Ok(judgement) => {
+                    drive["complaints"] = json!(judgement.complaints());
+                    drive["judgement"] = json!(judgement);
+                }
+                Err(error) => drive["error"] = json!(error),
+            }
+            drive
+        })
+        .collect();
+    let totals = Totals::of(rows);
+    json!({
+        "drives": drives,
+        "lying": totals.lying,
+        "unmet": totals.unmet,
+        "failed": totals.failed,
+        "windows": totals.windows,
+        "windows_above_4": totals.above,
+        "windows_above_9": totals.far_above,
+        "met": totals.is_met(),
+    })
+}
