@@ -3,7 +3,7 @@
 use crate::cell::{Cell, CellEnd, Disagreement, Live};
 use crate::context::Context;
 use crate::counters::{Counters, count};
-use crate::filter::{AltitudeEvent, Filter, SensorNoiseRatios, SlowStates};
+use crate::filter::{AltitudeEvent, Filter, ModelMass, SensorNoiseRatios, SlowStates};
 use crate::intake::{Intake, Outcome};
 use crate::model::Model;
 use crate::persistent_state::{PersistentState, PersistentStateError};
@@ -144,9 +144,11 @@ impl<S: Scalar> Estimator<S> {
     /// Returns the estimate at the end of the newest cell; `None` before the first.
     #[must_use]
     pub fn live(&self) -> Option<Live> {
-        self.filter.state().map(|state| Live {
+        let (state, sample) = (self.filter.state()?, self.sample()?);
+        let mass = ModelMass::of(&self.context, sample);
+        Some(Live {
             end: self.end,
-            estimate: state.estimate(),
+            estimate: state.estimate(&mass),
             disagreement: self.disagreement,
         })
     }
