@@ -58,10 +58,26 @@ pub struct Disagreement {
 }
 
 impl Disagreement {
+    /// Number of kinds of disagreement.
+    pub const KINDS: usize = 5;
+
     /// Returns whether everything agrees.
     #[must_use]
     pub const fn is_none(self) -> bool {
         !(self.climb | self.brake | self.torque | self.speed | self.gear)
+    }
+
+    /// Returns whether each kind is present, in the order of the fields.
+    #[must_use]
+    pub const fn kinds(self) -> [bool; Self::KINDS] {
+        let Self {
+            climb,
+            brake,
+            torque,
+            speed,
+            gear,
+        } = self;
+        [climb, brake, torque, speed, gear]
     }
 
     /// Returns the union of both.
@@ -139,6 +155,9 @@ pub struct Estimate {
     pub bias_percent: Uncertain,
     /// Scale factor of the vehicle model: true over modelled traction per kilogram, 1.
     pub scale: Uncertain,
+    /// Gross mass of the combination, kg: that of the model over the scale, combined with a reported
+    /// one.
+    pub mass_kg: Uncertain,
 }
 
 /// The live estimate: what is known at the end of the newest cell.

@@ -55,6 +55,8 @@ pub struct Counters {
     pub cells_lost: u32,
     /// Finished cells with a non-finite lagged grade.
     pub cells_unsound: u32,
+    /// Finished cells in which signals disagree: the lagged sigma may be too small.
+    pub cells_suspect: u32,
     /// Filter steps.
     pub steps: u32,
     /// Steps with an invalid model (shift, brake, no traction).

@@ -3,7 +3,7 @@
 use crate::cell::{Cell, CellEnd, Disagreement, Live};
 use crate::context::Context;
 use crate::counters::{Counters, count};
-use crate::filter::{AltitudeEvent, Filter, SensorNoiseRatios, SlowStates};
+use crate::filter::{AltitudeEvent, Filter, ModelMass, SensorNoiseRatios, SlowStates};
 use crate::intake::{Intake, Outcome};
 use crate::model::Model;
 use crate::persistent_state::{PersistentState, PersistentStateError};
@@ -144,9 +144,11 @@ impl<S: Scalar> Estimator<S> {
     /// Returns the estimate at the end of the newest cell; `None` before the first.
     #[must_use]
     pub fn live(&self) -> Option<Live> {
-        self.filter.state().map(|state| Live {
+        let (state, sample) = (self.filter.state()?, self.sample()?);
+        let mass = ModelMass::of(&self.context, sample);
+        Some(Live {
             end: self.end,
-            estimate: state.estimate(),
+            estimate: state.estimate(&mass),
             disagreement: self.disagreement,
         })
     }
@@ -164,12 +166,17 @@ impl<S: Scalar> Estimator<S> {
         self.check_cell(cell)
     }
 
-    /// Counts a cell with a non-finite grade: a number type that is too narrow for the smoothing.
+    /// Counts a cell in which signals disagree, and one with a non-finite grade: a number type that
+    /// is too narrow for the smoothing.
     fn check_cell(&mut self, cell: Option<Cell>) -> Option<Cell> {
-        if let Some(cell) = &cell
-            && !(cell.lagged_grade_percent.value + cell.lagged_grade_percent.sigma).is_finite()
-        {
-            count(&mut self.context.counters.cells_unsound);
+        if let Some(cell) = &cell {
+            let counters = &mut self.context.counters;
+            if !cell.lagged_consistent {
+                count(&mut counters.cells_suspect);
+            }
+            if !(cell.lagged_grade_percent.value + cell.lagged_grade_percent.sigma).is_finite() {
+                count(&mut counters.cells_unsound);
+            }
         }
         cell
     }
@@ -228,5 +235,39 @@ impl<S: Scalar> Estimator<S> {
     #[must_use]
     pub const fn model(&self) -> &Model {
         &self.context.model
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cell::Uncertain;
+    use crate::vehicle::{Traction, VehicleParameters};
+
+    #[test]
+    fn finished_cells_in_which_signals_disagree_are_counted() {
+        let vehicle = VehicleParameters {
+            mass_kg: 19_000.0,
+            drag_area_m2: 5.2,
+            rolling_resistance: 0.008,
+            wheel_radius_m: 0.48,
+            wheel_inertia_kgm2: 60.0,
+            traction: Traction::Force,
+        };
+        let mut estimator = Estimator::<f32>::new(vehicle, Tuning::default()).unwrap();
+        let cell = |lagged_consistent| Cell {
+            end: CellEnd::default(),
+            live_grade_percent: Uncertain::default(),
+            lagged_grade_percent: Uncertain::default(),
+            altitude_m: None,
+            live_consistent: false,
+            lagged_consistent,
+        };
+        for is_consistent in [true, false, false] {
+            estimator.check_cell(Some(cell(is_consistent)));
+        }
+        estimator.check_cell(None);
+        assert_eq!(estimator.counters().cells_suspect, 2);
+        assert_eq!(estimator.counters().cells_unsound, 0);
     }
 }

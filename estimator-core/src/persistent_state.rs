@@ -53,10 +53,11 @@
 //! # Ok::<(), estimator_core::ParameterError>(())
 //! ```
 
-use crate::filter::{SensorNoiseRatios, SlowStates};
+use crate::cell::Uncertain;
+use crate::filter::{ModelMass, SensorNoiseRatios, SlowStates};
 use crate::model::Model;
 use crate::scalar::Scalar;
-use crate::tuning::MeasurementNoise;
+use crate::tuning::{MeasurementNoise, Prior};
 use crate::vehicle::{ParameterError, Traction};
 use crc::{CRC_32_ISO_HDLC, Crc, Digest, NoTable};
 
@@ -175,6 +176,18 @@ impl PersistentState {
     #[must_use]
     pub const fn slow_states(&self) -> &SlowStates {
         &self.slow
+    }
+
+    /// Returns the gross mass that the drive ended with, kg, as its scale says. The model must be
+    /// that of the drive ([`Self::check_model`]). A mass that was reported at the time has no part
+    /// in it: the next drive is told it again.
+    #[must_use]
+    pub fn mass_kg(&self, model: &Model, tuning: &Prior) -> Uncertain {
+        let scale = Uncertain {
+            value: 1.0 + self.slow.scale_error,
+            sigma: Scalar::sqrt(self.slow.scale_variance),
+        };
+        ModelMass::parameter(model, tuning, self.slow.mass_kg).gross_kg(scale)
     }
 
     /// Returns the noise of the sensors, relative to what this tuning assumes.

@@ -14,6 +14,7 @@
 //! | `altitude_gate` | which altitudes to use; the climb test |
 //! | `noise_ratio` | measurement noise learned from innovations |
 //! | `effect_uncertainty` | force and uncertainty of the adopted effects |
+//! | [`gross_mass`] | the mass that follows from the scale |
 //! | [`prior`], `scale_prior_reset` | what is assumed where a drive begins, and when that was wrong |
 //! | [`step_record`] | what a step leaves for the smoother |
 
@@ -23,6 +24,7 @@ pub mod covariance;
 pub mod dynamics;
 mod effect_uncertainty;
 mod error_levels;
+pub mod gross_mass;
 pub mod measurement;
 mod noise_ratio;
 pub mod predict;
@@ -38,6 +40,7 @@ pub mod step_record;
 pub use altitude_gate::AltitudeEvent;
 pub use covariance::Covariance;
 pub use effect_uncertainty::EffectContribution;
+pub use gross_mass::ModelMass;
 pub use noise_ratio::SensorNoiseRatios;
 pub use prior::SlowStates;
 pub use quantity::{Quantity, QuantityEstimate};

@@ -1,6 +1,7 @@
 //! Mean and covariance of the states, and the estimate that follows from them.
 
 use super::covariance::Covariance;
+use super::gross_mass::ModelMass;
 use super::quantity::{Quantity, QuantityEstimate};
 use super::state_index::{StateIndex, StateVector};
 use crate::cell::Estimate;
@@ -28,18 +29,20 @@ impl<S: Scalar> State<S> {
         self.covariance.variance(state).sqrt()
     }
 
-    /// Returns the estimate at the cell's end.
+    /// Returns the estimate at the cell's end. `mass` is that of the model there.
     #[must_use]
-    pub fn estimate(&self) -> Estimate {
+    pub fn estimate(&self, mass: &ModelMass) -> Estimate {
         let energy = self.mean[StateIndex::KineticEnergy];
         let [bias, scale] =
             [Quantity::Bias, Quantity::Scale].map(|quantity| self.quantity(quantity).uncertain());
+        let scale = scale.plus(1.0);
         Estimate {
             grade_percent: self.quantity(Quantity::Slope).grade(),
             altitude_m: self.quantity(Quantity::Altitude).altitude(self.origin_m),
             speed_mps: (energy + energy).sqrt().to_f32(),
             bias_percent: bias,
-            scale: scale.plus(1.0),
+            scale,
+            mass_kg: mass.gross_kg(scale),
         }
     }
 

@@ -79,6 +79,11 @@ impl Stops {
         self.reported_kg.unwrap_or(model.vehicle.mass_kg) * model.effects.factor(Acts::Mass)
     }
 
+    /// Returns whether that mass is a reported one.
+    pub(super) const fn has_reported_mass(&self) -> bool {
+        self.reported_kg.is_some()
+    }
+
     /// Returns the time in motion since the start or the last long stop, s. Tyres cool down in a
     /// long stop, not in one that only changes the load.
     pub(super) fn driven_s(&self) -> f32 {

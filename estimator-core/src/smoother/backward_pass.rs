@@ -9,7 +9,9 @@
 use crate::cell::Estimate;
 use crate::filter::StateIndex::{Altitude, GnssError, KineticEnergy};
 use crate::filter::measurement::{Observation, ScalarUpdate};
-use crate::filter::{Covariance, Quantity, QuantityEstimate, SmootherInput, State, StateVector};
+use crate::filter::{
+    Covariance, ModelMass, Quantity, QuantityEstimate, SmootherInput, State, StateVector,
+};
 use crate::scalar::Scalar;
 
 /// What later steps say about earlier ones: λ and Λ.
@@ -41,17 +43,20 @@ impl<S: Scalar> BackwardPass<S> {
         }
     }
 
-    /// Returns the smoothed estimate where the filter had `state`.
+    /// Returns the smoothed estimate where the filter had `state`. `mass` is that of the model
+    /// there.
     #[must_use]
-    pub fn estimate(&self, state: &State<S>) -> Estimate {
+    pub fn estimate(&self, state: &State<S>, mass: &ModelMass) -> Estimate {
         let smoothed = |quantity| self.smooth(&state.quantity(quantity));
         let energy = self.smooth_energy(state);
+        let scale = smoothed(Quantity::Scale).uncertain().plus(1.0);
         Estimate {
             grade_percent: smoothed(Quantity::Slope).grade(),
             altitude_m: smoothed(Quantity::Altitude).altitude(state.origin_m),
             speed_mps: (energy + energy).sqrt().to_f32(),
             bias_percent: smoothed(Quantity::Bias).uncertain(),
-            scale: smoothed(Quantity::Scale).uncertain().plus(1.0),
+            scale,
+            mass_kg: mass.gross_kg(scale),
         }
     }
 

@@ -39,6 +39,7 @@ tuning! {
         largest_innovation: f32 = 25.0, 1.0..=1e4, "1", "normalised squared innovation that an innovation counts as at most when noise is learned", "five sigmas: beyond is no noise";
         many_satellites: f32 = 8.0, 1.0..=50.0, "1", "number of satellites beyond which more do not lower the noise", "chosen";
         dilution_per_missing_satellite: f32 = 0.5, 0.0..=10.0, "1", "dilution of precision that each satellite below `many_satellites` adds, unless the receiver reports more", "on average four satellites have three times the vertical error of many";
+        reported_mass_sigma: f32 = 0.05, 1e-3..=1.0, "1", "error of a mass that the bus reports as a part of it, 1 sigma", "chosen: axle loads from air springs scatter by some per cent";
         largest_dilution: f32 = 50.0, 1.0..=1e4, "1", "dilution of precision that counts at most", "chosen: what is beyond has no weight";
     }
 
@@ -66,6 +67,7 @@ tuning! {
     prior: Prior {
         slope_sigma_percent: f32 = 3.0, 0.01..=50.0, "%", "grade before anything is known, 1 sigma", "roads: standard deviation 1 to 3";
         scale_sigma: f32 = 0.1, 1e-4..=2.0, "1", "error of the traction scale (mass or torque), 1 sigma", "a parameter file for the load at hand: 0.1";
+        torque_sigma: f32 = 0.04, 0.0..=1.0, "1", "error of the engine torque as a part of it, 1 sigma: it is in the sigma of the mass", "engine torque is right within 4 %, 1 sigma";
         cold_tyre_rolling: f32 = 0.5, 0.0..=5.0, "1", "bias besides the usual at the start, as a part of the rolling resistance, 1 sigma", "cold tyres add 0.3 to 0.8 of it";
         kept_bias: f32 = 0.35, 0.0..=1.0, "1", "part of the bias that belongs to the vehicle and is kept for the next drive", "drag area and shape outlast a trip, weather and tyre temperature do not: 0.3 (12 t) to 0.4 (39 t) of the variance";
         kept_scale: f32 = 0.9, 0.0..=1.0, "1", "part of the scale that is kept for the next drive with the same mass", "regular hauls are the rule: one unreported change of load in ten drives";

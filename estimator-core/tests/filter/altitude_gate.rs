@@ -1,6 +1,6 @@
 //! GNSS altitudes that are wrong: outliers, steps, drifts, silence, other sources, a stuck receiver.
 
-use estimator_core::filter::AltitudeEvent;
+use estimator_core::filter::{AltitudeEvent, ModelMass};
 use estimator_core::sample::AltitudeContinuity;
 use estimator_core::{Counters, Signal, Tuning};
 use test_kit::by_force;
@@ -64,7 +64,14 @@ fn a_step_of_the_receiver_moves_neither_slope_nor_altitude() {
     assert!((1..=2).contains(&counters.altitude_steps));
     assert!(counters.altitudes_rejected < 10);
     assert!(worst_grade(&cells) < worst_grade(&clean) + 0.02);
-    let altitude = |k: usize| cells[k].state.estimate().altitude_m.unwrap().value;
+    let altitude = |k: usize| {
+        cells[k]
+            .state
+            .estimate(&ModelMass::default())
+            .altitude_m
+            .unwrap()
+            .value
+    };
     assert!((altitude(1_700) - altitude(1_400)).abs() < 3.0);
     assert!((altitude(2_300) - altitude(1_400)).abs() < 3.0);
 }
@@ -119,7 +126,11 @@ fn a_drift_is_detected_and_rejected_until_it_ends() {
         assert!((1_900..2_100).contains(&ended), "{ended}");
         assert!(counters.altitudes_rejected > 20);
         // The receiver stays 10 m off, and the altitude does not follow it.
-        let after = cells[2_200].state.estimate().altitude_m.unwrap();
+        let after = cells[2_200]
+            .state
+            .estimate(&ModelMass::default())
+            .altitude_m
+            .unwrap();
         assert!((after.value - 100.0).abs() < 6.0, "{after:?}");
     }
 }
@@ -149,7 +160,12 @@ fn a_climb_that_never_ends_is_accepted_in_the_end() {
         "{:?}",
         events(&cells)
     );
-    let grade = cells.last().unwrap().state.estimate().grade_percent;
+    let grade = cells
+        .last()
+        .unwrap()
+        .state
+        .estimate(&ModelMass::default())
+        .grade_percent;
     assert!((grade.value - 3.0).abs() < 3.0 * grade.sigma, "{grade:?}");
     assert!((grade.value - 3.0).abs() < 0.4, "{grade:?}");
 }
@@ -166,7 +182,7 @@ fn good_fixes_are_no_drift() {
 
 /// Checks that a change of the datum moved neither slope nor slow states.
 fn unmoved(before: &FilteredStep<f64>, after: &FilteredStep<f64>) {
-    let [before, after] = [before, after].map(|cell| cell.state.estimate());
+    let [before, after] = [before, after].map(|cell| cell.state.estimate(&ModelMass::default()));
     for (a, b, within) in [
         (before.grade_percent, after.grade_percent, 0.2),
         (before.bias_percent, after.bias_percent, 0.03),
@@ -186,7 +202,14 @@ fn another_source_or_a_long_silence_sets_the_altitude_anew_and_nothing_else() {
     assert_eq!(counters.altitude_resets, 2);
     assert_eq!(counters.altitude_steps, 0);
     unmoved(&cells[3_290], &cells[3_320]);
-    let height = |k: usize| cells[k].state.estimate().altitude_m.unwrap().value;
+    let height = |k: usize| {
+        cells[k]
+            .state
+            .estimate(&ModelMass::default())
+            .altitude_m
+            .unwrap()
+            .value
+    };
     assert!((height(3_320) - 135.0).abs() < 4.0, "{}", height(3_320));
 
     let short = |k: u32, altitude_m: f32| (!(800..1_760).contains(&k)).then_some(altitude_m);

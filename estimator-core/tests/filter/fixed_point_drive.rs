@@ -1,5 +1,6 @@
 //! The filter and its smoothing in fixed point against double precision.
 
+use estimator_core::filter::ModelMass;
 use estimator_core::sample::Sample;
 use estimator_core::{
     Estimate, Estimator, FixedPoint, Instant, Reading, Signal, Traction, Tuning, Uncertain, Value,
@@ -62,11 +63,14 @@ fn every_estimate_is_that_of_double_precision() {
             assert!((fixed.sigma / double.sigma - 1.0).abs() < 2e-3);
         }
     }
-    let live = |cell: &FilteredStep<FixedPoint>| cell.state.estimate();
+    let live = |cell: &FilteredStep<FixedPoint>| cell.state.estimate(&ModelMass::default());
     let estimates: Vec<Estimate> = fixed.iter().map(live).collect();
     for (found, of) in [(estimates, 0), (smooth(&fixed), 1)] {
         let double: Vec<Estimate> = match of {
-            0 => double.iter().map(|cell| cell.state.estimate()).collect(),
+            0 => double
+                .iter()
+                .map(|cell| cell.state.estimate(&ModelMass::default()))
+                .collect(),
             _ => smooth(&double),
         };
         for (fixed, double) in found.iter().zip(&double) {
@@ -92,7 +96,14 @@ fn an_overflow_is_counted_and_restarts_the_filter() {
         assert_eq!(cell.is_none(), k == 200, "{k}");
         if let Some(cell) = cell {
             assert!(cell.state.is_sound());
-            assert!(cell.state.estimate().grade_percent.value.abs() < 10.0);
+            assert!(
+                cell.state
+                    .estimate(&ModelMass::default())
+                    .grade_percent
+                    .value
+                    .abs()
+                    < 10.0
+            );
         }
     }
     assert_eq!(run.context.counters.restarts, 1);

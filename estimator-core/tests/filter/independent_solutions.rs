@@ -2,7 +2,7 @@
 
 use estimator_core::Tuning;
 use estimator_core::filter::measurement::ScalarUpdate;
-use estimator_core::filter::{Reset, STATES, StateIndex};
+use estimator_core::filter::{ModelMass, Reset, STATES, StateIndex};
 use estimator_core::sample::Sample;
 use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
@@ -168,7 +168,7 @@ proptest! {
         let cells = run::<f64>(&samples, &Tuning::default());
         let last = cells.last().unwrap();
         let smoothed = *smooth(&cells).last().unwrap();
-        let filtered = last.state.estimate();
+        let filtered = last.state.estimate(&ModelMass::default());
         prop_assert!((smoothed.grade_percent.value - filtered.grade_percent.value).abs() < 1e-5);
         prop_assert!((smoothed.grade_percent.sigma - filtered.grade_percent.sigma).abs() < 1e-5);
     }
@@ -234,7 +234,7 @@ fn a_speed_that_steps_is_known_as_well_as_it_was_measured() {
                 .symmetric_eigenvalues()
                 .min();
             assert!(least > -1e-5, "{k}: {least}");
-            assert!((state.estimate().speed_mps - mps).abs() < 0.5);
+            assert!((state.estimate(&ModelMass::default()).speed_mps - mps).abs() < 0.5);
         }
         assert_eq!(run.context.counters.restarts, 0);
     }

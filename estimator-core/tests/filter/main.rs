@@ -3,6 +3,7 @@
 mod altitude_gate;
 #[cfg(feature = "fixed")]
 mod fixed_point_drive;
+mod gross_mass;
 mod independent_solutions;
 mod states;
 mod statistics;

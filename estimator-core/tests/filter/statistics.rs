@@ -1,8 +1,8 @@
 //! Statistics of the filter: white innovations, and a result that does not depend on the length of
 //! its steps.
 
-use estimator_core::filter::STATES;
 use estimator_core::filter::measurement::ScalarUpdate;
+use estimator_core::filter::{ModelMass, STATES};
 use estimator_core::sample::Sample;
 use estimator_core::{CELL_LENGTH_M, Tuning};
 use nalgebra::DVector;
@@ -140,7 +140,12 @@ fn halving_the_step_changes_next_to_nothing() {
             .iter()
             .skip(per_cell - 1)
             .step_by(per_cell)
-            .map(|cell| cell.state.estimate().grade_percent.value)
+            .map(|cell| {
+                cell.state
+                    .estimate(&ModelMass::default())
+                    .grade_percent
+                    .value
+            })
             .collect()
     };
     let (whole, half) = (grades(2.5), grades(1.25));

@@ -1,6 +1,6 @@
 //! What one drive leaves for the next: its content, its conditions, and the start of the next drive.
 
-use estimator_core::filter::Filter;
+use estimator_core::filter::{Filter, ModelMass};
 use estimator_core::tuning::MeasurementNoise;
 use estimator_core::{Context, Estimate, Estimator, Tuning};
 use test_kit::by_force;
@@ -125,6 +125,17 @@ fn another_reported_mass_leaves_the_scale_as_at_a_first_drive() {
 }
 
 #[test]
+fn a_reported_mass_is_part_of_the_live_mass() {
+    // 20,000 kg within 10 % by the scale, within 5 % by the report.
+    let reported = first_cells(fresh(), Some(20_000.0)).mass_kg;
+    assert!((reported.value - 20_000.0).abs() < 20.0, "{reported:?}");
+    assert!((reported.sigma - 894.0).abs() < 10.0, "{reported:?}");
+    let parameter = first_cells(fresh(), None).mass_kg;
+    assert!((parameter.value - 39_000.0).abs() < 40.0, "{parameter:?}");
+    assert!((parameter.sigma - 3_900.0).abs() < 20.0, "{parameter:?}");
+}
+
+#[test]
 fn a_second_pass_starts_as_the_first() {
     let estimator = drive(restored(), 3_000, USUAL);
     let sample = estimator.sample().unwrap();
@@ -132,7 +143,11 @@ fn a_second_pass_starts_as_the_first() {
         let model = estimator.model().clone();
         let mut context = Context::new(model, estimator.tuning().clone()).unwrap();
         filter.step(&mut context, sample);
-        filter.state().unwrap().estimate().scale
+        filter
+            .state()
+            .unwrap()
+            .estimate(&ModelMass::default())
+            .scale
     };
     let scale = start(estimator.second_pass_filter());
     assert!((scale.value - 1.0 - 0.9 * KEPT.slow_states().scale_error).abs() < 0.001);

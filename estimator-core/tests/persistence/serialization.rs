@@ -3,7 +3,7 @@
 use estimator_core::sample::{
     AltitudeContinuity, AltitudeMeasurement, EffectInputs, ForceInputs, Sample, SpeedMeasurement,
 };
-use estimator_core::{Cell, CellEnd, Condition, Instant, Maybe, Uncertain};
+use estimator_core::{Cell, CellEnd, Condition, Disagreement, Instant, Maybe, Uncertain};
 use proptest::prelude::*;
 
 fn cell_end() -> impl Strategy<Value = CellEnd> {
@@ -75,6 +75,12 @@ fn sample() -> impl Strategy<Value = Sample> {
                 speed,
                 altitude,
                 after_load_change: !flag,
+                mass_is_reported: flag,
+                disagreement: Disagreement {
+                    climb: flag,
+                    gear: !flag,
+                    ..Disagreement::default()
+                },
             }
         },
     )
@@ -96,6 +102,8 @@ proptest! {
             live_grade_percent: uncertain(number),
             lagged_grade_percent: uncertain(number / 3.0),
             altitude_m: known.then(|| uncertain(number / 7.0)),
+            live_consistent: known,
+            lagged_consistent: !known,
         };
         let text = serde_json::to_string(&cell).unwrap();
         prop_assert_eq!(serde_json::from_str::<Cell>(&text).unwrap(), cell);

@@ -1,5 +1,6 @@
 //! The stored form of the persistent state: its bytes, and what is refused.
 
+use estimator_core::tuning::Prior;
 use estimator_core::{
     Estimator, Gear, PersistentState, PersistentStateError, Traction, Tuning, VehicleParameters,
 };
@@ -40,6 +41,22 @@ fn edited(at: usize, word: [u8; 4]) -> [u8; PersistentState::LEN] {
     let checksum = crc32(&bytes[..CHECKED]);
     bytes[CHECKED..].copy_from_slice(&checksum.to_le_bytes());
     bytes
+}
+
+#[test]
+fn a_state_tells_the_mass_that_its_scale_stands_for() {
+    let slow = KEPT.slow_states();
+    let scale = 1.0 + slow.scale_error;
+    let mass_kg = 39_000.0 / scale;
+    let part = slow.scale_variance.sqrt() / scale;
+    let tuning = Prior::default();
+    let by_force = KEPT.mass_kg(&by_force().into(), &tuning);
+    assert!((by_force.value / mass_kg - 1.0).abs() < 1e-5);
+    assert!((by_force.sigma / (mass_kg * part) - 1.0).abs() < 1e-4);
+    // An engine's torque is right within 4 %.
+    let by_torque = KEPT.mass_kg(&truck().into(), &tuning);
+    assert_eq!(by_torque.value, by_force.value);
+    assert!((by_torque.sigma / (mass_kg * part.hypot(0.04)) - 1.0).abs() < 1e-4);
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! Fixed-lag smoothing against a backward pass over all of its records.
 
 use estimator_core::Tuning;
+use estimator_core::filter::ModelMass;
 use estimator_core::sample::{AltitudeContinuity, Sample};
 use estimator_core::smoother::fixed_lag::{BLOCK_CELLS, LAG_CELLS};
 use estimator_core::smoother::{BackwardPass, FixedLag};
@@ -42,7 +43,10 @@ fn a_cell_is_smoothed_by_its_lag_and_no_more() {
     assert_eq!(cells.len(), filtered.len());
     for (k, cell) in cells.iter().enumerate() {
         assert_eq!(cell.end, filtered[k].record.end);
-        let live = filtered[k].state.estimate().grade_percent;
+        let live = filtered[k]
+            .state
+            .estimate(&ModelMass::default())
+            .grade_percent;
         assert_eq!(cell.live_grade_percent, live);
         // The lag of a block begins at its end.
         let block_end = (k / BLOCK_CELLS + 1) * BLOCK_CELLS;
@@ -51,7 +55,9 @@ fn a_cell_is_smoothed_by_its_lag_and_no_more() {
         for later in filtered[k + 1..seen].iter().rev() {
             pass.retreat(&later.record.smoother_input);
         }
-        let direct = pass.estimate(&filtered[k].state).grade_percent;
+        let direct = pass
+            .estimate(&filtered[k].state, &ModelMass::default())
+            .grade_percent;
         let lagged = cell.lagged_grade_percent;
         assert!(
             (lagged.value - direct.value).abs() < 1e-5 * (1.0 + direct.value.abs()),

@@ -1,3 +1,4 @@
 //! The smoother: the fixed lag.
 
 mod fixed_lag;
+mod marks;

@@ -8,7 +8,7 @@ use crate::simulator::scenario::Scenario;
 use crate::simulator::truck::Preset;
 use crate::simulator::{SimulatedRun, simulate};
 use crate::smooth::{ForwardCell, smooth_run};
-use estimator_core::filter::{Filter, SensorNoiseRatios};
+use estimator_core::filter::{Filter, Quantity, SensorNoiseRatios};
 use estimator_core::signal::{Decoder, Signal};
 use estimator_core::smoother::BackwardPass;
 use estimator_core::smoother::fixed_lag::BLOCK_CELLS;
@@ -132,9 +132,10 @@ impl DriveOnRoad {
                 errors
                     .smoothed
                     .add(smoothed[k].estimate.grade_percent, *true_percent);
-                errors
-                    .live
-                    .add(cells[k].state.estimate().grade_percent, *true_percent);
+                errors.live.add(
+                    cells[k].state.quantity(Quantity::Slope).grade(),
+                    *true_percent,
+                );
             }
         }
         errors.lagged = lags
@@ -227,7 +228,8 @@ fn lagged(cells: &[ForwardCell<f32>], judged: &[Option<f64>], lag_blocks: usize)
         let mut pass = BackwardPass::new();
         for k in (from..to).rev() {
             if let Some(true_percent) = judged[k].filter(|_| block.contains(&k)) {
-                errors.add(pass.estimate(&cells[k].state).grade_percent, true_percent);
+                let slope = cells[k].state.quantity(Quantity::Slope);
+                errors.add(pass.smooth(&slope).grade(), true_percent);
             }
             pass.retreat(&cells[k].record.smoother_input);
         }
@@ -237,6 +239,7 @@ fn lagged(cells: &[ForwardCell<f32>], judged: &[Option<f64>], lag_blocks: usize)
 
 fn scale_error(cells: &[ForwardCell<f32>], true_scale: f64) -> (f64, f64) {
     let at = cells.partition_point(|cell| cell.record.end.distance_m() < SCALE_AT_M);
-    let scale = cells[at.min(cells.len() - 1)].state.estimate().scale;
+    let state = &cells[at.min(cells.len() - 1)].state;
+    let scale = state.quantity(Quantity::Scale).uncertain().plus(1.0);
     (f64::from(scale.value) - true_scale, f64::from(scale.sigma))
 }

@@ -14,7 +14,7 @@ pub struct CountedEvent {
 }
 
 /// Keys whose name differs from the key.
-const NAMES: [(&str, &str); 22] = [
+const NAMES: [(&str, &str); 23] = [
     ("frames malformed", "malformed frames"),
     ("fast packets broken", "incomplete fast packets"),
     ("inputs back in time", "inputs with earlier time stamps"),
@@ -29,6 +29,7 @@ const NAMES: [(&str, &str); 22] = [
     ("steps of the speed", "speed steps"),
     ("gaps in speed", "speed gaps"),
     ("cells that are no numbers", "non-finite cells"),
+    ("cells suspect", "suspect cells"),
     ("cells with brakes guessed", "cells with inferred braking"),
     ("stops that reopened the load", "load prior resets at stops"),
     ("scales far from the file", "scale prior resets"),
@@ -74,6 +75,7 @@ pub fn events(c: &Counters) -> Vec<CountedEvent> {
             c.samples_lost.saturating_add(c.cells_lost).into(),
         ),
         ("cells that are no numbers", c.cells_unsound.into()),
+        ("cells suspect", c.cells_suspect.into()),
         ("cells with brakes guessed", c.brakes_guessed.into()),
         ("stops that reopened the load", c.loads_reopened.into()),
         ("scales far from the file", c.scales_reopened.into()),

@@ -1,7 +1,7 @@
 //! Samples through the filter and the smoother.
 
 use crate::truck;
-use estimator_core::filter::{Filter, SensorNoiseRatios, State, StepRecord};
+use estimator_core::filter::{Filter, ModelMass, SensorNoiseRatios, State, StepRecord};
 use estimator_core::sample::Sample;
 use estimator_core::smoother::{BackwardPass, FixedLag};
 use estimator_core::{Cell, Context, Counters, Estimate, Model, Scalar, Tuning};
@@ -62,7 +62,7 @@ pub fn smooth<S: Scalar>(cells: &[FilteredStep<S>]) -> Vec<Estimate> {
         .iter()
         .rev()
         .map(|cell| {
-            let estimate = pass.estimate(&cell.state);
+            let estimate = pass.estimate(&cell.state, &ModelMass::default());
             pass.retreat(&cell.record.smoother_input);
             estimate
         })

@@ -3,7 +3,7 @@
 use estimator_core::sample::{
     AltitudeContinuity, AltitudeMeasurement, EffectInputs, ForceInputs, Sample, SpeedMeasurement,
 };
-use estimator_core::{CELL_LENGTH_M, CellEnd, Condition, Instant};
+use estimator_core::{CELL_LENGTH_M, CellEnd, Condition, Disagreement, Instant};
 
 /// Returns a sample at cell `cell` with nothing measured.
 pub fn sample(cell: u32, traction_n: f32, speed_mps: f32) -> Sample {
@@ -29,7 +29,8 @@ pub fn sample(cell: u32, traction_n: f32, speed_mps: f32) -> Sample {
         speed: None,
         altitude: None,
         after_load_change: false,
-        disagreement: estimator_core::Disagreement::default(),
+        mass_is_reported: false,
+        disagreement: Disagreement::default(),
     }
 }
 

@@ -10,7 +10,7 @@ use estimator_core::filter::{Covariance, EffectContribution, State, StateIndex, 
 use estimator_core::sample::{EffectInputs, ForceInputs, Sample};
 use estimator_core::vehicle::STANDARD_AIR_DENSITY;
 use estimator_core::{
-    CELL_LENGTH_M, CellEnd, Context, Counters, Traction, Tuning, VehicleParameters,
+    CELL_LENGTH_M, CellEnd, Context, Counters, Disagreement, Traction, Tuning, VehicleParameters,
 };
 
 /// All its states, on a level road at 20 m/s.
@@ -43,6 +43,8 @@ pub fn ours(meter: &mut impl FilterMeter) {
         speed: None,
         altitude: None,
         after_load_change: false,
+        mass_is_reported: false,
+        disagreement: Disagreement::default(),
     };
     let no_effects = EffectContribution::default();
     let prediction = Prediction::new(&context, &sample, None, 1.0, no_effects);

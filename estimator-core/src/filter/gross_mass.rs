@@ -1,0 +1,106 @@
+//! Gross mass of the vehicle: what the scale of the model means for a user.
+//!
+//! The scale is true over modelled traction per kilogram. If the torque is right, the mass is that of
+//! the model over the scale. An engine reports its torque within some per cent, which no signal on
+//! the bus can tell from mass: it is part of the sigma. Where the mass of the model was told, by the
+//! bus or by an adopted effect with a sigma, both are combined by their inverse variances. If they
+//! differ by more than their sigmas allow, the sigma grows to cover both (R. T. Birge, "The
+//! calculation of errors by the method of least squares", Phys. Rev. 40:207, 1932).
+
+use crate::cell::Uncertain;
+use crate::context::Context;
+use crate::effect::Acts;
+use crate::model::Model;
+use crate::sample::Sample;
+use crate::scalar::Scalar;
+use crate::tuning::{Prior, Tuning};
+use crate::vehicle::Traction;
+
+/// Smallest and largest scale that a vehicle can have. A full combination and its tractor alone are
+/// a factor of 5 apart.
+const SMALLEST_SCALE: f32 = 0.2;
+const LARGEST_SCALE: f32 = 5.0;
+
+/// The mass that the model takes, and how well it and the traction are known.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ModelMass {
+    /// Mass that the model takes, kg.
+    pub mass_kg: f32,
+    /// Error of the traction as a part of it, 1 sigma.
+    pub traction_sigma: f32,
+    /// Error of the mass as a part of it, 1 sigma. `None` if it is only a parameter, which another
+    /// load makes wrong by any factor.
+    pub told_sigma: Option<f32>,
+}
+
+impl ModelMass {
+    /// Returns what is known of the mass in the cell of a sample.
+    #[must_use]
+    pub fn of(context: &Context, sample: &Sample) -> Self {
+        let Context { model, tuning, .. } = context;
+        Self {
+            told_sigma: told_sigma(model, tuning, sample.mass_is_reported),
+            ..Self::parameter(model, &tuning.prior, sample.forces.mass_kg)
+        }
+    }
+
+    /// Returns a mass in kg that nothing confirms.
+    #[must_use]
+    pub fn parameter(model: &Model, tuning: &Prior, mass_kg: f32) -> Self {
+        Self {
+            mass_kg,
+            traction_sigma: match model.vehicle.traction {
+                Traction::Powertrain(_) => tuning.torque_sigma,
+                Traction::Force => 0.0,
+            },
+            told_sigma: None,
+        }
+    }
+
+    /// Returns the gross mass for a scale, kg.
+    #[must_use]
+    pub fn gross_kg(&self, scale: Uncertain) -> Uncertain {
+        let possible = scale.value.clamp(SMALLEST_SCALE, LARGEST_SCALE);
+        let beyond = scale.value - possible;
+        let scale_variance = (scale.sigma * scale.sigma + beyond * beyond) / (possible * possible);
+        // As parts of the mass of the model.
+        let driven = 1.0 / possible;
+        let driven_variance =
+            driven * driven * (scale_variance + self.traction_sigma * self.traction_sigma);
+        let (part, variance) = match self.told_sigma {
+            Some(sigma) => combined((driven, driven_variance), (1.0, sigma * sigma)),
+            None => (driven, driven_variance),
+        };
+        Uncertain {
+            value: self.mass_kg * part,
+            sigma: self.mass_kg * Scalar::sqrt(variance),
+        }
+    }
+}
+
+/// Returns mean and variance of two independent measurements with their variances, of which the
+/// second is above zero.
+fn combined((a, a_variance): (f32, f32), (b, b_variance): (f32, f32)) -> (f32, f32) {
+    let sum = a_variance + b_variance;
+    let mean = (a * b_variance + b * a_variance) / sum;
+    let chi_squared = (a - b) * (a - b) / sum;
+    (mean, a_variance * b_variance / sum * chi_squared.max(1.0))
+}
+
+/// Returns the sigma of the model's mass as a part of it, as far as it was told.
+fn told_sigma(model: &Model, tuning: &Tuning, is_reported: bool) -> Option<f32> {
+    let of_effects: f32 = model
+        .effects
+        .iter()
+        .filter(|adopted| adopted.effect.acts == Acts::Mass)
+        .map(|adopted| adopted.amount_sigma / (1.0 + adopted.amount))
+        .map(|sigma| sigma * sigma)
+        .sum();
+    let reported = if is_reported {
+        tuning.measurement_noise.reported_mass_sigma
+    } else {
+        0.0
+    };
+    let variance = of_effects + reported * reported;
+    (variance > 0.0).then(|| Scalar::sqrt(variance))
+}
