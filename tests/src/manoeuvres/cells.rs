@@ -37,12 +37,15 @@ impl Kind {
     }
 }
 
-/// Returns true if a row is marked as suspect. Rows have no such column yet.
+/// Returns true if a row is marked as suspect.
 #[must_use]
-pub const fn is_marked(_row: &RunRow, kind: Kind) -> bool {
-    match kind {
-        Kind::Smoothed | Kind::Lagged | Kind::Live => false,
-    }
+pub const fn is_marked(row: &RunRow, kind: Kind) -> bool {
+    let consistent = match kind {
+        Kind::Smoothed => row.consistent,
+        Kind::Lagged => row.lagged_consistent,
+        Kind::Live => row.live_consistent,
+    };
+    consistent == 0
 }
 
 /// One estimate of one cell.
