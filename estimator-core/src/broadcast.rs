@@ -1,22 +1,27 @@
 //! The estimate as CAN frames, for other nodes of the bus.
 //!
-//! Two messages of the range that J1939-21 leaves to manufacturers. `dbc/grade.dbc` has their layout.
+//! Three messages of the range that J1939-21 leaves to manufacturers. `dbc/grade.dbc` has their layout.
 //! They are coded as in J1939-71: steps and offsets, all ones for "not available", and the ends of
 //! the range for values beyond it.
 
-use crate::cell::{Cell, Condition, Live, Uncertain};
+use crate::cell::{Cell, Condition, Disagreement, Live, Uncertain};
 use embedded_can::{ExtendedId, Frame, Id};
 
 /// Parameter group of the live estimate. Ten frames a second are a good rate.
 pub const LIVE_PGN: u32 = 0xFF46;
 /// Parameter group of a finished cell.
 pub const CELL_PGN: u32 = 0xFF47;
+/// Parameter group of the status. One frame a second and one at each change of its switches are a
+/// good rate. The group between is that of the host's log time.
+pub const STATUS_PGN: u32 = 0xFF49;
 /// The default of J1939-21 for information.
 const PRIORITY: u32 = 6;
 
 /// Largest raw values that are no code (J1939-71, table 1).
 const LARGEST_BYTE: f32 = 250.0;
 const LARGEST_WORD: f32 = 64_255.0;
+/// State of a switch that is not known.
+const NOT_AVAILABLE: u8 = 3;
 
 /// Step and offset of a coding.
 #[derive(Clone, Copy)]
@@ -29,6 +34,8 @@ const GRADE_PERCENT: Coding = Coding::new(0.002, -64.0);
 const GRADE_SIGMA_PERCENT: Coding = Coding::new(0.02, 0.0);
 const SCALE: Coding = Coding::new(0.0001, 0.0);
 const ALTITUDE_M: Coding = Coding::new(0.125, -2_500.0);
+/// As in SPN 1760, gross combination vehicle weight.
+const MASS_KG: Coding = Coding::new(10.0, 0.0);
 
 /// Returns the frame of the live estimate with the source address `source`. All fields are "not
 /// available" without an estimate. `None` if the frame type does not take eight bytes.
@@ -41,9 +48,9 @@ pub fn live<F: Frame>(live: Option<&Live>, source: u8) -> Option<F> {
         let bias = GRADE_PERCENT.word(estimate.bias_percent.value);
         let scale = SCALE.word(estimate.scale.value);
         let sigma = GRADE_SIGMA_PERCENT.byte(estimate.grade_percent.sigma);
-        let status = status(live.end.condition);
+        let conditions = conditions(live.end.condition);
         data = [
-            grade[0], grade[1], sigma, status, bias[0], bias[1], scale[0], scale[1],
+            grade[0], grade[1], sigma, conditions, bias[0], bias[1], scale[0], scale[1],
         ];
     }
     frame(LIVE_PGN, source, &data)
@@ -73,23 +80,67 @@ pub fn cell<F: Frame>(cell: &Cell, source: u8) -> Option<F> {
     frame(CELL_PGN, source, &data)
 }
 
+/// Returns the frame of the status with the source address `source`: whether the live estimate is
+/// consistent and what disagrees, gross mass, whether the newest finished cell is consistent, and
+/// the number of suspect cells, which wraps at 65,536. All fields are "not available" without an
+/// estimate. `None` if the frame type does not take eight bytes.
+#[must_use]
+pub fn status<F: Frame>(
+    live: Option<&Live>,
+    newest: Option<&Cell>,
+    cells_suspect: u32,
+    source: u8,
+) -> Option<F> {
+    let mut data = [u8::MAX; 8];
+    if let Some(live) = live {
+        let [first, second] = status_switches(live.disagreement, newest);
+        let Uncertain { value, sigma } = live.estimate.mass_kg;
+        let (mass, sigma) = (MASS_KG.word(value), MASS_KG.word(sigma));
+        let [n0, n1, ..] = cells_suspect.to_le_bytes();
+        data = [first, second, mass[0], mass[1], sigma[0], sigma[1], n0, n1];
+    }
+    frame(STATUS_PGN, source, &data)
+}
+
+/// Returns the first two bytes of the status, two bits for each switch.
+fn status_switches(disagreement: Disagreement, newest: Option<&Cell>) -> [u8; 2] {
+    let Disagreement {
+        climb,
+        brake,
+        torque,
+        speed,
+        gear,
+    } = disagreement;
+    let lagged = newest.map_or(NOT_AVAILABLE, |cell| u8::from(cell.lagged_consistent));
+    [
+        switches([disagreement.is_none(), climb, brake, torque].map(u8::from)),
+        switches([u8::from(speed), u8::from(gear), lagged, NOT_AVAILABLE]),
+    ]
+}
+
 fn frame<F: Frame>(pgn: u32, source: u8, data: &[u8; 8]) -> Option<F> {
     let id = ExtendedId::new(PRIORITY << 26 | pgn << 8 | u32::from(source))?;
     F::new(Id::Extended(id), data)
 }
 
-/// Returns two bits for each condition, as J1939-71 codes a switch: 0 off, 1 on.
-fn status(condition: Condition) -> u8 {
+/// Returns two bits for each condition.
+fn conditions(condition: Condition) -> u8 {
     let Condition {
         shifting,
         braking,
         no_traction,
         crawling,
     } = condition;
-    [shifting, braking, no_traction, crawling]
+    switches([shifting, braking, no_traction, crawling].map(u8::from))
+}
+
+/// Returns a byte of switches, the first one in the lowest bits. J1939-71 codes a switch in two bits:
+/// 0 off, 1 on, 3 not available.
+fn switches(states: [u8; 4]) -> u8 {
+    states
         .into_iter()
         .rev()
-        .fold(0, |bits, on| bits << 2 | u8::from(on))
+        .fold(0, |bits, state| bits << 2 | state)
 }
 
 impl Coding {

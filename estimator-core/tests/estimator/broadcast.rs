@@ -2,8 +2,8 @@
 
 use can_dbc::{Dbc, Message, MessageId};
 use embedded_can::{Frame, Id};
-use estimator_core::broadcast::{self, CELL_PGN, LIVE_PGN};
-use estimator_core::{Cell, CellEnd, Condition, Estimate, Live, Uncertain};
+use estimator_core::broadcast::{self, CELL_PGN, LIVE_PGN, STATUS_PGN};
+use estimator_core::{Cell, CellEnd, Condition, Disagreement, Estimate, Live, Uncertain};
 use proptest::prelude::*;
 use test_kit::TestFrame;
 
@@ -50,6 +50,7 @@ fn live(grade: f32, sigma: f32, bias: f32, scale: f32, condition: Condition) -> 
             scale: uncertain(scale, 0.1),
             ..Estimate::default()
         },
+        disagreement: Disagreement::default(),
     }
 }
 
@@ -101,6 +102,8 @@ proptest! {
             live_grade_percent: uncertain(0.0, 1.0),
             lagged_grade_percent: uncertain(grade, sigma),
             altitude_m: altitude.map(|altitude| uncertain(altitude, 1.0)),
+            live_consistent: true,
+            lagged_consistent: true,
         };
         let frame: TestFrame = broadcast::cell(&cell, SOURCE).unwrap();
         let read = |name| read(&frame, CELL_PGN, name);
@@ -115,9 +118,80 @@ proptest! {
     }
 }
 
+proptest! {
+    #[test]
+    fn the_status_says_what_disagrees_and_the_mass(
+        kinds in any::<[bool; Disagreement::KINDS]>(),
+        mass in 500.0_f32..200_000.0,
+        sigma in 0.0_f32..50_000.0,
+        lagged in prop::option::of(any::<bool>()),
+        cells_suspect in any::<u32>(),
+    ) {
+        let [climb, brake, torque, speed, gear] = kinds;
+        let mut live = live(1.0, 0.1, 0.0, 1.0, Condition::default());
+        live.estimate.mass_kg = uncertain(mass, sigma);
+        live.disagreement = Disagreement { climb, brake, torque, speed, gear };
+        let newest = lagged.map(a_cell);
+        let frame: TestFrame =
+            broadcast::status(Some(&live), newest.as_ref(), cells_suspect, SOURCE).unwrap();
+        let read = |name| read(&frame, STATUS_PGN, name);
+        let switch = |on| Some(f64::from(u8::from(on)));
+        for (name, on) in [
+            ("Consistent", kinds == [false; Disagreement::KINDS]),
+            ("ClimbDisagrees", climb),
+            ("BrakeDisagrees", brake),
+            ("TorqueDisagrees", torque),
+            ("SpeedDisagrees", speed),
+            ("GearDisagrees", gear),
+        ] {
+            prop_assert_eq!(read(name), switch(on), "{}", name);
+        }
+        prop_assert_eq!(read("LaggedConsistent"), lagged.and_then(switch));
+        prop_assert!(near(read("GrossMass"), mass, 10.0));
+        prop_assert!(near(read("GrossMassSigma"), sigma, 10.0));
+        let count = read("SuspectCells").unwrap_or(65_535.0);
+        prop_assert_eq!(count, f64::from(cells_suspect % 65_536));
+    }
+}
+
+fn a_cell(lagged_consistent: bool) -> Cell {
+    Cell {
+        end: CellEnd::default(),
+        live_grade_percent: uncertain(0.0, 1.0),
+        lagged_grade_percent: uncertain(0.0, 1.0),
+        altitude_m: None,
+        live_consistent: true,
+        lagged_consistent,
+    }
+}
+
+#[test]
+fn a_status_has_these_bytes() {
+    let mut live = live(1.0, 0.1, 0.0, 1.0, Condition::default());
+    live.estimate.mass_kg = uncertain(39_000.0, 1_560.0);
+    live.disagreement = Disagreement {
+        brake: true,
+        gear: true,
+        ..Disagreement::default()
+    };
+    let newest = a_cell(true);
+    let frame: TestFrame = broadcast::status(Some(&live), Some(&newest), 65_538, 7).unwrap();
+    assert_eq!(
+        frame.id(),
+        Id::Extended(embedded_can::ExtendedId::new(0x18FF_4907).unwrap())
+    );
+    // 3,900 and 156 steps of 10 kg; the count has wrapped.
+    assert_eq!(
+        frame.data(),
+        [0b0001_0000, 0b1101_0100, 0x3C, 0x0F, 0x9C, 0x00, 0x02, 0x00]
+    );
+}
+
 #[test]
 fn nothing_is_known_before_the_first_estimate() {
     let frame: TestFrame = broadcast::live(None, SOURCE).unwrap();
+    assert_eq!(frame.data(), [0xFF; 8]);
+    let frame: TestFrame = broadcast::status(None, None, 0, SOURCE).unwrap();
     assert_eq!(frame.data(), [0xFF; 8]);
 }
 
