@@ -4,7 +4,7 @@
 //! |-------|----------------------------------------------------------------------------------------|
 //! | 2     | time, µs                                                                               |
 //! | 1     | number of the cell                                                                     |
-//! | 1     | flags, from bit 0: shifting, braking, no traction, crawling, position known, altitude known |
+//! | 1     | flags, from bit 0: shifting, braking, no traction, crawling, position known, altitude known, live consistent, lagged consistent |
 //! | 2     | latitude and longitude, 1e-7 degrees                                                   |
 //! | 1     | measured speed, m/s                                                                    |
 //! | 6     | live grade %, lagged grade %, altitude m, each followed by its sigma                   |
@@ -17,7 +17,7 @@ use estimator_core::{Cell, CellEnd, Condition, Instant, Uncertain};
 /// Length of a record, bytes.
 pub const CELL_BYTES: usize = 52;
 
-const FLAGS: usize = 6;
+const FLAGS: usize = 8;
 
 /// Returns the record of a cell.
 #[must_use]
@@ -31,6 +31,8 @@ pub fn encode(cell: &Cell) -> [u8; CELL_BYTES] {
         end.condition.crawling,
         end.position_e7.is_some(),
         cell.altitude_m.is_some(),
+        cell.live_consistent,
+        cell.lagged_consistent,
     ];
     let flags = flags
         .iter()
@@ -97,5 +99,7 @@ pub fn decode(record: &[u8]) -> Option<Cell> {
         live_grade_percent: uncertain()?,
         lagged_grade_percent: uncertain()?,
         altitude_m: uncertain().map(|altitude_m| flag(5).then_some(altitude_m))?,
+        live_consistent: flag(6),
+        lagged_consistent: flag(7),
     })
 }

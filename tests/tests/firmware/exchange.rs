@@ -140,7 +140,7 @@ fn cells_survive() {
         value: -0.1 * f32::from(n),
         sigma: 0.3 * f32::from(n),
     };
-    for bits in 0_u8..64 {
+    for bits in 0_u8..=255 {
         let flag = |bit: u8| bits >> bit & 1 == 1;
         let cell = Cell {
             end: CellEnd {
@@ -158,6 +158,8 @@ fn cells_survive() {
             live_grade_percent: number(10),
             lagged_grade_percent: number(20),
             altitude_m: flag(5).then_some(number(30)),
+            live_consistent: flag(6),
+            lagged_consistent: flag(7),
         };
         assert_eq!(cell::decode(&cell::encode(&cell)), Some(cell));
     }
@@ -169,6 +171,6 @@ fn what_is_no_cell_is_refused() {
     assert!(cell::decode(&good).is_some());
     assert_eq!(cell::decode(&good[1..]), None);
     let mut unknown_flag = good;
-    unknown_flag[12] = 0x80;
+    unknown_flag[13] = 0x01;
     assert_eq!(cell::decode(&unknown_flag), None);
 }
