@@ -7,13 +7,15 @@ use embassy_stm32::can::{CanTx, Frame, Properties};
 use embassy_stm32::peripherals::IWDG;
 use embassy_stm32::wdg::IndependentWatchdog;
 use embassy_time::{Duration, Ticker, with_timeout};
-use estimator_core::{Estimator, Step, Tuning, broadcast};
+use estimator_core::{Cell, Disagreement, Estimator, Live, Step, Tuning, broadcast};
 use static_cell::StaticCell;
 
 /// J1939 source address of this controller: one that is free for any use on the vehicle.
 const SOURCE: u8 = 0xFE;
 /// How often the estimate is sent.
 const PERIOD: Duration = Duration::from_millis(100);
+/// Ticks from one status to the next, 1 s, unless a switch in it changes.
+const STATUS_TICKS: u32 = 10;
 /// Longest wait for a mailbox: on a bus that is off, frames are dropped.
 const SENDING: Duration = Duration::from_millis(5);
 /// Ticks without a new cell after which the vehicle stands, 10 s, and cells since the last time,
@@ -63,6 +65,8 @@ pub async fn run(
     let mut ticker = Ticker::every(PERIOD);
     let mut stop = Stop::default();
     let mut lost = 0;
+    let mut newest = None;
+    let mut status = Status::default();
     loop {
         let woken = select(ticker.next(), inbox.arrived()).await;
         while let Some(input) = inbox.take() {
@@ -70,6 +74,7 @@ pub async fn run(
                 take(estimator, &input);
                 while let Some(cell) = estimator.next_cell() {
                     send(&mut sender, broadcast::cell(&cell, SOURCE)).await;
+                    newest = Some(cell);
                 }
             }
         }
@@ -79,6 +84,13 @@ pub async fn run(
         watchdog.pet();
         let live = estimator.as_deref().and_then(Estimator::live);
         send(&mut sender, broadcast::live(live.as_ref(), SOURCE)).await;
+        if status.is_due(live.as_ref(), newest.as_ref()) {
+            let suspect = estimator
+                .as_deref()
+                .map_or(0, |estimator| estimator.counters().cells_suspect);
+            let frame = broadcast::status(live.as_ref(), newest.as_ref(), suspect, SOURCE);
+            send(&mut sender, frame).await;
+        }
         if inbox.lost() != lost {
             lost = inbox.lost();
             defmt::warn!("{} inputs found the queue full", lost);
@@ -109,6 +121,29 @@ fn take(estimator: &mut Estimator<f32>, input: &InboxItem) {
 async fn send(sender: &mut CanTx<'static>, frame: Option<Frame>) {
     if let Some(frame) = frame {
         let _ = with_timeout(SENDING, sender.write(&frame)).await;
+    }
+}
+
+/// When the status is sent: once a second, and when a switch in it has changed.
+#[derive(Default)]
+struct Status {
+    ticks: u32,
+    switches: Option<(Option<Disagreement>, Option<bool>)>,
+}
+
+impl Status {
+    /// At each tick; true if the status is due.
+    fn is_due(&mut self, live: Option<&Live>, newest: Option<&Cell>) -> bool {
+        let switches = Some((
+            live.map(|live| live.disagreement),
+            newest.map(|cell| cell.lagged_consistent),
+        ));
+        self.ticks = self.ticks.saturating_add(1);
+        let is_due = self.ticks >= STATUS_TICKS || self.switches != switches;
+        if is_due {
+            (self.ticks, self.switches) = (0, switches);
+        }
+        is_due
     }
 }
 
