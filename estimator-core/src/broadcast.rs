@@ -12,8 +12,8 @@ pub const LIVE_PGN: u32 = 0xFF46;
 /// Parameter group of a finished cell.
 pub const CELL_PGN: u32 = 0xFF47;
 /// Parameter group of the status. One frame a second and one at each change of its switches are a
-/// good rate.
-pub const STATUS_PGN: u32 = 0xFF48;
+/// good rate. The group between is that of the host's log time.
+pub const STATUS_PGN: u32 = 0xFF49;
 /// The default of J1939-21 for information.
 const PRIORITY: u32 = 6;
 

@@ -178,7 +178,7 @@ fn a_status_has_these_bytes() {
     let frame: TestFrame = broadcast::status(Some(&live), Some(&newest), 65_538, 7).unwrap();
     assert_eq!(
         frame.id(),
-        Id::Extended(embedded_can::ExtendedId::new(0x18FF_4807).unwrap())
+        Id::Extended(embedded_can::ExtendedId::new(0x18FF_4907).unwrap())
     );
     // 3,900 and 156 steps of 10 kg; the count has wrapped.
     assert_eq!(

@@ -22,8 +22,8 @@ Required signals: wheel speed (CCVS1 or EBC2), engine torque (EEC1) and friction
 signal table has the same signals as columns. `roadgrade inspect LOG` lists the signals of a log.
 
 RUN.csv has one row per cell of 2.5 m: grade in % (smoothed over the whole run, lagged by 500 m, \
-live), each with its standard deviation, position, altitude, and the estimated bias and scale of \
-the vehicle model. RUN.parquet has the same columns, with their units as metadata. The metadata \
+live), each with its standard deviation, position, altitude, the estimated bias and scale of the \
+vehicle model, gross mass, and whether the signals agree there. RUN.parquet has the same columns, with their units as metadata. The metadata \
 of the file has vehicle, day and session (\"VEHICLE DAY\"); `fuse` uses the session.
 
 --dataset DIR stores runs by tile and day. The tile is the degree of latitude and longitude of \
@@ -33,7 +33,7 @@ as Hive partitions.
 
 --kept FILE is the persistent state of the vehicle, as an ECU would store it between drives. It holds the estimated model errors and sensor noise, so the first kilometres of the next drive are more accurate. If FILE does not exist, the drive starts from the defaults. Estimate each drive once, in the order in which the drives took place. A damaged FILE is refused, and so is a FILE of another vehicle or of an edited V.toml: remove it, or use another FILE. The prior of the next drive allows for changes of wind, tyre temperature and load. A drive shorter than 5 km does not change FILE.
 
-A drive may have any length. Memory use is constant. A temporary file (in TMPDIR) takes 100 kB per kilometre.")]
+A drive may have any length. Memory use is constant. A temporary file (in TMPDIR) takes 120 kB per kilometre.")]
 pub struct Args {
     /// Vehicle parameters.
     #[arg(long, value_name = "V.toml")]

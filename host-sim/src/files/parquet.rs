@@ -99,6 +99,7 @@ fn unit_of(name: &str) -> Option<&'static str> {
         "deg" => Some("deg"),
         "percent" => Some("%"),
         "percent2" => Some("%^2"),
+        "kg" => Some("kg"),
         _ => None,
     }
 }
@@ -277,6 +278,21 @@ impl Opened<'_> {
         self.read_texts(names, [], |numbers, []| take(numbers))
     }
 
+    /// Reads columns as [`Self::read`] does, with numeric columns that older files lack. Such a
+    /// column is null in every row.
+    ///
+    /// # Errors
+    /// Returns the errors of [`Self::read`].
+    pub fn read_newer<const N: usize, const M: usize>(
+        self,
+        names: [&str; N],
+        newer: [&str; M],
+        mut take: impl FnMut([Option<f64>; N], [Option<f64>; M]) -> Result<()>,
+    ) -> Result<()> {
+        let take = |numbers, newer, []: [Option<&str>; 0]| take(numbers, newer);
+        guarded(self.path, || self.decode(names, newer, [], take))
+    }
+
     /// Reads columns as [`Self::read`] does, with text columns. A text column that the file lacks
     /// is null in every row.
     ///
@@ -286,23 +302,25 @@ impl Opened<'_> {
         self,
         names: [&str; N],
         texts: [&str; M],
-        take: impl FnMut([Option<f64>; N], [Option<&str>; M]) -> Result<()>,
+        mut take: impl FnMut([Option<f64>; N], [Option<&str>; M]) -> Result<()>,
     ) -> Result<()> {
-        guarded(self.path, || self.decode(names, texts, take))
+        let take = |numbers, []: [Option<f64>; 0], texts: [Option<&str>; M]| take(numbers, texts);
+        guarded(self.path, || self.decode(names, [], texts, take))
     }
 
-    fn decode<const N: usize, const M: usize>(
+    fn decode<const N: usize, const K: usize, const M: usize>(
         self,
         names: [&str; N],
+        newer: [&str; K],
         texts: [&str; M],
-        mut take: impl FnMut([Option<f64>; N], [Option<&str>; M]) -> Result<()>,
+        mut take: impl FnMut([Option<f64>; N], [Option<f64>; K], [Option<&str>; M]) -> Result<()>,
     ) -> Result<()> {
         if let Some(name) = names.iter().find(|name| !self.has_column(name)) {
             let problem = format!("no column {name}; expected the columns of docs/formats.md");
             return Err(Error::content(self.path, problem));
         }
         let Self { path, builder } = self;
-        let wanted = names.iter().chain(&texts).copied();
+        let wanted = names.iter().chain(&newer).chain(&texts).copied();
         let projection = ProjectionMask::columns(builder.parquet_schema(), wanted);
         let batches = builder
             .with_projection(projection)
@@ -311,13 +329,15 @@ impl Opened<'_> {
             .map_err(|e| damaged(path, &e.to_string()))?;
         for batch in batches {
             let batch = batch.map_err(|e| damaged(path, &e.to_string()))?;
-            let mut columns: Vec<Values> = Vec::with_capacity(N);
-            for name in names {
-                let values = batch.column_by_name(name).and_then(Values::of);
-                columns.push(values.ok_or_else(|| {
-                    let problem = format!("column {name} is not of numbers; expected doubles");
-                    Error::content(path, problem)
-                })?);
+            let mut columns: Vec<Option<Values>> = Vec::with_capacity(N + K);
+            for name in names.into_iter().chain(newer) {
+                let values = batch.column_by_name(name).map(|values| {
+                    Values::of(values).ok_or_else(|| {
+                        let problem = format!("column {name} is not of numbers; expected doubles");
+                        Error::content(path, problem)
+                    })
+                });
+                columns.push(values.transpose()?);
             }
             let mut words: Vec<Option<&StringArray>> = Vec::with_capacity(M);
             for name in texts {
@@ -335,8 +355,10 @@ impl Opened<'_> {
                     let known = words[i].filter(|values| !values.is_null(row));
                     known.map(|values| values.value(row))
                 };
+                let number = |i: usize| columns[i].as_ref().and_then(|values| values.at(row));
                 take(
-                    std::array::from_fn(|i| columns[i].at(row)),
+                    std::array::from_fn(number),
+                    std::array::from_fn(|i| number(N + i)),
                     std::array::from_fn(text),
                 )?;
             }

@@ -38,6 +38,20 @@ pub fn positive(values: &[(&str, f64)]) -> Result<(), Flaw> {
     }
 }
 
+/// Checks that every flag is 0 or 1.
+///
+/// # Errors
+/// Names the first flag that is not.
+pub fn flags(values: &[(&str, u8)]) -> Result<(), Flaw> {
+    match values.iter().find(|(_, value)| *value > 1) {
+        None => Ok(()),
+        Some((name, value)) => Err(Flaw {
+            problem: format!("{name} is {value}"),
+            expected: "0 or 1",
+        }),
+    }
+}
+
 /// Checks a position on Earth, degrees.
 ///
 /// # Errors

@@ -133,7 +133,8 @@ impl<'a> Listening<'a> {
             }
             let cells = self.session.fetch_cells();
             if let Some(publisher) = &mut self.publisher {
-                publisher.publish(self.session.live().as_ref(), &cells);
+                let cells_suspect = self.session.cells_suspect();
+                publisher.publish(self.session.live().as_ref(), &cells, cells_suspect);
             }
             if is_over {
                 return Ok(());

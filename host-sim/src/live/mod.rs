@@ -7,6 +7,7 @@ mod rate;
 pub mod replay;
 mod session;
 mod show;
+pub mod status_timing;
 mod stop_flag;
 pub mod view;
 

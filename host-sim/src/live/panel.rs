@@ -2,11 +2,12 @@
 
 use super::view::{InterfaceView, LiveView};
 use crate::terminal::counters::events;
+use crate::terminal::disagreements::words_of;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 
 /// Columns of [`line`]: name, width, and decimals of its number.
-const COLUMNS: [(&str, usize); 12] = [
+const COLUMNS: [(&str, usize); 14] = [
     ("time_s", 9),
     ("distance_m", 11),
     ("speed_mps", 9),
@@ -19,6 +20,8 @@ const COLUMNS: [(&str, usize); 12] = [
     ("frames_per_s", 12),
     ("lost", 6),
     ("events", 6),
+    ("mass_kg", 7),
+    ("consistent", 10),
 ];
 /// Placeholder for an unknown value.
 const UNKNOWN: &str = "-";
@@ -56,6 +59,10 @@ pub fn line(view: &LiveView) -> String {
         format!("{:.0}", view.frames_per_s()),
         view.lost().to_string(),
         view.events().to_string(),
+        number(estimate.map(|e| e.mass_kg.value), 0, false),
+        live.map_or(UNKNOWN.to_owned(), |live| {
+            u8::from(live.disagreement.is_none()).to_string()
+        }),
     ])
 }
 
@@ -83,6 +90,9 @@ pub fn json(view: &LiveView) -> Value {
         "altitude_m": live.and_then(|live| live.estimate.altitude_m).map(uncertain),
         "bias_percent": live.map(|live| uncertain(live.estimate.bias_percent)),
         "scale": live.map(|live| uncertain(live.estimate.scale)),
+        "mass_kg": live.map(|live| uncertain(live.estimate.mass_kg)),
+        "consistent": live.map(|live| live.disagreement.is_none()),
+        "disagreements": live.map(|live| words_of(live.disagreement)),
         "cells": view.cells_finished,
         "interfaces": view.interfaces,
         "events": counts(view),
@@ -138,6 +148,15 @@ pub fn panel(view: &LiveView) -> String {
                 "model     bias {:+.2} % ± {:.2}   scale {:.3} ± {:.3}",
                 bias.value, bias.sigma, scale.value, scale.sigma
             );
+            let mass = e.mass_kg;
+            let _ = writeln!(out, "mass      {:.0} kg ± {:.0}", mass.value, mass.sigma);
+            let words = words_of(live.disagreement);
+            let verdict = if words.is_empty() {
+                "consistent".to_owned()
+            } else {
+                format!("suspect: {}", words.join("; "))
+            };
+            let _ = writeln!(out, "signals   {verdict}");
         }
     }
     let newest = view

@@ -1,5 +1,6 @@
 //! Publication of the estimate on the bus.
 
+use super::status_timing::StatusTiming;
 use crate::error::Result;
 use crate::source::can_frame::CanFrame;
 use crate::source::log_time::LogTime;
@@ -22,6 +23,8 @@ pub struct Publisher {
     /// Source address; `None` if the estimate is not published.
     address: Option<u8>,
     next: Monotonic,
+    status: StatusTiming,
+    newest_cell: Option<Cell>,
     unsent: u64,
 }
 
@@ -39,12 +42,15 @@ impl Publisher {
             retry_at: now,
             address,
             next: now,
+            status: StatusTiming::default(),
+            newest_cell: None,
             unsent: 0,
         })
     }
 
-    /// Sends these cells, and the estimate if it is due.
-    pub fn publish(&mut self, live: Option<&Live>, cells: &[Cell]) {
+    /// Sends these cells, and the estimate and the status if they are due. `cells_suspect` is the
+    /// core's counter.
+    pub fn publish(&mut self, live: Option<&Live>, cells: &[Cell], cells_suspect: u32) {
         let Some(address) = self.address else {
             return;
         };
@@ -56,6 +62,12 @@ impl Publisher {
             // After a delay the period starts again from now; missed estimates are not sent.
             self.next = now.max(self.next + PERIOD);
             self.send(broadcast::live(live, address));
+        }
+        self.newest_cell = cells.last().copied().or(self.newest_cell);
+        let newest = self.newest_cell;
+        if self.status.is_due(now, live, newest.as_ref()) {
+            let frame = broadcast::status(live, newest.as_ref(), cells_suspect, address);
+            self.send(frame);
         }
     }
 

@@ -205,6 +205,12 @@ impl Session {
         (self.recorder.end(), log)
     }
 
+    /// Returns the number of finished cells in which signals disagree.
+    #[must_use]
+    pub fn cells_suspect(&self) -> u32 {
+        self.recorder.estimator().counters().cells_suspect
+    }
+
     /// Returns the current estimate; `None` before the first speed.
     #[must_use]
     pub fn live(&self) -> Option<estimator_core::Live> {

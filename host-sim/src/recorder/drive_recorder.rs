@@ -17,14 +17,16 @@ use std::io;
 use std::ops::Range;
 
 /// Slot sizes of the entries, bytes, with integers of variable length at their longest.
-const SAMPLE_SLOT: usize = 128;
-const GRADES_SLOT: usize = 16;
+const SAMPLE_SLOT: usize = 136;
+const GRADES_SLOT: usize = 18;
 
-/// Grades of a cell that were available during the drive, %.
+/// Grades of a cell that were available during the drive, %, and whether nothing disagreed.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct OnlineGrades {
     live: Uncertain,
     lagged: Uncertain,
+    live_consistent: bool,
+    lagged_consistent: bool,
 }
 
 /// Runs the estimator over one drive and stores its output.
@@ -115,6 +117,8 @@ impl<S: Scalar> Recorder<S> {
         let grades = OnlineGrades {
             live: cell.live_grade_percent,
             lagged: cell.lagged_grade_percent,
+            live_consistent: cell.live_consistent,
+            lagged_consistent: cell.lagged_consistent,
         };
         let kept = self.grades.push(&grades);
         self.note_failure(kept);
@@ -187,7 +191,7 @@ impl<S: Scalar> Recorder<S> {
         let start = self.start.unwrap_or_default();
         let mut rows = Rows::default();
         let (samples, grades) = (&mut self.samples, &mut self.grades);
-        smooth_segments(
+        let disagreements = smooth_segments(
             self.estimator.model(),
             self.estimator.tuning(),
             &self.estimator.second_pass_filter::<f64>(),
@@ -205,6 +209,7 @@ impl<S: Scalar> Recorder<S> {
             rows,
             counters: *self.estimator.counters(),
             persistent_state: self.estimator.persistent_state(),
+            disagreements,
         })
     }
 }
@@ -242,6 +247,7 @@ fn row(start: Instant, grades: &OnlineGrades, smoothed: &SmoothedCell) -> RunRow
     let SmoothedCell {
         end,
         estimate: smoothed,
+        is_consistent,
     } = smoothed;
     let degrees = |e7: i32| f64::from(e7) * 1e-7;
     RunRow {
@@ -261,5 +267,10 @@ fn row(start: Instant, grades: &OnlineGrades, smoothed: &SmoothedCell) -> RunRow
         bias_percent: smoothed.bias_percent.value.into(),
         scale: smoothed.scale.value.into(),
         valid: end.condition.is_valid().into(),
+        mass_kg: Some(smoothed.mass_kg.value.into()),
+        mass_sigma_kg: Some(smoothed.mass_kg.sigma.into()),
+        consistent: (*is_consistent).into(),
+        lagged_consistent: grades.lagged_consistent.into(),
+        live_consistent: grades.live_consistent.into(),
     }
 }

@@ -3,6 +3,7 @@
 use crate::error::{Error, Result};
 use crate::files::run::{RunRow, RunRows};
 use crate::files::spool::{Spool, blocks};
+use crate::smooth::Disagreements;
 use estimator_core::{Counters, PersistentState};
 use std::io;
 
@@ -15,6 +16,8 @@ pub struct SmoothedRun {
     pub counters: Counters,
     /// State for the next drive; `None` if this one was too short.
     pub persistent_state: Option<PersistentState>,
+    /// Where signals disagree.
+    pub disagreements: Disagreements,
 }
 
 /// A smoothed drive that need not fit into memory.
@@ -26,6 +29,8 @@ pub struct LongRun {
     pub counters: Counters,
     /// State for the next drive; `None` if this one was too short.
     pub persistent_state: Option<PersistentState>,
+    /// Where signals disagree.
+    pub disagreements: Disagreements,
 }
 
 impl LongRun {
@@ -43,12 +48,13 @@ impl LongRun {
             rows,
             counters: self.counters,
             persistent_state: self.persistent_state,
+            disagreements: self.disagreements,
         })
     }
 }
 
 /// Bytes of a row.
-const ROW_SLOT: usize = 128;
+const ROW_SLOT: usize = 152;
 
 /// The rows of a run, in memory or in a temporary file.
 #[derive(Debug, Default)]

@@ -1,13 +1,14 @@
 //! One drive through the core: inputs in, a run out.
 //!
-//! The data that grow with the drive are stored in [spools](crate::files::spool), 250 bytes per
-//! cell (100 kB/km), so that memory use is constant.
+//! The data that grow with the drive are stored in [spools](crate::files::spool), 310 bytes per
+//! cell (120 kB/km), so that memory use is constant.
 
 mod drive_recorder;
 mod estimate_log;
 mod long_run;
 mod missing;
 mod summary;
+pub mod verdict;
 
 pub use drive_recorder::Recorder;
 pub use estimate_log::estimate_log;

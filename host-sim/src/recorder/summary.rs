@@ -1,11 +1,13 @@
 //! A summary of a drive.
 
 use super::long_run::LongRun;
+use super::verdict::{DisagreementStretch, stretches, verdict};
 use crate::error::Result;
 use crate::files::run::RunRows;
 use crate::terminal::counters::{CountedEvent, events};
 use crate::terminal::table::text_table;
 use comfy_table::Table;
+use estimator_core::CELL_LENGTH_M;
 use serde::{Serialize, Serializer};
 
 /// What a drive came to.
@@ -21,6 +23,11 @@ pub struct RunSummary {
     climb_m: f64,
     bias_percent: f64,
     scale: f64,
+    mass_kg: Option<f64>,
+    mass_sigma_kg: Option<f64>,
+    verdict: String,
+    suspect_km: f64,
+    disagreements: Vec<DisagreementStretch>,
     #[serde(serialize_with = "by_key")]
     events: Vec<CountedEvent>,
 }
@@ -38,10 +45,12 @@ impl RunSummary {
         let mut sums = Self {
             cells: run.rows.count(),
             scale: 1.0,
+            disagreements: stretches(&run.disagreements),
             events: events(&run.counters),
             ..Self::default()
         };
         let (mut first_m, mut last_m) = (None, None);
+        let mut marked = 0;
         run.rows.each(&mut |row| {
             sums.distance_km = row.distance_m * 1e-3;
             sums.duration_s = row.time_s;
@@ -51,6 +60,8 @@ impl RunSummary {
             sums.live_grade_sigma_percent += row.live_grade_sigma_percent;
             sums.bias_percent += row.bias_percent;
             sums.scale = row.scale;
+            (sums.mass_kg, sums.mass_sigma_kg) = (row.mass_kg, row.mass_sigma_kg);
+            marked += usize::from(row.consistent == 0);
             first_m = first_m.or(row.altitude_m);
             last_m = row.altitude_m.or(last_m);
             Ok(())
@@ -63,6 +74,8 @@ impl RunSummary {
             live_grade_sigma_percent: sums.live_grade_sigma_percent / count,
             climb_m: last_m.unwrap_or(0.0) - first_m.unwrap_or(0.0),
             bias_percent: sums.bias_percent / count,
+            verdict: verdict(sums.cells, marked, &sums.disagreements),
+            suspect_km: marked as f64 * f64::from(CELL_LENGTH_M) * 1e-3,
             ..sums
         })
     }
@@ -101,6 +114,19 @@ impl RunSummary {
             grade,
         );
         line("traction scale, end", format!("{:.3}", self.scale), "");
+        if let (Some(mass_kg), Some(sigma_kg)) = (self.mass_kg, self.mass_sigma_kg) {
+            line(
+                "gross mass, end",
+                format!("{mass_kg:.0} ± {sigma_kg:.0}"),
+                "kg",
+            );
+        }
+        line("verdict", self.verdict.clone(), "");
+        line("suspect", format!("{:.2}", self.suspect_km), "km");
+        for DisagreementStretch { what, from_m, to_m } in &self.disagreements {
+            let stretch = format!("{:.2} to {:.2}", from_m * 1e-3, to_m * 1e-3);
+            line(what, stretch, "km");
+        }
         for event in &self.events {
             line(event.name, event.count.to_string(), "");
         }

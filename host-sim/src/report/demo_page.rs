@@ -1,7 +1,7 @@
 //! The page of the demonstration.
 
 use super::page::{Figure, Page, Section, Table};
-use super::plot::{Mark, Plot, Series, colour};
+use super::plot::{Mark, Plot, Series, colour, shaded_ranges};
 use crate::files::run::RunRow;
 use crate::files::truth::TruthRow;
 use crate::map::MapRow;
@@ -60,6 +60,7 @@ pub fn demo_page(drives: &[DemoDrive], map: &[MapRow], scores: &[ScoreRow]) -> P
         );
     let mut errors = Plot::new("distance (km)", "error of smoothed grade (%)");
     errors.y_range = Some((-0.5, 0.5));
+    errors.shaded = drives.iter().flat_map(suspect_ranges).collect();
     let mut altitude = Plot::new("distance (km)", "altitude (m)");
     for (drive, colour) in drives.iter().zip(colour::CYCLE) {
         let name = format!("{} ({})", drive.name, drive.truck);
@@ -94,7 +95,8 @@ pub fn demo_page(drives: &[DemoDrive], map: &[MapRow], scores: &[ScoreRow]) -> P
                     Figure::new(
                         "errors",
                         &errors,
-                        "What each run is off, smoothed over the whole run.",
+                        "What each run is off, smoothed over the whole run. Grey: signals \
+                         disagree in some run.",
                     ),
                 ],
             },
@@ -140,6 +142,12 @@ pub fn demo_page(drives: &[DemoDrive], map: &[MapRow], scores: &[ScoreRow]) -> P
             },
         ],
     }
+}
+
+/// Returns where a run is marked as suspect, km.
+fn suspect_ranges(drive: &DemoDrive) -> Vec<(f64, f64)> {
+    let marks = drive.rows.iter();
+    shaded_ranges(marks.map(|row| (row.distance_m * 1e-3, row.consistent == 0)))
 }
 
 fn error_of(drive: &DemoDrive) -> Vec<(f64, f64)> {

@@ -63,6 +63,7 @@ fn score_placed(
                 row.grade_percent - true_percent,
                 row.grade_sigma_percent,
                 true,
+                None,
             );
         }
     }

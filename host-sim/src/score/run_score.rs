@@ -7,6 +7,9 @@ use crate::files::run::RunRow;
 use crate::files::truth::TruthRow;
 use crate::numeric::series::linear;
 
+/// Returns the flag of a row that says whether an estimate is consistent there.
+type Mark = fn(&RunRow) -> u8;
+
 /// The errors of one run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RunScore {
@@ -53,23 +56,37 @@ pub fn score_run_beside(
     if judged.is_empty() {
         return Err(Unscorable::NothingLeft { cells: rows.len() });
     }
-    let score = |estimate, value: &dyn Fn(&RunRow) -> Option<(f64, f64)>| {
+    let score = |estimate, value: &dyn Fn(&RunRow) -> Option<(f64, f64)>, mark: Option<Mark>| {
         let mut sums = Sums::default();
         for (row, true_percent) in &judged {
             if let Some((percent, sigma_percent)) = value(row) {
-                sums.add(percent - true_percent, sigma_percent, row.valid == 1);
+                let is_consistent = mark.map(|mark| mark(row) == 1);
+                let error_percent = percent - true_percent;
+                sums.add(error_percent, sigma_percent, row.valid == 1, is_consistent);
             }
         }
         sums.row(run, estimate)
     };
     let own = [
-        score("smoothed", &|row| Some(row.smoothed())),
-        score("lagged", &|row| Some(row.lagged())),
-        score("live", &|row| Some(row.live())),
+        score(
+            "smoothed",
+            &|row| Some(row.smoothed()),
+            Some(|row| row.consistent),
+        ),
+        score(
+            "lagged",
+            &|row| Some(row.lagged()),
+            Some(|row| row.lagged_consistent),
+        ),
+        score(
+            "live",
+            &|row| Some(row.live()),
+            Some(|row| row.live_consistent),
+        ),
     ];
     let others = rivals
         .iter()
-        .map(|rival| score(rival.estimate, &|row| rival.at(row)));
+        .map(|rival| score(rival.estimate, &|row| rival.at(row), None));
     let mut rows: Vec<ScoreRow> = own.into_iter().chain(others).flatten().collect();
     compare_with_oracle(&mut rows);
     Ok(RunScore { rows, beyond_truth })

@@ -29,6 +29,10 @@ pub struct ScoreRow {
     /// RMSE over that of the oracle on the same cells: the lagged over the oracle's lagged, the
     /// live over its live, all else over its smoothed.
     pub oracle_ratio: Option<f64>,
+    /// Part of the cells that are marked as suspect, %; `None` for an estimate without marks.
+    pub marked_percent: Option<f64>,
+    /// Mean normalised squared error of the others; `None` if there are none.
+    pub nees_unmarked: Option<f64>,
 }
 
 impl ScoreRow {
@@ -43,6 +47,8 @@ impl ScoreRow {
             bias_percent: round(self.bias_percent, 5),
             nees: round(self.nees, 4),
             oracle_ratio: self.oracle_ratio.map(|value| round(value, 4)),
+            marked_percent: self.marked_percent.map(|value| round(value, 3)),
+            nees_unmarked: self.nees_unmarked.map(|value| round(value, 4)),
         }
     }
 }
@@ -94,6 +100,8 @@ pub fn mean(rows: &[ScoreRow]) -> Vec<ScoreRow> {
                 bias_percent: mean_of(|row| Some(row.bias_percent)).unwrap_or_default(),
                 nees: mean_of(|row| Some(row.nees)).unwrap_or_default(),
                 oracle_ratio: ratio_of_means(&of),
+                marked_percent: mean_of(|row| row.marked_percent),
+                nees_unmarked: mean_of(|row| row.nees_unmarked),
             }
         })
         .collect()
@@ -123,15 +131,34 @@ pub(super) struct Sums {
     normalised: f64,
     valid_cells: usize,
     valid_squared: f64,
+    /// Cells with a mark for or against them, and those of them that are consistent.
+    known_cells: usize,
+    consistent_cells: usize,
+    consistent_normalised: f64,
 }
 
 impl Sums {
-    pub(super) fn add(&mut self, error_percent: f64, sigma_percent: f64, valid: bool) {
+    /// Adds a cell. `is_consistent` is `None` for an estimate without marks.
+    pub(super) fn add(
+        &mut self,
+        error_percent: f64,
+        sigma_percent: f64,
+        valid: bool,
+        is_consistent: Option<bool>,
+    ) {
         let squared = error_percent * error_percent;
         self.cells += 1;
         self.error += error_percent;
         self.squared += squared;
-        self.normalised += squared / (sigma_percent * sigma_percent);
+        let normalised = squared / (sigma_percent * sigma_percent);
+        self.normalised += normalised;
+        if let Some(is_consistent) = is_consistent {
+            self.known_cells += 1;
+            if is_consistent {
+                self.consistent_cells += 1;
+                self.consistent_normalised += normalised;
+            }
+        }
         if valid {
             self.valid_cells += 1;
             self.valid_squared += squared;
@@ -151,6 +178,12 @@ impl Sums {
             bias_percent: self.error / cells,
             nees: self.normalised / cells,
             oracle_ratio: None,
+            marked_percent: (self.known_cells > 0).then(|| {
+                let marked = self.known_cells - self.consistent_cells;
+                100.0 * marked as f64 / self.known_cells as f64
+            }),
+            nees_unmarked: (self.consistent_cells > 0)
+                .then(|| self.consistent_normalised / self.consistent_cells as f64),
         })
     }
 }

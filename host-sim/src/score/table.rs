@@ -5,7 +5,7 @@ use crate::terminal::table::text_table;
 use comfy_table::Table;
 
 /// Names of the columns of the error table.
-pub const HEADER: [&str; 8] = [
+pub const HEADER: [&str; 10] = [
     "run",
     "estimate",
     "cells",
@@ -14,6 +14,8 @@ pub const HEADER: [&str; 8] = [
     "bias %",
     "NEES",
     "to oracle",
+    "marked %",
+    "NEES unmarked",
 ];
 
 /// Returns the rows as text, one entry for each of [`HEADER`].
@@ -32,6 +34,8 @@ pub fn text(rows: &[ScoreRow]) -> Vec<Vec<String>> {
                 format!("{:+.4}", row.bias_percent),
                 format!("{:.2}", row.nees),
                 if_known(row.oracle_ratio, 2),
+                if_known(row.marked_percent, 1),
+                if_known(row.nees_unmarked, 2),
             ]
         })
         .collect()

@@ -1,12 +1,12 @@
 //! Drifts of GNSS altitude, and samples without them.
 
+use super::cell_ranges::CellRanges;
 use estimator_core::filter::AltitudeEvent;
 use estimator_core::sample::{AltitudeContinuity, Sample};
-use std::ops::RangeInclusive;
 
-/// Ranges of cells in which GNSS altitude drifted, in order and disjoint.
+/// Ranges of cells in which GNSS altitude drifted.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Drifts(Vec<RangeInclusive<u32>>);
+pub(super) struct Drifts(CellRanges);
 
 impl Drifts {
     pub(super) const fn is_empty(&self) -> bool {
@@ -15,22 +15,16 @@ impl Drifts {
 
     /// Adds the drift that ended at this cell, if the event is one.
     pub(super) fn note(&mut self, event: Option<AltitudeEvent>, cell: u32) {
-        let Some(AltitudeEvent::DriftEnded(mut since)) = event else {
-            return;
-        };
-        while let Some(before) = self.0.pop_if(|before| *before.end() >= since) {
-            since = since.min(*before.start());
+        if let Some(AltitudeEvent::DriftEnded(since)) = event {
+            self.0.add(since, cell);
         }
-        self.0.push(since..=cell);
     }
 
     /// Returns the sample, without its altitude if that drifted. After a drift the slow error of
     /// the receiver may have any value.
     pub(super) fn without(&self, sample: &Sample, has_drifted: &mut bool) -> Sample {
         let mut sample = *sample;
-        let cell = sample.end.cell;
-        let next = self.0.partition_point(|drift| *drift.end() < cell);
-        if self.0.get(next).is_some_and(|drift| drift.contains(&cell)) {
+        if self.0.contains(sample.end.cell) {
             sample.altitude = None;
             *has_drifted = true;
         } else if let Some(altitude) = sample.altitude.as_mut().filter(|_| *has_drifted) {

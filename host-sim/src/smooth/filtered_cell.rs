@@ -1,6 +1,6 @@
 //! A filter step with the state after it.
 
-use estimator_core::filter::{Filter, State, StepRecord};
+use estimator_core::filter::{Filter, ModelMass, State, StepRecord};
 use estimator_core::sample::Sample;
 use estimator_core::{Context, Scalar};
 
@@ -11,6 +11,8 @@ pub struct ForwardCell<S> {
     pub record: StepRecord<S>,
     /// Mean and covariance at the cell's end, measurements included.
     pub state: State<S>,
+    /// The mass of the model.
+    pub mass: ModelMass,
 }
 
 impl<S: Scalar> ForwardCell<S> {
@@ -18,6 +20,11 @@ impl<S: Scalar> ForwardCell<S> {
     pub fn step(filter: &mut Filter<S>, context: &mut Context, sample: &Sample) -> Option<Self> {
         let record = filter.step(context, sample)?;
         let state = *filter.state()?;
-        Some(Self { record, state })
+        let mass = ModelMass::of(context, sample);
+        Some(Self {
+            record,
+            state,
+            mass,
+        })
     }
 }

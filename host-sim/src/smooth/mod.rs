@@ -1,10 +1,14 @@
 //! Smoothing of a whole run on a host.
 
+mod cell_ranges;
+mod disagreements;
 mod drifts;
 mod filtered_cell;
 mod samples;
 mod whole_run;
 
+pub use cell_ranges::CellRanges;
+pub use disagreements::Disagreements;
 pub use filtered_cell::ForwardCell;
 pub use samples::Samples;
 pub use whole_run::{SmoothedCell, held_bytes, smooth_run, smooth_segments};

@@ -12,11 +12,12 @@
 //! each factor of 32. Memory, [`held_bytes`], grows by the same steps. The results equal those of a
 //! smoother that keeps everything, bit for bit.
 
+use super::disagreements::Disagreements;
 use super::drifts::Drifts;
 use super::filtered_cell::ForwardCell;
 use super::samples::Samples;
 use estimator_core::cell::CellEnd;
-use estimator_core::filter::{Filter, StepRecord};
+use estimator_core::filter::{Filter, ModelMass, StepRecord};
 use estimator_core::sample::Sample;
 use estimator_core::smoother::BackwardPass;
 use estimator_core::{Context, Counters, Estimate, Model, Scalar, Tuning};
@@ -34,6 +35,8 @@ pub struct SmoothedCell {
     pub end: CellEnd,
     /// The estimate there, from all measurements of the run.
     pub estimate: Estimate,
+    /// Whether nothing disagrees here, as far as the whole run tells.
+    pub is_consistent: bool,
 }
 
 /// Smooths a run. Returns one cell for each sample from the first speed on. `filter` is that of the
@@ -51,7 +54,7 @@ pub fn smooth_run<S: Scalar>(
     samples: &[Sample],
 ) -> Vec<SmoothedCell> {
     let mut segments = Vec::new();
-    let Ok(()) = smooth_segments(model, tuning, filter, &mut { samples }, |_, segment| {
+    let Ok(_) = smooth_segments(model, tuning, filter, &mut { samples }, |_, segment| {
         segments.push(segment);
         Ok(())
     });
@@ -59,7 +62,8 @@ pub fn smooth_run<S: Scalar>(
 }
 
 /// Smooths a run that need not be in memory, from its end to its start. `take` gets one segment
-/// after the other, each in the order of the run, with the index of its first cell.
+/// after the other, each in the order of the run, with the index of its first cell. Returns where
+/// signals disagree in the pass that counts.
 ///
 /// # Errors
 /// Returns the error of `samples` or of `take`.
@@ -69,7 +73,7 @@ pub fn smooth_segments<S: Scalar, M: Samples>(
     filter: &Filter<S>,
     samples: &mut M,
     take: impl FnMut(usize, Vec<SmoothedCell>) -> Result<(), M::Error>,
-) -> Result<(), M::Error> {
+) -> Result<Disagreements, M::Error> {
     let mut smoother = Smoother {
         context: Context {
             model: model.clone(),
@@ -78,6 +82,7 @@ pub fn smooth_segments<S: Scalar, M: Samples>(
         },
         samples,
         drifts: Drifts::default(),
+        disagreements: Disagreements::default(),
         pass: BackwardPass::new(),
         take,
     };
@@ -86,22 +91,29 @@ pub fn smooth_segments<S: Scalar, M: Samples>(
         has_drifted: false,
         cells: 0,
     };
-    let (mut least, drifts) = smoother.likelihood(start.clone())?;
+    let FirstLook {
+        negative_log_likelihood: mut least,
+        drifts,
+        disagreements,
+    } = smoother.look(start.clone())?;
+    smoother.disagreements = disagreements;
     if !drifts.is_empty() {
         let mut believing = tuning.clone();
         believing.gates.drift_sigmas = f32::INFINITY;
         let mut best = (Drifts::default(), tuning.clone());
         for other in [(drifts, tuning.clone()), (Drifts::default(), believing)] {
             (smoother.drifts, smoother.context.tuning) = other.clone();
-            let (negative_log_likelihood, _) = smoother.likelihood(start.clone())?;
-            if negative_log_likelihood < least {
-                (least, best) = (negative_log_likelihood, other);
+            let found = smoother.look(start.clone())?;
+            if found.negative_log_likelihood < least {
+                (least, best) = (found.negative_log_likelihood, other);
+                smoother.disagreements = found.disagreements;
             }
         }
         (smoother.drifts, smoother.context.tuning) = best;
     }
     let all = 0..smoother.samples.count();
-    smoother.go_back(all, start)
+    smoother.go_back(all, start)?;
+    Ok(smoother.disagreements)
 }
 
 /// Returns the memory that smoothing of so many cells takes, bytes. It grows by one level of parts
@@ -128,11 +140,21 @@ struct Checkpoint<S> {
     cells: usize,
 }
 
+/// What a pass over the run finds before it is smoothed.
+struct FirstLook {
+    /// Mean over the altitudes, times two and but for a constant.
+    negative_log_likelihood: f64,
+    drifts: Drifts,
+    disagreements: Disagreements,
+}
+
 struct Smoother<'a, S, M, T> {
     context: Context,
     samples: &'a mut M,
     /// Drifts whose altitudes are not used.
     drifts: Drifts,
+    /// Where signals disagree.
+    disagreements: Disagreements,
     /// The estimate from the later cells.
     pass: BackwardPass<S>,
     take: T,
@@ -144,21 +166,26 @@ where
     M: Samples,
     T: FnMut(usize, Vec<SmoothedCell>) -> Result<(), M::Error>,
 {
-    /// Returns the mean negative log-likelihood of an altitude, times two and but for a constant,
-    /// and the drifts that the filter found.
-    fn likelihood(&mut self, mut from: Checkpoint<S>) -> Result<(f64, Drifts), M::Error> {
+    /// Takes the filter over the run, and returns how likely its altitudes are and what it found.
+    fn look(&mut self, mut from: Checkpoint<S>) -> Result<FirstLook, M::Error> {
         let (mut sum, mut altitudes) = (-0.0, 0_usize);
-        let mut found = Drifts::default();
+        let mut drifts = Drifts::default();
+        let mut disagreements = Disagreements::default();
         let all = 0..self.samples.count();
-        self.filter(all, &mut from, |record, _| {
+        self.filter(all, &mut from, |record, _, _| {
             if let Some(update) = record.smoother_input.altitude {
                 let variance = update.innovation_variance.to_f64();
                 sum += update.innovation.to_f64().powi(2) / variance + variance.ln();
                 altitudes += 1;
             }
-            found.note(record.event, record.end.cell);
+            drifts.note(record.event, record.end.cell);
+            disagreements.note(&record);
         })?;
-        Ok((sum / altitudes as f64, found))
+        Ok(FirstLook {
+            negative_log_likelihood: sum / altitudes as f64,
+            drifts,
+            disagreements,
+        })
     }
 
     /// Goes back over a part, before which the filter was at `start`.
@@ -173,7 +200,7 @@ where
             let within = begin..part.end.min(begin + length);
             marks.push((within.clone(), checkpoint.clone()));
             if within.end < part.end {
-                self.filter(within, &mut checkpoint, |_, _| ())?;
+                self.filter(within, &mut checkpoint, |_, _, _| ())?;
             }
         }
         while let Some((within, checkpoint)) = marks.pop() {
@@ -189,15 +216,25 @@ where
     ) -> Result<(), M::Error> {
         let first = start.cells;
         let mut filtered = Vec::with_capacity(part.len());
-        self.filter(part, &mut start, |record, filter| {
+        self.filter(part, &mut start, |record, filter, mass| {
             let state = filter.state().copied();
-            filtered.extend(state.map(|state| ForwardCell { record, state }));
+            filtered.extend(state.map(|state| ForwardCell {
+                record,
+                state,
+                mass,
+            }));
         })?;
         let mut smoothed: Vec<SmoothedCell> = Vec::with_capacity(filtered.len());
-        for ForwardCell { record, state } in filtered.iter().rev() {
+        for ForwardCell {
+            record,
+            state,
+            mass,
+        } in filtered.iter().rev()
+        {
             smoothed.push(SmoothedCell {
                 end: record.end,
-                estimate: self.pass.estimate(state),
+                estimate: self.pass.estimate(state, mass),
+                is_consistent: !self.disagreements.cover(record.end.cell),
             });
             self.pass.retreat(&record.smoother_input);
         }
@@ -205,12 +242,13 @@ where
         (self.take)(first, smoothed)
     }
 
-    /// Takes the filter over a part. `note` gets each step, and the filter after it.
+    /// Takes the filter over a part. `note` gets each step, the filter after it, and the mass of the
+    /// model.
     fn filter(
         &mut self,
         part: Range<usize>,
         checkpoint: &mut Checkpoint<S>,
-        mut note: impl FnMut(StepRecord<S>, &Filter<S>),
+        mut note: impl FnMut(StepRecord<S>, &Filter<S>, ModelMass),
     ) -> Result<(), M::Error> {
         let Self {
             context, drifts, ..
@@ -219,7 +257,8 @@ where
             let sample = drifts.without(sample, &mut checkpoint.has_drifted);
             if let Some(record) = checkpoint.filter.step(context, &sample) {
                 checkpoint.cells += 1;
-                note(record, &checkpoint.filter);
+                let mass = ModelMass::of(context, &sample);
+                note(record, &checkpoint.filter, mass);
             }
         })
     }

@@ -1,5 +1,6 @@
 //! Estimates of recorded and simulated drives, and `roadgrade estimate`.
 
+mod consistency;
 mod end_to_end;
 mod gnss_faults;
 mod persistent_state;

@@ -8,6 +8,7 @@ use estimator_core::{Context, Counters, Estimate, Estimator, Model, Scalar, Tuni
 use host_sim::recorder::Recorder;
 use host_sim::simulator::{SimulatedRun, simulate};
 use host_sim::smooth::{ForwardCell, SmoothedCell, held_bytes, smooth_run};
+use std::collections::BTreeSet;
 use std::ops::RangeInclusive;
 use test_kit::simulated::scenario;
 
@@ -61,13 +62,21 @@ fn keeping_all<S: Scalar>(
     let mut backward = BackwardPass::new();
     let mut estimates: Vec<Estimate> = Vec::new();
     for cell in records.iter().rev() {
-        estimates.push(backward.estimate(&cell.state));
+        estimates.push(backward.estimate(&cell.state, &cell.mass));
         backward.retreat(&cell.record.smoother_input);
     }
+    let disagreeing: BTreeSet<u32> = records
+        .iter()
+        .flat_map(|ForwardCell { record, .. }| {
+            let end = record.end.cell + 1;
+            end.saturating_sub(record.disagreeing_cells)..end
+        })
+        .collect();
     let cells = records.iter().zip(estimates.into_iter().rev());
     let smoothed = cells.map(|(cell, estimate)| SmoothedCell {
         end: cell.record.end,
         estimate,
+        is_consistent: !disagreeing.contains(&cell.record.end.cell),
     });
     (smoothed.collect(), leaves_out)
 }
@@ -140,6 +149,7 @@ fn check(run: &SimulatedRun, heard: impl Fn(usize) -> bool) -> (Counters, usize,
             speed_mps,
             bias_percent,
             scale,
+            mass_kg,
         } = cell.estimate;
         assert_eq!(row.distance_m, cell.end.distance_m());
         assert_eq!(row.grade_percent, f64::from(grade_percent.value));
@@ -149,6 +159,9 @@ fn check(run: &SimulatedRun, heard: impl Fn(usize) -> bool) -> (Counters, usize,
         assert_eq!(row.speed_mps, f64::from(speed_mps));
         assert_eq!(row.bias_percent, f64::from(bias_percent.value));
         assert_eq!(row.scale, f64::from(scale.value));
+        assert_eq!(row.mass_kg, Some(mass_kg.value.into()));
+        assert_eq!(row.mass_sigma_kg, Some(mass_kg.sigma.into()));
+        assert_eq!(row.consistent == 1, cell.is_consistent);
     }
     (found.counters, expected.len(), leaves_out)
 }

@@ -10,3 +10,4 @@ mod parquet;
 mod road_line;
 mod sessions;
 mod store;
+mod suspect_cells;

@@ -4,9 +4,10 @@
 
 use embedded_can::{ExtendedId, Frame};
 use estimator_core::{
-    CellEnd, Condition, Counters, Estimate, Instant, Live, Tuning, Uncertain, signal,
+    CellEnd, Condition, Counters, Disagreement, Estimate, Instant, Live, Tuning, Uncertain, signal,
 };
 use host_sim::live::panel::{header, json, line, panel};
+use host_sim::live::status_timing::StatusTiming;
 use host_sim::live::view::{InterfaceView, LiveView};
 use host_sim::live::{Reaction, Session};
 use host_sim::recorder::{Recorder, SmoothedRun};
@@ -184,7 +185,9 @@ fn live(condition: Condition) -> Live {
             speed_mps: 20.0,
             bias_percent: uncertain(0.05, 0.02),
             scale: uncertain(1.012, 0.03),
+            mass_kg: uncertain(38_538.0, 1_920.0),
         },
+        disagreement: Disagreement::default(),
     }
 }
 
@@ -200,14 +203,14 @@ fn lines_have_the_columns_of_their_header() {
         words(&valid),
         [
             "3725.2", "2500.0", "20.00", "-2.345", "0.123", "valid", "+0.050", "1.012", "812",
-            "422", "3", "3"
+            "422", "3", "3", "38538", "1"
         ]
     );
     let waiting = line(&view(None));
     assert_eq!(
         words(&waiting),
         [
-            "3725.2", "-", "-", "-", "-", "waiting", "-", "-", "812", "422", "3", "3"
+            "3725.2", "-", "-", "-", "-", "waiting", "-", "-", "812", "422", "3", "3", "-", "-"
         ]
     );
     for text in [&valid, &waiting] {
@@ -248,6 +251,8 @@ fn the_panel_shows_grade_interfaces_and_events() {
         "altitude not known",
         "72.0 km/h",
         "bias +0.05 % ± 0.02   scale 1.012 ± 0.030",
+        "mass      38538 kg ± 1920",
+        "signals   consistent",
         "812 finished   newest -1.25 % ± 0.06",
         "412 frames/s   123456 in total, 3 lost, 2 × bus off, 1 × restarted",
         "17 values not available, 4 frames not published",
@@ -272,7 +277,46 @@ fn the_view_as_json_has_what_the_line_has_and_more() {
     assert_eq!(value["interfaces"][1]["name"], "can1");
     assert_eq!(value["events"]["values not available"], 17);
     assert_eq!(value["events"]["frames not published"], 4);
+    assert_eq!(value["consistent"], true);
     assert!(json(&view(None))["grade_percent"].is_null());
+    assert!(json(&view(None))["mass_kg"].is_null());
+}
+
+#[test]
+fn the_views_say_what_disagrees() {
+    let mut suspect = live(Condition::default());
+    suspect.disagreement.speed = true;
+    suspect.disagreement.gear = true;
+    let view = view(Some(suspect));
+    assert!(line(&view).ends_with(" 0"));
+    let words = [
+        "wheel speed against GNSS speed",
+        "reported gear against engine and wheel speed",
+    ];
+    assert!(panel(&view).contains(&format!("signals   suspect: {}", words.join("; "))));
+    let value = json(&view);
+    assert_eq!(value["consistent"], false);
+    assert_eq!(value["disagreements"], serde_json::json!(words));
+    assert_eq!(value["mass_kg"]["value"], 38_538.0);
+}
+
+#[test]
+fn the_status_is_due_each_second_and_at_each_change() {
+    let start = Monotonic::now();
+    let at = |ms| start + Duration::from_millis(ms);
+    let good = live(Condition::default());
+    let mut bad = good;
+    bad.disagreement.climb = true;
+    let mut timing = StatusTiming::default();
+    assert!(timing.is_due(at(0), None, None));
+    assert!(!timing.is_due(at(99), Some(&good), None));
+    assert!(timing.is_due(at(100), Some(&good), None));
+    assert!(!timing.is_due(at(1_099), Some(&good), None));
+    assert!(timing.is_due(at(1_100), Some(&good), None));
+    assert!(timing.is_due(at(1_250), Some(&bad), None));
+    // A switch that flickers does not fill the bus.
+    assert!(!timing.is_due(at(1_300), Some(&good), None));
+    assert!(timing.is_due(at(1_350), Some(&good), None));
 }
 
 fn session(

@@ -129,7 +129,8 @@ fn with_a_wrong_vehicle_ours_lies_between_the_oracle_and_the_thesis() {
     }
     let csv = fs::read_to_string(folder.path().join("score.csv")).unwrap();
     assert_eq!(csv.lines().count(), 1 + 8 * 5);
-    assert!(csv.lines().next().unwrap().ends_with(",nees,oracle_ratio"));
+    let header = csv.lines().next().unwrap();
+    assert!(header.ends_with(",nees,oracle_ratio,marked_percent,nees_unmarked"));
 }
 
 #[test]

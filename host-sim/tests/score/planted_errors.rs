@@ -80,6 +80,40 @@ fn planted_errors_are_found() {
 }
 
 #[test]
+fn marked_cells_are_counted_and_left_out_of_a_second_nees() {
+    let spots = hills();
+    let mut rows = run(&spots);
+    // A tenth of the cells is off by five sigmas and says so, in the smoothed grade alone.
+    for row in rows.iter_mut().step_by(10) {
+        row.grade_percent += 0.5;
+        row.consistent = 0;
+    }
+    // The live grade is marked everywhere.
+    for row in &mut rows {
+        row.live_consistent = 0;
+    }
+    let scored = score_run("a", &rows, &truth(&spots, hill_percent)).expect("scored");
+    let [smoothed, lagged, live] = &scored.rows[..] else {
+        panic!("three rows");
+    };
+    assert!(close(smoothed.marked_percent.expect("marks") / 10.0, 1.0));
+    assert!(close(smoothed.nees / 2.5, 1.0));
+    assert!(close(smoothed.nees_unmarked.expect("unmarked cells"), 0.0));
+    assert_eq!(lagged.marked_percent, Some(0.0));
+    assert!(close(
+        lagged.nees_unmarked.expect("unmarked cells"),
+        lagged.nees
+    ));
+    assert_eq!(
+        (live.marked_percent, live.nees_unmarked),
+        (Some(100.0), None)
+    );
+    let means = mean(&scored.rows);
+    assert_eq!(means[0].marked_percent, smoothed.marked_percent);
+    assert_eq!(means[2].nees_unmarked, None);
+}
+
+#[test]
 fn without_valid_cells_there_is_no_valid_error() {
     let spots = hills();
     let mut rows = run(&spots);
@@ -212,15 +246,16 @@ fn the_table_is_printed_and_written() {
     let lines: Vec<&str> = table.lines().collect();
     assert_eq!(
         lines[0],
-        "run,estimate,cells,rmse_percent,rmse_valid_percent,bias_percent,nees,oracle_ratio"
+        "run,estimate,cells,rmse_percent,rmse_valid_percent,bias_percent,nees,oracle_ratio,\
+         marked_percent,nees_unmarked"
     );
     assert_eq!(lines.len(), 10);
     assert!(
-        lines[1] == "runs/a.csv,smoothed,2001,0.3,0.3,0.3,4.0,",
+        lines[1] == "runs/a.csv,smoothed,2001,0.3,0.3,0.3,4.0,,0.0,4.0",
         "{}",
         lines[1]
     );
-    assert_eq!(lines[4], "runs/b.csv,smoothed,801,0.0,0.0,0.0,0.0,");
+    assert_eq!(lines[4], "runs/b.csv,smoothed,801,0.0,0.0,0.0,0.0,,0.0,0.0");
     assert!(
         lines[7].starts_with("mean,smoothed,2802,0.15,0.15,0.15,2.0"),
         "{}",

@@ -19,6 +19,8 @@ pub struct RunCell {
     pub grade_percent: f64,
     /// Standard deviation of the smoothed grade, %.
     pub grade_sigma_percent: f64,
+    /// False where signals disagree: the sigmas may be too small.
+    pub is_consistent: bool,
 }
 
 impl From<&RunRow> for RunCell {
@@ -29,6 +31,7 @@ impl From<&RunRow> for RunCell {
             altitude: row.altitude_m.zip(row.altitude_sigma_m),
             grade_percent: row.grade_percent,
             grade_sigma_percent: row.grade_sigma_percent,
+            is_consistent: row.consistent == 1,
         }
     }
 }

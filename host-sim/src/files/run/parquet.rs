@@ -20,6 +20,16 @@ const CELL_COLUMNS: [&str; 7] = [
     "grade_sigma_percent",
 ];
 
+/// Columns that older files lack.
+const NEWER_COLUMNS: [&str; 5] = [
+    "mass_kg",
+    "mass_sigma_kg",
+    CONSISTENT,
+    "lagged_consistent",
+    "live_consistent",
+];
+const CONSISTENT: &str = "consistent";
+
 /// The origin of a run, as far as it is known. Runs of one vehicle on one day form one session.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Origin {
@@ -85,6 +95,9 @@ fn columns(rows: &[RunRow]) -> Vec<ParquetColumn> {
     let optional = |name, value: fn(&RunRow) -> Option<f64>| {
         ParquetColumn::optional(name, rows.iter().map(value))
     };
+    let flags = |name, value: fn(&RunRow) -> u8| {
+        ParquetColumn::whole(name, rows.iter().map(|row| value(row).into()))
+    };
     vec![
         numbers("time_s", |row| row.time_s),
         numbers("distance_m", |row| row.distance_m),
@@ -105,7 +118,12 @@ fn columns(rows: &[RunRow]) -> Vec<ParquetColumn> {
         numbers("speed_mps", |row| row.speed_mps),
         numbers("bias_percent", |row| row.bias_percent),
         numbers("scale", |row| row.scale),
-        ParquetColumn::whole("valid", rows.iter().map(|row| row.valid.into())),
+        flags("valid", |row| row.valid),
+        optional("mass_kg", |row| row.mass_kg),
+        optional("mass_sigma_kg", |row| row.mass_sigma_kg),
+        flags(CONSISTENT, |row| row.consistent),
+        flags("lagged_consistent", |row| row.lagged_consistent),
+        flags("live_consistent", |row| row.live_consistent),
     ]
 }
 
@@ -164,7 +182,7 @@ pub fn read(path: &Path) -> Result<Vec<RunRow>> {
         "scale",
         "valid",
     ];
-    file.read(names, |values| {
+    file.read_newer(names, NEWER_COLUMNS, |values, newer| {
         let number = rows.len() as u64 + 1;
         let needed = |i: usize| values[i].ok_or_else(|| missing(path, number, names[i]));
         let row = RunRow {
@@ -183,12 +201,12 @@ pub fn read(path: &Path) -> Result<Vec<RunRow>> {
             speed_mps: needed(12)?,
             bias_percent: needed(13)?,
             scale: needed(14)?,
-            // The check refuses any value but 0 and 1.
-            valid: match needed(15)? {
-                0.0 => 0,
-                1.0 => 1,
-                _ => u8::MAX,
-            },
+            valid: flag(needed(15)?),
+            mass_kg: newer[0],
+            mass_sigma_kg: newer[1],
+            consistent: newer[2].map_or(1, flag),
+            lagged_consistent: newer[3].map_or(1, flag),
+            live_consistent: newer[4].map_or(1, flag),
         };
         RunRow::check(rows.last(), &row)
             .map_err(|flaw| Error::line(path, number, flaw.problem, flaw.expected))?;
@@ -212,7 +230,7 @@ pub fn read_cells(path: &Path) -> Result<(Vec<RunCell>, RunIdentity)> {
     let file = open_run(path)?;
     let promised = file.metadata("identity").map(str::to_owned);
     let mut cells: Vec<RunCell> = Vec::new();
-    file.read(CELL_COLUMNS, |values| {
+    file.read_newer(CELL_COLUMNS, [CONSISTENT], |values, [consistent]| {
         let number = cells.len() as u64 + 1;
         let needed = |i: usize| values[i].ok_or_else(|| missing(path, number, CELL_COLUMNS[i]));
         let cell = RunCell {
@@ -221,6 +239,7 @@ pub fn read_cells(path: &Path) -> Result<(Vec<RunCell>, RunIdentity)> {
             altitude: values[3].zip(values[4]),
             grade_percent: needed(5)?,
             grade_sigma_percent: needed(6)?,
+            is_consistent: consistent.is_none_or(|flag| flag == 1.0),
         };
         if values[1].is_some() != values[2].is_some() {
             let expected = "both latitude_deg and longitude_deg, or neither";
@@ -234,6 +253,15 @@ pub fn read_cells(path: &Path) -> Result<(Vec<RunCell>, RunIdentity)> {
     let count = cells.len();
     let identity = check_whole(path, promised.as_deref(), cells.iter().copied(), count)?;
     Ok((cells, identity))
+}
+
+/// Returns a flag; any number but 0 and 1 becomes one that the check of a row refuses.
+fn flag(number: f64) -> u8 {
+    match number {
+        0.0 => 0,
+        1.0 => 1,
+        _ => u8::MAX,
+    }
 }
 
 fn missing(path: &Path, row: u64, name: &str) -> Error {

@@ -46,6 +46,27 @@ pub struct RunRow {
     pub scale: f64,
     /// 1 if the vehicle model holds, 0 during shifts, braking and their hold times.
     pub valid: u8,
+    /// Gross mass, kg (with the smoothed scale); empty in files of before it was estimated.
+    #[serde(default)]
+    pub mass_kg: Option<f64>,
+    /// Standard deviation of the mass, kg.
+    #[serde(default)]
+    pub mass_sigma_kg: Option<f64>,
+    /// 1 if nothing disagrees in the cell as far as the whole run tells, 0 if its sigma may be too
+    /// small. Older files lack these columns: nothing is known to disagree.
+    #[serde(default = "consistent")]
+    pub consistent: u8,
+    /// The same as it was known a fixed lag later, for the lagged grade.
+    #[serde(default = "consistent")]
+    pub lagged_consistent: u8,
+    /// The same as it was known at the time, for the live grade.
+    #[serde(default = "consistent")]
+    pub live_consistent: u8,
+}
+
+/// Returns the flag of a cell in which nothing is known to disagree.
+const fn consistent() -> u8 {
+    1
 }
 
 impl RunRow {
@@ -85,12 +106,16 @@ impl RunRow {
             ("speed_mps", row.speed_mps),
             ("bias_percent", row.bias_percent),
             ("scale", row.scale),
+            ("mass_kg", row.mass_kg.unwrap_or(1.0)),
+            ("mass_sigma_kg", row.mass_sigma_kg.unwrap_or(1.0)),
         ])?;
         row_check::positive(&[
             ("altitude_sigma_m", row.altitude_sigma_m.unwrap_or(1.0)),
             ("grade_sigma_percent", row.grade_sigma_percent),
             ("lagged_grade_sigma_percent", row.lagged_grade_sigma_percent),
             ("live_grade_sigma_percent", row.live_grade_sigma_percent),
+            ("mass_kg", row.mass_kg.unwrap_or(1.0)),
+            ("mass_sigma_kg", row.mass_sigma_kg.unwrap_or(1.0)),
         ])?;
         match (row.latitude_deg, row.longitude_deg) {
             (Some(latitude_deg), Some(longitude_deg)) => {
@@ -104,12 +129,18 @@ impl RunRow {
                 });
             }
         }
-        if row.valid > 1 {
+        if row.mass_kg.is_some() != row.mass_sigma_kg.is_some() {
             return Err(Flaw {
-                problem: format!("valid is {}", row.valid),
-                expected: "0 or 1",
+                problem: "incomplete mass".into(),
+                expected: "both mass_kg and mass_sigma_kg, or neither",
             });
         }
+        row_check::flags(&[
+            ("valid", row.valid),
+            ("consistent", row.consistent),
+            ("lagged_consistent", row.lagged_consistent),
+            ("live_consistent", row.live_consistent),
+        ])?;
         before.map_or(Ok(()), |before| {
             row_check::forwards("time_s", before.time_s, row.time_s, false)?;
             row_check::forwards("distance_m", before.distance_m, row.distance_m, true)
@@ -135,6 +166,12 @@ impl RunRow {
             bias_percent: round(self.bias_percent, 5),
             scale: round(self.scale, 5),
             valid: self.valid,
+            mass_kg: self.mass_kg.map(|v| round(v, 1)),
+            // A sigma below the last decimal is that decimal: zero would have infinite weight.
+            mass_sigma_kg: self.mass_sigma_kg.map(|v| round(v, 1).max(0.1)),
+            consistent: self.consistent,
+            lagged_consistent: self.lagged_consistent,
+            live_consistent: self.live_consistent,
         }
     }
 }

@@ -10,6 +10,11 @@ use crate::map::geometry::network::Network;
 /// Cells of a run farther apart than this are not joined, m: rows of the file are missing.
 const JOIN_LIMIT_M: f64 = 8.0;
 
+/// Factor on the sigmas of a cell in which signals disagree. With it such a cell has a sixteenth of
+/// the weight of a consistent one with the same sigma: it moves a mean little, and a road that is
+/// known only by such cells still has a map, with a wide sigma. The factor is chosen.
+const SUSPECT_SIGMA_FACTOR: f64 = 4.0;
+
 /// Coverage of the road by a run, in cells.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Coverage {
@@ -123,12 +128,26 @@ fn between((way, number): (usize, i64), a: &RunCell, b: &RunCell, part: f64) -> 
         way,
         number,
         grade_percent: mix(a.grade_percent, b.grade_percent),
-        grade_variance: mix(a.grade_sigma_percent.powi(2), b.grade_sigma_percent.powi(2)),
+        grade_variance: mix(
+            variance_of(a, a.grade_sigma_percent),
+            variance_of(b, b.grade_sigma_percent),
+        ),
         altitude: a
             .altitude
             .zip(b.altitude)
             .map(|((a_m, a_sigma), (b_m, b_sigma))| {
-                (mix(a_m, b_m), mix(a_sigma.powi(2), b_sigma.powi(2)))
+                let variance = mix(variance_of(a, a_sigma), variance_of(b, b_sigma));
+                (mix(a_m, b_m), variance)
             }),
     }
+}
+
+/// Returns the variance with which a cell of this sigma counts.
+fn variance_of(cell: &RunCell, sigma: f64) -> f64 {
+    let factor = if cell.is_consistent {
+        1.0
+    } else {
+        SUSPECT_SIGMA_FACTOR
+    };
+    (factor * sigma).powi(2)
 }

@@ -9,8 +9,8 @@ use estimator_core::sample::{
 };
 use estimator_core::smoother::FixedLag;
 use estimator_core::{
-    Cell, CellEnd, Condition, Context, Counters, Instant, Model, Scalar, Traction, Tuning,
-    Uncertain, VehicleParameters,
+    Cell, CellEnd, Condition, Context, Counters, Disagreement, Instant, Model, Scalar, Traction,
+    Tuning, Uncertain, VehicleParameters,
 };
 use std::iter::from_fn;
 
@@ -126,7 +126,8 @@ fn samples(drive: &MeasuredDrive) -> Vec<Sample> {
             }),
             altitude,
             after_load_change: false,
-            disagreement: estimator_core::Disagreement::default(),
+            mass_is_reported: false,
+            disagreement: Disagreement::default(),
         });
     }
     samples

@@ -137,6 +137,11 @@ pub fn run(spots: &[Spot]) -> Vec<RunRow> {
                 bias_percent: 0.0,
                 scale: 1.0,
                 valid: 1,
+                mass_kg: Some(12_000.0),
+                mass_sigma_kg: Some(500.0),
+                consistent: 1,
+                lagged_consistent: 1,
+                live_consistent: 1,
             }
         })
         .collect()

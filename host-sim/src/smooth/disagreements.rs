@@ -1,0 +1,33 @@
+//! Cells of a run in which signals disagree.
+
+use super::cell_ranges::CellRanges;
+use estimator_core::Disagreement;
+use estimator_core::filter::StepRecord;
+
+/// Ranges of cells in which signals disagree, for each kind of disagreement.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Disagreements([CellRanges; Disagreement::KINDS]);
+
+impl Disagreements {
+    /// Adds what disagrees in the cell of a step, and in the cells before it that the step names.
+    pub(super) fn note<S>(&mut self, record: &StepRecord<S>) {
+        let cell = record.end.cell;
+        let since = cell.saturating_sub(record.disagreeing_cells.saturating_sub(1));
+        for (ranges, is_present) in self.0.iter_mut().zip(record.disagreement.kinds()) {
+            if is_present {
+                ranges.add(since, cell);
+            }
+        }
+    }
+
+    /// Returns whether anything disagrees in a cell.
+    pub(super) fn cover(&self, cell: u32) -> bool {
+        self.0.iter().any(|ranges| ranges.contains(cell))
+    }
+
+    /// Returns the ranges of each kind, in the order of [`Disagreement::kinds`].
+    #[must_use]
+    pub const fn by_kind(&self) -> &[CellRanges; Disagreement::KINDS] {
+        &self.0
+    }
+}
