@@ -25,7 +25,7 @@ struct Options {
     #[arg(long, value_name = "WORDS")]
     only: Vec<String>,
     /// Only this truck, A or B.
-    #[arg(long)]
+    #[arg(long, value_parser = ["A", "B"])]
     truck: Option<String>,
     /// Drives of each manoeuvre and truck, each on another stretch of the road.
     #[arg(long, default_value_t = 1, conflicts_with = "random")]

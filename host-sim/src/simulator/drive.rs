@@ -4,7 +4,13 @@
 //!
 //! Reversing is the same balance solved for the torque: its speed is given.
 
-use super::driver::{Brake, CruiseControl, Retarder, SET_SPEED_MPS, TorqueRequest};
+mod engine;
+mod reverse;
+mod state;
+
+pub use state::{DriveState, STEP_S, SimulatedDrive};
+
+use super::driver::{Brake, CruiseControl, Retarder, SET_SPEED_MPS};
 use super::gearbox::{Flow, Gearbox, Situation, cruising_gear, launch_gear};
 use super::manoeuvre_file::Section;
 use super::manoeuvres::{Here, Order, Stops};
@@ -18,128 +24,13 @@ use crate::error::{Error, Result};
 use crate::numeric::slope::sine;
 use rand_chacha::ChaCha8Rng;
 
-/// Step of the integration, s. Speed changes by less than 0.02 m/s in it.
-pub const STEP_S: f64 = 0.01;
 /// Waiting time of a run from standstill, s.
 const WAIT_S: f64 = 5.0;
-/// Rate of change of torque, full load to none or back, 1/s: by the driver, and by the gearbox.
-const TORQUE_RATE_PER_S: (f64, f64) = (1.5, 8.0);
 /// Time in which a truck must advance by [`STUCK_M`], s.
 const STUCK_S: f64 = 60.0;
 const STUCK_M: f64 = 10.0;
 /// Speed below which a held truck stands, m/s.
 const STANDSTILL_MPS: f64 = 1e-6;
-/// Forward gear that has the ratio of the reverse gear.
-const REVERSE_GEAR: usize = 1;
-/// Position of the brake pedal while reversing downhill, %.
-const REVERSE_PEDAL: f64 = 10.0;
-
-/// The true state at the start of a step, and the forces during it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DriveState {
-    /// Place on the travelled road, m.
-    pub distance_m: f64,
-    /// Way driven backwards, less that on ferries, m: driven distance minus place.
-    pub set_back_m: f64,
-    /// Speed, m/s.
-    pub speed_mps: f64,
-    /// Acceleration, m/s².
-    pub acceleration_mps2: f64,
-    /// Traction force before planted losses, N.
-    pub traction_n: f64,
-    /// Accelerated mass, rotating parts included, kg.
-    pub accelerated_kg: f64,
-    /// Force of the service brake, N.
-    pub brake_n: f64,
-    /// Force of the retarder, N.
-    pub retarder_n: f64,
-    /// Position of the brake pedal, %.
-    pub brake_pedal_percent: f64,
-    /// The parking brake is set.
-    pub parked: bool,
-    /// Net engine torque, Nm.
-    pub net_torque_nm: f64,
-    /// Friction torque of the engine, Nm, positive.
-    pub friction_torque_nm: f64,
-    /// Engine speed, rpm.
-    pub engine_rpm: f64,
-    /// Current gear as the gearbox reports it; 0 is neutral.
-    pub gear: usize,
-    /// True while the reverse gear is engaged; `gear` is then the one of the same ratio.
-    pub in_reverse: bool,
-    /// Ratio of the transfer case.
-    pub range_ratio: f64,
-    /// Speed at which a ferry carries the vehicle along the road, m/s.
-    pub carried_mps: f64,
-    /// Target gear.
-    pub selected_gear: usize,
-    /// True during a gear shift.
-    pub shifting: bool,
-    /// True if the driveline transmits torque without slip.
-    pub engaged: bool,
-    /// Slip of the clutch, %.
-    pub clutch_slip_percent: f64,
-    /// Fan speed as reported on the bus, %.
-    pub fan_percent: f64,
-}
-
-impl DriveState {
-    /// Returns true if a brake is applied.
-    #[must_use]
-    pub fn braking(&self) -> bool {
-        self.brake_pedal_percent > 0.0 || self.brake_n > 0.0 || self.retarder_n > 0.0
-    }
-
-    /// Returns true if the vehicle moves backwards.
-    #[must_use]
-    pub fn is_reversing(&self) -> bool {
-        self.in_reverse && self.speed_mps > 0.0
-    }
-
-    /// Returns the distance driven forwards, m. It stands still while the vehicle reverses.
-    #[must_use]
-    pub fn driven_m(&self) -> f64 {
-        self.distance_m + self.set_back_m
-    }
-}
-
-/// A simulated traversal.
-#[derive(Clone, Debug)]
-pub struct SimulatedDrive {
-    /// The road in the direction of travel.
-    pub road: Road,
-    /// The true vehicle.
-    pub truck: Truck,
-    /// One state per step of [`STEP_S`], from time 0.
-    pub states: Vec<DriveState>,
-}
-
-impl SimulatedDrive {
-    /// Returns the start of the last step, s.
-    #[must_use]
-    pub fn duration_s(&self) -> f64 {
-        self.states.len().saturating_sub(1) as f64 * STEP_S
-    }
-
-    /// Returns the state at a time. Continuous quantities are interpolated between steps. Before
-    /// the start and after the end it is the first or the last state.
-    #[must_use]
-    pub fn at(&self, time_s: f64) -> DriveState {
-        let steps = (time_s / STEP_S).clamp(0.0, (self.states.len() - 1) as f64);
-        let index = steps as usize;
-        let from = self.states[index];
-        let to = self.states[(index + 1).min(self.states.len() - 1)];
-        let part = steps - index as f64;
-        let between = |a: f64, b: f64| a + part * (b - a);
-        DriveState {
-            distance_m: between(from.distance_m, to.distance_m),
-            set_back_m: between(from.set_back_m, to.set_back_m),
-            speed_mps: between(from.speed_mps, to.speed_mps),
-            engine_rpm: between(from.engine_rpm, to.engine_rpm),
-            ..from
-        }
-    }
-}
 
 /// The truck in motion.
 struct Journey<'a> {
@@ -450,115 +341,5 @@ impl<'a> Journey<'a> {
         self.distance_m += STEP_S * carried_mps;
         self.set_back_m -= STEP_S * carried_mps;
         state
-    }
-
-    /// Advances backwards at a given speed, m/s; the engine or the brake gives the force for it.
-    fn reverse(&mut self, speed_mps: f64, acceleration_mps2: f64) -> DriveState {
-        let gear = REVERSE_GEAR;
-        let before_rpm = self.engine_rpm;
-        let turned_rpm = self.truck.engine_rpm(gear, speed_mps);
-        let slips = turned_rpm < IDLE_RPM;
-        self.engine_rpm = turned_rpm.max(IDLE_RPM);
-        let accelerated_kg = self.truck.accelerated_kg(if slips { 0 } else { gear });
-        let resistance_n = self.truck.resistance_n(speed_mps, self.air_density)
-            - self.truck.mass_kg * GRAVITY * sine(self.road.grade(self.distance_m));
-        let force_n = accelerated_kg * acceleration_mps2 + resistance_n;
-        let per_torque = self.truck.force_per_torque(gear);
-        self.net_torque_nm = force_n.max(0.0) / per_torque;
-        let brake_n = (-force_n).max(0.0);
-        let state = DriveState {
-            distance_m: self.distance_m,
-            set_back_m: self.set_back_m,
-            speed_mps,
-            acceleration_mps2,
-            traction_n: self.net_torque_nm * per_torque,
-            accelerated_kg,
-            brake_n,
-            retarder_n: 0.0,
-            brake_pedal_percent: if brake_n > 0.0 { REVERSE_PEDAL } else { 0.0 },
-            parked: false,
-            net_torque_nm: self.net_torque_nm,
-            friction_torque_nm: self.truck.friction_nm(before_rpm),
-            engine_rpm: self.engine_rpm,
-            gear,
-            in_reverse: true,
-            range_ratio: self.truck.range_ratio(),
-            carried_mps: 0.0,
-            selected_gear: gear,
-            shifting: false,
-            engaged: !slips,
-            clutch_slip_percent: if slips {
-                100.0 * (1.0 - turned_rpm / IDLE_RPM)
-            } else {
-                0.0
-            },
-            fan_percent: self.planted.fan_percent(),
-        };
-        let back_m = STEP_S * (speed_mps + 0.5 * STEP_S * acceleration_mps2);
-        self.distance_m -= back_m;
-        self.set_back_m += back_m;
-        state
-    }
-
-    /// Sets engine speed and torque. Returns the gear that couples engine and wheels (0 if none)
-    /// and the slip of the clutch in %.
-    fn run_engine(&mut self, flow: Flow, halting: bool) -> (usize, f64) {
-        match flow {
-            Flow::Through(0) => {
-                self.net_torque_nm = 0.0;
-                self.engine_rpm = IDLE_RPM;
-                (0, 100.0)
-            }
-            Flow::Through(gear) => {
-                let turned_rpm = self.truck.engine_rpm(gear, self.speed_mps);
-                self.engine_rpm = turned_rpm.max(IDLE_RPM);
-                let slipping = turned_rpm < IDLE_RPM;
-                let lowest_nm = if slipping {
-                    0.0
-                } else {
-                    -self.truck.friction_nm(self.engine_rpm)
-                };
-                let limits_nm = (lowest_nm, self.truck.full_load_nm(self.engine_rpm));
-                let per_kg = self.truck.force_per_torque(gear) / self.truck.mass_kg;
-                let wish = if halting {
-                    TorqueRequest {
-                        net_nm: lowest_nm,
-                        at_full_load: false,
-                    }
-                } else {
-                    self.cruise
-                        .request(self.speed_mps, per_kg, limits_nm, STEP_S)
-                };
-                self.situation.at_full_load = wish.at_full_load;
-                self.move_torque(wish.net_nm, TORQUE_RATE_PER_S.0);
-                // The engine torque of another speed may exceed the limit at this one.
-                self.net_torque_nm = self.net_torque_nm.clamp(limits_nm.0, limits_nm.1);
-                if slipping {
-                    (0, 100.0 * (1.0 - turned_rpm / IDLE_RPM))
-                } else {
-                    (gear, 0.0)
-                }
-            }
-            Flow::Leaving(gear) => {
-                self.engine_rpm = self.truck.engine_rpm(gear, self.speed_mps).max(IDLE_RPM);
-                self.move_torque(0.0, TORQUE_RATE_PER_S.1);
-                (gear, 0.0)
-            }
-            Flow::Open { to, left_s } => {
-                let target_rpm = self.truck.engine_rpm(to, self.speed_mps).max(IDLE_RPM);
-                let rpm_per_s = (target_rpm - self.engine_rpm) / left_s.max(STEP_S);
-                self.engine_rpm += rpm_per_s * STEP_S;
-                self.net_torque_nm = self.truck.spin_up_nm(rpm_per_s).clamp(
-                    -self.truck.friction_nm(self.engine_rpm),
-                    self.truck.full_load_nm(self.engine_rpm),
-                );
-                (0, 100.0)
-            }
-        }
-    }
-
-    fn move_torque(&mut self, to_nm: f64, rate_per_s: f64) {
-        let most_nm = rate_per_s * self.truck.reference_torque_nm * STEP_S;
-        self.net_torque_nm += (to_nm - self.net_torque_nm).clamp(-most_nm, most_nm);
     }
 }

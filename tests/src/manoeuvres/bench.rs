@@ -1,16 +1,13 @@
 //! Drives through the estimator, two at a time, and their judgements.
 
 use super::cells::compare;
-use super::drives::{BenchTruck, Plan};
+use super::drives::Plan;
 use super::judge::{Judgement, Reference};
 use super::road::BenchRoad;
 use crate::faults::outcome::estimated;
 use host_sim::error::Result;
 use rayon::prelude::*;
-use std::collections::{BTreeMap, BTreeSet};
-
-/// Name of the drive that others are compared with.
-const REFERENCE: &str = "no fault";
+use std::collections::BTreeMap;
 
 /// A plan and what came of it.
 #[derive(Clone, Debug)]
@@ -21,24 +18,21 @@ pub struct BenchRow {
     pub judgement: std::result::Result<Judgement, String>,
 }
 
-/// Drives all plans and judges them. Drives without a fault on the same stretches are made for
-/// comparison.
+/// Drives all plans and judges them, each beside the same drive without what is at fault.
 #[must_use]
 pub fn bench(road: &BenchRoad, plans: Vec<Plan>, done: impl Fn() + Sync) -> Vec<BenchRow> {
-    let drives: BTreeSet<(BenchTruck, u64)> =
-        plans.iter().map(|plan| (plan.truck, plan.seed)).collect();
-    let references: BTreeMap<_, Reference> = drives
+    let references: BTreeMap<String, Plan> = plans
+        .iter()
+        .map(|plan| (key(&plan.faultless()), plan.faultless()))
+        .collect();
+    let references: BTreeMap<String, Reference> = references
         .into_par_iter()
-        .filter_map(|(truck, seed)| {
-            let plan = Plan::new(REFERENCE, truck, seed);
-            let judgement = judged(road, &plan, None).ok()?;
-            Some(((truck, seed), judgement.reference()))
-        })
+        .filter_map(|(key, plan)| Some((key, judged(road, &plan, None).ok()?.reference())))
         .collect();
     plans
         .into_par_iter()
         .map(|plan| {
-            let reference = references.get(&(plan.truck, plan.seed));
+            let reference = references.get(&key(&plan.faultless()));
             let judgement = judged(road, &plan, reference).map_err(|error| error.to_string());
             done();
             BenchRow { plan, judgement }
@@ -46,9 +40,14 @@ pub fn bench(road: &BenchRoad, plans: Vec<Plan>, done: impl Fn() + Sync) -> Vec<
         .collect()
 }
 
+/// Returns what distinguishes a drive from others.
+fn key(plan: &Plan) -> String {
+    format!("{plan:?}")
+}
+
 fn judged(road: &BenchRoad, plan: &Plan, reference: Option<&Reference>) -> Result<Judgement> {
     let driven = plan.driven(&road.road)?;
-    let run = estimated::<f32>(&driven.vehicle.model, driven.received(plan));
+    let run = estimated::<f32>(&driven.vehicle.model, driven.received(&plan.edits));
     let cells = compare(plan, &driven, &run.rows);
     Ok(Judgement::new(&cells, !plan.faults.is_empty(), reference))
 }

@@ -1,6 +1,7 @@
 //! Cells of a run beside the truth.
 
-use super::drives::{Driven, Plan};
+use super::drives::Plan;
+use super::truth::Driven;
 use host_sim::files::run::RunRow;
 use host_sim::simulator::geodesy::Position;
 use host_sim::simulator::road::Road;

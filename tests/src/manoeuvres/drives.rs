@@ -2,17 +2,11 @@
 
 use super::road::{Profile, with_profiles};
 use super::signals::Edit;
-use crate::faults::{Frames, Window, seconds};
-use estimator_core::Instant;
+use super::truth::{Driven, When};
 use host_sim::error::Result;
-use host_sim::files::vehicle::VehicleFile;
-use host_sim::numeric::series::linear;
-use host_sim::simulator::Recording;
 use host_sim::simulator::manoeuvre_file::{Section, Stop};
 use host_sim::simulator::road::Road;
 use host_sim::simulator::scenario::Scenario;
-use host_sim::source::can_frame::TimedFrame;
-use std::ops::Range;
 use std::path::Path;
 
 /// Length of a drive, m.
@@ -22,10 +16,6 @@ pub const LENGTH_M: f64 = 35_000.0;
 const STRETCH_M: f64 = 17_000.0;
 /// Time of the log's clock at the start, s.
 const START_S: f64 = 20_000.0;
-/// Time between two moments of the truth, s.
-const MOMENT_S: f64 = 0.1;
-/// Time that a fault of unlimited length lasts, s.
-const FOR_EVER_S: f64 = 1e6;
 
 /// A truck of the bench.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -48,19 +38,6 @@ impl BenchTruck {
             Self::B => "B",
         }
     }
-}
-
-/// When something is wrong. Distances are places, m from the start of the drive.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum When {
-    /// All the time.
-    Always,
-    /// Between two places.
-    Way(f64, f64),
-    /// For some seconds from a place on.
-    Seconds(f64, f64),
-    /// While the vehicle stands or reverses at its stop of this number.
-    Stop(usize),
 }
 
 /// What happens on a drive. Distances are m from its start.
@@ -186,133 +163,33 @@ impl Plan {
     /// # Errors
     /// Returns an error if the truck gets stuck.
     pub fn driven(&self, road: &Road) -> Result<Driven> {
-        let scenario = self.scenario(road)?;
-        let recording = Recording::new(&scenario, 0)?;
-        let frames: Vec<TimedFrame> = recording.frames().collect();
-        let first = frames.first().map_or(Instant::ZERO, |timed| timed.time);
-        let first_s = first.micros() as f64 * 1e-6 - START_S;
-        let drive = recording.drive();
-        let start_m = scenario.runs[0].start_distance_m;
-        let count = ((drive.duration_s() - first_s) / MOMENT_S) as usize + 1;
-        let moments = (0..count)
-            .map(|index| {
-                let time_s = index as f64 * MOMENT_S;
-                let state = drive.at(first_s + time_s);
-                Moment {
-                    time_s,
-                    place_m: state.distance_m - start_m,
-                    driven_m: state.driven_m() - start_m,
-                    grade_percent: 100.0 * drive.road.grade(state.distance_m),
-                    stands: state.speed_mps == 0.0,
-                    reverses: state.is_reversing(),
-                }
-            })
-            .collect();
-        Ok(Driven {
-            vehicle: scenario.runs[0].vehicle.clone(),
-            start_m,
-            road: scenario.road,
-            first,
-            frames,
-            moments,
-        })
+        Driven::simulated(&self.scenario(road)?)
     }
-}
 
-/// What is true at one time.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Moment {
-    /// Time since the first frame, s.
-    pub time_s: f64,
-    /// Place on the road, m from the start of the drive.
-    pub place_m: f64,
-    /// Distance driven forwards, m from the start of the drive.
-    pub driven_m: f64,
-    /// Grade in the forward direction, %.
-    pub grade_percent: f64,
-    /// True at standstill.
-    pub stands: bool,
-    /// True while the vehicle moves backwards.
-    pub reverses: bool,
-}
-
-/// A simulated drive.
-#[derive(Debug)]
-pub struct Driven {
-    /// The vehicle file.
-    pub vehicle: VehicleFile,
-    /// Start of the drive on the road, m.
-    pub start_m: f64,
-    /// The road.
-    pub road: Road,
-    first: Instant,
-    frames: Vec<TimedFrame>,
-    /// The truth, in order of time.
-    pub moments: Vec<Moment>,
-}
-
-impl Driven {
-    /// Returns the frames as the estimator receives them.
+    /// Returns the same drive with everything reported, and without what is at fault. Its road,
+    /// stops and sections of the driver's own choice stay.
     #[must_use]
-    pub fn received(&self, plan: &Plan) -> Frames<'_> {
-        let mut frames: Frames<'_> = Box::new(self.frames.iter().copied());
-        for (when, edit) in &plan.edits {
-            let Range { start, end } = self.times_s(*when);
-            let at = |since_s: f64| self.first + seconds(since_s);
-            let window: Window = at(start)..at(end);
-            frames = edit.applied(frames, window);
+    pub fn faultless(&self) -> Self {
+        let plain = Self::new("", self.truck, self.seed);
+        Self {
+            mass_kg: self.mass_kg,
+            stops: self
+                .stops
+                .iter()
+                .map(|stop| Stop::new(stop.at_m, stop.seconds))
+                .collect(),
+            sections: self
+                .sections
+                .iter()
+                .map(|section| Section {
+                    set_speed_mps: section.set_speed_mps,
+                    retarder: section.retarder,
+                    ..Section::new(section.from_m, section.to_m)
+                })
+                .filter(|section| *section != Section::new(section.from_m, section.to_m))
+                .collect(),
+            profiles: self.profiles.clone(),
+            ..plain
         }
-        frames
-    }
-
-    /// Returns from when to when something is wrong, s from the first frame on.
-    #[must_use]
-    pub fn times_s(&self, when: When) -> Range<f64> {
-        match when {
-            When::Always => 0.0..FOR_EVER_S,
-            When::Way(from_m, to_m) => self.passed_s(from_m)..self.passed_s(to_m),
-            When::Seconds(from_m, for_s) => {
-                let from_s = self.passed_s(from_m);
-                from_s..from_s + for_s
-            }
-            When::Stop(number) => self.stop_s(number),
-        }
-    }
-
-    /// Returns when a place is passed first, s; never is far in the future.
-    fn passed_s(&self, place_m: f64) -> f64 {
-        let mut moments = self.moments.iter();
-        moments
-            .find(|moment| moment.place_m >= place_m)
-            .map_or(FOR_EVER_S, |moment| moment.time_s)
-    }
-
-    /// Returns the time of a stop, from standstill until the vehicle drives on, s.
-    fn stop_s(&self, number: usize) -> Range<f64> {
-        let still = |moment: &Moment| moment.stands || moment.reverses;
-        let mut stops = self
-            .moments
-            .chunk_by(|a, b| still(a) == still(b))
-            .filter(|part| still(&part[0]));
-        stops
-            .nth(number)
-            .and_then(|part| Some(part.first()?.time_s..part.last()?.time_s))
-            .unwrap_or(FOR_EVER_S..FOR_EVER_S)
-    }
-
-    /// Returns what is true at a time; `None` beyond the drive.
-    #[must_use]
-    pub fn at(&self, time_s: f64) -> Option<Moment> {
-        let index = (time_s / MOMENT_S) as usize;
-        let (from, to) = (self.moments.get(index)?, self.moments.get(index + 1)?);
-        let pair = |of: fn(&Moment) -> f64| [(from.time_s, of(from)), (to.time_s, of(to))];
-        let between = |of| linear(&pair(of), time_s.clamp(from.time_s, to.time_s));
-        Some(Moment {
-            time_s,
-            place_m: between(|m| m.place_m)?,
-            driven_m: between(|m| m.driven_m)?,
-            grade_percent: between(|m| m.grade_percent)?,
-            ..*from
-        })
     }
 }

@@ -5,8 +5,8 @@
 //! catalogue, random ─► plan ─► drive (simulator) ─► frames with edits ─► run ─► judgement ─► table
 //! ```
 //!
-//! [`road`] has the road, [`drives`] the plan of a drive and its truth, [`signals`] the changes of
-//! what frames say, [`catalogue`] the manoeuvres by name, [`random`] combinations of them,
+//! [`road`] has the road, [`drives`] the plan of a drive, [`truth`] what was true of it, [`signals`]
+//! the changes of what frames say, [`catalogue`] the manoeuvres by name, [`random`] combinations of them,
 //! [`cells`] the cells beside the truth, [`judge`] the numbers and bars, and [`table`] the print.
 
 pub mod bench;
@@ -14,7 +14,11 @@ pub mod catalogue;
 pub mod cells;
 pub mod drives;
 pub mod judge;
+pub mod low_pass;
+pub mod parts;
 pub mod random;
 pub mod road;
 pub mod signals;
 pub mod table;
+pub mod torque_edit;
+pub mod truth;

@@ -1,6 +1,7 @@
 //! The table of the bench, its totals, and both as JSON.
 
 use super::bench::BenchRow;
+use super::drives::BenchTruck;
 use super::judge::{FEW_WINDOWS, HONEST, Judgement, KindJudgement, WORST};
 use host_sim::terminal::table::text_table;
 use serde_json::{Value, json};
@@ -84,6 +85,10 @@ struct Totals {
     above: [usize; 3],
     far_above: [usize; 3],
     marked_without_fault_percent: [f64; 3],
+    /// Part of the marked cells of drives with a fault that are right, %.
+    right_percent: [f64; 3],
+    /// Mean RMSE and mean median sigma of each truck on drives without a fault, %.
+    without_fault: Vec<(&'static str, [f64; 3], [f64; 3])>,
 }
 
 impl Totals {
@@ -98,10 +103,13 @@ impl Totals {
                 .flat_map(|judgement| &judgement.of[kind].windows);
             windows.filter(|nees| **nees > above).count()
         };
-        let faultless: Vec<_> = judgements.iter().filter(|j| !j.has_fault).collect();
         let marked = |kind: usize| {
-            let sum: f64 = faultless.iter().map(|j| j.of[kind].marked_percent).sum();
-            sum / faultless.len().max(1) as f64
+            let faultless = judgements.iter().filter(|j| !j.has_fault);
+            mean(faultless.map(|j| (j.of[kind].marked_percent, 1.0)))
+        };
+        let right = |kind: usize| {
+            let faulty = judgements.iter().filter(|j| j.has_fault);
+            mean(faulty.map(|j| (j.of[kind].right_percent, j.of[kind].marked_percent)))
         };
         Self {
             drives: rows.len(),
@@ -115,6 +123,11 @@ impl Totals {
             above: [0, 1, 2].map(|kind| count(kind, HONEST)),
             far_above: [0, 1, 2].map(|kind| count(kind, WORST)),
             marked_without_fault_percent: [0, 1, 2].map(marked),
+            right_percent: [0, 1, 2].map(right),
+            without_fault: BenchTruck::ALL
+                .into_iter()
+                .filter_map(|truck| without_fault(rows, truck))
+                .collect(),
         }
     }
 
@@ -128,11 +141,23 @@ impl Totals {
 
     fn text(&self) -> String {
         let of = |counts: [usize; 3]| counts.map(|count| count.to_string()).join(" / ");
-        format!(
+        let percent = |values: [f64; 3], digits: usize| {
+            values.map(|value| format!("{value:.digits$}")).join(" / ")
+        };
+        let mut text = String::new();
+        for (truck, rmse, sigma) in &self.without_fault {
+            let _ = writeln!(
+                text,
+                "without a fault, truck {truck}: RMSE % {}; median sigma % {}",
+                percent(*rmse, 3),
+                percent(*sigma, 3)
+            );
+        }
+        text + &format!(
             "{} drives: {} lie, {} miss a bar (lies included), {} without result\n\
              windows of 5 km (s/l/v): {}; NEES above {HONEST}: {}; above {WORST}: {}\n\
-             marked without a fault, % (s/l/v): {}\n\
-             bars {}",
+             marked without a fault, % (s/l/v): {}; right of those marked with a fault, %: {}\n\
+             bars {}; * smoothed error above 1.5 times that without the fault, plus 0.02 %",
             self.drives,
             self.lying,
             self.unmet,
@@ -140,12 +165,38 @@ impl Totals {
             of(self.windows),
             of(self.above),
             of(self.far_above),
-            self.marked_without_fault_percent
-                .map(|percent| format!("{percent:.2}"))
-                .join(" / "),
+            percent(self.marked_without_fault_percent, 2),
+            percent(self.right_percent, 0),
             if self.is_met() { "met" } else { "NOT met" },
         )
     }
+}
+
+/// Returns the weighted mean of values with their weights; 0 without any.
+fn mean(values: impl Iterator<Item = (f64, f64)>) -> f64 {
+    let (sum, weights) = values.fold((0.0, 0.0), |(sum, weights), (value, weight)| {
+        (sum + value * weight, weights + weight)
+    });
+    if weights > 0.0 { sum / weights } else { 0.0 }
+}
+
+/// Returns the truck, its mean RMSE and its mean sigma on drives without a fault, %.
+fn without_fault(
+    rows: &[BenchRow],
+    truck: BenchTruck,
+) -> Option<(&'static str, [f64; 3], [f64; 3])> {
+    let judgements: Vec<&Judgement> = rows
+        .iter()
+        .filter(|row| row.plan.truck == truck && row.plan.faults.is_empty())
+        .filter_map(|row| row.judgement.as_ref().ok())
+        .collect();
+    let of = |value: fn(&KindJudgement) -> f64| {
+        [0, 1, 2].map(|kind| mean(judgements.iter().map(|j| (value(&j.of[kind]), 1.0))))
+    };
+    (!judgements.is_empty()).then(|| {
+        let (rmse, sigma) = (of(|kind| kind.rmse_percent), of(|kind| kind.sigma_percent));
+        (truck.name(), rmse, sigma)
+    })
 }
 
 /// Returns rows and totals as JSON.
@@ -178,6 +229,13 @@ pub fn json(rows: &[BenchRow]) -> Value {
         "windows": totals.windows,
         "windows_above_4": totals.above,
         "windows_above_9": totals.far_above,
+        "without_fault": totals
+            .without_fault
+            .iter()
+            .map(|(truck, rmse, sigma)| {
+                json!({"truck": truck, "rmse_percent": rmse, "median_sigma_percent": sigma})
+            })
+            .collect::<Vec<_>>(),
         "met": totals.is_met(),
     })
 }
