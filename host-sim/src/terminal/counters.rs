@@ -80,6 +80,7 @@ pub fn events(c: &Counters) -> Vec<CountedEvent> {
         ("stops that reopened the load", c.loads_reopened.into()),
         ("scales far from the file", c.scales_reopened.into()),
         ("fixes of a frozen receiver", c.frozen_fixes.into()),
+        ("reversals", c.reversals.into()),
         ("altitudes left out", c.altitudes_rejected.into()),
         ("altitudes left out singly", c.altitude_outliers.into()),
         ("gaps in altitude", c.altitude_gaps.into()),
