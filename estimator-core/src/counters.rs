@@ -73,6 +73,8 @@ pub struct Counters {
     pub brakes_guessed: u32,
     /// Stops after which the variances of scale and bias were widened.
     pub loads_reopened: u32,
+    /// Launches that showed another load than before the stop.
+    pub loads_changed: u32,
     /// Times that the prior of the scale was reset.
     pub scales_reopened: u32,
     /// Gaps without an altitude.
@@ -83,6 +85,8 @@ pub struct Counters {
     pub altitude_drifts: u32,
     /// Of these, drifts that lasted too long for one.
     pub altitude_drifts_believed: u32,
+    /// Times that altitudes left the climb of the forces steadily, which no receiver does.
+    pub climbs_contradicted: u32,
     /// Times that the altitude was set from a fix.
     pub altitude_resets: u32,
     /// Steps with a non-finite result; the filter was restarted.

@@ -28,6 +28,8 @@ pub struct Sample {
     /// The vehicle stood before this cell, for long or to be loaded. What was learned of its bias
     /// and scale may be wrong.
     pub after_load_change: bool,
+    /// The vehicle stood before this cell for long enough to be loaded, and nothing reports its mass.
+    pub after_stop: bool,
     /// Whether the mass of the forces is one that the bus reported, not the parameter.
     pub mass_is_reported: bool,
     /// Signals that disagree in this cell.

@@ -80,6 +80,26 @@ impl AltitudeUpdate {
         self.gate.advance(segment, sample.duration_s);
     }
 
+    /// Returns the innovation of the altitude of a sample, m, and its variance; `None` without an
+    /// altitude, or where it does not follow from what was before.
+    #[inline]
+    pub(super) fn innovation<S: Scalar>(
+        &self,
+        tuning: &Tuning,
+        sample: &Sample,
+        state: &State<S>,
+    ) -> Option<(f32, f32)> {
+        let altitude = sample.altitude.as_ref()?;
+        if state.origin_m.is_none() || altitude.continuity != AltitudeContinuity::Followed {
+            return None;
+        }
+        let fix = self.fix(tuning, altitude, state);
+        Some((
+            fix.innovation(state).to_f32(),
+            fix.innovation_variance(state).to_f32(),
+        ))
+    }
+
     /// Passes the altitude of a sample through the gate, and applies what the gate decides besides
     /// the update: the altitude set, the datum moved, a drift undone.
     #[inline]
@@ -113,6 +133,12 @@ impl AltitudeUpdate {
                 gated.accepted = Some(AcceptedFix(fix));
             }
             GateDecision::SetAltitude => {
+                self.set_altitude(state, &mut fix);
+                gated.sets_altitude = true;
+            }
+            GateDecision::SetAltitudeAndWidenWind(sigma_percent) => {
+                let variance = S::from_f32(sigma_percent * sigma_percent);
+                state.covariance.add_variance(Wind, variance);
                 self.set_altitude(state, &mut fix);
                 gated.sets_altitude = true;
             }
@@ -313,5 +339,6 @@ fn count_event(counters: &mut Counters, event: AltitudeEvent) {
         AltitudeEvent::DriftEnded(_) => return,
         AltitudeEvent::DriftBelieved => &mut counters.altitude_drifts_believed,
         AltitudeEvent::SetAnew => &mut counters.altitude_resets,
+        AltitudeEvent::Contradicted { .. } => &mut counters.climbs_contradicted,
     });
 }

@@ -2,7 +2,7 @@
 
 use super::covariance::Covariance;
 use super::state::State;
-use super::state_index::StateIndex::{Altitude, GnssError, KineticEnergy};
+use super::state_index::StateIndex::{Altitude, GnssError, KineticEnergy, Scale};
 use super::state_index::StateVector;
 use crate::scalar::Scalar;
 
@@ -13,6 +13,8 @@ pub enum Observation {
     Energy,
     /// GNSS altitude: h x = z + g.
     Altitude,
+    /// The scale as it was before a stop: h x = κ.
+    Scale,
 }
 
 /// A scalar measurement: its row, its innovation and its noise.
@@ -60,6 +62,7 @@ impl Observation {
         match self {
             Self::Energy => x[KineticEnergy],
             Self::Altitude => x[Altitude] + x[GnssError],
+            Self::Scale => x[Scale],
         }
     }
 
@@ -72,6 +75,7 @@ impl Observation {
                 vector[Altitude] += factor;
                 vector[GnssError] += factor;
             }
+            Self::Scale => vector[Scale] += factor,
         }
     }
 
@@ -80,6 +84,7 @@ impl Observation {
     pub(super) fn cross<S: Scalar>(self, p: &Covariance<S>) -> StateVector<S> {
         match self {
             Self::Energy => p.row(KineticEnergy),
+            Self::Scale => p.row(Scale),
             Self::Altitude => {
                 let mut sum = p.row(Altitude);
                 for (k, element) in sum.0.iter_mut().enumerate() {
@@ -101,6 +106,7 @@ impl Observation {
         match self {
             Self::Energy => matrix.add_observation_products([KineticEnergy], b, factor),
             Self::Altitude => matrix.add_observation_products([Altitude, GnssError], b, factor),
+            Self::Scale => matrix.add_observation_products([Scale], b, factor),
         }
     }
 }

@@ -25,6 +25,7 @@ pub mod dynamics;
 mod effect_uncertainty;
 mod error_levels;
 pub mod gross_mass;
+mod load_test;
 pub mod measurement;
 mod noise_ratio;
 pub mod predict;
@@ -32,6 +33,7 @@ pub mod prior;
 mod process_noise;
 pub mod quantity;
 mod scale_prior_reset;
+mod silent_brake;
 mod speed_update;
 pub mod state;
 pub mod state_index;
@@ -56,10 +58,13 @@ use crate::tuning::Tuning;
 use altitude_update::AltitudeUpdate;
 use effect_uncertainty::EffectUncertainty;
 use error_levels::{ErrorLevels, LevelCell};
+use load_test::{LoadDecision, LoadTest};
+use measurement::Observation;
 use predict::Prediction;
 use prior::{initial_state, reopen_after_load_change};
 use process_noise::{bias_variance, wind_variance};
 use scale_prior_reset::ScalePriorReset;
+use silent_brake::SilentBrake;
 use speed_update::SpeedUpdate;
 
 /// The filter: a state that samples move.
@@ -72,6 +77,8 @@ pub struct Filter<S> {
     effects: EffectUncertainty,
     scale_reset: ScalePriorReset,
     levels: ErrorLevels,
+    load: LoadTest,
+    brake: SilentBrake,
 }
 
 /// A state at the end of a cell before its measurements.
@@ -95,6 +102,8 @@ impl<S: Scalar> Filter<S> {
             effects: EffectUncertainty::new(),
             scale_reset: ScalePriorReset::new(),
             levels: ErrorLevels::new(),
+            load: LoadTest::default(),
+            brake: SilentBrake::default(),
         }
     }
 
@@ -132,6 +141,9 @@ impl<S: Scalar> Filter<S> {
     /// non-finite result, which restarts the filter and is counted.
     pub fn step(&mut self, context: &mut Context, sample: &Sample) -> Option<StepRecord<S>> {
         self.reopen(context, sample);
+        let braked = self.brake.advance(context, sample);
+        let sample = braked.as_ref().unwrap_or(sample);
+        let is_first = self.state.is_none();
         let effects = self.effects.advance(context, sample);
         let levels = self.levels.levels();
         let gnss_error_ratio = levels.gnss_error_ratio(self.altitude.gnss_error_ratio());
@@ -149,6 +161,8 @@ impl<S: Scalar> Filter<S> {
             altitude,
             scale_reset,
             levels,
+            load,
+            brake,
             ..
         } = self;
         let Predicted {
@@ -156,8 +170,24 @@ impl<S: Scalar> Filter<S> {
             energy_before,
             reset,
         } = predict(slot, &prediction, prior, scale_reset, context, sample)?;
+        // A drive that begins at a standstill shows its load by its launch.
+        if is_first && sample.end.speed_mps < context.tuning.detection.coast_mps {
+            load.open(state, &context.tuning.prior);
+        }
         altitude.advance(sample, state, prediction.dynamics());
+        let mut disagreement = sample.disagreement;
+        let mut disagreeing_cells = u32::from(!disagreement.is_none());
+        if let Some(innovation) = altitude.innovation(&context.tuning, sample, state)
+            && let Some(cells) = brake.fix(context, sample, state, innovation)
+        {
+            disagreement.brake = true;
+            disagreeing_cells = cells;
+        }
         let gated = altitude.gate(context, sample, state);
+        if let Some(AltitudeEvent::Contradicted { cells }) = gated.event {
+            disagreement.climb = true;
+            disagreeing_cells = disagreeing_cells.max(cells);
+        }
         let reset = gated.reset(reset);
         if reset != Reset::None {
             levels.interrupt();
@@ -172,9 +202,19 @@ impl<S: Scalar> Filter<S> {
             levels.fix(altitude_m, variance);
         }
         let speed = speed.apply(context, sample, state, energy_before, reset);
-        let altitude = gated
-            .accepted
-            .map(|fix| altitude.apply(context, sample, state, scale_reset, fix));
+        let second = match load.decide(state, sample, &context.tuning.prior) {
+            Some(LoadDecision::Same(update)) => Some((Observation::Scale, update)),
+            decision => {
+                if decision.is_some() {
+                    count(&mut context.counters.loads_changed);
+                    scale_reset.start(state, &context.tuning.prior);
+                }
+                gated.accepted.map(|fix| {
+                    let update = altitude.apply(context, sample, state, scale_reset, fix);
+                    (Observation::Altitude, update)
+                })
+            }
+        };
         if !check(state, context, sample) {
             *slot = None;
             return None;
@@ -185,11 +225,11 @@ impl<S: Scalar> Filter<S> {
                 dynamics: *prediction.dynamics(),
                 reset,
                 speed,
-                altitude,
+                second,
             },
             event: gated.event,
-            disagreement: sample.disagreement,
-            disagreeing_cells: u32::from(!sample.disagreement.is_none()),
+            disagreement,
+            disagreeing_cells,
         })
     }
 
@@ -201,6 +241,11 @@ impl<S: Scalar> Filter<S> {
             reopen_after_load_change(state, context, sample);
             self.scale_reset.start(state, &context.tuning.prior);
             count(&mut context.counters.loads_reopened);
+        }
+        if let Some(state) = &mut self.state
+            && (sample.after_load_change || sample.after_stop)
+        {
+            self.load.open(state, &context.tuning.prior);
         }
     }
 }

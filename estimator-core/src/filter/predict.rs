@@ -117,6 +117,16 @@ impl NetTraction {
         };
         let change = percent - before;
         let of_the_road = context.tuning.process_noise.traction_change_percent;
+        let is_open = from.is_some_and(|state| {
+            let sigma = context.tuning.prior.jump_scale_sigma;
+            state.covariance.variance(StateIndex::Scale).to_f32() > sigma * sigma
+        });
+        if !is_open {
+            return Self {
+                percent,
+                jump_percent: 0.0,
+            };
+        }
         // Not `clamp`, which panics if the limits are in the wrong order.
         let jump_percent = change - Scalar::min(of_the_road, Scalar::max(-of_the_road, change));
         Self {

@@ -50,8 +50,8 @@ pub struct SmootherInput<S> {
     pub reset: Reset,
     /// The update with the speed, if there was one.
     pub speed: Option<ScalarUpdate<S>>,
-    /// The update with the altitude, if there was one.
-    pub altitude: Option<ScalarUpdate<S>>,
+    /// The update after it, if there was one: with the altitude or with the scale.
+    pub second: Option<(Observation, ScalarUpdate<S>)>,
 }
 
 impl<S: Scalar> SmootherInput<S> {
@@ -85,15 +85,26 @@ impl<S: Scalar> SmootherInput<S> {
             })
         };
         update(&self.speed, Observation::Energy);
-        update(&self.altitude, Observation::Altitude)
+        let (observation, second) = self.second.as_ref()?;
+        update(&Some(*second), *observation).filter(|_| *observation == Observation::Altitude)
+    }
+
+    /// Returns the update with the altitude, if there was one.
+    #[must_use]
+    pub fn altitude(&self) -> Option<&ScalarUpdate<S>> {
+        let (observation, update) = self.second.as_ref()?;
+        (*observation == Observation::Altitude).then_some(update)
     }
 
     /// Returns the updates, the last one first.
     #[inline(always)]
     pub(crate) fn updates(&self) -> impl Iterator<Item = (Observation, &ScalarUpdate<S>)> {
-        let altitude = self.altitude.as_ref().map(|a| (Observation::Altitude, a));
+        let second = self
+            .second
+            .as_ref()
+            .map(|(observation, update)| (*observation, update));
         let speed = self.speed.as_ref().map(|s| (Observation::Energy, s));
-        altitude.into_iter().chain(speed)
+        second.into_iter().chain(speed)
     }
 
     /// Takes an adjoint vector back over reset and dynamics, behind the updates.

@@ -20,6 +20,8 @@ pub(super) struct Stops {
     /// Mass at which the variances of scale and bias were last widened.
     learned_kg: Option<f32>,
     was_long: bool,
+    /// It was long enough to be loaded, and nothing reported the mass.
+    was_unreported: bool,
     /// Time in motion since the start or the last long stop.
     driven: Duration,
 }
@@ -51,6 +53,9 @@ impl Stops {
             }
             if stood >= hold_times.stop {
                 self.weighing_until = Some(now + hold_times.weighing);
+            }
+            if stood >= hold_times.load_stop {
+                self.was_unreported = self.reported_kg.is_none();
             }
         }
     }
@@ -89,6 +94,12 @@ impl Stops {
     pub(super) fn driven_s(&self) -> f32 {
         // It may be days, unlike other durations.
         self.driven.micros() as f32 * 1e-6
+    }
+
+    /// Returns whether there was a stop since the last call in which the load may have changed
+    /// without a report.
+    pub(super) fn take_stop(&mut self) -> bool {
+        core::mem::take(&mut self.was_unreported)
     }
 
     /// Returns whether a stop since the last call may have changed the load.

@@ -73,6 +73,15 @@ tuning! {
         kept_scale: f32 = 0.9, 0.0..=1.0, "1", "part of the scale that is kept for the next drive with the same mass", "regular hauls are the rule: one unreported change of load in ten drives";
         any_load_scale_sigma: f32 = 0.25, 1e-4..=5.0, "1", "scale of a vehicle whose load may be any, 1 sigma", "30 % more load make 0.23";
         same_load: f32 = 0.05, 0.0..=1.0, "1", "largest relative change of the mass that is the same load", "scatter of axle loads";
+        open_scale_sigma: f32 = 0.8, 1e-3..=10.0, "1", "scale after a stop, as a part of it: any load, 1 sigma", "an empty and a full combination are a factor of 2.6 apart";
+        same_load_sigma: f32 = 0.03, 0.0..=1.0, "1", "change of the scale over a stop that is the same load, 1 sigma", "passengers, parcels, fuel";
+        same_load_sigmas: f32 = 2.5, 0.1..=100.0, "1", "difference of the scales before and after a stop, in sigmas, beyond which the load changed", "chosen: one false change in 80 stops";
+        launch_m: f32 = 100.0, 2.5..=1e4, "m", "driven distance after which a launch has shown the scale", "gears up to half of the speed";
+        launch_longest_m: f32 = 1_000.0, 2.5..=1e5, "m", "the same where it shows little", "chosen";
+        launch_scale_sigma: f32 = 0.12, 1e-3..=10.0, "1", "relative sigma of the scale with which it is known well enough to be compared", "chosen: loads differ by more";
+        jump_scale_sigma: f32 = 0.06, 0.0..=10.0, "1", "sigma of the scale above which changes of traction show the scale", "chosen: below, climbs show it better than torque in motion";
+        scale_low: f32 = 0.2, 0.01..=1.0, "1", "smallest scale that a vehicle can have", "an empty tractor with the file of a full combination";
+        scale_high: f32 = 5.0, 1.0..=100.0, "1", "largest scale that a vehicle can have", "the reverse";
         scale_reset_sigmas: f32 = 3.0, 0.1..=100.0, "1", "distance of the scale from its prior, in sigmas, beyond which the prior was too narrow", "three sigmas";
         scale_reset_cells: u32 = 200, 1.0..=1e6, "cells", "number of cells for which it must be so", "500 m: single fixes move the scale far and back";
     }
@@ -82,8 +91,9 @@ tuning! {
         speed_test_ratio: f32 = 25.0, 1.0..=1e6, "1", "normalised squared innovation beyond which a speed is a step of the sensor", "five sigmas";
         altitude_test_ratio: f32 = 25.0, 1.0..=1e6, "1", "normalised squared innovation beyond which an altitude is rejected", "five sigmas: errors among houses have heavy tails";
         receiver_step_fixes: u8 = 4, 1.0..=255.0, "fixes", "rejected fixes in a row that make a step of the receiver", "chosen";
-        receiver_step_agreement: f32 = 0.5, 0.0..=1.0, "1", "part of their offset within which these fixes must agree", "chosen";
-        drift_sigmas: f32 = 4.0, 0.1..=1e3, "1", "difference of climbs by GNSS and by the model, in sigmas, beyond which the receiver drifts", "chosen on simulated drives: no false drift in 20 drives";
+        receiver_step_sigmas: f32 = 3.0, 0.1..=100.0, "1", "difference of their offsets, in sigmas of white noise, within which these fixes agree", "three sigmas: a receiver steps, a wrong model goes on";
+        contradiction_fixes: u8 = 6, 1.0..=255.0, "fixes", "rejected fixes in a row without such an agreement that show a wrong model", "chosen";
+        drift_sigmas: f32 = 1000.0, 0.1..=1e3, "1", "difference of climbs by GNSS and by the model, in sigmas, beyond which the receiver drifts", "chosen on simulated drives: no false drift in 20 drives";
         drift_fixes: u8 = 3, 1.0..=255.0, "fixes", "compared fixes in a row that must say so", "chosen";
         drift_segment_m: f32 = 100.0, 2.5..=1e4, "m", "length of a segment over which climbs are compared", "chosen: ten segments are one kilometre";
         drift_model_sigma_m: f32 = 0.1, 0.0..=10.0, "m", "error of the model's climb that does not grow with length, 1 sigma", "reading noise at both ends";
@@ -114,6 +124,7 @@ tuning! {
         clock_set_back: ms = 1_000, 1.0..=60_000.0, "ms", "time for which inputs continue from an earlier time before the clock counts as set back", "chosen";
         clock_far_ahead: ms = 10_000, 1.0..=600_000.0, "ms", "silence after which one input alone does not move the time", "all readings are stale by then";
         measured_ratio: ms = 2_000, 0.0..=60_000.0, "ms", "time for which engine and wheels must turn at a ratio other than the reported gear's until it counts", "clutches close within two seconds";
+        load_stop: ms = 15_000, 0.0..=1e8, "ms", "shortest standstill in which the load may change without a report", "tipping and uncoupling take a quarter of a minute at least";
         weighing: ms = 30_000, 0.0..=600_000.0, "ms", "time after a stop in which a reported mass still belongs to it", "SPN 1760 has no fixed rate";
         stop: ms = 3_000, 0.0..=600_000.0, "ms", "shortest standstill at which the vehicle may be weighed", "chosen";
         long_stop: ms = 600_000, 0.0..=1e8, "ms", "standstill or silence after which load and tyre temperature may be any", "loading and coupling take minutes";
@@ -138,6 +149,10 @@ tuning! {
         undeclared_brake_road_cells: f32 = 40.0, 1.0..=1e4, "cells", "cells over which the slope of the road is averaged", "100 m";
         undeclared_brake_sigma_cells: f32 = 400.0, 1.0..=1e5, "cells", "cells over which the standard deviation is averaged", "1 km";
         undeclared_brake_longest_cells: u16 = 200, 1.0..=65_535.0, "cells", "cells after which it was a slope", "500 m";
+        silent_brake_traction_percent: f32 = 0.1, -10.0..=10.0, "%", "traction over weight up to which the engine drives nothing", "drivers do not brake and drive at once";
+        silent_brake_sigmas: f32 = 3.0, 0.1..=100.0, "1", "altitude below the climb of the model, in sigmas, that shows a brake then", "three sigmas";
+        silent_brake_fixes: u8 = 2, 1.0..=255.0, "fixes", "such altitudes in a row", "chosen: one may be an outlier";
+        silent_brake_slope_percent: f32 = 6.0, 0.0..=100.0, "%", "slope that an unreported brake may hide, 1 sigma", "steep descents of main roads";
         speed_hardest_mps2: f32 = 10.0, 1.0..=100.0, "m/s²", "largest acceleration of a vehicle on tyres", "friction of 1";
         speed_step_mps: f32 = 0.3, 0.0..=10.0, "m/s", "difference of two speed readings besides that", "noise, and steps of 1 km/h";
         speed_believed: ms = 1_000, 0.0..=60_000.0, "ms", "time for which readings agree on another speed until it counts", "chosen";

@@ -142,7 +142,7 @@ impl Evidence {
 
 impl SegmentSums {
     fn take(&mut self, record: &StepRecord<f64>, response: &DVector<f64>) {
-        let Some(applied) = &record.smoother_input.altitude else {
+        let Some(applied) = record.smoother_input.altitude() else {
             return;
         };
         let per_variance = 1.0 / applied.innovation_variance;

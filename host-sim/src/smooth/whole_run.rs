@@ -173,7 +173,7 @@ where
         let mut disagreements = Disagreements::default();
         let all = 0..self.samples.count();
         self.filter(all, &mut from, |record, _, _| {
-            if let Some(update) = record.smoother_input.altitude {
+            if let Some(update) = record.smoother_input.altitude() {
                 let variance = update.innovation_variance.to_f64();
                 sum += update.innovation.to_f64().powi(2) / variance + variance.ln();
                 altitudes += 1;

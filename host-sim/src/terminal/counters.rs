@@ -78,6 +78,11 @@ pub fn events(c: &Counters) -> Vec<CountedEvent> {
         ("cells suspect", c.cells_suspect.into()),
         ("cells with brakes guessed", c.brakes_guessed.into()),
         ("stops that reopened the load", c.loads_reopened.into()),
+        ("launches with another load", c.loads_changed.into()),
+        (
+            "climbs that contradict the forces",
+            c.climbs_contradicted.into(),
+        ),
         ("scales far from the file", c.scales_reopened.into()),
         ("fixes of a frozen receiver", c.frozen_fixes.into()),
         ("reversals", c.reversals.into()),

@@ -26,8 +26,9 @@ counters! {
     speed_leaps frozen_speeds speeds_used tractions_used poor_fixes frozen_fixes reversals gaps
     samples_lost cells_lost cells_unsound cells_suspect steps invalid_steps
     altitudes_used altitudes_rejected altitude_outliers speed_steps brakes_guessed
-    loads_reopened scales_reopened
-    altitude_gaps altitude_steps altitude_drifts altitude_drifts_believed altitude_resets restarts
+    loads_reopened loads_changed scales_reopened
+    altitude_gaps altitude_steps altitude_drifts altitude_drifts_believed altitude_resets
+    climbs_contradicted restarts
 }
 
 /// Every counter.

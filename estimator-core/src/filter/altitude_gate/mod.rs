@@ -19,6 +19,7 @@ pub(super) use climb_test::{ModelError, Segment, TestedFix};
 
 use super::noise_ratio::{CorrelatedNoiseRatio, NoiseRatio, SensorNoiseRatios};
 use super::state::State;
+use crate::cell::CELL_LENGTH_M;
 use crate::scalar::Scalar;
 use crate::tuning::{Gates, MeasurementNoise, Tuning};
 use climb_test::ClimbTest;
@@ -40,6 +41,12 @@ pub enum AltitudeEvent {
     /// The altitude is set from this fix: it is the first one, comes from another source, or follows
     /// a long silence.
     SetAnew,
+    /// Altitudes leave the climb of the forces steadily since so many cells, which no receiver does:
+    /// the vehicle model is off. The altitude is set from this fix.
+    Contradicted {
+        /// Number of cells.
+        cells: u32,
+    },
 }
 
 /// What to do with a fix.
@@ -55,6 +62,8 @@ pub(super) enum GateDecision {
     MoveDatum,
     /// Set the altitude from it.
     SetAltitude,
+    /// Set the altitude from it, and widen the wind by this sigma, %.
+    SetAltitudeAndWidenWind(f32),
     /// Set the altitude from it, and widen the bias by this sigma, %.
     SetAltitudeAndWidenBias(f32),
 }
@@ -79,6 +88,9 @@ enum Drift {
 pub(super) struct AltitudeGate {
     rejected: u8,
     offset_m: f32,
+    /// Fixes rejected in a row whatever their offset, and the distance since the last one used, m.
+    rejected_in_a_row: u8,
+    unused_m: f32,
     silent_s: f32,
     drift: Drift,
     climb_test: ClimbTest,
@@ -113,6 +125,8 @@ impl AltitudeGate {
         Self {
             rejected: 0,
             offset_m: 0.0,
+            rejected_in_a_row: 0,
+            unused_m: 0.0,
             silent_s: 0.0,
             drift: Drift::None { contradictions: 0 },
             climb_test: ClimbTest::default(),
@@ -146,6 +160,7 @@ impl AltitudeGate {
     pub(super) fn advance(&mut self, segment: Segment, duration_s: f32) {
         self.gnss_error.advance(duration_s);
         self.silent_s += duration_s;
+        self.unused_m += segment.length_m;
         self.climb_test.advance(segment);
         match &mut self.drift {
             Drift::None { .. } => {}
@@ -176,6 +191,8 @@ impl AltitudeGate {
     fn forget_rejected(&mut self) {
         self.rejected = 0;
         self.offset_m = 0.0;
+        self.rejected_in_a_row = 0;
+        self.unused_m = 0.0;
     }
 
     /// Decides what to do with a fix, given the state before the measurements.
@@ -202,7 +219,7 @@ impl AltitudeGate {
         self.noise
             .learn(test_ratio, measurement_noise.largest_innovation);
         if test_ratio > gates.altitude_test_ratio {
-            return self.reject(offset_m, gates);
+            return self.reject(offset_m, fix.fix.variance, gates);
         }
         self.forget_rejected();
         if let Some((cell, model_error)) = self.find_drift(tuning) {
@@ -226,18 +243,33 @@ impl AltitudeGate {
     }
 
     /// Rejects a fix whose innovation is too large, or finds that the receiver stepped.
-    fn reject(&mut self, offset_m: f32, gates: &Gates) -> (GateDecision, Option<AltitudeEvent>) {
+    fn reject(
+        &mut self,
+        offset_m: f32,
+        white_variance: f32,
+        gates: &Gates,
+    ) -> (GateDecision, Option<AltitudeEvent>) {
         self.gnss_error.interrupt();
-        let agrees =
-            (offset_m - self.offset_m).abs() <= gates.receiver_step_agreement * offset_m.abs();
-        self.rejected = if agrees {
-            self.rejected.saturating_add(1)
+        let apart_m = offset_m - self.offset_m;
+        let noise = gates.receiver_step_sigmas * gates.receiver_step_sigmas * 2.0 * white_variance;
+        if self.rejected > 0 && apart_m * apart_m <= noise {
+            self.rejected = self.rejected.saturating_add(1);
         } else {
-            1
-        };
-        self.offset_m = offset_m;
+            self.rejected = 1;
+            self.offset_m = offset_m;
+        }
+        self.rejected_in_a_row = self.rejected_in_a_row.saturating_add(1);
         if self.rejected < gates.receiver_step_fixes {
-            return (GateDecision::Reject, Some(AltitudeEvent::Outlier));
+            if self.rejected_in_a_row < gates.contradiction_fixes {
+                return (GateDecision::Reject, Some(AltitudeEvent::Outlier));
+            }
+            let sigma_percent = 100.0 * offset_m / Scalar::max(self.unused_m, 10.0);
+            let cells = (self.unused_m / CELL_LENGTH_M) as u32 + 1;
+            self.restart();
+            return (
+                GateDecision::SetAltitudeAndWidenWind(sigma_percent),
+                Some(AltitudeEvent::Contradicted { cells }),
+            );
         }
         self.forget_rejected();
         self.climb_test.clear();

@@ -126,6 +126,7 @@ fn samples(drive: &MeasuredDrive) -> Vec<Sample> {
             }),
             altitude,
             after_load_change: false,
+            after_stop: false,
             mass_is_reported: false,
             disagreement: Disagreement::default(),
         });

@@ -1,0 +1,78 @@
+//! Brakes that no signal reports, found by a descent that does not show in the speed.
+//!
+//! A brake or a retarder that nobody reports makes a descent read as level. While the engine drives
+//! nothing, the force balance gives only an upper bound of the slope: a brake can only make the
+//! model read the road too high. Where GNSS then falls below the climb of the model, the vehicle
+//! brakes, and goes on braking until the engine drives again. A receiver drifts by metres within
+//! minutes, and not by several per cent of the distance.
+
+use super::state::State;
+use super::state_index::StateIndex::{Altitude, Slope};
+use crate::cell::Condition;
+use crate::context::Context;
+use crate::sample::Sample;
+use crate::scalar::Scalar;
+
+/// Whether the vehicle brakes without a report.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct SilentBrake {
+    /// Cells since the engine drives nothing.
+    rolling_cells: u32,
+    /// Altitudes in a row that were too low.
+    low_fixes: u8,
+    is_on: bool,
+}
+
+impl SilentBrake {
+    /// Advances over a cell. Returns the sample as it is with the brake, if there is one.
+    #[inline]
+    pub(super) fn advance(&mut self, context: &Context, sample: &Sample) -> Option<Sample> {
+        let forces = &sample.forces;
+        let most = 0.01 * context.tuning.detection.silent_brake_traction_percent;
+        if forces.traction_n > most * forces.weight_n() {
+            *self = Self::default();
+            return None;
+        }
+        self.rolling_cells = self.rolling_cells.saturating_add(1);
+        if !self.is_on {
+            return None;
+        }
+        let mut braked = *sample;
+        braked.end.condition = Condition {
+            braking: true,
+            ..sample.end.condition
+        };
+        Some(braked)
+    }
+
+    /// Takes the innovation of an altitude, m, with its variance. Returns the number of cells in
+    /// which the brake was not noticed, if it is noticed now; the state is then widened.
+    pub(super) fn fix<S: Scalar>(
+        &mut self,
+        context: &Context,
+        sample: &Sample,
+        state: &mut State<S>,
+        (innovation_m, variance): (f32, f32),
+    ) -> Option<u32> {
+        if self.rolling_cells == 0 || self.is_on || !sample.end.condition.is_valid() {
+            return None;
+        }
+        let detection = &context.tuning.detection;
+        let sigmas = detection.silent_brake_sigmas;
+        let is_low = innovation_m < 0.0 && innovation_m * innovation_m > sigmas * sigmas * variance;
+        self.low_fixes = if is_low {
+            self.low_fixes.saturating_add(1)
+        } else {
+            0
+        };
+        if self.low_fixes < detection.silent_brake_fixes {
+            return None;
+        }
+        self.is_on = true;
+        let steepest = detection.silent_brake_slope_percent;
+        let covariance = &mut state.covariance;
+        covariance.add_variance(Slope, S::from_f32(steepest * steepest));
+        covariance.add_variance(Altitude, S::from_f32(innovation_m * innovation_m));
+        Some(self.rolling_cells)
+    }
+}
