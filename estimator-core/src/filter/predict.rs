@@ -59,7 +59,13 @@ impl<S: Scalar> Prediction<S> {
                 keep_gnss_error: S::from_f32(coloured.gnss_error.keep),
             },
             work: S::from_f32((balance.traction - balance.rolling - effects_per_kg) * length_m),
-            noise: process_noise(context, sample, &coloured, gravity, effects.bias_variance),
+            noise: process_noise(
+                context,
+                sample,
+                &coloured,
+                (gravity, traction.jump_percent),
+                effects.bias_variance,
+            ),
         }
     }
 
@@ -117,18 +123,14 @@ impl NetTraction {
         };
         let change = percent - before;
         let of_the_road = context.tuning.process_noise.traction_change_percent;
-        let is_open = from.is_some_and(|state| {
-            let sigma = context.tuning.prior.jump_scale_sigma;
-            state.covariance.variance(StateIndex::Scale).to_f32() > sigma * sigma
-        });
-        if !is_open {
-            return Self {
-                percent,
-                jump_percent: 0.0,
-            };
-        }
         // Not `clamp`, which panics if the limits are in the wrong order.
         let jump_percent = change - Scalar::min(of_the_road, Scalar::max(-of_the_road, change));
+        // Where the scale is known, climbs show it better than torque in motion does.
+        let matters = from.is_some_and(|state| {
+            let unknown_percent = state.sigma(StateIndex::Scale).to_f32() * jump_percent.abs();
+            unknown_percent > context.tuning.process_noise.jump_matters_percent
+        });
+        let jump_percent = if matters { jump_percent } else { 0.0 };
         Self {
             percent,
             jump_percent,

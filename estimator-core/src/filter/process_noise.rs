@@ -81,7 +81,7 @@ pub(super) fn process_noise<S: Scalar>(
     context: &Context,
     sample: &Sample,
     coloured: &ColouredStates,
-    gravity: f32,
+    (gravity, jump_percent): (f32, f32),
     effect_variance: f32,
 ) -> PerState<S> {
     let tuning = &context.tuning.process_noise;
@@ -90,10 +90,11 @@ pub(super) fn process_noise<S: Scalar>(
     } else {
         tuning.invalid_noise_percent
     };
-    let energy_sigma = gravity * model_percent;
+    let jump = tuning.jump_noise * jump_percent;
+    let energy_variance = gravity * gravity * (model_percent * model_percent + jump * jump);
     let walk = tuning.scale_walk_per_sqrt_km;
     PerState {
-        kinetic_energy: S::from_f32(energy_sigma * energy_sigma),
+        kinetic_energy: S::from_f32(energy_variance),
         altitude: S::ZERO,
         slope: S::ZERO,
         slope_rate: S::from_f32(coloured.slope_rate.variance),

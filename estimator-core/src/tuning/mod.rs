@@ -60,6 +60,8 @@ tuning! {
         level_evidence: f32 = 4.0, 0.0..=100.0, "1", "log-likelihood that a level above the assumed one needs beyond it", "a factor of 55";
         scale_walk_per_sqrt_km: f32 = 0.002, 0.0..=1.0, "1/√km", "random walk of the traction scale, 1 sigma", "chosen: 2 % in 100 km";
         traction_change_percent: f32 = 0.1, 0.0..=100.0, "%", "largest change of traction over weight in one cell that the road may have caused", "AASHTO: the sharpest crest for 80 km/h (K = 26) bends by 0.096";
+        jump_matters_percent: f32 = 0.1, 0.0..=100.0, "%", "slope that the unknown part of the scale makes of a change of traction, above which the change shows the scale", "as `traction_change_percent`";
+        jump_noise: f32 = 0.5, 0.0..=10.0, "1", "error of a change of traction that no road causes, as a part of it, 1 sigma", "torque and speed signals have unlike delays";
         effect_change_length_m: f32 = 100.0, 2.5..=1e5, "m", "length of a change of an effect's slope that counts as one change", "chosen";
     }
 
@@ -79,7 +81,6 @@ tuning! {
         launch_m: f32 = 100.0, 2.5..=1e4, "m", "driven distance after which a launch has shown the scale", "gears up to half of the speed";
         launch_longest_m: f32 = 1_000.0, 2.5..=1e5, "m", "the same where it shows little", "chosen";
         launch_scale_sigma: f32 = 0.12, 1e-3..=10.0, "1", "relative sigma of the scale with which it is known well enough to be compared", "chosen: loads differ by more";
-        jump_scale_sigma: f32 = 0.06, 0.0..=10.0, "1", "sigma of the scale above which changes of traction show the scale", "chosen: below, climbs show it better than torque in motion";
         scale_low: f32 = 0.2, 0.01..=1.0, "1", "smallest scale that a vehicle can have", "an empty tractor with the file of a full combination";
         scale_high: f32 = 5.0, 1.0..=100.0, "1", "largest scale that a vehicle can have", "the reverse";
         scale_reset_sigmas: f32 = 3.0, 0.1..=100.0, "1", "distance of the scale from its prior, in sigmas, beyond which the prior was too narrow", "three sigmas";
