@@ -2,8 +2,8 @@
 
 use estimator_core::Disagreement;
 use estimator_core::sample::Sample;
-use host_sim::recorder::{Recorder, RunSummary};
 use host_sim::recorder::verdict::{DisagreementStretch, stretches, verdict};
+use host_sim::recorder::{Recorder, RunSummary};
 use host_sim::simulator::simulate;
 use host_sim::smooth::{Disagreements, SmoothedCell, smooth_segments};
 use test_kit::simulated::scenario;
