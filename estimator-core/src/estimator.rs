@@ -239,6 +239,7 @@ impl<S: Scalar> Estimator<S> {
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
     use crate::cell::Uncertain;

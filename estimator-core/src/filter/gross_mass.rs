@@ -9,11 +9,10 @@
 
 use crate::cell::Uncertain;
 use crate::context::Context;
-use crate::effect::Acts;
 use crate::model::Model;
 use crate::sample::Sample;
 use crate::scalar::Scalar;
-use crate::tuning::{Prior, Tuning};
+use crate::tuning::Prior;
 use crate::vehicle::Traction;
 
 /// Smallest and largest scale that a vehicle can have. A full combination and its tractor alone are
@@ -26,49 +25,58 @@ const LARGEST_SCALE: f32 = 5.0;
 pub struct ModelMass {
     /// Mass that the model takes, kg.
     pub mass_kg: f32,
-    /// Error of the traction as a part of it, 1 sigma.
-    pub traction_sigma: f32,
-    /// Error of the mass as a part of it, 1 sigma. `None` if it is only a parameter, which another
-    /// load makes wrong by any factor.
-    pub told_sigma: Option<f32>,
+    /// Variance of the traction, as a part of it.
+    pub traction_variance: f32,
+    /// Variance of the mass, as a part of it. `None` if it is only a parameter, which another load
+    /// makes wrong by any factor.
+    pub told_variance: Option<f32>,
 }
 
 impl ModelMass {
     /// Returns what is known of the mass in the cell of a sample.
+    #[inline]
     #[must_use]
     pub fn of(context: &Context, sample: &Sample) -> Self {
         let Context { model, tuning, .. } = context;
+        let mut variance = model.effects.mass_variance();
+        if sample.mass_is_reported {
+            let sigma = tuning.measurement_noise.reported_mass_sigma;
+            variance += sigma * sigma;
+        }
         Self {
-            told_sigma: told_sigma(model, tuning, sample.mass_is_reported),
+            told_variance: (variance > 0.0).then_some(variance),
             ..Self::parameter(model, &tuning.prior, sample.forces.mass_kg)
         }
     }
 
     /// Returns a mass in kg that nothing confirms.
+    #[inline]
     #[must_use]
     pub fn parameter(model: &Model, tuning: &Prior, mass_kg: f32) -> Self {
         Self {
             mass_kg,
-            traction_sigma: match model.vehicle.traction {
-                Traction::Powertrain(_) => tuning.torque_sigma,
+            traction_variance: match model.vehicle.traction {
+                Traction::Powertrain(_) => tuning.torque_sigma * tuning.torque_sigma,
                 Traction::Force => 0.0,
             },
-            told_sigma: None,
+            told_variance: None,
         }
     }
 
     /// Returns the gross mass for a scale, kg.
+    #[inline]
     #[must_use]
     pub fn gross_kg(&self, scale: Uncertain) -> Uncertain {
         let possible = scale.value.clamp(SMALLEST_SCALE, LARGEST_SCALE);
         let beyond = scale.value - possible;
-        let scale_variance = (scale.sigma * scale.sigma + beyond * beyond) / (possible * possible);
         // As parts of the mass of the model.
         let driven = 1.0 / possible;
-        let driven_variance =
-            driven * driven * (scale_variance + self.traction_sigma * self.traction_sigma);
-        let (part, variance) = match self.told_sigma {
-            Some(sigma) => combined((driven, driven_variance), (1.0, sigma * sigma)),
+        let driven_variance = driven
+            * driven
+            * ((scale.sigma * scale.sigma + beyond * beyond) * (driven * driven)
+                + self.traction_variance);
+        let (part, variance) = match self.told_variance {
+            Some(variance) => combined((driven, driven_variance), (1.0, variance)),
             None => (driven, driven_variance),
         };
         Uncertain {
@@ -80,27 +88,10 @@ impl ModelMass {
 
 /// Returns mean and variance of two independent measurements with their variances, of which the
 /// second is above zero.
+#[inline(never)] // It is rare, and takes room in each of its callers.
 fn combined((a, a_variance): (f32, f32), (b, b_variance): (f32, f32)) -> (f32, f32) {
     let sum = a_variance + b_variance;
     let mean = (a * b_variance + b * a_variance) / sum;
     let chi_squared = (a - b) * (a - b) / sum;
     (mean, a_variance * b_variance / sum * chi_squared.max(1.0))
-}
-
-/// Returns the sigma of the model's mass as a part of it, as far as it was told.
-fn told_sigma(model: &Model, tuning: &Tuning, is_reported: bool) -> Option<f32> {
-    let of_effects: f32 = model
-        .effects
-        .iter()
-        .filter(|adopted| adopted.effect.acts == Acts::Mass)
-        .map(|adopted| adopted.amount_sigma / (1.0 + adopted.amount))
-        .map(|sigma| sigma * sigma)
-        .sum();
-    let reported = if is_reported {
-        tuning.measurement_noise.reported_mass_sigma
-    } else {
-        0.0
-    };
-    let variance = of_effects + reported * reported;
-    (variance > 0.0).then(|| Scalar::sqrt(variance))
 }

@@ -32,6 +32,8 @@ pub struct AdoptedEffects {
     mass: f32,
     traction: f32,
     wheel_radius: f32,
+    /// Variance of the factor on the mass, as a part of it.
+    mass_variance: f32,
 }
 
 impl AdoptedEffect {
@@ -110,6 +112,11 @@ impl AdoptedEffects {
         };
         let factors = [Acts::Mass, Acts::Traction, Acts::WheelRadius].map(factor);
         [self.mass, self.traction, self.wheel_radius] = factors;
+        let parts = self.acting(Acts::Mass).map(|adopted| {
+            let part = adopted.amount_sigma / (1.0 + adopted.amount);
+            part * part
+        });
+        self.mass_variance = parts.sum();
         Ok(())
     }
 
@@ -161,6 +168,12 @@ impl AdoptedEffects {
         }
     }
 
+    /// Returns the variance of the scale factor on the mass, as a part of it; 0 without a sigma.
+    #[must_use]
+    pub(crate) const fn mass_variance(&self) -> f32 {
+        self.mass_variance
+    }
+
     /// Returns the effects that enter the model there.
     fn acting(&self, acts: Acts) -> impl Iterator<Item = &AdoptedEffect> {
         self.iter()
@@ -188,6 +201,7 @@ impl Default for AdoptedEffects {
             mass: 1.0,
             traction: 1.0,
             wheel_radius: 1.0,
+            mass_variance: 0.0,
         }
     }
 }

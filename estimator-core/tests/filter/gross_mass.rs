@@ -25,7 +25,7 @@ fn mass_of(model: impl Into<Model>, is_reported: bool) -> ModelMass {
 #[test]
 fn the_torque_is_right_within_four_per_cent() {
     let mass = mass_of(truck(), false);
-    assert_eq!(mass.told_sigma, None);
+    assert_eq!(mass.told_variance, None);
     // 39,000 / 1.3; 30,000 · √((0.0195/1.3)² + 0.04²).
     let gross = mass.gross_kg(scale(1.3, 0.0195));
     assert!(near(gross, 30_000.0, 1_281.6), "{gross:?}");
@@ -43,7 +43,7 @@ fn a_measured_force_has_no_error_of_torque() {
 #[test]
 fn a_reported_mass_is_combined_by_inverse_variance() {
     let mass = mass_of(truck(), true);
-    assert!((mass.told_sigma.unwrap() - 0.05).abs() < 1e-6);
+    assert_eq!(mass.told_variance, Some(0.05 * 0.05));
     // 38,235 ± 1,967 kg driven, 39,000 ± 1,950 kg reported.
     let gross = mass.gross_kg(scale(1.02, 0.033));
     assert!(near(gross, 38_621.0, 1_384.9), "{gross:?}");
@@ -74,12 +74,12 @@ fn an_adopted_mass_with_a_sigma_counts_too() {
         model
     };
     // A part of 1.25 that is right within 0.025 is right within 2 %.
-    let known = mass_of(model(0.025), false).told_sigma.unwrap();
-    assert!((known - 0.02).abs() < 1e-6);
-    let both = mass_of(model(0.025), true).told_sigma.unwrap();
-    assert!((both - (0.05_f32 * 0.05 + 0.02 * 0.02).sqrt()).abs() < 1e-6);
+    let known = mass_of(model(0.025), false).told_variance.unwrap();
+    assert!((known - 0.000_4).abs() < 1e-8);
+    let both = mass_of(model(0.025), true).told_variance.unwrap();
+    assert!((both - 0.002_9).abs() < 1e-8);
     // Without a sigma nothing is told.
-    assert_eq!(mass_of(model(0.0), false).told_sigma, None);
+    assert_eq!(mass_of(model(0.0), false).told_variance, None);
 }
 
 #[test]

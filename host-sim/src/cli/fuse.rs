@@ -12,7 +12,8 @@ use std::path::PathBuf;
     after_help = "Each run is matched to the road by position and course; the odometer bridges the gaps between \
     positions. Cells off the road, on crossing roads or in the opposite direction are not used. \
     Smoothed grades and altitudes are then averaged every 2.5 m with inverse-variance weights. \
-    Cells that no run covers have no row in the map.\n\n\
+    A cell that its run marks as suspect counts with four times its sigma. Cells that no run covers \
+    have no row in the map.\n\n\
     Errors of runs of one vehicle on one day are correlated, so each further run adds less \
     information. Name these runs with --session: they then count as one estimate, whose variance \
     includes the common part. The map is the mean over sessions, which have a smaller common part \

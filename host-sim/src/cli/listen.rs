@@ -28,7 +28,7 @@ The kernel filters and time-stamps the frames. It passes only the messages that 
 
 --log-time belongs to `roadgrade replay --log-time`. Frames then have the time stamps of the replayed log. At any replay speed the cells equal those of the file to the last digit. The drive ends with the log.
 
---publish sends the estimate ten times per second, and each finished cell, on the first interface. The layout is estimator-core/dbc/grade.dbc. The command does not claim an address (J1939-81), so choose a free one. With --address 254 the identifiers are exactly those of the file, for tools without J1939 addressing.
+--publish sends the estimate ten times per second, each finished cell, and once per second the status (GradeStatus: what disagrees, gross mass), on the first interface. The layout is estimator-core/dbc/grade.dbc. The command does not claim an address (J1939-81), so choose a free one. With --address 254 the identifiers are exactly those of the file, for tools without J1939 addressing.
 
 Try it without a truck:
   ip link add dev vcan0 type vcan && ip link set vcan0 up

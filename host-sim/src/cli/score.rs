@@ -35,7 +35,8 @@ Each cell is compared with the truth at the same time. Both times count from the
 the log. The first and last 500 m of each run are not scored. Each row has the RMSE over all cells \
 and over valid cells (neither a gear shift nor braking), the bias (estimate minus truth), the mean \
 normalised squared error (NEES, near 1 if the sigmas are consistent), and the ratio of the RMSE to \
-the oracle's. The last rows are means over the runs.
+the oracle's. The last columns are the part of the cells that are marked as suspect, and the NEES \
+of the others. The last rows are means over the runs.
 
 Rows of each run:
   smoothed, lagged, live  the estimates in RUN.csv

@@ -198,7 +198,7 @@ fn broken_runs_are_told_with_file_and_line() {
         (
             "a field less",
             with_line(4, |fields| drop(fields.pop())),
-            "bad.csv:4: 15 fields under a header of 16",
+            "bad.csv:4: 20 fields under a header of 21",
         ),
         (
             "missing column",

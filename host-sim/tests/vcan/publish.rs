@@ -8,10 +8,11 @@ use host_sim::files::run::{self, RunRow};
 use std::fs;
 use std::path::Path;
 
-/// What candump keeps: the two messages of `grade.dbc`, from address 254.
-const FILTER: &str = ",18FF46FE:1FFFFEFF";
+/// What candump keeps: the three messages of `grade.dbc`, from address 254.
+const FILTER: &str = ",18FF46FE:1FFFFEFF,18FF49FE:1FFFFFFF";
 const LIVE: &str = "18FF46FE";
 const CELL: &str = "18FF47FE";
+const STATUS: &str = "18FF49FE";
 
 /// The payloads of one message in a recording.
 fn payloads(recording: &Path, id: &str) -> Vec<[u8; 8]> {
@@ -41,6 +42,21 @@ fn check_cell(data: &[u8; 8], rows: &[RunRow]) {
     );
     let sigma = 0.02 * f64::from(data[5]);
     assert!((sigma - row.lagged_grade_sigma_percent).abs() < 0.011);
+}
+
+/// A drive of 3 s without a fault has a status each second, which says so.
+fn check_statuses(statuses: &[[u8; 8]], rows: &[RunRow]) {
+    let known: Vec<_> = statuses.iter().filter(|data| **data != [0xff; 8]).collect();
+    assert!(known.len() >= 2, "{} statuses", statuses.len());
+    let suspect = rows.iter().any(|row| row.lagged_consistent == 0);
+    for data in &known {
+        let (mass_kg, sigma_kg) = (10.0 * word(data, 2), 10.0 * word(data, 4));
+        let end_kg = rows.last().and_then(|row| row.mass_kg).unwrap();
+        assert!((mass_kg - end_kg).abs() < 3.0 * sigma_kg, "{mass_kg} kg");
+        assert!(suspect || word(data, 6) == 0.0);
+    }
+    // Consistent, and nothing disagrees.
+    assert_eq!(known[0][0], 1);
 }
 
 #[test]
@@ -83,6 +99,7 @@ fn the_estimate_is_sent_with_each_finished_cell_and_not_read_back() {
     for data in known {
         assert!((word(data, 0) * 0.002 - 64.0).abs() < 20.0);
     }
+    check_statuses(&payloads(&recording, STATUS), &rows);
     println!(
         "{} estimates and {} cells on the bus",
         lives.len(),

@@ -86,6 +86,9 @@ impl RunIdentity {
     }
 }
 
+/// What the hash takes after a cell that is not consistent.
+const SUSPECT: &[u8; 8] = b"suspect\0";
+
 /// Hash of a run, cell by cell.
 #[derive(Default)]
 pub struct RunHash(Xxh3);
@@ -111,6 +114,10 @@ impl RunHash {
             bytes.copy_from_slice(&(value + 0.0).to_le_bytes());
         }
         self.0.update(&bytes);
+        // Only then, so that runs without a mark keep the identity that they always had.
+        if !cell.is_consistent {
+            self.0.update(SUSPECT);
+        }
     }
 
     /// Returns the identity of the cells so far.
