@@ -46,6 +46,8 @@ pub struct SpeedMeasurement {
     pub behind_m: f32,
     /// Number of readings.
     pub count: u8,
+    /// Resolution of the readings, m/s: the smallest change so far.
+    pub resolution_mps: f32,
 }
 
 /// A GNSS altitude.

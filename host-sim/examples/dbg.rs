@@ -1,10 +1,13 @@
 use estimator_core::*;
 use host_sim::files::vehicle::VehicleFile;
-use host_sim::source::input::{for_each_input, LogInput};
+use host_sim::source::input::{LogInput, for_each_input};
 fn main() {
     let a: Vec<String> = std::env::args().collect();
     let v = VehicleFile::read(a[1].as_ref()).unwrap();
-    let tuning = match a.get(6) { Some(t) => host_sim::files::tuning::read_or_default(Some(t.as_ref())).unwrap(), None => Tuning::default() };
+    let tuning = match a.get(6) {
+        Some(t) => host_sim::files::tuning::read_or_default(Some(t.as_ref())).unwrap(),
+        None => Tuning::default(),
+    };
     let mut e = Estimator::<f64>::new(v.model.clone(), tuning).unwrap();
     let (from, to): (f64, f64) = (a[3].parse().unwrap(), a[4].parse().unwrap());
     let every: u32 = a[5].parse().unwrap();

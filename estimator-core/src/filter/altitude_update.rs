@@ -231,7 +231,7 @@ impl AltitudeUpdate {
                 gnss_error_variance: self.gate.gnss_error_ratio()
                     * gnss_error_sigma_m
                     * gnss_error_sigma_m,
-                wind_variance: wind_variance(context, sample),
+                wind_variance: wind_variance(context, sample, 1.0),
                 per_wind_length: 1.0 / tuning.process_noise.wind_length_m,
             },
         };

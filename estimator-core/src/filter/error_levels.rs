@@ -16,20 +16,41 @@ use super::process_noise::GaussMarkov;
 use crate::scalar::Scalar;
 use crate::tuning::{MeasurementNoise, ProcessNoise};
 
-/// Variance ratio and correlation length ratio of the model's slow error: as assumed, or larger and
-/// faster.
-const MODEL_LEVELS: [(f32, f32); 7] = [
-    (1.0, 1.0),
-    (4.0, 1.0),
-    (4.0, 0.2),
-    (16.0, 0.2),
-    (64.0, 0.2),
-    (256.0, 0.2),
-    (1_024.0, 0.2),
+/// Ratios of a group of hypotheses to what is assumed.
+#[derive(Clone, Copy)]
+struct Group {
+    /// Variance and correlation length of the model's slow error.
+    wind: f32,
+    wind_length: f32,
+    /// Correlation time of the receiver's coloured error: receivers that smooth or lag have errors
+    /// that follow the road.
+    receiver_time: f32,
+}
+
+const fn group(wind: f32, wind_length: f32, receiver_time: f32) -> Group {
+    Group {
+        wind,
+        wind_length,
+        receiver_time,
+    }
+}
+
+/// As assumed, or larger and faster.
+const GROUPS: [Group; 10] = [
+    group(1.0, 1.0, 1.0),
+    group(1.0, 1.0, 0.15),
+    group(4.0, 1.0, 1.0),
+    group(4.0, 0.2, 1.0),
+    group(16.0, 0.2, 1.0),
+    group(16.0, 0.2, 0.15),
+    group(64.0, 0.2, 1.0),
+    group(256.0, 0.2, 1.0),
+    group(256.0, 0.2, 0.15),
+    group(1_024.0, 0.2, 1.0),
 ];
 /// Levels of the receiver's error beside each: a smaller one, the best so far, and a larger one.
 const RECEIVER_LEVELS: usize = 3;
-const HYPOTHESES: usize = MODEL_LEVELS.len() * RECEIVER_LEVELS;
+const HYPOTHESES: usize = GROUPS.len() * RECEIVER_LEVELS;
 /// Step from one of them to the next, as a variance ratio.
 const RECEIVER_STEP: f32 = 1.5;
 
@@ -40,6 +61,8 @@ pub(super) struct Levels {
     pub wind_ratio: f32,
     /// Its correlation length over the assumed one, 1.
     pub wind_length_ratio: f32,
+    /// Correlation time of the receiver's coloured error over the assumed one, 1.
+    pub receiver_time_ratio: f32,
     /// Variance of the receiver's coloured error over the assumed one, 1, and the part with which
     /// it counts.
     pub receiver: (f32, f32),
@@ -56,7 +79,7 @@ impl Levels {
 /// The levels, and the bank that finds them.
 #[derive(Clone, Debug)]
 pub(super) struct ErrorLevels {
-    bank: [[Hypothesis; RECEIVER_LEVELS]; MODEL_LEVELS.len()],
+    bank: [[Hypothesis; RECEIVER_LEVELS]; GROUPS.len()],
     open: OpenKnot,
     knot: Option<Knot>,
     /// Next hypothesis to take over the knot.
@@ -123,6 +146,7 @@ struct Sums {
     weight: f32,
     wind: f32,
     wind_length: f32,
+    receiver_time: f32,
     receiver: f32,
     larger: f32,
 }
@@ -218,7 +242,7 @@ impl ErrorLevels {
                     receiver_ratio: RECEIVER_STEP,
                     ..Hypothesis::NEW
                 },
-            ]; MODEL_LEVELS.len()],
+            ]; GROUPS.len()],
             open: OpenKnot {
                 length_m: 0.0,
                 duration_s: 0.0,
@@ -235,12 +259,14 @@ impl ErrorLevels {
                 weight: 0.0,
                 wind: 0.0,
                 wind_length: 0.0,
+                receiver_time: 0.0,
                 receiver: 0.0,
                 larger: 0.0,
             },
             levels: Levels {
                 wind_ratio: 1.0,
                 wind_length_ratio: 1.0,
+                receiver_time_ratio: 1.0,
                 receiver: (1.0, 0.0),
             },
         }
@@ -319,8 +345,12 @@ impl ErrorLevels {
 
     fn take(&mut self, knot: &Knot, process: &ProcessNoise, measurement: &MeasurementNoise) {
         let index = usize::from(self.next);
-        let level = index / RECEIVER_LEVELS % MODEL_LEVELS.len();
-        let (wind_ratio, wind_length_ratio) = MODEL_LEVELS[level];
+        let level = index / RECEIVER_LEVELS % GROUPS.len();
+        let Group {
+            wind: wind_ratio,
+            wind_length: wind_length_ratio,
+            receiver_time,
+        } = GROUPS[level];
         let Some(group) = self.bank.get_mut(level) else {
             return;
         };
@@ -335,7 +365,7 @@ impl ErrorLevels {
                 GaussMarkov::step(knot.length_m / process.bias_length_m, knot.bias_variance),
                 GaussMarkov::step(knot.length_m / wind_length_m, wind_variance),
                 GaussMarkov::step(
-                    knot.duration_s / measurement.gnss_error_time_s,
+                    knot.duration_s / (receiver_time * measurement.gnss_error_time_s),
                     receiver_variance,
                 ),
             );
@@ -358,6 +388,7 @@ impl ErrorLevels {
             self.sums.weight += weight;
             self.sums.wind += weight * wind_ratio;
             self.sums.wind_length += weight * wind_length_ratio;
+            self.sums.receiver_time += weight * receiver_time;
             self.sums.receiver += weight * receiver_ratio;
             if level > 0 {
                 self.sums.larger += weight;
@@ -377,6 +408,7 @@ impl ErrorLevels {
             self.levels = Levels {
                 wind_ratio: sums.wind * per_weight,
                 wind_length_ratio: sums.wind_length * per_weight,
+                receiver_time_ratio: sums.receiver_time * per_weight,
                 receiver: (sums.receiver * per_weight, sums.larger * per_weight),
             };
         }

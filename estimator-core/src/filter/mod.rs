@@ -61,8 +61,8 @@ use error_levels::{ErrorLevels, LevelCell};
 use load_test::{LoadDecision, LoadTest};
 use measurement::Observation;
 use predict::Prediction;
-use prior::{initial_state, reopen_after_load_change};
-use process_noise::{bias_variance, wind_variance};
+use prior::{initial_state, reopen_after_load_change, reopen_bias};
+use process_noise::{LearnedNoise, bias_variance, wind_variance};
 use scale_prior_reset::ScalePriorReset;
 use silent_brake::SilentBrake;
 use speed_update::SpeedUpdate;
@@ -128,6 +128,19 @@ impl<S: Scalar> Filter<S> {
         }
     }
 
+    fn learned_noise(&self) -> LearnedNoise {
+        let levels = self.levels.levels();
+        let scale = |state: &State<S>| 1.0 + state.mean[StateIndex::Scale].to_f32();
+        LearnedNoise {
+            levels,
+            gnss_error_ratio: levels.gnss_error_ratio(self.altitude.gnss_error_ratio()),
+            force_ratio: self.speed.force_ratio(),
+            load_factor: self.state.as_ref().map_or(1.0, |state| {
+                Scalar::min(5.0, Scalar::max(0.2, scale(state)))
+            }),
+        }
+    }
+
     /// Returns the state; `None` before the first speed.
     #[must_use]
     pub const fn state(&self) -> Option<&State<S>> {
@@ -145,15 +158,8 @@ impl<S: Scalar> Filter<S> {
         let sample = braked.as_ref().unwrap_or(sample);
         let is_first = self.state.is_none();
         let effects = self.effects.advance(context, sample);
-        let levels = self.levels.levels();
-        let gnss_error_ratio = levels.gnss_error_ratio(self.altitude.gnss_error_ratio());
-        let prediction = Prediction::new(
-            context,
-            sample,
-            self.state.as_ref(),
-            (&levels, gnss_error_ratio),
-            effects,
-        );
+        let learned = self.learned_noise();
+        let prediction = Prediction::new(context, sample, self.state.as_ref(), &learned, effects);
         let Self {
             state: slot,
             prior,
@@ -193,7 +199,7 @@ impl<S: Scalar> Filter<S> {
             levels.interrupt();
         }
         levels.advance(
-            &level_cell(context, sample, state),
+            &level_cell(context, sample, state, learned.load_factor),
             &context.tuning.process_noise,
             &context.tuning.measurement_noise,
         );
@@ -207,6 +213,7 @@ impl<S: Scalar> Filter<S> {
             decision => {
                 if decision.is_some() {
                     count(&mut context.counters.loads_changed);
+                    reopen_bias(state, context, sample);
                     scale_reset.start(state, &context.tuning.prior);
                 }
                 gated.accepted.map(|fix| {
@@ -310,14 +317,19 @@ fn start_after_gap<S: Scalar>(state: &mut State<S>, tuning: &Tuning, speed: Spee
     }
 }
 
-fn level_cell<S: Scalar>(context: &Context, sample: &Sample, state: &State<S>) -> LevelCell {
+fn level_cell<S: Scalar>(
+    context: &Context,
+    sample: &Sample,
+    state: &State<S>,
+    load_factor: f32,
+) -> LevelCell {
     let slope = state.mean[StateIndex::Slope] + state.net_traction * state.mean[StateIndex::Scale];
     LevelCell {
         length_m: sample.length_m,
         duration_s: sample.duration_s,
         climb_m: 0.01 * sample.length_m * slope.to_f32(),
-        bias_variance: bias_variance(context, sample),
-        wind_variance: wind_variance(context, sample),
+        bias_variance: bias_variance(context, sample, load_factor),
+        wind_variance: wind_variance(context, sample, load_factor),
     }
 }
 

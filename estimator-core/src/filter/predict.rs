@@ -2,8 +2,7 @@
 
 use super::dynamics::Dynamics;
 use super::effect_uncertainty::EffectContribution;
-use super::error_levels::Levels;
-use super::process_noise::{ColouredStates, process_noise};
+use super::process_noise::{ColouredStates, LearnedNoise, process_noise};
 use super::state::State;
 use super::state_index::{PerState, StateIndex};
 use crate::context::Context;
@@ -35,7 +34,7 @@ impl<S: Scalar> Prediction<S> {
         context: &Context,
         sample: &Sample,
         from: Option<&State<S>>,
-        (levels, gnss_error_ratio): (&Levels, f32),
+        learned: &LearnedNoise,
         effects: EffectContribution,
     ) -> Self {
         let length_m = sample.length_m;
@@ -43,7 +42,7 @@ impl<S: Scalar> Prediction<S> {
         let drag = balance.drag * length_m;
         let gravity = balance.gravity * length_m;
         let effects_per_kg = effects.force_n / sample.forces.accelerated_kg();
-        let coloured = ColouredStates::over(context, sample, levels, gnss_error_ratio);
+        let coloured = ColouredStates::over(context, sample, learned);
         let traction = NetTraction::over(context, sample, from);
         Self {
             dynamics: Dynamics {
@@ -65,6 +64,7 @@ impl<S: Scalar> Prediction<S> {
                 &coloured,
                 (gravity, traction.jump_percent),
                 effects.bias_variance,
+                learned,
             ),
         }
     }

@@ -102,8 +102,8 @@ pub(super) fn initial_state<S: Scalar>(
         altitude: 0.0,
         slope: 0.0,
         slope_rate: 0.0,
-        bias: bias_variance(context, sample),
-        wind: wind_variance(context, sample),
+        bias: bias_variance(context, sample, 1.0),
+        wind: wind_variance(context, sample, 1.0),
         scale: square(tuning.prior.scale_sigma),
         gnss_error: square(tuning.measurement_noise.gnss_error_sigma_m),
     };
@@ -131,7 +131,7 @@ pub(super) fn reopen_after_load_change<S: Scalar>(
     context: &Context,
     sample: &Sample,
 ) {
-    let bias = bias_variance(context, sample);
+    let bias = bias_variance(context, sample, 1.0);
     let cold = cold_tyres_percent(context);
     let scale = context.tuning.prior.scale_sigma;
     let (effect_bias, effect_scale) = initial_variances(context, sample);
@@ -143,6 +143,14 @@ pub(super) fn reopen_after_load_change<S: Scalar>(
         let lacking = (variance - known).max(0.0);
         state.covariance.add_variance(index, S::from_f32(lacking));
     }
+}
+
+/// Widens the bias after a launch that showed another load: forces weigh differently on it.
+pub(super) fn reopen_bias<S: Scalar>(state: &mut State<S>, context: &Context, sample: &Sample) {
+    let load_factor = 1.0 + state.mean[Scale].to_f32();
+    let known = state.covariance.variance(Bias).to_f32();
+    let lacking = (bias_variance(context, sample, load_factor) - known).max(0.0);
+    state.covariance.add_variance(Bias, S::from_f32(lacking));
 }
 
 /// Returns the sigma of what cold tyres add to the resistance, %.

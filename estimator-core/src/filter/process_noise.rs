@@ -26,6 +26,19 @@ impl GaussMarkov {
     }
 }
 
+/// What has been learned of the noise, as ratios of learned to assumed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct LearnedNoise {
+    /// Levels of the coloured errors.
+    pub levels: Levels,
+    /// Variance of the receiver's coloured error.
+    pub gnss_error_ratio: f32,
+    /// Variance of the white noise of the force.
+    pub force_ratio: f32,
+    /// Modelled over true mass: a force weighs more on a vehicle that is lighter than its model.
+    pub load_factor: f32,
+}
+
 /// The coloured states over one cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ColouredStates {
@@ -36,15 +49,10 @@ pub(super) struct ColouredStates {
 }
 
 impl ColouredStates {
-    /// Returns their steps over the cell of a sample, with the learned levels. `gnss_error_ratio` is
-    /// the learned over the assumed variance of the GNSS error.
+    /// Returns their steps over the cell of a sample.
     #[inline(always)] // In Prediction::new, so that weight and air resistance are computed once.
-    pub(super) fn over(
-        context: &Context,
-        sample: &Sample,
-        levels: &Levels,
-        gnss_error_ratio: f32,
-    ) -> Self {
+    pub(super) fn over(context: &Context, sample: &Sample, learned: &LearnedNoise) -> Self {
+        let levels = &learned.levels;
         let process = &context.tuning.process_noise;
         let measurement = &context.tuning.measurement_noise;
         Self {
@@ -54,15 +62,17 @@ impl ColouredStates {
             ),
             bias: GaussMarkov::step(
                 sample.length_m / process.bias_length_m,
-                bias_variance(context, sample),
+                bias_variance(context, sample, learned.load_factor),
             ),
             wind: GaussMarkov::step(
                 sample.length_m / (levels.wind_length_ratio * process.wind_length_m),
-                levels.wind_ratio * wind_variance(context, sample),
+                levels.wind_ratio * wind_variance(context, sample, learned.load_factor),
             ),
             gnss_error: GaussMarkov::step(
-                sample.duration_s / measurement.gnss_error_time_s,
-                gnss_error_ratio * measurement.gnss_error_sigma_m * measurement.gnss_error_sigma_m,
+                sample.duration_s / (levels.receiver_time_ratio * measurement.gnss_error_time_s),
+                learned.gnss_error_ratio
+                    * measurement.gnss_error_sigma_m
+                    * measurement.gnss_error_sigma_m,
             ),
         }
     }
@@ -83,15 +93,17 @@ pub(super) fn process_noise<S: Scalar>(
     coloured: &ColouredStates,
     (gravity, jump_percent): (f32, f32),
     effect_variance: f32,
+    learned: &LearnedNoise,
 ) -> PerState<S> {
     let tuning = &context.tuning.process_noise;
-    let model_percent = if sample.end.condition.is_valid() {
-        100.0 * tuning.force_noise_n / sample.forces.weight_n()
+    let model_variance = if sample.end.condition.is_valid() {
+        let percent = 100.0 * tuning.force_noise_n * learned.load_factor / sample.forces.weight_n();
+        learned.force_ratio * percent * percent
     } else {
-        tuning.invalid_noise_percent
+        tuning.invalid_noise_percent * tuning.invalid_noise_percent
     };
     let jump = tuning.jump_noise * jump_percent;
-    let energy_variance = gravity * gravity * (model_percent * model_percent + jump * jump);
+    let energy_variance = gravity * gravity * (model_variance + jump * jump);
     let walk = tuning.scale_walk_per_sqrt_km;
     PerState {
         kinetic_energy: S::from_f32(energy_variance),
@@ -109,23 +121,23 @@ pub(super) fn process_noise<S: Scalar>(
 ///
 /// Wind and auxiliaries are forces, which weigh less on a heavy vehicle. Errors of tyres and shape
 /// are proportional to their resistance.
-pub(super) fn bias_variance(context: &Context, sample: &Sample) -> f32 {
+pub(super) fn bias_variance(context: &Context, sample: &Sample, load_factor: f32) -> f32 {
     let tuning = &context.tuning.process_noise;
     let vehicle = &context.model.vehicle;
     let weight_n = sample.forces.weight_n();
-    let force = tuning.bias_force_n / weight_n;
+    let force = load_factor * tuning.bias_force_n / weight_n;
     let rolling = tuning.bias_rolling * vehicle.rolling_resistance;
     let drag_n = vehicle.drag_n(&sample.forces, sample.end.speed_mps);
-    let drag = tuning.bias_drag * drag_n / weight_n;
+    let drag = load_factor * tuning.bias_drag * drag_n / weight_n;
     1e4 * (force * force + rolling * rolling + drag * drag)
 }
 
 /// Returns the variance of what changing wind makes of air resistance, %²: the derivative of thesis
 /// eq. 5 with respect to the speed, times the wind's sigma.
-pub(super) fn wind_variance(context: &Context, sample: &Sample) -> f32 {
+pub(super) fn wind_variance(context: &Context, sample: &Sample, load_factor: f32) -> f32 {
     let speed = sample.end.speed_mps;
     let per_mps_n = context.model.vehicle.drag_area_m2 * sample.forces.air_density * speed;
     let wind_mps = context.tuning.process_noise.wind_sigma_mps;
-    let sigma = 100.0 * per_mps_n * wind_mps / sample.forces.weight_n();
+    let sigma = 100.0 * per_mps_n * wind_mps * load_factor / sample.forces.weight_n();
     sigma * sigma
 }

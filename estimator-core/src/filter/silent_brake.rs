@@ -18,8 +18,9 @@ use crate::scalar::Scalar;
 pub(super) struct SilentBrake {
     /// Cells since the engine drives nothing.
     rolling_cells: u32,
-    /// Altitudes in a row that were too low.
+    /// Altitudes in a row that were too low, and cells since the last one that was not.
     low_fixes: u8,
+    low_cells: u32,
     is_on: bool,
 }
 
@@ -34,6 +35,7 @@ impl SilentBrake {
             return None;
         }
         self.rolling_cells = self.rolling_cells.saturating_add(1);
+        self.low_cells = self.low_cells.saturating_add(1);
         if !self.is_on {
             return None;
         }
@@ -60,6 +62,9 @@ impl SilentBrake {
         let detection = &context.tuning.detection;
         let sigmas = detection.silent_brake_sigmas;
         let is_low = innovation_m < 0.0 && innovation_m * innovation_m > sigmas * sigmas * variance;
+        if innovation_m > 0.0 || innovation_m * innovation_m < variance {
+            self.low_cells = 0;
+        }
         self.low_fixes = if is_low {
             self.low_fixes.saturating_add(1)
         } else {
@@ -73,6 +78,6 @@ impl SilentBrake {
         let covariance = &mut state.covariance;
         covariance.add_variance(Slope, S::from_f32(steepest * steepest));
         covariance.add_variance(Altitude, S::from_f32(innovation_m * innovation_m));
-        Some(self.rolling_cells)
+        Some(self.low_cells.min(self.rolling_cells))
     }
 }

@@ -9,13 +9,16 @@ use crate::context::Context;
 use crate::counters::count;
 use crate::sample::{Sample, SpeedMeasurement};
 use crate::scalar::Scalar;
-use crate::tuning::Tuning;
+use crate::tuning::{MeasurementNoise, Tuning};
 use crate::vehicle::GRAVITY;
 
 /// What the filter remembers for the speed updates.
 #[derive(Clone, Debug)]
 pub(super) struct SpeedUpdate {
     noise: NoiseRatio,
+    /// Learned over assumed variance of the force, and the last innovation over its sigma.
+    force_ratio: f32,
+    last_innovation: f32,
     /// Distance since the last speed up to the last cell, m.
     unmeasured_m: f32,
 }
@@ -31,8 +34,28 @@ impl SpeedUpdate {
                 tuning.speed_ratio_high,
                 tuning.speed_ratio_gain,
             ),
+            force_ratio: 1.0,
+            last_innovation: 0.0,
             unmeasured_m: 0.0,
         }
+    }
+
+    /// Returns learned over assumed variance of the white noise of the force.
+    pub(super) const fn force_ratio(&self) -> f32 {
+        self.force_ratio
+    }
+
+    /// Learns the noise of the force. Noise of the readings leaves successive innovations
+    /// uncorrelated, or makes them alternate; a force that the model lacks moves them the same way
+    /// (Mehra 1970).
+    fn learn_force(&mut self, innovation: f32, tuning: &MeasurementNoise) {
+        let product = innovation * core::mem::replace(&mut self.last_innovation, innovation);
+        let bounded = Scalar::min(3.0, Scalar::max(-3.0, product));
+        let factor = 1.0 + tuning.force_ratio_gain * (bounded - tuning.force_correlation);
+        self.force_ratio = Scalar::min(
+            tuning.force_ratio_high,
+            Scalar::max(1.0, self.force_ratio * factor),
+        );
     }
 
     /// Returns learned over assumed variance of a reading.
@@ -73,6 +96,9 @@ impl SpeedUpdate {
         if reset == Reset::None && condition.is_valid() && !condition.crawling {
             let largest = tuning.measurement_noise.largest_innovation;
             self.noise.learn(normalised.to_f32(), largest);
+            let sigma = update.innovation_variance.sqrt();
+            let innovation = (update.innovation / sigma).to_f32();
+            self.learn_force(innovation, &tuning.measurement_noise);
         }
         Some(update)
     }
@@ -110,7 +136,9 @@ fn measurement<S: Scalar>(
     };
     let measured = S::from_f32(0.5 * mps * mps) + gradient * S::from_f32(speed.behind_m);
     let sigma_squared = noise_ratio * sigma * sigma;
-    let variance = mps * mps * sigma_squared / f32::from(speed.count.max(1));
+    // Steps are the same for all readings of a cell: their mean is no better than one of them.
+    let step_variance = speed.resolution_mps * speed.resolution_mps / 12.0;
+    let variance = mps * mps * (sigma_squared / f32::from(speed.count.max(1)) + step_variance);
     ScalarMeasurement {
         observation: Observation::Energy,
         innovation: measured - state.mean[StateIndex::KineticEnergy],

@@ -310,6 +310,7 @@ impl Sampler {
         let interval = Interval {
             mean_force_n: parts.traction.take_mean_n(now),
             condition: parts.condition(context, now, slower_mps),
+            resolution_mps: parts.resolution_mps(context, now),
         };
         let detects_brakes = context.model.vehicle.traction != Traction::Force
             && !parts.brakes.are_reported(&context.tuning, now);
@@ -414,6 +415,16 @@ impl Parts {
         let timeout = tuning.hold_times.speed_timeout;
         let is_missing = self.wheel_speed.within(now, timeout).is_none();
         plausible_mps.filter(|_| is_missing)
+    }
+
+    /// Returns the resolution of the speed in use, m/s.
+    fn resolution_mps(&self, context: &Context, now: Instant) -> f32 {
+        let timeout = context.tuning.hold_times.speed_timeout;
+        if self.wheel_speed.within(now, timeout).is_some() {
+            self.wheel_check.resolution_mps()
+        } else {
+            self.front_axle_check.resolution_mps()
+        }
     }
 
     /// Returns the condition of the interval that ends now.

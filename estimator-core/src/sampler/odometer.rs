@@ -14,6 +14,7 @@ struct OpenCell {
     work_nm: f32,
     condition: Condition,
     square_sum: f32,
+    resolution_mps: f32,
     speed_distance_sum_m: f32,
     speed_count: u8,
     gap_cells: u32,
@@ -37,6 +38,8 @@ pub(super) struct DrivenCell {
 pub(super) struct Interval {
     pub mean_force_n: f32,
     pub condition: Condition,
+    /// Resolution of the speed reading, m/s.
+    pub resolution_mps: f32,
 }
 
 /// The driven distance.
@@ -102,6 +105,7 @@ impl Odometer {
         // One reading is enough at standstill, and the counter of readings is short.
         if self.open.speed_count < u8::MAX && (to.value > 0.0 || from.value > 0.0) {
             self.open.square_sum += to.value * to.value;
+            self.open.resolution_mps = interval.resolution_mps;
             self.open.speed_distance_sum_m += self.open.length_m;
             self.open.speed_count += 1;
         }
@@ -189,6 +193,7 @@ impl Odometer {
                 mean_mps: Scalar::sqrt(open.square_sum / count),
                 behind_m: CELL_LENGTH_M - open.speed_distance_sum_m / count,
                 count: open.speed_count,
+                resolution_mps: open.resolution_mps,
             }),
             gap_cells: open.gap_cells,
         }

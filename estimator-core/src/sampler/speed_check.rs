@@ -39,6 +39,11 @@ struct RepeatedSpeed {
 }
 
 impl SpeedCheck {
+    /// Returns the smallest change of the readings so far, m/s; 0 before the first.
+    pub(super) fn resolution_mps(&self) -> f32 {
+        self.repeated.step_mps.unwrap_or(0.0)
+    }
+
     /// Checks a reading. `turns` is the engine speed over the ratio of the engaged gear, rpm.
     pub(super) fn check(
         &mut self,

@@ -41,6 +41,7 @@ pub fn speed(mean_mps: f32) -> Option<SpeedMeasurement> {
         mean_mps,
         behind_m: 0.0,
         count: 1,
+        resolution_mps: 0.0,
     })
 }
 

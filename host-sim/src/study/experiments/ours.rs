@@ -123,6 +123,7 @@ fn samples(drive: &MeasuredDrive) -> Vec<Sample> {
                 mean_mps: point.speed_mps as f32,
                 behind_m: 0.0,
                 count: 1,
+                resolution_mps: 0.0,
             }),
             altitude,
             after_load_change: false,
