@@ -87,6 +87,8 @@ pub struct Counters {
     pub altitude_drifts_believed: u32,
     /// Times that altitudes left the climb of the forces steadily, which no receiver does.
     pub climbs_contradicted: u32,
+    /// Steps of the slope that no road makes.
+    pub slope_steps: u32,
     /// Times that the altitude was set from a fix.
     pub altitude_resets: u32,
     /// Steps with a non-finite result; the filter was restarted.

@@ -34,6 +34,7 @@ mod process_noise;
 pub mod quantity;
 mod scale_prior_reset;
 mod silent_brake;
+mod slope_step;
 mod speed_update;
 pub mod state;
 pub mod state_index;
@@ -65,6 +66,7 @@ use prior::{initial_state, reopen_after_load_change, reopen_bias};
 use process_noise::{LearnedNoise, bias_variance, wind_variance};
 use scale_prior_reset::ScalePriorReset;
 use silent_brake::SilentBrake;
+use slope_step::allow_step;
 use speed_update::SpeedUpdate;
 
 /// The filter: a state that samples move.
@@ -157,6 +159,12 @@ impl<S: Scalar> Filter<S> {
         let braked = self.brake.advance(context, sample);
         let sample = braked.as_ref().unwrap_or(sample);
         let is_first = self.state.is_none();
+        if self.speed.take_step()
+            && let Some(state) = &mut self.state
+        {
+            allow_step(state, &context.tuning.gates);
+            count(&mut context.counters.slope_steps);
+        }
         let effects = self.effects.advance(context, sample);
         let learned = self.learned_noise();
         let prediction = Prediction::new(context, sample, self.state.as_ref(), &learned, effects);

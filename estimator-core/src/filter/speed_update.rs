@@ -2,6 +2,7 @@
 
 use super::measurement::{Observation, ScalarMeasurement, ScalarUpdate};
 use super::noise_ratio::{NoiseRatio, SensorNoiseRatios};
+use super::slope_step::SlopeStep;
 use super::state::State;
 use super::state_index::StateIndex;
 use super::step_record::Reset;
@@ -19,6 +20,8 @@ pub(super) struct SpeedUpdate {
     /// Learned over assumed variance of the force, and the last innovation over its sigma.
     force_ratio: f32,
     last_innovation: f32,
+    steps: SlopeStep,
+    has_stepped: bool,
     /// Distance since the last speed up to the last cell, m.
     unmeasured_m: f32,
 }
@@ -36,6 +39,8 @@ impl SpeedUpdate {
             ),
             force_ratio: 1.0,
             last_innovation: 0.0,
+            steps: SlopeStep::default(),
+            has_stepped: false,
             unmeasured_m: 0.0,
         }
     }
@@ -43,6 +48,11 @@ impl SpeedUpdate {
     /// Returns learned over assumed variance of the white noise of the force.
     pub(super) const fn force_ratio(&self) -> f32 {
         self.force_ratio
+    }
+
+    /// Returns whether the slope stepped in the last cell.
+    pub(super) fn take_step(&mut self) -> bool {
+        core::mem::take(&mut self.has_stepped)
     }
 
     /// Learns the noise of the force. Noise of the readings leaves successive innovations
@@ -99,6 +109,9 @@ impl SpeedUpdate {
             let sigma = update.innovation_variance.sqrt();
             let innovation = (update.innovation / sigma).to_f32();
             self.learn_force(innovation, &tuning.measurement_noise);
+            self.has_stepped = self.steps.add(innovation, &tuning.gates);
+        } else {
+            self.steps.restart();
         }
         Some(update)
     }

@@ -93,6 +93,9 @@ tuning! {
     /// Gates: which measurements to reject.
     gates: Gates {
         speed_test_ratio: f32 = 25.0, 1.0..=1e6, "1", "normalised squared innovation beyond which a speed is a step of the sensor", "five sigmas";
+        slope_step_cells: f32 = 8.0, 1.0..=1e3, "cells", "cells over which innovations of the speed are summed to find a step of the slope", "20 m: roads bend over more";
+        slope_step_sigmas: f32 = 4.5, 0.1..=100.0, "1", "sum of such innovations, in sigmas, that is a step", "chosen";
+        slope_step_percent: f32 = 0.7, 0.0..=50.0, "%", "size of a step, 1 sigma", "snow doubles or triples a rolling resistance of 0.6";
         altitude_test_ratio: f32 = 25.0, 1.0..=1e6, "1", "normalised squared innovation beyond which an altitude is rejected", "five sigmas: errors among houses have heavy tails";
         receiver_step_fixes: u8 = 4, 1.0..=255.0, "fixes", "rejected fixes in a row that make a step of the receiver", "chosen";
         receiver_step_sigmas: f32 = 3.0, 0.1..=100.0, "1", "difference of their offsets, in sigmas of white noise, within which these fixes agree", "three sigmas: a receiver steps, a wrong model goes on";

@@ -83,6 +83,7 @@ pub fn events(c: &Counters) -> Vec<CountedEvent> {
             "climbs that contradict the forces",
             c.climbs_contradicted.into(),
         ),
+        ("steps of the slope", c.slope_steps.into()),
         ("scales far from the file", c.scales_reopened.into()),
         ("fixes of a frozen receiver", c.frozen_fixes.into()),
         ("reversals", c.reversals.into()),

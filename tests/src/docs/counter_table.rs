@@ -28,7 +28,7 @@ counters! {
     altitudes_used altitudes_rejected altitude_outliers speed_steps brakes_guessed
     loads_reopened loads_changed scales_reopened
     altitude_gaps altitude_steps altitude_drifts altitude_drifts_believed altitude_resets
-    climbs_contradicted restarts
+    climbs_contradicted slope_steps restarts
 }
 
 /// Every counter.
