@@ -20,6 +20,7 @@ mod brakes;
 mod driveline;
 mod effect_inputs;
 mod gnss;
+mod gnss_timing;
 mod latest;
 mod odometer;
 mod reversing;
@@ -42,6 +43,7 @@ use brakes::Brakes;
 use driveline::{DrivelineSignals, DrivelineState};
 use effect_inputs::EffectSignals;
 use gnss::{AltitudeOutcome, Gnss};
+use gnss_timing::GnssTiming;
 use heapless::Deque;
 use latest::{Latest, TimedValue};
 use odometer::{DrivenCell, Interval, Odometer};
@@ -74,6 +76,9 @@ struct Parts {
     stops: Stops,
     reversing: Reversing,
     gnss: Gnss,
+    gnss_timing: GnssTiming,
+    /// Factor on the wheel speed in use.
+    speed_factor: f32,
     wheel_speed: Latest,
     wheel_check: SpeedCheck,
     front_axle_check: SpeedCheck,
@@ -110,6 +115,8 @@ impl Sampler {
                 stops: Stops::default(),
                 reversing: Reversing::default(),
                 gnss: Gnss::default(),
+                gnss_timing: GnssTiming::default(),
+                speed_factor: 1.0,
                 wheel_speed: Latest::default(),
                 wheel_check: SpeedCheck::default(),
                 front_axle_check: SpeedCheck::default(),
@@ -201,6 +208,11 @@ impl Sampler {
             | Signal::Passengers => {}
             Signal::Fan | Signal::YawRate | Signal::Course | Signal::GnssSpeed => {
                 let speed_mps = odometer.speed_mps();
+                if let (Signal::GnssSpeed, Some(mps)) = (reading.signal, value) {
+                    let assumed = context.tuning.hold_times.gnss_latency;
+                    let timing = &mut parts.gnss_timing;
+                    timing.ground(now, mps, assumed, &context.tuning.detection);
+                }
                 let signals = &mut parts.effect_signals;
                 signals.record(&context.tuning, now, reading.signal, value, speed_mps);
             }
@@ -225,8 +237,9 @@ impl Sampler {
     /// cell, m.
     fn fix_distance_m(&self, context: &Context, now: Instant) -> f32 {
         let hold_times = &context.tuning.hold_times;
+        let latency = self.parts.gnss_timing.latency(hold_times.gnss_latency);
         self.odometer
-            .distance_m(now, hold_times.gnss_latency, hold_times.speed_timeout)
+            .distance_m(now, latency, hold_times.speed_timeout)
     }
 
     /// Takes a reading of the GNSS receiver.
@@ -279,7 +292,18 @@ impl Sampler {
             parts,
             samples,
         } = self;
-        let speed_mps = reported_mps * context.model.effects.factor(Acts::WheelRadius);
+        let rolled_mps = reported_mps * context.model.effects.factor(Acts::WheelRadius);
+        parts.gnss_timing.wheels(TimedValue {
+            value: rolled_mps,
+            time: now,
+        });
+        let factor = parts.gnss_timing.speed_factor();
+        if factor != parts.speed_factor {
+            parts.speed_factor = factor;
+            odometer.interrupt();
+            parts.brake_detector.restart();
+        }
+        let speed_mps = rolled_mps * factor;
         let speed = TimedValue {
             value: speed_mps,
             time: now,

@@ -172,6 +172,9 @@ tuning! {
         position_reach_m: f32 = 200.0, 0.0..=1e4, "m", "distance over which the last position is extended", "chosen";
         course_mps: f32 = 2.0, 0.0..=20.0, "m/s", "lowest speed at which a course over ground has a meaning", "receivers hold or scatter it below";
         turn_mps: f32 = 3.0, 0.0..=20.0, "m/s", "lowest speed at which its change gives a yaw rate", "chosen";
+        timing_readings: u16 = 400, 10.0..=65_535.0, "readings", "readings of the speed over ground over which it is compared with wheel speed", "chosen: five minutes at 10 Hz";
+        timing_part: f32 = 0.6, 0.0..=1.0, "1", "part of the variance at the assumed latency below which another latency counts", "chosen";
+        speed_scale_change: f32 = 0.03, 0.0..=1.0, "1", "relative difference of wheel speed and speed over ground above which the wheel speed is scaled", "worn tyres make 0.02";
         turn_length_m: f32 = 50.0, 1.0..=1e4, "m", "length over which the change of course is averaged", "a receiver's course scatters by 0.3°";
         reverse_course_mps: f32 = 0.8, 0.0..=20.0, "m/s", "lowest speed at which a course shows the direction of motion", "receivers scatter it by tens of degrees there";
         reverse_turned_deg: f32 = 120.0, 90.0..=180.0, "°", "change of course over a stop beyond which the vehicle reverses", "no vehicle turns so far within metres";

@@ -1,0 +1,155 @@
+//! What the speed over ground shows of the receiver's latency and of the wheel speed's scale.
+//!
+//! Receiver and wheels measure the same accelerations. The lag at which both fit best is the latency
+//! of the receiver; the ratio of both speeds is the scale of the wheel speed. The variances of their
+//! difference at a row of lags are means that forget, and each reading updates a few of them.
+
+use super::latest::TimedValue;
+use crate::scalar::Scalar;
+use crate::time::{Duration, Instant};
+use crate::tuning::Detection;
+
+/// Number of lags, and time between two of them.
+const LAGS: usize = 32;
+const STEP: Duration = Duration::from_micros(250_000);
+/// Lags that one reading updates.
+const AT_ONCE: usize = 4;
+
+/// The comparison of both speeds.
+#[derive(Clone, Debug)]
+pub(super) struct GnssTiming {
+    /// Wheel speeds, m/s, the newest first, and the time of the newest.
+    wheels_mps: [f32; LAGS + 1],
+    newest: Option<Instant>,
+    filled: u8,
+    /// Mean and variance of the difference of the speeds at each lag.
+    difference: [(f32, f32); LAGS],
+    next: u8,
+    readings: u16,
+    /// Mean ratio of the speeds.
+    ratio: f32,
+    latency: Option<Duration>,
+    factor: f32,
+}
+
+impl Default for GnssTiming {
+    fn default() -> Self {
+        Self {
+            wheels_mps: [0.0; LAGS + 1],
+            newest: None,
+            filled: 0,
+            difference: [(0.0, 0.0); LAGS],
+            next: 0,
+            readings: 0,
+            ratio: 1.0,
+            latency: None,
+            factor: 1.0,
+        }
+    }
+}
+
+impl GnssTiming {
+    /// Returns the latency of the receiver, or the assumed one as long as it fits as well.
+    pub(super) fn latency(&self, assumed: Duration) -> Duration {
+        self.latency.unwrap_or(assumed)
+    }
+
+    /// Returns true over measured wheel speed; one unless they differ by more than wheels wear.
+    pub(super) const fn speed_factor(&self) -> f32 {
+        self.factor
+    }
+
+    /// Takes a wheel speed, without the factor.
+    pub(super) fn wheels(&mut self, speed: TimedValue) {
+        match self.newest {
+            Some(newest) if speed.time < newest + STEP => {}
+            Some(newest) if speed.time.since(newest).micros() < 2 * STEP.micros() => {
+                self.wheels_mps.copy_within(0..LAGS, 1);
+                self.wheels_mps[0] = speed.value;
+                self.newest = Some(newest + STEP);
+                self.filled = self.filled.saturating_add(1).min(LAGS as u8 + 1);
+            }
+            _ => {
+                self.wheels_mps[0] = speed.value;
+                self.newest = Some(speed.time);
+                self.filled = 1;
+            }
+        }
+    }
+
+    /// Takes a speed over ground.
+    pub(super) fn ground(
+        &mut self,
+        now: Instant,
+        speed_mps: f32,
+        assumed: Duration,
+        tuning: &Detection,
+    ) {
+        let Some(newest) = self.newest else { return };
+        if usize::from(self.filled) <= LAGS || speed_mps < tuning.turn_mps {
+            return;
+        }
+        let after = now.since(newest).seconds() / STEP.seconds();
+        if after > 1.5 {
+            return;
+        }
+        let gain = 1.0 / f32::from(self.readings.clamp(1, tuning.timing_readings));
+        for _ in 0..AT_ONCE {
+            let lag = usize::from(self.next);
+            self.next = (self.next + 1) % LAGS as u8;
+            if lag == 0 {
+                self.readings = self.readings.saturating_add(1);
+                self.decide(assumed, tuning);
+            }
+            // Between the wheel speed at this lag and the one after it.
+            let (later, earlier) = match lag.checked_sub(1) {
+                Some(later) => (self.wheels_mps[later], self.wheels_mps[lag]),
+                None => (self.wheels_mps[0], self.wheels_mps[0]),
+            };
+            let wheels_mps = earlier + Scalar::min(after, 1.0) * (later - earlier);
+            let (mean, variance) = &mut self.difference[lag];
+            let apart = speed_mps - wheels_mps - *mean;
+            *mean += gain * apart;
+            *variance = (1.0 - gain) * (*variance + gain * apart * apart);
+            if lag == LAGS / 2 && wheels_mps > tuning.turn_mps {
+                self.ratio += gain * (speed_mps / wheels_mps - self.ratio);
+            }
+        }
+    }
+
+    /// Chooses latency and factor.
+    fn decide(&mut self, assumed: Duration, tuning: &Detection) {
+        if self.readings < tuning.timing_readings / 6 {
+            return;
+        }
+        if (self.ratio - self.factor).abs() > tuning.speed_scale_change {
+            self.factor = if (self.ratio - 1.0).abs() > tuning.speed_scale_change {
+                self.ratio
+            } else {
+                1.0
+            };
+        }
+        let variance = |lag: usize| self.difference.get(lag).map_or(f32::INFINITY, |(_, v)| *v);
+        let mut best = 0;
+        for lag in 1..LAGS {
+            if variance(lag) < variance(best) {
+                best = lag;
+            }
+        }
+        let usual = (assumed.micros() / STEP.micros()) as usize;
+        let at_usual = Scalar::min(variance(usual), variance(usual + 1));
+        if best <= usual + 1 || variance(best) > tuning.timing_part * at_usual {
+            self.latency = None;
+            return;
+        }
+        let (before, at, after) = (variance(best - 1), variance(best), variance(best + 1));
+        let bend = before + after - 2.0 * at;
+        let aside = if after.is_finite() && bend > 0.0 {
+            0.5 * (before - after) / bend
+        } else {
+            0.0
+        };
+        let micros = (best as f32 + aside) * STEP.micros() as f32;
+        self.latency = Some(Duration::from_micros(micros as u64));
+    }
+}
