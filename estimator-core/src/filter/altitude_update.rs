@@ -1,5 +1,6 @@
 //! The update with the GNSS altitude: what the gate decides of it, and the measurement.
 
+use super::altitude_delay::AltitudeDelay;
 use super::altitude_gate::{
     AltitudeEvent, AltitudeGate, AltitudeInnovation, GateDecision, ModelError, Segment, TestedFix,
 };
@@ -24,6 +25,7 @@ pub(super) struct AltitudeUpdate {
     gate: AltitudeGate,
     /// Steps of the receiver since the altitude was set from it, m.
     datum_m: f32,
+    delay: AltitudeDelay,
 }
 
 /// A GNSS altitude at the cell's end.
@@ -55,7 +57,21 @@ impl AltitudeUpdate {
         Self {
             gate: AltitudeGate::new(noise, tuning),
             datum_m: 0.0,
+            delay: AltitudeDelay::new(),
         }
+    }
+
+    /// Returns the memory for a second pass over the same drive.
+    pub(super) fn second_pass(&self, noise: &SensorNoiseRatios, tuning: &Tuning) -> Self {
+        Self {
+            delay: self.delay.restarted(),
+            ..Self::new(noise, tuning)
+        }
+    }
+
+    /// Returns the delay of the altitudes.
+    pub(super) const fn delay_mut(&mut self) -> &mut AltitudeDelay {
+        &mut self.delay
     }
 
     /// Returns learned over assumed variance of a single fix.
@@ -116,6 +132,16 @@ impl AltitudeUpdate {
                 sets_altitude: false,
             };
         };
+        let received_m = altitude_at_end(state, altitude);
+        self.delay
+            .fix(received_m, &context.tuning.measurement_noise);
+        if self.delay.climb_since_m().is_none() {
+            return Gated {
+                accepted: None,
+                event: None,
+                sets_altitude: false,
+            };
+        }
         let mut fix = self.fix(&context.tuning, altitude, state);
         if self.gate.silent_s() > context.tuning.gates.altitude_gap_s {
             count(&mut context.counters.altitude_gaps);
@@ -194,7 +220,8 @@ impl AltitudeUpdate {
     ) -> Fix<S> {
         let sigma = tuning.measurement_noise.altitude_sigma_m * altitude.dilution;
         Fix {
-            altitude_m: altitude_at_end(state, altitude) - self.datum_m,
+            altitude_m: altitude_at_end(state, altitude) - self.datum_m
+                + self.delay.climb_since_m().unwrap_or(0.0),
             variance: S::from_f32(self.gate.noise_ratio() * sigma * sigma),
             continuity: altitude.continuity,
         }
@@ -209,7 +236,9 @@ impl AltitudeUpdate {
         fix: &Fix<S>,
     ) -> (GateDecision, Option<AltitudeEvent>) {
         let tuning = &context.tuning;
+        let is_other = self.delay.take_change();
         if state.origin_m.is_none()
+            || is_other
             || fix.continuity == AltitudeContinuity::Switched
             || self.gate.silent_s() >= tuning.gates.gnss_silence.seconds()
         {

@@ -18,6 +18,7 @@
 //! | [`prior`], `scale_prior_reset` | what is assumed where a drive begins, and when that was wrong |
 //! | [`step_record`] | what a step leaves for the smoother |
 
+mod altitude_delay;
 mod altitude_gate;
 mod altitude_update;
 pub mod covariance;
@@ -116,6 +117,7 @@ impl<S: Scalar> Filter<S> {
         Filter {
             scale_reset: self.scale_reset.restarted(),
             levels: self.levels.restarted(),
+            altitude: self.altitude.second_pass(&self.noise(), tuning),
             ..Filter::new(tuning, &self.noise(), self.prior)
         }
     }
@@ -206,8 +208,13 @@ impl<S: Scalar> Filter<S> {
         if reset != Reset::None {
             levels.interrupt();
         }
+        if reset.is_gap() {
+            altitude.delay_mut().interrupt();
+        }
+        let cell = level_cell(context, sample, state, learned.load_factor);
+        altitude.delay_mut().advance(cell.climb_m, cell.duration_s);
         levels.advance(
-            &level_cell(context, sample, state, learned.load_factor),
+            &cell,
             &context.tuning.process_noise,
             &context.tuning.measurement_noise,
         );

@@ -1,0 +1,155 @@
+//! Delay of GNSS altitudes: receivers that smooth them are late by many seconds.
+//!
+//! The climb by the forces and the climb of the altitudes are the same, but for the delay. The lag
+//! at which both fit best is the delay. The altitude is then carried on by the climb since. The
+//! variances of the difference at a row of lags are means that forget, and each fix updates a few.
+
+use crate::scalar::Scalar;
+use crate::tuning::MeasurementNoise;
+
+/// Number of lags, each a second.
+const LAGS: usize = 48;
+/// Lags that one fix updates.
+const AT_ONCE: usize = 6;
+/// Time between two fixes that are compared, s.
+const APART_S: f32 = 2.0;
+
+/// The comparison of both climbs.
+#[derive(Clone, Debug)]
+pub(super) struct AltitudeDelay {
+    /// Vertical speed by the forces in each of the last seconds, m/s, the newest first.
+    vertical_mps: [f32; LAGS + 2],
+    /// Climb, m, and time, s, since the newest.
+    open: (f32, f32),
+    filled: u8,
+    /// The last fix that was compared, m, and the time since, s.
+    fix: Option<(f32, f32)>,
+    difference: [(f32, f32); LAGS],
+    next: u8,
+    readings: u16,
+    delay_s: u8,
+    has_changed: bool,
+}
+
+impl AltitudeDelay {
+    pub(super) const fn new() -> Self {
+        Self {
+            vertical_mps: [0.0; LAGS + 2],
+            open: (0.0, 0.0),
+            filled: 0,
+            fix: None,
+            difference: [(0.0, 0.0); LAGS],
+            next: 0,
+            readings: 0,
+            delay_s: 0,
+            has_changed: false,
+        }
+    }
+
+    /// Returns the comparison before its start, with the delay found so far.
+    pub(super) fn restarted(&self) -> Self {
+        Self {
+            difference: self.difference,
+            readings: self.readings,
+            delay_s: self.delay_s,
+            ..Self::new()
+        }
+    }
+
+    /// Notes that altitudes after here do not follow from those before.
+    pub(super) fn interrupt(&mut self) {
+        self.fix = None;
+        self.filled = 0;
+        self.open = (0.0, 0.0);
+    }
+
+    /// Returns the climb since an altitude was true, m; `None` as long as that is not known.
+    pub(super) fn climb_since_m(&self) -> Option<f32> {
+        let delay = usize::from(self.delay_s);
+        if delay == 0 {
+            return Some(0.0);
+        }
+        if self.filled < self.delay_s {
+            return None;
+        }
+        let seconds = self.vertical_mps.iter().take(delay);
+        Some(seconds.sum::<f32>() + self.open.0 - self.open.1 * self.vertical_mps[delay])
+    }
+
+    /// Returns whether the delay changed since the last call.
+    pub(super) fn take_change(&mut self) -> bool {
+        core::mem::take(&mut self.has_changed)
+    }
+
+    /// Advances over a cell.
+    pub(super) fn advance(&mut self, climb_m: f32, duration_s: f32) {
+        self.open.0 += climb_m;
+        self.open.1 += duration_s;
+        if let Some((_, since_s)) = &mut self.fix {
+            *since_s += duration_s;
+        }
+        if self.open.1 < 1.0 {
+            return;
+        }
+        if self.open.1 > 3.0 {
+            // It stands, or nearly.
+            self.interrupt();
+            return;
+        }
+        let (climb_m, seconds) = core::mem::take(&mut self.open);
+        self.vertical_mps.copy_within(0..LAGS + 1, 1);
+        self.vertical_mps[0] = climb_m / seconds;
+        self.open = (0.0, 0.0);
+        self.filled = self.filled.saturating_add(1).min(LAGS as u8 + 2);
+    }
+
+    /// Takes an altitude as it was received, m.
+    pub(super) fn fix(&mut self, altitude_m: f32, tuning: &MeasurementNoise) {
+        let Some((before_m, since_s)) = self.fix else {
+            self.fix = Some((altitude_m, 0.0));
+            return;
+        };
+        if since_s < APART_S {
+            return;
+        }
+        self.fix = Some((altitude_m, 0.0));
+        if usize::from(self.filled) < LAGS + 2 || since_s > 2.0 * APART_S {
+            return;
+        }
+        let measured_mps = (altitude_m - before_m) / since_s;
+        let gain = 1.0 / f32::from(self.readings.clamp(1, tuning.delay_readings));
+        for _ in 0..AT_ONCE {
+            let lag = usize::from(self.next);
+            self.next = (self.next + 1) % LAGS as u8;
+            if lag == 0 {
+                self.readings = self.readings.saturating_add(1);
+                self.decide(tuning);
+            }
+            let by_forces_mps = 0.5 * (self.vertical_mps[lag] + self.vertical_mps[lag + 1]);
+            let (mean, variance) = &mut self.difference[lag];
+            let apart = measured_mps - by_forces_mps - *mean;
+            *mean += gain * apart;
+            *variance = (1.0 - gain) * (*variance + gain * apart * apart);
+        }
+    }
+
+    fn decide(&mut self, tuning: &MeasurementNoise) {
+        if self.readings < tuning.delay_readings / 3 {
+            return;
+        }
+        let mut best = 0;
+        for (lag, (_, variance)) in self.difference.iter().enumerate() {
+            if *variance < self.difference[best].1 {
+                best = lag;
+            }
+        }
+        let at_now = Scalar::min(self.difference[0].1, self.difference[1].1);
+        let is_late = best > 1 && self.difference[best].1 < tuning.delay_part * at_now;
+        let delay_s = if is_late { best as u8 } else { 0 };
+        // A second more or less is no change: each one sets the altitude anew.
+        if delay_s.abs_diff(self.delay_s) > 1 || (delay_s == 0) != (self.delay_s == 0) {
+            self.delay_s = delay_s;
+            self.has_changed = true;
+        }
+    }
+}
