@@ -24,6 +24,8 @@ pub(super) struct AltitudeDelay {
     filled: u8,
     /// The last fix that was compared, m, and the time since, s.
     fix: Option<(f32, f32)>,
+    /// Vertical speed of the altitudes, m/s.
+    measured_mps: Option<f32>,
     difference: [(f32, f32); LAGS],
     next: u8,
     readings: u16,
@@ -38,6 +40,7 @@ impl AltitudeDelay {
             open: (0.0, 0.0),
             filled: 0,
             fix: None,
+            measured_mps: None,
             difference: [(0.0, 0.0); LAGS],
             next: 0,
             readings: 0,
@@ -59,6 +62,7 @@ impl AltitudeDelay {
     /// Notes that altitudes after here do not follow from those before.
     pub(super) fn interrupt(&mut self) {
         self.fix = None;
+        self.measured_mps = None;
         self.filled = 0;
         self.open = (0.0, 0.0);
     }
@@ -69,11 +73,7 @@ impl AltitudeDelay {
         if delay == 0 {
             return Some(0.0);
         }
-        if self.filled < self.delay_s {
-            return None;
-        }
-        let seconds = self.vertical_mps.iter().take(delay);
-        Some(seconds.sum::<f32>() + self.open.0 - self.open.1 * self.vertical_mps[delay])
+        self.measured_mps.map(|mps| mps * f32::from(self.delay_s))
     }
 
     /// Returns whether the delay changed since the last call.
@@ -117,6 +117,7 @@ impl AltitudeDelay {
             return;
         }
         let measured_mps = (altitude_m - before_m) / since_s;
+        self.measured_mps = Some(measured_mps);
         let gain = 1.0 / f32::from(self.readings.clamp(1, tuning.delay_readings));
         for _ in 0..AT_ONCE {
             let lag = usize::from(self.next);
