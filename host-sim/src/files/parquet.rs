@@ -1,6 +1,8 @@
 //! Tables of numbers as Parquet: column names as in the CSV files, units in the metadata.
 
+use super::limits;
 use super::output::{Staged, Writing};
+use super::parquet_pages;
 use crate::error::{Error, Result};
 use arrow_array::types::{ArrowPrimitiveType, Float64Type, Int64Type};
 use arrow_array::{Array, ArrayRef, PrimitiveArray, RecordBatch, StringArray};
@@ -185,6 +187,7 @@ fn failed(path: &Path, error: ParquetError) -> Error {
 /// A Parquet file whose footer has been read.
 pub struct Opened<'a> {
     path: &'a Path,
+    most_rows: usize,
     builder: ParquetRecordBatchReaderBuilder<File>,
 }
 
@@ -201,7 +204,11 @@ pub fn open(path: &Path) -> Result<Opened<'_>> {
     guarded(path, || {
         let builder = ParquetRecordBatchReaderBuilder::try_new(file)
             .map_err(|e| damaged(path, &e.to_string()))?;
-        Ok(Opened { path, builder })
+        Ok(Opened {
+            path,
+            most_rows: limits::ROWS,
+            builder,
+        })
     })
 }
 
@@ -242,6 +249,13 @@ fn damaged(path: &Path, problem: &str) -> Error {
 }
 
 impl Opened<'_> {
+    /// Allows another number of rows than that of a run.
+    #[must_use]
+    pub const fn with_most_rows(mut self, most_rows: usize) -> Self {
+        self.most_rows = most_rows;
+        self
+    }
+
     /// Returns the metadata value of this key; see [`stage`].
     pub fn metadata(&self, key: &str) -> Option<&str> {
         let pairs = self.builder.metadata().file_metadata().key_value_metadata();
@@ -301,7 +315,18 @@ impl Opened<'_> {
             let problem = format!("no column {name}; expected the columns of docs/formats.md");
             return Err(Error::content(self.path, problem));
         }
-        let Self { path, builder } = self;
+        if self.rows() > self.most_rows {
+            return Err(limits::too_many_rows(self.path, self.most_rows));
+        }
+        let Self {
+            path,
+            most_rows,
+            builder,
+        } = self;
+        let file = File::open(path).map_err(Error::io(path))?;
+        parquet_pages::check(&file, builder.metadata(), &names, &texts)
+            .map_err(|problem| damaged(path, &problem))?;
+        let mut rows = 0;
         let wanted = names.iter().chain(&texts).copied();
         let projection = ProjectionMask::columns(builder.parquet_schema(), wanted);
         let batches = builder
@@ -311,6 +336,10 @@ impl Opened<'_> {
             .map_err(|e| damaged(path, &e.to_string()))?;
         for batch in batches {
             let batch = batch.map_err(|e| damaged(path, &e.to_string()))?;
+            rows += batch.num_rows();
+            if rows > most_rows {
+                return Err(limits::too_many_rows(path, most_rows));
+            }
             let mut columns: Vec<Values> = Vec::with_capacity(N);
             for name in names {
                 let values = batch.column_by_name(name).and_then(Values::of);

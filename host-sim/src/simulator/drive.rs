@@ -23,6 +23,8 @@ const TORQUE_RATE_PER_S: (f64, f64) = (1.5, 8.0);
 /// Time in which a truck must advance by [`STUCK_M`], s.
 const STUCK_S: f64 = 60.0;
 const STUCK_M: f64 = 10.0;
+/// Steps of a drive, 5.8 h: it is in memory.
+const MOST_STEPS: usize = 1 << 21;
 
 /// The true state at the start of a step, and the forces during it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -162,6 +164,14 @@ pub fn drive(scenario: &Scenario, index: usize) -> Result<SimulatedDrive> {
     while journey.distance_m < end_m {
         let time_s = states.len() as f64 * STEP_S;
         let waiting = run.from_standstill && time_s < WAIT_S;
+        if states.len() == MOST_STEPS {
+            let problem = format!(
+                "run {}: a drive of more than {:.0} s; expected shorter ones (length_m)",
+                run.name,
+                MOST_STEPS as f64 * STEP_S
+            );
+            return Err(Error::content(&scenario.origin, problem));
+        }
         states.push(journey.step(waiting));
         let earlier = states.len().checked_sub((STUCK_S / STEP_S) as usize);
         if let Some(earlier) = earlier

@@ -1,6 +1,7 @@
 //! The columns of a run that fusion needs, and the identity of a run.
 
 use super::row::RunRow;
+use crate::files::columns;
 use crate::files::row_check::{self, Flaw};
 use std::fmt;
 use std::str::FromStr;
@@ -45,26 +46,46 @@ impl RunCell {
     /// # Errors
     /// Names the problem of the cell.
     pub(crate) fn check(&self, before: Option<&Self>) -> Result<(), Flaw> {
-        let (latitude_deg, longitude_deg) = self.position.unwrap_or((0.0, 0.0));
-        let (altitude_m, altitude_sigma_m) = self.altitude.unwrap_or((0.0, 1.0));
-        row_check::finite(&[
-            ("distance_m", self.distance_m),
-            ("latitude_deg", latitude_deg),
-            ("longitude_deg", longitude_deg),
-            ("altitude_m", altitude_m),
-            ("altitude_sigma_m", altitude_sigma_m),
-            ("grade_percent", self.grade_percent),
-            ("grade_sigma_percent", self.grade_sigma_percent),
+        row_check::within(&[
+            (columns::DISTANCE_M, self.distance_m),
+            (columns::GRADE_PERCENT, self.grade_percent),
+            (columns::GRADE_SIGMA_PERCENT, self.grade_sigma_percent),
         ])?;
-        row_check::positive(&[
-            ("altitude_sigma_m", altitude_sigma_m),
-            ("grade_sigma_percent", self.grade_sigma_percent),
+        row_check::within_if_known(&[
+            (columns::LATITUDE_DEG, self.position.map(|at| at.0)),
+            (columns::LONGITUDE_DEG, self.position.map(|at| at.1)),
+            (columns::ALTITUDE_M, self.altitude.map(|known| known.0)),
+            (
+                columns::ALTITUDE_SIGMA_M,
+                self.altitude.map(|known| known.1),
+            ),
         ])?;
-        row_check::position(latitude_deg, longitude_deg)?;
         before.map_or(Ok(()), |before| {
             row_check::forwards("distance_m", before.distance_m, self.distance_m, true)
         })
     }
+}
+
+/// Rows of a run in which it must advance by [`DENSE_M`]. Cells are 2.5 m long.
+const DENSE_ROWS: usize = 1_000;
+const DENSE_M: f64 = 500.0;
+
+/// Checks that the rows of a run are not too close together; `distance_m` gives the distance of a
+/// row, and `count` is their number so far. Windows of a run are cut by distance, not by rows.
+///
+/// # Errors
+/// Names the problem.
+pub(super) fn check_density(count: usize, distance_m: impl Fn(usize) -> f64) -> Result<(), Flaw> {
+    let Some(first) = count.checked_sub(DENSE_ROWS) else {
+        return Ok(());
+    };
+    if distance_m(count - 1) - distance_m(first) >= DENSE_M {
+        return Ok(());
+    }
+    Err(Flaw {
+        problem: format!("{DENSE_ROWS} rows within {DENSE_M} m"),
+        expected: "cells of 2.5 m",
+    })
 }
 
 /// The identity of a run: a hash of 128 bits over its cells. It does not depend on the name or

@@ -1,10 +1,11 @@
 //! Reading and writing of runs, CSV or Parquet by the extension of the file.
 
-use super::cell::{RunCell, RunIdentity};
+use super::cell::{RunCell, RunIdentity, check_density};
 use super::parquet::{self, Origin};
 use super::row::{RunRow, RunRows};
 use crate::error::{Error, Result};
-use crate::files::csv::read_checked;
+use crate::files::csv::{read_checked, read_records};
+use crate::files::limits;
 use crate::files::output::Writing;
 use crate::files::parquet::is_parquet;
 use std::path::Path;
@@ -59,7 +60,14 @@ pub fn read(path: &Path) -> Result<Vec<RunRow>> {
     if is_parquet(path) {
         parquet::read(path)
     } else {
-        read_checked(path, RunRow::check)
+        let rows = read_checked(path, RunRow::check)?;
+        for count in 1..=rows.len() {
+            check_density(count, |i| rows[i].distance_m).map_err(|flaw| {
+                // The header is line 1.
+                Error::line(path, count as u64 + 1, flaw.problem, flaw.expected)
+            })?;
+        }
+        Ok(rows)
     }
 }
 
@@ -71,7 +79,19 @@ pub fn read_cells(path: &Path) -> Result<(Vec<RunCell>, RunIdentity)> {
     if is_parquet(path) {
         return parquet::read_cells(path);
     }
-    let cells: Vec<RunCell> = read(path)?.iter().map(RunCell::from).collect();
+    let mut cells: Vec<RunCell> = Vec::new();
+    let mut before: Option<RunRow> = None;
+    read_records(&csv::ReaderBuilder::new(), path, |record| {
+        let row = record.read()?;
+        RunRow::check(before.as_ref(), &row).map_err(|flaw| record.error(flaw))?;
+        if cells.len() == limits::ROWS {
+            return Err(limits::too_many_rows(path, limits::ROWS));
+        }
+        cells.push(RunCell::from(&row));
+        check_density(cells.len(), |i| cells[i].distance_m).map_err(|flaw| record.error(flaw))?;
+        before = Some(row);
+        Ok(())
+    })?;
     let identity = RunIdentity::of(cells.iter().copied());
     Ok((cells, identity))
 }

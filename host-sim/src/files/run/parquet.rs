@@ -1,6 +1,6 @@
 //! RUN.parquet: the columns of RUN.csv, with the same decimals.
 
-use super::cell::{RunCell, RunHash, RunIdentity};
+use super::cell::{RunCell, RunHash, RunIdentity, check_density};
 use super::row::{RunRow, RunRows};
 use crate::error::{Error, Result};
 use crate::files::output::Staged;
@@ -34,6 +34,8 @@ impl Origin {
     #[must_use]
     pub fn session(&self) -> Option<String> {
         let (vehicle, day) = (self.vehicle.as_ref()?, self.day.as_ref()?);
+        // The name of a session is a line of text wherever it is used.
+        let vehicle = vehicle.replace(char::is_control, "_");
         Some(format!("{vehicle} {day}"))
     }
 }
@@ -121,6 +123,15 @@ fn open_run(path: &Path) -> Result<Opened<'_>> {
     }
 }
 
+/// Returns the session that the file names, and its number of rows as its footer states it.
+///
+/// # Errors
+/// Returns an error if the file cannot be opened.
+pub fn outline(path: &Path) -> Result<(Option<String>, usize)> {
+    let file = open_run(path)?;
+    Ok((file.metadata("session").map(str::to_owned), file.rows()))
+}
+
 /// Returns the session that the file names.
 ///
 /// # Errors
@@ -193,7 +204,8 @@ pub fn read(path: &Path) -> Result<Vec<RunRow>> {
         RunRow::check(rows.last(), &row)
             .map_err(|flaw| Error::line(path, number, flaw.problem, flaw.expected))?;
         rows.push(row);
-        Ok(())
+        check_density(rows.len(), |i| rows[i].distance_m)
+            .map_err(|flaw| Error::line(path, number, flaw.problem, flaw.expected))
     })?;
     check_whole(
         path,
@@ -229,7 +241,8 @@ pub fn read_cells(path: &Path) -> Result<(Vec<RunCell>, RunIdentity)> {
         cell.check(cells.last())
             .map_err(|flaw| Error::line(path, number, flaw.problem, flaw.expected))?;
         cells.push(cell);
-        Ok(())
+        check_density(cells.len(), |i| cells[i].distance_m)
+            .map_err(|flaw| Error::line(path, number, flaw.problem, flaw.expected))
     })?;
     let count = cells.len();
     let identity = check_whole(path, promised.as_deref(), cells.iter().copied(), count)?;

@@ -1,6 +1,7 @@
 //! A row of a RUN file: one cell of one traversal.
 
 use crate::error::Result;
+use crate::files::columns;
 use crate::files::csv::column;
 use crate::files::row_check::{self, Flaw};
 use crate::numeric::rounding::round;
@@ -69,34 +70,33 @@ impl RunRow {
 
     /// Checks that the row can follow `before` in a run.
     pub(crate) fn check(before: Option<&Self>, row: &Self) -> std::result::Result<(), Flaw> {
-        row_check::finite(&[
-            ("time_s", row.time_s),
-            ("distance_m", row.distance_m),
-            ("latitude_deg", row.latitude_deg.unwrap_or(0.0)),
-            ("longitude_deg", row.longitude_deg.unwrap_or(0.0)),
-            ("altitude_m", row.altitude_m.unwrap_or(0.0)),
-            ("altitude_sigma_m", row.altitude_sigma_m.unwrap_or(1.0)),
-            ("grade_percent", row.grade_percent),
-            ("grade_sigma_percent", row.grade_sigma_percent),
-            ("lagged_grade_percent", row.lagged_grade_percent),
-            ("lagged_grade_sigma_percent", row.lagged_grade_sigma_percent),
-            ("live_grade_percent", row.live_grade_percent),
-            ("live_grade_sigma_percent", row.live_grade_sigma_percent),
-            ("speed_mps", row.speed_mps),
-            ("bias_percent", row.bias_percent),
-            ("scale", row.scale),
+        row_check::within(&[
+            (columns::TIME_S, row.time_s),
+            (columns::DISTANCE_M, row.distance_m),
+            (columns::GRADE_PERCENT, row.grade_percent),
+            (columns::GRADE_SIGMA_PERCENT, row.grade_sigma_percent),
+            (columns::LAGGED_GRADE_PERCENT, row.lagged_grade_percent),
+            (
+                columns::LAGGED_GRADE_SIGMA_PERCENT,
+                row.lagged_grade_sigma_percent,
+            ),
+            (columns::LIVE_GRADE_PERCENT, row.live_grade_percent),
+            (
+                columns::LIVE_GRADE_SIGMA_PERCENT,
+                row.live_grade_sigma_percent,
+            ),
+            (columns::SPEED_MPS, row.speed_mps),
+            (columns::BIAS_PERCENT, row.bias_percent),
+            (columns::SCALE, row.scale),
         ])?;
-        row_check::positive(&[
-            ("altitude_sigma_m", row.altitude_sigma_m.unwrap_or(1.0)),
-            ("grade_sigma_percent", row.grade_sigma_percent),
-            ("lagged_grade_sigma_percent", row.lagged_grade_sigma_percent),
-            ("live_grade_sigma_percent", row.live_grade_sigma_percent),
+        row_check::within_if_known(&[
+            (columns::LATITUDE_DEG, row.latitude_deg),
+            (columns::LONGITUDE_DEG, row.longitude_deg),
+            (columns::ALTITUDE_M, row.altitude_m),
+            (columns::ALTITUDE_SIGMA_M, row.altitude_sigma_m),
         ])?;
         match (row.latitude_deg, row.longitude_deg) {
-            (Some(latitude_deg), Some(longitude_deg)) => {
-                row_check::position(latitude_deg, longitude_deg)?;
-            }
-            (None, None) => {}
+            (Some(_), Some(_)) | (None, None) => {}
             _ => {
                 return Err(Flaw {
                     problem: "incomplete position".into(),
