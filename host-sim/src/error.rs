@@ -141,10 +141,17 @@ fn is_out_of_files(error: &std::io::Error) -> bool {
         cause = error.source();
     }
     // tempfile gives no access to the code, only to its words.
-    let words = error.to_string();
-    known
-        .iter()
-        .any(|code| words.contains(&format!("(os error {})", *code as i32)))
+    out_of_files(&error.to_string()).is_some()
+}
+
+/// Returns the error of too many open files if these words of a crate mean it.
+#[must_use]
+pub fn out_of_files(words: &str) -> Option<std::io::Error> {
+    let known = [Errno::EMFILE, Errno::ENFILE].map(|code| code as i32);
+    let meant = known
+        .into_iter()
+        .find(|code| words.contains(&format!("(os error {code})")));
+    meant.map(std::io::Error::from_raw_os_error)
 }
 
 /// Result of this crate.

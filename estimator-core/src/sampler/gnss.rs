@@ -14,6 +14,8 @@ struct PositionFix {
     latitude_e7: i32,
     longitude_e7: i32,
     at_m: f32,
+    /// Where this position was first reported: a receiver may be frozen.
+    since_m: f32,
 }
 
 /// Units of 1e-7 degrees in a metre along a meridian.
@@ -29,7 +31,7 @@ const STEP_RATIO: f32 = 2.0;
 impl PositionFix {
     /// Returns whether a vehicle can have come here from an earlier fix.
     fn follows(&self, earlier: &Self) -> bool {
-        let reach_m = STEP_SLACK_M + STEP_RATIO * (self.at_m - earlier.at_m).max(0.0);
+        let reach_m = STEP_SLACK_M + STEP_RATIO * (self.at_m - earlier.since_m).max(0.0);
         // Wrapping: the date line.
         let north = self.latitude_e7.wrapping_sub(earlier.latitude_e7) as f32;
         let east = self.longitude_e7.abs_diff(earlier.longitude_e7);
@@ -104,10 +106,14 @@ impl Gnss {
         if !is_on_earth(latitude_e7, longitude_e7) {
             return;
         }
+        let repeated = self
+            .fix
+            .filter(|last| (last.latitude_e7, last.longitude_e7) == (latitude_e7, longitude_e7));
         let fix = PositionFix {
             latitude_e7,
             longitude_e7,
             at_m,
+            since_m: repeated.map_or(at_m, |last| last.since_m),
         };
         if let Some(last) = self.fix
             && !fix.follows(&last)
@@ -226,6 +232,7 @@ impl Gnss {
         let fixes = [&mut self.fix, &mut self.earlier_fix, &mut self.doubted_fix];
         for fix in fixes.into_iter().flatten() {
             fix.at_m -= CELL_LENGTH_M;
+            fix.since_m -= CELL_LENGTH_M;
         }
         if let Some((_, at_m)) = &mut self.altitude {
             *at_m -= CELL_LENGTH_M;

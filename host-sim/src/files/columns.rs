@@ -2,7 +2,7 @@
 //! against these ranges, CSV and Parquet alike, so that neither a damaged digit nor a huge number
 //! reaches a map.
 
-use super::row_check::Flaw;
+use super::flaw::Flaw;
 
 /// A column of a table with the range of its numbers.
 #[derive(Clone, Copy, Debug)]

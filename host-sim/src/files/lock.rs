@@ -3,6 +3,7 @@
 use super::signals;
 use crate::error::{Error, Result};
 use std::fs::{self, File, OpenOptions, TryLockError};
+use std::io::ErrorKind;
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 
@@ -39,6 +40,8 @@ impl FileLock {
                     }
                     file.lock().map_err(Error::io(&path))?;
                 }
+                // A file system without locks: as before there were any.
+                Err(TryLockError::Error(e)) if e.kind() == ErrorKind::Unsupported => {}
                 Err(TryLockError::Error(e)) => return Err(Error::io(&path)(e)),
             }
             // The one before may have removed the file that it had locked.

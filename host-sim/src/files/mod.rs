@@ -3,6 +3,7 @@
 pub mod columns;
 pub mod csv;
 pub mod data_set;
+mod flaw;
 pub mod kept;
 pub mod limits;
 pub mod lock;

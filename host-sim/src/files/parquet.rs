@@ -3,7 +3,7 @@
 use super::limits;
 use super::output::{Staged, Writing};
 use super::parquet_pages;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, out_of_files};
 use arrow_array::types::{ArrowPrimitiveType, Float64Type, Int64Type};
 use arrow_array::{Array, ArrayRef, PrimitiveArray, RecordBatch, StringArray};
 use arrow_schema::{Field, Schema};
@@ -242,6 +242,10 @@ fn catch_quietly<T>(attempt: impl FnOnce() -> T) -> Option<T> {
 }
 
 fn damaged(path: &Path, problem: &str) -> Error {
+    // The decoder opens the file again and again.
+    if let Some(error) = out_of_files(problem) {
+        return Error::io(path)(error);
+    }
     Error::content(
         path,
         format!("damaged, or not a Parquet file: {problem}; restore the file as it was written"),

@@ -3,14 +3,7 @@
 
 use super::columns::{Column, LATITUDE_DEG, LONGITUDE_DEG};
 
-/// A problem of a row.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Flaw {
-    /// What was found.
-    pub problem: String,
-    /// What was expected.
-    pub expected: &'static str,
-}
+pub use super::flaw::Flaw;
 
 /// Checks that every number is within the range of its column.
 ///

@@ -1,6 +1,6 @@
 //! A machine at its limits.
 
-use crate::shell::{done, runs, stderr, with_limit};
+use crate::shell::{done, runs, stderr, with_limit, write_parquet};
 use std::fs;
 
 #[test]
@@ -11,6 +11,9 @@ fn too_many_open_files_are_no_damage() {
     for number in 0..6 {
         let name = format!("{number}.csv");
         fs::rename(at.join(&name), at.join("runs").join(&name)).unwrap();
+    }
+    for number in 0..6 {
+        write_parquet(&at.join(format!("runs/{number}.parquet")), "A", number);
     }
     done(at, &["fuse", "--out", "map.csv", "runs"]);
     let whole = fs::read(at.join("map.csv")).unwrap();
