@@ -27,10 +27,10 @@ pub(super) fn write(
         staged.commit()?;
     }
     if let Some(out) = out {
-        note(format_args!("wrote {}", on_one_line(&out)));
+        note(format_args!("wrote {}", on_one_line(out)));
     }
     if let Some(file) = state_file {
-        let file = on_one_line(&file);
+        let file = on_one_line(file);
         if is_stored {
             note(format_args!(
                 "stored the persistent state for the next drive: {file}"

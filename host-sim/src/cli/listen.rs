@@ -119,7 +119,7 @@ pub fn run(args: &Args) -> Result<()> {
     } = listening.finish();
     let logged = log.and_then(|log| log.map_or(Ok(()), Staged::commit));
     if let (Ok(()), Some(log)) = (&logged, &args.log) {
-        note(format_args!("wrote {}", on_one_line(&log)));
+        note(format_args!("wrote {}", on_one_line(log)));
     }
     let mut run = run?;
     conclude(args, &vehicle, &mut run)?;

@@ -175,10 +175,10 @@ fn print_notes(runs: &[PathBuf], judged: &[Judged]) {
     }
     for (words, of) in notes {
         match of.as_slice() {
-            [run] => note(format_args!("{}: {words}", on_one_line(&run))),
+            [run] => note(format_args!("{}: {words}", on_one_line(run))),
             of => note(format_args!(
                 "{} and {} more: {words}",
-                on_one_line(&of[0]),
+                on_one_line(of[0]),
                 of.len() - 1
             )),
         }

@@ -140,7 +140,7 @@ impl RequestLogs {
         for (path, drive) in self.paths.iter().zip(drives) {
             let identity = RunIdentity::of(drive.run.rows.iter().map(RunCell::from));
             if let Some(first) = seen.insert(identity, path) {
-                let first = on_one_line(&first);
+                let first = on_one_line(first);
                 let problem = format!(
                     "the same drive as {first}; expected each drive once, to fit or held out"
                 );

@@ -198,7 +198,7 @@ impl Found {
     fn take_error(&mut self, folder: &Path, e: walkdir::Error) -> Result<()> {
         let path = e.path().unwrap_or(folder).to_owned();
         if let Some(ancestor) = e.loop_ancestor() {
-            let ancestor = on_one_line(&ancestor);
+            let ancestor = on_one_line(ancestor);
             let problem = format!("a link back to {ancestor}; expected folders without a loop");
             self.unreadable.push(Error::content(&path, problem));
             return Ok(());
@@ -231,7 +231,7 @@ impl Found {
         };
         note(format_args!(
             "{}: {} skipped, since the name begins with . or _: {}{more}",
-            on_one_line(&folder),
+            on_one_line(folder),
             hidden.len(),
             first.join(", ")
         ));

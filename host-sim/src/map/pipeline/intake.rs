@@ -165,7 +165,7 @@ impl<'a, 'r> RunIntake<'a, 'r> {
         let path = file.path();
         note(format_args!(
             "{}: {} runs so far",
-            on_one_line(&path),
+            on_one_line(path),
             self.runs.len()
         ));
         self.cells_since_save = 0;

@@ -64,7 +64,7 @@ fn road_from_runs(inputs: &Inputs) -> Result<Network> {
             Some(track) => return road_through(path, track),
             None => note(format_args!(
                 "warning: {}: no positions to take the road from",
-                on_one_line(&path)
+                on_one_line(path)
             )),
         }
     }

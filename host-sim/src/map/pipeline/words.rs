@@ -17,7 +17,7 @@ pub fn report(out: &Path, fused: &FusedMap) {
     };
     note(format_args!(
         "{}: {cells} cells, {km:.2} km{ways}",
-        on_one_line(&out)
+        on_one_line(out)
     ));
     for (name, agreement) in &fused.within {
         report_agreement(&format!("runs of session {name}"), agreement);
@@ -69,6 +69,6 @@ pub fn describe(path: &Path, coverage: &Coverage) -> String {
     format!(
         "{}: {cells} cells: {matched} matched, {off_road} off the road, {opposite} in the \
          opposite direction, {no_position} without position{warning}",
-        on_one_line(&path)
+        on_one_line(path)
     )
 }
