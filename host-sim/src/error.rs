@@ -1,5 +1,8 @@
 //! Errors of inputs, with what was expected.
 
+use nix::errno::Errno;
+use std::fmt::Write;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 /// An error of an input. The message names the file, the line if there is one, and what was
@@ -7,7 +10,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// The file cannot be opened or read.
-    #[error("{}: {source}", path.display())]
+    #[error("{}: {}", on_one_line(path), words_of(source))]
     Io {
         /// The file.
         path: PathBuf,
@@ -15,7 +18,7 @@ pub enum Error {
         source: std::io::Error,
     },
     /// A line of a text file is wrong.
-    #[error("{}:{line}: {problem}; expected {expected}", path.display())]
+    #[error("{}:{line}: {problem}; expected {expected}", on_one_line(path))]
     Line {
         /// The file.
         path: PathBuf,
@@ -27,7 +30,7 @@ pub enum Error {
         expected: String,
     },
     /// A key of a TOML file is wrong.
-    #[error("{}: {problem}", path.display())]
+    #[error("{}: {problem}", on_one_line(path))]
     Key {
         /// The file.
         path: PathBuf,
@@ -35,7 +38,7 @@ pub enum Error {
         problem: String,
     },
     /// The content of the file as a whole cannot be used.
-    #[error("{}: {problem}", path.display())]
+    #[error("{}: {problem}", on_one_line(path))]
     Content {
         /// The file.
         path: PathBuf,
@@ -54,6 +57,20 @@ impl Error {
             path: path.to_owned(),
             source,
         }
+    }
+
+    /// Returns true if the machine is at a limit, so that the error says nothing about the file.
+    #[must_use]
+    pub fn is_of_the_machine(&self) -> bool {
+        let Self::Io { source, .. } = self else {
+            return false;
+        };
+        let limits = [
+            ErrorKind::OutOfMemory,
+            ErrorKind::StorageFull,
+            ErrorKind::QuotaExceeded,
+        ];
+        is_out_of_files(source) || limits.contains(&source.kind())
     }
 
     /// Creates the error of a line.
@@ -78,6 +95,63 @@ impl Error {
             problem: problem.into(),
         }
     }
+}
+
+/// Returns a path for a message: a line break in a name must not begin a line of its own.
+#[must_use]
+pub fn on_one_line(path: &Path) -> String {
+    without_controls(&path.to_string_lossy(), &[])
+}
+
+/// Returns a text with its control characters as `\u001b`, which JSON understands too. Those in
+/// `kept` stay.
+#[must_use]
+pub fn without_controls(text: &str, kept: &[char]) -> String {
+    let mut plain = String::with_capacity(text.len());
+    for c in text.chars() {
+        if c.is_control() && !kept.contains(&c) {
+            let _ = write!(plain, "\\u{:04x}", u32::from(c));
+        } else {
+            plain.push(c);
+        }
+    }
+    plain
+}
+
+/// Returns the words of an I/O error, with advice where the machine is at its limit.
+fn words_of(error: &std::io::Error) -> String {
+    if is_out_of_files(error) {
+        return format!(
+            "{error}; not a fault of the file: allow more open files (ulimit -n 4096) and run again"
+        );
+    }
+    error.to_string()
+}
+
+/// Returns true if the process or the machine has too many open files.
+fn is_out_of_files(error: &std::io::Error) -> bool {
+    let known = [Errno::EMFILE, Errno::ENFILE];
+    // Crates wrap the error of the system.
+    let mut cause: Option<&(dyn std::error::Error + 'static)> = Some(error);
+    while let Some(error) = cause {
+        let code = error.downcast_ref().and_then(std::io::Error::raw_os_error);
+        if code.is_some_and(|code| known.contains(&Errno::from_raw(code))) {
+            return true;
+        }
+        cause = error.source();
+    }
+    // tempfile gives no access to the code, only to its words.
+    out_of_files(&error.to_string()).is_some()
+}
+
+/// Returns the error of too many open files if these words of a crate mean it.
+#[must_use]
+pub fn out_of_files(words: &str) -> Option<std::io::Error> {
+    let known = [Errno::EMFILE, Errno::ENFILE].map(|code| code as i32);
+    let meant = known
+        .into_iter()
+        .find(|code| words.contains(&format!("(os error {code})")));
+    meant.map(std::io::Error::from_raw_os_error)
 }
 
 /// Result of this crate.

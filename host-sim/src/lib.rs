@@ -1,6 +1,8 @@
 //! The bench around `estimator-core`: sources of traffic, whole-run smoothing, maps, reports.
 
 #![warn(missing_docs)]
+// A closed stdout or stderr must not panic: terminal::print has the functions for both.
+#![deny(clippy::print_stdout, clippy::print_stderr)]
 
 pub mod cli;
 pub mod comparison;

@@ -1,6 +1,7 @@
 //! The binary `roadgrade`.
 
 use clap::Parser;
+use host_sim::terminal::print::note;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
@@ -8,7 +9,7 @@ fn main() -> ExitCode {
     match host_sim::cli::Cli::parse().run() {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("roadgrade: {error}");
+            note(format_args!("roadgrade: {error}"));
             ExitCode::from(1)
         }
     }

@@ -14,6 +14,30 @@ struct PositionFix {
     latitude_e7: i32,
     longitude_e7: i32,
     at_m: f32,
+    /// Where this position was first reported: a receiver may be frozen.
+    since_m: f32,
+}
+
+/// Units of 1e-7 degrees in a metre along a meridian.
+const UNITS_PER_M: f32 = 89.8;
+/// Units of 1e-7 degrees of longitude in a metre at 85 degrees of latitude, the most of any road.
+const UNITS_PER_M_EAST: f32 = 1_031.0;
+/// A fix may be this far from the one before beyond what was driven, m: position errors, and steps
+/// of a receiver ...
+const STEP_SLACK_M: f32 = 200.0;
+/// ... and this times what was driven.
+const STEP_RATIO: f32 = 2.0;
+
+impl PositionFix {
+    /// Returns whether a vehicle can have come here from an earlier fix.
+    fn follows(&self, earlier: &Self) -> bool {
+        let reach_m = STEP_SLACK_M + STEP_RATIO * (self.at_m - earlier.since_m).max(0.0);
+        // Wrapping: the date line.
+        let north = self.latitude_e7.wrapping_sub(earlier.latitude_e7) as f32;
+        let east = self.longitude_e7.abs_diff(earlier.longitude_e7);
+        let east = east.min(3_600_000_000 - east.min(3_600_000_000)) as f32;
+        north.abs() <= UNITS_PER_M * reach_m && east <= UNITS_PER_M_EAST * reach_m
+    }
 }
 
 /// What became of an altitude.
@@ -46,8 +70,14 @@ pub(super) struct Gnss {
     latitude_e7: Option<i32>,
     fix: Option<PositionFix>,
     earlier_fix: Option<PositionFix>,
+    /// A fix where the vehicle cannot be, unless the next one confirms it.
+    doubted_fix: Option<PositionFix>,
     altitude: Option<(AltitudeMeasurement, f32)>,
     repeated: Option<Repeated>,
+}
+
+const fn is_on_earth(latitude_e7: i32, longitude_e7: i32) -> bool {
+    latitude_e7.unsigned_abs() <= 900_000_000 && longitude_e7.unsigned_abs() <= 1_800_000_000
 }
 
 impl Gnss {
@@ -73,14 +103,28 @@ impl Gnss {
         else {
             return;
         };
-        if latitude_e7.unsigned_abs() > 900_000_000 || longitude_e7.unsigned_abs() > 1_800_000_000 {
+        if !is_on_earth(latitude_e7, longitude_e7) {
             return;
         }
+        let repeated = self
+            .fix
+            .filter(|last| (last.latitude_e7, last.longitude_e7) == (latitude_e7, longitude_e7));
         let fix = PositionFix {
             latitude_e7,
             longitude_e7,
             at_m,
+            since_m: repeated.map_or(at_m, |last| last.since_m),
         };
+        if let Some(last) = self.fix
+            && !fix.follows(&last)
+        {
+            let Some(doubted) = self.doubted_fix.replace(fix).filter(|of| fix.follows(of)) else {
+                return;
+            };
+            self.fix = Some(doubted);
+            self.earlier_fix = None;
+        }
+        self.doubted_fix = None;
         // Two fixes close together give no direction.
         if self
             .fix
@@ -174,17 +218,21 @@ impl Gnss {
             let step = now.wrapping_sub(before) as f32 * ratio;
             now.saturating_add(step as i32)
         };
-        Some((
-            extend(fix.latitude_e7, earlier.latitude_e7),
-            extend(fix.longitude_e7, earlier.longitude_e7),
-        ))
+        if fix.longitude_e7.abs_diff(earlier.longitude_e7) > 1_800_000_000 {
+            // Between the two is the date line.
+            return Some((fix.latitude_e7, fix.longitude_e7));
+        }
+        let latitude_e7 = extend(fix.latitude_e7, earlier.latitude_e7);
+        let longitude_e7 = extend(fix.longitude_e7, earlier.longitude_e7);
+        is_on_earth(latitude_e7, longitude_e7).then_some((latitude_e7, longitude_e7))
     }
 
     /// Closes a cell: distances count from its end.
     pub(super) fn cell_closed(&mut self) {
-        let fixes = [&mut self.fix, &mut self.earlier_fix];
+        let fixes = [&mut self.fix, &mut self.earlier_fix, &mut self.doubted_fix];
         for fix in fixes.into_iter().flatten() {
             fix.at_m -= CELL_LENGTH_M;
+            fix.since_m -= CELL_LENGTH_M;
         }
         if let Some((_, at_m)) = &mut self.altitude {
             *at_m -= CELL_LENGTH_M;
@@ -198,6 +246,7 @@ impl Gnss {
     pub(super) fn clear(&mut self) {
         self.fix = None;
         self.earlier_fix = None;
+        self.doubted_fix = None;
         self.altitude = None;
         self.repeated = None;
     }

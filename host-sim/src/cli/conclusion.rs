@@ -1,9 +1,10 @@
 //! Writes the files at the end of a drive, recorded or live.
 
-use crate::error::Result;
+use crate::error::{Result, on_one_line};
 use crate::files::kept;
 use crate::files::run::{self, Origin};
 use crate::recorder::LongRun;
+use crate::terminal::print::note;
 use std::path::Path;
 
 /// Writes the run, and the persistent state if there is a file for it. The state is staged before
@@ -26,16 +27,18 @@ pub(super) fn write(
         staged.commit()?;
     }
     if let Some(out) = out {
-        eprintln!("wrote {}", out.display());
+        note(format_args!("wrote {}", on_one_line(out)));
     }
     if let Some(file) = state_file {
-        let file = file.display();
+        let file = on_one_line(file);
         if is_stored {
-            eprintln!("stored the persistent state for the next drive: {file}");
+            note(format_args!(
+                "stored the persistent state for the next drive: {file}"
+            ));
         } else {
-            eprintln!(
+            note(format_args!(
                 "no persistent state to store (it needs 5 km with GNSS): {file} is unchanged"
-            );
+            ));
         }
     }
     Ok(())

@@ -2,7 +2,7 @@
 
 use super::estimate;
 use super::tuning_option::TuningOption;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, on_one_line};
 use crate::files::csv::write_csv;
 use crate::files::oracle::{OracleFile, mean_speed_mps};
 use crate::files::vehicle::VehicleFile;
@@ -12,7 +12,7 @@ use crate::report::demo_page::{DemoDrive, demo_page};
 use crate::score::{self, ScoreRow, rivals};
 use crate::simulator::scenario::Scenario;
 use crate::simulator::write_runs;
-use crate::terminal::print::print;
+use crate::terminal::print::{note, print};
 use estimator_core::Tuning;
 use std::path::{Path, PathBuf};
 
@@ -31,15 +31,15 @@ pub fn run(args: &Args) -> Result<()> {
     let tuning = args.tuning.read()?;
     let scenario = Scenario::builtin();
     let out = &args.out;
-    eprintln!("1  simulate trucks; their true parameters differ from their files");
+    note("1  simulate trucks; their true parameters differ from their files");
     write_runs(&scenario, out)?;
-    eprintln!("2  estimate each drive from its bus log");
+    note("2  estimate each drive from its bus log");
     let drives = (0..scenario.runs.len())
         .map(|index| drive(&scenario, index, &tuning, out))
         .collect::<Result<Vec<_>>>()?;
-    eprintln!("3  fuse the runs into a map");
+    note("3  fuse the runs into a map");
     let (map, map_score) = fuse(&drives, out)?;
-    eprintln!("4  score against the truth and write the page");
+    note("4  score against the truth and write the page");
     let mut scores: Vec<ScoreRow> = drives.iter().flat_map(|d| d.scores.clone()).collect();
     let mut overall = score::mean(&scores);
     overall.push(map_score);
@@ -48,8 +48,8 @@ pub fn run(args: &Args) -> Result<()> {
     let table = out.join("score.csv");
     write_csv(&table, scores.iter().map(ScoreRow::rounded))?;
     print(&format!("{}\n\n", score::table(&overall)))?;
-    print(&format!("each run: {}\n", table.display()))?;
-    print(&format!("page to open: {}\n", report.display()))
+    print(&format!("each run: {}\n", on_one_line(&table)))?;
+    print(&format!("page to open: {}\n", on_one_line(&report)))
 }
 
 fn drive(scenario: &Scenario, index: usize, tuning: &Tuning, folder: &Path) -> Result<DemoDrive> {

@@ -1,10 +1,11 @@
 //! `roadgrade diagnose`.
 
+use super::outputs;
 use super::tuning_option::TuningOption;
 use crate::diagnose::{Diagnosis, Request, diagnose, report};
-use crate::error::Result;
+use crate::error::{Result, on_one_line};
 use crate::files::vehicle::VehicleFile;
-use crate::terminal::print::print;
+use crate::terminal::print::{note, print};
 use crate::terminal::progress;
 use crate::terminal::table::text_table;
 use std::path::PathBuf;
@@ -50,6 +51,15 @@ pub struct Args {
 
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
+    let logs = args.logs.iter().chain(&args.holdout).map(PathBuf::as_path);
+    let others = [&*args.vehicle]
+        .into_iter()
+        .chain(args.reference.as_deref());
+    let written = report::FILES.map(|name| args.out.join(name));
+    outputs::check(
+        logs.chain(others).chain(args.tuning.file()),
+        written.iter().map(PathBuf::as_path),
+    )?;
     let request = Request {
         vehicle: VehicleFile::read(&args.vehicle)?,
         logs: args.logs.clone(),
@@ -66,7 +76,7 @@ pub fn run(args: &Args) -> Result<()> {
     } else {
         print(&tables(&found))?;
     }
-    eprintln!("page to open: {}", page.display());
+    note(format_args!("page to open: {}", on_one_line(&page)));
     Ok(())
 }
 
@@ -81,8 +91,8 @@ fn tables(found: &Diagnosis) -> String {
                 format!("{:.4}", case.sigma),
                 case.unit.to_owned(),
                 format!("{:+.1}", case.evidence),
-                format!("{:.3}", found.before.rmse_percent),
-                format!("{:.3}", case.after.rmse_percent),
+                report::three_digits(found.before.rmse_percent),
+                report::three_digits(case.after.rmse_percent),
             ]
         })
         .collect();

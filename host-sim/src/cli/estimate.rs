@@ -1,14 +1,14 @@
 //! `roadgrade estimate`: estimates a run from a recorded drive.
 
-use super::conclusion;
 use super::tuning_option::TuningOption;
+use super::{conclusion, outputs};
 use crate::error::{Error, Result};
 use crate::files::run::{self, Origin};
 use crate::files::vehicle::VehicleFile;
 use crate::files::{data_set, kept};
 use crate::recorder::{self, LongRun, RunSummary};
 use crate::smooth::held_bytes;
-use crate::terminal::print::print;
+use crate::terminal::print::{note, print};
 use crate::terminal::progress;
 use estimator_core::{PersistentState, Scalar, Tuning};
 use std::path::{Path, PathBuf};
@@ -63,6 +63,12 @@ pub struct Args {
 }
 
 impl Args {
+    fn check_outputs(&self, out: Option<&Path>) -> Result<()> {
+        let inputs = [&*self.log, &self.vehicle];
+        let inputs = inputs.into_iter().chain(self.tuning.file());
+        outputs::check(inputs, out.into_iter().chain(self.kept.as_deref()))
+    }
+
     fn run_path(&self, run: &mut LongRun, origin: &Origin) -> Result<PathBuf> {
         let (Some(folder), Some(day)) = (&self.dataset, &self.day) else {
             return Ok(self.out.clone().unwrap_or_default());
@@ -81,6 +87,7 @@ impl Args {
 
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
+    args.check_outputs(args.out.as_deref())?;
     let vehicle = VehicleFile::read(&args.vehicle)?;
     let tuning = args.tuning.read()?;
     let started = Clock::now();
@@ -102,6 +109,7 @@ pub fn run(args: &Args) -> Result<()> {
         day: args.day.clone(),
     };
     let out = args.run_path(&mut run, &origin)?;
+    args.check_outputs(Some(&out))?;
     conclusion::write(&mut run, Some(&out), &origin, file)?;
 
     let summary = RunSummary::new(&mut run)?;
@@ -113,15 +121,15 @@ pub fn run(args: &Args) -> Result<()> {
     }
     let frames = run.counters.frames;
     if frames > 0 {
-        eprintln!(
+        note(format_args!(
             "{frames} frames in {seconds:.2} s, {:.0} frames/s",
             frames as f64 / seconds
-        );
+        ));
     }
-    eprintln!(
+    note(format_args!(
         "whole-run smoothing used {} kB",
         held_bytes(run.rows.count()) / 1000
-    );
+    ));
     Ok(())
 }
 

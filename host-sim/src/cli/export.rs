@@ -1,8 +1,10 @@
 //! `roadgrade export`.
 
-use crate::error::{Error, Result};
+use super::outputs;
+use crate::error::{Error, Result, on_one_line};
 use crate::map;
 use crate::report::map_page;
+use crate::terminal::print::note;
 use std::path::PathBuf;
 
 /// Arguments of `export`.
@@ -51,6 +53,7 @@ pub fn run(args: &Args) -> Result<()> {
         let problem = "--pieces applies to GeoJSON only; expected --out NAME.geojson";
         return Err(Error::Usage(problem.to_owned()));
     }
+    outputs::check([&*args.map], [&*args.out])?;
     let ways = map::read_map_ways(&args.map)?;
     match format {
         Format::Geojson => map::stage_map_geojson(&args.out, &ways, args.pieces)?.commit()?,
@@ -60,11 +63,11 @@ pub fn run(args: &Args) -> Result<()> {
             .commit()?,
     }
     let cells: usize = ways.iter().map(|way| way.rows.len()).sum();
-    eprintln!(
+    note(format_args!(
         "{}: {cells} cells, ways: {}",
-        args.out.display(),
+        on_one_line(&args.out),
         ways.len()
-    );
+    ));
     Ok(())
 }
 

@@ -1,7 +1,9 @@
 //! `roadgrade import`.
 
-use crate::error::Result;
+use super::outputs;
+use crate::error::{Result, on_one_line};
 use crate::source::ztbus::{Mission, Pass};
+use crate::terminal::print::{note, print};
 use crate::terminal::table::text_table;
 use clap::Subcommand;
 use comfy_table::Table;
@@ -67,26 +69,29 @@ fn ztbus(args: &ZtbusArgs) -> Result<()> {
     let mission = Mission::read(&args.file)?;
     let passes = mission.passes();
     let summary = summary(&mission, &passes, &args.out);
+    let mut written = vec![args.out.join("mission.csv"), args.out.join("vehicle.toml")];
+    written.extend(summary.passes.iter().map(|pass| pass.file.clone()));
+    outputs::check([&*args.file], written.iter().map(PathBuf::as_path))?;
     mission.write(&args.out.join("mission.csv"))?;
     for (pass, summary) in passes.iter().zip(&summary.passes) {
         mission.write_pass(&summary.file, pass)?;
     }
     mission.vehicle().write(&args.out.join("vehicle.toml"))?;
     if args.json {
-        println!("{:#}", serde_json::json!(summary));
+        print(&format!("{:#}\n", serde_json::json!(summary)))?;
     } else {
-        println!("{}", table(&summary.passes));
+        print(&format!("{}\n", table(&summary.passes)))?;
     }
-    eprintln!(
+    note(format_args!(
         "{}: {:.1} km in {:.0} min, first fix after {:.0} s; mission.csv, vehicle.toml and {} \
          passes are in {}",
-        args.file.display(),
+        on_one_line(&args.file),
         summary.length_m / 1000.0,
         summary.duration_s / 60.0,
         summary.first_fix_s,
         passes.len(),
-        args.out.display()
-    );
+        on_one_line(&args.out)
+    ));
     Ok(())
 }
 
@@ -125,7 +130,7 @@ fn table(passes: &[PassSummary]) -> Table {
             vec![
                 pass.number.to_string(),
                 pass.direction.to_owned(),
-                pass.file.display().to_string(),
+                on_one_line(&pass.file).to_string(),
                 format!("{:.0}", pass.start_s),
                 format!("{:.0}", pass.duration_s),
                 format!("{:.0}", pass.length_m),

@@ -1,14 +1,14 @@
 //! `roadgrade listen`: estimates a run from a live bus.
 
-use super::conclusion;
 use super::tuning_option::TuningOption;
-use crate::error::{Error, Result};
+use super::{conclusion, outputs};
+use crate::error::{Error, Result, on_one_line};
 use crate::files::output::Staged;
 use crate::files::run::Origin;
 use crate::files::vehicle::VehicleFile;
 use crate::live::{EndedDrive, ListenRequest, Listening};
 use crate::recorder::{self, LongRun, RunSummary};
-use crate::terminal::print::print;
+use crate::terminal::print::{note, print};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -101,6 +101,11 @@ impl Args {
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     check(args)?;
+    let outputs = [&args.out, &args.log, &args.kept];
+    outputs::check(
+        [&*args.vehicle].into_iter().chain(args.tuning.file()),
+        outputs.into_iter().filter_map(|path| path.as_deref()),
+    )?;
     let vehicle = VehicleFile::read(&args.vehicle)?;
     let mut listening = Listening::begin(args.request()?, &vehicle)?;
     // An error ends the drive. It is reported after the run is written.
@@ -114,7 +119,7 @@ pub fn run(args: &Args) -> Result<()> {
     } = listening.finish();
     let logged = log.and_then(|log| log.map_or(Ok(()), Staged::commit));
     if let (Ok(()), Some(log)) = (&logged, &args.log) {
-        eprintln!("wrote {}", log.display());
+        note(format_args!("wrote {}", on_one_line(log)));
     }
     let mut run = run?;
     conclude(args, &vehicle, &mut run)?;
@@ -123,7 +128,7 @@ pub fn run(args: &Args) -> Result<()> {
         let last = json!({ "summary": summary, "interfaces": view.interfaces });
         print(&format!("{last}\n"))
     } else if takes_stdout {
-        eprintln!("{}", summary.table());
+        note(format_args!("{}", summary.table()));
         Ok(())
     } else {
         print(&format!("{}\n", summary.table()))
@@ -153,7 +158,7 @@ fn conclude(args: &Args, vehicle: &VehicleFile, run: &mut LongRun) -> Result<()>
         if run.rows.count() == 0 && args.out.is_some() {
             return Err(Error::content(Path::new(&bus), problem));
         }
-        eprintln!("roadgrade: {bus}: {problem}");
+        note(format_args!("roadgrade: {bus}: {problem}"));
     }
     let origin = Origin {
         vehicle: Some(vehicle.name.clone()),

@@ -10,6 +10,7 @@ mod import;
 mod inspect;
 #[cfg(target_os = "linux")]
 mod listen;
+mod outputs;
 #[cfg(target_os = "linux")]
 mod replay;
 mod score;

@@ -1,12 +1,13 @@
 //! `roadgrade score`.
 
-use crate::error::{Error, Result};
+use super::outputs;
+use crate::error::{Error, Result, on_one_line};
 use crate::files::csv::write_csv;
 use crate::files::truth;
 use crate::score::companions::{Companions, NamedFiles};
 use crate::score::judged::{Judged, judge};
 use crate::score::{self, ScoreRow, mean};
-use crate::terminal::print::print;
+use crate::terminal::print::{note, print};
 use crate::terminal::progress;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
@@ -78,16 +79,17 @@ pub struct Args {
 /// Returns an error if a file cannot be read or used, or a run has no cell to compare.
 pub fn run(args: &Args) -> Result<()> {
     check_counts(args)?;
+    let out = args.out.clone().unwrap_or_else(|| {
+        let folder = args.runs[0].parent().unwrap_or(Path::new(""));
+        folder.join("score.csv")
+    });
+    args.check_output(&out)?;
     let truths = args
         .truth
         .iter()
         .map(|path| truth::read(path))
         .collect::<Result<Vec<_>>>()?;
-    let named = NamedFiles {
-        log: &args.companions.log,
-        vehicle: &args.companions.vehicle,
-        oracle: &args.companions.oracle,
-    };
+    let named = args.named();
     let bar = progress::count(args.runs.len() as u64, "runs");
     let judged: Vec<Result<Judged>> = (0..args.runs.len())
         .into_par_iter()
@@ -107,18 +109,37 @@ pub fn run(args: &Args) -> Result<()> {
     if args.runs.len() > 1 {
         rows.extend(mean(&rows));
     }
-    let out = args.out.clone().unwrap_or_else(|| {
-        let folder = args.runs[0].parent().unwrap_or(Path::new(""));
-        folder.join("score.csv")
-    });
     write_csv(&out, rows.iter().map(ScoreRow::rounded))?;
     if args.json {
         print(&format!("{}\n", score::json(&rows)))?;
     } else {
         print(&format!("{}\n", score::table(&rows)))?;
     }
-    eprintln!("{}", out.display());
+    note(format_args!("{}", on_one_line(&out)));
     Ok(())
+}
+
+impl Args {
+    fn named(&self) -> NamedFiles<'_> {
+        NamedFiles {
+            log: &self.companions.log,
+            vehicle: &self.companions.vehicle,
+            oracle: &self.companions.oracle,
+        }
+    }
+
+    /// Checks that the table is none of the inputs, those beside the truth included.
+    fn check_output(&self, out: &Path) -> Result<()> {
+        let companions: Vec<Companions> = (0..self.runs.len())
+            .map(|index| {
+                let of_run = index.min(self.truth.len() - 1);
+                Companions::of(self.named(), index, &self.truth[of_run])
+            })
+            .collect();
+        let inputs = self.truth.iter().chain(&self.runs).map(PathBuf::as_path);
+        let inputs = inputs.chain(companions.iter().flat_map(Companions::files));
+        outputs::check(inputs, [out])
+    }
 }
 
 /// Returns a usage error unless each kind of file is named once for all runs or once for each.
@@ -153,10 +174,14 @@ fn print_notes(runs: &[PathBuf], judged: &[Judged]) {
             }
         }
     }
-    for (note, of) in notes {
+    for (words, of) in notes {
         match of.as_slice() {
-            [run] => eprintln!("{}: {note}", run.display()),
-            of => eprintln!("{} and {} more: {note}", of[0].display(), of.len() - 1),
+            [run] => note(format_args!("{}: {words}", on_one_line(run))),
+            of => note(format_args!(
+                "{} and {} more: {words}",
+                on_one_line(of[0]),
+                of.len() - 1
+            )),
         }
     }
 }

@@ -1,8 +1,9 @@
 //! `roadgrade simulate`.
 
+use super::outputs;
 use crate::error::Result;
 use crate::simulator::scenario::Scenario;
-use crate::simulator::write_runs;
+use crate::simulator::{files_of, write_runs};
 use std::path::PathBuf;
 
 /// Arguments of `simulate`.
@@ -23,5 +24,12 @@ pub struct Args {
 /// # Errors
 /// Returns an error of the scenario or of the file system.
 pub fn run(args: &Args) -> Result<()> {
-    write_runs(&Scenario::read(&args.scenario)?, &args.out)
+    let scenario = Scenario::read(&args.scenario)?;
+    let written = files_of(&scenario, &args.out);
+    let inputs = scenario.files.iter().map(PathBuf::as_path);
+    outputs::check(
+        inputs.chain([&*args.scenario]),
+        written.iter().map(PathBuf::as_path),
+    )?;
+    write_runs(&scenario, &args.out)
 }

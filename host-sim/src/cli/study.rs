@@ -3,7 +3,7 @@
 use crate::error::{Error, Result};
 use crate::report::page::{Page, Section};
 use crate::study::{STUDIES, Setting, Study, StudyOutcome};
-use crate::terminal::print::print;
+use crate::terminal::print::{note, print};
 use crate::terminal::table::text_table;
 use clap::builder::PossibleValuesParser;
 use std::path::PathBuf;
@@ -47,13 +47,13 @@ pub fn run(args: &Args) -> Result<()> {
     let wanted = |study: &&Study| args.name == ALL || args.name == study.name;
     let mut sections = Vec::new();
     for study in STUDIES.iter().filter(wanted) {
-        eprintln!("{}: {}", study.name, study.about);
+        note(format_args!("{}: {}", study.name, study.about));
         match (study.run)(&setting)? {
             StudyOutcome::Done(section) => {
                 print_tables(&section)?;
                 sections.push(section);
             }
-            StudyOutcome::Skipped(why) if args.name == ALL => eprintln!("skipped: {why}"),
+            StudyOutcome::Skipped(why) if args.name == ALL => note(format_args!("skipped: {why}")),
             StudyOutcome::Skipped(why) => return Err(Error::content(&args.data, why)),
         }
     }

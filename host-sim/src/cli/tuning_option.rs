@@ -3,7 +3,7 @@
 use crate::error::Result;
 use crate::files::tuning;
 use estimator_core::Tuning;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// The option `--tuning`.
 #[derive(Debug, clap::Args)]
@@ -14,6 +14,11 @@ pub struct TuningOption {
 }
 
 impl TuningOption {
+    /// Returns the file, if one is named.
+    pub fn file(&self) -> Option<&Path> {
+        self.tuning.as_deref()
+    }
+
     /// Reads the file, or returns the defaults if there is none.
     ///
     /// # Errors

@@ -7,11 +7,12 @@ use super::picture;
 use super::radius::Wheels;
 use super::search::EffectSearch;
 use super::selection::SelectionStep;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, on_one_line};
+use crate::files::run::{RunCell, RunIdentity};
 use crate::map::read_map;
 use estimator_core::{AdoptedEffect, Model, Tuning};
 use rayon::prelude::*;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::path::PathBuf;
 
@@ -28,6 +29,7 @@ pub fn diagnose(request: &Request) -> Result<Diagnosis> {
     let mut vehicle = request.vehicle.clone();
     let mut findings = Vec::new();
     let mut drives = logs.read(&vehicle.model)?;
+    logs.check_copies(&drives)?;
     let wheels = Wheels::measured(&drives[..logs.fitted]);
     if let Some(finding) = wheels.as_ref().and_then(Wheels::finding) {
         // The search for other effects uses the corrected speeds and distances.
@@ -129,6 +131,23 @@ impl RequestLogs {
             judged,
             tuning: request.tuning.clone(),
         })
+    }
+
+    /// Returns an error if two logs have the same drive: a copy that is held out would confirm what
+    /// was fitted to it. Cells are compared, so another name, format or compression does not matter.
+    fn check_copies(&self, drives: &[LoggedDrive]) -> Result<()> {
+        let mut seen = BTreeMap::new();
+        for (path, drive) in self.paths.iter().zip(drives) {
+            let identity = RunIdentity::of(drive.run.rows.iter().map(RunCell::from));
+            if let Some(first) = seen.insert(identity, path) {
+                let first = on_one_line(first);
+                let problem = format!(
+                    "the same drive as {first}; expected each drive once, to fit or held out"
+                );
+                return Err(Error::content(path, problem));
+            }
+        }
+        Ok(())
     }
 
     fn read(&self, model: &Model) -> Result<Vec<LoggedDrive>> {

@@ -85,16 +85,21 @@ pub fn to_json(diagnosis: &Diagnosis) -> Value {
     })
 }
 
+const VEHICLE: &str = "vehicle.toml";
+const JSON: &str = "report.json";
+/// Files that [`write()`] writes, besides those of its tables and figures.
+pub const FILES: [&str; 3] = [VEHICLE, JSON, PAGE];
+
 /// Writes report.json, vehicle.toml and the page with its tables and figures, all or none.
 ///
 /// # Errors
 /// Returns an error if a file cannot be written.
 pub fn write(diagnosis: &Diagnosis, folder: &Path) -> Result<PathBuf> {
     let mut files = page(diagnosis).stage(folder)?;
-    let vehicle = folder.join("vehicle.toml");
+    let vehicle = folder.join(VEHICLE);
     files.push(stage_text(&vehicle, &diagnosis.vehicle.to_toml())?);
     let json = format!("{:#}\n", to_json(diagnosis));
-    files.push(stage_text(&folder.join("report.json"), &json)?);
+    files.push(stage_text(&folder.join(JSON), &json)?);
     for file in files {
         file.commit()?;
     }
@@ -113,16 +118,28 @@ fn page(diagnosis: &Diagnosis) -> Page {
     }
 }
 
-/// Returns a summary in words.
-#[must_use]
-pub fn in_a_sentence(diagnosis: &Diagnosis) -> String {
-    let names: Vec<String> = diagnosis.findings.iter().map(amount_in_words).collect();
-    let mut words = if names.is_empty() {
-        "Nothing is adopted: the drives do not ask for any effect beyond the model.".to_owned()
+/// Returns the text of a number, or that it is not known: too few windows have no interval, and none
+/// has no error.
+fn if_known(number: f64, text: String) -> String {
+    if number.is_finite() {
+        text
     } else {
-        format!("Adopted: {}.", names.join("; "))
-    };
-    words += &format!(
+        "unknown".to_owned()
+    }
+}
+
+/// Returns a number with three decimals, or that it is not known.
+#[must_use]
+pub fn three_digits(number: f64) -> String {
+    if_known(number, format!("{number:.3}"))
+}
+
+/// Returns the errors before and after, or that there are none.
+fn errors_in_words(diagnosis: &Diagnosis) -> String {
+    if diagnosis.before.windows.is_empty() {
+        return format!(" No drive has a valid window of {WINDOW_M:.0} m to judge by.");
+    }
+    format!(
         " On drives {}, the bare model is {:.3} % grade off before and {:.3} % after (RMSE over \
          windows of {WINDOW_M:.0} m), {:+.2} and {:+.2} m per km.",
         if diagnosis.judged_on_fitted {
@@ -134,7 +151,19 @@ pub fn in_a_sentence(diagnosis: &Diagnosis) -> String {
         diagnosis.after.rmse_percent,
         diagnosis.before.drift_m_per_km,
         diagnosis.after.drift_m_per_km,
-    );
+    )
+}
+
+/// Returns a summary in words.
+#[must_use]
+pub fn in_a_sentence(diagnosis: &Diagnosis) -> String {
+    let names: Vec<String> = diagnosis.findings.iter().map(amount_in_words).collect();
+    let mut words = if names.is_empty() {
+        "Nothing is adopted: the drives do not ask for any effect beyond the model.".to_owned()
+    } else {
+        format!("Adopted: {}.", names.join("; "))
+    };
+    words += &errors_in_words(diagnosis);
     for rest in &diagnosis.unexplained {
         words += &format!(
             " Unexplained: {:.2} % that depends on {}.",
@@ -217,14 +246,17 @@ fn before_after(diagnosis: &Diagnosis) -> Table {
         "windows",
     ];
     let row = |name: &str, j: &Judgement| {
-        let interval = |(low, high): (f64, f64)| format!("{low:+.3} to {high:+.3}");
+        let interval = |(low, high): (f64, f64)| {
+            let text = format!("{low:+.3} to {high:+.3}");
+            if_known(low + high, text)
+        };
         vec![
             name.to_owned(),
-            format!("{:.3}", j.rmse_percent),
+            if_known(j.rmse_percent, format!("{:.3}", j.rmse_percent)),
             interval(j.rmse_interval),
-            format!("{:+.3}", j.bias_percent),
+            if_known(j.bias_percent, format!("{:+.3}", j.bias_percent)),
             interval(j.bias_interval),
-            format!("{:+.2}", j.drift_m_per_km),
+            if_known(j.drift_m_per_km, format!("{:+.2}", j.drift_m_per_km)),
             j.windows.len().to_string(),
         ]
     };
@@ -259,8 +291,8 @@ fn candidates_section(diagnosis: &Diagnosis) -> Section {
             short(case.sigma),
             case.unit.to_owned(),
             format!("{:+.1}", case.evidence),
-            format!("{:.3}", diagnosis.before.rmse_percent),
-            format!("{:.3}", case.after.rmse_percent),
+            three_digits(diagnosis.before.rmse_percent),
+            three_digits(case.after.rmse_percent),
         ]
     });
     Section {

@@ -1,6 +1,7 @@
 //! CSV files with a header. They are written whole or not at all, and errors of reading name the
 //! line.
 
+use super::limits::{self, Budget};
 use super::output::{Staged, stage};
 use super::row_check::Flaw;
 use crate::error::{Error, Result};
@@ -53,24 +54,25 @@ pub fn read_checked<T: for<'de> Deserialize<'de>>(
     path: &Path,
     check: impl Fn(Option<&T>, &T) -> std::result::Result<(), Flaw>,
 ) -> Result<Vec<T>> {
-    read_checked_with(&csv::ReaderBuilder::new(), path, check)
+    let most = limits::rows_in_memory::<T>();
+    read_checked_with(&csv::ReaderBuilder::new(), path, most, check)
 }
 
-/// Reads rows as [`read_checked`] does, with the reader that `builder` makes.
+/// Reads at most `most` rows as [`read_checked`] does, with the reader that `builder` makes.
 ///
 /// # Errors
 /// Returns the errors of [`read_checked`].
 pub fn read_checked_with<T: for<'de> Deserialize<'de>>(
     builder: &csv::ReaderBuilder,
     path: &Path,
+    most: usize,
     check: impl Fn(Option<&T>, &T) -> std::result::Result<(), Flaw>,
 ) -> Result<Vec<T>> {
     let mut rows = Vec::new();
     read_records(builder, path, |record| {
         let row = record.read()?;
         check(rows.last(), &row).map_err(|flaw| record.error(flaw))?;
-        rows.push(row);
-        Ok(())
+        limits::push(&mut rows, row, most, path)
     })?;
     Ok(rows)
 }
@@ -92,7 +94,7 @@ impl Record<'_> {
     pub(crate) fn read<T: for<'de> Deserialize<'de>>(&self) -> Result<T> {
         self.fields
             .deserialize(Some(self.headers))
-            .map_err(|e| csv_error(self.path, &e, Some(self.headers)))
+            .map_err(|e| csv_error(self.path, e, Some(self.headers)))
     }
 
     /// Returns the error of a flaw, with file and line.
@@ -112,17 +114,22 @@ pub(crate) fn read_records(
     mut take: impl FnMut(&Record) -> Result<()>,
 ) -> Result<()> {
     let file = std::fs::File::open(path).map_err(Error::io(path))?;
+    let file = Budget::new(file, limits::RECORD_BYTES, "record");
     let mut reader = builder.from_reader(file);
     let headers = reader
         .headers()
-        .map_err(|e| csv_error(path, &e, None))?
+        .map_err(|e| csv_error(path, e, None))?
         .clone();
     let mut fields = csv::StringRecord::new();
     let mut is_empty = true;
-    while reader
-        .read_record(&mut fields)
-        .map_err(|e| csv_error(path, &e, None))?
-    {
+    loop {
+        reader.get_mut().renew();
+        let is_read = reader
+            .read_record(&mut fields)
+            .map_err(|e| csv_error(path, e, None))?;
+        if !is_read {
+            break;
+        }
         is_empty = false;
         take(&Record {
             path,
@@ -139,9 +146,9 @@ pub(crate) fn read_records(
     Ok(())
 }
 
-fn csv_error(path: &Path, error: &csv::Error, headers: Option<&csv::StringRecord>) -> Error {
-    if let csv::ErrorKind::Io(source) = error.kind() {
-        return Error::io(path)(std::io::Error::new(source.kind(), source.to_string()));
+fn csv_error(path: &Path, error: csv::Error, headers: Option<&csv::StringRecord>) -> Error {
+    if error.is_io_error() {
+        return Error::io(path)(error.into());
     }
     let mut line = error.position().map_or(1, csv::Position::line);
     let problem = match error.kind() {

@@ -1,12 +1,15 @@
 //! The file of a vehicle's persistent state: one [`PersistentState`] as bytes. It stands for an
 //! ECU's non-volatile memory.
 
+use super::limits::read_bytes;
 use super::output::{self, Staged};
 use crate::error::{Error, Result};
 use estimator_core::{Model, PersistentState};
-use std::fs;
 use std::io::ErrorKind;
 use std::path::Path;
+
+/// A state has far fewer bytes.
+const MOST_BYTES: u64 = 1 << 20;
 
 /// Reads the persistent state of the vehicle's last drive; `None` if there is no such file.
 ///
@@ -14,9 +17,9 @@ use std::path::Path;
 /// Returns an error if the file cannot be read, is damaged or something else, or belongs to another
 /// vehicle.
 pub fn read(path: &Path, model: &Model) -> Result<Option<PersistentState>> {
-    let bytes = match fs::read(path) {
-        Err(e) if e.kind() == ErrorKind::NotFound => return Ok(None),
-        bytes => bytes.map_err(Error::io(path))?,
+    let bytes = match read_bytes(path, MOST_BYTES) {
+        Err(Error::Io { source, .. }) if source.kind() == ErrorKind::NotFound => return Ok(None),
+        bytes => bytes?,
     };
     let kept = PersistentState::from_bytes(&bytes).and_then(|kept| {
         kept.check_model(model)?;

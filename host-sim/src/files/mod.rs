@@ -1,14 +1,21 @@
 //! The file formats. Output files appear whole or not at all.
 
+pub mod columns;
 pub mod csv;
 pub mod data_set;
+mod flaw;
 pub mod kept;
+pub mod limits;
+pub mod lock;
 pub mod oracle;
 pub mod output;
 pub mod parquet;
+mod parquet_pages;
 pub mod row_check;
 pub mod run;
+pub mod signals;
 pub mod spool;
+pub mod temporary;
 pub mod truth;
 pub mod tuning;
 pub mod vehicle;

@@ -22,6 +22,7 @@
 //!                                                      # times as large at first, and decays
 //! ```
 
+use super::limits::read_text;
 use super::output::write_whole;
 use super::run::RunRow;
 use super::vehicle::VehicleFile;
@@ -29,7 +30,6 @@ use crate::error::{Error, Result};
 use estimator_core::vehicle::STANDARD_AIR_DENSITY;
 use estimator_core::{Duration, Tuning};
 use serde::{Deserialize, Serialize};
-use std::fs;
 use std::path::Path;
 
 /// Lower limits of the levels, so that no variance is zero.
@@ -141,7 +141,7 @@ impl OracleFile {
     /// # Errors
     /// Names each unknown key, missing key and value out of range.
     pub fn read(path: &Path) -> Result<Self> {
-        let text = fs::read_to_string(path).map_err(Error::io(path))?;
+        let text = read_text(path)?;
         let key = |problem: String| Error::Key {
             path: path.to_owned(),
             problem,

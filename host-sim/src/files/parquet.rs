@@ -1,7 +1,9 @@
 //! Tables of numbers as Parquet: column names as in the CSV files, units in the metadata.
 
+use super::limits;
 use super::output::{Staged, Writing};
-use crate::error::{Error, Result};
+use super::parquet_pages;
+use crate::error::{Error, Result, out_of_files};
 use arrow_array::types::{ArrowPrimitiveType, Float64Type, Int64Type};
 use arrow_array::{Array, ArrayRef, PrimitiveArray, RecordBatch, StringArray};
 use arrow_schema::{Field, Schema};
@@ -186,6 +188,7 @@ fn failed(path: &Path, error: ParquetError) -> Error {
 /// A Parquet file whose footer has been read.
 pub struct Opened<'a> {
     path: &'a Path,
+    most_rows: usize,
     builder: ParquetRecordBatchReaderBuilder<File>,
 }
 
@@ -202,7 +205,11 @@ pub fn open(path: &Path) -> Result<Opened<'_>> {
     guarded(path, || {
         let builder = ParquetRecordBatchReaderBuilder::try_new(file)
             .map_err(|e| damaged(path, &e.to_string()))?;
-        Ok(Opened { path, builder })
+        Ok(Opened {
+            path,
+            most_rows: usize::MAX,
+            builder,
+        })
     })
 }
 
@@ -236,6 +243,10 @@ fn catch_quietly<T>(attempt: impl FnOnce() -> T) -> Option<T> {
 }
 
 fn damaged(path: &Path, problem: &str) -> Error {
+    // The decoder opens the file again and again.
+    if let Some(error) = out_of_files(problem) {
+        return Error::io(path)(error);
+    }
     Error::content(
         path,
         format!("damaged, or not a Parquet file: {problem}; restore the file as it was written"),
@@ -243,6 +254,13 @@ fn damaged(path: &Path, problem: &str) -> Error {
 }
 
 impl Opened<'_> {
+    /// Limits the number of rows, for a table that is kept in memory.
+    #[must_use]
+    pub const fn with_most_rows(mut self, most_rows: usize) -> Self {
+        self.most_rows = most_rows;
+        self
+    }
+
     /// Returns the metadata value of this key; see [`stage`].
     pub fn metadata(&self, key: &str) -> Option<&str> {
         let pairs = self.builder.metadata().file_metadata().key_value_metadata();
@@ -315,12 +333,23 @@ impl Opened<'_> {
         texts: [&str; M],
         mut take: impl FnMut([Option<f64>; N], [Option<f64>; K], [Option<&str>; M]) -> Result<()>,
     ) -> Result<()> {
+        if self.rows() > self.most_rows {
+            return Err(limits::too_many_rows(self.path, self.most_rows));
+        }
         if let Some(name) = names.iter().find(|name| !self.has_column(name)) {
             let problem = format!("no column {name}; expected the columns of docs/formats.md");
             return Err(Error::content(self.path, problem));
         }
-        let Self { path, builder } = self;
-        let wanted = names.iter().chain(&newer).chain(&texts).copied();
+        let Self {
+            path,
+            most_rows,
+            builder,
+        } = self;
+        let wanted: Vec<&str> = names.into_iter().chain(newer).chain(texts).collect();
+        let file = File::open(path).map_err(Error::io(path))?;
+        parquet_pages::check(&file, builder.metadata(), &wanted)
+            .map_err(|problem| damaged(path, &problem))?;
+        let mut rows = 0;
         let projection = ProjectionMask::columns(builder.parquet_schema(), wanted);
         let batches = builder
             .with_projection(projection)
@@ -329,6 +358,10 @@ impl Opened<'_> {
             .map_err(|e| damaged(path, &e.to_string()))?;
         for batch in batches {
             let batch = batch.map_err(|e| damaged(path, &e.to_string()))?;
+            rows += batch.num_rows();
+            if rows > most_rows {
+                return Err(limits::too_many_rows(path, most_rows));
+            }
             let mut columns: Vec<Option<Values>> = Vec::with_capacity(N + K);
             for name in names.into_iter().chain(newer) {
                 let values = batch.column_by_name(name).map(|values| {

@@ -1,55 +1,28 @@
-//! Checks of CSV rows, so that an error names its line.
+//! Checks of rows, so that an error names its line. The ranges are those of
+//! [`columns`](super::columns).
 
-/// A problem of a row.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Flaw {
-    /// What was found.
-    pub problem: String,
-    /// What was expected.
-    pub expected: &'static str,
-}
+use super::columns::{Column, LATITUDE_DEG, LONGITUDE_DEG};
 
-/// Checks that every number is finite.
+pub use super::flaw::Flaw;
+
+/// Checks that every number is within the range of its column.
 ///
 /// # Errors
-/// Names the first number that is not finite.
-pub fn finite(values: &[(&str, f64)]) -> Result<(), Flaw> {
-    match values.iter().find(|(_, value)| !value.is_finite()) {
-        None => Ok(()),
-        Some((name, value)) => Err(Flaw {
-            problem: format!("{name} is {value}"),
-            expected: "a finite number",
-        }),
-    }
+/// Names the first number that is not, its column and the range.
+pub fn within(values: &[(Column, f64)]) -> Result<(), Flaw> {
+    values
+        .iter()
+        .try_for_each(|(column, value)| column.check(*value))
 }
 
-/// Checks that every number is greater than zero. A standard deviation of zero would have infinite
-/// weight.
+/// Checks that every number that is there is within the range of its column.
 ///
 /// # Errors
-/// Names the first number that is not.
-pub fn positive(values: &[(&str, f64)]) -> Result<(), Flaw> {
-    match values.iter().find(|(_, value)| *value <= 0.0) {
-        None => Ok(()),
-        Some((name, value)) => Err(Flaw {
-            problem: format!("{name} is {value}"),
-            expected: "a number greater than zero",
-        }),
-    }
-}
-
-/// Checks that every flag is 0 or 1.
-///
-/// # Errors
-/// Names the first flag that is not.
-pub fn flags(values: &[(&str, u8)]) -> Result<(), Flaw> {
-    match values.iter().find(|(_, value)| *value > 1) {
-        None => Ok(()),
-        Some((name, value)) => Err(Flaw {
-            problem: format!("{name} is {value}"),
-            expected: "0 or 1",
-        }),
-    }
+/// Names the first number that is not, its column and the range.
+pub fn within_if_known(values: &[(Column, Option<f64>)]) -> Result<(), Flaw> {
+    values
+        .iter()
+        .try_for_each(|(column, value)| value.map_or(Ok(()), |value| column.check(value)))
 }
 
 /// Checks a position on Earth, degrees.
@@ -57,28 +30,7 @@ pub fn flags(values: &[(&str, u8)]) -> Result<(), Flaw> {
 /// # Errors
 /// Names the angle that is out of range.
 pub fn position(latitude_deg: f64, longitude_deg: f64) -> Result<(), Flaw> {
-    let on_earth = |name, value: f64, limit: f64, expected| {
-        if value.abs() <= limit {
-            Ok(())
-        } else {
-            Err(Flaw {
-                problem: format!("{name} is {value}"),
-                expected,
-            })
-        }
-    };
-    on_earth(
-        "latitude_deg",
-        latitude_deg,
-        90.0,
-        "degrees within -90 and 90",
-    )?;
-    on_earth(
-        "longitude_deg",
-        longitude_deg,
-        180.0,
-        "degrees within -180 and 180",
-    )
+    within(&[(LATITUDE_DEG, latitude_deg), (LONGITUDE_DEG, longitude_deg)])
 }
 
 /// Checks that a quantity grows from row to row; if `strictly`, it may not stay equal.

@@ -1,5 +1,6 @@
 //! TRUTH.csv: the true state of a simulated drive.
 
+use super::columns;
 use super::csv::{read_checked, write_csv};
 use super::row_check::{self, Flaw};
 use crate::error::Result;
@@ -27,11 +28,11 @@ pub struct TruthRow {
 impl TruthRow {
     /// Checks that the row can follow `before` in a drive.
     fn check(before: Option<&Self>, row: &Self) -> std::result::Result<(), Flaw> {
-        row_check::finite(&[
-            ("time_s", row.time_s),
-            ("distance_m", row.distance_m),
-            ("grade_percent", row.grade_percent),
-            ("altitude_m", row.altitude_m),
+        row_check::within(&[
+            (columns::TIME_S, row.time_s),
+            (columns::DRIVEN_M, row.distance_m),
+            (columns::GRADE_PERCENT, row.grade_percent),
+            (columns::ALTITUDE_M, row.altitude_m),
         ])?;
         before.map_or(Ok(()), |before| {
             row_check::forwards("time_s", before.time_s, row.time_s, true)?;

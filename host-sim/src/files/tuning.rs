@@ -10,10 +10,10 @@
 //! shift_hold_ms = 1500
 //! ```
 
+use super::limits::read_text;
 use crate::error::{Error, Result};
 use estimator_core::Tuning;
 use estimator_core::tuning::TuningError;
-use std::fs;
 use std::path::Path;
 
 /// Reads a tuning file, or returns the defaults if there is none.
@@ -26,7 +26,7 @@ pub fn read_or_default(path: Option<&Path>) -> Result<Tuning> {
 }
 
 fn read(path: &Path) -> Result<Tuning> {
-    let text = fs::read_to_string(path).map_err(Error::io(path))?;
+    let text = read_text(path)?;
     parse(&text).map_err(|problem| Error::Key {
         path: path.to_owned(),
         problem,

@@ -2,11 +2,11 @@
 
 mod effects;
 
+use super::limits::read_text;
 use super::output::write_whole;
 use crate::error::{Error, Result};
 use estimator_core::{Gear, Model, ParameterError, Powertrain, Traction, VehicleParameters};
 use serde::{Deserialize, Serialize};
-use std::fs;
 use std::path::Path;
 
 /// A vehicle model with its name.
@@ -76,7 +76,7 @@ impl VehicleFile {
     /// # Errors
     /// Names each unknown key, missing key and value out of range.
     pub fn read(path: &Path) -> Result<Self> {
-        let text = fs::read_to_string(path).map_err(Error::io(path))?;
+        let text = read_text(path)?;
         Self::checked(toml::from_str(&text), path)
     }
 

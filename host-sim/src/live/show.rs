@@ -3,7 +3,7 @@
 use super::panel::{header, json, line, panel};
 use super::view::LiveView;
 use crate::error::Result;
-use crate::terminal::print::print;
+use crate::terminal::print::{note, print, printable};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{IsTerminal, stderr, stdout};
 use std::time::{Duration, Instant as Monotonic};
@@ -93,8 +93,8 @@ impl Show {
     /// Prints a message: above the panel, else on stderr.
     pub fn say(&self, message: &str) {
         match &self.medium {
-            Medium::Panel(bar) => bar.println(message),
-            Medium::Lines | Medium::Json => eprintln!("{message}"),
+            Medium::Panel(bar) => bar.println(printable(message)),
+            Medium::Lines | Medium::Json => note(format_args!("{message}")),
         }
     }
 

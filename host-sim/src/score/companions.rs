@@ -61,6 +61,12 @@ impl Companions {
         }
     }
 
+    /// Returns all these files.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        let files = [&self.log, &self.vehicle, &self.oracle];
+        files.into_iter().filter_map(|path| path.as_deref())
+    }
+
     /// Returns the log, if it was named on the command line.
     #[must_use]
     pub fn named_log(&self) -> Option<&Path> {

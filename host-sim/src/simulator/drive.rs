@@ -21,6 +21,7 @@ use super::scenario::Scenario;
 use super::scenario_file::{Tyres, Wind};
 use super::truck::{GRAVITY, IDLE_RPM, Truck};
 use crate::error::{Error, Result};
+use crate::files::limits;
 use crate::numeric::slope::sine;
 use rand_chacha::ChaCha8Rng;
 
@@ -29,6 +30,8 @@ const WAIT_S: f64 = 5.0;
 /// Time in which a truck must advance by [`STUCK_M`], s.
 const STUCK_S: f64 = 60.0;
 const STUCK_M: f64 = 10.0;
+/// Steps of a drive, which is in memory: about three days.
+const MOST_STEPS: usize = limits::rows_in_memory::<DriveState>();
 /// Speed below which a held truck stands, m/s.
 const STANDSTILL_MPS: f64 = 1e-6;
 
@@ -67,7 +70,8 @@ struct Journey<'a> {
 /// Drives run `index` of the scenario to its end.
 ///
 /// # Errors
-/// Returns an error if the truck comes to a stop on its road.
+/// Returns an error if the truck comes to a stop on its road, or if the drive does not fit into
+/// memory.
 ///
 /// # Panics
 /// If the scenario has no run `index`.
@@ -101,7 +105,15 @@ pub fn drive(scenario: &Scenario, index: usize) -> Result<SimulatedDrive> {
         } else {
             journey.order()
         };
-        states.push(journey.step(order));
+        let state = journey.step(order);
+        limits::push(&mut states, state, MOST_STEPS, &scenario.origin).map_err(|_| {
+            let problem = format!(
+                "run {}: a drive of more than {time_s:.0} s, for which there is no memory; \
+                 expected a shorter one (length_m)",
+                run.name
+            );
+            Error::content(&scenario.origin, problem)
+        })?;
         if order != Order::Drive && !waiting {
             since = states.len();
         }

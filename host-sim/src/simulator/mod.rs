@@ -35,4 +35,4 @@ mod write_runs;
 
 pub use recording::{Recording, SimulatedRun, simulate};
 pub use unmodelled::Unmodelled;
-pub use write_runs::write_runs;
+pub use write_runs::{files_of, write_runs};

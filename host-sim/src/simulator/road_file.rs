@@ -3,13 +3,18 @@
 use super::geodesy::Position;
 use super::road::{Node, Road};
 use crate::error::{Error, Result};
-use crate::files::csv::{read_csv, write_csv};
+use crate::files::csv::{read_checked_with, write_csv};
 use crate::numeric::rounding::round;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 /// Steepest grade allowed, %.
 const STEEPEST_PERCENT: f64 = 35.0;
+
+/// Rows of a road: 1,000 km with one every 2 m.
+const MOST_ROWS: usize = 500_000;
+/// Largest distance along a road, m; a generated road is no longer.
+const LARGEST_DISTANCE_M: f64 = 1e6;
 
 /// One row. Altitude is read from the first row only. From there on it is the integral of the
 /// grade, so that the simulated truth is consistent.
@@ -27,7 +32,8 @@ struct RoadFileRow {
 /// # Errors
 /// Names the file, the line and what was expected.
 pub fn read(path: &Path) -> Result<Road> {
-    let rows: Vec<RoadFileRow> = read_csv(path)?;
+    let rows: Vec<RoadFileRow> =
+        read_checked_with(&csv::ReaderBuilder::new(), path, MOST_ROWS, |_, _| Ok(()))?;
     let mut last_m = f64::NEG_INFINITY;
     for (index, row) in rows.iter().enumerate() {
         // The header is line 1.
@@ -65,7 +71,8 @@ fn check(row: &RoadFileRow, last_m: f64) -> std::result::Result<(), (String, Str
     within("longitude_deg", row.longitude_deg, 180.0)?;
     within("altitude_m", row.altitude_m, 9_000.0)?;
     within("grade_percent", row.grade_percent, STEEPEST_PERCENT)?;
-    if row.distance_m.is_finite() && row.distance_m > last_m {
+    within("distance_m", row.distance_m, LARGEST_DISTANCE_M)?;
+    if row.distance_m > last_m {
         Ok(())
     } else {
         Err((

@@ -14,10 +14,10 @@ use super::scenario_file::{
 use super::truck::Truck;
 use super::{road_file, road_generator};
 use crate::error::{Error, Result};
+use crate::files::limits::read_text;
 use crate::files::vehicle::VehicleFile;
 use estimator_core::{Traction, VehicleParameters};
 use rand_chacha::ChaCha8Rng;
-use std::fs;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
@@ -35,6 +35,8 @@ const BUILTIN: &str = include_str!("../../scenarios/demo.toml");
 pub struct Scenario {
     /// Path of the file, for error messages.
     pub origin: PathBuf,
+    /// The vehicle files that it names.
+    pub files: Vec<PathBuf>,
     /// Seed of all random numbers.
     pub seed: u64,
     /// The road in its forward direction.
@@ -110,7 +112,7 @@ impl Scenario {
     /// # Errors
     /// Names each unknown key, missing key and value out of range.
     pub fn read(path: &Path) -> Result<Self> {
-        let text = fs::read_to_string(path).map_err(Error::io(path))?;
+        let text = read_text(path)?;
         Self::parse(&text, path)
     }
 
@@ -137,6 +139,8 @@ impl Scenario {
         let document: ScenarioDocument = toml::from_str(text).map_err(toml_error)?;
         check_document(&document).map_err(key)?;
         let folder = origin.parent().unwrap_or(Path::new(""));
+        let vehicles = document.runs.iter().filter_map(|run| run.vehicle.as_ref());
+        let files: Vec<PathBuf> = vehicles.map(|file| folder.join(file)).collect();
         let road = match document
             .road_source()
             .map_err(|e| key(format!("road: {}", e.to_string().trim_end())))?
@@ -163,6 +167,7 @@ impl Scenario {
         }
         Ok(Self {
             origin: origin.to_owned(),
+            files,
             seed: document.seed,
             road,
             noise: document.noise,

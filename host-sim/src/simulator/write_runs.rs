@@ -7,9 +7,10 @@ use crate::error::Result;
 use crate::files::output::write_whole;
 use crate::files::truth;
 use crate::source::candump_writer::write_frame;
+use crate::terminal::print::note;
 use crate::terminal::progress;
 use rayon::prelude::*;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Name of the interface in the logs.
 const INTERFACE: &str = "can0";
@@ -40,9 +41,21 @@ pub fn write_runs(scenario: &Scenario, folder: &Path) -> Result<()> {
     }
     bar.finish_and_clear();
     for report in reports {
-        eprintln!("{report}");
+        note(format_args!("{report}"));
     }
     Ok(())
+}
+
+/// Returns the files that [`write_runs`] writes.
+#[must_use]
+pub fn files_of(scenario: &Scenario, folder: &Path) -> Vec<PathBuf> {
+    let endings = ["log", "truth.csv", "vehicle.toml", "oracle.toml"];
+    let of_runs = scenario
+        .runs
+        .iter()
+        .flat_map(|run| endings.map(|ending| folder.join(format!("{}.{ending}", run.name))));
+    let of_all = ["road.csv", "vehicle.toml"].map(|name| folder.join(name));
+    of_runs.chain(of_all).collect()
 }
 
 /// Writes the files of one run; returns a summary line.

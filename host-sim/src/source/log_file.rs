@@ -1,6 +1,7 @@
 //! A log on disk, plain or gzip, as a stream of bytes.
 
 use crate::error::{Error, Result};
+use crate::files::limits::is_over_budget;
 use flate2::read::MultiGzDecoder;
 use std::fs::File;
 use std::io::{self, Cursor, Read};
@@ -11,6 +12,11 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// First bytes of a gzip file (RFC 1952).
 const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
 
+/// A gzip file that expands to more than this, bytes, ...
+const BOMB_BYTES: u64 = 64 << 20;
+/// ... and more than so many times, is no log: the longest ones of a standing truck reach 60.
+const BOMB_RATIO: u64 = 400;
+
 /// An open log. Its first bytes, not its name, decide whether it is gzip.
 pub struct LogFile {
     path: PathBuf,
@@ -18,6 +24,7 @@ pub struct LogFile {
     is_gzip: bool,
     bytes_read: Arc<AtomicU64>,
     bytes_total: u64,
+    bytes_expanded: u64,
 }
 
 /// Counts the bytes read from the disk, before decompression.
@@ -68,6 +75,7 @@ impl LogFile {
             is_gzip,
             bytes_read,
             bytes_total: metadata.len(),
+            bytes_expanded: 0,
         })
     }
 
@@ -92,7 +100,9 @@ impl LogFile {
     /// Returns the error of a failed read near `line`.
     #[must_use]
     pub fn read_error(&self, line: u64, error: io::Error) -> Error {
-        if self.is_gzip {
+        if is_over_budget(&error) {
+            Error::line(&self.path, line, error.to_string(), "lines of text")
+        } else if self.is_gzip {
             Error::line(
                 &self.path,
                 line,
@@ -107,6 +117,14 @@ impl LogFile {
 
 impl Read for LogFile {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        self.content.read(buffer)
+        let count = self.content.read(buffer)?;
+        if self.is_gzip {
+            self.bytes_expanded += count as u64;
+            if self.bytes_expanded > BOMB_BYTES.max(BOMB_RATIO * self.bytes_read()) {
+                let problem = format!("the gzip data expand more than {BOMB_RATIO} times");
+                return Err(io::Error::new(io::ErrorKind::FileTooLarge, problem));
+            }
+        }
+        Ok(count)
     }
 }

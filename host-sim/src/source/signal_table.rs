@@ -4,6 +4,7 @@
 use super::candump::Seconds;
 use super::log_file::LogFile;
 use crate::error::{Error, Result};
+use crate::files::limits::{self, Budget};
 use crate::files::output::write_whole;
 use csv::ByteRecord;
 use estimator_core::{Instant, Reading, Signal, Value};
@@ -18,7 +19,7 @@ const UTF8_MARK: &[u8] = b"\xef\xbb\xbf";
 const LATEST_S: f64 = 4e9;
 
 /// A log with a line feed appended, because its last line may lack one.
-type TerminatedLog = Chain<LogFile, &'static [u8]>;
+type TerminatedLog = Budget<Chain<LogFile, &'static [u8]>>;
 
 /// Reader of tables, row by row; its memory does not depend on the length of the table.
 pub struct SignalTableReader {
@@ -62,7 +63,11 @@ impl SignalTableReader {
             // carriage return of CR LF is trimmed, and blank lines are skipped in `read_row`.
             .terminator(csv::Terminator::Any(b'\n'))
             .flexible(true)
-            .from_reader(LogFile::open(path)?.chain(&b"\n"[..]));
+            .from_reader(Budget::new(
+                LogFile::open(path)?.chain(&b"\n"[..]),
+                limits::RECORD_BYTES,
+                "row",
+            ));
         let mut header = ByteRecord::new();
         if !read_row(&mut csv, &mut header)? {
             return Err(Error::content(
@@ -165,9 +170,12 @@ impl SignalTableReader {
             ),
             None => (
                 number
-                    .map(|number| Value::Real(number as f32))
-                    .filter(|value| value.real().is_some()),
-                "a finite number, or an empty cell",
+                    .filter(|number| number.abs() <= largest(signal))
+                    .map(|number| Value::Real(number as f32)),
+                match number {
+                    Some(_) => expected_number(signal),
+                    None => "a finite number, or an empty cell",
+                },
             ),
         };
         value
@@ -196,7 +204,7 @@ fn line_of(csv: &csv::Reader<TerminatedLog>) -> u64 {
 }
 
 fn file_of(csv: &csv::Reader<TerminatedLog>) -> &LogFile {
-    csv.get_ref().get_ref().0
+    csv.get_ref().inner().get_ref().0
 }
 
 /// Returns the largest value of an angle. Angles have more digits than `f32`.
@@ -206,6 +214,78 @@ const fn largest_angle_deg(signal: Signal) -> Option<f64> {
         Signal::Longitude => Some(180.0),
         _ => None,
     }
+}
+
+/// Magnitudes that no reading exceeds, by the unit in which the name of a column ends. The core
+/// treats readings beyond narrower ranges as not available; these detect another unit, another
+/// column, or a damaged digit.
+const LARGEST: [(&str, f64, &str); 10] = [
+    (
+        "_percent",
+        1e4,
+        "a finite number from -1e4 to 1e4 %, or an empty cell",
+    ),
+    (
+        "_rpm",
+        1e6,
+        "a finite number from -1e6 to 1e6 rpm, or an empty cell",
+    ),
+    (
+        "_mps",
+        1e4,
+        "a finite number from -1e4 to 1e4 m/s, or an empty cell",
+    ),
+    (
+        "_pa",
+        1e9,
+        "a finite number from -1e9 to 1e9 Pa, or an empty cell",
+    ),
+    (
+        "_kg",
+        1e7,
+        "a finite number from -1e7 to 1e7 kg, or an empty cell",
+    ),
+    (
+        "_n",
+        1e8,
+        "a finite number from -1e8 to 1e8 N, or an empty cell",
+    ),
+    (
+        "_m",
+        1e5,
+        "a finite number from -1e5 to 1e5 m, or an empty cell",
+    ),
+    (
+        "_deg",
+        1e4,
+        "a finite number from -1e4 to 1e4 degrees, or an empty cell",
+    ),
+    (
+        "_radps",
+        1e4,
+        "a finite number from -1e4 to 1e4 rad/s, or an empty cell",
+    ),
+    (
+        "_celsius",
+        1e4,
+        "a finite number from -1e4 to 1e4 degrees, or an empty cell",
+    ),
+];
+/// The same for columns without a unit: counts, ratios and switches.
+const LARGEST_OTHER: (f64, &str) = (1e6, "a finite number from -1e6 to 1e6, or an empty cell");
+
+fn range_of(signal: Signal) -> (f64, &'static str) {
+    let column = signal.column();
+    let unit = LARGEST.iter().find(|(unit, ..)| column.ends_with(unit));
+    unit.map_or(LARGEST_OTHER, |(_, most, expected)| (*most, *expected))
+}
+
+fn largest(signal: Signal) -> f64 {
+    range_of(signal).0
+}
+
+fn expected_number(signal: Signal) -> &'static str {
+    range_of(signal).1
 }
 
 /// Finds the columns of the time and the signals.
@@ -262,6 +342,7 @@ fn all_columns() -> String {
 fn read_row(csv: &mut csv::Reader<TerminatedLog>, record: &mut ByteRecord) -> Result<bool> {
     loop {
         let line = csv.position().line();
+        csv.get_mut().renew();
         let is_read = csv
             .read_byte_record(record)
             .map_err(|error| match error.into_kind() {

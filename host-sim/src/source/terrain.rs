@@ -6,13 +6,16 @@
 //! details.
 
 use crate::error::{Error, Result};
+use crate::files::limits::read_bytes;
 use srtm_reader::{Coord, Resolution, Tile};
 use std::collections::BTreeMap;
-use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Values of posts without a measurement: that of the data set, and that of some filled versions.
 const VOIDS: [i16; 2] = [i16::MIN, -9999];
+
+/// Bytes of the finest tile.
+const MOST_BYTES: u64 = 2 * 3601 * 3601;
 
 /// A folder of SRTM tiles, each read at its first use.
 #[derive(Debug)]
@@ -54,7 +57,7 @@ impl Terrain {
 }
 
 fn read_tile(path: &Path, (latitude, longitude): (i8, i16)) -> Result<Tile> {
-    let bytes = fs::read(path).map_err(Error::io(path))?;
+    let bytes = read_bytes(path, MOST_BYTES)?;
     let wrong_size = || {
         Error::content(
             path,

@@ -16,6 +16,7 @@ use crate::report::page::{Figure, Section, Table};
 use crate::report::plot::{Mark, Plot, Series, colour};
 use crate::simulator::random::{Purpose, normal, stream};
 use crate::simulator::truck::Preset;
+use crate::terminal::print::note;
 use crate::terminal::progress;
 use curve::{PowerLaw, floor_percent};
 use estimator_core::VehicleParameters;
@@ -210,11 +211,11 @@ fn run(setting: &Setting) -> Result<StudyOutcome> {
     let sets = conditions.converge(THESIS, || bar.inc(1));
     bar.finish_and_clear();
     let seconds = start.elapsed().as_secs_f64();
-    eprintln!(
+    note(format_args!(
         "{total} runs in {seconds:.1} s: {:.1} runs/s on {} threads",
         total as f64 / seconds,
         rayon::current_num_threads()
-    );
+    ));
     Ok(StudyOutcome::Done(section(&conditions, &sets)))
 }
 

@@ -84,7 +84,7 @@ fn keeping_all<S: Scalar>(
 fn negative_log_likelihood<S: Scalar>(cells: &[ForwardCell<S>]) -> f64 {
     let each: Vec<f64> = cells
         .iter()
-        .filter_map(|cell| cell.record.smoother_input.altitude)
+        .filter_map(|cell| cell.record.smoother_input.altitude())
         .map(|used| {
             let variance = used.innovation_variance.to_f64();
             used.innovation.to_f64().powi(2) / variance + variance.ln()

@@ -1,5 +1,6 @@
 //! The columns of a run that later versions appended, and files without them.
 
+use host_sim::files::parquet::{ParquetColumn, stage};
 use host_sim::files::run::{self, RunRow};
 use std::fs;
 use std::path::Path;
@@ -115,5 +116,87 @@ fn what_is_no_flag_and_no_mass_is_refused() {
         let error = run::read(&path).unwrap_err().to_string();
         assert!(error.contains(problem), "{error}");
         assert!(error.contains("run.csv:2"), "{error}");
+    }
+}
+
+/// Writes the columns of a Parquet run that are wanted, with other numbers in some of them.
+fn write_parquet(path: &Path, with: &[(&'static str, f64)], without: &[&str]) {
+    let rows = rows();
+    let number = |name: &'static str, value: fn(&RunRow) -> Option<f64>| {
+        let other = with.iter().find(|(column, _)| *column == name);
+        let values = rows
+            .iter()
+            .map(|row| other.map_or_else(|| value(row), |o| Some(o.1)));
+        (!without.contains(&name)).then(|| ParquetColumn::optional(name, values))
+    };
+    let columns: Vec<ParquetColumn> = [
+        number("time_s", |row| Some(row.time_s)),
+        number("distance_m", |row| Some(row.distance_m)),
+        number("latitude_deg", |row| row.latitude_deg),
+        number("longitude_deg", |row| row.longitude_deg),
+        number("altitude_m", |row| row.altitude_m),
+        number("altitude_sigma_m", |row| row.altitude_sigma_m),
+        number("grade_percent", |row| Some(row.grade_percent)),
+        number("grade_sigma_percent", |row| Some(row.grade_sigma_percent)),
+        number("lagged_grade_percent", |row| Some(row.lagged_grade_percent)),
+        number("lagged_grade_sigma_percent", |row| {
+            Some(row.lagged_grade_sigma_percent)
+        }),
+        number("live_grade_percent", |row| Some(row.live_grade_percent)),
+        number("live_grade_sigma_percent", |row| {
+            Some(row.live_grade_sigma_percent)
+        }),
+        number("speed_mps", |row| Some(row.speed_mps)),
+        number("bias_percent", |row| Some(row.bias_percent)),
+        number("scale", |row| Some(row.scale)),
+        number("valid", |row| Some(row.valid.into())),
+        number("mass_kg", |row| row.mass_kg),
+        number("mass_sigma_kg", |row| row.mass_sigma_kg),
+        number("consistent", |row| Some(row.consistent.into())),
+        number("lagged_consistent", |row| {
+            Some(row.lagged_consistent.into())
+        }),
+        number("live_consistent", |row| Some(row.live_consistent.into())),
+    ]
+    .into_iter()
+    .flatten()
+    .collect();
+    stage(path, columns, &[]).unwrap().commit().unwrap();
+}
+
+#[test]
+fn an_older_parquet_is_read_and_a_wrong_number_in_a_newer_column_is_not() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.parquet");
+    let newer: Vec<&str> = NEWER.split(',').skip(1).collect();
+    write_parquet(&path, &[], &[]);
+    assert_eq!(run::read(&path).unwrap(), rows());
+    write_parquet(&path, &[], &newer);
+    assert_eq!(
+        run::read(&path).unwrap(),
+        rows_as_an_older_file_tells_them()
+    );
+    let (cells, _) = run::read_cells(&path).unwrap();
+    assert!(cells.iter().all(|cell| cell.is_consistent));
+    for (column, value, problem) in [
+        (
+            "mass_kg",
+            1.1e6,
+            "mass_kg is 1100000; expected a finite number from 0",
+        ),
+        ("mass_sigma_kg", 0.0, "mass_sigma_kg is 0;"),
+        ("consistent", 7.0, "consistent is 7; expected 0 or 1"),
+        ("lagged_consistent", 0.5, "lagged_consistent is 0.5;"),
+        ("live_consistent", f64::NAN, "live_consistent is NaN;"),
+        ("valid", -1.0, "valid is -1;"),
+    ] {
+        write_parquet(&path, &[(column, value)], &[]);
+        let error = run::read(&path).unwrap_err().to_string();
+        assert!(
+            error.contains(&format!("run.parquet:1: {problem}")),
+            "{error}"
+        );
+        // Fusion reads one of them.
+        assert_eq!(run::read_cells(&path).is_err(), column == "consistent");
     }
 }

@@ -149,6 +149,17 @@ fn a_retarder_is_reported_and_keeps_the_speed() {
 }
 
 #[test]
+fn a_drive_may_last_more_than_a_day() {
+    let text = "[[runs.stops]]\nat_m = 2000.0\nseconds = 90000.0\n";
+    let scenario = scenario(&[QUIET, MILD, A, text]);
+    let recording = Recording::new(&scenario, 0).unwrap();
+    let drive = recording.drive();
+    assert!(drive.duration_s() > 90_000.0, "{} s", drive.duration_s());
+    let gigabytes = 1e-9 * size_of_val(&drive.states[..]) as f64;
+    assert!(gigabytes < 1.5, "{gigabytes} GB");
+}
+
+#[test]
 fn impossible_manoeuvres_are_refused_by_key() {
     for (text, expected) in [
         ("[[runs.stops]]\nseconds = 5.0\n", "at_m"),

@@ -105,7 +105,7 @@ const HOST: [(&str, &[&str]); 17] = [
     ("recorder", &["files", "smooth", "source", "terminal"]),
     ("simulator", &["files", "numeric", "source", "terminal"]),
     ("source", &["files", "numeric"]),
-    ("map", &["files", "numeric"]),
+    ("map", &["files", "numeric", "terminal"]),
     ("comparison", &["numeric"]),
     ("files", &["numeric"]),
     ("terminal", &[]),

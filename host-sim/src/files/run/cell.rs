@@ -1,7 +1,9 @@
 //! The columns of a run that fusion needs, and the identity of a run.
 
 use super::row::RunRow;
+use crate::files::columns;
 use crate::files::row_check::{self, Flaw};
+use std::collections::VecDeque;
 use std::fmt;
 use std::str::FromStr;
 use xxhash_rust::xxh3::Xxh3;
@@ -48,25 +50,55 @@ impl RunCell {
     /// # Errors
     /// Names the problem of the cell.
     pub(crate) fn check(&self, before: Option<&Self>) -> Result<(), Flaw> {
-        let (latitude_deg, longitude_deg) = self.position.unwrap_or((0.0, 0.0));
-        let (altitude_m, altitude_sigma_m) = self.altitude.unwrap_or((0.0, 1.0));
-        row_check::finite(&[
-            ("distance_m", self.distance_m),
-            ("latitude_deg", latitude_deg),
-            ("longitude_deg", longitude_deg),
-            ("altitude_m", altitude_m),
-            ("altitude_sigma_m", altitude_sigma_m),
-            ("grade_percent", self.grade_percent),
-            ("grade_sigma_percent", self.grade_sigma_percent),
+        row_check::within(&[
+            (columns::DRIVEN_M, self.distance_m),
+            (columns::GRADE_PERCENT, self.grade_percent),
+            (columns::GRADE_SIGMA_PERCENT, self.grade_sigma_percent),
         ])?;
-        row_check::positive(&[
-            ("altitude_sigma_m", altitude_sigma_m),
-            ("grade_sigma_percent", self.grade_sigma_percent),
+        row_check::within_if_known(&[
+            (columns::LATITUDE_DEG, self.position.map(|at| at.0)),
+            (columns::LONGITUDE_DEG, self.position.map(|at| at.1)),
+            (columns::ALTITUDE_M, self.altitude.map(|known| known.0)),
+            (
+                columns::ALTITUDE_SIGMA_M,
+                self.altitude.map(|known| known.1),
+            ),
         ])?;
-        row_check::position(latitude_deg, longitude_deg)?;
         before.map_or(Ok(()), |before| {
             row_check::forwards("distance_m", before.distance_m, self.distance_m, true)
         })
+    }
+}
+
+/// Rows of a run in which it must advance by [`DENSE_M`]. Cells are 2.5 m long.
+const DENSE_ROWS: usize = 1_000;
+const DENSE_M: f64 = 500.0;
+
+/// Check that the rows of a run are not too close together. Windows of a run are cut by distance,
+/// not by rows.
+#[derive(Default)]
+pub(super) struct Density {
+    /// Distances of the last rows, m.
+    last_m: VecDeque<f64>,
+}
+
+impl Density {
+    /// Takes the distance of the next row.
+    ///
+    /// # Errors
+    /// Names the problem.
+    pub(super) fn check(&mut self, distance_m: f64) -> Result<(), Flaw> {
+        self.last_m.push_back(distance_m);
+        if self.last_m.len() < DENSE_ROWS {
+            return Ok(());
+        }
+        match self.last_m.pop_front() {
+            Some(first_m) if distance_m - first_m < DENSE_M => Err(Flaw {
+                problem: format!("{DENSE_ROWS} rows within {DENSE_M} m"),
+                expected: "cells of 2.5 m",
+            }),
+            _ => Ok(()),
+        }
     }
 }
 

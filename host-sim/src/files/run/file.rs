@@ -1,10 +1,11 @@
 //! Reading and writing of runs, CSV or Parquet by the extension of the file.
 
-use super::cell::{RunCell, RunIdentity};
+use super::cell::{Density, RunCell, RunHash, RunIdentity};
 use super::parquet::{self, Origin};
 use super::row::{RunRow, RunRows};
 use crate::error::{Error, Result};
-use crate::files::csv::read_checked;
+use crate::files::csv::read_records;
+use crate::files::limits;
 use crate::files::output::Writing;
 use crate::files::parquet::is_parquet;
 use std::path::Path;
@@ -57,10 +58,18 @@ impl RunRows for Rounded<'_> {
 /// Names the file, the line and what was expected.
 pub fn read(path: &Path) -> Result<Vec<RunRow>> {
     if is_parquet(path) {
-        parquet::read(path)
-    } else {
-        read_checked(path, RunRow::check)
+        return parquet::read(path);
     }
+    let mut rows: Vec<RunRow> = Vec::new();
+    let mut density = Density::default();
+    read_records(&csv::ReaderBuilder::new(), path, |record| {
+        let row = record.read()?;
+        RunRow::check(rows.last(), &row)
+            .and_then(|()| density.check(row.distance_m))
+            .map_err(|flaw| record.error(flaw))?;
+        limits::push(&mut rows, row, limits::rows_in_memory::<RunRow>(), path)
+    })?;
+    Ok(rows)
 }
 
 /// Reads the columns of a run that fusion needs, CSV or Parquet.
@@ -68,10 +77,46 @@ pub fn read(path: &Path) -> Result<Vec<RunRow>> {
 /// # Errors
 /// Names the file, the line and what was expected.
 pub fn read_cells(path: &Path) -> Result<(Vec<RunCell>, RunIdentity)> {
-    if is_parquet(path) {
-        return parquet::read_cells(path);
-    }
-    let cells: Vec<RunCell> = read(path)?.iter().map(RunCell::from).collect();
-    let identity = RunIdentity::of(cells.iter().copied());
+    let most = limits::rows_in_memory::<RunCell>();
+    let mut cells = Vec::new();
+    let mut keep = |cell| limits::push(&mut cells, cell, most, path);
+    let identity = if is_parquet(path) {
+        parquet::each_cell(path, most, &mut keep)?
+    } else {
+        each_cell_of_csv(path, &mut keep)?
+    };
     Ok((cells, identity))
+}
+
+/// Passes the cells of a run, as [`read_cells`] reads them, to `take`. None is kept, so the run may
+/// have any number.
+///
+/// # Errors
+/// Names the file, the line and what was expected.
+pub fn each_cell(path: &Path, take: &mut dyn FnMut(RunCell) -> Result<()>) -> Result<RunIdentity> {
+    if is_parquet(path) {
+        parquet::each_cell(path, usize::MAX, take)
+    } else {
+        each_cell_of_csv(path, take)
+    }
+}
+
+fn each_cell_of_csv(
+    path: &Path,
+    take: &mut dyn FnMut(RunCell) -> Result<()>,
+) -> Result<RunIdentity> {
+    let mut hash = RunHash::default();
+    let mut density = Density::default();
+    let mut before: Option<RunRow> = None;
+    read_records(&csv::ReaderBuilder::new(), path, |record| {
+        let row = record.read()?;
+        RunRow::check(before.as_ref(), &row)
+            .and_then(|()| density.check(row.distance_m))
+            .map_err(|flaw| record.error(flaw))?;
+        let cell = RunCell::from(&row);
+        before = Some(row);
+        hash.add(&cell);
+        take(cell)
+    })?;
+    Ok(hash.identity())
 }

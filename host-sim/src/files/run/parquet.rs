@@ -1,10 +1,13 @@
 //! RUN.parquet: the columns of RUN.csv, with the same decimals.
 
-use super::cell::{RunCell, RunHash, RunIdentity};
+use super::cell::{Density, RunCell, RunHash, RunIdentity};
 use super::row::{RunRow, RunRows};
 use crate::error::{Error, Result};
+use crate::files::columns::{self, Column};
+use crate::files::limits;
 use crate::files::output::Staged;
 use crate::files::parquet::{Opened, ParquetColumn, TableWriter, open};
+use crate::files::row_check::Flaw;
 use std::path::Path;
 
 /// Version of the columns, in the metadata of the file.
@@ -44,6 +47,8 @@ impl Origin {
     #[must_use]
     pub fn session(&self) -> Option<String> {
         let (vehicle, day) = (self.vehicle.as_ref()?, self.day.as_ref()?);
+        // The name of a session is a line of text wherever it is used.
+        let vehicle = vehicle.replace(char::is_control, "_");
         Some(format!("{vehicle} {day}"))
     }
 }
@@ -139,6 +144,15 @@ fn open_run(path: &Path) -> Result<Opened<'_>> {
     }
 }
 
+/// Returns the session that the file names, and its number of rows as its footer states it.
+///
+/// # Errors
+/// Returns an error if the file cannot be opened.
+pub fn outline(path: &Path) -> Result<(Option<String>, usize)> {
+    let file = open_run(path)?;
+    Ok((file.metadata("session").map(str::to_owned), file.rows()))
+}
+
 /// Returns the session that the file names.
 ///
 /// # Errors
@@ -152,9 +166,12 @@ pub fn session(path: &Path) -> Result<Option<String>> {
 /// # Errors
 /// Names the file, the row and what was expected.
 pub fn read(path: &Path) -> Result<Vec<RunRow>> {
-    let file = open_run(path)?;
+    let most = limits::rows_in_memory::<RunRow>();
+    let file = open_run(path)?.with_most_rows(most);
     let promised = file.metadata("identity").map(str::to_owned);
-    let mut rows = Vec::new();
+    let mut rows: Vec<RunRow> = Vec::new();
+    let mut hash = RunHash::default();
+    let mut density = Density::default();
     let [
         distance,
         latitude,
@@ -185,6 +202,12 @@ pub fn read(path: &Path) -> Result<Vec<RunRow>> {
     file.read_newer(names, NEWER_COLUMNS, |values, newer| {
         let number = rows.len() as u64 + 1;
         let needed = |i: usize| values[i].ok_or_else(|| missing(path, number, names[i]));
+        let flag = |column: Column, value: Option<f64>| {
+            // Nothing is known to disagree in an older file.
+            value
+                .map_or(Ok(1), |value| column.flag(value))
+                .map_err(wrong(path, number))
+        };
         let row = RunRow {
             time_s: needed(0)?,
             distance_m: needed(1)?,
@@ -201,37 +224,40 @@ pub fn read(path: &Path) -> Result<Vec<RunRow>> {
             speed_mps: needed(12)?,
             bias_percent: needed(13)?,
             scale: needed(14)?,
-            valid: flag(needed(15)?),
+            valid: flag(columns::VALID, Some(needed(15)?))?,
             mass_kg: newer[0],
             mass_sigma_kg: newer[1],
-            consistent: newer[2].map_or(1, flag),
-            lagged_consistent: newer[3].map_or(1, flag),
-            live_consistent: newer[4].map_or(1, flag),
+            consistent: flag(columns::CONSISTENT, newer[2])?,
+            lagged_consistent: flag(columns::LAGGED_CONSISTENT, newer[3])?,
+            live_consistent: flag(columns::LIVE_CONSISTENT, newer[4])?,
         };
         RunRow::check(rows.last(), &row)
-            .map_err(|flaw| Error::line(path, number, flaw.problem, flaw.expected))?;
-        rows.push(row);
-        Ok(())
+            .and_then(|()| density.check(row.distance_m))
+            .map_err(wrong(path, number))?;
+        hash.add(&RunCell::from(&row));
+        limits::push(&mut rows, row, most, path)
     })?;
-    check_whole(
-        path,
-        promised.as_deref(),
-        rows.iter().map(RunCell::from),
-        rows.len(),
-    )?;
+    check_whole(path, promised.as_deref(), &hash, rows.is_empty())?;
     Ok(rows)
 }
 
-/// Reads the columns of a run that fusion needs.
+/// Passes the columns of a run that fusion needs, at most `most_rows` rows, to `take`.
 ///
 /// # Errors
 /// Names the file, the row and what was expected.
-pub fn read_cells(path: &Path) -> Result<(Vec<RunCell>, RunIdentity)> {
-    let file = open_run(path)?;
+pub fn each_cell(
+    path: &Path,
+    most_rows: usize,
+    take: &mut dyn FnMut(RunCell) -> Result<()>,
+) -> Result<RunIdentity> {
+    let file = open_run(path)?.with_most_rows(most_rows);
     let promised = file.metadata("identity").map(str::to_owned);
-    let mut cells: Vec<RunCell> = Vec::new();
+    let mut hash = RunHash::default();
+    let mut density = Density::default();
+    let mut before: Option<RunCell> = None;
+    let mut number = 0;
     file.read_newer(CELL_COLUMNS, [CONSISTENT], |values, [consistent]| {
-        let number = cells.len() as u64 + 1;
+        number += 1;
         let needed = |i: usize| values[i].ok_or_else(|| missing(path, number, CELL_COLUMNS[i]));
         let cell = RunCell {
             distance_m: needed(0)?,
@@ -239,29 +265,33 @@ pub fn read_cells(path: &Path) -> Result<(Vec<RunCell>, RunIdentity)> {
             altitude: values[3].zip(values[4]),
             grade_percent: needed(5)?,
             grade_sigma_percent: needed(6)?,
-            is_consistent: consistent.is_none_or(|flag| flag == 1.0),
+            is_consistent: match consistent {
+                Some(flag) => {
+                    columns::CONSISTENT
+                        .flag(flag)
+                        .map_err(wrong(path, number))?
+                        == 1
+                }
+                None => true,
+            },
         };
         if values[1].is_some() != values[2].is_some() {
             let expected = "both latitude_deg and longitude_deg, or neither";
             return Err(Error::line(path, number, "incomplete position", expected));
         }
-        cell.check(cells.last())
-            .map_err(|flaw| Error::line(path, number, flaw.problem, flaw.expected))?;
-        cells.push(cell);
-        Ok(())
+        cell.check(before.as_ref())
+            .and_then(|()| density.check(cell.distance_m))
+            .map_err(wrong(path, number))?;
+        before = Some(cell);
+        hash.add(&cell);
+        take(cell)
     })?;
-    let count = cells.len();
-    let identity = check_whole(path, promised.as_deref(), cells.iter().copied(), count)?;
-    Ok((cells, identity))
+    check_whole(path, promised.as_deref(), &hash, number == 0)
 }
 
-/// Returns a flag; any number but 0 and 1 becomes one that the check of a row refuses.
-fn flag(number: f64) -> u8 {
-    match number {
-        0.0 => 0,
-        1.0 => 1,
-        _ => u8::MAX,
-    }
+/// Returns the error of a flaw of a row.
+fn wrong(path: &Path, row: u64) -> impl FnOnce(Flaw) -> Error + '_ {
+    move |flaw| Error::line(path, row, flaw.problem, flaw.expected)
 }
 
 fn missing(path: &Path, row: u64, name: &str) -> Error {
@@ -273,13 +303,13 @@ fn missing(path: &Path, row: u64, name: &str) -> Error {
 fn check_whole(
     path: &Path,
     promised: Option<&str>,
-    cells: impl Iterator<Item = RunCell>,
-    count: usize,
+    hash: &RunHash,
+    is_empty: bool,
 ) -> Result<RunIdentity> {
-    if count == 0 {
+    if is_empty {
         return Err(Error::content(path, "no rows; expected at least one"));
     }
-    let identity = RunIdentity::of(cells);
+    let identity = hash.identity();
     match promised {
         Some(promised) if promised != identity.to_string() => Err(Error::content(
             path,

@@ -1,6 +1,7 @@
 //! A row of a RUN file: one cell of one traversal.
 
 use crate::error::Result;
+use crate::files::columns;
 use crate::files::csv::column;
 use crate::files::row_check::{self, Flaw};
 use crate::numeric::rounding::round;
@@ -90,38 +91,39 @@ impl RunRow {
 
     /// Checks that the row can follow `before` in a run.
     pub(crate) fn check(before: Option<&Self>, row: &Self) -> std::result::Result<(), Flaw> {
-        row_check::finite(&[
-            ("time_s", row.time_s),
-            ("distance_m", row.distance_m),
-            ("latitude_deg", row.latitude_deg.unwrap_or(0.0)),
-            ("longitude_deg", row.longitude_deg.unwrap_or(0.0)),
-            ("altitude_m", row.altitude_m.unwrap_or(0.0)),
-            ("altitude_sigma_m", row.altitude_sigma_m.unwrap_or(1.0)),
-            ("grade_percent", row.grade_percent),
-            ("grade_sigma_percent", row.grade_sigma_percent),
-            ("lagged_grade_percent", row.lagged_grade_percent),
-            ("lagged_grade_sigma_percent", row.lagged_grade_sigma_percent),
-            ("live_grade_percent", row.live_grade_percent),
-            ("live_grade_sigma_percent", row.live_grade_sigma_percent),
-            ("speed_mps", row.speed_mps),
-            ("bias_percent", row.bias_percent),
-            ("scale", row.scale),
-            ("mass_kg", row.mass_kg.unwrap_or(1.0)),
-            ("mass_sigma_kg", row.mass_sigma_kg.unwrap_or(1.0)),
+        row_check::within(&[
+            (columns::TIME_S, row.time_s),
+            (columns::DRIVEN_M, row.distance_m),
+            (columns::GRADE_PERCENT, row.grade_percent),
+            (columns::GRADE_SIGMA_PERCENT, row.grade_sigma_percent),
+            (columns::LAGGED_GRADE_PERCENT, row.lagged_grade_percent),
+            (
+                columns::LAGGED_GRADE_SIGMA_PERCENT,
+                row.lagged_grade_sigma_percent,
+            ),
+            (columns::LIVE_GRADE_PERCENT, row.live_grade_percent),
+            (
+                columns::LIVE_GRADE_SIGMA_PERCENT,
+                row.live_grade_sigma_percent,
+            ),
+            (columns::SPEED_MPS, row.speed_mps),
+            (columns::BIAS_PERCENT, row.bias_percent),
+            (columns::SCALE, row.scale),
+            (columns::VALID, row.valid.into()),
+            (columns::CONSISTENT, row.consistent.into()),
+            (columns::LAGGED_CONSISTENT, row.lagged_consistent.into()),
+            (columns::LIVE_CONSISTENT, row.live_consistent.into()),
         ])?;
-        row_check::positive(&[
-            ("altitude_sigma_m", row.altitude_sigma_m.unwrap_or(1.0)),
-            ("grade_sigma_percent", row.grade_sigma_percent),
-            ("lagged_grade_sigma_percent", row.lagged_grade_sigma_percent),
-            ("live_grade_sigma_percent", row.live_grade_sigma_percent),
-            ("mass_kg", row.mass_kg.unwrap_or(1.0)),
-            ("mass_sigma_kg", row.mass_sigma_kg.unwrap_or(1.0)),
+        row_check::within_if_known(&[
+            (columns::LATITUDE_DEG, row.latitude_deg),
+            (columns::LONGITUDE_DEG, row.longitude_deg),
+            (columns::ALTITUDE_M, row.altitude_m),
+            (columns::ALTITUDE_SIGMA_M, row.altitude_sigma_m),
+            (columns::MASS_KG, row.mass_kg),
+            (columns::MASS_SIGMA_KG, row.mass_sigma_kg),
         ])?;
         match (row.latitude_deg, row.longitude_deg) {
-            (Some(latitude_deg), Some(longitude_deg)) => {
-                row_check::position(latitude_deg, longitude_deg)?;
-            }
-            (None, None) => {}
+            (Some(_), Some(_)) | (None, None) => {}
             _ => {
                 return Err(Flaw {
                     problem: "incomplete position".into(),
@@ -135,12 +137,6 @@ impl RunRow {
                 expected: "both mass_kg and mass_sigma_kg, or neither",
             });
         }
-        row_check::flags(&[
-            ("valid", row.valid),
-            ("consistent", row.consistent),
-            ("lagged_consistent", row.lagged_consistent),
-            ("live_consistent", row.live_consistent),
-        ])?;
         before.map_or(Ok(()), |before| {
             row_check::forwards("time_s", before.time_s, row.time_s, false)?;
             row_check::forwards("distance_m", before.distance_m, row.distance_m, true)
@@ -166,9 +162,10 @@ impl RunRow {
             bias_percent: round(self.bias_percent, 5),
             scale: round(self.scale, 5),
             valid: self.valid,
-            mass_kg: self.mass_kg.map(|v| round(v, 1)),
+            // No vehicle has more than a million kilograms; a wider sigma says no more.
+            mass_kg: self.mass_kg.map(|v| round(v, 1).min(1e6)),
             // A sigma below the last decimal is that decimal: zero would have infinite weight.
-            mass_sigma_kg: self.mass_sigma_kg.map(|v| round(v, 1).max(0.1)),
+            mass_sigma_kg: self.mass_sigma_kg.map(|v| round(v, 1).clamp(0.1, 1e6)),
             consistent: self.consistent,
             lagged_consistent: self.lagged_consistent,
             live_consistent: self.live_consistent,

@@ -59,12 +59,12 @@ impl FusedMap {
 /// Sums of the cells of each way that a session covers.
 type SessionSums = BTreeMap<usize, Vec<CellSums>>;
 
-/// Sums over a network, for every cell of 2.5 m of each way.
+/// Sums over a network, for every cell of 2.5 m of each way that a run covers.
 #[derive(Clone, Debug)]
 pub struct GradeMap<'a> {
     network: &'a Network,
-    /// Runs without a session, on all ways.
-    alone: Vec<CellSums>,
+    /// Runs without a session.
+    alone: SessionSums,
     /// Runs of each open session.
     sessions: BTreeMap<String, SessionSums>,
     /// Closed sessions, with the agreement of their runs.
@@ -72,46 +72,60 @@ pub struct GradeMap<'a> {
     within: Vec<(String, Agreement)>,
 }
 
-/// Sessions, each as one estimate.
-#[derive(Clone, Debug)]
-struct Pooled {
-    cells: Vec<CellSums>,
+/// A cell with each session as one estimate.
+#[derive(Clone, Copy, Debug, Default)]
+struct PooledCell {
+    sums: CellSums,
     /// Number of runs.
-    runs: Vec<u32>,
+    runs: u32,
 }
 
+impl PooledCell {
+    fn merge(&mut self, sums: &CellSums, runs: u32) {
+        self.sums.merge(sums);
+        self.runs = self.runs.saturating_add(runs);
+    }
+}
+
+/// Sessions, each as one estimate, on the ways that they cover.
+#[derive(Clone, Debug, Default)]
+struct Pooled(BTreeMap<usize, Vec<PooledCell>>);
+
 impl Pooled {
-    fn new(count: usize) -> Self {
-        Self {
-            cells: vec![CellSums::default(); count],
-            runs: vec![0; count],
-        }
+    fn cells(&mut self, way: usize, count: usize) -> &mut [PooledCell] {
+        let empty = || vec![PooledCell::default(); count];
+        self.0.entry(way).or_insert_with(empty)
     }
 
     /// Adds the runs of one session as one estimate.
-    fn add(&mut self, network: &Network, session: &SessionSums) -> Agreement {
+    fn add(&mut self, session: &SessionSums) -> Agreement {
         let agreement = agreement(&WITHIN_SESSION, session.values().flatten());
         for (&way, cells) in session {
-            let of_way = network.cells_of(way);
-            let known = self.cells[of_way.clone()].iter_mut();
-            for ((sums, runs), cell) in known.zip(&mut self.runs[of_way]).zip(cells) {
-                sums.merge(&cell.pooled(&agreement.dependence));
-                *runs = runs.saturating_add(cell.estimates);
+            for (known, cell) in self.cells(way, cells.len()).iter_mut().zip(cells) {
+                known.merge(&cell.pooled(&agreement.dependence), cell.estimates);
             }
         }
         agreement
+    }
+
+    /// Adds estimates that are not pooled.
+    fn add_alone(&mut self, sums: &SessionSums) {
+        for (&way, cells) in sums {
+            for (known, cell) in self.cells(way, cells.len()).iter_mut().zip(cells) {
+                known.merge(cell, cell.estimates);
+            }
+        }
     }
 }
 
 impl<'a> GradeMap<'a> {
     /// Creates an empty map of a network.
     pub fn new(network: &'a Network) -> Self {
-        let count = network.cells();
         Self {
             network,
-            alone: vec![CellSums::default(); count],
+            alone: SessionSums::new(),
             sessions: BTreeMap::new(),
-            closed: Pooled::new(count),
+            closed: Pooled::default(),
             within: Vec::new(),
         }
     }
@@ -151,7 +165,7 @@ impl<'a> GradeMap<'a> {
     /// session may be added later, and the map can no longer be stored.
     pub fn close_session(&mut self, name: &str) {
         if let Some(session) = self.sessions.remove(name) {
-            let agreement = self.closed.add(self.network, &session);
+            let agreement = self.closed.add(&session);
             self.within.push((name.to_owned(), agreement));
         }
     }
@@ -160,15 +174,18 @@ impl<'a> GradeMap<'a> {
     pub fn merge(&mut self, other: &Self) {
         let is_same = std::ptr::eq(self.network, other.network);
         debug_assert!(is_same, "maps of one network");
-        merge_cells(&mut self.alone, &other.alone);
+        for (&way, cells) in &other.alone {
+            merge_cells(self.cells_of(None, way), cells);
+        }
         for (name, session) in &other.sessions {
             for (&way, cells) in session {
                 merge_cells(self.cells_of(Some(name), way), cells);
             }
         }
-        merge_cells(&mut self.closed.cells, &other.closed.cells);
-        for (runs, others) in self.closed.runs.iter_mut().zip(&other.closed.runs) {
-            *runs = runs.saturating_add(*others);
+        for (&way, cells) in &other.closed.0 {
+            for (known, other) in self.closed.cells(way, cells.len()).iter_mut().zip(cells) {
+                known.merge(&other.sums, other.runs);
+            }
         }
         self.within.extend(other.within.iter().cloned());
     }
@@ -178,22 +195,15 @@ impl<'a> GradeMap<'a> {
         let mut pooled = self.closed.clone();
         let mut within = self.within.clone();
         for (name, session) in &self.sessions {
-            within.push((name.clone(), pooled.add(self.network, session)));
+            within.push((name.clone(), pooled.add(session)));
         }
-        let Pooled {
-            cells: mut estimates,
-            mut runs,
-        } = pooled;
-        merge_cells(&mut estimates, &self.alone);
-        for (runs, cell) in runs.iter_mut().zip(&self.alone) {
-            *runs = runs.saturating_add(cell.estimates);
-        }
-        let between = agreement(&BETWEEN_SESSIONS, &estimates);
-        let ways = self.network.ways().iter().enumerate().map(|(way, of_way)| {
-            let cells = self.network.cells_of(way);
-            let known = estimates[cells.clone()].iter().zip(&runs[cells]);
+        pooled.add_alone(&self.alone);
+        let estimates = pooled.0.values().flatten().map(|cell| &cell.sums);
+        let between = agreement(&BETWEEN_SESSIONS, estimates);
+        let ways = pooled.0.iter().map(|(&way, known)| {
+            let of_way = &self.network.ways()[way];
             let rows = of_way.cell_distances().zip(known);
-            let rows = rows.filter_map(|(distance_m, (sums, &runs))| {
+            let rows = rows.filter_map(|(distance_m, &PooledCell { sums, runs })| {
                 let (grade_percent, variance) = sums.grade(&between.dependence)?;
                 let (latitude_deg, longitude_deg) = of_way.line.position_at(distance_m);
                 Some(MapRow {
@@ -221,14 +231,17 @@ impl<'a> GradeMap<'a> {
     /// Returns the number of cells whose sums are held.
     pub fn held_cells(&self) -> usize {
         let of_sessions = self.sessions.values().flat_map(BTreeMap::values);
-        self.alone.len() + of_sessions.map(Vec::len).sum::<usize>()
+        self.network.cells() + of_sessions.map(Vec::len).sum::<usize>()
     }
 
-    /// Returns the sums of every cell of each way: first of the runs without a session on all ways,
-    /// then of each named session on the ways that it covers.
+    /// Returns the sums of the cells of each way: first of the runs without a session on all ways
+    /// (none on a way that they do not cover), then of each named session on the ways that it covers.
     pub(crate) fn sums(&self) -> impl Iterator<Item = (Option<&str>, usize, &[CellSums])> {
         let ways = 0..self.network.ways().len();
-        let alone = ways.map(|way| (None, way, &self.alone[self.network.cells_of(way)]));
+        let alone = ways.map(|way| {
+            let cells = self.alone.get(&way);
+            (None, way, cells.map_or(&[][..], Vec::as_slice))
+        });
         let named = self.sessions.iter().flat_map(|(name, session)| {
             let ways = session.iter();
             ways.map(|(&way, cells)| (Some(name.as_str()), way, cells.as_slice()))
@@ -239,12 +252,12 @@ impl<'a> GradeMap<'a> {
     /// Returns the sums of a session in the cells of a way.
     pub(crate) fn cells_of(&mut self, session: Option<&str>, way: usize) -> &mut [CellSums] {
         let of_way = self.network.cells_of(way);
-        let Some(name) = session else {
-            return &mut self.alone[of_way];
-        };
         let empty = || vec![CellSums::default(); of_way.len()];
-        let session = self.sessions.entry(name.to_owned()).or_default();
-        session.entry(way).or_insert_with(empty)
+        let sums = match session {
+            None => &mut self.alone,
+            Some(name) => self.sessions.entry(name.to_owned()).or_default(),
+        };
+        sums.entry(way).or_insert_with(empty)
     }
 }
 

@@ -1,5 +1,6 @@
 //! One cell of a map, and the cells of one way.
 
+use crate::files::columns;
 use crate::files::row_check::{self, Flaw};
 use crate::map::geometry::road_line::RoadPoint;
 use crate::map::geometry::way_name::WayName;
@@ -51,15 +52,12 @@ impl MapRow {
 
     /// Checks that the row can follow `before` in a map.
     pub(crate) fn check(before: Option<&Self>, row: &Self) -> Result<(), Flaw> {
-        row_check::finite(&[
-            ("distance_m", row.distance_m),
-            ("latitude_deg", row.latitude_deg),
-            ("longitude_deg", row.longitude_deg),
-            ("altitude_m", row.altitude_m.unwrap_or(0.0)),
-            ("grade_percent", row.grade_percent),
-            ("grade_sigma_percent", row.grade_sigma_percent),
+        row_check::within(&[
+            (columns::DISTANCE_M, row.distance_m),
+            (columns::GRADE_PERCENT, row.grade_percent),
+            (columns::GRADE_SIGMA_PERCENT, row.grade_sigma_percent),
         ])?;
-        row_check::positive(&[("grade_sigma_percent", row.grade_sigma_percent)])?;
+        row_check::within_if_known(&[(columns::ALTITUDE_M, row.altitude_m)])?;
         row_check::position(row.latitude_deg, row.longitude_deg)?;
         before.map_or(Ok(()), |before| {
             row_check::forwards("distance_m", before.distance_m, row.distance_m, true)

@@ -5,6 +5,7 @@ pub mod find_joins;
 pub mod grid;
 pub mod joins;
 pub mod network;
+pub mod network_size;
 pub mod plane;
 pub mod road_index;
 pub mod road_line;

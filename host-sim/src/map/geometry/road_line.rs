@@ -11,6 +11,11 @@ pub(crate) const COURSE_REACH_M: f64 = 20.0;
 /// Maximum lateral offset of a position, m: position error, lanes, offset of the road data.
 pub(crate) const LATERAL_LIMIT_M: f64 = 25.0;
 
+/// Longest road or way, m: a million cells.
+const LONGEST_M: f64 = 2.5e6;
+/// Most points within a chord of a course.
+const DENSEST: usize = 1_000;
+
 /// One vertex of a road.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RoadPoint {
@@ -23,7 +28,7 @@ pub struct RoadPoint {
 }
 
 /// Why points do not make a road. Points count from 0.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum RoadProblem {
     /// There are fewer than two points.
     #[error("fewer than two points; expected a line")]
@@ -31,6 +36,15 @@ pub enum RoadProblem {
     /// The distance does not grow at this point.
     #[error("distance_m does not grow at point {0}; expected it to grow from point to point")]
     NotForward(usize),
+    /// The road is too long for a map.
+    #[error("{0:.0} km long; expected at most {most:.0} km", most = LONGEST_M / 1000.0)]
+    TooLong(f64),
+    /// There are too many points close together, from this point on.
+    #[error(
+        "more than {DENSEST} points within {span:.0} m from point {0} on; expected fewer",
+        span = 2.0 * COURSE_REACH_M
+    )]
+    TooDense(usize),
     /// This point is beyond the range of the plane.
     #[error("point {0} is over 300 km from the middle of the road; expected a smaller road")]
     TooWide(usize),
@@ -61,6 +75,16 @@ impl RoadLine {
             .position(|pair| pair[0].distance_m.partial_cmp(&pair[1].distance_m) != Some(Less))
         {
             return Err(RoadProblem::NotForward(i + 1));
+        }
+        let length_m = points[points.len() - 1].distance_m - points[0].distance_m;
+        if length_m > LONGEST_M {
+            return Err(RoadProblem::TooLong(length_m / 1000.0));
+        }
+        if let Some(i) = points
+            .windows(DENSEST + 1)
+            .position(|near| near[DENSEST].distance_m - near[0].distance_m < 2.0 * COURSE_REACH_M)
+        {
+            return Err(RoadProblem::TooDense(i));
         }
         let middle = points[points.len() / 2];
         let plane = LocalPlane::around(middle.latitude_deg, middle.longitude_deg);

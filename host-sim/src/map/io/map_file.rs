@@ -4,6 +4,7 @@ use super::map_parquet;
 use super::way_file::{self, WayColumns};
 use crate::error::Result;
 use crate::files::csv::stage_csv;
+use crate::files::limits::MAP_ROWS;
 use crate::files::output::Staged;
 use crate::files::parquet::is_parquet;
 use crate::map::fusion::map_row::{MapRow, WayRows};
@@ -73,5 +74,5 @@ pub fn read_ways(path: &Path) -> Result<Vec<WayRows>> {
     if is_parquet(path) {
         return map_parquet::read(path);
     }
-    way_file::read_csv(path, MapRow::check)
+    way_file::read_csv(path, MAP_ROWS, MapRow::check)
 }

@@ -4,6 +4,7 @@
 use super::road_row::RoadRow;
 use super::way_file::{self, DIRECTION, Grouping, WAY};
 use crate::error::{Error, Result};
+use crate::files::limits::{MAP_ROWS, ROAD_ROWS};
 use crate::files::output::Staged;
 use crate::files::parquet::{ParquetColumn, open, stage as stage_parquet};
 use crate::files::row_check::Flaw;
@@ -76,10 +77,19 @@ pub fn read(path: &Path) -> Result<Vec<WayRows>> {
             altitude_m: values[3],
             grade_percent: needed(4)?,
             grade_sigma_percent: needed(5)?,
-            runs: needed(6)? as u32,
+            runs: whole(needed(6)?)?,
         })
     };
-    read_ways(path, names, row, MapRow::check)
+    read_ways(path, MAP_ROWS, names, row, MapRow::check)
+}
+
+/// Returns a number of runs.
+fn whole(runs: f64) -> std::result::Result<u32, Flaw> {
+    let is_count = runs.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(&runs);
+    is_count.then_some(runs as u32).ok_or_else(|| Flaw {
+        problem: format!("runs is {runs}"),
+        expected: "a whole number from 0",
+    })
 }
 
 /// Reads a road: any Parquet file with these three columns.
@@ -101,16 +111,17 @@ pub fn read_road(path: &Path) -> Result<Vec<WayRows<RoadRow>>> {
             expected: "distance_m, latitude_deg and longitude_deg",
         }),
     };
-    read_ways(path, names, row, RoadRow::check)
+    read_ways(path, ROAD_ROWS, names, row, RoadRow::check)
 }
 
 fn read_ways<T, const N: usize>(
     path: &Path,
+    most: usize,
     names: [&str; N],
     row: impl Fn([Option<f64>; N]) -> std::result::Result<T, Flaw>,
     check: fn(Option<&T>, &T) -> std::result::Result<(), Flaw>,
 ) -> Result<Vec<WayRows<T>>> {
-    let file = open(path)?;
+    let file = open(path)?.with_most_rows(most);
     let has_ways = file.has_column(WAY);
     let mut grouping = Grouping::new();
     let mut number = 0;

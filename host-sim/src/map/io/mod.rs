@@ -1,5 +1,6 @@
 //! Files of maps, roads, networks and sums.
 
+mod checksum;
 pub mod map_file;
 pub mod map_geojson;
 pub mod map_parquet;
@@ -9,6 +10,7 @@ pub mod road_row;
 pub mod run_list;
 pub mod session_name;
 pub mod store;
+pub(crate) mod store_file;
 pub mod store_row;
 pub mod way_file;
 pub mod ways_csv;

@@ -7,18 +7,24 @@ use super::way_file::check_way;
 use crate::error::{Error, Result};
 use crate::files::row_check;
 use crate::map::geometry::network::Network;
+use crate::map::geometry::network_size::NetworkSize;
 use crate::map::geometry::plane::chord_m;
 use crate::map::geometry::road_line::{RoadLine, RoadPoint};
 use crate::map::geometry::way_name::{WayDirection, WayName};
 use geojson::feature::Id;
 use geojson::{Feature, Position, Value as Shape};
-use serde::Deserialize;
+use serde::Deserializer;
+use serde::de::{self, DeserializeSeed, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde_json::Value;
+use std::cell::Cell;
 use std::collections::BTreeMap;
+use std::fmt;
 use std::fs::File;
-use std::io::BufReader;
+use std::io::{self, BufReader, Read};
 use std::path::Path;
 
+/// Bytes of one feature: a way of 2,500 km with a position every 10 m.
+const FEATURE_BYTES: usize = 8 << 20;
 /// Properties for the name of a feature, in order of precedence: ours, Overpass, other exports.
 const NAMES: [&str; 4] = ["way", "@id", "id", "osm_id"];
 
@@ -39,6 +45,7 @@ pub fn read(path: &Path) -> Result<Network> {
         return read_geojson(path);
     }
     let mut ways = Vec::new();
+    let mut size = NetworkSize::default();
     for way in read_ways(path)? {
         let points = way.rows.iter().map(RoadRow::point).collect();
         let Some(name) = way.name else {
@@ -46,8 +53,17 @@ pub fn read(path: &Path) -> Result<Network> {
         };
         let line = RoadLine::new(points)
             .map_err(|problem| Error::content(path, format!("way {name}: {problem}")))?;
+        size.add(&line)
+            .map_err(|problem| Error::content(path, problem.to_string()))?;
         ways.push((name, line));
     }
+    network(path, ways)
+}
+
+/// Creates a network, if its ways meet as roads do.
+fn network(path: &Path, ways: Vec<(WayName, RoadLine)>) -> Result<Network> {
+    NetworkSize::check_meetings(ways.iter().map(|(_, line)| line))
+        .map_err(|problem| Error::content(path, problem.to_string()))?;
     Ok(Network::new(ways))
 }
 
@@ -59,20 +75,172 @@ pub fn read(path: &Path) -> Result<Network> {
 pub fn road_through(path: &Path, points: Vec<RoadPoint>) -> Result<Network> {
     RoadLine::new(points)
         .and_then(|line| RoadLine::new(line.on_grid()))
+        .map_err(|problem| problem.to_string())
+        .and_then(|line| {
+            let size = NetworkSize::default().add(&line);
+            size.map(|()| line).map_err(|problem| problem.to_string())
+        })
         .map(Network::from)
-        .map_err(|problem| Error::content(path, problem.to_string()))
+        .map_err(|problem| Error::content(path, problem))
 }
 
-/// The collection; each feature is parsed by itself, so that errors name it.
-#[derive(Deserialize)]
-struct Collection {
-    r#type: String,
-    features: Vec<Value>,
+/// What a collection has, feature by feature: a network may be larger than memory as JSON values.
+struct Collection<'a> {
+    path: &'a Path,
+    /// Renewed for each feature.
+    budget: &'a Cell<usize>,
+    size: NetworkSize,
+    ways: Vec<(WayName, RoadLine)>,
+    /// The number of the feature of each name.
+    numbers: BTreeMap<String, usize>,
+    /// Number of features.
+    count: usize,
+    kind: Option<Value>,
+    /// The first error; the rest is then skipped.
+    trouble: Option<Error>,
+}
+
+impl<'a> Collection<'a> {
+    const fn new(path: &'a Path, budget: &'a Cell<usize>) -> Self {
+        Self {
+            path,
+            budget,
+            size: NetworkSize::new(),
+            ways: Vec::new(),
+            numbers: BTreeMap::new(),
+            count: 0,
+            kind: None,
+            trouble: None,
+        }
+    }
+
+    fn take(&mut self, feature: Value) {
+        self.count += 1;
+        self.budget.set(FEATURE_BYTES);
+        if self.trouble.is_none()
+            && let Err(problem) = self.add(feature)
+        {
+            let problem = format!("feature {}: {problem}", self.count);
+            self.trouble = Some(Error::content(self.path, problem));
+        }
+    }
+
+    fn add(&mut self, feature: Value) -> std::result::Result<(), String> {
+        let feature = Feature::from_json_value(feature).map_err(|e| e.to_string())?;
+        let name = name_of(&feature)?;
+        let wrong = |problem: String| format!("way {name}: {problem}");
+        if let Some(first) = self.numbers.insert(name.clone(), self.count) {
+            let problem = format!("same name as feature {first}; expected unique names");
+            return Err(wrong(problem));
+        }
+        let points = points_of(&feature).map_err(wrong)?;
+        for direction in directions(&feature).map_err(wrong)? {
+            let line = line(points.clone(), direction).map_err(wrong)?;
+            self.size.add(&line).map_err(|e| wrong(e.to_string()))?;
+            let way = name.clone();
+            self.ways.push((WayName { way, direction }, line));
+        }
+        Ok(())
+    }
+}
+
+impl<'de> Visitor<'de> for &mut Collection<'_> {
+    type Value = ();
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("a GeoJSON FeatureCollection")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> std::result::Result<(), A::Error> {
+        let mut has_features = false;
+        while let Some(key) = map.next_key::<String>()? {
+            match key.as_str() {
+                "type" => self.kind = Some(map.next_value()?),
+                "features" => {
+                    has_features = true;
+                    map.next_value_seed(Features(self))?;
+                }
+                _ => {
+                    map.next_value::<IgnoredAny>()?;
+                }
+            }
+        }
+        if self.kind.is_none() {
+            return Err(de::Error::missing_field("type"));
+        }
+        if !has_features {
+            return Err(de::Error::missing_field("features"));
+        }
+        Ok(())
+    }
+}
+
+/// The list of features.
+struct Features<'c, 'a>(&'c mut Collection<'a>);
+
+impl<'de> DeserializeSeed<'de> for Features<'_, '_> {
+    type Value = ();
+
+    fn deserialize<D: Deserializer<'de>>(self, list: D) -> std::result::Result<(), D::Error> {
+        list.deserialize_seq(self)
+    }
+}
+
+impl<'de> Visitor<'de> for Features<'_, '_> {
+    type Value = ();
+
+    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("a list of features")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> std::result::Result<(), A::Error> {
+        while let Some(feature) = list.next_element::<Value>()? {
+            self.0.take(feature);
+        }
+        Ok(())
+    }
+}
+
+/// A reader with a budget that others renew.
+struct Counted<'b, R> {
+    inner: R,
+    left: &'b Cell<usize>,
+}
+
+impl<R: Read> Read for Counted<'_, R> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let most = buffer.len().min(self.left.get());
+        if most == 0 && !buffer.is_empty() {
+            let problem =
+                format!("a feature of more than {FEATURE_BYTES} bytes; expected smaller ones");
+            return Err(io::Error::other(problem));
+        }
+        let count = self.inner.read(&mut buffer[..most])?;
+        self.left.set(self.left.get() - count);
+        Ok(count)
+    }
 }
 
 fn read_geojson(path: &Path) -> Result<Network> {
     let file = File::open(path).map_err(Error::io(path))?;
-    let collection: Collection = serde_json::from_reader(BufReader::new(file)).map_err(|e| {
+    let budget = Cell::new(FEATURE_BYTES);
+    let file = BufReader::new(Counted {
+        inner: file,
+        left: &budget,
+    });
+    let mut collection = Collection::new(path, &budget);
+    let mut json = serde_json::Deserializer::from_reader(file);
+    let read = json
+        .deserialize_any(&mut collection)
+        .and_then(|()| json.end());
+    let Collection {
+        ways,
+        count,
+        kind,
+        trouble,
+        ..
+    } = collection;
+    read.map_err(|e| {
         if e.is_io() {
             return Error::io(path)(e.into());
         }
@@ -82,33 +250,15 @@ fn read_geojson(path: &Path) -> Result<Network> {
             line => Error::line(path, line as u64, e.to_string(), expected),
         }
     })?;
-    if collection.r#type != "FeatureCollection" {
-        let problem = format!("type {:?}; expected FeatureCollection", collection.r#type);
+    let kind = kind.unwrap_or_default();
+    if kind.as_str() != Some("FeatureCollection") {
+        let problem = format!("type {kind}; expected FeatureCollection");
         return Err(Error::content(path, problem));
     }
-    if collection.features.is_empty() {
+    if count == 0 {
         return Err(Error::content(path, "no features; expected LineStrings"));
     }
-    let mut ways = Vec::new();
-    let mut numbers: BTreeMap<String, usize> = BTreeMap::new();
-    for (number, feature) in (1..).zip(collection.features) {
-        let wrong = |problem: String| Error::content(path, format!("feature {number}: {problem}"));
-        let feature: Feature =
-            Feature::from_json_value(feature).map_err(|e| wrong(e.to_string()))?;
-        let name = name_of(&feature).map_err(wrong)?;
-        let wrong = |problem: String| wrong(format!("way {name}: {problem}"));
-        if let Some(first) = numbers.insert(name.clone(), number) {
-            let problem = format!("same name as feature {first}; expected unique names");
-            return Err(wrong(problem));
-        }
-        let points = points_of(&feature).map_err(wrong)?;
-        for direction in directions(&feature).map_err(wrong)? {
-            let line = line(points.clone(), direction).map_err(wrong)?;
-            let way = name.clone();
-            ways.push((WayName { way, direction }, line));
-        }
-    }
-    Ok(Network::new(ways))
+    trouble.map_or_else(|| network(path, ways), Err)
 }
 
 /// Returns a property that is not null.

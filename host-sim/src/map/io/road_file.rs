@@ -3,6 +3,7 @@
 use super::road_row::RoadRow;
 use super::{map_parquet, way_file};
 use crate::error::Result;
+use crate::files::limits::ROAD_ROWS;
 use crate::files::parquet::is_parquet;
 use crate::map::fusion::map_row::WayRows;
 use std::path::Path;
@@ -23,5 +24,5 @@ pub(crate) fn read_ways(path: &Path) -> Result<Vec<WayRows<RoadRow>>> {
     if is_parquet(path) {
         return map_parquet::read_road(path);
     }
-    way_file::read_csv(path, RoadRow::check)
+    way_file::read_csv(path, ROAD_ROWS, RoadRow::check)
 }

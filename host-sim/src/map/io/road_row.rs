@@ -1,5 +1,6 @@
 //! One point of a road file.
 
+use crate::files::columns;
 use crate::files::row_check::{self, Flaw};
 use crate::map::geometry::plane::chord_m;
 use crate::map::geometry::road_line::RoadPoint;
@@ -38,12 +39,10 @@ impl RoadRow {
 
     /// Checks that the row can follow `before` on a road.
     pub(crate) fn check(before: Option<&Self>, row: &Self) -> Result<(), Flaw> {
-        row_check::finite(&[
-            ("distance_m", row.distance_m),
-            ("latitude_deg", row.latitude_deg),
-            ("longitude_deg", row.longitude_deg),
-            ("altitude_m", row.altitude_m.unwrap_or(0.0)),
-            ("grade_percent", row.grade_percent.unwrap_or(0.0)),
+        row_check::within(&[(columns::DISTANCE_M, row.distance_m)])?;
+        row_check::within_if_known(&[
+            (columns::ALTITUDE_M, row.altitude_m),
+            (columns::GRADE_PERCENT, row.grade_percent),
         ])?;
         row_check::position(row.latitude_deg, row.longitude_deg)?;
         let Some(before) = before else {

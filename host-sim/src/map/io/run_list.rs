@@ -2,10 +2,11 @@
 //! continue.
 
 use crate::error::{Error, Result};
+use crate::files::limits;
 use crate::files::run::RunIdentity;
 use std::collections::BTreeSet;
 use std::fs::File;
-use std::io::{self, BufRead, BufReader, Write};
+use std::io::{self, BufRead, BufReader, Read, Write};
 use std::path::Path;
 
 /// Prefix of the line of a run; a comment for the reader of the rows.
@@ -46,15 +47,23 @@ impl RunList {
     /// Reads the list of a store, which promises this many runs.
     pub(crate) fn read(path: &Path, promised: usize) -> Result<Self> {
         let file = File::open(path).map_err(Error::io(path))?;
+        let mut reader = BufReader::new(file);
         let mut runs = Self::default();
-        for (number, line) in (1..).zip(BufReader::new(file).split(b'\n')) {
-            let line = line.map_err(Error::io(path))?;
-            let Some(run) = line.strip_prefix(RUN_MARK.as_bytes()) else {
+        let mut line = Vec::new();
+        for number in 1.. {
+            line.clear();
+            let most = limits::RECORD_BYTES as u64;
+            let count = reader.by_ref().take(most).read_until(b'\n', &mut line);
+            if count.map_err(Error::io(path))? == 0 {
+                break;
+            }
+            let text = line.strip_suffix(b"\n").unwrap_or(&line);
+            // The first line and the rows are read by others.
+            if number == 1 || !text.starts_with(b"#") {
                 continue;
-            };
-            let run = std::str::from_utf8(run)
-                .ok()
-                .and_then(|run| run.parse().ok());
+            }
+            let run = text.strip_prefix(RUN_MARK.as_bytes());
+            let run = run.and_then(|run| std::str::from_utf8(run).ok()?.parse().ok());
             if !run.is_some_and(|run| runs.insert(run)) {
                 let problem = "not a run, or a run that is already listed";
                 return Err(Error::line(

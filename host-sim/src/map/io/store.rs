@@ -4,30 +4,36 @@
 //! the sums of the runs without a session. Then, session by session, one row per cell that a run of
 //! the session covers. In the store of a network each row names its way. Numbers are written
 //! exactly. The first line has the version, the number of rows and the number of runs; the
-//! identities of the runs follow after the rows.
+//! identities of the runs follow after the rows. The first line also has the checksum of all that
+//! follows it. A store without one, of an earlier release, is read, and gets one when it is written.
 
+use crate::map::fusion::cell_sums::CellSums;
 use crate::map::fusion::grade_map::GradeMap;
 use crate::map::geometry::grid::GRID_M;
 use crate::map::geometry::network::Network;
 
+use super::checksum::Checksum;
 use super::run_list::RunList;
 use super::store_row::{StoreRow, StoredWay};
 use super::way_file::WayColumns;
 use crate::error::{Error, Result};
 use crate::files::csv::read_checked_with;
 use crate::files::output::Staged;
+use crate::files::row_check::Flaw;
 use crate::map::geometry::plane::chord_m;
 use crate::map::geometry::road_line::RoadPoint;
 use std::fs::File;
-use std::io::{BufRead, BufReader, Read};
+use std::io::{BufRead, BufReader, Read, Write};
 use std::path::Path;
 
 /// Prefix of a file of this kind; the number is its version.
 const MARK: &str = "# roadgrade sums 2, rows: ";
-/// Text between the numbers of rows and of runs.
+/// Text before the number of runs.
 const RUNS_MARK: &str = ", runs: ";
+/// Text before the checksum.
+const CHECKSUM_MARK: &str = ", xxh3: ";
 /// Maximum length of the first line, bytes.
-const LONGEST_MARK: u64 = 80;
+const LONGEST_MARK: u64 = 160;
 /// Lines before the first row: first line and header.
 const LINES_BEFORE: u64 = 2;
 /// Tolerance between cells of the same road, m: coordinates are rounded in files.
@@ -41,6 +47,8 @@ pub struct MapStore {
     rows: Vec<StoreRow>,
     /// The runs in the map.
     pub runs: RunList,
+    /// False for a store of an earlier release.
+    pub has_checksum: bool,
 }
 
 impl MapStore {
@@ -58,6 +66,9 @@ impl MapStore {
     pub fn resume<'a>(&self, network: &'a Network) -> GradeMap<'a> {
         let mut map = GradeMap::new(network);
         for rows in self.rows.chunk_by(StoreRow::is_beside) {
+            if rows.iter().all(|row| row.runs == 0) {
+                continue;
+            }
             let Ok(way) = network
                 .ways()
                 .binary_search_by(|way| way.name.cmp(&rows[0].way_name()))
@@ -98,33 +109,56 @@ fn is_same_line(given: &[RoadPoint], stored: &[RoadPoint]) -> bool {
 /// one point per cell; see [`RoadLine::on_grid`](crate::map::RoadLine::on_grid).
 ///
 /// # Errors
-/// Returns the error of the file system.
+/// Returns the error of the file system, or an error for sums that could not be read again.
 pub fn stage(path: &Path, map: &GradeMap, runs: &RunList) -> Result<Staged> {
     let ways = map.network().ways();
-    let grids: Vec<Vec<RoadPoint>> = ways.iter().map(|way| way.line.on_grid()).collect();
-    let rows: Vec<(usize, StoreRow)> = map
-        .sums()
-        .flat_map(|(session, way, cells)| {
-            grids[way]
-                .iter()
-                .zip(cells)
+    let rows = || {
+        map.sums().flat_map(|(session, way, cells)| {
+            let points = ways[way].line.on_grid().into_iter();
+            let none = std::iter::repeat(CellSums::default());
+            points
+                .zip(cells.iter().copied().chain(none))
                 .filter(move |(_, sums)| session.is_none() || sums.estimates > 0)
-                .map(move |(point, sums)| (way, StoreRow::new(session, point, sums)))
+                .map(move |(point, sums)| {
+                    let name = ways[way].name.as_ref();
+                    (name, StoreRow::new(session, name, &point, &sums))
+                })
         })
-        .collect();
-    crate::files::output::stage(path, |out| {
-        writeln!(out, "{MARK}{}{RUNS_MARK}{}", rows.len(), runs.len())?;
+    };
+    let mut before = None;
+    let mut count = 0;
+    for (_, row) in rows() {
+        // What is written must be readable, whatever it was made of.
+        StoreRow::check(before.as_ref(), &row).map_err(|flaw| {
+            let Flaw { problem, expected } = flaw;
+            let problem = format!("not written: {problem}; expected {expected}");
+            Error::content(path, problem)
+        })?;
+        before = Some(row);
+        count += 1;
+    }
+    let write = |out: &mut dyn Write| {
         let mut writer = csv::Writer::from_writer(&mut *out);
-        for (way, row) in &rows {
-            match &ways[*way].name {
+        for (name, row) in rows() {
+            match name {
                 None => writer.serialize(row),
-                name => writer.serialize((row, WayColumns::from(name.as_ref()))),
+                name => writer.serialize((row, WayColumns::from(name))),
             }
             .map_err(std::io::Error::other)?;
         }
         writer.flush()?;
         drop(writer);
         runs.write(out)
+    };
+    let mut checksum = Checksum::default();
+    write(&mut checksum).map_err(Error::io(path))?;
+    crate::files::output::stage(path, |out| {
+        let (runs, checksum) = (runs.len(), checksum.text());
+        writeln!(
+            out,
+            "{MARK}{count}{RUNS_MARK}{runs}{CHECKSUM_MARK}{checksum}"
+        )?;
+        write(out)
     })
 }
 
@@ -133,10 +167,29 @@ pub fn stage(path: &Path, map: &GradeMap, runs: &RunList) -> Result<Staged> {
 /// # Errors
 /// Names the file, the line and what was expected.
 pub fn read(path: &Path) -> Result<MapStore> {
-    let (promised, promised_runs) = promised_counts(path)?;
+    let mut reader = BufReader::new(File::open(path).map_err(Error::io(path))?);
+    let first = FirstLine::read(path, &mut reader)?;
+    let is_whole = match &first.checksum {
+        Some(checksum) => *checksum == Checksum::of(reader).map_err(Error::io(path))?,
+        None => true,
+    };
+    // A damaged store is refused in any case. The reader may find the line.
+    let store = read_content(path, &first);
+    match store {
+        Ok(_) if !is_whole => Err(Error::content(
+            path,
+            "damaged: its content does not have the checksum of its first line",
+        )),
+        store => store,
+    }
+}
+
+fn read_content(path: &Path, first: &FirstLine) -> Result<MapStore> {
+    let promised = first.rows;
     let rows = read_checked_with(
         csv::ReaderBuilder::new().comment(Some(b'#')),
         path,
+        promised.saturating_add(1),
         StoreRow::check,
     )?;
     if rows.len() != promised {
@@ -166,24 +219,32 @@ pub fn read(path: &Path) -> Result<MapStore> {
             format!("a cell of {}", extent(&ways, &rows[i])),
         ));
     }
-    let runs = RunList::read(path, promised_runs)?;
-    Ok(MapStore { ways, rows, runs })
+    let runs = RunList::read(path, first.runs)?;
+    Ok(MapStore {
+        ways,
+        rows,
+        runs,
+        has_checksum: first.checksum.is_some(),
+    })
 }
 
-/// Returns the numbers of rows and of runs in the first line.
-fn promised_counts(path: &Path) -> Result<(usize, usize)> {
-    let file = File::open(path).map_err(Error::io(path))?;
-    let mut first = Vec::new();
-    BufReader::new(file.take(LONGEST_MARK))
-        .read_until(b'\n', &mut first)
-        .map_err(Error::io(path))?;
-    let first = String::from_utf8_lossy(&first);
-    first
-        .trim_end()
-        .strip_prefix(MARK)
-        .and_then(|counts| counts.split_once(RUNS_MARK))
-        .and_then(|(rows, runs)| Some((rows.parse().ok()?, runs.parse().ok()?)))
-        .ok_or_else(|| {
+/// What the first line states.
+struct FirstLine {
+    rows: usize,
+    runs: usize,
+    /// `None` in a store of an earlier release.
+    checksum: Option<String>,
+}
+
+impl FirstLine {
+    /// Reads the line; the reader is then behind it.
+    fn read(path: &Path, reader: &mut impl BufRead) -> Result<Self> {
+        let mut first = Vec::new();
+        reader
+            .take(LONGEST_MARK)
+            .read_until(b'\n', &mut first)
+            .map_err(Error::io(path))?;
+        Self::parse(&String::from_utf8_lossy(&first)).ok_or_else(|| {
             Error::line(
                 path,
                 1,
@@ -191,6 +252,20 @@ fn promised_counts(path: &Path) -> Result<(usize, usize)> {
                 format!("\"{MARK}\" and their numbers, as fuse --store writes it"),
             )
         })
+    }
+
+    fn parse(line: &str) -> Option<Self> {
+        let (rows, rest) = line.strip_prefix(MARK)?.split_once(RUNS_MARK)?;
+        let (runs, checksum) = match rest.split_once(CHECKSUM_MARK) {
+            Some((runs, checksum)) => (runs, Some(checksum.strip_suffix('\n')?.to_owned())),
+            None => (rest.trim_end(), None),
+        };
+        Some(Self {
+            rows: rows.parse().ok()?,
+            runs: runs.parse().ok()?,
+            checksum,
+        })
+    }
 }
 
 /// Returns the road that a row should be on, as text.

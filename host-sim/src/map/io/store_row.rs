@@ -1,6 +1,7 @@
 //! One row of SUMS.csv, and its consistency checks.
 
 use super::session_name::check_session_name;
+use crate::files::columns;
 use crate::files::csv::column;
 use crate::files::row_check::{self, Flaw};
 use crate::map::fusion::cell_sums::CellSums;
@@ -49,7 +50,12 @@ pub(crate) struct StoreRow {
 }
 
 impl StoreRow {
-    pub(crate) fn new(session: Option<&str>, point: &RoadPoint, sums: &CellSums) -> Self {
+    pub(crate) fn new(
+        session: Option<&str>,
+        name: Option<&WayName>,
+        point: &RoadPoint,
+        sums: &CellSums,
+    ) -> Self {
         let of_road = session.is_none();
         Self {
             distance_m: point.distance_m,
@@ -63,8 +69,8 @@ impl StoreRow {
             grade_square_sum: sums.grade_square,
             altitude_weight: sums.altitude_weight,
             altitude_sum: sums.altitude,
-            way: None,
-            direction: None,
+            way: name.map(|name| name.way.clone()),
+            direction: name.map(|name| name.direction),
         }
     }
 
@@ -114,14 +120,14 @@ impl StoreRow {
 
     /// Checks that the row can follow `before`.
     pub(crate) fn check(before: Option<&Self>, row: &Self) -> Result<(), Flaw> {
-        row_check::finite(&[
-            ("distance_m", row.distance_m),
-            ("weight", row.weight),
-            ("weight_square", row.weight_square),
-            ("grade_sum", row.grade_sum),
-            ("grade_square_sum", row.grade_square_sum),
-            ("altitude_weight", row.altitude_weight),
-            ("altitude_sum", row.altitude_sum),
+        row_check::within(&[
+            (columns::DISTANCE_M, row.distance_m),
+            (columns::WEIGHT, row.weight),
+            (columns::WEIGHT_SQUARE, row.weight_square),
+            (columns::GRADE_SUM, row.grade_sum),
+            (columns::GRADE_SQUARE_SUM, row.grade_square_sum),
+            (columns::ALTITUDE_WEIGHT, row.altitude_weight),
+            (columns::ALTITUDE_SUM, row.altitude_sum),
         ])?;
         if (row.distance_m / GRID_M).fract() != 0.0 {
             return Err(Flaw {

@@ -2,6 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::files::csv::{Record, read_records};
+use crate::files::limits::too_many_rows;
 use crate::files::row_check::Flaw;
 use crate::map::fusion::map_row::WayRows;
 use crate::map::geometry::way_name::{WayDirection, WayName};
@@ -97,16 +98,22 @@ impl<T> Grouping<T> {
     }
 }
 
-/// Reads the rows of a CSV file, way by way.
+/// Reads the rows of a CSV file, way by way; at most `most`.
 ///
 /// # Errors
 /// Names the file, the line and what was expected.
 pub(crate) fn read_csv<T: for<'de> Deserialize<'de>>(
     path: &Path,
+    most: usize,
     check: fn(Option<&T>, &T) -> std::result::Result<(), Flaw>,
 ) -> Result<Vec<WayRows<T>>> {
     let mut grouping = Grouping::new();
+    let mut rows = 0;
     read_records(&csv::ReaderBuilder::new(), path, |record: &Record| {
+        rows += 1;
+        if rows > most {
+            return Err(too_many_rows(path, most));
+        }
         let name = if record.has_column(WAY) {
             let columns: WayColumns = record.read()?;
             Some(columns.name().map_err(|flaw| record.error(flaw))?)

@@ -2,8 +2,10 @@
 
 use super::map_file;
 use crate::error::{Error, Result};
+use crate::files::temporary::TemporaryFolder;
 use crate::map::fusion::map_row::WayRows;
 use crate::map::geometry::way_name::{WayDirection, WayName};
+use same_file::is_same_file;
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
@@ -13,11 +15,18 @@ pub fn write(folder: &Path, map: &Path, ways: &[WayRows]) -> Result<()> {
     fs::create_dir_all(folder).map_err(Error::io(folder))?;
     // Staged within the folder: a folder beside it may be another file system, and files cannot be
     // renamed across.
-    let complete = tempfile::tempdir_in(folder).map_err(Error::io(folder))?;
+    let complete = TemporaryFolder::create_in(folder).map_err(Error::io(folder))?;
     let mut names = BTreeSet::new();
     for way in ways {
         let name = file_name(way.name.as_ref(), map, &mut names);
         map_file::write(&complete.path().join(name), &way.rows)?;
+    }
+    if let Some(name) = names
+        .iter()
+        .find(|name| is_same_file(folder.join(name), map).unwrap_or(false))
+    {
+        let problem = "is the map too; expected another folder for its ways";
+        return Err(Error::content(&folder.join(name), problem));
     }
     for name in &names {
         let path = folder.join(name);

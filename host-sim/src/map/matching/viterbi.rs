@@ -34,6 +34,9 @@ const COURSE_GAP_M: f64 = 30.0;
 /// Minimum distance of the positions for a course, m.
 const COURSE_SPAN_M: f64 = 10.0;
 
+/// Most passes of roads near a position. Junctions have about ten.
+const MOST_PASSES: usize = 64;
+
 /// One point of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrackPoint {
@@ -81,7 +84,9 @@ pub fn match_track(network: &Network, track: &[TrackPoint]) -> Vec<MatchedPlace>
     for (fix, chord) in fixes.iter().zip(chords(&fixes)) {
         let along = &mut nearby.along;
         let course = |plane: &LocalPlane| course(chord, plane);
+        let before = along.len();
         let opposite = network.nearby(&mut surroundings, fix.place_m, course, along);
+        nearest_only(along, before);
         nearby.opposite.push(opposite);
         nearby.ends.push(along.len());
     }
@@ -97,6 +102,22 @@ pub fn match_track(network: &Network, track: &[TrackPoint]) -> Vec<MatchedPlace>
         };
     }
     places
+}
+
+/// Keeps the nearest passes from `begin` on, in their order. Their number enters the cost of a step
+/// squared.
+fn nearest_only(along: &mut Vec<WayCandidate>, begin: usize) {
+    let passes = &along[begin..];
+    if passes.len() <= MOST_PASSES {
+        return;
+    }
+    let mut offsets: Vec<f64> = passes.iter().map(|pass| pass.foot.lateral_m).collect();
+    offsets.sort_by(f64::total_cmp);
+    let farthest_m = offsets[MOST_PASSES - 1];
+    let mut kept: Vec<WayCandidate> = along.drain(begin..).collect();
+    kept.retain(|pass| pass.foot.lateral_m <= farthest_m);
+    kept.truncate(MOST_PASSES);
+    along.append(&mut kept);
 }
 
 /// A point of the run that has a position.

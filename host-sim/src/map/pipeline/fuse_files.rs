@@ -3,11 +3,13 @@
 use super::inputs::Inputs;
 use super::intake::RunIntake;
 use super::road::{Stored, road};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, on_one_line};
 use crate::map::fusion::grade_map::{FusedMap, GradeMap};
 use crate::map::geometry::way_index::Way;
 use crate::map::io::run_list::RunList;
+use crate::map::io::store_file::StoreFile;
 use crate::map::io::{map_file, store};
+use same_file::{Handle, is_same_file};
 use std::path::{Path, PathBuf};
 
 /// Runs of one vehicle in one named session.
@@ -45,10 +47,12 @@ pub struct FuseRequest<'a> {
 /// written, except sums of runs that were added before.
 pub fn fuse_files(request: &FuseRequest) -> Result<FusedMap> {
     let mut inputs = request.inputs()?;
+    request.check_outputs(&inputs)?;
     if inputs.runs.is_empty() && !inputs.damaged.is_empty() {
         return Err(inputs.damaged.swap_remove(0));
     }
-    let stored = request.stored(inputs.runs.is_empty())?;
+    let (mut file, stored) = request.stored(inputs.runs.is_empty())?.unzip();
+    let stored = stored.flatten();
     let road = road(request.road, &inputs, stored.as_ref())?;
     if let (Some(_), Some(path), [Way { name: Some(_), .. }, ..]) =
         (request.placed, request.road, road.ways())
@@ -61,7 +65,7 @@ pub fn fuse_files(request: &FuseRequest) -> Result<FusedMap> {
         None => (GradeMap::new(&road), RunList::default()),
     };
     let first = inputs.runs.first().map(|input| input.path.clone());
-    let mut intake = RunIntake::new(sums, runs, request.store, request.placed_folder());
+    let mut intake = RunIntake::new(sums, runs, file.as_mut(), request.placed_folder());
     intake.add(inputs, request.strict)?;
     let fused = intake.sums.fused();
     if fused.ways.is_empty() {
@@ -70,21 +74,53 @@ pub fn fuse_files(request: &FuseRequest) -> Result<FusedMap> {
         return Err(Error::content(path, problem));
     }
     let map = map_file::stage_ways(request.out, &fused.ways)?;
-    let sums = match request.store {
-        Some(path) if intake.tally.added > 0 => {
-            Some(store::stage(path, &intake.sums, &intake.runs)?)
-        }
+    let RunIntake {
+        sums,
+        runs,
+        store: file,
+        tally,
+        ..
+    } = intake;
+    let staged = match file {
+        Some(file) if tally.added > 0 => Some((store::stage(file.path(), &sums, &runs)?, file)),
         _ => None,
     };
     map.commit()?;
-    if let Some(sums) = sums {
+    if let Some((staged, file)) = staged {
         // Last: if it fails, the runs are not in the store and can be added again.
-        sums.commit()?;
+        file.replace(staged)?;
     }
     Ok(fused)
 }
 
 impl<'a> FuseRequest<'a> {
+    /// Checks that neither map nor store would replace a run or the other. A map may replace the
+    /// map that it takes its road from.
+    fn check_outputs(&self, inputs: &Inputs) -> Result<()> {
+        let refuse = |out: &Path, what: &str, path: &Path| {
+            let path = on_one_line(path);
+            let problem = format!("is {what} too ({path}); expected another file for the output");
+            Err(Error::content(out, problem))
+        };
+        for out in [Some(self.out), self.store].into_iter().flatten() {
+            let Ok(own) = Handle::from_path(out) else {
+                continue;
+            };
+            let is_own = |path: &Path| Handle::from_path(path).is_ok_and(|other| other == own);
+            let same = inputs.runs.iter().find(|input| is_own(&input.path));
+            // A map or a store in a folder of runs is no run, and is left out.
+            if let Some(input) = same.filter(|input| !input.found || input.is_readable()) {
+                return refuse(out, "a run", &input.path);
+            }
+        }
+        match self.store {
+            Some(store) if is_same_file(store, self.out).unwrap_or(false) => {
+                refuse(self.out, "the store", store)
+            }
+            _ => Ok(()),
+        }
+    }
+
     fn inputs(&self) -> Result<Inputs> {
         let mut inputs = Inputs::default();
         for path in self.runs {
@@ -106,14 +142,18 @@ impl<'a> FuseRequest<'a> {
         Some(self.placed?.join(format!("road={road}")))
     }
 
-    /// Reads the sums; if `required`, they must exist.
-    fn stored(&self, required: bool) -> Result<Option<Stored<'a>>> {
-        match self.store {
-            Some(path) if required || path.exists() => {
-                let store = store::read(path)?;
-                Ok(Some(Stored { path, store }))
-            }
-            _ => Ok(None),
-        }
+    /// Opens the file of the sums and reads it. If there are no runs to add, it must exist.
+    fn stored(&self, without_runs: bool) -> Result<Option<(StoreFile, Option<Stored<'a>>)>> {
+        let Some(path) = self.store else {
+            return Ok(None);
+        };
+        let file = if without_runs {
+            StoreFile::of(path)
+        } else {
+            StoreFile::lock(path)?
+        };
+        let exists = without_runs || file.path().exists();
+        let store = exists.then(|| file.read()).transpose()?;
+        Ok(Some((file, store.map(|store| Stored { path, store }))))
     }
 }

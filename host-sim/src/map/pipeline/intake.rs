@@ -1,17 +1,19 @@
 //! Adds runs to a map, a few in memory at a time.
 
-use super::inputs::{Inputs, RunInput};
+use super::inputs::{Inputs, RunInput, groups};
 use super::words::describe;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, on_one_line};
 use crate::files::run::{self, RunIdentity};
 use crate::map::fusion::grade_map::GradeMap;
 use crate::map::geometry::network::Network;
 use crate::map::io::map_parquet::stage_placed;
 use crate::map::io::run_list::RunList;
 use crate::map::io::store;
+use crate::map::io::store_file::StoreFile;
 use crate::map::matching::placing::{PlacedRun, place};
+use crate::terminal::print::note;
 use rayon::prelude::*;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Number of runs per thread that are placed at once; as many wait to be added.
 const RUNS_A_THREAD: usize = 8;
@@ -24,7 +26,7 @@ pub(crate) struct RunIntake<'a, 'r> {
     pub(crate) sums: GradeMap<'r>,
     pub(crate) runs: RunList,
     /// The store, written from time to time. Without a store, complete sessions are closed.
-    pub(crate) store: Option<&'a Path>,
+    pub(crate) store: Option<&'a mut StoreFile>,
     /// Folder of the placed runs.
     pub(crate) placed: Option<PathBuf>,
     pub(crate) tally: RunTally,
@@ -59,7 +61,7 @@ impl<'a, 'r> RunIntake<'a, 'r> {
     pub(crate) fn new(
         sums: GradeMap<'r>,
         runs: RunList,
-        store: Option<&'a Path>,
+        store: Option<&'a mut StoreFile>,
         placed: Option<PathBuf>,
     ) -> Self {
         Self {
@@ -83,9 +85,7 @@ impl<'a, 'r> RunIntake<'a, 'r> {
         let in_flight = RUNS_A_THREAD * rayon::current_num_threads();
         // Runs that were in the map at the start need not be placed.
         let (road, known) = (self.sums.network(), self.runs.clone());
-        let batches = runs
-            .chunk_by(|a, b| a.session == b.session)
-            .flat_map(|of_session| of_session.chunks(in_flight));
+        let batches = groups(&runs, in_flight);
         // While one batch is added, the next is read and placed.
         let mut placed: Option<Batch> = None;
         for batch in batches.map(Some).chain([None]) {
@@ -106,7 +106,7 @@ impl<'a, 'r> RunIntake<'a, 'r> {
             .first()
             .and_then(|input| input.session.as_ref());
         if session != self.open_session.as_ref() {
-            if let (Some(complete), None) = (&self.open_session, self.store) {
+            if let (Some(complete), None) = (&self.open_session, &self.store) {
                 self.sums.close_session(complete);
             }
             self.open_session = session.cloned();
@@ -122,13 +122,15 @@ impl<'a, 'r> RunIntake<'a, 'r> {
 
     fn take(&mut self, input: &RunInput, arrival: &Arrival) -> Result<()> {
         let Arrival { identity, placed } = arrival;
-        let path = input.path.display();
+        let path = on_one_line(&input.path);
         let Some(placed) = placed.as_ref().filter(|_| self.runs.insert(*identity)) else {
-            eprintln!("{path}: already in the map, not counted again");
+            note(format_args!(
+                "{path}: already in the map, not counted again"
+            ));
             self.tally.repeated += 1;
             return Ok(());
         };
-        eprintln!("{}", describe(&input.path, &placed.coverage));
+        note(format_args!("{}", describe(&input.path, &placed.coverage)));
         let session = input.session.as_deref();
         if let (Some(folder), false) = (&self.placed, placed.cells.is_empty()) {
             let path = folder.join(format!("{identity}.parquet"));
@@ -142,23 +144,30 @@ impl<'a, 'r> RunIntake<'a, 'r> {
     }
 
     fn leave_out(&mut self, e: Error, strict: bool) -> Result<()> {
-        if strict {
+        // An error of the machine is no damage of the file.
+        if strict || e.is_of_the_machine() {
             return Err(e);
         }
-        eprintln!("{e}: left out");
+        note(format_args!("{e}: left out"));
         self.tally.damaged += 1;
         Ok(())
     }
 
     fn save_now_and_then(&mut self) -> Result<()> {
-        let Some(path) = self.store else {
+        let Some(file) = &mut self.store else {
             return Ok(());
         };
         if self.cells_since_save < CELLS_A_SAVE.max(self.sums.held_cells()) {
             return Ok(());
         }
-        store::stage(path, &self.sums, &self.runs)?.commit()?;
-        eprintln!("{}: {} runs so far", path.display(), self.runs.len());
+        let staged = store::stage(file.path(), &self.sums, &self.runs)?;
+        file.replace(staged)?;
+        let path = file.path();
+        note(format_args!(
+            "{}: {} runs so far",
+            on_one_line(path),
+            self.runs.len()
+        ));
         self.cells_since_save = 0;
         Ok(())
     }
@@ -184,13 +193,19 @@ impl<'a, 'r> RunIntake<'a, 'r> {
             ));
         }
         if unmatched > 0 {
-            eprintln!("warning: {unmatched} of {added} runs cover no cell");
+            note(format_args!(
+                "warning: {unmatched} of {added} runs cover no cell"
+            ));
         }
         if repeated > 0 {
-            eprintln!("warning: {repeated} runs were already in the map");
+            note(format_args!(
+                "warning: {repeated} runs were already in the map"
+            ));
         }
         if damaged > 0 {
-            eprintln!("warning: {damaged} damaged files left out, {added} runs added");
+            note(format_args!(
+                "warning: {damaged} damaged files left out, {added} runs added"
+            ));
         }
         Ok(())
     }

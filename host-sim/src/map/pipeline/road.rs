@@ -1,12 +1,13 @@
 //! The road for the fusion.
 
 use super::inputs::Inputs;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, on_one_line};
 use crate::files::run;
 use crate::map::geometry::network::Network;
 use crate::map::io::network_file::{read, road_through};
 use crate::map::io::store::MapStore;
 use crate::map::matching::track::road_of_run;
+use crate::terminal::print::note;
 use std::path::Path;
 
 /// The sums of earlier runs, and their file.
@@ -61,10 +62,10 @@ fn road_from_runs(inputs: &Inputs) -> Result<Network> {
         };
         match track {
             Some(track) => return road_through(path, track),
-            None => eprintln!(
+            None => note(format_args!(
                 "warning: {}: no positions to take the road from",
-                path.display()
-            ),
+                on_one_line(path)
+            )),
         }
     }
     let first = inputs.runs.first();

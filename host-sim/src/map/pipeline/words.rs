@@ -1,8 +1,10 @@
 //! Messages of a fusion.
 
+use crate::error::on_one_line;
 use crate::map::fusion::grade_map::{Agreement, FusedMap};
 use crate::map::geometry::grid::GRID_M;
 use crate::map::matching::placing::Coverage;
+use crate::terminal::print::note;
 use std::path::Path;
 
 /// Prints a summary of the fusion.
@@ -13,7 +15,10 @@ pub fn report(out: &Path, fused: &FusedMap) {
         1 => String::new(),
         ways => format!(" on {ways} ways"),
     };
-    eprintln!("{}: {cells} cells, {km:.2} km{ways}", out.display());
+    note(format_args!(
+        "{}: {cells} cells, {km:.2} km{ways}",
+        on_one_line(out)
+    ));
     for (name, agreement) in &fused.within {
         report_agreement(&format!("runs of session {name}"), agreement);
     }
@@ -37,12 +42,12 @@ fn report_agreement(who: &str, agreement: &Agreement) {
     } else {
         String::new()
     };
-    eprintln!(
+    note(format_args!(
         "{who} differ by {:.2} times their sigmas (squared: {ratio:.2}); taken as \
          common: {:.0} % of the variance{inflation}",
         ratio.sqrt(),
         100.0 * dependence.share
-    );
+    ));
 }
 
 /// Returns the coverage of the road by a run as text.
@@ -64,6 +69,6 @@ pub fn describe(path: &Path, coverage: &Coverage) -> String {
     format!(
         "{}: {cells} cells: {matched} matched, {off_road} off the road, {opposite} in the \
          opposite direction, {no_position} without position{warning}",
-        path.display()
+        on_one_line(path)
     )
 }

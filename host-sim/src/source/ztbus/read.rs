@@ -2,8 +2,10 @@
 
 use super::mission::{Mission, MissionRow};
 use crate::error::{Error, Result};
+use crate::files::limits::{self, Budget};
 use csv::StringRecord;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::fs::File;
 use std::path::Path;
 
 /// Upper limit of the offset of a brake-pressure sensor, Pa; the core's sampler uses the same
@@ -28,6 +30,9 @@ const COLUMNS: [&str; 12] = [
     "traction_tractionForce",
 ];
 
+/// Rows of a mission: eleven days, one row a second.
+const MOST_ROWS: usize = 1_000_000;
+
 /// One line with the indices of its columns.
 struct MissionLine<'a> {
     path: &'a Path,
@@ -48,17 +53,25 @@ impl Mission {
 }
 
 fn mission(path: &Path) -> Result<Mission> {
-    let mut reader = csv::Reader::from_path(path).map_err(|e| csv_error(path, e))?;
+    let file = File::open(path).map_err(Error::io(path))?;
+    let mut reader = csv::Reader::from_reader(Budget::new(file, limits::RECORD_BYTES, "record"));
     let places = places(path, reader.headers().map_err(|e| csv_error(path, e))?)?;
     let mut record = StringRecord::new();
     let mut rows: Vec<MissionRow> = Vec::new();
     let mut odometer_m = Vec::new();
     let mut first_unix_s = None;
     let mut passengers = None;
-    while reader
-        .read_record(&mut record)
-        .map_err(|e| csv_error(path, e))?
-    {
+    loop {
+        reader.get_mut().renew();
+        if !reader
+            .read_record(&mut record)
+            .map_err(|e| csv_error(path, e))?
+        {
+            break;
+        }
+        if rows.len() == MOST_ROWS {
+            return Err(limits::too_many_rows(path, MOST_ROWS));
+        }
         let line = MissionLine {
             path,
             record: &record,
@@ -168,13 +181,14 @@ impl MissionLine<'_> {
     }
 
     fn time_unix_s(&self) -> Result<f64> {
-        self.number("time_unix")?
+        self.within("time_unix", 0.0, 4e9, "seconds since 1970")?
             .ok_or_else(|| self.error("time_unix is missing", "seconds since 1970"))
     }
 
     fn row(&self, time_s: f64, passengers_before: Option<f64>) -> Result<MissionRow> {
-        let speed = self.number("odometry_vehicleSpeed")?;
-        let brake_pressure_pa = self.number("traction_brakePressure")?;
+        let speed = self.within("odometry_vehicleSpeed", -50.0, 100.0, "m/s from -50 to 100")?;
+        let brake_pressure_pa =
+            self.within("traction_brakePressure", -1e7, 1e8, "Pa from -1e7 to 1e8")?;
         let holds = |column| -> Result<Option<bool>> {
             let switch = self.within(column, 0.0, 1.0, "0 or 1")?;
             Ok(switch.map(|on| on > 0.5))
@@ -184,15 +198,26 @@ impl MissionLine<'_> {
             holds("status_haltBrakeIsActive")?,
             holds("status_parkBrakeIsActive")?,
         ];
-        let course = self.number("gnss_course")?;
-        let ambient_kelvin = self.number("temperature_ambient")?;
-        let passengers = self.number("itcs_numberOfPassengers")?;
+        let course = self.within("gnss_course", -7.0, 7.0, "a course in rad")?;
+        let ambient_kelvin =
+            self.within("temperature_ambient", 0.0, 500.0, "kelvin from 0 to 500")?;
+        let passengers = self.within(
+            "itcs_numberOfPassengers",
+            -1.0,
+            1000.0,
+            "a number from 0 to 1000",
+        )?;
         Ok(MissionRow {
             time_s,
             // The motor shaft swings back by some cm/s when the bus stops; distance counts forward
             // only.
             speed_mps: speed.map(|mps| mps.max(0.0)),
-            traction_force_n: self.number("traction_tractionForce")?,
+            traction_force_n: self.within(
+                "traction_tractionForce",
+                -1e7,
+                1e7,
+                "N from -1e7 to 1e7",
+            )?,
             brake_pressure_pa,
             braking: brakes.into_iter().flatten().reduce(|a, b| a || b),
             latitude_deg: self
@@ -201,7 +226,7 @@ impl MissionLine<'_> {
             longitude_deg: self
                 .within("gnss_longitude", -PI, PI, "a longitude in rad")?
                 .map(f64::to_degrees),
-            altitude_m: self.number("gnss_altitude")?,
+            altitude_m: self.within("gnss_altitude", -20e3, 20e3, "m from -20000 to 20000")?,
             course_deg: course
                 .filter(|_| speed.is_some_and(|mps| mps > COURSE_SPEED_MPS))
                 .map(|rad| rad.rem_euclid(TAU).to_degrees()),
