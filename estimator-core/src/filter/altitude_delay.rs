@@ -11,6 +11,8 @@ use crate::tuning::MeasurementNoise;
 const LAGS: usize = 48;
 /// Lags that one fix updates.
 const AT_ONCE: usize = 6;
+/// Difference of vertical speeds that counts at most, m/s: beyond is an outlier.
+const FASTEST_MPS: f32 = 1.0;
 /// Time between two fixes that are compared, s.
 const APART_S: f32 = 2.0;
 
@@ -129,6 +131,7 @@ impl AltitudeDelay {
             let by_forces_mps = 0.5 * (self.vertical_mps[lag] + self.vertical_mps[lag + 1]);
             let (mean, variance) = &mut self.difference[lag];
             let apart = measured_mps - by_forces_mps - *mean;
+            let apart = Scalar::min(FASTEST_MPS, Scalar::max(-FASTEST_MPS, apart));
             *mean += gain * apart;
             *variance = (1.0 - gain) * (*variance + gain * apart * apart);
         }

@@ -74,6 +74,16 @@ impl AltitudeUpdate {
         &mut self.delay
     }
 
+    /// Notes that the model's error is another one from here on.
+    pub(super) fn model_changed(&mut self) {
+        self.gate.restart_climb_test();
+    }
+
+    /// Returns the first cell of a drift of the receiver that is under way.
+    pub(super) const fn drifts_since(&self) -> Option<u32> {
+        self.gate.drifts_since()
+    }
+
     /// Returns learned over assumed variance of a single fix.
     pub(super) const fn noise_ratio(&self) -> f32 {
         self.gate.noise_ratio()
@@ -133,8 +143,6 @@ impl AltitudeUpdate {
             };
         };
         let received_m = altitude_at_end(state, altitude);
-        self.delay
-            .fix(received_m, &context.tuning.measurement_noise);
         if self.delay.climb_since_m().is_none() {
             return Gated {
                 accepted: None,
@@ -153,7 +161,11 @@ impl AltitudeUpdate {
             sets_altitude: false,
         };
         match decision {
-            GateDecision::Fuse => gated.accepted = Some(AcceptedFix(fix)),
+            GateDecision::Fuse => {
+                self.delay
+                    .fix(received_m, &context.tuning.measurement_noise);
+                gated.accepted = Some(AcceptedFix(fix));
+            }
             GateDecision::MoveDatum => {
                 self.move_datum(state, &mut fix);
                 gated.accepted = Some(AcceptedFix(fix));

@@ -165,6 +165,7 @@ impl<S: Scalar> Filter<S> {
             && let Some(state) = &mut self.state
         {
             allow_step(state, &context.tuning.gates);
+            self.altitude.model_changed();
             count(&mut context.counters.slope_steps);
         }
         let effects = self.effects.advance(context, sample);
@@ -197,9 +198,15 @@ impl<S: Scalar> Filter<S> {
             && let Some(cells) = brake.fix(context, sample, state, innovation)
         {
             disagreement.brake = true;
+            altitude.model_changed();
             disagreeing_cells = cells;
         }
         let gated = altitude.gate(context, sample, state);
+        if let Some(since) = altitude.drifts_since() {
+            disagreement.climb = true;
+            let cells = sample.end.cell.saturating_sub(since) + 1;
+            disagreeing_cells = disagreeing_cells.max(cells);
+        }
         if let Some(AltitudeEvent::Contradicted { cells }) = gated.event {
             disagreement.climb = true;
             disagreeing_cells = disagreeing_cells.max(cells);
@@ -268,6 +275,7 @@ impl<S: Scalar> Filter<S> {
             && (sample.after_load_change || sample.after_stop)
         {
             self.load.open(state, &context.tuning.prior);
+            self.altitude.model_changed();
         }
     }
 }

@@ -102,7 +102,7 @@ tuning! {
         receiver_step_fixes: u8 = 4, 1.0..=255.0, "fixes", "rejected fixes in a row that make a step of the receiver", "chosen";
         receiver_step_sigmas: f32 = 3.0, 0.1..=100.0, "1", "difference of their offsets, in sigmas of white noise, within which these fixes agree", "three sigmas: a receiver steps, a wrong model goes on";
         contradiction_fixes: u8 = 6, 1.0..=255.0, "fixes", "rejected fixes in a row without such an agreement that show a wrong model", "chosen";
-        drift_sigmas: f32 = 1000.0, 0.1..=1e3, "1", "difference of climbs by GNSS and by the model, in sigmas, beyond which the receiver drifts", "chosen on simulated drives: no false drift in 20 drives";
+        drift_sigmas: f32 = 4.0, 0.1..=1e3, "1", "difference of climbs by GNSS and by the model, in sigmas, beyond which the receiver drifts", "chosen on simulated drives: no false drift in 20 drives";
         drift_fixes: u8 = 3, 1.0..=255.0, "fixes", "compared fixes in a row that must say so", "chosen";
         drift_segment_m: f32 = 100.0, 2.5..=1e4, "m", "length of a segment over which climbs are compared", "chosen: ten segments are one kilometre";
         drift_model_sigma_m: f32 = 0.1, 0.0..=10.0, "m", "error of the model's climb that does not grow with length, 1 sigma", "reading noise at both ends";

@@ -188,6 +188,22 @@ impl AltitudeGate {
         self.gnss_error.interrupt();
     }
 
+    /// Drops the references of the climb test: the model's error is another one from here on.
+    pub(super) fn restart_climb_test(&mut self) {
+        self.climb_test.clear();
+        if let Drift::None { contradictions } = &mut self.drift {
+            *contradictions = 0;
+        }
+    }
+
+    /// Returns the first cell of a drift that is under way.
+    pub(super) const fn drifts_since(&self) -> Option<u32> {
+        match self.drift {
+            Drift::Since { cell, .. } => Some(cell),
+            Drift::None { .. } | Drift::Believed { .. } => None,
+        }
+    }
+
     fn forget_rejected(&mut self) {
         self.rejected = 0;
         self.offset_m = 0.0;
