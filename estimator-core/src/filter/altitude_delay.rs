@@ -10,7 +10,7 @@ use crate::tuning::MeasurementNoise;
 /// Number of lags, each a second.
 const LAGS: usize = 48;
 /// Lags that one fix updates.
-const AT_ONCE: usize = 6;
+const AT_ONCE: usize = 16;
 /// Difference of vertical speeds that counts at most, m/s: beyond is an outlier.
 const FASTEST_MPS: f32 = 1.0;
 /// Time between two fixes that are compared, s.
@@ -138,7 +138,7 @@ impl AltitudeDelay {
     }
 
     fn decide(&mut self, tuning: &MeasurementNoise) {
-        if self.readings < tuning.delay_readings / 3 {
+        if self.readings < tuning.delay_readings / 4 {
             return;
         }
         let mut best = 0;

@@ -98,7 +98,11 @@ pub(super) fn process_noise<S: Scalar>(
     let tuning = &context.tuning.process_noise;
     let model_variance = if sample.end.condition.is_valid() {
         let percent = 100.0 * tuning.force_noise_n * learned.load_factor / sample.forces.weight_n();
-        learned.force_ratio * percent * percent
+        // In low gears most of the torque turns the engine itself.
+        let forces = &sample.forces;
+        let turning_n = forces.traction_n * forces.rotating_kg / forces.accelerated_kg();
+        let turning = 100.0 * tuning.inertia_noise * turning_n / forces.weight_n();
+        learned.force_ratio * percent * percent + turning * turning
     } else {
         tuning.invalid_noise_percent * tuning.invalid_noise_percent
     };

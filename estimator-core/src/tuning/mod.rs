@@ -53,6 +53,7 @@ tuning! {
         slope_rate_sigma: f32 = 0.006, 1e-5..=1.0, "%/m", "change of slope along the road, 1 sigma", "AASHTO: a crest for 110 km/h (K = 74) has 0.014";
         slope_rate_length_m: f32 = 150.0, 2.5..=1e4, "m", "correlation length of the change of slope", "length of a vertical curve";
         force_noise_n: f32 = 120.0, 0.0..=1e5, "N", "white force error over one cell, 1 sigma", "fitted on simulated drives";
+        inertia_noise: f32 = 0.3, 0.0..=10.0, "1", "error of the torque that turns engine and wheels, as a part of it, 1 sigma", "engine inertia is a figure of a data sheet; torque and speed have unlike delays";
         invalid_noise_percent: f32 = 30.0, 0.0..=1e3, "%", "grade-equivalent noise over one cell in which the model does not hold (shift, brake, no traction), 1 sigma", "thesis section 3: variance up by orders of magnitude";
         bias_force_n: f32 = 250.0, 0.0..=1e5, "N", "slow force error that does not grow with mass (auxiliaries, steady wind), 1 sigma", "VECTO long haul: 5 kW at 80 km/h are 225 N";
         bias_rolling: f32 = 0.15, 0.0..=2.0, "1", "slow error as a part of the rolling resistance (tyres, surface), 1 sigma", "wet road 0.1 to 0.2; a wrong parameter 0.1";
