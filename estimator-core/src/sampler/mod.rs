@@ -445,9 +445,10 @@ impl Parts {
     fn resolution_mps(&self, context: &Context, now: Instant) -> f32 {
         let timeout = context.tuning.hold_times.speed_timeout;
         if self.wheel_speed.within(now, timeout).is_some() {
-            self.wheel_check.resolution_mps()
+            self.wheel_check.resolution_mps(&context.tuning.detection)
         } else {
-            self.front_axle_check.resolution_mps()
+            self.front_axle_check
+                .resolution_mps(&context.tuning.detection)
         }
     }
 

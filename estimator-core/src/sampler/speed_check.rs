@@ -39,9 +39,13 @@ struct RepeatedSpeed {
 }
 
 impl SpeedCheck {
-    /// Returns the smallest change of the readings so far, m/s; 0 before the first.
-    pub(super) fn resolution_mps(&self) -> f32 {
-        self.repeated.step_mps.unwrap_or(0.0)
+    /// Returns the smallest change of the readings so far, m/s; 0 where it is larger than the steps
+    /// of any sensor.
+    pub(super) fn resolution_mps(&self, tuning: &Detection) -> f32 {
+        self.repeated
+            .step_mps
+            .filter(|step_mps| *step_mps <= tuning.speed_step_mps)
+            .unwrap_or(0.0)
     }
 
     /// Checks a reading. `turns` is the engine speed over the ratio of the engaged gear, rpm.

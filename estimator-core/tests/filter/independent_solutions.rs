@@ -69,9 +69,10 @@ fn batch(samples: &[Sample], cells: &[FilteredStep<f64>], tuning: &Tuning) -> Ve
             push(SPEED, 0.5 * v * v, measured_variance(&used, SPEED));
         }
         // Altitudes that passed the gate, with the variance that was learned by then.
-        if let (Some(altitude), Some(used)) =
-            (sample.altitude, cells[k].record.smoother_input.altitude)
-        {
+        if let (Some(altitude), Some(used)) = (
+            sample.altitude,
+            cells[k].record.smoother_input.altitude().copied(),
+        ) {
             let origin = f64::from(cells[k].state.origin_m.unwrap());
             push(
                 GNSS_ALTITUDE,

@@ -74,7 +74,7 @@ fn innovations_are_white_and_as_large_as_the_filter_says() {
         .collect();
     let altitudes: Vec<f64> = inputs
         .iter()
-        .filter_map(|input| input.altitude.as_ref().map(normalised))
+        .filter_map(|input| input.altitude().map(normalised))
         .collect();
     assert!(speeds.len() == 38_000 && altitudes.len() > 4_000);
     for (name, series) in [("speed", speeds), ("altitude", altitudes)] {
