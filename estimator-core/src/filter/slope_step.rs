@@ -11,12 +11,25 @@ use crate::scalar::Scalar;
 use crate::tuning::Gates;
 
 /// Exponential sum of normalised innovations of the speed.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct SlopeStep {
     sum: f32,
+    /// Usual square of the sum over its variance, at least one: speeds may have noise of any colour.
+    usual: f32,
+    /// Cells until the next step may be found.
+    rest_cells: u16,
 }
 
 impl SlopeStep {
+    /// Creates the sum before the first innovation.
+    pub(super) const fn new(tuning: &Gates) -> Self {
+        Self {
+            sum: 0.0,
+            usual: 1.0,
+            rest_cells: tuning.slope_step_first_cells,
+        }
+    }
+
     /// Drops the sum: the next innovation does not follow the last one.
     pub(super) fn restart(&mut self) {
         self.sum = 0.0;
@@ -26,11 +39,19 @@ impl SlopeStep {
     pub(super) fn add(&mut self, innovation: f32, tuning: &Gates) -> bool {
         let keep = 1.0 - 1.0 / tuning.slope_step_cells;
         self.sum = keep * self.sum + Scalar::min(3.0, Scalar::max(-3.0, innovation));
-        let variance = 1.0 / (1.0 - keep * keep);
-        let is_step =
-            self.sum * self.sum > tuning.slope_step_sigmas * tuning.slope_step_sigmas * variance;
+        let squared = self.sum * self.sum * (1.0 - keep * keep);
+        let limit = tuning.slope_step_sigmas * tuning.slope_step_sigmas * self.usual;
+        let followed = Scalar::min(squared / self.usual, tuning.slope_step_largest) - 1.0;
+        let factor = 1.0 + tuning.slope_step_gain * followed;
+        self.usual = Scalar::max(1.0, self.usual * factor);
+        if self.rest_cells > 0 {
+            self.rest_cells -= 1;
+            return false;
+        }
+        let is_step = squared > limit;
         if is_step {
             self.sum = 0.0;
+            self.rest_cells = tuning.slope_step_rest_cells;
         }
         is_step
     }

@@ -29,6 +29,7 @@ pub(super) struct SpeedUpdate {
 impl SpeedUpdate {
     /// Creates the memory with the noise known so far.
     pub(super) fn new(noise: &SensorNoiseRatios, tuning: &Tuning) -> Self {
+        let gates = &tuning.gates;
         let tuning = &tuning.measurement_noise;
         Self {
             noise: NoiseRatio::new(
@@ -39,7 +40,7 @@ impl SpeedUpdate {
             ),
             force_ratio: 1.0,
             last_innovation: 0.0,
-            steps: SlopeStep::default(),
+            steps: SlopeStep::new(gates),
             has_stepped: false,
             unmeasured_m: 0.0,
         }

@@ -63,7 +63,7 @@ tuning! {
         wind_length_m: f32 = 3_000.0, 2.5..=1e6, "m", "correlation length of that wind", "wind changes within 1 to 10 km";
         level_knot_m: f32 = 80.0, 10.0..=1e4, "m", "length of a knot, over which climbs are compared to find the levels of the coloured errors", "chosen: four fixes at 20 m/s";
         level_memory_m: f32 = 20_000.0, 100.0..=1e7, "m", "length over which that evidence is forgotten", "weather and surface change within tens of kilometres";
-        level_evidence: f32 = 4.0, 0.0..=100.0, "1", "log-likelihood that a level above the assumed one needs beyond it", "a factor of 55";
+        level_evidence: f32 = 6.0, 0.0..=100.0, "1", "log-likelihood that a level above the assumed one needs beyond it", "a factor of 55";
         scale_walk_per_sqrt_km: f32 = 0.002, 0.0..=1.0, "1/√km", "random walk of the traction scale, 1 sigma", "chosen: 2 % in 100 km";
         traction_change_percent: f32 = 0.1, 0.0..=100.0, "%", "largest change of traction over weight in one cell that the road may have caused", "AASHTO: the sharpest crest for 80 km/h (K = 26) bends by 0.096";
         jump_matters_percent: f32 = 0.1, 0.0..=100.0, "%", "slope that the unknown part of the scale makes of a change of traction, above which the change shows the scale", "as `traction_change_percent`";
@@ -97,12 +97,16 @@ tuning! {
     gates: Gates {
         speed_test_ratio: f32 = 25.0, 1.0..=1e6, "1", "normalised squared innovation beyond which a speed is a step of the sensor", "five sigmas";
         slope_step_cells: f32 = 8.0, 1.0..=1e3, "cells", "cells over which innovations of the speed are summed to find a step of the slope", "20 m: roads bend over more";
-        slope_step_sigmas: f32 = 4.5, 0.1..=100.0, "1", "sum of such innovations, in sigmas, that is a step", "chosen";
+        slope_step_sigmas: f32 = 5.0, 0.1..=100.0, "1", "sum of such innovations, in sigmas, that is a step", "chosen";
+        slope_step_first_cells: u16 = 200, 0.0..=65_535.0, "cells", "cells before the first step may be found", "1 km: the noise of the speed is learned by then";
+        slope_step_rest_cells: u16 = 20, 0.0..=65_535.0, "cells", "cells between two steps", "chosen";
+        slope_step_gain: f32 = 0.005, 0.0..=1.0, "1", "part of a squared sum by which its usual size follows", "a memory of 200 cells";
+        slope_step_largest: f32 = 4.0, 1.0..=1e4, "1", "squared sum over its usual size that counts at most for it", "a step is not usual";
         slope_step_percent: f32 = 0.7, 0.0..=50.0, "%", "size of a step, 1 sigma", "snow doubles or triples a rolling resistance of 0.6";
         altitude_test_ratio: f32 = 25.0, 1.0..=1e6, "1", "normalised squared innovation beyond which an altitude is rejected", "five sigmas: errors among houses have heavy tails";
         receiver_step_fixes: u8 = 4, 1.0..=255.0, "fixes", "rejected fixes in a row that make a step of the receiver", "chosen";
-        receiver_step_sigmas: f32 = 3.0, 0.1..=100.0, "1", "difference of their offsets, in sigmas of white noise, within which these fixes agree", "three sigmas: a receiver steps, a wrong model goes on";
-        contradiction_fixes: u8 = 6, 1.0..=255.0, "fixes", "rejected fixes in a row without such an agreement that show a wrong model", "chosen";
+        receiver_step_agreement: f32 = 0.5, 0.0..=1.0, "1", "part of their offset within which these fixes must agree", "chosen";
+        contradiction_percent: f32 = 3.0, 0.0..=100.0, "%", "offset over the distance without a fix above which a growing one shows a wrong model", "a receiver does not drift by 3 m in 100";
         drift_sigmas: f32 = 4.0, 0.1..=1e3, "1", "difference of climbs by GNSS and by the model, in sigmas, beyond which the receiver drifts", "chosen on simulated drives: no false drift in 20 drives";
         drift_fixes: u8 = 3, 1.0..=255.0, "fixes", "compared fixes in a row that must say so", "chosen";
         drift_segment_m: f32 = 100.0, 2.5..=1e4, "m", "length of a segment over which climbs are compared", "chosen: ten segments are one kilometre";

@@ -88,8 +88,8 @@ enum Drift {
 pub(super) struct AltitudeGate {
     rejected: u8,
     offset_m: f32,
-    /// Fixes rejected in a row whatever their offset, and the distance since the last one used, m.
-    rejected_in_a_row: u8,
+    /// Offset of the first of them, and the distance since the last fix that was used, m.
+    first_offset_m: f32,
     unused_m: f32,
     silent_s: f32,
     drift: Drift,
@@ -125,7 +125,7 @@ impl AltitudeGate {
         Self {
             rejected: 0,
             offset_m: 0.0,
-            rejected_in_a_row: 0,
+            first_offset_m: 0.0,
             unused_m: 0.0,
             silent_s: 0.0,
             drift: Drift::None { contradictions: 0 },
@@ -207,7 +207,7 @@ impl AltitudeGate {
     fn forget_rejected(&mut self) {
         self.rejected = 0;
         self.offset_m = 0.0;
-        self.rejected_in_a_row = 0;
+        self.first_offset_m = 0.0;
         self.unused_m = 0.0;
     }
 
@@ -235,7 +235,7 @@ impl AltitudeGate {
         self.noise
             .learn(test_ratio, measurement_noise.largest_innovation);
         if test_ratio > gates.altitude_test_ratio {
-            return self.reject(offset_m, fix.fix.variance, gates);
+            return self.reject(offset_m, gates);
         }
         self.forget_rejected();
         if let Some((cell, model_error)) = self.find_drift(tuning) {
@@ -259,26 +259,25 @@ impl AltitudeGate {
     }
 
     /// Rejects a fix whose innovation is too large, or finds that the receiver stepped.
-    fn reject(
-        &mut self,
-        offset_m: f32,
-        white_variance: f32,
-        gates: &Gates,
-    ) -> (GateDecision, Option<AltitudeEvent>) {
+    fn reject(&mut self, offset_m: f32, gates: &Gates) -> (GateDecision, Option<AltitudeEvent>) {
         self.gnss_error.interrupt();
-        let apart_m = offset_m - self.offset_m;
-        let noise = gates.receiver_step_sigmas * gates.receiver_step_sigmas * 2.0 * white_variance;
-        if self.rejected > 0 && apart_m * apart_m <= noise {
+        let agrees =
+            (offset_m - self.offset_m).abs() <= gates.receiver_step_agreement * offset_m.abs();
+        if self.rejected > 0 && agrees {
             self.rejected = self.rejected.saturating_add(1);
         } else {
             self.rejected = 1;
-            self.offset_m = offset_m;
+            self.first_offset_m = offset_m;
         }
-        self.rejected_in_a_row = self.rejected_in_a_row.saturating_add(1);
+        self.offset_m = offset_m;
         if self.rejected < gates.receiver_step_fixes {
-            if self.rejected_in_a_row < gates.contradiction_fixes {
-                return (GateDecision::Reject, Some(AltitudeEvent::Outlier));
-            }
+            return (GateDecision::Reject, Some(AltitudeEvent::Outlier));
+        }
+        // A step stays; what goes on with the distance is the model's.
+        let grown_m = offset_m.abs() - self.first_offset_m.abs();
+        let goes_on = grown_m > gates.receiver_step_agreement * offset_m.abs()
+            && 100.0 * offset_m.abs() > gates.contradiction_percent * self.unused_m;
+        if goes_on {
             let sigma_percent = 100.0 * offset_m / Scalar::max(self.unused_m, 10.0);
             let cells = (self.unused_m / CELL_LENGTH_M) as u32 + 1;
             self.restart();
