@@ -25,6 +25,8 @@ struct Group {
     /// Correlation time of the receiver's coloured error: receivers that smooth or lag have errors
     /// that follow the road.
     receiver_time: f32,
+    /// Whether that error is smooth: of second order, critically damped.
+    is_smooth: bool,
 }
 
 const fn group(wind: f32, wind_length: f32, receiver_time: f32) -> Group {
@@ -32,12 +34,23 @@ const fn group(wind: f32, wind_length: f32, receiver_time: f32) -> Group {
         wind,
         wind_length,
         receiver_time,
+        is_smooth: false,
+    }
+}
+
+/// A model as assumed, and a receiver with a smooth error.
+const fn smooth(receiver_time: f32) -> Group {
+    Group {
+        is_smooth: true,
+        ..group(1.0, 1.0, receiver_time)
     }
 }
 
 /// As assumed, or larger and faster.
-const GROUPS: [Group; 10] = [
+const GROUPS: [Group; 12] = [
     group(1.0, 1.0, 1.0),
+    smooth(0.05),
+    smooth(0.15),
     group(1.0, 1.0, 0.15),
     group(4.0, 1.0, 1.0),
     group(4.0, 0.2, 1.0),
@@ -131,8 +144,8 @@ struct Knot {
 /// A filter of altitude, bias, wind and receiver error, and its log-likelihood.
 #[derive(Clone, Copy, Debug)]
 struct Hypothesis {
-    mean: [f32; 4],
-    covariance: [[f32; 4]; 4],
+    mean: [f32; STATES],
+    covariance: [[f32; STATES]; STATES],
     /// Variance of the receiver's coloured error over the assumed one, 1.
     receiver_ratio: f32,
     log_likelihood: f32,
@@ -155,27 +168,102 @@ const ALTITUDE: usize = 0;
 const BIAS: usize = 1;
 const WIND: usize = 2;
 const RECEIVER: usize = 3;
+/// Rate of a smooth error of the receiver.
+const RATE: usize = 4;
+const STATES: usize = 5;
+
+/// One step of the receiver's coloured error.
+#[derive(Clone, Copy, Debug)]
+enum Receiver {
+    /// Of first order.
+    Coloured(GaussMarkov),
+    /// Of second order, critically damped: transition, and variance in the long run.
+    Smooth {
+        transition: [[f32; 2]; 2],
+        variances: [f32; 2],
+    },
+}
+
+impl Receiver {
+    /// Returns the step over a time in correlation times, and the variance of the rate.
+    fn smooth(correlation_times: f32, time_s: f32, variance: f32) -> (Self, f32) {
+        let (rate, keep) = (1.0 / time_s, libm::expf(-correlation_times));
+        let transition = [
+            [
+                keep * (1.0 + correlation_times),
+                keep * correlation_times * time_s,
+            ],
+            [
+                -keep * correlation_times * rate,
+                keep * (1.0 - correlation_times),
+            ],
+        ];
+        let rate_variance = rate * rate * variance;
+        let step = Self::Smooth {
+            transition,
+            variances: [variance, rate_variance],
+        };
+        (step, rate_variance)
+    }
+
+    fn predict(&self, x: &mut [f32; STATES], p: &mut [[f32; STATES]; STATES]) {
+        let (transition, variances) = match self {
+            Self::Coloured(markov) => {
+                x[RECEIVER] *= markov.keep;
+                for k in 0..STATES {
+                    p[RECEIVER][k] *= markov.keep;
+                    p[k][RECEIVER] *= markov.keep;
+                }
+                p[RECEIVER][RECEIVER] += markov.variance;
+                return;
+            }
+            Self::Smooth {
+                transition,
+                variances,
+            } => (transition, variances),
+        };
+        let turn = |error: f32, rate: f32| {
+            transition.map(|[of_error, of_rate]| of_error * error + of_rate * rate)
+        };
+        [x[RECEIVER], x[RATE]] = turn(x[RECEIVER], x[RATE]);
+        for k in 0..STATES {
+            [p[RECEIVER][k], p[RATE][k]] = turn(p[RECEIVER][k], p[RATE][k]);
+        }
+        for row in p.iter_mut() {
+            [row[RECEIVER], row[RATE]] = turn(row[RECEIVER], row[RATE]);
+        }
+        // What keeps the variances as they are in the long run: P - F P F'.
+        let [error, rate] = *variances;
+        let [[a, b], [c, d]] = *transition;
+        p[RECEIVER][RECEIVER] += error - a * a * error - b * b * rate;
+        p[RATE][RATE] += rate - c * c * error - d * d * rate;
+        let joint = -(a * c * error + b * d * rate);
+        p[RECEIVER][RATE] += joint;
+        p[RATE][RECEIVER] += joint;
+    }
+}
 
 impl Hypothesis {
     const NEW: Self = Self {
-        mean: [0.0; 4],
-        covariance: [[0.0; 4]; 4],
+        mean: [0.0; STATES],
+        covariance: [[0.0; STATES]; STATES],
         receiver_ratio: 1.0,
         log_likelihood: 0.0,
         is_started: false,
     };
 
     /// Starts the altitude at a knot; the slow states stay.
-    fn start(&mut self, knot: &Knot, wind: f32, receiver: f32) {
+    fn start(&mut self, knot: &Knot, wind: f32, receiver: f32, rate: f32) {
         let p = &mut self.covariance;
-        if self.mean == [0.0; 4] {
-            *p = [[0.0; 4]; 4];
+        if self.mean == [0.0; STATES] {
+            *p = [[0.0; STATES]; STATES];
             p[BIAS][BIAS] = knot.bias_variance;
             p[WIND][WIND] = wind;
             p[RECEIVER][RECEIVER] = receiver;
+            p[RATE][RATE] = rate;
         }
         self.mean[ALTITUDE] = knot.altitude_m - self.mean[RECEIVER];
-        for k in 0..4 {
+        for k in 0..STATES {
             p[ALTITUDE][k] = -p[RECEIVER][k];
             p[k][ALTITUDE] = p[ALTITUDE][k];
         }
@@ -189,20 +277,22 @@ impl Hypothesis {
         knot: &Knot,
         bias: GaussMarkov,
         wind: GaussMarkov,
-        receiver: GaussMarkov,
+        receiver: Receiver,
     ) -> f32 {
         let (x, p) = (&mut self.mean, &mut self.covariance);
         let lever = -0.01 * knot.length_m;
         x[ALTITUDE] += knot.climb_m + lever * (x[BIAS] + x[WIND]);
-        for k in 0..4 {
+        for k in 0..STATES {
             p[ALTITUDE][k] += lever * (p[BIAS][k] + p[WIND][k]);
         }
-        for k in 0..4 {
+        for k in 0..STATES {
             p[k][ALTITUDE] += lever * (p[k][BIAS] + p[k][WIND]);
         }
-        for (i, markov) in [(BIAS, bias), (WIND, wind), (RECEIVER, receiver)] {
+        let (x, p) = (&mut self.mean, &mut self.covariance);
+        receiver.predict(x, p);
+        for (i, markov) in [(BIAS, bias), (WIND, wind)] {
             x[i] *= markov.keep;
-            for k in 0..4 {
+            for k in 0..STATES {
                 p[i][k] *= markov.keep;
                 p[k][i] *= markov.keep;
             }
@@ -210,17 +300,17 @@ impl Hypothesis {
         }
         // The new part of the wind acts on a half of the knot, as a mean.
         p[ALTITUDE][ALTITUDE] += lever * lever * wind.variance / 3.0;
-        let mut cross = [0.0; 4];
+        let mut cross = [0.0; STATES];
         for (k, cross) in cross.iter_mut().enumerate() {
             *cross = p[k][ALTITUDE] + p[k][RECEIVER];
         }
         let variance = cross[ALTITUDE] + cross[RECEIVER] + knot.variance;
         let innovation = knot.altitude_m - x[ALTITUDE] - x[RECEIVER];
         let per_variance = 1.0 / variance;
-        for i in 0..4 {
+        for i in 0..STATES {
             let gain = cross[i] * per_variance;
             x[i] += gain * innovation;
-            for k in 0..4 {
+            for k in 0..STATES {
                 p[i][k] -= gain * cross[k];
             }
         }
@@ -350,6 +440,7 @@ impl ErrorLevels {
             wind: wind_ratio,
             wind_length: wind_length_ratio,
             receiver_time,
+            is_smooth,
         } = GROUPS[level];
         let Some(group) = self.bank.get_mut(level) else {
             return;
@@ -358,26 +449,30 @@ impl ErrorLevels {
         let receiver_sigma_m = measurement.gnss_error_sigma_m;
         let receiver_variance = hypothesis.receiver_ratio * receiver_sigma_m * receiver_sigma_m;
         let wind_variance = wind_ratio * knot.wind_variance;
+        let time_s = receiver_time * measurement.gnss_error_time_s;
+        let (receiver, rate_variance) = if is_smooth {
+            Receiver::smooth(knot.duration_s / time_s, time_s, receiver_variance)
+        } else {
+            let markov = GaussMarkov::step(knot.duration_s / time_s, receiver_variance);
+            (Receiver::Coloured(markov), 0.0)
+        };
         if hypothesis.is_started {
             let wind_length_m = wind_length_ratio * process.wind_length_m;
             let lost = hypothesis.step(
                 knot,
                 GaussMarkov::step(knot.length_m / process.bias_length_m, knot.bias_variance),
                 GaussMarkov::step(knot.length_m / wind_length_m, wind_variance),
-                GaussMarkov::step(
-                    knot.duration_s / (receiver_time * measurement.gnss_error_time_s),
-                    receiver_variance,
-                ),
+                receiver,
             );
             hypothesis.log_likelihood *= 1.0 - knot.length_m / process.level_memory_m;
             hypothesis.log_likelihood -= 0.5 * lost;
         } else {
-            hypothesis.start(knot, wind_variance, receiver_variance);
+            hypothesis.start(knot, wind_variance, receiver_variance, rate_variance);
         }
         if index % RECEIVER_LEVELS == RECEIVER_LEVELS - 1 {
             let (best, receiver_ratio) = settle(group, measurement);
             // A level as assumed needs no evidence.
-            let credit = if level > 0 {
+            let credit = if wind_ratio > 1.0 {
                 process.level_evidence
             } else {
                 0.0
@@ -388,9 +483,9 @@ impl ErrorLevels {
             self.sums.weight += weight;
             self.sums.wind += weight * wind_ratio;
             self.sums.wind_length += weight * wind_length_ratio;
-            self.sums.receiver_time += weight * receiver_time;
+            self.sums.receiver_time += weight * if is_smooth { 1.0 } else { receiver_time };
             self.sums.receiver += weight * receiver_ratio;
-            if level > 0 {
+            if level > 0 && !is_smooth {
                 self.sums.larger += weight;
             }
         }
