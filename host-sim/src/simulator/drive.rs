@@ -220,12 +220,12 @@ impl<'a> Journey<'a> {
         }
     }
 
-    /// Standing in neutral.
+    /// Sets the state of standing in neutral.
     const fn stand(&mut self) {
         self.speed_mps = 0.0;
     }
 
-    /// At the set speed, in balance.
+    /// Sets the state of steady driving at the set speed.
     fn cruise(&mut self) {
         self.speed_mps = SET_SPEED_MPS;
         let gear = cruising_gear(self.truck, self.speed_mps);
@@ -355,7 +355,7 @@ impl<'a> Journey<'a> {
                     .request(self.speed_mps, per_kg, limits_nm, STEP_S);
                 self.situation.at_full_load = wish.at_full_load;
                 self.move_torque(wish.net_nm, TORQUE_RATE_PER_S.0);
-                // The engine torque of another speed may exceed the limit at this one.
+                // The torque was set at another engine speed and may exceed the limit at this one.
                 self.net_torque_nm = self.net_torque_nm.clamp(limits_nm.0, limits_nm.1);
                 if slipping {
                     (0, 100.0 * (1.0 - turned_rpm / IDLE_RPM))

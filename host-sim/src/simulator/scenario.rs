@@ -85,7 +85,7 @@ pub struct ScenarioRun {
 }
 
 impl ScenarioRun {
-    /// Returns true over assumed traction per kilogram: the true value of the estimator's scale.
+    /// Returns true over assumed traction per kilogram, the true value of the estimator's scale.
     #[must_use]
     pub fn true_scale(&self) -> f64 {
         let per_kg = |parameters: &VehicleParameters| {
@@ -278,7 +278,7 @@ fn disturbed(
     errors: &ParameterErrors,
     rng: &mut ChaCha8Rng,
 ) -> std::result::Result<VehicleParameters, String> {
-    // All four are drawn, used or not, so that another key does not change the others.
+    // All four factors are drawn, used or not, so another key does not change the others.
     let mut factor = |name: &str, factor: Option<f64>, sigma: Option<f64>| {
         let draw = normal(rng);
         match (factor, sigma) {

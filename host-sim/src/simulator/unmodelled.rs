@@ -51,7 +51,7 @@ impl Recording<'_> {
     }
 }
 
-/// Force for a newton metre of net torque as far as the driveline passes it, N/Nm.
+/// Returns the force per newton metre of net torque, N/Nm; zero if the driveline is open.
 fn believed_per_torque(believed: &Truck, state: &DriveState) -> f64 {
     if state.traction_n == 0.0 {
         0.0

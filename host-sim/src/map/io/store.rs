@@ -1,10 +1,10 @@
 //! SUMS.csv: the sums behind a map, so that runs can be added without the earlier ones.
 //!
-//! First comes the road, or the ways of a network in order: one row per cell, with its position and
-//! the sums of the runs without a session. Then, session by session, one row per cell that a run of
-//! the session covers. In the store of a network each row names its way. Numbers are written
-//! exactly. The first line has the version, the number of rows and the number of runs; the
-//! identities of the runs follow after the rows.
+//! The road comes first, or the ways of a network in order. It has one row per cell, with its
+//! position and the sums of the runs without a session. The sessions follow, with one row per cell
+//! that a run of the session covers. In the store of a network each row names its way. Numbers are
+//! written exactly. The first line has the version, the number of rows and the number of runs. The
+//! identities of the runs follow the rows.
 
 use crate::map::fusion::grade_map::GradeMap;
 use crate::map::geometry::grid::GRID_M;
