@@ -27,7 +27,7 @@ pub fn finite(values: &[(&str, f64)]) -> Result<(), Flaw> {
 /// weight.
 ///
 /// # Errors
-/// Names the first number that is not.
+/// Names the first number that is not positive.
 pub fn positive(values: &[(&str, f64)]) -> Result<(), Flaw> {
     match values.iter().find(|(_, value)| *value <= 0.0) {
         None => Ok(()),

@@ -11,9 +11,9 @@ use crate::score::{self, ScoreRow};
 /// One drive of the scenario, simulated and estimated.
 #[derive(Clone, Debug)]
 pub struct DemoDrive {
-    /// What the run is called.
+    /// Name of the run.
     pub name: String,
-    /// What its vehicle is called.
+    /// Name of its vehicle.
     pub truck: String,
     /// Its estimate.
     pub rows: Vec<RunRow>,
@@ -21,11 +21,11 @@ pub struct DemoDrive {
     pub truth: Vec<TruthRow>,
     /// Its lines of the error table.
     pub scores: Vec<ScoreRow>,
-    /// True over believed traction per kilogram.
+    /// True over assumed traction per kilogram.
     pub true_scale: f64,
 }
 
-/// Draws the page.
+/// Creates the page.
 #[must_use]
 pub fn demo_page(drives: &[DemoDrive], map: &[MapRow], scores: &[ScoreRow]) -> Page {
     let truth = |value: fn(&TruthRow) -> f64| {

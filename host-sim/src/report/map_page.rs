@@ -1,4 +1,4 @@
-//! The page of a map: plan, profiles, and how sure they are.
+//! The page of a map: plan, profiles, and their standard deviations.
 
 use crate::map::{GRID_M, MapRow, WayRows, map_segments};
 use crate::report::page::{Figure, Page, Section, Table};
@@ -7,11 +7,11 @@ use crate::report::plot::{Plot, Series, colour};
 use plotters::style::RGBColor;
 use std::path::Path;
 
-/// Ways whose profiles are drawn; the longest.
+/// Largest number of profiles; the longest ways have one.
 const MOST_PROFILES: usize = 12;
-/// Ways in the table; the longest.
+/// Largest number of rows in the table of ways; the longest ways are listed.
 const MOST_LISTED: usize = 200;
-/// From down over level to up; apart for the colour-blind.
+/// From downhill over level to uphill; distinguishable for the colour-blind.
 const GRADE_COLOURS: [RGBColor; 7] = [
     RGBColor(0x08, 0x45, 0x94),
     RGBColor(0x42, 0x92, 0xc6),
@@ -21,7 +21,7 @@ const GRADE_COLOURS: [RGBColor; 7] = [
     RGBColor(0xe6, 0x55, 0x0d),
     RGBColor(0x8c, 0x2d, 0x04),
 ];
-/// From sure to unsure.
+/// From a small standard deviation to a large one.
 const SIGMA_COLOURS: [RGBColor; 4] = [
     RGBColor(0x00, 0x44, 0x7c),
     RGBColor(0x56, 0xb4, 0xe9),
@@ -31,7 +31,7 @@ const SIGMA_COLOURS: [RGBColor; 4] = [
 
 pub(crate) fn page(file: &Path, ways: &[WayRows]) -> Page {
     let mut longest: Vec<&WayRows> = ways.iter().collect();
-    // Stable: those of one length stay in the order of their names.
+    // Stable sort: ways of equal length stay in the order of their names.
     longest.sort_by_key(|way| std::cmp::Reverse(way.rows.len()));
     let drawn = &longest[..longest.len().min(MOST_PROFILES)];
     let mut sections = vec![plan_section(ways)];
@@ -141,7 +141,7 @@ fn plan_section(ways: &[WayRows]) -> Section {
     }
 }
 
-/// Returns the least of 1, 1.5, 2, 3, 5, 7 times a power of ten that is not below.
+/// Returns the smallest of 1, 1.5, 2, 3, 5, 7 times a power of ten that is at least `value`.
 fn nice_above(value: f64) -> f64 {
     let value = value.max(1e-3);
     let power = 10_f64.powi(value.log10().floor() as i32);
@@ -150,7 +150,7 @@ fn nice_above(value: f64) -> f64 {
     tidy(found.unwrap_or(10.0 * power))
 }
 
-/// Without what binary fractions add.
+/// Rounds off the error of binary fractions.
 fn tidy(value: f64) -> f64 {
     (value * 1e6).round() / 1e6
 }

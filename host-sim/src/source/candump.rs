@@ -34,8 +34,8 @@ pub struct Skipped {
     pub bus_errors: u64,
 }
 
-/// Frames of two interfaces, or of two senders on a virtual one, can be swapped on their way to
-/// candump. A frame that is late by no more than this gets the time of the one before.
+/// Largest disorder of frames. Frames of two interfaces, or of two senders on a virtual one, can
+/// reach candump in the wrong order. A frame within this limit gets the time of the one before.
 const DISORDER: Duration = Duration::from_millis(10);
 
 /// Reader of candump logs, frame by frame.

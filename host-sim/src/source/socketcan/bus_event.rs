@@ -12,7 +12,7 @@ pub enum BusEvent {
     BusOff,
     /// The controller is back on the bus.
     Restarted,
-    /// More than 127 errors: the controller no longer signals what it finds wrong.
+    /// More than 127 errors: the controller no longer sends active error flags.
     ErrorPassive,
     /// More than 95 errors.
     ErrorWarning,

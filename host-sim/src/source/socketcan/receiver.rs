@@ -89,7 +89,7 @@ impl FrameReceiver {
         Ok(Self { batches })
     }
 
-    /// Returns the next items in order of time. The list is empty if none arrives within
+    /// Returns the next items in order of time; the list is empty if none arrives within
     /// `patience`. Returns `None` after the stop flag is set and all items are returned.
     #[must_use]
     pub fn next(&self, patience: Duration) -> Option<Vec<Received>> {
@@ -209,7 +209,7 @@ impl ReceiveThread {
             let count = self.held.partition_point(is_ready);
             self.held.drain(..count).collect()
         };
-        // A stamp may be wrong at the moment the clock is set.
+        // A stamp may be wrong at the moment when the clock is set.
         for received in &mut ready {
             self.newest = self.newest.max(received.time);
             received.time = self.newest;
