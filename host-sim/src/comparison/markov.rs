@@ -66,7 +66,7 @@ impl Chain {
     /// Counts the transitions in series of states.
     ///
     /// # Panics
-    /// If a state is not below [`STATES`].
+    /// Panics if a state is not below [`STATES`].
     #[must_use]
     pub fn of_states(runs: impl IntoIterator<Item = Vec<usize>>) -> Self {
         let mut counts = vec![[0; STATES]; STATES];

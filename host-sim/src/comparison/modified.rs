@@ -28,7 +28,7 @@ pub fn estimate(drive: &MeasuredDrive) -> Modified {
     estimate_with(drive, &NoiseSigmas::GPS_HEAVY, &NoiseSigmas::GPS_LIGHT)
 }
 
-/// Runs it with other noise in the first and the second estimate.
+/// Runs the procedure with other noise in the first and the second estimate.
 #[must_use]
 pub fn estimate_with(drive: &MeasuredDrive, first: &NoiseSigmas, second: &NoiseSigmas) -> Modified {
     let gps_heavy = original::estimate(drive, first).grade_percent;

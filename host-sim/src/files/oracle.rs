@@ -139,7 +139,7 @@ impl OracleFile {
     /// Reads and checks an oracle file.
     ///
     /// # Errors
-    /// Names each unknown key, missing key and value out of range.
+    /// Returns an error that names each unknown key, missing key and value out of range.
     pub fn read(path: &Path) -> Result<Self> {
         let text = fs::read_to_string(path).map_err(Error::io(path))?;
         let key = |problem: String| Error::Key {

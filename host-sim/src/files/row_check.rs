@@ -3,16 +3,16 @@
 /// A problem of a row.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Flaw {
-    /// What was found.
+    /// The problem.
     pub problem: String,
-    /// What was expected.
+    /// The expected value.
     pub expected: &'static str,
 }
 
 /// Checks that every number is finite.
 ///
 /// # Errors
-/// Names the first number that is not finite.
+/// Returns an error that names the first number that is not finite.
 pub fn finite(values: &[(&str, f64)]) -> Result<(), Flaw> {
     match values.iter().find(|(_, value)| !value.is_finite()) {
         None => Ok(()),
@@ -27,7 +27,7 @@ pub fn finite(values: &[(&str, f64)]) -> Result<(), Flaw> {
 /// weight.
 ///
 /// # Errors
-/// Names the first number that is not positive.
+/// Returns an error that names the first number that is not positive.
 pub fn positive(values: &[(&str, f64)]) -> Result<(), Flaw> {
     match values.iter().find(|(_, value)| *value <= 0.0) {
         None => Ok(()),
@@ -41,7 +41,7 @@ pub fn positive(values: &[(&str, f64)]) -> Result<(), Flaw> {
 /// Checks a position on Earth, degrees.
 ///
 /// # Errors
-/// Names the angle that is out of range.
+/// Returns an error that names the angle that is out of range.
 pub fn position(latitude_deg: f64, longitude_deg: f64) -> Result<(), Flaw> {
     let on_earth = |name, value: f64, limit: f64, expected| {
         if value.abs() <= limit {
@@ -70,7 +70,7 @@ pub fn position(latitude_deg: f64, longitude_deg: f64) -> Result<(), Flaw> {
 /// Checks that a quantity grows from row to row; if `strictly`, it may not stay equal.
 ///
 /// # Errors
-/// Names the quantity.
+/// Returns an error that names the quantity.
 pub fn forwards(name: &str, before: f64, now: f64, strictly: bool) -> Result<(), Flaw> {
     if now > before || (now == before && !strictly) {
         return Ok(());

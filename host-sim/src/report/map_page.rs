@@ -53,8 +53,8 @@ fn lead(ways: &[WayRows], drawn: usize) -> String {
     let runs = || rows.iter().map(|row| row.runs);
     let sigmas = rows.iter().map(|row| row.grade_sigma_percent);
     let mut words = format!(
-        "{:.1} km of road in cells of {GRID_M} m, from {} to {} runs each. Half of the cells are \
-         known within {:.3} % grade (one sigma).",
+        "{:.1} km of road in cells of {GRID_M} m, from {} to {} runs each. Half of the cells have \
+         a standard deviation below {:.3} % grade.",
         km(rows.len()),
         runs().min().unwrap_or(0),
         runs().max().unwrap_or(0),
@@ -63,7 +63,7 @@ fn lead(ways: &[WayRows], drawn: usize) -> String {
     if ways.len() > 1 {
         words += &format!(" {} ways", ways.len());
         if drawn < ways.len() {
-            words += &format!(", of which the {drawn} longest are drawn along their length");
+            words += &format!(", of which the {drawn} longest have a profile");
         }
         words += ".";
     }
@@ -130,13 +130,9 @@ fn plan_section(ways: &[WayRows]) -> Section {
             Figure::new(
                 "plan_grade",
                 &grade,
-                format!("Grade in the direction of travel; up is positive.{directions}"),
+                format!("Grade in the direction of travel; uphill is positive.{directions}"),
             ),
-            Figure::new(
-                "plan_sigma",
-                &sigma,
-                "How sure the grade is: its standard deviation.",
-            ),
+            Figure::new("plan_sigma", &sigma, "Standard deviation of the grade."),
         ],
     }
 }
@@ -170,7 +166,7 @@ fn table_section(longest: &[&WayRows]) -> Section {
     let caption = if listed.len() < longest.len() {
         format!("The {} longest of {} ways.", listed.len(), longest.len())
     } else {
-        "Longest first. Climb is what goes up, less what goes down.".to_owned()
+        "Longest first. Climb is the altitude gain less the loss.".to_owned()
     };
     Section {
         heading: "Ways".to_owned(),
@@ -262,10 +258,10 @@ fn profile_section(number: usize, way: &WayRows) -> Section {
             figure(
                 "grade",
                 &grade,
-                "Grade in the direction of travel. Where nothing is drawn no run has been.",
+                "Grade in the direction of travel. A gap has no run.",
             ),
             figure("sigma", &sigma, "Standard deviation of the grade."),
-            figure("runs", &runs, "Runs behind it."),
+            figure("runs", &runs, "Number of runs."),
         ],
     }
 }

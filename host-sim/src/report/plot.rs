@@ -49,7 +49,7 @@ pub struct Series {
     pub points: Vec<(f64, f64)>,
     /// Its colour.
     pub colour: RGBColor,
-    /// How it is drawn.
+    /// Style.
     pub mark: Mark,
 }
 

@@ -1,4 +1,4 @@
-//! The files for the assessment of a run besides its truth: log, vehicle, oracle. They are named on
+//! The companion files of a run: log, vehicle, oracle, beside its truth. They are named on
 //! the command line, or found beside the truth by their names.
 
 use super::rivals::{self, Rival};

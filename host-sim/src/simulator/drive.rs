@@ -141,7 +141,7 @@ struct Journey<'a> {
 /// Returns an error if the truck comes to a stop on its road.
 ///
 /// # Panics
-/// If the scenario has no run `index`.
+/// Panics if the scenario has no run `index`.
 pub fn drive(scenario: &Scenario, index: usize) -> Result<SimulatedDrive> {
     let run = &scenario.runs[index];
     let road = if run.backward {

@@ -25,7 +25,7 @@ struct RoadFileRow {
 /// Reads a road.
 ///
 /// # Errors
-/// Names the file, the line and what was expected.
+/// Returns an error that names the file, the line and the expected value.
 pub fn read(path: &Path) -> Result<Road> {
     let rows: Vec<RoadFileRow> = read_csv(path)?;
     let mut last_m = f64::NEG_INFINITY;

@@ -103,7 +103,7 @@ impl Scenario {
     /// Reads a scenario and the files that it names.
     ///
     /// # Errors
-    /// Names each unknown key, missing key and value out of range.
+    /// Returns an error that names each unknown key, missing key and value out of range.
     pub fn read(path: &Path) -> Result<Self> {
         let text = fs::read_to_string(path).map_err(Error::io(path))?;
         Self::parse(&text, path)

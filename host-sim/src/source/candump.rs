@@ -66,9 +66,9 @@ impl CandumpReader {
     /// Reads the next frame; `None` at the end.
     ///
     /// # Errors
-    /// Names the file, the line and what was expected: a line that is not candump's, a truncated
-    /// last line or gzip stream, time that runs backwards by more than 10 ms, a file without
-    /// frames. Frames returned before such an error are part of a damaged log.
+    /// Returns an error, with file, line and expected value, for a line that is not candump's, a
+    /// truncated last line or gzip stream, time that runs backwards by more than 10 ms, a file
+    /// without frames. Frames returned before such an error are part of a damaged log.
     pub fn next_frame(&mut self) -> Result<Option<TimedFrame>> {
         loop {
             if !self.lines.advance()? {

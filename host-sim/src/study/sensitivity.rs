@@ -255,15 +255,15 @@ fn run(_: &Setting) -> Result<StudyOutcome> {
     Ok(StudyOutcome::Done(Section {
         heading: "Sensitivity of the pointwise grade (section 4.1, figure 7)".to_owned(),
         words: vec![
-            "One parameter at a time is believed to be 120 % of what it is. The trucks hold \
-             80 km/h wherever they can: uphill, full load in the best gear sets the speed; \
-             downhill, engine and brakes together hold it, and their force counts as torque. The \
-             thesis draws the lines and prints no numbers; what it says of them is to be seen: \
-             mass and torque are the largest, differ by a shift and a scale only, and wind \
+            "One parameter at a time is assumed at 120 % of its true value. The trucks hold 80 \
+             km/h where possible. Uphill, full load in the best gear sets the speed; downhill, \
+             engine and brakes together hold it, and their force counts as torque. The thesis \
+             draws the lines and prints no numbers. Its statements can be verified here: mass and \
+             torque have the largest effect and differ by a shift and a scale only, and wind \
              matters for the light truck (20 % is 4.4 m/s; the thesis: roughly 5 m/s)."
                 .to_owned(),
-            "Drag area, rolling resistance and engine of the trucks are not in the thesis; common \
-             values stand for them, and offsets depend on them. Slopes do not."
+            "Drag area, rolling resistance and engine of the trucks are not in the thesis. Common \
+             values are used; offsets depend on them, slopes do not."
                 .to_owned(),
         ],
         tables: vec![effects(&vehicles)],
@@ -323,7 +323,7 @@ fn effects(presets: &[Preset]) -> Table {
         "error on the level %",
         "by hand",
     ];
-    let caption = "Slope of each line of figure 7 and its height on the level road, computed by \
+    let caption = "Slope of each line of figure 7 and its offset on the level road, computed by \
                    the filters' own code and by hand from eq. 9.";
     let rows = presets.iter().flat_map(|preset| {
         let vehicle = preset.parameters();

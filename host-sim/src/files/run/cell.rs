@@ -43,7 +43,7 @@ impl RunCell {
     /// Checks that the cell can follow `before` in a run.
     ///
     /// # Errors
-    /// Names the problem of the cell.
+    /// Returns an error that names the problem of the cell.
     pub(crate) fn check(&self, before: Option<&Self>) -> Result<(), Flaw> {
         let (latitude_deg, longitude_deg) = self.position.unwrap_or((0.0, 0.0));
         let (altitude_m, altitude_sigma_m) = self.altitude.unwrap_or((0.0, 1.0));

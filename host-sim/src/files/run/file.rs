@@ -54,7 +54,7 @@ impl RunRows for Rounded<'_> {
 /// Reads a run, CSV or Parquet.
 ///
 /// # Errors
-/// Names the file, the line and what was expected.
+/// Returns an error that names the file, the line and the expected value.
 pub fn read(path: &Path) -> Result<Vec<RunRow>> {
     if is_parquet(path) {
         parquet::read(path)
@@ -66,7 +66,7 @@ pub fn read(path: &Path) -> Result<Vec<RunRow>> {
 /// Reads the columns of a run that fusion needs, CSV or Parquet.
 ///
 /// # Errors
-/// Names the file, the line and what was expected.
+/// Returns an error that names the file, the line and the expected value.
 pub fn read_cells(path: &Path) -> Result<(Vec<RunCell>, RunIdentity)> {
     if is_parquet(path) {
         return parquet::read_cells(path);

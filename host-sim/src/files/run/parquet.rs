@@ -132,7 +132,7 @@ pub fn session(path: &Path) -> Result<Option<String>> {
 /// Reads a run.
 ///
 /// # Errors
-/// Names the file, the row and what was expected.
+/// Returns an error that names the file, the row and the expected value.
 pub fn read(path: &Path) -> Result<Vec<RunRow>> {
     let file = open_run(path)?;
     let promised = file.metadata("identity").map(str::to_owned);
@@ -207,7 +207,7 @@ pub fn read(path: &Path) -> Result<Vec<RunRow>> {
 /// Reads the columns of a run that fusion needs.
 ///
 /// # Errors
-/// Names the file, the row and what was expected.
+/// Returns an error that names the file, the row and the expected value.
 pub fn read_cells(path: &Path) -> Result<(Vec<RunCell>, RunIdentity)> {
     let file = open_run(path)?;
     let promised = file.metadata("identity").map(str::to_owned);

@@ -14,7 +14,7 @@ const PIECE: usize = 8;
 const PIECE_M: f64 = 100.0;
 /// Distance of positions from the last query before the index is queried again, m.
 const SURROUNDINGS_M: f64 = 50.0;
-/// Of the Earth, m.
+/// Radius of the Earth, m.
 const RADIUS_M: f64 = 6.37e6;
 
 /// A box with its way and segments.

@@ -88,12 +88,12 @@ impl RoadLine {
         Ok(road)
     }
 
-    /// Returns where the road begins, m.
+    /// Returns the distance of the start of the road, m.
     pub fn start_m(&self) -> f64 {
         self.points[0].distance_m
     }
 
-    /// Returns where the road ends, m.
+    /// Returns the distance of the end of the road, m.
     pub fn end_m(&self) -> f64 {
         self.points[self.points.len() - 1].distance_m
     }

@@ -33,7 +33,7 @@ pub fn is_geojson(path: &Path) -> bool {
 /// Reads a road or a network.
 ///
 /// # Errors
-/// Names the file, the line or feature, and what was expected.
+/// Returns an error that names the file, the line or feature, and the expected value.
 pub fn read(path: &Path) -> Result<Network> {
     if is_geojson(path) {
         return read_geojson(path);

@@ -131,7 +131,7 @@ pub fn stage(path: &Path, map: &GradeMap, runs: &RunList) -> Result<Staged> {
 /// Reads a map's sums.
 ///
 /// # Errors
-/// Names the file, the line and what was expected.
+/// Returns an error that names the file, the line and the expected value.
 pub fn read(path: &Path) -> Result<MapStore> {
     let (promised, promised_runs) = promised_counts(path)?;
     let rows = read_checked_with(

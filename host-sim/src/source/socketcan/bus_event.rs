@@ -1,4 +1,4 @@
-//! Events of an interface besides frames.
+//! Events of an interface other than frames.
 
 use serde::Serialize;
 use socketcan::errors::ControllerProblems;

@@ -66,7 +66,7 @@ pub struct FrameReceiver {
 }
 
 impl FrameReceiver {
-    /// Opens the interfaces and reads what passes `filters` until `stop` is set.
+    /// Opens the interfaces and reads the frames that pass `filters` until `stop` is set.
     ///
     /// # Errors
     /// Returns an error if an interface is missing or down. The message says what to do.

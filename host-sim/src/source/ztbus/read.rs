@@ -39,9 +39,9 @@ impl Mission {
     /// Reads a mission.
     ///
     /// # Errors
-    /// Names the file, the line and what was expected: missing columns, lines with too few or too
-    /// many fields, values that are not numbers, time that does not increase, a mission without a
-    /// GNSS fix.
+    /// Returns an error, with file, line and expected value, for missing columns, lines with too
+    /// few or too many fields, values that are not numbers, time that does not increase, a mission
+    /// without a GNSS fix.
     pub fn read(path: &Path) -> Result<Self> {
         mission(path)
     }

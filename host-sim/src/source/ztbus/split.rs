@@ -194,7 +194,7 @@ impl<'a> MissionTrack<'a> {
         turns(&places)
     }
 
-    /// Returns where each trip starts and ends.
+    /// Returns the start and the end of each trip.
     fn trips(&self) -> Vec<(Halt, Halt)> {
         let turns = self.turns();
         let mut termini = Termini::default();
