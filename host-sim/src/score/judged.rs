@@ -54,8 +54,8 @@ pub fn judge(path: &Path, truth: &[TruthRow], files: &Companions) -> Result<Judg
                 "the log {problem}; the run itself has no ratio to the oracle"
             ));
         } else if let Some(log) = files.named_log() {
-            let wanted = "expected the log that the run was estimated from";
-            return Err(Error::content(log, format!("{problem} {name}; {wanted}")));
+            let expected = "expected the log that the run was estimated from";
+            return Err(Error::content(log, format!("{problem} {name}; {expected}")));
         } else {
             let left_out = "original, modified and oracle left out";
             notes.push(format!("{left_out}: the log beside the truth {problem}"));

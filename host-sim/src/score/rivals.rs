@@ -99,17 +99,17 @@ impl Sampling {
 /// impossible.
 pub fn of_log(
     log: &Path,
-    believed: Option<&VehicleFile>,
+    assumed: Option<&VehicleFile>,
     oracle: Option<&OracleFile>,
     run_mps: f64,
 ) -> Result<Vec<Rival>> {
     let impossible = |e: &dyn ToString| Error::content(log, e.to_string());
-    let mut sampling = believed
+    let mut sampling = assumed
         .map(|vehicle| Sampling::of(vehicle.model.clone()))
         .transpose()
         .map_err(|e| impossible(&e))?;
     // In double precision, because the oracle has parameters with variances near zero.
-    let mut knowing = oracle
+    let mut oracle_recorder = oracle
         .map(|oracle| Recorder::<f64>::new(oracle.vehicle.model.clone(), oracle.tuning(run_mps)))
         .transpose()
         .map_err(|e| impossible(&e))?;
@@ -123,19 +123,19 @@ pub fn of_log(
             if let Some(sampling) = &mut sampling {
                 sampling.on_input(&input, &mut samples);
             }
-            if let Some(recorder) = &mut knowing {
+            if let Some(recorder) = &mut oracle_recorder {
                 recorder.on_input(&input.without_mass());
             }
         },
     )?;
     let mut rivals = Vec::new();
-    if let Some(vehicle) = believed {
+    if let Some(vehicle) = assumed {
         let start = start.unwrap_or_default();
         rivals.extend(
             ComparisonMethod::BOTH.map(|method| by_method(method, vehicle, &samples, start)),
         );
     }
-    if let Some(recorder) = knowing {
+    if let Some(recorder) = oracle_recorder {
         rivals.extend(of_run(&recorder.finish()?));
     }
     Ok(rivals)

@@ -67,7 +67,7 @@ impl CandumpReader {
     ///
     /// # Errors
     /// Returns an error, with file, line and expected value, for a line that is not candump's, a
-    /// truncated last line or gzip stream, time that runs backwards by more than 10 ms, a file
+    /// truncated last line or gzip stream, time that runs backwards by more than 10 ms, or a file
     /// without frames. Frames returned before such an error are part of a damaged log.
     pub fn next_frame(&mut self) -> Result<Option<TimedFrame>> {
         loop {

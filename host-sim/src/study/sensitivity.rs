@@ -160,7 +160,7 @@ pub fn error_percent(
     parameter: Parameter,
 ) -> Option<f64> {
     let torque_nm = at.force_n / Truck::new(vehicle)?.force_per_torque(at.gear);
-    let vehicle = believed(vehicle, parameter);
+    let vehicle = assumed_vehicle(vehicle, parameter);
     let truck = Truck::new(&vehicle)?;
     let (mut torque_nm, mut air_density) = (torque_nm, f64::from(STANDARD_AIR_DENSITY));
     match parameter {
@@ -189,22 +189,22 @@ pub fn error_percent(
 }
 
 /// Returns the vehicle with one parameter wrong.
-fn believed(vehicle: &VehicleParameters, parameter: Parameter) -> VehicleParameters {
+fn assumed_vehicle(vehicle: &VehicleParameters, parameter: Parameter) -> VehicleParameters {
     let factor = FACTOR as f32;
-    let mut believed = vehicle.clone();
+    let mut assumed = vehicle.clone();
     match parameter {
-        Parameter::Mass => believed.mass_kg *= factor,
-        Parameter::Drag => believed.drag_area_m2 *= factor,
-        Parameter::Rolling => believed.rolling_resistance *= factor,
-        Parameter::WheelRadius => believed.wheel_radius_m *= factor,
+        Parameter::Mass => assumed.mass_kg *= factor,
+        Parameter::Drag => assumed.drag_area_m2 *= factor,
+        Parameter::Rolling => assumed.rolling_resistance *= factor,
+        Parameter::WheelRadius => assumed.wheel_radius_m *= factor,
         Parameter::Driveline => {
-            if let Traction::Powertrain(powertrain) = &mut believed.traction {
+            if let Traction::Powertrain(powertrain) = &mut assumed.traction {
                 powertrain.final_drive_efficiency *= factor;
             }
         }
         Parameter::Torque | Parameter::Wind => {}
     }
-    believed
+    assumed
 }
 
 /// Returns the slope and offset near the level road, from the filters' own code.

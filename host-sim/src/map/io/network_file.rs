@@ -51,7 +51,7 @@ pub fn read(path: &Path) -> Result<Network> {
     Ok(Network::new(ways))
 }
 
-/// Creates a single road through these points, with a point for each of its cells, so that it is
+/// Creates a single road through these points, with a point for each of its cells. It is then
 /// the same whether it comes from its file or from a store. `path` is for error messages.
 ///
 /// # Errors

@@ -40,8 +40,8 @@ impl Mission {
     ///
     /// # Errors
     /// Returns an error, with file, line and expected value, for missing columns, lines with too
-    /// few or too many fields, values that are not numbers, time that does not increase, a mission
-    /// without a GNSS fix.
+    /// few or too many fields, values that are not numbers, time that does not increase, or a
+    /// mission without a GNSS fix.
     pub fn read(path: &Path) -> Result<Self> {
         mission(path)
     }
