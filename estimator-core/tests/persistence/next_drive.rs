@@ -42,7 +42,7 @@ fn what_a_drive_has_learned_is_in_it() {
 }
 
 #[test]
-fn precisions_leave_the_same() {
+fn all_precisions_leave_the_same_state() {
     let double = drive::<f64>(fresh(), 12_000, USUAL)
         .persistent_state()
         .unwrap();

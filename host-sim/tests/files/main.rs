@@ -1,4 +1,4 @@
-//! Files: vehicles, terrain tiles, entries beyond memory.
+//! Files: vehicle and tuning files, terrain tiles, spools.
 
 mod spool;
 mod terrain_tiles;
