@@ -11,6 +11,7 @@
 mod budget_tables;
 mod code_tables;
 mod counter_table;
+mod diagnosis_table;
 mod measured_tables;
 mod pipe_table;
 
@@ -56,6 +57,7 @@ const FLEET: &str = "roadgrade study fleet";
 const SENSORS: &str = "roadgrade study sensors";
 const THESIS: &str = "roadgrade study modified";
 const ZTBUS: &str = "roadgrade study ztbus";
+const DIAGNOSE: &str = "roadgrade diagnose";
 
 macro_rules! blocks {
     ($($page:literal $name:literal $from:ident $cost:ident $make:expr;)*) => {
@@ -92,6 +94,7 @@ blocks! {
     "docs/results.md" "fleet" FLEET Minute measured_tables::fleet();
     "docs/results.md" "thesis" THESIS Minute measured_tables::thesis();
     "docs/results.md" "bus" ZTBUS Minute measured_tables::bus();
+    "docs/results.md" "bus diagnosis" DIAGNOSE Seconds diagnosis_table::bus();
     "README.md" "accuracy" ACCURACY Minute measured_tables::accuracy_in_short();
 }
 
