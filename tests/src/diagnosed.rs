@@ -67,8 +67,8 @@ pub struct CaseOutcome {
     pub case: DiagnosisCase,
     /// Its diagnosis.
     pub diagnosis: Diagnosis,
-    /// Grade errors of the filter on the runs held out: with the believed vehicle, with the
-    /// diagnosed vehicle, and with the believed vehicle where nothing was planted.
+    /// Grade errors of the filter on the runs held out: with the assumed vehicle, with the
+    /// diagnosed vehicle, and with the assumed vehicle where nothing was planted.
     pub filtered: [GradeErrors; 3],
 }
 
@@ -149,18 +149,18 @@ impl DiagnosisCase {
         };
         let without = logs("without", 0.0)?;
         let logs = logs("case", self.size_percent)?;
-        let believed = VehicleFile::read(&logs.vehicle)?;
+        let assumed = VehicleFile::read(&logs.vehicle)?;
         let diagnosis = diagnose(&Request {
             tuning: Tuning::default(),
-            vehicle: believed.clone(),
+            vehicle: assumed.clone(),
             logs: logs.fit.clone(),
             held_out: logs.held_out.clone(),
             reference: None,
         })?;
         let filtered = [
-            GradeErrors::of(&logs, &believed)?,
+            GradeErrors::of(&logs, &assumed)?,
             GradeErrors::of(&logs, &diagnosis.vehicle)?,
-            GradeErrors::of(&without, &believed)?,
+            GradeErrors::of(&without, &assumed)?,
         ];
         Ok(CaseOutcome {
             case: self.clone(),

@@ -74,7 +74,7 @@ pub struct Amount {
 /// The files for a diagnosis, and the truth.
 #[derive(Clone, Debug)]
 pub struct PlantedLogs {
-    /// The believed vehicle.
+    /// The assumed vehicle.
     pub vehicle: PathBuf,
     /// Two runs in each direction.
     pub fit: Vec<PathBuf>,
@@ -107,7 +107,7 @@ pub struct PlantedTruth {
 /// The size is the effect's force over the truck's weight in %, as RMS over the distance of all
 /// six runs without shift or brake. For `wheel_radius` it is the error of the radius in %. A
 /// negative size makes `rolling_resistance`, `air_drag`, `mass`, `torque_scale` or `wheel_radius`
-/// less than believed.
+/// less than assumed.
 ///
 /// The logs and `vehicle.toml` go into `folder`. The truth goes into the folder of the same name
 /// with `.truth` appended.
@@ -197,7 +197,7 @@ pub fn amount(effect: &str, size_percent: f64, truck: &str, seed: u64) -> Result
     bench.calibrated(effect, size_percent)
 }
 
-/// Returns what the believed vehicle does not explain in all runs of a scenario, except gusts:
+/// Returns what the assumed vehicle does not explain in all runs of a scenario, except gusts:
 /// RMS over the distance driven without shift or brake, %.
 ///
 /// # Errors

@@ -236,7 +236,7 @@ fn uncertainty_comes_with_what_it_depends_on() {
 }
 
 #[test]
-fn what_was_learned_without_an_effect_is_refused_with_one() {
+fn a_state_learned_without_an_effect_is_refused_with_one() {
     let refused = |adopted: AdoptedEffect| {
         let model = with(by_force(), &[adopted]);
         Estimator::<f32>::restore(model, Tuning::default(), &KEPT).map(drop)

@@ -103,7 +103,7 @@ proptest! {
 }
 
 #[test]
-fn what_is_not_known_is_null() {
+fn unknown_values_are_null() {
     assert_eq!(serde_json::to_string(&Maybe::NONE).unwrap(), "null");
     assert_eq!(serde_json::from_str::<Maybe>("null").unwrap(), Maybe::NONE);
     assert_eq!(serde_json::to_string(&Maybe::some(1.5)).unwrap(), "1.5");

@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 use test_kit::command::program;
 
-/// Factors of the true parameters over the believed ones, as in a fleet.
+/// Factors of the true parameters over the assumed ones, as in a fleet.
 #[derive(Clone, Copy)]
 struct Factors {
     mass: f64,

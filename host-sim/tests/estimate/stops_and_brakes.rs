@@ -138,21 +138,21 @@ fn a_launch_on_a_hill_does_not_corrupt_the_slope() {
 #[test]
 fn undeclared_braking_is_not_read_as_uphill() {
     let guess = Tuning::default();
-    let mut believe = Tuning::default();
-    believe.detection.undeclared_brake_percent = f32::INFINITY;
+    let mut without_detection = Tuning::default();
+    without_detection.detection.undeclared_brake_percent = f32::INFINITY;
     for (truck, brakes_often) in [("A", true), ("B", false)] {
         let errors = |tuning, without| mean_errors(truck, "set_speed", tuning, without, 6_500.0);
         let reported = errors(&guess, &[]);
         let guessed = errors(&guess, BRAKES);
-        let believed = errors(&believe, BRAKES);
+        let undetected = errors(&without_detection, BRAKES);
         for k in 0..3 {
             assert!(
                 guessed[k] < 1.35 * reported[k],
                 "{truck}: {guessed:?}, reported {reported:?}"
             );
             assert!(
-                !brakes_often || believed[k] > 2.0 * guessed[k],
-                "{truck}: {believed:?}, guessed {guessed:?}"
+                !brakes_often || undetected[k] > 2.0 * guessed[k],
+                "{truck}: {undetected:?}, guessed {guessed:?}"
             );
         }
     }

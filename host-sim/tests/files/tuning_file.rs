@@ -1,4 +1,4 @@
-//! Tuning files: every parameter can be set, what is wrong is named, and the commands use them.
+//! Tuning files: every parameter can be set, errors are named, and the commands use the files.
 
 use estimator_core::Tuning;
 use host_sim::files::tuning::read_or_default;
@@ -44,7 +44,7 @@ fn a_missing_key_keeps_its_default() {
 }
 
 #[test]
-fn what_is_wrong_is_named_with_what_is_expected() {
+fn errors_name_the_expected_value() {
     for (text, named) in [
         (
             "[gate]\n",

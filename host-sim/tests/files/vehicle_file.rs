@@ -78,7 +78,7 @@ fn without_effects_the_file_does_not_mention_them() {
 }
 
 #[test]
-fn what_is_wrong_with_an_effect_is_named() {
+fn errors_of_effects_are_named() {
     for (effects, expected) in [
         (
             "[effects.tire_warmup]\namount = 1\namount_sigma = 0\n",

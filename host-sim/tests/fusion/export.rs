@@ -284,7 +284,7 @@ fn the_page_draws_plan_profiles_and_uncertainty() {
         "Way way/7 backward",
         "± 2 sigma",
         "sigma of grade (%)",
-        "Runs behind it.",
+        "Number of runs.",
         "climb m",
     ] {
         assert!(page.contains(part), "{part}");
@@ -311,7 +311,7 @@ fn the_page_draws_plan_profiles_and_uncertainty() {
 }
 
 #[test]
-fn what_cannot_be_exported_is_refused() {
+fn impossible_exports_are_refused() {
     let folder = folder();
     save(folder.path(), "map.csv", &ways());
     for arguments in [

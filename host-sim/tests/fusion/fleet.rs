@@ -21,7 +21,7 @@ fn mean(values: impl Iterator<Item = f64>) -> f64 {
 }
 
 #[test]
-fn sigmas_stay_honest_as_runs_of_a_day_are_added() {
+fn sigmas_stay_consistent_as_runs_of_a_day_are_added() {
     let counts = [1, 3, 5, 12];
     let nees: Vec<Vec<[f64; 2]>> = (0..8_u64)
         .into_par_iter()

@@ -22,7 +22,7 @@ fn a_constant_offset_is_bias_and_rmse() {
 }
 
 #[test]
-fn what_averages_out_in_a_window_is_no_error_and_what_does_not_is() {
+fn errors_within_a_window_average_out_and_errors_of_windows_do_not() {
     let flat = profile(|_| 0.0);
     let fast = profile(|at_m| (at_m * std::f64::consts::TAU / 100.0).sin());
     let errors = window_errors(&fast, &flat, 600.0).unwrap();

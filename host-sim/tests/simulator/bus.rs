@@ -114,10 +114,10 @@ fn a_wrong_torque_is_a_wrong_scale_of_the_signal() {
     let scenario = scenario(&[&text]);
     let run = simulate(&scenario, 0).unwrap();
     let recording = Recording::new(&scenario, 0).unwrap();
-    let Traction::Powertrain(believed) = &run.vehicle.model.vehicle.traction else {
+    let Traction::Powertrain(assumed) = &run.vehicle.model.vehicle.traction else {
         panic!("A has an engine");
     };
-    assert_eq!(believed.reference_torque_nm, 1750.0);
+    assert_eq!(assumed.reference_torque_nm, 1750.0);
     let mut latest = BTreeMap::new();
     let mut compared = 0;
     for (time, _, signal, value) in readings(&run) {

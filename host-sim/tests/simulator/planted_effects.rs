@@ -291,7 +291,7 @@ fn wheels_of_another_radius_report_another_speed() {
         }
     }
     assert!(compared > 500);
-    // Shafts turn as the wheels do: speed and engine speed agree for the believed radius.
+    // Shafts turn as the wheels do: speed and engine speed agree for the assumed radius.
     let rpm = series(&run, Signal::EngineSpeed)[1000].1;
     let near = series(&run, Signal::WheelSpeed)[100].1;
     assert!((near / 0.5 * 2.92 * 60.0 / std::f32::consts::TAU / rpm - 1.0).abs() < 2e-3);

@@ -387,7 +387,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
     #[test]
-    fn what_was_written_is_read_back(
+    fn written_frames_are_read_back(
         start in 0..2_000_000_000_000_000_u64,
         frames in prop::collection::vec((0..5_000_000_u64, any_frame()), 1..50),
     ) {

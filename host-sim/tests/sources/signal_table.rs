@@ -251,7 +251,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
     #[test]
-    fn what_was_written_is_read_back(
+    fn written_tables_are_read_back(
         columns in prop::sample::subsequence(Signal::ALL.to_vec(), 1..=Signal::ALL.len()).prop_shuffle(),
         rows in prop::collection::vec(
             (0..100_000_000_u64, prop::collection::vec(prop::option::of(-85.0_f32..85.0), Signal::ALL.len())),

@@ -164,8 +164,8 @@ fn share_left() -> f64 {
 
 #[test]
 fn the_mass_correction_finds_a_planted_error() {
-    // A false mass alone: with m believed as m/(1+k), α_p − α = k·(α + cr + acceleration/g) and
-    // drag, so the slope on α is k, and m(1+k) is the truth.
+    // A false mass alone: with the assumed mass m/(1+k), α_p − α = k·(α + cr + acceleration/g)
+    // and drag, so the slope on α is k, and m(1+k) is the truth.
     for k in [0.2, 0.1, -0.08, -0.15] {
         let gps = vec![0.0; 16_000];
         let errors = Disturbances {

@@ -133,7 +133,7 @@ fn each_slope_and_offset_is_that_of_the_analytic_derivative() {
 }
 
 #[test]
-fn what_the_thesis_says_of_figure_7_holds() {
+fn the_statements_of_the_thesis_on_figure_7_hold() {
     let level = |preset: Preset, parameter| analytic(&preset.parameters(), parameter);
     for preset in [Preset::A, Preset::B] {
         let vehicle = preset.parameters();

@@ -41,12 +41,12 @@ const M_PER_DEG: f64 = 111_132.0;
 /// Drives for `seconds` and returns the estimates of all cells. A vehicle with an engine reports
 /// torque, in a gear of ratio one and for the wheels of `truth`.
 pub fn drive(
-    believed: &Model,
+    assumed: &Model,
     truth: &VehicleParameters,
     planted: PlantedDifference,
     seconds: f32,
 ) -> Vec<Estimate> {
-    let mut estimator = Estimator::<f32>::new(believed.clone(), Tuning::default()).unwrap();
+    let mut estimator = Estimator::<f32>::new(assumed.clone(), Tuning::default()).unwrap();
     let mut estimates = Vec::new();
     let mut driven_m = 0.0_f32;
     let mut north_m = 0.0_f64;

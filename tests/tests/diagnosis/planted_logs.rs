@@ -141,7 +141,7 @@ fn the_logs_do_not_reveal_the_effect() {
     );
     let vehicle = VehicleFile::read(&logs.vehicle).unwrap();
     assert_eq!(vehicle.model, Preset::A.parameters().into());
-    // The reported mass (SPN 1760, in steps of 10 kg) is the believed one, too.
+    // The reported mass (SPN 1760, in steps of 10 kg) is the assumed one, too.
     let (_, signals) = read(&logs.fit[0]);
     assert!(signals[&Signal::Mass].iter().all(|m| m.1 == 39_000.0));
 
@@ -252,7 +252,7 @@ fn at(values: &[(f64, f64)], time_s: f64) -> f64 {
 }
 
 /// Returns the RMS over windows without shift or brake of a grade error in %: the height that the
-/// believed force balance gives from the logged torque and speed, less the true height, over the
+/// assumed force balance gives from the logged torque and speed, less the true height, over the
 /// distance.
 fn reported_rms_percent(logs: &PlantedLogs) -> f64 {
     let runs = logs.fit.iter().chain(&logs.held_out);

@@ -1,4 +1,4 @@
-//! Pages in Markdown: headings, links, and what is set as code.
+//! Pages in Markdown: headings, links, and code.
 
 use pulldown_cmark::{CodeBlockKind, Event, Options, Parser, Tag, TagEnd};
 use std::collections::BTreeMap;
