@@ -1,8 +1,8 @@
 //! Gives each image its linker script: `src/bin/NAME.x` is the memory of `src/bin/NAME.rs` and of
 //! `src/bin/NAME_*.rs` that have none of their own.
 //!
-//! Done here and not by `rustflags` in `.cargo/config.toml`, which an environment that sets
-//! `RUSTFLAGS` silently replaces: the image would link, without a vector table.
+//! This is not done by `rustflags` in `.cargo/config.toml`. The environment variable `RUSTFLAGS`
+//! silently replaces those, and the image would link without a vector table.
 
 use std::path::{Path, PathBuf};
 use std::{env, fs};

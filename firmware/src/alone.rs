@@ -1,5 +1,5 @@
-//! The estimator in an image with next to nothing else: what it adds to flash and static memory,
-//! and whether it can panic, is read off the linked images of `src/bin/alone_*.rs`.
+//! The estimator in an image with nearly nothing else. The linked images of `src/bin/alone_*.rs`
+//! show how much flash and static memory it adds, and whether it can panic.
 
 use crate::exchange::frame::RecordedFrame;
 use core::hint::black_box;
@@ -7,8 +7,8 @@ use estimator_core::effect::CATALOGUE;
 use estimator_core::{AdoptedEffect, Estimator, Instant, Model, PersistentState, Scalar, Tuning};
 use static_cell::StaticCell;
 
-/// Returns a program that uses all of the estimator, with every effect to choose from; `None` when
-/// there is no more input.
+/// Uses all of the estimator, with every effect of the catalogue. Returns `None` when an input is
+/// missing or refused.
 pub fn run<S: Scalar>(place: &'static StaticCell<Estimator<S>>) -> Option<()> {
     let mut model: Model = input()?;
     for effect in CATALOGUE {
@@ -45,7 +45,7 @@ pub fn run<S: Scalar>(place: &'static StaticCell<Estimator<S>>) -> Option<()> {
     Some(())
 }
 
-/// Input of which the compiler knows nothing.
+/// Returns an input that the compiler cannot predict.
 fn input<T>() -> Option<T> {
     black_box(None)
 }

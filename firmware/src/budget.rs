@@ -1,7 +1,7 @@
-//! What the estimator costs on the board: a recorded drive, its instructions and stack counted.
+//! The cost of the estimator on the board: instructions and stack for a recorded drive.
 //!
-//! The drive passes twice: through the estimator, call by call as a program makes them, and
-//! through its parts, so that the filter and the smoothing can be told apart.
+//! The drive runs twice: through the estimator, with the calls that a program makes, and through
+//! its parts, so that the filter and the smoother are counted separately.
 
 use crate::meter::{CountTally, InstructionMeter, Uncountable, depth};
 use crate::recorded::{Recorded, Unusable};
@@ -10,27 +10,27 @@ use estimator_core::filter::{Filter, SensorNoiseRatios};
 use estimator_core::smoother::fixed_lag::{BLOCK_CELLS, FixedLag, LAG_CELLS};
 use estimator_core::{Context, Estimator, Instant, Intake, Sampler, Scalar, Tuning};
 
-/// Steps before the lag is full, and each block of cells finishes another.
+/// Number of steps until the lag is full and each new block of cells finishes another block.
 const FILLING_STEPS: u32 = (LAG_CELLS + BLOCK_CELLS) as u32;
 
-/// What was counted, of one scalar.
+/// The counts of one scalar type.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Budget {
     estimator_bytes: usize,
-    /// Beside the estimator itself, which may be made in its place.
+    /// Without the estimator itself, which may be created in place.
     start_stack_bytes: usize,
     stack_bytes: usize,
     ignored_frame: CountTally,
     relevant_frame: CountTally,
     /// A call of `step` and the cells fetched after it.
     cell: CountTally,
-    /// The filter's part, with both measurements.
+    /// A filter step with both measurements.
     full_step: CountTally,
-    /// The filter's part, whatever was measured.
+    /// A filter step with any measurements.
     step: CountTally,
-    /// The smoother's part, once the lag is full.
+    /// The work of the smoother for a cell when the lag is full.
     lag: CountTally,
-    /// The estimate now.
+    /// The live estimate.
     live: CountTally,
 }
 
@@ -55,10 +55,10 @@ impl From<Unusable> for BudgetError {
     }
 }
 
-/// Counts in this scalar.
+/// Counts in this scalar type.
 ///
 /// # Errors
-/// An unusable drive, or a call too long to count.
+/// The drive is unusable, or a call is too long to count.
 pub fn run<S: Scalar>(meter: &mut InstructionMeter) -> Result<Budget, BudgetError> {
     let mut budget = Budget {
         estimator_bytes: size_of::<Estimator<S>>(),
@@ -70,7 +70,7 @@ pub fn run<S: Scalar>(meter: &mut InstructionMeter) -> Result<Budget, BudgetErro
 }
 
 impl Budget {
-    /// Returns what a program that uses the estimator sees.
+    /// Counts the calls of a program that uses the estimator.
     fn through_estimator<S: Scalar>(
         &mut self,
         meter: &mut InstructionMeter,
@@ -126,7 +126,7 @@ impl Budget {
         }
     }
 
-    /// Returns the same drive, with the filter and the smoother called one after the other.
+    /// Counts the filter and the smoother separately, on the same drive.
     fn through_parts<S: Scalar>(
         &mut self,
         meter: &mut InstructionMeter,
@@ -138,7 +138,8 @@ impl Budget {
         let mut filter = Filter::<S>::new(&context.tuning, &SensorNoiseRatios::default(), None);
         let mut lag = FixedLag::<S>::new();
         let mut steps = 0;
-        // Whole blocks only: a mean over a part of one would miss, or overrate, its end.
+        // Whole blocks only. The work is at the end of a block, so the mean over a part of it would
+        // be wrong.
         let mut block_of_lag = CountTally::default();
         loop {
             let block = drive.next_block()?;
@@ -176,7 +177,7 @@ impl Budget {
     }
 }
 
-/// One figure a line, name and number.
+/// Prints one figure a line, name and number.
 impl fmt::Display for Budget {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "estimator_bytes {}", self.estimator_bytes)?;

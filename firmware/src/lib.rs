@@ -1,10 +1,10 @@
-//! What the images of several boards share: no estimator logic of its own.
+//! The code that the images of several boards share. It has no estimator logic of its own.
 //!
-//! * [`exchange`]: the files that an emulated board and a host exchange; builds everywhere;
-//! * `recorded`: a drive out of such a file; `replay`: it through the estimator; `budget`: what
-//!   that costs, counted by `meter`; only on emulated boards;
-//! * `alone`: the estimator and next to nothing else, to see what it adds to an image;
-//! * [`ending!`]: how an image ends, on a board and on a host.
+//! * [`exchange`]: the files that an emulated board and a host exchange; builds for every target;
+//! * `recorded` reads a drive from such a file, `replay` runs it through the estimator, `budget`
+//!   counts the cost with `meter`; only on emulated boards;
+//! * `alone`: the estimator and nearly nothing else, to measure what it adds to an image;
+//! * [`ending!`]: the end of an image, on a board and on a host.
 
 #![no_std]
 #![warn(missing_docs)]
@@ -21,7 +21,7 @@ pub mod recorded;
 #[cfg(target_os = "none")]
 pub mod replay;
 
-/// Waits for ever.
+/// Waits forever.
 #[cfg(target_os = "none")]
 pub fn wait() -> ! {
     loop {
@@ -29,11 +29,12 @@ pub fn wait() -> ! {
     }
 }
 
-/// How an image ends: by a panic that is `told`, with exit status 101, or `silent`; and on a host,
-/// where it is none, so that `cargo build --workspace` and editors get through.
+/// Defines the end of an image. A panic is `reported`, with exit status 101, or `silent`. On a
+/// host, where the image cannot run, it defines a `main` so that `cargo build --workspace` and
+/// editors work.
 #[macro_export]
 macro_rules! ending {
-    (told) => {
+    (reported) => {
         $crate::ending!(info => {
             semihosting::eprintln!("{info}");
             semihosting::process::exit(101)

@@ -1,4 +1,4 @@
-//! A recorded drive, fetched by semihosting in blocks: each fetch stops the processor.
+//! A recorded drive, read by semihosting in blocks, since each read stops the processor.
 
 use crate::exchange::DRIVE_FILE;
 use crate::exchange::frame::{self, FRAME_BYTES, RecordedFrame};
@@ -8,7 +8,7 @@ use estimator_core::{Instant, Model, ParameterError};
 use semihosting::fs::File;
 use semihosting::io::{self, Read};
 
-/// Frames fetched at once.
+/// Number of frames in a block.
 const BLOCK_FRAMES: usize = 128;
 
 /// An open [`DRIVE_FILE`].
@@ -22,13 +22,13 @@ pub struct Recorded {
 /// Why a drive cannot be used.
 #[derive(Debug)]
 pub enum Unusable {
-    /// It cannot be read.
+    /// The file cannot be read.
     Read(io::Error),
-    /// Its header is refused.
+    /// The header is refused.
     Header(HeaderError),
-    /// The record of this frame, from 1, is none.
+    /// The record of this frame, counted from 1, is malformed.
     Frame(u32),
-    /// No vehicle has such a parameter.
+    /// A parameter of the vehicle is impossible.
     Vehicle(ParameterError),
 }
 
@@ -50,10 +50,10 @@ impl Recorded {
         Ok((model, recorded))
     }
 
-    /// Returns the next frames and when they were received; none at the end.
+    /// Returns the next frames with their times of reception; none at the end.
     ///
     /// # Errors
-    /// They cannot be read; and each that is malformed.
+    /// The file cannot be read. Each malformed frame is an error of its own.
     pub fn next_block(
         &mut self,
     ) -> Result<
@@ -68,14 +68,14 @@ impl Recorded {
         }))
     }
 
-    /// Frames handed out so far.
+    /// Returns the number of frames so far.
     #[must_use]
     pub const fn frames(&self) -> u32 {
         self.frames
     }
 }
 
-/// Reads until the buffer is full or the file ends; returns how much was read.
+/// Reads until the buffer is full or the file ends. Returns the number of bytes.
 fn fill(file: &mut File, buffer: &mut [u8]) -> Result<usize, Unusable> {
     let mut filled = 0;
     while filled < buffer.len() {

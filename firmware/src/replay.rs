@@ -1,4 +1,4 @@
-//! A recorded drive through the estimator, its files reached by semihosting.
+//! Runs a recorded drive through the estimator. Its files are read and written by semihosting.
 
 use crate::exchange::CELLS_FILE;
 use crate::exchange::cell;
@@ -9,10 +9,10 @@ use semihosting::fs::File;
 use semihosting::io::{self, Write};
 use static_cell::StaticCell;
 
-/// Too large for a controller's stack, and in `.bss` its size can be read off the image.
+/// Static, since it is too large for a controller's stack. Its size can be read from the image.
 static ESTIMATOR: StaticCell<Estimator<f32>> = StaticCell::new();
 
-/// How often the estimate is logged.
+/// Number of cells from one log of the estimate to the next.
 const CELLS_PER_KM: u32 = 400;
 
 /// Why a replay ended early.
@@ -30,14 +30,14 @@ impl From<Unusable> for ReplayError {
     }
 }
 
-/// Feeds every frame of the recorded drive to the estimator, writes the cells to [`CELLS_FILE`], and
-/// logs the estimate each kilometre and what became of altitudes that did not fit.
+/// Feeds every frame of the recorded drive to the estimator and writes the cells to [`CELLS_FILE`].
+/// Logs the estimate each kilometre, and the events of the altitude gate.
 ///
 /// # Errors
-/// An unusable drive, or no place for the cells.
+/// The drive is unusable, or the cells cannot be written.
 ///
 /// # Panics
-/// When called twice: there is one estimator.
+/// Panics when called twice: there is one estimator.
 pub fn run() -> Result<(), ReplayError> {
     let (vehicle, mut drive) = Recorded::open()?;
     let estimator = Estimator::new(vehicle, Tuning::default()).map_err(Unusable::Vehicle)?;
@@ -57,7 +57,7 @@ pub fn run() -> Result<(), ReplayError> {
             let (time, frame) = frame?;
             estimator.on_frame(time, &frame);
             while let Some(step) = estimator.step() {
-                tell(estimator, step);
+                log_estimate(estimator, step);
                 while let Some(cell) = estimator.next_cell() {
                     cells.write(&cell)?;
                 }
@@ -79,8 +79,8 @@ pub fn run() -> Result<(), ReplayError> {
     Ok(())
 }
 
-/// What a fleet would like to know while it drives.
-fn tell(estimator: &Estimator<f32>, step: Step) {
+/// Logs the estimate each kilometre, and an event of the altitude gate.
+fn log_estimate(estimator: &Estimator<f32>, step: Step) {
     if let Step::Moved(Some(event)) = step {
         defmt::warn!("altitude: {}", event);
     }
@@ -91,7 +91,7 @@ fn tell(estimator: &Estimator<f32>, step: Step) {
     }
 }
 
-/// [`CELLS_FILE`] while it is written.
+/// The writer of [`CELLS_FILE`].
 struct Cells {
     file: File,
     count: u32,

@@ -1,5 +1,5 @@
-//! Gives the image its linker scripts. Done here and not by `rustflags`, which an environment that
-//! sets `RUSTFLAGS` silently replaces: the image would link, without a vector table.
+//! Gives the image its linker scripts. This is not done by `rustflags`. The environment variable
+//! `RUSTFLAGS` silently replaces those, and the image would link without a vector table.
 
 use std::path::PathBuf;
 use std::{env, fs};

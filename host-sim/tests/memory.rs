@@ -1,4 +1,4 @@
-//! Memory that a long drive takes, counted by the allocator: no more than a short one.
+//! A long drive takes no more memory than a short one. The allocator counts it.
 
 use estimator_core::Tuning;
 use host_sim::files::run::{Origin, write_rows};
@@ -25,7 +25,7 @@ wheel_inertia_kgm2 = 100.0
 source = \"force\"
 ";
 
-/// A drive over hills at 25 m/s, one line a second.
+/// Writes the log of a drive over hills at 25 m/s, one line a second.
 fn write_log(path: &Path, km: usize) {
     let mut text = String::from(
         "time_s,wheel_speed_mps,traction_force_n,latitude_deg,longitude_deg,altitude_m\n",
@@ -44,7 +44,7 @@ fn write_log(path: &Path, km: usize) {
     fs::write(path, text).unwrap();
 }
 
-/// The most bytes that were allocated at once on the way from a log to a run file.
+/// Returns the largest number of allocated bytes between a log and its run file.
 fn peak(folder: &Path, km: usize, ending: &str) -> usize {
     let (log, out) = (
         folder.join("drive.csv"),
@@ -63,7 +63,7 @@ fn peak(folder: &Path, km: usize, ending: &str) -> usize {
     ALLOCATOR.peak_usage() - before
 }
 
-// One test: others beside it would be counted too.
+// A single test, since others at the same time would be counted, too.
 #[test]
 fn a_drive_of_a_thousand_km_takes_no_more_than_one_of_ten() {
     let folder = TempDir::new().unwrap();
@@ -75,7 +75,7 @@ fn a_drive_of_a_thousand_km_takes_no_more_than_one_of_ten() {
         "{short} bytes for 10 km, {long} for 1,000 km"
     );
     assert!(long < 4_000_000, "{long}");
-    // A row group of Parquet, those of 164 km, is in memory.
+    // A row group of Parquet, which is the rows of 164 km, is in memory.
     let (short, long) = (peak(200, "parquet"), peak(1_000, "parquet"));
     eprintln!("Parquet: {short} bytes for 200 km, {long} for 1,000 km");
     assert!(

@@ -1,5 +1,5 @@
 # shellcheck shell=bash disable=SC2154 # Variables of tests/run.
-# What is built for boards: clippy, the core alone, the images, and what they cost.
+# The code for boards: clippy, the core alone, the images, and their cost.
 
 check_clippy_boards() {
     # Benches are not run here; they have to compile.
@@ -53,6 +53,6 @@ check_budgets() {
     need_target "$board"
     need_target "$small"
     need_program qemu-system-arm
-    # As it was built with the tests: what it measures are images, which it builds as they are to be.
+    # The profile of the tests. The example itself builds the measured images as releases.
     cargo run --example budgets -- --check
 }

@@ -1,7 +1,7 @@
 # shellcheck shell=bash disable=SC2154 # Variables of tests/run.
-# Arbitrary input to what reads it, steered to what it has not yet reached.
+# Fuzzing: arbitrary input, steered by coverage.
 
-# What cargo-fuzz builds with: coverage, on the stable toolchain and without it being installed.
+# The flags of cargo-fuzz for coverage, so that the stable toolchain without cargo-fuzz suffices.
 readonly coverage="--cfg fuzzing -Cpasses=sancov-module \
 -Cllvm-args=-sanitizer-coverage-level=4 \
 -Cllvm-args=-sanitizer-coverage-inline-8bit-counters \
@@ -9,7 +9,7 @@ readonly coverage="--cfg fuzzing -Cpasses=sancov-module \
 -Cllvm-args=-sanitizer-coverage-trace-compares \
 -Cllvm-args=-sanitizer-coverage-stack-depth"
 
-# From the committed seeds on, the same each time.
+# Starts from the committed seeds and is the same each time.
 check_fuzz() {
     build_fuzz
     local name runs
@@ -40,7 +40,7 @@ host_triple() {
     rustc -vV | sed -n 's/^host: //p'
 }
 
-# For a named target, so that build scripts are built without coverage.
+# The target is named, so that build scripts are built without coverage.
 build_fuzz() {
     RUSTFLAGS=$coverage cargo build --release --manifest-path tests/fuzz/Cargo.toml --bins \
         --target "$(host_triple)" --target-dir "$target/fuzz"

@@ -1,6 +1,6 @@
 # shellcheck shell=bash disable=SC2154 # Variables of tests/run.
-# What takes hours. Each check writes a file in tests/long, which is committed: first the source that
-# it belongs to and how much was done, as comments, then the figures.
+# Checks that take hours. Each writes a committed file in tests/long: comments with the source that
+# it belongs to and with the amount, then the figures.
 
 readonly soak_days=${SOAK_DAYS:-365}
 readonly seeds=${SEEDS:-20}
@@ -9,7 +9,7 @@ readonly fuzz_s=${FUZZ_S:-3600}
 readonly mutants_shard=${MUTANTS_SHARD:-0/1}
 readonly long_results=(soak.csv seeds.csv diagnosis.txt fuzz.csv mutants.csv)
 
-# A truck that drives without a stop, on one estimator, for SOAK_DAYS days.
+# One estimator on a truck that drives for SOAK_DAYS days without a stop.
 check_long_soak() {
     local log=$work/log status=0
     SOAK_DAYS=$soak_days cargo test --test faults many_days_without_a_stop -- \
@@ -22,7 +22,7 @@ check_long_soak() {
     return "$status"
 }
 
-# The quick tests, whose properties draw other cases with each seed.
+# The quick tests with many seeds. The property tests draw other cases with each seed.
 check_long_seeds() {
     local seed counts rows=$work/rows
     for ((seed = 1; seed <= seeds; seed++)); do
@@ -36,7 +36,7 @@ check_long_seeds() {
     ! grep -qv ',0$' "$rows"
 }
 
-# The bench of the diagnosis, on logs of other seeds.
+# The bench of the diagnosis, on logs of many seeds.
 check_long_diagnosis() {
     local status=0
     cargo run --release -p cross-tests --example diagnosis_bench -- \
@@ -46,7 +46,7 @@ check_long_diagnosis() {
     return "$status"
 }
 
-# From the seeds and from what earlier runs found, FUZZ_S seconds a target.
+# Fuzzes each target for FUZZ_S seconds, from the seeds and the inputs that earlier runs found.
 check_long_fuzz() {
     build_fuzz
     local name status=0
@@ -73,18 +73,18 @@ fuzz_long() {
     return "$status"
 }
 
-# Does a test of the core fail if a line of it is wrong?
+# Changes lines of the core. A test of the core must fail.
 check_long_mutants() {
     has_program cargo-mutants || cargo install --locked cargo-mutants ||
         not_run mutants.csv "cargo-mutants could not be installed"
     local out=$target/mutants status=0
     rm -rf "$out"
     mkdir -p "$out"
-    # The folder is removed, so that cargo's temporary copy does not have it.
+    # The variable is unset, so that the temporary copies do not share the target folder.
     env -u CARGO_TARGET_DIR cargo mutants --package estimator-core --shard "$mutants_shard" \
         --output "$out" --timeout 120 --no-times --colors never \
         -- --lib --tests || status=$?
-    # 2: some were not caught, 3: some took too long.
+    # 2: some mutants were not caught, 3: some took too long.
     ((status == 0 || status == 2 || status == 3)) || return "$status"
     local outcome path=$out/mutants.out
     {
@@ -98,7 +98,7 @@ check_long_mutants() {
 
 # --- results ---------------------------------------------------------------------------------------
 
-# Says which results are older than the source. That fails nothing.
+# Reports the results that are older than the source. They do not fail the check.
 check_long_results() {
     local name file source
     source=$(source_digest)
@@ -116,13 +116,13 @@ check_long_results() {
     done
 }
 
-# Of all that estimates and all that simulates.
+# The digest of the estimator and of the simulator.
 source_digest() {
     find estimator-core/src host-sim/src -type f -print0 | LC_ALL=C sort -z |
         xargs -0 sha256sum | sha256sum | cut -c 1-16
 }
 
-# Writes what it reads to a result, with the source and how much was done.
+# Writes stdin to a result, with the source and the amount.
 write_result() {
     local name=$1 amount=$2
     {
@@ -137,7 +137,7 @@ write_result() {
     sed 's/^/    /' "tests/long/$name"
 }
 
-# Ends the check, and leaves why as its result.
+# Ends the check and writes the reason as its result.
 not_run() {
     printf '# source: %s\n# not run: %s\n' "$(source_digest)" "$2" >"tests/long/$1"
     skip "$2"

@@ -1,7 +1,7 @@
 # shellcheck shell=bash disable=SC2154 # Variables of tests/run.
-# What checks need: programs, targets of Rust, packages of Python; and how they are installed.
+# Programs, Rust targets and Python packages that the checks need, and their installation.
 
-# Programs and the Debian packages that have them.
+# Programs and their Debian packages.
 declare -rA package_of=(
     [qemu-system-arm]=qemu-system-arm
     [qemu-system-x86_64]=qemu-system-x86 [busybox]=busybox-static
@@ -57,7 +57,7 @@ need_program() {
     has_program "$1" || skip "$1 is not installed"
 }
 
-# The packages of Debian and of Python beside each other.
+# Installs the packages of Debian and of Python at the same time.
 install_programs() {
     local program packages=()
     for program in "${!package_of[@]}"; do
@@ -104,7 +104,7 @@ install_python_packages() {
     ((${#missing[@]} == 0)) || "$python" -m pip install -q --disable-pip-version-check "${missing[@]}"
 }
 
-# Whether a package is there, or can be installed; if not, it is noted that $2 was skipped.
+# Succeeds if a package is installed or can be. Otherwise notes that $2 was skipped.
 want_python_package() {
     await_setup
     install_python_packages "$1" && return
@@ -131,7 +131,7 @@ has_toolchain() {
     cargo fmt --version >/dev/null && cargo clippy --version >/dev/null
 }
 
-# rustup reads rust-toolchain.toml; older ones than 1.28 install what it names when asked to show it.
+# rustup reads rust-toolchain.toml. Versions before 1.28 install it on `rustup show`.
 install_toolchain() {
     if ! has_program rustup; then
         echo "the toolchain: there is no rustup to install it with (https://rustup.rs)"
@@ -142,13 +142,13 @@ install_toolchain() {
 
 # --- saying what was not done ----------------------------------------------------------------------
 
-# Ends the check: it cannot be run here, for the reason given.
+# Ends a check that cannot run here, with the reason.
 skip() {
     echo "$1" >"$work/reason"
     exit "$skipped_status"
 }
 
-# Prints a line, now and again at the end.
+# Prints a line now, and again at the end.
 note() {
     echo "$1" | tee -a "$work/notes"
 }

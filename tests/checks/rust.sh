@@ -1,10 +1,10 @@
 # shellcheck shell=bash disable=SC2154 # Variables of tests/run.
-# What cargo checks on the host: format, clippy, documentation, tests; and Miri.
+# Checks by cargo on the host: format, clippy, documentation, tests and Miri.
 
 # Property tests draw the same cases each time, so that a red run can be repeated.
 export PROPTEST_RNG_SEED=${PROPTEST_RNG_SEED:-20110301} PROPTEST_DISABLE_FAILURE_PERSISTENCE=true
 
-# Three of the tests' binaries take most of the time of all.
+# Three of the test binaries take most of the time.
 readonly slow_tests=(diagnosis thesis faults)
 
 check_format() {
@@ -14,7 +14,7 @@ check_format() {
     for own in tests/peers firmware/stm32g4 tests/benches tests/fuzz; do
         cargo fmt --check --manifest-path "$own/Cargo.toml"
     done
-    # Declared by a macro: cargo does not see them.
+    # A macro declares these files, so cargo does not see them.
     rustfmt --check --edition 2024 estimator-core/src/effect/*.rs
     if has_program shellcheck; then
         shellcheck tests/run tests/checks/*.sh tests/vcan/machine tests/benches/run
@@ -36,13 +36,14 @@ check_test_quick() {
     run_tests "${slow_tests[@]}" firmware
 }
 
-# But for the examples in the documentation (docs) and what needs images of the firmware (firmware).
+# All tests except the examples in the documentation (see docs) and those of the firmware's images
+# (see firmware).
 check_test() {
     run_tests firmware
 }
 
-# Runs the tests of all packages but for those of the binaries named. What is built is always the
-# same, so that nothing is built anew with other features.
+# Runs the tests of all packages except those of the named binaries. It always builds the same, so
+# that nothing is rebuilt with other features.
 run_tests() {
     local name log=$work/tests status=0 tests=()
     while read -r name; do
@@ -55,7 +56,7 @@ run_tests() {
     return "$status"
 }
 
-# The names of the binaries of tests.
+# Prints the names of the test binaries.
 test_names() {
     local path
     for path in {estimator-core,host-sim,tests}/tests/{*.rs,*/main.rs}; do
@@ -66,13 +67,13 @@ test_names() {
     done
 }
 
-# The sum of what the test programs in a log say.
+# Prints the sum of the test results in a log.
 totals() {
     awk '/^test result:/ { passed += $4; failed += $6; ignored += $8 }
         END { printf "tests: %d passed; %d failed; %d ignored\n", passed, failed, ignored }' "$1"
 }
 
-# The core, which has no `unsafe` of its own, on its dependencies, which have.
+# The core has no `unsafe`, but its dependencies have.
 check_miri() {
     cargo +nightly miri --version ||
         rustup toolchain install nightly --profile minimal --component miri,rust-src ||

@@ -1,20 +1,20 @@
 # shellcheck shell=bash disable=SC2154 # Variables of tests/run.
-# The statement of host-sim/sql beside fuse, on DuckDB and on Spark with two executors.
+# Compares the statement of host-sim/sql with fuse, on DuckDB and on Spark with two executors.
 
 check_sql() {
     need_program python3
     local runs=$work/sql status=0
     local fuse=("$target/debug/roadgrade" fuse --placed "$runs/placed")
-    # Of all packages: named alone, these would be built anew with other features.
+    # All packages: these alone would be rebuilt with other features.
     cargo build --bins --examples
-    # Twelve runs of two trucks, one without a session; the second truck's as another road.
+    # Twelve runs of two trucks, one without a session. Those of the second truck are another road.
     "$target/debug/examples/fleet" "$runs" 480000
     "${fuse[@]}" --out "$runs/all.parquet" --road "$runs/road.csv" "$runs/runs"
     "${fuse[@]}" --out "$runs/second.parquet" "$runs"/runs/*/day=2026-11-02
     await_setup
     compare_sql duckdb duckdb || status=1
     if has_program java; then
-        # Elsewhere than on this machine's own address nobody needs to reach it.
+        # Only this machine needs to reach it.
         SPARK_LOCAL_IP=127.0.0.1 compare_sql spark pyspark || status=1
     else
         note "SKIPPED the fusion on Spark: there is no java"
@@ -22,7 +22,7 @@ check_sql() {
     return "$status"
 }
 
-# On an engine, which comes with a package of PyPI.
+# Runs the comparison on an engine, which is a package of PyPI.
 compare_sql() {
     local engine=$1 package=$2
     want_python_package "$package" "the fusion on $engine" || return 0

@@ -1,13 +1,13 @@
 # shellcheck shell=bash disable=SC2154 # Variables of tests/run.
-# Virtual CAN interfaces with can-utils on them: on this kernel if it has them and lets us, else in a
-# virtual machine.
+# Tests with can-utils on virtual CAN interfaces: on this kernel if it has them and permits it,
+# otherwise in a virtual machine.
 
 check_vcan() {
     local program log=$work/vcan status=0
     for program in ip candump canplayer cangen; do
         need_program "$program"
     done
-    # Of all packages: named alone, this one would be built anew with other features.
+    # All packages: this one alone would be rebuilt with other features.
     program=$(cargo test --test vcan --no-run --message-format=json |
         sed -n 's/.*"executable":"\([^"]*\/vcan-[^"]*\)".*/\1/p')
     local tests=("$program" --ignored --test-threads=1 --show-output)
@@ -20,12 +20,12 @@ check_vcan() {
     fi
     totals "$log"
     ((status == 0)) || return "$status"
-    # What was published, as a public tool reads it with the layout file.
+    # Decodes the published estimate with a public library and the layout file.
     want_python_package cantools "decoding with cantools" || return 0
     "$python" tests/vcan/decode.py estimator-core/dbc/grade.dbc <"$log"
 }
 
-# Whether virtual CAN interfaces can be made here, in a network of their own.
+# Succeeds if virtual CAN interfaces can be added here, in a network namespace of their own.
 has_vcan() {
     {
         as_root modprobe vcan

@@ -11,10 +11,10 @@ use host_sim::error::Result;
 use host_sim::terminal::print::print;
 use std::process::ExitCode;
 
-/// Compares what a fixed set of inputs gives with tests/change_indicator.
+/// Compares the results of a fixed set of inputs with tests/change_indicator.
 #[derive(Parser)]
 struct Options {
-    /// Accept what they give: write it to tests/change_indicator.
+    /// Accept the results: write them to tests/change_indicator.
     #[arg(long)]
     write: bool,
 }
@@ -28,7 +28,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Returns whether nothing differs, or is accepted.
+/// Returns whether nothing differs, or the differences were accepted.
 fn run(options: &Options) -> Result<bool> {
     let indicated = indicate()?;
     let mut differs = false;

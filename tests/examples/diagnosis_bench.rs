@@ -1,9 +1,9 @@
-//! The bench of the diagnosis: every effect planted, in several sizes, on both trucks; what is found?
+//! The bench of the diagnosis: every effect is planted, in several sizes and on both trucks.
 //!
 //!     cargo run --release -p cross-tests --example diagnosis_bench -- --seeds 10
 //!
-//! prints the confusion table, and with `--cases` a line a case on stderr as it is done. A case
-//! takes some seconds; `--effects clean,cornering` and `--sizes 0.3` choose some.
+//! prints the confusion table. With `--cases` it prints a line on stderr for each case when it is
+//! done. A case takes some seconds; `--effects clean,cornering` and `--sizes 0.3` select cases.
 
 use clap::Parser;
 use cross_tests::diagnosed::{CaseOutcome, cases, effects, table};
@@ -12,7 +12,7 @@ use host_sim::error::Result;
 use host_sim::terminal::progress;
 use std::process::ExitCode;
 
-/// Plants effects in simulated logs and counts what the diagnosis makes of them.
+/// Plants effects in simulated logs and counts what the diagnosis finds.
 #[derive(Debug, Parser)]
 struct Args {
     /// Simulations of each effect and size on each truck, with seeds 1, 2 and so on.
@@ -24,7 +24,7 @@ struct Args {
     /// Effects to plant; all if none is given.
     #[arg(long, value_delimiter = ',')]
     effects: Vec<String>,
-    /// Tell of each case on stderr.
+    /// Print a line for each case on stderr.
     #[arg(long)]
     cases: bool,
 }

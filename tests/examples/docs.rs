@@ -4,7 +4,7 @@
 //! cargo run -p cross-tests --release --example docs [-- --check | --write] [--all]
 //! ```
 //!
-//! Without `--all` it leaves out what takes a minute: the tables of `roadgrade study`.
+//! Without `--all` it leaves out the tables of `roadgrade study`, which take a minute.
 
 use clap::Parser;
 use cross_tests::docs::{Cost, pages};

@@ -1,9 +1,9 @@
-//! A log through the firmware on the emulated board:
+//! Runs a log through the firmware on the emulated board:
 //!
 //!     cargo run --release -p cross-tests --example emulate -- --vehicle V.toml --out CELLS.csv LOG
 //!
-//! builds the image, hands it the frames, shows what it logs, compares its cells with those of the
-//! estimator on this machine, bit for bit, and writes them.
+//! builds the image, runs it on the frames, prints its log, compares its cells bit for bit with
+//! those of the estimator on this machine, and writes them.
 
 use clap::Parser;
 use cross_tests::emulator::{drive_file, missing, on_host, replay};
@@ -23,7 +23,7 @@ struct Args {
     /// The vehicle.
     #[arg(long, value_name = "V.toml")]
     vehicle: PathBuf,
-    /// The cells as the board computed them.
+    /// File for the cells of the board.
     #[arg(long, value_name = "CELLS.csv")]
     out: PathBuf,
     /// A candump log.

@@ -1,4 +1,4 @@
-//! Every fault on simulated drives, and what comes of it:
+//! Runs every fault on simulated drives:
 //!
 //! ```text
 //! cargo run -p cross-tests --release --example faults [-- --check | --write]
@@ -14,7 +14,7 @@ use host_sim::terminal::print::print;
 use std::fs;
 use std::process::ExitCode;
 
-/// Puts faults into simulated drives, and tells what they cost and how they were counted.
+/// Puts faults into simulated drives, and reports their errors and counters.
 #[derive(Parser)]
 struct Options {
     /// Fail if the table is not that of tests/faults.md.

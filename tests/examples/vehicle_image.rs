@@ -1,4 +1,4 @@
-//! A vehicle file as a board reads it from its flash:
+//! Encodes a vehicle file as a board reads it from its flash:
 //!
 //!     cargo run --release -p cross-tests --example vehicle_image -- V.toml VEHICLE.bin
 
@@ -11,13 +11,13 @@ use host_sim::files::vehicle::VehicleFile;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// Codes a vehicle file for a board's flash.
+/// Encodes a vehicle file for a board's flash.
 #[derive(Debug, Parser)]
 struct Args {
     /// The vehicle.
     #[arg(value_name = "V.toml")]
     vehicle: PathBuf,
-    /// What is to be flashed.
+    /// File to be flashed.
     #[arg(value_name = "VEHICLE.bin")]
     image: PathBuf,
 }

@@ -1,9 +1,9 @@
-"""The maps of host-sim/sql/fuse.sql beside those of `roadgrade fuse`.
+"""Compares the maps of host-sim/sql/fuse.sql with those of `roadgrade fuse`.
 
     compare.py duckdb|spark STATEMENT.sql PLACED MAP.parquet...
 
-PLACED is what `fuse --placed` wrote for these maps, each MAP a road of it. Prints how far they are
-apart and how long the statement took; fails beyond 1e-9.
+PLACED is the output of `fuse --placed` for these maps, and each MAP is a road of it. Prints the
+largest difference and the time of the statement. Fails if a difference exceeds 1e-9.
 """
 
 import os
@@ -46,7 +46,7 @@ class Spark:
     def __init__(self):
         from pyspark.sql import SparkSession
 
-        # Two executors, each a process of its own, beside the driver.
+        # Two executors, each in its own process, beside the driver.
         master = os.environ.get("SPARK_MASTER", "local-cluster[2,1,1024]")
         self.session = (
             SparkSession.builder.master(master)
@@ -67,7 +67,7 @@ class Spark:
         return [tuple(row) for row in self.session.sql(statement).collect()]
 
     def close(self):
-        # Else executors are started anew while the driver ends.
+        # Otherwise executors are restarted while the driver ends.
         self.session.stop()
 
     def map(self, path):
@@ -76,7 +76,7 @@ class Spark:
 
 
 def difference(ours, theirs):
-    """Largest, over rows that must be of the same cells."""
+    """Returns the largest difference over rows, which must be of the same cells."""
     if [row[0] for row in ours] != [row[0] for row in theirs]:
         raise SystemExit(f"{len(theirs)} cells of the statement; fuse has {len(ours)}, or others")
     worst = 0.0

@@ -1,7 +1,7 @@
-//! What the estimator costs on each target and in each scalar: bytes and instructions, counted.
+//! The cost of the estimator on each target and in each scalar type, in bytes and instructions.
 //!
-//! The counts are the emulator's and do not depend on the machine that it runs on, so a table of
-//! them is committed, and a count that has grown fails the check.
+//! The emulator counts, so the counts do not depend on the host. A table of them is committed. A
+//! count that grows fails the check.
 
 use crate::drive::{drive, truck, truck_with_every_effect};
 use crate::emulator::{count, drive_file};
@@ -13,18 +13,18 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// A board that images run on, and what its images compute in.
+/// A board that images run on, and the scalar types of its images.
 #[derive(Clone, Copy, Debug)]
 pub struct BoardTarget {
-    /// As QEMU calls it.
+    /// Name in QEMU.
     pub machine: &'static str,
-    /// As Rust calls it.
+    /// Target triple.
     pub target: &'static str,
-    /// As `src/bin/budget.rs` and the names of `src/bin/alone_*.rs` call them.
+    /// Scalar types, as named in `src/bin/budget.rs` and `src/bin/alone_*.rs`.
     pub scalars: &'static [&'static str],
 }
 
-/// All of them; the bars are for the first.
+/// All boards. The upper bounds are for the first.
 pub const BOARDS: [BoardTarget; 2] = [CORTEX_M4F, CORTEX_M0];
 /// Cortex-M4F.
 pub const CORTEX_M4F: BoardTarget = BoardTarget {
@@ -33,7 +33,7 @@ pub const CORTEX_M4F: BoardTarget = BoardTarget {
     scalars: &["f32", "fixed"],
 };
 
-/// What a Cortex-M0 computes, without a float unit; QEMU has a Cortex-M3 with the same memory.
+/// Cortex-M0, without a float unit. QEMU emulates a Cortex-M3 with the same memory instead.
 pub const CORTEX_M0: BoardTarget = BoardTarget {
     machine: "mps2-an385",
     target: "thumbv6m-none-eabi",
@@ -45,7 +45,7 @@ pub const CORTEX_M0: BoardTarget = BoardTarget {
 struct BudgetRow {
     name: &'static str,
     words: &'static str,
-    /// What is wanted at most, for `f32` on a Cortex-M4F.
+    /// Upper bound, for `f32` on a Cortex-M4F.
     bar: Option<u32>,
 }
 
@@ -83,13 +83,13 @@ const FIGURES: [BudgetRow; 22] = [
 ];
 const FULL_BUS: &str = "full_bus_millionths";
 
-/// Frames of eight bytes with 29-bit identifiers, and no stuffed bit, that fit in a second.
+/// Number of frames a second on a full bus: 29-bit identifiers, eight bytes, no stuff bits.
 const FULL_BUS_FRAMES: u64 = 250_000 / 131;
-/// Cells in a second, at 90 km/h.
+/// Number of cells a second, at 90 km/h.
 const CELLS: u64 = 10;
 const INSTRUCTIONS: u64 = 168_000_000;
 
-/// A count may exceed the committed one by this, %.
+/// Largest accepted increase of a count over the committed one, %.
 const SLACK_PERCENT: u32 = 3;
 
 /// Figures by name.
@@ -101,7 +101,7 @@ pub struct Budgets {
     columns: Vec<(String, BudgetColumn)>,
 }
 
-/// Returns the bar of a figure for `f32` on a Cortex-M4F.
+/// Returns the upper bound of a figure for `f32` on a Cortex-M4F.
 #[must_use]
 pub fn wanted(figure: &str) -> Option<u32> {
     let known = FIGURES.iter().find(|known| known.name == figure);
@@ -117,7 +117,7 @@ pub fn committed_file() -> PathBuf {
 /// Builds the images and counts.
 ///
 /// # Errors
-/// What building or running an image says.
+/// An image cannot be built or run.
 pub fn measure() -> Result<Budgets> {
     let mut budgets = Budgets::default();
     let vehicles = [("", truck()), (" effects", truck_with_every_effect())];
@@ -140,7 +140,7 @@ pub fn measure() -> Result<Budgets> {
     Ok(budgets)
 }
 
-/// Returns what the board counts, by scalar.
+/// Returns the counts of the board, by scalar type.
 fn counted(
     board: &BoardTarget,
     images: &Path,
@@ -178,7 +178,7 @@ fn counted(
     Ok(columns)
 }
 
-/// Returns what the linked images tell.
+/// Returns the figures that are read from the linked images.
 fn read_off(images: &Path, scalar: &str) -> Result<BudgetColumn> {
     let nothing = Image::read(&images.join("alone_nothing"))?;
     let alone = images.join(format!("alone_{scalar}"));
@@ -201,7 +201,7 @@ impl Budgets {
     /// Reads a table.
     ///
     /// # Errors
-    /// The file cannot be read, or has something else than figures in it.
+    /// The file cannot be read, or contains anything but figures.
     pub fn read(path: &Path) -> Result<Self> {
         let text = fs::read_to_string(path).map_err(Error::io(path))?;
         let mut lines = text.lines();
@@ -230,7 +230,7 @@ impl Budgets {
         Ok(budgets)
     }
 
-    /// As a table that [`Budgets::read`] reads.
+    /// Returns the table as [`Budgets::read`] reads it.
     #[must_use]
     pub fn to_csv(&self) -> String {
         let lines = FIGURES.iter().map(|figure| self.row(figure, figure.name));
@@ -239,7 +239,7 @@ impl Budgets {
         lines.map(|line| line.join(",") + "\n").collect()
     }
 
-    /// As a table for people, with the bars.
+    /// Returns the table as text, with the upper bounds.
     #[must_use]
     pub fn to_text(&self) -> String {
         let mut header = self.header("");
@@ -255,7 +255,8 @@ impl Budgets {
         text_table(&header, &rows, 1).to_string()
     }
 
-    /// Returns a figure of a column: target, scalar, and `effects` if the vehicle has them.
+    /// Returns a figure of a column. A column is named by target, scalar type, and `effects` if the
+    /// vehicle has them.
     #[must_use]
     pub fn figure(&self, column: &str, figure: &str) -> Option<u32> {
         self.column(column)?.get(figure).copied()
@@ -279,7 +280,8 @@ impl Budgets {
         std::iter::once(first.to_owned()).chain(figures).collect()
     }
 
-    /// Returns what is worse here than `committed` allows, or is not in both, one line each.
+    /// Returns one line for each figure that exceeds `committed` by more than the slack, or that is
+    /// not in both tables.
     #[must_use]
     pub fn excesses(&self, committed: &Self) -> Vec<String> {
         let mut excesses = Vec::new();
@@ -329,12 +331,12 @@ mod tests {
         let excesses = budgets(1_031).excesses(&committed);
         let expected = "board f32: full_step_mean: 1031, more than 3 % above 1000";
         assert_eq!(excesses, [expected]);
-        // No panic allowed is none, whatever the slack.
+        // The slack does not apply to a bound of zero.
         assert_eq!(budgets(1).excesses(&budgets(0)).len(), 1);
     }
 
     #[test]
-    fn what_is_not_in_both_tables_is_told() {
+    fn what_is_not_in_both_tables_is_reported() {
         let (none, one) = (Budgets::default(), budgets(1));
         assert_eq!(one.excesses(&none).len(), 1);
         assert_eq!(none.excesses(&one).len(), 1);

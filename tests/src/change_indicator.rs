@@ -1,10 +1,10 @@
-//! The change indicator: what a fixed set of inputs gives, in full digits.
+//! The change indicator: the results of a fixed set of inputs, in full digits.
 //!
 //! Each input has a file in `tests/change_indicator`: the counters, a digest of all rows, and one
-//! row a kilometre. A change of behaviour shows there line by line, however small it is. The idea
-//! is that of PX4's estimator tests.
+//! row a kilometre. Every change of behaviour shows there line by line, however small it is. The
+//! idea is that of PX4's estimator tests.
 //!
-//! The recorded inputs are read from `../shared/data` and are left out where that is absent.
+//! The recorded inputs are read from `../shared/data`. They are left out where that is absent.
 
 use crate::drive::{self, truck, truck_with_every_effect};
 use crate::faults::catalogue::catalogue;
@@ -28,9 +28,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use xxhash_rust::xxh3::xxh3_64;
 
-/// Rows from one that is shown to the next: 1 km of cells.
+/// Number of rows from one row in the file to the next: 1 km of cells.
 const SHOWN_EVERY: usize = 400;
-/// Fault drives that are shown besides clean ones; the others are in `tests/faults.md`.
+/// Faults that are shown besides clean drives. The others are in `tests/faults.md`.
 const FAULTS: [&str; 8] = [
     "silence of 60 s",
     "torque: error for 120 s",
@@ -42,7 +42,7 @@ const FAULTS: [&str; 8] = [
     "one frame in five cut short",
 ];
 
-/// What one input gives, as the text of its file.
+/// The result of one input, as the text of its file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Indication {
     /// Name of the input, and of its file without the ending.
@@ -51,7 +51,7 @@ pub struct Indication {
     pub text: String,
 }
 
-/// What all inputs that are at hand give, and the names of those that are not.
+/// The results of all available inputs, and the names of the others.
 #[derive(Clone, Debug, Default)]
 pub struct Indicated {
     /// One for each input.
@@ -69,7 +69,7 @@ pub fn committed_folder() -> PathBuf {
 /// Runs all inputs.
 ///
 /// # Errors
-/// A scenario or a recording that cannot be read; no room for temporary files.
+/// A scenario or a recording cannot be read, or a temporary file cannot be written.
 pub fn indicate() -> Result<Indicated> {
     let mut all = Indicated::default();
     all.motorway()?;
@@ -101,7 +101,7 @@ pub fn changes(indication: &Indication) -> String {
         .to_string()
 }
 
-/// Accepts what the inputs give.
+/// Writes the results as the committed ones.
 ///
 /// # Errors
 /// Returns the error of the file system.
@@ -124,7 +124,7 @@ impl Indicated {
         self.indications.push(Indication { input, text });
     }
 
-    /// Both trucks, both directions, and the map of the runs forward.
+    /// Adds the runs of both trucks in both directions, and the map of the forward runs.
     fn motorway(&mut self) -> Result<()> {
         let scenario = Scenario::read(&root().join("host-sim/scenarios/motorway.toml"))?;
         let mut forward = Vec::new();
@@ -141,7 +141,7 @@ impl Indicated {
         Ok(())
     }
 
-    /// A drive with everything wrong by one sigma, without and with a fault.
+    /// Adds a drive with every parameter wrong by one sigma, without and with a fault.
     fn faults(&mut self) -> Result<()> {
         let simulated = fault_drive("B", 1)?;
         let vehicle = &simulated.vehicle.model;
@@ -160,7 +160,7 @@ impl Indicated {
         Ok(())
     }
 
-    /// The small drive of the emulated board in each number type, without and with all effects.
+    /// Adds the small drive of the emulated board: each scalar type, without and with all effects.
     fn small_drive(&mut self) {
         let frames = drive::drive();
         for (name, vehicle) in [("plain", truck()), ("effects", truck_with_every_effect())] {
@@ -173,7 +173,7 @@ impl Indicated {
         }
     }
 
-    /// The first round trip of the measured bus, and the standing truck.
+    /// Adds the first round trip of the measured bus, and the idling truck.
     fn recorded(&mut self) -> Result<()> {
         let data = root().join("../shared/data");
         let mission = data.join("ztbus/B183_2021-07-26_03-53-27_2021-07-26_07-18-47.csv");
@@ -207,7 +207,7 @@ fn small<S: Scalar>(model: &Model, frames: &[TimedFrame]) -> String {
     text_of(&estimated::<S>(model, Box::new(frames.iter().copied())))
 }
 
-/// Counters, what is left for the next drive, digest and rows of a run.
+/// Returns the text of a run: counters, persistent state, digest and rows.
 fn text_of(run: &SmoothedRun) -> String {
     let kept = run
         .persistent_state
@@ -259,7 +259,7 @@ fn counted(counters: &Counters) -> String {
     lines.collect()
 }
 
-/// Returns number and digest of all rows, and one a kilometre, with all digits.
+/// Returns the number and the digest of all rows, and one row a kilometre with all digits.
 fn rows_of<T: Serialize>(rows: &[T]) -> String {
     let mut all = csv::Writer::from_writer(Vec::new());
     let mut shown = csv::Writer::from_writer(Vec::new());

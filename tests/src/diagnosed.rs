@@ -1,7 +1,7 @@
-//! What a diagnosis says of logs with a planted effect, case by case and as a confusion table.
+//! Diagnoses of logs with a planted effect, case by case and as a confusion table.
 //!
-//! The diagnosis gets the logs and the vehicle file, no more: what was planted lies in a folder
-//! that it is not told of.
+//! The diagnosis reads the logs and the vehicle file only. The truth is in a folder that it does
+//! not get.
 
 use crate::planted::{self, CATALOGUE, CLEAN, FAN, OUTSIDE, PlantedLogs};
 use estimator_core::Tuning;
@@ -17,13 +17,13 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;
 
-/// Both of the bench.
+/// Both trucks of the bench.
 pub const TRUCKS: [&str; 2] = ["A", "B"];
-/// Size of a case of `wheel_radius`, in % of the radius, over that of other effects, in % grade:
-/// 1 % of the radius goes with 0.1 % grade.
+/// Ratio of the size of `wheel_radius`, in % of the radius, to the size of other effects, in %
+/// grade: 1 % of the radius belongs to 0.1 % grade.
 const RADIUS_SIZE: f64 = 10.0;
 
-/// Two effects at once, of the same size each, that differ in what they depend on.
+/// Pairs of effects of the same size. The two of a pair depend on different quantities.
 pub const PAIRS: [&str; 6] = [
     "rolling_resistance+cornering",
     "driveline_loss+headwind",
@@ -36,25 +36,25 @@ pub const PAIRS: [&str; 6] = [
 /// One set of logs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DiagnosisCase {
-    /// Of the catalogue, outside it, [`FAN`] or [`CLEAN`]; or two, joined by a plus.
+    /// An effect of the catalogue, one outside it, [`FAN`], [`CLEAN`], or two joined by a plus.
     pub effect: String,
-    /// As [`planted::logs`] takes it, %.
+    /// Size as in [`planted::logs`], %.
     pub size_percent: f64,
     /// "A" or "B".
     pub truck: &'static str,
-    /// Of all that is random.
+    /// Seed of all random numbers.
     pub seed: u64,
 }
 
-/// How a diagnosis stands to what was planted.
+/// A diagnosis compared with what was planted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Verdict {
-    /// It names the effect; outside the catalogue, what the rest depends on. Of clean logs: it
-    /// adopts nothing.
+    /// It names the effect or, for an effect outside the catalogue, what the rest depends on. For
+    /// clean logs it adopts nothing.
     Named,
-    /// It adopts another and says that the data cannot tell the effect from it.
+    /// It adopts another effect and reports that the data do not distinguish the two.
     InGroup,
-    /// It adopts others only, or finds another dependence.
+    /// It adopts other effects only, or finds another dependence.
     Other,
     /// It finds nothing.
     Nothing,
@@ -63,12 +63,12 @@ pub enum Verdict {
 /// A case and its diagnosis.
 #[derive(Clone, Debug)]
 pub struct CaseOutcome {
-    /// What was asked.
+    /// The case.
     pub case: DiagnosisCase,
-    /// What was found.
+    /// Its diagnosis.
     pub diagnosis: Diagnosis,
-    /// Grade errors of the filter on the runs held out: with the vehicle as it was believed, as
-    /// diagnosed, and as believed where nothing was planted.
+    /// Grade errors of the filter on the runs held out: with the assumed vehicle, with the
+    /// diagnosed vehicle, and with the assumed vehicle where nothing was planted.
     pub filtered: [GradeErrors; 3],
 }
 
@@ -77,11 +77,12 @@ pub struct CaseOutcome {
 pub struct GradeErrors {
     /// Smoothed over the whole run.
     pub smoothed: f64,
-    /// As told on the way.
+    /// Estimated while driving.
     pub live: f64,
 }
 
-/// Effects that have a row in the table: the catalogue, the fan, those outside, pairs, and none.
+/// Returns the effects that have a row in the table: the catalogue, the fan, those outside the
+/// catalogue, pairs, and none.
 pub fn effects() -> impl Iterator<Item = &'static str> {
     CATALOGUE
         .into_iter()
@@ -91,11 +92,11 @@ pub fn effects() -> impl Iterator<Item = &'static str> {
         .chain([CLEAN])
 }
 
-/// Every effect in every size (% grade), on both trucks, with seeds 1 to `seeds`; clean logs have
-/// no size.
+/// Returns the cases of every effect in every size (% grade), on both trucks, with seeds 1 to
+/// `seeds`. Clean logs have no size.
 ///
 /// # Errors
-/// An effect that there is not.
+/// An effect is unknown.
 pub fn cases(effects: &[String], sizes: &[f64], seeds: u64) -> Result<Vec<DiagnosisCase>> {
     let mut cases = Vec::new();
     for effect in effects {
@@ -139,7 +140,7 @@ impl DiagnosisCase {
     /// Simulates the logs and diagnoses them.
     ///
     /// # Errors
-    /// What [`planted::logs`] or the diagnosis says.
+    /// Returns the errors of [`planted::logs`] and of the diagnosis.
     pub fn outcome(&self) -> Result<CaseOutcome> {
         let folder = tempfile::tempdir().map_err(Error::io(Path::new("temporary folder")))?;
         let logs = |name: &str, size_percent: f64| {
@@ -148,18 +149,18 @@ impl DiagnosisCase {
         };
         let without = logs("without", 0.0)?;
         let logs = logs("case", self.size_percent)?;
-        let believed = VehicleFile::read(&logs.vehicle)?;
+        let assumed = VehicleFile::read(&logs.vehicle)?;
         let diagnosis = diagnose(&Request {
             tuning: Tuning::default(),
-            vehicle: believed.clone(),
+            vehicle: assumed.clone(),
             logs: logs.fit.clone(),
             held_out: logs.held_out.clone(),
             reference: None,
         })?;
         let filtered = [
-            GradeErrors::of(&logs, &believed)?,
+            GradeErrors::of(&logs, &assumed)?,
             GradeErrors::of(&logs, &diagnosis.vehicle)?,
-            GradeErrors::of(&without, &believed)?,
+            GradeErrors::of(&without, &assumed)?,
         ];
         Ok(CaseOutcome {
             case: self.clone(),
@@ -170,7 +171,7 @@ impl DiagnosisCase {
 }
 
 impl GradeErrors {
-    /// Of the runs held out, estimated with a vehicle.
+    /// Returns the errors on the runs held out, estimated with a vehicle.
     fn of(logs: &PlantedLogs, vehicle: &VehicleFile) -> Result<Self> {
         let (mut smoothed, mut live, mut cells) = (0.0, 0.0, 0.0);
         for (log, truth) in logs.held_out.iter().zip(&logs.truth.held_out) {
@@ -197,7 +198,7 @@ impl GradeErrors {
     }
 }
 
-/// Name in the catalogue of a planted effect.
+/// Returns the name in the catalogue of a planted effect.
 fn catalogue_name(effect: &str) -> &str {
     if effect == FAN {
         "auxiliary_load"
@@ -206,7 +207,7 @@ fn catalogue_name(effect: &str) -> &str {
     }
 }
 
-/// Returns how the diagnosis words what an effect outside the catalogue depends on.
+/// Returns the diagnosis's words for the dependence of an effect outside the catalogue.
 fn dependence(effect: &str) -> Option<&'static str> {
     match effect {
         "torque_hysteresis" => Some("torque (rising or falling)"),
@@ -217,7 +218,7 @@ fn dependence(effect: &str) -> Option<&'static str> {
 }
 
 impl CaseOutcome {
-    /// Returns how it stands to what was planted; to the worse found of two.
+    /// Returns the verdict; of two planted effects, that on the worse found.
     #[must_use]
     pub fn verdict(&self) -> Verdict {
         let planted = self.case.planted(0.0).into_iter();
@@ -244,12 +245,13 @@ impl CaseOutcome {
         }
     }
 
-    /// Returns what it says beyond what is planted: adopted effects by name, and in brackets what a
-    /// dependence is on.
+    /// Returns what it finds beyond what is planted: adopted effects by name, and dependences in
+    /// brackets.
     fn besides(&self) -> impl Iterator<Item = String> {
         let planted = || self.case.planted(0.0).into_iter().map(|(effect, _)| effect);
         let is_wanted = move |name: &str| planted().any(|effect| catalogue_name(effect) == name);
-        let is_told = move |words: &str| planted().any(|effect| dependence(effect) == Some(words));
+        let is_planted =
+            move |words: &str| planted().any(|effect| dependence(effect) == Some(words));
         let findings = self.diagnosis.findings.iter();
         let adopted = findings
             .map(|finding| finding.adopted.effect.name)
@@ -258,17 +260,17 @@ impl CaseOutcome {
         let unexplained = self.diagnosis.unexplained.iter();
         let dependences = unexplained
             .map(|rest| rest.depends_on.split(", ").next().unwrap_or_default())
-            .filter(move |&words| !is_told(words))
+            .filter(move |&words| !is_planted(words))
             .map(|words| format!("[{words}]"));
         adopted.chain(dependences)
     }
 }
 
-/// Diagnoses all cases, on all processors, prints the confusion table and gives the outcomes in
-/// the order of the cases. `done` is called after each.
+/// Diagnoses all cases on all processors, prints the confusion table and returns the outcomes in
+/// the order of the cases. Calls `done` after each case.
 ///
 /// # Errors
-/// The first that a case gives.
+/// Returns the first error of a case.
 pub fn table(
     cases: &[DiagnosisCase],
     done: impl Fn(&CaseOutcome) + Sync,
@@ -284,7 +286,7 @@ pub fn table(
 /// Row of the table: effect and size.
 type RowKey<'a> = (&'a str, String);
 
-/// Outcomes of each effect and size, in the order in which they come.
+/// Returns the outcomes of each effect and size, in the order of their first occurrence.
 fn rows(outcomes: &[CaseOutcome]) -> Vec<(RowKey<'_>, Vec<&CaseOutcome>)> {
     let mut rows: Vec<(RowKey, Vec<&CaseOutcome>)> = Vec::new();
     for outcome in outcomes {
@@ -298,7 +300,7 @@ fn rows(outcomes: &[CaseOutcome]) -> Vec<(RowKey<'_>, Vec<&CaseOutcome>)> {
     rows
 }
 
-/// Returns the confusion table, what is right over all, in words, and what the filter makes of it.
+/// Returns the confusion table, its totals in words, and the errors of the filter.
 #[must_use]
 pub fn confusion(outcomes: &[CaseOutcome]) -> String {
     let found: Vec<Vec<String>> = rows(outcomes)
@@ -335,7 +337,7 @@ pub fn confusion(outcomes: &[CaseOutcome]) -> String {
     )
 }
 
-/// Returns what the filter makes of each effect and size.
+/// Returns the table of the filter's errors for each effect and size.
 fn filtered(outcomes: &[CaseOutcome]) -> String {
     let rows: Vec<Vec<String>> = rows(outcomes)
         .iter()
@@ -369,7 +371,7 @@ fn filtered(outcomes: &[CaseOutcome]) -> String {
     text_table(&header, &rows, 1).to_string()
 }
 
-/// Counts of verdicts and errors before and after.
+/// Returns the counts of verdicts, and the errors before and after.
 fn cells(outcomes: &[&CaseOutcome]) -> [String; 3] {
     let count = |verdict| outcomes.iter().filter(|o| o.verdict() == verdict).count();
     let rms = |rmse_percent: fn(&Diagnosis) -> f64| {

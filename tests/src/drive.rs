@@ -1,4 +1,4 @@
-//! A small drive with all that a bus can bring, the same each time.
+//! A small drive with every kind of frame that a bus carries, the same each time.
 
 use embedded_can::{ExtendedId, Frame, StandardId};
 use estimator_core::effect::CATALOGUE;
@@ -17,7 +17,7 @@ const GEAR: Gear = Gear {
     efficiency: 0.985,
 };
 
-/// What is out of the ordinary, and when, in s.
+/// Unusual events and their times, s.
 const NO_FIX_YET: Range<f64> = 0.0..8.0;
 const SHIFTING: Range<f64> = 40.0..41.0;
 const PACKET_WITH_A_HOLE: Range<f64> = 50.0..51.0;
@@ -37,10 +37,10 @@ pub fn truck() -> Model {
     truck_with(3_500.0, &[1.26, GEAR.ratio]).into()
 }
 
-/// Returns the truck with something of every effect that there is.
+/// Returns the truck with every effect of the catalogue.
 ///
 /// # Panics
-/// When the catalogue has an effect that cannot be adopted.
+/// Panics if the catalogue has an effect that cannot be adopted.
 #[must_use]
 pub fn truck_with_every_effect() -> Model {
     let mut model = truck();
@@ -58,7 +58,7 @@ pub fn truck_with_every_effect() -> Model {
 /// Returns the drive of [`truck`] over rolling hills.
 ///
 /// Its bus carries a shift, braking, a fix with too few satellites, a broken fast packet, a gap
-/// without speed, frames of no interest and one that comes too late.
+/// without speed, frames that are ignored and one frame that is too late.
 #[must_use]
 pub fn drive() -> Vec<TimedFrame> {
     let mut bus = BusLog::default();
@@ -81,7 +81,7 @@ pub fn drive() -> Vec<TimedFrame> {
     bus.frames
 }
 
-/// The truck at one time.
+/// The truck at one moment.
 struct TruckMoment {
     seconds: f64,
     speed_mps: f64,
@@ -96,9 +96,9 @@ impl TruckMoment {
         let vehicle = &model.vehicle;
         let swing = 0.07 * seconds;
         let speed_mps = 22.0 + 0.6 * swing.sin();
-        let way_m = 22.0 * seconds + 0.6 / 0.07 * (1.0 - swing.cos());
+        let driven_m = 22.0 * seconds + 0.6 / 0.07 * (1.0 - swing.cos());
         let (hill_m, steepest) = (700.0, 0.015);
-        let phase = TAU * way_m / hill_m;
+        let phase = TAU * driven_m / hill_m;
         let grade = steepest * phase.sin();
 
         let driveline = Driveline::Engaged(GEAR);
@@ -114,7 +114,7 @@ impl TruckMoment {
             altitude_m: 120.0 + steepest * hill_m / TAU * (1.0 - phase.cos()),
             torque_percent: (inertia_n + air_n + road_n)
                 / f64::from(model.traction_n(driveline, 1.0)),
-            north_m: way_m,
+            north_m: driven_m,
         }
     }
 
@@ -171,7 +171,7 @@ fn switch(on: bool) -> Value {
     Value::Real(f32::from(u8::from(on)))
 }
 
-/// What was sent so far.
+/// The frames sent so far.
 #[derive(Default)]
 struct BusLog {
     now: Instant,
@@ -187,14 +187,14 @@ impl BusLog {
         });
     }
 
-    /// Returns a single frame.
+    /// Sends a message as a single frame.
     fn send(&mut self, pgn: u32, value_of: impl FnMut(Signal) -> Value) {
         let mut payload = [0; 8];
         let length = encode(pgn, &mut payload, value_of).expect("a message of one frame");
         self.push(CanFrame::extended(identifier(pgn), &payload[..length]));
     }
 
-    /// A fix as the seven frames of a fast packet.
+    /// Sends a fix as the seven frames of a fast packet.
     fn send_position(&mut self, now: &TruckMoment) {
         if NO_FIX_YET.contains(&now.seconds) {
             return;
@@ -212,7 +212,7 @@ impl BusLog {
         }
     }
 
-    /// An 11-bit identifier, an unknown message, a remote frame, a frame cut short, a late one.
+    /// Sends an 11-bit identifier, an unknown message, a remote, a truncated and a late frame.
     fn send_noise(&mut self) {
         self.push(CanFrame::standard(0x123, &[1, 2, 3]));
         self.push(CanFrame::extended(identifier(65_262), &[0x7d; 8]));

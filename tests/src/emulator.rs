@@ -17,23 +17,23 @@ const TARGET: &str = "thumbv7em-none-eabihf";
 const QEMU: &str = "qemu-system-arm";
 const IMAGE: &str = "mps2_an386";
 
-/// An image that hangs (a fault ends in a loop) does not end by itself.
+/// Timeout for an image that hangs. A fault of the processor ends in a loop.
 const LONGEST_RUN: Duration = Duration::from_secs(120);
 
-/// What a run on the board left behind.
+/// The results of a run on the board.
 #[derive(Debug)]
 pub struct EmulatorRun {
-    /// Exit status of the image; none if it hung.
+    /// Exit status of the image; `None` if it hung.
     pub status: Option<i32>,
-    /// What it logged, a line each.
+    /// Lines of its log.
     pub log: Vec<String>,
-    /// What it complained about.
+    /// Its output on stderr.
     pub stderr: String,
-    /// The file of cells, if there is one.
+    /// The file of cells, if it was written.
     pub cells: Option<Vec<u8>>,
 }
 
-/// Returns what this machine lacks to build and run the image; `None` if nothing.
+/// Returns what this machine lacks to build and run the image; `None` if it lacks nothing.
 #[must_use]
 pub fn missing() -> Option<String> {
     let runs = |program: &str| process::Command::new(program).arg("--version").output();
@@ -51,7 +51,7 @@ pub fn missing() -> Option<String> {
     }
 }
 
-/// Returns the file that hands a drive to the board.
+/// Returns the drive as the file that the board reads.
 #[must_use]
 pub fn drive_file(model: &Model, frames: &[TimedFrame]) -> Vec<u8> {
     let mut bytes = vehicle::encode(model).to_vec();
@@ -62,12 +62,12 @@ pub fn drive_file(model: &Model, frames: &[TimedFrame]) -> Vec<u8> {
     bytes
 }
 
-/// Builds the image and lets the board replay `drive`, or look for one in vain.
+/// Builds the image and runs it on the board, with `drive` or without a file of a drive.
 ///
-/// Through `cargo run` and the runner of `.cargo/config.toml`: the way a user takes.
+/// It uses `cargo run` and the runner of `.cargo/config.toml`, as a user does.
 ///
 /// # Panics
-/// When a temporary folder cannot be used or the image cannot be built.
+/// Panics if a temporary folder cannot be used or the image cannot be built.
 #[must_use]
 pub fn replay(drive: Option<&[u8]>) -> EmulatorRun {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -87,7 +87,7 @@ pub fn replay(drive: Option<&[u8]>) -> EmulatorRun {
     }
 }
 
-/// Lines of a defmt log; the image has their words.
+/// Returns the lines of a defmt log. Their text is in the image.
 fn logged(bytes: &[u8]) -> Vec<String> {
     let image = target_folder().join(TARGET).join("release").join(IMAGE);
     let image = fs::read(&image).expect("it was just built");
@@ -103,10 +103,10 @@ fn logged(bytes: &[u8]) -> Vec<String> {
     lines
 }
 
-/// Returns the cells of this machine for the same drive, in single precision as well.
+/// Returns the cells that this machine computes for the same drive, also in single precision.
 ///
 /// # Panics
-/// For a vehicle that cannot be.
+/// Panics if the vehicle is impossible.
 #[must_use]
 pub fn on_host(model: &Model, frames: &[TimedFrame]) -> Vec<Cell> {
     let mut estimator =
@@ -122,11 +122,11 @@ pub fn on_host(model: &Model, frames: &[TimedFrame]) -> Vec<Cell> {
     cells
 }
 
-/// Starts an image on a machine that counts instructions (`firmware::meter`), with `drive` for
-/// it if it wants one; returns what it printed.
+/// Starts an image on a machine that counts instructions (`firmware::meter`), with a file of
+/// `drive` beside it. Returns its output.
 ///
 /// # Errors
-/// QEMU cannot be started, or the image did not end well.
+/// QEMU cannot be started, or the image fails.
 pub fn count(machine: &str, image: &Path, drive: &[u8]) -> Result<Vec<u8>> {
     let folder = tempfile::tempdir().map_err(Error::io(Path::new("temporary folder")))?;
     let drive_file = inside(folder.path(), DRIVE_FILE);

@@ -1,4 +1,4 @@
-//! Images of the firmware: building them, and what can be read off them without running.
+//! Images of the firmware: building them, and reading their sizes and symbols.
 
 use host_sim::error::{Error, Result};
 use object::{Object, ObjectSection, ObjectSymbol, SectionKind};
@@ -14,19 +14,19 @@ pub fn root() -> PathBuf {
     tests.parent().unwrap_or(tests).to_owned()
 }
 
-/// Returns where cargo builds.
+/// Returns the target folder of cargo.
 #[must_use]
 pub fn target_folder() -> PathBuf {
     env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), Into::into)
 }
 
-/// Builds all images of a package for a target; returns the folder that they are in.
+/// Builds all images of a package for a target. Returns their folder.
 ///
 /// # Errors
 /// cargo cannot be started, or fails.
 pub fn build(package: &Path, target: &str, profile: &str) -> Result<PathBuf> {
     let manifest = package.join("Cargo.toml");
-    // Packages with a workspace of their own would have a folder of their own.
+    // Otherwise packages with a workspace of their own get a target folder of their own.
     let folder = target_folder();
     let status = Command::new(env::var_os("CARGO").unwrap_or_else(|| OsString::from("cargo")))
         .args(["build", "--quiet", "--bins", "--profile", profile])
@@ -42,23 +42,23 @@ pub fn build(package: &Path, target: &str, profile: &str) -> Result<PathBuf> {
     Ok(folder.join(target).join(profile))
 }
 
-/// What an image takes and contains.
+/// The sizes of an image, and the panicking functions in it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Image {
-    /// Code, constants and what static memory starts with, bytes.
+    /// Code, constants and initial values of static memory, bytes.
     pub flash_bytes: u32,
     /// Static memory, bytes.
     pub ram_bytes: u32,
-    /// Functions that only a panic calls. A linker keeps what can be reached: with none of them,
-    /// the image cannot panic.
+    /// Functions that only a panic calls. The linker keeps reachable functions only, so an image
+    /// without them cannot panic.
     pub panics: Vec<String>,
 }
 
 impl Image {
-    /// Reads it off an ELF file.
+    /// Reads an ELF file.
     ///
     /// # Errors
-    /// The file cannot be read, or is none.
+    /// The file cannot be read, or is not an ELF file.
     pub fn read(path: &Path) -> Result<Self> {
         let bytes = fs::read(path).map_err(Error::io(path))?;
         let file = object::File::parse(&*bytes)

@@ -1,4 +1,4 @@
-//! What tests across packages share.
+//! Helpers of the tests across packages.
 
 pub mod budgets;
 pub mod change_indicator;
@@ -15,7 +15,7 @@ pub mod planted;
 use host_sim::error::Result;
 use std::process::ExitCode;
 
-/// Returns how a program of this package ends; why is told on stderr.
+/// Returns the exit code of a program of this package. Prints an error on stderr.
 #[must_use]
 pub fn exit_code(result: Result<()>) -> ExitCode {
     match result {

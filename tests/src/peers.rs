@@ -9,16 +9,16 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-/// Profiles that the images are built in, and their opt-levels.
+/// Build profiles of the images, and their opt-levels.
 const PROFILES: [(&str, &str); 2] = [("release", "3"), ("small", "s")];
 /// The image without a filter.
 const NOTHING: &str = "nothing";
-/// That of the estimator's filter, whose model is another than the peers'.
+/// The image of the estimator's filter. Its model differs from that of the peers.
 const OURS: &str = "ours";
-/// What two filters that do the same work may differ by, of one or of the value itself.
+/// Largest difference of two filters that do the same work, absolute or relative.
 const AGREEMENT: f32 = 1e-3;
 
-/// What an image of one filter tells.
+/// The figures of one filter's image.
 struct Peer {
     image: Image,
     instructions: u32,
@@ -27,11 +27,10 @@ struct Peer {
     state: Vec<f32>,
 }
 
-/// Builds and runs the images of `tests/peers`; returns a table of them.
+/// Builds and runs the images of `tests/peers`. Returns a table of them.
 ///
 /// # Errors
-/// What building or running an image says; and filters that disagree, so that some did not do the
-/// work.
+/// An image cannot be built or run, or filters disagree: one of them did not do the work.
 pub fn table() -> Result<String> {
     let package = root().join("tests/peers");
     let names = names(&package.join("src/bin"))?;
@@ -76,7 +75,7 @@ pub fn table() -> Result<String> {
     Ok(text_table(&header, &rows, 3).to_string())
 }
 
-/// Returns names of the images of filters.
+/// Returns the names of the images of filters.
 fn names(folder: &Path) -> Result<Vec<String>> {
     let mut names = Vec::new();
     for entry in fs::read_dir(folder).map_err(Error::io(folder))? {

@@ -1,8 +1,9 @@
-//! Logs with an effect in them that nobody is told of, for a diagnosis to find.
+//! Logs with an undeclared effect, for a diagnosis to find.
 //!
-//! The simulator drives six runs over one road of 20 km, four to fit and two held out, as many each
-//! way. The vehicle file is right but for what is planted, in an amount that makes the asked grade
-//! error. Logs and vehicle file go into a folder of their own; what is true goes beside it.
+//! The simulator drives six runs over one road of 20 km, four to fit and two held out, half of
+//! them in each direction. The vehicle file is right but for the planted effect. The amount of the
+//! effect makes the requested grade error. Logs and vehicle file are in one folder, the truth is
+//! in a folder beside it.
 
 mod known;
 
@@ -19,7 +20,7 @@ use std::path::{Path, PathBuf};
 
 pub use known::FAN;
 
-/// The effects that the estimator has a name for.
+/// Effects of the estimator's catalogue.
 pub const CATALOGUE: [&str; 12] = [
     "rolling_resistance",
     "tyre_warmup",
@@ -34,13 +35,13 @@ pub const CATALOGUE: [&str; 12] = [
     "brake_drag",
     "road_surface",
 ];
-/// Those that it has none for.
+/// Effects outside the catalogue.
 pub const OUTSIDE: [&str; 3] = ["torque_hysteresis", "side_resistance", "thermostat"];
-/// Nothing at all.
+/// No effect.
 pub const CLEAN: &str = "clean";
 
-/// The four runs to fit and the two held out: forward or not, log's clock at the start in s (times
-/// of day, no multiples of anything), and how long the tyres have rolled before in s.
+/// The four runs to fit and the two held out: forward or not, the log's clock at the start, s (an
+/// arbitrary time of day), and how long the tyres have rolled before, s.
 const RUNS: [(&str, bool, u32, u32); 6] = [
     ("fit1", true, 21_617, 0),
     ("fit2", false, 34_241, 0),
@@ -49,43 +50,44 @@ const RUNS: [(&str, bool, u32, u32); 6] = [
     ("held1", true, 28_051, 0),
     ("held2", false, 72_463, 600),
 ];
-/// How many of them are to fit.
+/// Number of runs to fit.
 const FIT_RUNS: usize = 4;
-/// What stands for the scenario in messages.
+/// Name of the scenario in messages.
 const ORIGIN: &str = "bench";
-/// How near to the asked size an amount shall come, and how near it must, as a part of it: where
-/// another amount means another gear on a slope, the size jumps.
+/// Relative errors of the size: the one that the search aims at, and the largest accepted one. The
+/// size jumps where another amount means another gear on a slope.
 const CLOSE: (f64, f64) = (2e-3, 0.02);
-/// Amounts tried: all effects but hysteresis are close to proportional to theirs.
+/// Number of amounts tried. The size of every effect but hysteresis is nearly proportional to its
+/// amount.
 const TRIES: usize = 12;
 
-/// One effect in the true world.
+/// A planted effect and its amount.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Amount {
     /// Its name.
     pub effect: String,
-    /// In the unit of the scenario's key that makes it (added rolling resistance for stretches of
-    /// road, m/s of wind); for keys that are factors, what they are above 1.
+    /// In the unit of the scenario's key (added rolling resistance for stretches of road, m/s of
+    /// wind). For a key that is a factor: the factor minus 1.
     pub amount: f64,
 }
 
-/// What a diagnosis may see, and what is true.
+/// The files for a diagnosis, and the truth.
 #[derive(Clone, Debug)]
 pub struct PlantedLogs {
-    /// The vehicle as it is believed.
+    /// The assumed vehicle.
     pub vehicle: PathBuf,
-    /// Two runs each way.
+    /// Two runs in each direction.
     pub fit: Vec<PathBuf>,
-    /// One run each way.
+    /// One run in each direction.
     pub held_out: Vec<PathBuf>,
-    /// Not for the diagnosis.
+    /// The truth, not for the diagnosis.
     pub truth: PlantedTruth,
 }
 
-/// What was planted, for the judge.
+/// What was planted, to judge the diagnosis by.
 #[derive(Clone, Debug)]
 pub struct PlantedTruth {
-    /// Where the files are: outside the folder of the logs.
+    /// Folder of the files, outside the folder of the logs.
     pub folder: PathBuf,
     /// The scenario.
     pub scenario: PathBuf,
@@ -99,19 +101,19 @@ pub struct PlantedTruth {
     pub amounts: Vec<Amount>,
 }
 
-/// Simulates runs of truck "A" or "B" with one effect of `size_percent` in them; with none if it is
-/// [`CLEAN`], or of 0 %, on the road that this effect is planted on.
+/// Simulates runs of truck "A" or "B" with one effect of `size_percent`. With [`CLEAN`] or 0 %
+/// nothing is planted; the road is that of the effect.
 ///
-/// The size is the effect's force over the truck's weight, as RMS over the way of all six runs
-/// without shift or brake, in %; for `wheel_radius` that of the radius. A negative size makes the opposite of
-/// `rolling_resistance`, `air_drag`, `mass`, `torque_scale` or `wheel_radius`: less than believed.
+/// The size is the effect's force over the truck's weight in %, as RMS over the distance of all
+/// six runs without shift or brake. For `wheel_radius` it is the error of the radius in %. A
+/// negative size makes `rolling_resistance`, `air_drag`, `mass`, `torque_scale` or `wheel_radius`
+/// less than assumed.
 ///
-/// `folder` gets the logs and `vehicle.toml`; the truth goes into the folder of the same name with
-/// `.truth` at its end.
+/// The logs and `vehicle.toml` go into `folder`. The truth goes into the folder of the same name
+/// with `.truth` appended.
 ///
 /// # Errors
-/// An effect or a truck that there is not, a size that no truck could have, or what the file
-/// system says.
+/// The effect or the truck is unknown, the size is impossible, or a file cannot be written.
 pub fn logs(
     effect: &str,
     size_percent: f64,
@@ -122,7 +124,7 @@ pub fn logs(
     logs_of(&[(effect, size_percent)], truck, seed, folder)
 }
 
-/// As [`logs`], with several effects, each of its own size.
+/// Simulates runs like [`logs`], with several effects, each of its own size.
 ///
 /// # Errors
 /// Returns the errors of [`logs`].
@@ -182,7 +184,7 @@ pub fn logs_of(
     })
 }
 
-/// Returns how much of `effect` makes `size_percent` on the bench's runs.
+/// Returns the amount of `effect` that makes `size_percent` on the bench's runs.
 ///
 /// # Errors
 /// Returns the errors of [`logs`].
@@ -195,11 +197,11 @@ pub fn amount(effect: &str, size_percent: f64, truck: &str, seed: u64) -> Result
     bench.calibrated(effect, size_percent)
 }
 
-/// Returns what the believed vehicle does not explain in all runs of a scenario, gusts excepted:
-/// RMS over the way driven without shift or brake, %.
+/// Returns what the assumed vehicle does not explain in all runs of a scenario, except gusts:
+/// RMS over the distance driven without shift or brake, %.
 ///
 /// # Errors
-/// A truck that gets stuck.
+/// A truck gets stuck.
 pub fn unmodelled_rms_percent(scenario: &Scenario) -> Result<f64> {
     let mut calm = scenario.clone();
     for run in &mut calm.runs {
@@ -235,7 +237,7 @@ fn beside(folder: &Path) -> PathBuf {
     PathBuf::from(name)
 }
 
-/// The truck on its road, before anything is planted.
+/// The truck on its road, without a planted effect.
 struct Bench<'a> {
     truck: &'a str,
     seed: u64,
@@ -243,7 +245,7 @@ struct Bench<'a> {
 }
 
 impl Bench<'_> {
-    /// Returns the amount of an effect, alone, that makes the size.
+    /// Returns the amount of an effect that alone makes the size.
     fn calibrated(&self, effect: &str, size_percent: f64) -> Result<Amount> {
         if !size_percent.is_finite() || size_percent == 0.0 {
             return Err(refused(format!(

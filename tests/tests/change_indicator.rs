@@ -16,7 +16,7 @@ fn every_input_gives_what_is_committed() {
     }
     let changes: String = indicated.indications.iter().map(changes).collect();
     assert!(changes.is_empty(), "{changes}\n{ACCEPT}");
-    // A file that no input gives any more would be compared with nothing.
+    // Without this check the file of a removed input would remain and be compared with nothing.
     let given: BTreeSet<&str> = indicated.indications.iter().map(|of| &*of.input).collect();
     for file in fs::read_dir(committed_folder()).unwrap() {
         let path = file.unwrap().path();

@@ -1,4 +1,4 @@
-//! The matrix of faults, as `tests/faults.md` has it; and what a table has no place for.
+//! The faults of `tests/faults.md`, and faults that do not fit into the table.
 
 use cross_tests::faults::catalogue::{FaultKind, catalogue};
 use cross_tests::faults::drive::{DAY_LAPS, drive, lap};
@@ -32,7 +32,7 @@ fn every_fault_is_withstood_or_declared_and_the_table_says_so() {
     );
 }
 
-/// A frame of up to 64 bytes, as CAN FD has them.
+/// A CAN FD frame of up to 64 bytes.
 struct LongFrame {
     id: Id,
     data: Vec<u8>,
@@ -70,7 +70,7 @@ impl Frame for LongFrame {
 }
 
 #[test]
-fn over_long_frames_are_read_as_far_as_they_are_known() {
+fn the_known_bytes_of_longer_frames_are_read() {
     let frames = cross_tests::drive::drive();
     let cells = |long: bool| {
         let vehicle = cross_tests::drive::truck();
@@ -102,7 +102,7 @@ fn a_day_without_a_stop() {
     drives_without_a_stop(1);
 }
 
-/// As many days as `SOAK_DAYS` says.
+/// Drives for `SOAK_DAYS` days.
 #[test]
 #[ignore = "takes minutes to hours: tests/run long_soak"]
 fn many_days_without_a_stop() {
@@ -110,9 +110,9 @@ fn many_days_without_a_stop() {
     drives_without_a_stop(days.parse().expect("SOAK_DAYS: a number"));
 }
 
-/// Days there and back on the same road: the last lap is as good as the second, and distance and
-/// time are those of the road and of the clock. Single precision, as on a vehicle; torque ten times
-/// a second instead of a hundred.
+/// Drives there and back on the same road for days. The error must not grow, and distance and time
+/// must remain those of the road and of the clock. The estimator uses single precision, as on a
+/// vehicle. Torque comes ten times a second instead of a hundred times.
 fn drives_without_a_stop(days: usize) {
     let laps = lap("A").unwrap();
     let vehicle = laps[0].vehicle.model.clone();
@@ -153,7 +153,7 @@ fn drives_without_a_stop(days: usize) {
             while estimator.next_cell().is_some() {}
         }
         let last = run.truth.last().unwrap();
-        // The last frames come a little after the last row of the truth.
+        // The last frames are a little later than the last row of the truth.
         start_s += last.time_s + 0.2;
         length_m += last.distance_m;
         of_laps.push(f64::sqrt(squares / cells));
@@ -170,10 +170,10 @@ fn drives_without_a_stop(days: usize) {
         counters.frozen_speeds,
     ];
     assert_eq!(faults, [0; 7]);
-    let way_m = f64::from(estimator.live().unwrap().end.cell) * 2.5;
+    let driven_m = f64::from(estimator.live().unwrap().end.cell) * 2.5;
     assert!(
-        (way_m / length_m - 1.0).abs() < 1e-3,
-        "{way_m} of {length_m}"
+        (driven_m / length_m - 1.0).abs() < 1e-3,
+        "{driven_m} of {length_m}"
     );
     let mean = |laps: &[f64]| laps.iter().sum::<f64>() / laps.len() as f64;
     let (early, late) = (mean(&of_laps[2..12]), mean(&of_laps[of_laps.len() - 10..]));
@@ -189,18 +189,18 @@ fn is_engine(frame: &CanFrame) -> bool {
 }
 
 #[test]
-fn a_recording_without_a_fault_is_heard_as_it_is() {
+fn frames_before_a_fault_are_unchanged() {
     let run = drive("B", 1).unwrap();
     for fault in catalogue() {
         let same = fault
             .received(&run.frames)
             .zip(&run.frames)
-            .take_while(|(heard, recorded)| heard == *recorded);
+            .take_while(|(received, recorded)| received == *recorded);
         let (alike, first) = (same.count(), run.frames[0].time);
         let until_s = run.frames.get(alike).map_or(f64::INFINITY, |timed| {
             timed.time.since(first).micros() as f64 * 1e-6
         });
-        // Up to the fault all is the same; from there on something is not.
+        // All frames are equal up to the start of the fault. Some differ after it.
         let harmless = fault.kind == FaultKind::Nothing;
         assert_eq!(harmless, until_s.is_infinite(), "{}", fault.name);
         let unlike_from_s = fault.window_s.0;

@@ -1,4 +1,4 @@
-//! FixedPoint point against double precision: the ten replicated experiments, and the faults of the GNSS
+//! Fixed point against double precision: the ten replicated experiments, and the faults of the GNSS
 //! receiver in the catalogue.
 
 use cross_tests::faults::catalogue::{Fault, catalogue, of_the_receiver};
@@ -14,13 +14,13 @@ use host_sim::study::experiments::campaign::Campaign;
 use host_sim::study::experiments::ours::{Ours, estimate_in};
 use rayon::prelude::*;
 
-/// What is wanted at most: root mean square and largest difference of grades, %, and the largest
-/// of sigmas as a part.
+/// Upper bounds: RMS and largest difference of the grades, %, and largest relative difference of
+/// the sigmas.
 const WANTED: [f64; 3] = [0.01, 0.05, 0.05];
-/// The words resolve far more; what they lose must not grow unseen.
+/// Accepted part of these bounds. The resolution is far better, and a loss must not go unnoticed.
 const PART_OF_WANTED: f64 = 0.01;
 
-/// Differences as in [`WANTED`].
+/// Returns the differences in the order of [`WANTED`].
 fn differences(fixed: &Profile, double: &Profile) -> [f64; 3] {
     assert_eq!(fixed.grade_percent.len(), double.grade_percent.len());
     let grades = fixed.grade_percent.iter().zip(&double.grade_percent);
@@ -51,7 +51,7 @@ fn assert_near(name: &str, fixed: &Ours, double: &Ours) {
             assert!(*found <= allowed, "{name}, {look}: {found:.1e}");
         }
     }
-    // No overflow, and the same decisions on the way.
+    // No overflow, and the same decisions during the drive.
     assert_eq!(fixed.counters.restarts + fixed.counters.cells_unsound, 0);
     assert_eq!(fixed.counters, double.counters, "{name}");
 }
@@ -67,7 +67,7 @@ fn the_experiments_of_the_thesis() {
     });
 }
 
-/// From the frames on the bus, as the vehicle and then the host have it.
+/// Estimates a drive from its frames: live and lagged as on the vehicle, smoothed as on the host.
 fn estimated<S: Scalar>(run: &SimulatedRun, fault: &Fault) -> Ours {
     let (vehicle, tuning) = (&run.vehicle.model, Tuning::default());
     let mut recorder = Recorder::<S>::new(vehicle.clone(), tuning.clone()).unwrap();

@@ -1,10 +1,10 @@
-//! Every package that is built in, tests and boards included, may be used and passed on.
+//! The licences of all packages, those of tests and boards included, permit use and distribution.
 
 use cargo_metadata::{CargoOpt, MetadataCommand};
 use cross_tests::image::root;
 use spdx::{Expression, LicenseReq};
 
-/// Licences that ask for no more than their own text, or (MPL) for the package's own source.
+/// Licences that require no more than their own text or, for MPL, the package's own source.
 const ALLOWED: [&str; 15] = [
     "0BSD",
     "Apache-2.0",
@@ -22,8 +22,7 @@ const ALLOWED: [&str; 15] = [
     "WTFPL",
     "Zlib",
 ];
-/// Workspaces: what runs on a host, peers that are measured on a board and on a host, a board, fuzz
-/// targets.
+/// Folders of the workspaces.
 const WORKSPACES: [&str; 5] = [
     ".",
     "tests/peers",
@@ -45,7 +44,7 @@ fn licences_of_all_packages_are_permissive() {
             .unwrap_or_else(|e| panic!("{workspace}: {e}"));
         for package in &metadata.packages {
             packages += 1;
-            let licence = package.license.as_deref().unwrap_or("none told");
+            let licence = package.license.as_deref().unwrap_or("none declared");
             let expression = Expression::parse_mode(licence, spdx::ParseMode::LAX);
             if !expression.is_ok_and(|licence| licence.evaluate(allows)) {
                 problems.push(format!("{} {}: {licence}", package.name, package.version));

@@ -1,7 +1,7 @@
-"""Reads lines of `candump -L` from stdin, decodes what the estimator published with its layout file,
-and checks that it is a drive: `decode.py grade.dbc <recording`.
+"""Reads lines of `candump -L` from stdin, decodes the published estimate with its layout file, and
+checks that it is a drive: `decode.py grade.dbc <recording`.
 
-cantools reads the file and the frames; nothing here knows where a signal lies.
+cantools reads the layout file and the frames. This script does not know the position of a signal.
 """
 
 import re

@@ -13,6 +13,10 @@
 //! | `stops`, `reversing` | standstills, weighings, load changes; direction of motion |
 //! | `effect_inputs` | what effects depend on |
 //! | `latest`, `accepted_ranges` | newest values and their age; ranges of accepted readings |
+//!
+//! Hold times make the model invalid for some time after a gear shift or a brake. The one after a
+//! shift is in this file (`Parts::hold_shift`); those after a brake or a retarder are in `brakes`.
+//! Their lengths are [`HoldTimes`](crate::tuning::HoldTimes).
 
 mod accepted_ranges;
 mod brake_detector;

@@ -4,6 +4,10 @@
 //! block, and leaves its [`BlockSmoother`]: what it says of anything before it. A cell is finished
 //! [`LAG_CELLS`] later, by going back over the block smoothers since. The result is that of a pass
 //! over all steps of the lag, with a tenth of the work and a third of the memory.
+//!
+//! This file has the queues of cells and blocks. The recursion over one step is in
+//! [`backward_pass`](super::backward_pass), the one over a block in
+//! [`block_smoother`](super::block_smoother).
 
 use super::backward_pass::BackwardPass;
 use super::block_smoother::BlockSmoother;

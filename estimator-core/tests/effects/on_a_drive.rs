@@ -16,7 +16,7 @@ use test_kit::truck;
 const SECONDS: f32 = 400.0;
 const WEIGHT_N: f32 = 39_000.0 * GRAVITY;
 
-/// The model of a vehicle with these effects.
+/// Returns the model of a vehicle with these effects.
 fn with(vehicle: VehicleParameters, adopted: &[AdoptedEffect]) -> Model {
     let mut model = Model::from(vehicle);
     for adopted in adopted {
@@ -33,7 +33,7 @@ fn adopted(name: &str, amount: f32, parameters: &[(&str, f32)]) -> AdoptedEffect
     adopted
 }
 
-/// Root of the mean squared difference of two drives' live grades, %, from 50 m on.
+/// Returns the RMS difference of two drives' live grades from 50 m on, %.
 fn difference(one: &[Estimate], other: &[Estimate]) -> f32 {
     let squares = one.iter().zip(other).skip(20).map(|(one, other)| {
         let difference = one.grade_percent.value - other.grade_percent.value;
@@ -46,7 +46,7 @@ fn difference(one: &[Estimate], other: &[Estimate]) -> f32 {
 /// Traction as the bus reports it, N.
 type ReportedForce = fn(&VehicleMoment) -> f32;
 
-/// Effects of a vehicle, and the traction that the bus then reports.
+/// Returns effects of a vehicle, each with the traction that the bus then reports.
 fn resisting() -> Vec<(AdoptedEffect, ReportedForce)> {
     let middle = START_LATITUDE_DEG + 4.0 * DEG_PER_KM;
     let stretch = [("latitude_deg", middle), ("length_m", 4_000.0)];
@@ -86,7 +86,7 @@ fn resisting() -> Vec<(AdoptedEffect, ReportedForce)> {
 }
 
 #[test]
-fn an_effect_that_is_known_is_as_none() {
+fn a_known_effect_does_not_change_the_estimates() {
     let vehicle = by_force();
     let base = Model::from(vehicle.clone());
     let plain = drive(&base, &vehicle, PLAIN, SECONDS);
@@ -116,7 +116,7 @@ fn an_effect_that_is_known_is_as_none() {
 }
 
 #[test]
-fn a_scale_that_is_known_is_as_none() {
+fn a_known_scale_does_not_change_the_estimates() {
     let truth = truck();
     let plain = drive(&truth.clone().into(), &truth, PLAIN, SECONDS);
     // A mass that is too small; wheels that are too small, with a reported speed that is as small.
@@ -163,7 +163,7 @@ fn masses_reported_on_the_bus_are_scaled_too() {
     }
 }
 
-/// Mean sigma of the live bias, of the scale and of the grade after some minutes.
+/// Returns the mean sigmas of the live bias, of the scale and of the grade after some minutes.
 fn sigmas(adopted: AdoptedEffect) -> [f32; 3] {
     let vehicle = by_force();
     let planted = PlantedDifference {
@@ -236,7 +236,7 @@ fn uncertainty_comes_with_what_it_depends_on() {
 }
 
 #[test]
-fn what_was_learned_without_an_effect_is_refused_with_one() {
+fn a_state_learned_without_an_effect_is_refused_with_one() {
     let refused = |adopted: AdoptedEffect| {
         let model = with(by_force(), &[adopted]);
         Estimator::<f32>::restore(model, Tuning::default(), &KEPT).map(drop)

@@ -24,7 +24,7 @@ fn light() -> VehicleParameters {
     }
 }
 
-/// A cell at constant speed on a slope, sine in %, with every input known.
+/// Returns a cell at constant speed on a slope, sine in %, with every input known.
 fn cruise(vehicle: &VehicleParameters, slope_percent: f32) -> Sample {
     let speed_mps = 22.2;
     let weight_n = vehicle.mass_kg * GRAVITY;
@@ -81,7 +81,7 @@ type Row = (
 
 #[test]
 fn forces_are_those_of_the_literature() {
-    // Grade-equivalent at 80 km/h, computed by hand: A, B.
+    // Equivalent grade at 80 km/h, computed by hand: A, B.
     let flat = 0.0;
     #[rustfmt::skip]
     let table: [Row; 24] = [
@@ -189,7 +189,7 @@ fn the_derivative_is_the_limit_of_the_quotient() {
 }
 
 #[test]
-fn what_is_not_known_makes_no_force() {
+fn unknown_inputs_make_no_force() {
     let vehicle = heavy();
     let known = cruise(&vehicle, 1.0);
     let blind = Sample {
@@ -234,7 +234,7 @@ fn what_is_not_known_makes_no_force() {
 }
 
 #[test]
-fn each_depends_on_what_it_says() {
+fn each_depends_on_its_declared_inputs() {
     let vehicle = heavy();
     let known = cruise(&vehicle, 0.0);
     let with = |change: &dyn Fn(&mut EffectInputs)| {
@@ -255,7 +255,7 @@ fn each_depends_on_what_it_says() {
         force(&tyres, &known) * (-3.0_f32).exp(),
     );
 
-    // A fan at a third, and one that is not reported.
+    // A fan at a third, and a fan without a report.
     let fan = adopted("auxiliary_load", 22_200.0, &[("with_fan", 1.0)]);
     near(
         force(&fan, &with(&|c| c.fan_percent = Maybe::some(30.0))),
@@ -319,7 +319,7 @@ fn a_rough_stretch_is_where_it_is() {
 }
 
 #[test]
-fn amounts_that_cannot_be_are_refused_by_name() {
+fn impossible_amounts_are_refused_by_name() {
     for effect in CATALOGUE {
         let refusal = |change: &dyn Fn(&mut AdoptedEffect)| {
             let mut adopted =

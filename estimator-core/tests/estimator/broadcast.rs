@@ -60,7 +60,7 @@ fn near(read: Option<f64>, wanted: f32, step: f64) -> bool {
 
 proptest! {
     #[test]
-    fn what_is_sent_is_what_is_estimated(
+    fn the_sent_estimate_equals_the_estimate(
         grade in -30.0_f32..30.0,
         sigma in 0.0_f32..5.0,
         bias in -3.0_f32..3.0,

@@ -33,7 +33,7 @@ fn drain(estimator: &mut Estimator<f32>, cells: &mut Vec<Cell>) {
     }
 }
 
-/// A steady climb of `grade` percent at 20 m/s with force, speed and altitude at these periods.
+/// Drives a steady climb of `grade` percent at 20 m/s. Force and speed come at these periods.
 fn climb(grade: f32, force_ms: u64, speed_ms: u64, seconds: u64) -> Vec<Cell> {
     let vehicle = by_force();
     let sine = 0.01 * grade / (1.0 + 1e-4 * grade * grade).sqrt();
@@ -99,7 +99,7 @@ fn distance_counts_from_the_first_frame_and_time_is_the_crossing() {
 }
 
 #[test]
-fn lagged_is_surer_than_live_and_both_are_sure_of_the_truth() {
+fn lagged_sigma_is_below_live_sigma_and_both_cover_the_truth() {
     let cells = climb(2.0, 100, 100, 120);
     let cell = &cells[cells.len() / 2];
     assert!(cell.lagged_grade_percent.sigma < cell.live_grade_percent.sigma);
@@ -270,7 +270,7 @@ fn impossible_vehicles_are_refused_by_name() {
     assert_eq!(gearless.key, "powertrain.gears");
 }
 
-/// Frames with sensible and senseless payloads at sensible and senseless times.
+/// Returns frames with valid and random payloads at valid and random times.
 fn hostile_frames() -> impl Strategy<Value = Vec<(u64, TestFrame)>> {
     let payload = prop_oneof![
         prop::collection::vec(any::<u8>(), 0..9),

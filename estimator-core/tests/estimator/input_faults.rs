@@ -8,9 +8,9 @@ const EEC1: u32 = 61_444;
 const CCVS1: u32 = 65_265;
 const EBC2: u32 = 65_215;
 const ETC2: u32 = 61_445;
-/// Of the truck in its direct gear, at 1 m/s.
+/// Engine speed of the truck in its direct gear at 1 m/s.
 const RPM_PER_MPS: f32 = 55.77;
-/// With this torque it keeps 20 m/s on the flat, about.
+/// Torque that keeps about 20 m/s on a level road.
 const TORQUE_PERCENT: f32 = 57.0;
 
 /// A drive by frames: torque, gear and speeds, ten times a second.
@@ -138,7 +138,7 @@ fn after_a_long_silence_the_second_frame_counts() {
 }
 
 #[test]
-fn a_speed_that_no_vehicle_comes_to_moves_nothing() {
+fn an_impossible_speed_is_rejected() {
     let mut bus = Bus::new();
     bus.on(600, cruising);
     let (before_m, grade_percent) = (bus.distance_m(), bus.grade_percent());
@@ -198,7 +198,7 @@ fn a_brake_between_speeds_a_second_apart_is_no_step() {
 }
 
 #[test]
-fn where_the_wheel_speed_is_stuck_the_front_axle_stands_in() {
+fn the_front_axle_replaces_a_stuck_wheel_speed() {
     let mut bus = Bus::new();
     bus.on(600, cruising);
     let before_m = bus.distance_m();
@@ -256,7 +256,7 @@ fn the_true_source_gets_its_signal_back() {
     }
     let now_mps = |bus: &Bus| bus.estimator.live().unwrap().estimate.speed_mps;
     assert!((now_mps(&bus) - 20.0).abs() < 0.1);
-    // It sends in a pause of 10 s, and goes on.
+    // The other source sends in a pause of 10 s, and goes on.
     bus.on(100, other);
     assert!((now_mps(&bus) - 25.0).abs() < 0.1);
     for k in 0..100 {

@@ -7,12 +7,12 @@ use test_kit::by_force;
 use test_kit::readings_drive::ReadingsDrive;
 use test_kit::{FilterRun, FilteredStep, Noise, altitude, sample, smooth, speed, truck};
 
-/// A level drive. `fault` returns the error of the fix in a cell, m.
+/// Simulates a level drive. `fault` returns the error of the fix in a cell, m.
 fn level_drive(fault: impl Fn(u32) -> f32) -> (Vec<FilteredStep<f64>>, Counters) {
     drive_with_fixes(|k, altitude_m| Some(altitude_m + fault(k)))
 }
 
-/// The same with the fixes that `fix` returns for a cell and its true altitude.
+/// Simulates the same drive with the fixes that `fix` returns for a cell and its true altitude.
 fn drive_with_fixes(fix: impl Fn(u32, f32) -> Option<f32>) -> (Vec<FilteredStep<f64>>, Counters) {
     let vehicle = truck();
     let weight_n = vehicle.mass_kg * 9.806_65;
@@ -90,7 +90,7 @@ fn a_noisy_receiver_is_learned_and_its_fixes_are_used() {
     assert!(worst_grade(&cells) < 0.25, "{}", worst_grade(&cells));
 }
 
-/// An error that grows by 1 m per 100 m between two cells, and is constant before and after.
+/// Returns an error that grows by 1 m per 100 m between two cells, and is constant elsewhere.
 fn ramp(from: u32, to: u32, sign: f32) -> impl Fn(u32) -> f32 {
     move |k| sign * 0.025 * (k.clamp(from, to) - from) as f32
 }
@@ -136,7 +136,7 @@ fn a_drift_is_detected_and_rejected_until_it_ends() {
 }
 
 #[test]
-fn a_drift_that_falls_back_is_over_too() {
+fn a_drift_that_falls_back_ends_too() {
     let (cells, counters) = level_drive(|k| {
         if k < 1_900 {
             ramp(1_500, 1_900, 1.0)(k)
@@ -193,7 +193,7 @@ fn unmoved(before: &FilteredStep<f64>, after: &FilteredStep<f64>) {
 }
 
 #[test]
-fn another_source_or_a_long_silence_sets_the_altitude_anew_and_nothing_else() {
+fn another_source_or_a_long_silence_resets_the_altitude_and_nothing_else() {
     // 312 s at 20 m/s: longer than the 300 s that are bridged.
     let silence = |k: u32, altitude_m: f32| {
         (!(800..3_300).contains(&k)).then_some(altitude_m + if k < 800 { 0.0 } else { 35.0 })

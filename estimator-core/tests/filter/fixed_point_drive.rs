@@ -10,7 +10,7 @@ use test_kit::{
     FilterRun, FilteredStep, Noise, altitude, cells, run, sample, smooth, speed, truck,
 };
 
-/// A drive with a gap, missing speeds, an altitude that steps, brakes, crawling and standstill.
+/// Returns a drive with a gap, missing speeds, an altitude step, brakes, crawling and standstill.
 fn drive() -> Vec<Sample> {
     let mut noise = Noise(5);
     (1..=1_500_u32)
@@ -58,7 +58,7 @@ fn every_estimate_is_that_of_double_precision() {
         assert_near(fixed.live_grade_percent, double.live_grade_percent);
         assert_near(fixed.lagged_grade_percent, double.lagged_grade_percent);
         if let (Some(fixed), Some(double)) = (fixed.altitude_m, double.altitude_m) {
-            // It is off by hundreds of metres by then.
+            // The altitude is off by hundreds of metres by then.
             assert!((fixed.value - double.value).abs() < 5e-3);
             assert!((fixed.sigma / double.sigma - 1.0).abs() < 2e-3);
         }

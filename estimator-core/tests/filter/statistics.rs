@@ -11,7 +11,7 @@ use test_kit::dense::{
 };
 use test_kit::{Noise, altitude, run, sample, speed, truck};
 
-/// A drive drawn from the model of the filter.
+/// Returns a drive drawn from the model of the filter.
 fn drawn(cells: u32, seed: u64, tuning: &Tuning) -> Vec<Sample> {
     let vehicle = truck();
     let noise_of = &tuning.measurement_noise;
@@ -49,7 +49,7 @@ fn drawn(cells: u32, seed: u64, tuning: &Tuning) -> Vec<Sample> {
     samples
 }
 
-/// Mean square of a normalised series, and its autocorrelation at a lag.
+/// Returns the mean square of a normalised series, and its autocorrelation at a lag.
 fn whiteness(series: &[f64], lag: usize) -> (f64, f64) {
     let power: f64 = series.iter().map(|e| e * e).sum();
     let shifted = series.iter().zip(&series[lag..]);
@@ -58,7 +58,7 @@ fn whiteness(series: &[f64], lag: usize) -> (f64, f64) {
 }
 
 #[test]
-fn innovations_are_white_and_as_large_as_the_filter_says() {
+fn innovations_are_white_and_of_the_stated_variance() {
     let tuning = Tuning::default();
     let samples = drawn(40_000, 11, &tuning);
     let cells = run::<f64>(&samples, &tuning);
@@ -91,7 +91,7 @@ fn innovations_are_white_and_as_large_as_the_filter_says() {
     }
 }
 
-/// A drive over hills in steps of this length, m, with readings every 2.5 m.
+/// Returns a drive over hills in steps of this length, m, with readings every 2.5 m.
 fn hills(step_m: f32) -> Vec<Sample> {
     let vehicle = truck();
     let weight_n = vehicle.mass_kg * 9.806_65;
@@ -105,7 +105,7 @@ fn hills(step_m: f32) -> Vec<Sample> {
             let at_m = f64::from(k) * f64::from(step_m);
             let middle = at_m - 0.5 * f64::from(step_m);
             let air_n = 6.0 * 1.2 * energy;
-            // The engine makes up for most of the hill, the speed for the rest.
+            // The engine compensates most of the hill, and the speed changes by the rest.
             let force_n = air_n
                 + f64::from(weight_n) * (0.006_5 + 0.008 * slope(middle))
                 + 39_000.0 * 0.05 * (22.0 - (2.0 * energy).sqrt());
@@ -128,7 +128,7 @@ fn hills(step_m: f32) -> Vec<Sample> {
 }
 
 #[test]
-fn halving_the_step_changes_next_to_nothing() {
+fn halving_the_step_changes_almost_nothing() {
     let tuning = Tuning::default();
     let grades = |step_m: f32| -> Vec<f32> {
         let mut samples = hills(step_m);

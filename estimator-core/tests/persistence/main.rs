@@ -1,4 +1,4 @@
-//! What outlasts a drive, and what is serialized.
+//! The persistent state, and serialization.
 
 mod next_drive;
 #[cfg(feature = "serde")]

@@ -7,7 +7,7 @@ use test_kit::by_force;
 use test_kit::hilly_drive::{BusSignals, KEPT, USUAL, drive, fresh};
 
 #[test]
-fn what_a_drive_has_learned_is_in_it() {
+fn the_state_contains_what_a_drive_has_learned() {
     let estimator = drive::<f32>(fresh(), 12_000, USUAL);
     let slow = *estimator.persistent_state().unwrap().slow_states();
     // 10 % heavier than the model: less traction per kilogram than the model has.
@@ -42,7 +42,7 @@ fn what_a_drive_has_learned_is_in_it() {
 }
 
 #[test]
-fn precisions_leave_the_same() {
+fn all_precisions_leave_the_same_state() {
     let double = drive::<f64>(fresh(), 12_000, USUAL)
         .persistent_state()
         .unwrap();

@@ -37,6 +37,7 @@ fn sample() -> impl Strategy<Value = Sample> {
         mean_mps,
         behind_m: mean_mps / 3.0,
         count,
+        resolution_mps: mean_mps / 5.0,
     });
     let continuity = prop_oneof![
         Just(AltitudeContinuity::Followed),
@@ -75,6 +76,7 @@ fn sample() -> impl Strategy<Value = Sample> {
                 speed,
                 altitude,
                 after_load_change: !flag,
+                after_stop: flag,
                 mass_is_reported: flag,
                 disagreement: Disagreement {
                     climb: flag,
@@ -111,7 +113,7 @@ proptest! {
 }
 
 #[test]
-fn what_is_not_known_is_null() {
+fn unknown_values_are_null() {
     assert_eq!(serde_json::to_string(&Maybe::NONE).unwrap(), "null");
     assert_eq!(serde_json::from_str::<Maybe>("null").unwrap(), Maybe::NONE);
     assert_eq!(serde_json::to_string(&Maybe::some(1.5)).unwrap(), "1.5");

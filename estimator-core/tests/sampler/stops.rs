@@ -102,7 +102,7 @@ fn a_long_standstill_reopens_whether_awake_or_asleep() {
 }
 
 #[test]
-fn a_log_that_goes_on_the_next_day_reopens() {
+fn a_log_that_continues_the_next_day_reopens() {
     let mut drive = ReadingsDrive::of(by_force());
     drive.on(20.0, &at(20.0, None));
     drive.now_ms += 12 * 3_600_000;

@@ -257,7 +257,7 @@ proptest! {
         }
     }
 
-    /// What is not measured is written and read as such.
+    /// The codes of a missing value are written and read back.
     #[test]
     fn codes_survive_the_bus(which in 0..MESSAGES, error in any::<bool>()) {
         let message = messages().nth(which).unwrap();

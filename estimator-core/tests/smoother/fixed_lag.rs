@@ -8,8 +8,8 @@ use estimator_core::smoother::{BackwardPass, FixedLag};
 use std::iter::from_fn;
 use test_kit::{Noise, altitude, cells, run, sample, speed};
 
-/// A drive with everything that breaks a chain of cells: a gap, a new datum, a step of the GNSS
-/// error, missing speeds and altitudes.
+/// Returns a drive with all interruptions of a chain of cells: a gap, a new datum, a step of the
+/// GNSS error, missing speeds and altitudes.
 fn drive() -> Vec<Sample> {
     let mut noise = Noise(5);
     (1..=700_u32)

@@ -1,4 +1,4 @@
-//! The estimator in `f32` and next to nothing else, to be measured (`firmware::alone`).
+//! The estimator in `f32` and nearly nothing else, to be measured (`firmware::alone`).
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 

@@ -1,4 +1,4 @@
-//! The estimator in fixed point and next to nothing else, to be measured (`firmware::alone`).
+//! The estimator in fixed point and nearly nothing else, to be measured (`firmware::alone`).
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 

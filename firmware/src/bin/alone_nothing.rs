@@ -1,4 +1,4 @@
-//! What any image has, to be measured (`firmware::alone`): it starts, and that is all.
+//! An image that only starts, to measure the size of any image (`firmware::alone`).
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 

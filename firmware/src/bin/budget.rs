@@ -1,13 +1,13 @@
-//! Counts what the estimator costs on the emulated board, in each scalar.
+//! Counts the cost of the estimator on the emulated board, in each scalar type.
 //!
-//! For an emulator that counts instructions (`-icount`, see `firmware::meter`); the command
-//! that starts it so and shows the figures is
+//! It needs an emulator that counts instructions (`-icount`, see `firmware::meter`). This command
+//! starts the emulator and shows the figures:
 //!
 //! ```text
 //! cargo run -p cross-tests --release --example budgets
 //! ```
 //!
-//! Exit status: 0 done, 1 it could not be done, 101 the image panicked.
+//! Exit status: 0 success, 1 an error, 101 a panic of the image.
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
@@ -23,7 +23,7 @@ fn main() -> ! {
     })
 }
 
-/// Prints the figures of each scalar under its name.
+/// Prints the figures of each scalar type under its name.
 #[cfg(target_os = "none")]
 fn count() -> Result<(), firmware::budget::BudgetError> {
     use estimator_core::FixedPoint;
@@ -36,4 +36,4 @@ fn count() -> Result<(), firmware::budget::BudgetError> {
     Ok(())
 }
 
-firmware::ending!(told);
+firmware::ending!(reported);

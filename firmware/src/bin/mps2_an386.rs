@@ -6,9 +6,9 @@
 //! cargo run -p firmware --release --target thumbv7em-none-eabihf
 //! ```
 //!
-//! It logs with defmt on stdout, for `defmt-print -e IMAGE` or the example `emulate` of
-//! `cross-tests`, which does all of it for a log. Exit status: 0 done, 1 it could not be done, 101
-//! the image panicked; why is on stderr.
+//! It logs with defmt on stdout, for `defmt-print -e IMAGE`. The example `emulate` of `cross-tests`
+//! does all of this for a log. Exit status: 0 success, 1 an error, 101 a panic of the image. The
+//! reason is on stderr.
 
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
@@ -27,4 +27,4 @@ fn main() -> ! {
     })
 }
 
-firmware::ending!(told);
+firmware::ending!(reported);

@@ -63,7 +63,7 @@ pub fn encode(cell: &Cell) -> [u8; CELL_BYTES] {
     )
 }
 
-/// Returns the cell of a record; `None` if it is no record.
+/// Returns the cell of a record; `None` if the record is invalid.
 #[must_use]
 pub fn decode(record: &[u8]) -> Option<Cell> {
     let mut words = to_words(record, CELL_BYTES)?;

@@ -51,7 +51,7 @@ pub fn encode(time: Instant, frame: &impl Frame) -> Option<[u8; FRAME_BYTES]> {
     ]))
 }
 
-/// Returns the frame of a record, and when it was received.
+/// Returns the frame of a record and its time of reception.
 #[must_use]
 pub fn decode(record: &[u8]) -> Option<(Instant, RecordedFrame)> {
     let mut words = to_words(record, FRAME_BYTES)?;

@@ -13,8 +13,7 @@
 //! |----------------------|-------|-------------------------------------------------------------|
 //! | record, one a cell   | 13    | see [`cell`]                                                |
 //!
-//! Decoding refuses bytes that are no such record: another length, or a content that encoding never
-//! writes.
+//! Decoding refuses records of another length, and content that encoding never writes.
 
 pub mod cell;
 pub mod frame;
@@ -22,9 +21,9 @@ pub mod vehicle;
 
 use core::ffi::CStr;
 
-/// File that the host writes, in QEMU's working folder: a vehicle, and the frames of a drive.
+/// File in QEMU's working folder that the host writes: a vehicle, and the frames of a drive.
 pub const DRIVE_FILE: &CStr = c"drive.bin";
-/// File that the board writes, in QEMU's working folder: the finished cells.
+/// File in QEMU's working folder that the board writes: the finished cells.
 pub const CELLS_FILE: &CStr = c"cells.bin";
 
 const WORD: usize = size_of::<u32>();

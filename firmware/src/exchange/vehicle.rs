@@ -20,7 +20,7 @@ use estimator_core::effect::{MAX_EFFECT_PARAMETERS, MAX_EFFECTS, numbered};
 use estimator_core::vehicle::MAX_GEARS;
 use estimator_core::{AdoptedEffect, Gear, Maybe, Model, Powertrain, Traction, VehicleParameters};
 
-/// Effects that a header has room for. More than there are, so that releases with more read it.
+/// Number of effects that fit into a header. There is room for the effects of later releases.
 const EFFECTS: usize = 32;
 const _: () = assert!(MAX_EFFECTS <= EFFECTS);
 /// Words before the effects.
@@ -37,15 +37,15 @@ const NO_EFFECT: u32 = u32::MAX;
 /// Why a header is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum HeaderError {
-    /// Its length is not [`VEHICLE_BYTES`].
+    /// The length is not [`VEHICLE_BYTES`].
     Length,
-    /// It does not start as a header of this version does.
+    /// The first bytes are not those of this version.
     Magic,
-    /// It has more gears than a powertrain can have.
+    /// There are more gears than a powertrain can have.
     Gears,
     /// This release has no effect of this number.
     Effect(u32),
-    /// It has an effect twice.
+    /// An effect occurs twice.
     Repeated,
 }
 
@@ -114,7 +114,7 @@ fn effect_words(adopted: &AdoptedEffect) -> [u32; EFFECT_WORDS] {
 /// Returns the vehicle of a header.
 ///
 /// # Errors
-/// [`HeaderError`]: it is no header, or has an effect that this release does not have.
+/// Returns [`HeaderError`] if it is not a header, or has an effect that this release lacks.
 pub fn decode(header: &[u8]) -> Result<Model, HeaderError> {
     let mut words = to_words(header, VEHICLE_BYTES).ok_or(HeaderError::Length)?;
     if next_u64(&mut words) != Some(MAGIC) {

@@ -1,9 +1,9 @@
-//! Counts instead of times: instructions, by the emulator's clock, and bytes of stack.
+//! Counts of instructions, by the emulator's clock, and of bytes of stack.
 //!
-//! QEMU with `-icount shift=N` lets each instruction last 2^N ns of its own time, in which the
-//! SysTick of the board ticks every 40 ns. With N = 6 an instruction takes more than one tick, so
-//! that they give its count, and 24 bits of them last for ten million. Whatever it is, the ratio
-//! is measured on a loop whose instructions are known.
+//! With `-icount shift=N` each instruction takes 2^N ns of QEMU's time. The SysTick of the board
+//! ticks every 40 ns of that time. With N = 6 an instruction takes more than one tick, so the ticks
+//! give the number of instructions. The 24 bits of the timer suffice for ten million instructions.
+//! The number of ticks for an instruction is measured on a loop of known length.
 
 mod stack;
 mod tally;
@@ -17,9 +17,9 @@ use core::sync::atomic::{Ordering, compiler_fence};
 use cortex_m::peripheral::SYST;
 use cortex_m::peripheral::syst::SystClkSource;
 
-/// All of the timer's 24 bits.
+/// Largest value of the timer, which has 24 bits.
 const FULL: u32 = 0x00ff_ffff;
-/// Turns of the loop that calibrates a tick, and its instructions, two a turn.
+/// Turns of the loop that calibrates the ticks, and its instructions: two a turn.
 const TURNS: u32 = 100_000;
 const LOOP: u64 = 2 * TURNS as u64;
 
@@ -28,26 +28,26 @@ pub struct InstructionMeter {
     timer: SYST,
     /// Ticks that the loop took.
     ticks_of_loop: u64,
-    /// Ticks that counting nothing takes.
+    /// Ticks of an empty measurement.
     overhead: u32,
 }
 
 /// Why instructions cannot be counted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Uncountable {
-    /// Another has the timer.
+    /// The timer is already in use.
     NoTimer,
     /// The emulator was started without `-icount`, or with too small a shift.
     TooCoarse,
-    /// More than the timer's bits hold.
+    /// A call took more ticks than the timer can count.
     TooMany,
 }
 
 impl InstructionMeter {
-    /// Starts the timer and finds out how many ticks an instruction takes.
+    /// Starts the timer and measures the number of ticks for an instruction.
     ///
     /// # Errors
-    /// All but [`Uncountable::TooMany`].
+    /// Returns [`Uncountable`] if the timer is in use or too coarse.
     pub fn new() -> Result<Self, Uncountable> {
         let peripherals = cortex_m::Peripherals::take().ok_or(Uncountable::NoTimer)?;
         let mut timer = peripherals.SYST;
@@ -70,10 +70,10 @@ impl InstructionMeter {
         Ok(meter)
     }
 
-    /// Does the work, and counts its instructions.
+    /// Does the work and counts its instructions.
     ///
     /// # Errors
-    /// [`Uncountable::TooMany`], after the work was done.
+    /// Returns [`Uncountable::TooMany`] after the work is done.
     pub fn count<R>(&mut self, work: impl FnOnce() -> R) -> Result<(R, u32), Uncountable> {
         let (result, ticks) = self.ticks(work)?;
         let ticks = u64::from(ticks.saturating_sub(self.overhead));
@@ -81,21 +81,22 @@ impl InstructionMeter {
         Ok((result, instructions as u32))
     }
 
-    /// Not inlined: what is counted must not depend on what the compiler makes of the caller.
+    /// Does the work and counts its ticks. Not inlined, so that the count does not depend on the
+    /// caller.
     #[inline(never)]
     fn ticks<R>(&mut self, work: impl FnOnce() -> R) -> Result<(R, u32), Uncountable> {
-        // Reading the flag clears it. It is read within, so that a wrap beside the work is not
-        // taken for one too many.
+        // Reading the flag clears it. It is read after the first reading of the timer and before
+        // the last, so that a wrap outside the work does not count.
         let before = SYST::get_current();
         self.timer.has_wrapped();
         compiler_fence(Ordering::SeqCst);
-        // By reference: handed over, a large result would be copied, and the copy counted.
+        // By reference: a large result by value would be copied, and the copy counted.
         let result = work();
         black_box(&result);
         compiler_fence(Ordering::SeqCst);
         let wrapped = self.timer.has_wrapped();
         let after = SYST::get_current();
-        // It counts down. Around once is what the mask undoes, but not further.
+        // The timer counts down. The mask corrects one wrap, but no more.
         if wrapped && after <= before {
             return Err(Uncountable::TooMany);
         }

@@ -1,6 +1,6 @@
-//! Counts of the same work done many times.
+//! Counts of repeated work.
 
-/// How often, how much in all, and how much at the most.
+/// Number of calls, sum and largest of their counts.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct CountTally {
     calls: u32,
@@ -9,27 +9,27 @@ pub struct CountTally {
 }
 
 impl CountTally {
-    /// One more count.
+    /// Adds a count.
     pub fn add(&mut self, count: u32) {
         self.calls += 1;
         self.sum += u64::from(count);
         self.worst = self.worst.max(count);
     }
 
-    /// All counts of another.
+    /// Adds all counts of another tally.
     pub fn add_all(&mut self, other: &Self) {
         self.calls += other.calls;
         self.sum += other.sum;
         self.worst = self.worst.max(other.worst);
     }
 
-    /// Returns how often.
+    /// Returns the number of calls.
     #[must_use]
     pub const fn calls(&self) -> u32 {
         self.calls
     }
 
-    /// Returns the mean, rounded; zero of none.
+    /// Returns the rounded mean; zero without calls.
     #[must_use]
     pub const fn mean(&self) -> u32 {
         let calls = self.calls as u64;
@@ -39,7 +39,7 @@ impl CountTally {
         }
     }
 
-    /// Returns the largest.
+    /// Returns the largest count.
     #[must_use]
     pub const fn worst(&self) -> u32 {
         self.worst

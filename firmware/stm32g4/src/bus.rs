@@ -1,4 +1,4 @@
-//! CAN controllers: what they take, and what becomes of it.
+//! CAN controllers: their configuration, and the reception of frames.
 
 use crate::inbox::{InboxItem, InboxSender};
 use embassy_stm32::can::filter::{ExtendedFilter, StandardFilter};
@@ -8,13 +8,13 @@ use estimator_core::Instant;
 
 /// Bit rate of J1939-11 and NMEA 2000.
 const BITS_PER_SECOND: u32 = 250_000;
-/// Rest after an error of the bus, which may last: an interrupt that finds it again and again would
-/// leave no time for anything else.
+/// Pause after an error of the bus. The error may last, and handling it without a pause would leave
+/// no time for anything else.
 const AFTER_ERROR: Duration = Duration::from_millis(10);
 
-/// Has a controller take all frames with long identifiers, which are all that J1939 and NMEA 2000
-/// have. After bus-off it comes back by itself, as ISO 11898-1 allows it: after 128 times eleven
-/// recessive bits.
+/// Configures a controller to accept all frames with 29-bit identifiers, which J1939 and NMEA 2000
+/// use. It recovers from bus-off by itself, as ISO 11898-1 allows: after 128 times eleven recessive
+/// bits.
 pub fn configure(mut can: CanConfigurator<'static>) -> Can<'static> {
     let properties = can.properties();
     properties.set_standard_filter(filter::StandardFilterSlot::_0, StandardFilter::reject_all());
@@ -28,7 +28,7 @@ pub fn configure(mut can: CanConfigurator<'static>) -> Can<'static> {
     can.into_normal_mode()
 }
 
-/// Takes frames off a controller into the inbox, for ever.
+/// Puts the frames of a controller into the inbox, forever.
 #[embassy_executor::task(pool_size = 2)]
 pub async fn receive(mut can: CanRx<'static>, inbox: &'static InboxSender) {
     loop {

@@ -1,4 +1,4 @@
-//! A GNSS receiver that speaks NMEA 0183 on a serial line.
+//! A GNSS receiver with NMEA 0183 on a serial line.
 
 use crate::inbox::{InboxItem, InboxSender};
 use embassy_stm32::mode::Async;
@@ -11,14 +11,14 @@ use nmea::sentences::rmc::RmcStatusOfFix;
 use nmea::sentences::{FixType, GgaData, RmcData};
 use static_cell::StaticCell;
 
-/// Longest sentence (IEC 61162-1), and some more for receivers that do not keep to it.
+/// Longest sentence (IEC 61162-1), with a margin for receivers that exceed it.
 const LONGEST: usize = 120;
 const MPS_PER_KNOT: f32 = 1852.0 / 3600.0;
 
-/// Bytes that the line may be ahead: a quarter of a second at 9600 baud.
+/// Size of the receive buffer, bytes: a quarter of a second at 9600 baud.
 const AHEAD: usize = 256;
 
-/// Takes sentences off the line into the inbox, for ever.
+/// Puts the readings of the sentences into the inbox, forever.
 #[embassy_executor::task]
 pub async fn receive(line: UartRx<'static, Async>, inbox: &'static InboxSender) {
     static RING: StaticCell<[u8; AHEAD]> = StaticCell::new();
@@ -26,7 +26,7 @@ pub async fn receive(line: UartRx<'static, Async>, inbox: &'static InboxSender) 
     let mut sentence: Vec<u8, LONGEST> = Vec::new();
     let mut bytes = [0; 32];
     loop {
-        // A line that breaks is read on: what it garbles fails its checksum.
+        // After an error of the line reading goes on: a garbled sentence fails its checksum.
         let count = line.read(&mut bytes).await.unwrap_or(0);
         for &byte in bytes.iter().take(count) {
             if byte == b'\n' {
@@ -51,7 +51,7 @@ fn put(sentence: &str, now: Instant, inbox: &InboxSender) {
     }
 }
 
-/// In the order of [`Signal`]: the altitude completes the fix.
+/// Puts the readings of a fix in the order of [`Signal`]: the altitude completes the fix.
 fn position(fix: &GgaData, put: impl Fn(Signal, Value)) {
     let method = match fix.fix_type {
         None | Some(FixType::Invalid | FixType::Manual | FixType::Simulation) => 0.0,

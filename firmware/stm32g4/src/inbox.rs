@@ -1,4 +1,4 @@
-//! From interrupts to the estimator: one queue for all that arrives, in the order in which it did.
+//! The queue from the interrupts to the estimator, in the order of arrival.
 
 use core::cell::RefCell;
 use core::sync::atomic::{AtomicU32, Ordering};
@@ -10,14 +10,14 @@ use estimator_core::{Instant, Reading};
 use heapless::spsc::{Consumer, Producer, Queue};
 use static_cell::StaticCell;
 
-/// What fits: 60 ms of a full bus of 500 kbit/s, which is longer than a block of the lag takes.
+/// Capacity: 60 ms of a full bus of 500 kbit/s, which is longer than a block of the lag takes.
 const SIZE: usize = 256;
 
-/// Something for the estimator, and when it arrived.
+/// An input of the estimator and its time of arrival.
 pub enum InboxItem {
-    /// Off a bus.
+    /// A frame from a bus.
     Frame(Instant, Frame),
-    /// Off a serial line.
+    /// A reading from a serial line.
     #[cfg_attr(
         not(feature = "gnss-serial"),
         expect(dead_code, reason = "no serial line")
@@ -25,24 +25,24 @@ pub enum InboxItem {
     Reading(Instant, Reading),
 }
 
-/// Where receiving tasks put what arrived.
+/// The end of the queue for the receiving tasks.
 pub struct InboxSender {
-    // Several tasks put in, one at a time: they share a priority.
+    // Several tasks send, one at a time: they share a priority.
     queue: CriticalSectionMutex<RefCell<Producer<'static, InboxItem>>>,
     arrived: Signal<CriticalSectionRawMutex, ()>,
     lost: AtomicU32,
 }
 
-/// Where the estimator takes it out.
+/// The end of the queue for the estimator.
 pub struct InboxReceiver {
     queue: Consumer<'static, InboxItem>,
     sender: &'static InboxSender,
 }
 
-/// Makes the queue; once.
+/// Creates the queue.
 ///
 /// # Panics
-/// When called twice.
+/// Panics when called twice.
 pub fn open() -> (&'static InboxSender, InboxReceiver) {
     static QUEUE: StaticCell<Queue<InboxItem, SIZE>> = StaticCell::new();
     static SENDER: StaticCell<InboxSender> = StaticCell::new();
@@ -60,7 +60,7 @@ pub fn open() -> (&'static InboxSender, InboxReceiver) {
 }
 
 impl InboxSender {
-    /// Puts one in; it is counted as lost if the queue is full.
+    /// Puts an item into the queue. Counts it as lost if the queue is full.
     pub fn put(&self, input: InboxItem) {
         let full = self
             .queue
@@ -74,17 +74,17 @@ impl InboxSender {
 }
 
 impl InboxReceiver {
-    /// Waits until something has arrived since the last wait.
+    /// Waits until an item has arrived since the last wait.
     pub async fn arrived(&self) {
         self.sender.arrived.wait().await;
     }
 
-    /// Takes the oldest out.
+    /// Takes the oldest item.
     pub fn take(&mut self) -> Option<InboxItem> {
         self.queue.dequeue()
     }
 
-    /// Returns how many found the queue full.
+    /// Returns the number of lost items.
     pub fn lost(&self) -> u32 {
         self.sender.lost.load(Ordering::Relaxed)
     }

@@ -6,10 +6,10 @@
 //! | PB12, PB13 | FDCAN2 RX, TX: GNSS by NMEA 2000, 250 kbit/s                                |
 //! | PC11       | with the feature `gnss-serial`, USART3 RX: NMEA 0183, 9600 baud, instead    |
 //!
-//! An interrupt takes frames off the controllers into a queue ([`bus`]); the estimator works on them
-//! in thread mode ([`work`]), sends what it knows ten times a second, and leaves what it learned in
-//! flash when the vehicle stands ([`store`]). If it does not get round within half a second, the
-//! watchdog starts all of it anew.
+//! An interrupt puts the frames of the controllers into a queue ([`bus`]). The estimator reads them
+//! in thread mode ([`work`]). It sends its estimate ten times a second, and stores the persistent
+//! state in flash when the vehicle stands ([`store`]). The watchdog resets the board if a turn of
+//! this loop takes more than half a second.
 
 #![no_std]
 #![no_main]
@@ -37,7 +37,7 @@ use embassy_stm32::wdg::IndependentWatchdog;
 use embassy_stm32::{Config, bind_interrupts};
 use panic_probe as _;
 
-/// Time within which the estimator must get round.
+/// Longest time for a turn of the estimator's loop.
 const WATCHDOG_US: u32 = 500_000;
 
 bind_interrupts!(struct Irqs {
@@ -53,14 +53,14 @@ bind_interrupts!(struct SerialIrqs {
     DMA1_CHANNEL1 => embassy_stm32::dma::InterruptHandler<embassy_stm32::peripherals::DMA1_CH1>;
 });
 
-/// Runs what may not wait for the estimator.
+/// Runs the receiving tasks, which must not wait for the estimator.
 static RECEIVING: InterruptExecutor = InterruptExecutor::new();
 
-/// An interrupt that no peripheral of ours uses: it runs [`RECEIVING`].
+/// Runs [`RECEIVING`], on an interrupt that no peripheral here uses.
 #[embassy_stm32::interrupt]
 #[allow(unsafe_code)]
 fn UART4() {
-    // SAFETY: called from the interrupt that `start` was given, and from nowhere else.
+    // SAFETY: called only from the interrupt that was passed to `start`.
     unsafe { RECEIVING.on_interrupt() }
 }
 
@@ -94,7 +94,8 @@ async fn main(_spawner: Spawner) {
     work::run(estimator, receiver, outgoing, vehicle_bus, store, watchdog).await
 }
 
-/// 170 MHz from the crystal of the board; CAN asks for better than the inner oscillator.
+/// Returns a clock of 170 MHz from the crystal of the board. The internal oscillator is not
+/// accurate enough for CAN.
 fn clocks() -> Config {
     let mut config = Config::default();
     config.rcc.hse = Some(Hse {

@@ -1,12 +1,12 @@
-//! What outlasts a power cycle, in the last 16 KB of flash.
+//! Data that outlast a power cycle, in the last 16 KB of flash.
 //!
 //! | offset   | length | what                                                                     |
 //! |----------|--------|--------------------------------------------------------------------------|
-//! | 0x7_C000 | 2 KB   | the vehicle, flashed from a host as [`firmware::exchange::vehicle`] codes it |
-//! | 0x7_D000 | 12 KB  | what the last drive left, again and again: pages wear evenly             |
+//! | 0x7_C000 | 2 KB   | the vehicle, flashed from a host, see [`firmware::exchange::vehicle`]    |
+//! | 0x7_D000 | 12 KB  | the persistent state, written in turns to all pages for even wear        |
 //!
-//! All of it lies in the second bank of the flash and the image in the first, so that the image runs
-//! on while a page is erased.
+//! The data are in the second bank of the flash and the image is in the first, so that the image
+//! runs while a page is erased.
 
 use embassy_embedded_hal::adapter::BlockingAsync;
 use embassy_stm32::Peri;
@@ -19,9 +19,9 @@ use sequential_storage::map::{MapConfig, MapStorage};
 
 const VEHICLE_OFFSET: u32 = 0x7_C000;
 const KEPT_RANGE: core::ops::Range<u32> = 0x7_D000..0x8_0000;
-/// There is one item.
+/// Key of the only item.
 const KEPT_KEY: u8 = 0;
-/// Room for the item with its key.
+/// Size of the item with its key, bytes.
 const BUFFER: usize = 64;
 
 type Storage = MapStorage<
@@ -60,7 +60,7 @@ impl FlashStore {
         self.model.as_ref().map_err(|error| *error)
     }
 
-    /// Returns what the last drive left; `None` if there is nothing, or nothing valid.
+    /// Returns the persistent state of the last drive; `None` if there is no valid one.
     pub async fn persistent_state(&mut self) -> Option<PersistentState> {
         let mut buffer = [0; BUFFER];
         let bytes: &[u8] = self
@@ -71,7 +71,7 @@ impl FlashStore {
         PersistentState::from_bytes(bytes).ok()
     }
 
-    /// Stores what this drive leaves. Returns false if the flash refuses it.
+    /// Stores the persistent state of this drive. Returns false if the flash refuses it.
     pub async fn save(&mut self, state: &PersistentState) -> bool {
         let mut buffer = [0; BUFFER];
         let bytes: [u8; PersistentState::LEN] = state.to_bytes();

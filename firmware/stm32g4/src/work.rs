@@ -1,4 +1,4 @@
-//! The estimator at work: takes what arrived, sends what it knows, keeps what it learned.
+//! The loop of the estimator: reads the inbox, sends the estimate, stores the persistent state.
 
 use crate::inbox::{InboxItem, InboxReceiver};
 use crate::store::FlashStore;
@@ -10,24 +10,24 @@ use embassy_time::{Duration, Ticker, with_timeout};
 use estimator_core::{Cell, Disagreement, Estimator, Live, Step, Tuning, broadcast};
 use static_cell::StaticCell;
 
-/// J1939 source address of this controller: one that is free for any use on the vehicle.
+/// J1939 source address of this controller: free for any use on the vehicle.
 const SOURCE: u8 = 0xFE;
-/// How often the estimate is sent.
+/// Period of the sent estimate.
 const PERIOD: Duration = Duration::from_millis(100);
 /// Ticks from one status to the next, 1 s, unless a switch in it changes.
 const STATUS_TICKS: u32 = 10;
-/// Longest wait for a mailbox: on a bus that is off, frames are dropped.
+/// Longest wait for a mailbox. Frames are dropped while the bus is off.
 const SENDING: Duration = Duration::from_millis(5);
-/// Ticks without a new cell after which the vehicle stands, 10 s, and cells since the last time,
-/// 1 km, after which it is worth a write.
+/// Ticks without a new cell after which the vehicle counts as standing: 10 s. Cells since the last
+/// write after which a stop is worth a write: 1 km.
 const STANDS_TICKS: u32 = 100;
 const WORTH_CELLS: u32 = 400;
 
-/// Too large for a stack, and in `.bss` its size can be read off the image.
+/// Static, since it is too large for a stack. Its size can be read from the image.
 static ESTIMATOR: StaticCell<Estimator<f32>> = StaticCell::new();
 
-/// Creates the estimator of the flashed vehicle, with what the last drive left. Returns `None`, and
-/// logs why, without a possible vehicle.
+/// Creates the estimator of the flashed vehicle, with the persistent state of the last drive.
+/// Returns `None` and logs the reason if there is no possible vehicle.
 pub async fn estimator(store: &mut FlashStore) -> Option<&'static mut Estimator<f32>> {
     let model = match store.model() {
         Ok(model) => model.clone(),
@@ -52,7 +52,7 @@ pub async fn estimator(store: &mut FlashStore) -> Option<&'static mut Estimator<
     }
 }
 
-/// Works, for ever.
+/// Runs the loop, forever.
 pub async fn run(
     mut estimator: Option<&'static mut Estimator<f32>>,
     mut inbox: InboxReceiver,
@@ -147,7 +147,7 @@ impl Status {
     }
 }
 
-/// When the vehicle stands, and what it learned since it did last.
+/// The state of standing: how long the vehicle stands, and the cell of the last write.
 #[derive(Default)]
 struct Stop {
     cell: u32,
@@ -156,7 +156,7 @@ struct Stop {
 }
 
 impl Stop {
-    /// At each tick, with the newest cell; true once at each stop that is worth it.
+    /// Takes the newest cell at each tick. Returns true once at each stop that is worth a write.
     fn is_worth_keeping(&mut self, cell: u32) -> bool {
         if cell != self.cell {
             (self.cell, self.ticks) = (cell, 0);

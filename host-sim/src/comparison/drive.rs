@@ -1,4 +1,4 @@
-//! A drive in the distance domain: what the thesis's methods are given.
+//! A drive in the distance domain, the input of the thesis's methods.
 
 use estimator_core::sample::ForceInputs;
 use estimator_core::sample::Sample;
@@ -8,9 +8,9 @@ use estimator_core::{CELL_LENGTH_M, VehicleParameters};
 /// Length of a step, m.
 pub const STEP_M: f64 = CELL_LENGTH_M as f64;
 
-/// Longest way between two fixes on which altitude is taken from the line between them, m. The
-/// slowest receivers report one a second, each 30 m on a motorway; two or three may be missing. Beyond
-/// it there were no satellites.
+/// Longest distance between two fixes over which altitude is interpolated, m. The slowest receivers
+/// report once a second, every 30 m on a motorway; two or three fixes may be missing. A longer gap
+/// counts as a loss of the satellites.
 const LONGEST_GNSS_GAP_M: f64 = 100.0;
 
 /// The measurements at one point of a drive.
@@ -35,23 +35,23 @@ pub struct MeasuredPoint {
 }
 
 impl MeasuredPoint {
-    /// Returns whether the vehicle model holds here.
+    /// Returns whether the vehicle model is valid here.
     #[must_use]
     pub const fn is_valid(&self) -> bool {
         !(self.shifting || self.braking)
     }
 }
 
-/// One drive in the distance domain, with the parameters that are believed.
+/// One drive in the distance domain, with the assumed parameters.
 #[derive(Clone, Debug)]
 pub struct MeasuredDrive {
-    /// Believed mass, kg.
+    /// Assumed mass, kg.
     pub mass_kg: f64,
-    /// Believed drag area, m².
+    /// Assumed drag area, m².
     pub drag_area_m2: f64,
-    /// Believed rolling resistance coefficient.
+    /// Assumed rolling resistance coefficient.
     pub rolling_resistance: f64,
-    /// The points, one each [`STEP_M`].
+    /// The points, one per [`STEP_M`].
     pub points: Vec<MeasuredPoint>,
 }
 
@@ -60,25 +60,25 @@ pub struct MeasuredDrive {
 pub struct Profile {
     /// Grade, 100 tan of the slope angle.
     pub grade_percent: Vec<f64>,
-    /// As the method states it.
+    /// Standard deviation that the method states.
     pub sigma_percent: Vec<f64>,
 }
 
 /// Weight over mass, m/s².
 pub(crate) const G: f64 = GRAVITY as f64;
 
-/// 100 tan from the sine of an angle.
+/// Returns the grade (%) from the sine of its slope angle.
 pub(super) fn percent_of_sine(sine: f64) -> f64 {
     let sine = sine.clamp(-0.7, 0.7);
     100.0 * sine / (1.0 - sine * sine).sqrt()
 }
 
 impl MeasuredDrive {
-    /// From the samples of one run, which must have no gap between them. GNSS altitude is
-    /// interpolated over the way between fixes.
+    /// Creates a drive from the samples of one run, which must have no gap. GNSS altitude is
+    /// interpolated over the distance between fixes.
     ///
-    /// The mass is the mean of what the vehicle reported on the way, or the parameter where it reported
-    /// none: what an estimator on board had to go by.
+    /// The mass is the mean over the samples: the reported mass, or the parameter where none was
+    /// reported.
     #[must_use]
     pub fn new(vehicle: &VehicleParameters, samples: &[Sample]) -> Self {
         let distances: Vec<f64> = samples.iter().map(|s| s.end.distance_m()).collect();
@@ -108,7 +108,7 @@ impl MeasuredDrive {
                     rotating_kg: rotating_kg.into(),
                     air_density: air_density.into(),
                     altitude_m: interpolated(&fixes, distance_m),
-                    // The thesis always knows the torque; a segment without it counts as a shift.
+                    // The thesis always has the torque. A segment without it counts as a shift.
                     shifting: condition.shifting || condition.no_traction,
                     braking: condition.braking,
                 }
@@ -126,13 +126,13 @@ impl MeasuredDrive {
     }
 }
 
-/// Returns the samples of a run cut where cells are missing: each part is a drive of its own, as
-/// the thesis knows no gaps.
+/// Splits the samples of a run where cells are missing. Each part is a drive of its own, because
+/// the thesis's methods allow no gaps.
 pub fn without_gaps(samples: &[Sample]) -> impl Iterator<Item = &[Sample]> {
     samples.chunk_by(|_, next| next.gap_cells == 0)
 }
 
-/// Returns the mean over `length_m` about each value of a series with one value each [`STEP_M`].
+/// Returns the mean over `length_m` about each value of a series with one value per [`STEP_M`].
 #[must_use]
 pub fn moving_mean(values: &[f64], length_m: f64) -> Vec<f64> {
     let half = (0.5 * length_m / STEP_M).round() as usize;
@@ -146,7 +146,7 @@ pub fn moving_mean(values: &[f64], length_m: f64) -> Vec<f64> {
     }
     (0..n)
         .map(|k| {
-            // As far on one side as on the other, so that no end is shifted.
+            // Symmetric, so that values at the ends are not shifted.
             let reach = half.min(k).min(n - 1 - k);
             (sums[k + reach + 1] - sums[k - reach]) / (2 * reach + 1) as f64
         })

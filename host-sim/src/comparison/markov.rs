@@ -3,10 +3,10 @@
 //! Sixty-one states stand for errors of -15 m to +15 m in steps of 0.5 m; one step of the chain
 //! is one step of distance, [`super::STEP_M`].
 //!
-//! Where this departs from the thesis's print: its formula for G divides by a sum over the first
-//! index of F, a column's, although F(i, j) counts transitions from i to j and a row of G is
-//! to be drawn from. Here rows are normalised, as its words say. It also leaves rows without data
-//! zero, which no state could be drawn from; see [`Chain::probability`].
+//! Two deviations from the text of the thesis. Its formula for G divides by a sum over the first
+//! index of F, a column, although F(i, j) counts transitions from i to j, and the next state is
+//! drawn from a row of G. Here rows are normalised, as its prose says. The thesis also leaves rows
+//! without data zero; no state can be drawn from such a row. See [`Chain::probability`].
 
 use crate::error::{Error, Result};
 use rand::{Rng, RngExt};
@@ -14,32 +14,32 @@ use std::path::Path;
 
 /// Number of states.
 pub const STATES: usize = 61;
-/// Error that a state stands for apart from its neighbour's, m.
+/// Width of a state, m.
 pub const BIN_M: f64 = 0.5;
 /// The state of no error.
 pub const CENTRE: usize = STATES / 2;
-/// Length of each of the two moving means that make the generated error smooth, m. In the raw
-/// chain half a metre comes or goes within one step of 2.5 m, a grade of 20 % that no receiver
-/// shows. Two means of this length keep what is longer than 500 m and take out the steps.
+/// Length of each of the two moving means that smooth the generated error, m. The raw chain changes
+/// by half a metre within one step of 2.5 m. That is a grade of 20 %, which no receiver shows. Two
+/// means of this length keep waves above 500 m and remove the steps.
 pub const LOW_PASS_M: f64 = 150.0;
-/// The chain trained on the measured bus, with its origin in its first lines.
+/// The chain trained on the measured bus. Its first lines name its origin.
 const MEASURED: &str = include_str!("../../data/gps_chain.csv");
 
-/// Counted transitions.
+/// A Markov chain as counts of transitions.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Chain {
     /// F: `counts[i][j]` transitions from state i to state j.
     counts: Vec<[u32; STATES]>,
 }
 
-/// Returns the state nearest to an error in m; errors beyond the last state are put into it.
+/// Returns the state nearest to an error in m. Errors beyond the last state get the last state.
 #[must_use]
 pub fn state_of(error_m: f64) -> usize {
     let state = (error_m / BIN_M).round() + CENTRE as f64;
     state.clamp(0.0, (STATES - 1) as f64) as usize
 }
 
-/// Returns the error that a state stands for, m.
+/// Returns the error of a state, m.
 #[must_use]
 pub fn error_of(state: usize) -> f64 {
     (state as f64 - CENTRE as f64) * BIN_M
@@ -53,8 +53,8 @@ pub fn centred(errors_m: &[f64]) -> Vec<f64> {
 }
 
 impl Chain {
-    /// Counts the transitions in series of altitude errors in m, one value each step, each less
-    /// its own mean: that of a whole drive is nearly constant and no concern of the grade.
+    /// Counts the transitions in series of altitude errors in m, one value per step. Each series is
+    /// centred first: the mean of a drive's error is nearly constant and does not affect the grade.
     #[must_use]
     pub fn train(runs: &[Vec<f64>]) -> Self {
         Self::of_states(
@@ -66,7 +66,7 @@ impl Chain {
     /// Counts the transitions in series of states.
     ///
     /// # Panics
-    /// If a state is not below [`STATES`].
+    /// Panics if a state is not below [`STATES`].
     #[must_use]
     pub fn of_states(runs: impl IntoIterator<Item = Vec<usize>>) -> Self {
         let mut counts = vec![[0; STATES]; STATES];
@@ -87,17 +87,17 @@ impl Chain {
         Self::parse(Path::new("gps_chain.csv"), MEASURED).expect("the built-in file is sound")
     }
 
-    /// Returns how often state `from` was left.
+    /// Returns the number of transitions from a state.
     #[must_use]
     pub fn visits(&self, from: usize) -> u32 {
         self.counts[from].iter().sum()
     }
 
-    /// G: the probability of going from one state to another.
+    /// Returns G: the probability of a transition from one state to another.
     ///
-    /// A state that was never left goes one step towards no error. The chain reaches such a state
-    /// only where a drive of the training ended in it; the errors have mean zero, so that the way
-    /// back is to be expected, and a single step invents no jump.
+    /// A state without transitions goes one step towards no error. The chain reaches such a state
+    /// only where a training series ended in it. The errors have mean zero, so a step towards zero
+    /// is plausible, and a single step adds no jump.
     #[must_use]
     pub fn probability(&self, from: usize, to: usize) -> f64 {
         match self.visits(from) {
@@ -106,8 +106,8 @@ impl Chain {
         }
     }
 
-    /// `n` states. The first is drawn as often as the training was in it, so that the start of a
-    /// series is like any other part of it; an untrained chain starts without error.
+    /// Generates `n` states. The first is drawn from the frequencies of the training, so a series
+    /// starts in equilibrium. An untrained chain starts without error.
     pub fn generate_states(&self, n: usize, rng: &mut impl Rng) -> Vec<usize> {
         let visits: Vec<u32> = (0..STATES).map(|state| self.visits(state)).collect();
         let mut state = drawn(&visits, visits.iter().sum(), rng).unwrap_or(CENTRE);
@@ -120,14 +120,15 @@ impl Chain {
         states
     }
 
-    /// `n` altitude errors in m, one each step, through the low-pass of [`LOW_PASS_M`].
+    /// Generates `n` altitude errors in m, one per step, with the low-pass of [`LOW_PASS_M`].
     pub fn generate(&self, n: usize, rng: &mut impl Rng) -> Vec<f64> {
         let raw = self.generate_states(n, rng).into_iter().map(error_of);
         let once = super::drive::moving_mean(&raw.collect::<Vec<_>>(), LOW_PASS_M);
         super::drive::moving_mean(&once, LOW_PASS_M)
     }
 
-    /// As text: lines of `origin` as comments, then `from,to,count` with errors in m.
+    /// Returns the chain as text: lines of `origin` as comments, then `from,to,count` with errors
+    /// in m.
     #[must_use]
     pub fn to_text(&self, origin: &str) -> String {
         let mut text: String = origin.lines().map(|line| format!("# {line}\n")).collect();
@@ -141,10 +142,10 @@ impl Chain {
         text
     }
 
-    /// From such text; `path` is for messages.
+    /// Parses such text; `path` is for error messages.
     ///
-    /// # Errors
-    /// With the line: another header, fields that are no numbers, errors that no state stands for.
+    /// # Errors Returns an error with the line: another header, fields that are not numbers, or
+    /// errors without a state.
     pub fn parse(path: &Path, text: &str) -> Result<Self> {
         let mut counts = vec![[0; STATES]; STATES];
         let mut reader = csv::ReaderBuilder::new()
@@ -179,7 +180,7 @@ fn towards_centre(state: usize) -> usize {
     }
 }
 
-/// Returns an index drawn with these weights, which add up to `total`; `None` if that is nothing.
+/// Draws an index with these weights, whose sum is `total`; `None` if the sum is zero.
 fn drawn(weights: &[u32], total: u32, rng: &mut impl Rng) -> Option<usize> {
     if total == 0 {
         return None;

@@ -14,10 +14,10 @@ pub enum ComparisonMethod {
 }
 
 impl ComparisonMethod {
-    /// In the order in which they are compared.
+    /// Both methods, in the order of the comparison.
     pub const BOTH: [Self; 2] = [Self::Original, Self::Modified];
 
-    /// In words.
+    /// Returns the name of the method.
     #[must_use]
     pub const fn word(self) -> &'static str {
         match self {
@@ -26,7 +26,7 @@ impl ComparisonMethod {
         }
     }
 
-    /// Returns the smoothed grade of a drive.
+    /// Estimates the smoothed grade of a drive.
     #[must_use]
     pub fn estimate(self, drive: &MeasuredDrive) -> Profile {
         match self {

@@ -1,12 +1,12 @@
-//! The thesis as it stands: what the estimator has to beat, weak points included.
+//! The thesis's methods as published, weak points included, as reference for the estimator.
 //!
-//! Everything here works in the distance domain, on points of 2.5 m that the core's sampler cut
-//! from the traffic, offline and in double precision, as the thesis does.
+//! Everything here works in the distance domain, offline and in double precision, as in the thesis.
+//! The points are the core's samples, every 2.5 m.
 //!
 //! * [`pointwise`]: grade from the vehicle model alone (eq. 9, forward difference);
 //! * [`original`]: the three-state filter with switched noise, smoothed;
 //! * [`markov`]: the error of GNSS altitude as a Markov chain (section 5);
-//! * [`modified`]: mass and bias corrections found against a GPS-heavy estimate (section 8).
+//! * [`modified`]: mass and bias corrections against a GPS-heavy estimate (section 8).
 
 mod drive;
 pub mod markov;

@@ -1,5 +1,5 @@
-//! The modified method: mass and bias found against a GPS-heavy estimate, corrected, and the
-//! grade estimated again with less weight on GPS (thesis section 8.1).
+//! The modified method: corrections of mass and bias against a GPS-heavy estimate, and a second
+//! estimate with less weight on GPS (thesis section 8.1).
 
 use super::drive::{G, MeasuredDrive, Profile, STEP_M};
 use super::original::{self, NoiseSigmas};
@@ -9,7 +9,7 @@ use crate::numeric::robust_line::{RobustLine, fit};
 /// Length over which errors are averaged before a line is fitted, m.
 pub const SEGMENT_M: f64 = 3_000.0;
 
-/// What the method found.
+/// Result of the method.
 #[derive(Clone, Debug)]
 pub struct Modified {
     /// The second estimate.
@@ -28,7 +28,7 @@ pub fn estimate(drive: &MeasuredDrive) -> Modified {
     estimate_with(drive, &NoiseSigmas::GPS_HEAVY, &NoiseSigmas::GPS_LIGHT)
 }
 
-/// Runs it with other noise in the first and in the second estimate.
+/// Runs the procedure with other noise in the first and the second estimate.
 #[must_use]
 pub fn estimate_with(drive: &MeasuredDrive, first: &NoiseSigmas, second: &NoiseSigmas) -> Modified {
     let gps_heavy = original::estimate(drive, first).grade_percent;
@@ -42,7 +42,7 @@ pub fn estimate_with(drive: &MeasuredDrive, first: &NoiseSigmas, second: &NoiseS
         corrected.mass_kg *= 1.0 + line.slope;
     }
 
-    // e = α'_p − α_G as a line in the distance (eq. 12), entered through the torque.
+    // e = α'_p − α_G as a line in the distance (eq. 12), corrected through the torque.
     let segments = self::segments(
         &corrected,
         &pointwise::grade_percent(&corrected),
@@ -66,7 +66,7 @@ pub fn estimate_with(drive: &MeasuredDrive, first: &NoiseSigmas, second: &NoiseS
 /// Means over a segment.
 #[derive(Clone, Copy, Debug)]
 struct GradeSegment {
-    /// Way from the start of the drive to its middle, m.
+    /// Distance from the start of the drive to its middle, m.
     distance: f64,
     /// GPS-heavy grade, %.
     grade: f64,
@@ -74,9 +74,9 @@ struct GradeSegment {
     error: f64,
 }
 
-/// Means over the points where the vehicle model holds. The thesis does not say that it leaves the
-/// others out; but a vehicle held by its brakes for a tenth of a segment reads several tenths of
-/// a percent too high there, always downhill, and would turn the line.
+/// Returns means over the points where the vehicle model is valid. The thesis does not say that it
+/// leaves the others out. But braking over a tenth of a segment makes the pointwise grade several
+/// tenths of a percent too high, always downhill, and would change the slope of the line.
 fn segments(drive: &MeasuredDrive, pointwise: &[f64], gps_heavy: &[f64]) -> Vec<GradeSegment> {
     let length = (SEGMENT_M / STEP_M) as usize;
     let segments = drive.points.len() / length;

@@ -1,5 +1,5 @@
-//! The original method: a three-state extended Kalman filter in the distance domain, its noise
-//! switched, smoothed backwards (thesis section 3; equations as reconstructed from its model).
+//! The original method: a three-state extended Kalman filter in the distance domain with switched
+//! noise, smoothed backwards (thesis section 3; equations reconstructed from its model).
 
 use super::drive::{G, MeasuredDrive, MeasuredPoint, Profile, STEP_M, percent_of_sine};
 use nalgebra::{Matrix3, SMatrix, Vector3};
@@ -23,8 +23,8 @@ pub struct NoiseSigmas {
 
 impl NoiseSigmas {
     /// The original method: "vehicle data is treated as a signal with large amounts of white
-    /// noise, thus giving more weight to GPS" (section 7.1). How the numbers of all three were
-    /// chosen: `study::experiments::tuning`.
+    /// noise, thus giving more weight to GPS" (section 7.1). `study::experiments::tuning` chose the
+    /// numbers of all three.
     pub const ORIGINAL: Self = Self {
         speed_mps: 0.013,
         altitude_m: 4.0,
@@ -33,8 +33,9 @@ impl NoiseSigmas {
         climb_m: 0.02,
         grade_percent: 0.12,
     };
-    /// The first pass of the modified method: heavy on GPS (section 8.1). The original is already
-    /// as heavy on it as is of use; a stiffer road leaves less of the GPS error in the means.
+    /// The first pass of the modified method, with more weight on GPS (section 8.1). More GPS
+    /// weight than the original's does not help; less change of grade reduces the GPS error in the
+    /// means.
     pub const GPS_HEAVY: Self = Self {
         grade_percent: 0.06,
         ..Self::ORIGINAL
@@ -61,7 +62,7 @@ pub fn estimate(drive: &MeasuredDrive, noise: &NoiseSigmas) -> Profile {
     smooth(&filter(drive, noise))
 }
 
-/// Returns the grade as known at each point from what came before it.
+/// Returns the filtered grade, without smoothing.
 #[must_use]
 pub fn filtered(drive: &MeasuredDrive, noise: &NoiseSigmas) -> Profile {
     let steps = filter(drive, noise);
@@ -72,7 +73,7 @@ pub fn filtered(drive: &MeasuredDrive, noise: &NoiseSigmas) -> Profile {
     }
 }
 
-/// Speed, altitude and grade (as sine) along a drive.
+/// Filters speed, altitude and grade (as sine) along a drive.
 fn filter(drive: &MeasuredDrive, noise: &NoiseSigmas) -> Vec<FilterStep> {
     let Some(first) = drive.points.first() else {
         return Vec::new();
@@ -105,13 +106,13 @@ fn filter(drive: &MeasuredDrive, noise: &NoiseSigmas) -> Vec<FilterStep> {
     steps
 }
 
-/// Returns one step of eq. 9 in v, its Jacobian beside it.
+/// Returns one step of eq. 9 in v, and its Jacobian.
 fn predict(
     drive: &MeasuredDrive,
     point: &MeasuredPoint,
     x: &Vector3<f64>,
 ) -> (Vector3<f64>, Matrix3<f64>) {
-    // Below walking pace the distance domain has no answer; the thesis has no such data.
+    // The distance domain is singular at standstill; the thesis has no such data.
     let v = x[0].max(1.0);
     let mass = drive.mass_kg + point.rotating_kg;
     let air = 0.5 * drive.drag_area_m2 * point.air_density;
@@ -157,7 +158,7 @@ fn fuse(x: &mut Vector3<f64>, p: &mut Matrix3<f64>, state: usize, value: f64, si
     *p -= cross * cross.transpose() / variance;
 }
 
-/// Rauch, Tung and Striebel.
+/// Smooths (Rauch, Tung and Striebel).
 fn smooth(steps: &[FilterStep]) -> Profile {
     let n = steps.len();
     let mut profile = Profile {

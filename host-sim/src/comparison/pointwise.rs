@@ -2,7 +2,7 @@
 
 use super::drive::{G, MeasuredDrive, MeasuredPoint, STEP_M, moving_mean, percent_of_sine};
 
-/// Eq. 9 solved for the grade in %, with a forward difference for the acceleration.
+/// Returns eq. 9 solved for the grade in %, with a forward difference for the acceleration.
 ///
 /// The last point repeats the one before it.
 #[must_use]
@@ -23,7 +23,7 @@ pub fn grade_percent(drive: &MeasuredDrive) -> Vec<f64> {
     grade
 }
 
-/// Eq. 9 solved for the grade in % at a point with a known acceleration in m/s².
+/// Returns eq. 9 solved for the grade in % at a point with a known acceleration in m/s².
 #[must_use]
 pub fn at(drive: &MeasuredDrive, point: &MeasuredPoint, acceleration: f64) -> f64 {
     let air_n = 0.5 * drive.drag_area_m2 * point.air_density * point.speed_mps.powi(2);
@@ -33,8 +33,7 @@ pub fn at(drive: &MeasuredDrive, point: &MeasuredPoint, acceleration: f64) -> f6
     percent_of_sine(sine)
 }
 
-/// Returns a drive whose speed went through a low-pass filter: the mean over `length_m` about each
-/// point.
+/// Returns a drive with low-pass filtered speed: the mean over `length_m` about each point.
 #[must_use]
 pub fn with_smooth_speed(drive: &MeasuredDrive, length_m: f64) -> MeasuredDrive {
     let speeds: Vec<f64> = drive.points.iter().map(|point| point.speed_mps).collect();

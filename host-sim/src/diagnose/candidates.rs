@@ -307,7 +307,7 @@ impl Menu {
 }
 
 impl Choice {
-    /// Returns whether it is a cycle. The phase of a cycle is each drive's own.
+    /// Returns whether the choice is a cycle. The phase of a cycle is each drive's own.
     #[must_use]
     pub const fn is_cycle(&self) -> bool {
         matches!(self.detail, Detail::Period(_))

@@ -140,8 +140,8 @@ fn errors_in_words(diagnosis: &Diagnosis) -> String {
         return format!(" No drive has a valid window of {WINDOW_M:.0} m to judge by.");
     }
     format!(
-        " On drives {}, the bare model is {:.3} % grade off before and {:.3} % after (RMSE over \
-         windows of {WINDOW_M:.0} m), {:+.2} and {:+.2} m per km.",
+        " On drives {}, the RMSE of the bare model is {:.3} % grade before and {:.3} % after \
+         (windows of {WINDOW_M:.0} m); its altitude drifts by {:+.2} and {:+.2} m per km.",
         if diagnosis.judged_on_fitted {
             "that were fitted too"
         } else {
@@ -159,7 +159,7 @@ fn errors_in_words(diagnosis: &Diagnosis) -> String {
 pub fn in_a_sentence(diagnosis: &Diagnosis) -> String {
     let names: Vec<String> = diagnosis.findings.iter().map(amount_in_words).collect();
     let mut words = if names.is_empty() {
-        "Nothing is adopted: the drives do not ask for any effect beyond the model.".to_owned()
+        "Nothing is adopted: the drives give no evidence of an effect beyond the model.".to_owned()
     } else {
         format!("Adopted: {}.", names.join("; "))
     };
@@ -222,9 +222,9 @@ fn residual_section(diagnosis: &Diagnosis) -> Section {
     Section {
         heading: "Residual, before and after".to_owned(),
         words: vec![format!(
-            "The slope that the force balance alone reads, less that of the reference, over windows \
-             of {WINDOW_M:.0} m in which the model holds. The reference is the map that was given, \
-             else the map of the other drives in this direction, else the drive's own estimate."
+            "The slope of the force balance alone, less that of the reference, over windows of \
+             {WINDOW_M:.0} m in which the model is valid. The reference is the given map, else \
+             the map of the other drives in this direction, else the drive's own estimate."
         )],
         tables: vec![before_after(diagnosis)],
         figures: vec![Figure::new(
@@ -281,9 +281,9 @@ fn candidates_section(diagnosis: &Diagnosis) -> Section {
         "RMSE before %",
         "with it alone %",
     ];
-    let caption = "Evidence is twice the logarithm of the Bayes factor against having nothing, the \
-                   choices within an effect paid for: above 6 is strong. Each effect stands alone \
-                   here; what is adopted together is below.";
+    let caption = "Evidence is twice the logarithm of the Bayes factor against no effect, \
+                   corrected for the number of choices within an effect: above 6 is strong. Each \
+                   effect stands alone here; the adopted effects are below.";
     let rows = diagnosis.candidates.iter().map(|case| {
         vec![
             case.name.to_owned(),
@@ -298,8 +298,8 @@ fn candidates_section(diagnosis: &Diagnosis) -> Section {
     Section {
         heading: "Each candidate's case".to_owned(),
         words: vec![
-            "Every effect is tested by the change of the reported GNSS altitudes that it predicts, \
-             weighed against the errors that GNSS, wind and road have anyway."
+            "Every effect predicts a change of the reported GNSS altitudes. The test compares \
+             that change with the errors due to GNSS, wind and road."
                 .to_owned(),
         ],
         tables: vec![Table::new("candidates", caption, &header).with_rows(rows)],
@@ -321,14 +321,14 @@ fn adopted_section(diagnosis: &Diagnosis) -> Section {
         ));
         for name in &finding.group {
             if let Some(data) = separated_by(name) {
-                words.push(format!("What would separate {name} from it: {data}."));
+                words.push(format!("Data that would separate {name} from it: {data}."));
             }
         }
     }
     if !diagnosis.unexplained.is_empty() {
         words.push(
-            "What is unexplained waits for an effect that does not exist yet: a file in \
-             estimator-core/src/effect, whose module page shows how to write one."
+            "An unexplained dependence needs a new effect: a file in estimator-core/src/effect. \
+             The documentation of that module shows how to write one."
                 .to_owned(),
         );
     }

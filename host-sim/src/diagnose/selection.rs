@@ -17,7 +17,7 @@ use nalgebra::{DMatrix, DVector};
 /// corrected for the number of candidates.
 pub const ADOPTED: f64 = 3.0;
 /// Candidates whose evidence is within this of the best cannot be separated from it: 20 to 1.
-pub const TOLD_APART: f64 = 6.0;
+const SEPARATED: f64 = 6.0;
 /// A parameter of the base model is preferred if other candidates are better by at most this.
 const PREFERENCE: f64 = 2.0;
 /// Width of a prior that leaves an amount free, as a multiple of its usual size.
@@ -340,8 +340,8 @@ fn step(cases: &[CandidateFit], menu: &Menu) -> Option<SelectionStep> {
 fn is_rival(case: &CandidateFit, best: &CandidateFit) -> bool {
     let scatter = best.scatter.max(case.scatter);
     let is_usual = |amount: &f64| amount.abs() <= 1.5 * case.width;
-    let fits_as_well = best.evidence_at(scatter) - case.evidence_at(scatter) <= TOLD_APART
-        || (best.gain_at(scatter) - case.gain_at(scatter) <= TOLD_APART
+    let fits_as_well = best.evidence_at(scatter) - case.evidence_at(scatter) <= SEPARATED
+        || (best.gain_at(scatter) - case.gain_at(scatter) <= SEPARATED
             && case.amounts.len() <= best.amounts.len()
             && case.amounts.iter().all(is_usual));
     // A case that is less likely than no effect is no rival.

@@ -41,7 +41,8 @@ pub fn stage_csv<T: Serialize>(path: &Path, rows: impl IntoIterator<Item = T>) -
 /// Reads the rows of a CSV file with a header.
 ///
 /// # Errors
-/// Names the file, the line and what was expected; a file without rows is an error too.
+/// Returns an error that names the file, the line and the expected value; also for a file without
+/// rows.
 pub fn read_csv<T: for<'de> Deserialize<'de>>(path: &Path) -> Result<Vec<T>> {
     read_checked(path, |_, _| Ok(()))
 }
@@ -49,7 +50,8 @@ pub fn read_csv<T: for<'de> Deserialize<'de>>(path: &Path) -> Result<Vec<T>> {
 /// Reads the rows of a CSV file with a header; `check` gets each row with the row before it.
 ///
 /// # Errors
-/// Names the file, the line and what was expected; a file without rows is an error too.
+/// Returns an error that names the file, the line and the expected value; also for a file without
+/// rows.
 pub fn read_checked<T: for<'de> Deserialize<'de>>(
     path: &Path,
     check: impl Fn(Option<&T>, &T) -> std::result::Result<(), Flaw>,

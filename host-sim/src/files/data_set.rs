@@ -54,7 +54,7 @@ pub fn tile(latitude_deg: f64, longitude_deg: f64) -> String {
 /// Checks that a day is YYYY-MM-DD.
 ///
 /// # Errors
-/// Names what was expected.
+/// Returns an error that names the expected value.
 pub fn check_day(text: &str) -> std::result::Result<String, String> {
     let expected = || format!("{text:?} is not a date; expected YYYY-MM-DD, such as 2026-11-21");
     let digits = |part: &str, count: usize| {

@@ -3,8 +3,8 @@
 /// A problem of a row.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Flaw {
-    /// What was found.
+    /// The problem.
     pub problem: String,
-    /// What was expected.
+    /// The expected value.
     pub expected: &'static str,
 }

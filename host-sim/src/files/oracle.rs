@@ -1,5 +1,5 @@
 //! `oracle.toml`: the true vehicle parameters and the true noise levels of a run, but not the noise
-//! itself. A filter with these values shows what better parameters and tuning could reach.
+//! itself. A filter with these values shows the limit of better parameters and tuning.
 //!
 //! The file has the tables of vehicle.toml with the true values, and `[noise]`. Optional keys may
 //! be left out; the effect is then absent. Unknown keys and values out of range are errors that
@@ -128,7 +128,7 @@ pub struct ColdTyres {
     pub time_s: f64,
 }
 
-/// Returns the mean speed of a run, m/s; at least 1.
+/// Returns the mean speed of a run, m/s; at least 1 m/s.
 #[must_use]
 pub fn mean_speed_mps(rows: &[RunRow]) -> f64 {
     let sum: f64 = rows.iter().map(|row| row.speed_mps).sum();
@@ -139,7 +139,7 @@ impl OracleFile {
     /// Reads and checks an oracle file.
     ///
     /// # Errors
-    /// Names each unknown key, missing key and value out of range.
+    /// Returns an error that names each unknown key, missing key and value out of range.
     pub fn read(path: &Path) -> Result<Self> {
         let text = read_text(path)?;
         let key = |problem: String| Error::Key {

@@ -213,16 +213,16 @@ pub fn open(path: &Path) -> Result<Opened<'_>> {
     })
 }
 
-/// Runs `decode` and treats a panic as damage. Decoders can panic on damaged files (an index out of
-/// range in a page), and that must not end a fusion of thousands of files. The caller discards what
-/// `decode` changed.
+/// Runs `decode` and reports a panic as damage. Decoders can panic on damaged files (an index out
+/// of range in a page); that must not end a fusion of thousands of files. The caller discards all
+/// changes of `decode`.
 fn guarded<T>(path: &Path, decode: impl FnOnce() -> Result<T>) -> Result<T> {
     catch_quietly(decode).unwrap_or_else(|| Err(damaged(path, "its pages cannot be decoded")))
 }
 
-/// Returns the result of `attempt`, or `None` if it panics; the panic is not printed. The panic
-/// hook is set once for all threads. It is silent for this thread only, and else calls the previous
-/// hook.
+/// Returns the result of `attempt`, or `None` if it panics. The panic is not printed. The panic
+/// hook is set once for all threads: it is silent for this thread, and calls the previous hook for
+/// the others.
 fn catch_quietly<T>(attempt: impl FnOnce() -> T) -> Option<T> {
     static HOOK: Once = Once::new();
     thread_local! {

@@ -8,7 +8,7 @@ pub use super::flaw::Flaw;
 /// Checks that every number is within the range of its column.
 ///
 /// # Errors
-/// Names the first number that is not, its column and the range.
+/// Returns an error that names the first number that is not, its column and the range.
 pub fn within(values: &[(Column, f64)]) -> Result<(), Flaw> {
     values
         .iter()
@@ -18,7 +18,7 @@ pub fn within(values: &[(Column, f64)]) -> Result<(), Flaw> {
 /// Checks that every number that is there is within the range of its column.
 ///
 /// # Errors
-/// Names the first number that is not, its column and the range.
+/// Returns an error that names the first number that is not, its column and the range.
 pub fn within_if_known(values: &[(Column, Option<f64>)]) -> Result<(), Flaw> {
     values
         .iter()
@@ -28,7 +28,7 @@ pub fn within_if_known(values: &[(Column, Option<f64>)]) -> Result<(), Flaw> {
 /// Checks a position on Earth, degrees.
 ///
 /// # Errors
-/// Names the angle that is out of range.
+/// Returns an error that names the angle that is out of range.
 pub fn position(latitude_deg: f64, longitude_deg: f64) -> Result<(), Flaw> {
     within(&[(LATITUDE_DEG, latitude_deg), (LONGITUDE_DEG, longitude_deg)])
 }
@@ -36,7 +36,7 @@ pub fn position(latitude_deg: f64, longitude_deg: f64) -> Result<(), Flaw> {
 /// Checks that a quantity grows from row to row; if `strictly`, it may not stay equal.
 ///
 /// # Errors
-/// Names the quantity.
+/// Returns an error that names the quantity.
 pub fn forwards(name: &str, before: f64, now: f64, strictly: bool) -> Result<(), Flaw> {
     if now > before || (now == before && !strictly) {
         return Ok(());

@@ -61,7 +61,7 @@ pub fn write(path: &Path, rows: &[TruthRow]) -> Result<()> {
 /// Reads the truth of a drive.
 ///
 /// # Errors
-/// Names the file, the line and what was expected.
+/// Returns an error that names the file, the line and the expected value.
 pub fn read(path: &Path) -> Result<Vec<TruthRow>> {
     read_checked(path, TruthRow::check)
 }

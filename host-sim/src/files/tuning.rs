@@ -16,11 +16,10 @@ use estimator_core::Tuning;
 use estimator_core::tuning::TuningError;
 use std::path::Path;
 
-/// Reads a tuning file, or returns the defaults if there is none.
+/// Reads a tuning file. Returns the defaults if `path` is `None`.
 ///
-/// # Errors
-/// A file that cannot be read; unknown tables, unknown keys and impossible values, each named with
-/// what is expected.
+/// # Errors Returns an error if the file cannot be read, and for unknown tables, unknown keys and
+/// values out of range. The message states the expected value.
 pub fn read_or_default(path: Option<&Path>) -> Result<Tuning> {
     path.map_or_else(|| Ok(Tuning::default()), read)
 }
@@ -83,7 +82,7 @@ fn groups() -> Vec<&'static str> {
     groups
 }
 
-/// Returns the keys of a group; none if there is no such group.
+/// Returns the keys of a group; empty if there is no such group.
 fn keys_of(group: &str) -> Vec<&'static str> {
     Tuning::PARAMETERS
         .iter()

@@ -74,7 +74,7 @@ impl VehicleFile {
     /// Reads and checks a vehicle file.
     ///
     /// # Errors
-    /// Names each unknown key, missing key and value out of range.
+    /// Returns an error that names each unknown key, missing key and value out of range.
     pub fn read(path: &Path) -> Result<Self> {
         let text = read_text(path)?;
         Self::checked(toml::from_str(&text), path)

@@ -1,4 +1,4 @@
-//! What a log holds: its messages, and the range of each signal in it.
+//! The content of a log: its messages, and the range of each signal.
 
 use super::pgn_names::{TRANSPORT_MANAGEMENT, name_of};
 use crate::numeric::rounding::round;
@@ -11,94 +11,94 @@ use estimator_core::{Decoder, Instant, Reading, Signal, Value};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What a log holds.
+/// Content of a log.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Census {
     /// Time of the first frame or row, s, as in the log.
     pub start_s: f64,
-    /// From the first to the last frame or row, s.
+    /// Time from the first to the last frame or row, s.
     pub duration_s: f64,
-    /// Classic CAN frames; none in a signal table.
+    /// Number of classic CAN frames; 0 in a signal table.
     pub frames: u64,
-    /// Rows; none in a candump log.
+    /// Number of rows; 0 in a log of frames.
     pub rows: u64,
     /// Parameter groups (29-bit identifiers), by ascending PGN.
     pub messages: Vec<MessageCount>,
-    /// 11-bit identifiers, ascending. J1939 and NMEA 2000 have none.
+    /// 11-bit identifiers, ascending. J1939 and NMEA 2000 use none.
     pub standard_ids: Vec<StandardCount>,
     /// Parameter groups that the transport protocol announced, by ascending PGN.
     pub transported: Vec<TransportedCount>,
-    /// Frames that carry no data and only ask for some.
+    /// Remote frames; they request data and carry none.
     pub remote_frames: u64,
-    /// CAN FD frames, left out.
+    /// CAN FD frames; they are skipped.
     pub can_fd_frames: u64,
-    /// Bus errors that the interface reported, left out.
+    /// Bus errors that the interface reported; they are skipped.
     pub bus_errors: u64,
-    /// Decoded signals, in the order of [`Signal`], by sender.
+    /// Decoded signals, in the order of [`Signal`], then by source address.
     pub signals: Vec<SignalCount>,
 }
 
-/// The frames of one parameter group.
+/// Statistics of one parameter group.
 #[derive(Clone, Debug, Serialize)]
 pub struct MessageCount {
     /// Parameter group number.
     pub pgn: u32,
-    /// Its acronym, if known.
+    /// Acronym, if known.
     pub name: Option<&'static str>,
-    /// Whether the estimator reads it.
+    /// Whether the estimator decodes it.
     pub decoded: bool,
-    /// Addresses of the senders, ascending.
+    /// Source addresses, ascending.
     pub sources: Vec<u8>,
     /// Number of frames.
     pub frames: u64,
-    /// Mean rate; `None` for a single frame.
+    /// Mean rate, Hz; `None` for a single frame.
     pub rate_hz: Option<f64>,
-    /// Frames that should hold signals but are too short, remote, or not in order.
+    /// Frames of a decoded message that are too short, remote, or out of sequence.
     pub unusable: u64,
 }
 
-/// The frames of one 11-bit identifier.
+/// Statistics of one 11-bit identifier.
 #[derive(Clone, Debug, Serialize)]
 pub struct StandardCount {
     /// The identifier.
     pub id: u16,
     /// Number of frames.
     pub frames: u64,
-    /// Mean rate; `None` for a single frame.
+    /// Mean rate, Hz; `None` for a single frame.
     pub rate_hz: Option<f64>,
 }
 
-/// A parameter group longer than a frame.
+/// A multi-packet parameter group.
 #[derive(Clone, Debug, Serialize)]
 pub struct TransportedCount {
     /// Parameter group number.
     pub pgn: u32,
-    /// Its acronym, if known.
+    /// Acronym, if known.
     pub name: Option<&'static str>,
-    /// How often it was announced.
+    /// Number of announcements.
     pub announced: u64,
-    /// Its length when last announced, bytes.
+    /// Length in the last announcement, bytes.
     pub length_bytes: u16,
 }
 
-/// The readings of one signal from one sender.
+/// Statistics of one signal from one source address.
 #[derive(Clone, Debug, Serialize)]
 pub struct SignalCount {
     /// Name with unit ([`Signal::column`]).
     pub signal: &'static str,
-    /// The parameter group it came in; `None` in a signal table.
+    /// Its parameter group; `None` in a signal table.
     pub pgn: Option<u32>,
-    /// The sender's address; `None` in a signal table.
+    /// Its source address; `None` in a signal table.
     pub source: Option<u8>,
-    /// Readings, or rows of a table.
+    /// Number of readings, or of rows of a table.
     pub count: u64,
-    /// Of these, measurements.
+    /// Number of readings with a measurement.
     pub available: u64,
-    /// Of these, "not available", or an empty cell.
+    /// Number of readings "not available", or of empty cells.
     pub not_available: u64,
-    /// Of these, "error" or a reserved code.
+    /// Number of readings "error" or with a reserved code.
     pub errors: u64,
-    /// Least measurement, in the unit of `signal`.
+    /// Smallest measurement, in the unit of `signal`.
     pub min: Option<f64>,
     /// Mean measurement.
     pub mean: Option<f64>,
@@ -107,13 +107,13 @@ pub struct SignalCount {
 }
 
 impl Census {
-    /// Measurements of any of `signals`.
+    /// Returns the number of measurements of any of `signals`.
     #[must_use]
     pub fn available(&self, signals: &[Signal]) -> u64 {
         self.of(signals).map(|count| count.available).sum()
     }
 
-    /// Largest measurement of any of `signals`.
+    /// Returns the largest measurement of any of `signals`.
     #[must_use]
     pub fn largest(&self, signals: &[Signal]) -> Option<f64> {
         self.of(signals)
@@ -121,7 +121,7 @@ impl Census {
             .reduce(f64::max)
     }
 
-    /// Returns the counts of any of `signals`.
+    /// Returns the statistics of any of `signals`.
     pub fn of(&self, signals: &[Signal]) -> impl Iterator<Item = &SignalCount> {
         self.signals
             .iter()
@@ -129,7 +129,7 @@ impl Census {
     }
 }
 
-/// Events of one kind, in the order of time.
+/// Number of events of one kind, with the times of the first and the last.
 #[derive(Clone, Copy, Debug, Default)]
 struct EventTally {
     count: u64,
@@ -163,7 +163,7 @@ struct Group {
     unusable: u64,
 }
 
-/// Running figures of a signal.
+/// Running statistics of a signal.
 #[derive(Clone, Copy, Debug, Default)]
 struct Range {
     count: u64,
@@ -218,7 +218,7 @@ impl Range {
     }
 }
 
-/// Counts the frames of a bus.
+/// Counter of the frames of a bus.
 #[derive(Default)]
 pub struct BusCounter {
     decoder: Decoder,
@@ -261,7 +261,7 @@ impl BusCounter {
         }
     }
 
-    /// Returns the result.
+    /// Returns the census.
     #[must_use]
     pub fn finish(self, skipped: Skipped) -> Census {
         let decoded: BTreeSet<u32> = estimator_core::signal::messages()
@@ -318,8 +318,8 @@ impl BusCounter {
     }
 }
 
-/// Returns the group and its length that a frame of the transport protocol announces: to all
-/// (control byte 32) or to one receiver (16), SAE J1939-21.
+/// Returns the group that a frame of the transport protocol announces, and its length in bytes: to
+/// all (control byte 32) or to one receiver (16), SAE J1939-21.
 fn announcement(pgn: Pgn, frame: &CanFrame) -> Option<(u32, u16)> {
     if pgn.number != TRANSPORT_MANAGEMENT {
         return None;
@@ -331,14 +331,14 @@ fn announcement(pgn: Pgn, frame: &CanFrame) -> Option<(u32, u16)> {
     Some((announced, u16::from_le_bytes([low, high])))
 }
 
-/// Counts the rows of a signal table.
+/// Counter of the rows of a signal table.
 pub struct TableCounter {
     all: EventTally,
     columns: BTreeMap<Signal, Range>,
 }
 
 impl TableCounter {
-    /// For a table with these columns.
+    /// Creates a counter for a table with these columns.
     pub fn new(columns: impl IntoIterator<Item = Signal>) -> Self {
         Self {
             all: EventTally::default(),
@@ -357,7 +357,7 @@ impl TableCounter {
         }
     }
 
-    /// Returns the result.
+    /// Returns the census.
     #[must_use]
     pub fn finish(self) -> Census {
         let rows = self.all.count;
@@ -369,7 +369,7 @@ impl TableCounter {
                 .columns
                 .into_iter()
                 .map(|(signal, range)| {
-                    // An empty cell gives no reading.
+                    // An empty cell is not a reading.
                     let range = Range {
                         count: rows,
                         ..range

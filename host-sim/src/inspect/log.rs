@@ -7,13 +7,13 @@ use crate::source::log_kind::{LogKind, kind_of};
 use crate::source::signal_table::SignalTableReader;
 use std::path::Path;
 
-/// Frames or rows between two reports of progress.
+/// Number of frames or rows between two calls of `progress`.
 const PROGRESS_STEP: u64 = 1 << 16;
 
-/// Counts what a log holds. `progress` is given the bytes read so far, now and then.
+/// Reads a log and returns its kind and census. `progress` gets the number of bytes read so far.
 ///
 /// # Errors
-/// A log that cannot be read to its end, with file and line.
+/// Returns an error with file and line if the log cannot be read to its end.
 pub fn census_of(log: &Path, progress: impl Fn(u64)) -> Result<(LogKind, Census)> {
     let kind = kind_of(log)?;
     let census = match kind {

@@ -1,5 +1,5 @@
-//! What is on a bus: messages, senders, rates, the range of each signal, and what an estimate
-//! would miss.
+//! Content of a bus: messages, source addresses, rates, the range of each signal, and missing
+//! inputs of an estimate.
 
 pub mod census;
 mod log;

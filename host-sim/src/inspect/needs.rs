@@ -1,4 +1,4 @@
-//! What an estimate needs of a log, and what it costs where it is missing.
+//! Inputs of an estimate, and the effect of each that is missing.
 //!
 //! The figures hold at 80 km/h for 39 t and 12 t (force over weight, as grade).
 
@@ -6,47 +6,47 @@ use super::census::Census;
 use estimator_core::Signal;
 use serde::Serialize;
 
-/// How much depends on it.
+/// Importance of an input.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Importance {
-    /// No useful estimate without it.
+    /// Without it there is no useful estimate.
     Needed,
-    /// The estimate works, and is better with it.
+    /// The estimate works without it, and is better with it.
     Optional,
 }
 
-/// Whether it is there.
+/// Presence of an input in a log.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Presence {
-    /// With measurements.
+    /// The log has measurements.
     Present,
-    /// Sent, but always as "not available" or "error"; or an empty column.
+    /// The signal is always "not available" or "error", or its column is empty.
     NeverAvailable,
-    /// Not sent at all.
+    /// The signal is not in the log.
     Missing,
 }
 
-/// Something that an estimate looks for.
+/// An input of an estimate.
 #[derive(Clone, Debug, Serialize)]
 pub struct Need {
-    /// What it is.
+    /// Name.
     pub what: &'static str,
-    /// How much depends on it.
+    /// Importance.
     pub importance: Importance,
-    /// Whether it is there.
+    /// Presence in the log.
     pub presence: Presence,
-    /// The signals that can serve, any of them; of a position, both.
+    /// Its signals. One of them is enough; a position needs both.
     pub signals: Vec<&'static str>,
-    /// What happens without it.
+    /// Effect of its absence.
     pub without: &'static str,
-    /// What else is to be known of it in this log.
+    /// Remark on this log.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub note: Option<String>,
 }
 
-/// Below this, m/s, nothing drives: one step of SPN 84 is 0.001 m/s.
+/// Speeds below this are standstill, m/s: one step of SPN 84 is 0.001 m/s.
 const STANDING_MPS: f64 = 0.1;
 
 const SPEED: &[Signal] = &[Signal::WheelSpeed, Signal::FrontAxleSpeed];
@@ -55,7 +55,7 @@ const GEAR: &[Signal] = &[Signal::GearRatio, Signal::CurrentGear];
 const ALTITUDE: &[Signal] = &[Signal::Altitude];
 const POSITION: &[Signal] = &[Signal::Latitude, Signal::Longitude];
 
-/// What is looked for: what it is, how important, which signals serve, what happens without.
+/// The inputs: name, importance, signals, and effect of the absence.
 const LIST: &[(&str, Importance, &[Signal], &str)] = &[
     (
         "speed",
@@ -142,7 +142,7 @@ const LIST: &[(&str, Importance, &[Signal], &str)] = &[
     ),
 ];
 
-/// Returns what an estimate looks for, and what of it is in the log.
+/// Returns the inputs of an estimate with their presence in the log.
 #[must_use]
 pub fn needs(census: &Census) -> Vec<Need> {
     LIST.iter()
@@ -173,7 +173,7 @@ fn presence(census: &Census, signals: &[Signal]) -> Presence {
     }
 }
 
-/// What depends on the rest of the log.
+/// Adapts an input to the rest of the log.
 fn annotate(census: &Census, signals: &[Signal], need: &mut Need) {
     if signals == SPEED {
         if census

@@ -1,4 +1,4 @@
-//! Acronyms of parameter groups that a truck's bus often carries, decoded here or not.
+//! Acronyms of the usual parameter groups of a truck's bus, decoded or not.
 
 /// ISO 11783-3 / SAE J1939-21: connection management of multi-packet messages.
 pub const TRANSPORT_MANAGEMENT: u32 = 60_416;
@@ -57,7 +57,7 @@ pub fn name_of(pgn: u32) -> Option<&'static str> {
     if let Some(message) = estimator_core::signal::messages().find(|m| m.pgn() == pgn) {
         return Some(message.name());
     }
-    // SAE J1939-21: the last 256 groups of data page 0 are each maker's own.
+    // SAE J1939-21: the last 256 groups of data page 0 are proprietary.
     if (65_280..=65_535).contains(&pgn) {
         return Some("PropB");
     }

@@ -6,12 +6,12 @@ use super::pgn_names::{TRANSPORT_DATA, TRANSPORT_MANAGEMENT, name_of};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
 use std::fmt::Write as _;
 
-/// Rows shown of what the estimator does not read, unless all are asked for.
+/// Number of rows of messages that the estimator does not decode, without `--all`.
 const FEW: usize = 15;
-/// Width of a table with sentences where there is no terminal to ask, columns.
+/// Width of a table with sentences without a terminal, columns.
 const WIDTH: u16 = 110;
 
-/// Everything that is known of a log, below `head`.
+/// Returns all tables of a log, below `head`.
 pub fn text(head: &str, census: &Census, needs: &[Need], all: bool) -> String {
     let limit = if all { usize::MAX } else { FEW };
     let mut out = String::new();
@@ -57,7 +57,7 @@ fn overview(out: &mut String, head: &str, census: &Census) {
     }
 }
 
-/// What the estimator reads comes first, then the rest by its share of the bus.
+/// Prints the decoded messages first, then the others by their share of the bus.
 fn messages(out: &mut String, census: &Census, limit: usize) {
     if census.messages.is_empty() {
         return line(
@@ -223,7 +223,7 @@ fn table(header: &[&str]) -> Table {
     table
 }
 
-/// Aligns columns, headers included.
+/// Aligns columns to the right, headers included.
 fn align_right(table: &mut Table, columns: &[usize]) {
     for column in columns {
         if let Some(column) = table.column_mut(*column) {
@@ -289,7 +289,7 @@ fn some(count: u64) -> String {
     }
 }
 
-/// Decimals by the unit: a position needs more of them than a speed.
+/// Formats a number. Decimals depend on the unit: a position has more than a speed.
 fn figure(signal: &str, value: Option<f64>) -> String {
     let decimals = match signal {
         "latitude_deg" | "longitude_deg" => 7,
@@ -298,7 +298,7 @@ fn figure(signal: &str, value: Option<f64>) -> String {
     value.map_or_else(|| "-".to_owned(), |v| format!("{v:.decimals$}"))
 }
 
-/// Returns a count with its thousands set apart.
+/// Formats a count with separated thousands.
 fn grouped(count: u64) -> String {
     let digits = count.to_string();
     let mut text = String::new();

@@ -1,9 +1,9 @@
 //! Local polynomial regression (Cleveland 1979, without the robust weights).
 
-/// At every `x`, the value of the polynomial of `N` coefficients fitted to the points within
-/// `half_width` with triangular weights. `x` must not decrease. A trend of that degree passes
-/// unchanged, at the ends and beside gaps too, which a moving average would bend; where there
-/// are too few points for the degree, their weighted mean.
+/// Returns at every `x` the value of the polynomial of `N` coefficients that fits the points within
+/// `half_width` with triangular weights. `x` must not decrease. A trend of that degree is
+/// reproduced exactly, also at the ends and beside gaps, where a moving average has a bias. With
+/// too few points for the degree the value is their weighted mean.
 pub fn smooth<const N: usize>(x: &[f64], y: &[f64], half_width: f64) -> Vec<f64> {
     let mut first = 0;
     let mut end = 0;
@@ -37,10 +37,10 @@ pub fn smooth<const N: usize>(x: &[f64], y: &[f64], half_width: f64) -> Vec<f64>
         .collect()
 }
 
-/// Constant term of the solution of the normal equations, by Gaussian elimination from the
-/// highest power down (the matrix is symmetric and positive, so pivots need no search).
+/// Returns the constant term of the solution of the normal equations, by Gaussian elimination from
+/// the highest power down. The matrix is symmetric and positive, so pivots need no search.
 fn value_at_centre<const N: usize>(mut normal: [[f64; N]; N], mut right: [f64; N]) -> f64 {
-    // u lies within ±1, so a pivot this small against the weight means too few points.
+    // u is within ±1. A pivot this small relative to the weight means too few points.
     const SINGULAR: f64 = 1e-9;
     let mean = right[0] / normal[0][0];
     let threshold = SINGULAR * normal[0][0];

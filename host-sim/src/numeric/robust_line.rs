@@ -22,10 +22,10 @@ impl RobustLine {
 }
 
 const TUNING: f64 = 4.685;
-/// A median absolute deviation of normal errors, in standard deviations.
+/// Median absolute deviation of normal errors, in standard deviations.
 const MAD_OF_NORMAL: f64 = 0.6745;
 const ITERATIONS: usize = 50;
-/// With fewer points outliers cannot be detected.
+/// Smallest number of points. With fewer, outliers cannot be detected.
 const FEWEST_POINTS: usize = 4;
 
 /// Fits a line; `None` with too few points, or if all have the same x.

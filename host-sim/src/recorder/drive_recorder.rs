@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 use std::io;
 use std::ops::Range;
 
-/// Slot sizes of the entries, bytes, with integers of variable length at their longest.
+/// Slot sizes of the entries, bytes. Integers of variable length count with their longest form.
 const SAMPLE_SLOT: usize = 136;
 const GRADES_SLOT: usize = 18;
 

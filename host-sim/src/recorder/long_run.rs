@@ -67,7 +67,7 @@ impl Rows {
         self.0.count()
     }
 
-    /// Stores rows at their numbers.
+    /// Stores rows at their indices.
     pub(super) fn put(
         &mut self,
         first: usize,
@@ -88,7 +88,7 @@ impl RunRows for Rows {
     }
 }
 
-/// Returns the error of a temporary file that cannot be written or read back.
+/// Returns the error for a temporary file that cannot be written or read back.
 pub(super) fn no_room(error: io::Error) -> Error {
     Error::io(&std::env::temp_dir())(error)
 }

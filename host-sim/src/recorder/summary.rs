@@ -10,7 +10,7 @@ use comfy_table::Table;
 use estimator_core::CELL_LENGTH_M;
 use serde::{Serialize, Serializer};
 
-/// What a drive came to.
+/// Summary of a drive.
 #[derive(Debug, Default, Serialize)]
 pub struct RunSummary {
     distance_km: f64,
@@ -37,10 +37,10 @@ fn by_key<S: Serializer>(events: &[CountedEvent], to: S) -> std::result::Result<
 }
 
 impl RunSummary {
-    /// Of a run.
+    /// Computes the summary of a run.
     ///
     /// # Errors
-    /// Returns an error if its rows cannot be had.
+    /// Returns an error if its rows cannot be read.
     pub fn new(run: &mut LongRun) -> Result<Self> {
         let mut sums = Self {
             cells: run.rows.count(),
@@ -80,7 +80,7 @@ impl RunSummary {
         })
     }
 
-    /// Returns its table for a terminal.
+    /// Returns the table of the summary for a terminal.
     #[must_use]
     pub fn table(&self) -> Table {
         let mut rows = Vec::new();

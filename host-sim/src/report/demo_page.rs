@@ -11,9 +11,9 @@ use crate::score::{self, ScoreRow};
 /// One drive of the scenario, simulated and estimated.
 #[derive(Clone, Debug)]
 pub struct DemoDrive {
-    /// What the run is called.
+    /// Name of the run.
     pub name: String,
-    /// What its vehicle is called.
+    /// Name of its vehicle.
     pub truck: String,
     /// Its estimate.
     pub rows: Vec<RunRow>,
@@ -21,11 +21,11 @@ pub struct DemoDrive {
     pub truth: Vec<TruthRow>,
     /// Its lines of the error table.
     pub scores: Vec<ScoreRow>,
-    /// True over believed traction per kilogram.
+    /// True over assumed traction per kilogram.
     pub true_scale: f64,
 }
 
-/// Draws the page.
+/// Creates the page.
 #[must_use]
 pub fn demo_page(drives: &[DemoDrive], map: &[MapRow], scores: &[ScoreRow]) -> Page {
     let truth = |value: fn(&TruthRow) -> f64| {
@@ -82,8 +82,8 @@ pub fn demo_page(drives: &[DemoDrive], map: &[MapRow], scores: &[ScoreRow]) -> P
     Page {
         title: "A grade map from bus traffic".to_owned(),
         lead: "Five drives over the same ten kilometres, by two trucks whose mass, drag, rolling \
-               resistance and torque are up to 10 % off what their files say. Everything below \
-               was estimated from their CAN logs by the code that runs on the vehicle."
+               resistance and torque differ by up to 10 % from their vehicle files. All results \
+               below are estimated from their CAN logs by the code that runs on the vehicle."
             .to_owned(),
         sections: vec![
             Section {
@@ -95,8 +95,8 @@ pub fn demo_page(drives: &[DemoDrive], map: &[MapRow], scores: &[ScoreRow]) -> P
                     Figure::new(
                         "errors",
                         &errors,
-                        "What each run is off, smoothed over the whole run. Grey: signals \
-                         disagree in some run.",
+                        "Error of each run, smoothed over the whole run. Grey: signals disagree in \
+                         some run.",
                     ),
                 ],
             },
@@ -104,21 +104,21 @@ pub fn demo_page(drives: &[DemoDrive], map: &[MapRow], scores: &[ScoreRow]) -> P
                 heading: "How far off".to_owned(),
                 words: vec![
                     "Root of the mean squared error, bias and mean normalised squared error \
-                     (NEES; 1 means that the stated sigmas are honest) in % grade, first and last \
-                     500 m left out. Live is what the vehicle knows at once, lagged what it knows \
-                     500 m later, smoothed what the whole run gives."
+                     (NEES; 1 means that the stated sigmas are consistent) in % grade, first and \
+                     last 500 m left out. Live is the grade on the vehicle at once, lagged the \
+                     grade on the vehicle 500 m later, smoothed the grade from the whole run."
                         .to_owned(),
-                    "Beside them, from the same logs: the thesis's original filter, its modified \
-                     method, and an oracle, which is this filter given the true vehicle and how \
-                     large every noise is. These drives have neither wind nor cold tyres, so that \
-                     an oracle's vehicle model is exact. The last column is the error over the \
-                     oracle's."
+                    "For comparison, from the same logs: the thesis's original filter, its \
+                     modified method, and an oracle. The oracle is this filter with the true \
+                     vehicle parameters and the true noise levels. These drives have neither wind \
+                     nor cold tyres, so the oracle's vehicle model is exact. The last column is \
+                     the error over the oracle's."
                         .to_owned(),
                 ],
                 tables: vec![
                     Table::new(
                         "errors_table",
-                        "Each run, their mean, and the map of all.",
+                        "Each run, the mean of the runs, and the map of all.",
                         &score::HEADER,
                     )
                     .with_rows(score::text(scores)),
@@ -128,16 +128,16 @@ pub fn demo_page(drives: &[DemoDrive], map: &[MapRow], scores: &[ScoreRow]) -> P
             Section {
                 heading: "What the vehicles were found to be".to_owned(),
                 words: vec![
-                    "The traction scale is true over believed traction per kilogram, found on the \
-                     way from GNSS and the vehicle model together."
+                    "The traction scale is true over assumed traction per kilogram. The filter \
+                     estimates it from GNSS and the vehicle model together."
                         .to_owned(),
                 ],
                 tables: vec![scales(drives)],
                 figures: vec![Figure::new(
                     "altitude",
                     &altitude,
-                    "Altitude: GNSS gives its level, with metres of slow error that the runs do \
-                     not share.",
+                    "Altitude. GNSS determines its level, with a slow error of metres that \
+                     differs between runs.",
                 )],
             },
         ],
@@ -174,7 +174,7 @@ fn scales(drives: &[DemoDrive]) -> Table {
         "true scale",
         "mean bias found %",
     ];
-    Table::new("scales", "Found at the end of each run.", &header).with_rows(drives.iter().map(
+    Table::new("scales", "Estimates at the end of each run.", &header).with_rows(drives.iter().map(
         |drive| {
             let rows = &drive.rows;
             let mean_bias =

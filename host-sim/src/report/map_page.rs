@@ -1,4 +1,4 @@
-//! The page of a map: plan, profiles, and how sure they are.
+//! The page of a map: plan, profiles, and their standard deviations.
 
 use crate::map::{GRID_M, MapRow, WayRows, map_segments};
 use crate::report::page::{Figure, Page, Section, Table};
@@ -7,11 +7,11 @@ use crate::report::plot::{Plot, Series, colour};
 use plotters::style::RGBColor;
 use std::path::Path;
 
-/// Ways whose profiles are drawn; the longest.
+/// Largest number of profiles; the longest ways have one.
 const MOST_PROFILES: usize = 12;
-/// Ways in the table; the longest.
+/// Largest number of rows in the table of ways; the longest ways are listed.
 const MOST_LISTED: usize = 200;
-/// From down over level to up; apart for the colour-blind.
+/// From downhill over level to uphill; distinguishable for the colour-blind.
 const GRADE_COLOURS: [RGBColor; 7] = [
     RGBColor(0x08, 0x45, 0x94),
     RGBColor(0x42, 0x92, 0xc6),
@@ -21,7 +21,7 @@ const GRADE_COLOURS: [RGBColor; 7] = [
     RGBColor(0xe6, 0x55, 0x0d),
     RGBColor(0x8c, 0x2d, 0x04),
 ];
-/// From sure to unsure.
+/// From a small standard deviation to a large one.
 const SIGMA_COLOURS: [RGBColor; 4] = [
     RGBColor(0x00, 0x44, 0x7c),
     RGBColor(0x56, 0xb4, 0xe9),
@@ -31,7 +31,7 @@ const SIGMA_COLOURS: [RGBColor; 4] = [
 
 pub(crate) fn page(file: &Path, ways: &[WayRows]) -> Page {
     let mut longest: Vec<&WayRows> = ways.iter().collect();
-    // Stable: those of one length stay in the order of their names.
+    // Stable sort: ways of equal length stay in the order of their names.
     longest.sort_by_key(|way| std::cmp::Reverse(way.rows.len()));
     let drawn = &longest[..longest.len().min(MOST_PROFILES)];
     let mut sections = vec![plan_section(ways)];
@@ -53,8 +53,8 @@ fn lead(ways: &[WayRows], drawn: usize) -> String {
     let runs = || rows.iter().map(|row| row.runs);
     let sigmas = rows.iter().map(|row| row.grade_sigma_percent);
     let mut words = format!(
-        "{:.1} km of road in cells of {GRID_M} m, from {} to {} runs each. Half of the cells are \
-         known within {:.3} % grade (one sigma).",
+        "{:.1} km of road in cells of {GRID_M} m, from {} to {} runs each. Half of the cells have \
+         a standard deviation below {:.3} % grade.",
         km(rows.len()),
         runs().min().unwrap_or(0),
         runs().max().unwrap_or(0),
@@ -63,7 +63,7 @@ fn lead(ways: &[WayRows], drawn: usize) -> String {
     if ways.len() > 1 {
         words += &format!(" {} ways", ways.len());
         if drawn < ways.len() {
-            words += &format!(", of which the {drawn} longest are drawn along their length");
+            words += &format!(", of which the {drawn} longest have a profile");
         }
         words += ".";
     }
@@ -130,18 +130,14 @@ fn plan_section(ways: &[WayRows]) -> Section {
             Figure::new(
                 "plan_grade",
                 &grade,
-                format!("Grade in the direction of travel; up is positive.{directions}"),
+                format!("Grade in the direction of travel; uphill is positive.{directions}"),
             ),
-            Figure::new(
-                "plan_sigma",
-                &sigma,
-                "How sure the grade is: its standard deviation.",
-            ),
+            Figure::new("plan_sigma", &sigma, "Standard deviation of the grade."),
         ],
     }
 }
 
-/// Returns the least of 1, 1.5, 2, 3, 5, 7 times a power of ten that is not below.
+/// Returns the smallest of 1, 1.5, 2, 3, 5, 7 times a power of ten that is at least `value`.
 fn nice_above(value: f64) -> f64 {
     let value = value.max(1e-3);
     let power = 10_f64.powi(value.log10().floor() as i32);
@@ -150,7 +146,7 @@ fn nice_above(value: f64) -> f64 {
     tidy(found.unwrap_or(10.0 * power))
 }
 
-/// Without what binary fractions add.
+/// Rounds off the error of binary fractions.
 fn tidy(value: f64) -> f64 {
     (value * 1e6).round() / 1e6
 }
@@ -170,7 +166,7 @@ fn table_section(longest: &[&WayRows]) -> Section {
     let caption = if listed.len() < longest.len() {
         format!("The {} longest of {} ways.", listed.len(), longest.len())
     } else {
-        "Longest first. Climb is what goes up, less what goes down.".to_owned()
+        "Longest first. Climb is the altitude gain less the loss.".to_owned()
     };
     Section {
         heading: "Ways".to_owned(),
@@ -262,10 +258,10 @@ fn profile_section(number: usize, way: &WayRows) -> Section {
             figure(
                 "grade",
                 &grade,
-                "Grade in the direction of travel. Where nothing is drawn no run has been.",
+                "Grade in the direction of travel. A gap has no run.",
             ),
             figure("sigma", &sigma, "Standard deviation of the grade."),
-            figure("runs", &runs, "Runs behind it."),
+            figure("runs", &runs, "Number of runs."),
         ],
     }
 }

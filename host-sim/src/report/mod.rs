@@ -1,4 +1,4 @@
-//! Plots, and the pages that show them.
+//! Plots and pages.
 
 pub mod demo_page;
 pub mod map_page;

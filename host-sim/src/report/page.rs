@@ -1,4 +1,4 @@
-//! One self-contained HTML page: sections of words, tables and inline SVG.
+//! One self-contained HTML page: sections of text, tables and inline SVG.
 
 use super::plot::Plot;
 use crate::error::{Error, Result};
@@ -13,20 +13,20 @@ pub const PAGE: &str = "report.html";
 #[derive(Clone, Debug, Template)]
 #[template(path = "page.html")]
 pub struct Page {
-    /// Its title.
+    /// Title.
     pub title: String,
-    /// What it is about, a sentence or two.
+    /// Subject of the page, in a sentence or two.
     pub lead: String,
-    /// Its parts.
+    /// Sections.
     pub sections: Vec<Section>,
 }
 
-/// A part of a page.
+/// A section of a page.
 #[derive(Clone, Debug, Default)]
 pub struct Section {
-    /// Its heading.
+    /// Heading.
     pub heading: String,
-    /// What it shows, in words; a paragraph each.
+    /// Text; a paragraph each.
     pub words: Vec<String>,
     /// Tables.
     pub tables: Vec<Table>,
@@ -37,9 +37,9 @@ pub struct Section {
 /// A table: a header and rows of the same length.
 #[derive(Clone, Debug, Default)]
 pub struct Table {
-    /// What its file is called, without ending.
+    /// Name of its file, without extension.
     pub name: String,
-    /// What is to be seen in it.
+    /// Caption.
     pub caption: String,
     /// Names of the columns with their units.
     pub header: Vec<String>,
@@ -50,13 +50,13 @@ pub struct Table {
 /// A plot with its caption.
 #[derive(Clone, Debug)]
 pub struct Figure {
-    /// What its files are called, without ending.
+    /// Name of its files, without extension.
     pub name: String,
     /// The SVG text.
     pub svg: String,
-    /// What is drawn, as CSV.
+    /// The drawn data as CSV.
     pub csv: String,
-    /// What is to be seen in it.
+    /// Caption.
     pub caption: String,
 }
 
@@ -83,14 +83,14 @@ impl Table {
         }
     }
 
-    /// With these rows.
+    /// Returns the table with these rows.
     #[must_use]
     pub fn with_rows(mut self, rows: impl IntoIterator<Item = Vec<String>>) -> Self {
         self.rows.extend(rows);
         self
     }
 
-    /// As CSV.
+    /// Returns the table as CSV.
     fn to_csv(&self) -> String {
         let mut writer = csv::Writer::from_writer(Vec::new());
         for row in std::iter::once(&self.header).chain(&self.rows) {
@@ -102,11 +102,11 @@ impl Table {
 }
 
 impl Page {
-    /// Writes `report.html` into a folder, and beside it each table as NAME.csv and each figure
-    /// as NAME.svg and NAME.csv; returns the path of the page.
+    /// Writes `report.html` into a folder, with each table as NAME.csv and each figure as NAME.svg
+    /// and NAME.csv beside it. Returns the path of the page.
     ///
     /// # Errors
-    /// Returns the error of the file system.
+    /// Returns an error if a file cannot be written.
     pub fn write(&self, folder: &Path) -> Result<PathBuf> {
         for file in self.stage(folder)? {
             file.commit()?;
@@ -114,19 +114,19 @@ impl Page {
         Ok(folder.join(PAGE))
     }
 
-    /// Returns the page by itself as a file, which appears when it is committed.
+    /// Writes the page alone to a file that appears when it is committed.
     ///
     /// # Errors
-    /// Returns the error of the file system.
+    /// Returns an error if the file cannot be written.
     pub fn stage_alone(&self, path: &Path) -> Result<Staged> {
         let html = self.render().map_err(std::io::Error::other);
         stage_text(path, &html.map_err(Error::io(path))?)
     }
 
-    /// Returns the files that [`Self::write`] writes, which appear when they are committed.
+    /// Writes the files of [`Self::write`]; they appear when they are committed.
     ///
     /// # Errors
-    /// Returns the error of the file system.
+    /// Returns an error if a file cannot be written.
     pub fn stage(&self, folder: &Path) -> Result<Vec<Staged>> {
         let mut files = Vec::new();
         let mut stage = |name: &str, text: &str| -> Result<()> {

@@ -1,18 +1,18 @@
-//! Lines on the ground, coloured by a value.
+//! Plan view of lines, coloured by a value.
 
 use super::plot::{Mark, Plot, Series, WIDTH};
 use plotters::style::RGBColor;
 
-/// Pixels of a plot that its axes take.
+/// Width and height of the axes, pixels.
 const AXES_PX: (f64, f64) = (90.0, 100.0);
-/// Heights of a plan, pixels.
+/// Smallest and largest height of a plan, pixels.
 const HEIGHT_PX: (f64, f64) = (320.0, 900.0);
 /// Points nearer than this are drawn as one, pixels.
 const STEP_PX: f64 = 1.5;
-/// How far to the right of its way a line is drawn where there are several, pixels: so that both
-/// directions of a road are seen.
+/// Offset of a line to the right of its way, pixels, if there are several lines. Both directions of
+/// a road are then visible.
 const ASIDE_PX: f64 = 2.0;
-/// A degree of latitude, m.
+/// Length of a degree of latitude, m.
 const DEGREE_M: f64 = 111_200.0;
 
 /// A line in its direction of travel.
@@ -22,14 +22,14 @@ pub struct PlanLine {
     pub points: Vec<(f64, f64, f64)>,
 }
 
-/// Colours for values: that of the first class whose upper limit a value is below.
+/// Colours for values. A value has the colour of the first class whose upper limit is above it.
 #[derive(Clone, Debug)]
 pub struct Classes {
-    /// Upper limits of all but the last.
+    /// Upper limits of all classes but the last.
     pub limits: Vec<f64>,
-    /// One more than limits.
+    /// Colours of the classes, one more than limits.
     pub colours: Vec<RGBColor>,
-    /// Behind the numbers.
+    /// Unit of the values.
     pub unit: &'static str,
 }
 
@@ -49,14 +49,14 @@ impl Classes {
     }
 }
 
-/// Draws lines with north up, both axes in km from the middle.
+/// Draws lines with north up and both axes in km from the middle.
 #[must_use]
 pub fn plan(lines: &[PlanLine], classes: &Classes) -> Plot {
     let all = || lines.iter().flat_map(|line| &line.points);
     let Some(&(_, reference_deg, _)) = all().next() else {
         return Plot::new("east (km)", "north (km)");
     };
-    // Relative to one of them, so that what lies across the date line stays together.
+    // Longitudes are relative to one point, so a line across the date line stays continuous.
     let turn = |longitude: f64| (longitude - reference_deg + 540.0).rem_euclid(360.0) - 180.0;
     let (south, north) = extent(all().map(|point| point.0));
     let (west, east) = extent(all().map(|point| turn(point.1)));
@@ -136,14 +136,14 @@ fn thinned(points: impl Iterator<Item = (f64, f64, f64)>, step: f64) -> Vec<(f64
             before.2 = sum / count;
         }
     }
-    // The end is where the line ends.
+    // The last point is the end of the line.
     if let (Some((x, y)), Some(&(_, _, value))) = (last, thinned_points.last()) {
         thinned_points.push((x, y, value));
     }
     thinned_points
 }
 
-/// Moved to the right of its direction.
+/// Returns the points moved to the right of their direction.
 fn aside(points: &[(f64, f64, f64)], by: f64) -> Vec<(f64, f64, f64)> {
     (0..points.len())
         .map(|i| {

@@ -4,52 +4,52 @@ use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 use std::error::Error;
 
-/// Colours that stay apart in print and for the colour-blind (Okabe and Ito).
+/// Colours that differ in print and for the colour-blind (Okabe and Ito).
 pub mod colour {
     use plotters::style::RGBColor;
-    /// The truth, the reference.
+    /// Truth or reference.
     pub const BLACK: RGBColor = RGBColor(0x22, 0x22, 0x22);
-    /// The main estimate.
+    /// Main estimate.
     pub const BLUE: RGBColor = RGBColor(0x00, 0x72, 0xb2);
-    /// What it is compared with.
+    /// Compared estimate.
     pub const ORANGE: RGBColor = RGBColor(0xd5, 0x5e, 0x00);
-    /// A third.
+    /// Third series.
     pub const GREEN: RGBColor = RGBColor(0x00, 0x9e, 0x73);
-    /// A fourth.
+    /// Fourth series.
     pub const PURPLE: RGBColor = RGBColor(0xcc, 0x79, 0xa7);
-    /// What is only background.
+    /// Background.
     pub const GREY: RGBColor = RGBColor(0x99, 0x99, 0x99);
-    /// In the order in which runs take them.
+    /// Colours of the runs, in order.
     pub const CYCLE: [RGBColor; 5] = [BLUE, ORANGE, GREEN, PURPLE, GREY];
 }
 
-/// How a series is drawn.
+/// Style of a series.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Mark {
     /// A line through the points.
     Line,
     /// A dashed line.
     Dashed,
-    /// Thick lines, each from one of these points, by number, up to the next.
+    /// Thick lines. Each starts at one of these points, by index, and ends at the next.
     Lines(Vec<usize>),
     /// A dot at each point.
     Dots,
-    /// A bar from zero to each point, as wide as the points are apart.
+    /// A bar from zero to each point. Its width is the distance between points.
     Bars,
     /// An area between `y` and the given lower edge, without outline.
     Band(Vec<f64>),
 }
 
-/// One set of points.
+/// One series of points.
 #[derive(Clone, Debug)]
 pub struct Series {
-    /// What the legend calls it; empty keeps it out.
+    /// Name in the legend; if empty, the legend leaves the series out.
     pub name: String,
     /// (x, y) in the units of the axes; x ascending for lines and bands.
     pub points: Vec<(f64, f64)>,
     /// Its colour.
     pub colour: RGBColor,
-    /// How it is drawn.
+    /// Style.
     pub mark: Mark,
 }
 
@@ -86,7 +86,7 @@ impl Series {
         }
     }
 
-    /// Drawn otherwise.
+    /// Returns the series in another style.
     #[must_use]
     pub fn drawn(mut self, mark: Mark) -> Self {
         self.mark = mark;
@@ -101,15 +101,15 @@ pub struct Plot {
     pub x_label: String,
     /// Name of the y axis with its unit.
     pub y_label: String,
-    /// What is drawn, from back to front.
+    /// Series, from back to front.
     pub series: Vec<Series>,
-    /// Stretches of x with a grey background.
+    /// Ranges of x with a grey background.
     pub shaded: Vec<(f64, f64)>,
-    /// Where short vertical lines stand on the x axis.
+    /// Positions of short vertical lines on the x axis.
     pub ticks: Vec<f64>,
-    /// Range of y; of the data if `None`.
+    /// Range of y; `None` for that of the data.
     pub y_range: Option<(f64, f64)>,
-    /// One metre is as long in x as in y.
+    /// Whether one metre has the same length in x and y.
     pub equal_scales: bool,
     /// Height, pixels; the width is [`WIDTH`].
     pub height: u32,
@@ -117,16 +117,16 @@ pub struct Plot {
 
 /// Width of every plot, pixels.
 pub const WIDTH: u32 = 960;
-/// Height of a tick, as a part of the plot's.
+/// Height of a tick, as a fraction of the plot's height.
 const TICK_PART: f64 = 0.08;
-/// Points of a line beyond which only each column's extremes are drawn.
+/// Longest line that is drawn in full. Of a longer line only the extremes in each column are drawn.
 const MOST_POINTS: usize = 2 * WIDTH as usize;
 
 type Drawing<'a> = DrawingArea<SVGBackend<'a>, plotters::coord::Shift>;
 type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
 impl Plot {
-    /// Creates a plot with these axes and the usual height.
+    /// Creates a plot with these axis labels and the default height.
     pub fn new(x_label: impl Into<String>, y_label: impl Into<String>) -> Self {
         Self {
             x_label: x_label.into(),
@@ -136,7 +136,7 @@ impl Plot {
         }
     }
 
-    /// With one more series, in front of the others.
+    /// Returns the plot with one more series, in front of the others.
     #[must_use]
     pub fn with(mut self, series: Series) -> Self {
         self.series.push(series);
@@ -157,10 +157,10 @@ impl Plot {
         text
     }
 
-    /// Returns what is drawn, as CSV: series, x, y, and the lower edge of bands.
+    /// Returns the drawn data as CSV: series, x, y, and the lower edge of bands.
     ///
     /// # Panics
-    /// Never: memory takes every row.
+    /// Never: writing to memory has no error.
     #[must_use]
     pub fn to_csv(&self) -> String {
         let mut writer = csv::Writer::from_writer(Vec::new());
@@ -220,8 +220,8 @@ impl Plot {
         Ok(())
     }
 
-    /// Returns names of the series in rows above the plot, where they hide nothing; returns their
-    /// height in pixels.
+    /// Draws the names of the series in rows above the plot, where they do not hide data. Returns
+    /// the height of the rows in pixels.
     fn draw_legend(&self, area: &Drawing<'_>) -> Result<i32, Box<dyn Error>> {
         const ROW_PX: i32 = 20;
         const LEFT_PX: i32 = 72;
@@ -281,7 +281,7 @@ impl Plot {
     }
 }
 
-/// From the least to the largest, with a part of that added on either side.
+/// Returns the range of the values, widened on either side by a fraction `margin` of it.
 fn spread(values: impl Iterator<Item = f64>, margin: f64) -> (f64, f64) {
     let (low, high) = values
         .filter(|v| v.is_finite())
@@ -354,7 +354,7 @@ fn draw_series(chart: &mut Chart<'_, '_>, series: &Series) -> Result<(), Box<dyn
     Ok(())
 }
 
-/// Returns a long line as the extremes of each of its columns: what a screen can show of it.
+/// Returns the extremes of a long line in each column of pixels.
 fn thinned(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     if points.len() <= MOST_POINTS {
         return points.to_vec();
@@ -372,7 +372,7 @@ fn thinned(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// Joins neighbouring cells that are on into x ranges to shade.
+/// Joins neighbouring cells that are set into x ranges to shade.
 #[must_use]
 pub fn shaded_ranges(cells: impl IntoIterator<Item = (f64, bool)>) -> Vec<(f64, f64)> {
     let mut found: Vec<(f64, f64)> = Vec::new();

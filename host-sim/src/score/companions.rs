@@ -1,5 +1,5 @@
-//! The files that a run is judged with beside its truth: log, vehicle, oracle. Named, or found beside
-//! the truth by their names.
+//! The companion files of a run: log, vehicle, oracle, beside its truth. They are named on
+//! the command line, or found beside the truth by their names.
 
 use super::rivals::{self, Rival};
 use crate::error::Result;
@@ -9,19 +9,19 @@ use crate::files::vehicle::VehicleFile;
 use crate::source::log_kind::kind_of;
 use std::path::{Path, PathBuf};
 
-/// Stands for the drive's name in the names of files.
+/// Placeholder for the drive's name in names of files.
 const NAME: &str = "NAME";
-/// What a simulated drive's truth is called after the drive's name.
+/// Ending of the truth of a simulated drive, after the drive's name.
 const TRUTH: &str = ".truth.csv";
 
-/// The files that are named; each once for all runs, or once for each run.
+/// Files named on the command line: one for all runs, or one for each run.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct NamedFiles<'a> {
-    /// Logs that the runs were estimated from.
+    /// Logs of the runs.
     pub log: &'a [PathBuf],
-    /// Vehicles as they were believed.
+    /// Vehicle files with the assumed parameters.
     pub vehicle: &'a [PathBuf],
-    /// True vehicles and noises.
+    /// Oracle files with the true vehicles and noise levels.
     pub oracle: &'a [PathBuf],
 }
 
@@ -35,7 +35,7 @@ pub struct Companions {
 }
 
 impl Companions {
-    /// Finds those of run number `index`, whose truth is `truth`.
+    /// Finds the files of run number `index`, whose truth is `truth`.
     #[must_use]
     pub fn of(named: NamedFiles, index: usize, truth: &Path) -> Self {
         let name = truth
@@ -73,7 +73,7 @@ impl Companions {
         self.log.as_deref().filter(|_| self.log_is_named)
     }
 
-    /// Returns what is missing for a full table, in words.
+    /// Returns messages on the files that are missing for a full table.
     #[must_use]
     pub fn missing(&self) -> Vec<&'static str> {
         if self.log.is_none() {
@@ -93,10 +93,10 @@ impl Companions {
         vehicle.into_iter().chain(oracle).collect()
     }
 
-    /// Returns what these files allow to be judged beside the run.
+    /// Returns the comparison estimates that these files allow.
     ///
     /// # Errors
-    /// A file that cannot be read or used.
+    /// Returns an error if a file cannot be read or used.
     pub fn rivals(&self, rows: &[RunRow]) -> Result<Vec<Rival>> {
         let vehicle = self.vehicle.as_deref().map(VehicleFile::read).transpose()?;
         let oracle = self.oracle.as_deref().map(OracleFile::read).transpose()?;

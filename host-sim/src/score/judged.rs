@@ -1,4 +1,4 @@
-//! A file of a run judged with the files beside it.
+//! A run file scored together with its companion files.
 
 use super::companions::Companions;
 use super::rivals::Rival;
@@ -9,19 +9,20 @@ use crate::files::run;
 use crate::files::truth::TruthRow;
 use std::path::Path;
 
-/// A run with its rows, and what has to be said about them.
+/// The scores of a run, with remarks.
 #[derive(Clone, Debug)]
 pub struct Judged {
-    /// Its lines of the error table.
+    /// Rows of the error table.
     pub rows: Vec<ScoreRow>,
-    /// What was left out, and why.
+    /// Estimates that were left out, with the reason.
     pub notes: Vec<String>,
 }
 
-/// Judges a run, and what its files allow beside it.
+/// Scores a run, and the comparison estimates that its files allow.
 ///
 /// # Errors
-/// A file that cannot be read or used; a log of another drive; a run without a cell to compare.
+/// Returns an error if a file cannot be read or used, if the log is of another drive, or if the run
+/// has no cell to compare.
 pub fn judge(path: &Path, truth: &[TruthRow], files: &Companions) -> Result<Judged> {
     let run = run::read(path)?;
     let name = path.display().to_string();
@@ -53,8 +54,8 @@ pub fn judge(path: &Path, truth: &[TruthRow], files: &Companions) -> Result<Judg
                 "the log {problem}; the run itself has no ratio to the oracle"
             ));
         } else if let Some(log) = files.named_log() {
-            let wanted = "expected the log that the run was estimated from";
-            return Err(Error::content(log, format!("{problem} {name}; {wanted}")));
+            let expected = "expected the log that the run was estimated from";
+            return Err(Error::content(log, format!("{problem} {name}; {expected}")));
         } else {
             let left_out = "original, modified and oracle left out";
             notes.push(format!("{left_out}: the log beside the truth {problem}"));

@@ -1,14 +1,14 @@
-//! How far estimates are from the truth.
+//! Errors of estimates against the truth.
 //!
-//! The first and last 500 m are left out: there a smoother lacks one side (thesis section 7, 200
-//! points cut at both ends). RMSE and bias are in % grade; the mean normalised squared error is
-//! the mean of (error / sigma)², 1 if the sigmas are honest.
+//! The first and last 500 m are left out, because a smoother has data on one side only there
+//! (thesis section 7, 200 points cut at both ends). RMSE and bias are in % grade. The mean
+//! normalised squared error is the mean of (error / sigma)²; it is 1 if the sigmas are consistent.
 //!
-//! * [`run_score`]: a run, alone or beside others;
-//! * [`rivals`]: those others, estimated from the same log;
-//! * [`companions`]: the files that this takes; [`judged`]: a file of a run, judged with them;
+//! * [`run_score`]: scores of a run, with or without comparison estimates;
+//! * [`rivals`]: comparison estimates from the same log;
+//! * [`companions`]: the files for them; [`judged`]: a run file scored with these files;
 //! * [`of_map`]: a map against a reference;
-//! * [`table`](mod@table): all of it as text.
+//! * [`table`](mod@table): the error table as text and JSON.
 
 pub mod companions;
 pub mod judged;

@@ -4,8 +4,8 @@ use super::score_row::{ScoreRow, Sums, Unscorable, is_end};
 use crate::map::{MapRow, MatchedPlace, Network, RoadLine, RoadRow, TrackPoint, match_track};
 use crate::numeric::series::linear;
 
-/// Compares a map with a reference by distance: pairs of distance, m, and grade, %, sorted. Both
-/// must count distance from the same point.
+/// Compares a map with a reference by distance. The reference is sorted pairs of distance (m) and
+/// grade (%). Both distances must start at the same point.
 ///
 /// # Errors
 /// Returns an error if no cell is left to compare.
@@ -14,11 +14,11 @@ pub fn score_map(map: &[MapRow], reference: &[(f64, f64)]) -> Result<ScoreRow, U
     score_placed(map, &places, reference)
 }
 
-/// Compares a map with a reference road that carries grades, by position and course: their
-/// distances may count from different points.
+/// Compares a map with a reference road that has grades, by position and course. Their distances
+/// may start at different points.
 ///
 /// # Errors
-/// Returns an error if the reference is no road or has no grade, or no cell is left to compare.
+/// Returns an error if the reference is no road or has no grade, or if no cell is left to compare.
 pub fn score_map_on_road(map: &[MapRow], reference: &[RoadRow]) -> Result<ScoreRow, Unscorable> {
     let road = Network::from(RoadLine::new(
         reference.iter().map(RoadRow::point).collect(),

@@ -1,4 +1,4 @@
-//! What a run is judged beside, on the same traffic: the thesis's two methods, and an oracle.
+//! Comparison estimates from the same log: the thesis's two methods, and an oracle.
 
 use crate::comparison::{ComparisonMethod, MeasuredDrive, without_gaps};
 use crate::error::{Error, Result};
@@ -17,14 +17,14 @@ use std::path::Path;
 /// Names of the oracle's three estimates.
 pub const ORACLE: [&str; 3] = ["oracle", "oracle_lagged", "oracle_live"];
 
-/// Times of the same cell differ by less, s: both come from the same readings, and differ by what a
-/// RUN.csv rounds away.
+/// Largest time difference of the same cell, s. Both times come from the same readings; they differ
+/// by the rounding of a RUN.csv.
 const SAME_TIME_S: f64 = 0.002;
 
-/// Another estimate of a drive.
+/// A comparison estimate of a drive.
 #[derive(Clone, Debug)]
 pub struct Rival {
-    /// What it is called in the table.
+    /// Name in the table.
     pub estimate: &'static str,
     /// Its cells, in order.
     cells: Vec<RivalCell>,
@@ -39,8 +39,8 @@ struct RivalCell {
 }
 
 impl Rival {
-    /// Returns grade and its standard deviation, %, in the cell of a run's row; `None` if it has no
-    /// such cell at that time.
+    /// Returns grade and its standard deviation, %, in the cell of a run's row; `None` without a
+    /// cell at that time.
     #[must_use]
     pub fn at(&self, row: &RunRow) -> Option<(f64, f64)> {
         let number = number_of(row);
@@ -58,7 +58,7 @@ fn number_of(row: &RunRow) -> u32 {
     (row.distance_m / f64::from(CELL_LENGTH_M)).round() as u32
 }
 
-/// The core's way from inputs to samples.
+/// Intake and sampler of the core, without its filter.
 struct Sampling {
     context: Context,
     intake: Intake,
@@ -91,24 +91,25 @@ impl Sampling {
     }
 }
 
-/// Estimates a run's log by the thesis's methods (if the believed vehicle is known) and by an
-/// oracle (if it is). `run_mps` is the mean speed of the run.
+/// Estimates a run's log by the thesis's methods (if the assumed vehicle is given) and by an
+/// oracle (if it is given). `run_mps` is the mean speed of the run.
 ///
 /// # Errors
-/// A log that cannot be read to its end, with file and line; an impossible vehicle.
+/// Returns an error, with file and line, if the log cannot be read to its end, or if a vehicle is
+/// impossible.
 pub fn of_log(
     log: &Path,
-    believed: Option<&VehicleFile>,
+    assumed: Option<&VehicleFile>,
     oracle: Option<&OracleFile>,
     run_mps: f64,
 ) -> Result<Vec<Rival>> {
     let impossible = |e: &dyn ToString| Error::content(log, e.to_string());
-    let mut sampling = believed
+    let mut sampling = assumed
         .map(|vehicle| Sampling::of(vehicle.model.clone()))
         .transpose()
         .map_err(|e| impossible(&e))?;
-    // In double precision: what is known nearly exactly has variances near nothing.
-    let mut knowing = oracle
+    // In double precision, because the oracle has parameters with variances near zero.
+    let mut oracle_recorder = oracle
         .map(|oracle| Recorder::<f64>::new(oracle.vehicle.model.clone(), oracle.tuning(run_mps)))
         .transpose()
         .map_err(|e| impossible(&e))?;
@@ -122,19 +123,19 @@ pub fn of_log(
             if let Some(sampling) = &mut sampling {
                 sampling.on_input(&input, &mut samples);
             }
-            if let Some(recorder) = &mut knowing {
+            if let Some(recorder) = &mut oracle_recorder {
                 recorder.on_input(&input.without_mass());
             }
         },
     )?;
     let mut rivals = Vec::new();
-    if let Some(vehicle) = believed {
+    if let Some(vehicle) = assumed {
         let start = start.unwrap_or_default();
         rivals.extend(
             ComparisonMethod::BOTH.map(|method| by_method(method, vehicle, &samples, start)),
         );
     }
-    if let Some(recorder) = knowing {
+    if let Some(recorder) = oracle_recorder {
         rivals.extend(of_run(&recorder.finish()?));
     }
     Ok(rivals)
@@ -167,7 +168,7 @@ fn by_method(
     }
 }
 
-/// Returns the oracle's run: smoothed, lagged, live.
+/// Returns the oracle's estimates: smoothed, lagged, live.
 fn of_run(run: &SmoothedRun) -> [Rival; 3] {
     let rival = |estimate, value: fn(&RunRow) -> (f64, f64)| Rival {
         estimate,

@@ -1,4 +1,4 @@
-//! A run against its truth, alone or beside others.
+//! Scores of a run against its truth, with or without comparison estimates.
 
 use super::rivals::{ORACLE, Rival};
 use super::score_row::{ScoreRow, Sums, Unscorable, is_end};
@@ -13,9 +13,9 @@ type Mark = fn(&RunRow) -> u8;
 /// The errors of one run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RunScore {
-    /// Smoothed, lagged, live, then the rivals that share cells with the run.
+    /// Smoothed, lagged, live, then the comparison estimates that have cells of the run.
     pub rows: Vec<ScoreRow>,
-    /// Cells left out because the truth does not reach there.
+    /// Number of cells outside the time span of the truth; they are left out.
     pub beyond_truth: usize,
 }
 
@@ -27,7 +27,7 @@ pub fn score_run(run: &str, rows: &[RunRow], truth: &[TruthRow]) -> Result<RunSc
     score_run_beside(run, rows, truth, &[])
 }
 
-/// Returns the same, with others judged on the same cells.
+/// Returns the same, with comparison estimates on the same cells.
 ///
 /// # Errors
 /// Returns an error if no cell is left to compare.
@@ -92,7 +92,7 @@ pub fn score_run_beside(
     Ok(RunScore { rows, beyond_truth })
 }
 
-/// Fills in the ratio of each row of a run, where the oracle has an estimate on the same cells.
+/// Sets the ratio to the oracle in each row where the oracle has an estimate on the same cells.
 fn compare_with_oracle(rows: &mut [ScoreRow]) {
     let [oracle, oracle_lagged, oracle_live] = ORACLE;
     let [original, modified] = ComparisonMethod::BOTH.map(ComparisonMethod::word);

@@ -1,18 +1,18 @@
-//! One line of the error table, and means over lines.
+//! One row of the error table, and means over rows.
 
 use crate::numeric::rounding::round;
 use serde::Serialize;
 
-/// Left out at both ends, m.
+/// Distance that is left out at both ends, m.
 pub const END_CUT_M: f64 = 500.0;
 
 /// Name of the rows that hold the mean over runs.
 pub const MEAN: &str = "mean";
 
-/// One line of the error table.
+/// One row of the error table.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ScoreRow {
-    /// Which run, or [`MEAN`].
+    /// Name of the run, or [`MEAN`].
     pub run: String,
     /// `smoothed`, `lagged`, `live`, one of the [`rivals`](super::rivals), or `map`.
     pub estimate: &'static str,
@@ -20,14 +20,14 @@ pub struct ScoreRow {
     pub cells: usize,
     /// RMSE of the grade over all cells, %.
     pub rmse_percent: f64,
-    /// Over cells that neither a shift nor braking spoiled; `None` if there are none.
+    /// RMSE over the cells without shift or braking, %; `None` if there are none.
     pub rmse_valid_percent: Option<f64>,
-    /// Mean of estimate minus truth.
+    /// Mean of estimate minus truth, %.
     pub bias_percent: f64,
     /// Mean normalised squared error.
     pub nees: f64,
-    /// RMSE over that of the oracle on the same cells: the lagged over the oracle's lagged, the
-    /// live over its live, all else over its smoothed.
+    /// RMSE over that of the oracle on the same cells. The lagged and the live grade are compared
+    /// with the oracle's lagged and live grade, all others with its smoothed grade.
     pub oracle_ratio: Option<f64>,
     /// Part of the cells that are marked as suspect, %; `None` for an estimate without marks.
     pub marked_percent: Option<f64>,
@@ -36,7 +36,7 @@ pub struct ScoreRow {
 }
 
 impl ScoreRow {
-    /// With the decimals that a file carries.
+    /// Returns the row with the decimals of the files.
     pub fn rounded(&self) -> Self {
         Self {
             run: self.run.clone(),
@@ -53,10 +53,10 @@ impl ScoreRow {
     }
 }
 
-/// Why there is nothing to score.
+/// Reasons why there is no score.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Unscorable {
-    /// Too short, or at another time.
+    /// The run is too short, or at another time than the truth.
     #[error(
         "no cell of {cells} both within the truth and {END_CUT_M} m away from either end; \
          expected a longer run, or the truth of this drive"
@@ -68,14 +68,14 @@ pub enum Unscorable {
     /// A reference without a grade.
     #[error("no grade_percent; expected a reference with the grade of each point")]
     NoGrade,
-    /// A reference that is no line.
+    /// The reference is not a line.
     #[error(transparent)]
     Road(#[from] crate::map::RoadProblem),
 }
 
-/// Means over runs, one row for each estimate; cells are summed. Estimates come in the order in
-/// which they first appear. The ratio to the oracle is that of mean RMSEs, over the runs that have
-/// an oracle.
+/// Returns the means over runs, one row for each estimate, in the order of their first rows.
+/// Numbers of cells are summed. The ratio to the oracle is that of mean RMSEs, over the runs that
+/// have an oracle.
 pub fn mean(rows: &[ScoreRow]) -> Vec<ScoreRow> {
     let mut estimates: Vec<&'static str> = Vec::new();
     for row in rows {
@@ -117,7 +117,7 @@ fn ratio_of_means(rows: &[&ScoreRow]) -> Option<f64> {
     (oracles > 0.0).then(|| ours / oracles)
 }
 
-/// Returns whether a cell lies at an end of a run.
+/// Returns whether a cell is at an end of a run.
 pub(super) fn is_end(first_m: f64, last_m: f64, at_m: f64) -> bool {
     at_m < first_m + END_CUT_M || at_m > last_m - END_CUT_M
 }
@@ -165,7 +165,7 @@ impl Sums {
         }
     }
 
-    /// `None` if there were no cells.
+    /// Returns the row of these sums; `None` without cells.
     pub(super) fn row(&self, run: &str, estimate: &'static str) -> Option<ScoreRow> {
         let cells = self.cells as f64;
         (self.cells > 0).then(|| ScoreRow {

@@ -12,7 +12,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use std::collections::VecDeque;
 
-/// Source addresses (SAE J1939 preferred addresses; the receiver's is one of its own claiming).
+/// Source addresses: preferred addresses of SAE J1939; the receiver claims its own.
 const ENGINE: u8 = 0x00;
 const GEARBOX: u8 = 0x03;
 const BRAKES: u8 = 0x0b;
@@ -20,16 +20,16 @@ const RETARDER: u8 = 0x10;
 const CAB: u8 = 0x21;
 const RECEIVER: u8 = 0x1c;
 
-/// Silence before the first message, s; by then the slowest sensor has a value.
+/// Silence before the first message, s. The slowest sensor then has a value.
 const SILENCE_S: f64 = 0.5;
-/// Largest deviation from the period, as a part of it and in s.
+/// Largest deviation from the period, as a fraction of it and in s.
 const JITTER: (f64, f64) = (0.02, 0.0005);
 /// Longest payload of a message.
 const PAYLOAD: usize = 64;
-/// Bits of a frame with a 29-bit identifier besides its data, stuffing and interframe space
-/// included, and of a data byte with its share of stuffing.
+/// Number of bits of a frame with a 29-bit identifier, without its data, and of a data byte. Both
+/// include bit stuffing; the first includes the interframe space.
 const FRAME_BITS: (f64, f64) = (75.0, 9.0);
-/// 250 kbit/s.
+/// Duration of a bit at 250 kbit/s, s.
 const BIT_S: f64 = 4e-6;
 
 /// Schedule of a message of one controller.
@@ -76,7 +76,7 @@ impl<'a> BusTraffic<'a> {
             .into_iter()
             .map(|(pgn, address, period_ms)| {
                 let period_s = 1e-3 * period_ms;
-                // Rare messages would else be missing in the first seconds of the log.
+                // Otherwise rare messages would be missing in the first seconds of the log.
                 let phase_s = rng.random_range(0.0..period_s.min(1.0));
                 MessageSchedule {
                     pgn,

@@ -74,7 +74,7 @@ struct Journey<'a> {
 /// memory.
 ///
 /// # Panics
-/// If the scenario has no run `index`.
+/// Panics if the scenario has no run `index`.
 pub fn drive(scenario: &Scenario, index: usize) -> Result<SimulatedDrive> {
     let run = &scenario.runs[index];
     let road = if run.backward {
@@ -181,12 +181,12 @@ impl<'a> Journey<'a> {
         }
     }
 
-    /// Standing in neutral.
+    /// Sets the state of standing in neutral.
     const fn stand(&mut self) {
         self.speed_mps = 0.0;
     }
 
-    /// At the set speed, in balance.
+    /// Sets the state of steady driving at the set speed.
     fn cruise(&mut self) {
         self.speed_mps = SET_SPEED_MPS;
         let gear = cruising_gear(&self.truck, self.speed_mps);

@@ -9,29 +9,29 @@ use std::ops::Range;
 const SHIFT_S: Range<f64> = 0.8..1.2;
 /// Part of a shift in which the torque is reduced before the driveline opens.
 const RAMP_DOWN_PART: f64 = 0.2;
-/// Engine speed below which a lower gear is wanted in any case, rpm.
+/// The gearbox shifts down below this engine speed, rpm.
 const LOWEST_RPM: f64 = 950.0;
 /// Engine speed up to which full load holds a gear, rpm.
 const FULL_LOAD_RPM: f64 = 1550.0;
-/// Engine speed above which a higher gear is wanted in any case, rpm.
+/// The gearbox shifts up above this engine speed, rpm.
 const HIGHEST_RPM: f64 = 2000.0;
-/// Engine speed that a higher gear must leave, rpm.
+/// Lowest engine speed after an upshift, rpm.
 const AFTER_UPSHIFT_RPM: f64 = 1050.0;
-/// Engine speed that a lower gear may bring, rpm.
+/// Highest engine speed after a downshift, rpm.
 const AFTER_DOWNSHIFT_RPM: f64 = 1800.0;
-/// Force that a higher gear must have over what holds the truck back.
+/// Smallest ratio of the force in a higher gear to the resistance.
 const UPSHIFT_RESERVE: f64 = 1.1;
-/// Force that a lower gear must add to be worth an interruption.
+/// Smallest ratio of the force in a lower gear to that in the current gear.
 const DOWNSHIFT_GAIN: f64 = 1.05;
-/// Deceleration at full load that calls for a lower gear, m/s².
+/// Deceleration at full load that triggers a downshift, m/s².
 const LOSING_MPS2: f64 = -0.02;
 /// Speed that full load may lose before it does, m/s.
 const TOLERATED_LOSS_MPS: f64 = 1.5;
-/// Least time between shifts, s.
+/// Shortest time between shifts, s.
 const REST_S: f64 = 2.0;
-/// Gears that one upshift may climb.
+/// Largest number of gears in one upshift.
 const LONGEST_STEP: usize = 2;
-/// Acceleration that the gear for moving off must give on the level, m/s².
+/// Acceleration that the starting gear must give on the level, m/s².
 const LAUNCH_MPS2: f64 = 0.6;
 
 /// Inputs of the gearbox.

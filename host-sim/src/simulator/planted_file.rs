@@ -7,19 +7,15 @@
 //! |---|---|---|---|
 //! | `cornering_compliance_rad` | rad | 0 to 2 | c m g (v yaw rate / g)²; a truck's tyres have about 1/5.5 |
 //! | `driveline_loss` | part of the traction | 0 to 0.5 | part · \|traction\|, while it passes the driveline |
-//! | `auxiliary_w` | W | 0 to 200 000 | engine power for auxiliaries, while a gear couples engine
-//! and wheels |
+//! | `auxiliary_w` | W | 0 to 200 000 | engine power for auxiliaries, while a gear couples engine and wheels |
 //! | `fan_w` | W | 0 to 200 000 | the same while the fan is on; SPN 975 reports the fan |
-//! | `fan_period_s` | s | 10 to 3600 | mean time from fan on to fan on; it is on for 0.4 of the time, irregularly |
+//! | `fan_period_s` | s | 10 to 3600 | mean period; the fan is on for 0.4 of the time, at random intervals |
 //! | `brake_drag_n` | N | 0 to 50 000 | constant |
-//! | `wheel_radius_factor` | 1 | 0.8 to 1.2 | true over assumed radius: reported speeds are true
-//! ones divided by it |
-//! | `rough` | m, m, 1 | −0.01 to 0.05 | added to the rolling resistance between two distances, in
-//! both directions |
+//! | `wheel_radius_factor` | 1 | 0.8 to 1.2 | true over assumed radius: reported speeds are true ones divided by it |
+//! | `rough` | m, m, 1 | −0.01 to 0.05 | added to the rolling resistance between two distances, in both directions |
 //! | `side_resistance` | m, m, 1 | −0.01 to 0.05 | the same in the road's forward direction only: one carriageway |
-//! | `torque_hysteresis` | % of reference torque | 0 to 50 | torque follows its signal with this much play |
-//! | `thermostat_w` | W | 0 to 200 000 | as `auxiliary_w` in the first half of each period; no
-//! signal reports it |
+//! | `torque_hysteresis` | % of reference torque | 0 to 50 | backlash between the signal and the torque |
+//! | `thermostat_w` | W | 0 to 200 000 | as `auxiliary_w` in the first half of each period; no signal reports it |
 //! | `thermostat_period_s` | s | 10 to 3600 | of the log's clock |
 //!
 //! Distances count along the road in its forward direction. The cornering force is the lateral

@@ -35,7 +35,7 @@ pub struct SimulatedRun {
 /// Returns an error if the truck comes to a stop on its road.
 ///
 /// # Panics
-/// If the scenario has no run `index`.
+/// Panics if the scenario has no run `index`.
 pub fn simulate(scenario: &Scenario, index: usize) -> Result<SimulatedRun> {
     let recording = Recording::new(scenario, index)?;
     let run = &scenario.runs[index];
@@ -63,7 +63,7 @@ impl<'a> Recording<'a> {
     /// Returns an error if the truck comes to a stop on its road.
     ///
     /// # Panics
-    /// If the scenario has no run `index`.
+    /// Panics if the scenario has no run `index`.
     pub fn new(scenario: &'a Scenario, index: usize) -> Result<Self> {
         let drive = drive::drive(scenario, index)?;
         Ok(Self {

@@ -1,7 +1,7 @@
 //! The road: grade, altitude and plan view by distance.
 //!
-//! Grade is linear between nodes, so vertical curves are parabolas, as roads are built. Altitude is
-//! the integral of the sine of the slope, so both agree exactly.
+//! Grade is linear between nodes, so vertical curves are parabolas, as in road design. Altitude is
+//! the integral of the sine of the slope, so the two are consistent.
 
 use super::geodesy::{Position, wrapped_rad};
 use crate::numeric::slope::sine;
@@ -91,7 +91,7 @@ impl Road {
         Self { points }
     }
 
-    /// Returns length of the surface, m.
+    /// Returns the length of the surface, m.
     #[must_use]
     pub fn length_m(&self) -> f64 {
         self.points.last().map_or(0.0, |last| last.node.distance_m)

@@ -30,7 +30,7 @@ struct RoadFileRow {
 /// Reads a road.
 ///
 /// # Errors
-/// Names the file, the line and what was expected.
+/// Returns an error that names the file, the line and the expected value.
 pub fn read(path: &Path) -> Result<Road> {
     let rows: Vec<RoadFileRow> =
         read_checked_with(&csv::ReaderBuilder::new(), path, MOST_ROWS, |_, _| Ok(()))?;

@@ -3,8 +3,8 @@
 //! The profile is a chain of tangents joined by vertical curves over which grade changes
 //! linearly. Its rate of change stays below a limit, as sight distance demands: at 110 km/h a
 //! crest has K = 74 m for one percent (AASHTO), that is 0.0135 % per m. The plan is a chain of
-//! straights and arcs joined by clothoids. Grade and course are pulled back to where they
-//! started, so that the road neither climbs without limit nor turns back on itself.
+//! straights and arcs joined by clothoids. Grade and course return towards their initial values, so
+//! the road neither climbs without limit nor turns back on itself.
 
 use super::geodesy::Position;
 use super::random::{Purpose, normal, stream};
@@ -27,13 +27,13 @@ const ALTITUDE_RETURN_M: f64 = 40.0;
 const ARC_M: Range<f64> = 200.0..1_200.0;
 /// Lengths of clothoids, m.
 const CLOTHOID_M: Range<f64> = 80.0..200.0;
-/// Turn of one arc, rad: tight ones are short, or the road would cross itself.
+/// Largest turn of one arc, rad. Tight arcs are short, so the road does not cross itself.
 const LONGEST_TURN_RAD: f64 = 0.8;
 /// Fraction of straight pieces.
 const STRAIGHT_PART: f64 = 0.4;
 /// Curvature of an arc, as a part of the largest one.
 const ARC_SHARPNESS: Range<f64> = 0.15..1.0;
-/// Deviation from the initial course beyond which arcs turn back, rad.
+/// Deviation from the initial course above which arcs turn back, rad.
 const COURSE_RETURN_RAD: f64 = 0.35;
 
 /// Parameters of a generated road.
@@ -64,7 +64,7 @@ pub struct RoadShape {
 }
 
 impl Default for RoadShape {
-    /// 40 km as between Södertälje and Nyköping, where the thesis measured.
+    /// Returns 40 km as between Södertälje and Nyköping, where the thesis measured.
     fn default() -> Self {
         Self {
             length_m: 40_000.0,
@@ -100,7 +100,7 @@ pub fn generate(shape: &RoadShape, seed: u64) -> Road {
         if let Some(last) = nodes.last() {
             let step_m = distance_m - last.distance_m;
             let turn = 0.5 * step_m * value_at(&curvatures, distance_m - 0.5 * step_m);
-            // Half the turn before the step and half after: the chord of the arc.
+            // Half of the turn is before the step and half after it: the chord of the arc.
             course_rad += turn;
             let level_m = step_m * (1.0 - sine(0.5 * (grade + last.grade)).powi(2)).sqrt();
             position = position.moved(level_m * course_rad.cos(), level_m * course_rad.sin());
@@ -123,7 +123,7 @@ struct Piece {
     target: f64,
 }
 
-/// Corners of grade in % along the road.
+/// Returns the nodes of grade (%) along the road.
 fn profile(shape: &RoadShape, rng: &mut ChaCha8Rng) -> Vec<(f64, f64)> {
     pieces(shape.length_m, |grade, climbed_percent_m| {
         let back = (-0.01 * climbed_percent_m / ALTITUDE_RETURN_M).clamp(-1.0, 1.0);
@@ -138,7 +138,7 @@ fn profile(shape: &RoadShape, rng: &mut ChaCha8Rng) -> Vec<(f64, f64)> {
     })
 }
 
-/// Corners of curvature in 1/m along the road.
+/// Returns the nodes of curvature (1/m) along the road.
 fn plan(shape: &RoadShape, rng: &mut ChaCha8Rng) -> Vec<(f64, f64)> {
     let least = shape
         .largest_radius_m
@@ -170,8 +170,8 @@ fn plan(shape: &RoadShape, rng: &mut ChaCha8Rng) -> Vec<(f64, f64)> {
     })
 }
 
-/// Chains pieces from zero on to the length of the road. `next` gets the value so far and its
-/// integral.
+/// Chains pieces from zero to the length of the road. `next` gets the value at the end of the last
+/// piece and its integral.
 fn pieces(length_m: f64, mut next: impl FnMut(f64, f64) -> Piece) -> Vec<(f64, f64)> {
     let (mut at_m, mut value, mut integral) = (0.0, 0.0, 0.0);
     let mut corners = vec![(at_m, value)];
@@ -186,7 +186,7 @@ fn pieces(length_m: f64, mut next: impl FnMut(f64, f64) -> Piece) -> Vec<(f64, f
     corners
 }
 
-/// Interpolates between the corners on either side.
+/// Interpolates between nodes.
 fn value_at(corners: &[(f64, f64)], at_m: f64) -> f64 {
     let after = corners
         .partition_point(|corner| corner.0 <= at_m)

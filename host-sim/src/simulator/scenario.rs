@@ -92,7 +92,7 @@ pub struct ScenarioRun {
 }
 
 impl ScenarioRun {
-    /// Returns true over assumed traction per kilogram: the true value of the estimator's scale.
+    /// Returns true over assumed traction per kilogram, the true value of the estimator's scale.
     #[must_use]
     pub fn true_scale(&self) -> f64 {
         let per_kg = |parameters: &VehicleParameters| {
@@ -110,7 +110,7 @@ impl Scenario {
     /// Reads a scenario and the files that it names.
     ///
     /// # Errors
-    /// Names each unknown key, missing key and value out of range.
+    /// Returns an error that names each unknown key, missing key and value out of range.
     pub fn read(path: &Path) -> Result<Self> {
         let text = read_text(path)?;
         Self::parse(&text, path)
@@ -291,7 +291,7 @@ fn disturbed(
     errors: &ParameterErrors,
     rng: &mut ChaCha8Rng,
 ) -> std::result::Result<VehicleParameters, String> {
-    // All four are drawn, used or not, so that another key does not change the others.
+    // All four factors are drawn, used or not, so another key does not change the others.
     let mut factor = |name: &str, factor: Option<f64>, sigma: Option<f64>| {
         let draw = normal(rng);
         match (factor, sigma) {

@@ -189,7 +189,7 @@ impl ScenarioDocument {
     /// Returns the source of the road.
     ///
     /// # Errors
-    /// Names each key that does not belong to that source.
+    /// Returns an error that names each key that does not belong to that source.
     pub fn road_source(&self) -> Result<RoadSource, toml::de::Error> {
         if self.road.contains_key("file") {
             let RoadFile { file } = self.road.clone().try_into()?;

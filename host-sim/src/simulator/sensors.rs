@@ -1,7 +1,7 @@
 //! The sensors of the vehicle: the values that each controller sends.
 //!
 //! Values have the age of their latency and the noise of the sensor. The encoder rounds to the
-//! resolution of the message, except for the torque, which two signals share.
+//! resolution of the message, except for the torque, which is split between two signals.
 
 use super::drive::{DriveState, SimulatedDrive};
 use super::random::{Purpose, normal, stream};
@@ -72,7 +72,7 @@ impl<'a> Sensors<'a> {
             Signal::AmbientTemperature => self.air.temperature_celsius as f32,
             Signal::AirPressure => self.air.pressure_pa as f32,
             Signal::YawRate => {
-                // Course turns to the right, yaw rate to the left.
+                // Course is positive to the right, yaw rate to the left.
                 let turn = self.drive.road.curvature_per_m(state.distance_m) * state.speed_mps;
                 (self.noise.yaw_rate_sigma_radps * normal(&mut self.rng) - turn) as f32
             }
@@ -80,7 +80,7 @@ impl<'a> Sensors<'a> {
                 let noise = self.noise.speed_sigma_mps * normal(&mut self.rng);
                 // The sensor counts pulses; the distance per pulse is assumed.
                 let reported_mps = state.speed_mps / self.wheel_radius_factor;
-                // Wheels at standstill give no pulses, and no negative ones.
+                // Wheels at standstill give no pulses. Noise must not make the speed negative.
                 if state.speed_mps > 0.0 {
                     (reported_mps + noise).max(0.0) as f32
                 } else {
@@ -115,8 +115,8 @@ impl<'a> Sensors<'a> {
         100.0 * torque_nm / self.drive.truck.reference_torque_nm
     }
 
-    /// Indicated torque, friction included, in eighths of a percent: SPN 513 holds the whole
-    /// percents and SPN 4154 the eighths on top. Never negative.
+    /// Returns the indicated torque, friction included, in eighths of a percent; never negative.
+    /// SPN 513 holds the whole percents, SPN 4154 the remaining eighths.
     fn torque_eighths(&self, state: &DriveState) -> u32 {
         let indicated = self.percent(state.net_torque_nm + state.friction_torque_nm);
         (8.0 * indicated).round().clamp(0.0, 1000.0) as u32

@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 pub const GRAVITY: f64 = 9.806_65;
 /// Largest torque of the retarder, at the output shaft, Nm.
 const RETARDER_NM: f64 = 3_500.0;
-/// Engine speed without load, rpm.
+/// Idle speed of the engine, rpm.
 pub const IDLE_RPM: f64 = 600.0;
 
 /// Indicated full-load torque over the reference torque, at engine speeds in rpm. The shape of a
@@ -22,8 +22,8 @@ const FULL_LOAD: [(f64, f64); 8] = [
     (1900.0, 0.76),
     (2400.0, 0.3),
 ];
-/// Friction torque over the reference torque: at standstill, and what an rpm adds. About 7 % at
-/// cruising speed.
+/// Friction torque over the reference torque: at standstill, and per rpm. About 7 % at cruising
+/// speed.
 const FRICTION: (f64, f64) = (0.03, 3.5e-5);
 
 /// Ratios of the 12-speed gearbox of both presets, first gear first; the last is direct.
@@ -43,7 +43,7 @@ pub enum Preset {
 }
 
 impl Preset {
-    /// Returns the name that files use.
+    /// Returns the name in files.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -100,9 +100,9 @@ impl Preset {
 struct Transmission {
     /// Ratio of the gearbox alone.
     gear_ratio: f64,
-    /// Engine turns to a turn of the wheels.
+    /// Engine revolutions per revolution of the wheels.
     ratio: f64,
-    /// Part of the power that reaches the wheels.
+    /// Fraction of the power that reaches the wheels.
     efficiency: f64,
 }
 
@@ -178,13 +178,13 @@ impl Truck {
         100.0 * force_n * self.wheel_radius_m / (self.final_drive_ratio * RETARDER_NM)
     }
 
-    /// Returns number of the highest gear; gears count from 1, 0 is neutral.
+    /// Returns the number of the highest gear. Gears count from 1; 0 is neutral.
     #[must_use]
     pub fn top_gear(&self) -> usize {
         self.transmissions.len()
     }
 
-    /// Returns ratio of a gear; 0 in neutral.
+    /// Returns the ratio of a gear; 0 in neutral.
     #[must_use]
     pub fn gear_ratio(&self, gear: usize) -> f64 {
         self.transmission(gear).map_or(0.0, |t| t.gear_ratio)
@@ -194,19 +194,19 @@ impl Truck {
         self.transmissions.get(gear.checked_sub(1)?)
     }
 
-    /// Speed of the gearbox's output shaft, rpm.
+    /// Returns the speed of the gearbox's output shaft, rpm.
     #[must_use]
     pub fn output_shaft_rpm(&self, speed_mps: f64) -> f64 {
         speed_mps / self.wheel_radius_m * self.final_drive_ratio * (30.0 / PI)
     }
 
-    /// Engine speed at which `gear` turns without slip, rpm; 0 in neutral.
+    /// Returns the engine speed in `gear` without slip, rpm; 0 in neutral.
     #[must_use]
     pub fn engine_rpm(&self, gear: usize, speed_mps: f64) -> f64 {
         self.output_shaft_rpm(speed_mps) * self.range_ratio * self.gear_ratio(gear)
     }
 
-    /// Full-load net torque, Nm.
+    /// Returns the full-load net torque, Nm.
     #[must_use]
     pub fn full_load_nm(&self, rpm: f64) -> f64 {
         let after = FULL_LOAD
@@ -218,27 +218,28 @@ impl Truck {
         (indicated * self.reference_torque_nm - self.friction_nm(rpm)).max(0.0)
     }
 
-    /// Friction torque, Nm, positive.
+    /// Returns the friction torque, Nm, positive.
     #[must_use]
     pub fn friction_nm(&self, rpm: f64) -> f64 {
         (FRICTION.0 + FRICTION.1 * rpm) * self.reference_torque_nm
     }
 
-    /// Net torque that turns the engine up by `rpm_per_s` when nothing else holds it, Nm.
+    /// Returns the net torque that accelerates the free engine by `rpm_per_s`, Nm.
     #[must_use]
     pub fn spin_up_nm(&self, rpm_per_s: f64) -> f64 {
         self.engine_inertia_kgm2 * rpm_per_s * (PI / 30.0)
     }
 
-    /// Force at the wheels for one newton metre of net engine torque in `gear` (eq. 4), N/Nm.
+    /// Returns the force at the wheels per newton metre of net engine torque in `gear` (eq. 4),
+    /// N/Nm.
     #[must_use]
     pub fn force_per_torque(&self, gear: usize) -> f64 {
         self.transmission(gear)
             .map_or(0.0, |t| t.ratio * t.efficiency / self.wheel_radius_m)
     }
 
-    /// Mass that accelerates, with what wheels and, through a closed driveline, the engine add
-    /// (eq. 9), kg. `gear` is 0 when the driveline is open.
+    /// Returns the accelerated mass (eq. 9), kg: with that of the wheels and, through a closed
+    /// driveline, of the engine. `gear` is 0 if the driveline is open.
     #[must_use]
     pub fn accelerated_kg(&self, gear: usize) -> f64 {
         let engine = self.transmission(gear).map_or(0.0, |t| {
@@ -247,20 +248,20 @@ impl Truck {
         self.mass_kg + (self.wheel_inertia_kgm2 + engine) / self.wheel_radius_m.powi(2)
     }
 
-    /// Air resistance (eq. 5) at a speed through the air, N; negative with a tail wind that is
-    /// faster.
+    /// Returns the air resistance (eq. 5) at a speed through the air, N; negative if a tail wind is
+    /// faster than the truck.
     #[must_use]
     pub fn air_resistance_n(&self, airspeed_mps: f64, air_density: f64) -> f64 {
         0.5 * self.drag_area_m2 * air_density * airspeed_mps * airspeed_mps.abs()
     }
 
-    /// Air and rolling resistance in still air with warm tyres (eq. 5 and 6), N.
+    /// Returns the air and rolling resistance in still air with warm tyres (eq. 5 and 6), N.
     #[must_use]
     pub fn resistance_n(&self, speed_mps: f64, air_density: f64) -> f64 {
         self.air_resistance_n(speed_mps, air_density) + self.rolling_resistance_n()
     }
 
-    /// Rolling resistance of warm tyres (eq. 6), N.
+    /// Returns the rolling resistance of warm tyres (eq. 6), N.
     #[must_use]
     pub fn rolling_resistance_n(&self) -> f64 {
         self.mass_kg * GRAVITY * self.rolling_resistance

@@ -25,24 +25,23 @@ impl Recording<'_> {
     /// Never: the assumed vehicle has the engine and gearbox of the true one.
     pub fn unmodelled(&self) -> impl Iterator<Item = Unmodelled> {
         let run = &self.scenario.runs[self.index];
-        let believed =
-            Truck::new(&run.vehicle.model.vehicle).expect("it has the true one's engine");
+        let assumed = Truck::new(&run.vehicle.model.vehicle).expect("it has the true one's engine");
         let radius_factor = self.scenario.planted.wheel_radius_factor;
         let air_density = self.scenario.air_density();
-        let torque_factor = believed.reference_torque_nm / self.drive.truck.reference_torque_nm;
+        let torque_factor = assumed.reference_torque_nm / self.drive.truck.reference_torque_nm;
         self.drive.states.iter().map(move |state| {
             let length_m = STEP_S * state.speed_mps;
-            let per_torque = torque_factor * believed_per_torque(&believed, state);
+            let per_torque = torque_factor * assumed_per_torque(&assumed, state);
             let closed_gear = if state.engaged { state.gear } else { 0 };
             let inertia_n =
-                believed.accelerated_kg(closed_gear) * state.acceleration_mps2 / radius_factor;
+                assumed.accelerated_kg(closed_gear) * state.acceleration_mps2 / radius_factor;
             let force_n = per_torque * state.net_torque_nm
-                - believed.resistance_n(state.speed_mps / radius_factor, air_density)
+                - assumed.resistance_n(state.speed_mps / radius_factor, air_density)
                 - state.brake_n
                 - state.retarder_n
                 - inertia_n;
             let true_grade = self.drive.road.grade(state.distance_m + 0.5 * length_m);
-            let read = force_n / (believed.mass_kg * GRAVITY);
+            let read = force_n / (assumed.mass_kg * GRAVITY);
             Unmodelled {
                 length_m,
                 percent: 100.0 * (read - sine(true_grade)),
@@ -52,11 +51,11 @@ impl Recording<'_> {
     }
 }
 
-/// Force for a newton metre of net torque as far as the driveline passes it, N/Nm.
-fn believed_per_torque(believed: &Truck, state: &DriveState) -> f64 {
+/// Returns the force per newton metre of net torque, N/Nm; zero if the driveline is open.
+fn assumed_per_torque(assumed: &Truck, state: &DriveState) -> f64 {
     if state.traction_n == 0.0 {
         0.0
     } else {
-        believed.force_per_torque(state.gear)
+        assumed.force_per_torque(state.gear)
     }
 }

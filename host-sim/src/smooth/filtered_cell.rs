@@ -4,7 +4,7 @@ use estimator_core::filter::{Filter, ModelMass, State, StepRecord};
 use estimator_core::sample::Sample;
 use estimator_core::{Context, Scalar};
 
-/// A filter step with the state after it: what the backward pass needs of a cell.
+/// A filter step with the state after it: the inputs of the backward pass for a cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ForwardCell<S> {
     /// The step.
@@ -16,7 +16,7 @@ pub struct ForwardCell<S> {
 }
 
 impl<S: Scalar> ForwardCell<S> {
-    /// Takes a filter over the cell of a sample. Returns `None` where the filter has no estimate.
+    /// Advances a filter by the cell of a sample. Returns `None` while the filter has no estimate.
     pub fn step(filter: &mut Filter<S>, context: &mut Context, sample: &Sample) -> Option<Self> {
         let record = filter.step(context, sample)?;
         let state = *filter.state()?;

@@ -1,8 +1,8 @@
 //! Smoothing of a whole run.
 //!
-//! The samples go through the core's filter a second time, in double precision and with the sensor
-//! noise that was known only at the end of the first pass. Then the core's backward pass goes back
-//! over all of it.
+//! The samples pass the core's filter a second time, in double precision and with the final
+//! estimate of the sensor noise from the first pass. The core's backward pass then runs over the
+//! whole run.
 //!
 //! The records of all cells are not kept in memory. The run is divided into parts, and the filter
 //! state before each part is stored. On the backward pass each part is filtered again from there. A
@@ -31,7 +31,7 @@ const PARTS: usize = 32;
 /// A cell of a smoothed run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SmoothedCell {
-    /// Where and when the cell ends.
+    /// End of the cell: distance and time.
     pub end: CellEnd,
     /// The estimate there, from all measurements of the run.
     pub estimate: Estimate,
@@ -44,8 +44,8 @@ pub struct SmoothedCell {
 ///
 /// When the filter detects a drift of GNSS, it has already followed it for some hundred metres. The
 /// filter then runs over the drive twice more: without the fixes since the drift began, and with
-/// all of them, because a vehicle with wrong parameters has the same symptoms in its first
-/// kilometres. The pass with the larger likelihood of the altitudes counts.
+/// all of them. The second case is needed because wrong vehicle parameters have the same symptoms
+/// in the first kilometres. The pass with the larger likelihood of the altitudes counts.
 #[must_use]
 pub fn smooth_run<S: Scalar>(
     model: &Model,
@@ -61,9 +61,9 @@ pub fn smooth_run<S: Scalar>(
     segments.into_iter().rev().flatten().collect()
 }
 
-/// Smooths a run that need not be in memory, from its end to its start. `take` gets one segment
-/// after the other, each in the order of the run, with the index of its first cell. Returns where
-/// signals disagree in the pass that counts.
+/// Smooths a run that need not fit into memory, from its end to its start. `take` gets one segment
+/// after the other. The cells of a segment are in the order of the run; the index is that of the
+/// first one. Returns where signals disagree in the pass that counts.
 ///
 /// # Errors
 /// Returns the error of `samples` or of `take`.

@@ -34,8 +34,8 @@ pub struct Skipped {
     pub bus_errors: u64,
 }
 
-/// Frames of two interfaces, or of two senders on a virtual one, can be swapped on their way to
-/// candump. A frame that is late by no more than this gets the time of the one before.
+/// Largest disorder of frames. Frames of two interfaces, or of two senders on a virtual one, can
+/// reach candump in the wrong order. A frame within this limit gets the time of the one before.
 const DISORDER: Duration = Duration::from_millis(10);
 
 /// Reader of candump logs, frame by frame.
@@ -66,9 +66,9 @@ impl CandumpReader {
     /// Reads the next frame; `None` at the end.
     ///
     /// # Errors
-    /// Names the file, the line and what was expected: a line that is not candump's, a truncated
-    /// last line or gzip stream, time that runs backwards by more than 10 ms, a file without
-    /// frames. Frames returned before such an error are part of a damaged log.
+    /// Returns an error, with file, line and expected value, for a line that is not candump's, a
+    /// truncated last line or gzip stream, time that runs backwards by more than 10 ms, or a file
+    /// without frames. Frames returned before such an error are part of a damaged log.
     pub fn next_frame(&mut self) -> Result<Option<TimedFrame>> {
         loop {
             if !self.lines.advance()? {

@@ -42,7 +42,7 @@ const fn problem(what: &'static str, expected: &'static str) -> LineProblem {
 
 type Parsed<T> = Result<T, LineProblem>;
 
-/// Value of a hexadecimal digit; 0xff for any other byte.
+/// Values of hexadecimal digits; 0xff for any other byte.
 const NIBBLES: [u8; 256] = {
     let mut table = [0xff; 256];
     let mut k = 0;
@@ -194,7 +194,7 @@ pub(super) fn parse(line: &[u8]) -> Parsed<Option<CandumpLine>> {
     }))
 }
 
-/// candump -x puts `RX` or `TX` and two flags before the identifier of the screen layout.
+/// Skips `RX` or `TX` and two flags, which candump -x writes before the identifier on the screen.
 fn skip_direction(rest: &mut Cursor) {
     if matches!(rest.0, [b'R' | b'T', b'X', b' ', ..]) {
         for _ in 0..3 {
@@ -204,7 +204,7 @@ fn skip_direction(rest: &mut Cursor) {
     }
 }
 
-/// `0CF00400#01020304`, `123#R4`, `123##1AABB` (candump -l and -L).
+/// Parses `0CF00400#01020304`, `123#R4`, `123##1AABB` (candump -l and -L).
 fn log_layout(rest: &mut Cursor, id: Option<Id>) -> Parsed<(Content, bool)> {
     const DATA: &str = "up to 8 bytes of two hexadecimal digits each behind `#`";
     if rest.take(b'#') {
@@ -242,7 +242,7 @@ fn log_layout(rest: &mut Cursor, id: Option<Id>) -> Parsed<(Content, bool)> {
     Ok((content(id, &data[..length], None), length == data.len()))
 }
 
-/// candump -8 puts `_` and the raw length code behind the data.
+/// Skips `_` and the raw length code, which candump -8 writes after the data.
 fn raw_length_code(rest: &mut Cursor) {
     if let [b'_', code, behind @ ..] = rest.0
         && nibble(*code).is_some()
@@ -251,7 +251,7 @@ fn raw_length_code(rest: &mut Cursor) {
     }
 }
 
-/// Nothing more, or the `R` or `T` of candump -x.
+/// Checks the end of the line: nothing, or the `R` or `T` of candump -x.
 fn end_of_log_layout(rest: &mut Cursor) -> Parsed<()> {
     let is_apart = rest.skip_blanks();
     let is_end = rest.0.is_empty() || (is_apart && matches!(rest.0, [b'R' | b'T']));
@@ -260,8 +260,8 @@ fn end_of_log_layout(rest: &mut Cursor) -> Parsed<()> {
         .ok_or(problem("unknown text behind the frame", WHOLE_LINE))
 }
 
-/// `0CF00400   [8]  01 02 …`, `123   [0]  remote request`, `123  [08]  …` for CAN FD (candump on
-/// a terminal). Text behind the data is candump's comment.
+/// Parses `0CF00400   [8]  01 02 …`, `123   [0]  remote request`, `123  [08]  …` for CAN FD
+/// (candump on a terminal). Text after the data is candump's comment.
 fn screen_layout(rest: &mut Cursor, id: Option<Id>) -> Parsed<(Content, bool)> {
     const LENGTH: &str = "`#` and data, or a length such as `[8]`";
     let length = match rest.0 {

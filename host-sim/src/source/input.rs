@@ -1,4 +1,4 @@
-//! The inputs of a log of either kind, one after the other.
+//! The inputs of a log of either kind, in order.
 
 use super::can_frame::{CanFrame, TimedFrame};
 use super::candump::CandumpReader;
@@ -32,8 +32,8 @@ impl LogInput {
         }
     }
 
-    /// Returns the input with the vehicle mass marked as not available, for an estimator that knows
-    /// the mass better than the bus.
+    /// Returns the input with the vehicle mass marked as not available, for an estimator whose mass
+    /// is more accurate than that of the bus.
     #[must_use]
     pub fn without_mass(self) -> Self {
         match self {

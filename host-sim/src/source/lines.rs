@@ -37,7 +37,7 @@ impl Lines {
         &self.file
     }
 
-    /// Returns number of the current line, from 1.
+    /// Returns the number of the current line, from 1.
     pub(super) const fn number(&self) -> u64 {
         self.number
     }

@@ -19,7 +19,7 @@ use estimator_core::signal::Pgn;
 pub const PGN: u32 = 0xFF48;
 /// Address of an off-board tool (J1939, table B2).
 const SOURCE: u32 = 0xF9;
-/// Highest priority: it is the time of what follows.
+/// Highest priority: it is the time of the following frames.
 const PRIORITY: u32 = 0;
 /// Limit of the microseconds: 2,283 years.
 const MICROS_END: u64 = 1 << 56;

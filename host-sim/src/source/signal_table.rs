@@ -96,9 +96,9 @@ impl SignalTableReader {
     /// Reads the next row; `None` at the end.
     ///
     /// # Errors
-    /// Names the file, the line, the column and what was expected: a value that is not a number, a
-    /// row that is too short or too long, time that runs backwards, a truncated gzip stream, a
-    /// table without rows.
+    /// Returns an error, with file, line, column and expected value, for a value that is not a
+    /// number, a row that is too short or too long, time that runs backwards, a truncated gzip
+    /// stream, or a table without rows.
     pub fn next_row(&mut self) -> Result<Option<SignalRow<'_>>> {
         if !read_row(&mut self.csv, &mut self.record)? {
             if self.rows == 0 {

@@ -1,8 +1,8 @@
 //! Altitude of the terrain from SRTM tiles.
 //!
-//! NASA's Shuttle Radar Topography Mission, version 3: one file a degree square, big-endian
-//! 16-bit metres above the geoid (EGM96), first row north. A radar sees roofs and treetops, and
-//! posts are 90 m (3 arc seconds) or 30 m apart: good for the trend of a road, not for its
+//! NASA's Shuttle Radar Topography Mission, version 3: one file per square degree, big-endian
+//! 16-bit metres above the geoid (EGM96), first row north. A radar measures roofs and treetops, and
+//! posts are 90 m (3 arc seconds) or 30 m apart. The data show the trend of a road, but not its
 //! details.
 
 use crate::error::{Error, Result};
@@ -11,7 +11,7 @@ use srtm_reader::{Coord, Resolution, Tile};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Values of posts without a measurement: that of the data set, and that of some filled versions.
+/// Values of posts without a measurement: in the data set, and in some filled versions.
 const VOIDS: [i16; 2] = [i16::MIN, -9999];
 
 /// Bytes of the finest tile.
@@ -25,7 +25,7 @@ pub struct Terrain {
 }
 
 impl Terrain {
-    /// Uses the tiles in `folder`, named as NASA names them (`N47E008.hgt`).
+    /// Creates a reader of the tiles in `folder`, named as NASA names them (`N47E008.hgt`).
     #[must_use]
     pub fn new(folder: &Path) -> Self {
         Self {
@@ -34,11 +34,12 @@ impl Terrain {
         }
     }
 
-    /// Returns the altitude of the terrain, m above the geoid, bilinear between the four posts
-    /// around. Returns `None` if one of them is void, or for coordinates outside the globe.
+    /// Returns the altitude of the terrain, m above the geoid, by bilinear interpolation between
+    /// the four surrounding posts. Returns `None` if one of them is void, or for coordinates
+    /// outside the globe.
     ///
     /// # Errors
-    /// Names a tile that is missing or has the wrong size.
+    /// Returns an error for a tile that is missing or has the wrong size.
     pub fn altitude_m(&mut self, latitude_deg: f64, longitude_deg: f64) -> Result<Option<f64>> {
         let Some(place) = Coord::opt_new(latitude_deg, longitude_deg) else {
             return Ok(None);

@@ -66,10 +66,10 @@ fn run(setting: &Setting) -> Result<StudyOutcome> {
     Ok(StudyOutcome::Done(Section {
         heading: "Accuracy with wrong parameters, wind and cold tyres".to_owned(),
         words: vec![format!(
-            "{} drives of 40 km for each line. {WORDS} The first and last {END_CUT_M:.0} m are left \
-             out. The slow error of the receiver's altitude keeps its value for some 250 s; the \
-             estimator is not given its size, it learns it. What limits the grade here is what \
-             GNSS can tell of the model's slow error.",
+            "{} drives of 40 km for each line. {WORDS} The first and last {END_CUT_M:.0} m are \
+             left out. The slow error of the receiver's altitude has a correlation time of about \
+             250 s. The estimator is not given its size but estimates it. The limit of the \
+             grade's accuracy is how well GNSS determines the model's slow error.",
             2 * ROADS
         )],
         tables: vec![accuracy(&groups, &drives), lag_table(&curves)],
@@ -91,9 +91,9 @@ fn one_sigma(values: impl Iterator<Item = f64>) -> f64 {
 fn accuracy(groups: &[(Preset, f64)], drives: &[Vec<DriveErrors>]) -> Table {
     let mut table = Table::new(
         "accuracy",
-        "Mean RMSE of grade over drives (%), mean normalised squared errors (NEES, 1 if the stated \
-         sigmas are honest), and the error of the traction scale after 20 km: what 68 % of the drives stay \
-         within, and the mean of what the filter said of it.",
+        "Mean RMSE of grade over drives (%), mean normalised squared errors (NEES, 1 if the \
+         stated sigmas are consistent), and the error of the traction scale after 20 km: its 68 % \
+         quantile over the drives, and the mean of the filter's sigma.",
         &[
             "truck",
             "GNSS slow error m",
@@ -151,9 +151,9 @@ fn lag_table(curves: &[(Preset, &[DriveErrors]); 2]) -> Table {
     let mut table = Table::new(
         "lag",
         format!(
-            "RMSE of the lagged grade (%) against how far ahead a cell has been seen at the least \
-             (GNSS slow error {RECEIVER_OF_CURVE_M:.0} m), and the memory that the lag takes in \
-             single precision. The core has {:.0} m.",
+            "RMSE of the lagged grade (%) against the shortest distance driven after a cell (GNSS \
+             slow error {RECEIVER_OF_CURVE_M:.0} m), and the memory of the lag in single \
+             precision. The core has {:.0} m.",
             lag_m(LAG_CELLS / BLOCK_CELLS)
         ),
         &["lag m", "memory kB", "truck A %", "truck B %"],
@@ -185,7 +185,7 @@ fn lag_figure(curves: &[(Preset, &[DriveErrors]); 2]) -> Figure {
     Figure::new(
         "lag",
         &plot,
-        "The first 50 m settle the short waves; from there on a longer lag only helps to tell the \
-         model's slow error.",
+        "The first 50 m remove the errors of short waves. A longer lag improves only the estimate \
+         of the model's slow error.",
     )
 }

@@ -250,25 +250,26 @@ fn section(conditions: &Conditions, sets: &[Set]) -> Section {
         words: vec![
             format!(
                 "Vehicle A drives {length_km:.0} km northbound {} times, on a generated road in \
-                 place of the thesis's measured one. In each run mass, drag, rolling resistance \
-                 and torque are believed with factors from N(1, 0.2), cut at three standard \
-                 deviations; wheel speed has white noise of {:.4} m/s, calibrated to the width of \
-                 the pointwise errors of runs 1-3 in tables 2 and 3; GPS altitude has errors from \
-                 the chain trained on the measured bus. The original filter, smoothed, estimates \
-                 each run; maps are fused by 1/P.",
+                 place of the thesis's measured one. In each run the assumed mass, drag, rolling \
+                 resistance and torque are wrong by factors from N(1, 0.2), limited to three \
+                 standard deviations. Wheel speed has white noise of {:.4} m/s, calibrated to the \
+                 width of the pointwise errors of runs 1-3 in tables 2 and 3. GPS altitude has \
+                 errors from the chain trained on the measured bus. The original filter, \
+                 smoothed, estimates each run; maps are fused by 1/P.",
                 THESIS.sets * THESIS.runs,
                 conditions.speed_noise_mps
             ),
-            "A set that begins far up begins with a run whose torque is believed too high and \
-             whose mass too low, by up to a factor of four between them: normal factors of 0.2 \
-             make such runs, experiments did not. The thesis calls them an overestimation. The \
-             mean over the sets carries them, so that the exponent depends on which runs come \
-             first (the jackknife over sets tells how much); the median of the runs does not."
+            "Some sets have a large first error, because the assumed torque of their first run is \
+             too high and the assumed mass too low, by up to a factor of four between the two. \
+             Normal factors of 0.2 allow such runs; experiments do not. The thesis calls them an \
+             overestimation. The mean over the sets contains them, so the exponent depends on \
+             which runs come first (the jackknife over sets shows how much). The median of the \
+             runs does not."
                 .to_owned(),
-            "What stays with any number of runs is what all runs share: the filter's low-pass, \
-             brakes and gear shifts at the same places of the road, and the mean of the grade \
-             error that factors leave, as torque over mass is above one in the mean when both \
-             are one."
+            "The error that remains with any number of runs is common to all runs: the filter's \
+             low-pass, brakes and gear shifts at the same places of the road, and the mean grade \
+             error of the random factors. Torque over mass is above one in the mean even if both \
+             are one in the mean."
                 .to_owned(),
         ],
         tables: vec![numbers(conditions, sets, &mean_curve, law, floor)],

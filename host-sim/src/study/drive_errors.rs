@@ -18,7 +18,7 @@ use std::path::Path;
 
 /// The assumptions of the drives, in words for the page.
 pub const WORDS: &str = "Mass, drag and rolling resistance are wrong by 10 % (1 sigma), torque by \
-                         4 %, tyres begin with 30 % more resistance, and a wind of 2 m/s has slow \
+                         4 %. Tyres begin with 30 % more resistance; a wind of 2 m/s has slow \
                          gusts of 0.3.";
 
 /// Distance at which the traction scale is judged, m.

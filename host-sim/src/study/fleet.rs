@@ -65,9 +65,10 @@ fn run(setting: &Setting) -> Result<StudyOutcome> {
     Ok(StudyOutcome::Done(Section {
         heading: "Maps of a fleet".to_owned(),
         words: vec![format!(
-            "{ROADS} roads of 20 km. Mass, drag and rolling resistance are wrong by 10 % (1 sigma), \
-             torque by 4 %, and stay so all day; tyres begin with 30 % more resistance, a wind of \
-             2 m/s has slow gusts of 0.3. The first and last {END_CUT_M:.0} m are left out."
+            "{ROADS} roads of 20 km. Mass, drag and rolling resistance are wrong by 10 % (1 \
+             sigma), torque by 4 %, by the same amounts all day. Tyres begin with 30 % more \
+             resistance; a wind of 2 m/s has slow gusts of 0.3. The first and last {END_CUT_M:.0} \
+             m are left out."
         )],
         tables: vec![maps_table(&roads), beside_table(&roads)],
         figures: Vec::new(),
@@ -99,9 +100,9 @@ fn maps_table(roads: &[Vec<ScorePair>]) -> Table {
     });
     Table::new(
         "fleet_maps",
-        "Maps of a road by what was fused: means over roads of RMSE of grade (%) and of normalised \
-         squared errors (NEES, 1 if the stated sigmas are honest); NEES also of the mean weighted \
-         by inverse variances alone, as if no two runs shared an error.",
+        "Maps of a road by their runs: means over roads of RMSE of grade (%) and of normalised \
+         squared errors (NEES, 1 if the stated sigmas are consistent); NEES also of the mean \
+         weighted by inverse variances alone, as if no two runs shared an error.",
         &["map of", "RMSE %", "NEES", "NEES if independent"],
     )
     .with_rows(rows)
@@ -126,9 +127,9 @@ fn beside_table(roads: &[Vec<ScorePair>]) -> Table {
     Table::new(
         "fleet_beside",
         format!(
-            "Two more runs beside three of truck A of one day: RMSE of grade (%) over all \
-             {ROADS} roads without and with them, on how many single roads the map is worse, and \
-             by how much on the worst. On one road chance decides."
+            "Three runs of truck A of one day, and two more: RMSE of grade (%) over all {ROADS} \
+             roads without and with them, the number of roads on which the map is worse, and by \
+             how much on the worst. On one road chance decides."
         ),
         &[
             "added",

@@ -54,12 +54,12 @@ struct ErrorSource {
 
 fn run(setting: &Setting) -> Result<StudyOutcome> {
     let mut words = vec![
-        "Sixty-one states stand for -15 m to +15 m in steps of 0.5 m; one step is 2.5 m of way at \
-         80 km/h. Each run's mean is removed, its errors are rounded into states, transitions are \
-         counted and each row is normalised. The formula as printed divides by a column's sum, \
-         which makes no probabilities to draw from; the words beside it are followed. A state \
-         that was never left goes one step towards no error. A series starts in a state drawn as \
-         often as the training was in it, and goes through two moving means of 150 m."
+        "Sixty-one states stand for -15 m to +15 m in steps of 0.5 m; one step is a distance of \
+         2.5 m at 80 km/h. Each run's mean is removed, its errors are rounded to states, \
+         transitions are counted and each row is normalised. The printed formula divides by a \
+         column's sum, which gives no probabilities; the text next to it does. A state without \
+         transitions goes one step towards no error. A series starts in a state drawn from the \
+         frequencies of the training, and passes two moving means of 150 m."
             .to_owned(),
     ];
     let mut sources = Vec::new();
@@ -71,8 +71,8 @@ fn run(setting: &Setting) -> Result<StudyOutcome> {
             setting.seed,
         )),
         None => words.push(format!(
-            "No measured mission in {}/ztbus: of the measured errors only the chain that was \
-             committed is shown.",
+            "No measured mission in {}/ztbus: of the measured errors only the committed chain is \
+             shown.",
             setting.data.display()
         )),
     }
@@ -86,12 +86,11 @@ fn run(setting: &Setting) -> Result<StudyOutcome> {
         setting.seed,
     ));
     words.push(
-        "What to see: with a memory of one step a chain cannot tell a rise from a fall. The \
-         measured error goes on in its direction for some seconds, so that its chain has too \
-         little error of grade over 500 m; the simulator's moves by less than half a metre a \
-         step, which rounding turns into too much. The thesis found its chain to be pessimistic, \
-         ours of the measured bus is not; whether one is depends on how fast the error it was \
-         trained on moves."
+        "A chain with a memory of one step does not distinguish a rise from a fall. The measured \
+         error keeps its direction for some seconds, so its chain has too little grade error over \
+         500 m. The simulator's error changes by less than half a metre a step; rounding makes \
+         that too much. The thesis found its chain to be pessimistic; ours of the measured bus is \
+         not. It depends on how fast the errors of the training change."
             .to_owned(),
     );
     let mut figures = Vec::new();
@@ -164,8 +163,8 @@ impl ErrorSource {
             format!("gps_matrix_{}", self.key),
             &plot,
             format!(
-                "Probability matrix G of the chain of the {}, turned so that its diagonal lies \
-                 level: a dot for each transition that was seen, coloured by its probability. {} \
+                "Probability matrix G of the chain of the {}, rotated so that its diagonal is \
+                 horizontal: a dot for each counted transition, coloured by its probability. {} \
                  of {STATES} states have data.",
                 self.name,
                 trained.count()
@@ -183,7 +182,7 @@ impl ErrorSource {
         Figure::new(
             format!("gps_series_{}", self.key),
             &plot,
-            "The first series, less its mean, and a generated one of its length.",
+            "The first series, less its mean, and a generated one of equal length.",
         )
     }
 
@@ -255,9 +254,8 @@ fn statistics(sources: &[ErrorSource]) -> Table {
         "over 3000 m %",
     ];
     let caption = format!(
-        "Altitude errors that the chains of {BIN_M} m were trained on, and those that they \
-         generate: standard deviation, autocorrelation, and the root mean square of their change \
-         over a length, as grade."
+        "Altitude errors of {BIN_M} m chains, training and generated: standard deviation, \
+         autocorrelation, and the root mean square of their change over a length, as grade."
     );
     let rows = sources
         .iter()
@@ -278,10 +276,11 @@ fn statistics(sources: &[ErrorSource]) -> Table {
 /// Estimates the same drive with each series of errors, as in section 5.2.2.
 fn effect(sources: &[ErrorSource], seed: u64) -> Table {
     let header = ["GPS error", "runs", "mean RMSE %", "least %", "largest %"];
-    let caption = "RMSE of the original filter's grade on one simulated drive of vehicle A, all \
-                   its parameters known and its wheel speed noisy, with each series as the error \
-                   of GPS altitude; the first and last 200 points left out. Thesis 5.2.2: with \
-                   generated errors typically worse than with measured ones, the worst alike.";
+    let caption = "RMSE of the original filter's grade on one simulated drive of vehicle A with \
+                   true parameters and noisy wheel speed, with each series as the error of GPS \
+                   altitude; the first and last 200 points are left out. Thesis 5.2.2: generated \
+                   errors typically give a larger RMSE than measured ones, and the same largest \
+                   RMSE.";
     let none = ("none".to_owned(), vec![vec![0.0; 12_000]]);
     let kinds = sources.iter().flat_map(ErrorSource::kinds);
     let kinds = kinds.map(|(name, series)| (name, series.to_vec()));

@@ -160,7 +160,7 @@ pub fn error_percent(
     parameter: Parameter,
 ) -> Option<f64> {
     let torque_nm = at.force_n / Truck::new(vehicle)?.force_per_torque(at.gear);
-    let vehicle = believed(vehicle, parameter);
+    let vehicle = assumed_vehicle(vehicle, parameter);
     let truck = Truck::new(&vehicle)?;
     let (mut torque_nm, mut air_density) = (torque_nm, f64::from(STANDARD_AIR_DENSITY));
     match parameter {
@@ -189,22 +189,22 @@ pub fn error_percent(
 }
 
 /// Returns the vehicle with one parameter wrong.
-fn believed(vehicle: &VehicleParameters, parameter: Parameter) -> VehicleParameters {
+fn assumed_vehicle(vehicle: &VehicleParameters, parameter: Parameter) -> VehicleParameters {
     let factor = FACTOR as f32;
-    let mut believed = vehicle.clone();
+    let mut assumed = vehicle.clone();
     match parameter {
-        Parameter::Mass => believed.mass_kg *= factor,
-        Parameter::Drag => believed.drag_area_m2 *= factor,
-        Parameter::Rolling => believed.rolling_resistance *= factor,
-        Parameter::WheelRadius => believed.wheel_radius_m *= factor,
+        Parameter::Mass => assumed.mass_kg *= factor,
+        Parameter::Drag => assumed.drag_area_m2 *= factor,
+        Parameter::Rolling => assumed.rolling_resistance *= factor,
+        Parameter::WheelRadius => assumed.wheel_radius_m *= factor,
         Parameter::Driveline => {
-            if let Traction::Powertrain(powertrain) = &mut believed.traction {
+            if let Traction::Powertrain(powertrain) = &mut assumed.traction {
                 powertrain.final_drive_efficiency *= factor;
             }
         }
         Parameter::Torque | Parameter::Wind => {}
     }
-    believed
+    assumed
 }
 
 /// Returns the slope and offset near the level road, from the filters' own code.
@@ -255,15 +255,15 @@ fn run(_: &Setting) -> Result<StudyOutcome> {
     Ok(StudyOutcome::Done(Section {
         heading: "Sensitivity of the pointwise grade (section 4.1, figure 7)".to_owned(),
         words: vec![
-            "One parameter at a time is believed to be 120 % of what it is. The trucks hold \
-             80 km/h wherever they can: uphill, full load in the best gear sets the speed; \
-             downhill, engine and brakes together hold it, and their force counts as torque. The \
-             thesis draws the lines and prints no numbers; what it says of them is to be seen: \
-             mass and torque are the largest, differ by a shift and a scale only, and wind \
+            "One parameter at a time is assumed at 120 % of its true value. The trucks hold 80 \
+             km/h where possible. Uphill, full load in the best gear sets the speed; downhill, \
+             engine and brakes together hold it, and their force counts as torque. The thesis \
+             draws the lines and prints no numbers. Its statements can be verified here: mass and \
+             torque have the largest effect and differ by a shift and a scale only, and wind \
              matters for the light truck (20 % is 4.4 m/s; the thesis: roughly 5 m/s)."
                 .to_owned(),
-            "Drag area, rolling resistance and engine of the trucks are not in the thesis; common \
-             values stand for them, and offsets depend on them. Slopes do not."
+            "Drag area, rolling resistance and engine of the trucks are not in the thesis. Common \
+             values are used; offsets depend on them, slopes do not."
                 .to_owned(),
         ],
         tables: vec![effects(&vehicles)],
@@ -323,7 +323,7 @@ fn effects(presets: &[Preset]) -> Table {
         "error on the level %",
         "by hand",
     ];
-    let caption = "Slope of each line of figure 7 and its height on the level road, computed by \
+    let caption = "Slope of each line of figure 7 and its offset on the level road, computed by \
                    the filters' own code and by hand from eq. 9.";
     let rows = presets.iter().flat_map(|preset| {
         let vehicle = preset.parameters();

@@ -156,9 +156,9 @@ fn table(cases: &[(&str, Vec<Signal>)], of_trucks: &[Vec<OfTruck>]) -> Table {
     });
     Table::new(
         "sensors",
-        "Mean RMSE of grade over drives (%), and the mean normalised squared error of the smoothed \
-         grade (NEES, 1 if the stated sigmas are honest), without the signals (SPN) of the first \
-         column. \"None\": the estimator makes no cells.",
+        "Mean RMSE of grade over drives (%), and the mean normalised squared error of the \
+         smoothed grade (NEES, 1 if the stated sigmas are consistent), without the signals (SPN) \
+         of the first column. \"None\": the estimator has no output.",
         &[
             "missing",
             "A smoothed %",

@@ -219,9 +219,9 @@ fn section(found: &Findings) -> Section {
         heading: "A measured city bus".to_owned(),
         words: vec![
             "Articulated trolleybus, 19 t empty, on a hilly city route; speed, traction force and \
-             raw GNSS once a second. No reference grade exists: passes are compared with the map \
+             raw GNSS once a second. No reference grade exists. Passes are compared with the map \
              of the other passes in their direction, which share the vehicle's own errors, and \
-             with radar terrain, which shares none but sees roofs and trees."
+             with radar terrain, which shares none but includes roofs and trees."
                 .to_owned(),
         ],
         tables: vec![pass_table(&found.passes), drift_table(&found.drifts)],
@@ -265,8 +265,8 @@ fn drift_table(drifts: &[ModelDrift]) -> Table {
         "mean grade error %",
     ];
     let caption = "Altitude that the bare vehicle model (eq. 9) gains over complete round trips, \
-                   which end where they began, with the parameters that others use for this bus. \
-                   Nothing is fitted: what is gained is the model's error.";
+                   which end where they began, with the published parameters of this bus. Nothing \
+                   is fitted: any gain is an error of the model.";
     Table::new("ztbus_drift", caption, &header).with_rows(drifts.iter().zip(1..).map(
         |(drift, number)| {
             vec![

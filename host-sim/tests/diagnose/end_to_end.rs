@@ -10,7 +10,7 @@ use std::sync::OnceLock;
 use tempfile::TempDir;
 use test_kit::command::program as roadgrade;
 
-/// Short drives of one truck that rolls 30 % harder than its vehicle file says.
+/// Short drives of one truck. Its rolling resistance is 30 % larger than in its vehicle file.
 struct Drives {
     folder: TempDir,
     vehicle: PathBuf,
@@ -49,7 +49,7 @@ fn drives() -> &'static Drives {
     })
 }
 
-/// `roadgrade diagnose --vehicle VEHICLE --out OUT`.
+/// Returns the command `roadgrade diagnose --vehicle VEHICLE --out OUT`.
 fn diagnose(vehicle: &Path, out: &Path) -> Command {
     let mut command = roadgrade();
     command.args(["diagnose", "--vehicle"]).arg(vehicle);
@@ -116,7 +116,7 @@ fn a_report_a_vehicle_and_a_page_are_written() {
         assert_keys(&report[judged], &["rmse_percent", "bias_percent"]);
     }
     assert_keys(&report["unexplained"], &["rms_percent", "depends_on"]);
-    // What is missing is 0.3 x 0.0065.
+    // The vehicle file lacks 0.3 x 0.0065.
     let (before, after) = (&report["before"], &report["after"]);
     assert!(
         (number(&before["bias_percent"]) - 0.195).abs() < 0.05,
@@ -129,7 +129,7 @@ fn a_report_a_vehicle_and_a_page_are_written() {
     let name = adopted[0]["name"].as_str().unwrap();
     assert!(page.contains(name) && page.contains("<svg"));
 
-    // The vehicle goes on with what was adopted, and is read back.
+    // The written vehicle file has the adopted effects and is read back.
     let with_effects = out.join("vehicle.toml");
     let text = fs::read_to_string(&with_effects).unwrap();
     for one in adopted {
@@ -174,7 +174,8 @@ fn the_same_drives_give_the_same_bytes_and_a_table() {
     assert!(report("first") == report("second"));
 }
 
-/// Expects a refusal with this exit code whose message has all of `words`, and no output.
+/// Checks that the command fails with this exit code, has all of `words` in its message, and
+/// writes nothing.
 fn refused(command: &mut Command, out: &Path, code: i32, words: &[&str]) {
     let run = command.assert().code(code).stdout("");
     let message = String::from_utf8(run.get_output().stderr.clone()).unwrap();
@@ -184,7 +185,7 @@ fn refused(command: &mut Command, out: &Path, code: i32, words: &[&str]) {
     assert!(!out.exists(), "{} was written", out.display());
 }
 
-/// A folder, and in it the one for output that is not there yet.
+/// Returns a folder, and the path of an output folder in it that does not exist yet.
 fn scratch() -> (TempDir, PathBuf) {
     let folder = TempDir::new().unwrap();
     let out = folder.path().join("out");
@@ -244,7 +245,7 @@ fn logs_that_are_missing_or_broken_are_named() {
 }
 
 #[test]
-fn vehicles_and_references_that_cannot_be_are_named() {
+fn impossible_vehicles_and_references_are_named() {
     let Drives { vehicle, logs, .. } = drives();
     let (folder, out) = scratch();
     let text = fs::read_to_string(vehicle).unwrap();
@@ -305,7 +306,7 @@ fn vehicles_and_references_that_cannot_be_are_named() {
 }
 
 #[test]
-fn what_was_there_stays_when_it_fails() {
+fn existing_output_is_kept_after_a_failure() {
     let Drives { vehicle, logs, .. } = drives();
     let (folder, out) = scratch();
     fs::create_dir(&out).unwrap();
@@ -322,7 +323,7 @@ fn what_was_there_stays_when_it_fails() {
 }
 
 #[test]
-fn a_folder_that_cannot_be_is_named() {
+fn an_impossible_output_folder_is_named() {
     let Drives { vehicle, logs, .. } = drives();
     let (_folder, out) = scratch();
     fs::write(&out, "no folder").unwrap();

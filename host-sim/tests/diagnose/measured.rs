@@ -1,4 +1,4 @@
-//! What the model of a measured trolleybus lacks, where the measurements are.
+//! The diagnosis of a measured trolleybus. Skipped where the measured data are absent.
 
 use estimator_core::Tuning;
 use host_sim::diagnose::{Request, diagnose};
@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use test_kit::command::program;
 
 const MISSION: &str = "../shared/data/ztbus/B183_2021-07-26_03-53-27_2021-07-26_07-18-47.csv";
-/// One way each; the last two are a round trip.
+/// One direction each. The last two are a round trip.
 const PASSES: [&str; 6] = [
     "pass_01_outbound",
     "pass_02_inbound",
@@ -18,7 +18,7 @@ const PASSES: [&str; 6] = [
 ];
 
 #[test]
-fn drift_on_a_round_trip_held_out_goes_away() {
+fn drift_on_a_held_out_round_trip_vanishes() {
     let mission = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("..")
         .join(MISSION);

@@ -1,4 +1,4 @@
-//! `roadgrade estimate` from end to end: what it reaches, and what it refuses.
+//! `roadgrade estimate` from end to end: its accuracy, and what it refuses.
 
 use host_sim::files::run::{self, RunRow};
 use host_sim::files::truth;
@@ -35,7 +35,7 @@ fn estimate(vehicle: &Path, log: &Path, out: &Path) -> assert_cmd::assert::Asser
 const MOTORWAY: &str = include_str!("../../scenarios/motorway.toml");
 
 #[test]
-fn forty_km_with_right_parameters_are_within_the_bars() {
+fn forty_km_with_right_parameters_are_within_the_bounds() {
     let folder = TempDir::new().unwrap();
     let file = |name: &str| folder.path().join(name);
     simulate(folder.path(), MOTORWAY);
@@ -62,7 +62,7 @@ fn forty_km_with_right_parameters_are_within_the_bars() {
     }
 }
 
-/// 3 km of truck A: its folder, log and vehicle.
+/// Simulates 3 km of truck A. Returns the folder, the log and the vehicle file.
 fn short_drive() -> (TempDir, PathBuf, PathBuf) {
     let folder = TempDir::new().unwrap();
     simulate(
@@ -122,13 +122,13 @@ fn same_log_same_bytes_whatever_its_layout() {
 
     let screen = folder.path().join("screen.log");
     let text = fs::read_to_string(&log).unwrap();
-    let lines: String = text.lines().map(as_on_a_screen).collect();
+    let lines: String = text.lines().map(in_screen_layout).collect();
     fs::write(&screen, lines).unwrap();
     assert_eq!(first, run(&screen, "3.csv"));
 }
 
-/// `(1.0) can0 0CF00400#0102` as `(1.0)  can0  0CF00400   [2]  01 02`.
-fn as_on_a_screen(line: &str) -> String {
+/// Returns `(1.0) can0 0CF00400#0102` as `(1.0)  can0  0CF00400   [2]  01 02`.
+fn in_screen_layout(line: &str) -> String {
     let mut words = line.split(' ');
     let (time, interface) = (words.next().unwrap(), words.next().unwrap());
     let (id, data) = words.next().unwrap().split_once('#').unwrap();
@@ -142,7 +142,7 @@ fn as_on_a_screen(line: &str) -> String {
     )
 }
 
-/// The log with only the lines that `keep` keeps.
+/// Writes the lines of the log for which `keep` returns true to another log.
 fn filtered(log: &Path, name: &str, keep: impl Fn(&str) -> bool) -> PathBuf {
     let text = fs::read_to_string(log).unwrap();
     let kept: String = text
@@ -155,7 +155,7 @@ fn filtered(log: &Path, name: &str, keep: impl Fn(&str) -> bool) -> PathBuf {
     path
 }
 
-/// The identifier's parameter group, PDU2.
+/// Returns whether the identifier is of this parameter group, PDU2.
 fn is_group(line: &str, pgn: u32) -> bool {
     let id = line.split(' ').nth(2).unwrap().split('#').next().unwrap();
     u32::from_str_radix(id, 16).is_ok_and(|id| (id >> 8) & 0x3_ffff == pgn)
@@ -212,10 +212,10 @@ fn logs_that_lack_what_is_needed_are_refused_by_name() {
 }
 
 #[test]
-fn a_log_still_works_without_what_is_only_useful() {
+fn a_log_without_optional_signals_is_estimated() {
     let (folder, log, vehicle) = short_drive();
     let out = folder.path().join("run.csv");
-    // No gear: it is told from engine and wheel speed. No second speed, no ambient conditions.
+    // No gear: it is computed from engine and wheel speed. No second speed, no ambient conditions.
     let bare = filtered(&log, "bare.log", |line| {
         [61_444, 65_247, 65_265, 129_029]
             .iter()
@@ -280,7 +280,7 @@ fn without_gears(text: &str) -> String {
 }
 
 #[test]
-fn the_standing_truck_is_said_to_stand() {
+fn a_truck_that_never_moves_is_reported() {
     let log = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../../shared/data/css_truck_idle/truck_idle.log");
     if !log.exists() {
@@ -411,7 +411,7 @@ fn a_data_set_takes_runs_by_tile_and_day() {
 }
 
 #[test]
-fn without_room_for_what_grows_with_the_drive_there_is_an_error_and_no_run() {
+fn without_temporary_files_there_is_an_error_and_no_run() {
     let folder = TempDir::new().unwrap();
     simulate(
         folder.path(),

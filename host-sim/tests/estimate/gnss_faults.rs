@@ -1,10 +1,11 @@
-//! What faults of the GNSS receiver cost a whole drive.
+//! The error over a whole drive with faults of the GNSS receiver.
 
 use estimator_core::Tuning;
 use host_sim::recorder::{Recorder, SmoothedRun};
 use host_sim::simulator::SimulatedRun;
 
-/// 30 km with everything wrong by one sigma, wind, cold tyres, and a fault at 15 km.
+/// Simulates and estimates 30 km with every parameter wrong by one sigma, wind, cold tyres, and a
+/// fault at 15 km.
 fn drive(truck: &str, direction: &str, seed: u32, fault: &str) -> (SimulatedRun, SmoothedRun) {
     estimated(&format!(
         "seed = {seed}\n[road]\nlength_m = 30000.0\n\
@@ -17,7 +18,7 @@ fn drive(truck: &str, direction: &str, seed: u32, fault: &str) -> (SimulatedRun,
     ))
 }
 
-/// The first run of a scenario, and what becomes of it.
+/// Simulates and estimates the first run of a scenario.
 fn estimated(text: &str) -> (SimulatedRun, SmoothedRun) {
     let run = test_kit::simulated::run(&[text]);
     let mut recorder = Recorder::<f32>::new(run.vehicle.model.clone(), Tuning::default()).unwrap();
@@ -28,7 +29,8 @@ fn estimated(text: &str) -> (SimulatedRun, SmoothedRun) {
     (run, found)
 }
 
-/// Mean squares of the smoothed error and of its normalised square, 500 m at both ends left out.
+/// Returns the mean square of the smoothed error, and that of the normalised error. Leaves out
+/// 500 m at both ends.
 fn squares(run: &SimulatedRun, found: &SmoothedRun) -> (f64, f64) {
     let truth: Vec<(f64, f64)> = run
         .truth
@@ -54,7 +56,7 @@ fn squares(run: &SimulatedRun, found: &SmoothedRun) -> (f64, f64) {
 }
 
 #[test]
-fn a_fault_costs_less_than_half_as_much_again() {
+fn a_fault_increases_the_error_by_less_than_half() {
     const FAULTS: [(&str, &str); 5] = [
         ("lost for 120 s", "outages_m = [[15000.0, 17666.0]]"),
         ("lost for 10 minutes", "outages_m = [[12000.0, 25333.0]]"),
@@ -100,8 +102,8 @@ fn a_fault_costs_less_than_half_as_much_again() {
 
 #[test]
 fn a_truck_far_from_its_file_is_no_drift() {
-    // Mass and torque wrong by up to fifteen times what the filter expects (a file for a full truck
-    // that drives empty), and a receiver that is good enough to contradict it within the first
+    // Mass and torque are wrong by up to fifteen times what the filter expects: a file of a full
+    // truck for an empty one. The receiver is good enough to contradict the model within the first
     // kilometre.
     for (seed, scale) in [(3, 0.75), (9, 1.47), (2, 2.40), (12, 3.16)] {
         let (run, found) = estimated(&format!(

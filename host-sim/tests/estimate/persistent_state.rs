@@ -1,5 +1,5 @@
-//! Two simulated drives of a truck, one after the other: what the second gains by what the first
-//! left, and what `roadgrade estimate --kept` does with the file.
+//! Two simulated drives of a truck, one after the other: the gain of the second from the persistent
+//! state of the first, and the file of `roadgrade estimate --kept`.
 
 use estimator_core::{Estimator, PersistentState, Tuning};
 use host_sim::files::run::RunRow;
@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 use test_kit::command::program;
 
-/// How the true vehicle differs from the believed one: as the parameters of a fleet do.
+/// Factors of the true parameters over the assumed ones, as in a fleet.
 #[derive(Clone, Copy)]
 struct Factors {
     mass: f64,
@@ -25,7 +25,7 @@ struct Factors {
     torque: f64,
 }
 
-/// A drive on its own road, in its own wind, with cold tyres.
+/// Simulates a drive with cold tyres. The seed determines the road and the wind.
 fn driven(seed: u64, truck: &str, length_m: f64, factors: Factors) -> SimulatedRun {
     let Factors {
         mass,
@@ -64,7 +64,7 @@ type Grade = fn(&RunRow) -> (f64, f64);
 /// RMSE, %, and mean normalised squared error.
 type Score = [f64; 2];
 
-/// Live, lagged and smoothed over the first 5 km, the first 500 m left out.
+/// Returns the scores over the first 5 km without the first 500 m: live, lagged and smoothed.
 fn first_km(drive: &SimulatedRun, rows: &[RunRow]) -> [Score; 3] {
     let truth: Vec<(f64, f64)> = drive
         .truth
@@ -90,8 +90,8 @@ fn first_km(drive: &SimulatedRun, rows: &[RunRow]) -> [Score; 3] {
     })
 }
 
-/// Scores of the second drives without and with what the first left, mean over trucks, their
-/// mass `load` times what it was at the first.
+/// Returns the mean scores of the second drives, without and with the persistent state of the
+/// first. The mass of each truck is `load` times that of its first drive.
 fn second_drives(truck: &str, load: f64) -> [[Score; 3]; 2] {
     const TRUCKS: u64 = 16;
     let scores: Vec<[[Score; 3]; 2]> = (0..TRUCKS)
@@ -127,7 +127,7 @@ fn the_same_load_is_estimated_better_from_the_first_km_on() {
         let [without, with] = second_drives(truck, 1.0);
         println!("{truck} {without:.3?} {with:.3?}");
         for (k, (without, with)) in without.iter().zip(&with).enumerate() {
-            // Smoothed, the rest of the drive tells most of it.
+            // The smoothed estimate gains less: it also uses the rest of the drive.
             let gain = if k < 2 { 0.95 } else { 1.0 };
             assert!(with[0] < gain * without[0], "{truck}: {without:?} {with:?}");
             assert!(with[1] <= 1.5, "{truck}: {with:?}");
@@ -144,7 +144,8 @@ fn a_load_that_changed_unnoticed_is_allowed_for() {
             assert!(with[1] <= 1.5, "{truck}: {without:?} {with:?}");
             assert!(with[0] < 1.05 * without[0], "{truck}: {without:?} {with:?}");
         }
-        // Unloaded: 0.43 of scale, which neither prior has; but no worse than knowing nothing.
+        // Unloaded: an error of scale of 0.43, which neither prior allows for. The result must not
+        // be worse than without the persistent state.
         let [without, with] = second_drives(truck, 0.7);
         println!("{truck} {without:.3?} {with:.3?}");
         for (without, with) in without.iter().zip(&with) {
@@ -153,7 +154,7 @@ fn a_load_that_changed_unnoticed_is_allowed_for() {
     }
 }
 
-/// Two drives of a truck A whose mass is wrong by 20 %, one of B, and a short one; with names.
+/// Simulates two drives of a truck A whose mass is wrong by 20 %, one of B, and a short one.
 fn drives() -> TempDir {
     let folder = TempDir::new().unwrap();
     let mut scenario =
@@ -181,7 +182,7 @@ fn drives() -> TempDir {
     folder
 }
 
-/// `estimate` of a drive; its result goes to NAME.csv or, with kept, NAME.kept.csv.
+/// Runs `estimate` on a drive. The result goes to NAME.csv or, with `kept`, to NAME.kept.csv.
 fn estimate(
     folder: &Path,
     name: &str,
@@ -209,7 +210,7 @@ fn the_file_goes_from_drive_to_drive() {
     let folder = drives.path();
     let memory = folder.join("truck.kept");
 
-    // No file yet: the drive is as without, and leaves one.
+    // No file yet: the result is that without the option, and a file is written.
     let (plain, plain_out) = estimate(folder, "one", None);
     plain.success();
     let (first, first_out) = estimate(folder, "one", Some(&memory));
@@ -225,7 +226,7 @@ fn the_file_goes_from_drive_to_drive() {
         .scale_error;
     assert!((scale - (1.0 / 1.2 - 1.0)).abs() < 0.08, "{scale}");
 
-    // The next one begins with it and leaves another; the same bytes give the same again.
+    // The next drive begins with the file and writes another. The same bytes give the same result.
     let (plain, plain_out) = estimate(folder, "two", None);
     plain.success();
     let (second, second_out) = estimate(folder, "two", Some(&memory));
@@ -235,7 +236,7 @@ fn the_file_goes_from_drive_to_drive() {
     let rows = |path: &Path| host_sim::files::run::read(path).unwrap();
     let (without, with) = (rows(&plain_out), rows(&second_out));
     assert_eq!(without.len(), with.len());
-    // Live, lagged and smoothed alike: the smoother, too, begins with what was known.
+    // Live, lagged and smoothed alike: the smoother, too, begins with the persistent state.
     let grades: [fn(&RunRow) -> f64; 3] = [
         |row| row.live_grade_percent,
         |row| row.lagged_grade_percent,
@@ -249,7 +250,7 @@ fn the_file_goes_from_drive_to_drive() {
     assert_eq!(fs::read(&memory).unwrap(), second_left);
     assert_eq!(rows(&second_out), with);
 
-    // A short drive leaves what was there.
+    // A short drive leaves the file unchanged.
     let (short, short_out) = estimate(folder, "short", Some(&memory));
     short.success().stderr(contains("is unchanged"));
     assert!(short_out.exists());
@@ -257,7 +258,7 @@ fn the_file_goes_from_drive_to_drive() {
 }
 
 #[test]
-fn a_file_that_is_not_to_be_used_is_refused_with_its_name_and_leaves_everything() {
+fn an_unusable_file_is_refused_by_name_and_nothing_changes() {
     let drives = drives();
     let folder = drives.path();
     let memory = folder.join("truck.kept");

@@ -1,5 +1,5 @@
-//! Smoothing of a whole run, which keeps no more than a part of it: the same numbers as if it kept
-//! everything.
+//! Smoothing of a whole run with only a part of its records in memory. The result equals that with
+//! all records in memory.
 
 use estimator_core::filter::{AltitudeEvent, Filter};
 use estimator_core::sample::{AltitudeContinuity, Sample};
@@ -12,7 +12,7 @@ use std::collections::BTreeSet;
 use std::ops::RangeInclusive;
 use test_kit::simulated::scenario;
 
-/// A drive with everything wrong, and this of its receiver.
+/// Simulates a drive with wrong parameters and these faults of the receiver.
 fn drive(truck: &str, length_m: f64, faults: &str) -> SimulatedRun {
     let text = format!(
         "seed = 5\n[road]\nlength_m = {length_m:?}\n\
@@ -25,7 +25,7 @@ fn drive(truck: &str, length_m: f64, faults: &str) -> SimulatedRun {
     simulate(&scenario(&[&text]), 0).unwrap()
 }
 
-/// All records in memory, and back over them.
+/// Smooths with all records in memory. Returns the cells, and whether drifts were left out.
 fn keeping_all<S: Scalar>(
     model: &Model,
     filter: &Filter<S>,
@@ -111,15 +111,15 @@ fn without_drifts(samples: &[Sample], drifts: &[RangeInclusive<u32>]) -> Vec<Sam
     samples
 }
 
-/// Checks a drive of which these frames were heard; returns what was counted, how many cells it
-/// has, and whether drifts were left out.
-fn check(run: &SimulatedRun, heard: impl Fn(usize) -> bool) -> (Counters, usize, bool) {
+/// Checks a drive of which these frames are received. Returns the counters, the number of cells,
+/// and whether drifts were left out.
+fn check(run: &SimulatedRun, is_received: impl Fn(usize) -> bool) -> (Counters, usize, bool) {
     let model = &run.vehicle.model;
     let mut recorder = Recorder::<f32>::new(model.clone(), Tuning::default()).unwrap();
     let mut estimator = Estimator::<f32>::new(model.clone(), Tuning::default()).unwrap();
     let mut sampled = Vec::new();
     for (number, frame) in run.frames.iter().enumerate() {
-        if heard(number) {
+        if is_received(number) {
             recorder.on_frame(frame);
             estimator.on_frame(frame.time, &frame.frame);
             while estimator.step().is_some() {
@@ -131,11 +131,11 @@ fn check(run: &SimulatedRun, heard: impl Fn(usize) -> bool) -> (Counters, usize,
     let double: Filter<f64> = recorder.estimator().second_pass_filter();
     let single: Filter<f32> = recorder.estimator().second_pass_filter();
     let (found, samples) = recorder.finish_with_samples().unwrap();
-    // As they were before they were put by.
+    // The samples are those that were stored.
     assert_eq!(samples[..], sampled[sampled.len() - samples.len()..]);
     let (expected, leaves_out) = keeping_all(model, &double, &samples);
     let tuning = Tuning::default();
-    // Equal to the last bit: NaN would not be.
+    // Equal to the last bit. NaN would not be equal.
     assert_eq!(smooth_run(model, &tuning, &double, &samples), expected);
     assert_eq!(
         smooth_run(model, &tuning, &single, &samples),
@@ -167,7 +167,7 @@ fn check(run: &SimulatedRun, heard: impl Fn(usize) -> bool) -> (Counters, usize,
 }
 
 #[test]
-fn a_run_of_two_levels_of_parts_is_smoothed_as_if_all_were_kept() {
+fn a_run_of_two_levels_of_parts_is_smoothed_as_with_all_in_memory() {
     let run = drive("A", 45_000.0, "");
     let (_, cells, _) = check(&run, |_| true);
     // More than 512 times 32.
@@ -178,7 +178,7 @@ fn a_run_of_two_levels_of_parts_is_smoothed_as_if_all_were_kept() {
 }
 
 #[test]
-fn gaps_drifts_that_are_left_out_and_altitudes_set_anew_are_smoothed_alike() {
+fn gaps_drifts_that_are_left_out_and_altitude_resets_are_smoothed_alike() {
     let faults = "outages_m = [[4000.0, 6666.0], [20000.0, 26000.0]]\n\
                   steps = [[8000.0, 9000.0, 25.0]]\n\
                   ramps = [[12000.0, 13000.0, 10.0], [15000.0, 17000.0, -20.0]]";
@@ -207,7 +207,7 @@ fn gaps_drifts_that_are_left_out_and_altitudes_set_anew_are_smoothed_alike() {
 }
 
 #[test]
-fn what_is_held_does_not_grow_with_the_run() {
+fn memory_hardly_grows_with_the_run() {
     const KM: usize = 400;
     assert!(held_bytes(1_000 * KM) < held_bytes(10 * KM) * 5 / 4);
     assert!(held_bytes(100_000 * KM) < held_bytes(10 * KM) * 3 / 2);

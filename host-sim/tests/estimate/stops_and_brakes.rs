@@ -1,5 +1,5 @@
-//! Stops and brakes on simulated drives: what a launch, a missing brake signal and another load
-//! cost.
+//! Stops and brakes on simulated drives: the error after a launch, with a missing brake signal and
+//! with a changed load.
 
 use estimator_core::{Instant, Reading, Signal, Tuning, Value};
 use host_sim::recorder::{Recorder, SmoothedRun};
@@ -7,15 +7,15 @@ use host_sim::simulator::scenario::Scenario;
 use host_sim::simulator::{SimulatedRun, simulate};
 use test_kit::simulated::{readings, scenario};
 
-/// A reading and when it came, s.
+/// A reading and its time, s.
 type Timed = (f64, Reading);
 
-/// What a drive told, less the signals in `without`, `from_s` seconds later.
+/// Returns the readings of a drive, `from_s` seconds later and without the signals in `without`.
 fn reported(run: &SimulatedRun, without: &[Signal], from_s: f64) -> Vec<Timed> {
     let start = run.frames[0].time;
     readings(run)
         .into_iter()
-        // One axle's speed, as the source lock has it on a bus.
+        // The speed of one axle only, as with the source lock on a bus.
         .filter(|(_, _, signal, _)| !without.contains(signal) && *signal != Signal::FrontAxleSpeed)
         .map(|(time, _, signal, value)| {
             let seconds = from_s + 1e-6 * time.since(start).micros() as f64;
@@ -33,7 +33,7 @@ fn estimate(run: &SimulatedRun, tuning: &Tuning, reported: &[Timed]) -> Smoothed
     recorder.finish().unwrap()
 }
 
-/// True grade, %.
+/// Returns the true grade, %.
 fn true_grade(run: &SimulatedRun, distance_m: f64) -> f64 {
     let after = run
         .truth
@@ -42,9 +42,9 @@ fn true_grade(run: &SimulatedRun, distance_m: f64) -> f64 {
     run.truth[after].grade_percent
 }
 
-/// Root mean squares of the smoothed, lagged and live grade errors from `from_m` to `to_m`, where
-/// the run's distances are `ahead_m` more than those of the truth; and the mean normalised square
-/// of the smoothed one.
+/// Returns the RMS of the smoothed, lagged and live grade errors from `from_m` to `to_m`, and the
+/// mean normalised square of the smoothed one. The run's distances are `ahead_m` larger than those
+/// of the truth.
 fn errors(
     run: &SimulatedRun,
     found: &SmoothedRun,
@@ -75,7 +75,7 @@ fn errors(
     [rms(sums[0]), rms(sums[1]), rms(sums[2]), sums[3] / count]
 }
 
-/// Means over drives on steep roads: `errors` within `to_m`.
+/// Returns the means of `errors` up to `to_m` over drives on steep roads.
 fn mean_errors(
     truck: &str,
     start: &str,
@@ -122,8 +122,8 @@ const BRAKES: &[Signal] = &[
 ];
 
 #[test]
-fn a_launch_on_a_hill_does_not_poison_the_slope() {
-    // While the clutch slipped at launch, an open driveline once counted as coasting: 6.5 % on B.
+fn a_launch_on_a_hill_does_not_corrupt_the_slope() {
+    // With a slipping clutch at launch an open driveline once counted as coasting: 6.5 % on B.
     for truck in ["A", "B"] {
         for (without, bar) in [(&[][..], 0.5), (CLUTCH, 0.5), (GEARBOX, 0.7)] {
             let [smoothed, lagged, live, _] =
@@ -136,29 +136,29 @@ fn a_launch_on_a_hill_does_not_poison_the_slope() {
 }
 
 #[test]
-fn braking_that_nobody_tells_of_is_no_uphill() {
+fn undeclared_braking_is_not_read_as_uphill() {
     let guess = Tuning::default();
-    let mut believe = Tuning::default();
-    believe.detection.undeclared_brake_percent = f32::INFINITY;
+    let mut without_detection = Tuning::default();
+    without_detection.detection.undeclared_brake_percent = f32::INFINITY;
     for (truck, brakes_often) in [("A", true), ("B", false)] {
         let errors = |tuning, without| mean_errors(truck, "set_speed", tuning, without, 6_500.0);
         let reported = errors(&guess, &[]);
         let guessed = errors(&guess, BRAKES);
-        let believed = errors(&believe, BRAKES);
+        let undetected = errors(&without_detection, BRAKES);
         for k in 0..3 {
             assert!(
                 guessed[k] < 1.35 * reported[k],
-                "{truck}: {guessed:?}, told {reported:?}"
+                "{truck}: {guessed:?}, reported {reported:?}"
             );
             assert!(
-                !brakes_often || believed[k] > 2.0 * guessed[k],
-                "{truck}: {believed:?}, guessed {guessed:?}"
+                !brakes_often || undetected[k] > 2.0 * guessed[k],
+                "{truck}: {undetected:?}, guessed {guessed:?}"
             );
         }
     }
 }
 
-/// 8 km with one load, a stop of 20 s, and 6 km with another.
+/// Returns a scenario of 8 km with one load and 6 km with another.
 fn two_loads(seed: u32, factors: (f64, f64)) -> Scenario {
     let run = |name: &str, start: &str, kg: f64, factor: f64, from_m: f64, length_m: f64| {
         format!(
@@ -181,10 +181,10 @@ fn two_loads(seed: u32, factors: (f64, f64)) -> Scenario {
     ])
 }
 
-/// From 22 m/s at 1 m/s².
+/// Braking distance from 22 m/s at 1 m/s².
 const BRAKING_M: f64 = 242.0;
 
-/// Braking to a stop after `from_s`, and 20 s there.
+/// Returns the readings of braking to a stop after `from_s` and of a stop of 20 s.
 fn stop(from_s: f64, mass_kg: f32) -> Vec<Timed> {
     let mut reported = Vec::new();
     for tenth in 1..=420 {
@@ -225,7 +225,7 @@ fn another_load_after_a_stop_is_learned_as_on_a_fresh_start() {
         joined.extend(stop(end_s, 26_000.0));
         let end_s = joined.last().unwrap().0 + 0.1;
         let ahead_m = |found: &SmoothedRun| {
-            // Where the second drive begins.
+            // The start of the second drive.
             let begins = found.rows.iter().find(|row| row.time_s > end_s).unwrap();
             begins.distance_m
         };
@@ -255,7 +255,7 @@ fn another_load_after_a_stop_is_learned_as_on_a_fresh_start() {
         }
     }
     let [fresh, reopened, kept] = means;
-    // Smoothed; its normalised square; and the scale at the end.
+    // The smoothed error, its normalised square, and the scale at the end.
     assert!(reopened[0] < 1.5 * fresh[0], "{reopened:?}, {fresh:?}");
     assert!(kept[0] > 1.15 * reopened[0], "{kept:?}, {reopened:?}");
     assert!(reopened[3] < 1.0 && kept[3] > 1.2, "{reopened:?}, {kept:?}");

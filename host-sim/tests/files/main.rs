@@ -1,4 +1,4 @@
-//! Files: runs, vehicles, terrain tiles, entries beyond memory.
+//! Files: runs, vehicle and tuning files, terrain tiles, spools.
 
 mod run_columns;
 mod spool;

@@ -1,4 +1,4 @@
-//! Entries put by, in memory and beyond it.
+//! Spools: entries in memory and in a temporary file.
 
 use host_sim::files::spool::{Spool, blocks};
 use proptest::prelude::*;
@@ -6,7 +6,7 @@ use proptest::prelude::*;
 type Entry = (u64, Option<f64>);
 type Entries = Spool<Entry, 19>;
 
-/// As long as it can be encoded, or short.
+/// Returns an entry of the longest encoded length, or a short one.
 fn entry(number: usize) -> Entry {
     let number = number as u64;
     if number.is_multiple_of(3) {
@@ -26,9 +26,9 @@ fn read(spool: &mut Entries) -> Vec<Entry> {
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(16))]
-    /// 30,000 of them are over the size that stays in memory.
+    /// 30,000 entries exceed the size that stays in memory.
     #[test]
-    fn entries_come_back_by_number_whatever_way_they_went_in(
+    fn entries_are_read_back_by_number_in_any_order_of_writing(
         pushed in 0..30_000_usize,
         stretch in 1..2_000_usize,
     ) {
@@ -36,7 +36,7 @@ proptest! {
         for number in 0..pushed {
             spool.push(&entry(number)).unwrap();
         }
-        // Stretches behind those, the last one first, as smoothing hands them out.
+        // Stretches after those, the last one first, as smoothing writes them.
         for begin in (0..3).rev().map(|k| pushed + k * stretch) {
             spool.put(begin, (begin..begin + stretch).map(entry)).unwrap();
         }
@@ -47,7 +47,7 @@ proptest! {
 }
 
 #[test]
-fn an_entry_that_does_not_fit_its_slot_is_an_error_and_takes_no_place() {
+fn an_entry_that_exceeds_its_slot_is_an_error_and_is_not_stored() {
     let mut spool = Spool::<Entry, 18>::default();
     assert!(spool.push(&entry(0)).is_err());
     spool.push(&entry(1)).unwrap();
@@ -56,7 +56,7 @@ fn an_entry_that_does_not_fit_its_slot_is_an_error_and_takes_no_place() {
 }
 
 #[test]
-fn what_was_not_put_by_cannot_be_read() {
+fn entries_that_were_not_stored_cannot_be_read() {
     let mut spool = Entries::default();
     spool.push(&entry(0)).unwrap();
     assert!(spool.read(0..2).is_err());

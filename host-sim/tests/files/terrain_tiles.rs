@@ -6,7 +6,7 @@ use std::path::Path;
 
 const SIDE: usize = 1201;
 
-/// A tile of 3 arc seconds whose posts are what `post` says of row (from north) and column.
+/// Writes a tile of 3 arc seconds. `post` returns the altitude for row (from north) and column.
 fn write_tile(path: &Path, post: impl Fn(usize, usize) -> i16) {
     let mut bytes = Vec::with_capacity(2 * SIDE * SIDE);
     for row in 0..SIDE {
@@ -17,7 +17,7 @@ fn write_tile(path: &Path, post: impl Fn(usize, usize) -> i16) {
     fs::write(path, bytes).unwrap();
 }
 
-/// Position of a (fractional) post of the tile with this south-west corner.
+/// Returns the position of a (fractional) post of the tile with this south-west corner.
 fn position(corner: (f64, f64), row: f64, column: f64) -> (f64, f64) {
     (corner.0 + 1.0 - row / 1200.0, corner.1 + column / 1200.0)
 }
@@ -79,7 +79,7 @@ fn voids_give_no_altitude_and_spoil_only_their_neighbours() {
 }
 
 #[test]
-fn what_is_no_place_on_earth_has_no_altitude() {
+fn impossible_positions_have_no_altitude() {
     let folder = tempfile::tempdir().unwrap();
     let mut terrain = Terrain::new(folder.path());
     for (lat, lon) in [(f64::NAN, 8.0), (91.0, 8.0), (47.0, 200.0)] {

@@ -1,4 +1,4 @@
-//! Tuning files: every parameter can be set, what is wrong is named, and the commands use them.
+//! Tuning files: every parameter can be set, errors are named, and the commands use the files.
 
 use estimator_core::Tuning;
 use host_sim::files::tuning::read_or_default;
@@ -16,7 +16,7 @@ fn read(text: &str) -> Result<Tuning, String> {
     read_or_default(Some(&path)).map_err(|error| error.to_string())
 }
 
-/// Every parameter with its default, as a user would write it down.
+/// Returns every parameter with its default, as in a user's file.
 fn all_defaults() -> String {
     let mut text = String::new();
     let mut group = "";
@@ -44,7 +44,7 @@ fn a_missing_key_keeps_its_default() {
 }
 
 #[test]
-fn what_is_wrong_is_named_with_what_is_expected() {
+fn errors_name_the_expected_value() {
     for (text, named) in [
         (
             "[gate]\n",
@@ -79,7 +79,7 @@ fn what_is_wrong_is_named_with_what_is_expected() {
     }
 }
 
-/// The logs of the demonstration.
+/// Writes the logs of the demonstration.
 fn demo(folder: &Path) {
     roadgrade(folder, &["demo", "--out", "demo"]).success();
 }

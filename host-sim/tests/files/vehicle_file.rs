@@ -1,4 +1,4 @@
-//! Effects in `vehicle.toml`: read, written, refused by name, and of use to `estimate`.
+//! Effects in `vehicle.toml`: they are read, written, refused by name, and used by `estimate`.
 
 use host_sim::files::run;
 use host_sim::files::vehicle::VehicleFile;
@@ -20,7 +20,7 @@ wheel_inertia_kgm2 = 100.0
 source = "force"
 "#;
 
-/// What a vehicle file with these effects reads as.
+/// Reads a vehicle file with these effects.
 fn read(effects: &str) -> Result<VehicleFile, String> {
     let folder = TempDir::new().unwrap();
     let path = folder.path().join("v.toml");
@@ -71,14 +71,14 @@ fn effects_are_read_and_written_back() {
 }
 
 #[test]
-fn without_effects_the_file_says_nothing_of_them() {
+fn without_effects_the_file_does_not_mention_them() {
     let file = read("").unwrap();
     assert!(file.model.effects.is_empty());
     assert!(!file.to_toml().contains("effects"));
 }
 
 #[test]
-fn what_is_wrong_with_an_effect_is_named() {
+fn errors_of_effects_are_named() {
     for (effects, expected) in [
         (
             "[effects.tire_warmup]\namount = 1\namount_sigma = 0\n",
@@ -145,7 +145,7 @@ fn an_estimate_counts_with_the_effects_of_its_vehicle() {
     )
     .success();
 
-    // Torque told 5 % too small, known and not known.
+    // Reported torque is 5 % too small, with and without the effect in the file.
     let plain = fs::read_to_string(file("a.vehicle.toml")).unwrap();
     let wrong = plain.replace(
         "reference_torque_nm = 1750.0",
@@ -177,7 +177,7 @@ fn an_estimate_counts_with_the_effects_of_its_vehicle() {
     assert!(off(1) < 1e-3, "{}", off(1));
     assert!(off(2) > 0.05, "{}", off(2));
 
-    // A bad one ends with what is wrong, and without a file.
+    // A wrong effect is reported, and no file is written.
     fs::write(
         file("bad.toml"),
         format!("{plain}\n[effects.wind]\namount = 1.0\n"),

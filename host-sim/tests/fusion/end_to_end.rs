@@ -112,7 +112,7 @@ fn no_run_on_the_road_is_an_error() {
         .stderr(contains("blind.csv: no positions"));
     assert!(!folder.path().join("map.csv").exists());
 
-    // The next run with a track gives the road.
+    // The next run with a track defines the road.
     save(&folder, "forth.csv", &run(&spots));
     fuse(folder.path(), &["blind.csv", "forth.csv"])
         .success()
@@ -121,7 +121,7 @@ fn no_run_on_the_road_is_an_error() {
         ));
 }
 
-/// A good RUN.csv as text.
+/// Returns a valid RUN.csv as text.
 fn run_text() -> String {
     let folder = folder();
     save(&folder, "run.csv", &run(&hills()[..20]));
@@ -142,7 +142,7 @@ fn set_field(line: usize, column: usize, value: &str) -> String {
 }
 
 #[test]
-fn broken_runs_are_told_with_file_and_line() {
+fn broken_runs_are_reported_with_file_and_line() {
     let set = |column: usize, value: &str| set_field(4, column, value);
     let cases = [
         (
@@ -238,7 +238,7 @@ fn broken_runs_are_told_with_file_and_line() {
 }
 
 #[test]
-fn binary_and_absent_runs_are_told() {
+fn binary_and_absent_runs_are_reported() {
     let folder = folder();
     let mut bytes = set_field(20, 6, "?").into_bytes();
     let at = bytes
@@ -261,7 +261,7 @@ fn binary_and_absent_runs_are_told() {
 }
 
 #[test]
-fn broken_roads_are_told_with_file_and_line() {
+fn broken_roads_are_reported_with_file_and_line() {
     let folder = folder();
     save(&folder, "run.csv", &run(&hills()));
     let header = "distance_m,latitude_deg,longitude_deg\n";

@@ -14,7 +14,7 @@ fn export(folder: &Path, arguments: &[&str]) -> Assert {
     roadgrade(folder, &[&["export"][..], arguments].concat())
 }
 
-/// Three ways of the hills, the second in both directions, with a hole in the first.
+/// Returns three ways of the hills, the second in both directions, with a hole in the first.
 fn ways() -> Vec<WayRows> {
     let spots = hills();
     let network = network(&[
@@ -74,7 +74,7 @@ fn geojson_has_the_map_way_by_way() {
             .stdout("")
             .stderr(contains("ways: 4"));
         let features = features(&folder.path().join("map.geojson"));
-        // The hole parts the first way.
+        // The hole divides the first way.
         let names: Vec<_> = features
             .iter()
             .map(|feature| {
@@ -212,7 +212,7 @@ fn a_lone_cell_is_a_point_and_the_date_line_cuts() {
     assert!(
         features
             .iter()
-            .all(|feature| feature.property("altitude_m").expect("told").is_null())
+            .all(|feature| feature.property("altitude_m").expect("altitude").is_null())
     );
 }
 
@@ -220,7 +220,7 @@ fn a_lone_cell_is_a_point_and_the_date_line_cuts() {
 fn each_way_becomes_a_map_of_its_own() {
     let folder = folder();
     let mut ways = ways();
-    // A name that a file cannot have beside one that it can.
+    // `way/7` is impossible as a file name, and `way_7` is possible.
     let twin = WayName {
         way: "way_7".to_owned(),
         direction: WayDirection::Forward,
@@ -262,7 +262,7 @@ fn each_way_becomes_a_map_of_its_own() {
     let beside = std::fs::read_dir(folder.path().join("new")).expect("a folder");
     assert_eq!(beside.count(), 1, "nothing is left beside");
 
-    // Into a folder that is there; a single road has the map's name.
+    // Into an existing folder. A single road has the map's name.
     write_map(&folder.path().join("road.csv"), &ways[0].rows).expect("written");
     export(folder.path(), &["road.csv", "--out", "new/ways"]).success();
     assert_eq!(
@@ -284,7 +284,7 @@ fn the_page_draws_plan_profiles_and_uncertainty() {
         "Way way/7 backward",
         "± 2 sigma",
         "sigma of grade (%)",
-        "Runs behind it.",
+        "Number of runs.",
         "climb m",
     ] {
         assert!(page.contains(part), "{part}");
@@ -293,9 +293,9 @@ fn the_page_draws_plan_profiles_and_uncertainty() {
     assert_eq!(page.matches("<svg").count(), 2 + 3 * 4);
     assert!(
         !page.contains("NaN") && !page.contains("inf,"),
-        "numbers that are none"
+        "non-finite numbers"
     );
-    // Nothing from elsewhere, but for the name space of SVG.
+    // Nothing is loaded from elsewhere. The only address is the namespace of SVG.
     let elsewhere = page.matches("http").count();
     assert_eq!(
         elsewhere,
@@ -303,7 +303,7 @@ fn the_page_draws_plan_profiles_and_uncertainty() {
     );
     assert!(!page.contains("<script") && !page.contains("<link"));
 
-    // One cell is little to draw, and no reason to fail.
+    // A map of one cell is drawn, too.
     write_map(&folder.path().join("one.csv"), &[at(0.0, 8.0)]).expect("written");
     export(folder.path(), &["one.csv", "--out", "one.html"]).success();
     let page = std::fs::read_to_string(folder.path().join("one.html")).expect("a page");
@@ -311,7 +311,7 @@ fn the_page_draws_plan_profiles_and_uncertainty() {
 }
 
 #[test]
-fn what_cannot_be_exported_is_refused() {
+fn impossible_exports_are_refused() {
     let folder = folder();
     save(folder.path(), "map.csv", &ways());
     for arguments in [

@@ -1,5 +1,5 @@
-//! Simulated trucks whose parameters are wrong in the same way all day: what their maps are worth,
-//! and what they say of themselves.
+//! Maps of simulated trucks whose parameters are wrong in the same way all day: their errors and
+//! their sigmas.
 
 use host_sim::map::{FusedMap, PlacedRun};
 use host_sim::score::ScoreRow;
@@ -7,7 +7,7 @@ use host_sim::simulator::truck::Preset;
 use host_sim::study::fleet::road::{FleetRoad, as_if_independent};
 use rayon::prelude::*;
 
-/// The map of these days, and what it is worth.
+/// Returns the map of these days, and its score.
 fn map(road: &FleetRoad, days: &[&[PlacedRun]]) -> (FusedMap, ScoreRow) {
     let map = road.map(days);
     let score = road.score(&map.rows()).expect("scored");
@@ -21,7 +21,7 @@ fn mean(values: impl Iterator<Item = f64>) -> f64 {
 }
 
 #[test]
-fn sigmas_stay_honest_as_runs_of_a_day_are_added() {
+fn sigmas_stay_consistent_as_runs_of_a_day_are_added() {
     let counts = [1, 3, 5, 12];
     let nees: Vec<Vec<[f64; 2]>> = (0..8_u64)
         .into_par_iter()
@@ -41,7 +41,7 @@ fn sigmas_stay_honest_as_runs_of_a_day_are_added() {
         let mean_of = |which: usize| mean(nees.iter().map(|of_seed| of_seed[i][which]));
         let (honest, independent) = (mean_of(0), mean_of(1));
         assert!((0.5..1.5).contains(&honest), "{count} runs: {honest}");
-        // One run shares its errors with nobody.
+        // A single run has no errors in common with another.
         if *count == 1 {
             assert!((independent / honest - 1.0).abs() < 1e-9, "{independent}");
         } else {
@@ -63,7 +63,7 @@ fn a_light_truck_does_not_make_a_map_worse() {
             (without, with)
         })
         .collect();
-    // In a single case chance decides, as it does when a heavy truck is added.
+    // A single case is random, as it is when a heavy truck is added.
     let squared = |score: &ScoreRow| score.rmse_percent.powi(2);
     let without = mean(maps.iter().map(|(without, _)| squared(&without.1))).sqrt();
     let with = mean(maps.iter().map(|(_, with)| squared(&with.1))).sqrt();
@@ -75,7 +75,7 @@ fn a_light_truck_does_not_make_a_map_worse() {
     assert!(ratio < 1.0, "{ratio}");
     let nees = mean(maps.iter().map(|(_, with)| with.1.nees));
     assert!((0.5..1.5).contains(&nees), "{nees}");
-    // The map is surer with more runs, unless the trucks disagree.
+    // The sigma decreases with more runs, unless the trucks disagree.
     let sigma = |map: &FusedMap| mean(map.rows().iter().map(|row| row.grade_sigma_percent));
     let surer = maps
         .iter()

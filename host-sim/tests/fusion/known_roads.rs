@@ -1,4 +1,4 @@
-//! Runs over known roads become the map that they should.
+//! Runs over known roads become the expected map.
 
 use host_sim::files::run::{self, RunRow};
 use host_sim::map::{GradeMap, MapRow, Network, RoadLine, read_map, road_of_run, write_map};
@@ -31,7 +31,7 @@ fn perfect_runs_give_the_grade_of_the_road() {
     assert!(worst_error(&map, hill_percent) < 1e-4);
     assert!(map.iter().all(|row| row.runs == 2));
     for row in &map {
-        // Two runs of 0.1 %, surer than either, not as sure as if they had nothing in common.
+        // Two runs of 0.1 %: the sigma is below that of either, but above that of independent runs.
         assert!((0.0708..0.08).contains(&row.grade_sigma_percent), "{row:?}");
         let altitude_m = spots[(row.distance_m / 2.5).round() as usize].altitude_m;
         assert!((row.altitude_m.expect("known") - altitude_m).abs() < 0.01);
@@ -177,7 +177,7 @@ fn a_detour_adds_nothing_and_the_rest_counts() {
 }
 
 #[test]
-fn a_wrong_odometer_does_not_smear() {
+fn a_wrong_odometer_does_not_smear_the_map() {
     let spots = hills();
     for scale in [0.99, 1.01] {
         let mut rows = run(&spots);
@@ -310,7 +310,7 @@ fn there_and_back_on_one_street_are_two_parts_of_a_road() {
 
 #[test]
 fn laps_in_the_same_direction_are_kept_apart() {
-    // Three laps of a circle of 2 km, told apart by their grade.
+    // Three laps of a circle of 2 km, distinguished by their grade.
     let spots = drive(
         (0.0, 0.0),
         6000.0,

@@ -23,7 +23,7 @@ fn coverage(network: &Network, rows: &[RunRow]) -> Coverage {
     fuse(network, &[rows]).coverage[0]
 }
 
-/// Ways of this many spots each, named after their number.
+/// Returns ways of the same number of spots, named by their number.
 fn pieces(prefix: &str, spots: &[Spot], count: usize) -> Vec<Value> {
     let starts = (0..spots.len() - 1).step_by(count).enumerate();
     starts
@@ -39,7 +39,7 @@ fn grades(way: &WayRows) -> impl Iterator<Item = f64> {
 }
 
 #[test]
-fn parallel_carriageways_are_told_apart_by_course() {
+fn parallel_carriageways_are_distinguished_by_course() {
     let east = drive(
         (0.0, 0.0),
         4000.0,
@@ -74,7 +74,7 @@ fn both_directions_of_a_street_are_ways_of_their_own() {
     let (there, back) = (&map[0].rows, &map[1].rows);
     assert!(there.len() > 2390 && back.len() > 2390);
     for row in back {
-        // Distances count in the direction of travel, and so does the grade's sign.
+        // Distance and sign of the grade are those of the direction of travel.
         let mirror_m = 6000.0 - row.distance_m;
         let opposite = &there[((mirror_m / 2.5) as usize).min(there.len() - 1)];
         assert!(
@@ -85,8 +85,8 @@ fn both_directions_of_a_street_are_ways_of_their_own() {
     }
 }
 
-/// A motorway; beside it, 15 m to the right and the same way, a service road
-/// that leaves it at 500 m and comes back at 5500 m.
+/// Returns a motorway and a service road in the same direction, 15 m to the right. The service road
+/// leaves the motorway at 500 m and returns at 5500 m.
 fn motorway() -> (Vec<Spot>, Vec<Spot>) {
     let course = |s: f64| 60.0 + 25.0 * (s / 1200.0).sin();
     let motorway = drive((0.0, 0.0), 6000.0, course, |_| 0.0);
@@ -112,7 +112,7 @@ fn motorway() -> (Vec<Spot>, Vec<Spot>) {
 }
 
 #[test]
-fn a_service_road_beside_a_motorway_is_told_apart_by_continuity() {
+fn a_service_road_beside_a_motorway_is_distinguished_by_continuity() {
     let (motorway, service) = motorway();
     // Ways that end where the service road leaves and returns.
     let mut ways = vec![way("m0", "yes", &motorway[..=200])];
@@ -132,7 +132,7 @@ fn a_service_road_beside_a_motorway_is_told_apart_by_continuity() {
         let slow = with_grade(noisy(&service, 50 + seed), -1.0);
         let map = map(&network, &[&fast, &slow]);
         let beside = rows_of(&map, "service");
-        // Where the roads leave and meet, they are one within the noise.
+        // Where the roads part and meet, they are closer than the noise.
         let apart = |at_m: &f64| (80.0..4920.0).contains(at_m);
         let rows: Vec<_> = beside
             .rows
@@ -149,7 +149,7 @@ fn a_service_road_beside_a_motorway_is_told_apart_by_continuity() {
             assert!(way.rows.len() >= 280, "m{number}: {}", way.rows.len());
             assert!(grades(way).all(|grade| grade == 1.0), "m{number}");
         }
-        // Both runs drive what lies before and behind.
+        // Both runs drive the road before and after it.
         for name in ["m0", "m9"] {
             let way = rows_of(&map, name);
             assert!(way.rows.len() >= 195, "{name}: {}", way.rows.len());
@@ -160,7 +160,8 @@ fn a_service_road_beside_a_motorway_is_told_apart_by_continuity() {
 
 const RING_M: f64 = 20.0;
 
-/// A roundabout with arms to the south and west; around it against the clock, from south to west.
+/// Returns a drive around a roundabout and the ways. The roundabout has arms to the south and west.
+/// The drive goes from south to west, anticlockwise.
 fn roundabout() -> (Vec<Spot>, Vec<Value>) {
     let arc_m = 1.5 * std::f64::consts::PI * RING_M;
     let turned_deg = |m: f64| (m / RING_M).to_degrees();
@@ -175,7 +176,7 @@ fn roundabout() -> (Vec<Spot>, Vec<Value>) {
         _ => 4.0,
     });
     let round_m = 2.0 * std::f64::consts::PI * RING_M;
-    // Closed; from a point on the east side, which the run passes.
+    // A closed way. It begins at a point on the east side, which the run passes.
     let mut ring = drive((RING_M, RING_M), round_m, |s| -turned_deg(s), |_| 0.0);
     ring.push(ring[0]);
     let points = |name: &str, spots: &[Spot]| {
@@ -300,7 +301,7 @@ fn a_run_without_positions_keeps_its_way_over_joins() {
     }
     assert!(cells > 2390, "{cells}");
 
-    // Rows that are missing altogether are not made up.
+    // Missing rows are not made up.
     let without: Vec<RunRow> = [&rows[..700], &rows[1100..]].concat();
     let map = test_kit::roads::network::map(&network, &[&without]);
     let cells: usize = map.iter().map(|way| way.rows.len()).sum();
@@ -313,7 +314,7 @@ fn a_run_without_positions_keeps_its_way_over_joins() {
 }
 
 #[test]
-fn crossings_catch_no_cells() {
+fn crossings_take_no_cells() {
     let straight = |east_m: f64, north_m: f64, course: f64| {
         drive((east_m, north_m), 1000.0, move |_| course, |_| 0.0)
     };
@@ -322,7 +323,8 @@ fn crossings_catch_no_cells() {
         let turn = turn_deg.to_radians();
         let crossing = straight(-500.0 * turn.sin(), -500.0 * turn.cos(), turn_deg);
         let spots = crossing.len() / 2;
-        // A bridge, which shares no point; and a level crossing, which does, in one piece or two.
+        // A bridge, which shares no point, and a level crossing, which shares one. The other road
+        // is in one piece or two.
         let bridge = vec![way("road", "no", &road), way("other", "no", &crossing)];
         let mut level = vec![way("road", "no", &road)];
         level.push(way("other", "no", &crossing[..=spots]));
@@ -412,7 +414,7 @@ fn turning_off_takes_the_street() {
 }
 
 #[test]
-fn a_run_beside_every_way_is_off_the_network() {
+fn a_run_away_from_all_ways_is_off_the_network() {
     let spots = hills();
     let network = network(&[way("a", "yes", &spots)]);
     let away = run(&moved(&spots, -40.0, 40.0));

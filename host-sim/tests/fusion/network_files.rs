@@ -1,4 +1,4 @@
-//! Networks from files, and maps of them as files: what is read, what is refused.
+//! Files of networks and of their maps: what is read, and what is refused.
 
 use assert_cmd::assert::Assert;
 use host_sim::files::run::{self, RunRow};
@@ -24,7 +24,7 @@ fn bytes(folder: &Path, name: &str) -> Vec<u8> {
     std::fs::read(folder.join(name)).expect(name)
 }
 
-/// The hills in three ways, the middle one driven both ways.
+/// Returns the hills in three ways, the middle one with both directions.
 fn three(spots: &[Spot]) -> Vec<Value> {
     vec![
         way("a", "yes", &spots[..=800]),
@@ -136,7 +136,7 @@ fn ways_may_come_as_csv() {
         "{lengths:?}"
     );
 
-    // A way in two pieces, a name that is none.
+    // A way in two pieces, and an empty name.
     let lines: Vec<&str> = text.lines().collect();
     let torn = [&lines[..1], &lines[2..], &lines[1..2]].concat().join("\n");
     std::fs::write(at.join("torn.csv"), torn).expect("written");
@@ -230,7 +230,7 @@ fn a_store_of_a_network_grows_run_by_run() {
     .failure()
     .code(1)
     .stderr(contains("the store has another road"));
-    // Rows of ways that the store does not have, or in another order.
+    // Rows of ways that are not in the store, or in another order.
     let text = String::from_utf8(before.clone()).expect("text");
     for (from, to, expected) in [
         (

@@ -20,14 +20,14 @@ fn fuse(folder: &Path, arguments: &[&str]) -> Assert {
     roadgrade(folder, &[&["fuse"][..], arguments].concat())
 }
 
-/// A run over the hills whose grade, position and sigma are its own.
+/// Returns a run over the hills whose grade, position and sigma depend on its number.
 fn wavy(number: usize) -> Vec<RunRow> {
     let spots = test_kit::roads::with_position_noise(&hills(), 1.5, 80.0, number as u64);
     let mut rows = run(&spots[..600]);
     for row in &mut rows {
         row.grade_percent += 0.05 * (row.distance_m / (70.0 + 9.0 * number as f64)).sin();
         row.grade_sigma_percent = 0.05 + 0.01 * number as f64;
-        // As it comes before the first fix.
+        // A row before the first fix.
         row.altitude_m = row.altitude_m.filter(|_| row.distance_m > 40.0);
         row.altitude_sigma_m = row.altitude_sigma_m.filter(|_| row.distance_m > 40.0);
     }
@@ -41,7 +41,7 @@ fn origin(truck: usize) -> Origin {
     }
 }
 
-/// `road.csv`, and `runs` in Hive's layout: seven runs, of trucks 0, 1 and 2 by turns.
+/// Writes `road.csv`, and `runs` in Hive's layout: seven runs of trucks 0, 1 and 2 in turns.
 fn fleet() -> TempDir {
     let folder = tempfile::tempdir().expect("a folder");
     let at = folder.path();
@@ -69,7 +69,7 @@ fn same(a: &[MapRow], b: &[MapRow], within: f64) {
         assert!((a.grade_sigma_percent - b.grade_sigma_percent).abs() <= within);
         let altitudes = a.altitude_m.zip(b.altitude_m);
         assert_eq!(altitudes.is_some(), a.altitude_m.is_some());
-        // Of hundreds of metres.
+        // Altitudes are hundreds of metres.
         assert!(altitudes.is_none_or(|(a, b)| (a - b).abs() <= 1000.0 * within));
     }
 }
@@ -154,7 +154,7 @@ fn a_data_set_fuses_as_its_runs_do_in_any_order() {
         }
         same(&all, &map(&folder, "b.parquet"), 1e-12);
     }
-    // As CSV the map has its decimals; as a road it serves in either form.
+    // The map in CSV has fixed decimals. It serves as a road in either form.
     fuse(at, &[&road[..], &["--out", "all.csv", "runs"]].concat()).success();
     same(&all, &map(&folder, "all.csv"), 5.1e-6);
     fuse(at, &["--road", "all.parquet", "--out", "b.parquet", "runs"]).success();
@@ -167,7 +167,7 @@ fn sessions_of_files_are_those_of_the_command_line() {
     let road = ["--road", "road.csv"];
     fuse(
         at,
-        &[&road[..], &["--out", "told.parquet", "runs"]].concat(),
+        &[&road[..], &["--out", "of_files.parquet", "runs"]].concat(),
     )
     .success();
     for number in 0..7 {
@@ -188,11 +188,11 @@ fn sessions_of_files_are_those_of_the_command_line() {
     )
     .success();
     same(
-        &map(&folder, "told.parquet"),
+        &map(&folder, "of_files.parquet"),
         &map(&folder, "named.parquet"),
         1e-12,
     );
-    // What the command line says counts before what the file says.
+    // The command line takes precedence over the file.
     let one = ["--out", "one.parquet", "--session", "all=runs"];
     fuse(at, &[&road[..], &one].concat())
         .success()
@@ -245,13 +245,13 @@ fn an_interrupted_fusion_goes_on() {
         "map.parquet",
     ];
     let fuse_runs = |runs: &[&str]| fuse(at, &[&arguments[..], runs].concat());
-    // What a fusion leaves that ended after three of seven runs ...
+    // An interrupted fusion leaves a store with three of seven runs.
     let three: Vec<String> = [0, 1, 5]
         .iter()
         .map(|&number| of_fleet(number).display().to_string())
         .collect();
     fuse_runs(&three.iter().map(String::as_str).collect::<Vec<_>>()).success();
-    // ... and the same command as before.
+    // The same command resumes it.
     fuse_runs(&["runs"])
         .success()
         .stderr(contains("warning: 3 runs were already in the map"));
@@ -265,7 +265,7 @@ fn an_interrupted_fusion_goes_on() {
     fuse(at, &["--road", "road.csv", "--out", "all.parquet", "runs"]).success();
     same(&resumed, &map(&folder, "all.parquet"), 1e-12);
 
-    // A store whose list of runs is not what it was.
+    // A store with a changed list of runs.
     let text = String::from_utf8(sums).expect("text");
     let last = text.lines().last().expect("a line").to_owned();
     let cases = [
@@ -308,7 +308,7 @@ fn a_damaged_file_is_named_and_left_out_whole() {
     let others = map(&folder, "others.parquet");
 
     let mut flipped = whole.clone();
-    // In a page of the grades: no check sum of the format's own.
+    // In a page of the grades, which the format protects by no checksum.
     flipped[whole.len() / 3] ^= 0x10;
     let cases = [
         whole[..whole.len() / 2].to_vec(),
@@ -339,7 +339,7 @@ fn a_damaged_file_is_named_and_left_out_whole() {
             .stderr(contains("3.parquet: "));
         assert!(!at.join("map.parquet").exists());
     }
-    // None left, and none at all.
+    // No usable run, and no run at all.
     fs::create_dir_all(at.join("lone")).expect("a folder");
     fuse(at, &[&road[..], &["--out", "map.parquet", "lone"]].concat())
         .code(1)
@@ -368,7 +368,7 @@ fn no_flipped_bit_passes_or_panics() {
         bytes[place] ^= 1 << bit;
         fs::write(&path, &bytes).expect("written");
         match run::read_cells(&path) {
-            // Where it does not matter: in columns that are not read, in statistics.
+            // Some bytes do not matter: those of unread columns, and of statistics.
             Ok((read, _)) => assert_eq!(read, cells, "byte {place}"),
             Err(e) => {
                 assert!(e.to_string().contains("a.parquet"), "{e}");
@@ -380,7 +380,7 @@ fn no_flipped_bit_passes_or_panics() {
         }
     }
     assert!(refused > whole.len() / 20, "{refused} of {}", whole.len());
-    // At one of them the decoder panics: nobody is to see that.
+    // One of them makes the decoder panic. The panic must not be visible.
     fs::write(&path, senseless.expect("one of them")).expect("written");
     fuse(folder.path(), &["--out", "map.parquet", "a.parquet"])
         .code(1)
@@ -420,7 +420,7 @@ fn other_tables_are_refused_by_what_they_lack() {
 }
 
 #[test]
-fn a_run_is_named_as_its_log() {
+fn a_run_has_the_name_of_its_log() {
     for (log, name) in [
         ("drive.log", "drive"),
         ("logs/drive.csv.gz", "drive"),

@@ -14,7 +14,7 @@ fn without_a_road_the_first_track_serves() {
     assert!((length_m - 6000.0).abs() < 0.1, "{length_m}");
     let map = fuse(&road_line, &[&rows]).map.fused().rows();
     assert!(map.len() > 2390);
-    // The track's own ruler: within centimetres of the driven distance.
+    // The length of the track is within centimetres of the driven distance.
     for row in map {
         assert!(
             (row.grade_percent - hill_percent(row.distance_m)).abs() < 2e-3,
@@ -32,7 +32,8 @@ fn first_track_is_smoothed_against_position_noise() {
     assert!((length_m / 6000.0 - 1.0).abs() < 0.005, "{length_m}");
 }
 
-/// Where the middle of a straight drive of 40 m lies that passes 10 m to the right of a spot.
+/// Returns the place of the middle of a straight drive of 40 m that passes 10 m to the right of a
+/// spot.
 fn place_of_a_drive(
     network: &Network,
     spot: Spot,
@@ -77,7 +78,7 @@ fn a_position_lies_on_the_road_that_goes_the_same_way() {
     assert_eq!(place(60.0), MatchedPlace::OffRoad);
     assert_eq!(place(120.0), MatchedPlace::OffRoad);
     assert_eq!(place(180.0), MatchedPlace::Opposite);
-    // A position alone tells no course, and lies on the road within 25 m.
+    // A position alone has no course. It is on the road if it is within 25 m.
     let alone = |east_m: f64| {
         let spot = Spot {
             east_m,
@@ -98,7 +99,7 @@ fn a_position_lies_on_the_road_that_goes_the_same_way() {
     for east_m in [-25.1, 25.1] {
         assert_eq!(alone(east_m), MatchedPlace::OffRoad, "{east_m}");
     }
-    // The other side of the Earth folds onto no road.
+    // A position on the other side of the Earth is on no road.
     let mirrored = place_of_a_drive(&network, spots[200], 0.0, true);
     assert_eq!(mirrored, MatchedPlace::OffRoad);
 }

@@ -1,5 +1,5 @@
-//! What runs of one session have in common, told from how far they disagree, and what it leaves
-//! of a map's certainty.
+//! The common error of runs of one session. It is learned from the differences of the runs, and it
+//! increases the sigma of the map.
 
 use host_sim::files::run::RunRow;
 use host_sim::map::{GradeMap, MapRow, Network, RoadLine, SessionRun, fuse};
@@ -8,18 +8,18 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use test_kit::roads::{Spot, alone, drive, hill_percent, points, run};
 
-/// 40 km straight east.
+/// Returns a drive of 40 km straight east.
 fn long_road() -> Vec<Spot> {
     drive((-20e3, 0.0), 40e3, |_| 90.0, hill_percent)
 }
 
-/// White noise for each cell.
+/// Returns white noise for each cell.
 fn noise(seed: u64, cells: usize) -> Vec<f64> {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     StandardNormal.sample_iter(&mut rng).take(cells).collect()
 }
 
-/// A run whose grade is off by these, and which says so with this sigma.
+/// Returns a run with these grade errors, which states this sigma.
 fn off_by(spots: &[Spot], error_percent: impl Fn(usize) -> f64, sigma_percent: f64) -> Vec<RunRow> {
     let mut rows = run(spots);
     for (i, row) in rows.iter_mut().enumerate() {
@@ -29,7 +29,7 @@ fn off_by(spots: &[Spot], error_percent: impl Fn(usize) -> f64, sigma_percent: f
     rows
 }
 
-/// Runs of true sigma 0.1 %, of which a share is common, that claim `stated` times as much.
+/// Returns runs of true sigma 0.1 %, of which a share is common. They state `stated` times as much.
 fn sharing(spots: &[Spot], count: u64, share: f64, stated: f64, seed: u64) -> Vec<Vec<RunRow>> {
     let common = noise(1000 * seed, spots.len());
     (1..=count)
@@ -53,7 +53,7 @@ fn line(spots: &[Spot]) -> Network {
     RoadLine::new(points(spots)).expect("a road").into()
 }
 
-/// Mean squared error over stated variance.
+/// Returns the mean squared error over the stated variance.
 fn nees(map: &[MapRow]) -> f64 {
     assert!(map.len() > 1000);
     let squares = map.iter().map(|row| {
@@ -85,7 +85,7 @@ fn a_session_of_one_run_is_that_run() {
 }
 
 #[test]
-fn the_share_is_learned_and_the_map_says_what_it_leaves() {
+fn the_share_is_learned_and_enters_the_sigma_of_the_map() {
     let spots = long_road();
     let road = line(&spots);
     for (share, count) in [(0.2, 3), (0.3, 5), (0.3, 12)] {
@@ -93,7 +93,7 @@ fn the_share_is_learned_and_the_map_says_what_it_leaves() {
         let fused = fuse(&road, &session("day", &runs)).map.fused();
         let (name, within) = &fused.within[0];
         assert_eq!(name, "day");
-        // The prior still counts a little.
+        // The prior still has a small weight.
         let learned = within.dependence.share;
         assert!((learned - share).abs() < 0.02, "{share}: {learned}");
         assert!(within.dependence.inflation < 1.01);
@@ -103,14 +103,14 @@ fn the_share_is_learned_and_the_map_says_what_it_leaves() {
         }
         let nees = nees(&fused.rows());
         assert!((0.9..1.1).contains(&nees), "{share} of {count}: {nees}");
-        // As if they had nothing in common, the map would claim far too much.
+        // With independent runs assumed, the sigma of the map would be far too small.
         let claimed = nees * (honest / 0.1).powi(2) * count as f64;
         assert!(claimed > 1.3, "{claimed}");
     }
 }
 
 #[test]
-fn sigmas_too_small_are_found_out() {
+fn sigmas_that_are_too_small_are_detected() {
     let spots = long_road();
     let road = line(&spots);
     let runs = sharing(&spots, 4, 0.15, 0.5, 11);
@@ -119,7 +119,7 @@ fn sigmas_too_small_are_found_out() {
     assert!((3.3..4.3).contains(&inflation), "{inflation}");
     let nees_of_session = nees(&fused.rows());
     assert!((0.8..1.3).contains(&nees_of_session), "{nees_of_session}");
-    // Without the session's name, as sessions against each other.
+    // Without the session's name, each run is a session of its own.
     let unnamed: Vec<SessionRun> = runs.iter().map(|rows| alone(rows)).collect();
     let fused = fuse(&road, &unnamed).map.fused();
     assert!(fused.between.dependence.inflation > 3.0);
@@ -128,13 +128,13 @@ fn sigmas_too_small_are_found_out() {
 }
 
 #[test]
-fn sigmas_too_large_are_read_as_a_share_and_stay_safe() {
+fn sigmas_that_are_too_large_are_read_as_a_share_and_stay_safe() {
     let spots = long_road();
     let road = line(&spots);
     let runs = sharing(&spots, 5, 0.2, 1.5, 13);
     let fused = fuse(&road, &session("day", &runs)).map.fused();
     let dependence = fused.within[0].1.dependence;
-    // No more than is usual, though the runs agree still better.
+    // The share is the usual one, though the runs agree better than that.
     assert!((0.3..=0.4).contains(&dependence.share), "{dependence:?}");
     assert!((dependence.inflation - 1.0).abs() < 1e-12);
     let nees = nees(&fused.rows());
@@ -142,7 +142,7 @@ fn sigmas_too_large_are_read_as_a_share_and_stay_safe() {
 }
 
 #[test]
-fn a_poor_run_takes_nothing_away() {
+fn a_poor_run_does_not_make_the_map_worse() {
     let spots = long_road();
     let road = line(&spots);
     let good = sharing(&spots, 3, 0.2, 1.0, 17);
@@ -169,7 +169,7 @@ fn a_poor_run_takes_nothing_away() {
 fn many_runs_of_one_session_do_not_outvote_another() {
     let spots = long_road();
     let road = line(&spots);
-    // Twelve runs that err alike by +0.1 %, one that errs by -0.1 %.
+    // Twelve runs with the same error of +0.1 %, and one with -0.1 %.
     let common = |sign: f64, seed: u64| {
         let own = noise(seed, spots.len());
         off_by(&spots, move |i| sign * 0.1 + 0.05 * own[i], 0.1)
@@ -191,13 +191,13 @@ fn many_runs_of_one_session_do_not_outvote_another() {
         run.session = None;
     }
     let untold = bias(&runs);
-    // Twelve to one, they would leave +0.085.
+    // With equal weights the error would be +0.085.
     assert!((untold - 0.085).abs() < 0.005, "{untold}");
     assert!(reported < 0.05, "{reported}");
 }
 
 #[test]
-fn order_and_way_of_merging_do_not_matter() {
+fn the_order_of_merging_does_not_matter() {
     let spots = &long_road()[..6000];
     let road = line(spots);
     let (a, b) = (

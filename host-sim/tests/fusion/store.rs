@@ -18,7 +18,7 @@ fn fuse(folder: &Path, arguments: &[&str]) -> Assert {
     )
 }
 
-/// A run over the hills whose grade, position and sigma are its own.
+/// Returns a run over the hills whose grade, position and sigma depend on its number.
 fn wavy(number: usize) -> Vec<RunRow> {
     let mut rows = run(&test_kit::roads::with_position_noise(
         &hills(),
@@ -33,7 +33,7 @@ fn wavy(number: usize) -> Vec<RunRow> {
     rows
 }
 
-/// A folder with the runs 0.csv to 5.csv.
+/// Returns a folder with the runs 0.csv to 5.csv.
 fn six_runs() -> TempDir {
     let folder = tempfile::tempdir().expect("a folder");
     for number in 0..6 {
@@ -47,7 +47,7 @@ fn text(folder: &TempDir, name: &str) -> String {
     fs::read_to_string(folder.path().join(name)).expect(name)
 }
 
-/// Lines of a store that are not of its list of runs.
+/// Returns the number of lines of a store outside its list of runs.
 fn lines(folder: &TempDir, name: &str) -> usize {
     let text = text(folder, name);
     text.lines().filter(|line| !is_run(line)).count()
@@ -73,13 +73,13 @@ fn a_stored_map_grows_into_the_map_of_all_runs() {
     let grown = text(&folder, "map.csv");
     assert_eq!(at_once, grown);
 
-    // Without runs: the map of the store, which stays as it is.
+    // Without runs: the map of the store. The store does not change.
     let sums = text(&folder, "sums.csv");
     fs::remove_file(at.join("map.csv")).expect("removed");
     step(&[]);
     assert_eq!(text(&folder, "map.csv"), grown);
     assert_eq!(text(&folder, "sums.csv"), sums);
-    // And in another order, to the last bits of a sum.
+    // In another order the map is equal up to the rounding of sums.
     let other = ["--store", "other.csv", "--road", "map.csv"];
     fuse(
         at,
@@ -148,7 +148,7 @@ fn a_store_does_not_grow_with_its_runs() {
         sizes.push(lines(&folder, "sums.csv"));
     }
     assert!(sizes.iter().all(|&size| size == sizes[0]), "{sizes:?}");
-    // A session takes its cells once.
+    // The cells of a session are stored once.
     let mut sizes = Vec::new();
     for number in 0..4 {
         let run = format!("day={number}.csv");
@@ -172,7 +172,7 @@ fn a_store_of_another_road_is_refused() {
     fuse(at, &["--store", "sums.csv", "--road", "road.csv", "1.csv"])
         .code(1)
         .stderr(contains("sums.csv: the store has another road"));
-    // Nor does a run that drives elsewhere, or the other way, change anything.
+    // A run that drives elsewhere, or in the other direction, changes nothing either.
     let away = run(&moved(&hills(), 90e3, 0.0));
     let back = run(&reversed(&hills()));
     for (name, rows) in [("away.csv", away), ("back.csv", back)] {
@@ -190,13 +190,13 @@ fn both_files_appear_or_neither() {
     let folder = six_runs();
     let at = folder.path();
     fs::create_dir(at.join("folder")).expect("a folder");
-    // A map that cannot be put where it should be: no store.
+    // A map that cannot be written: no store.
     let arguments = ["fuse", "--out", "folder", "--store", "sums.csv", "0.csv"];
     roadgrade(at, &arguments)
         .code(1)
         .stderr(contains("folder: "));
     assert!(!at.join("sums.csv").exists());
-    // A store that cannot be: no map.
+    // A store that cannot be written: no map.
     fuse(at, &["--store", "folder", "0.csv"])
         .code(1)
         .stderr(contains("folder: "));
@@ -215,7 +215,7 @@ fn both_files_appear_or_neither() {
 }
 
 #[test]
-fn wrong_usage_is_told_as_such() {
+fn wrong_usage_is_reported_as_such() {
     let folder = six_runs();
     let at = folder.path();
     for session in ["0.csv", "=0.csv", "x=", "x=0.csv,,1.csv", "a\tb=0.csv"] {
@@ -232,7 +232,7 @@ fn wrong_usage_is_told_as_such() {
     assert!(!at.join("map.csv").exists());
 }
 
-/// A store with one session, its first rows only.
+/// Returns the first lines of a store with one session.
 fn small_store(folder: &TempDir) -> Vec<String> {
     let at = folder.path();
     for (name, number) in [("a.csv", 0), ("b.csv", 1), ("c.csv", 2)] {
@@ -255,7 +255,7 @@ fn small_store(folder: &TempDir) -> Vec<String> {
 }
 
 #[test]
-fn broken_stores_are_told_with_file_and_line() {
+fn broken_stores_are_reported_with_file_and_line() {
     let folder = six_runs();
     let good = small_store(&folder);
     let road_rows = good.iter().filter(|line| line.contains(",,4")).count();
@@ -366,7 +366,7 @@ fn broken_stores_are_told_with_file_and_line() {
             "{message}"
         );
     }
-    // And as it was, it serves.
+    // The unchanged store is accepted.
     fs::write(at.join("sums.csv"), good.join("\n") + "\n").expect("written");
     fuse(at, &["--store", "sums.csv", "a.csv"]).success();
 }

@@ -1,4 +1,4 @@
-//! Files that cannot be used: told with file and line, and nothing is written.
+//! Unusable files. They are reported with file and line, and nothing is written.
 
 use crate::import;
 use crate::mission_maker::{HEADER, MissionMaker};
@@ -6,7 +6,7 @@ use predicates::prelude::*;
 use std::fs;
 use test_kit::command::program;
 
-/// The import ends with 1, says what `message` says, and writes nothing.
+/// Checks that the import fails with status 1 and this message, and writes nothing.
 fn refused(text: impl AsRef<[u8]>, message: &[&str]) {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("mission.csv");
@@ -20,7 +20,7 @@ fn refused(text: impl AsRef<[u8]>, message: &[&str]) {
     assert!(!out.exists(), "output of an import that failed");
 }
 
-/// A short mission, with line `line` changed by `change`.
+/// Returns a short mission with line `line` changed by `change`.
 fn damaged(line: usize, change: impl Fn(&str) -> String) -> String {
     let text = MissionMaker::new((0.0, 0.0), 3)
         .wait(10, 0)
@@ -76,7 +76,7 @@ fn truncated_lines_are_refused() {
 }
 
 #[test]
-fn what_is_no_number_is_refused() {
+fn text_in_place_of_numbers_is_refused() {
     for (bad, column) in [
         ("2500.5", "traction_tractionForce"),
         ("295.15", "temperature_ambient"),

@@ -1,4 +1,4 @@
-//! `roadgrade import ztbus`: passes, tables, and files that cannot be used.
+//! `roadgrade import ztbus`: passes, tables, and unusable files.
 
 mod bad_input;
 mod measured;
@@ -17,7 +17,7 @@ fn import(file: &Path, out: &Path) -> Command {
     command
 }
 
-/// A signal table as text by column.
+/// Returns the columns of a signal table as text.
 fn columns(path: &Path) -> BTreeMap<String, Vec<String>> {
     let mut reader = csv::Reader::from_path(path).unwrap();
     let names = reader.headers().unwrap().clone();
@@ -33,7 +33,7 @@ fn columns(path: &Path) -> BTreeMap<String, Vec<String>> {
     columns
 }
 
-/// What every pass table must be: numbers only, time from 0 upwards, fixes, way as said.
+/// Checks all pass tables: numbers only, increasing time from 0 on, fixes, and the stated length.
 fn check_pass_tables(passes: &[serde_json::Value]) {
     for pass in passes {
         let table = columns(Path::new(pass["file"].as_str().unwrap()));

@@ -1,4 +1,4 @@
-//! The measured mission and the terrain beside the project, where they are.
+//! The measured mission and the terrain. Skipped where the data are absent.
 
 use crate::{check_pass_tables, import};
 use host_sim::source::terrain::Terrain;
@@ -7,7 +7,7 @@ use host_sim::study::drift::{ForceSample, vehicle_model_drift};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// The measured mission beside the project, if it is there.
+/// Returns the path of a measured file; `None` if it is absent.
 fn shared(name: &str) -> Option<PathBuf> {
     let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");
     let path = data.join(name);
@@ -76,7 +76,7 @@ fn the_bare_model_drifts_on_the_measured_mission_as_is_known() {
 }
 
 #[test]
-fn the_ground_is_where_the_bus_says() {
+fn the_terrain_agrees_with_the_altitude_of_the_bus() {
     let (Some(file), Some(folder)) = (measured_mission(), shared("srtm")) else {
         return;
     };

@@ -1,4 +1,4 @@
-//! Makes missions as the ZTBus files have them: a bus that drives along lines on a plane.
+//! Makes missions in the form of the ZTBus files: a bus that drives along lines on a plane.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -10,7 +10,7 @@ pub const HEADER: &str = "time_iso,time_unix,electric_powerDemand,gnss_altitude,
     odometry_vehicleSpeed,status_haltBrakeIsActive,status_parkBrakeIsActive,\
     temperature_ambient,traction_brakePressure,traction_tractionForce";
 
-/// Position east and north, m.
+/// A position east and north, m.
 pub type Point = (f64, f64);
 
 const EARTH_M: f64 = 6_371_000.0;
@@ -27,7 +27,7 @@ pub struct MissionMaker {
 }
 
 impl MissionMaker {
-    /// A bus that stands at `at`, whose receiver has its first fix after `first_fix_s`.
+    /// Creates a bus that stands at `at`. Its receiver has the first fix after `first_fix_s`.
     pub fn new(at: Point, first_fix_s: u32) -> Self {
         Self {
             text: format!("{HEADER}\n"),
@@ -39,7 +39,7 @@ impl MissionMaker {
         }
     }
 
-    /// Stands still, and says at the end how many are on board.
+    /// Stands still, and reports the number of passengers at the end.
     pub fn wait(mut self, seconds: u32, passengers: u32) -> Self {
         for second in 1..=seconds {
             let count = (second == seconds).then_some(passengers);

@@ -1,4 +1,4 @@
-//! What a mission becomes.
+//! Missions become passes and tables.
 
 use crate::mission_maker::{MissionMaker, Point};
 use crate::{check_pass_tables, columns, import};
@@ -8,7 +8,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
-/// A folder with the mission's file in it, and where its import is to go.
+/// Returns a folder, the mission's file in it, and the path for its import.
 fn folder_with(text: &str) -> (TempDir, PathBuf, PathBuf) {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("B183_2021-07-26_03-53-27.csv");
@@ -57,7 +57,7 @@ const B: Point = (3_000.0, 1_500.0);
 /// Length of the straight road from A to B, m.
 const ROAD_M: f64 = 3_354.0;
 
-/// Out of the garage, three times there and back, and home by another road.
+/// Returns a mission from the garage, three times there and back, and home by another road.
 fn there_and_back() -> String {
     let mut bus = MissionMaker::new(GARAGE, 40)
         .wait(60, 0)
@@ -96,7 +96,7 @@ fn three_round_trips_are_six_passes() {
         assert!((found_m - climb_m).abs() < 1.0, "{found_m}");
     }
     check_pass_tables(&imported.passes);
-    // Passengers are those of the last count: a pass starts with those that got on.
+    // The number of passengers is that of the last count. A pass starts with the count before it.
     let first = &imported.passes[0];
     let table = columns(Path::new(first["file"].as_str().unwrap()));
     let counts: Vec<&str> = table["passengers"].iter().map(String::as_str).collect();
@@ -173,7 +173,7 @@ fn a_bent_road_with_a_turning_loop_and_a_one_way_street_is_split_too() {
     let bend = (2_500.0, 0.0);
     let top = (2_500.0, 2_000.0);
     let out = [(800.0, 0.0), bend, top];
-    // Around a block of 400 m, and home past a block that has a one-way street.
+    // Around a block of 400 m, and back past a block with a one-way street.
     let back = [
         (2_700.0, 2_000.0),
         (2_700.0, 1_800.0),

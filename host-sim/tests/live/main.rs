@@ -1,4 +1,4 @@
-//! `roadgrade replay` and `listen`, as far as they need no interface.
+//! `roadgrade replay` and `listen`, without an interface.
 
 mod parts;
 mod usage;

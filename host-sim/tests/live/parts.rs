@@ -1,4 +1,4 @@
-//! ReceivedItem replay and listen are made of, without an interface.
+//! The parts of `replay` and `listen`, without an interface.
 
 #![cfg(target_os = "linux")]
 
@@ -34,7 +34,7 @@ fn every_message_of_the_decoder_passes_the_filters_whoever_sends_it() {
         for (priority, source) in [(0, 0), (3, 0x21), (7, 0xff)] {
             let id = priority << 26 | message.pgn() << 8 | source;
             assert!(accepts(&filters, EXTENDED | id), "{}", message.name());
-            // An 11-bit identifier is none of J1939's, whatever its bits.
+            // An 11-bit identifier does not belong to J1939, whatever its bits.
             assert!(!accepts(&filters, id & 0x7ff));
         }
     }
@@ -93,8 +93,8 @@ fn a_time_that_does_not_fit_is_not_sent() {
 }
 
 #[test]
-fn error_frames_are_told_apart() {
-    // Classes and codes of linux/can/error.h; the counters beside a state are no event.
+fn error_frames_are_distinguished() {
+    // Classes and codes of linux/can/error.h. The counters beside a state are no event.
     for (class, data, events) in [
         (0x040, vec![], vec![BusEvent::BusOff]),
         (0x100, vec![], vec![BusEvent::Restarted]),
@@ -136,7 +136,7 @@ fn a_clock_that_is_set_does_not_move_the_time_of_frames() {
     assert!(clock.check(start + 4 * second, day + 4 * second + leap - back));
     let stamp = day + 5 * second + leap - back;
     assert_eq!(micros(&clock, stamp, start + 5 * second), 1_005_000_000);
-    // A stamp of before that is read after it: no time of the future.
+    // A time stamp from before the change that is read after it: its time is not in the future.
     let stamp = day + 5 * second + leap;
     assert_eq!(micros(&clock, stamp, start + 5 * second), 1_005_000_000);
 }
@@ -220,7 +220,7 @@ fn lines_have_the_columns_of_their_header() {
 }
 
 #[test]
-fn the_mode_says_what_the_model_suffers() {
+fn the_mode_lists_the_conditions_of_the_model() {
     let all = Condition {
         shifting: true,
         braking: true,
@@ -261,7 +261,7 @@ fn the_panel_shows_grade_interfaces_and_events() {
     }
     let before = panel(&view(None));
     assert!(before.contains("no speed received yet"));
-    // A steep slope does not burst the gauge.
+    // A steep slope does not widen the gauge.
     let mut steep = live(Condition::default());
     steep.estimate.grade_percent.value = 400.0;
     let widest = |text: &str| text.lines().map(|line| line.chars().count()).max();
@@ -351,7 +351,7 @@ fn frames_with_the_logs_time_give_the_logs_run() {
     let folder = TempDir::new().unwrap();
     let log = folder.path().join("heard.log");
     let mut session = session(&drive, true, Some(&log));
-    // Before its time was told a frame has none.
+    // A frame before the first log time has no time.
     let arrival = Instant::from_micros(77);
     session
         .take(&received(arrival, drive.frames[0].frame))
@@ -361,8 +361,8 @@ fn frames_with_the_logs_time_give_the_logs_run() {
     let answer = Reaction::Answer(LogTime::Answer(first));
     assert_eq!(session.take(&ready).unwrap(), answer);
     for TimedFrame { time, frame } in &drive.frames {
-        let told = received(arrival, LogTime::Now(*time).frame().unwrap());
-        assert_eq!(session.take(&told).unwrap(), Reaction::None);
+        let log_time = received(arrival, LogTime::Now(*time).frame().unwrap());
+        assert_eq!(session.take(&log_time).unwrap(), Reaction::None);
         assert_eq!(
             session.take(&received(arrival, *frame)).unwrap(),
             Reaction::None
@@ -389,7 +389,7 @@ fn frames_with_the_logs_time_give_the_logs_run() {
 }
 
 #[test]
-fn what_is_no_frame_is_counted_and_told() {
+fn events_and_dropped_frames_are_counted_and_reported() {
     let drive = test_kit::simulated::run(&[test_kit::simulated::MILD, test_kit::simulated::A]);
     let mut session = session(&drive, false, None);
     let other = |item| Received {

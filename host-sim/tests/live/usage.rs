@@ -1,4 +1,4 @@
-//! `roadgrade replay` and `listen`: wrong usage, and what there is to do about a missing interface.
+//! `roadgrade replay` and `listen`: wrong usage, and the advice for a missing interface.
 
 #![cfg(target_os = "linux")]
 
@@ -11,7 +11,7 @@ use tempfile::TempDir;
 use test_kit::command::roadgrade;
 
 const LOG: &str = "(1.000000) can0 0CF00400#0102030405060708\n";
-/// No interface has this name: it is longer than names are.
+/// A name that no interface has, since it is too long.
 const NO_INTERFACE: &str = "no-such-interface";
 
 struct Files {
@@ -43,7 +43,7 @@ impl Files {
 }
 
 #[test]
-fn wrong_usage_is_told() {
+fn wrong_usage_is_reported() {
     let files = Files::new();
     let listen = ["listen", "--can", "vcan0", "--vehicle", "vehicle.toml"];
     let with = |more: &[&'static str]| [&listen[..], more].concat();
@@ -79,7 +79,7 @@ fn wrong_usage_is_told() {
 }
 
 #[test]
-fn what_cannot_be_used_is_named() {
+fn unusable_files_are_named() {
     let files = Files::new();
     for (arguments, words) in [
         (
@@ -100,9 +100,9 @@ fn what_cannot_be_used_is_named() {
 }
 
 #[test]
-fn a_missing_interface_is_told_with_what_makes_one() {
+fn a_missing_interface_is_reported_with_the_command_that_adds_it() {
     let files = Files::new();
-    let makes_one = format!("ip link add dev {NO_INTERFACE} type vcan");
+    let command = format!("ip link add dev {NO_INTERFACE} type vcan");
     let listen = [
         "listen",
         "--can",
@@ -114,16 +114,16 @@ fn a_missing_interface_is_told_with_what_makes_one() {
     ];
     let replay = ["replay", "--can", NO_INTERFACE, "drive.log"];
     for arguments in [&listen[..], &replay] {
-        files.run(arguments).code(1).stderr(contains(&makes_one));
+        files.run(arguments).code(1).stderr(contains(&command));
     }
     assert!(!files.path("run.csv").exists());
 }
 
 #[test]
-fn an_interface_that_is_none_of_can_is_told() {
+fn an_interface_that_is_not_a_can_interface_is_reported() {
     let files = Files::new();
     let vehicle = ["--vehicle", "vehicle.toml"];
-    // There is a loopback interface everywhere; where the kernel has no CAN, that is the reason.
+    // Every machine has a loopback interface. Without CAN in the kernel, that is the reason.
     let words = || contains("no CAN interface of this name").or(contains("this kernel has no CAN"));
     files
         .run(&[&["listen", "--can", "lo"], &vehicle[..]].concat())

@@ -1,4 +1,4 @@
-//! `roadgrade score` sets a run beside the thesis's methods and an oracle.
+//! `roadgrade score` compares a run with the thesis's methods and an oracle.
 
 use assert_cmd::assert::Assert;
 use flate2::Compression;
@@ -26,7 +26,7 @@ const ALL: [&str; 8] = [
 const SHORT: &str = "seed = 5\n[road]\nlength_m = 3000.0\n[errors]\nmass_factor = 1.1\n\
     [[runs]]\nname = \"x\"\ntruck = \"A\"\n";
 
-/// Simulates and estimates; each run's estimate is `NAME.csv`.
+/// Simulates and estimates a scenario. The estimate of each run is `NAME.csv`.
 fn drives(scenario: &str) -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("scenario.toml");
@@ -52,7 +52,7 @@ fn score(folder: &Path, arguments: &[&str]) -> Assert {
     roadgrade(folder, &[&["score"][..], arguments].concat())
 }
 
-/// Rows of the table.
+/// Returns the rows of the table.
 fn rows(assert: Assert) -> Vec<Value> {
     let stdout = assert.success().get_output().stdout.clone();
     serde_json::from_slice(&stdout).unwrap()
@@ -140,20 +140,20 @@ fn an_oracle_is_not_misled_by_the_mass_on_the_bus() {
         "{}{nearly_silent}",
         SHORT.replace("mass_factor = 1.1", "mass_factor = 1.4")
     ));
-    // Out here GNSS tells nothing of the grade: all of it comes from mass and torque.
+    // GNSS has no information about the grade here: all of it comes from mass and torque.
     let rows = rows(score(folder.path(), &X));
     assert!(rmse(&rows, "x.csv", "oracle") < 0.03, "{rows:?}");
     assert!(rmse(&rows, "x.csv", "smoothed") > 0.1, "{rows:?}");
 }
 
 #[test]
-fn what_is_not_there_is_left_out_and_said() {
+fn missing_inputs_are_left_out_and_reported() {
     let folder = drives(SHORT);
     let path = |name: &str| folder.path().join(name);
     let complete = rows(score(folder.path(), &X));
     assert_eq!(estimates(&complete), ALL);
 
-    // vehicle.toml stands in for x.vehicle.toml, a packed log for a plain one.
+    // vehicle.toml replaces x.vehicle.toml, and a packed log replaces a plain one.
     fs::remove_file(path("x.vehicle.toml")).unwrap();
     let mut packed = GzEncoder::new(File::create(path("x.log.gz")).unwrap(), Compression::fast());
     packed.write_all(&fs::read(path("x.log")).unwrap()).unwrap();
@@ -176,13 +176,13 @@ fn what_is_not_there_is_left_out_and_said() {
     let said = "x.csv: original, modified and oracle left out: no log";
     let left = rows(score(folder.path(), &X).stderr(contains(said)));
     assert_eq!(estimates(&left), OWN);
-    // Said once, however many runs it is true of.
+    // Reported once for all runs.
     let twice = ["--truth", "x.truth.csv", "x.csv", "x.csv"];
     score(folder.path(), &twice)
         .success()
         .stderr(contains("x.csv and 1 more: original").count(1));
 
-    // By other names, the same.
+    // The same files by other names.
     let named = ["--log", "kept.log", "--oracle", "kept.oracle"];
     let left = rows(score(folder.path(), &[&named[..], &X].concat()));
     assert_eq!(left[3], complete[5]);
@@ -203,7 +203,7 @@ fn an_oracle_written_by_hand_serves() {
         row["nees"].as_f64().unwrap()
     };
     let bare = oracle(noise);
-    // Each optional noise makes the oracle less sure.
+    // Each optional noise increases the sigma of the oracle.
     for more in [
         "force_white_sigma_n = 3000.0",
         "force_slow = { sigma_n = 2000.0, time_s = 100.0 }",
@@ -273,7 +273,7 @@ fn files_that_cannot_serve_are_errors() {
             .code(2)
             .stderr(contains(format!("2 times {option} for 1 runs")));
     }
-    // Another drive's log: refused where it was named, left out where it only lay there.
+    // The log of another drive: refused if it is named by the user, otherwise left out.
     let other = drives(&SHORT.replace("seed = 5", "seed = 6"));
     fs::copy(other.path().join("x.log"), path("other.log")).unwrap();
     score(folder.path(), &[&X[..], &["--log", "other.log"]].concat())
@@ -284,14 +284,14 @@ fn files_that_cannot_serve_are_errors() {
         score(folder.path(), &X).stderr(contains("left out: the log beside the truth shares ")),
     );
     assert_eq!(estimates(&left), OWN);
-    // A log that is none.
+    // A file that is not a log.
     fs::write(path("x.log"), "(0.0) can0 what#\n").unwrap();
     score(folder.path(), &X)
         .code(1)
         .stderr(contains("x.log:1: "));
 }
 
-/// A log without what was sent between two times, s.
+/// Returns a log without the frames between two times, s.
 fn with_hole(log: &str, from_s: f64, to_s: f64) -> String {
     let time = |line: &str| -> f64 {
         let (time, _) = line[1..].split_once(')').unwrap();
@@ -317,7 +317,7 @@ fn a_gap_in_the_log_is_no_gap_in_the_comparison() {
         assert!(row["rmse_percent"].as_f64().unwrap() < 1.0, "{row}");
     }
 
-    // Behind a late gap, the cells of the whole log are not those of the run.
+    // After a late gap, the cells of the whole log are not those of the run.
     fs::write(path("late.log"), with_hole(&log, 100.0, 110.0)).unwrap();
     estimate(folder.path(), "x", "late.log");
     fs::write(path("x.log"), &log).unwrap();

@@ -1,4 +1,4 @@
-//! Scores of planted errors are what they must be.
+//! Scores of planted errors equal these errors.
 
 use assert_cmd::assert::Assert;
 use host_sim::files::run::{self, RunRow};
@@ -12,7 +12,7 @@ use tempfile::TempDir;
 use test_kit::command::roadgrade;
 use test_kit::roads::{Spot, drive, hill_percent, hills, run};
 
-/// The truth of a drive at 20 m/s, ten times a second.
+/// Returns the truth of a drive at 20 m/s, ten times a second.
 fn truth(spots: &[Spot], grade_percent: impl Fn(f64) -> f64) -> Vec<TruthRow> {
     let end_m = spots[spots.len() - 1].distance_m;
     (0..=(end_m / 2.0) as usize)
@@ -27,7 +27,8 @@ fn truth(spots: &[Spot], grade_percent: impl Fn(f64) -> f64) -> Vec<TruthRow> {
         .collect()
 }
 
-/// Smoothed 0.3 % high, lagged ±0.2 % in turn, live 1 % off where it is not valid.
+/// Returns a run with planted errors: smoothed 0.3 % too high, lagged ±0.2 % in turn, and live 1 %
+/// where it is not valid.
 fn planted(spots: &[Spot]) -> Vec<RunRow> {
     let mut rows = run(spots);
     for (i, row) in rows.iter_mut().enumerate() {
@@ -52,7 +53,7 @@ fn close(a: f64, b: f64) -> bool {
 fn planted_errors_are_found() {
     let spots = hills();
     let mut rows = planted(&spots);
-    // Nonsense at the ends must not count.
+    // Wrong values at the ends must not count.
     for row in &mut rows {
         if row.distance_m < 499.0 || row.distance_m > 5501.0 {
             row.grade_percent = 99.0;
@@ -143,7 +144,7 @@ fn truth_is_joined_by_time_and_cut_where_it_ends() {
     let scored = score_run("a", &rows, &truth[..2001]).expect("scored");
     assert_eq!(scored.beyond_truth, 800);
     assert_eq!(scored.rows[0].cells, 1401);
-    // Two seconds late is 40 m, at most 0.4 % here.
+    // Two seconds are 40 m, an error of at most 0.4 % here.
     let late: Vec<TruthRow> = truth
         .iter()
         .map(|row| TruthRow {
@@ -156,7 +157,7 @@ fn truth_is_joined_by_time_and_cut_where_it_ends() {
         (0.25..0.31).contains(&scored.rows[0].rmse_percent),
         "{scored:?}"
     );
-    // Of another day, or too short.
+    // The truth of another day, or one that is too short.
     let other: Vec<TruthRow> = truth
         .iter()
         .map(|row| TruthRow {
@@ -213,8 +214,8 @@ fn score(folder: &Path, arguments: &[&str]) -> Assert {
     roadgrade(folder, &[&["score"][..], arguments].concat())
 }
 
-/// Runs `runs/a.csv` (planted errors over hills) and `runs/b.csv` (perfect, on the flat), and the
-/// truth of each.
+/// Writes the runs `runs/a.csv` (planted errors over hills) and `runs/b.csv` (without errors, on a
+/// level road), and the truth of each.
 fn two_drives() -> TempDir {
     let folder = tempfile::tempdir().expect("a folder");
     let path = |name: &str| folder.path().join(name);
@@ -303,7 +304,7 @@ fn one_truth_serves_all_runs_and_cells_beyond_it_are_noted() {
 }
 
 #[test]
-fn wrong_usage_and_bad_files_are_told() {
+fn wrong_usage_and_bad_files_are_reported() {
     let folder = two_drives();
     score(folder.path(), &["runs/a.csv"]).code(2);
     let three = [

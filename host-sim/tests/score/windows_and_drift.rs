@@ -1,4 +1,4 @@
-//! Judging a pass: errors over windows, and the drift of the bare vehicle model.
+//! Scores of a pass: errors over windows, and the drift of the vehicle model alone.
 
 use estimator_core::{Traction, VehicleParameters};
 use host_sim::study::drift::{ForceSample, vehicle_model_drift};
@@ -22,7 +22,7 @@ fn a_constant_offset_is_bias_and_rmse() {
 }
 
 #[test]
-fn what_averages_out_in_a_window_is_no_error_and_what_does_not_is() {
+fn errors_within_a_window_average_out_and_errors_of_windows_do_not() {
     let flat = profile(|_| 0.0);
     let fast = profile(|at_m| (at_m * std::f64::consts::TAU / 100.0).sin());
     let errors = window_errors(&fast, &flat, 600.0).unwrap();
@@ -88,8 +88,8 @@ fn bus() -> VehicleParameters {
     }
 }
 
-/// A drive with stops over hills, by the textbook force balance. Returns the samples and the
-/// altitude gained, as the same integral would have it.
+/// Simulates a drive with stops over hills, by the textbook force balance. Returns the samples and
+/// the altitude gained by the same integral.
 fn drive(rolling_resistance: f64) -> (Vec<ForceSample>, f64) {
     let (mass_kg, step_s) = (21_000.0, 0.1);
     let accelerated_kg = mass_kg + 100.0 / 0.48_f64.powi(2);
@@ -129,7 +129,7 @@ fn a_right_model_does_not_drift() {
 }
 
 #[test]
-fn rolling_resistance_that_the_model_lacks_is_climb() {
+fn missing_rolling_resistance_is_read_as_climb() {
     let (samples, climb_m) = drive(0.012);
     let drift = vehicle_model_drift(&samples, &bus(), climb_m).unwrap();
     assert!((drift.drift_m_per_km - 4.0).abs() < 0.02, "{drift:?}");

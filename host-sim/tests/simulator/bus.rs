@@ -1,11 +1,11 @@
-//! Does the simulated bus tell what the simulated truck did?
+//! The simulated bus reports what the simulated truck did.
 
 use estimator_core::{Driveline, Estimator, Signal, Traction, Tuning, Value, VehicleParameters};
 use host_sim::simulator::{Recording, SimulatedRun, simulate};
 use std::collections::BTreeMap;
 use test_kit::simulated::{A, B, MILD, QUIET, readings, run, scenario, series};
 
-/// Altitude gained by the vehicle model, from the bus alone: (time, altitude).
+/// Returns (time, altitude) as the vehicle model integrates it from the bus alone.
 fn altitude_of_the_bus(run: &SimulatedRun, vehicle: &VehicleParameters) -> Vec<(f64, f64)> {
     let Traction::Powertrain(powertrain) = &vehicle.traction else {
         panic!("the presets have engines");
@@ -114,10 +114,10 @@ fn a_wrong_torque_is_a_wrong_scale_of_the_signal() {
     let scenario = scenario(&[&text]);
     let run = simulate(&scenario, 0).unwrap();
     let recording = Recording::new(&scenario, 0).unwrap();
-    let Traction::Powertrain(believed) = &run.vehicle.model.vehicle.traction else {
+    let Traction::Powertrain(assumed) = &run.vehicle.model.vehicle.traction else {
         panic!("A has an engine");
     };
-    assert_eq!(believed.reference_torque_nm, 1750.0);
+    assert_eq!(assumed.reference_torque_nm, 1750.0);
     let mut latest = BTreeMap::new();
     let mut compared = 0;
     for (time, _, signal, value) in readings(&run) {
@@ -130,7 +130,7 @@ fn a_wrong_torque_is_a_wrong_scale_of_the_signal() {
         let percent = value + latest[&Signal::EngineTorqueFraction] - friction;
         let reported_nm = 0.01 * f64::from(percent) * 1750.0;
         let state = recording.drive().at(1e-6 * time.micros() as f64);
-        // Rounding of friction to 1 %, and a message time ahead.
+        // Friction is rounded to 1 %, and times differ by one message.
         let error_nm = 0.9 * reported_nm - state.net_torque_nm;
         assert!(error_nm.abs() < 0.9 * 17.5 * 0.6 + 2.0, "{error_nm}");
         compared += 1;
@@ -200,7 +200,7 @@ fn messages_come_at_their_rates() {
 }
 
 #[test]
-fn the_receiver_tells_where_the_truck_is() {
+fn the_receiver_reports_the_true_position() {
     let text = format!("{QUIET}[road]\nlength_m = 4000.0\n{B}direction = \"backward\"\n");
     let scenario = scenario(&[&text]);
     let run = simulate(&scenario, 0).unwrap();
@@ -208,7 +208,7 @@ fn the_receiver_tells_where_the_truck_is() {
     let (road, drive) = (&recording.drive().road, recording.drive());
     let mut compared = [0; 4];
     for (time, _, signal, value) in readings(&run) {
-        // The last frame of a packet is 4 ms behind its first: 0.1 m.
+        // The last frame of a packet is 4 ms after its first: 0.1 m.
         let state = drive.at(1e-6 * time.micros() as f64);
         let position = road.position(state.distance_m);
         match (signal, value) {
@@ -271,7 +271,7 @@ fn tunnels_silence_the_receiver_in_both_directions() {
 }
 
 #[test]
-fn noise_has_the_size_that_was_asked_for() {
+fn noise_has_the_requested_size() {
     let text = QUIET.replace("speed_sigma_mps = 0.0\nyaw", "speed_sigma_mps = 0.02\nyaw");
     let loud = run(&[&text, MILD, B]);
     let quiet = run(&[QUIET, MILD, B]);

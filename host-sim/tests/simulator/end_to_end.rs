@@ -1,4 +1,4 @@
-//! `roadgrade simulate` from the outside: files, repeatability, bad scenarios.
+//! `roadgrade simulate` from end to end: files, repeatability, bad scenarios.
 
 use assert_cmd::cargo::cargo_bin_cmd;
 use estimator_core::Traction;
@@ -39,7 +39,7 @@ fn simulate(scenario: &str, folder: &Path) -> assert_cmd::assert::Assert {
         .assert()
 }
 
-/// Name and content of every file that a scenario leaves.
+/// Returns name and content of every file that a scenario makes.
 fn output(scenario: &str) -> BTreeMap<String, Vec<u8>> {
     let folder = tempfile::tempdir().unwrap();
     simulate(scenario, folder.path()).success();
@@ -54,7 +54,7 @@ fn output(scenario: &str) -> BTreeMap<String, Vec<u8>> {
 }
 
 #[test]
-fn every_run_leaves_its_files() {
+fn every_run_writes_its_files() {
     let files = output(SHORT);
     let names: Vec<&str> = files.keys().map(String::as_str).collect();
     assert_eq!(
@@ -80,13 +80,13 @@ fn every_run_leaves_its_files() {
 fn runs_with_one_vehicle_share_its_file() {
     let same = SHORT.replace("truck = \"B\"", "truck = \"A\"");
     let files = output(&same);
-    // What the true mass is, the estimator is not told.
+    // The file of the estimator does not have the true mass.
     assert_eq!(files["vehicle.toml"], files["a.vehicle.toml"]);
     assert_eq!(files["vehicle.toml"], files["b.vehicle.toml"]);
 }
 
 #[test]
-fn the_oracle_file_tells_the_truth() {
+fn the_oracle_file_has_the_true_parameters() {
     let folder = tempfile::tempdir().unwrap();
     let exact = "errors = { mass_factor = 1.1, torque_factor = 0.96 }";
     let windy = format!(
@@ -115,7 +115,7 @@ fn the_oracle_file_tells_the_truth() {
         (0.3, 0.25)
     );
     assert_eq!(noise.cold_tyres.unwrap().amount, 0.4);
-    // The road starts out against the wind.
+    // The start of the road is against the wind.
     let headwind = a.noise.headwind.unwrap();
     assert!((2.5..=3.0).contains(&headwind.sigma_mps), "{headwind:?}");
     assert!(headwind.time_s > 100.0, "{headwind:?}");
@@ -133,7 +133,7 @@ fn written_files_can_be_read_again() {
     let last = truth.last().unwrap();
     assert!((1480.0..1500.0).contains(&last.distance_m), "{last:?}");
 
-    // The road and the vehicle of one scenario serve another.
+    // Another scenario uses the road and the vehicle of this one.
     let again = r#"
         road.file = "out/road.csv"
         [[runs]]
@@ -166,7 +166,7 @@ fn a_run_does_not_depend_on_the_ones_after_it() {
 }
 
 #[test]
-fn bad_scenarios_name_the_key_and_leave_nothing() {
+fn bad_scenarios_name_the_key_and_write_nothing() {
     let run = "[[runs]]\nname = \"x\"\ntruck = \"A\"\n";
     let cases = [
         ("seed = 1".to_owned(), "runs"),

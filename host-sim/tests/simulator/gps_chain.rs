@@ -45,7 +45,8 @@ fn transitions_are_counted_within_each_run_less_its_mean() {
     assert_eq!(chain.probability(state_of(0.0), state_of(1.0)), 1.0);
 }
 
-/// Rows of unequal counts, of which a normalisation over columns makes no probabilities.
+/// The counts of the rows differ, so that a normalisation over columns would not give
+/// probabilities.
 #[test]
 fn rows_add_up_to_one_and_not_columns() {
     let chain = Chain::of_states([vec![30, 31, 30, 30, 30, 29, 30, 31, 31]]);
@@ -70,7 +71,7 @@ fn a_state_without_data_goes_one_step_towards_no_error() {
     assert_eq!(untrained, [CENTRE; 3]);
 }
 
-/// Each element within five of its standard deviations, √(G (1 - G) / visits).
+/// Checks that each element is within five standard deviations, √(G (1 - G) / visits).
 fn check_retrained(chain: &Chain, retrained: &Chain) {
     let mut checked = 0;
     for from in 0..STATES {
@@ -103,7 +104,7 @@ fn a_chain_retrained_on_its_own_errors_is_the_same_within_sampling_error() {
     let chain = Chain::train(&gps::errors::simulated(7));
     let states = chain.generate_states(2_000_000, &mut rng(2));
     let errors_m: Vec<f64> = states.into_iter().map(error_of).collect();
-    // A mean this small shifts nothing into another bin.
+    // So small a mean shifts nothing into another bin.
     let mean = errors_m.iter().sum::<f64>() / errors_m.len() as f64;
     assert!(mean.abs() < 0.25, "{mean}");
     check_retrained(&chain, &Chain::train(&[errors_m]));
@@ -178,8 +179,8 @@ fn the_chain_survives_its_file_and_a_bad_file_is_named() {
     }
 }
 
-/// What is committed is what the measured data give. After a change that is meant to change it,
-/// the new file lies where the message says.
+/// The committed chain is that of the measured data. After an intended change the message has the
+/// path of the new file.
 #[test]
 fn the_committed_chain_is_that_of_the_measured_data() {
     let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");

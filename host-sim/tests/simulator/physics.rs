@@ -1,4 +1,4 @@
-//! Is the simulated world the physics of the thesis, on a road that could be?
+//! The simulated world has the physics of the thesis, on a plausible road.
 
 use estimator_core::Signal;
 use host_sim::simulator::Recording;
@@ -44,7 +44,7 @@ fn cruise_control_keeps_the_speed_on_a_mild_road() {
 }
 
 #[test]
-fn brakes_and_shifts_are_told_and_true() {
+fn reported_brakes_and_shifts_are_the_true_ones() {
     let run = run(&["seed = 2\n", "[road]\nlength_m = 20000.0\n", A]);
     let truth = |time_s: f64| run.truth[((10.0 * time_s) as usize).min(run.truth.len() - 1)];
     let fastest = series(&run, Signal::WheelSpeed)
@@ -69,7 +69,7 @@ fn brakes_and_shifts_are_told_and_true() {
     }
     assert!(braked > 10 && shifting > 100, "{braked} {shifting}");
 
-    // Each shift takes 0.8 to 1.2 s, and the gear told changes only when it is over.
+    // Each shift takes 0.8 to 1.2 s. The reported gear changes only when it is over.
     let ends = run
         .truth
         .windows(2)
@@ -150,7 +150,7 @@ fn generated_roads_could_have_been_built() {
 }
 
 #[test]
-fn a_road_is_the_same_seen_from_its_end() {
+fn a_road_is_the_same_from_its_end() {
     let road = generate(&RoadShape::default(), 5);
     let back = road.reversed();
     for k in 0..1000 {
@@ -165,7 +165,7 @@ fn a_road_is_the_same_seen_from_its_end() {
 }
 
 #[test]
-fn the_scenarios_that_come_with_it_are_sound() {
+fn the_built_in_scenarios_are_sound() {
     let builtin = Scenario::builtin();
     let trucks: Vec<&str> = builtin
         .runs
@@ -186,7 +186,7 @@ fn the_scenarios_that_come_with_it_are_sound() {
 
 #[test]
 fn every_key_of_the_documentation_is_a_key() {
-    // The example in the documentation of scenario_file, as it stands there.
+    // The example in the documentation of scenario_file.
     let source = include_str!("../../src/simulator/scenario_file.rs");
     let example: String = source
         .split("//! ```")
@@ -198,7 +198,7 @@ fn every_key_of_the_documentation_is_a_key() {
         .collect();
     let documented = Scenario::parse(&example, Path::new("documentation")).unwrap();
     let plain = scenario(&["[[runs]]\nname = \"a1\"\ntruck = \"A\"\n"]);
-    // What it shows are the defaults.
+    // Its values are the defaults.
     assert_eq!(
         format!("{:?}", documented.noise),
         format!("{:?}", plain.noise)

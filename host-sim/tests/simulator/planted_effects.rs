@@ -1,4 +1,4 @@
-//! Does what is planted act as its formula says, and is nothing there by default?
+//! Planted effects act according to their formulas, and nothing is planted by default.
 
 use estimator_core::Signal;
 use host_sim::simulator::drive::{DriveState, STEP_S};
@@ -49,7 +49,7 @@ fn nothing_is_planted_by_default() {
                 start,
             ])
         };
-        // With shifts, brakes and a launch nothing is left to be explained.
+        // The model explains everything, also with shifts, brakes and a launch.
         let plain = with("");
         let recording = Recording::new(&plain, 0).unwrap();
         let states = &recording.drive().states;
@@ -57,7 +57,7 @@ fn nothing_is_planted_by_default() {
         for step in recording.unmodelled().filter(|step| step.length_m > 0.0) {
             assert!(step.percent.abs() < 1e-9, "{step:?}");
         }
-        // What is left out is what is written as none.
+        // A missing key has the same meaning as its value for no effect.
         let (left_out, written) = (
             simulate(&plain, 0).unwrap(),
             simulate(&with(none), 0).unwrap(),
@@ -88,7 +88,7 @@ fn each_force_is_that_of_its_formula() {
         0.01 * s.fan_percent * 20_000.0 * EFFICIENCY / s.speed_mps
     });
     let within = |from_m: f64, to_m: f64, s: &DriveState| {
-        // Forces are those half a step ahead.
+        // The forces are those half a step ahead.
         let ahead_m = s.distance_m + 0.5 * STEP_S * s.speed_mps;
         f64::from(u8::from((from_m..to_m).contains(&ahead_m)))
     };
@@ -101,7 +101,7 @@ fn each_force_is_that_of_its_formula() {
 }
 
 #[test]
-fn tyres_resist_where_the_bus_tells_of_yaw() {
+fn tyres_resist_where_the_bus_reports_yaw() {
     let parts = [
         QUIET,
         "[planted]\ncornering_compliance_rad = 0.18\n",
@@ -118,7 +118,7 @@ fn tyres_resist_where_the_bus_tells_of_yaw() {
         let step = ((start_s + time_s) / STEP_S) as usize;
         let lateral = recording.drive().states[step].speed_mps * f64::from(yaw) / 9.806_65;
         let expected = 100.0 * 0.18 * lateral * lateral;
-        // The rounding of the yaw rate, and a step.
+        // Tolerance: the rounding of the yaw rate, and a step.
         assert!(
             (percents[step] - expected).abs() < 0.003 + 0.01 * expected,
             "{expected} {}",
@@ -131,14 +131,14 @@ fn tyres_resist_where_the_bus_tells_of_yaw() {
 }
 
 #[test]
-fn curvy_roads_have_the_radii_that_were_asked_for() {
+fn curvy_roads_have_the_requested_radii() {
     let text = CURVY.replace("5000", "20000");
     let road = &scenario(&[&text, A]).road;
     let tightest = (0..2000)
         .map(|k| road.curvature_per_m(10.0 * f64::from(k)).abs())
         .fold(0.0, f64::max);
     assert!((1.0 / 330.0..=1.01 / 300.0).contains(&tightest));
-    // It goes somewhere: no arc winds up.
+    // The road does not wind in circles.
     let straight_m = |from: f64, to: f64| {
         let (from, to) = (road.position(from), road.position(to));
         let north = (to.latitude_deg - from.latitude_deg) * 111_200.0;
@@ -151,7 +151,7 @@ fn curvy_roads_have_the_radii_that_were_asked_for() {
     }
 }
 
-/// Work of the engine through the top gear as the bus tells it, over the way, N.
+/// Returns the reported work of the engine through the top gear over the distance, N.
 fn reported_force_n(run: &SimulatedRun) -> f64 {
     let friction = series(run, Signal::FrictionTorque);
     let fraction = series(run, Signal::EngineTorqueFraction);
@@ -194,19 +194,19 @@ fn the_engine_works_against_what_is_planted() {
         let mean = sum / driven_m;
         let reported = 100.0 * (reported_force_n(&run) - clean) / WEIGHT_N;
         assert!(mean > 0.04, "{text}: {mean}");
-        // Torque has steps of 1/8 %, 0.003 % grade; at the end the speed is not quite the same.
+        // Torque has steps of 1/8 %, which is 0.003 % grade. The final speeds differ a little.
         assert!(
             (reported - mean).abs() < 0.006,
             "{text}: {reported}, not {mean}"
         );
-        // The driver holds the speed all the same.
+        // The driver holds the speed nevertheless.
         let last = recording.drive().states.last().unwrap().speed_mps;
         assert!((3.6 * last - 80.0).abs() < 2.0, "{text}: {last}");
     }
 }
 
 #[test]
-fn a_fan_is_told_and_switches_irregularly() {
+fn a_fan_is_reported_and_switches_irregularly() {
     let text = MILD.replace("5000", "100000");
     let run = run(&[
         "[planted]\nfan_w = 20000.0\nfan_period_s = 60.0\n",
@@ -230,7 +230,7 @@ fn a_fan_is_told_and_switches_irregularly() {
 }
 
 #[test]
-fn a_thermostat_cycles_with_the_clock_and_nobody_tells() {
+fn a_thermostat_cycles_with_the_clock_and_is_not_reported() {
     let text = "[planted]\nthermostat_w = 20000.0\nthermostat_period_s = 40.0\n";
     let start = "start_time_s = 1010.0\n";
     let loud = scenario(&[text, QUIET, MILD, A, start]);
@@ -259,7 +259,7 @@ fn torque_lags_by_its_play() {
         if shifted_nm * (before.net_torque_nm - turned_nm) < 0.0 {
             turned_nm = before.net_torque_nm;
         }
-        // Once it has moved by both plays from where it turned, it is a play behind.
+        // After a change of twice the play since the turning point, torque lags by the play.
         let since_nm = state.net_torque_nm - turned_nm;
         if since_nm.abs() > 0.04 * 1750.0 {
             assert!((lost_n - play_n.copysign(since_nm)).abs() < 1e-3);
@@ -275,7 +275,7 @@ fn torque_lags_by_its_play() {
 }
 
 #[test]
-fn wheels_of_another_radius_tell_another_speed() {
+fn wheels_of_another_radius_report_another_speed() {
     let text = "[planted]\nwheel_radius_factor = 0.97\n";
     let run = run(&[text, QUIET, MILD, A]);
     let gnss: BTreeMap<u64, f32> = series(&run, Signal::GnssSpeed)
@@ -285,13 +285,13 @@ fn wheels_of_another_radius_tell_another_speed() {
     let mut compared = 0;
     for (time_s, reported_mps) in series(&run, Signal::WheelSpeed) {
         if let Some(true_mps) = gnss.get(&((10.0 * time_s) as u64)) {
-            // A tenth of a second apart, and steps of 0.01 m/s.
+            // The times differ by up to a tenth of a second, and speed has steps of 0.01 m/s.
             assert!((reported_mps * 0.97 - true_mps).abs() < 0.03);
             compared += 1;
         }
     }
     assert!(compared > 500);
-    // Shafts turn as the wheels do: speed and engine speed agree for the believed radius.
+    // Shafts turn as the wheels do: speed and engine speed agree for the assumed radius.
     let rpm = series(&run, Signal::EngineSpeed)[1000].1;
     let near = series(&run, Signal::WheelSpeed)[100].1;
     assert!((near / 0.5 * 2.92 * 60.0 / std::f32::consts::TAU / rpm - 1.0).abs() < 2e-3);

@@ -1,4 +1,4 @@
-//! CAN frames that carry a payload.
+//! The CAN frames of a payload.
 
 use embedded_can::Frame;
 use host_sim::source::can_frame::CanFrame;
@@ -37,7 +37,7 @@ fn more_is_a_fast_packet() {
 }
 
 #[test]
-fn what_no_frame_can_carry_is_left_out() {
+fn data_that_no_frame_can_carry_are_left_out() {
     assert_eq!(CanFrame::carrying(1 << 29, 0, &[0; 8]).count(), 0);
     assert_eq!(CanFrame::carrying(1 << 29, 0, &[0; 20]).count(), 0);
     // A frame's number has five bits.

@@ -1,4 +1,4 @@
-//! candump logs: both layouts, gzip, everything that a log can have wrong, and the way back.
+//! candump logs: both layouts, gzip, all errors that a log can have, and writing.
 
 use embedded_can::{ExtendedId, Frame, Id, StandardId};
 use estimator_core::Instant;
@@ -12,7 +12,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
-/// A log in a folder of its own.
+/// A log in its own folder.
 struct Log {
     _folder: TempDir,
     path: PathBuf,
@@ -44,7 +44,7 @@ fn read(content: &[u8]) -> Result<Vec<TimedFrame>, String> {
     read_path(&log("drive.log", content).path)
 }
 
-/// The message for a bad log, without the folder.
+/// Returns the message for a bad log, without the folder.
 fn error(content: &[u8]) -> String {
     let log = log("drive.log", content);
     let message = read_path(&log.path).expect_err("a bad log is refused");
@@ -129,18 +129,18 @@ fn blank_lines_and_carriage_returns_are_tolerated() {
 }
 
 #[test]
-fn gzip_is_told_by_its_content() {
+fn gzip_is_recognised_by_its_content() {
     let packed = gzip(LOG_LAYOUT.as_bytes());
     for name in ["drive.log", "drive.log.gz", "drive"] {
         assert_eq!(read_path(&log(name, &packed).path), Ok(four_frames()));
     }
-    // Two members, as `cat a.gz b.gz` or a rotating logger leaves them.
+    // Two members, as `cat a.gz b.gz` or a rotating logger writes them.
     let halves = [
         gzip(&LOG_LAYOUT.as_bytes()[..60]),
         gzip(&LOG_LAYOUT.as_bytes()[60..]),
     ];
     assert_eq!(read(&halves.concat()), Ok(four_frames()));
-    // A name that lies.
+    // A wrong name.
     assert_eq!(
         read_path(&log("drive.log.gz", LOG_LAYOUT.as_bytes()).path),
         Ok(four_frames())
@@ -255,10 +255,10 @@ fn a_log_that_is_cut_off_is_refused_wherever_data_could_be_missing() {
             "{cut}: {message}"
         );
     }
-    // With all of its eight bytes, only the line feed is missing.
+    // All eight bytes are there: only the line feed is missing.
     let frames = read(&whole.as_bytes()[..whole.len() - 1]).expect("a whole log");
     assert_eq!(frames.len(), 5);
-    // The screen layout says how many bytes belong to a frame.
+    // The screen layout contains the number of bytes of a frame.
     let screen = SCREEN_LAYOUT.trim_end();
     assert_eq!(read(screen.as_bytes()), Ok(four_frames()));
     let message = error(b" (001.000000)  can0  123   [1]  01\n (001.000250)  can0  009   [2]  D9 ");
@@ -327,7 +327,7 @@ fn frames_that_two_processors_swapped_are_of_the_same_time() {
 
 #[test]
 fn lines_are_whole_across_the_reader_s_buffer() {
-    // More than the buffer holds, with lengths that put its border anywhere in a line.
+    // More data than the buffer holds. The lengths put the border of the buffer anywhere in a line.
     let frames: Vec<_> = (0..40_000_u64)
         .map(|k| extended(k * 7, 0x18FE_F100, &k.to_le_bytes()[..(k % 9) as usize]))
         .collect();
@@ -350,7 +350,7 @@ fn the_writer_writes_what_candump_does() {
 }
 
 #[test]
-fn the_name_tells_the_kind_of_a_log() {
+fn the_name_determines_the_kind_of_a_log() {
     for (name, kind) in [
         ("a.log", LogKind::Candump),
         ("a.log.gz", LogKind::Candump),
@@ -387,7 +387,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
     #[test]
-    fn what_was_written_is_read_back(
+    fn written_frames_are_read_back(
         start in 0..2_000_000_000_000_000_u64,
         frames in prop::collection::vec((0..5_000_000_u64, any_frame()), 1..50),
     ) {
@@ -406,17 +406,18 @@ proptest! {
     }
 
     #[test]
-    fn no_text_upsets_the_reader(content in prop::collection::vec(any::<u8>(), 0..400)) {
+    fn any_text_is_read_or_refused(content in prop::collection::vec(any::<u8>(), 0..400)) {
         let _ = read(&content);
     }
 
     #[test]
-    fn no_line_upsets_the_reader(line in r"\(1\.0{1,9}\) can0 [0-9A-F]{0,9}[#\[ ]{0,3}[0-9A-FR\] ]{0,20}") {
+    fn any_line_is_read_or_refused(line in r"\(1\.0{1,9}\) can0 [0-9A-F]{0,9}[#\[ ]{0,3}[0-9A-FR\] ]{0,20}") {
         let _ = read(line.as_bytes());
     }
 }
 
-/// By hand: `cargo test --release -p host-sim --test sources frames_per_second -- --ignored --nocapture`.
+/// Run by hand:
+/// `cargo test --release -p host-sim --test sources frames_per_second -- --ignored --nocapture`.
 #[test]
 #[ignore = "a measurement, not a check"]
 fn frames_per_second() {

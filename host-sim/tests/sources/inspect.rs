@@ -23,7 +23,7 @@ fn inspect_json(log: &Path) -> Json {
     serde_json::from_slice(&output.get_output().stdout).expect("JSON")
 }
 
-/// The first entry of `list` whose `key` is `value`.
+/// Returns the first entry of `list` whose `key` is `value`.
 fn entry<'a>(list: &'a Json, key: &str, value: impl Into<Json>) -> &'a Json {
     let value = value.into();
     let mut entries = list.as_array().expect("a list").iter();
@@ -38,8 +38,8 @@ fn file(folder: &TempDir, name: &str, content: impl AsRef<[u8]>) -> PathBuf {
     path
 }
 
-/// Ten seconds of a small bus: EEC1 at 50 Hz, CCVS1 at 10 Hz from two senders, one of which has
-/// no speed, a fast packet with a fix each second, and what an estimate does not read.
+/// Returns the log of ten seconds of a small bus: EEC1 at 50 Hz, CCVS1 at 10 Hz from two senders,
+/// one of which has no speed, a fast packet with a fix each second, and other messages.
 fn small_bus() -> Vec<u8> {
     let mut text = Vec::new();
     for k in 0..=500_u64 {
@@ -112,7 +112,7 @@ fn messages_have_their_names_senders_and_rates() {
         (&json!([0, 17]), &json!(202))
     );
     let gnss = entry(&bus["messages"], "pgn", 129_029);
-    // Behind the hole, every frame of the packet is useless.
+    // After the hole every frame of the packet is useless.
     assert_eq!(
         (&gnss["frames"], &gnss["unusable"]),
         (&json!(76), &json!(3))
@@ -162,7 +162,7 @@ fn signals_have_their_shares_and_ranges_by_sender() {
 }
 
 #[test]
-fn what_is_missing_is_told_with_its_consequence() {
+fn missing_signals_are_reported_with_their_consequence() {
     let folder = TempDir::new().expect("a temporary folder");
     let bus = file(&folder, "bus.log", small_bus());
     let needs = &inspect_json(&bus)["needs"];
@@ -172,7 +172,7 @@ fn what_is_missing_is_told_with_its_consequence() {
         ("GNSS altitude", "needed", "present"),
         ("GNSS position", "optional", "present"),
         ("engine friction torque", "optional", "missing"),
-        // Engine speed and wheel speed stand in.
+        // Engine speed and wheel speed replace it.
         ("gear or gear ratio", "optional", "missing"),
         ("gear shift flags", "optional", "missing"),
         ("brake flags", "optional", "present"),
@@ -207,7 +207,7 @@ fn what_is_missing_is_told_with_its_consequence() {
                  gear or gear ratio.",
             )),
     );
-    // The table on a terminal breaks its lines, so the words are looked for elsewhere.
+    // The table on a terminal breaks its lines, so the words are searched in the JSON.
     let needs = inspect_json(&bare)["needs"].to_string();
     assert!(needs.contains("2 identifiers of 11 bits"), "{needs}");
 }
@@ -230,7 +230,7 @@ fn only_the_most_frequent_unknown_messages_are_listed_unless_all_are_wanted() {
 }
 
 #[test]
-fn what_is_left_out_is_counted() {
+fn frames_that_are_left_out_are_counted() {
     let folder = TempDir::new().expect("a temporary folder");
     let log = file(
         &folder,
@@ -277,7 +277,7 @@ fn signal_tables_are_inspected_too() {
     // A traction force needs no gear.
     let gear = entry(&json["needs"], "what", "gear or gear ratio");
     assert_eq!(gear["importance"], "optional");
-    // Half a position is none.
+    // A latitude alone is no position.
     let half = file(&folder, "half.csv", "time_s,latitude_deg\n0,47.1\n");
     let position = &inspect_json(&half)["needs"];
     assert_ne!(

@@ -1,4 +1,4 @@
-//! Signal tables: what they give, what they refuse, and the way back.
+//! Signal tables: reading, errors, and writing.
 
 use estimator_core::{Instant, Reading, Signal, Value};
 use flate2::{Compression, write::GzEncoder};
@@ -67,7 +67,7 @@ fn rows_give_readings_in_the_order_of_signals() {
 }
 
 #[test]
-fn what_spreadsheets_do_to_a_table_is_tolerated() {
+fn changes_by_spreadsheets_are_tolerated() {
     let spaced = TABLE.replace(',', " , ").replace('\n', "\r\n\r\n");
     assert_eq!(
         read(format!("\n{spaced}\n  \n").as_bytes()),
@@ -145,7 +145,7 @@ fn headers_are_checked() {
         let message = error(table);
         assert!(message.starts_with(problem), "{table:?}: {message}");
     }
-    // The message lists what would do.
+    // The message lists the accepted columns.
     let message = error("time_s,geer\n1,2\n");
     assert!(message.contains("gear_ratio, gear, brake,"), "{message}");
 }
@@ -251,7 +251,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
     #[test]
-    fn what_was_written_is_read_back(
+    fn written_tables_are_read_back(
         columns in prop::sample::subsequence(Signal::ALL.to_vec(), 1..=Signal::ALL.len()).prop_shuffle(),
         rows in prop::collection::vec(
             (0..100_000_000_u64, prop::collection::vec(prop::option::of(-85.0_f32..85.0), Signal::ALL.len())),
@@ -289,7 +289,7 @@ proptest! {
     }
 
     #[test]
-    fn no_content_upsets_the_reader(content in prop::collection::vec(any::<u8>(), 0..300)) {
+    fn any_content_is_read_or_refused(content in prop::collection::vec(any::<u8>(), 0..300)) {
         let _ = read(&content);
         let _ = read(&[b"time_s,gear\n", &content[..]].concat());
     }

@@ -36,7 +36,7 @@ fn one_thread_and_two_give_the_same_bits() {
 }
 
 #[test]
-fn every_run_is_another_and_each_is_told() {
+fn every_run_differs_and_each_is_reported() {
     let done = AtomicUsize::new(0);
     let conditions = Conditions::calibrated(hills(), 5);
     let sets = conditions.converge(Extent { sets: 3, runs: 2 }, || {
@@ -91,7 +91,7 @@ fn a_planted_floor_is_found_under_what_the_runs_do_not_share() {
         .map(|n| (0.06_f64.powi(2) + 0.3_f64.powi(2) / f64::from(n)).sqrt())
         .collect();
     assert!((floor_percent(&curve, 10) - 0.06).abs() < 1e-9);
-    // Nothing shared, no floor; a curve that goes below is cut at none.
+    // Without common errors there is no floor. A curve below zero is cut at zero.
     let free: Vec<f64> = (1..=40).map(|n| 0.3 / f64::from(n).sqrt()).collect();
     assert!(floor_percent(&free, 10) < 1e-6);
     let faster: Vec<f64> = (1..=40).map(|n| 0.3 / f64::from(n)).collect();

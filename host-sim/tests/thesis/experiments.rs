@@ -1,4 +1,4 @@
-//! The ten experiments replicated: what was fitted fits, and what is predicted holds together.
+//! The ten replicated experiments: fitted quantities fit, and predicted quantities are consistent.
 
 use host_sim::comparison::original::NoiseSigmas;
 use host_sim::comparison::{Profile, pointwise};
@@ -45,7 +45,7 @@ fn mean_and_rmse_of_pointwise_grade_are_those_of_tables_2_and_3() {
             "{what:?}: σ {}",
             found.sigma
         );
-        // What a width of 1.65 or 1.17 % takes at 80 km/h and 2.5 m.
+        // The noise that makes a width of 1.65 or 1.17 % at 80 km/h and 2.5 m.
         let expected = if what.preset() == Preset::A {
             0.013
         } else {
@@ -74,7 +74,7 @@ fn the_modified_method_is_better_where_the_thesis_found_it_better() {
     // The heavy truck gains more, and its second estimate is the better one.
     assert!(a[1] / a[0] < b[1] / b[0], "{a:?} {b:?}");
     assert!(a[1] < b[1], "{a:?} {b:?}");
-    // The original filter is left with the thesis's share of a mean error.
+    // The original filter keeps the thesis's share of a mean error.
     for (run, found) in runs.iter().zip(&original) {
         let [mu, ..] = run.experiment.pointwise();
         if mu.abs() > 0.25 {
@@ -107,8 +107,8 @@ fn maps_get_better_with_runs_and_begin_with_the_first() {
 }
 
 /// Runs of the default campaign in which ours is not better than the modified method. Northbound 1:
-/// a slow GPS error that happens to go with the grade is read as a scale. The others: truck B, with
-/// wind and GPS errors that neither method tells apart. Not to grow.
+/// a slow GPS error that happens to correlate with the grade is read as a scale. The others: truck
+/// B, with wind and GPS errors that neither method distinguishes. The list must not grow.
 const NOT_YET_BETTER: [(Heading, usize); 4] = [
     (Heading::South, 4),
     (Heading::South, 5),
@@ -136,7 +136,7 @@ fn ours_is_better_than_the_modified_method() {
     for (original, ours) in original.iter().zip(ours) {
         assert!(ours.errors.rmse_valid < 0.5 * original.errors.rmse_valid);
     }
-    // Every map is better, and as good as it should be.
+    // Every map is better, and its error is within the bound.
     let maps = judged_maps(&all);
     assert_eq!(maps.len(), 4);
     for map in maps {
@@ -154,7 +154,7 @@ fn over_campaigns_ours_is_better_on_average() {
     let number = |text: &String| text.parse::<f64>().unwrap();
     let rows = &section.tables[0].rows;
     assert_eq!(rows.len(), 10);
-    // In the mean of the light truck, which the wind moves, the two are about as good as each other.
+    // For the light truck, which the wind affects, the two have about the same mean error.
     for row in rows {
         let [modified, ours] = [&row[1], &row[2]].map(number);
         assert!(ours < 1.08 * modified, "{row:?}");
@@ -176,7 +176,7 @@ fn ours_is_exact_on_drives_that_nothing_disturbs() {
         let ours = ours::estimate(&quiet.drive);
         let found = errors(&quiet, &ours.smoothed.grade_percent);
         assert!(found.rmse_all < 0.02, "{:?}: {found:?}", run.experiment);
-        // What is known later is known better.
+        // A later estimate is better.
         let [lagged, live] = [ours.lagged, ours.live].map(|profile| {
             assert_eq!(profile.grade_percent.len(), quiet.truth.len());
             errors(&quiet, &profile.grade_percent).rmse_all
@@ -190,14 +190,14 @@ fn ours_is_exact_on_drives_that_nothing_disturbs() {
 }
 
 #[test]
-fn ours_is_told_an_altitude_once_a_second_and_none_without_satellites() {
+fn ours_gets_an_altitude_once_a_second_and_none_without_satellites() {
     let run = replicas().swap_remove(0);
     let used = |drive| {
         let counters = ours::estimate(drive).counters;
         (counters.altitudes_used + counters.altitudes_rejected) as f64
     };
     let seconds: f64 = run.drive.points.iter().map(|p| 2.5 / p.speed_mps).sum();
-    // The first fix sets the altitude, which is no update.
+    // The first fix sets the altitude. That is not an update.
     let fixes = used(&run.drive);
     assert!(
         (fixes + 1.0 - seconds).abs() <= 1.0,
@@ -210,7 +210,7 @@ fn ours_is_told_an_altitude_once_a_second_and_none_without_satellites() {
     }
     assert!((used(&silent.drive) / fixes - 8_000.0 / 18_800.0).abs() < 0.02);
     let sigma = |drive| ours::estimate(drive).smoothed.sigma_percent[14_000];
-    // From the model alone it is less sure, and says so.
+    // With the model alone the sigma is larger.
     let [silent, reported] = [&silent.drive, &run.drive].map(sigma);
     assert!(silent > 1.2 * reported, "{silent} {reported}");
 }
@@ -272,7 +272,7 @@ fn the_noise_in_use_is_the_best_on_the_training_runs() {
     let better =
         |used: NoiseSigmas, others: Vec<NoiseSigmas>, score: fn(&Replica, &NoiseSigmas) -> f64| {
             let reached = tuning::mean_of(&runs, &used, score);
-            // Neighbours on the grid only: the whole grid is the study's business.
+            // Neighbours on the grid only. The study computes the whole grid.
             let near = |a: f64, b: f64| (0.45..2.2).contains(&(a / b));
             for other in others {
                 if near(other.altitude_m, used.altitude_m)
@@ -357,7 +357,7 @@ fn figures_mark_braking_and_gear_shifts() {
             "table5", "table6", "table7", "table8", "beside", "maps", "summary", "made_of"
         ]
     );
-    // Whether ours is better is told in words.
+    // The words report whether ours is better.
     let words = section.words.join(" ");
     assert!(
         words.contains("better than the modified method in"),

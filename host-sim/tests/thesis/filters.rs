@@ -9,7 +9,7 @@ use host_sim::simulator::road_generator::{RoadShape, generate};
 use host_sim::simulator::truck::Preset;
 use host_sim::study::distance_drive::{Belief, DistanceDrive, Disturbances, simulate};
 
-/// Left out at either end, as the thesis does.
+/// Cells left out at either end, as in the thesis.
 const EDGE: usize = 200;
 
 fn hills(seed: u64) -> Vec<f64> {
@@ -84,7 +84,7 @@ fn smoothing_beats_filtering() {
 
 #[test]
 fn on_its_own_model_the_filter_knows_its_error() {
-    // The road is a random walk in grade and the errors are white, as Q and R have it.
+    // The road is a random walk in grade and the errors are white, as in Q and R.
     let noise = NoiseSigmas {
         altitude_m: 1.5,
         model_percent: 0.5,
@@ -155,7 +155,8 @@ fn modified(run: &DistanceDrive) -> Modified {
     modified::estimate(&run.drive)
 }
 
-/// Of a constant model error, what the GPS-heavy filter leaves in its grade (`tuning`).
+/// Returns the share of a constant model error that the GPS-heavy filter keeps in its grade
+/// (`tuning`).
 fn share_left() -> f64 {
     let climb_percent = 100.0 * NoiseSigmas::GPS_HEAVY.climb_m / STEP_M;
     climb_percent.powi(2) / (climb_percent.powi(2) + NoiseSigmas::GPS_HEAVY.model_percent.powi(2))
@@ -163,8 +164,8 @@ fn share_left() -> f64 {
 
 #[test]
 fn the_mass_correction_finds_a_planted_error() {
-    // A false mass alone: with m believed as m/(1+k), α_p − α = k·(α + cr + acceleration/g) and
-    // drag, so the slope on α is k, and m(1+k) is the truth.
+    // A false mass alone: with the assumed mass m/(1+k), α_p − α = k·(α + cr + acceleration/g)
+    // and drag, so the slope on α is k, and m(1+k) is the truth.
     for k in [0.2, 0.1, -0.08, -0.15] {
         let gps = vec![0.0; 16_000];
         let errors = Disturbances {
@@ -254,7 +255,7 @@ fn an_insignificant_slope_leaves_the_mass_alone() {
     let mut left_alone = 0;
     for seed in 60..80 {
         let gps = vec![0.0; 16_000];
-        // Wind: a slow error that has nothing to do with grade.
+        // Wind: a slow error that does not depend on grade.
         let mut rng = stream(seed, 3, Purpose::Gnss);
         let mut value = 0.0;
         let model: Vec<f64> = (0..16_000)

@@ -7,7 +7,8 @@ use host_sim::study::sensitivity::{Parameter, analytic, error_percent, numeric, 
 
 const AIR_DENSITY: f64 = 1.2;
 
-/// What eq. 1-8 leave over: the acceleration that they give for the one assumed, less that one.
+/// Returns the residual of eq. 1-8: the acceleration that they give for an assumed one, less the
+/// assumed one.
 fn chained(
     vehicle: &VehicleParameters,
     gear: usize,
@@ -33,7 +34,7 @@ fn chained(
         f64::from(powertrain.final_drive_efficiency),
     );
     let theta = assumed / r_w * i_f * i_t;
-    // (1) J_e θ'' = T_e - T_c, the friction torque already taken off.
+    // (1) J_e θ'' = T_e - T_c, with the friction torque already subtracted.
     let t_c = torque_nm - f64::from(powertrain.engine_inertia_kgm2) * theta;
     // (2), (3) through gearbox and final drive.
     let t_f = i_t * eta_t * t_c;
@@ -48,7 +49,7 @@ fn chained(
     (f_a - f_air - f_roll - f_grade) / (m + j_w / (r_w * r_w)) - assumed
 }
 
-/// The acceleration at which eq. 1-8 agree with themselves.
+/// Returns the acceleration that solves eq. 1-8.
 fn acceleration(
     vehicle: &VehicleParameters,
     gear: usize,
@@ -68,8 +69,8 @@ fn acceleration(
     0.5 * (low + high)
 }
 
-/// Forces and speeds of all kinds: climbing, engine braking, low gears in which the engine's
-/// inertia weighs more than the truck.
+/// The forces and speeds include climbing, engine braking, and low gears in which the engine's
+/// inertia exceeds that of the truck.
 #[test]
 fn equation_9_is_equations_1_to_8_chained() {
     for preset in [Preset::A, Preset::B] {
@@ -119,7 +120,7 @@ fn each_slope_and_offset_is_that_of_the_analytic_derivative() {
             let found = numeric(&vehicle, parameter).unwrap();
             let by_hand = analytic(&vehicle, parameter);
             assert!(
-                // By hand in sines, found in tangents: 1.5 s² apart.
+                // The value by hand uses sines, the computed one tangents: they differ by 1.5 s².
                 (found.slope - by_hand.slope).abs() < 1e-4,
                 "{preset:?}, {parameter:?}: {found:?}, by hand {by_hand:?}"
             );
@@ -132,7 +133,7 @@ fn each_slope_and_offset_is_that_of_the_analytic_derivative() {
 }
 
 #[test]
-fn what_the_thesis_says_of_figure_7_holds() {
+fn the_statements_of_the_thesis_on_figure_7_hold() {
     let level = |preset: Preset, parameter| analytic(&preset.parameters(), parameter);
     for preset in [Preset::A, Preset::B] {
         let vehicle = preset.parameters();

@@ -29,7 +29,7 @@ fn drive(preset: Preset, belief: &Belief, errors: &Disturbances<'_>) -> Distance
     .unwrap()
 }
 
-/// Pointwise less true grade where the model holds, %.
+/// Returns the pointwise less the true grade where the model is valid, %.
 fn errors_percent(run: &DistanceDrive) -> Vec<f64> {
     pointwise::grade_percent(&run.drive)
         .iter()
@@ -42,7 +42,7 @@ fn errors_percent(run: &DistanceDrive) -> Vec<f64> {
 }
 
 #[test]
-fn undisturbed_the_model_gives_back_the_road() {
+fn without_disturbances_the_model_gives_the_road() {
     for preset in [Preset::A, Preset::B] {
         let run = drive(preset, &Belief::TRUTH, &Disturbances::default());
         let worst = errors_percent(&run)

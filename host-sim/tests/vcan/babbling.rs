@@ -9,21 +9,21 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::thread;
 use std::time::Duration;
 
-/// What came of a drive beside a babbling node.
+/// The outcome of a drive beside a babbling node.
 struct Babbled {
-    /// Frames that the node sent.
+    /// Number of frames that the node sent.
     sent: u64,
-    /// Of these, read by the listener.
+    /// Number of these frames that the listener read.
     read: u64,
-    /// Values that the estimator refused because another address sends them, and those that it
-    /// refuses without the node.
+    /// Number of values that the estimator refused because another address sends them, with the
+    /// node and without it.
     refused: [u64; 2],
 }
 
 const REFUSED: &str = "values of other senders";
 
-/// A drive beside a node that sends `frame` over and over, `burst` times a millisecond. The cells
-/// must be those from the file.
+/// Listens to a drive beside a node that sends `frame` again and again, `burst` times a
+/// millisecond. Checks that the cells are those from the file.
 fn beside(name: &'static str, frame: CanFrame, burst: usize) -> Babbled {
     let vcan = Vcan::new(name);
     let drive = VcanDrive::new("A", 1_000.0);
@@ -38,7 +38,7 @@ fn beside(name: &'static str, frame: CanFrame, burst: usize) -> Babbled {
         let listener = Listener::start(&drive, &[vcan.0], &options);
         scope.spawn(|| {
             let sender = FrameSender::open(name, &[]).unwrap();
-            // The drive's own senders are received first, as on a truck on which a node goes wrong.
+            // The senders of the drive come first, as on a truck on which a node fails later.
             thread::sleep(Duration::from_millis(500));
             while !is_over.load(Ordering::Relaxed) {
                 for _ in 0..burst {
@@ -48,7 +48,7 @@ fn beside(name: &'static str, frame: CanFrame, burst: usize) -> Babbled {
                 thread::sleep(Duration::from_millis(1));
             }
         });
-        // A third of a minute of the drive passes in each second.
+        // Each second takes 20 s of the drive.
         replay(vcan.0, &drive.log(), &["--log-time", "--speed", "20"]);
         is_over.store(true, Ordering::Relaxed);
         listener.finish()
@@ -71,8 +71,8 @@ fn beside(name: &'static str, frame: CanFrame, burst: usize) -> Babbled {
 
 #[test]
 #[ignore = "needs a CAN interface: tests/run vcan"]
-fn the_kernel_keeps_away_what_nobody_wants() {
-    // The highest priority there is, as fast as the interface takes it.
+fn the_kernel_filters_out_unwanted_frames() {
+    // The highest priority, as fast as the interface accepts it.
     let frame = CanFrame::extended(0, &[0; 8]).unwrap();
     let babbled = beside("rgbabble", frame, 200);
     assert!(babbled.sent > 1_000);

@@ -5,10 +5,10 @@ use std::process::Command;
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Longest wait for something that another process does; no more than a bound on a hanging test.
+/// Longest wait for another process. It only bounds the time of a hanging test.
 pub const PATIENCE: Duration = Duration::from_secs(60);
 
-/// A virtual interface that is up, and removed with its value.
+/// A virtual interface that is up. It is removed when the value is dropped.
 pub struct Vcan(pub &'static str);
 
 impl Vcan {
@@ -35,13 +35,13 @@ impl Vcan {
         ip(&["link", "del", "dev", self.0]);
     }
 
-    /// The frames that the kernel dropped between the interface and the sockets.
+    /// Returns the number of frames that the kernel dropped between the interface and the sockets.
     pub fn rx_dropped(&self) -> u64 {
         let file = format!("/sys/class/net/{}/statistics/rx_dropped", self.0);
         fs::read_to_string(file).unwrap().trim().parse().unwrap()
     }
 
-    /// Until candump listens, to all frames or to some.
+    /// Waits until candump listens, to all frames or to some.
     pub fn wait_for_candump(&self) {
         wait_until("candump listens", || {
             ["all", "fil"].iter().any(|list| {
@@ -72,7 +72,7 @@ pub fn ip(args: &[&str]) {
 pub fn wait_until(what: &str, mut is_so: impl FnMut() -> bool) {
     let begun = Instant::now();
     while !is_so() {
-        assert!(begun.elapsed() < PATIENCE, "waited in vain until {what}");
+        assert!(begun.elapsed() < PATIENCE, "timeout: not yet {what}");
         thread::sleep(Duration::from_millis(10));
     }
 }

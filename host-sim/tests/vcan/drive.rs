@@ -1,4 +1,4 @@
-//! A simulated drive in files.
+//! The files of a simulated drive.
 
 use crate::roadgrade;
 use host_sim::simulator::scenario::Scenario;
@@ -18,7 +18,7 @@ pub struct VcanDrive {
 }
 
 impl VcanDrive {
-    /// A kilometre or more by truck A or B.
+    /// Simulates a drive of this length by truck A or B.
     pub fn new(truck: &str, length_m: f64) -> Self {
         let text = format!(
             "seed = 7\n[road]\nlength_m = {length_m}\n[[runs]]\nname = \"x\"\ntruck = \"{truck}\"\n"
@@ -49,7 +49,7 @@ impl VcanDrive {
         self.file("vehicle.toml")
     }
 
-    /// The run file that `roadgrade estimate` makes of a log.
+    /// Runs `roadgrade estimate` on a log and returns the text of the run file.
     pub fn estimate(&self, log: &Path) -> String {
         let out = self.file("estimated.csv");
         roadgrade()
@@ -76,18 +76,18 @@ pub fn write_log(path: &Path, frames: &[TimedFrame]) {
     out.flush().unwrap();
 }
 
-/// The frames of a log, without their times.
+/// Returns the frames of a log without their times.
 pub fn frames_of(path: &Path) -> Vec<CanFrame> {
     let log = CandumpReader::open(path).unwrap();
     log.map(|timed| timed.unwrap().frame).collect()
 }
 
-/// The frames of a drive, without their times.
+/// Returns the frames of a drive without their times.
 pub fn untimed(frames: &[TimedFrame]) -> Vec<CanFrame> {
     frames.iter().map(|timed| timed.frame).collect()
 }
 
-/// Replays a log; returns the summary.
+/// Replays a log. Returns the summary.
 pub fn replay(interface: &str, log: &Path, options: &[&str]) -> serde_json::Value {
     let output = roadgrade()
         .args(["replay", "--json", "--can", interface])

@@ -1,4 +1,4 @@
-//! Reports of the controller, sent as a driver would.
+//! Error frames of the CAN controller, sent as a driver sends them.
 
 use crate::bus::Vcan;
 use crate::drive::{VcanDrive, replay};
@@ -7,7 +7,7 @@ use socketcan::{CanErrorFrame, CanFrame, CanSocket, Socket};
 
 #[test]
 #[ignore = "needs a CAN interface: tests/run vcan"]
-fn reports_of_the_controller_are_told_and_counted() {
+fn error_frames_of_the_controller_are_reported_and_counted() {
     let vcan = Vcan::new("rgerr");
     let drive = VcanDrive::new("A", 300.0);
     let mut listener = Listener::start(&drive, &[vcan.0], &[]);
@@ -40,7 +40,7 @@ fn reports_of_the_controller_are_told_and_counted() {
     ] {
         assert_eq!(output.event(0, event), count, "{event}");
     }
-    // They are no frames, and the estimate goes on.
+    // Error frames do not count as frames, and the estimate goes on.
     assert_eq!(output.frames(0), drive.frames.len() as u64);
     assert!(!output.said.iter().any(|said| said.contains("wire")));
 }

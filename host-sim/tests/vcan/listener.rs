@@ -9,7 +9,7 @@ use std::process::{Child, Command, Stdio};
 use std::sync::mpsc::{Receiver, channel};
 use std::thread::{self, JoinHandle};
 
-/// `roadgrade listen` to live.csv, until the bus was silent for this long.
+/// Returns the command `roadgrade listen` that writes live.csv and ends after this silence.
 pub fn until_silent(drive: &VcanDrive, interface: &str, silence_s: &str) -> assert_cmd::Command {
     let mut command = roadgrade();
     command
@@ -21,20 +21,20 @@ pub fn until_silent(drive: &VcanDrive, interface: &str, silence_s: &str) -> asse
     command
 }
 
-/// A listener that is listening.
+/// A running listener.
 pub struct Listener {
     child: Child,
-    /// What it said so far.
+    /// Its messages so far.
     pub said: Vec<String>,
     messages: Receiver<String>,
     results: JoinHandle<String>,
 }
 
-/// What it left.
+/// The output of a finished listener.
 pub struct ListenerOutput {
     /// The last line of its JSON: summary and interfaces.
     pub end: Value,
-    /// The lines before.
+    /// The lines before the last one.
     pub lines: Vec<Value>,
     pub said: Vec<String>,
 }
@@ -55,7 +55,7 @@ impl ListenerOutput {
         events[name].as_u64().unwrap_or(0)
     }
 
-    /// A count of the core, by its words.
+    /// Returns a counter of the core by its words.
     pub fn counted(&self, words: &str) -> u64 {
         let counts = self.end["summary"]["events"].as_array().unwrap();
         let count = counts.iter().find(|count| count[0] == words);
@@ -64,7 +64,7 @@ impl ListenerOutput {
 }
 
 impl Listener {
-    /// Starts one; returns when it has its interfaces open.
+    /// Starts a listener. Returns when its interfaces are open.
     pub fn start(drive: &VcanDrive, interfaces: &[&str], options: &[&str]) -> Self {
         let mut command = Command::new(env!("CARGO_BIN_EXE_roadgrade"));
         command
@@ -106,11 +106,11 @@ impl Listener {
         listener
     }
 
-    /// Until it says something with these words.
+    /// Waits until it prints a message with these words.
     pub fn wait_for(&mut self, words: &str) {
         loop {
             let Ok(message) = self.messages.recv_timeout(PATIENCE) else {
-                panic!("waited in vain for {words:?}; it said {:?}", self.said);
+                panic!("timeout: no message with {words:?} among {:?}", self.said);
             };
             let is_it = message.contains(words);
             self.said.push(message);
@@ -120,7 +120,7 @@ impl Listener {
         }
     }
 
-    /// Sends it a signal.
+    /// Sends a signal to the process.
     pub fn signal(&self, name: &str) {
         let id = self.child.id().to_string();
         let signal = format!("-{name}");
@@ -133,7 +133,7 @@ impl Listener {
         );
     }
 
-    /// Waits for its end, which must be a good one.
+    /// Waits until it ends, and checks that it succeeds.
     pub fn finish(mut self) -> ListenerOutput {
         let status = self.child.wait().unwrap();
         self.said.extend(self.messages.iter());

@@ -1,4 +1,4 @@
-//! As much as a bus carries, and more than is read.
+//! A full bus, and more frames than the listener reads.
 
 use crate::bus::Vcan;
 use crate::drive::{VcanDrive, frames_of, replay, write_log};
@@ -12,12 +12,12 @@ use rand_chacha::ChaCha8Rng;
 use std::thread;
 use std::time::Duration;
 
-/// Frames with 29-bit identifier and eight bytes that a bus of 500 kbit/s carries in a second: 131
-/// bits each with the gap after it, without stuffing. With it, it is fewer.
+/// Largest rate of frames with 29-bit identifier and eight bytes on a bus of 500 kbit/s: 131 bits
+/// each with the gap after it, without stuff bits.
 const FULL_LOAD_HZ: u64 = 3_817;
 const SECONDS: u64 = 10;
 
-/// A drive, and other traffic in all the room that it leaves: half of it of messages that the
+/// Returns a drive with other traffic that fills the bus. Half of that traffic is messages that the
 /// estimator reads, from another address.
 fn full_bus(drive: &VcanDrive) -> Vec<TimedFrame> {
     let mut random = ChaCha8Rng::seed_from_u64(5);
@@ -93,7 +93,7 @@ fn frames_that_the_kernel_drops_are_counted() {
     let vcan = Vcan::new("rgdrop");
     let drive = VcanDrive::new("A", 300.0);
     let listener = Listener::start(&drive, &[vcan.0], &["--end-after-silence", "3"]);
-    // Nobody reads, and the memory for frames that wait runs full.
+    // The stopped listener does not read, so the receive buffer fills.
     listener.signal("STOP");
     let sender = FrameSender::open(vcan.0, &[]).unwrap();
     let wheel_speed = CanFrame::extended(0x18FE_F100, &[0xff; 8]).unwrap();
@@ -101,12 +101,12 @@ fn frames_that_the_kernel_drops_are_counted() {
     for _ in 0..SENT {
         sender.send(&wheel_speed).unwrap();
     }
-    // Longer than the silence that ends the drive: frames that wait are read all the same.
+    // Longer than the silence that ends the drive. Frames in the buffer are read nevertheless.
     thread::sleep(Duration::from_secs(4));
     listener.signal("CONT");
     let output = listener.finish();
     assert!(output.lost(0) > 0);
-    // A busy kernel drops frames before they reach any socket; only the interface counts these.
+    // A busy kernel drops frames before they reach a socket. Only the interface counts these.
     let before_sockets = vcan.rx_dropped();
     assert_eq!(output.frames(0) + output.lost(0) + before_sockets, SENT);
     println!(

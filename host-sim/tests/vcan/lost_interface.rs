@@ -1,4 +1,4 @@
-//! Interfaces that are not there, go, and come back.
+//! Interfaces that are missing, vanish, and return.
 
 use crate::bus::{Vcan, ip};
 use crate::drive::{VcanDrive, replay, write_log};
@@ -7,7 +7,7 @@ use crate::roadgrade;
 use host_sim::files::run;
 use predicates::str::contains;
 
-/// A drive whose interface is lost in its middle by `lose` and found by `find`.
+/// Listens to a drive. `lose` takes the interface away in the middle and `find` brings it back.
 fn interrupted(
     name: &'static str,
     words: &str,
@@ -95,7 +95,7 @@ fn an_interface_that_is_down_or_missing_at_the_start_is_an_error() {
 
 #[test]
 #[ignore = "needs a CAN interface: tests/run vcan"]
-fn a_bus_without_traffic_gives_no_run_and_says_why() {
+fn a_bus_without_traffic_gives_no_run_and_a_reason() {
     let vcan = Vcan::new("rgmute");
     let drive = VcanDrive::new("A", 300.0);
     until_silent(&drive, vcan.0, "0.5")
@@ -107,7 +107,7 @@ fn a_bus_without_traffic_gives_no_run_and_says_why() {
 
 #[test]
 #[ignore = "needs a CAN interface: tests/run vcan"]
-fn a_replay_with_its_time_needs_somebody_who_answers() {
+fn a_replay_with_log_time_needs_a_listener() {
     let vcan = Vcan::new("rgalone");
     let drive = VcanDrive::new("A", 300.0);
     roadgrade()

@@ -1,7 +1,7 @@
 //! `roadgrade listen` and `roadgrade replay` on virtual CAN interfaces.
 //!
-//! They need a kernel with vcan and the right to make interfaces, and so are left out of an ordinary
-//! `cargo test`; `tests/run vcan` runs them, in a virtual machine where this kernel has none.
+//! The tests need a kernel with vcan and the right to add interfaces. An ordinary `cargo test`
+//! leaves them out. `tests/run vcan` runs them, in a virtual machine if this kernel has no vcan.
 
 #![cfg(target_os = "linux")]
 
@@ -20,7 +20,7 @@ mod watching;
 
 use assert_cmd::Command;
 
-/// The program.
+/// Returns the program.
 fn roadgrade() -> Command {
     Command::new(env!("CARGO_BIN_EXE_roadgrade"))
 }

@@ -7,7 +7,7 @@ use std::fs::File;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 
-/// A process that is ended with its value.
+/// A process that is killed when the value is dropped.
 pub struct Running(Child);
 
 impl Drop for Running {
@@ -17,7 +17,7 @@ impl Drop for Running {
     }
 }
 
-/// `candump -L`, of what passes a filter if there is one; its output in a file.
+/// Starts `candump -L` with a filter, or without one if it is empty. Its output goes to a file.
 pub fn candump(vcan: &Vcan, filter: &str, to: &Path) -> Running {
     let child = Command::new("candump")
         .arg("-L")
@@ -82,7 +82,7 @@ fn canplayer_feeds_a_listener_and_cangen_does_not_disturb_it() {
 
 #[test]
 #[ignore = "needs a CAN interface: tests/run vcan"]
-fn a_recording_of_two_senders_is_one_that_estimate_reads() {
+fn estimate_reads_a_recording_of_two_senders() {
     let vcan = Vcan::new("rgboth");
     let drive = VcanDrive::new("A", 300.0);
     let recording = drive.file("candump.log");
@@ -98,7 +98,7 @@ fn a_recording_of_two_senders_is_one_that_estimate_reads() {
         lines() > drive.frames.len() + 10
     });
     drop(candump);
-    // candump may have been at its last line.
+    // The last line of candump may be incomplete.
     let text = std::fs::read_to_string(&recording).unwrap();
     let whole = text.rsplit_once('\n').unwrap().0.to_owned() + "\n";
     std::fs::write(&recording, whole).unwrap();

@@ -1,4 +1,4 @@
-//! The estimate on the bus, as a foreign listener sees it.
+//! The estimate on the bus, as another listener receives it.
 
 use crate::bus::{Vcan, wait_until};
 use crate::drive::{VcanDrive, replay};
@@ -8,16 +8,16 @@ use host_sim::files::run::{self, RunRow};
 use std::fs;
 use std::path::Path;
 
-/// What candump keeps: the three messages of `grade.dbc`, from address 254.
+/// Filter of candump: the three messages of `grade.dbc`, from address 254.
 const FILTER: &str = ",18FF46FE:1FFFFEFF,18FF49FE:1FFFFFFF";
 const LIVE: &str = "18FF46FE";
 const CELL: &str = "18FF47FE";
 const STATUS: &str = "18FF49FE";
 
-/// The payloads of one message in a recording.
+/// Returns the payloads of one message in a recording.
 fn payloads(recording: &Path, id: &str) -> Vec<[u8; 8]> {
     let text = fs::read_to_string(recording).unwrap();
-    // candump may be at its last line.
+    // The last line of candump may be incomplete.
     let whole = text.rsplit_once('\n').map_or("", |(whole, _)| whole);
     whole
         .lines()
@@ -79,7 +79,7 @@ fn the_estimate_is_sent_with_each_finished_cell_and_not_read_back() {
     let output = listener.finish();
     assert_eq!(output.frames(0), drive.frames.len() as u64);
 
-    // All that had seen the full lag when the log ended.
+    // The cells that had the full lag when the log ended.
     let finished = output.lines.last().unwrap()["cells"].as_u64().unwrap() as usize;
     assert!(finished > 100);
     wait_until("candump has all", || {
@@ -105,6 +105,6 @@ fn the_estimate_is_sent_with_each_finished_cell_and_not_read_back() {
         lives.len(),
         cells.len()
     );
-    // For who decodes them with the layout file.
+    // `tests/vcan/decode.py` decodes this with the layout file.
     print!("{}", fs::read_to_string(&recording).unwrap());
 }

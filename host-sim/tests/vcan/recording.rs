@@ -1,4 +1,5 @@
-//! In the kernel's time: what is recorded is what was estimated from, and what was sent.
+//! Recording with the kernel's time stamps: the recording has the sent frames and gives the same
+//! run.
 
 use crate::bus::Vcan;
 use crate::drive::{VcanDrive, frames_of, replay, untimed};
@@ -8,7 +9,7 @@ use host_sim::source::candump::CandumpReader;
 
 #[test]
 #[ignore = "needs a CAN interface: tests/run vcan"]
-fn a_drive_in_its_own_time_is_recorded_and_estimated_as_from_its_file() {
+fn a_drive_in_real_time_is_recorded_and_estimated_as_from_its_file() {
     let vcan = Vcan::new("rgrec");
     let drive = VcanDrive::new("A", 600.0);
     let options = ["--out", "live.csv", "--log", "output.log"];
@@ -18,19 +19,19 @@ fn a_drive_in_its_own_time_is_recorded_and_estimated_as_from_its_file() {
     let output = listener.finish();
     assert_eq!(output.lost(0), 0);
 
-    // It showed itself on the way, about once a second.
+    // About once a second it printed its state.
     assert!(output.lines.len() > 5);
     let newest = output.lines.last().unwrap();
     assert_eq!(newest["interfaces"][0]["frames"], drive.frames.len());
     assert!(newest["grade_percent"]["sigma"].as_f64().unwrap() > 0.0);
     assert!(newest["distance_m"].as_f64().unwrap() > 500.0);
 
-    // Every frame, in order; and the recording gives the very same run.
+    // Every frame is there, in order, and the recording gives the same run.
     let recording = drive.file("output.log");
     assert_eq!(frames_of(&recording), untimed(&drive.frames));
     assert_eq!(drive.estimate(&recording), drive.read("live.csv"));
 
-    // Close to the file's: the kernel's stamps differ by how late a frame was sent.
+    // The run is close to that of the file. The time stamps differ by the delay of sending.
     let rows = run::read(&drive.file("live.csv")).unwrap();
     drive.estimate(&drive.log());
     let from_file = run::read(&drive.file("estimated.csv")).unwrap();

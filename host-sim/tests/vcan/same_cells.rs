@@ -1,4 +1,4 @@
-//! The cells over an interface are those from the file.
+//! The cells from an interface are those from the file.
 
 use crate::bus::Vcan;
 use crate::drive::{VcanDrive, replay, write_log};
@@ -10,7 +10,7 @@ const AT_ONCE: [&str; 3] = ["--log-time", "--speed", "max"];
 
 #[test]
 #[ignore = "needs a CAN interface: tests/run vcan"]
-fn ten_times_in_a_row_they_are_the_same_to_the_last_digit() {
+fn ten_times_in_a_row_the_cells_are_equal_to_the_last_digit() {
     let vcan = Vcan::new("rgsame");
     let drive = VcanDrive::new("A", 1_000.0);
     let from_file = drive.estimate(&drive.log());
@@ -77,7 +77,7 @@ fn a_vehicle_with_two_buses_is_estimated_from_both() {
     let output = listener.finish();
     assert_eq!(output.frames(0), logs[0].1.len() as u64);
     assert_eq!(output.frames(1), logs[1].1.len() as u64);
-    // In the order of time, or the reader of the log would refuse it.
+    // In the order of time, since the reader of the log refuses any other.
     assert_eq!(
         drive.estimate(&drive.file("output.log")),
         drive.read("live.csv")

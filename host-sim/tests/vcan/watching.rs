@@ -1,4 +1,4 @@
-//! What somebody sees who pipes the output of `listen`.
+//! The piped output of `listen`.
 
 use crate::bus::Vcan;
 use crate::drive::{VcanDrive, replay};
@@ -11,7 +11,7 @@ use std::thread;
 
 #[test]
 #[ignore = "needs a CAN interface: tests/run vcan"]
-fn piped_there_is_a_line_a_second_and_the_summary_apart_from_them() {
+fn piped_output_has_a_line_a_second_and_a_separate_summary() {
     let vcan = Vcan::new("rgpipe");
     let drive = VcanDrive::new("A", 300.0);
     let output = thread::scope(|scope| {
@@ -31,7 +31,7 @@ fn piped_there_is_a_line_a_second_and_the_summary_apart_from_them() {
     for line in &lines {
         assert_eq!(line.len(), columns, "{line:?}");
     }
-    // Two seconds after the last frame it is said that none comes.
+    // Two seconds after the last frame the mode is silent.
     assert_eq!(lines.last().unwrap()[5], "silent");
     let said = String::from_utf8(output.stderr).unwrap();
     assert!(said.contains("| traction scale, end"), "{said}");
@@ -44,7 +44,7 @@ fn a_drive_whose_lines_cannot_be_written_ends_and_is_kept() {
     let vcan = Vcan::new("rgfull");
     let drive = VcanDrive::new("A", 300.0);
     let output = thread::scope(|scope| {
-        // Before the listener, which is to have something to keep when its first line fails.
+        // It starts before the listener, so that there is a run to keep when the first line fails.
         scope.spawn(|| replay(vcan.0, &drive.log(), &["--speed", "2"]));
         Command::new(env!("CARGO_BIN_EXE_roadgrade"))
             .args(["listen", "--json", "--can", vcan.0, "--vehicle"])

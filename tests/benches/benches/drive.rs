@@ -1,4 +1,4 @@
-//! What a host does with a drive.
+//! The work of a host on a drive.
 
 use benches::work::Work;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};

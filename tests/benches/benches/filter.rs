@@ -1,4 +1,4 @@
-//! A filter step: ours with all its states, peers of the same size and smaller.
+//! A filter step: ours with all its states, and peers of the same size and smaller.
 
 use benches::stopwatch::{STEPS, Stopwatch};
 use benches::{Contender, double, single};

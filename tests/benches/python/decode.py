@@ -1,6 +1,6 @@
-"""The head of a candump log through python-can and cantools: `decode.py LOG`; a line of JSON with
-the time for a frame. cantools knows no fast packets: their frames are read and not decoded, which
-is less than the estimator does."""
+"""Decodes the head of a candump log with python-can and cantools: `decode.py LOG`. Prints a line of
+JSON with the time for a frame. cantools does not know fast packets: their frames are read but not
+decoded, which is less work than the estimator does."""
 
 import itertools
 import json
@@ -12,7 +12,7 @@ import can
 import cantools
 
 FRAMES = 20_000
-# Priority and address are those of a sender; the rest names the message.
+# Mask of the identifier without priority and source address.
 GROUP = 0x03FFFF00
 
 

@@ -1,5 +1,5 @@
-"""filterpy's filter on the model of tests/peers/src/model.rs: `filter.py STATES...`; for each
-size a line of JSON with the time of a step and where the filter is after a thousand."""
+"""Runs filterpy's filter on the model of tests/peers/src/model.rs: `filter.py STATES...`. Prints
+for each size a line of JSON with the time of a step and the state after a thousand steps."""
 
 import json
 import sys

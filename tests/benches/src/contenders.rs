@@ -1,4 +1,4 @@
-//! Who takes part, in the precision of the module around.
+//! The contenders, in the precision of the enclosing module.
 
 use super::dense::{adskalman, kfilter, multicalc, plain_nalgebra};
 use super::minikalman_filter::{minikalman_3, minikalman_5, minikalman_8};
@@ -6,7 +6,7 @@ use super::model::FilterMeter;
 use super::ours::ours;
 use crate::Contender;
 
-/// Returns all filters. Those of one size other than ours do the same work.
+/// Returns all filters. Peers of one size do the same work.
 #[must_use]
 pub fn contenders<M: FilterMeter>() -> Vec<Contender<M>> {
     let mut all = Vec::new();

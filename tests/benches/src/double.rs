@@ -1,6 +1,6 @@
 //! The filters in double precision.
 
-/// What they compute in.
+/// Number type of the filters.
 pub type Real = f64;
 
 #[path = "contenders.rs"]

@@ -1,12 +1,12 @@
-//! How fast it is, beside others that do the same work.
+//! The speed of the estimator, beside other programs that do the same work.
 //!
 //! * [`single`], [`double`]: the filters of `tests/peers` in either precision;
-//! * [`stopwatch`]: one of them, timed;
-//! * [`work`]: what a host does with a drive;
+//! * [`stopwatch`]: times one filter;
+//! * [`work`]: the work of a host on a drive;
 //! * [`table`]: figures of one run, with their ratios.
 //!
-//! `benches/` has all of it for criterion; `src/bin/beside.rs` lets everybody take turns, so that
-//! whatever else the machine does hits all alike, and writes the table of `docs/results.md`.
+//! `benches/` has the same for criterion. `src/bin/beside.rs` runs all contenders in turns, so that
+//! other load on the machine affects them alike. It prints the table of `docs/results.md`.
 
 pub mod double;
 pub mod single;
@@ -16,10 +16,10 @@ pub mod work;
 
 /// A filter.
 pub struct Contender<M> {
-    /// Its name; the estimator's is "ours".
+    /// Its name. The estimator's is "ours".
     pub name: &'static str,
     /// Number of its states.
     pub states: usize,
-    /// Lets it be measured.
+    /// Measures it.
     pub measure: fn(&mut M),
 }

@@ -1,6 +1,6 @@
 //! The filters in single precision.
 
-/// What they compute in.
+/// Number type of the filters.
 pub type Real = f32;
 
 #[path = "contenders.rs"]

@@ -1,17 +1,16 @@
-//! One filter, timed; and where it is after a thousand steps, so that it can be seen to have done
-//! the work.
+//! Times one filter. Its state after a thousand steps shows that it did the work.
 
 use crate::{double, single};
 use std::hint::black_box;
 use std::time::Instant;
 
-/// Steps before the time counts; then all filters of a size have to agree.
+/// Steps before the timed ones. After them all filters of a size must agree.
 const WARM_UP: u32 = 1_000;
-/// Steps that are timed. No more: on a road that never changes some covariances decay until they
-/// are denormal, after 40,000 steps in single precision, and processors take twice as long then.
+/// Number of timed steps. On a constant road some covariances decay until they are denormal, after
+/// 40,000 steps in single precision. Processors then take twice as long, so there are fewer steps.
 pub const STEPS: u32 = 10_000;
 
-/// Takes the time of so many steps.
+/// Measures the time of a step.
 #[derive(Debug)]
 pub struct Stopwatch {
     steps: u32,
@@ -22,7 +21,7 @@ pub struct Stopwatch {
 }
 
 impl Stopwatch {
-    /// For so many steps, beyond those of the warm-up.
+    /// Creates a stopwatch for so many steps after the warm-up.
     #[must_use]
     pub const fn new(steps: u32) -> Self {
         Self {
@@ -42,7 +41,7 @@ impl Stopwatch {
         for number in 0..WARM_UP {
             self.state = step(measurements(number)).map(f64::from).to_vec();
         }
-        // They repeat; making them is not to be timed.
+        // The measurements repeat. They are made here, so that this is not timed.
         let measured: [[T; 2]; 23] = std::array::from_fn(|k| measurements(k as u32));
         let rounds = self.steps.div_ceil(measured.len() as u32);
         let started = Instant::now();

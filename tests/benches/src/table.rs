@@ -2,19 +2,19 @@
 
 use host_sim::terminal::table::text_table;
 
-/// What one of those who took turns needed, each time.
+/// The times of one contender.
 #[derive(Clone, Debug)]
 pub struct BenchTimes {
-    /// Who did what.
+    /// Name of the contender.
     pub name: String,
-    /// What was counted.
+    /// Unit of work.
     pub unit: &'static str,
-    /// Time for each of them, ns, turn by turn.
+    /// Time for a unit in each turn, ns.
     pub turns_ns: Vec<f64>,
 }
 
 impl BenchTimes {
-    /// That of the middle, ns.
+    /// Returns the median, ns.
     #[must_use]
     pub fn median_ns(&self) -> f64 {
         let mut turns = self.turns_ns.clone();
@@ -27,7 +27,7 @@ impl BenchTimes {
     }
 }
 
-/// Returns a table of figures, each with its ratio to the one of that name.
+/// Returns a table of figures, each with its ratio to the figure named `base`.
 #[must_use]
 pub fn table(figures: &[BenchTimes], base: &str) -> String {
     let base = figures.iter().find(|figure| figure.name == base);
@@ -50,7 +50,7 @@ pub fn table(figures: &[BenchTimes], base: &str) -> String {
     text_table(&header, &rows, 2).to_string()
 }
 
-/// Three digits that count.
+/// Formats a number with three significant digits.
 fn digits(value: f64) -> String {
     let before = value.abs().log10().floor().max(-9.0) as i32;
     let decimals = (2 - before).clamp(0, 9) as usize;

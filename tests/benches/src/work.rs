@@ -1,4 +1,4 @@
-//! What a host does with a drive: 40 km of motorway, half an hour of a full bus.
+//! The work of a host on a drive: 40 km of motorway, half an hour of a full bus.
 
 use estimator_core::filter::{Filter, SensorNoiseRatios};
 use estimator_core::sample::Sample;
@@ -21,9 +21,9 @@ use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
-/// Bytes that are copied to see how fast memory is; no cache holds them.
+/// Bytes that are copied to measure the speed of memory; more than any cache holds.
 const COPIED: usize = 256 << 20;
-/// Runs of the drive that are fused.
+/// Number of runs that are fused.
 const RUNS: usize = 8;
 
 /// A drive, in memory and on disk.
@@ -36,13 +36,13 @@ pub struct Work {
     road: Vec<RoadPoint>,
 }
 
-/// One kind of work on it.
+/// One kind of work on a drive.
 pub struct Job<'a> {
-    /// What is done.
+    /// Its name.
     pub name: &'static str,
-    /// What is counted.
+    /// Unit of work.
     pub unit: &'static str,
-    /// How many of them are done at once.
+    /// Number of units in one call of `run`.
     pub units: usize,
     /// Does it.
     pub run: Box<dyn FnMut() + 'a>,
@@ -268,7 +268,7 @@ impl Work {
     }
 }
 
-/// A run of the demo, from its simulation into a map.
+/// Simulates, estimates and fuses one run of the demonstration.
 fn simulate_and_fuse() {
     let run = simulate(&Scenario::builtin(), 0).expect("a scenario of our own");
     let mut recorder = Recorder::<f32>::new(run.vehicle.model.clone(), Tuning::default())

@@ -4,7 +4,7 @@
 //! cargo run --manifest-path tests/fuzz/Cargo.toml --example seeds
 //! ```
 //!
-//! The names of the seeds say what they are. Seeds of the readers of text are written by hand.
+//! The names of the seeds say what they are. Seeds of the text readers are written by hand.
 
 use arbitrary::{Arbitrary, Unstructured};
 use estimator_core::{Estimator, Signal, Tuning};
@@ -45,7 +45,7 @@ fn write(corpus: &Path, target: &str, name: &str, bytes: &[u8]) -> io::Result<()
 
 // --- traffic ---------------------------------------------------------------------------------------
 
-/// Traffic that carries the filter to where a fault can hurt.
+/// Returns traffic that brings the filter into states in which a fault can do harm.
 fn of_estimator() -> Vec<(&'static str, Events)> {
     vec![
         ("a_drive", vec![drive(2_000), drive(2_200), drive(2_100)]),
@@ -84,7 +84,7 @@ fn of_estimator() -> Vec<(&'static str, Events)> {
     ]
 }
 
-/// Frames, known and unknown.
+/// Returns known and unknown frames.
 fn of_decode() -> Vec<(&'static str, Events)> {
     vec![
         ("a_drive", vec![drive(2_000)]),
@@ -223,7 +223,7 @@ fn every_message(byte: u8) -> Events {
     .collect()
 }
 
-/// Frames of fast packets of every message, in this order.
+/// Returns frames of fast packets of every message, in the order of these counters.
 fn parts(counters: &[u8]) -> Events {
     let all = 0..estimator_core::signal::messages().count();
     all.flat_map(|which| {
@@ -262,16 +262,18 @@ fn no_data() -> Events {
         .collect()
 }
 
-// --- traffic as the bytes that `arbitrary` makes it of ----------------------------------------------
+// --- traffic as the bytes of `arbitrary` ---------------------------------------------------------
 
 const KINDS: u64 = 6;
 
+/// Returns the bytes of which `arbitrary` makes these events.
+///
 /// # Panics
-/// If `arbitrary` makes other events of these bytes.
+/// Panics if `arbitrary` makes other events of them.
 fn encoded(events: &[Event]) -> Vec<u8> {
     let mut bytes = Vec::new();
     for event in events {
-        // One more.
+        // Another event follows.
         bytes.push(1);
         encode(event, &mut bytes);
     }
@@ -282,7 +284,7 @@ fn encoded(events: &[Event]) -> Vec<u8> {
 
 fn encode(event: &Event, bytes: &mut Vec<u8>) {
     let mut kind = |kind: u64| {
-        // The least number that falls to it.
+        // The least number that `arbitrary` maps to this kind.
         let number = (kind << 32).div_ceil(KINDS) as u32;
         bytes.extend(number.to_le_bytes());
     };
@@ -355,19 +357,19 @@ fn encode(event: &Event, bytes: &mut Vec<u8>) {
     }
 }
 
-// --- what a drive leaves ----------------------------------------------------------------------------
+// --- persistent states ---------------------------------------------------------------------------
 
-/// First byte of a seed: whether the target mends the checksum.
+/// First byte of a seed: whether the target corrects the checksum.
 const AS_IT_IS: u8 = 0;
-const MENDED: u8 = 1;
+const CORRECTED: u8 = 1;
 
 fn of_persistent_state() -> Vec<(&'static str, Vec<u8>)> {
     let whole = left_by_a_drive();
-    let seed = |mends: u8, bytes: &[u8]| [&[mends], bytes].concat();
+    let seed = |corrects: u8, bytes: &[u8]| [&[corrects], bytes].concat();
     let with = |offset: usize, word: [u8; 4]| {
         let mut bytes = whole.clone();
         bytes[offset..offset + 4].copy_from_slice(&word);
-        seed(MENDED, &bytes)
+        seed(CORRECTED, &bytes)
     };
     let mut damaged = whole.clone();
     damaged[20] ^= 0x10;
@@ -407,7 +409,7 @@ fn left_by_a_drive() -> Vec<u8> {
         .to_vec()
 }
 
-/// The same bytes each time: without the time, the name and the system.
+/// Compresses text to the same bytes each time: without time, name and system.
 fn compressed(text: &[u8]) -> io::Result<Vec<u8>> {
     let mut encoder = GzBuilder::new().write(Vec::new(), Compression::best());
     encoder.write_all(text)?;

@@ -1,4 +1,4 @@
-//! Frames and fast packets: what is decoded is a number of its signal, or is said to be none.
+//! Frames and fast packets: each decoded number is finite.
 
 #![no_main]
 

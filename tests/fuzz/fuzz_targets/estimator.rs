@@ -1,5 +1,5 @@
-//! The whole estimator on arbitrary traffic: whatever arrives, what it tells is finite, and its
-//! covariance is one.
+//! The whole estimator on arbitrary traffic: its estimates are finite, and its covariance is
+//! assert_positive semidefinite.
 
 #![no_main]
 
@@ -11,18 +11,18 @@ use fuzz_targets::{Event, EventBus, truck};
 use libfuzzer_sys::fuzz_target;
 use nalgebra::SymmetricEigen;
 
-/// Least eigenvalue of a correlation matrix that rounding may leave.
+/// Least eigenvalue of a correlation matrix that is accepted as rounding.
 const ROUNDING: f64 = -1e-6;
-/// Steps between looks at a whole covariance.
-const LOOK: u32 = 16;
+/// Steps from one check of the covariance to the next.
+const STEPS_PER_CHECK: u32 = 16;
 
 fuzz_target!(|events: Vec<Event>| {
-    through_estimator::<f32>(&events);
-    through_estimator::<FixedPoint>(&events);
-    through_filter(&events);
+    check_estimator::<f32>(&events);
+    check_estimator::<FixedPoint>(&events);
+    check_filter(&events);
 });
 
-fn through_estimator<S: Scalar>(events: &[Event]) {
+fn check_estimator<S: Scalar>(events: &[Event]) {
     let mut estimator = Box::new(Estimator::<S>::new(truck(), Tuning::default()).expect("a truck"));
     let mut bus = EventBus::default();
     for event in events {
@@ -30,36 +30,36 @@ fn through_estimator<S: Scalar>(events: &[Event]) {
             estimator.on_frame(timed.time, &timed.frame);
             while estimator.step().is_some() {
                 if let Some(live) = estimator.live() {
-                    sound(live.estimate.grade_percent);
-                    sound(live.estimate.bias_percent);
-                    sound(live.estimate.scale);
-                    live.estimate.altitude_m.into_iter().for_each(sound);
+                    assert_sound(live.estimate.grade_percent);
+                    assert_sound(live.estimate.bias_percent);
+                    assert_sound(live.estimate.scale);
+                    live.estimate.altitude_m.into_iter().for_each(assert_sound);
                 }
                 while let Some(cell) = estimator.next_cell() {
-                    sound_cell(&cell);
+                    assert_sound_cell(&cell);
                 }
             }
         });
     }
     while let Some(cell) = estimator.drain_cell() {
-        sound_cell(&cell);
+        assert_sound_cell(&cell);
     }
     let counters = estimator.counters();
     assert_eq!(counters.restarts, 0);
     assert_eq!(counters.cells_unsound, 0);
 }
 
-fn sound_cell(cell: &Cell) {
-    sound(cell.lagged_grade_percent);
-    cell.altitude_m.into_iter().for_each(sound);
+fn assert_sound_cell(cell: &Cell) {
+    assert_sound(cell.lagged_grade_percent);
+    cell.altitude_m.into_iter().for_each(assert_sound);
 }
 
-fn sound(known: Uncertain) {
+fn assert_sound(known: Uncertain) {
     assert!(known.value.is_finite(), "{known:?}");
     assert!(known.sigma.is_finite() && known.sigma >= 0.0, "{known:?}");
 }
 
-fn through_filter(events: &[Event]) {
+fn check_filter(events: &[Event]) {
     let mut context = Context::new(truck(), Tuning::default()).expect("a truck");
     let mut intake = Intake::new(&context.tuning);
     let mut sampler = Sampler::new();
@@ -72,18 +72,18 @@ fn through_filter(events: &[Event]) {
                 filter.step(&mut context, &sample);
                 if let Some(state) = filter
                     .state()
-                    .filter(|_| context.counters.steps.is_multiple_of(LOOK))
+                    .filter(|_| context.counters.steps.is_multiple_of(STEPS_PER_CHECK))
                 {
-                    positive(state);
+                    assert_positive(state);
                 }
             }
         });
     }
-    filter.state().into_iter().for_each(positive);
+    filter.state().into_iter().for_each(assert_positive);
 }
 
-/// Whether the covariance is positive, up to rounding, in units in which its variances are one.
-fn positive(state: &State<f32>) {
+/// Checks that the covariance, scaled to unit variances, is assert_positive up to rounding.
+fn assert_positive(state: &State<f32>) {
     let p = state.covariance.to_nalgebra().map(f64::from);
     let sigmas = p.diagonal().map(|variance| {
         assert!(variance >= 0.0 && variance.is_finite());

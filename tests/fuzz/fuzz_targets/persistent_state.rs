@@ -1,4 +1,4 @@
-//! What a drive leaves: bytes that are taken survive being written, and start an estimator.
+//! The persistent state: accepted bytes are written back unchanged, and start an estimator.
 
 #![no_main]
 
@@ -8,14 +8,14 @@ use fuzz_targets::truck;
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|input: &[u8]| {
-    let Some((mends, bytes)) = input.split_first() else {
+    let Some((corrects, bytes)) = input.split_first() else {
         return;
     };
     let mut bytes = bytes.to_vec();
-    if mends & 1 != 0
+    if corrects & 1 != 0
         && let Some((content, checksum)) = bytes.split_last_chunk_mut()
     {
-        // With a checksum that fits, what is inside is looked at.
+        // With a right checksum the content is checked, too.
         *checksum = Crc::<u32>::new(&CRC_32_ISO_HDLC)
             .checksum(content)
             .to_le_bytes();

@@ -1,5 +1,5 @@
-//! Vehicle files: parameters that an estimator takes and that survive being written, or an error
-//! that names the file.
+//! Vehicle files: parameters that an estimator accepts and that are read back after writing, or an
+//! error that names the file.
 
 #![no_main]
 

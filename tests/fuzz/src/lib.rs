@@ -1,5 +1,5 @@
-//! Traffic of a bus made of arbitrary bytes: noise, known messages with any content, and drives
-//! that carry the filter to where a fault can hurt.
+//! Bus traffic made of arbitrary bytes: noise, known messages with any content, and drives that
+//! bring the filter into states in which a fault can do harm.
 
 use arbitrary::Arbitrary;
 use embedded_can::{ExtendedId, Frame, StandardId};
@@ -10,7 +10,7 @@ use std::io::Write;
 use std::path::Path;
 use test_kit::truck_with;
 
-/// Something that happens on a bus.
+/// An event on a bus.
 #[derive(Arbitrary, Debug)]
 pub enum Event {
     /// Any frame.
@@ -36,7 +36,7 @@ pub enum Event {
         length: u8,
         data: [u8; 7],
     },
-    /// Seconds of driving at a speed, in cm/s, with what else is read meanwhile.
+    /// Seconds of driving at a speed, in cm/s, with the other signals of that time.
     Drive {
         seconds: u8,
         speed_cmps: u16,
@@ -47,9 +47,9 @@ pub enum Event {
         shifting: bool,
         gnss: bool,
     },
-    /// One signal, whatever it says.
+    /// One signal with any value.
     Signal { which: u8, value: f32, source: u8 },
-    /// Time goes on, or back.
+    /// Moves the time forward or back.
     Wait { millis: i32 },
 }
 
@@ -61,7 +61,7 @@ const ETC2: u32 = 61_445;
 const CCVS1: u32 = 65_265;
 const GNSS_POSITION: u32 = 129_029;
 
-/// The clock and the place that events move.
+/// The time and the position, which events change.
 #[derive(Debug)]
 pub struct EventBus {
     micros: i64,
@@ -207,7 +207,7 @@ impl EventBus {
         }
     }
 
-    /// As one frame, or as the parts of a fast packet.
+    /// Sends a message as one frame, or as the parts of a fast packet.
     fn message(
         &mut self,
         pgn: u32,
@@ -268,7 +268,7 @@ pub fn truck() -> VehicleParameters {
     }
 }
 
-/// Hands `bytes` to a reader of files.
+/// Writes `bytes` to a file and calls `read` with its path.
 pub fn as_file(suffix: &str, bytes: &[u8], read: impl FnOnce(&Path)) {
     let mut file = tempfile::Builder::new()
         .suffix(suffix)

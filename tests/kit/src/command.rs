@@ -1,4 +1,4 @@
-//! The program as a user runs it.
+//! The program `roadgrade` as a user runs it.
 
 use assert_cmd::Command;
 use assert_cmd::assert::Assert;
@@ -8,7 +8,7 @@ use tempfile::TempDir;
 /// Returns the program `roadgrade`, built with the tests.
 ///
 /// # Panics
-/// When it is not built.
+/// Panics if it is not built.
 #[must_use]
 pub fn program() -> Command {
     Command::cargo_bin("roadgrade").expect("built")
@@ -19,10 +19,10 @@ pub fn roadgrade(folder: &Path, arguments: &[&str]) -> Assert {
     program().current_dir(folder).args(arguments).assert()
 }
 
-/// Returns an empty folder that ends with the test.
+/// Returns an empty temporary folder.
 ///
 /// # Panics
-/// When it cannot be made.
+/// Panics if it cannot be created.
 #[must_use]
 pub fn folder() -> TempDir {
     tempfile::tempdir().expect("a folder")

@@ -16,8 +16,8 @@ pub const WIND: usize = StateIndex::Wind as usize;
 pub const SCALE: usize = StateIndex::Scale as usize;
 pub const GNSS_ERROR: usize = StateIndex::GnssError as usize;
 
-/// Returns the net traction in %, cell by cell: traction less air resistance over weight, held while
-/// the model is invalid.
+/// Returns the net traction of each cell in %: traction less air resistance, over weight. It is
+/// held while the model is invalid.
 pub fn net_tractions(samples: &[Sample]) -> Vec<f64> {
     let mut held = None;
     samples
@@ -41,8 +41,8 @@ pub fn net_tractions(samples: &[Sample]) -> Vec<f64> {
         .collect()
 }
 
-/// Transition and noise of one sample, written down from the model as a dense matrix: eq. 9 in
-/// e = v²/2 over one cell with the slope at its middle, Gauss-Markov slow states.
+/// Returns the transition matrix and the process noise of one sample. The model is eq. 9 in
+/// e = v²/2 over one cell, with the slope at its middle and Gauss-Markov slow states.
 pub fn dense_model(
     sample: &Sample,
     net_traction: (f64, f64),

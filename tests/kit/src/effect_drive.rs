@@ -1,34 +1,34 @@
-//! A curvy, hilly drive of a vehicle that may have what its model lacks.
+//! A curvy, hilly drive of a vehicle that may differ from its model.
 
 use estimator_core::{
     Estimate, Estimator, Instant, Model, Reading, Signal, Traction, Tuning, Value,
     VehicleParameters,
 };
 
-/// Of the vehicle at a moment, true.
+/// The true state of the vehicle at a moment.
 #[derive(Clone, Copy)]
 pub struct VehicleMoment {
     pub seconds: f32,
     pub speed_mps: f32,
     pub driven_m: f32,
-    /// To the left.
+    /// Positive to the left.
     pub yaw_rate_radps: f32,
     pub course_deg: f32,
     pub fan_percent: f32,
-    /// What drives the vehicle over the hills against what the base model knows, N.
+    /// Traction force that the base model needs for this motion, N.
     pub force_n: f32,
 }
 
-/// What is different from the vehicle of the plain model.
+/// A difference from the vehicle of the base model.
 #[derive(Clone, Copy)]
 pub struct PlantedDifference {
-    /// Traction that the bus tells instead of the force that the plain model needs, N.
+    /// Returns the reported traction, instead of the force that the base model needs, N.
     pub reported_n: fn(&VehicleMoment) -> f32,
-    /// True speed over the one that the bus tells.
+    /// Ratio of the true speed to the reported speed.
     pub true_over_reported: f32,
 }
 
-/// Nothing.
+/// No difference.
 pub const PLAIN: PlantedDifference = PlantedDifference {
     reported_n: |moment| moment.force_n,
     true_over_reported: 1.0,
@@ -38,15 +38,15 @@ const STEP_S: f32 = 0.1;
 const LATITUDE_DEG: f64 = 58.0;
 const M_PER_DEG: f64 = 111_132.0;
 
-/// Drives `seconds`, and tells the estimates of all cells. Where the vehicle has an engine, torque
-/// is told, in a gear of ratio one, for the wheels of `truth`.
+/// Drives for `seconds` and returns the estimates of all cells. A vehicle with an engine reports
+/// torque, in a gear of ratio one and for the wheels of `truth`.
 pub fn drive(
-    believed: &Model,
+    assumed: &Model,
     truth: &VehicleParameters,
     planted: PlantedDifference,
     seconds: f32,
 ) -> Vec<Estimate> {
-    let mut estimator = Estimator::<f32>::new(believed.clone(), Tuning::default()).unwrap();
+    let mut estimator = Estimator::<f32>::new(assumed.clone(), Tuning::default()).unwrap();
     let mut estimates = Vec::new();
     let mut driven_m = 0.0_f32;
     let mut north_m = 0.0_f64;
@@ -107,12 +107,12 @@ pub fn drive(
     estimates
 }
 
-/// Place where the drive begins, and the degrees of latitude it makes in 1,000 m: it is told to go
-/// north all the time.
+/// Latitude at the start, and degrees of latitude for each 1,000 m. The reported position always
+/// moves north.
 pub const START_LATITUDE_DEG: f32 = 58.0;
 pub const DEG_PER_KM: f32 = 1_000.0 / 111_132.0;
 
-/// Torque in the direct gear, the engine turning with it.
+/// Reports the torque in the direct gear, with an engaged driveline.
 fn report_torque(
     truth: &VehicleParameters,
     moment: &VehicleMoment,

@@ -42,7 +42,7 @@ pub fn run<S: Scalar>(samples: &[Sample], tuning: &Tuning) -> Vec<FilteredStep<S
     run_counted(samples, tuning).0
 }
 
-/// Returns the steps, and what was counted.
+/// Returns the steps and the counters.
 pub fn run_counted<S: Scalar>(
     samples: &[Sample],
     tuning: &Tuning,
@@ -71,7 +71,7 @@ pub fn smooth<S: Scalar>(cells: &[FilteredStep<S>]) -> Vec<Estimate> {
     estimates
 }
 
-/// Returns the lagged cells of a drive, none lost.
+/// Returns the lagged cells of a drive. Panics if one is lost.
 pub fn cells<S: Scalar>(filtered: &[FilteredStep<S>]) -> Vec<Cell> {
     let mut lag = FixedLag::new();
     let mut cells = Vec::new();

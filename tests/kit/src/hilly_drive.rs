@@ -1,10 +1,10 @@
-//! A drive over hills that tells a filter what it is off by.
+//! A drive over hills, from which a filter learns the error of its mass.
 
 use crate::by_force;
 use estimator_core::{Estimator, Instant, PersistentState, Reading, Scalar, Signal, Tuning, Value};
 use std::sync::LazyLock;
 
-/// What the bus tells besides force and speed.
+/// The signals on the bus besides force and speed.
 #[derive(Clone, Copy)]
 pub struct BusSignals {
     pub gnss: bool,
@@ -16,7 +16,7 @@ pub const USUAL: BusSignals = BusSignals {
     mass_kg: None,
 };
 
-/// Drives at 20 m/s over hills of 1.2 km, 10 % heavier than the vehicle's parameters say.
+/// Drives at 20 m/s over hills of 1.2 km. The true mass is 10 % larger than the parameter.
 pub fn drive<S: Scalar>(mut estimator: Estimator<S>, metres: u32, bus: BusSignals) -> Estimator<S> {
     let vehicle = by_force();
     let weight_n = 1.1 * vehicle.mass_kg * 9.806_65;
@@ -28,16 +28,16 @@ pub fn drive<S: Scalar>(mut estimator: Estimator<S>, metres: u32, bus: BusSignal
             let value = Value::Real(value);
             estimator.on_reading(now, Reading { signal, value });
         };
-        let phase = |way_m: f32| core::f32::consts::TAU * way_m / hill_m;
-        let way_m = tick as f32 * 2.0;
-        let sine = steepest * phase(way_m).sin();
+        let phase = |driven_m: f32| core::f32::consts::TAU * driven_m / hill_m;
+        let driven_m = tick as f32 * 2.0;
+        let sine = steepest * phase(driven_m).sin();
         if let Some(mass_kg) = bus.mass_kg {
             put(Signal::Mass, mass_kg);
         }
         let force_n = drag_n + weight_n * (vehicle.rolling_resistance + sine);
         put(Signal::TractionForce, force_n);
         if bus.gnss && tick % 10 == 2 {
-            let fix = phase(way_m - 3.0);
+            let fix = phase(driven_m - 3.0);
             let wave_m = steepest * hill_m / core::f32::consts::TAU;
             put(Signal::Altitude, 200.0 + wave_m * (1.0 - fix.cos()));
         }
@@ -53,7 +53,7 @@ pub fn fresh<S: Scalar>() -> Estimator<S> {
     Estimator::new(by_force(), Tuning::default()).unwrap()
 }
 
-/// What 12 km of it leave.
+/// The persistent state after 12 km of the drive.
 pub static KEPT: LazyLock<PersistentState> = LazyLock::new(|| {
     drive::<f32>(fresh(), 12_000, USUAL)
         .persistent_state()

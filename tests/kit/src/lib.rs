@@ -1,4 +1,4 @@
-//! What the tests of all packages share.
+//! Helpers of the tests of all packages.
 
 #[cfg(feature = "host")]
 pub mod command;

@@ -1,9 +1,9 @@
-//! A drive by readings.
+//! Drives that are given as readings.
 
 use estimator_core::sample::Sample;
 use estimator_core::{Context, Instant, Intake, Model, Reading, Sampler, Signal, Tuning, Value};
 
-/// A drive by readings every 100 ms.
+/// A drive that is given as readings every 100 ms.
 pub struct ReadingsDrive {
     pub context: Context,
     intake: Intake,
@@ -31,8 +31,8 @@ impl ReadingsDrive {
             .on_reading(&mut self.context, now, reading, &mut self.sampler);
     }
 
-    /// Drives on for some seconds with these readings every 100 ms, in their order; the samples of
-    /// that time.
+    /// Drives on for some seconds with these readings every 100 ms, in their order. Returns the
+    /// samples of that time.
     pub fn on(&mut self, seconds: f64, readings: &[(Signal, f32)]) -> Vec<Sample> {
         let values: Vec<(Signal, Value)> = readings
             .iter()

@@ -35,7 +35,7 @@ pub fn sample(cell: u32, traction_n: f32, speed_mps: f32) -> Sample {
     }
 }
 
-/// Returns a speed taken at the cell's end.
+/// Returns a speed measured at the cell's end.
 pub fn speed(mean_mps: f32) -> Option<SpeedMeasurement> {
     Some(SpeedMeasurement {
         mean_mps,
@@ -45,7 +45,7 @@ pub fn speed(mean_mps: f32) -> Option<SpeedMeasurement> {
     })
 }
 
-/// Returns an altitude taken at the cell's end.
+/// Returns an altitude measured at the cell's end.
 pub fn altitude(altitude_m: f32) -> Option<AltitudeMeasurement> {
     Some(AltitudeMeasurement {
         altitude_m,

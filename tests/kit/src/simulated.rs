@@ -1,4 +1,4 @@
-//! Scenarios for the tests of the simulator, and what a bus told.
+//! Scenarios for the tests of the simulator, and the readings on the simulated bus.
 
 use estimator_core::signal::FrameOutcome;
 use estimator_core::{Decoder, Instant, Signal, Value};
@@ -6,7 +6,7 @@ use host_sim::simulator::scenario::Scenario;
 use host_sim::simulator::{SimulatedRun, simulate};
 use std::path::Path;
 
-/// Neither noise nor latency: what the bus tells is true but for its resolution.
+/// Neither noise nor latency: the reported values are true but for their resolution.
 pub const QUIET: &str = r#"
 [noise]
 speed_sigma_mps = 0.0
@@ -38,7 +38,7 @@ pub fn run(parts: &[&str]) -> SimulatedRun {
     simulate(&scenario(parts), 0).unwrap()
 }
 
-/// Every reading on the bus, in order.
+/// Returns every reading on the bus, in order.
 pub fn readings(run: &SimulatedRun) -> Vec<(Instant, u32, Signal, Value)> {
     let mut decoder = Decoder::new();
     let mut readings = Vec::new();

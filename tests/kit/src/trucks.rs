@@ -13,7 +13,7 @@ pub fn truck() -> VehicleParameters {
 /// gear first.
 ///
 /// # Panics
-/// When there are more gears than a powertrain can have.
+/// Panics if there are more gears than a powertrain can have.
 #[must_use]
 pub fn truck_with(reference_torque_nm: f32, gear_ratios: &[f32]) -> VehicleParameters {
     let gear = |&ratio| Gear {
@@ -36,7 +36,7 @@ pub fn truck_with(reference_torque_nm: f32, gear_ratios: &[f32]) -> VehicleParam
     }
 }
 
-/// [`truck`] that measures its tractive force.
+/// Returns [`truck`] with measured traction force.
 #[must_use]
 pub fn by_force() -> VehicleParameters {
     VehicleParameters {

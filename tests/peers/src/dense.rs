@@ -1,4 +1,4 @@
-//! Filters on matrices of a library's own, and the plain one written with nalgebra.
+//! Filters of libraries on dense matrices, and one written with nalgebra.
 
 use super::Real;
 use super::model::{FilterMeter, LinearModel};
@@ -9,7 +9,7 @@ use multicalc::estimation::{self, KalmanModel};
 use multicalc::linear_algebra;
 use nalgebra::{Const, Matrix2, SMatrix, SVector, Vector2};
 
-/// Nothing: what the harness itself takes.
+/// Measures an empty step: the cost of the harness itself.
 pub fn nothing(meter: &mut impl FilterMeter) {
     meter.measure::<3>(0, |measured| [measured[0], measured[1], 0.0]);
 }
@@ -27,7 +27,7 @@ struct Plain<const N: usize> {
     p: SMatrix<Real, N, N>,
 }
 
-/// The textbook's equations on nalgebra's matrices, P ← (I − K H) P.
+/// Measures the textbook equations on nalgebra's matrices, P ← (I − K H) P.
 pub fn plain_nalgebra<const N: usize>(meter: &mut impl FilterMeter) {
     let model = LinearModel::<N>::new();
     let mut filter = Plain {
@@ -46,14 +46,14 @@ pub fn plain_nalgebra<const N: usize>(meter: &mut impl FilterMeter) {
         if let Some(inverse) = (*h * cross + *r).try_inverse() {
             let gain = cross * inverse;
             *x += gain * (Vector2::from(measured) - *h * *x);
-            // By H P, not by its transpose: else P loses its symmetry, and then its bounds.
+            // With H P, not with its transpose: otherwise P loses its symmetry and then diverges.
             *p -= gain * (*h * *p);
         }
         (*x).into()
     });
 }
 
-/// multicalc, as it comes: Joseph's form.
+/// Measures multicalc as it is: Joseph's form.
 pub fn multicalc<const N: usize>(meter: &mut impl FilterMeter) {
     let model = LinearModel::<N>::new();
     let mut filter = estimation::KalmanFilter::new(
@@ -74,7 +74,7 @@ pub fn multicalc<const N: usize>(meter: &mut impl FilterMeter) {
     });
 }
 
-/// kfilter, in the older nalgebra that it speaks.
+/// Measures kfilter, with the older nalgebra that it depends on.
 pub fn kfilter<const N: usize>(meter: &mut impl FilterMeter) {
     use nalgebra_034::{SMatrix, SVector};
     fn matrix<const R: usize, const C: usize>(rows: [[Real; C]; R]) -> SMatrix<Real, R, C> {
@@ -137,7 +137,7 @@ impl<const N: usize> ObservationModel<Real, Const<N>, Const<2>> for DenseObserva
     }
 }
 
-/// adskalman, as it comes: Joseph's form.
+/// Measures adskalman as it is: Joseph's form.
 pub fn adskalman<const N: usize>(meter: &mut impl FilterMeter) {
     let model = LinearModel::<N>::new();
     let (f, h) = (matrix(model.transition), matrix(model.measured));

@@ -1,13 +1,12 @@
-//! The same work for every filter: predict, and take in two scalar measurements.
+//! The same work for every filter: a prediction and an update by two scalar measurements.
 //!
-//! The model is linear and given as dense matrices that the compiler knows nothing of: speed,
-//! altitude and slope, and as many slow states as there are more, which all add to the slope; speed
-//! and altitude are measured every 50 ms. Peers take both measurements in one update, which is
-//! the cheapest that they offer. All run for the same thousand steps and report where they end:
-//! they must agree.
+//! The model is linear. Its matrices are dense and not known at compile time. The states are speed,
+//! altitude and slope; all further states are slow and add to the slope. Speed and altitude are
+//! measured every 50 ms. Peers take both measurements in one update, the cheapest that they offer.
+//! All filters run for the same thousand steps and report their last state. The states must agree.
 //!
-//! An image holds one filter and prints words, not text, so that what it adds to the image that
-//! holds none is its own.
+//! An image holds one filter and prints words, not text. Its size less that of the image without a
+//! filter is the size of the filter.
 
 #![no_std]
 #![warn(missing_docs)]
@@ -21,14 +20,14 @@ use firmware::meter::{CountTally, InstructionMeter, Uncountable, depth};
 use model::{FilterMeter, measurements};
 use semihosting::io::{self, Write};
 
-/// What filters compute in here. Their modules know it as `super::Real`: `tests/benches` has the same
-/// files in single and in double precision.
+/// Number type of the filters here. Their modules use it as `super::Real`, since `tests/benches`
+/// includes the same files in single and in double precision.
 pub type Real = f32;
 
 const STEPS: u32 = 1_000;
 
-/// Counts on the board, and prints: instructions (mean and worst), bytes of stack and of the filter,
-/// the state.
+/// Counts on the board and prints instructions (mean and worst), bytes of stack, bytes of the
+/// filter, and the state.
 #[derive(Debug)]
 pub struct BoardMeter;
 
@@ -69,14 +68,14 @@ fn count<const N: usize>(
     Ok(())
 }
 
-/// Nothing is printed where nothing can be: the host misses it.
+/// Prints a word. Ignores an error: the host detects the missing word.
 fn print(word: u32) {
     if let Ok(mut stdout) = io::stdout() {
         let _ = stdout.write_all(&word.to_le_bytes());
     }
 }
 
-/// An image of one filter: `main`, from an expression that reports it.
+/// Defines the image of one filter: `main`, from an expression that measures it.
 #[macro_export]
 macro_rules! image {
     ($report:expr) => {

@@ -1,4 +1,4 @@
-//! minikalman: its buffers have their sizes from macros, so this is one as well.
+//! minikalman. Macros give its buffers their sizes, so the filter is made by a macro, too.
 
 use super::Real;
 use super::model::{FilterMeter, LinearModel};
@@ -7,7 +7,7 @@ use minikalman::regular::{RegularKalmanBuilder, RegularObservationBuilder};
 
 macro_rules! minikalman {
     ($name:ident, $states:expr) => {
-        /// A filter of this many states.
+        /// Measures a filter of this many states.
         pub fn $name(meter: &mut impl FilterMeter) {
             const N: usize = $states;
             let model = LinearModel::<N>::new();

@@ -1,35 +1,34 @@
-//! The model that all filters have, dense, and what they are fed.
+//! The dense model and the measurements of all filters.
 
 use super::Real;
 use core::hint::black_box;
 
 /// Measures a filter.
 pub trait FilterMeter {
-    /// Takes a filter of this size (bytes) that is moved a step by two measurements and says where
-    /// it is.
+    /// Measures a filter of this size (bytes). `step` takes two measurements and returns the state.
     fn measure<const N: usize>(&mut self, bytes: usize, step: impl FnMut([Real; 2]) -> [Real; N]);
 }
 
 /// Time between steps, s.
 const STEP_S: Real = 0.05;
 
-/// The matrices by rows.
+/// The matrices, by rows.
 #[derive(Clone, Copy, Debug)]
 pub struct LinearModel<const N: usize> {
     /// F, the transition.
     pub transition: [[Real; N]; N],
-    /// Q, the noise of a step.
+    /// Q, the process noise of a step.
     pub step_noise: [[Real; N]; N],
-    /// H, what is measured.
+    /// H, the measurement matrix.
     pub measured: [[Real; N]; 2],
-    /// R, the noise of the measurements.
+    /// R, the measurement noise.
     pub noise: [[Real; 2]; 2],
-    /// P, at the start.
+    /// P at the start.
     pub covariance: [[Real; N]; N],
 }
 
 impl<const N: usize> LinearModel<N> {
-    /// Creates the model of every filter here.
+    /// Creates the model that all filters here use.
     #[must_use]
     pub fn new() -> Self {
         let one = diagonal([1.0; N]);
@@ -71,7 +70,7 @@ fn diagonal<const N: usize>(elements: [Real; N]) -> [[Real; N]; N] {
     matrix
 }
 
-/// Speed and altitude at a step, with something like noise.
+/// Returns speed and altitude at a step, with pseudo-noise.
 #[must_use]
 pub fn measurements(step: u32) -> [Real; 2] {
     let noise = |factor: u32, size: Real| (((step * factor) % 23) as Real - 11.0) * size;

@@ -1,5 +1,5 @@
-//! The estimator's own filter: its structured step over a cell and its two updates, without what
-//! surrounds them (the vehicle's forces, noise switching, gates).
+//! The estimator's own filter: its structured step over a cell and its two updates, without the
+//! vehicle's forces, noise switching and gates.
 
 use super::Real;
 use super::model::FilterMeter;
@@ -13,7 +13,7 @@ use estimator_core::{
     CELL_LENGTH_M, CellEnd, Context, Counters, Disagreement, Traction, Tuning, VehicleParameters,
 };
 
-/// All its states, on a level road at 20 m/s.
+/// Measures the filter with all its states, on a level road at 20 m/s.
 pub fn ours(meter: &mut impl FilterMeter) {
     let vehicle = VehicleParameters {
         mass_kg: 39_000.0,

@@ -1,4 +1,4 @@
-//! What the estimator costs on a board, as committed.
+//! The committed cost of the estimator on a board.
 
 use super::pipe_table::{pipe_table, with_commas};
 use crate::budgets::{Budgets, committed_file, wanted};
@@ -10,7 +10,7 @@ const M4F_FIXED: &str = "thumbv7em-none-eabihf fixed";
 const M0: &str = "thumbv6m-none-eabi f32";
 const M0_FIXED: &str = "thumbv6m-none-eabi fixed";
 
-/// Rows: words, a figure, and its largest value where the figure is a mean.
+/// Rows: words, a figure, and the figure of the largest value where the first is a mean.
 const ROWS: [(&str, &str, Option<&str>); 9] = [
     ("flash, bytes", "flash_bytes", None),
     (
@@ -45,14 +45,14 @@ const ROWS: [(&str, &str, Option<&str>); 9] = [
 const FULL_BUS: &str = "full_bus_millionths";
 const FULL_BUS_WORDS: &str = "a full bus, of a 168 MHz core";
 
-/// Without effects, in floats.
+/// Makes the table of the estimator without effects, in floats.
 pub fn of_the_estimator() -> Result<Option<String>> {
     let budgets = Committed::read()?;
     let rows = ROWS.map(|row| Ok([row.0.to_owned(), budgets.cell(M4F, row)?]));
     table(["", "value"], rows)
 }
 
-/// Without and with effects, beside what is wanted.
+/// Makes the table without and with effects, beside the upper bounds.
 pub fn with_effects() -> Result<Option<String>> {
     let budgets = Committed::read()?;
     let rows = ROWS.map(|row| {
@@ -67,7 +67,7 @@ pub fn with_effects() -> Result<Option<String>> {
     table(["", "without effects", "all effects", "wanted"], rows)
 }
 
-/// Fixed point beside floats, with and without a float unit.
+/// Makes the table of fixed point beside floats, with and without a float unit.
 pub fn fixed_point() -> Result<Option<String>> {
     let budgets = Committed::read()?;
     let rows =

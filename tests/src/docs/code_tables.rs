@@ -1,4 +1,4 @@
-//! Tables that the core declares: tuning, effects, signals.
+//! Tables of what the core declares: tuning, effects, signals.
 
 use super::pipe_table::pipe_table;
 use estimator_core::effect::CATALOGUE;
@@ -6,7 +6,7 @@ use estimator_core::signal::messages;
 use estimator_core::{Signal, Tuning};
 use host_sim::error::Result;
 
-/// The parameters of a group.
+/// Makes the table of the parameters of a group.
 pub fn tuning(group: &str) -> Result<Option<String>> {
     let parameters = Tuning::PARAMETERS.iter().filter(|of| of.group == group);
     let rows = parameters.map(|of| {
@@ -27,7 +27,7 @@ pub fn tuning(group: &str) -> Result<Option<String>> {
     )))
 }
 
-/// The catalogue of effects.
+/// Makes the table of the catalogue of effects.
 pub fn effects() -> Result<Option<String>> {
     let rows = CATALOGUE.iter().map(|effect| {
         [
@@ -44,7 +44,7 @@ pub fn effects() -> Result<Option<String>> {
     )))
 }
 
-/// What effects have besides their amounts.
+/// Makes the table of the effects' parameters besides their amounts.
 pub fn effect_parameters() -> Result<Option<String>> {
     let rows = CATALOGUE.iter().flat_map(|effect| {
         effect.parameters.iter().map(|parameter| {
@@ -62,7 +62,7 @@ pub fn effect_parameters() -> Result<Option<String>> {
     )))
 }
 
-/// What a vehicle file may have of each effect.
+/// Makes the table of the ranges that a vehicle file may have for each effect.
 pub fn effect_ranges() -> Result<Option<String>> {
     let rows = CATALOGUE.iter().map(|effect| {
         [
@@ -83,7 +83,7 @@ pub fn effect_ranges() -> Result<Option<String>> {
     )))
 }
 
-/// Every signal, in the order in which readings of one time are given.
+/// Makes the table of all signals, in the order of readings of one time.
 pub fn signals() -> Result<Option<String>> {
     let rows = Signal::ALL.iter().map(|signal| {
         let carriers = messages().filter(|message| message.signals().any(|of| of == *signal));
@@ -115,7 +115,7 @@ fn in_unit(number: &str, unit: &str) -> String {
     }
 }
 
-/// Returns a number as short as it is exact, with commas from 10,000 on.
+/// Returns the shortest exact form of a number, with commas from 10,000 on.
 fn number(number: f32) -> String {
     let whole = number.abs() >= 10_000.0 && number.fract() == 0.0;
     if whole && number > 0.0 {

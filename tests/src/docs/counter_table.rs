@@ -1,4 +1,4 @@
-//! The counters: their names, their meaning, and what `roadgrade` calls them.
+//! The counters: their names, their meaning, and their words in `roadgrade`.
 
 use super::pipe_table::pipe_table;
 use crate::image::root;
@@ -7,11 +7,11 @@ use host_sim::error::{Error, Result};
 use host_sim::terminal::counters::events;
 use std::fs;
 
-/// Makes a table of all counters by name. A name that is missing below does not compile, since the
-/// pattern has to name all.
+/// Lists all counters by name. The pattern names every field, so a name that is missing below does
+/// not compile.
 macro_rules! counters {
     ($($name:ident)*) => {
-        /// Each counter: its name, and counts of which only it is not zero.
+        /// Returns the name of each counter, with counters of which only this one is not zero.
         fn each() -> Vec<(&'static str, Counters)> {
             let Counters { $($name: _),* } = Counters::default();
             vec![$((stringify!($name), Counters { $name: 1, ..Counters::default() })),*]
@@ -31,7 +31,7 @@ counters! {
     climbs_contradicted slope_steps restarts
 }
 
-/// Every counter.
+/// Makes the table of all counters.
 pub fn counters() -> Result<Option<String>> {
     let path = root().join("estimator-core/src/counters.rs");
     let source = fs::read_to_string(&path).map_err(Error::io(&path))?;

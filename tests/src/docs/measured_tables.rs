@@ -1,4 +1,4 @@
-//! Tables of errors: what commands and studies give.
+//! Tables of errors: the results of commands and studies.
 
 use super::pipe_table::pipe_table;
 use clap::Parser;
@@ -55,7 +55,7 @@ fn path_in(folder: &TempDir, name: &str) -> String {
     folder.path().join(name).display().to_string()
 }
 
-/// The runs of the motorway, parameters right.
+/// Makes the table of the motorway's runs with right parameters.
 pub fn motorway() -> Result<Option<String>> {
     let folder = folder()?;
     let scenario = root().join("host-sim/scenarios/motorway.toml");
@@ -76,7 +76,7 @@ pub fn motorway() -> Result<Option<String>> {
     ] {
         let file = |ending: &str| path_in(&folder, &format!("{run}.{ending}"));
         let (log, vehicle, truth) = (file("log"), file("vehicle.toml"), file("truth.csv"));
-        // Alone: without the rivals' files beside the truth it is much faster.
+        // Without the files of the other methods beside the truth it is much faster.
         let alone = path_in(&folder, "truth.csv");
         std::fs::rename(&truth, &alone).map_err(Error::io(Path::new(&truth)))?;
         let estimated = file("csv");
@@ -105,7 +105,7 @@ pub fn motorway() -> Result<Option<String>> {
     )))
 }
 
-/// The mean errors of the demonstration.
+/// Makes the table of the demonstration's mean errors.
 pub fn demo() -> Result<Option<String>> {
     let folder = folder()?;
     roadgrade(["demo", "--out", &path_in(&folder, "")])?;
@@ -146,7 +146,7 @@ pub fn demo() -> Result<Option<String>> {
     )))
 }
 
-/// Errors with parameters wrong, by truck and error of the receiver.
+/// Makes the table of errors with wrong parameters, by truck and error of the receiver.
 pub fn accuracy() -> Result<Option<String>> {
     of_table("accuracy", "accuracy", |accuracy| {
         let rows = accuracy.rows.iter().map(|row| match row.as_slice() {
@@ -186,7 +186,7 @@ pub fn accuracy() -> Result<Option<String>> {
     })
 }
 
-/// The same for a usual receiver.
+/// Makes the same table for a usual receiver only.
 pub fn accuracy_in_short() -> Result<Option<String>> {
     of_table("accuracy", "accuracy", |accuracy| {
         let mut rows = Vec::new();
@@ -212,7 +212,7 @@ pub fn accuracy_in_short() -> Result<Option<String>> {
     })
 }
 
-/// Errors without one signal or another.
+/// Makes the table of errors without one signal or another.
 pub fn sensors() -> Result<Option<String>> {
     of_table("sensors", "sensors", |sensors| {
         let rows = sensors.rows.iter().map(|row| match row.as_slice() {
@@ -239,7 +239,7 @@ pub fn sensors() -> Result<Option<String>> {
     })
 }
 
-/// Maps of several runs.
+/// Makes the table of maps of several runs.
 pub fn fleet() -> Result<Option<String>> {
     of_table("fleet", "fleet_maps", |maps| {
         let rows = maps.rows.iter().map(|row| match row.as_slice() {
@@ -264,7 +264,7 @@ pub fn fleet() -> Result<Option<String>> {
     })
 }
 
-/// The thesis's numbers, those of its replica, and ours on the replica.
+/// Makes the table of the thesis's numbers, those of its replica, and ours on the replica.
 pub fn thesis() -> Result<Option<String>> {
     let Some([summary, beside, maps]) = tables("modified", ["summary", "beside", "maps"])? else {
         return Ok(None);
@@ -309,7 +309,7 @@ pub fn thesis() -> Result<Option<String>> {
     )))
 }
 
-/// Replica and thesis of a row of the summary.
+/// Returns the replica's and the thesis's cell of a row of the summary.
 fn summary_of(summary: &Table, what: &str) -> Result<[String; 2]> {
     let of = |column| cell_of(summary, what, column).and_then(rounded);
     Ok([of("replica")?, of("thesis")?])
@@ -329,7 +329,7 @@ fn mean_of_ours(beside: &Table, runs: &str) -> Result<f64> {
     Ok(ours.iter().sum::<f64>() / ours.len() as f64)
 }
 
-/// The measured bus.
+/// Makes the table of the measured bus.
 pub fn bus() -> Result<Option<String>> {
     let Some([passes, drift]) = tables("ztbus", ["ztbus_passes", "ztbus_drift"])? else {
         return Ok(None);
@@ -367,7 +367,7 @@ pub fn bus() -> Result<Option<String>> {
     Ok(Some(pipe_table(["", ""], rows)))
 }
 
-/// Makes text of one table of a study.
+/// Makes the text of one table of a study.
 fn of_table(
     study: &str,
     name: &str,
@@ -377,7 +377,7 @@ fn of_table(
     tables.map(|[table]| make(&table)).transpose()
 }
 
-/// Tables of a study, which is run once; `None` if its measured data are absent.
+/// Runs a study once and returns its tables; `None` if its measured data are absent.
 fn tables<const N: usize>(study: &str, names: [&str; N]) -> Result<Option<[Table; N]>> {
     static DONE: Mutex<BTreeMap<String, Option<Vec<Table>>>> = Mutex::new(BTreeMap::new());
     let mut done = DONE.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
@@ -402,7 +402,7 @@ fn tables<const N: usize>(study: &str, names: [&str; N]) -> Result<Option<[Table
 fn run_study(name: &str) -> Result<Option<Vec<Table>>> {
     let study = STUDIES.iter().find(|study| study.name == name);
     let study = study.ok_or_else(|| unexpected(&format!("no study {name}")))?;
-    // As `roadgrade study` has them where nothing else is said.
+    // The defaults of `roadgrade study`.
     let setting = Setting {
         data: data(),
         seed: 2011,
@@ -417,7 +417,7 @@ fn data() -> PathBuf {
     root().join("../shared/data")
 }
 
-/// Returns a cell, by the first cell of its row and the name of its column.
+/// Returns a cell by the first cell of its row and the name of its column.
 fn cell_of<'a>(table: &'a Table, row: &str, column: &str) -> Result<&'a str> {
     let at = table.header.iter().position(|name| name == column);
     let row = table.rows.iter().find(|cells| cells[0] == row);
@@ -436,7 +436,7 @@ fn rounded(text: &str) -> Result<String> {
     number(text).map(three)
 }
 
-/// With the three decimals of the tables.
+/// Formats a number with the three decimals of the tables.
 fn three(percent: f64) -> String {
     format!("{percent:.3}")
 }

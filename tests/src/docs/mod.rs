@@ -11,6 +11,7 @@
 mod budget_tables;
 mod code_tables;
 mod counter_table;
+mod diagnosis_table;
 mod measured_tables;
 mod pipe_table;
 
@@ -20,10 +21,10 @@ use host_sim::files::output::write_whole;
 use std::fs;
 use std::path::PathBuf;
 
-/// What it takes to make a block again.
+/// What it costs to make a block again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Cost {
-    /// Nothing: it is read off the code or a committed file.
+    /// Nothing: it is read from the code or a committed file.
     Nothing,
     /// Some seconds of a release build.
     Seconds,
@@ -33,11 +34,11 @@ pub enum Cost {
 
 /// A block that a page has.
 struct Block {
-    /// Page, from the root of the repository.
+    /// Path of the page from the root of the repository.
     page: &'static str,
-    /// Name in the marks.
+    /// Name in the markers.
     name: &'static str,
-    /// Where its content comes from, for the reader.
+    /// Source of its content, for the reader.
     from: &'static str,
     cost: Cost,
     /// Makes its content; `None` where measured data are needed and absent.
@@ -56,6 +57,7 @@ const FLEET: &str = "roadgrade study fleet";
 const SENSORS: &str = "roadgrade study sensors";
 const THESIS: &str = "roadgrade study modified";
 const ZTBUS: &str = "roadgrade study ztbus";
+const DIAGNOSE: &str = "roadgrade diagnose";
 
 macro_rules! blocks {
     ($($page:literal $name:literal $from:ident $cost:ident $make:expr;)*) => {
@@ -92,10 +94,11 @@ blocks! {
     "docs/results.md" "fleet" FLEET Minute measured_tables::fleet();
     "docs/results.md" "thesis" THESIS Minute measured_tables::thesis();
     "docs/results.md" "bus" ZTBUS Minute measured_tables::bus();
+    "docs/results.md" "bus diagnosis" DIAGNOSE Seconds diagnosis_table::bus();
     "README.md" "accuracy" ACCURACY Minute measured_tables::accuracy_in_short();
 }
 
-/// A page whose blocks are made again.
+/// A page with its blocks made again.
 #[derive(Clone, Debug)]
 pub struct Page {
     /// Its file.
@@ -118,7 +121,7 @@ pub struct Pages {
 /// Makes every block again that costs no more than this.
 ///
 /// # Errors
-/// A page that cannot be read or lacks a block; what a command says.
+/// A page cannot be read or lacks a block, or a command fails.
 pub fn pages(most: Cost) -> Result<Pages> {
     let mut pages = Pages::default();
     for block in BLOCKS {
@@ -141,7 +144,7 @@ pub fn pages(most: Cost) -> Result<Pages> {
         } else {
             None
         };
-        // A block that is not made has to be there, too.
+        // A block that is not made again must exist, too.
         let filled = fill(page, block, content.as_deref());
         *page = filled.map_err(|problem| Error::content(&path, problem))?;
         if content.is_none() && block.cost <= most {
@@ -164,7 +167,7 @@ impl Page {
     }
 }
 
-/// Replaces the content of a block; `None` leaves it.
+/// Replaces the content of a block; `None` leaves it unchanged.
 fn fill(page: &str, block: &Block, content: Option<&str>) -> std::result::Result<String, String> {
     let Block { name, from, .. } = block;
     let begin = format!("<!-- begin: {name} ({from}) -->\n");

@@ -1,7 +1,7 @@
-//! Tables as Markdown has them.
+//! Tables in Markdown.
 
-/// Returns a table with a row for each of `rows`. A `|` in a cell would begin the next one, unless it
-/// is escaped.
+/// Returns a table with a row for each of `rows`. A `|` in a cell is escaped, since it would begin
+/// the next cell.
 pub fn pipe_table<const N: usize>(
     header: [&str; N],
     rows: impl IntoIterator<Item = [String; N]>,

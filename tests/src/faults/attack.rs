@@ -1,15 +1,15 @@
-//! Frames that somebody else sends: recorded ones of the same bus, which are as plausible as any.
+//! Frames of an attacker: recorded frames of the same bus, which are as plausible as any.
 
 use super::frames::{delayed, readdressed, repeated};
 use super::{Frames, Window, seconds};
 use estimator_core::{Duration, Instant};
 use host_sim::source::can_frame::TimedFrame;
 
-/// Address that no sender of the simulator has.
+/// Source address that no sender of the simulator has.
 pub const STRANGER: u8 = 0x80;
 
-/// Returns what was recorded `ago` before, sent again during the window from the address that
-/// `address` makes of the true one, each frame `times` times as fast as it came.
+/// Sends the frames that were recorded `ago` before the window again during the window, each
+/// `times` times. `address` returns the source address for the true one.
 pub fn replayed<'a>(
     recording: &'a [TimedFrame],
     window: Window,
@@ -31,8 +31,8 @@ pub fn replayed<'a>(
     repeated(readdressed, always, times)
 }
 
-/// Returns what comes much later in the recording, sent already now: for an attacker who was there
-/// first.
+/// Sends the frames that come `by` later in the recording during the window: an attacker that
+/// sends before the true sender.
 pub fn foretold(recording: &[TimedFrame], window: Window, by: Duration, address: u8) -> Frames<'_> {
     let always = Instant::ZERO..Instant::from_micros(u64::MAX);
     let early = recording
@@ -45,7 +45,7 @@ pub fn foretold(recording: &[TimedFrame], window: Window, by: Duration, address:
     readdressed(Box::new(early), always, move |_| address)
 }
 
-/// Two sources heard on one bus.
+/// Merges two sources of frames in the order of time.
 pub fn both<'a>(one: Frames<'a>, other: Frames<'a>) -> Frames<'a> {
     let (mut one, mut other) = (one.peekable(), other.peekable());
     Box::new(std::iter::from_fn(move || {
@@ -57,8 +57,7 @@ pub fn both<'a>(one: Frames<'a>, other: Frames<'a>) -> Frames<'a> {
     }))
 }
 
-/// Returns a stranger's frames come a little after the ones that they imitate, not at the same
-/// moment.
+/// Delays an attacker's frames a little, so that they do not coincide with the ones they imitate.
 #[must_use]
 pub fn out_of_step(frames: Frames<'_>) -> Frames<'_> {
     let always = Instant::ZERO..Instant::from_micros(u64::MAX);

@@ -13,11 +13,11 @@ use estimator_core::{Duration, Instant, Signal, Value};
 use host_sim::source::can_frame::TimedFrame;
 use rand::RngExt;
 
-/// When faults begin, s from the first frame on: half-way, when the filter has settled.
+/// Start of the faults, s from the first frame on: halfway, when the filter has converged.
 const START_S: f64 = 600.0;
 /// A time after the end of any drive, s.
 const FOR_EVER_S: f64 = 1e5;
-/// Speed of the simulator's trucks, for faults that are told by their way, m/s.
+/// Speed of the simulator's trucks, for faults that are given by distance, m/s.
 const CRUISE_MPS: f64 = 22.2;
 
 const SPEED: &[Signal] = &[Signal::WheelSpeed];
@@ -47,25 +47,25 @@ const ALTITUDE: &[Signal] = &[Signal::Altitude];
 const POSITION: &[Signal] = &[Signal::Altitude, Signal::Latitude, Signal::Longitude];
 const FIX: &[Signal] = &[Signal::FixMethod];
 
-/// What a fault makes of a recording.
+/// Returns the frames of a recording as they are received with a fault.
 type Wrap = dyn for<'a> Fn(&'a [TimedFrame], Window) -> Frames<'a> + Sync + Send;
 
 /// A fault.
 pub struct Fault {
-    /// What is wrong.
+    /// Its name.
     pub name: String,
-    /// What it is a fault of.
+    /// The part that is at fault.
     pub kind: FaultKind,
-    /// From and until, s from the first frame on.
+    /// Start and end, s from the first frame on.
     pub window_s: (f64, f64),
-    /// What the clock is ahead from then on, s.
+    /// How far the clock is ahead from the start on, s.
     pub ahead_s: f64,
-    /// Where the estimator falls short of withstanding it.
+    /// The requirements that the estimator does not meet under it.
     pub short: Short,
     wrap: Box<Wrap>,
 }
 
-/// What is at fault.
+/// The part that is at fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FaultKind {
     /// Nothing.
@@ -78,7 +78,7 @@ pub enum FaultKind {
     Receiver,
     /// The listener's clock.
     Clock,
-    /// Somebody else on the bus.
+    /// An attacker on the bus.
     Attack,
 }
 
@@ -106,7 +106,7 @@ impl Fault {
         self
     }
 
-    /// For how long, s; nothing if it is for ever.
+    /// Returns the duration, s; empty if the fault does not end.
     #[must_use]
     pub fn lasts(&self) -> String {
         let for_s = self.window_s.1 - self.window_s.0;
@@ -117,7 +117,7 @@ impl Fault {
         }
     }
 
-    /// Returns a recording as it is heard with the fault.
+    /// Returns a recording as it is received with the fault.
     #[must_use]
     pub fn received<'a>(&self, recording: &'a [TimedFrame]) -> Frames<'a> {
         let first = recording.first().map_or(Instant::ZERO, |timed| timed.time);
@@ -126,7 +126,7 @@ impl Fault {
     }
 }
 
-/// Returns a fault of what is true, not of who sends it.
+/// Returns a fault that changes the true frames.
 fn wraps_frames(
     kind: FaultKind,
     name: impl Into<String>,
@@ -142,7 +142,7 @@ fn true_frames(recording: &[TimedFrame]) -> Frames<'_> {
     Box::new(recording.iter().copied())
 }
 
-/// Every fault, and first of all none.
+/// Returns all faults. The first is none.
 #[must_use]
 pub fn catalogue() -> Vec<Fault> {
     let mut faults = vec![wraps_frames(FaultKind::Nothing, "none", 60.0, |f, _| f)];
@@ -307,7 +307,7 @@ fn of_signals() -> Vec<Fault> {
     faults
 }
 
-/// Returns those of the GNSS receiver.
+/// Returns the faults of the GNSS receiver.
 #[must_use]
 pub fn of_the_receiver() -> Vec<Fault> {
     let gnss = |name, for_s, wrap: fn(Frames<'_>, Window) -> Frames<'_>| {

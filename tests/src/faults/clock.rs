@@ -1,9 +1,9 @@
-//! Clocks that tell the time of reception wrong.
+//! Clocks that report a wrong time of reception.
 
 use super::{Frames, Window};
 use estimator_core::{Duration, Instant};
 
-/// Returns the clock is set back when the window opens, and stays so.
+/// Sets the clock back for good when the window opens.
 pub fn set_back<'a>(frames: Frames<'a>, window: Window, by: Duration) -> Frames<'a> {
     stamped(frames, move |time| {
         if time >= window.start {
@@ -14,7 +14,7 @@ pub fn set_back<'a>(frames: Frames<'a>, window: Window, by: Duration) -> Frames<
     })
 }
 
-/// Returns the clock leaps ahead when the window opens, and stays so.
+/// Sets the clock ahead for good when the window opens.
 pub fn leaps<'a>(frames: Frames<'a>, window: Window, by: Duration) -> Frames<'a> {
     stamped(frames, move |time| {
         if time >= window.start {
@@ -25,7 +25,7 @@ pub fn leaps<'a>(frames: Frames<'a>, window: Window, by: Duration) -> Frames<'a>
     })
 }
 
-/// Returns one frame of `n` in the window is told to be later or, if not `ahead`, earlier.
+/// Stamps one frame of `n` in the window too late or, if not `ahead`, too early.
 pub fn strays<'a>(
     frames: Frames<'a>,
     window: Window,
@@ -47,7 +47,7 @@ pub fn strays<'a>(
     })
 }
 
-/// Returns the clock counts microseconds in 32 bits, and begins anew when the window opens.
+/// Counts microseconds in 32 bits. The count wraps when the window opens.
 pub fn wraps(frames: Frames<'_>, window: Window) -> Frames<'_> {
     let start = window.start.micros();
     stamped(frames, move |time| {

@@ -1,14 +1,15 @@
-//! Drives that faults happen to, and what is true of them.
+//! The simulated drives for the faults, with their truth.
 
 use host_sim::error::Result;
 use host_sim::simulator::scenario::Scenario;
 use host_sim::simulator::{SimulatedRun, simulate};
 use std::path::Path;
 
-/// 30 km with everything wrong by one sigma, wind and cold tyres, by truck "A" or "B".
+/// Simulates 30 km of truck "A" or "B" with every parameter wrong by one sigma, wind and cold
+/// tyres.
 ///
 /// # Errors
-/// A truck that there is not, or one that gets stuck.
+/// The truck is unknown, or gets stuck.
 pub fn drive(truck: &str, seed: u64) -> Result<SimulatedRun> {
     let text = format!(
         "seed = {seed}\n[road]\nlength_m = 30000.0\n[rates]\nfast_ms = 50.0\n\
@@ -21,10 +22,10 @@ pub fn drive(truck: &str, seed: u64) -> Result<SimulatedRun> {
     simulate(&Scenario::parse(&text, Path::new("faults"))?, 0)
 }
 
-/// Ways of 20 km that take more than 24 hours.
+/// Number of laps of 20 km that take more than 24 hours.
 pub const DAY_LAPS: usize = 98;
 
-/// 20 km there, and back again, for a day of [`DAY_LAPS`].
+/// Simulates the two laps of a day of [`DAY_LAPS`]: 20 km there, and 20 km back.
 ///
 /// # Errors
 /// Returns the errors of [`drive`].

@@ -8,7 +8,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use std::collections::BTreeMap;
 
-/// Loses the frames that `lost` tells.
+/// Loses the frames for which `lost` returns true.
 pub fn lost<'a>(
     frames: Frames<'a>,
     window: Window,
@@ -34,14 +34,14 @@ pub fn randomly_lost<'a>(frames: Frames<'a>, window: Window, probability: f64) -
     lost(frames, window, move |_| rng.random_bool(probability))
 }
 
-/// Each frame comes so many times, one right after the other.
+/// Repeats each frame, so that it comes `times` times in a row.
 pub fn repeated<'a>(frames: Frames<'a>, window: Window, times: usize) -> Frames<'a> {
     changed(frames, window, move |timed| {
         std::iter::repeat_n(timed, times)
     })
 }
 
-/// Each frame is received later by what `delay` tells.
+/// Delays each frame by the duration that `delay` returns.
 pub fn delayed<'a>(
     frames: Frames<'a>,
     window: Window,
@@ -64,7 +64,7 @@ struct Delayed<'a, D> {
     delay: D,
     rng: ChaCha8Rng,
     next: Option<TimedFrame>,
-    /// By arrival, and then in the order in which they were sent.
+    /// By time of arrival, then by the order of sending.
     under_way: BTreeMap<(Instant, u64), TimedFrame>,
     sent: u64,
 }
@@ -95,10 +95,10 @@ impl<D: FnMut(&mut ChaCha8Rng) -> Duration> Iterator for Delayed<'_, D> {
     }
 }
 
-/// Each frame changes places with the next one: with the times of their reception, or without.
+/// Swaps each frame with the next one, together with their times of reception or without.
 pub fn swapped<'a>(frames: Frames<'a>, window: Window, with_times: bool) -> Frames<'a> {
     let mut waiting: Option<TimedFrame> = None;
-    // One more, for who still waits when the window closes.
+    // A frame that still waits when the window closes is swapped with the next one.
     let end = window.end;
     changed(
         frames,
@@ -121,7 +121,7 @@ pub fn swapped<'a>(frames: Frames<'a>, window: Window, with_times: bool) -> Fram
     )
 }
 
-/// Returns one frame of `n` is cut to a random length.
+/// Truncates one frame of `n` to a random length.
 pub fn truncated<'a>(frames: Frames<'a>, window: Window, n: u32) -> Frames<'a> {
     let mut rng = random();
     changed(frames, window, move |timed| {
@@ -136,7 +136,7 @@ pub fn truncated<'a>(frames: Frames<'a>, window: Window, n: u32) -> Frames<'a> {
     })
 }
 
-/// Fast packets claim to be as long as they can be.
+/// Declares the largest possible length in each fast packet.
 pub fn overlong_packets<'a>(frames: Frames<'a>, window: Window) -> Frames<'a> {
     changed(frames, window, |mut timed| {
         if is_fast_packet(&timed.frame) && timed.frame.data()[0] & 0x1f == 0 {
@@ -146,7 +146,7 @@ pub fn overlong_packets<'a>(frames: Frames<'a>, window: Window) -> Frames<'a> {
     })
 }
 
-/// Returns the sequence counters of fast packets are what `sequence` makes of them.
+/// Replaces the sequence counter of each fast packet by what `sequence` returns for it.
 pub fn sequenced<'a>(
     frames: Frames<'a>,
     window: Window,
@@ -161,7 +161,7 @@ pub fn sequenced<'a>(
     })
 }
 
-/// Returns one bit of one frame in `n` is another.
+/// Flips one bit of one frame of `n`.
 pub fn bit_flipped<'a>(frames: Frames<'a>, window: Window, n: u32) -> Frames<'a> {
     let mut rng = random();
     changed(frames, window, move |mut timed| {
@@ -175,7 +175,7 @@ pub fn bit_flipped<'a>(frames: Frames<'a>, window: Window, n: u32) -> Frames<'a>
     })
 }
 
-/// Frames come from the address that `address` makes of theirs.
+/// Replaces the source address of each frame by what `address` returns for it.
 pub fn readdressed<'a>(
     frames: Frames<'a>,
     window: Window,
@@ -189,7 +189,7 @@ pub fn readdressed<'a>(
     })
 }
 
-/// After each frame another one whose 11-bit identifier is the last bits of its own.
+/// Adds after each frame another one, whose 11-bit identifier is the last bits of the first.
 pub fn with_short_twins<'a>(frames: Frames<'a>, window: Window) -> Frames<'a> {
     changed(frames, window, |timed| {
         let id = raw_id(&timed.frame).and_then(|id| StandardId::new(id as u16 & 0x7ff));
@@ -212,7 +212,7 @@ fn raw_id(frame: &CanFrame) -> Option<u32> {
     }
 }
 
-/// Of those that the simulator sends.
+/// Returns whether a frame of the simulator is part of a fast packet.
 fn is_fast_packet(frame: &CanFrame) -> bool {
     matches!(pgn(frame), Some(129_029))
 }

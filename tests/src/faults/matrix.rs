@@ -1,4 +1,4 @@
-//! Every fault on every drive, and what of it is as it should be.
+//! Every fault on every drive, and which requirements are met.
 
 use super::catalogue::{Fault, FaultKind, catalogue};
 use super::drive::drive;
@@ -11,18 +11,18 @@ use host_sim::terminal::counters::events;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-/// Trucks, and drives of each: errors of one drive are no statistics.
+/// Trucks, and the seeds of the drives of each. The errors of one drive alone are no statistics.
 pub const TRUCKS: [&str; 2] = ["A", "B"];
 const SEEDS: std::ops::RangeInclusive<u64> = 1..=4;
 
-/// Largest mean of squared errors over stated variances, smoothed and lagged.
+/// Largest accepted mean of squared errors over stated variances, smoothed and lagged.
 const HONEST: f64 = 3.0;
-/// What the error may be after a fault, as a part of that without it, and besides, %.
+/// Largest accepted error after a fault: a factor of the error without the fault, and an addend, %.
 const RECOVERED: (f64, f64) = (1.25, 0.01);
-/// What the way driven may be off where the fault says nothing of it, m.
-const WAY_M: f64 = 10.0;
+/// Largest accepted error of the distance, where the fault declares no shortfall, m.
+const DISTANCE_ERROR_M: f64 = 10.0;
 
-/// A drive that faults happen to, and what is made of it without any.
+/// A drive, and its estimate without a fault.
 struct Subject {
     run: SimulatedRun,
     truth: TrueDrive,
@@ -36,17 +36,17 @@ pub struct FaultOutcome {
     pub truck: &'static str,
     /// Errors with the fault.
     pub with: Phases,
-    /// Errors without it, of the same stretches.
+    /// Errors without it, over the same stretches.
     pub without: Phases,
     /// Increase of the counters by the fault, by key.
     pub counted: BTreeMap<&'static str, u64>,
-    /// Whether all numbers are some, with sigmas above nought.
+    /// Whether all numbers are finite and all sigmas positive.
     pub is_sound: bool,
-    /// Whether each cell is what it is without the fault.
+    /// Whether each cell equals the one without the fault.
     pub is_harmless: bool,
-    /// How much longer the way is than without the fault, where that is most, m.
+    /// Distance less the distance without the fault, of the drive where it is largest, m.
     pub distance_m: f64,
-    /// How many cells are missing, on average.
+    /// Mean number of missing cells.
     pub cells_missing: f64,
 }
 
@@ -94,7 +94,7 @@ impl Subject {
     }
 }
 
-/// Returns what was counted more than without a fault.
+/// Returns the increase of each counter over the run without a fault.
 fn more(with: &Counters, without: &Counters) -> BTreeMap<&'static str, u64> {
     let all = |counters: &Counters| -> BTreeMap<&'static str, u64> {
         let others = [
@@ -115,7 +115,7 @@ fn more(with: &Counters, without: &Counters) -> BTreeMap<&'static str, u64> {
 }
 
 impl FaultOutcome {
-    /// Of all drives of one truck.
+    /// Merges the outcomes of all drives of one truck.
     fn merged(mut outcomes: impl Iterator<Item = Self>) -> Option<Self> {
         let mut all = outcomes.next()?;
         let mut drives = 1.0;
@@ -137,15 +137,15 @@ impl FaultOutcome {
         Some(all)
     }
 
-    /// Returns whether sigmas are honest while the fault lasts and over the whole drive, smoothed
-    /// and lagged.
+    /// Returns whether the sigmas, smoothed and lagged, are large enough during the fault and over
+    /// the whole drive.
     #[must_use]
     pub fn is_honest(&self) -> bool {
         let honest = |means: [f64; 3]| means[..2].iter().all(|mean| *mean < HONEST);
         honest(self.with.during.normalised()) && honest(self.with.whole.normalised())
     }
 
-    /// Returns whether the fault is got over: smoothed, lagged and live.
+    /// Returns whether the estimate recovers after the fault: smoothed, lagged and live.
     #[must_use]
     pub fn is_recovered(&self) -> bool {
         let with = self.with.after.rmse_percent();
@@ -155,13 +155,13 @@ impl FaultOutcome {
             .all(|(with, without)| *with <= RECOVERED.0 * without + RECOVERED.1)
     }
 
-    /// Returns whether the way is as long as without the fault.
+    /// Returns whether the distance is that without the fault.
     #[must_use]
     pub fn is_as_long(&self) -> bool {
-        self.distance_m.abs() <= WAY_M
+        self.distance_m.abs() <= DISTANCE_ERROR_M
     }
 
-    /// Returns whether it was counted, or there was nothing to count.
+    /// Returns whether the fault was counted, or had no effect.
     #[must_use]
     pub fn is_counted(&self) -> bool {
         self.is_harmless || !self.counted.is_empty()
@@ -169,8 +169,8 @@ impl FaultOutcome {
 }
 
 impl FaultRow {
-    /// Returns what is not as it should be, and not declared by the fault either; or declared and
-    /// not so.
+    /// Returns the requirements that are not met although the fault does not declare it, and those
+    /// that are met although it does.
     #[must_use]
     pub fn complaints(&self) -> Vec<String> {
         let mut complaints = Vec::new();
@@ -205,7 +205,7 @@ impl FaultRow {
         complaints
     }
 
-    /// Returns what came of it, in a word.
+    /// Returns the outcome in words.
     #[must_use]
     pub fn verdict(&self) -> &'static str {
         let all = |is: fn(&FaultOutcome) -> bool| self.outcomes.iter().all(is);
@@ -229,17 +229,17 @@ impl FaultOutcome {
     }
 }
 
-/// Every fault on every drive.
+/// Runs every fault on every drive.
 ///
 /// # Errors
-/// What the simulator says.
+/// Returns the errors of the simulator.
 pub fn matrix() -> Result<Vec<FaultRow>> {
     let faults = catalogue();
     let drives: Vec<(&'static str, u64)> = TRUCKS
         .into_iter()
         .flat_map(|truck| SEEDS.map(move |seed| (truck, seed)))
         .collect();
-    // By drive, so that a drive is simulated once and few are in memory at the same time.
+    // Drive by drive: each is simulated once, and few are in memory at the same time.
     let by_drive: Vec<Vec<FaultOutcome>> = drives
         .par_iter()
         .map(|&(truck, seed)| {

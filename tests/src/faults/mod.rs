@@ -1,9 +1,10 @@
-//! Faults of a bus, of what is on it and of who listens: each one wraps a source of frames.
+//! Faults of the bus, of senders and receivers, and of the clock. Each fault wraps a source of
+//! frames.
 //!
-//! [`frames`] loses, repeats, delays and damages frames, [`signals`] changes what they say,
-//! [`clock`] when they were received, and [`attack`] adds those of somebody else. [`catalogue`] has
-//! the faults by name, [`drive`] the drives that they happen to, [`outcome`] what came of it, and
-//! [`matrix`] the table of all.
+//! [`frames`] loses, repeats, delays and damages frames. [`signals`] changes their values,
+//! [`clock`] changes their times of reception, and [`attack`] adds frames of another sender.
+//! [`catalogue`] lists the faults by name, [`drive`] simulates the drives, [`outcome`] measures a
+//! drive with a fault, and [`matrix`] runs every fault on every drive.
 
 pub mod attack;
 pub mod catalogue;
@@ -25,22 +26,22 @@ use std::ops::Range;
 /// Frames in the order in which they were received.
 pub type Frames<'a> = Box<dyn Iterator<Item = TimedFrame> + 'a>;
 
-/// When something is wrong: from a time on, until before another.
+/// The time of a fault: from the start up to, but not including, the end.
 pub type Window = Range<Instant>;
 
-/// Seconds as a span of time; none if negative.
+/// Returns seconds as a duration; zero if negative.
 #[must_use]
 pub fn seconds(seconds: f64) -> Duration {
     Duration::from_micros((seconds * 1e6).round() as u64)
 }
 
-/// Returns the same numbers each time.
+/// Returns a random generator with a fixed seed.
 #[must_use]
 pub fn random() -> ChaCha8Rng {
     ChaCha8Rng::seed_from_u64(1)
 }
 
-/// Makes `change` of each frame within the window: none, one or several.
+/// Replaces each frame in the window by the frames that `change` returns: none, one or several.
 pub fn changed<'a, I: IntoIterator<Item = TimedFrame> + 'a>(
     frames: Frames<'a>,
     window: Window,

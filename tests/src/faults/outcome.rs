@@ -1,4 +1,4 @@
-//! What became of a drive with a fault: its errors, how honest its sigmas were, what was counted.
+//! The outcome of a drive with a fault: its errors, and the consistency of its sigmas.
 
 use super::Frames;
 use estimator_core::{Model, Scalar, Tuning};
@@ -8,15 +8,15 @@ use host_sim::numeric::series::linear;
 use host_sim::recorder::{Recorder, SmoothedRun};
 use host_sim::simulator::SimulatedRun;
 
-/// Ways at both ends of a drive that are left out, m.
+/// Distance that is left out at both ends of a drive, m.
 const ENDS_M: f64 = 500.0;
-/// Way after a fault's end from which it is to be over, m.
+/// Distance after the end of a fault at which the estimate must have recovered, m.
 pub const RECOVERY_M: f64 = 2_000.0;
 
-/// Returns what an estimator made of frames.
+/// Runs an estimator on frames and returns the smoothed run.
 ///
 /// # Panics
-/// With a vehicle that there cannot be, or without room for what it drives.
+/// Panics if the vehicle is impossible or a temporary file cannot be written.
 #[must_use]
 pub fn estimated<S: Scalar>(model: &Model, frames: Frames<'_>) -> SmoothedRun {
     let mut recorder = Recorder::<S>::new(model.clone(), Tuning::default())
@@ -27,7 +27,7 @@ pub fn estimated<S: Scalar>(model: &Model, frames: Frames<'_>) -> SmoothedRun {
     recorder.finish().expect("room for a drive")
 }
 
-/// Returns whether every number in every row is one, and every sigma above nought.
+/// Returns whether every number in every row is finite, and every sigma positive.
 #[must_use]
 pub fn is_sound(rows: &[RunRow]) -> bool {
     rows.iter().all(|row| {
@@ -43,14 +43,14 @@ pub fn is_sound(rows: &[RunRow]) -> bool {
             row.altitude_m.unwrap_or(0.0),
             row.altitude_sigma_m.unwrap_or(0.0),
         ];
-        let sigmas = looks(row).map(|(_, sigma)| sigma);
+        let sigmas = grades_and_sigmas(row).map(|(_, sigma)| sigma);
         finite.iter().all(|number| number.is_finite())
             && sigmas.iter().all(|sigma| sigma.is_finite() && *sigma > 0.0)
     })
 }
 
-/// Returns grade and sigma: smoothed, lagged and live.
-const fn looks(row: &RunRow) -> [(f64, f64); 3] {
+/// Returns the grades with their sigmas: smoothed, lagged and live.
+const fn grades_and_sigmas(row: &RunRow) -> [(f64, f64); 3] {
     [
         (row.grade_percent, row.grade_sigma_percent),
         (row.lagged_grade_percent, row.lagged_grade_sigma_percent),
@@ -58,7 +58,7 @@ const fn looks(row: &RunRow) -> [(f64, f64); 3] {
     ]
 }
 
-/// Errors over some cells, of one drive or several: smoothed, lagged and live.
+/// Errors over some cells of one or several drives: smoothed, lagged and live.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CellErrors {
     cells: usize,
@@ -69,7 +69,7 @@ pub struct CellErrors {
 impl CellErrors {
     fn add(&mut self, row: &RunRow, grade_percent: f64) {
         self.cells += 1;
-        for (index, (value, sigma)) in looks(row).into_iter().enumerate() {
+        for (index, (value, sigma)) in grades_and_sigmas(row).into_iter().enumerate() {
             let error = value - grade_percent;
             self.squares[index] += error * error;
             self.normalised[index] += (error / sigma).powi(2);
@@ -84,42 +84,42 @@ impl CellErrors {
         }
     }
 
-    /// Cells that they are of.
+    /// Returns the number of cells.
     #[must_use]
     pub const fn cells(&self) -> usize {
         self.cells
     }
 
-    /// Roots of the mean squared errors of grade, %.
+    /// Returns the RMS errors of grade, %.
     #[must_use]
     pub fn rmse_percent(&self) -> [f64; 3] {
         self.squares
             .map(|sum| (sum / self.cells.max(1) as f64).sqrt())
     }
 
-    /// Means of the squared errors over the stated variances.
+    /// Returns the means of the squared errors over the stated variances.
     #[must_use]
     pub fn normalised(&self) -> [f64; 3] {
         self.normalised.map(|sum| sum / self.cells.max(1) as f64)
     }
 }
 
-/// Errors of a drive by when: before a fault; from its start until [`RECOVERY_M`] behind its end;
-/// from there on; and over all.
+/// Errors of a drive by phase: before a fault, from its start until [`RECOVERY_M`] after its end,
+/// from there on, and over the whole drive.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Phases {
-    /// Before it.
+    /// Before the fault.
     pub before: CellErrors,
-    /// With it, and on the way on which it is to be got over.
+    /// During the fault and the recovery.
     pub during: CellErrors,
-    /// After that.
+    /// After the recovery.
     pub after: CellErrors,
-    /// All of the drive.
+    /// The whole drive.
     pub whole: CellErrors,
 }
 
 impl Phases {
-    /// Takes in those of another drive.
+    /// Adds the errors of another drive.
     pub fn merge(&mut self, other: &Self) {
         self.before.merge(&other.before);
         self.during.merge(&other.during);
@@ -128,16 +128,16 @@ impl Phases {
     }
 }
 
-/// When a fault was, in seconds from the first frame on.
+/// The times of a fault, s from the first frame on.
 #[derive(Clone, Copy, Debug)]
 pub struct Times {
-    /// From a time until another.
+    /// Start and end.
     pub window_s: (f64, f64),
-    /// What the listener's clock is ahead of the truth's from the fault's start on, s.
+    /// How far the listener's clock is ahead of the truth's from the fault's start on, s.
     pub ahead_s: f64,
 }
 
-/// A drive as it was, by time and by distance.
+/// The truth of a drive, by time and by distance.
 #[derive(Debug)]
 pub struct TrueDrive {
     grades: Vec<(f64, f64)>,
@@ -145,7 +145,7 @@ pub struct TrueDrive {
 }
 
 impl TrueDrive {
-    /// Of a drive.
+    /// Returns the truth of a drive.
     #[must_use]
     pub fn new(run: &SimulatedRun) -> Self {
         let column = |of: fn(&TruthRow) -> f64| -> Vec<(f64, f64)> {
@@ -157,13 +157,13 @@ impl TrueDrive {
         }
     }
 
-    /// Returns how far the drive had come at a time, m.
+    /// Returns the distance at a time, m.
     #[must_use]
     pub fn distance_m(&self, time_s: f64) -> f64 {
         linear(&self.distances, time_s).unwrap_or_else(|| self.length_m())
     }
 
-    /// Returns all of it, m.
+    /// Returns the length of the drive, m.
     #[must_use]
     pub fn length_m(&self) -> f64 {
         self.distances
@@ -171,7 +171,8 @@ impl TrueDrive {
             .map_or(0.0, |(_, distance_m)| *distance_m)
     }
 
-    /// Compares a run with it. Cells are where the vehicle truly was when they ended.
+    /// Returns the errors of a run by phase. A cell is compared with the truth at the time at which
+    /// the vehicle left it.
     #[must_use]
     pub fn phases(&self, rows: &[RunRow], times: &Times) -> Phases {
         let (from_s, until_s) = times.window_s;

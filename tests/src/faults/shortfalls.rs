@@ -59,7 +59,7 @@ const ONLY_SENDER: &str = "Not defended: the only sender for more than 5 s is ac
 const ONE_ADDRESS: &str = "Not defended: two senders with one source address cannot be distinguished on a \
     bus without authentication. The rate is counted.";
 
-/// By the fault's name.
+/// Shortfalls by the fault's name.
 const ALL: &[(&str, Short, &str)] = &[
     ("silence of 1 s", UNSEEN, BRIDGED),
     ("silence of 60 s", DISPLACED, NO_DISTANCE),
@@ -113,7 +113,7 @@ const ALL: &[(&str, Short, &str)] = &[
 ];
 
 impl Short {
-    /// What is not met of the fault of this name.
+    /// Returns the shortfalls under the fault of this name.
     pub(super) fn of(name: &str) -> Self {
         let found = ALL.iter().find(|(known, ..)| *known == name);
         found.map_or(MET, |&(_, short, reason)| Self {

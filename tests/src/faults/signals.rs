@@ -1,4 +1,4 @@
-//! Signals that are not what they should be, while all else in their messages is.
+//! Signals with wrong values. All other signals in their messages are right.
 
 use super::{Frames, Window};
 use embedded_can::{Frame, Id};
@@ -7,11 +7,11 @@ use estimator_core::{Decoder, Instant, Reading, Signal, Value};
 use host_sim::source::can_frame::{CanFrame, TimedFrame};
 use std::collections::{BTreeMap, VecDeque};
 
-/// Longest message that is put together.
+/// Longest payload that is encoded, bytes.
 const PAYLOAD: usize = 64;
 
-/// Rewrites messages whole: `change` is given the time in the window, s, and a signal with its
-/// value, and tells the value to send.
+/// Rewrites whole messages. `change` gets the time in the window, s, and a signal with its value,
+/// and returns the value to send.
 pub fn rewritten<'a>(
     frames: Frames<'a>,
     window: Window,
@@ -43,7 +43,7 @@ pub fn replaced<'a>(
     })
 }
 
-/// Some signals stay what they are when the window opens.
+/// Holds some signals at the first value in the window.
 pub fn stuck<'a>(frames: Frames<'a>, window: Window, signals: &'a [Signal]) -> Frames<'a> {
     let mut held = BTreeMap::new();
     rewritten(frames, window, move |_, signal, value| {
@@ -55,7 +55,8 @@ pub fn stuck<'a>(frames: Frames<'a>, window: Window, signals: &'a [Signal]) -> F
     })
 }
 
-/// Some signals are what `of` makes of the time in the window, s, and their numbers.
+/// Replaces the numbers of some signals by what `of` returns for the time in the window, s, and the
+/// number.
 pub fn altered<'a>(
     frames: Frames<'a>,
     window: Window,
@@ -73,7 +74,7 @@ struct Rewritten<'a, C> {
     window: Window,
     change: C,
     decoder: Decoder,
-    /// Frames since a fast packet began.
+    /// Frames of the fast packet that is not yet complete.
     open: Vec<TimedFrame>,
     ready: VecDeque<TimedFrame>,
 }
@@ -94,7 +95,7 @@ impl<C: FnMut(f64, Signal, Value) -> Value> Rewritten<'_, C> {
         self.ready.extend(self.open.drain(..));
     }
 
-    /// Writes the message that is in the last frame, or ends there, anew.
+    /// Encodes the message that is in the last frame, or ends there, with the changed values.
     fn rewrite(&mut self, message: usize, readings: &[Reading]) {
         let Some((last, pgn)) = self
             .open
@@ -149,7 +150,7 @@ impl<C: FnMut(f64, Signal, Value) -> Value> Iterator for Rewritten<'_, C> {
     fn next(&mut self) -> Option<TimedFrame> {
         while self.ready.is_empty() {
             let Some(timed) = self.frames.next() else {
-                // A packet that the recording cuts off.
+                // The recording ends within a fast packet.
                 self.ready.extend(self.open.drain(..));
                 break;
             };

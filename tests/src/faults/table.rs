@@ -1,4 +1,4 @@
-//! The table of the matrix, `tests/faults.md`.
+//! The table of all outcomes, `tests/faults.md`.
 
 use super::catalogue::FaultKind;
 use super::matrix::{FaultOutcome, FaultRow};
@@ -30,10 +30,10 @@ effect* means: the cells are equal to the last bit. Each fault that is not withs
 has its reason below the table.
 ";
 
-/// Counted kinds that are shown; the rest are few or follow from these.
+/// Number of counters that are shown. The others are small or follow from these.
 const MOST_KINDS: usize = 4;
 
-/// Returns where the table is.
+/// Returns the path of the committed table.
 #[must_use]
 pub fn committed_file() -> PathBuf {
     root().join("tests/faults.md")

@@ -1,21 +1,21 @@
-//! How the simulator is told of each effect.
+//! The keys that plant each effect in a scenario of the simulator.
 
-/// An auxiliary load that goes on and off and is reported on the bus.
+/// An auxiliary load that switches on and off and is reported on the bus.
 pub const FAN: &str = "fan";
 
-/// Course in which the generated road heads, so that a wind can blow along it.
+/// Course of the generated road. A wind can blow along it.
 pub const COURSE_DEG: f64 = 225.0;
 
-/// How the simulator is told of an effect.
+/// An effect that the simulator can plant.
 #[derive(Debug)]
 pub struct Known {
     /// Its name.
     pub effect: &'static str,
-    /// Where the search for the right amount begins.
+    /// Initial amount of the search.
     pub first_amount: f64,
-    /// Of the scenario.
+    /// Table of the scenario.
     pub table: &'static str,
-    /// Keys for an amount and a seed.
+    /// Returns the keys of that table for an amount and a seed.
     pub keys: fn(f64, u64) -> String,
 }
 
@@ -44,7 +44,7 @@ const KNOWN: [Known; 16] = [
         format!("drag_factor = {:?}", 1.0 + amount)
     }),
     effect("headwind", 1.0, "wind", |amount, seed| {
-        // More or less along the road.
+        // Within 40° of the road's course.
         let from_deg = COURSE_DEG - 40.0 + spread(seed, 80.0);
         format!("speed_mps = {amount:?}\nfrom_deg = {from_deg:?}")
     }),
@@ -96,7 +96,7 @@ fn stretch(key: &str, seed: u64, length_m: f64, amount: f64) -> String {
     )
 }
 
-/// From 0 to `span`, elsewhere for each seed: steps of the golden ratio spread evenly.
+/// Returns a value from 0 to `span` for each seed. Steps of the golden ratio spread them evenly.
 fn spread(seed: u64, span: f64) -> f64 {
     let part = seed as f64 * 0.618_033_988_75;
     (span * part.fract()).round()

@@ -4,8 +4,8 @@ use cross_tests::diagnosed::{CaseOutcome, DiagnosisCase, Verdict, cases, effects
 use cross_tests::planted::CLEAN;
 use std::slice;
 
-/// Effect, size in %, truck, and what may be said of it; the group is that of effects that differ
-/// little at one speed and load.
+/// Effect, size in %, truck, and the accepted verdicts. Effects that differ little at one speed and
+/// load may be found as a group.
 const CASES: [(&str, f64, &str, &[Verdict]); 7] = [
     (CLEAN, 0.0, "A", &[Verdict::Named]),
     (CLEAN, 0.0, "B", &[Verdict::Named]),
@@ -22,7 +22,7 @@ const CASES: [(&str, f64, &str, &[Verdict]); 7] = [
 ];
 
 #[test]
-fn effects_that_nobody_declared_are_found_and_none_where_there_is_none() {
+fn undeclared_effects_are_found_and_none_in_clean_logs() {
     let asked = CASES.map(|(effect, size_percent, truck, _)| DiagnosisCase {
         effect: effect.to_owned(),
         size_percent,
@@ -32,20 +32,20 @@ fn effects_that_nobody_declared_are_found_and_none_where_there_is_none() {
     let outcomes = table(&asked, |_| ()).unwrap();
     let mut wrong = Vec::new();
     for (outcome, (.., right)) in outcomes.iter().zip(CASES) {
-        if !right.contains(&outcome.verdict()) || !helps(outcome) {
-            wrong.push(said(outcome));
+        if !right.contains(&outcome.verdict()) || !improves_the_model(outcome) {
+            wrong.push(described(outcome));
         }
     }
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
-/// Whether the bare model is right where it was, and much better where it was wrong.
-fn helps(outcome: &CaseOutcome) -> bool {
+/// Returns whether the diagnosis keeps a right model as it is and improves a wrong one much.
+fn improves_the_model(outcome: &CaseOutcome) -> bool {
     let diagnosis = &outcome.diagnosis;
     let (before, after) = (diagnosis.before.rmse_percent, diagnosis.after.rmse_percent);
     match outcome.case.effect.as_str() {
         CLEAN => before < 0.1 && (after - before).abs() < 1e-9,
-        // Nothing in the catalogue stands for it, and nothing that is there may be made worse.
+        // The catalogue does not have this effect. The model must not become worse.
         "torque_hysteresis" => after < 1.02 * before,
         "wheel_radius" => {
             let radius = &diagnosis.findings[0].adopted;
@@ -55,7 +55,7 @@ fn helps(outcome: &CaseOutcome) -> bool {
     }
 }
 
-fn said(outcome: &CaseOutcome) -> String {
+fn described(outcome: &CaseOutcome) -> String {
     let diagnosis = &outcome.diagnosis;
     let found = diagnosis.findings.iter();
     format!(
@@ -75,7 +75,8 @@ fn said(outcome: &CaseOutcome) -> String {
 fn the_full_bench_has_every_effect_and_size_on_both_trucks() {
     let all: Vec<String> = effects().map(str::to_owned).collect();
     let asked = cases(&all, &[0.1, 0.3], 3).unwrap();
-    // Twelve effects, the fan, three outside and six pairs, each in two sizes, and clean logs.
+    // Twelve effects of the catalogue, the fan, three effects outside it and six pairs, each in two
+    // sizes, and clean logs.
     assert_eq!(asked.len(), (22 * 2 + 1) * 2 * 3);
     let sizes = |effect: &str| {
         let own = asked.iter().filter(|case| case.effect == effect);

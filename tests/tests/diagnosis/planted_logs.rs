@@ -1,4 +1,4 @@
-//! Has each log of the bench the effect in it that was asked for, and nothing that tells of it?
+//! Each log of the bench contains the requested effect, and nothing that reveals it.
 
 use cross_tests::planted::{
     CATALOGUE, CLEAN, FAN, OUTSIDE, PlantedLogs, amount, logs, logs_of, unmodelled_rms_percent,
@@ -15,8 +15,8 @@ use std::fs;
 use std::path::Path;
 
 const TRUCKS: [&str; 2] = ["A", "B"];
-/// Over which the log's energies are compared, m: short beside a rough stretch, long beside the
-/// noise of the wheel speeds at its ends (0.016 m/s at 22 m/s are 0.012 % over 300 m).
+/// Length over which the log's energies are compared, m. It is short beside a rough stretch, and
+/// long enough for the noise of the wheel speeds at its ends (0.016 m/s at 22 m/s are 0.012 %).
 const WINDOW_M: f64 = 300.0;
 
 fn effects() -> impl Iterator<Item = &'static str> {
@@ -43,10 +43,10 @@ fn every_size_of_every_effect_can_be_made() {
 }
 
 #[test]
-fn logs_hold_what_was_asked_for() {
-    // The radius shows in the speeds; it has a test of its own. What comes and goes within a
-    // window is averaged there, and windows without a shift have fewer steep slopes, where what
-    // is a part of the traction is large.
+fn logs_contain_the_requested_effect() {
+    // The radius shows in the speeds and has a test of its own. The other effects here show only
+    // in part. Some vary within a window and are averaged. Others are a part of the traction: they
+    // are large on steep slopes, which are rare in windows without a shift.
     let partly = [
         "cornering",
         "driveline_loss",
@@ -73,7 +73,7 @@ fn logs_hold_what_was_asked_for() {
 }
 
 #[test]
-fn clean_logs_hold_nothing() {
+fn clean_logs_contain_no_effect() {
     for truck in TRUCKS {
         let folder = tempfile::tempdir().unwrap();
         let logs = logs(CLEAN, 0.1, truck, 5, &folder.path().join("case")).unwrap();
@@ -121,7 +121,7 @@ fn effects_can_be_combined() {
 }
 
 #[test]
-fn the_diagnosis_is_told_nothing() {
+fn the_logs_do_not_reveal_the_effect() {
     let folder = tempfile::tempdir().unwrap();
     let case = folder.path().join("case");
     let logs = logs("mass", 0.3, "A", 3, &case).unwrap();
@@ -141,7 +141,7 @@ fn the_diagnosis_is_told_nothing() {
     );
     let vehicle = VehicleFile::read(&logs.vehicle).unwrap();
     assert_eq!(vehicle.model, Preset::A.parameters().into());
-    // Nor is the load told as it is (SPN 1760, in steps of 10 kg).
+    // The reported mass (SPN 1760, in steps of 10 kg) is the assumed one, too.
     let (_, signals) = read(&logs.fit[0]);
     assert!(signals[&Signal::Mass].iter().all(|m| m.1 == 39_000.0));
 
@@ -157,7 +157,7 @@ fn the_diagnosis_is_told_nothing() {
     {
         assert!(path.starts_with(&logs.truth.folder) && path.is_file());
     }
-    // Runs go both ways, in the logs to fit and in those held out.
+    // There are runs in both directions, in the logs to fit and in those held out.
     let road = &Scenario::read(&logs.truth.scenario).unwrap().road;
     let up = road.altitude_m(road.length_m()) - road.altitude_m(0.0);
     for (index, path) in truths.iter().enumerate() {
@@ -169,7 +169,7 @@ fn the_diagnosis_is_told_nothing() {
 }
 
 #[test]
-fn the_same_is_the_same_and_another_seed_another_road() {
+fn the_same_seed_gives_the_same_logs_and_another_seed_another_road() {
     let folder = tempfile::tempdir().unwrap();
     let bytes = |name: &str, seed: u64| {
         let logs = logs("fan", 0.1, "B", seed, &folder.path().join(name)).unwrap();
@@ -182,7 +182,7 @@ fn the_same_is_the_same_and_another_seed_another_road() {
 }
 
 #[test]
-fn what_cannot_be_is_refused() {
+fn impossible_requests_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let case = folder.path().join("case");
     for (effect, size_percent, truck, problem) in [
@@ -203,7 +203,7 @@ fn what_cannot_be_is_refused() {
 }
 
 #[test]
-fn nothing_is_planted_in_a_size_of_nought_on_the_road_of_the_effect() {
+fn a_size_of_zero_plants_nothing_on_the_road_of_the_effect() {
     let folder = tempfile::tempdir().unwrap();
     let road = |name: &str, effect: &str, size_percent: f64| {
         let logs = logs(effect, size_percent, "A", 1, &folder.path().join(name)).unwrap();
@@ -216,7 +216,7 @@ fn nothing_is_planted_in_a_size_of_nought_on_the_road_of_the_effect() {
     assert_ne!(road("straight", "mass", 0.0).1, curvy);
 }
 
-/// Values of every signal of a log with their times in s from its first frame.
+/// Values of every signal of a log with their times, s from its first frame.
 type Signals = BTreeMap<Signal, Vec<(f64, f64)>>;
 
 fn read(log: &Path) -> (VehicleParameters, Signals) {
@@ -245,14 +245,15 @@ fn read(log: &Path) -> (VehicleParameters, Signals) {
     (vehicle.model.vehicle, signals)
 }
 
-/// The latest value.
+/// Returns the latest value at a time.
 fn at(values: &[(f64, f64)], time_s: f64) -> f64 {
     let after = values.partition_point(|value| value.0 <= time_s);
     values[after.saturating_sub(1)].1
 }
 
-/// From the logs alone: over windows without shift or brake, the height that the believed force
-/// balance makes of torque and speed, less the true height, as a grade; its RMS in %.
+/// Returns the RMS over windows without shift or brake of a grade error in %: the height that the
+/// assumed force balance gives from the logged torque and speed, less the true height, over the
+/// distance.
 fn reported_rms_percent(logs: &PlantedLogs) -> f64 {
     let runs = logs.fit.iter().chain(&logs.held_out);
     let truths = logs.truth.fit.iter().chain(&logs.truth.held_out);
@@ -275,7 +276,7 @@ fn window_errors_percent(log: &Path, truth: &[TruthRow]) -> Vec<f64> {
         let ratio = at(series(Signal::GearRatio), time_s) as f32;
         Driveline::Engaged(powertrain.gear_of_ratio(ratio, 0.05).unwrap())
     };
-    // The mean of the four readings around a moment.
+    // The mean of the four readings around a time.
     let speed = |time_s: f64| {
         let after = speeds.partition_point(|value| value.0 <= time_s);
         speeds[after - 2..after + 2]
@@ -303,7 +304,7 @@ fn window_errors_percent(log: &Path, truth: &[TruthRow]) -> Vec<f64> {
             continue;
         }
         let radius_m = vehicle.wheel_radius_m;
-        let (mut work_j, mut way_m) = (0.0, 0.0);
+        let (mut work_j, mut driven_m) = (0.0, 0.0);
         let torques = series(Signal::EngineTorque);
         let first = torques.partition_point(|value| value.0 < start.time_s);
         for pair in torques[first..].windows(2) {
@@ -321,14 +322,14 @@ fn window_errors_percent(log: &Path, truth: &[TruthRow]) -> Vec<f64> {
                     - weight_n * f64::from(vehicle.rolling_resistance);
             let step_m = speed_mps * (pair[1].0 - time_s);
             work_j += force_n * step_m;
-            way_m += step_m;
+            driven_m += step_m;
         }
         let rotating_kg = vehicle.rotating_kg(driveline(end.time_s), radius_m);
         let accelerated_kg = f64::from(vehicle.mass_kg + rotating_kg);
         let (slow, fast) = (speed(start.time_s), speed(end.time_s));
         let kinetic_j = 0.5 * accelerated_kg * (fast * fast - slow * slow);
         let climbed_m = (work_j - kinetic_j) / weight_n;
-        errors.push(100.0 * (climbed_m - (end.altitude_m - start.altitude_m)) / way_m);
+        errors.push(100.0 * (climbed_m - (end.altitude_m - start.altitude_m)) / driven_m);
     }
     errors
 }

@@ -1,4 +1,4 @@
-//! Commands in pages exist, with the options that they are given.
+//! Commands in pages exist, with their options.
 
 use super::{pages, place, root};
 use clap::{Command, CommandFactory};
@@ -31,7 +31,7 @@ fn commands_and_their_options_exist() {
     assert!(problems.is_empty(), "{}", problems.join("\n"));
 }
 
-/// Returns the commands of ours in a line of a shell, as words.
+/// Returns this project's commands in a line of shell, as words.
 fn commands(line: &str) -> Vec<Vec<String>> {
     let code = line.split(" #").next().unwrap_or(line);
     let code = code.trim().trim_start_matches('(').trim_end_matches(')');

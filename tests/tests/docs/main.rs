@@ -1,5 +1,4 @@
-//! The documentation is true: its links lead somewhere, its tables are current, and what it names
-//! exists.
+//! The documentation is correct: its links and names exist, and its tables are current.
 
 mod commands;
 mod markdown;
@@ -27,7 +26,7 @@ fn pages() -> &'static [Page] {
     &PAGES
 }
 
-/// Returns where a line of a page is.
+/// Returns the place of a line: path and line number.
 fn place(path: &Path, line: usize) -> String {
     let path = path.strip_prefix(root()).unwrap_or(path);
     format!("{}:{line}", path.display())
@@ -118,7 +117,7 @@ fn tables_are_current() {
 }
 
 #[test]
-fn the_readme_is_a_door() {
+fn the_readme_is_short() {
     let lines = Page::read(&root().join("README.md")).text.lines().count();
     assert!(lines <= 150, "{lines} lines: at most 150");
 }

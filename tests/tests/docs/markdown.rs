@@ -1,4 +1,4 @@
-//! Pages in Markdown: headings, links, and what is set as code.
+//! Pages in Markdown: headings, links, and code.
 
 use pulldown_cmark::{CodeBlockKind, Event, Options, Parser, Tag, TagEnd};
 use std::collections::BTreeMap;
@@ -13,7 +13,7 @@ pub struct Page {
     pub path: PathBuf,
     /// Its text.
     pub text: String,
-    /// Names by which links reach its headings.
+    /// Anchors of its headings.
     pub anchors: Vec<String>,
     /// Targets of its links, with their lines.
     pub links: Vec<(usize, String)>,
@@ -81,7 +81,7 @@ impl Page {
     }
 }
 
-/// Returns the name by which a link reaches a heading, as forges make it.
+/// Returns the anchor of a heading, as GitHub makes it.
 fn anchor(heading: &str) -> String {
     let kept = |of: &char| of.is_alphanumeric() || matches!(of, ' ' | '-' | '_');
     let letters = heading.chars().filter(kept).flat_map(char::to_lowercase);
@@ -92,7 +92,7 @@ fn anchor(heading: &str) -> String {
 
 /// Returns all files below a folder that are part of the repository, in order.
 pub fn files(folder: &Path) -> Vec<PathBuf> {
-    // Built, found by fuzzing, or not ours.
+    // Left out: built files, inputs found by fuzzing, and files of others.
     let is_foreign = |entry: &DirEntry| {
         let name = entry.file_name().to_string_lossy();
         name.starts_with('.') || ["target", "corpus", "artifacts"].contains(&&*name)
@@ -108,7 +108,7 @@ pub fn files(folder: &Path) -> Vec<PathBuf> {
 }
 
 #[test]
-fn anchors_are_those_of_forges() {
+fn anchors_are_those_of_github() {
     assert_eq!(anchor("How to add …"), "how-to-add-");
     assert_eq!(anchor("… a `state`"), "-a-state");
     assert_eq!(anchor("vehicle.toml"), "vehicletoml");

@@ -7,9 +7,9 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
-/// Pages that tell of what was.
+/// Page about earlier releases, whose names may no longer exist.
 const HISTORY: &str = "CHANGELOG.md";
-/// Folders that a page may leave out before a path.
+/// Folders to which paths in pages may be relative.
 const USUAL: [&str; 6] = [
     "",
     "docs",
@@ -18,7 +18,7 @@ const USUAL: [&str; 6] = [
     "estimator-core/dbc",
     "host-sim/src",
 ];
-/// Names of others: of tools, and of the functions that an example's reader writes.
+/// Names of other projects: of tools, and of functions that the reader of an example writes.
 const OF_OTHERS: [&str; 6] = [
     "read_parquet",
     "hive_partitioning",
@@ -111,7 +111,7 @@ fn names(code: &str) -> impl Iterator<Item = &str> {
 
 /// Returns every word of the repository's source: code, layouts, tables, statements and scripts.
 fn words_of_the_source() -> BTreeSet<String> {
-    // Keys of times are made by a macro.
+    // A macro makes the keys of durations.
     let mut words: BTreeSet<String> = Tuning::PARAMETERS
         .iter()
         .map(|of| of.key.to_owned())
@@ -122,7 +122,7 @@ fn words_of_the_source() -> BTreeSet<String> {
         if is_prose || file.starts_with(&this_test) {
             continue;
         }
-        // What is no text has no names.
+        // Binary files have no names.
         if let Ok(text) = fs::read_to_string(&file) {
             words.extend(
                 text.split(|of: char| !(of.is_ascii_alphanumeric() || of == '_'))
@@ -140,7 +140,7 @@ fn words_of_the_source() -> BTreeSet<String> {
 }
 
 #[test]
-fn names_are_told_from_mathematics() {
+fn names_are_distinguished_from_mathematics() {
     let of = |code| names(code).collect::<Vec<_>>();
     assert_eq!(of("`(100 c_r cold_tyre_rolling)²"), ["cold_tyre_rolling"]);
     assert_eq!(of("Estimator::restore"), ["Estimator", "restore"]);

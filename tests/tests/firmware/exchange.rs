@@ -1,4 +1,5 @@
-//! The files that a board and a host exchange: what is written is read, and nothing else is.
+//! The files that a board and a host exchange. What is written is read back, and malformed records
+//! are refused.
 
 use cross_tests::drive::{drive, truck};
 use embedded_can::{ExtendedId, Frame, StandardId};
@@ -9,7 +10,7 @@ use firmware::exchange::{cell, frame, vehicle};
 use host_sim::source::can_frame::CanFrame;
 
 #[test]
-fn vehicles_survive() {
+fn vehicles_are_read_back() {
     let mut by_force = truck();
     by_force.vehicle.traction = Traction::Force;
     let mut many_gears = truck();
@@ -31,10 +32,10 @@ fn vehicles_survive() {
     }
 }
 
-/// Where the words of the first effect begin, bytes.
+/// Offset of the first effect, bytes.
 const FIRST_EFFECT: usize = 240;
 
-/// The header with the number of its first effect replaced.
+/// Returns the header with the number of its first effect replaced.
 fn with_first_effect(
     header: [u8; vehicle::VEHICLE_BYTES],
     number: u32,
@@ -45,7 +46,7 @@ fn with_first_effect(
 }
 
 #[test]
-fn what_is_no_vehicle_is_refused() {
+fn malformed_vehicles_are_refused() {
     let good = vehicle::encode(&truck());
     let refusal = |header: &[u8]| vehicle::decode(header).unwrap_err();
     assert_eq!(refusal(&good[..good.len() - 1]), HeaderError::Length);
@@ -79,7 +80,7 @@ fn a_catalogue_that_does_not_fit_is_refused() {
 }
 
 #[test]
-fn frames_survive() {
+fn frames_are_read_back() {
     let frames = drive();
     assert!(frames.iter().any(|timed| timed.frame.is_remote_frame()));
     assert!(frames.iter().any(|timed| timed.frame.is_standard()));
@@ -115,7 +116,7 @@ fn a_frame_is_laid_out_as_documented() {
 }
 
 #[test]
-fn what_is_no_frame_is_refused() {
+fn malformed_frames_are_refused() {
     let frame = CanFrame::extended(0x18fe_f100, &[1, 2, 3, 4]).unwrap();
     let good = frame::encode(Instant::ZERO, &frame).unwrap();
     assert!(frame::decode(&good).is_some());
@@ -135,7 +136,7 @@ fn what_is_no_frame_is_refused() {
 }
 
 #[test]
-fn cells_survive() {
+fn cells_are_read_back() {
     let number = |n: u8| Uncertain {
         value: -0.1 * f32::from(n),
         sigma: 0.3 * f32::from(n),
@@ -166,7 +167,7 @@ fn cells_survive() {
 }
 
 #[test]
-fn what_is_no_cell_is_refused() {
+fn malformed_cells_are_refused() {
     let good = [0; cell::CELL_BYTES];
     assert!(cell::decode(&good).is_some());
     assert_eq!(cell::decode(&good[1..]), None);

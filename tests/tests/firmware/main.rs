@@ -1,4 +1,4 @@
-//! The firmware: what it exchanges with a host, and what it computes.
+//! The firmware: the files that it exchanges with a host, and its results.
 
 mod exchange;
 mod matches_host;

@@ -7,7 +7,7 @@ use firmware::exchange::cell::{self, CELL_BYTES};
 use firmware::exchange::frame::FRAME_BYTES;
 use firmware::exchange::vehicle::VEHICLE_BYTES;
 
-/// Whether the board cannot be emulated here; says so.
+/// Returns whether the board cannot be emulated here, and reports it.
 fn board_is_missing() -> bool {
     let missing = missing();
     if let Some(what) = &missing {
@@ -58,7 +58,7 @@ fn compare(model: &Model) {
     println!("bit-identical on board and host: {summary}");
 }
 
-/// What is compared has to be worth it.
+/// The compared drive must exercise all kinds of cells.
 #[test]
 fn the_drive_reaches_every_kind_of_cell() {
     let cells = on_host(&truck(), &drive());

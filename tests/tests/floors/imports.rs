@@ -1,4 +1,4 @@
-//! Who imports what in a crate, read off its source.
+//! The imports among the files of a crate, read from its source.
 //!
 //! Imports are `use` items, paths in code, and paths within macros. A name that a `mod.rs` exports
 //! again counts as an import of the file that defines it. What does not count: the declarations of
@@ -26,7 +26,7 @@ pub struct Import {
     pub to: String,
 }
 
-/// Returns the imports among the files of a folder of source, which is that of a crate's root.
+/// Returns the imports among the source files of a crate. `source` is the folder of its root.
 pub fn imports(source: &Path) -> BTreeSet<Import> {
     let mut files = BTreeMap::new();
     for path in rust_files(source) {
@@ -66,10 +66,10 @@ pub fn imports(source: &Path) -> BTreeSet<Import> {
     imports
 }
 
-/// Returns the module that defines what a path names, through names that are exported again.
+/// Returns the module that defines the item of a path. Follows names that are exported again.
 fn definition(path: &[String], found: &BTreeMap<&Module, Found>) -> Module {
     let mut path = path.to_vec();
-    // Each round goes one name deeper; a circle of exports would end here.
+    // Each round follows one export. The limit ends a cycle of exports.
     for _ in 0..10 {
         let length = (0..=path.len())
             .rev()
@@ -88,9 +88,9 @@ fn definition(path: &[String], found: &BTreeMap<&Module, Found>) -> Module {
     path
 }
 
-/// What one file imports and exports again, while its syntax tree is visited.
+/// The imports and exports of one file, collected while its syntax tree is visited.
 struct Found<'a> {
-    /// The file's module, and the inline modules within it that are visited now.
+    /// The file's module, and the inline modules around the visited item.
     module: Module,
     /// Number of inline modules.
     inline: usize,

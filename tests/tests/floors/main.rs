@@ -1,4 +1,4 @@
-//! Who may import whom: no circle among the files of a crate, and one direction among its parts.
+//! The rules for imports: no cycle among the files of a crate, and one direction among its parts.
 //! `docs/architecture.md` gives the reasons.
 
 mod imports;
@@ -9,7 +9,7 @@ use petgraph::algo::tarjan_scc;
 use petgraph::graphmap::DiGraphMap;
 use std::collections::BTreeSet;
 
-/// Crates whose files must not import each other in circles.
+/// Crates whose files must not import each other in cycles.
 const CRATES: [&str; 5] = [
     "estimator-core/src",
     "firmware/src",
@@ -43,7 +43,7 @@ const CORE: [&str; 21] = [
     "division",
 ];
 
-/// Rooms of the host, and the rooms that each may import. All may import `error`.
+/// Parts of the host, and the parts that each may import. All may import `error`.
 const HOST: [(&str, &[&str]); 17] = [
     (
         "cli",
@@ -88,7 +88,7 @@ const HOST: [(&str, &[&str]); 17] = [
     ),
     ("report", &["files", "map", "numeric", "score"]),
     ("live", &["files", "recorder", "source", "terminal"]),
-    // Not the simulator: real data have a truth, too.
+    // Not the simulator: measured data have a truth, too.
     (
         "score",
         &[
@@ -115,18 +115,18 @@ const HOST: [(&str, &[&str]); 17] = [
 ];
 
 #[test]
-fn no_files_import_each_other_in_a_circle() {
+fn no_files_import_each_other_in_a_cycle() {
     let mut problems = Vec::new();
     for folder in CRATES {
         let found = imports(&root().join(folder));
         let edges = found.iter().map(|import| (&*import.from, &*import.to));
         let graph: DiGraphMap<&str, ()> = DiGraphMap::from_edges(edges);
-        for mut circle in tarjan_scc(&graph).into_iter().filter(|of| of.len() > 1) {
-            circle.sort_unstable();
+        for mut cycle in tarjan_scc(&graph).into_iter().filter(|of| of.len() > 1) {
+            cycle.sort_unstable();
             let within =
-                |import: &&Import| circle.contains(&&*import.from) && circle.contains(&&*import.to);
-            let circle_words = circle.join(" ↔ ");
-            problems.push(format!("{folder}: a circle: {circle_words}"));
+                |import: &&Import| cycle.contains(&&*import.from) && cycle.contains(&&*import.to);
+            let cycle_words = cycle.join(" ↔ ");
+            problems.push(format!("{folder}: a cycle: {cycle_words}"));
             problems.extend(found.iter().filter(within).map(|of| in_words(folder, of)));
         }
     }
@@ -146,10 +146,10 @@ fn no_part_of_the_core_imports_what_stands_above_it() {
 }
 
 #[test]
-fn rooms_of_the_host_import_what_they_may() {
+fn parts_of_the_host_import_only_what_they_may() {
     check("host-sim/src", |from, to| {
-        let Some((_, allowed)) = HOST.iter().find(|(room, _)| *room == from) else {
-            return Some(format!("`{from}` is not in the table of rooms"));
+        let Some((_, allowed)) = HOST.iter().find(|(name, _)| *name == from) else {
+            return Some(format!("`{from}` is not in the table of parts"));
         };
         let is_allowed = to == "error" || allowed.contains(&to);
         (!is_allowed).then(|| format!("`{from}` may not import `{to}`"))
@@ -165,17 +165,17 @@ fn parts_of_the_orders_exist() {
     for part in CORE {
         assert!(exists("estimator-core/src", part), "{part}");
     }
-    let rooms: BTreeSet<&str> = HOST.iter().map(|(room, _)| *room).collect();
-    for (room, allowed) in HOST {
-        assert!(exists("host-sim/src", room), "{room}");
+    let known: BTreeSet<&str> = HOST.iter().map(|(name, _)| *name).collect();
+    for (name, allowed) in HOST {
+        assert!(exists("host-sim/src", name), "{name}");
         for other in allowed {
-            assert!(rooms.contains(other), "{room}: {other}");
+            assert!(known.contains(other), "{name}: {other}");
         }
     }
 }
 
 #[test]
-fn imports_are_found() {
+fn known_imports_are_found() {
     let found = imports(&root().join("estimator-core/src"));
     let has = |from: &str, to: &str| found.iter().any(|of| of.from == from && of.to == to);
     // A `use`, a name that is exported again, a parent's.
@@ -188,8 +188,7 @@ fn imports_are_found() {
     assert!(found.iter().all(|import| import.line > 0), "{found:#?}");
 }
 
-/// Checks each import from one part of a crate to another one by a rule, which returns what is
-/// wrong.
+/// Checks each import from one part of a crate to another one. `rule` returns what is wrong.
 fn check(folder: &str, rule: impl Fn(&str, &str) -> Option<String>) {
     let found = imports(&root().join(folder));
     assert!(found.len() > 50, "{folder}: {} imports", found.len());

@@ -48,7 +48,7 @@ impl RunCell {
     /// Checks that the cell can follow `before` in a run.
     ///
     /// # Errors
-    /// Names the problem of the cell.
+    /// Returns an error that names the problem of the cell.
     pub(crate) fn check(&self, before: Option<&Self>) -> Result<(), Flaw> {
         row_check::within(&[
             (columns::DRIVEN_M, self.distance_m),

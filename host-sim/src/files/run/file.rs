@@ -55,7 +55,7 @@ impl RunRows for Rounded<'_> {
 /// Reads a run, CSV or Parquet.
 ///
 /// # Errors
-/// Names the file, the line and what was expected.
+/// Returns an error that names the file, the line and the expected value.
 pub fn read(path: &Path) -> Result<Vec<RunRow>> {
     if is_parquet(path) {
         return parquet::read(path);
@@ -75,7 +75,7 @@ pub fn read(path: &Path) -> Result<Vec<RunRow>> {
 /// Reads the columns of a run that fusion needs, CSV or Parquet.
 ///
 /// # Errors
-/// Names the file, the line and what was expected.
+/// Returns an error that names the file, the line and the expected value.
 pub fn read_cells(path: &Path) -> Result<(Vec<RunCell>, RunIdentity)> {
     let most = limits::rows_in_memory::<RunCell>();
     let mut cells = Vec::new();

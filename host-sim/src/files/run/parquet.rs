@@ -164,7 +164,7 @@ pub fn session(path: &Path) -> Result<Option<String>> {
 /// Reads a run.
 ///
 /// # Errors
-/// Names the file, the row and what was expected.
+/// Returns an error that names the file, the row and the expected value.
 pub fn read(path: &Path) -> Result<Vec<RunRow>> {
     let most = limits::rows_in_memory::<RunRow>();
     let file = open_run(path)?.with_most_rows(most);
@@ -244,7 +244,7 @@ pub fn read(path: &Path) -> Result<Vec<RunRow>> {
 /// Passes the columns of a run that fusion needs, at most `most_rows` rows, to `take`.
 ///
 /// # Errors
-/// Names the file, the row and what was expected.
+/// Returns an error that names the file, the row and the expected value.
 pub fn each_cell(
     path: &Path,
     most_rows: usize,

@@ -41,11 +41,12 @@ pub struct RunRow {
     pub live_grade_sigma_percent: f64,
     /// Speed, m/s.
     pub speed_mps: f64,
-    /// Bias of the vehicle model as grade, % (smoothed): the modelled grade is too high by this.
+    /// Bias of the vehicle model as grade, % (smoothed); positive if the modelled grade is too
+    /// high.
     pub bias_percent: f64,
     /// True over modelled traction (smoothed).
     pub scale: f64,
-    /// 1 if the vehicle model holds, 0 during shifts, braking and their hold times.
+    /// 1 if the vehicle model is valid; 0 during shifts, braking and their hold times.
     pub valid: u8,
     /// Gross mass, kg (with the smoothed scale); empty in files of before it was estimated.
     #[serde(default)]
@@ -71,19 +72,19 @@ const fn consistent() -> u8 {
 }
 
 impl RunRow {
-    /// Returns smoothed grade and its standard deviation, %.
+    /// Returns the smoothed grade and its standard deviation, %.
     #[must_use]
     pub const fn smoothed(&self) -> (f64, f64) {
         (self.grade_percent, self.grade_sigma_percent)
     }
 
-    /// Returns lagged grade and its standard deviation, %.
+    /// Returns the lagged grade and its standard deviation, %.
     #[must_use]
     pub const fn lagged(&self) -> (f64, f64) {
         (self.lagged_grade_percent, self.lagged_grade_sigma_percent)
     }
 
-    /// Returns live grade and its standard deviation, %.
+    /// Returns the live grade and its standard deviation, %.
     #[must_use]
     pub const fn live(&self) -> (f64, f64) {
         (self.live_grade_percent, self.live_grade_sigma_percent)

@@ -13,7 +13,7 @@ const AMOUNT_SIGMA: &str = "amount_sigma";
 /// Creates the effects of these tables. The core checks their values.
 ///
 /// # Errors
-/// Names each unknown effect, unknown key and missing key.
+/// Returns an error that names each unknown effect, unknown key and missing key.
 pub(super) fn from_tables(tables: &Tables) -> Result<AdoptedEffects, String> {
     let mut effects = AdoptedEffects::default();
     for (name, table) in tables {

@@ -12,9 +12,9 @@
 //! is v (ρ + (1 - ρ)/N). Squares about the mean then add up to (N - 1) - ρ (n - 1). Runs with
 //! common errors disagree less than their variances allow, and ρ follows from that.
 //!
-//! Disagreement cannot separate a common error from variances that are too large. It is read as
-//! common, the safe choice, up to a usual share. Disagreement above that of the least usual share
-//! is read as variances that are too small.
+//! Disagreement cannot separate a common error from variances that are too large. Low disagreement
+//! counts as a common error, the safe choice, up to a usual share. High disagreement counts as
+//! variances that are too small.
 
 use crate::map::geometry::grid::GRID_M;
 

@@ -13,8 +13,8 @@ pub(crate) enum CourseRelation {
     Opposite,
 }
 
-/// Compares two directions without computing the angle: it is below 45° if the component along the
-/// road exceeds the lateral one.
+/// Compares two directions without computing the angle. The angle is below 45° if the component
+/// along the road exceeds the lateral one.
 pub(crate) fn heading(road: [f64; 2], course: [f64; 2]) -> CourseRelation {
     let beside = (road[0] * course[1] - road[1] * course[0]).abs();
     let ahead = road[0] * course[0] + road[1] * course[1];

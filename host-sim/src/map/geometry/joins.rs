@@ -1,4 +1,4 @@
-//! Joins of ways, and how far it is from one to another.
+//! Joins of ways, and routes between ways.
 
 use pathfinding::prelude::dijkstra_reach;
 use std::ops::Range;

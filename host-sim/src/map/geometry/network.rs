@@ -18,7 +18,7 @@ pub struct Network {
 }
 
 impl From<RoadLine> for Network {
-    /// Creates the network of a single road. Where it meets itself, only the odometer decides.
+    /// Creates the network of a single road. Where the road meets itself, the odometer decides.
     fn from(line: RoadLine) -> Self {
         Self {
             ways: WayIndex::new(vec![(None, line)]),
@@ -28,7 +28,7 @@ impl From<RoadLine> for Network {
 }
 
 impl Network {
-    /// Creates a network of these ways. Their names differ; their order is irrelevant.
+    /// Creates a network of these ways. Names must be unique; the order is irrelevant.
     #[must_use]
     pub fn new(mut ways: Vec<(WayName, RoadLine)>) -> Self {
         ways.sort_by(|a, b| a.0.cmp(&b.0));
@@ -46,18 +46,18 @@ impl Network {
         self.ways.ways()
     }
 
-    /// Returns number of cells on all its ways.
+    /// Returns the number of cells on all its ways.
     #[must_use]
     pub const fn cells(&self) -> usize {
         self.ways.cells()
     }
 
-    /// Indices of the cells of a way among those of the network.
+    /// Returns the indices of the cells of a way in the network.
     pub(crate) fn cells_of(&self, way: usize) -> Range<usize> {
         self.ways.cells_of(way)
     }
 
-    /// Distance along its way of the first cell, over 2.5 m.
+    /// Returns the distance of the first cell along its way, over 2.5 m.
     pub(crate) fn first_number(&self, way: usize) -> i64 {
         self.ways.first_number(way)
     }

@@ -6,15 +6,15 @@ use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree, RTreeObject};
 use std::ops::Range;
 
-/// Number of segments per entry of the index. With a point every 2.5 m twenty segments are near a
-/// position, and checking a few more is faster than a query for each.
+/// Number of segments per entry of the index. With a point every 2.5 m, twenty segments are near a
+/// position. Checking a few more is faster than a query for each.
 const PIECE: usize = 8;
-/// Longer segments share an entry only up to this length, m; a box around eight of them would
+/// Largest length of several segments in one entry, m. A box around eight longer segments would
 /// contain much that is not near.
 const PIECE_M: f64 = 100.0;
 /// Distance of positions from the last query before the index is queried again, m.
 const SURROUNDINGS_M: f64 = 50.0;
-/// Of the Earth, m.
+/// Radius of the Earth, m.
 const RADIUS_M: f64 = 6.37e6;
 
 /// A box with its way and segments.

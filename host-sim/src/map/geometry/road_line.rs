@@ -6,7 +6,7 @@ use std::cmp::Ordering::Less;
 use std::ops::RangeInclusive;
 
 /// Half the chord of a course, m: long compared with position noise of 2-3 m, short compared with
-/// bends. Runs and roads use the same value, so both cut corners alike.
+/// bends. Runs and roads use the same value, so the chords of both cut corners by the same amount.
 pub(crate) const COURSE_REACH_M: f64 = 20.0;
 /// Maximum lateral offset of a position, m: position error, lanes, offset of the road data.
 pub(crate) const LATERAL_LIMIT_M: f64 = 25.0;
@@ -112,12 +112,12 @@ impl RoadLine {
         Ok(road)
     }
 
-    /// Returns where the road begins, m.
+    /// Returns the distance of the start of the road, m.
     pub fn start_m(&self) -> f64 {
         self.points[0].distance_m
     }
 
-    /// Returns where the road ends, m.
+    /// Returns the distance of the end of the road, m.
     pub fn end_m(&self) -> f64 {
         self.points[self.points.len() - 1].distance_m
     }

@@ -61,7 +61,7 @@ pub fn stage(path: &Path, rows: &[MapRow]) -> Result<Staged> {
 /// Reads a map of a single road, CSV or Parquet.
 ///
 /// # Errors
-/// Names the file, the line and what was expected.
+/// Returns an error that names the file, the line and the expected value.
 pub fn read(path: &Path) -> Result<Vec<MapRow>> {
     way_file::single(path, read_ways(path)?)
 }
@@ -69,7 +69,7 @@ pub fn read(path: &Path) -> Result<Vec<MapRow>> {
 /// Reads a map way by way, CSV or Parquet.
 ///
 /// # Errors
-/// Names the file, the line and what was expected.
+/// Returns an error that names the file, the line and the expected value.
 pub fn read_ways(path: &Path) -> Result<Vec<WayRows>> {
     if is_parquet(path) {
         return map_parquet::read(path);

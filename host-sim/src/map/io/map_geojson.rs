@@ -83,7 +83,8 @@ fn feature(name: Option<&WayName>, rows: &[MapRow]) -> Feature {
         "grade_percent",
         json!(round(mean(rows, |row| row.grade_percent), 5)),
     );
-    // Errors of a run are almost constant over a kilometre, so the mean has the sigma of its parts.
+    // Errors of a run are almost constant over a kilometre, so the sigma of the mean is the mean
+    // sigma.
     set(
         "grade_sigma_percent",
         json!(round(mean(rows, |row| row.grade_sigma_percent), 5)),

@@ -52,7 +52,7 @@ pub fn stage(path: &Path, ways: &[WayRows]) -> Result<Staged> {
 /// Reads a map.
 ///
 /// # Errors
-/// Names the file, the row and what was expected.
+/// Returns an error that names the file, the row and the expected value.
 pub fn read(path: &Path) -> Result<Vec<WayRows>> {
     let names = [
         "distance_m",
@@ -95,7 +95,7 @@ fn whole(runs: f64) -> std::result::Result<u32, Flaw> {
 /// Reads a road: any Parquet file with these three columns.
 ///
 /// # Errors
-/// Names the file, the row and what was expected.
+/// Returns an error that names the file, the row and the expected value.
 pub fn read_road(path: &Path) -> Result<Vec<WayRows<RoadRow>>> {
     let names = ["distance_m", "latitude_deg", "longitude_deg"];
     let row = |values: [Option<f64>; 3]| match values {

@@ -39,7 +39,7 @@ pub fn is_geojson(path: &Path) -> bool {
 /// Reads a road or a network.
 ///
 /// # Errors
-/// Names the file, the line or feature, and what was expected.
+/// Returns an error that names the file, the line or feature, and the expected value.
 pub fn read(path: &Path) -> Result<Network> {
     if is_geojson(path) {
         return read_geojson(path);
@@ -67,7 +67,7 @@ fn network(path: &Path, ways: Vec<(WayName, RoadLine)>) -> Result<Network> {
     Ok(Network::new(ways))
 }
 
-/// Creates a single road through these points, with a point for each of its cells, so that it is
+/// Creates a single road through these points, with a point for each of its cells. It is then
 /// the same whether it comes from its file or from a store. `path` is for error messages.
 ///
 /// # Errors

@@ -11,7 +11,7 @@ use std::path::Path;
 /// Reads a single road.
 ///
 /// # Errors
-/// Names the file, the line and what was expected.
+/// Returns an error that names the file, the line and the expected value.
 pub fn read(path: &Path) -> Result<Vec<RoadRow>> {
     way_file::single(path, read_ways(path)?)
 }
@@ -19,7 +19,7 @@ pub fn read(path: &Path) -> Result<Vec<RoadRow>> {
 /// Reads a road, or ways.
 ///
 /// # Errors
-/// Names the file, the line and what was expected.
+/// Returns an error that names the file, the line and the expected value.
 pub(crate) fn read_ways(path: &Path) -> Result<Vec<WayRows<RoadRow>>> {
     if is_parquet(path) {
         return map_parquet::read_road(path);

@@ -6,9 +6,9 @@ use crate::map::geometry::plane::chord_m;
 use crate::map::geometry::road_line::RoadPoint;
 use serde::Deserialize;
 
-/// Two points may be farther apart than their distances along the road state by this part ...
+/// The distance of two points may exceed that along the road by this factor ...
 const CHORD_RATIO: f64 = 1.1;
-/// ... and by this, m (position error of the road data).
+/// ... plus this, m (position error of the road data).
 const CHORD_SLACK_M: f64 = 20.0;
 
 /// One point of a road. Other columns are ignored.

@@ -1,5 +1,5 @@
-//! The list of runs in a map. It prevents that a run counts twice, and lets an interrupted fusion
-//! continue.
+//! The list of runs in a map. It prevents counting a run twice, and an interrupted fusion can
+//! continue from it.
 
 use crate::error::{Error, Result};
 use crate::files::limits;
@@ -44,7 +44,7 @@ impl RunList {
             .try_for_each(|run| writeln!(out, "{RUN_MARK}{run}"))
     }
 
-    /// Reads the list of a store, which promises this many runs.
+    /// Reads the list of a store. Its first line states the number of runs, `promised`.
     pub(crate) fn read(path: &Path, promised: usize) -> Result<Self> {
         let file = File::open(path).map_err(Error::io(path))?;
         let mut reader = BufReader::new(file);

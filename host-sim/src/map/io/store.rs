@@ -1,11 +1,11 @@
 //! SUMS.csv: the sums behind a map, so that runs can be added without the earlier ones.
 //!
-//! First comes the road, or the ways of a network in order: one row per cell, with its position and
-//! the sums of the runs without a session. Then, session by session, one row per cell that a run of
-//! the session covers. In the store of a network each row names its way. Numbers are written
-//! exactly. The first line has the version, the number of rows and the number of runs; the
-//! identities of the runs follow after the rows. The first line also has the checksum of all that
-//! follows it. A store without one, of an earlier release, is read, and gets one when it is written.
+//! The road comes first, or the ways of a network in order. It has one row per cell, with its
+//! position and the sums of the runs without a session. The sessions follow, with one row per cell
+//! that a run of the session covers. In the store of a network each row names its way. Numbers are
+//! written exactly. The first line has the version, the number of rows, the number of runs and the
+//! checksum of all that follows it. The identities of the runs follow the rows. A store without a
+//! checksum, of an earlier release, is read, and gets one when it is written.
 
 use crate::map::fusion::cell_sums::CellSums;
 use crate::map::fusion::grade_map::GradeMap;
@@ -165,7 +165,7 @@ pub fn stage(path: &Path, map: &GradeMap, runs: &RunList) -> Result<Staged> {
 /// Reads a map's sums.
 ///
 /// # Errors
-/// Names the file, the line and what was expected.
+/// Returns an error that names the file, the line and the expected value.
 pub fn read(path: &Path) -> Result<MapStore> {
     let mut reader = BufReader::new(File::open(path).map_err(Error::io(path))?);
     let first = FirstLine::read(path, &mut reader)?;

@@ -101,7 +101,7 @@ impl<T> Grouping<T> {
 /// Reads the rows of a CSV file, way by way; at most `most`.
 ///
 /// # Errors
-/// Names the file, the line and what was expected.
+/// Returns an error that names the file, the line and the expected value.
 pub(crate) fn read_csv<T: for<'de> Deserialize<'de>>(
     path: &Path,
     most: usize,

@@ -13,8 +13,8 @@ use std::path::Path;
 /// Writes the files into a folder, all or none. The file of a single road has the name of the map.
 pub fn write(folder: &Path, map: &Path, ways: &[WayRows]) -> Result<()> {
     fs::create_dir_all(folder).map_err(Error::io(folder))?;
-    // Staged within the folder: a folder beside it may be another file system, and files cannot be
-    // renamed across.
+    // Staged within the folder: a folder beside it may be on another file system, and a file cannot
+    // be renamed across file systems.
     let complete = TemporaryFolder::create_in(folder).map_err(Error::io(folder))?;
     let mut names = BTreeSet::new();
     for way in ways {
@@ -35,7 +35,7 @@ pub fn write(folder: &Path, map: &Path, ways: &[WayRows]) -> Result<()> {
     Ok(())
 }
 
-/// Returns a name that no way before had, and adds it to `taken`.
+/// Returns a name that is not in `taken`, and adds it to `taken`.
 fn file_name(name: Option<&WayName>, map: &Path, taken: &mut BTreeSet<String>) -> String {
     let stem = match name {
         None => map.file_stem().unwrap_or_default().to_string_lossy().into(),

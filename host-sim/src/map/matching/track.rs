@@ -7,7 +7,7 @@ use crate::map::geometry::road_line::RoadPoint;
 use crate::numeric::local_fit;
 
 /// Half width over which the track is smoothed, m. The fit is quadratic: it follows bends of
-/// 50 m radius within half a metre, and takes out position noise as a mean over ±30 m would.
+/// 50 m radius within half a metre, and reduces position noise as much as a mean over ±30 m.
 const TRACK_REACH_M: f64 = 60.0;
 /// Minimum distance between points, m; a receiver at standstill gives no more.
 const STANDSTILL_M: f64 = 0.5;

@@ -18,7 +18,7 @@ use std::path::PathBuf;
 /// Number of runs per thread that are placed at once; as many wait to be added.
 const RUNS_A_THREAD: usize = 8;
 /// A store is written after this many cells, or after as many as it holds if that is more. An
-/// interruption then costs seconds, and writing costs no more than adding.
+/// interruption then costs seconds of work, and writing takes no longer than adding.
 const CELLS_A_SAVE: usize = 10_000_000;
 
 /// The runs of a fusion.

@@ -20,9 +20,9 @@ pub(super) struct Stored<'a> {
 /// the first run. A single road has a point for each of its cells, whether it comes from a store or
 /// not, so that later runs are placed identically.
 ///
+/// # Errors
 /// Returns an error if a file cannot be read, if it has another road than the store, or if the runs
 /// have no positions.
-/// A file that cannot be read or is another road than the store's; runs without positions.
 pub(super) fn road(
     given: Option<&Path>,
     inputs: &Inputs,

@@ -41,7 +41,7 @@ impl Journey<'_> {
                 };
                 self.situation.at_full_load = wish.at_full_load;
                 self.move_torque(wish.net_nm, TORQUE_RATE_PER_S.0);
-                // The engine torque of another speed may exceed the limit at this one.
+                // The torque was set at another engine speed and may exceed the limit at this one.
                 self.net_torque_nm = self.net_torque_nm.clamp(limits_nm.0, limits_nm.1);
                 if slipping {
                     (0, 100.0 * (1.0 - turned_rpm / IDLE_RPM))

@@ -1,4 +1,4 @@
-//! Events of an interface besides frames.
+//! Events of an interface other than frames.
 
 use serde::Serialize;
 use socketcan::errors::ControllerProblems;
@@ -12,7 +12,7 @@ pub enum BusEvent {
     BusOff,
     /// The controller is back on the bus.
     Restarted,
-    /// More than 127 errors: the controller no longer signals what it finds wrong.
+    /// More than 127 errors: the controller no longer sends active error flags.
     ErrorPassive,
     /// More than 95 errors.
     ErrorWarning,

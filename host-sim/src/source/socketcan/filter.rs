@@ -24,8 +24,7 @@ pub const fn of_group(pgn: u32) -> (u32, u32) {
     (EXTENDED | (pgn << 8 & mask), EXTENDED | mask)
 }
 
-/// Returns the filters of all messages that the decoder knows, from the layouts in
-/// `estimator-core/dbc`.
+/// Returns the filters of all decoded messages, from the layouts in `estimator-core/dbc`.
 #[must_use]
 pub fn wanted() -> Vec<(u32, u32)> {
     signal::messages()

@@ -66,7 +66,7 @@ pub struct FrameReceiver {
 }
 
 impl FrameReceiver {
-    /// Opens the interfaces and reads what passes `filters` until `stop` is set.
+    /// Opens the interfaces and reads the frames that pass `filters` until `stop` is set.
     ///
     /// # Errors
     /// Returns an error if an interface is missing or down. The message says what to do.
@@ -89,7 +89,7 @@ impl FrameReceiver {
         Ok(Self { batches })
     }
 
-    /// Returns the next items in order of time. The list is empty if none arrives within
+    /// Returns the next items in order of time; the list is empty if none arrives within
     /// `patience`. Returns `None` after the stop flag is set and all items are returned.
     #[must_use]
     pub fn next(&self, patience: Duration) -> Option<Vec<Received>> {
@@ -209,7 +209,7 @@ impl ReceiveThread {
             let count = self.held.partition_point(is_ready);
             self.held.drain(..count).collect()
         };
-        // A stamp may be wrong at the moment the clock is set.
+        // A stamp may be wrong at the moment when the clock is set.
         for received in &mut ready {
             self.newest = self.newest.max(received.time);
             received.time = self.newest;

@@ -1,8 +1,8 @@
 //! Time stamps that continue when the system clock is set.
 //!
-//! The kernel stamps frames with the time of day. A truck's computer often starts in 1970 and
-//! learns the time from its GNSS receiver minutes later; and a clock that is set back would make
-//! every frame older than the one before it, until the old time is reached again.
+//! The kernel stamps frames with the time of day. A truck's computer often starts in 1970 and gets
+//! the time from its GNSS receiver minutes later. If a clock is set back, every frame is older than
+//! the one before it until the old time is reached again.
 
 use estimator_core::Instant;
 use std::time::{Duration, Instant as Monotonic, SystemTime, UNIX_EPOCH};

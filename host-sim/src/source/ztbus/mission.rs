@@ -19,7 +19,7 @@ pub struct MissionRow {
     pub traction_force_n: Option<f64>,
     /// Mean pressure in the friction brakes, Pa.
     pub brake_pressure_pa: Option<f64>,
-    /// Whether the friction brakes, the halt brake or the parking brake hold.
+    /// Whether the friction brakes, the halt brake or the parking brake are applied.
     pub braking: Option<bool>,
     /// Latitude (WGS 84), degrees.
     pub latitude_deg: Option<f64>,
@@ -27,7 +27,7 @@ pub struct MissionRow {
     pub longitude_deg: Option<f64>,
     /// Raw GNSS altitude above sea level, m.
     pub altitude_m: Option<f64>,
-    /// Course over ground, degrees; none at standstill, where the receiver holds or zeroes it.
+    /// Course over ground, degrees; `None` at standstill, where the receiver holds or zeroes it.
     pub course_deg: Option<f64>,
     /// Ambient temperature, °C.
     pub ambient_celsius: Option<f64>,
@@ -36,7 +36,7 @@ pub struct MissionRow {
 }
 
 impl MissionRow {
-    /// Kerb mass and passengers; the empty bus before the first count, kg.
+    /// Returns kerb mass plus passengers, kg; that of the empty bus before the first count.
     #[must_use]
     pub fn mass_kg(&self) -> f64 {
         KERB_MASS_KG + PASSENGER_MASS_KG * self.passengers.unwrap_or(0.0)
@@ -59,7 +59,7 @@ pub struct Mission {
 }
 
 impl Mission {
-    /// Returns its rows, in time order.
+    /// Returns its rows, in order of time.
     #[must_use]
     pub fn rows(&self) -> &[MissionRow] {
         &self.rows

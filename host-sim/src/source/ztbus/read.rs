@@ -11,7 +11,7 @@ use std::path::Path;
 /// Upper limit of the offset of a brake-pressure sensor, Pa; the core's sampler uses the same
 /// limit.
 const BRAKE_PRESSURE_PA: f64 = 20_000.0;
-/// Below this speed, m/s, the course of the receiver is that of earlier driving.
+/// Below this speed, m/s, the receiver repeats an old course.
 const COURSE_SPEED_MPS: f64 = 0.5;
 
 /// Columns that are read, of the 26 of the data set.
@@ -44,9 +44,9 @@ impl Mission {
     /// Reads a mission.
     ///
     /// # Errors
-    /// Names the file, the line and what was expected: missing columns, lines with too few or too
-    /// many fields, values that are not numbers, time that does not increase, a mission without a
-    /// GNSS fix.
+    /// Returns an error, with file, line and expected value, for missing columns, lines with too
+    /// few or too many fields, values that are not numbers, time that does not increase, or a
+    /// mission without a GNSS fix.
     pub fn read(path: &Path) -> Result<Self> {
         mission(path)
     }
@@ -118,7 +118,7 @@ fn distance_between_m(from: &MissionRow, to: &MissionRow) -> f64 {
     mean_mps * (to.time_s - from.time_s)
 }
 
-/// Returns the paper names its files after bus and time: `B183_2019-10-16_…`.
+/// Returns the bus from the name of the file; the paper names files `B183_2019-10-16_…`.
 fn bus_of(path: &Path) -> Option<String> {
     let (bus, _) = path.file_stem()?.to_str()?.split_once('_')?;
     let number = bus.strip_prefix('B')?;

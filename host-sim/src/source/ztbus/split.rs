@@ -1,32 +1,32 @@
 //! One-way trips: a mission is split where the bus waits at its termini.
 //!
 //! No timetable and no map is used. The termini are where the drive turns back on its own road. The
-//! first trip starts, and the last one ends, at a terminus that the trips between have shown. The
-//! rest is the drive from and to the garage.
+//! first trip starts, and the last one ends, at a terminus of the trips between them. The rest is
+//! the drive from and to the garage.
 
 use super::mission::{Mission, MissionRow};
 use super::turning::{PlanePoint, Turn, turns};
 use map_3d::{Ellipsoid, geodetic2enu};
 use std::ops::Range;
 
-/// Standing still, m/s.
+/// Largest speed at standstill, m/s.
 const STANDSTILL_MPS: f64 = 0.1;
-/// The bus waits at most this far from the part of the road that it drives both ways, m.
+/// Largest distance of a waiting bus from the road that it drives both ways, m.
 const WAITING_M: f64 = 150.0;
-/// Places this close are one terminus, m.
+/// Largest distance of places of one terminus, m.
 const TERMINUS_M: f64 = 300.0;
-/// Closer than this the bus visits a terminus, m.
+/// Largest distance of a bus at a terminus, m.
 const VISIT_M: f64 = 200.0;
-/// A loop in which the bus turns is at most this long, m.
+/// Longest loop in which the bus turns, m.
 const TURNING_LOOP_M: f64 = 1_000.0;
-/// Trips that cover less than this part of the drive do not define its structure.
+/// Trips that cover less than this fraction of the drive do not define its structure.
 const COVERED_PART: f64 = 0.3;
 
 /// Direction of a pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum PassDirection {
-    /// As the first pass between its two termini.
+    /// In the direction of the first pass between its two termini.
     Outbound,
     /// In the opposite direction.
     Inbound,
@@ -52,12 +52,12 @@ pub struct Pass {
     pub rows: Range<usize>,
     /// Start since the mission's first row, s.
     pub start_s: f64,
-    /// Time taken, s.
+    /// Duration, s.
     pub duration_s: f64,
     /// Driven distance, m.
     pub length_m: f64,
-    /// GNSS altitude at its end less that at its start, each the mean while the bus stood
-    /// there, m.
+    /// GNSS altitude at its end less that at its start, m. Each is the mean while the bus stood
+    /// there.
     pub climb_m: Option<f64>,
     /// Mean number of passengers over the rows with a count.
     pub passengers_mean: Option<f64>,
@@ -66,7 +66,7 @@ pub struct Pass {
 }
 
 impl Pass {
-    /// Returns true if `next` follows at once and goes back to the start of this pass.
+    /// Returns true if `next` follows immediately and goes back to the start of this pass.
     fn returns_with(&self, next: &Self) -> bool {
         self.to.rows == next.from.rows
             && self.from.terminus == next.to.terminus
@@ -82,17 +82,17 @@ struct Halt {
 }
 
 impl Mission {
-    /// One-way trips between termini, in time order; see [`Pass`].
+    /// Returns the one-way trips between termini, in order of time; see [`Pass`].
     #[must_use]
     pub fn passes(&self) -> Vec<Pass> {
         passes(self)
     }
 }
 
-/// Returns the row ranges of the complete round trips. Each is a pass and the pass that brings the
-/// bus back; no pass is in two of them.
+/// Returns the row ranges of the complete round trips. Each is a pass and the next pass back to its
+/// start; no pass is in two of them.
 ///
-/// A round trip ends where it began, so that whatever altitude a model gains on it is an error.
+/// A round trip ends where it began. Any altitude that a model gains on it is an error.
 #[must_use]
 pub fn round_trips(passes: &[Pass]) -> Vec<Range<usize>> {
     let mut trips = Vec::new();
@@ -142,7 +142,7 @@ fn passes(mission: &Mission) -> Vec<Pass> {
 /// A mission as a track on a plane.
 struct MissionTrack<'a> {
     mission: &'a Mission,
-    /// East and north of the first fix, m; one entry a row.
+    /// East and north of the first fix, m; one entry per row.
     plane_m: Vec<Option<(f64, f64)>>,
 }
 
@@ -172,7 +172,7 @@ impl<'a> MissionTrack<'a> {
         self.mission.odometer_m[row]
     }
 
-    /// Returns the first row that has driven this far.
+    /// Returns the first row at or beyond this driven distance.
     fn row_at(&self, driven_m: f64) -> usize {
         let row = self.mission.odometer_m.partition_point(|&m| m < driven_m);
         row.min(self.mission.rows.len() - 1)
@@ -194,14 +194,14 @@ impl<'a> MissionTrack<'a> {
         turns(&places)
     }
 
-    /// Returns where each trip starts and ends.
+    /// Returns the start and the end of each trip.
     fn trips(&self) -> Vec<(Halt, Halt)> {
         let turns = self.turns();
         let mut termini = Termini::default();
         let mut trips = Vec::new();
         let mut done = self.mission.first_fix;
         let mut left = turns.as_slice();
-        // A bus that changes its route drives a road between that it never retraces.
+        // After a change of route, the bus drives a road that it never retraces.
         for chain in turns.chunk_by(Turn::shares_road_with) {
             left = &left[chain.len()..];
             let end = left.first().map_or(self.mission.rows.len(), |next| {
@@ -239,7 +239,7 @@ impl<'a> MissionTrack<'a> {
                 self.halt_after(last, termini, before_last.terminus, bounds.end),
             )
         } else {
-            // Only one terminus is known: the trips reach as far as the road is the same.
+            // Only one terminus is known. The trips extend as far as the road is the same.
             let mut at = |driven_m: f64| near(driven_m, driven_m, driven_m);
             let reach_m = turns.first().map(|turn| (turn.before_m.0, turn.after_m.1));
             (
@@ -321,7 +321,7 @@ impl<'a> MissionTrack<'a> {
         self.halt_on_visit(first..last + 1, place, terminus)
     }
 
-    /// Returns the longest wait at a terminus, else when the bus was nearest to it.
+    /// Returns the longest wait at a terminus, else the row nearest to it.
     fn halt_on_visit(
         &self,
         visit: Range<usize>,
@@ -337,7 +337,7 @@ impl<'a> MissionTrack<'a> {
         Some(Halt { rows, terminus })
     }
 
-    /// Returns how far from a place the bus is; infinite without a fix.
+    /// Returns the distance of the bus from a place, m; infinite without a fix.
     fn offset_m(&self, row: usize, place: (f64, f64)) -> f64 {
         self.plane_m[row].map_or(f64::INFINITY, |here| distance_m(here, place))
     }
@@ -375,7 +375,7 @@ impl<'a> MissionTrack<'a> {
     }
 }
 
-/// The termini met so far, by place.
+/// The termini found so far, by place.
 #[derive(Default)]
 struct Termini(Vec<(f64, f64)>);
 

@@ -1,8 +1,8 @@
 //! Places where a drive turns back on its own road.
 //!
-//! A point of the road that is driven again in the other direction makes a pair. The middle of the
-//! two, by driven distance, is where the bus turned. All pairs of one trip and the next have nearly
-//! the same middle, whatever loop was driven to turn, and although some streets are one-way.
+//! A point of the road that is driven again in the other direction makes a pair. The bus turned in
+//! the middle of the two, by driven distance. All pairs of one trip and the next have nearly the
+//! same middle, for any turning loop, and although some streets are one-way.
 
 /// A point of the drive, on a plane.
 #[derive(Clone, Copy, Debug)]
@@ -18,7 +18,7 @@ pub(super) struct PlanePoint {
 pub(super) struct Turn {
     /// Driven distance at the turn, m.
     pub(super) driven_m: f64,
-    /// Way from the first to the last place on the retraced road before the turn, m.
+    /// Distances of the first and the last place on the retraced road before the turn, m.
     pub(super) before_m: (f64, f64),
     /// The same after the turn.
     pub(super) after_m: (f64, f64),
@@ -26,8 +26,8 @@ pub(super) struct Turn {
     retraced_m: f64,
 }
 
-/// Least part of the distance between two turns that is retraced in one trip; the rest is one-way
-/// streets and turning loops.
+/// Smallest fraction of the distance between two turns that is retraced in one trip. The rest is
+/// one-way streets and turning loops.
 const RETRACED_PART: f64 = 0.6;
 
 impl Turn {
@@ -43,17 +43,17 @@ impl Turn {
 
 /// Spacing of the places that are compared, m.
 const STEP_M: f64 = 20.0;
-/// Two places this close with opposite headings are on one road: two lanes and the error of
-/// GNSS between houses, m.
+/// Largest distance of two places with opposite headings on one road, m: two lanes and the error of
+/// GNSS between houses.
 const SAME_ROAD_M: f64 = 40.0;
 /// Cosine of the angle between headings that are opposite (143° and more).
 const OPPOSITE: f64 = -0.8;
-/// How far the half-way points of one turn may be from its centre, m: half of what one-way
-/// streets and turning loops make the two directions differ in length.
+/// Largest distance of the half-way points of one turn from its centre, m: half of the length
+/// difference of the two directions, due to one-way streets and turning loops.
 const SCATTER_M: f64 = 500.0;
-/// A retraced road shorter than this is a yard or a spur, m,
+/// A retraced road shorter than this, m, is a yard or a spur,
 const SHORTEST_M: f64 = 500.0;
-/// and so is one below this part of the longest.
+/// and so is one shorter than this fraction of the longest.
 const SHORTEST_PART: f64 = 0.25;
 
 /// A place with its heading as a unit vector.
@@ -139,7 +139,7 @@ fn pairs(headed: &[Headed]) -> Vec<ReturnPair> {
         .collect()
 }
 
-/// Returns the turn on which most pairs agree; `pairs` are in the order of their half-way points.
+/// Returns the turn with the most agreeing pairs; `pairs` are sorted by their half-way points.
 fn strongest(pairs: &[ReturnPair]) -> Option<Turn> {
     let mut first = 0;
     let mut most = 0..0;

@@ -106,8 +106,8 @@ pub fn words(all: &[Vec<Estimated>; 3]) -> Vec<String> {
         )
     };
     let mut of_maps = format!(
-        "Of its maps of three runs (truck A) and of all five in each direction, {} of {} err by at \
-         most {LARGEST_MAP_RMSE_PERCENT} %",
+        "Of its maps of three runs (truck A) and of all five in each direction, {} of {} have an \
+         RMSE of at most {LARGEST_MAP_RMSE_PERCENT} %",
         good.len(),
         maps.len(),
     );
@@ -117,11 +117,11 @@ pub fn words(all: &[Vec<Estimated>; 3]) -> Vec<String> {
     }
     of_maps.push('.');
     vec![
-        "Our estimator runs on the very same drives: the vehicle's own filter in single precision, \
-         given the same false parameters, the force and speed of each point, and the altitude once \
-         a second, as a receiver tells it. Its tuning is the vehicle's default; nothing is set for \
-         this study. Its columns in tables 5-8 are smoothed over the \
-         whole run, as the thesis's methods are."
+        "Our estimator runs on the same drives. It is the vehicle's own filter in single \
+         precision, with the same false parameters, the force and speed of each point, and the \
+         altitude once a second, as a receiver reports it. Its tuning is the vehicle's default; \
+         nothing is set for this study. Its columns in tables 5-8 are smoothed over the whole \
+         run, as the thesis's methods are."
             .to_owned(),
         format!("{verdict} {of_maps}"),
     ]
@@ -142,9 +142,9 @@ pub fn each_run(runs: &[Replica], all: &[Vec<Estimated>; 3]) -> Table {
         "NEES modified",
         "NEES ours",
     ];
-    let caption = "RMSE(v) of the three methods on the same drives; ours also as known on the \
-                   vehicle 500 m later and at once. NEES is the mean normalised squared error: 1 \
-                   if the stated sigmas are honest, less if they are too wide.";
+    let caption = "RMSE(v) of the three methods on the same drives; ours also lagged by 500 m and \
+                   live, as on the vehicle. NEES is the mean normalised squared error: 1 if the \
+                   stated sigmas are consistent, less if they are too wide.";
     let mut table = Table::new("beside", caption, &header);
     table.rows = runs
         .par_iter()
@@ -211,7 +211,8 @@ pub fn figures(all: &[Vec<Estimated>; 3]) -> Vec<Figure> {
             let name = format!("{LARGEST_MAP_RMSE_PERCENT} %");
             let line = Series::line(name, colour::BLACK, within).drawn(Mark::Dashed);
             let caption = format!(
-                "Error of the {} map as runs are added: 1 to 3 by truck A, 4 and 5 by truck B.",
+                "Error of the {} map against the number of runs: 1 to 3 by truck A, 4 and 5 by \
+                 truck B.",
                 heading.word()
             );
             Figure::new(

@@ -81,8 +81,8 @@ fn runs_table(all: &[[Vec<Estimated>; 3]]) -> Table {
         "NEES ours",
     ];
     let caption = format!(
-        "RMSE(v) over {CAMPAIGNS} campaigns: means, how ours compares run by run, and mean \
-         normalised squared errors."
+        "RMSE(v) over {CAMPAIGNS} campaigns: means, ours against the modified method run by run, \
+         and mean normalised squared errors."
     );
     let rows = Experiment::all()
         .into_iter()

@@ -40,7 +40,7 @@ impl ComparisonSummary {
     #[must_use]
     pub fn table(&self) -> Table {
         let header = ["what", "replica", "thesis", "replica over thesis"];
-        let caption = "Predictions beside the thesis; errors in % grade, improvements in %.";
+        let caption = "Predictions and the thesis's numbers; errors in % grade, improvements in %.";
         Table::new("summary", caption, &header).with_rows(self.0.iter().map(|compared| {
             vec![
                 compared.what.clone(),
@@ -138,16 +138,17 @@ pub fn differences(summary: &ComparisonSummary) -> Vec<String> {
         return Vec::new();
     }
     vec![
-        format!("More than a quarter off: {}.", far.join("; ")),
-        "Why (last table): nearly all of the original filter's error is GPS error, in both trucks. \
-         The chain is trained on a bus among houses; 0.7 of its errors, as on an open motorway, \
-         give the thesis's RMSE. (The thesis found its own chain \"pessimistic\" as well.) What the \
-         modified method leaves in B is nearly all wind, which is assumed as 1.5 m/s; the thesis's \
-         numbers ask for 1.7 times that, 2.6 m/s. And the thesis's errors contain those of its \
-         reference, 0.05 %, the replicas' do not. The two factors were found by hand, after the fact: they \
-         show that these causes suffice, not that they are the only ones. With these three \
-         changes the four means of the thesis come out as in the row above the thesis's. The improvements follow: less \
-         GPS error leaves the original less to improve, more wind leaves more in B."
+        format!("Different by more than a quarter: {}.", far.join("; ")),
+        "Reasons (last table): nearly all of the original filter's error is GPS error, in both \
+         trucks. The chain is trained on a bus among houses; 0.7 of its errors, as on an open \
+         motorway, give the thesis's RMSE. (The thesis found its own chain \"pessimistic\" as \
+         well.) The remaining error of the modified method in B is nearly all wind, with an \
+         assumed 1.5 m/s; 1.7 times that, 2.6 m/s, give the thesis's numbers. The thesis's errors \
+         also contain those of its reference, 0.05 %; the replicas' do not. The two factors were \
+         found by hand, after the predictions. They show that these causes suffice, not that they \
+         are the only ones. With these three changes the four means are those in the row above \
+         the thesis's. The improvements follow: less GPS error leaves the original less to \
+         improve, and more wind leaves more error in B."
             .to_owned(),
         "The thesis says that RMSE(v) of B rises by 7 % on average with the modified method. Its \
          own tables 5-8 say that it falls by 6 % (mean of -23, 12, 42 and -8 %)."
@@ -232,8 +233,8 @@ pub fn made_of(campaign: &Campaign, runs: &[Replica]) -> Table {
         "modified B %",
         "ours B %",
     ];
-    let caption = "What the errors are made of: mean RMSE(v) with one source at a time, and with \
-                   sources changed.";
+    let caption = "Contributions to the errors: mean RMSE(v) with one source at a time, and with \
+                   changed sources.";
     let mut table = Table::new("made_of", caption, &header);
     table.rows = rows
         .into_par_iter()

@@ -63,12 +63,12 @@ fn run(setting: &Setting) -> Result<StudyOutcome> {
     Ok(StudyOutcome::Done(Section {
         heading: "Errors of the vehicle model (thesis 7)".to_owned(),
         words: vec![
-            "The mean errors of table 4 are with the pointwise grade. Over segments of 1250 m, the \
-             vehicle model's error is found without a reference, as pointwise grade less a \
-             GPS-heavy estimate, and set beside the true one. Points with shifts or braking are \
-             left out of the means. The replicas hold a planted 5 % of torque in A and none in B: \
-             what the true slopes show besides is chance, from wind and warm-up that happen to \
-             go with the grade."
+            "The mean errors of table 4 are with the pointwise grade. Over segments of 1250 m, \
+             the vehicle model's error is estimated without a reference, as pointwise grade less \
+             a GPS-heavy estimate, and compared with the true one. Points with shifts or braking \
+             are left out of the means. The replicas have a torque error of 5 % in A and none in \
+             B. The rest of the true slopes is chance, from wind and warm-up that are correlated \
+             with the grade."
                 .to_owned(),
         ],
         tables: vec![table(&each)],
@@ -144,7 +144,7 @@ fn table(each: &[Segments]) -> Table {
     }))
 }
 
-/// Figure 12.
+/// Plots figure 12.
 fn warm_up(run: &Replica) -> Vec<Figure> {
     let smooth = pointwise::with_smooth_speed(&run.drive, LOW_PASS_M);
     [
@@ -152,8 +152,8 @@ fn warm_up(run: &Replica) -> Vec<Figure> {
             "fig12_top",
             pointwise::grade_percent(&smooth),
             "Figure 12, top: error of the vehicle model alone, southbound 4, speed averaged over \
-             100 m. It drifts down as the tyres warm up; beside braking, the averaged speed \
-             spoils it.",
+             100 m. It drifts down as the tyres warm up. Near braking, the averaged speed is \
+             wrong.",
         ),
         (
             "fig12_bottom",
@@ -178,7 +178,7 @@ fn warm_up(run: &Replica) -> Vec<Figure> {
     .collect()
 }
 
-/// Figure 13.
+/// Plots figure 13.
 fn bias_figure(segments: &Segments) -> Figure {
     let dots = |y: fn(&SegmentMeans) -> f64| segments.all.iter().map(move |s| (s.middle_km, y(s)));
     let ends = ends(&segments.all, |s| s.middle_km);
@@ -205,12 +205,11 @@ fn bias_figure(segments: &Segments) -> Figure {
         "fig13",
         &plot,
         "Figure 13: error of the vehicle model over segments of 1250 m, southbound 4, against the \
-         GPS-heavy estimate and against the truth. The large GPS error at 25 km pulls segments \
-         apart.",
+         GPS-heavy estimate and against the truth. The two differ at the large GPS error at 25 km.",
     )
 }
 
-/// Figure 14.
+/// Plots figure 14.
 fn slope_figure(segments: &Segments) -> Figure {
     let found = segments.all.iter().map(|s| (s.found_grade, s.found_error));
     let truth = segments.all.iter().map(|s| (s.true_grade, s.true_error));

@@ -57,11 +57,12 @@ fn run(setting: &Setting) -> Result<StudyOutcome> {
 fn words() -> Vec<String> {
     vec![
         "Predicted, not fitted: σ and all RMSE of tables 5-8, with the noise of the filters as \
-         chosen on training runs (study tuning, which also tells what other choices gave). µ of the original method follows from the \
-         pointwise µ, which is fitted, and from the share of it that the noise leaves, which was \
-         chosen as the thesis's. First and last 200 points are left out; RMSE(v) is over points \
-         without shifts and braking, RMSE(a) over all, RMSE(m) over all points of the map of this \
-         run and those before it, weighted by 1/P."
+         chosen on training runs (the study tuning also shows the results of other choices). µ of \
+         the original method follows from the pointwise µ, which is fitted, and from the fraction \
+         of it that remains. The noise gives that fraction, and was chosen to give the thesis's. \
+         First and last 200 points are left out. RMSE(v) is over points without shifts and \
+         braking, RMSE(a) over all, RMSE(m) over all points of the map of this run and those \
+         before it, weighted by 1/P."
             .to_owned(),
     ]
 }

@@ -40,7 +40,7 @@ pub fn estimate(drive: &MeasuredDrive) -> Ours {
 #[must_use]
 pub fn estimate_in<Live: Scalar, After: Scalar>(drive: &MeasuredDrive) -> Ours {
     let mut context = Context {
-        model: Model::from(believed(drive)),
+        model: Model::from(assumed_vehicle(drive)),
         tuning: Tuning::default(),
         counters: Counters::default(),
     };
@@ -72,7 +72,7 @@ pub fn estimate_in<Live: Scalar, After: Scalar>(drive: &MeasuredDrive) -> Ours {
 
 /// Returns the vehicle with the drive's assumed parameters. Traction force and rotating mass come
 /// with each point, so the wheel radius does not matter.
-fn believed(drive: &MeasuredDrive) -> VehicleParameters {
+fn assumed_vehicle(drive: &MeasuredDrive) -> VehicleParameters {
     VehicleParameters {
         mass_kg: drive.mass_kg as f32,
         drag_area_m2: drive.drag_area_m2 as f32,

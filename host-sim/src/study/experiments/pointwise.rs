@@ -48,20 +48,20 @@ fn run(setting: &Setting) -> Result<StudyOutcome> {
 
 fn words() -> Vec<String> {
     vec![
-        "Ten drives simulated after the ten experiments: trucks A (39 t, runs 1-3) and B (12 t, \
-         runs 4-5) on two roads of 47 km. Fitted, run by run: µ and RMSE of tables 2 and 3, by a \
+        "Ten drives simulate the ten experiments: trucks A (39 t, runs 1-3) and B (12 t, runs \
+         4-5) on two roads of 47 km. Fitted, run by run: µ and RMSE of tables 2 and 3, by a \
          constant model error and by the noise on wheel speed. Assumed once for all runs: GPS \
-         altitude errors from the chain of section 5, trained on a measured bus, wind of 1.5 m/s \
-         over 2 km, torque of A believed 5 % too high, cold tyres in southbound 1 and 4 (half the rolling resistance more, falling to \
-         1/e in 15 km), GPS errors of 6 m at 25 km in northbound 3 and southbound 4 and of 15 m \
-         at 42 km in northbound 4. So tables 2-4 are reproduced, not predicted; tables 5-8 are \
-         predicted."
+         altitude errors from the chain of section 5, trained on a measured bus; wind of 1.5 m/s \
+         over 2 km; an assumed torque of A that is 5 % too high; cold tyres in southbound 1 and 4 \
+         (half the rolling resistance more, falling to 1/e in 15 km); GPS errors of 6 m at 25 km \
+         in northbound 3 and southbound 4 and of 15 m at 42 km in northbound 4. So tables 2-4 are \
+         reproduced, not predicted; tables 5-8 are predicted."
             .to_owned(),
         "First and last 200 points and points with shifts or braking are left out. In every row \
-         of the thesis's tables 2 and 3 the RMSE is about 2 % larger than √(µ² + σ²) (the \
-         variance missing is 0.08 to 0.12 in all ten); what it was taken over differs from what \
-         µ and σ were fitted to, and the text does not say how. Fitting the RMSE makes our σ 2 to \
-         3 % larger than the thesis's."
+         of the thesis's tables 2 and 3 the RMSE is about 2 % larger than √(µ² + σ²) (the missing \
+         variance is 0.08 to 0.12 in all ten). The RMSE is therefore over other points than µ and \
+         σ, and the text does not say which. Fitting the RMSE makes our σ 2 to 3 % larger than \
+         the thesis's."
             .to_owned(),
     ]
 }
@@ -130,13 +130,14 @@ fn three_errors(run: &Replica) -> Vec<Figure> {
         (
             "fig6_top",
             pointwise::grade_percent(&run.drive),
-            "Figure 6, top: pointwise grade without filter, northbound 3. Noise of the wheel speed.",
+            "Figure 6, top: pointwise grade without filter, northbound 3. The error is noise of \
+             the wheel speed.",
         ),
         (
             "fig6_middle",
             pointwise::grade_percent(&smooth),
-            "Figure 6, middle: with a low-pass filter on speed (mean over 100 m). Bias is left. \
-             Note the scale.",
+            "Figure 6, middle: with a low-pass filter on speed (mean over 100 m). The bias \
+             remains. Note the scale.",
         ),
         (
             "fig6_bottom",
@@ -150,8 +151,11 @@ fn three_errors(run: &Replica) -> Vec<Figure> {
             .map(|k| (k as f64 * STEP_M, grade[k] - run.truth[k]))
             .filter(|(x, _)| (SHOWN_M.0..SHOWN_M.1).contains(x))
             .map(|(x, y)| (x * 1e-3, y));
-        let mut plot = Plot::new("distance (km)", "grade error (%)")
-            .with(Series::line("", colour::BLUE, points));
+        let mut plot = Plot::new("distance (km)", "grade error (%)").with(Series::line(
+            "",
+            colour::BLUE,
+            points,
+        ));
         plot.height = 220;
         Figure::new(name, &plot, caption)
     })

@@ -173,7 +173,7 @@ fn run(_: &Setting) -> Result<StudyOutcome> {
     ];
     let mut table = Table::new(
         "tuning",
-        "Noise in use and the best of the grid, with the mean of what is to be small.",
+        "Noise in use and the best of the grid, with the mean of the criterion.",
         &[
             "filter",
             "altitude m",
@@ -207,21 +207,21 @@ fn run(_: &Setting) -> Result<StudyOutcome> {
     Ok(StudyOutcome::Done(Section {
         heading: "Noise of the filters".to_owned(),
         words: vec![
-            "The thesis prints no Q and R. Ours are chosen on ten training runs with roads \
-             and errors of their own. The original filter: two ratios from what the thesis tells \
-             of it (it leaves 0.14 of a constant model error: µ of tables 7-8 over µ of tables \
-             2-3; it has settled after 200 points, which are left out for that), the rest for the \
-             least mean RMSE(v). The GPS-heavy one trusts the model less: least error of mean \
-             grade over 3000 m. The GPS-light one trusts altitude less and the model more: least \
-             RMSE(v) of the modified method."
+            "The thesis prints no Q and R. Ours are chosen on ten training runs with roads and \
+             errors of their own. The original filter has two ratios from the thesis's text; the \
+             rest gives the least mean RMSE(v). The first ratio: 0.14 of a constant model error \
+             remains (µ of tables 7-8 over µ of tables 2-3). The second: the filter has settled \
+             after 200 points, which are left out for that reason. The GPS-heavy filter has more \
+             noise of the model: least error of mean grade over 3000 m. The GPS-light one has \
+             more noise of altitude and less of the model: least RMSE(v) of the modified method."
                 .to_owned(),
-            "This rule was settled on after two others had been tried and their tables 5-8 seen. \
-             The least RMSE(v) alone, without the two ratios, picks far less weight on GPS \
-             (altitude 24 m, model 1 %): on the experiments of seed 2011 the original method then \
-             had a mean RMSE(v) of 0.112 % for A and 0.190 % for B, and the modified method \
-             gained 23 % and 30 %. A first guess (altitude 1.5 m, model 1 %, with GPS errors of \
-             3 m over 300 s) gave about 0.21 % and 0.26 %. How much the modified method gains \
-             therefore depends on the rule: it is the least certain of our predictions."
+            "This rule was chosen after two others, whose tables 5-8 were known. The least \
+             RMSE(v) alone, without the two ratios, gives far less weight to GPS (altitude 24 m, \
+             model 1 %). On the experiments of seed 2011 the original method then had a mean \
+             RMSE(v) of 0.112 % for A and 0.190 % for B, and the modified method gained 23 % and \
+             30 %. A first guess (altitude 1.5 m, model 1 %, with GPS errors of 3 m over 300 s) \
+             gave about 0.21 % and 0.26 %. The gain of the modified method therefore depends on \
+             the rule: it is the least certain of our predictions."
                 .to_owned(),
         ],
         tables: vec![table],

@@ -1,4 +1,4 @@
-//! Everybody in turn, and the table of it:
+//! Times all contenders in turn and prints the table:
 //!
 //! ```text
 //! beside TURNS [PYTHON]                     times, with the peers in Python if there is one that has them
@@ -15,9 +15,9 @@ use std::path::Path;
 use std::process::Command;
 use std::time::Instant;
 
-/// Turns of filters for one of the others, who take longer.
+/// Turns of the filters for each turn of the other work, which takes longer.
 const FILTER_TURNS: usize = 10;
-/// What two filters that do the same work may differ by, of one or of the value itself.
+/// Largest difference of two filters that do the same work, absolute or relative.
 const AGREEMENT: [f64; 2] = [1e-3, 1e-9];
 /// The filters' sizes.
 const SIZES: [usize; 3] = [8, 5, 3];
@@ -47,7 +47,7 @@ fn beside(turns: usize, python: Option<&str>) -> Result<(), Box<dyn Error>> {
     drive(turns, python)
 }
 
-/// A filter's turns, and where it ended in its first.
+/// A filter's turns, and its last state in the first turn.
 struct FilterTurns {
     states: usize,
     precision: usize,
@@ -119,7 +119,7 @@ fn filters(turns: usize, python: Option<&str>) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Returns whether all peers are where the first of them is.
+/// Checks that the states of all peers agree with that of the first.
 fn agree(filters: &[&FilterTurns], tolerance: f64) -> Result<(), String> {
     let mut peers = filters.iter().filter(|f| f.figure.name != OURS);
     let Some(first) = peers.next() else {
@@ -178,7 +178,7 @@ fn drive(turns: usize, python: Option<&str>) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Returns what a program in Python says, one JSON object a line.
+/// Runs a program in Python and returns its output, one JSON object a line.
 fn ask(
     python: &str,
     program: &str,

@@ -40,8 +40,8 @@ impl Spot {
     }
 }
 
-/// Returns a drive from `(east, north)` with the compass course (deg) and the grade (%) that the
-/// functions give for each driven distance (m along the slope).
+/// Returns a drive from `(east, north)`. The functions return the compass course (deg) and the
+/// grade (%) for each driven distance (m along the slope).
 pub fn drive(
     from_m: (f64, f64),
     length_m: f64,
@@ -74,7 +74,7 @@ pub fn drive(
     spots
 }
 
-/// 6 km with bends of 1.1 km radius and hills of 3 %.
+/// Returns a drive of 6 km with bends of 1.1 km radius and hills of 3 %.
 pub fn hills() -> Vec<Spot> {
     drive(
         (0.0, 0.0),
@@ -88,7 +88,7 @@ pub fn hill_percent(distance_m: f64) -> f64 {
     3.0 * (distance_m / 300.0).sin()
 }
 
-/// Returns the same way, driven back.
+/// Returns the drive in the opposite direction.
 pub fn reversed(spots: &[Spot]) -> Vec<Spot> {
     let end_m = spots[spots.len() - 1].distance_m;
     spots
@@ -102,7 +102,7 @@ pub fn reversed(spots: &[Spot]) -> Vec<Spot> {
         .collect()
 }
 
-/// Moved as a whole.
+/// Returns the drive moved as a whole.
 pub fn moved(spots: &[Spot], east_m: f64, north_m: f64) -> Vec<Spot> {
     spots
         .iter()
@@ -114,7 +114,7 @@ pub fn moved(spots: &[Spot], east_m: f64, north_m: f64) -> Vec<Spot> {
         .collect()
 }
 
-/// Returns a perfect run over these spots at 20 m/s, which says that its sigma is 0.1 %.
+/// Returns a run without errors over these spots at 20 m/s, with a stated sigma of 0.1 %.
 pub fn run(spots: &[Spot]) -> Vec<RunRow> {
     spots
         .iter()
@@ -168,7 +168,7 @@ pub fn points(spots: &[Spot]) -> Vec<RoadPoint> {
     road(spots).iter().map(RoadRow::point).collect()
 }
 
-/// Positions with an error of `sigma_m` in east and north that fades over `fade_m`.
+/// Adds to the positions an error of `sigma_m` in east and north with correlation length `fade_m`.
 pub fn with_position_noise(spots: &[Spot], sigma_m: f64, fade_m: f64, seed: u64) -> Vec<Spot> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let keep = (-STEP_M / fade_m).exp();
@@ -195,7 +195,7 @@ pub fn fuse<'a>(road: &'a Network, runs: &[&[RunRow]]) -> Fusion<'a> {
     map::fuse(road, &runs)
 }
 
-/// Returns a run that is a session of its own.
+/// Returns a run as a session of its own.
 pub fn alone(rows: &[RunRow]) -> SessionRun<'_> {
     SessionRun {
         session: None,

@@ -1,4 +1,4 @@
-//! Networks of ways under spots.
+//! Networks of ways along the spots of drives.
 
 use super::Spot;
 use host_sim::files::run::RunRow;
@@ -6,10 +6,10 @@ use host_sim::map::{Network, WayRows, fuse, read_network};
 use serde_json::{Value, json};
 use std::path::Path;
 
-/// Spots of a way that become its points: one every 20 m.
+/// Number of spots from one point of a way to the next: 20 m.
 const EVERY: usize = 8;
 
-/// Returns a way through these spots; `oneway` as OpenStreetMap has it.
+/// Returns a way through these spots. `oneway` has the values of OpenStreetMap.
 pub fn way(name: &str, oneway: &str, spots: &[Spot]) -> Value {
     let last = spots.len() - 1;
     let points = (0..last).step_by(EVERY).chain([last]).map(|i| {
