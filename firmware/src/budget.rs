@@ -156,7 +156,7 @@ impl Budget {
                         continue;
                     };
                     let updates = &record.smoother_input;
-                    if updates.speed.is_some() && updates.altitude.is_some() {
+                    if updates.speed.is_some() && updates.altitude().is_some() {
                         self.full_step.add(count);
                     }
                     let (_, count) = meter.count(|| {
