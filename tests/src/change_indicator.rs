@@ -10,7 +10,7 @@ use crate::drive::{self, truck, truck_with_every_effect};
 use crate::faults::catalogue::catalogue;
 use crate::faults::drive::drive as fault_drive;
 use crate::faults::outcome::estimated;
-use crate::image::root;
+use crate::image::{measured_data, measured_mission, root};
 use estimator_core::{Counters, FixedPoint, Model, PersistentState, Scalar, Tuning};
 use host_sim::error::{Error, Result};
 use host_sim::files::output::write_whole;
@@ -175,9 +175,8 @@ impl Indicated {
 
     /// Adds the first round trip of the measured bus, and the idling truck.
     fn recorded(&mut self) -> Result<()> {
-        let data = root().join("../shared/data");
-        let mission = data.join("ztbus/B183_2021-07-26_03-53-27_2021-07-26_07-18-47.csv");
-        let idle = data.join("css_truck_idle/truck_idle.log");
+        let mission = measured_mission();
+        let idle = measured_data().join("css_truck_idle/truck_idle.log");
         if mission.exists() {
             let mission = Mission::read(&mission)?;
             let vehicle = mission.vehicle().model;

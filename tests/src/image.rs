@@ -14,6 +14,18 @@ pub fn root() -> PathBuf {
     tests.parent().unwrap_or(tests).to_owned()
 }
 
+/// Returns the folder of the measured data, which may be absent.
+#[must_use]
+pub fn measured_data() -> PathBuf {
+    root().join("../shared/data")
+}
+
+/// Returns the mission of the measured bus, which may be absent.
+#[must_use]
+pub fn measured_mission() -> PathBuf {
+    measured_data().join("ztbus/B183_2021-07-26_03-53-27_2021-07-26_07-18-47.csv")
+}
+
 /// Returns the target folder of cargo.
 #[must_use]
 pub fn target_folder() -> PathBuf {

@@ -1,22 +1,20 @@
 //! The diagnosis of the measured bus.
 
 use super::pipe_table::pipe_table;
-use crate::image::root;
+use crate::image::measured_mission;
 use host_sim::diagnose::judgement::Judgement;
 use host_sim::diagnose::{Diagnosis, Request, diagnose};
 use host_sim::error::{Error, Result};
 use host_sim::source::ztbus::Mission;
 use std::path::PathBuf;
 
-/// From the root of the repository.
-const MISSION: &str = "../shared/data/ztbus/B183_2021-07-26_03-53-27_2021-07-26_07-18-47.csv";
 /// Number of passes that are fitted; the others are held out.
 const FITTED: usize = 4;
 
 /// Makes the table of the bare model: as imported, with what was adopted, and with each other
 /// candidate alone.
 pub fn bus() -> Result<Option<String>> {
-    let mission = root().join(MISSION);
+    let mission = measured_mission();
     if !mission.exists() {
         return Ok(None);
     }

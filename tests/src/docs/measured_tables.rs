@@ -4,15 +4,16 @@ use super::pipe_table::pipe_table;
 use clap::Parser;
 use host_sim::cli::Cli;
 use host_sim::error::{Error, Result};
+use host_sim::numeric::statistics::mean;
 use host_sim::report::page::Table;
 use host_sim::study::{STUDIES, Setting, StudyOutcome};
 use serde::Deserialize;
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Mutex;
 use tempfile::TempDir;
 
-use crate::image::root;
+use crate::image::{measured_data, root};
 
 /// A row of `score.csv`.
 #[derive(Debug, Deserialize)]
@@ -148,41 +149,38 @@ pub fn demo() -> Result<Option<String>> {
 
 /// Makes the table of errors with wrong parameters, by truck and error of the receiver.
 pub fn accuracy() -> Result<Option<String>> {
-    of_table("accuracy", "accuracy", |accuracy| {
-        let rows = accuracy.rows.iter().map(|row| match row.as_slice() {
-            [
-                truck,
-                gnss,
-                smoothed,
-                lagged,
-                live,
-                nees @ ..,
-                error,
-                stated,
-            ] => Ok([
-                format!("{truck}, {gnss} m"),
-                rounded(smoothed)?,
-                rounded(lagged)?,
-                rounded(live)?,
-                nees.join(" / "),
-                error.clone(),
-                stated.clone(),
-            ]),
-            _ => Err(unexpected("a row of the accuracy has other columns")),
-        });
-        let rows = rows.collect::<Result<Vec<_>>>()?;
-        Ok(pipe_table(
-            [
-                "truck, GNSS",
-                "smoothed",
-                "lagged",
-                "live",
-                "NEES",
-                "scale error",
-                "stated",
-            ],
-            rows,
-        ))
+    let header = [
+        "truck, GNSS",
+        "smoothed",
+        "lagged",
+        "live",
+        "NEES",
+        "scale error",
+        "stated",
+    ];
+    of_rows("accuracy", "accuracy", header, |row| {
+        let [
+            truck,
+            gnss,
+            smoothed,
+            lagged,
+            live,
+            nees @ ..,
+            error,
+            stated,
+        ] = row
+        else {
+            return Err(unexpected("a row of the accuracy has other columns"));
+        };
+        Ok([
+            format!("{truck}, {gnss} m"),
+            rounded(smoothed)?,
+            rounded(lagged)?,
+            rounded(live)?,
+            nees.join(" / "),
+            error.clone(),
+            stated.clone(),
+        ])
     })
 }
 
@@ -214,53 +212,43 @@ pub fn accuracy_in_short() -> Result<Option<String>> {
 
 /// Makes the table of errors without one signal or another.
 pub fn sensors() -> Result<Option<String>> {
-    of_table("sensors", "sensors", |sensors| {
-        let rows = sensors.rows.iter().map(|row| match row.as_slice() {
-            [missing, a @ .., b1, b2, b3, b4] if a.len() == 4 => Ok([
-                missing.clone(),
-                a[..3].join(" / "),
-                a[3].clone(),
-                [b1.as_str(), b2, b3].join(" / "),
-                b4.clone(),
-            ]),
-            _ => Err(unexpected("a row of the sensors has other columns")),
-        });
-        let rows = rows.collect::<Result<Vec<_>>>()?;
-        Ok(pipe_table(
-            [
-                "missing for the whole drive",
-                "truck A, 39 t",
-                "NEES",
-                "truck B, 12 t",
-                "NEES",
-            ],
-            rows,
-        ))
+    let header = [
+        "missing for the whole drive",
+        "truck A, 39 t",
+        "NEES",
+        "truck B, 12 t",
+        "NEES",
+    ];
+    of_rows("sensors", "sensors", header, |row| match row {
+        [missing, a @ .., b1, b2, b3, b4] if a.len() == 4 => Ok([
+            missing.clone(),
+            a[..3].join(" / "),
+            a[3].clone(),
+            [b1.as_str(), b2, b3].join(" / "),
+            b4.clone(),
+        ]),
+        _ => Err(unexpected("a row of the sensors has other columns")),
     })
 }
 
 /// Makes the table of maps of several runs.
 pub fn fleet() -> Result<Option<String>> {
-    of_table("fleet", "fleet_maps", |maps| {
-        let rows = maps.rows.iter().map(|row| match row.as_slice() {
-            [of, rmse, nees, independent] => Ok([
-                of.clone(),
-                rounded(rmse)?,
-                nees.clone(),
-                independent.clone(),
-            ]),
-            _ => Err(unexpected("a row of the maps has other columns")),
-        });
-        let rows = rows.collect::<Result<Vec<_>>>()?;
-        Ok(pipe_table(
-            [
-                "map of",
-                "RMSE",
-                "NEES",
-                "NEES if runs counted as independent",
-            ],
-            rows,
-        ))
+    let header = [
+        "map of",
+        "RMSE",
+        "NEES",
+        "NEES if runs counted as independent",
+    ];
+    of_rows("fleet", "fleet_maps", header, |row| {
+        let [of, rmse, nees, independent] = row else {
+            return Err(unexpected("a row of the maps has other columns"));
+        };
+        Ok([
+            of.clone(),
+            rounded(rmse)?,
+            nees.clone(),
+            independent.clone(),
+        ])
     })
 }
 
@@ -326,7 +314,7 @@ fn mean_of_ours(beside: &Table, runs: &str) -> Result<f64> {
         .filter(of_truck)
         .map(|row| number(cell_of(beside, &row[0], "ours %")?))
         .collect::<Result<_>>()?;
-    Ok(ours.iter().sum::<f64>() / ours.len() as f64)
+    Ok(mean(&ours))
 }
 
 /// Makes the table of the measured bus.
@@ -367,6 +355,20 @@ pub fn bus() -> Result<Option<String>> {
     Ok(Some(pipe_table(["", ""], rows)))
 }
 
+/// Makes the text of one table of a study, with another header and each of its rows made over.
+fn of_rows<const N: usize>(
+    study: &str,
+    name: &str,
+    header: [&str; N],
+    row: impl Fn(&[String]) -> Result<[String; N]>,
+) -> Result<Option<String>> {
+    of_table(study, name, |table| {
+        let rows = table.rows.iter().map(|cells| row(cells));
+        let rows = rows.collect::<Result<Vec<_>>>()?;
+        Ok(pipe_table(header, rows))
+    })
+}
+
 /// Makes the text of one table of a study.
 fn of_table(
     study: &str,
@@ -404,17 +406,13 @@ fn run_study(name: &str) -> Result<Option<Vec<Table>>> {
     let study = study.ok_or_else(|| unexpected(&format!("no study {name}")))?;
     // The defaults of `roadgrade study`.
     let setting = Setting {
-        data: data(),
+        data: measured_data(),
         seed: 2011,
     };
     Ok(match (study.run)(&setting)? {
         StudyOutcome::Done(section) => Some(section.tables),
         StudyOutcome::Skipped(_) => None,
     })
-}
-
-fn data() -> PathBuf {
-    root().join("../shared/data")
 }
 
 /// Returns a cell by the first cell of its row and the name of its column.
