@@ -111,6 +111,7 @@ tuning! {
         drift_fixes: u8 = 3, 1.0..=255.0, "fixes", "compared fixes in a row that must say so", "chosen";
         drift_segment_m: f32 = 100.0, 2.5..=1e4, "m", "length of a segment over which climbs are compared", "chosen: ten segments are one kilometre";
         drift_model_sigma_m: f32 = 0.1, 0.0..=10.0, "m", "error of the model's climb that does not grow with length, 1 sigma", "reading noise at both ends";
+        drift_model_most_percent: f32 = 1.5, 0.0..=100.0, "%", "slope of a drift up to which the model may be off instead", "snow at three times the rolling resistance is 1.2";
         drift_slope_sigma_percent: f32 = 0.25, 1e-3..=100.0, "%", "largest sigma of bias, wind and scale, as a slope, with which the model can test a receiver", "chosen: where a drive begins, the model is off";
         drift_ratio_high: f32 = 10.0, 1.0..=1e4, "1", "largest learned over assumed variance of the climbs' difference", "three times the assumed sigma";
         drift_ratio_gain: f32 = 0.005, 0.0..=1.0, "1", "part of a comparison by which the ratio follows", "a memory of 200 comparisons";
