@@ -38,27 +38,29 @@ const fn group(wind: f32, wind_length: f32, receiver_time: f32) -> Group {
     }
 }
 
-/// A model as assumed, and a receiver with a smooth error.
-const fn smooth(receiver_time: f32) -> Group {
+/// A receiver with a smooth error.
+const fn smooth(wind: f32, wind_length: f32, receiver_time: f32) -> Group {
     Group {
         is_smooth: true,
-        ..group(1.0, 1.0, receiver_time)
+        ..group(wind, wind_length, receiver_time)
     }
 }
 
 /// As assumed, or larger and faster.
-const GROUPS: [Group; 12] = [
+const GROUPS: [Group; 14] = [
     group(1.0, 1.0, 1.0),
-    smooth(0.05),
-    smooth(0.15),
+    smooth(1.0, 1.0, 0.05),
+    smooth(1.0, 1.0, 0.15),
     group(1.0, 1.0, 0.15),
     group(4.0, 1.0, 1.0),
+    smooth(4.0, 1.0, 0.05),
+    smooth(4.0, 1.0, 0.15),
     group(4.0, 0.2, 1.0),
     group(16.0, 0.2, 1.0),
-    group(16.0, 0.2, 0.15),
+    smooth(16.0, 0.2, 0.05),
+    smooth(16.0, 0.2, 0.15),
     group(64.0, 0.2, 1.0),
     group(256.0, 0.2, 1.0),
-    group(256.0, 0.2, 0.15),
     group(1_024.0, 0.2, 1.0),
 ];
 /// Levels of the receiver's error beside each: a smaller one, the best so far, and a larger one.

@@ -63,7 +63,7 @@ tuning! {
         wind_length_m: f32 = 3_000.0, 2.5..=1e6, "m", "correlation length of that wind", "wind changes within 1 to 10 km";
         level_knot_m: f32 = 80.0, 10.0..=1e4, "m", "length of a knot, over which climbs are compared to find the levels of the coloured errors", "chosen: four fixes at 20 m/s";
         level_memory_m: f32 = 20_000.0, 100.0..=1e7, "m", "length over which that evidence is forgotten", "weather and surface change within tens of kilometres";
-        level_evidence: f32 = 6.0, 0.0..=100.0, "1", "log-likelihood that a level above the assumed one needs beyond it", "a factor of 55";
+        level_evidence: f32 = 5.0, 0.0..=100.0, "1", "log-likelihood that a level above the assumed one needs beyond it", "a factor of 55";
         scale_walk_per_sqrt_km: f32 = 0.002, 0.0..=1.0, "1/√km", "random walk of the traction scale, 1 sigma", "chosen: 2 % in 100 km";
         traction_change_percent: f32 = 0.1, 0.0..=100.0, "%", "largest change of traction over weight in one cell that the road may have caused", "AASHTO: the sharpest crest for 80 km/h (K = 26) bends by 0.096";
         jump_matters_percent: f32 = 0.1, 0.0..=100.0, "%", "slope that the unknown part of the scale makes of a change of traction, above which the change shows the scale", "as `traction_change_percent`";
