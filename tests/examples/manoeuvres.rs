@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! cargo run -p cross-tests --release --example manoeuvres -- [--only WORDS]... [--truck A|B]
-//!     [--seeds N] [--random N [--seed S]] [--json]
+//!     [--seeds N] [--random N [--seed S]] [--mass N [--seed S]] [--json]
 //! ```
 
 use clap::Parser;
@@ -10,6 +10,7 @@ use cross_tests::exit_code;
 use cross_tests::manoeuvres::bench::bench;
 use cross_tests::manoeuvres::catalogue::catalogue;
 use cross_tests::manoeuvres::drives::Plan;
+use cross_tests::manoeuvres::mass;
 use cross_tests::manoeuvres::random::drawn;
 use cross_tests::manoeuvres::road::BenchRoad;
 use cross_tests::manoeuvres::table::{json, table};
@@ -33,8 +34,11 @@ struct Options {
     /// Instead, so many drives with two or three manoeuvres or faults at once.
     #[arg(long, value_name = "N")]
     random: Option<usize>,
+    /// Instead, so many drives whose mass nobody reports: the stated mass beside the true one.
+    #[arg(long, value_name = "N", conflicts_with = "random")]
+    mass: Option<usize>,
     /// Seed of the random drives.
-    #[arg(long, default_value_t = 1, requires = "random")]
+    #[arg(long, default_value_t = 1)]
     seed: u64,
     /// Print JSON instead of a table.
     #[arg(long)]
@@ -69,6 +73,10 @@ fn run(options: &Options) -> Result<()> {
         eprintln!(
             "no ../shared/data/e4/road.csv: drives on a generated road of the same statistics"
         );
+    }
+    if let Some(count) = options.mass {
+        let rows = mass::bench(&road, &mass::drawn(count, options.seed))?;
+        return print(&format!("{}\n", mass::table(&rows)));
     }
     let plans = options.plans();
     let bar = progress::count(plans.len() as u64, "drives");

@@ -207,7 +207,7 @@ impl<S: Scalar> Filter<S> {
             reset,
         } = predict(slot, &prediction, prior, scale_reset, context, sample)?;
         // A drive that begins at a standstill shows its load by its launch.
-        if is_first && sample.end.speed_mps < context.tuning.detection.coast_mps {
+        if is_first && !sample.mass_is_reported && prior.is_none() {
             load.open(state, &context.tuning.prior);
         }
         let hidden_slope_percent = if brake.may_brake() {

@@ -7,7 +7,7 @@
 //!
 //! [`road`] has the road, [`drives`] the plan of a drive, [`truth`] what was true of it, [`signals`]
 //! the changes of what frames say, [`catalogue`] the manoeuvres by name, [`random`] combinations of them,
-//! [`cells`] the cells beside the truth, [`judge`] the numbers and bars, and [`table`] the print.
+//! [`cells`] the cells beside the truth, [`mass`] the stated mass beside the true one, [`judge`] the numbers and bars, and [`table`] the print.
 
 pub mod bench;
 pub mod catalogue;
@@ -15,6 +15,7 @@ pub mod cells;
 pub mod drives;
 pub mod judge;
 pub mod low_pass;
+pub mod mass;
 pub mod parts;
 pub mod random;
 pub mod road;

@@ -60,6 +60,8 @@ pub struct Driven {
     frames: Vec<TimedFrame>,
     /// The truth, in order of time.
     pub moments: Vec<Moment>,
+    /// Gross mass at the start and at the end, kg.
+    pub masses_kg: [f64; 2],
 }
 
 impl Driven {
@@ -97,6 +99,14 @@ impl Driven {
             first,
             frames,
             moments,
+            masses_kg: [
+                run.truck.mass_kg,
+                run.stops
+                    .iter()
+                    .rev()
+                    .find_map(|stop| stop.mass_kg)
+                    .unwrap_or(run.truck.mass_kg),
+            ],
         })
     }
 
