@@ -6,7 +6,7 @@ use estimator_core::filter::{ModelMass, Reset, STATES, StateIndex};
 use estimator_core::sample::Sample;
 use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
-use test_kit::dense::{BIAS, SCALE, SLOPE, WIND, dense_model, net_tractions};
+use test_kit::dense::{BIAS, SCALE, SLOPE, WIND, LearnedByThen, dense_model, net_tractions};
 use test_kit::{
     FilterRun, FilteredStep, Noise, altitude, run, run_counted, sample, smooth, speed, truck,
 };
@@ -22,6 +22,35 @@ fn measured_variance(update: &ScalarUpdate<f64>, states: &[StateIndex]) -> f64 {
     update.innovation_variance * (1.0 - known)
 }
 
+/// Returns what the filter has learned by the end of each cell. The noise of the force follows the
+/// products of successive normalised innovations of the speed.
+fn learned(cells: &[FilteredStep<f64>], tuning: &Tuning) -> Vec<LearnedByThen> {
+    let noise = &tuning.measurement_noise;
+    let (mut force_ratio, mut last) = (1.0, 0.0);
+    cells
+        .iter()
+        .map(|cell| {
+            let input = &cell.record.smoother_input;
+            if let Some(used) = input.speed
+                && input.reset == Reset::None
+                && cell.record.end.condition.is_valid()
+            {
+                let normalised = used.innovation / used.innovation_variance.sqrt();
+                let product = (normalised * last).clamp(-3.0, 3.0);
+                last = normalised;
+                let followed = product - f64::from(noise.force_correlation);
+                force_ratio *= 1.0 + f64::from(noise.force_ratio_gain) * followed;
+                force_ratio = force_ratio.clamp(1.0, f64::from(noise.force_ratio_high));
+            }
+            LearnedByThen {
+                force_ratio,
+                scale: 1.0 + cell.state.mean[StateIndex::Scale],
+                scale_sigma: cell.state.sigma(StateIndex::Scale),
+            }
+        })
+        .collect()
+}
+
 /// Returns slope and sigma of each cell, from the joint distribution of all states of all cells,
 /// conditioned on all measurements at once.
 fn batch(samples: &[Sample], cells: &[FilteredStep<f64>], tuning: &Tuning) -> Vec<(f64, f64)> {
@@ -30,6 +59,7 @@ fn batch(samples: &[Sample], cells: &[FilteredStep<f64>], tuning: &Tuning) -> Ve
     let mut mean = DVector::zeros(size);
     let mut covariance = DMatrix::zeros(size, size);
     let net_tractions = net_tractions(samples);
+    let learned = learned(cells, tuning);
     let first = &cells[0].state;
     mean.rows_mut(0, STATES)
         .copy_from(&first.mean.to_nalgebra());
@@ -37,7 +67,8 @@ fn batch(samples: &[Sample], cells: &[FilteredStep<f64>], tuning: &Tuning) -> Ve
         .view_mut((0, 0), (STATES, STATES))
         .copy_from(&first.covariance.to_nalgebra());
     for (k, sample) in samples.iter().enumerate().skip(1) {
-        let (f, input, q) = dense_model(sample, (net_tractions[k - 1], net_tractions[k]), tuning);
+        let net_traction = (net_tractions[k - 1], net_tractions[k]);
+        let (f, input, q) = dense_model(sample, net_traction, learned[k - 1], tuning);
         let (now, before) = (k * STATES, (k - 1) * STATES);
         let moved = &f * mean.rows(before, STATES) + input;
         mean.rows_mut(now, STATES).copy_from(&moved);
@@ -150,6 +181,8 @@ proptest! {
         // whose prior was reset.
         prop_assume!(!cells.iter().any(has_speed_step));
         prop_assume!(counters.scales_reopened == 0);
+        // Nor that of a descent on which a brake is suspected.
+        prop_assume!(!cells.iter().any(|cell| cell.record.disagreement.brake));
         // The core computes its coefficients in single precision: they agree to 1e-4 %, not more.
         let reference = batch(&samples, &cells, &tuning);
         for (k, (smoothed, (slope, sigma))) in smooth(&cells).iter().zip(&reference).enumerate() {
