@@ -94,15 +94,25 @@ impl AltitudeUpdate {
         self.gate.gnss_error_ratio()
     }
 
-    /// Advances over a cell whose end was predicted.
+    /// Notes that a brake was found: what looked like a drift was a descent.
+    pub(super) fn brake_found(&mut self) {
+        self.gate.restart();
+    }
+
+    /// Advances over a cell whose end was predicted. `hidden_slope_percent` is what a brake may
+    /// hide over it.
     #[inline]
     pub(super) fn advance<S: Scalar>(
         &mut self,
         sample: &Sample,
         state: &State<S>,
         dynamics: &Dynamics<S>,
+        hidden_slope_percent: f32,
     ) {
-        let segment = segment(state, dynamics, sample);
+        let segment = Segment {
+            hidden_descent_m: 0.01 * hidden_slope_percent * sample.length_m,
+            ..segment(state, dynamics, sample)
+        };
         self.gate.advance(segment, sample.duration_s);
     }
 
@@ -354,6 +364,7 @@ fn segment<S: Scalar>(state: &State<S>, dynamics: &Dynamics<S>, sample: &Sample)
         } else {
             per_percent_m * state.sigma(Slope).to_f32()
         },
+        hidden_descent_m: 0.0,
     }
 }
 

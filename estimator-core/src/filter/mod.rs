@@ -191,14 +191,19 @@ impl<S: Scalar> Filter<S> {
         if is_first && sample.end.speed_mps < context.tuning.detection.coast_mps {
             load.open(state, &context.tuning.prior);
         }
-        altitude.advance(sample, state, prediction.dynamics());
+        let hidden_slope_percent = if brake.may_brake() {
+            context.tuning.detection.silent_brake_slope_percent
+        } else {
+            0.0
+        };
+        altitude.advance(sample, state, prediction.dynamics(), hidden_slope_percent);
         let mut disagreement = sample.disagreement;
         let mut disagreeing_cells = u32::from(!disagreement.is_none());
         if let Some(innovation) = altitude.innovation(&context.tuning, sample, state)
             && let Some(cells) = brake.fix(context, sample, state, innovation)
         {
             disagreement.brake = true;
-            altitude.model_changed();
+            altitude.brake_found();
             disagreeing_cells = cells;
         }
         let gated = altitude.gate(context, sample, state);

@@ -2,9 +2,12 @@
 //!
 //! A brake or a retarder that nobody reports makes a descent read as level. While the engine drives
 //! nothing, the force balance gives only an upper bound of the slope: a brake can only make the
-//! model read the road too high. Where GNSS then falls below the climb of the model, the vehicle
-//! brakes, and goes on braking until the engine drives again. A receiver drifts by metres within
-//! minutes, and not by several per cent of the distance.
+//! model read the road too high. Where GNSS then falls below the climb of the model, fix by fix, the
+//! vehicle brakes, and goes on braking until the engine drives again. A receiver drifts by metres
+//! within minutes, and not by several per cent of the distance.
+//!
+//! The test is a cumulative sum of the innovations (E. S. Page, "Continuous inspection schemes",
+//! Biometrika 41:100, 1954): a brake moves many fixes by a little before it moves one by much.
 
 use super::state::State;
 use super::state_index::StateIndex::{Altitude, Slope};
@@ -18,13 +21,18 @@ use crate::scalar::Scalar;
 pub(super) struct SilentBrake {
     /// Cells since the engine drives nothing.
     rolling_cells: u32,
-    /// Altitudes in a row that were too low, and cells since the last one that was not.
-    low_fixes: u8,
+    /// Sum of what altitudes were too low, in sigmas, and cells since it began.
+    low_sum: f32,
     low_cells: u32,
     is_on: bool,
 }
 
 impl SilentBrake {
+    /// Returns whether the engine drives nothing over the newest cell.
+    pub(super) const fn may_brake(&self) -> bool {
+        self.rolling_cells > 0
+    }
+
     /// Advances over a cell. Returns the sample as it is with the brake, if there is one.
     #[inline]
     pub(super) fn advance(&mut self, context: &Context, sample: &Sample) -> Option<Sample> {
@@ -60,17 +68,14 @@ impl SilentBrake {
             return None;
         }
         let detection = &context.tuning.detection;
-        let sigmas = detection.silent_brake_sigmas;
-        let is_low = innovation_m < 0.0 && innovation_m * innovation_m > sigmas * sigmas * variance;
-        if innovation_m > 0.0 || innovation_m * innovation_m < variance {
+        let low = -innovation_m / libm::sqrtf(variance);
+        // A single one may be an outlier.
+        let counted = Scalar::min(low - detection.silent_brake_slack, detection.silent_brake_most);
+        self.low_sum = Scalar::max(self.low_sum + counted, 0.0);
+        if self.low_sum <= 0.0 {
             self.low_cells = 0;
         }
-        self.low_fixes = if is_low {
-            self.low_fixes.saturating_add(1)
-        } else {
-            0
-        };
-        if self.low_fixes < detection.silent_brake_fixes {
+        if self.low_sum < detection.silent_brake_sum {
             return None;
         }
         self.is_on = true;

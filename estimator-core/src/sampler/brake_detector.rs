@@ -1,8 +1,8 @@
 //! Detection of brakes that no signal reports, by the deceleration of the vehicle.
 //!
 //! A brake that comes on while the engine drives nothing reads as a slope that no road begins with:
-//! several percent within a few metres. The detector works only where no brake signal is received,
-//! and only for engines: the braking of motors is part of a measured force, and its timing against
+//! several percent within a few metres. A signal that reports no brake proves little: retarders have
+//! none, switches break. The detector works only for engines: the braking of motors is part of a measured force, and its timing against
 //! the speed makes larger steps than brakes do.
 
 use crate::cell::CELL_LENGTH_M;

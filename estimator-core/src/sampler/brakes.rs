@@ -73,17 +73,6 @@ impl Brakes {
             .is_some_and(|percent| percent < tuning.detection.retarder_percent)
     }
 
-    /// Returns whether any signal of the service brakes is received.
-    pub(super) fn are_reported(&self, tuning: &Tuning, now: Instant) -> bool {
-        [&self.switch, &self.pedal, &self.pressure]
-            .into_iter()
-            .any(|signal| {
-                signal
-                    .within(now, tuning.hold_times.state_timeout)
-                    .is_some()
-            })
-    }
-
     /// Returns whether a brake, or its hold time, is on.
     pub(super) fn are_on(&self, now: Instant) -> bool {
         now < self.until

@@ -340,8 +340,7 @@ impl Sampler {
             condition: parts.condition(context, now, slower_mps),
             resolution_mps: parts.resolution_mps(context, now),
         };
-        let detects_brakes = context.model.vehicle.traction != Traction::Force
-            && !parts.brakes.are_reported(&context.tuning, now);
+        let detects_brakes = context.model.vehicle.traction != Traction::Force;
         let longest = context.tuning.hold_times.speed_timeout;
         let bridged = odometer.drive(speed, interval, longest, |driven| {
             let sample = parts.sample(context, &driven, detects_brakes);

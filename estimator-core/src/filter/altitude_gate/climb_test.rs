@@ -61,6 +61,8 @@ pub(in crate::filter) struct Segment {
     pub traction_climb_m: f32,
     /// Sigma of the climb where the model does not hold, m.
     pub invalid_sigma_m: f32,
+    /// Sigma of a descent that a brake may hide, m.
+    pub hidden_descent_m: f32,
 }
 
 impl Segment {
@@ -71,6 +73,7 @@ impl Segment {
         climb_m: 0.0,
         traction_climb_m: 0.0,
         invalid_sigma_m: 0.0,
+        hidden_descent_m: 0.0,
     };
 
     /// Returns this segment followed by another.
@@ -81,6 +84,7 @@ impl Segment {
             climb_m: self.climb_m + next.climb_m,
             traction_climb_m: self.traction_climb_m + next.traction_climb_m,
             invalid_sigma_m: self.invalid_sigma_m + next.invalid_sigma_m,
+            hidden_descent_m: self.hidden_descent_m + next.hidden_descent_m,
         }
     }
 }
@@ -282,6 +286,7 @@ impl Reference {
             - per_percent_m * (model_error.bias_percent + model_error.wind_percent)
             + model_error.scale * segment.traction_climb_m;
         let difference_m = fix.altitude_m - self.altitude_m - model_m;
+        let hidden_m = Scalar::min(segment.hidden_descent_m, Scalar::max(-difference_m, 0.0));
         // Variance of the mean of a Gauss-Markov process that begins at a known value, for short
         // segments: 2/3 σ² L/λ, taken as σ² L/λ and at most σ².
         let wind_change =
@@ -291,7 +296,8 @@ impl Reference {
             // Of an Ornstein-Uhlenbeck process: 2 σ² (1 − exp(−t/τ)).
             + 2.0 * fix.gnss_error_variance * (1.0 - segment.gnss_error_kept)
             + per_percent_m * per_percent_m * (model_error.slope_variance + wind_change)
-            + segment.invalid_sigma_m * segment.invalid_sigma_m;
+            + segment.invalid_sigma_m * segment.invalid_sigma_m
+            + hidden_m * hidden_m;
         difference_m * difference_m / variance
     }
 }
