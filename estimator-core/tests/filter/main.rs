@@ -1,6 +1,7 @@
 //! The filter: its states, its solution, its statistics, its gates.
 
 mod altitude_gate;
+mod batch;
 #[cfg(feature = "fixed")]
 mod fixed_point_drive;
 mod gross_mass;

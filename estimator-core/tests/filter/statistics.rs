@@ -7,7 +7,7 @@ use estimator_core::sample::Sample;
 use estimator_core::{CELL_LENGTH_M, Tuning};
 use nalgebra::DVector;
 use test_kit::dense::{
-    ALTITUDE, BIAS, ENERGY, GNSS_ERROR, SCALE, SLOPE, LearnedByThen, dense_model, net_tractions,
+    ALTITUDE, BIAS, ENERGY, GNSS_ERROR, LearnedByThen, SCALE, SLOPE, dense_model, net_tractions,
 };
 use test_kit::{Noise, altitude, run, sample, speed, truck};
 
