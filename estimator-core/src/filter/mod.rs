@@ -67,7 +67,7 @@ use prior::{initial_state, reopen_after_load_change, reopen_bias};
 use process_noise::{LearnedNoise, bias_variance, wind_variance};
 use scale_prior_reset::ScalePriorReset;
 use silent_brake::SilentBrake;
-use slope_step::allow_step;
+use slope_step::{allow_kink, allow_step};
 use speed_update::SpeedUpdate;
 
 /// The filter: a state that samples move.
@@ -82,6 +82,8 @@ pub struct Filter<S> {
     levels: ErrorLevels,
     load: LoadTest,
     brake: SilentBrake,
+    /// Distance over which the model does not hold, up to the last cell, m.
+    invalid_m: f32,
 }
 
 /// A state at the end of a cell before its measurements.
@@ -107,6 +109,7 @@ impl<S: Scalar> Filter<S> {
             levels: ErrorLevels::new(),
             load: LoadTest::default(),
             brake: SilentBrake::default(),
+            invalid_m: 0.0,
         }
     }
 
@@ -167,6 +170,14 @@ impl<S: Scalar> Filter<S> {
             allow_step(state, &context.tuning.gates);
             self.altitude.model_changed();
             count(&mut context.counters.slope_steps);
+        }
+        if !sample.end.condition.is_valid() {
+            self.invalid_m += sample.length_m;
+        } else if core::mem::take(&mut self.invalid_m) > context.tuning.gates.drift_segment_m
+            && let Some(state) = &mut self.state
+        {
+            allow_kink(state, &context.tuning.gates);
+            self.altitude.model_changed();
         }
         let effects = self.effects.advance(context, sample);
         let learned = self.learned_noise();

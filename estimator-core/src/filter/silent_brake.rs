@@ -25,6 +25,8 @@ pub(super) struct SilentBrake {
     low_sum: f32,
     low_cells: u32,
     is_on: bool,
+    /// Whether it braked without a report before: then it does so again.
+    has_braked: bool,
 }
 
 impl SilentBrake {
@@ -39,7 +41,10 @@ impl SilentBrake {
         let forces = &sample.forces;
         let most = 0.01 * context.tuning.detection.silent_brake_traction_percent;
         if forces.traction_n > most * forces.weight_n() {
-            *self = Self::default();
+            *self = Self {
+                has_braked: self.has_braked,
+                ..Self::default()
+            };
             return None;
         }
         self.rolling_cells = self.rolling_cells.saturating_add(1);
@@ -75,10 +80,16 @@ impl SilentBrake {
         if self.low_sum <= 0.0 {
             self.low_cells = 0;
         }
-        if self.low_sum < detection.silent_brake_sum {
+        let enough = if self.has_braked {
+            detection.silent_brake_next_sum
+        } else {
+            detection.silent_brake_sum
+        };
+        if self.low_sum < enough {
             return None;
         }
         self.is_on = true;
+        self.has_braked = true;
         let steepest = detection.silent_brake_slope_percent;
         let covariance = &mut state.covariance;
         covariance.add_variance(Slope, S::from_f32(steepest * steepest));

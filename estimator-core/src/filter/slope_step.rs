@@ -66,3 +66,10 @@ pub(super) fn allow_step<S: Scalar>(state: &mut State<S>, tuning: &Gates) {
     let joint = covariance.get(Slope, Bias) + variance;
     covariance.set(Slope, Bias, joint);
 }
+
+/// Allows for a kink of the road that altitudes alone did not show: the model tests what they say of
+/// the slope, and not its own bias by it.
+pub(super) fn allow_kink<S: Scalar>(state: &mut State<S>, tuning: &Gates) {
+    let variance = S::from_f32(tuning.slope_step_percent * tuning.slope_step_percent);
+    state.covariance.add_variance(Slope, variance + variance);
+}
