@@ -77,6 +77,8 @@ pub struct Counters {
     pub loads_changed: u32,
     /// Times that the prior of the scale was reset.
     pub scales_reopened: u32,
+    /// Times that the scale left what a vehicle can have: changes of traction mislead it.
+    pub scales_out_of_bounds: u32,
     /// Gaps without an altitude.
     pub altitude_gaps: u32,
     /// Steps of the receiver's datum.

@@ -200,8 +200,14 @@ impl AltitudeUpdate {
                 gated.sets_altitude = true;
             }
             GateDecision::Reject => context.counters.altitudes_rejected += 1,
-            GateDecision::RejectAndUndo(model_error) => {
+            GateDecision::RejectAndUndo(model_error, slope_percent) => {
                 undo_drift(state, &model_error);
+                // Receiver or model: which of them is off, the fixes that follow show. Only a receiver
+                // is off by more than resistances are.
+                if slope_percent.abs() < context.tuning.gates.drift_model_most_percent {
+                    let variance = S::from_f32(slope_percent * slope_percent);
+                    state.covariance.add_variance(Bias, variance);
+                }
                 context.counters.altitudes_rejected += 1;
             }
         }

@@ -33,6 +33,7 @@ pub mod predict;
 pub mod prior;
 mod process_noise;
 pub mod quantity;
+mod scale_bounds;
 mod scale_prior_reset;
 mod silent_brake;
 mod slope_step;
@@ -65,6 +66,7 @@ use measurement::Observation;
 use predict::Prediction;
 use prior::{initial_state, reopen_after_load_change, reopen_bias};
 use process_noise::{LearnedNoise, bias_variance, wind_variance};
+use scale_bounds::ScaleBounds;
 use scale_prior_reset::ScalePriorReset;
 use silent_brake::SilentBrake;
 use slope_step::{allow_kink, allow_step};
@@ -79,6 +81,7 @@ pub struct Filter<S> {
     altitude: AltitudeUpdate,
     effects: EffectUncertainty,
     scale_reset: ScalePriorReset,
+    scale_bounds: ScaleBounds,
     levels: ErrorLevels,
     load: LoadTest,
     brake: SilentBrake,
@@ -106,6 +109,7 @@ impl<S: Scalar> Filter<S> {
             altitude: AltitudeUpdate::new(noise, tuning),
             effects: EffectUncertainty::new(),
             scale_reset: ScalePriorReset::new(),
+            scale_bounds: ScaleBounds::default(),
             levels: ErrorLevels::new(),
             load: LoadTest::default(),
             brake: SilentBrake::default(),
@@ -119,7 +123,9 @@ impl<S: Scalar> Filter<S> {
     pub fn second_pass<T: Scalar>(&self, tuning: &Tuning) -> Filter<T> {
         Filter {
             scale_reset: self.scale_reset.restarted(),
+            scale_bounds: self.scale_bounds,
             levels: self.levels.restarted(),
+            speed: self.speed.second_pass(&self.noise(), tuning),
             altitude: self.altitude.second_pass(&self.noise(), tuning),
             ..Filter::new(tuning, &self.noise(), self.prior)
         }
@@ -142,6 +148,7 @@ impl<S: Scalar> Filter<S> {
             levels,
             gnss_error_ratio: levels.gnss_error_ratio(self.altitude.gnss_error_ratio()),
             force_ratio: self.speed.force_ratio(),
+            changes_mislead: self.scale_bounds.changes_mislead(),
             load_factor: self.state.as_ref().map_or(1.0, |state| {
                 Scalar::min(5.0, Scalar::max(0.2, scale(state)))
             }),
@@ -188,6 +195,7 @@ impl<S: Scalar> Filter<S> {
             speed,
             altitude,
             scale_reset,
+            scale_bounds,
             levels,
             load,
             brake,
@@ -260,6 +268,11 @@ impl<S: Scalar> Filter<S> {
                 })
             }
         };
+        if scale_bounds.keep(state, &context.tuning.prior) {
+            scale_reset.start(state, &context.tuning.prior);
+            altitude.model_changed();
+            count(&mut context.counters.scales_out_of_bounds);
+        }
         if !check(state, context, sample) {
             *slot = None;
             return None;

@@ -43,7 +43,7 @@ impl<S: Scalar> Prediction<S> {
         let gravity = balance.gravity * length_m;
         let effects_per_kg = effects.force_n / sample.forces.accelerated_kg();
         let coloured = ColouredStates::over(context, sample, learned);
-        let traction = NetTraction::over(context, sample, from);
+        let traction = NetTraction::over(context, sample, from, learned);
         Self {
             dynamics: Dynamics {
                 half_length: S::from_f32(0.5 * length_m),
@@ -62,7 +62,7 @@ impl<S: Scalar> Prediction<S> {
                 context,
                 sample,
                 &coloured,
-                (gravity, traction.jump_percent),
+                (gravity, traction.jump_noise_percent),
                 effects.bias_variance,
                 learned,
             ),
@@ -106,12 +106,19 @@ impl<S: Scalar> Prediction<S> {
 struct NetTraction {
     percent: f32,
     jump_percent: f32,
+    /// Sigma of the slope that its wrong timing makes, %.
+    jump_noise_percent: f32,
 }
 
 impl NetTraction {
     /// A wrong mass scales all forces but those that are proportional to it; of what is unknown,
     /// the mass is the largest part. Where the model does not hold, the last value stays.
-    fn over<S: Scalar>(context: &Context, sample: &Sample, from: Option<&State<S>>) -> Self {
+    fn over<S: Scalar>(
+        context: &Context,
+        sample: &Sample,
+        from: Option<&State<S>>,
+        learned: &LearnedNoise,
+    ) -> Self {
         let forces = &sample.forces;
         let drag_n = context.model.vehicle.drag_n(forces, sample.end.speed_mps);
         let now = 100.0 * (forces.traction_n - drag_n) / forces.weight_n();
@@ -130,10 +137,17 @@ impl NetTraction {
             let unknown_percent = state.sigma(StateIndex::Scale).to_f32() * jump_percent.abs();
             unknown_percent > context.tuning.process_noise.jump_matters_percent
         });
-        let jump_percent = if matters { jump_percent } else { 0.0 };
+        let (jump_percent, jump_noise_percent) = if learned.changes_mislead {
+            (0.0, jump_percent)
+        } else if matters {
+            (jump_percent, context.tuning.process_noise.jump_noise * jump_percent)
+        } else {
+            (0.0, 0.0)
+        };
         Self {
             percent,
             jump_percent,
+            jump_noise_percent,
         }
     }
 }

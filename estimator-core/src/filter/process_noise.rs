@@ -35,6 +35,8 @@ pub(super) struct LearnedNoise {
     pub gnss_error_ratio: f32,
     /// Variance of the white noise of the force.
     pub force_ratio: f32,
+    /// Whether changes of traction show nothing of the scale.
+    pub changes_mislead: bool,
     /// Modelled over true mass: a force weighs more on a vehicle that is lighter than its model.
     pub load_factor: f32,
 }
@@ -91,7 +93,7 @@ pub(super) fn process_noise<S: Scalar>(
     context: &Context,
     sample: &Sample,
     coloured: &ColouredStates,
-    (gravity, jump_percent): (f32, f32),
+    (gravity, jump_noise_percent): (f32, f32),
     effect_variance: f32,
     learned: &LearnedNoise,
 ) -> PerState<S> {
@@ -106,8 +108,7 @@ pub(super) fn process_noise<S: Scalar>(
     } else {
         tuning.invalid_noise_percent * tuning.invalid_noise_percent
     };
-    let jump = tuning.jump_noise * jump_percent;
-    let energy_variance = gravity * gravity * (model_variance + jump * jump);
+    let energy_variance = gravity * gravity * (model_variance + jump_noise_percent * jump_noise_percent);
     let walk = tuning.scale_walk_per_sqrt_km;
     PerState {
         kinetic_energy: S::from_f32(energy_variance),

@@ -46,6 +46,14 @@ impl SpeedUpdate {
         }
     }
 
+    /// Returns the memory for a second pass over the same drive.
+    pub(super) fn second_pass(&self, noise: &SensorNoiseRatios, tuning: &Tuning) -> Self {
+        Self {
+            force_ratio: self.force_ratio,
+            ..Self::new(noise, tuning)
+        }
+    }
+
     /// Returns learned over assumed variance of the white noise of the force.
     pub(super) const fn force_ratio(&self) -> f32 {
         self.force_ratio

@@ -12,7 +12,7 @@
 //! | `gnss` | positions and altitudes along the driven distance |
 //! | `stops`, `reversing` | standstills, weighings, load changes; direction of motion |
 //! | `effect_inputs` | what effects depend on |
-//! | `latest`, `accepted_ranges` | newest values and their age; ranges of accepted readings |
+//! | `latest`, `held_signal`, `accepted_ranges` | newest values, their age and rests; ranges of readings |
 //!
 //! Hold times make the model invalid for some time after a gear shift or a brake. The one after a
 //! shift is in this file (`Parts::hold_shift`); those after a brake or a retarder are in `brakes`.
@@ -25,6 +25,7 @@ mod driveline;
 mod effect_inputs;
 mod gnss;
 mod gnss_timing;
+mod held_signal;
 mod latest;
 mod odometer;
 mod reversing;

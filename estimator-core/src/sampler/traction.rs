@@ -1,5 +1,6 @@
 //! Torque, gears and forces become the mean traction force of an interval.
 
+use super::held_signal::HeldSignal;
 use super::latest::{Latest, TimedValue};
 use crate::context::Context;
 use crate::model::Model;
@@ -12,6 +13,7 @@ use crate::vehicle::{Driveline, Traction};
 pub(super) struct TractionInput {
     fraction: Latest,
     torque: Latest,
+    held_torque: HeldSignal,
     friction: Latest,
     force: Latest,
     driveline: Driveline,
@@ -24,6 +26,7 @@ impl TractionInput {
         Self {
             fraction: Latest::default(),
             torque: Latest::default(),
+            held_torque: HeldSignal::default(),
             friction: Latest::default(),
             force: Latest::default(),
             driveline: Driveline::Unknown,
@@ -46,6 +49,13 @@ impl TractionInput {
             // It follows engine speed and temperature: the last value is closer than none.
             Signal::FrictionTorque => self.friction.set_if_available(value, now),
             Signal::EngineTorque => {
+                let fraction = self.fraction.last().unwrap_or(0.0);
+                let detection = &context.tuning.detection;
+                if let Some(value) = value
+                    && !self.held_torque.is_new(value + fraction, now, detection)
+                {
+                    return false;
+                }
                 self.torque.set(value, now);
                 return self.torque_changed(context, now);
             }

@@ -87,8 +87,8 @@ tuning! {
         launch_m: f32 = 100.0, 2.5..=1e4, "m", "driven distance after which a launch has shown the scale", "gears up to half of the speed";
         launch_longest_m: f32 = 1_000.0, 2.5..=1e5, "m", "the same where it shows little", "chosen";
         launch_scale_sigma: f32 = 0.12, 1e-3..=10.0, "1", "relative sigma of the scale with which it is known well enough to be compared", "chosen: loads differ by more";
-        scale_low: f32 = 0.2, 0.01..=1.0, "1", "smallest scale that a vehicle can have", "an empty tractor with the file of a full combination";
-        scale_high: f32 = 5.0, 1.0..=100.0, "1", "largest scale that a vehicle can have", "the reverse";
+        scale_low: f32 = 0.3, 0.01..=1.0, "1", "smallest scale that a vehicle can have", "an empty tractor with the file of a full combination";
+        scale_high: f32 = 4.0, 1.0..=100.0, "1", "largest scale that a vehicle can have", "the reverse";
         scale_reset_sigmas: f32 = 3.0, 0.1..=100.0, "1", "distance of the scale from its prior, in sigmas, beyond which the prior was too narrow", "three sigmas";
         scale_reset_cells: u32 = 200, 1.0..=1e6, "cells", "number of cells for which it must be so", "500 m: single fixes move the scale far and back";
     }
@@ -111,6 +111,7 @@ tuning! {
         drift_fixes: u8 = 3, 1.0..=255.0, "fixes", "compared fixes in a row that must say so", "chosen";
         drift_segment_m: f32 = 100.0, 2.5..=1e4, "m", "length of a segment over which climbs are compared", "chosen: ten segments are one kilometre";
         drift_model_sigma_m: f32 = 0.1, 0.0..=10.0, "m", "error of the model's climb that does not grow with length, 1 sigma", "reading noise at both ends";
+        drift_model_most_percent: f32 = 1.5, 0.0..=100.0, "%", "slope of a drift up to which the model may be off instead", "snow at three times the rolling resistance is 1.2";
         drift_slope_sigma_percent: f32 = 0.25, 1e-3..=100.0, "%", "largest sigma of bias, wind and scale, as a slope, with which the model can test a receiver", "chosen: where a drive begins, the model is off";
         drift_ratio_high: f32 = 10.0, 1.0..=1e4, "1", "largest learned over assumed variance of the climbs' difference", "three times the assumed sigma";
         drift_ratio_gain: f32 = 0.005, 0.0..=1.0, "1", "part of a comparison by which the ratio follows", "a memory of 200 comparisons";
@@ -163,8 +164,11 @@ tuning! {
         undeclared_brake_road_cells: f32 = 40.0, 1.0..=1e4, "cells", "cells over which the slope of the road is averaged", "100 m";
         undeclared_brake_sigma_cells: f32 = 400.0, 1.0..=1e5, "cells", "cells over which the standard deviation is averaged", "1 km";
         undeclared_brake_longest_cells: u16 = 200, 1.0..=65_535.0, "cells", "cells after which it was a slope", "500 m";
+        held_rest: ms = 800, 0.0..=60_000.0, "ms", "time for which a torque is the same, after which its change follows a rest", "frames come ten times as often at least";
+        held_part: f32 = 0.9, 0.0..=1.0, "1", "part of the movement of a torque after rests, beyond which it is held between them", "fresh torque steps after a rest where the driver lets go, and moves on at once elsewhere";
+        held_after_percent: f32 = 200.0, 0.0..=1e5, "%", "movement of the torque after which it may be found to be held", "some ten changes";
         silent_brake_traction_percent: f32 = 0.1, -10.0..=10.0, "%", "traction over weight up to which the engine drives nothing", "drivers do not brake and drive at once";
-        silent_brake_sum: f32 = 7.0, 0.1..=1e3, "1", "sum of altitudes below the climb of the model, in sigmas, that shows a brake then", "a false one in a thousand kilometres without traction";
+        silent_brake_sum: f32 = 10.0, 0.1..=1e3, "1", "sum of altitudes below the climb of the model, in sigmas, that shows a brake then", "a false one in a thousand kilometres without traction";
         silent_brake_next_sum: f32 = 3.5, 0.1..=1e3, "1", "the same after the first one of a drive", "half of it: a vehicle whose brake is not reported brakes again";
         silent_brake_slack: f32 = 0.5, 0.0..=10.0, "1", "part of each that is usual, in sigmas", "half of the smallest shift that is looked for";
         silent_brake_most: f32 = 3.5, 0.1..=100.0, "1", "most that one of them counts, in sigmas", "chosen: one may be an outlier";

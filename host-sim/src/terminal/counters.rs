@@ -85,6 +85,7 @@ pub fn events(c: &Counters) -> Vec<CountedEvent> {
         ),
         ("steps of the slope", c.slope_steps.into()),
         ("scales far from the file", c.scales_reopened.into()),
+        ("scales no vehicle has", c.scales_out_of_bounds.into()),
         ("fixes of a frozen receiver", c.frozen_fixes.into()),
         ("reversals", c.reversals.into()),
         ("altitudes left out", c.altitudes_rejected.into()),

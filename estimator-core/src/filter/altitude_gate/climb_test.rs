@@ -114,6 +114,8 @@ pub(super) struct ClimbTestResult {
     /// Cell of the reference with the largest ratio, and the model error known there.
     pub since_cell: u32,
     pub model_error: ModelError,
+    /// Difference of the climbs since there, as a slope, %.
+    pub slope_percent: f32,
     /// Distance to the oldest reference compared, m.
     pub compared_m: f32,
 }
@@ -138,9 +140,18 @@ struct Comparison {
     /// Segment from the oldest reference compared so far to the fix, and number of references.
     segment: Segment,
     references: u8,
-    /// Sum of the test ratios, and the largest one with its cell and model error.
+    /// Sum of the test ratios, and the largest one.
     sum: f32,
-    worst: Option<(f32, u32, ModelError)>,
+    worst: Option<Contradiction>,
+}
+
+/// The comparison with one reference.
+#[derive(Clone, Copy, Debug)]
+struct Contradiction {
+    test_ratio: f32,
+    cell: u32,
+    model_error: ModelError,
+    slope_percent: f32,
 }
 
 /// The reference fixes, oldest first, and the comparison under way.
@@ -254,10 +265,16 @@ impl Comparison {
     fn add(&mut self, reference: &Reference) {
         self.segment = reference.segment.and(self.segment);
         self.references += 1;
-        let test_ratio = reference.test_ratio(&self.segment, &self.fix);
+        let (difference_m, variance) = reference.difference(&self.segment, &self.fix);
+        let test_ratio = difference_m * difference_m / variance;
         self.sum += test_ratio;
-        if self.worst.is_none_or(|(most, ..)| test_ratio >= most) {
-            self.worst = Some((test_ratio, reference.cell, reference.model_error));
+        if self.worst.is_none_or(|worst| test_ratio >= worst.test_ratio) {
+            self.worst = Some(Contradiction {
+                test_ratio,
+                cell: reference.cell,
+                model_error: reference.model_error,
+                slope_percent: 100.0 * difference_m / self.segment.length_m,
+            });
         }
     }
 
@@ -265,21 +282,20 @@ impl Comparison {
         if self.goes_on(references) {
             return None;
         }
-        self.worst
-            .map(|(test_ratio, since_cell, model_error)| ClimbTestResult {
-                test_ratio,
-                mean: self.sum / f32::from(self.references),
-                since_cell,
-                model_error,
-                compared_m: self.segment.length_m,
-            })
+        self.worst.map(|worst| ClimbTestResult {
+            test_ratio: worst.test_ratio,
+            mean: self.sum / f32::from(self.references),
+            since_cell: worst.cell,
+            model_error: worst.model_error,
+            slope_percent: worst.slope_percent,
+            compared_m: self.segment.length_m,
+        })
     }
 }
 
 impl Reference {
-    /// Returns the squared difference of the climbs over the segment from here to a fix, over its
-    /// variance.
-    fn test_ratio(&self, segment: &Segment, fix: &TestedFix) -> f32 {
+    /// Returns the difference of the climbs over the segment from here to a fix, m, and its variance.
+    fn difference(&self, segment: &Segment, fix: &TestedFix) -> (f32, f32) {
         let model_error = &self.model_error;
         let per_percent_m = 0.01 * segment.length_m;
         let model_m = segment.climb_m
@@ -298,6 +314,6 @@ impl Reference {
             + per_percent_m * per_percent_m * (model_error.slope_variance + wind_change)
             + segment.invalid_sigma_m * segment.invalid_sigma_m
             + hidden_m * hidden_m;
-        difference_m * difference_m / variance
+        (difference_m, variance)
     }
 }

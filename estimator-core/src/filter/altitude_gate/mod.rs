@@ -56,8 +56,9 @@ pub(super) enum GateDecision {
     Fuse,
     /// Reject it.
     Reject,
-    /// Reject it, and return to the model error that was known before the drift.
-    RejectAndUndo(ModelError),
+    /// Reject it, and return to the model error that was known before the drift. It is as uncertain
+    /// as the slope of the drift, %.
+    RejectAndUndo(ModelError, f32),
     /// Move the receiver's datum so that the innovation is zero, then update.
     MoveDatum,
     /// Set the altitude from it.
@@ -238,7 +239,7 @@ impl AltitudeGate {
             return self.reject(offset_m, gates);
         }
         self.forget_rejected();
-        if let Some((cell, model_error)) = self.find_drift(tuning) {
+        if let Some((cell, model_error, slope_percent)) = self.find_drift(tuning) {
             self.drift = Drift::Since {
                 cell,
                 model_error,
@@ -247,7 +248,7 @@ impl AltitudeGate {
             self.climb_test.clear();
             self.gnss_error.interrupt();
             return (
-                GateDecision::RejectAndUndo(model_error),
+                GateDecision::RejectAndUndo(model_error, slope_percent),
                 Some(AltitudeEvent::DriftBegan(cell)),
             );
         }
@@ -294,9 +295,9 @@ impl AltitudeGate {
         )
     }
 
-    /// Returns the cell since which fixes climb unlike the road, and the model error known there,
-    /// once enough comparisons say so.
-    fn find_drift(&mut self, tuning: &Tuning) -> Option<(u32, ModelError)> {
+    /// Returns the cell since which fixes climb unlike the road, the model error known there, and the
+    /// slope of the difference, %, once enough comparisons say so.
+    fn find_drift(&mut self, tuning: &Tuning) -> Option<(u32, ModelError, f32)> {
         let gates = &tuning.gates;
         let result = self.climb_test.take_result()?;
         let Drift::None { contradictions } = &mut self.drift else {
@@ -312,7 +313,11 @@ impl AltitudeGate {
             return None;
         }
         *contradictions = contradictions.saturating_add(1);
-        (*contradictions >= gates.drift_fixes).then_some((result.since_cell, result.model_error))
+        (*contradictions >= gates.drift_fixes).then_some((
+            result.since_cell,
+            result.model_error,
+            result.slope_percent,
+        ))
     }
 
     fn while_drifting<S: Scalar>(
