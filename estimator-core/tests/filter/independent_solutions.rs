@@ -20,9 +20,14 @@ fn equals_the_batch(
     let reset = |cell: &FilteredStep<f64>| cell.record.smoother_input.reset;
     prop_assume!(cells[1..].iter().all(|cell| reset(cell) == Reset::None));
     // The batch has neither the variance that a step of the speed adds, nor that of a scale whose
-    // prior was reset, nor that of a descent on which a brake is suspected.
+    // prior was reset or that was set to its bound, nor that of a descent on which a brake is suspected.
     prop_assume!(!cells.iter().any(has_speed_step));
     prop_assume!(counters.scales_reopened == 0);
+    prop_assume!(
+        !cells
+            .iter()
+            .any(|cell| cell.record.smoother_input.scale_set)
+    );
     prop_assume!(!cells.iter().any(|cell| cell.record.disagreement.brake));
     // The core computes its coefficients in single precision: they agree to 1e-4 %, not more.
     let reference = batch(samples, &cells, tuning);

@@ -6,5 +6,6 @@ mod batch;
 mod fixed_point_drive;
 mod gross_mass;
 mod independent_solutions;
+mod scale_bounds;
 mod states;
 mod statistics;
