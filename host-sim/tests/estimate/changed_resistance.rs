@@ -39,7 +39,7 @@ fn a_smaller_step_does_not_spoil_the_smoothed_drive() {
         ("A", "pto_nm = 300.0"),
     ] {
         check(truck, what, |found, what| {
-            found.smoothed_keeps_the_rule(what)
+            found.smoothed_keeps_the_rule(what);
         });
     }
 }
