@@ -115,11 +115,14 @@ impl AltitudeDelay {
             return;
         }
         self.fix = Some((altitude_m, 0.0));
-        if usize::from(self.filled) < LAGS + 2 || since_s > 2.0 * APART_S {
+        if since_s > 2.0 * APART_S {
             return;
         }
         let measured_mps = (altitude_m - before_m) / since_s;
         self.measured_mps = Some(measured_mps);
+        if usize::from(self.filled) < LAGS + 2 {
+            return;
+        }
         let gain = 1.0 / f32::from(self.readings.clamp(1, tuning.delay_readings));
         for _ in 0..AT_ONCE {
             let lag = usize::from(self.next);

@@ -154,6 +154,9 @@ impl AltitudeUpdate {
         };
         let received_m = altitude_at_end(state, altitude);
         if self.delay.climb_since_m().is_none() {
+            // It shows how fast altitudes change, and the next one can be carried on.
+            self.delay
+                .fix(received_m, &context.tuning.measurement_noise);
             return Gated {
                 accepted: None,
                 event: None,

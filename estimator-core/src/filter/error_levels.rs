@@ -212,11 +212,7 @@ impl Receiver {
         let (transition, variances) = match self {
             Self::Coloured(markov) => {
                 x[RECEIVER] *= markov.keep;
-                for k in 0..STATES {
-                    p[RECEIVER][k] *= markov.keep;
-                    p[k][RECEIVER] *= markov.keep;
-                }
-                p[RECEIVER][RECEIVER] += markov.variance;
+                keep(p, RECEIVER, markov);
                 return;
             }
             Self::Smooth {
@@ -228,8 +224,9 @@ impl Receiver {
             transition.map(|[of_error, of_rate]| of_error * error + of_rate * rate)
         };
         [x[RECEIVER], x[RATE]] = turn(x[RECEIVER], x[RATE]);
-        for k in 0..STATES {
-            [p[RECEIVER][k], p[RATE][k]] = turn(p[RECEIVER][k], p[RATE][k]);
+        let (error_row, rate_row) = (p[RECEIVER], p[RATE]);
+        for (k, (error, rate)) in error_row.into_iter().zip(rate_row).enumerate() {
+            [p[RECEIVER][k], p[RATE][k]] = turn(error, rate);
         }
         for row in p.iter_mut() {
             [row[RECEIVER], row[RATE]] = turn(row[RECEIVER], row[RATE]);
@@ -243,6 +240,17 @@ impl Receiver {
         p[RECEIVER][RATE] += joint;
         p[RATE][RECEIVER] += joint;
     }
+}
+
+/// Takes row and column of a state over a step of its process.
+fn keep(p: &mut [[f32; STATES]; STATES], state: usize, markov: &GaussMarkov) {
+    for element in &mut p[state] {
+        *element *= markov.keep;
+    }
+    for row in p.iter_mut() {
+        row[state] *= markov.keep;
+    }
+    p[state][state] += markov.variance;
 }
 
 impl Hypothesis {
@@ -265,9 +273,10 @@ impl Hypothesis {
             p[RATE][RATE] = rate;
         }
         self.mean[ALTITUDE] = knot.altitude_m - self.mean[RECEIVER];
-        for k in 0..STATES {
-            p[ALTITUDE][k] = -p[RECEIVER][k];
-            p[k][ALTITUDE] = p[ALTITUDE][k];
+        let of_receiver = p[RECEIVER].map(|element| -element);
+        p[ALTITUDE] = of_receiver;
+        for (row, element) in p.iter_mut().zip(of_receiver) {
+            row[ALTITUDE] = element;
         }
         p[ALTITUDE][ALTITUDE] = p[RECEIVER][RECEIVER] + knot.variance;
         self.is_started = true;
@@ -284,21 +293,18 @@ impl Hypothesis {
         let (x, p) = (&mut self.mean, &mut self.covariance);
         let lever = -0.01 * knot.length_m;
         x[ALTITUDE] += knot.climb_m + lever * (x[BIAS] + x[WIND]);
-        for k in 0..STATES {
-            p[ALTITUDE][k] += lever * (p[BIAS][k] + p[WIND][k]);
+        let (bias_row, wind_row) = (p[BIAS], p[WIND]);
+        for (element, (bias, wind)) in p[ALTITUDE].iter_mut().zip(bias_row.iter().zip(wind_row)) {
+            *element += lever * (bias + wind);
         }
-        for k in 0..STATES {
-            p[k][ALTITUDE] += lever * (p[k][BIAS] + p[k][WIND]);
+        for row in p.iter_mut() {
+            row[ALTITUDE] += lever * (row[BIAS] + row[WIND]);
         }
         let (x, p) = (&mut self.mean, &mut self.covariance);
         receiver.predict(x, p);
         for (i, markov) in [(BIAS, bias), (WIND, wind)] {
             x[i] *= markov.keep;
-            for k in 0..STATES {
-                p[i][k] *= markov.keep;
-                p[k][i] *= markov.keep;
-            }
-            p[i][i] += markov.variance;
+            keep(p, i, &markov);
         }
         // The new part of the wind acts on a half of the knot, as a mean.
         p[ALTITUDE][ALTITUDE] += lever * lever * wind.variance / 3.0;

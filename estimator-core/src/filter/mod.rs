@@ -66,7 +66,7 @@ use measurement::Observation;
 use predict::Prediction;
 use prior::{initial_state, reopen_after_load_change, reopen_bias};
 use process_noise::{LearnedNoise, bias_variance, wind_variance};
-use scale_bounds::ScaleBounds;
+use scale_bounds::{KeptScale, ScaleBounds};
 use scale_prior_reset::ScalePriorReset;
 use silent_brake::SilentBrake;
 use slope_step::{allow_kink, allow_step};
@@ -268,7 +268,8 @@ impl<S: Scalar> Filter<S> {
                 })
             }
         };
-        if scale_bounds.keep(state, &context.tuning.prior) {
+        let kept = scale_bounds.keep(state, &context.tuning.prior);
+        if kept == KeptScale::Unknown {
             scale_reset.start(state, &context.tuning.prior);
             altitude.model_changed();
             count(&mut context.counters.scales_out_of_bounds);
@@ -284,6 +285,7 @@ impl<S: Scalar> Filter<S> {
                 reset,
                 speed,
                 second,
+                scale_set: kept != KeptScale::Within,
             },
             event: gated.event,
             disagreement,

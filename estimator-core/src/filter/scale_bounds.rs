@@ -22,25 +22,38 @@ impl ScaleBounds {
         self.changes_mislead
     }
 
-    /// Brings the scale back if it is out of its bounds. Returns whether the changes of traction
-    /// were found to mislead it: it is then unknown again.
-    pub(super) fn keep<S: Scalar>(&mut self, state: &mut State<S>, tuning: &Prior) -> bool {
+    /// Brings the scale back if it is out of its bounds: it is set anew.
+    pub(super) fn keep<S: Scalar>(&mut self, state: &mut State<S>, tuning: &Prior) -> KeptScale {
         let scale = 1.0 + state.mean[Scale].to_f32();
         let bounded = Scalar::min(tuning.scale_high, Scalar::max(tuning.scale_low, scale));
         if scale == bounded {
-            return false;
+            return KeptScale::Within;
         }
+        let covariance = &mut state.covariance;
         if self.changes_mislead {
             let moved = S::from_f32(bounded - scale);
+            let variance = covariance.variance(Scale) + moved * moved;
             state.mean[Scale] += moved;
-            state.covariance.add_variance(Scale, moved * moved);
-            return false;
+            covariance.clear(Scale);
+            covariance.add_variance(Scale, variance);
+            return KeptScale::AtBound;
         }
         self.changes_mislead = true;
         state.mean[Scale] = S::ZERO;
-        state.covariance.clear(Scale);
+        covariance.clear(Scale);
         let sigma = S::from_f32(tuning.any_load_scale_sigma);
-        state.covariance.add_variance(Scale, sigma * sigma);
-        true
+        covariance.add_variance(Scale, sigma * sigma);
+        KeptScale::Unknown
     }
+}
+
+/// What was done with the scale.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum KeptScale {
+    /// Nothing.
+    Within,
+    /// It was set to its bound.
+    AtBound,
+    /// The changes of traction were found to mislead it: it is unknown again.
+    Unknown,
 }

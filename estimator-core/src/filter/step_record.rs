@@ -3,7 +3,7 @@
 use super::altitude_gate::AltitudeEvent;
 use super::dynamics::Dynamics;
 use super::measurement::{Observation, ScalarUpdate};
-use super::state_index::StateIndex::{Altitude, GnssError};
+use super::state_index::StateIndex::{Altitude, GnssError, Scale};
 use super::state_index::StateVector;
 use crate::cell::{CellEnd, Disagreement};
 use crate::scalar::Scalar;
@@ -52,6 +52,9 @@ pub struct SmootherInput<S> {
     pub speed: Option<ScalarUpdate<S>>,
     /// The update after it, if there was one: with the altitude or with the scale.
     pub second: Option<(Observation, ScalarUpdate<S>)>,
+    /// Whether the scale was set anew after the measurements. What follows says nothing of the one
+    /// before.
+    pub scale_set: bool,
 }
 
 impl<S: Scalar> SmootherInput<S> {
@@ -85,8 +88,13 @@ impl<S: Scalar> SmootherInput<S> {
             })
         };
         update(&self.speed, Observation::Energy);
-        let (observation, second) = self.second.as_ref()?;
-        update(&Some(*second), *observation).filter(|_| *observation == Observation::Altitude)
+        let second = self.second.as_ref().and_then(|(observation, second)| {
+            update(&Some(*second), *observation).filter(|_| *observation == Observation::Altitude)
+        });
+        if self.scale_set {
+            error[Scale] = S::ZERO;
+        }
+        second
     }
 
     /// Returns the update with the altitude, if there was one.
@@ -105,6 +113,14 @@ impl<S: Scalar> SmootherInput<S> {
             .map(|(observation, update)| (*observation, update));
         let speed = self.speed.as_ref().map(|s| (Observation::Energy, s));
         second.into_iter().chain(speed)
+    }
+
+    /// Takes an adjoint vector back over what followed the updates.
+    #[inline]
+    pub(crate) fn transpose_scale(&self, vector: &mut StateVector<S>) {
+        if self.scale_set {
+            vector[Scale] = S::ZERO;
+        }
     }
 
     /// Takes an adjoint vector back over reset and dynamics, behind the updates.

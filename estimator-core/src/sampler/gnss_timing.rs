@@ -26,8 +26,8 @@ pub(super) struct GnssTiming {
     difference: [(f32, f32); LAGS],
     next: u8,
     readings: u16,
-    /// Mean ratio of the speeds.
-    ratio: f32,
+    /// Mean wheel speed, m/s.
+    mean_wheels_mps: f32,
     latency: Option<Duration>,
     factor: f32,
 }
@@ -41,7 +41,7 @@ impl Default for GnssTiming {
             difference: [(0.0, 0.0); LAGS],
             next: 0,
             readings: 0,
-            ratio: 1.0,
+            mean_wheels_mps: 0.0,
             latency: None,
             factor: 1.0,
         }
@@ -111,9 +111,38 @@ impl GnssTiming {
             let apart = speed_mps - wheels_mps - *mean;
             *mean += gain * apart;
             *variance = (1.0 - gain) * (*variance + gain * apart * apart);
-            if lag == LAGS / 2 && wheels_mps > tuning.turn_mps {
-                self.ratio += gain * (speed_mps / wheels_mps - self.ratio);
+            if lag == 0 {
+                self.mean_wheels_mps += gain * (wheels_mps - self.mean_wheels_mps);
             }
+        }
+    }
+
+    fn variance(&self, lag: usize) -> f32 {
+        self.difference.get(lag).map_or(f32::INFINITY, |(_, v)| *v)
+    }
+
+    /// Returns the lag at which the speeds fit best.
+    fn best_lag(&self) -> usize {
+        let mut best = 0;
+        for lag in 1..LAGS {
+            if self.variance(lag) < self.variance(best) {
+                best = lag;
+            }
+        }
+        best
+    }
+
+    /// Chooses the factor. The speeds are compared at the lag at which they fit best: at any other,
+    /// a vehicle that gets faster has another ratio.
+    fn scale(&mut self, best: usize, tuning: &Detection) {
+        if self.mean_wheels_mps < tuning.turn_mps {
+            return;
+        }
+        let (apart_mps, _) = self.difference.get(best).copied().unwrap_or_default();
+        let ratio = 1.0 + apart_mps / self.mean_wheels_mps;
+        if (ratio - self.factor).abs() > tuning.speed_scale_change {
+            let is_off = (ratio - 1.0).abs() > tuning.speed_scale_change;
+            self.factor = if is_off { ratio } else { 1.0 };
         }
     }
 
@@ -122,20 +151,9 @@ impl GnssTiming {
         if self.readings < tuning.timing_readings / 6 {
             return;
         }
-        if (self.ratio - self.factor).abs() > tuning.speed_scale_change {
-            self.factor = if (self.ratio - 1.0).abs() > tuning.speed_scale_change {
-                self.ratio
-            } else {
-                1.0
-            };
-        }
-        let variance = |lag: usize| self.difference.get(lag).map_or(f32::INFINITY, |(_, v)| *v);
-        let mut best = 0;
-        for lag in 1..LAGS {
-            if variance(lag) < variance(best) {
-                best = lag;
-            }
-        }
+        let best = self.best_lag();
+        self.scale(best, tuning);
+        let variance = |lag: usize| self.variance(lag);
         let usual = (assumed.micros() / STEP.micros()) as usize;
         let at_usual = Scalar::min(variance(usual), variance(usual + 1));
         if best <= usual + 1 || variance(best) > tuning.timing_part * at_usual {

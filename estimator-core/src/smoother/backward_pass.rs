@@ -7,7 +7,7 @@
 //! record.
 
 use crate::cell::Estimate;
-use crate::filter::StateIndex::{Altitude, GnssError, KineticEnergy};
+use crate::filter::StateIndex::{Altitude, GnssError, KineticEnergy, Scale};
 use crate::filter::measurement::{Observation, ScalarUpdate};
 use crate::filter::{
     Covariance, ModelMass, Quantity, QuantityEstimate, SmootherInput, State, StateVector,
@@ -68,6 +68,10 @@ impl<S: Scalar> BackwardPass<S> {
     // Within a block its fields are too far from the start for a Cortex-M0 to reach them directly.
     #[inline(never)]
     pub fn retreat(&mut self, step: &SmootherInput<S>) {
+        if step.scale_set {
+            step.transpose_scale(&mut self.lambda);
+            self.information.clear(Scale);
+        }
         // In the reverse order of the filter's updates.
         for (observation, update) in step.updates() {
             self.undo(observation, update);

@@ -33,6 +33,7 @@ impl<S: Scalar> BlockSmoother<S> {
     pub fn retreat(&mut self, step: &SmootherInput<S>) {
         self.within.retreat(step);
         for column in &mut self.columns {
+            step.transpose_scale(column);
             for (observation, update) in step.updates() {
                 update.transpose_vector(observation, column);
             }

@@ -1,139 +1,53 @@
 //! The filter and its smoothing against independent solutions.
 
+use crate::batch::{SPEED, batch, has_speed_step, measured_variance, random_drive};
 use estimator_core::Tuning;
-use estimator_core::filter::measurement::ScalarUpdate;
-use estimator_core::filter::{ModelMass, Reset, STATES, StateIndex};
+use estimator_core::filter::measurement::Observation;
+use estimator_core::filter::{ModelMass, Reset};
 use estimator_core::sample::Sample;
-use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
-use test_kit::dense::{BIAS, SCALE, SLOPE, WIND, dense_model, net_tractions};
 use test_kit::{
     FilterRun, FilteredStep, Noise, altitude, run, run_counted, sample, smooth, speed, truck,
 };
 
-/// Observed states of a speed.
-const SPEED: &[StateIndex] = &[StateIndex::KineticEnergy];
-/// Observed states of a GNSS altitude.
-const GNSS_ALTITUDE: &[StateIndex] = &[StateIndex::Altitude, StateIndex::GnssError];
-
-/// Returns the variance of a measurement of a sum of states, from its S and K: S (1 − h K).
-fn measured_variance(update: &ScalarUpdate<f64>, states: &[StateIndex]) -> f64 {
-    let known: f64 = states.iter().map(|state| update.gain[*state]).sum();
-    update.innovation_variance * (1.0 - known)
-}
-
-/// Returns slope and sigma of each cell, from the joint distribution of all states of all cells,
-/// conditioned on all measurements at once.
-fn batch(samples: &[Sample], cells: &[FilteredStep<f64>], tuning: &Tuning) -> Vec<(f64, f64)> {
-    let n = samples.len();
-    let size = n * STATES;
-    let mut mean = DVector::zeros(size);
-    let mut covariance = DMatrix::zeros(size, size);
-    let net_tractions = net_tractions(samples);
-    let first = &cells[0].state;
-    mean.rows_mut(0, STATES)
-        .copy_from(&first.mean.to_nalgebra());
-    covariance
-        .view_mut((0, 0), (STATES, STATES))
-        .copy_from(&first.covariance.to_nalgebra());
-    for (k, sample) in samples.iter().enumerate().skip(1) {
-        let (f, input, q) = dense_model(sample, (net_tractions[k - 1], net_tractions[k]), tuning);
-        let (now, before) = (k * STATES, (k - 1) * STATES);
-        let moved = &f * mean.rows(before, STATES) + input;
-        mean.rows_mut(now, STATES).copy_from(&moved);
-        let cross = &f * covariance.view((before, 0), (STATES, now));
-        covariance
-            .view_mut((now, 0), (STATES, now))
-            .copy_from(&cross);
-        covariance
-            .view_mut((0, now), (now, STATES))
-            .copy_from(&cross.transpose());
-        let within = &f * covariance.view((before, before), (STATES, STATES)) * f.transpose()
-            + DMatrix::from_diagonal(&q);
-        covariance
-            .view_mut((now, now), (STATES, STATES))
-            .copy_from(&within);
-    }
-    let mut rows = Vec::new();
-    // The first state already contains the measurements of its cell.
-    for (k, sample) in samples.iter().enumerate().skip(1) {
-        let mut push = |states: &[StateIndex], value: f64, variance: f64| {
-            let mut h = DVector::zeros(size);
-            for state in states {
-                h[k * STATES + *state as usize] = 1.0;
-            }
-            rows.push((h, value, variance));
-        };
-        if let (Some(speed), Some(used)) = (sample.speed, cells[k].record.smoother_input.speed) {
-            let v = f64::from(speed.mean_mps);
-            push(SPEED, 0.5 * v * v, measured_variance(&used, SPEED));
-        }
-        // Altitudes that passed the gate, with the variance that was learned by then.
-        if let (Some(altitude), Some(used)) = (
-            sample.altitude,
-            cells[k].record.smoother_input.altitude().copied(),
-        ) {
-            let origin = f64::from(cells[k].state.origin_m.unwrap());
-            push(
-                GNSS_ALTITUDE,
-                f64::from(altitude.altitude_m) - origin,
-                measured_variance(&used, GNSS_ALTITUDE),
-            );
-        }
-    }
-    let h = DMatrix::from_fn(rows.len(), size, |i, j| rows[i].0[j]);
-    let y = DVector::from_fn(rows.len(), |i, _| rows[i].1);
-    let r = DMatrix::from_diagonal(&DVector::from_fn(rows.len(), |i, _| rows[i].2));
-    let cross = &covariance * h.transpose();
-    let solve = (&h * &cross + r).cholesky().unwrap();
-    let posterior = &mean + &cross * solve.solve(&(y - &h * &mean));
-    let spread = &covariance - &cross * solve.solve(&cross.transpose());
-    (0..n)
-        .map(|k| {
-            let mut h = DVector::zeros(size);
-            h[k * STATES + SLOPE] = 1.0;
-            h[k * STATES + BIAS] = -1.0;
-            h[k * STATES + WIND] = -1.0;
-            h[k * STATES + SCALE] = net_tractions[k];
-            (h.dot(&posterior), (h.transpose() * &spread * &h)[0].sqrt())
-        })
-        .collect()
-}
-
-/// A drive at about 20 m/s whose every measurement is random, altitude from the first cell on.
-fn random_drive() -> impl Strategy<Value = Vec<Sample>> {
-    let step = (
-        -8_000.0..16_000.0_f32,
-        19.9..20.1_f32,
-        -1.5..1.5_f32,
-        0..100_u8,
-    );
-    prop::collection::vec(step, 12..40).prop_map(|steps| {
-        steps
+/// Checks that smoothing gives what the batch solution gives.
+fn equals_the_batch(
+    samples: &[Sample],
+    tuning: &Tuning,
+) -> Result<Vec<FilteredStep<f64>>, TestCaseError> {
+    let (cells, counters) = run_counted::<f64>(samples, tuning);
+    // A drive whose altitude was reset has no single joint distribution.
+    let reset = |cell: &FilteredStep<f64>| cell.record.smoother_input.reset;
+    prop_assume!(cells[1..].iter().all(|cell| reset(cell) == Reset::None));
+    // The batch has neither the variance that a step of the speed adds, nor that of a scale whose
+    // prior was reset or that was set to its bound, nor that of a descent on which a brake is suspected.
+    prop_assume!(!cells.iter().any(has_speed_step));
+    prop_assume!(counters.scales_reopened == 0);
+    prop_assume!(
+        !cells
             .iter()
-            .enumerate()
-            .map(|(k, (force, mps, metres, dice))| {
-                let mut sample = sample(k as u32 + 1, *force, 20.0);
-                if k == 0 || dice % 5 != 0 {
-                    sample.speed = speed(*mps);
-                }
-                if k == 0 || dice % 7 == 0 {
-                    sample.altitude = altitude(100.0 + metres);
-                }
-                sample.end.condition.braking = dice % 11 == 0;
-                sample
-            })
-            .collect()
-    })
-}
-
-/// Returns whether the speed of a cell was reset: its variance then contains its innovation squared.
-fn has_speed_step(cell: &FilteredStep<f64>) -> bool {
-    cell.record.smoother_input.speed.is_some_and(|used| {
-        let square = used.innovation * used.innovation;
-        let without = used.innovation_variance - square;
-        (0.0..square / 25.0).contains(&without)
-    })
+            .any(|cell| cell.record.smoother_input.scale_set)
+    );
+    prop_assume!(!cells.iter().any(|cell| cell.record.disagreement.brake));
+    // The core computes its coefficients in single precision: they agree to 1e-4 %, not more.
+    let reference = batch(samples, &cells, tuning);
+    for (k, (smoothed, (slope, sigma))) in smooth(&cells).iter().zip(&reference).enumerate() {
+        let sine = 0.01 * slope;
+        let cosine = (1.0 - sine * sine).sqrt();
+        let (grade, sigma) = (100.0 * sine / cosine, sigma / cosine.powi(3));
+        let found = smoothed.grade_percent;
+        prop_assert!(
+            (f64::from(found.value) - grade).abs() < 2e-4 * (1.0 + grade.abs()),
+            "cell {k}: {} against {grade}",
+            found.value
+        );
+        prop_assert!(
+            (f64::from(found.sigma) / sigma - 1.0).abs() < 2e-3,
+            "cell {k}: sigma {} against {sigma}",
+            found.sigma
+        );
+    }
+    Ok(cells)
 }
 
 proptest! {
@@ -141,27 +55,31 @@ proptest! {
 
     #[test]
     fn smoothing_equals_the_batch_solution(samples in random_drive()) {
-        let tuning = Tuning::default();
-        let (cells, counters) = run_counted::<f64>(&samples, &tuning);
-        // A drive whose altitude was reset has no single joint distribution.
-        let reset = |cell: &FilteredStep<f64>| cell.record.smoother_input.reset;
-        prop_assume!(cells[1..].iter().all(|cell| reset(cell) == Reset::None));
-        // The batch has neither the variance that a step of the speed adds, nor that of a scale
-        // whose prior was reset.
-        prop_assume!(!cells.iter().any(has_speed_step));
-        prop_assume!(counters.scales_reopened == 0);
-        // The core computes its coefficients in single precision: they agree to 1e-4 %, not more.
-        let reference = batch(&samples, &cells, &tuning);
-        for (k, (smoothed, (slope, sigma))) in smooth(&cells).iter().zip(&reference).enumerate() {
-            let sine = 0.01 * slope;
-            let cosine = (1.0 - sine * sine).sqrt();
-            let (grade, sigma) = (100.0 * sine / cosine, sigma / cosine.powi(3));
-            let found = smoothed.grade_percent;
-            prop_assert!((f64::from(found.value) - grade).abs() < 2e-4 * (1.0 + grade.abs()),
-                "cell {k}: {} against {grade}", found.value);
-            prop_assert!((f64::from(found.sigma) / sigma - 1.0).abs() < 2e-3,
-                "cell {k}: sigma {} against {sigma}", found.sigma);
+        equals_the_batch(&samples, &Tuning::default())?;
+    }
+
+    #[test]
+    fn a_scale_from_before_a_stop_is_smoothed_as_a_measurement(
+        mut samples in random_drive(),
+        stopped in 3..8_usize,
+    ) {
+        let mut tuning = Tuning::default();
+        // It is compared after four cells, and whatever it is.
+        tuning.prior.launch_m = 10.0;
+        tuning.prior.launch_scale_sigma = 10.0;
+        tuning.prior.same_load_sigmas = 100.0;
+        samples[stopped].after_stop = true;
+        for sample in &mut samples {
+            sample.end.condition.braking = false;
         }
+        let cells = equals_the_batch(&samples, &tuning)?;
+        let at_scale: Vec<usize> = (0..cells.len())
+            .filter(|k| {
+                let second = cells[*k].record.smoother_input.second;
+                second.is_some_and(|(observation, _)| observation == Observation::Scale)
+            })
+            .collect();
+        prop_assert_eq!(at_scale, [stopped + 3]);
     }
 
     #[test]

@@ -1,9 +1,11 @@
 //! The filter: its states, its solution, its statistics, its gates.
 
 mod altitude_gate;
+mod batch;
 #[cfg(feature = "fixed")]
 mod fixed_point_drive;
 mod gross_mass;
 mod independent_solutions;
+mod scale_bounds;
 mod states;
 mod statistics;

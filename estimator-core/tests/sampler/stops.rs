@@ -124,31 +124,51 @@ fn a_cell_in_which_the_vehicle_stood_long_is_measured_where_it_is() {
     assert!(after[0].duration_s > 300.0);
 }
 
+/// Drives hills of 2 % and 2 km at a steady speed; `change` is applied to each sample. Returns sigma
+/// of scale and bias, the scale's error, and how often a load change reopened them.
+fn hills(change: impl Fn(u16, &mut Sample)) -> ([f64; 3], u32) {
+    let mut run = FilterRun::<f64>::new(truck(), Tuning::default());
+    for cell in 0..12_000_u16 {
+        let angle = f32::from(cell) * (2.5 / 2_000.0 * core::f32::consts::TAU);
+        let force_n = 3_926.0 + 39_000.0 * 9.806_65 * 0.02 * angle.sin();
+        let mut sample = sample(cell.into(), force_n, 20.0);
+        sample.speed = speed(20.0);
+        if cell % 8 == 0 {
+            sample.altitude = altitude(100.0 - 6.366 * angle.cos());
+        }
+        change(cell, &mut sample);
+        run.step(&sample);
+    }
+    let state = run.filter.state().unwrap();
+    let found = [state.sigma(Scale), state.sigma(Bias), state.mean[Scale]];
+    (found, run.context.counters.loads_reopened)
+}
+
 #[test]
 fn what_was_learned_is_reset_after_a_load_change() {
-    let learned = |after_load_change: bool| {
-        let mut run = FilterRun::<f64>::new(truck(), Tuning::default());
-        // Hills of 2 % and 2 km, driven at a steady speed.
-        for cell in 0..12_000_u16 {
-            let angle = f32::from(cell) * (2.5 / 2_000.0 * core::f32::consts::TAU);
-            let force_n = 3_926.0 + 39_000.0 * 9.806_65 * 0.02 * angle.sin();
-            let mut sample = sample(cell.into(), force_n, 20.0);
-            sample.speed = speed(20.0);
-            sample.after_load_change = after_load_change && cell == 11_999;
-            if cell % 8 == 0 {
-                sample.altitude = altitude(100.0 - 6.366 * angle.cos());
-            }
-            run.step(&sample);
-        }
-        let state = run.filter.state().unwrap();
-        let found = (state.sigma(Scale), state.sigma(Bias), state.mean[Scale]);
-        (found, run.context.counters.loads_reopened)
-    };
-    let (before, none) = learned(false);
-    let (after, once) = learned(true);
+    let (before, none) = hills(|_, _| ());
+    let (after, once) = hills(|cell, sample| sample.after_load_change = cell == 11_999);
     assert_eq!((none, once), (0, 1));
-    assert!(before.0 < 0.03 && before.1 < 0.2, "{before:?}");
-    assert!((after.0 - 0.1).abs() < 0.005, "{after:?}");
-    assert!(after.1 > 0.3, "{after:?}");
-    assert!((after.2 - before.2).abs() < 0.02, "{before:?} {after:?}");
+    assert!(before[0] < 0.03 && before[1] < 0.2, "{before:?}");
+    // Any load, as a part of the scale, and cold tyres.
+    let any = 0.8 * (1.0 + before[2]);
+    assert!((after[0] / any - 1.0).abs() < 0.01, "{after:?}");
+    assert!(after[1] > 0.3, "{after:?}");
+    assert!((after[2] - before[2]).abs() < 0.02, "{before:?} {after:?}");
+}
+
+#[test]
+fn a_load_that_did_not_change_is_known_again_within_a_kilometre() {
+    let (never, _) = hills(|_, _| ());
+    let (at_stop, _) = hills(|cell, sample| sample.after_stop = cell == 11_999);
+    let (after, none) = hills(|cell, sample| sample.after_stop = cell == 11_599);
+    assert_eq!(none, 0);
+    assert!(at_stop[0] > 0.79, "{at_stop:?}");
+    // What was known, and 3 % that passengers and parcels change.
+    let known = f64::hypot(never[0], 0.03);
+    assert!(
+        after[0] < known && after[0] > never[0],
+        "{after:?} {never:?}"
+    );
+    assert!((after[2] - never[2]).abs() < 0.02, "{never:?} {after:?}");
 }

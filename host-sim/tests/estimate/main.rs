@@ -1,8 +1,15 @@
 //! Estimates of recorded and simulated drives, and `roadgrade estimate`.
 
+mod changed_resistance;
 mod consistency;
 mod end_to_end;
+mod faulty_drive;
 mod gnss_faults;
 mod persistent_state;
+mod receiver_filters;
+mod reversing;
 mod smoothing;
 mod stops_and_brakes;
+mod torque_readings;
+mod unreported_brake;
+mod unreported_load;

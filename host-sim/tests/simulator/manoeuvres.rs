@@ -59,8 +59,8 @@ fn reversing_reports_the_gear_and_moves_the_place_back() {
             .unwrap()
             .1
     };
-    let turned = (course(from_s + 5.0) - course(reverse[0] - 15.0)).rem_euclid(6.283_185_5);
-    assert!((turned - std::f32::consts::PI).abs() < 0.2, "{turned} rad");
+    let turned_deg = (course(from_s + 5.0) - course(reverse[0] - 15.0)).rem_euclid(360.0);
+    assert!((turned_deg - 180.0).abs() < 12.0, "{turned_deg}°");
 }
 
 #[test]

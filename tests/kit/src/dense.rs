@@ -16,6 +16,17 @@ pub const WIND: usize = StateIndex::Wind as usize;
 pub const SCALE: usize = StateIndex::Scale as usize;
 pub const GNSS_ERROR: usize = StateIndex::GnssError as usize;
 
+/// What a filter has learned by the start of a cell, and its noise depends on.
+#[derive(Clone, Copy, Debug)]
+pub struct LearnedByThen {
+    /// Variance of the white noise of the force over the assumed one.
+    pub force_ratio: f64,
+    /// Scale of the traction: modelled over true mass.
+    pub scale: f64,
+    /// Its sigma. It decides which changes of traction show the scale.
+    pub scale_sigma: f64,
+}
+
 /// Returns the net traction of each cell in %: traction less air resistance, over weight. It is
 /// held while the model is invalid.
 pub fn net_tractions(samples: &[Sample]) -> Vec<f64> {
@@ -46,6 +57,7 @@ pub fn net_tractions(samples: &[Sample]) -> Vec<f64> {
 pub fn dense_model(
     sample: &Sample,
     net_traction: (f64, f64),
+    learned: LearnedByThen,
     tuning: &Tuning,
 ) -> (DMatrix<f64>, DVector<f64>, DVector<f64>) {
     let vehicle = truck();
@@ -64,7 +76,13 @@ pub fn dense_model(
     let mut f = DMatrix::<f64>::identity(STATES, STATES);
     let change = net_traction.1 - net_traction.0;
     let limit = f64::from(tuning.process_noise.traction_change_percent);
-    let jump = change - change.clamp(-limit, limit);
+    let beyond = change - change.clamp(-limit, limit);
+    let shows = f64::from(tuning.process_noise.jump_matters_percent);
+    let jump = if learned.scale_sigma * beyond.abs() > shows {
+        beyond
+    } else {
+        0.0
+    };
     f[(ENERGY, ENERGY)] = energy;
     f[(ENERGY, SLOPE)] = -gravity * energy;
     f[(ENERGY, SLOPE_RATE)] = -gravity * 0.5 * length * energy;
@@ -93,26 +111,35 @@ pub fn dense_model(
     let mps = f64::from(sample.end.speed_mps);
     let air_n =
         0.5 * f64::from(vehicle.drag_area_m2) * f64::from(sample.forces.air_density) * mps * mps;
+    // A force weighs more on a vehicle that is lighter than its model.
+    let lighter = learned.scale.clamp(0.2, 5.0);
     let bias_sigma = 100.0
-        * ((f64::from(tuning.process_noise.bias_force_n) / weight).powi(2)
+        * ((lighter * f64::from(tuning.process_noise.bias_force_n) / weight).powi(2)
             + (f64::from(tuning.process_noise.bias_rolling)
                 * f64::from(vehicle.rolling_resistance))
             .powi(2)
-            + (f64::from(tuning.process_noise.bias_drag) * air_n / weight).powi(2))
+            + (lighter * f64::from(tuning.process_noise.bias_drag) * air_n / weight).powi(2))
         .sqrt();
     let model = if sample.end.condition.is_valid() {
-        100.0 * f64::from(tuning.process_noise.force_noise_n) / weight
+        let white = lighter * 100.0 * f64::from(tuning.process_noise.force_noise_n) / weight;
+        // The part of the traction that turns wheels and engine.
+        let turning_n = f64::from(sample.forces.traction_n) * f64::from(sample.forces.rotating_kg)
+            / accelerated;
+        let turning = 100.0 * f64::from(tuning.process_noise.inertia_noise) * turning_n / weight;
+        learned.force_ratio * white * white + turning * turning
     } else {
-        f64::from(tuning.process_noise.invalid_noise_percent)
+        f64::from(tuning.process_noise.invalid_noise_percent).powi(2)
     };
+    let jump_noise = f64::from(tuning.process_noise.jump_noise) * jump;
     let mut q = DVector::zeros(STATES);
-    q[ENERGY] = (gravity * model).powi(2);
+    q[ENERGY] = gravity * gravity * (model + jump_noise * jump_noise);
     q[SLOPE_RATE] = (1.0 - rate * rate) * f64::from(tuning.process_noise.slope_rate_sigma).powi(2);
     q[BIAS] = (1.0 - bias * bias) * bias_sigma * bias_sigma;
     let wind_sigma = f64::from(vehicle.drag_area_m2)
         * f64::from(sample.forces.air_density)
         * mps
         * f64::from(tuning.process_noise.wind_sigma_mps)
+        * lighter
         / weight
         * 100.0;
     q[WIND] = (1.0 - wind * wind) * wind_sigma * wind_sigma;

@@ -1,0 +1,106 @@
+//! Latency of the receiver and scale of the wheel speed, found from both speeds.
+
+use estimator_core::Signal;
+use test_kit::readings_drive::ReadingsDrive;
+use test_kit::{Noise, by_force};
+
+/// A drive whose speed is that of a wave.
+#[derive(Clone, Copy)]
+struct Wave {
+    mean_mps: f32,
+    swing_mps: f32,
+    per_s: f32,
+}
+
+/// 11 to 19 m/s within 16 s.
+const ROLLING: Wave = Wave {
+    mean_mps: 15.0,
+    swing_mps: 4.0,
+    per_s: 0.2,
+};
+/// A bus in a city, which never stops.
+const CITY: Wave = Wave {
+    mean_mps: 9.0,
+    swing_mps: 5.5,
+    per_s: 0.3,
+};
+
+impl Wave {
+    /// Returns speed and distance at a time.
+    fn at(self, seconds: f32) -> (f32, f32) {
+        let phase = self.per_s * seconds;
+        let swing_m = self.swing_mps / self.per_s * (1.0 - phase.cos());
+        let mps = self.mean_mps + self.swing_mps * phase.sin();
+        (mps, self.mean_mps * seconds + swing_m)
+    }
+}
+
+/// Drives 200 s with a receiver that is so late, and wheels that turn by so much too fast. An
+/// altitude is a tenth of the place at which it was taken. Returns, for the last 50 s, how much too
+/// far the sampler places the fixes, m, and the driven over the true distance.
+fn driven(wave: Wave, late_s: f32, wheels: f32, noise_mps: f32) -> (Vec<f32>, f32) {
+    let mut drive = ReadingsDrive::of(by_force());
+    let mut noise = Noise(7);
+    let (mut fixes, mut at_150_s) = (Vec::new(), 0.0);
+    for tick in 0..2_000_u16 {
+        let seconds = 0.1 * f32::from(tick);
+        let (then_mps, then_m) = wave.at((seconds - late_s).max(0.0));
+        let mut readings = vec![
+            (Signal::GnssSpeed, then_mps + noise_mps * noise.draw()),
+            (Signal::TractionForce, 4_000.0),
+            (Signal::WheelSpeed, wheels * wave.at(seconds).0),
+        ];
+        if tick % 10 == 3 {
+            readings.push((Signal::Satellites, 9.0));
+            readings.push((Signal::Altitude, 0.1 * then_m));
+        }
+        for sample in drive.on(0.1, &readings) {
+            let end_m = sample.end.distance_m() as f32;
+            if seconds < 150.0 {
+                at_150_s = end_m;
+            } else if let Some(fix) = sample.altitude {
+                fixes.push(end_m - fix.behind_m - 10.0 * fix.altitude_m);
+            }
+        }
+    }
+    let end_m = drive.samples.last().unwrap().end.distance_m() as f32;
+    let true_m = wave.at(200.0).1 - wave.at(150.0).1;
+    (fixes, (end_m - at_150_s) / true_m)
+}
+
+#[test]
+fn a_late_receiver_is_placed_where_its_fixes_were_taken() {
+    for late_s in [1.0, 2.0, 5.0] {
+        for noise_mps in [0.0, 0.1] {
+            let (fixes, _) = driven(ROLLING, late_s, 1.0, noise_mps);
+            assert!(fixes.len() > 45, "{}", fixes.len());
+            // The way back is that at the speed of the moment, which changes by 0.8 m/s². Without
+            // the latency, fixes are off by the way itself: 11 to 95 m.
+            let bar_m = 1.0 + 0.5 * 0.8 * late_s * late_s;
+            for off_m in fixes {
+                assert!(off_m.abs() < bar_m, "{late_s} s late: {off_m} m");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_receiver_of_the_assumed_latency_is_left_alone() {
+    for wave in [ROLLING, CITY] {
+        let (fixes, ratio) = driven(wave, 0.15, 1.0, 0.1);
+        for off_m in fixes {
+            assert!(off_m.abs() < 0.2, "{off_m} m");
+        }
+        assert!((ratio - 1.0).abs() < 0.01, "{ratio}");
+    }
+}
+
+#[test]
+fn a_wheel_speed_that_is_far_off_is_scaled_and_worn_tyres_are_not() {
+    for wave in [ROLLING, CITY] {
+        for (wheels, expected) in [(1.10, 1.0), (0.9, 1.0), (1.02, 1.02), (0.98, 0.98)] {
+            let (_, ratio) = driven(wave, 0.15, wheels, 0.1);
+            assert!((ratio / expected - 1.0).abs() < 0.01, "{wheels}: {ratio}");
+        }
+    }
+}

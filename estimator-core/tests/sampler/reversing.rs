@@ -1,0 +1,102 @@
+//! Reversing: the distance stands still, no cells are made, and forward cells go on afterwards.
+
+use estimator_core::Signal;
+use estimator_core::sample::Sample;
+use test_kit::by_force;
+use test_kit::readings_drive::ReadingsDrive;
+
+/// Returns readings at a speed. Gear and course are reported if they are given.
+fn at(mps: f32, gear: Option<f32>, course_deg: Option<f32>) -> Vec<(Signal, f32)> {
+    let gear = gear.map(|gear| (Signal::CurrentGear, gear));
+    let course = course_deg.map(|course_deg| (Signal::Course, course_deg));
+    let driven = [(Signal::TractionForce, 4_000.0), (Signal::WheelSpeed, mps)];
+    gear.into_iter().chain(course).chain(driven).collect()
+}
+
+/// Drives 20 s at 10 m/s to the north, and stands for 5 s. Returns the drive and its last cell.
+fn before(gear: Option<f32>, course_deg: Option<f32>) -> (ReadingsDrive, Sample) {
+    let mut drive = ReadingsDrive::of(by_force());
+    drive.on(20.0, &at(10.0, gear, course_deg));
+    drive.on(5.0, &at(0.0, gear.map(|_| 0.0), course_deg));
+    let last = *drive.samples.last().unwrap();
+    (drive, last)
+}
+
+#[test]
+fn a_reverse_gear_makes_no_cells_and_forward_cells_go_on() {
+    for back_s in [1.0, 40.0] {
+        let (mut drive, last) = before(Some(6.0), None);
+        let back = drive.on(back_s, &at(1.5, Some(-1.0), None));
+        assert_eq!(back, []);
+        assert_eq!(drive.context.counters.reversals, 1);
+        assert_eq!(drive.on(3.0, &at(0.0, Some(0.0), None)), []);
+        let forward = drive.on(20.0, &at(10.0, Some(6.0), None));
+        let (first, end) = (forward[0], forward[forward.len() - 1]);
+        // It does not follow the last one, and is no further away.
+        assert_eq!(first.end.cell, last.end.cell + 1);
+        assert_eq!(first.gap_cells, 1);
+        assert!(forward[1..].iter().all(|sample| sample.gap_cells == 0));
+        let driven_m = end.end.distance_m() - last.end.distance_m();
+        // Steps of the speed count after a second.
+        assert!((driven_m - 195.0).abs() < 8.0, "{driven_m} m");
+        assert_eq!(drive.context.counters.reversals, 1);
+    }
+}
+
+#[test]
+fn a_vehicle_that_rolls_on_in_neutral_still_reverses() {
+    let (mut drive, _) = before(Some(6.0), None);
+    drive.on(10.0, &at(1.5, Some(-1.0), None));
+    assert_eq!(drive.on(10.0, &at(1.0, Some(0.0), None)), []);
+    assert!(drive.on(10.0, &at(1.0, Some(1.0), None)).len() > 2);
+}
+
+#[test]
+fn altitudes_and_speeds_in_reverse_leave_nothing_behind() {
+    let (mut drive, _) = before(Some(6.0), None);
+    let mut readings = at(1.5, Some(-1.0), None);
+    readings.insert(0, (Signal::Altitude, 777.0));
+    readings.insert(0, (Signal::Satellites, 9.0));
+    drive.on(20.0, &readings);
+    for sample in drive.on(5.0, &at(10.0, Some(6.0), None)) {
+        assert_eq!(sample.altitude, None);
+        if let Some(speed) = sample.speed {
+            assert!((speed.mean_mps - 10.0).abs() < 0.01, "{speed:?}");
+        }
+    }
+}
+
+#[test]
+fn without_a_gear_the_course_shows_it() {
+    for north_deg in [0.0, 90.0, 350.0_f32] {
+        let back_deg = (north_deg + 180.0) % 360.0;
+        let (mut drive, last) = before(None, Some(north_deg));
+        let back = drive.on(30.0, &at(1.5, None, Some(back_deg)));
+        // At most what is driven until a new course comes.
+        assert!(back.len() <= 1, "{}", back.len());
+        assert_eq!(drive.context.counters.reversals, 1);
+        drive.on(5.0, &at(0.0, None, Some(back_deg)));
+        let forward = drive.on(20.0, &at(10.0, None, Some(north_deg)));
+        let driven_m = forward[forward.len() - 1].end.distance_m() - last.end.distance_m();
+        assert!((190.0..=205.0).contains(&driven_m), "{driven_m} m");
+    }
+}
+
+#[test]
+fn a_course_that_turns_while_driving_or_is_held_is_no_reversing() {
+    // A hairpin bend.
+    let mut drive = ReadingsDrive::of(by_force());
+    for step in 0..=20_u8 {
+        let course_deg = 9.0 * f32::from(step);
+        assert!(!drive.on(2.0, &at(5.0, None, Some(course_deg))).is_empty());
+    }
+    // A junction: the vehicle stops, and turns by a right angle.
+    drive.on(5.0, &at(0.0, None, Some(180.0)));
+    assert!(drive.on(10.0, &at(5.0, None, Some(270.0))).len() > 15);
+    // A receiver that scatters its course while the vehicle stands.
+    for step in 0..20_u8 {
+        drive.on(0.5, &at(0.0, None, Some(f32::from(step) * 77.0 % 360.0)));
+    }
+    assert!(drive.on(10.0, &at(5.0, None, Some(270.0))).len() > 15);
+    assert_eq!(drive.context.counters.reversals, 0);
+}
