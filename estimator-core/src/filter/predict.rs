@@ -134,8 +134,11 @@ impl NetTraction {
         let jump_percent = change - Scalar::min(of_the_road, Scalar::max(-of_the_road, change));
         // Where the scale is known, climbs show it better than torque in motion does.
         let matters = from.is_some_and(|state| {
-            let unknown_percent = state.sigma(StateIndex::Scale).to_f32() * jump_percent.abs();
-            unknown_percent > context.tuning.process_noise.jump_matters_percent
+            let process = &context.tuning.process_noise;
+            let sigma = state.sigma(StateIndex::Scale).to_f32();
+            let scale = 1.0 + state.mean[StateIndex::Scale].to_f32();
+            sigma * jump_percent.abs() > process.jump_matters_percent
+                && sigma > process.jump_scale_sigma * scale
         });
         let (jump_percent, jump_noise_percent) = if learned.changes_mislead {
             (0.0, jump_percent)

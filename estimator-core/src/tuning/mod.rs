@@ -67,6 +67,7 @@ tuning! {
         scale_walk_per_sqrt_km: f32 = 0.002, 0.0..=1.0, "1/√km", "random walk of the traction scale, 1 sigma", "chosen: 2 % in 100 km";
         traction_change_percent: f32 = 0.1, 0.0..=100.0, "%", "largest change of traction over weight in one cell that the road may have caused", "AASHTO: the sharpest crest for 80 km/h (K = 26) bends by 0.096";
         jump_matters_percent: f32 = 0.1, 0.0..=100.0, "%", "slope that the unknown part of the scale makes of a change of traction, above which the change shows the scale", "as `traction_change_percent`";
+        jump_scale_sigma: f32 = 0.08, 0.0..=1.0, "1", "sigma of the scale, as a part of it, that such changes do not reach", "rotating mass, slip and timing at a launch are known no better";
         jump_noise: f32 = 0.5, 0.0..=10.0, "1", "error of a change of traction that no road causes, as a part of it, 1 sigma", "torque and speed signals have unlike delays";
         effect_change_length_m: f32 = 100.0, 2.5..=1e5, "m", "length of a change of an effect's slope that counts as one change", "chosen";
     }
@@ -83,10 +84,10 @@ tuning! {
         same_load: f32 = 0.05, 0.0..=1.0, "1", "largest relative change of the mass that is the same load", "scatter of axle loads";
         open_scale_sigma: f32 = 0.8, 1e-3..=10.0, "1", "scale after a stop, as a part of it: any load, 1 sigma", "an empty and a full combination are a factor of 2.6 apart";
         same_load_sigma: f32 = 0.03, 0.0..=1.0, "1", "change of the scale over a stop that is the same load, 1 sigma", "passengers, parcels, fuel";
-        same_load_sigmas: f32 = 2.5, 0.1..=100.0, "1", "difference of the scales before and after a stop, in sigmas, beyond which the load changed", "chosen: one false change in 80 stops";
+        same_load_sigmas: f32 = 2.0, 0.1..=100.0, "1", "difference of the scales before and after a stop, in sigmas, beyond which the load changed", "chosen: one false change in 80 stops";
         launch_m: f32 = 100.0, 2.5..=1e4, "m", "driven distance after which a launch has shown the scale", "gears up to half of the speed";
         launch_longest_m: f32 = 20_000.0, 2.5..=1e5, "m", "the same where it shows little", "chosen";
-        launch_scale_sigma: f32 = 0.12, 1e-3..=10.0, "1", "relative sigma of the scale with which it is known well enough to be compared", "chosen: loads differ by more";
+        launch_scale_sigma: f32 = 0.04, 1e-3..=10.0, "1", "relative sigma of the scale with which it is known well enough to be compared", "chosen: loads differ by more";
         scale_low: f32 = 0.3, 0.01..=1.0, "1", "smallest scale that a vehicle can have", "an empty tractor with the file of a full combination";
         scale_high: f32 = 4.0, 1.0..=100.0, "1", "largest scale that a vehicle can have", "the reverse";
         scale_reset_sigmas: f32 = 3.0, 0.1..=100.0, "1", "distance of the scale from its prior, in sigmas, beyond which the prior was too narrow", "three sigmas";

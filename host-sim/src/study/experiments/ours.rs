@@ -128,7 +128,8 @@ fn samples(drive: &MeasuredDrive) -> Vec<Sample> {
             altitude,
             after_load_change: false,
             after_stop: false,
-            mass_is_reported: false,
+            // The thesis takes the mass that the vehicle knows.
+            mass_is_reported: true,
             disagreement: Disagreement::default(),
         });
     }
