@@ -121,7 +121,14 @@ impl NetTraction {
     ) -> Self {
         let forces = &sample.forces;
         let drag_n = context.model.vehicle.drag_n(forces, sample.end.speed_mps);
-        let now = 100.0 * (forces.traction_n - drag_n) / forces.weight_n();
+        // What turns engine and wheels does not move the mass.
+        let speed = sample.end.speed_mps;
+        let gained = from.map_or(0.0, |state| {
+            let before = state.mean[StateIndex::KineticEnergy].to_f32();
+            (0.5 * speed * speed - before) / sample.length_m
+        });
+        let turning_n = forces.rotating_kg * gained;
+        let now = 100.0 * (forces.traction_n - drag_n - turning_n) / forces.weight_n();
         let before = from.map_or(now, |state| state.net_traction.to_f32());
         let percent = if sample.end.condition.is_valid() {
             now
@@ -129,7 +136,13 @@ impl NetTraction {
             before
         };
         let change = percent - before;
-        let of_the_road = context.tuning.process_noise.traction_change_percent;
+        // A driver who launches does not answer the road.
+        let launches = gained > context.tuning.process_noise.launch_mps2;
+        let of_the_road = if launches {
+            0.0
+        } else {
+            context.tuning.process_noise.traction_change_percent
+        };
         // Not `clamp`, which panics if the limits are in the wrong order.
         let jump_percent = change - Scalar::min(of_the_road, Scalar::max(-of_the_road, change));
         // Where the scale is known, climbs show it better than torque in motion does.
@@ -137,8 +150,8 @@ impl NetTraction {
             let process = &context.tuning.process_noise;
             let sigma = state.sigma(StateIndex::Scale).to_f32();
             let scale = 1.0 + state.mean[StateIndex::Scale].to_f32();
-            sigma * jump_percent.abs() > process.jump_matters_percent
-                && sigma > process.jump_scale_sigma * scale
+            let shows = launches || sigma * jump_percent.abs() > process.jump_matters_percent;
+            shows && sigma > process.jump_scale_sigma * scale
         });
         let (jump_percent, jump_noise_percent) = if learned.changes_mislead {
             (0.0, jump_percent)

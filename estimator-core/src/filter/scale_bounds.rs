@@ -26,7 +26,9 @@ impl ScaleBounds {
     pub(super) fn keep<S: Scalar>(&mut self, state: &mut State<S>, tuning: &Prior) -> KeptScale {
         let scale = 1.0 + state.mean[Scale].to_f32();
         let bounded = Scalar::min(tuning.scale_high, Scalar::max(tuning.scale_low, scale));
-        if scale == bounded {
+        // While little is known of it, it passes its bounds on the way to where it is.
+        let beyond = (scale - bounded).abs();
+        if beyond <= 0.5 * state.sigma(Scale).to_f32() {
             return KeptScale::Within;
         }
         let covariance = &mut state.covariance;

@@ -66,6 +66,7 @@ tuning! {
         level_evidence: f32 = 5.0, 0.0..=100.0, "1", "log-likelihood that a level above the assumed one needs beyond it", "a factor of 55";
         scale_walk_per_sqrt_km: f32 = 0.002, 0.0..=1.0, "1/√km", "random walk of the traction scale, 1 sigma", "chosen: 2 % in 100 km";
         traction_change_percent: f32 = 0.1, 0.0..=100.0, "%", "largest change of traction over weight in one cell that the road may have caused", "AASHTO: the sharpest crest for 80 km/h (K = 26) bends by 0.096";
+        launch_mps2: f32 = 0.2, 0.0..=10.0, "m/s²", "acceleration above which a change of traction is no answer to the road", "cruise controls accelerate by less";
         jump_matters_percent: f32 = 0.1, 0.0..=100.0, "%", "slope that the unknown part of the scale makes of a change of traction, above which the change shows the scale", "as `traction_change_percent`";
         jump_scale_sigma: f32 = 0.08, 0.0..=1.0, "1", "sigma of the scale, as a part of it, that such changes do not reach", "rotating mass, slip and timing at a launch are known no better";
         jump_noise: f32 = 0.5, 0.0..=10.0, "1", "error of a change of traction that no road causes, as a part of it, 1 sigma", "torque and speed signals have unlike delays";
@@ -88,8 +89,8 @@ tuning! {
         launch_m: f32 = 100.0, 2.5..=1e4, "m", "driven distance after which a launch has shown the scale", "gears up to half of the speed";
         launch_longest_m: f32 = 20_000.0, 2.5..=1e5, "m", "the same where it shows little", "chosen";
         launch_scale_sigma: f32 = 0.04, 1e-3..=10.0, "1", "relative sigma of the scale with which it is known well enough to be compared", "chosen: loads differ by more";
-        scale_low: f32 = 0.3, 0.01..=1.0, "1", "smallest scale that a vehicle can have", "an empty tractor with the file of a full combination";
-        scale_high: f32 = 4.0, 1.0..=100.0, "1", "largest scale that a vehicle can have", "the reverse";
+        scale_low: f32 = 0.22, 0.01..=1.0, "1", "smallest scale that a vehicle can have", "an empty tractor with the file of a full combination";
+        scale_high: f32 = 4.5, 1.0..=100.0, "1", "largest scale that a vehicle can have", "the reverse";
         scale_reset_sigmas: f32 = 3.0, 0.1..=100.0, "1", "distance of the scale from its prior, in sigmas, beyond which the prior was too narrow", "three sigmas";
         scale_reset_cells: u32 = 200, 1.0..=1e6, "cells", "number of cells for which it must be so", "500 m: single fixes move the scale far and back";
     }
