@@ -4,6 +4,7 @@ use super::commands::Case;
 use super::damage::damage;
 use clap::Parser;
 use host_sim::cli::Cli;
+use host_sim::error::Error;
 use host_sim::files::parquet::is_parquet;
 use host_sim::files::run;
 use host_sim::map::{read_map_ways, read_store};
@@ -41,20 +42,28 @@ pub fn lay_out(case: &mut Case, good: &Path, files: &[PathBuf], folder: &Path) {
         }
         let mut content = fs::read(good.join(file)).unwrap();
         for _ in 0..case.random.random_range(1..3) {
-            damage(&mut content, &mut case.random);
+            damage(file, &mut content, &mut case.random);
         }
         fs::write(path, &content).unwrap();
     }
 }
 
-/// Runs the command of a case in the current folder; returns what is wrong.
-pub fn run(case: &Case) -> Result<(), String> {
+/// How a command ended.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum End {
+    Done,
+    Refused,
+    WrongUsage,
+}
+
+/// Runs the command of a case in the current folder; the error is what is wrong.
+pub fn run(case: &Case) -> Result<End, String> {
     let before = identities();
     let words = ["roadgrade"]
         .into_iter()
         .chain(case.words.iter().map(String::as_str));
     let Ok(cli) = Cli::try_parse_from(words) else {
-        return Ok(());
+        return Ok(End::WrongUsage);
     };
     let Ok(result) = catch_unwind(AssertUnwindSafe(|| cli.run())) else {
         return Err("a panic".to_owned());
@@ -80,10 +89,14 @@ pub fn run(case: &Case) -> Result<(), String> {
         }
         flaw_of(path)?;
     }
-    if let Err(e) = result {
-        note(format_args!("roadgrade: {e}"));
-    }
-    Ok(())
+    Ok(match result {
+        Ok(()) => End::Done,
+        Err(Error::Usage(_)) => End::WrongUsage,
+        Err(e) => {
+            note(format_args!("roadgrade: {e}"));
+            End::Refused
+        }
+    })
 }
 
 /// Returns what changes if a file is written: its number and its size.

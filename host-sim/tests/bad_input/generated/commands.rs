@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 
 /// Commands over the good files. A name of a good file, or of a folder of them, is an input; `out`,
 /// `out.…` and `placed` are written.
-const COMMANDS: &[&str] = &[
+pub const COMMANDS: &[&str] = &[
     "fuse --out out.csv run.csv",
-    "fuse --out out.csv --road road.csv run.csv run.parquet",
+    "fuse --out out.csv --road line.csv run.csv run.parquet",
     "fuse --out out.csv --road net.geojson --session a=run.csv,run.parquet",
     "fuse --out out.parquet --road net.csv run.csv",
     "fuse --out out.parquet --placed placed run.csv",
@@ -23,8 +23,8 @@ const COMMANDS: &[&str] = &[
     "fuse --out out.csv --store store_net.csv --road net.geojson folder.csv",
     "fuse --out out.csv runs",
     "fuse --strict --out out.csv runs",
-    "score --truth truth.csv --out out.csv run.csv",
-    "score --truth truth.csv --out out.csv --json run.parquet",
+    "score --truth a.truth.csv --out out.csv a.csv",
+    "score --truth a.truth.csv --out out.csv --json a.parquet a.csv",
     "score --truth a.truth.csv --log drive.log --oracle a.oracle.toml --out out.csv a.csv",
     "score --truth a.truth.csv --log drive.log --vehicle a.vehicle.toml --out out.csv a.csv",
     "export map.csv --out out.geojson",
@@ -50,12 +50,12 @@ const COMMANDS: &[&str] = &[
     "estimate --vehicle a.vehicle.toml --out out.csv drive.log.gz",
     "estimate --vehicle a.vehicle.toml --dataset out --day 2026-11-21 drive.log",
     "diagnose --vehicle force.toml --out out table.csv other.csv",
-    "diagnose --vehicle force.toml --out out --reference map.csv --holdout other.csv table.csv",
+    "diagnose --vehicle force.toml --out out --reference reference.csv table.csv --holdout other.csv",
     "diagnose --vehicle a.vehicle.toml --tuning tuning.toml --out out --json drive.log",
     "import ztbus mission.csv --out out",
     "replay --can no_such_0 drive.log",
     "replay --can no_such_0 --speed 10 --log-time drive.log.gz",
-    "listen --can no_such_0 --vehicle a.vehicle.toml --kept kept --out out.csv",
+    "listen --can no_such_0 --vehicle force.toml --kept kept --out out.csv",
     "listen --can no_such_0 --vehicle force.toml --tuning tuning.toml --log out.log --publish",
     "study ztbus --data data --out out",
 ];

@@ -45,10 +45,17 @@ fn mission() -> String {
     header.to_owned() + &(0..200).map(row).collect::<String>()
 }
 
-fn zipped(content: &[u8]) -> Vec<u8> {
+/// Compresses with gzip.
+pub fn zipped(content: &[u8]) -> Vec<u8> {
     let mut zip = GzEncoder::new(Vec::new(), Default::default());
     zip.write_all(content).unwrap();
     zip.finish().unwrap()
+}
+
+/// Returns the road of a map: its first three columns.
+fn line_of(map: &str) -> String {
+    let first_three = |row: &str| row.splitn(4, ',').take(3).collect::<Vec<_>>().join(",") + "\n";
+    map.lines().map(first_three).collect()
 }
 
 /// Writes every good file.
@@ -69,6 +76,7 @@ pub fn files() -> TempDir {
     run::write_from(&at.join("run.parquet"), &rows(60, 2), &origin).unwrap();
     done("fuse --out map.csv --store store.csv run.csv run.parquet");
     done("fuse --out map.parquet run.csv");
+    write("line.csv", line_of(&fs::read_to_string(at.join("map.csv")).unwrap()).as_bytes());
     network::save(
         &at.join("net.geojson"),
         &[network::way("w", "yes", &hills()[..60])],
@@ -99,16 +107,18 @@ pub fn files() -> TempDir {
     let with_road = "[road]\nfile = \"road.csv\"\n[[runs]]\nname = \"b\"\ntruck = \"B\"\n";
     write("with_road.toml", with_road.as_bytes());
     done("estimate --vehicle force.toml --out long_run.csv --kept kept long.csv");
+    done("estimate --vehicle force.toml --out table_run.csv table.csv");
+    done("fuse --out reference.csv table_run.csv");
     done("simulate --scenario scenario.toml --out sim");
     for name in ["a.vehicle.toml", "a.oracle.toml", "a.truth.csv", "road.csv"] {
         fs::copy(at.join("sim").join(name), at.join(name)).unwrap();
     }
-    fs::copy(at.join("a.truth.csv"), at.join("truth.csv")).unwrap();
     let log = fs::read(at.join("sim/a.log")).unwrap();
     write("drive.log.gz", &zipped(&log));
     write("drive.log", &log);
     done("estimate --vehicle a.vehicle.toml --out a.csv drive.log");
-    for name in ["sim", "long.csv", "long_run.csv"] {
+    done("estimate --vehicle a.vehicle.toml --out a.parquet drive.log");
+    for name in ["sim", "long.csv", "long_run.csv", "table_run.csv"] {
         let path = at.join(name);
         let _ = fs::remove_dir_all(&path).or_else(|_| fs::remove_file(&path));
     }

@@ -34,6 +34,26 @@ fn bad_inputs_end_in_an_error_or_in_numbers() {
     );
 }
 
+/// What is damaged must have been good.
+#[test]
+fn good_files_end_in_results() {
+    let mut wrong = Vec::new();
+    for command in commands::COMMANDS {
+        let good = good::files();
+        let words: Vec<&str> = command.split(' ').collect();
+        let output = crate::shell::limited(good.path(), &words);
+        let message = crate::shell::stderr(&output);
+        let is_wrong = match command.contains("no_such_0") {
+            true => !message.contains("no_such_0"),
+            false => !output.status.success(),
+        };
+        if is_wrong {
+            wrong.push(format!("{command}: {}: {message}", output.status));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
 /// Runs cases in a process of its own, which an abort or a hang may end.
 #[test]
 #[ignore = "part of the test beside"]

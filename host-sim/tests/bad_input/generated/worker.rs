@@ -1,7 +1,7 @@
 //! Processes that run cases. An abort, a hang or a lack of memory ends the process, and a new one
 //! goes on behind that case.
 
-use super::case::{self, files_below};
+use super::case::{self, End, files_below};
 use super::commands::Case;
 use rayon::prelude::*;
 use std::fs::{self, File};
@@ -24,11 +24,15 @@ const STACK_BYTES: usize = 8 << 20;
 /// Lines of the output of a process: the case that begins, and what is wrong with it.
 const BEGIN: &str = "@@begin ";
 const WRONG: &str = "@@wrong ";
+const DONE: &str = "@@done";
+const TIME: &str = "@@time ";
 
 /// What was found.
 #[derive(Default)]
 pub struct Found {
     pub cases: usize,
+    /// Cases that end with a result.
+    pub done: usize,
     /// What is wrong, with seeds and command lines.
     pub wrong: Vec<String>,
     /// Peak of resident memory of a process that runs hundreds of cases.
@@ -39,8 +43,9 @@ pub struct Found {
 impl Found {
     pub fn summary(&self) -> String {
         format!(
-            "bad inputs: {} cases, {} wrong, at most {} MB and {:.1} s",
+            "bad inputs: {} cases, {} of them done, {} wrong, at most {} MB and {:.1} s",
             self.cases,
+            self.done,
             self.wrong.len(),
             self.peak_kb / 1024,
             self.longest.as_secs_f64()
@@ -49,6 +54,7 @@ impl Found {
 
     fn and(mut self, other: Self) -> Self {
         self.cases += other.cases;
+        self.done += other.done;
         self.wrong.extend(other.wrong);
         self.peak_kb = self.peak_kb.max(other.peak_kb);
         self.longest = self.longest.max(other.longest);
@@ -118,9 +124,11 @@ impl Found {
                 begin = case;
                 last = case.split(' ').next().and_then(|seed| seed.parse().ok());
                 self.cases += 1;
-            } else if let Some(seconds) = line.strip_prefix("@@end ") {
+            } else if let Some(seconds) = line.strip_prefix(TIME) {
                 let seconds: f64 = seconds.parse().unwrap();
                 self.longest = self.longest.max(Duration::from_secs_f64(seconds));
+            } else if line == DONE {
+                self.done += 1;
             } else if let Some(wrong) = line.strip_prefix(WRONG) {
                 self.wrong.push(format!("seed {begin}: {wrong}"));
             } else if line.contains("panicked") || line.contains(is_no_text) {
@@ -164,11 +172,15 @@ fn run_cases(good: &Path, seeds: Range<u64>, watch: &Watch) {
         watch.begin();
         let result = case::run(&case);
         watch.end();
-        if let Err(wrong) = result {
-            eprintln!("{WRONG}{}", wrong.escape_debug());
-            keep(folder.path(), case.seed);
+        match result {
+            Ok(End::Done) => eprintln!("{DONE}"),
+            Ok(End::Refused | End::WrongUsage) => {}
+            Err(wrong) => {
+                eprintln!("{WRONG}{}", wrong.escape_debug());
+                keep(folder.path(), case.seed);
+            }
         }
-        eprintln!("@@end {:.3}", begun.elapsed().as_secs_f64());
+        eprintln!("{TIME}{:.3}", begun.elapsed().as_secs_f64());
     }
 }
 
