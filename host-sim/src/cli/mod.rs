@@ -25,6 +25,7 @@ use without_can as listen;
 use without_can as replay;
 
 use crate::error::Result;
+use crate::files::signals;
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, Subcommand};
 
@@ -70,6 +71,7 @@ impl Cli {
     /// # Errors
     /// Returns the error of the subcommand. It names the file, the line and what was expected.
     pub fn run(&self) -> Result<()> {
+        signals::watch();
         match &self.command {
             Command::Demo(args) => demo::run(args),
             Command::Simulate(args) => simulate::run(args),

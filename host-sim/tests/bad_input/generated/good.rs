@@ -76,7 +76,10 @@ pub fn files() -> TempDir {
     run::write_from(&at.join("run.parquet"), &rows(60, 2), &origin).unwrap();
     done("fuse --out map.csv --store store.csv run.csv run.parquet");
     done("fuse --out map.parquet run.csv");
-    write("line.csv", line_of(&fs::read_to_string(at.join("map.csv")).unwrap()).as_bytes());
+    write(
+        "line.csv",
+        line_of(&fs::read_to_string(at.join("map.csv")).unwrap()).as_bytes(),
+    );
     network::save(
         &at.join("net.geojson"),
         &[network::way("w", "yes", &hills()[..60])],
@@ -91,7 +94,7 @@ pub fn files() -> TempDir {
     write("table.csv", table(1.5, 0.0).as_bytes());
     write("other.csv", table(1.5, 1.0).as_bytes());
     write("table.csv.gz", &zipped(table(1.5, 0.0).as_bytes()));
-    write("long.csv", table(8.0, 0.0).as_bytes());
+    write("long_table.csv", table(8.0, 0.0).as_bytes());
     write("force.toml", VEHICLE.as_bytes());
     write(
         "tuning.toml",
@@ -106,7 +109,7 @@ pub fn files() -> TempDir {
     write("scenario.toml", SCENARIO.as_bytes());
     let with_road = "[road]\nfile = \"road.csv\"\n[[runs]]\nname = \"b\"\ntruck = \"B\"\n";
     write("with_road.toml", with_road.as_bytes());
-    done("estimate --vehicle force.toml --out long_run.csv --kept kept long.csv");
+    done("estimate --vehicle force.toml --out long_run.csv --kept kept long_table.csv");
     done("estimate --vehicle force.toml --out table_run.csv table.csv");
     done("fuse --out reference.csv table_run.csv");
     done("simulate --scenario scenario.toml --out sim");
@@ -118,7 +121,7 @@ pub fn files() -> TempDir {
     write("drive.log", &log);
     done("estimate --vehicle a.vehicle.toml --out a.csv drive.log");
     done("estimate --vehicle a.vehicle.toml --out a.parquet drive.log");
-    for name in ["sim", "long.csv", "long_run.csv", "table_run.csv"] {
+    for name in ["sim", "long_run.csv", "table_run.csv"] {
         let path = at.join(name);
         let _ = fs::remove_dir_all(&path).or_else(|_| fs::remove_file(&path));
     }

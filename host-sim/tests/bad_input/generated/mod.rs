@@ -7,7 +7,7 @@
 mod case;
 mod commands;
 mod damage;
-mod good;
+pub mod good;
 mod worker;
 
 fn setting(name: &str, default: u64) -> u64 {

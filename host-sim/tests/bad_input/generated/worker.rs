@@ -201,7 +201,8 @@ impl Watch {
         let (sender, receiver) = mpsc::channel();
         std::thread::spawn(move || {
             while let Ok(is_begin) = receiver.recv() {
-                if is_begin && receiver.recv_timeout(LONGEST) == Err(mpsc::RecvTimeoutError::Timeout)
+                if is_begin
+                    && receiver.recv_timeout(LONGEST) == Err(mpsc::RecvTimeoutError::Timeout)
                 {
                     eprintln!("{WRONG}more than {} s", LONGEST.as_secs());
                     std::process::exit(124);
