@@ -6,6 +6,7 @@ use crate::shell::rows;
 use flate2::Crc;
 use flate2::read::GzDecoder;
 use host_sim::files::parquet::{ParquetColumn, is_parquet, stage};
+use host_sim::files::run::RunRow;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use std::fs;
@@ -74,10 +75,13 @@ const VALUES: [f64; 12] = [
     -20_000.0,
 ];
 
+/// Takes the value of a column from a row.
+type Value = fn(&RunRow) -> f64;
+
 /// Returns a Parquet file of the columns of runs and maps, with some values that are none.
 fn foreign_parquet(random: &mut ChaCha8Rng) -> Vec<u8> {
     let rows = rows(60, 0);
-    let columns: [(&str, fn(&host_sim::files::run::RunRow) -> f64); 8] = [
+    let columns: [(&str, Value); 8] = [
         ("distance_m", |row| row.distance_m),
         ("latitude_deg", |row| row.latitude_deg.unwrap_or_default()),
         ("longitude_deg", |row| row.longitude_deg.unwrap_or_default()),
