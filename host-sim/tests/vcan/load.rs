@@ -117,7 +117,9 @@ fn send_in_time(vcan: &Vcan, frames: impl Iterator<Item = TimedFrame>) -> Sent {
     sent
 }
 
-/// Fills the bus for `BUS_MINUTES` minutes, and does nothing without that variable.
+/// Fills the bus for `BUS_MINUTES` minutes, and does nothing without that variable. The cells are told,
+/// not judged: the other traffic has messages that the truck does not send, such as its mass, and
+/// nobody contradicts them.
 #[test]
 #[ignore = "takes an hour: tests/run long_bus"]
 fn a_bus_at_full_load_for_minutes() {
