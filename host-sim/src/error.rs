@@ -125,13 +125,20 @@ fn words_of(error: &std::io::Error) -> String {
             "{error}; not a fault of the file: allow more open files (ulimit -n 4096) and run again"
         );
     }
+    if has_code(error, &[Errno::EISDIR]) {
+        return "is a folder; expected a file".to_owned();
+    }
     error.to_string()
 }
 
 /// Returns true if the process or the machine has too many open files.
 fn is_out_of_files(error: &std::io::Error) -> bool {
-    let known = [Errno::EMFILE, Errno::ENFILE];
-    // Crates wrap the error of the system.
+    // tempfile gives no access to the code, only to its words.
+    has_code(error, &[Errno::EMFILE, Errno::ENFILE]) || out_of_files(&error.to_string()).is_some()
+}
+
+/// Returns true if the error of the system is one of these. Crates wrap it.
+fn has_code(error: &std::io::Error, known: &[Errno]) -> bool {
     let mut cause: Option<&(dyn std::error::Error + 'static)> = Some(error);
     while let Some(error) = cause {
         let code = error.downcast_ref().and_then(std::io::Error::raw_os_error);
@@ -140,8 +147,7 @@ fn is_out_of_files(error: &std::io::Error) -> bool {
         }
         cause = error.source();
     }
-    // tempfile gives no access to the code, only to its words.
-    out_of_files(&error.to_string()).is_some()
+    false
 }
 
 /// Returns the error of too many open files if these words of a crate mean it.

@@ -7,7 +7,9 @@ readonly seeds=${SEEDS:-20}
 readonly diagnosis_sizes=${DIAGNOSIS_SIZES:-0.05,0.1,0.3}
 readonly fuzz_s=${FUZZ_S:-3600}
 readonly mutants_shard=${MUTANTS_SHARD:-0/1}
-readonly long_results=(soak.csv seeds.csv diagnosis.txt fuzz.csv mutants.csv)
+readonly bad_inputs=${BAD_INPUTS:-500000}
+readonly bus_minutes=${BUS_MINUTES:-60}
+readonly long_results=(soak.csv seeds.csv diagnosis.txt fuzz.csv mutants.csv bad_input.csv bus.csv)
 
 # One estimator on a truck that drives for SOAK_DAYS days without a stop.
 check_long_soak() {
@@ -70,6 +72,33 @@ fuzz_long() {
         sed 's/^cov: \([0-9]*\) ft: \([0-9]*\) corp: \([0-9]*\).*$/\1,\2,\3/')
     runs=$(sed -n 's/^stat::number_of_executed_units: *//p' "$log")
     echo "$name,$runs,$reached,$(result_of "$status")" | tee "$work/$name.row"
+    return "$status"
+}
+
+# Generated bad inputs in every command.
+check_long_bad_input() {
+    local log=$work/log status=0
+    BAD_INPUT_CASES=$bad_inputs cargo test -p host-sim --test bad_input generated::bad_inputs -- \
+        --nocapture 2>&1 | tee "$log" || status=$?
+    {
+        echo "cases,with_a_result,wrong,peak_mb,longest_s,result"
+        sed -n 's/^bad inputs: \(.*\) cases, \(.*\) of them done, \(.*\) wrong, at most \(.*\) MB and \(.*\) s$/\1,\2,\3,\4,\5/p' "$log" |
+            sed "s/\$/,$(result_of "$status")/"
+    } | write_result bad_input.csv "$bad_inputs generated inputs"
+    return "$status"
+}
+
+# A bus at full load for BUS_MINUTES minutes.
+check_long_bus() {
+    local log=$work/log status=0
+    export BUS_MINUTES=$bus_minutes PASSED=BUS_MINUTES
+    export VCAN_TIMEOUT_S=$((bus_minutes * 90 + 600))
+    on_virtual_bus "$log" a_bus_at_full_load_for_minutes || status=$?
+    {
+        echo "minutes,frames,wanted,lost,dropped,cells,cells_of_the_drive,off_sigma,late_ms,result"
+        sed -n '/^full load: /s/[^0-9.]\+/,/gp' "$log" |
+            sed "s/^,//; s/,\$//; s/\$/,$(result_of "$status")/"
+    } | write_result bus.csv "$bus_minutes minutes at full load"
     return "$status"
 }
 

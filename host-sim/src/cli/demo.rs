@@ -1,7 +1,7 @@
 //! `roadgrade demo`: the main job from end to end, on a built-in scenario.
 
-use super::estimate;
 use super::tuning_option::TuningOption;
+use super::{estimate, outputs};
 use crate::error::{Error, Result, on_one_line};
 use crate::files::csv::write_csv;
 use crate::files::oracle::{OracleFile, mean_speed_mps};
@@ -11,7 +11,7 @@ use crate::map::{self, GradeMap, MapRow, Network, RoadLine, RoadRow, SessionRun}
 use crate::report::demo_page::{DemoDrive, demo_page};
 use crate::score::{self, ScoreRow, rivals};
 use crate::simulator::scenario::Scenario;
-use crate::simulator::write_runs;
+use crate::simulator::{files_of, write_runs};
 use crate::terminal::print::{note, print};
 use estimator_core::Tuning;
 use std::path::{Path, PathBuf};
@@ -26,11 +26,28 @@ pub struct Args {
     tuning: TuningOption,
 }
 
+impl Args {
+    fn check_outputs(&self, written: &[PathBuf]) -> Result<()> {
+        let written = written.iter().map(PathBuf::as_path);
+        outputs::check(self.tuning.file(), written)
+    }
+}
+
+/// Returns the files of the command, except those of the page.
+fn written(scenario: &Scenario, folder: &Path) -> Vec<PathBuf> {
+    let runs = scenario.runs.iter().map(|run| format!("{}.csv", run.name));
+    let tables = ["map.csv", "score.csv"].map(str::to_owned);
+    let mut files = files_of(scenario, folder);
+    files.extend(runs.chain(tables).map(|name| folder.join(name)));
+    files
+}
+
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     let tuning = args.tuning.read()?;
     let scenario = Scenario::builtin();
     let out = &args.out;
+    args.check_outputs(&written(&scenario, out))?;
     note("1  simulate trucks; their true parameters differ from their files");
     write_runs(&scenario, out)?;
     note("2  estimate each drive from its bus log");
@@ -44,7 +61,9 @@ pub fn run(args: &Args) -> Result<()> {
     let mut overall = score::mean(&scores);
     overall.push(map_score);
     scores.extend_from_slice(&overall);
-    let report = demo_page(&drives, &map, &scores).write(out)?;
+    let page = demo_page(&drives, &map, &scores);
+    args.check_outputs(&page.files(out))?;
+    let report = page.write(out)?;
     let table = out.join("score.csv");
     write_csv(&table, scores.iter().map(ScoreRow::rounded))?;
     print(&format!("{}\n\n", score::table(&overall)))?;

@@ -49,17 +49,22 @@ pub struct Args {
     logs: Vec<PathBuf>,
 }
 
+impl Args {
+    fn check_outputs(&self, written: &[PathBuf]) -> Result<()> {
+        let logs = self.logs.iter().chain(&self.holdout).map(PathBuf::as_path);
+        let others = [&*self.vehicle]
+            .into_iter()
+            .chain(self.reference.as_deref());
+        outputs::check(
+            logs.chain(others).chain(self.tuning.file()),
+            written.iter().map(PathBuf::as_path),
+        )
+    }
+}
+
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
-    let logs = args.logs.iter().chain(&args.holdout).map(PathBuf::as_path);
-    let others = [&*args.vehicle]
-        .into_iter()
-        .chain(args.reference.as_deref());
-    let written = report::FILES.map(|name| args.out.join(name));
-    outputs::check(
-        logs.chain(others).chain(args.tuning.file()),
-        written.iter().map(PathBuf::as_path),
-    )?;
+    args.check_outputs(&report::FILES.map(|name| args.out.join(name)))?;
     let request = Request {
         vehicle: VehicleFile::read(&args.vehicle)?,
         logs: args.logs.clone(),
@@ -70,6 +75,7 @@ pub fn run(args: &Args) -> Result<()> {
     let wait = progress::spinner("reading and evaluating drives");
     let found = diagnose(&request)?;
     wait.finish_and_clear();
+    args.check_outputs(&report::files(&found, &args.out))?;
     let page = report::write(&found, &args.out)?;
     if args.json {
         print(&format!("{:#}\n", report::to_json(&found)))?;

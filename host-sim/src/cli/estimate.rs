@@ -88,6 +88,9 @@ impl Args {
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     args.check_outputs(args.out.as_deref())?;
+    if let Some(out) = &args.out {
+        outputs::check_table(out, &["csv", "parquet"])?;
+    }
     let vehicle = VehicleFile::read(&args.vehicle)?;
     let tuning = args.tuning.read()?;
     let started = Clock::now();

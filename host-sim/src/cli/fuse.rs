@@ -1,5 +1,6 @@
 //! `roadgrade fuse`.
 
+use super::outputs;
 use crate::error::{Error, Result};
 use crate::map::check_session_name;
 use crate::map::pipeline::fuse_files::{FuseRequest, NamedSession, fuse_files};
@@ -81,6 +82,10 @@ pub fn run(args: &Args) -> Result<()> {
     if args.store.as_ref() == Some(&args.out) {
         let problem = "--store and --out name the same file; expected two different files";
         return Err(Error::Usage(problem.to_owned()));
+    }
+    outputs::check_table(&args.out, &["csv", "parquet"])?;
+    if let Some(store) = &args.store {
+        outputs::check_table(store, &["csv"])?;
     }
     let fused = fuse_files(&FuseRequest {
         runs: &args.runs,

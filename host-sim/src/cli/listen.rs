@@ -101,6 +101,9 @@ impl Args {
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     check(args)?;
+    if let Some(out) = &args.out {
+        outputs::check_table(out, &["csv", "parquet"])?;
+    }
     let outputs = [&args.out, &args.log, &args.kept];
     outputs::check(
         [&*args.vehicle].into_iter().chain(args.tuning.file()),

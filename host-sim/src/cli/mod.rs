@@ -24,7 +24,8 @@ use without_can as listen;
 #[cfg(not(target_os = "linux"))]
 use without_can as replay;
 
-use crate::error::{Error, Result};
+use crate::error::Result;
+use crate::files::signals;
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, Subcommand};
 
@@ -65,20 +66,12 @@ enum Command {
 }
 
 impl Cli {
-    /// Runs the subcommand. Wrong usage exits with code 2.
+    /// Runs the subcommand.
     ///
     /// # Errors
     /// Returns the error of the subcommand. It names the file, the line and what was expected.
     pub fn run(&self) -> Result<()> {
-        self.dispatch().map_err(|error| match error {
-            Error::Usage(problem) => Self::command()
-                .error(ErrorKind::ArgumentConflict, problem)
-                .exit(),
-            other => other,
-        })
-    }
-
-    fn dispatch(&self) -> Result<()> {
+        signals::watch();
         match &self.command {
             Command::Demo(args) => demo::run(args),
             Command::Simulate(args) => simulate::run(args),
@@ -93,5 +86,12 @@ impl Cli {
             Command::Diagnose(args) => diagnose::run(args),
             Command::Study(args) => study::run(args),
         }
+    }
+
+    /// Ends the program as wrong options do: the problem, the usage, and exit code 2.
+    pub fn end_with_usage(problem: &str) -> ! {
+        Self::command()
+            .error(ErrorKind::ArgumentConflict, problem)
+            .exit()
     }
 }

@@ -1,8 +1,15 @@
 //! Outputs that must not be inputs.
 
 use crate::error::{Error, Result, on_one_line};
+use crate::files::same::handle;
 use same_file::Handle;
 use std::path::{Path, PathBuf};
+
+/// Endings of formats in which other files are.
+const OTHER_FORMATS: [&str; 13] = [
+    "parquet", "geojson", "json", "html", "htm", "gz", "zst", "toml", "log", "svg", "grade",
+    "xlsx", "txt",
+];
 
 /// Checks, before anything is written, that no output is an input or another output, under
 /// whatever name.
@@ -36,9 +43,25 @@ pub(super) fn check<'p>(
     Ok(())
 }
 
-/// Returns what identifies a file, through links; `None` for a file that is not there. A device or
-/// a pipe is never overwritten.
-fn handle(path: &Path) -> Option<Handle> {
-    let is_file = path.metadata().is_ok_and(|found| found.is_file());
-    is_file.then(|| Handle::from_path(path).ok()).flatten()
+/// Checks that the name of a table does not promise another format: the content would be CSV all
+/// the same.
+///
+/// # Errors
+/// Returns a usage error that names the formats.
+pub(super) fn check_table(path: &Path, endings: &[&str]) -> Result<()> {
+    let ending = path.extension().unwrap_or_default().to_string_lossy();
+    let ending = ending.to_ascii_lowercase();
+    if !OTHER_FORMATS.contains(&&*ending) || endings.contains(&&*ending) {
+        return Ok(());
+    }
+    let endings: Vec<String> = endings.iter().map(|ending| format!(".{ending}")).collect();
+    let geojson = match &*ending {
+        "geojson" | "json" | "html" | "htm" => "; `roadgrade export` writes GeoJSON and pages",
+        _ => "",
+    };
+    Err(Error::Usage(format!(
+        "{}: ends in .{ending}; expected {}{geojson}",
+        on_one_line(path),
+        endings.join(" or ")
+    )))
 }

@@ -1,5 +1,6 @@
 //! `roadgrade study`: tables and figures, computed.
 
+use super::outputs;
 use crate::error::{Error, Result};
 use crate::report::page::{Page, Section};
 use crate::study::{STUDIES, Setting, Study, StudyOutcome};
@@ -38,6 +39,16 @@ pub struct Args {
     seed: u64,
 }
 
+impl Args {
+    /// Returns the files of the measured data.
+    fn inputs(&self) -> Vec<PathBuf> {
+        let folders = ["ztbus", "srtm"].map(|name| self.data.join(name));
+        let entries = folders.iter().filter_map(|folder| folder.read_dir().ok());
+        let paths = entries.flatten().flatten().map(|entry| entry.path());
+        paths.collect()
+    }
+}
+
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     let setting = Setting {
@@ -65,6 +76,11 @@ pub fn run(args: &Args) -> Result<()> {
             .to_owned(),
         sections,
     };
+    let inputs = args.inputs();
+    outputs::check(
+        inputs.iter().map(PathBuf::as_path),
+        page.files(&args.out).iter().map(PathBuf::as_path),
+    )?;
     print(&format!(
         "page to open: {}\n",
         page.write(&args.out)?.display()

@@ -106,6 +106,14 @@ pub fn write(diagnosis: &Diagnosis, folder: &Path) -> Result<PathBuf> {
     Ok(folder.join(PAGE))
 }
 
+/// Returns the files that [`write()`] writes.
+#[must_use]
+pub fn files(diagnosis: &Diagnosis, folder: &Path) -> Vec<PathBuf> {
+    let mut files = page(diagnosis).files(folder);
+    files.extend([VEHICLE, JSON].map(|name| folder.join(name)));
+    files
+}
+
 fn page(diagnosis: &Diagnosis) -> Page {
     Page {
         title: format!("What the model of {} lacks", diagnosis.vehicle.name),

@@ -148,12 +148,19 @@ pub(crate) fn read_records(
     Ok(())
 }
 
+/// Returns what is wrong with the columns, without the list of all columns and in words of tables.
+fn problem_of_columns(words: &str) -> String {
+    let problem = words.split(", expected one of").next().unwrap_or(words);
+    problem
+        .replace("unknown field", "unknown column")
+        .replace("missing field", "no column")
+}
+
 fn csv_error(path: &Path, error: csv::Error, headers: Option<&csv::StringRecord>) -> Error {
-    if error.is_io_error() {
-        return Error::io(path)(error.into());
-    }
     let mut line = error.position().map_or(1, csv::Position::line);
-    let problem = match error.kind() {
+    let words = error.to_string();
+    let problem = match error.into_kind() {
+        csv::ErrorKind::Io(source) => return Error::io(path)(source),
         csv::ErrorKind::Deserialize { err, .. } => {
             let column = headers
                 .zip(err.field())
@@ -163,7 +170,7 @@ fn csv_error(path: &Path, error: csv::Error, headers: Option<&csv::StringRecord>
                 line = 1;
             }
             column.map_or_else(
-                || err.kind().to_string(),
+                || problem_of_columns(&err.kind().to_string()),
                 |name| format!("{name}: {}", err.kind()),
             )
         }
@@ -171,7 +178,7 @@ fn csv_error(path: &Path, error: csv::Error, headers: Option<&csv::StringRecord>
             expected_len, len, ..
         } => format!("{len} fields under a header of {expected_len}"),
         csv::ErrorKind::Utf8 { .. } => "not text".into(),
-        _ => error.to_string(),
+        _ => words,
     };
     Error::line(
         path,

@@ -22,6 +22,7 @@
 //!                                                      # times as large at first, and decays
 //! ```
 
+use super::kind::{self, Kind};
 use super::limits::read_text;
 use super::output::write_whole;
 use super::run::RunRow;
@@ -141,6 +142,11 @@ impl OracleFile {
     /// # Errors
     /// Returns an error that names each unknown key, missing key and value out of range.
     pub fn read(path: &Path) -> Result<Self> {
+        Self::read_content(path)
+            .map_err(|e| kind::explained(e, path, &[Kind::Oracle, Kind::Vehicle]))
+    }
+
+    fn read_content(path: &Path) -> Result<Self> {
         let text = read_text(path)?;
         let key = |problem: String| Error::Key {
             path: path.to_owned(),

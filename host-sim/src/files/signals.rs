@@ -55,8 +55,9 @@ fn paths() -> MutexGuard<'static, BTreeSet<PathBuf>> {
     PATHS.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Starts the thread that waits for signals. Without it a signal ends the program as usual.
-fn watch() {
+/// Starts the thread that waits for signals, and makes a file that is too large an error of the
+/// write. Without it a signal ends the program as usual.
+pub fn watch() {
     static WATCH: Once = Once::new();
     WATCH.call_once(|| {
         // A file that grows beyond a limit is then an error of the write, not the end.

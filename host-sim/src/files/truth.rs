@@ -2,6 +2,7 @@
 
 use super::columns;
 use super::csv::{read_checked, write_csv};
+use super::kind::{self, Kind};
 use super::row_check::{self, Flaw};
 use crate::error::Result;
 use crate::numeric::rounding::round;
@@ -63,5 +64,5 @@ pub fn write(path: &Path, rows: &[TruthRow]) -> Result<()> {
 /// # Errors
 /// Returns an error that names the file, the line and the expected value.
 pub fn read(path: &Path) -> Result<Vec<TruthRow>> {
-    read_checked(path, TruthRow::check)
+    read_checked(path, TruthRow::check).map_err(|e| kind::explained(e, path, &[Kind::Truth]))
 }

@@ -10,6 +10,7 @@
 //! shift_hold_ms = 1500
 //! ```
 
+use super::kind::{self, Kind};
 use super::limits::read_text;
 use crate::error::{Error, Result};
 use estimator_core::Tuning;
@@ -26,9 +27,12 @@ pub fn read_or_default(path: Option<&Path>) -> Result<Tuning> {
 
 fn read(path: &Path) -> Result<Tuning> {
     let text = read_text(path)?;
-    parse(&text).map_err(|problem| Error::Key {
-        path: path.to_owned(),
-        problem,
+    parse(&text).map_err(|problem| {
+        let error = Error::Key {
+            path: path.to_owned(),
+            problem,
+        };
+        kind::explained(error, path, &[Kind::Tuning])
     })
 }
 

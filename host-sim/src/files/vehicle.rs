@@ -2,6 +2,7 @@
 
 mod effects;
 
+use super::kind::{self, Kind};
 use super::limits::read_text;
 use super::output::write_whole;
 use crate::error::{Error, Result};
@@ -78,6 +79,7 @@ impl VehicleFile {
     pub fn read(path: &Path) -> Result<Self> {
         let text = read_text(path)?;
         Self::checked(toml::from_str(&text), path)
+            .map_err(|e| kind::explained(e, path, &[Kind::Vehicle]))
     }
 
     /// Creates the vehicle from the tables of such a file; `path` is for error messages.

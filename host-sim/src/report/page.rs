@@ -114,6 +114,27 @@ impl Page {
         Ok(folder.join(PAGE))
     }
 
+    /// Returns the files that [`Self::write`] writes.
+    #[must_use]
+    pub fn files(&self, folder: &Path) -> Vec<PathBuf> {
+        let of_section = |section: &Section| {
+            let tables = section
+                .tables
+                .iter()
+                .map(|table| format!("{}.csv", table.name));
+            let figures = section.figures.iter();
+            let figures = figures.flat_map(|figure| {
+                ["svg", "csv"].map(|ending| format!("{}.{ending}", figure.name))
+            });
+            tables.chain(figures).collect::<Vec<_>>()
+        };
+        let names = self.sections.iter().flat_map(of_section);
+        names
+            .chain([PAGE.to_owned()])
+            .map(|name| folder.join(name))
+            .collect()
+    }
+
     /// Writes the page alone to a file that appears when it is committed.
     ///
     /// # Errors

@@ -14,6 +14,7 @@ use super::scenario_file::{
 use super::truck::Truck;
 use super::{road_file, road_generator};
 use crate::error::{Error, Result};
+use crate::files::kind::{self, Kind};
 use crate::files::limits::read_text;
 use crate::files::vehicle::VehicleFile;
 use estimator_core::{Traction, VehicleParameters};
@@ -113,7 +114,7 @@ impl Scenario {
     /// Returns an error that names each unknown key, missing key and value out of range.
     pub fn read(path: &Path) -> Result<Self> {
         let text = read_text(path)?;
-        Self::parse(&text, path)
+        Self::parse(&text, path).map_err(|e| kind::explained(e, path, &[Kind::Scenario]))
     }
 
     /// Returns the built-in scenario: 10 km, truck A three times and B twice, all parameters wrong.

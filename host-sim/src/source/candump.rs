@@ -18,6 +18,7 @@ use super::candump_line::{Content, LineProblem, parse};
 use super::lines::Lines;
 use super::log_file::LogFile;
 use crate::error::{Error, Result};
+use crate::files::kind::{self, Kind};
 use estimator_core::{Duration, Instant};
 
 use std::path::Path;
@@ -136,7 +137,12 @@ impl CandumpReader {
         } else {
             problem.what
         };
-        self.error(format!("{what} in `{quote}`"), problem.expected)
+        let error = self.error(format!("{what} in `{quote}`"), problem.expected);
+        if self.frames > 0 {
+            return error;
+        }
+        // Nothing of a log before it: another file may have taken its place.
+        kind::explained(error, self.file().path(), &[Kind::Candump])
     }
 
     fn cut_off(&self) -> Error {

@@ -4,6 +4,7 @@
 use super::candump::Seconds;
 use super::log_file::LogFile;
 use crate::error::{Error, Result};
+use crate::files::kind::{self, Kind};
 use crate::files::limits::{self, Budget};
 use crate::files::output::write_whole;
 use csv::ByteRecord;
@@ -75,7 +76,8 @@ impl SignalTableReader {
                 "the file is empty; expected a header with time_s and signal columns",
             ));
         }
-        let (time_column, columns) = columns_of(path, line_of(&csv), &header)?;
+        let (time_column, columns) = columns_of(path, line_of(&csv), &header)
+            .map_err(|e| kind::explained(e, path, &[Kind::SignalTable]))?;
         Ok(Self {
             csv,
             fields: header.len(),
@@ -303,7 +305,7 @@ fn columns_of(path: &Path, line: u64, header: &ByteRecord) -> Result<(usize, Vec
                     path,
                     line,
                     format!("unknown column `{}`", name.escape_default()),
-                    format!("time_s and any of {}", all_columns()),
+                    format!("{}; docs/formats.md has all", nearest(&name)),
                 )
             })?;
             let is_known = columns.iter().any(|column| column.signal == signal);
@@ -326,16 +328,20 @@ fn columns_of(path: &Path, line: u64, header: &ByteRecord) -> Result<(usize, Vec
             path,
             line,
             "no column with a signal",
-            format!("any of {}", all_columns()),
+            "any of the signals in docs/formats.md, such as wheel_speed_mps",
         ));
     }
     columns.sort_by_key(|column| column.signal);
     Ok((time_column, columns))
 }
 
-fn all_columns() -> String {
-    let names: Vec<_> = Signal::ALL.iter().map(|signal| signal.column()).collect();
-    names.join(", ")
+/// Returns the names of the columns that are spelt most alike.
+fn nearest(name: &str) -> String {
+    let mut known: Vec<&str> = std::iter::once(TIME)
+        .chain(Signal::ALL.iter().map(|signal| signal.column()))
+        .collect();
+    known.sort_by_cached_key(|column| strsim::damerau_levenshtein(name, column));
+    format!("a name such as {}", known[..3].join(", "))
 }
 
 /// Reads the next record that is not blank. Returns false at the end.

@@ -1,11 +1,11 @@
 //! The store: damage, two programs at once, the version before, and a kill at every moment.
 
+use crate::kill::{CALLS, has_strace, kill_each, strace};
 use crate::shell::{done, names, refused, runs, stderr, with_limit, write_parquet};
 use assert_cmd::cargo::cargo_bin;
 use host_sim::files::parquet::{ParquetColumn, stage};
 use host_sim::map::read_store;
 use std::fs;
-use std::os::unix::process::ExitStatusExt;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
@@ -212,21 +212,9 @@ fn a_full_disk_leaves_the_store_as_it_was() {
     assert_eq!(fs::metadata("/dev/full").unwrap().len(), 0);
 }
 
-/// System calls that change files.
-const CALLS: [&str; 8] = [
-    "openat",
-    "write",
-    "fsync",
-    "link",
-    "linkat",
-    "rename",
-    "renameat2",
-    "unlink",
-];
-
 #[test]
 fn a_kill_at_any_change_of_a_file_leaves_the_old_store_or_the_new_one() {
-    if Command::new("strace").arg("-V").output().is_err() {
+    if !has_strace() {
         eprintln!("SKIPPED a kill at any change of a file: no strace");
         return;
     }
@@ -234,49 +222,61 @@ fn a_kill_at_any_change_of_a_file_leaves_the_old_store_or_the_new_one() {
     for call in CALLS {
         // A store of many blocks for the writes, a small one for all else.
         let folder = runs(if call == "write" { 600 } else { 9 }, 2);
-        let at = folder.path();
-        done(at, &fuse(&["0.csv"]));
-        let before = fs::read(at.join("sums.csv")).unwrap();
-        for number in 1.. {
-            let status = Command::new("strace")
-                .args(["-f", "-o", "/dev/null", "-e"])
-                .arg(format!("inject={call}:signal=KILL:when={number}"))
-                .arg(cargo_bin("roadgrade"))
-                .args(fuse(&["1.csv"]))
-                .current_dir(at)
-                .stderr(Stdio::null())
-                .status()
-                .unwrap();
+        done(folder.path(), &fuse(&["0.csv"]));
+        let before = fs::read(folder.path().join("sums.csv")).unwrap();
+        let check = |at: &Path| {
             match count_of_runs(at) {
                 1 => {
                     old += 1;
                     assert_eq!(fs::read(at.join("sums.csv")).unwrap(), before);
                 }
                 2 => new += 1,
-                count => panic!("{call} {number}: {count} runs"),
+                count => panic!("{count} runs"),
             }
-            if status.success() {
-                break;
-            }
-            assert!(
-                status.signal() == Some(9) || status.code() == Some(137),
-                "{status}"
-            );
-            kills += 1;
             // The next run goes on, and removes what the killed one left.
             done(at, &fuse(&["1.csv"]));
             assert_eq!(count_of_runs(at), 2);
-            let left: Vec<String> = names(at)
-                .into_iter()
-                .filter(|n| n.starts_with('.'))
-                .collect();
-            assert!(left.is_empty(), "{call} {number}: {left:?}");
             for name in ["sums.csv.previous", "map.csv"] {
                 let _ = fs::remove_file(at.join(name));
             }
             fs::write(at.join("sums.csv"), &before).unwrap();
-        }
+        };
+        kills += kill_each(call, &folder, &fuse(&["1.csv"]), check);
     }
     eprintln!("{kills} kills: {old} times the old store, {new} times the new one");
     assert!(kills > 30 && old > 20 && new > 1);
+}
+
+#[test]
+fn a_store_on_a_slow_disk_is_at_any_moment_the_old_one_or_the_new_one() {
+    if !has_strace() {
+        eprintln!("SKIPPED a slow disk: no strace");
+        return;
+    }
+    let folder = runs(600, 2);
+    let at = folder.path();
+    done(at, &fuse(&["0.csv"]));
+    let mut child = strace(
+        at,
+        "write,fsync,rename,linkat:delay_enter=100000",
+        &fuse(&["1.csv"]),
+    )
+    .spawn()
+    .unwrap();
+    let (mut old, mut new) = (0, 0);
+    while child.try_wait().unwrap().is_none() {
+        match count_of_runs(at) {
+            1 => old += 1,
+            _ => new += 1,
+        }
+    }
+    assert!(child.wait().unwrap().success());
+    assert_eq!(count_of_runs(at), 2);
+    // The same bytes as on a fast disk.
+    let slow = fs::read(at.join("sums.csv")).unwrap();
+    fs::copy(at.join("sums.csv.previous"), at.join("sums.csv")).unwrap();
+    done(at, &fuse(&["1.csv"]));
+    assert!(fs::read(at.join("sums.csv")).unwrap() == slow);
+    eprintln!("read {old} times before the new store appeared, {new} times after it");
+    assert!(old > 10, "{old}");
 }

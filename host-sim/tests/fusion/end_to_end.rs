@@ -203,7 +203,7 @@ fn broken_runs_are_reported_with_file_and_line() {
         (
             "missing column",
             run_text().replace("grade_percent,grade_sigma", "slope,grade_sigma"),
-            "bad.csv:1: unknown field `slope`",
+            "bad.csv:1: unknown column `slope`",
         ),
         (
             "missing optional column",
@@ -215,7 +215,7 @@ fn broken_runs_are_reported_with_file_and_line() {
                     fields.join(",") + "\n"
                 })
                 .collect(),
-            "bad.csv:1: missing field `latitude_deg`",
+            "bad.csv:1: no column `latitude_deg`",
         ),
         ("empty", String::new(), "bad.csv: no rows"),
         (
@@ -288,7 +288,7 @@ fn broken_roads_are_reported_with_file_and_line() {
         ),
         (
             "distance_m,latitude_deg\n0,47.4\n".into(),
-            "road.csv:1: missing field `longitude_deg`",
+            "road.csv:1: no column `longitude_deg`",
         ),
         (String::new(), "road.csv: no rows"),
     ];

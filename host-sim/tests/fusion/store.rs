@@ -300,7 +300,7 @@ fn broken_stores_are_reported_with_file_and_line() {
         ),
         (
             set(2, 1, "truck"),
-            "sums.csv:1: unknown field `truck`".to_owned(),
+            "sums.csv:1: unknown column `truck`".to_owned(),
         ),
         (
             with(5, &|fields| drop(fields.pop())),

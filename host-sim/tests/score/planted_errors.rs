@@ -334,7 +334,7 @@ fn wrong_usage_and_bad_files_are_reported() {
         ),
         (
             "time_s,distance_m\n0,0\n".into(),
-            "t.csv:1: missing field `grade_percent`",
+            "t.csv:1: no column `grade_percent`",
         ),
         (header.into(), "t.csv: no rows"),
         (String::new(), "t.csv: no rows"),

@@ -7,6 +7,7 @@
 
 mod babbling;
 mod bus;
+mod clock;
 mod drive;
 mod events;
 mod listener;

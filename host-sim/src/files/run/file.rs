@@ -5,6 +5,7 @@ use super::parquet::{self, Origin};
 use super::row::{RunRow, RunRows};
 use crate::error::{Error, Result};
 use crate::files::csv::read_records;
+use crate::files::kind::{self, Kind};
 use crate::files::limits;
 use crate::files::output::Writing;
 use crate::files::parquet::is_parquet;
@@ -68,7 +69,8 @@ pub fn read(path: &Path) -> Result<Vec<RunRow>> {
             .and_then(|()| density.check(row.distance_m))
             .map_err(|flaw| record.error(flaw))?;
         limits::push(&mut rows, row, limits::rows_in_memory::<RunRow>(), path)
-    })?;
+    })
+    .map_err(|e| kind::explained(e, path, &[Kind::Run]))?;
     Ok(rows)
 }
 
@@ -117,6 +119,7 @@ fn each_cell_of_csv(
         before = Some(row);
         hash.add(&cell);
         take(cell)
-    })?;
+    })
+    .map_err(|e| kind::explained(e, path, &[Kind::Run]))?;
     Ok(hash.identity())
 }

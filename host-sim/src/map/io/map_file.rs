@@ -4,6 +4,7 @@ use super::map_parquet;
 use super::way_file::{self, WayColumns};
 use crate::error::Result;
 use crate::files::csv::stage_csv;
+use crate::files::kind::{self, Kind};
 use crate::files::limits::MAP_ROWS;
 use crate::files::output::Staged;
 use crate::files::parquet::is_parquet;
@@ -75,4 +76,5 @@ pub fn read_ways(path: &Path) -> Result<Vec<WayRows>> {
         return map_parquet::read(path);
     }
     way_file::read_csv(path, MAP_ROWS, MapRow::check)
+        .map_err(|e| kind::explained(e, path, &[Kind::Map]))
 }

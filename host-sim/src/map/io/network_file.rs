@@ -5,6 +5,7 @@ use super::road_file::read_ways;
 use super::road_row::RoadRow;
 use super::way_file::check_way;
 use crate::error::{Error, Result};
+use crate::files::kind::{self, Kind};
 use crate::files::row_check;
 use crate::map::geometry::network::Network;
 use crate::map::geometry::network_size::NetworkSize;
@@ -42,7 +43,7 @@ pub fn is_geojson(path: &Path) -> bool {
 /// Returns an error that names the file, the line or feature, and the expected value.
 pub fn read(path: &Path) -> Result<Network> {
     if is_geojson(path) {
-        return read_geojson(path);
+        return read_geojson(path).map_err(|e| kind::explained(e, path, &[Kind::Json]));
     }
     let mut ways = Vec::new();
     let mut size = NetworkSize::default();

@@ -3,6 +3,7 @@
 use super::road_row::RoadRow;
 use super::{map_parquet, way_file};
 use crate::error::Result;
+use crate::files::kind::{self, Kind};
 use crate::files::limits::ROAD_ROWS;
 use crate::files::parquet::is_parquet;
 use crate::map::fusion::map_row::WayRows;
@@ -25,4 +26,5 @@ pub(crate) fn read_ways(path: &Path) -> Result<Vec<WayRows<RoadRow>>> {
         return map_parquet::read_road(path);
     }
     way_file::read_csv(path, ROAD_ROWS, RoadRow::check)
+        .map_err(|e| kind::explained(e, path, &[Kind::Road, Kind::Map, Kind::Run]))
 }

@@ -18,12 +18,14 @@ use super::store_row::{StoreRow, StoredWay};
 use super::way_file::WayColumns;
 use crate::error::{Error, Result};
 use crate::files::csv::read_checked_with;
+use crate::files::kind::{self, Kind};
 use crate::files::output::Staged;
 use crate::files::row_check::Flaw;
 use crate::map::geometry::plane::chord_m;
 use crate::map::geometry::road_line::RoadPoint;
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read, Write};
+use std::os::unix::fs::MetadataExt;
 use std::path::Path;
 
 /// Prefix of a file of this kind; the number is its version.
@@ -167,8 +169,27 @@ pub fn stage(path: &Path, map: &GradeMap, runs: &RunList) -> Result<Staged> {
 /// # Errors
 /// Returns an error that names the file, the line and the expected value.
 pub fn read(path: &Path) -> Result<MapStore> {
+    // Parts of the file are read one after the other. If another program replaces it meanwhile, they
+    // are of two stores.
+    let mut attempts = 0..3;
+    loop {
+        let before = number_of_file(path);
+        let read = read_once(path);
+        if number_of_file(path) == before || attempts.next().is_none() {
+            return read;
+        }
+    }
+}
+
+/// Returns what tells a file from the one that replaces it.
+fn number_of_file(path: &Path) -> Option<u64> {
+    path.metadata().ok().map(|found| found.ino())
+}
+
+fn read_once(path: &Path) -> Result<MapStore> {
     let mut reader = BufReader::new(File::open(path).map_err(Error::io(path))?);
-    let first = FirstLine::read(path, &mut reader)?;
+    let first =
+        FirstLine::read(path, &mut reader).map_err(|e| kind::explained(e, path, &[Kind::Sums]))?;
     let is_whole = match &first.checksum {
         Some(checksum) => *checksum == Checksum::of(reader).map_err(Error::io(path))?,
         None => true,

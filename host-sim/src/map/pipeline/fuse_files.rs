@@ -4,12 +4,12 @@ use super::inputs::Inputs;
 use super::intake::RunIntake;
 use super::road::{Stored, road};
 use crate::error::{Error, Result, on_one_line};
+use crate::files::same::handle;
 use crate::map::fusion::grade_map::{FusedMap, GradeMap};
 use crate::map::geometry::way_index::Way;
 use crate::map::io::run_list::RunList;
 use crate::map::io::store_file::StoreFile;
 use crate::map::io::{map_file, store};
-use same_file::{Handle, is_same_file};
 use std::path::{Path, PathBuf};
 
 /// Runs of one vehicle in one named session.
@@ -103,10 +103,10 @@ impl<'a> FuseRequest<'a> {
             Err(Error::content(out, problem))
         };
         for out in [Some(self.out), self.store].into_iter().flatten() {
-            let Ok(own) = Handle::from_path(out) else {
+            let Some(own) = handle(out) else {
                 continue;
             };
-            let is_own = |path: &Path| Handle::from_path(path).is_ok_and(|other| other == own);
+            let is_own = |path: &Path| handle(path).is_some_and(|other| other == own);
             let same = inputs.runs.iter().find(|input| is_own(&input.path));
             // A map or a store in a folder of runs is no run, and is left out.
             if let Some(input) = same.filter(|input| !input.found || input.is_readable()) {
@@ -114,7 +114,7 @@ impl<'a> FuseRequest<'a> {
             }
         }
         match self.store {
-            Some(store) if is_same_file(store, self.out).unwrap_or(false) => {
+            Some(store) if handle(store).is_some_and(|own| Some(own) == handle(self.out)) => {
                 refuse(self.out, "the store", store)
             }
             _ => Ok(()),

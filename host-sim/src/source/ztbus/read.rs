@@ -2,6 +2,7 @@
 
 use super::mission::{Mission, MissionRow};
 use crate::error::{Error, Result};
+use crate::files::kind::{self, Kind};
 use crate::files::limits::{self, Budget};
 use csv::StringRecord;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -48,7 +49,7 @@ impl Mission {
     /// few or too many fields, values that are not numbers, time that does not increase, or a
     /// mission without a GNSS fix.
     pub fn read(path: &Path) -> Result<Self> {
-        mission(path)
+        mission(path).map_err(|e| kind::explained(e, path, &[Kind::Mission]))
     }
 }
 
