@@ -39,8 +39,13 @@ pub(super) enum LoadDecision<S> {
 }
 
 impl LoadTest {
-    /// Opens the scale at a stop.
-    pub(super) fn open<S: Scalar>(&mut self, state: &mut State<S>, tuning: &Prior) {
+    /// Opens the scale at a stop, up to a sigma that is a part of it.
+    pub(super) fn open<S: Scalar>(
+        &mut self,
+        state: &mut State<S>,
+        relative_sigma: f32,
+        tuning: &Prior,
+    ) {
         let scale = StateIndex::Scale;
         // Two stops in a row: the scale from before the first one counts.
         let before = self.before.get_or_insert(ScaleBefore {
@@ -50,7 +55,7 @@ impl LoadTest {
         });
         before.driven_m = 0.0;
         before.variance += tuning.same_load_sigma * tuning.same_load_sigma;
-        let sigma = tuning.open_scale_sigma * (1.0 + state.mean[scale].to_f32());
+        let sigma = relative_sigma * (1.0 + state.mean[scale].to_f32());
         let lacking = S::from_f32(sigma * sigma) - state.covariance.variance(scale);
         state.covariance.add_variance(scale, lacking.max(S::ZERO));
     }

@@ -206,9 +206,15 @@ impl<S: Scalar> Filter<S> {
             energy_before,
             reset,
         } = predict(slot, &prediction, prior, scale_reset, context, sample)?;
-        // A drive that begins at a standstill shows its load by its launch.
         if is_first && !sample.mass_is_reported && prior.is_none() {
-            load.open(state, &context.tuning.prior);
+            let tuning = &context.tuning.prior;
+            // Without a launch, it takes kilometres to show a load that is not that of the file.
+            let sigma = if sample.end.speed_mps < context.tuning.detection.coast_mps {
+                tuning.open_scale_sigma
+            } else {
+                tuning.any_load_scale_sigma
+            };
+            load.open(state, sigma, tuning);
         }
         let hidden_slope_percent = if brake.may_brake() {
             context.tuning.detection.silent_brake_slope_percent
@@ -305,7 +311,8 @@ impl<S: Scalar> Filter<S> {
         if let Some(state) = &mut self.state
             && (sample.after_load_change || sample.after_stop)
         {
-            self.load.open(state, &context.tuning.prior);
+            let tuning = &context.tuning.prior;
+            self.load.open(state, tuning.open_scale_sigma, tuning);
             self.altitude.model_changed();
         }
     }

@@ -68,7 +68,7 @@ tuning! {
         traction_change_percent: f32 = 0.1, 0.0..=100.0, "%", "largest change of traction over weight in one cell that the road may have caused", "AASHTO: the sharpest crest for 80 km/h (K = 26) bends by 0.096";
         launch_mps2: f32 = 0.2, 0.0..=10.0, "m/s²", "acceleration above which a change of traction is no answer to the road", "cruise controls accelerate by less";
         jump_matters_percent: f32 = 0.1, 0.0..=100.0, "%", "slope that the unknown part of the scale makes of a change of traction, above which the change shows the scale", "as `traction_change_percent`";
-        jump_scale_sigma: f32 = 0.08, 0.0..=1.0, "1", "sigma of the scale, as a part of it, that such changes do not reach", "rotating mass, slip and timing at a launch are known no better";
+        jump_scale_sigma: f32 = 0.2, 0.0..=1.0, "1", "sigma of the scale, as a part of it, that such changes do not reach", "rotating mass, slip and timing at a launch are known no better";
         jump_noise: f32 = 0.5, 0.0..=10.0, "1", "error of a change of traction that no road causes, as a part of it, 1 sigma", "torque and speed signals have unlike delays";
         effect_change_length_m: f32 = 100.0, 2.5..=1e5, "m", "length of a change of an effect's slope that counts as one change", "chosen";
     }
@@ -85,7 +85,7 @@ tuning! {
         same_load: f32 = 0.05, 0.0..=1.0, "1", "largest relative change of the mass that is the same load", "scatter of axle loads";
         open_scale_sigma: f32 = 0.8, 1e-3..=10.0, "1", "scale after a stop, as a part of it: any load, 1 sigma", "an empty and a full combination are a factor of 2.6 apart";
         same_load_sigma: f32 = 0.03, 0.0..=1.0, "1", "change of the scale over a stop that is the same load, 1 sigma", "passengers, parcels, fuel";
-        same_load_sigmas: f32 = 2.0, 0.1..=100.0, "1", "difference of the scales before and after a stop, in sigmas, beyond which the load changed", "chosen: one false change in 80 stops";
+        same_load_sigmas: f32 = 2.5, 0.1..=100.0, "1", "difference of the scales before and after a stop, in sigmas, beyond which the load changed", "chosen: one false change in 80 stops";
         launch_m: f32 = 100.0, 2.5..=1e4, "m", "driven distance after which a launch has shown the scale", "gears up to half of the speed";
         launch_longest_m: f32 = 20_000.0, 2.5..=1e5, "m", "the same where it shows little", "chosen";
         launch_scale_sigma: f32 = 0.04, 1e-3..=10.0, "1", "relative sigma of the scale with which it is known well enough to be compared", "chosen: loads differ by more";
