@@ -212,7 +212,7 @@ impl<S: Scalar> Filter<S> {
             let sigma = if sample.end.speed_mps < context.tuning.detection.coast_mps {
                 tuning.open_scale_sigma
             } else {
-                tuning.any_load_scale_sigma
+                tuning.unreported_scale_sigma
             };
             load.open(state, sigma, tuning);
         }

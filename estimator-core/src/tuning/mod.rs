@@ -68,7 +68,7 @@ tuning! {
         traction_change_percent: f32 = 0.1, 0.0..=100.0, "%", "largest change of traction over weight in one cell that the road may have caused", "AASHTO: the sharpest crest for 80 km/h (K = 26) bends by 0.096";
         launch_mps2: f32 = 0.2, 0.0..=10.0, "m/s²", "acceleration above which a change of traction is no answer to the road", "cruise controls accelerate by less";
         jump_matters_percent: f32 = 0.1, 0.0..=100.0, "%", "slope that the unknown part of the scale makes of a change of traction, above which the change shows the scale", "as `traction_change_percent`";
-        jump_scale_sigma: f32 = 0.2, 0.0..=1.0, "1", "sigma of the scale, as a part of it, that such changes do not reach", "rotating mass, slip and timing at a launch are known no better";
+        jump_scale_sigma: f32 = 0.08, 0.0..=1.0, "1", "sigma of the scale, as a part of it, that such changes do not reach", "rotating mass, slip and timing at a launch are known no better";
         jump_noise: f32 = 0.5, 0.0..=10.0, "1", "error of a change of traction that no road causes, as a part of it, 1 sigma", "torque and speed signals have unlike delays";
         effect_change_length_m: f32 = 100.0, 2.5..=1e5, "m", "length of a change of an effect's slope that counts as one change", "chosen";
     }
@@ -77,6 +77,7 @@ tuning! {
     prior: Prior {
         slope_sigma_percent: f32 = 3.0, 0.01..=50.0, "%", "grade before anything is known, 1 sigma", "roads: standard deviation 1 to 3";
         scale_sigma: f32 = 0.1, 1e-4..=2.0, "1", "error of the traction scale (mass or torque), 1 sigma", "a parameter file for the load at hand: 0.1";
+        unreported_scale_sigma: f32 = 0.25, 1e-4..=2.0, "1", "the same where a drive begins in motion and nothing reports the mass, 1 sigma", "files of another load are common; wrong ones are found within kilometres";
         torque_sigma: f32 = 0.04, 0.0..=1.0, "1", "error of the engine torque as a part of it, 1 sigma: it is in the sigma of the mass", "engine torque is right within 4 %, 1 sigma";
         cold_tyre_rolling: f32 = 0.5, 0.0..=5.0, "1", "bias besides the usual at the start, as a part of the rolling resistance, 1 sigma", "cold tyres add 0.3 to 0.8 of it";
         kept_bias: f32 = 0.35, 0.0..=1.0, "1", "part of the bias that belongs to the vehicle and is kept for the next drive", "drag area and shape outlast a trip, weather and tyre temperature do not: 0.3 (12 t) to 0.4 (39 t) of the variance";
