@@ -140,7 +140,10 @@ impl NetTraction {
         let (jump_percent, jump_noise_percent) = if learned.changes_mislead {
             (0.0, jump_percent)
         } else if matters {
-            (jump_percent, context.tuning.process_noise.jump_noise * jump_percent)
+            (
+                jump_percent,
+                context.tuning.process_noise.jump_noise * jump_percent,
+            )
         } else {
             (0.0, 0.0)
         };

@@ -108,7 +108,8 @@ pub(super) fn process_noise<S: Scalar>(
     } else {
         tuning.invalid_noise_percent * tuning.invalid_noise_percent
     };
-    let energy_variance = gravity * gravity * (model_variance + jump_noise_percent * jump_noise_percent);
+    let energy_variance =
+        gravity * gravity * (model_variance + jump_noise_percent * jump_noise_percent);
     let walk = tuning.scale_walk_per_sqrt_km;
     PerState {
         kinetic_energy: S::from_f32(energy_variance),

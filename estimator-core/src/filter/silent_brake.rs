@@ -75,7 +75,10 @@ impl SilentBrake {
         let detection = &context.tuning.detection;
         let low = -innovation_m / libm::sqrtf(variance);
         // A single one may be an outlier.
-        let counted = Scalar::min(low - detection.silent_brake_slack, detection.silent_brake_most);
+        let counted = Scalar::min(
+            low - detection.silent_brake_slack,
+            detection.silent_brake_most,
+        );
         self.low_sum = Scalar::max(self.low_sum + counted, 0.0);
         if self.low_sum <= 0.0 {
             self.low_cells = 0;

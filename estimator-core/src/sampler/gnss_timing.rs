@@ -156,7 +156,10 @@ impl GnssTiming {
         let variance = |lag: usize| self.variance(lag);
         let usual = (assumed.micros() / STEP.micros()) as usize;
         let at_usual = Scalar::min(variance(usual), variance(usual + 1));
-        if best <= usual + 1 || variance(best) > tuning.timing_part * at_usual {
+        // What was learned stays until the assumed latency fits best.
+        let is_learned = self.latency.is_some();
+        let fits_as_well = !is_learned && variance(best) > tuning.timing_part * at_usual;
+        if best <= usual + 1 || fits_as_well {
             self.latency = None;
             return;
         }

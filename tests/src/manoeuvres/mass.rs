@@ -81,8 +81,8 @@ fn driven(road: &BenchRoad, drive: &MassPlan) -> Result<MassRow> {
     let driven = plan.driven(&road.road)?;
     let mut model = driven.vehicle.model.clone();
     model.vehicle.mass_kg *= *file_factor as f32;
-    let mut estimator = Estimator::<f32>::new(model, Tuning::default())
-        .expect("the simulator's vehicles can be");
+    let mut estimator =
+        Estimator::<f32>::new(model, Tuning::default()).expect("the simulator's vehicles can be");
     let judged_m = [JUDGED_M[0], STOP_M + JUDGED_M[1]];
     let mut stated = [None; 2];
     for frame in driven.received(&plan.edits) {

@@ -268,7 +268,10 @@ impl Comparison {
         let (difference_m, variance) = reference.difference(&self.segment, &self.fix);
         let test_ratio = difference_m * difference_m / variance;
         self.sum += test_ratio;
-        if self.worst.is_none_or(|worst| test_ratio >= worst.test_ratio) {
+        if self
+            .worst
+            .is_none_or(|worst| test_ratio >= worst.test_ratio)
+        {
             self.worst = Some(Contradiction {
                 test_ratio,
                 cell: reference.cell,
