@@ -156,10 +156,12 @@ impl GnssTiming {
         let variance = |lag: usize| self.variance(lag);
         let usual = (assumed.micros() / STEP.micros()) as usize;
         let at_usual = Scalar::min(variance(usual), variance(usual + 1));
-        // What was learned stays until the assumed latency fits best.
-        let is_learned = self.latency.is_some();
-        let fits_as_well = !is_learned && variance(best) > tuning.timing_part * at_usual;
-        if best <= usual + 1 || fits_as_well {
+        // What was learned stays until the advantage is half as large.
+        let part = match self.latency {
+            None => tuning.timing_part,
+            Some(_) => 0.5 * (1.0 + tuning.timing_part),
+        };
+        if best <= usual + 1 || variance(best) > part * at_usual {
             self.latency = None;
             return;
         }

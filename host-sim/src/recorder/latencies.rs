@@ -38,17 +38,17 @@ impl Latencies {
         }
     }
 
-    /// Returns the latency of the drive: the median since it was first learned. A receiver has one
-    /// latency; what a part of the drive shows of it scatters.
-    pub(super) fn of_drive(&self) -> Latency {
+    /// Returns the latency of the drive, if any other than the first was in use: the median since
+    /// then. A receiver has one latency; what a part of the drive shows of it scatters.
+    pub(super) fn learned(&self) -> Option<Latency> {
         let mut left = self.samples.values().sum::<usize>() / 2;
         for (latency, count) in &self.samples {
             if left < *count {
-                return *latency;
+                return Some(*latency);
             }
             left -= count;
         }
-        self.first.unwrap_or_default()
+        None
     }
 }
 
@@ -56,39 +56,42 @@ impl Latencies {
 mod tests {
     use super::*;
 
-    fn of_drive(millis: &[(u32, usize)]) -> Latency {
+    fn learned(millis: &[(u32, usize)]) -> Option<Latency> {
         let mut latencies = Latencies::default();
         for &(millis, count) in millis {
             for _ in 0..count {
                 latencies.note(Duration::from_millis(millis).into());
             }
         }
-        latencies.of_drive()
+        latencies.learned()
     }
 
     #[test]
-    fn the_first_one_counts_where_nothing_is_learned() {
-        assert_eq!(of_drive(&[]), Latency(0));
-        assert_eq!(of_drive(&[(150, 1_000)]), Latency(15));
+    fn one_latency_is_nothing_learned() {
+        assert_eq!(learned(&[]), None);
+        assert_eq!(learned(&[(150, 1_000)]), None);
     }
 
     #[test]
     fn what_is_learned_counts_for_the_whole_drive() {
-        assert_eq!(of_drive(&[(150, 1_000), (2_000, 1)]), Latency(200));
+        assert_eq!(learned(&[(150, 1_000), (2_000, 1)]), Some(Latency(200)));
         assert_eq!(
-            of_drive(&[
+            learned(&[
                 (150, 50),
                 (7_000, 20),
                 (4_990, 20),
                 (5_000, 60),
                 (5_010, 20)
             ]),
-            Latency(500)
+            Some(Latency(500))
         );
     }
 
     #[test]
     fn what_is_soon_taken_back_was_wrong() {
-        assert_eq!(of_drive(&[(150, 50), (7_000, 20), (150, 60)]), Latency(15));
+        assert_eq!(
+            learned(&[(150, 50), (7_000, 20), (150, 60)]),
+            Some(Latency(15))
+        );
     }
 }

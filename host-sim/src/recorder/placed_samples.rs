@@ -1,14 +1,14 @@
 //! Samples whose fixes are placed by what the whole drive has shown of the receiver.
 //!
 //! The estimator places a fix by the latency that it knows when the fix arrives. If the drive shows
-//! later that fixes are older, each was taken before where it was placed: an altitude lies farther
-//! behind the end of its cell, and a position belongs to an earlier time.
+//! later that fixes are older, each was taken before where it was placed: an altitude belongs to an
+//! earlier cell, and a position to an earlier time. Where nothing was learned, nothing is changed.
 
 use super::latencies::{Latencies, Latency};
 use crate::files::spool::{Spool, blocks};
 use crate::smooth::Samples;
 use estimator_core::Duration;
-use estimator_core::sample::Sample;
+use estimator_core::sample::{AltitudeMeasurement, Sample};
 use serde::{Deserialize, Serialize};
 use std::io;
 use std::ops::Range;
@@ -17,6 +17,8 @@ use std::ops::Range;
 const SLOT: usize = 139;
 /// Time between two fixes, s. At a standstill the receiver catches up after its latency and one fix.
 const FIX_S: f64 = 1.0;
+/// Least speed that divides a distance, m/s.
+const LEAST_MPS: f32 = 0.5;
 /// Samples on either side of one between which its position is looked for: 10 s at 70 m/s.
 const REACH: usize = 280;
 
@@ -45,17 +47,20 @@ impl PlacedSamples {
         })
     }
 
-    /// Returns the samples of a block, placed by this latency.
-    fn block(&mut self, block: Range<usize>, latency: Latency) -> io::Result<Vec<Sample>> {
-        let kept = self.kept.read(block.clone())?;
-        if kept.iter().all(|kept| kept.latency == latency) {
+    /// Returns the samples of a block.
+    fn block(&mut self, block: Range<usize>) -> io::Result<Vec<Sample>> {
+        let Some(latency) = self.latencies.learned() else {
+            let kept = self.kept.read(block)?;
             return Ok(kept.iter().map(|kept| kept.sample).collect());
-        }
+        };
         let from = block.start.saturating_sub(REACH);
         let to = self.kept.count().min(block.end + REACH);
         let around = self.kept.read(from..to)?;
-        let placed = |index: usize| placed(&around, index - from, latency);
-        Ok(block.map(placed).collect())
+        Ok(placed(
+            &around,
+            block.start - from..block.end - from,
+            latency,
+        ))
     }
 }
 
@@ -67,28 +72,61 @@ impl Samples for PlacedSamples {
     }
 
     fn each(&mut self, part: Range<usize>, mut take: impl FnMut(&Sample)) -> io::Result<()> {
-        let latency = self.latencies.of_drive();
         for block in blocks(part) {
-            self.block(block, latency)?.iter().for_each(&mut take);
+            self.block(block)?.iter().for_each(&mut take);
         }
         Ok(())
     }
 }
 
-/// Returns one of these samples, placed by a latency.
-fn placed(around: &[Kept], index: usize, latency: Latency) -> Sample {
-    let kept = &around[index];
-    let mut sample = kept.sample;
-    if kept.latency == latency {
-        return sample;
+/// Returns a part of these samples, with all fixes placed by this latency.
+fn placed(around: &[Kept], part: Range<usize>, latency: Latency) -> Vec<Sample> {
+    let position = |index: usize| {
+        let near = &around[index.saturating_sub(REACH)..around.len().min(index + REACH)];
+        position_e7(near, seconds(&around[index].sample), latency)
+    };
+    let without_altitude = |index: usize| {
+        let mut sample = around[index].sample;
+        sample.altitude = None;
+        sample.end.position_e7 = position(index);
+        sample
+    };
+    let mut samples: Vec<Sample> = part.clone().map(without_altitude).collect();
+    for kept in around {
+        let Some((altitude, taken_s)) = altitude(kept, latency) else {
+            continue;
+        };
+        let index = around.partition_point(|kept| seconds(&kept.sample) < taken_s);
+        if part.contains(&index) {
+            place(&mut samples[index - part.start], altitude, taken_s);
+        }
     }
-    if let Some(altitude) = &mut sample.altitude {
-        let late_s = latency.beyond_s(kept.latency) as f32;
-        altitude.behind_m += late_s * sample.end.speed_mps;
+    samples
+}
+
+/// Returns the altitude that a sample has, and when it was taken, s.
+fn altitude(kept: &Kept, latency: Latency) -> Option<(AltitudeMeasurement, f64)> {
+    let Kept {
+        sample,
+        latency: used,
+    } = kept;
+    let altitude = sample.altitude?;
+    let mps = f64::from(sample.end.speed_mps.max(LEAST_MPS));
+    let before_s = f64::from(altitude.behind_m) / mps + latency.beyond_s(*used);
+    Some((altitude, seconds(sample) - before_s))
+}
+
+/// Gives an altitude to the sample in whose cell it was taken. Where within a gap that was is not
+/// known.
+fn place(sample: &mut Sample, altitude: AltitudeMeasurement, taken_s: f64) {
+    if sample.gap_cells > 0 {
+        return;
     }
-    let near = &around[index.saturating_sub(REACH)..around.len().min(index + REACH)];
-    sample.end.position_e7 = position_e7(near, seconds(&sample), latency);
-    sample
+    let behind_m = (seconds(sample) - taken_s) as f32 * sample.end.speed_mps;
+    sample.altitude = Some(AltitudeMeasurement {
+        behind_m: behind_m.min(sample.length_m),
+        ..altitude
+    });
 }
 
 fn seconds(sample: &Sample) -> f64 {
