@@ -222,11 +222,11 @@ impl Sampler {
             | Signal::Passengers => {}
             Signal::Fan | Signal::YawRate | Signal::Course | Signal::GnssSpeed => {
                 let speed_mps = odometer.speed_mps();
-                if let (Signal::GnssSpeed, Some(mps)) = (reading.signal, value) {
-                    parts.compare_speeds(context, now, mps, speed_mps);
-                }
                 let signals = &mut parts.effect_signals;
                 signals.record(&context.tuning, now, reading.signal, value, speed_mps);
+                if let (Signal::GnssSpeed, Some(mps)) = (reading.signal, value) {
+                    self.compare_speeds(context, now, mps);
+                }
             }
         }
     }
@@ -248,9 +248,30 @@ impl Sampler {
     /// Returns the distance at which a fix that arrives now was taken, from the start of the open
     /// cell, m.
     fn fix_distance_m(&self, context: &Context, now: Instant) -> f32 {
-        let latency = self.gnss_latency(&context.tuning);
         let longest = context.tuning.hold_times.speed_timeout;
+        if let Some(way_m) = self.parts.gnss_timing.way_m(now) {
+            return self.odometer.distance_m(now, Duration::default(), longest) - way_m;
+        }
+        let latency = self.gnss_latency(&context.tuning);
         self.odometer.distance_m(now, latency, longest)
+    }
+
+    /// Compares a speed over ground with that of the wheels. If this shows another latency, the last
+    /// fixes move to where they were taken.
+    #[inline(never)] // See record().
+    fn compare_speeds(&mut self, context: &Context, now: Instant, ground_mps: f32) {
+        let Tuning {
+            hold_times,
+            detection,
+            ..
+        } = &context.tuning;
+        let before_m = self.fix_distance_m(context, now);
+        let timing = &mut self.parts.gnss_timing;
+        timing.ground(now, ground_mps, hold_times.gnss_latency, detection);
+        let metres = before_m - self.fix_distance_m(context, now);
+        if metres != 0.0 {
+            self.parts.gnss.put_back(metres);
+        }
     }
 
     /// Takes a reading of the GNSS receiver.
@@ -388,31 +409,6 @@ impl Parts {
             self.follow_driveline(context, now, speed_mps);
         } else if self.driveline_state.in_transition {
             self.hold_shift(context, now);
-        }
-    }
-
-    /// Compares a speed over ground with that of the wheels. If this shows another latency, the last
-    /// fixes move to where they were taken.
-    #[inline(never)] // See Sampler::record().
-    fn compare_speeds(
-        &mut self,
-        context: &Context,
-        now: Instant,
-        ground_mps: f32,
-        speed_mps: Option<f32>,
-    ) {
-        let Tuning {
-            hold_times,
-            detection,
-            ..
-        } = &context.tuning;
-        let assumed = hold_times.gnss_latency;
-        let before = self.gnss_timing.latency(assumed);
-        self.gnss_timing.ground(now, ground_mps, assumed, detection);
-        let after = self.gnss_timing.latency(assumed);
-        if let Some(speed_mps) = speed_mps.filter(|_| after != before) {
-            let later_s = after.seconds() - before.seconds();
-            self.gnss.put_back(speed_mps * later_s);
         }
     }
 
