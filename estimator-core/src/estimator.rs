@@ -12,7 +12,7 @@ use crate::sampler::Sampler;
 use crate::scalar::Scalar;
 use crate::signal::Reading;
 use crate::smoother::FixedLag;
-use crate::time::Instant;
+use crate::time::{Duration, Instant};
 use crate::tuning::Tuning;
 use crate::vehicle::ParameterError;
 use embedded_can::Frame;
@@ -185,6 +185,13 @@ impl<S: Scalar> Estimator<S> {
     #[must_use]
     pub const fn sample(&self) -> Option<&Sample> {
         self.sample.as_ref()
+    }
+
+    /// Returns the age of a GNSS fix when it arrives, by which fixes are placed: that which the drive
+    /// has shown so far, or the assumed one.
+    #[must_use]
+    pub fn gnss_latency(&self) -> Duration {
+        self.sampler.gnss_latency(self.tuning())
     }
 
     /// Returns what this drive leaves for the next one. It is `None` before 5 km with GNSS, and if

@@ -229,16 +229,21 @@ impl Gnss {
 
     /// Closes a cell: distances count from its end.
     pub(super) fn cell_closed(&mut self) {
+        self.put_back(CELL_LENGTH_M);
+    }
+
+    /// Puts all fixes back by a distance.
+    pub(super) fn put_back(&mut self, metres: f32) {
         let fixes = [&mut self.fix, &mut self.earlier_fix, &mut self.doubted_fix];
         for fix in fixes.into_iter().flatten() {
-            fix.at_m -= CELL_LENGTH_M;
-            fix.since_m -= CELL_LENGTH_M;
+            fix.at_m -= metres;
+            fix.since_m -= metres;
         }
         if let Some((_, at_m)) = &mut self.altitude {
-            *at_m -= CELL_LENGTH_M;
+            *at_m -= metres;
         }
         if let Some(repeated) = &mut self.repeated {
-            repeated.from_m -= CELL_LENGTH_M;
+            repeated.from_m -= metres;
         }
     }
 

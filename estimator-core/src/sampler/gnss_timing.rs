@@ -54,6 +54,24 @@ impl GnssTiming {
         self.latency.unwrap_or(assumed)
     }
 
+    /// Returns the way since a fix that arrives now was taken, m; `None` unless a latency was learned
+    /// and the speeds since then are known.
+    pub(super) fn way_m(&self, now: Instant) -> Option<f32> {
+        if usize::from(self.filled) <= LAGS {
+            return None;
+        }
+        let latency_s = self.latency?.seconds();
+        let newest_s = Scalar::min(now.since(self.newest?).seconds(), latency_s);
+        let mut left_s = latency_s - newest_s;
+        let mut way_m = newest_s * self.wheels_mps[0];
+        for pair in self.wheels_mps.windows(2) {
+            let piece_s = Scalar::min(left_s, STEP.seconds());
+            way_m += piece_s * 0.5 * (pair[0] + pair[1]);
+            left_s -= piece_s;
+        }
+        Some(way_m * self.factor)
+    }
+
     /// Returns true over measured wheel speed; one unless they differ by more than wheels wear.
     pub(super) const fn speed_factor(&self) -> f32 {
         self.factor
@@ -156,7 +174,12 @@ impl GnssTiming {
         let variance = |lag: usize| self.variance(lag);
         let usual = (assumed.micros() / STEP.micros()) as usize;
         let at_usual = Scalar::min(variance(usual), variance(usual + 1));
-        if best <= usual + 1 || variance(best) > tuning.timing_part * at_usual {
+        // What was learned stays until the advantage is half as large.
+        let part = match self.latency {
+            None => tuning.timing_part,
+            Some(_) => 0.5 * (1.0 + tuning.timing_part),
+        };
+        if best <= usual + 1 || variance(best) > part * at_usual {
             self.latency = None;
             return;
         }

@@ -40,7 +40,8 @@ use crate::effect::Acts;
 use crate::sample::{AltitudeContinuity, EffectInputs, ForceInputs, Sample};
 use crate::scalar::Scalar;
 use crate::signal::{Reading, Signal, Value};
-use crate::time::Instant;
+use crate::time::{Duration, Instant};
+use crate::tuning::Tuning;
 use crate::vehicle::{Driveline, Traction, air_density};
 use accepted_ranges::SPEEDS_MPS;
 use brake_detector::BrakeDetector;
@@ -137,6 +138,14 @@ impl Sampler {
         self.samples.pop_front()
     }
 
+    /// Returns the age of a fix when it arrives: that which the speeds show, or the assumed one.
+    #[must_use]
+    pub fn gnss_latency(&self, tuning: &Tuning) -> Duration {
+        self.parts
+            .gnss_timing
+            .latency(tuning.hold_times.gnss_latency)
+    }
+
     /// Starts the drive with the first input, if it has not started.
     pub fn start(&mut self, now: Instant) {
         self.odometer.start(now);
@@ -213,13 +222,11 @@ impl Sampler {
             | Signal::Passengers => {}
             Signal::Fan | Signal::YawRate | Signal::Course | Signal::GnssSpeed => {
                 let speed_mps = odometer.speed_mps();
-                if let (Signal::GnssSpeed, Some(mps)) = (reading.signal, value) {
-                    let assumed = context.tuning.hold_times.gnss_latency;
-                    let timing = &mut parts.gnss_timing;
-                    timing.ground(now, mps, assumed, &context.tuning.detection);
-                }
                 let signals = &mut parts.effect_signals;
                 signals.record(&context.tuning, now, reading.signal, value, speed_mps);
+                if let (Signal::GnssSpeed, Some(mps)) = (reading.signal, value) {
+                    self.compare_speeds(context, now, mps);
+                }
             }
         }
     }
@@ -241,10 +248,30 @@ impl Sampler {
     /// Returns the distance at which a fix that arrives now was taken, from the start of the open
     /// cell, m.
     fn fix_distance_m(&self, context: &Context, now: Instant) -> f32 {
-        let hold_times = &context.tuning.hold_times;
-        let latency = self.parts.gnss_timing.latency(hold_times.gnss_latency);
-        self.odometer
-            .distance_m(now, latency, hold_times.speed_timeout)
+        let longest = context.tuning.hold_times.speed_timeout;
+        if let Some(way_m) = self.parts.gnss_timing.way_m(now) {
+            return self.odometer.distance_m(now, Duration::default(), longest) - way_m;
+        }
+        let latency = self.gnss_latency(&context.tuning);
+        self.odometer.distance_m(now, latency, longest)
+    }
+
+    /// Compares a speed over ground with that of the wheels. If this shows another latency, the last
+    /// fixes move to where they were taken.
+    #[inline(never)] // See record().
+    fn compare_speeds(&mut self, context: &Context, now: Instant, ground_mps: f32) {
+        let Tuning {
+            hold_times,
+            detection,
+            ..
+        } = &context.tuning;
+        let before_m = self.fix_distance_m(context, now);
+        let timing = &mut self.parts.gnss_timing;
+        timing.ground(now, ground_mps, hold_times.gnss_latency, detection);
+        let metres = before_m - self.fix_distance_m(context, now);
+        if metres != 0.0 {
+            self.parts.gnss.put_back(metres);
+        }
     }
 
     /// Takes a reading of the GNSS receiver.

@@ -1,9 +1,10 @@
 //! Runs the estimator over one drive and stores its output.
 
 use super::long_run::{LongRun, Rows, SmoothedRun, no_room};
+use super::placed_samples::PlacedSamples;
 use crate::error::Result;
 use crate::files::run::RunRow;
-use crate::files::spool::{Spool, blocks};
+use crate::files::spool::Spool;
 use crate::smooth::{Samples, SmoothedCell, smooth_segments};
 use crate::source::can_frame::TimedFrame;
 use crate::source::input::LogInput;
@@ -14,10 +15,8 @@ use estimator_core::{
 };
 use serde::{Deserialize, Serialize};
 use std::io;
-use std::ops::Range;
 
-/// Slot sizes of the entries, bytes. Integers of variable length count with their longest form.
-const SAMPLE_SLOT: usize = 136;
+/// Slot size of the grades, bytes.
 const GRADES_SLOT: usize = 18;
 
 /// Grades of a cell that were available during the drive, %, and whether nothing disagreed.
@@ -34,7 +33,7 @@ struct OnlineGrades {
 pub struct Recorder<S> {
     estimator: Estimator<S>,
     start: Option<Instant>,
-    samples: Spool<Sample, SAMPLE_SLOT>,
+    samples: PlacedSamples,
     grades: Spool<OnlineGrades, GRADES_SLOT>,
     /// The cells that the last input finished.
     new_cells: Vec<Cell>,
@@ -104,7 +103,8 @@ impl<S: Scalar> Recorder<S> {
         self.new_cells.clear();
         while self.estimator.step().is_some() {
             if let Some(sample) = self.estimator.sample() {
-                let kept = self.samples.push(sample);
+                let latency = self.estimator.gnss_latency();
+                let kept = self.samples.push(sample, latency);
                 self.note_failure(kept);
             }
             while let Some(cell) = self.estimator.next_cell() {
@@ -214,28 +214,13 @@ impl<S: Scalar> Recorder<S> {
     }
 }
 
-impl Samples for Spool<Sample, SAMPLE_SLOT> {
-    type Error = io::Error;
-
-    fn count(&self) -> usize {
-        Self::count(self)
-    }
-
-    fn each(&mut self, part: Range<usize>, mut take: impl FnMut(&Sample)) -> io::Result<()> {
-        for block in blocks(part) {
-            self.read(block)?.iter().for_each(&mut take);
-        }
-        Ok(())
-    }
-}
-
 impl<S> From<Estimator<S>> for Recorder<S> {
     /// Creates a recorder of the drive that this estimator begins.
     fn from(estimator: Estimator<S>) -> Self {
         Self {
             estimator,
             start: None,
-            samples: Spool::default(),
+            samples: PlacedSamples::default(),
             grades: Spool::default(),
             new_cells: Vec::new(),
             trouble: None,

@@ -5,8 +5,10 @@
 
 mod drive_recorder;
 mod estimate_log;
+mod latencies;
 mod long_run;
 mod missing;
+mod placed_samples;
 mod summary;
 pub mod verdict;
 

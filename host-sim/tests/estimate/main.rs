@@ -5,6 +5,7 @@ mod consistency;
 mod end_to_end;
 mod faulty_drive;
 mod gnss_faults;
+mod late_receiver;
 mod persistent_state;
 mod receiver_filters;
 mod reversing;

@@ -1,4 +1,4 @@
-//! Receivers that smooth their altitudes, or are late.
+//! Receivers that smooth their altitudes.
 
 use crate::faulty_drive::{Timed, edited, judged, reported, simulated};
 use estimator_core::Signal;
@@ -57,52 +57,4 @@ fn altitudes_of_a_slow_receiver_are_used_again_after_a_stop() {
     assert!(used + 120 > fixes, "{used} of {fixes}");
     let sigma_m = found.rows.last().unwrap().altitude_sigma_m.unwrap();
     assert!(sigma_m < 10.0, "{sigma_m} m");
-}
-
-/// Returns the distances, and the places stated there, over the last 10 km.
-fn places(rows: &[RunRow]) -> Vec<(f64, f64, f64)> {
-    let rows = rows.iter().filter(|row| row.distance_m > 10_000.0);
-    rows.filter_map(|row| Some((row.distance_m, row.latitude_deg?, row.longitude_deg?)))
-        .collect()
-}
-
-fn apart_m(a: &(f64, f64, f64), b: &(f64, f64, f64)) -> f64 {
-    let north = 111_132.0 * (a.1 - b.1);
-    let east = 111_132.0 * a.1.to_radians().cos() * (a.2 - b.2);
-    north.hypot(east)
-}
-
-#[test]
-fn a_late_receiver_moves_no_place() {
-    const RECEIVER: [Signal; 5] = [
-        Signal::Latitude,
-        Signal::Longitude,
-        Signal::Altitude,
-        Signal::GnssSpeed,
-        Signal::Course,
-    ];
-    let run = simulated("A", 10, 20, "", "");
-    let prompt = reported(&run);
-    let expected = places(&judged(&run, &prompt, f64::INFINITY).rows);
-    for late_s in [1.0, 2.0, 5.0] {
-        let mut late = prompt.clone();
-        for (seconds, signal, _) in &mut late {
-            if RECEIVER.contains(signal) {
-                *seconds += late_s;
-            }
-        }
-        late.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let found = judged(&run, &late, f64::INFINITY);
-        found.keeps_the_rule(&format!("{late_s} s late"));
-        let pairs: Vec<f64> = places(&found.rows)
-            .iter()
-            .zip(&expected)
-            .filter(|(a, b)| a.0 == b.0)
-            .map(|(a, b)| apart_m(a, b))
-            .collect();
-        assert!(pairs.len() > 3_000, "{}", pairs.len());
-        // 22 m for each second, if the latency is not known.
-        let mean_m = pairs.iter().sum::<f64>() / pairs.len() as f64;
-        assert!(mean_m < 2.0 + late_s, "{late_s} s late: {mean_m} m");
-    }
 }
