@@ -15,6 +15,7 @@ use crate::cell::Condition;
 use crate::context::Context;
 use crate::sample::Sample;
 use crate::scalar::Scalar;
+use crate::vehicle::Traction;
 
 /// Whether the vehicle brakes without a report.
 #[derive(Clone, Copy, Debug, Default)]
@@ -40,7 +41,9 @@ impl SilentBrake {
     pub(super) fn advance(&mut self, context: &Context, sample: &Sample) -> Option<Sample> {
         let forces = &sample.forces;
         let most = 0.01 * context.tuning.detection.silent_brake_traction_percent;
-        if forces.traction_n > most * forces.weight_n() {
+        // The braking of motors is part of a measured force.
+        let is_measured = context.model.vehicle.traction == Traction::Force;
+        if is_measured || forces.traction_n > most * forces.weight_n() {
             *self = Self {
                 has_braked: self.has_braked,
                 ..Self::default()

@@ -56,6 +56,11 @@ impl Reversing {
 
     fn follow_course(&mut self, tuning: &Tuning, signals: &DirectionSignals) {
         let detection = &tuning.detection;
+        if self.is_reversing && signals.speed_mps > detection.reverse_fastest_mps {
+            // It turned round where courses were bad.
+            self.is_reversing = false;
+            self.heading_deg = None;
+        }
         let (Some(stood), Some(heading_deg), Some((course_deg, taken))) =
             (self.stood, self.heading_deg, signals.course)
         else {

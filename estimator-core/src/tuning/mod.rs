@@ -193,6 +193,7 @@ tuning! {
         speed_scale_change: f32 = 0.03, 0.0..=1.0, "1", "relative difference of wheel speed and speed over ground above which the wheel speed is scaled", "worn tyres make 0.02";
         turn_length_m: f32 = 50.0, 1.0..=1e4, "m", "length over which the change of course is averaged", "a receiver's course scatters by 0.3°";
         reverse_course_mps: f32 = 0.8, 0.0..=20.0, "m/s", "lowest speed at which a course shows the direction of motion", "receivers scatter it by tens of degrees there";
+        reverse_fastest_mps: f32 = 5.0, 0.0..=100.0, "m/s", "highest speed of a vehicle that reverses by its course alone", "no driver reverses at 18 km/h";
         reverse_turned_deg: f32 = 120.0, 90.0..=180.0, "°", "change of course over a stop beyond which the vehicle reverses", "no vehicle turns so far within metres";
         standing_mps: f32 = 0.1, 0.0..=2.0, "m/s", "speed below which a vehicle stands", "wheel sensors report zero from about there";
         mass_change: f32 = 0.15, 0.0..=10.0, "1", "relative change of the reported mass at stops that is another load", "weighings and passenger counts report less well enough";
