@@ -26,9 +26,15 @@ impl ScaleBounds {
     pub(super) fn keep<S: Scalar>(&mut self, state: &mut State<S>, tuning: &Prior) -> KeptScale {
         let scale = 1.0 + state.mean[Scale].to_f32();
         let bounded = Scalar::min(tuning.scale_high, Scalar::max(tuning.scale_low, scale));
-        // While little is known of it, it passes its bounds on the way to where it is.
+        // While little is known of it, it passes its bounds on the way to where it is. Not once it is
+        // set to them: that widens its sigma each time.
         let beyond = (scale - bounded).abs();
-        if beyond <= 0.5 * state.sigma(Scale).to_f32() {
+        let allowed = if self.changes_mislead {
+            0.0
+        } else {
+            0.5 * state.sigma(Scale).to_f32()
+        };
+        if beyond <= allowed {
             return KeptScale::Within;
         }
         let covariance = &mut state.covariance;

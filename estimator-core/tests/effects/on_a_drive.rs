@@ -1,17 +1,18 @@
 //! An adopted effect that a vehicle has leaves its estimates as they are without the effect. The
 //! uncertainty of its amount is part of theirs.
 
-use estimator_core::effect::{self, CATALOGUE};
+use estimator_core::effect::{self, CATALOGUE, Effect};
+use estimator_core::filter::ModelMass;
 use estimator_core::vehicle::GRAVITY;
 use estimator_core::{
     AdoptedEffect, Estimate, Estimator, Model, PersistentStateError, Tuning, VehicleParameters,
 };
-use test_kit::by_force;
 use test_kit::effect_drive::{
     DEG_PER_KM, PLAIN, PlantedDifference, START_LATITUDE_DEG, VehicleMoment, drive,
 };
 use test_kit::hilly_drive::KEPT;
-use test_kit::truck;
+use test_kit::readings_drive::ReadingsDrive;
+use test_kit::{FilterRun, by_force, truck};
 
 const SECONDS: f32 = 400.0;
 const WEIGHT_N: f32 = 39_000.0 * GRAVITY;
@@ -150,7 +151,6 @@ fn a_known_scale_does_not_change_the_estimates() {
 #[test]
 fn masses_reported_on_the_bus_are_scaled_too() {
     use estimator_core::Signal;
-    use test_kit::readings_drive::ReadingsDrive;
     let heavier = with(by_force(), &[adopted("mass", 0.1, &[])]);
     let mut drive = ReadingsDrive::of(heavier);
     let readings = [
@@ -181,18 +181,45 @@ fn sigmas(adopted: AdoptedEffect) -> [f32; 3] {
     ]
 }
 
+/// Returns the same sigmas after 100 m of a steady climb, where the bus reports the mass.
+fn sigmas_of_a_reported_mass(adopted: AdoptedEffect) -> [f32; 3] {
+    use estimator_core::Signal;
+    let model = with(by_force(), &[adopted]);
+    let readings = [
+        (Signal::Mass, 39_000.0),
+        (Signal::TractionForce, 12_000.0),
+        (Signal::WheelSpeed, 20.0),
+    ];
+    let mut run = FilterRun::<f32>::new(model.clone(), Tuning::default());
+    let samples = ReadingsDrive::of(model).on(5.0, &readings);
+    assert!(samples.iter().all(|sample| sample.mass_is_reported));
+    let last = samples.iter().filter_map(|sample| run.step(sample)).last();
+    let estimate = last.unwrap().state.estimate(&ModelMass::default());
+    [
+        estimate.bias_percent.sigma,
+        estimate.scale.sigma,
+        estimate.grade_percent.sigma,
+    ]
+}
+
+fn acts_on_the_scale(effect: &Effect) -> bool {
+    matches!(effect.name, "mass" | "torque_scale")
+}
+
 #[test]
 fn uncertainty_of_an_amount_is_uncertainty_of_the_grade() {
     for effect in CATALOGUE {
+        let on_scale = acts_on_the_scale(effect);
         let of_sigma = |sigmas_of_typical: f32| {
-            sigmas(AdoptedEffect::new(
-                effect,
-                0.0,
-                sigmas_of_typical * effect.typical,
-            ))
+            let adopted = AdoptedEffect::new(effect, 0.0, sigmas_of_typical * effect.typical);
+            if on_scale {
+                sigmas_of_a_reported_mass(adopted)
+            } else {
+                sigmas(adopted)
+            }
         };
         let [certain, uncertain, more] = [0.0, 1.0, 3.0].map(of_sigma);
-        let which = usize::from(matches!(effect.name, "mass" | "torque_scale"));
+        let which = usize::from(on_scale);
         eprintln!("{}: {certain:?} {uncertain:?} {more:?}", effect.name);
         assert!(
             certain[which] < uncertain[which] && uncertain[which] < more[which],
@@ -202,6 +229,29 @@ fn uncertainty_of_an_amount_is_uncertainty_of_the_grade() {
         assert!(
             certain[2] < uncertain[2] && uncertain[2] < more[2],
             "{}",
+            effect.name
+        );
+    }
+}
+
+/// Where nothing reports the mass, the load may be any. Only an amount that is known less than that
+/// makes the scale less sure.
+#[test]
+fn an_open_load_covers_a_smaller_uncertainty_of_the_scale() {
+    for effect in CATALOGUE.iter().filter(|effect| acts_on_the_scale(effect)) {
+        let of_sigma = |amount_sigma| sigmas(AdoptedEffect::new(effect, 0.0, amount_sigma));
+        let any_load = Tuning::default().prior.any_load_scale_sigma;
+        let [certain, covered, more] = [0.0, 0.5 * any_load, 2.0 * any_load].map(of_sigma);
+        for (certain, covered) in certain.iter().zip(&covered) {
+            assert!(
+                (covered / certain - 1.0).abs() < 1e-3,
+                "{}: {certain} {covered}",
+                effect.name
+            );
+        }
+        assert!(
+            more[1] > 1.1 * certain[1] && more[2] > certain[2],
+            "{}: {certain:?} {more:?}",
             effect.name
         );
     }

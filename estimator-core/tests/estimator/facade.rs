@@ -131,6 +131,8 @@ fn braking_makes_unsure_and_invalid_until_its_hold_is_over() {
     let mut cells = Vec::new();
     for ms in (0..60_000).step_by(100) {
         let braking = (30_000..32_000).contains(&ms);
+        // An open load would make the grade unsure before the brake does.
+        put(&mut estimator, ms * 1000, Signal::Mass, 39_000.0);
         put(&mut estimator, ms * 1000, Signal::TractionForce, 4_000.0);
         put(
             &mut estimator,

@@ -23,6 +23,8 @@ fn drive_with_fixes(fix: impl Fn(u32, f32) -> Option<f32>) -> (Vec<FilteredStep<
     let cells = (1..=4_000_u32)
         .map(|k| {
             let mut s = sample(k, force_n, 20.0);
+            // The file is right, so that only the receiver can be wrong.
+            s.mass_is_reported = true;
             s.speed = speed(20.0 + 0.013 * noise.draw());
             if k % 8 == 0 {
                 s.altitude = fix(k, 100.0 + 0.3 * noise.draw()).and_then(altitude);

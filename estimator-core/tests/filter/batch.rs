@@ -9,6 +9,55 @@ use proptest::prelude::*;
 use test_kit::dense::{BIAS, LearnedByThen, SCALE, SLOPE, WIND, dense_model, net_tractions};
 use test_kit::{FilteredStep, altitude, sample, speed};
 
+/// A cell as the model moves over it.
+struct Motion {
+    /// Net traction at its end, %.
+    net_traction: f64,
+    /// Whether the vehicle gains speed faster than a road lets it.
+    launches: bool,
+}
+
+/// Returns the motion over each cell. What turns engine and wheels does not move the mass: it is no
+/// net traction. The speed gained is counted from what the filter knew at the start of the cell.
+fn motions(samples: &[Sample], cells: &[FilteredStep<f64>], tuning: &Tuning) -> Vec<Motion> {
+    let mut held = None;
+    let gross = net_tractions(samples);
+    (0..samples.len())
+        .map(|k| {
+            let sample = &samples[k];
+            let gained = if k == 0 {
+                0.0
+            } else {
+                let mps = f64::from(sample.end.speed_mps);
+                let before = cells[k - 1].state.mean[StateIndex::KineticEnergy];
+                (0.5 * mps * mps - before) / f64::from(sample.length_m)
+            };
+            let weight = f64::from(sample.forces.mass_kg) * 9.806_65;
+            let turning = 100.0 * f64::from(sample.forces.rotating_kg) * gained / weight;
+            let net_traction = match held {
+                Some(held) if !sample.end.condition.is_valid() => held,
+                _ => gross[k] - turning,
+            };
+            held = Some(net_traction);
+            Motion {
+                net_traction,
+                launches: gained > f64::from(tuning.process_noise.launch_mps2),
+            }
+        })
+        .collect()
+}
+
+/// Returns the tuning by which changes of traction show the scale in a cell: at a launch all of
+/// each change does.
+fn tuning_in(motion: &Motion, tuning: &Tuning) -> Tuning {
+    let mut tuning = tuning.clone();
+    if motion.launches {
+        tuning.process_noise.traction_change_percent = 0.0;
+        tuning.process_noise.jump_matters_percent = 0.0;
+    }
+    tuning
+}
+
 /// Observed states of a speed.
 pub const SPEED: &[StateIndex] = &[StateIndex::KineticEnergy];
 /// Observed states of a scale from before a stop.
@@ -55,7 +104,7 @@ fn learned(cells: &[FilteredStep<f64>], tuning: &Tuning) -> Vec<LearnedByThen> {
 fn opened(before: &FilteredStep<f64>, tuning: &Tuning) -> f64 {
     let scale = 1.0 + before.state.mean[StateIndex::Scale];
     let any = f64::from(tuning.prior.open_scale_sigma) * scale;
-    any * any - before.state.covariance.variance(StateIndex::Scale)
+    (any * any - before.state.covariance.variance(StateIndex::Scale)).max(0.0)
 }
 
 /// Returns slope and sigma of each cell, from the joint distribution of all states of all cells,
@@ -65,7 +114,7 @@ pub fn batch(samples: &[Sample], cells: &[FilteredStep<f64>], tuning: &Tuning) -
     let size = n * STATES;
     let mut mean = DVector::zeros(size);
     let mut covariance = DMatrix::zeros(size, size);
-    let net_tractions = net_tractions(samples);
+    let motions = motions(samples, cells, tuning);
     let learned = learned(cells, tuning);
     let first = &cells[0].state;
     mean.rows_mut(0, STATES)
@@ -81,8 +130,13 @@ pub fn batch(samples: &[Sample], cells: &[FilteredStep<f64>], tuning: &Tuning) -
             0.0
         };
         known.scale_sigma = (known.scale_sigma.powi(2) + opened).sqrt();
-        let net_traction = (net_tractions[k - 1], net_tractions[k]);
-        let (f, input, q) = dense_model(sample, net_traction, known, tuning);
+        // Where the scale is known, changes of traction show nothing of it.
+        if known.scale_sigma <= f64::from(tuning.process_noise.jump_scale_sigma) * known.scale {
+            known.scale_sigma = 0.0;
+        }
+        let net_traction = (motions[k - 1].net_traction, motions[k].net_traction);
+        let tuning = tuning_in(&motions[k], tuning);
+        let (f, input, q) = dense_model(sample, net_traction, known, &tuning);
         let (now, before) = (k * STATES, (k - 1) * STATES);
         let moved = &f * mean.rows(before, STATES) + input;
         mean.rows_mut(now, STATES).copy_from(&moved);
@@ -103,6 +157,9 @@ pub fn batch(samples: &[Sample], cells: &[FilteredStep<f64>], tuning: &Tuning) -
             .copy_from(&within);
     }
     let mut rows = Vec::new();
+    // The scale that a load is compared with: of the file at the start, unless its mass is reported;
+    // later the one before a stop. Of two in a row the first counts.
+    let mut scale_before = (!samples[0].mass_is_reported).then_some(0.0);
     // The first state already contains the measurements of its cell.
     for (k, sample) in samples.iter().enumerate().skip(1) {
         let mut push = |states: &[StateIndex], value: f64, variance: f64| {
@@ -116,11 +173,12 @@ pub fn batch(samples: &[Sample], cells: &[FilteredStep<f64>], tuning: &Tuning) -
             let v = f64::from(speed.mean_mps);
             push(SPEED, 0.5 * v * v, measured_variance(&used, SPEED));
         }
+        if sample.after_stop {
+            scale_before.get_or_insert(cells[k - 1].state.mean[StateIndex::Scale]);
+        }
         // The scale from before a stop, if it is taken here.
         if let Some((Observation::Scale, used)) = cells[k].record.smoother_input.second {
-            let stop = samples[..=k].iter().rposition(|sample| sample.after_stop);
-            let known = &cells[stop.expect("a stop") - 1].state;
-            let scale = known.mean[StateIndex::Scale];
+            let scale = scale_before.take().expect("a stop or a start");
             push(SCALE_BEFORE, scale, measured_variance(&used, SCALE_BEFORE));
         }
         // Altitudes that passed the gate, with the variance that was learned by then.
@@ -149,7 +207,7 @@ pub fn batch(samples: &[Sample], cells: &[FilteredStep<f64>], tuning: &Tuning) -
             h[k * STATES + SLOPE] = 1.0;
             h[k * STATES + BIAS] = -1.0;
             h[k * STATES + WIND] = -1.0;
-            h[k * STATES + SCALE] = net_tractions[k];
+            h[k * STATES + SCALE] = motions[k].net_traction;
             (h.dot(&posterior), (h.transpose() * &spread * &h)[0].sqrt())
         })
         .collect()

@@ -6,6 +6,7 @@ mod batch;
 mod fixed_point_drive;
 mod gross_mass;
 mod independent_solutions;
+mod loads;
 mod scale_bounds;
 mod states;
 mod statistics;
