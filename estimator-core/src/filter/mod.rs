@@ -58,6 +58,7 @@ use crate::counters::count;
 use crate::sample::{Sample, SpeedMeasurement};
 use crate::scalar::Scalar;
 use crate::tuning::Tuning;
+use crate::vehicle::Traction;
 use altitude_update::AltitudeUpdate;
 use effect_uncertainty::EffectUncertainty;
 use error_levels::{ErrorLevels, LevelCell};
@@ -171,7 +172,9 @@ impl<S: Scalar> Filter<S> {
         let braked = self.brake.advance(context, sample);
         let sample = braked.as_ref().unwrap_or(sample);
         let is_first = self.state.is_none();
+        let steps_count = context.model.vehicle.traction != Traction::Force;
         if self.speed.take_step()
+            && steps_count
             && let Some(state) = &mut self.state
         {
             allow_step(state, &context.tuning.gates);

@@ -8,6 +8,7 @@ use super::state_index::{PerState, StateIndex};
 use crate::context::Context;
 use crate::sample::Sample;
 use crate::scalar::Scalar;
+use crate::vehicle::Traction;
 
 /// A prediction: F, the input, and Q.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -136,8 +137,10 @@ impl NetTraction {
             before
         };
         let change = percent - before;
-        // A driver who launches does not answer the road.
-        let launches = gained > context.tuning.process_noise.launch_mps2;
+        // A driver who launches does not answer the road. The timing of a measured force against the
+        // speed makes larger steps than loads do.
+        let is_engine = context.model.vehicle.traction != Traction::Force;
+        let launches = is_engine && gained > context.tuning.process_noise.launch_mps2;
         let of_the_road = if launches {
             0.0
         } else {
@@ -151,7 +154,8 @@ impl NetTraction {
             let sigma = state.sigma(StateIndex::Scale).to_f32();
             let scale = 1.0 + state.mean[StateIndex::Scale].to_f32();
             let shows = launches || sigma * jump_percent.abs() > process.jump_matters_percent;
-            shows && sigma > process.jump_scale_sigma * scale
+            let least = if is_engine { process.jump_scale_sigma } else { 0.0 };
+            shows && sigma > least * scale
         });
         let (jump_percent, jump_noise_percent) = if learned.changes_mislead {
             (0.0, jump_percent)
