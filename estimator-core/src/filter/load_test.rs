@@ -27,6 +27,17 @@ struct ScaleBefore {
     variance: f32,
     /// Distance driven since with a valid model, m.
     driven_m: f32,
+    opened: Opened,
+}
+
+/// Where the load was opened.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Opened {
+    /// At a standstill: a launch follows.
+    Standing,
+    /// Where a drive begins in motion. It takes kilometres to show a load that is not that of the
+    /// file.
+    Moving,
 }
 
 /// What the launch shows.
@@ -39,22 +50,30 @@ pub(super) enum LoadDecision<S> {
 }
 
 impl LoadTest {
-    /// Opens the scale at a stop, up to a sigma that is a part of it.
-    pub(super) fn open<S: Scalar>(
-        &mut self,
-        state: &mut State<S>,
-        relative_sigma: f32,
-        tuning: &Prior,
-    ) {
+    /// Returns whether the vehicle launches with a load that is not known yet.
+    pub(super) fn is_launching(&self, tuning: &Prior) -> bool {
+        self.before.is_some_and(|before| {
+            before.opened == Opened::Standing && before.driven_m < tuning.launch_longest_m
+        })
+    }
+
+    /// Opens the scale: its load may be any.
+    pub(super) fn open<S: Scalar>(&mut self, state: &mut State<S>, opened: Opened, tuning: &Prior) {
         let scale = StateIndex::Scale;
         // Two stops in a row: the scale from before the first one counts.
         let before = self.before.get_or_insert(ScaleBefore {
             error: state.mean[scale].to_f32(),
             variance: state.covariance.variance(scale).to_f32(),
             driven_m: 0.0,
+            opened,
         });
         before.driven_m = 0.0;
+        before.opened = opened;
         before.variance += tuning.same_load_sigma * tuning.same_load_sigma;
+        let relative_sigma = match opened {
+            Opened::Standing => tuning.open_scale_sigma,
+            Opened::Moving => tuning.unreported_scale_sigma,
+        };
         let sigma = relative_sigma * (1.0 + state.mean[scale].to_f32());
         let lacking = S::from_f32(sigma * sigma) - state.covariance.variance(scale);
         state.covariance.add_variance(scale, lacking.max(S::ZERO));
@@ -75,6 +94,7 @@ impl LoadTest {
             error,
             variance,
             driven_m,
+            ..
         } = *before;
         if driven_m < tuning.launch_m {
             return None;
@@ -85,7 +105,7 @@ impl LoadTest {
         let sigmas = tuning.same_load_sigmas;
         let agrees = innovation * innovation <= sigmas * sigmas * (now + variance);
         let known = tuning.launch_scale_sigma * (1.0 + error);
-        if agrees && now > known * known && driven_m < tuning.launch_longest_m {
+        if agrees && now > known * known && driven_m < tuning.open_longest_m {
             return None;
         }
         self.before = None;

@@ -57,12 +57,12 @@ use crate::context::Context;
 use crate::counters::count;
 use crate::sample::{Sample, SpeedMeasurement};
 use crate::scalar::Scalar;
-use crate::tuning::Tuning;
+use crate::tuning::{Prior, Tuning};
 use crate::vehicle::Traction;
 use altitude_update::AltitudeUpdate;
 use effect_uncertainty::EffectUncertainty;
 use error_levels::{ErrorLevels, LevelCell};
-use load_test::{LoadDecision, LoadTest};
+use load_test::{LoadDecision, LoadTest, Opened};
 use measurement::Observation;
 use predict::Prediction;
 use prior::{initial_state, reopen_after_load_change, reopen_bias};
@@ -142,13 +142,14 @@ impl<S: Scalar> Filter<S> {
         }
     }
 
-    fn learned_noise(&self) -> LearnedNoise {
+    fn learned_noise(&self, prior: &Prior) -> LearnedNoise {
         let levels = self.levels.levels();
         let scale = |state: &State<S>| 1.0 + state.mean[StateIndex::Scale].to_f32();
         LearnedNoise {
             levels,
             gnss_error_ratio: levels.gnss_error_ratio(self.altitude.gnss_error_ratio()),
             force_ratio: self.speed.force_ratio(),
+            launches: self.load.is_launching(prior),
             changes_mislead: self.scale_bounds.changes_mislead(),
             load_factor: self.state.as_ref().map_or(1.0, |state| {
                 Scalar::min(5.0, Scalar::max(0.2, scale(state)))
@@ -190,7 +191,7 @@ impl<S: Scalar> Filter<S> {
             self.altitude.model_changed();
         }
         let effects = self.effects.advance(context, sample);
-        let learned = self.learned_noise();
+        let learned = self.learned_noise(&context.tuning.prior);
         let prediction = Prediction::new(context, sample, self.state.as_ref(), &learned, effects);
         let Self {
             state: slot,
@@ -210,14 +211,12 @@ impl<S: Scalar> Filter<S> {
             reset,
         } = predict(slot, &prediction, prior, scale_reset, context, sample)?;
         if is_first && !sample.mass_is_reported && prior.is_none() {
-            let tuning = &context.tuning.prior;
-            // Without a launch, it takes kilometres to show a load that is not that of the file.
-            let sigma = if sample.end.speed_mps < context.tuning.detection.coast_mps {
-                tuning.open_scale_sigma
+            let opened = if sample.end.speed_mps < context.tuning.detection.coast_mps {
+                Opened::Standing
             } else {
-                tuning.unreported_scale_sigma
+                Opened::Moving
             };
-            load.open(state, sigma, tuning);
+            load.open(state, opened, &context.tuning.prior);
         }
         let hidden_slope_percent = if brake.may_brake() {
             context.tuning.detection.silent_brake_slope_percent
@@ -314,8 +313,8 @@ impl<S: Scalar> Filter<S> {
         if let Some(state) = &mut self.state
             && (sample.after_load_change || sample.after_stop)
         {
-            let tuning = &context.tuning.prior;
-            self.load.open(state, tuning.open_scale_sigma, tuning);
+            self.load
+                .open(state, Opened::Standing, &context.tuning.prior);
             self.altitude.model_changed();
         }
     }

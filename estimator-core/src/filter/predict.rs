@@ -64,7 +64,7 @@ impl<S: Scalar> Prediction<S> {
                 sample,
                 &coloured,
                 (gravity, traction.jump_noise_percent),
-                effects.bias_variance,
+                (effects.bias_variance, traction.scale_variance),
                 learned,
             ),
         }
@@ -109,6 +109,8 @@ struct NetTraction {
     jump_percent: f32,
     /// Sigma of the slope that its wrong timing makes, %.
     jump_noise_percent: f32,
+    /// Variance of the scale that its changes leave, 1.
+    scale_variance: f32,
 }
 
 impl NetTraction {
@@ -137,40 +139,44 @@ impl NetTraction {
             before
         };
         let change = percent - before;
+        let tuning = &context.tuning.process_noise;
         // A driver who launches does not answer the road. The timing of a measured force against the
         // speed makes larger steps than loads do.
         let is_engine = context.model.vehicle.traction != Traction::Force;
-        let launches = is_engine && gained > context.tuning.process_noise.launch_mps2;
+        let launches = is_engine && learned.launches && gained > tuning.launch_mps2;
         let of_the_road = if launches {
             0.0
         } else {
-            context.tuning.process_noise.traction_change_percent
+            tuning.traction_change_percent
         };
         // Not `clamp`, which panics if the limits are in the wrong order.
         let jump_percent = change - Scalar::min(of_the_road, Scalar::max(-of_the_road, change));
-        // Where the scale is known, climbs show it better than torque in motion does.
-        let matters = from.is_some_and(|state| {
-            let process = &context.tuning.process_noise;
-            let sigma = state.sigma(StateIndex::Scale).to_f32();
+        let (sigma, scale) = from.map_or((0.0, 1.0), |state| {
             let scale = 1.0 + state.mean[StateIndex::Scale].to_f32();
-            let shows = launches || sigma * jump_percent.abs() > process.jump_matters_percent;
-            let least = if is_engine { process.jump_scale_sigma } else { 0.0 };
-            shows && sigma > least * scale
+            (state.sigma(StateIndex::Scale).to_f32(), scale)
         });
+        // Where the scale is known, climbs show it better than torque in motion does.
+        let matters = launches || sigma * jump_percent.abs() > tuning.jump_matters_percent;
         let (jump_percent, jump_noise_percent) = if learned.changes_mislead {
             (0.0, jump_percent)
         } else if matters {
-            (
-                jump_percent,
-                context.tuning.process_noise.jump_noise * jump_percent,
-            )
+            (jump_percent, tuning.jump_noise * jump_percent)
         } else {
             (0.0, 0.0)
+        };
+        // Slope and scale depend on each other since the first change of a launch, so each change
+        // counts. What they show together is known no better than rotating mass and timing.
+        let least = tuning.jump_scale_sigma * scale;
+        let scale_variance = if launches && jump_percent != 0.0 {
+            Scalar::max(least * least - sigma * sigma, 0.0)
+        } else {
+            0.0
         };
         Self {
             percent,
             jump_percent,
             jump_noise_percent,
+            scale_variance,
         }
     }
 }

@@ -35,6 +35,8 @@ pub(super) struct LearnedNoise {
     pub gnss_error_ratio: f32,
     /// Variance of the white noise of the force.
     pub force_ratio: f32,
+    /// Whether the vehicle launches with a load that is not known yet.
+    pub launches: bool,
     /// Whether changes of traction show nothing of the scale.
     pub changes_mislead: bool,
     /// Modelled over true mass: a force weighs more on a vehicle that is lighter than its model.
@@ -94,7 +96,7 @@ pub(super) fn process_noise<S: Scalar>(
     sample: &Sample,
     coloured: &ColouredStates,
     (gravity, jump_noise_percent): (f32, f32),
-    effect_variance: f32,
+    (effect_variance, scale_variance): (f32, f32),
     learned: &LearnedNoise,
 ) -> PerState<S> {
     let tuning = &context.tuning.process_noise;
@@ -118,7 +120,7 @@ pub(super) fn process_noise<S: Scalar>(
         slope_rate: S::from_f32(coloured.slope_rate.variance),
         bias: S::from_f32(coloured.bias.variance + effect_variance),
         wind: S::from_f32(coloured.wind.variance),
-        scale: S::from_f32(walk * walk * sample.length_m * 0.001),
+        scale: S::from_f32(walk * walk * sample.length_m * 0.001 + scale_variance),
         gnss_error: S::from_f32(coloured.gnss_error.variance),
     }
 }

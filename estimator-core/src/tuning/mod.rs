@@ -88,7 +88,8 @@ tuning! {
         same_load_sigma: f32 = 0.03, 0.0..=1.0, "1", "change of the scale over a stop that is the same load, 1 sigma", "passengers, parcels, fuel";
         same_load_sigmas: f32 = 2.5, 0.1..=100.0, "1", "difference of the scales before and after a stop, in sigmas, beyond which the load changed", "chosen: one false change in 80 stops";
         launch_m: f32 = 100.0, 2.5..=1e4, "m", "driven distance after which a launch has shown the scale", "gears up to half of the speed";
-        launch_longest_m: f32 = 20_000.0, 2.5..=1e5, "m", "the same where it shows little", "chosen";
+        launch_longest_m: f32 = 1_000.0, 2.5..=1e5, "m", "the same where it shows little", "chosen";
+        open_longest_m: f32 = 20_000.0, 2.5..=1e6, "m", "driven distance after which a load that agrees with the one before is taken for the same", "a flat road shows little";
         launch_scale_sigma: f32 = 0.04, 1e-3..=10.0, "1", "relative sigma of the scale with which it is known well enough to be compared", "chosen: loads differ by more";
         scale_low: f32 = 0.22, 0.01..=1.0, "1", "smallest scale that a vehicle can have", "an empty tractor with the file of a full combination";
         scale_high: f32 = 4.5, 1.0..=100.0, "1", "largest scale that a vehicle can have", "the reverse";
