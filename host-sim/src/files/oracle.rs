@@ -33,6 +33,9 @@ use estimator_core::{Duration, Tuning};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
+/// Evidence that no drive gives.
+const CERTAIN_EVIDENCE: f32 = 100.0;
+
 /// Lower limits of the levels, so that no variance is zero.
 mod least {
     /// Wheel speed, m/s: a step of SPN 84 is 0.001.
@@ -47,6 +50,8 @@ mod least {
     pub const WIND_MPS: f64 = 0.01;
     /// Traction scale, 1.
     pub const SCALE: f32 = 1e-3;
+    /// The same after a stop, as a part of it.
+    pub const OPEN_SCALE: f32 = 1e-3;
     /// Random walk of the scale, per square root of a km.
     pub const SCALE_WALK: f32 = 1e-5;
 }
@@ -226,6 +231,13 @@ impl OracleFile {
         process.scale_walk_per_sqrt_km = least::SCALE_WALK;
         tuning.prior.cold_tyre_rolling = noise.cold_tyres.map_or(0.0, |tyres| tyres.amount) as f32;
         tuning.prior.scale_sigma = least::SCALE;
+        // The load and the levels of the noise are known.
+        tuning.prior.unreported_scale_sigma = least::SCALE;
+        tuning.prior.open_scale_sigma = least::OPEN_SCALE;
+        tuning.process_noise.level_evidence = CERTAIN_EVIDENCE;
+        tuning.process_noise.inertia_noise = 0.0;
+        tuning.measurement_noise.force_ratio_high = 1.0;
+        tuning.gates.slope_step_percent = 0.0;
         tuning.hold_times.gnss_latency = Duration::from_micros((noise.gnss_latency_s * 1e6) as u64);
         tuning
     }

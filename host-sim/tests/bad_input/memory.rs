@@ -294,7 +294,7 @@ fn a_huge_road_or_text_of_a_scenario_is_refused() {
     .unwrap();
     let message = refused(at, &simulate);
     assert!(
-        message.contains("a drive of more than 20972 s, for which there is no memory"),
+        message.contains("s, for which there is no memory; expected a shorter one"),
         "{message}"
     );
     let mut road = header.to_owned();

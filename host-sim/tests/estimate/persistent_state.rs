@@ -299,7 +299,7 @@ fn an_unusable_file_is_refused_by_name_and_nothing_changes() {
 
     // A folder in its place.
     let (run, _) = estimate(folder, "one", Some(folder));
-    run.code(1).stderr(contains("directory"));
+    run.code(1).stderr(contains("is a folder"));
     assert!(!folder.join("one.kept.csv").exists());
 }
 
