@@ -116,7 +116,7 @@ impl AltitudeUpdate {
         self.gate.advance(segment, sample.duration_s);
     }
 
-    /// Returns the innovation of the altitude of a sample, m, and its variance; `None` without an
+    /// Returns the altitude of a sample, its innovation, m, and its variance; `None` without an
     /// altitude, or where it does not follow from what was before.
     #[inline]
     pub(super) fn innovation<S: Scalar>(
@@ -124,13 +124,14 @@ impl AltitudeUpdate {
         tuning: &Tuning,
         sample: &Sample,
         state: &State<S>,
-    ) -> Option<(f32, f32)> {
+    ) -> Option<(f32, f32, f32)> {
         let altitude = sample.altitude.as_ref()?;
         if state.origin_m.is_none() || altitude.continuity != AltitudeContinuity::Followed {
             return None;
         }
         let fix = self.fix(tuning, altitude, state);
         Some((
+            fix.altitude_m,
             fix.innovation(state).to_f32(),
             fix.innovation_variance(state).to_f32(),
         ))

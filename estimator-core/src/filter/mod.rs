@@ -210,7 +210,7 @@ impl<S: Scalar> Filter<S> {
             energy_before,
             reset,
         } = predict(slot, &prediction, prior, scale_reset, context, sample)?;
-        if is_first && !sample.mass_is_reported && prior.is_none() {
+        if is_first && !sample.mass_is_reported {
             let opened = if sample.end.speed_mps < context.tuning.detection.coast_mps {
                 Opened::Standing
             } else {
@@ -252,6 +252,8 @@ impl<S: Scalar> Filter<S> {
         }
         let cell = level_cell(context, sample, state, learned.load_factor);
         altitude.delay_mut().advance(cell.climb_m, cell.duration_s);
+        let error = state.mean[StateIndex::Bias] + state.mean[StateIndex::Wind];
+        brake.drive(cell.length_m, cell.climb_m - 0.01 * cell.length_m * error.to_f32());
         levels.advance(
             &cell,
             &context.tuning.process_noise,

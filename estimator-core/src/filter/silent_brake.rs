@@ -25,6 +25,10 @@ pub(super) struct SilentBrake {
     /// Sum of what altitudes were too low, in sigmas, and cells since it began.
     low_sum: f32,
     low_cells: u32,
+    /// Altitude where it began, distance and climb of the model since, m.
+    low_from_m: f32,
+    length_m: f32,
+    climb_m: f32,
     is_on: bool,
     /// Whether it braked without a report before: then it does so again.
     has_braked: bool,
@@ -63,14 +67,21 @@ impl SilentBrake {
         Some(braked)
     }
 
-    /// Takes the innovation of an altitude, m, with its variance. Returns the number of cells in
+    /// Adds a cell: its length, and its climb by the forces, m.
+    #[inline]
+    pub(super) fn drive(&mut self, length_m: f32, climb_m: f32) {
+        self.length_m += length_m;
+        self.climb_m += climb_m;
+    }
+
+    /// Takes an altitude, its innovation, m, and its variance. Returns the number of cells in
     /// which the brake was not noticed, if it is noticed now; the state is then widened.
     pub(super) fn fix<S: Scalar>(
         &mut self,
         context: &Context,
         sample: &Sample,
         state: &mut State<S>,
-        (innovation_m, variance): (f32, f32),
+        (altitude_m, innovation_m, variance): (f32, f32, f32),
     ) -> Option<u32> {
         if self.rolling_cells == 0 || self.is_on || !sample.end.condition.is_valid() {
             return None;
@@ -85,13 +96,18 @@ impl SilentBrake {
         self.low_sum = Scalar::max(self.low_sum + counted, 0.0);
         if self.low_sum <= 0.0 {
             self.low_cells = 0;
+            self.low_from_m = altitude_m;
+            self.length_m = 0.0;
+            self.climb_m = 0.0;
         }
         let enough = if self.has_braked {
             detection.silent_brake_next_sum
         } else {
             detection.silent_brake_sum
         };
-        if self.low_sum < enough {
+        let hidden_m = self.climb_m - (altitude_m - self.low_from_m);
+        let is_steep = 100.0 * hidden_m > detection.silent_brake_least_percent * self.length_m;
+        if self.low_sum < enough || !(is_steep || self.has_braked) {
             return None;
         }
         self.is_on = true;
