@@ -6,57 +6,8 @@ use estimator_core::filter::{Reset, STATES, StateIndex};
 use estimator_core::sample::Sample;
 use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
-use test_kit::dense::{BIAS, LearnedByThen, SCALE, SLOPE, WIND, dense_model, net_tractions};
+use test_kit::dense::{BIAS, LearnedByThen, SCALE, SLOPE, WIND, dense_model, motions};
 use test_kit::{FilteredStep, altitude, sample, speed};
-
-/// A cell as the model moves over it.
-struct Motion {
-    /// Net traction at its end, %.
-    net_traction: f64,
-    /// Whether the vehicle gains speed faster than a road lets it.
-    launches: bool,
-}
-
-/// Returns the motion over each cell. What turns engine and wheels does not move the mass: it is no
-/// net traction. The speed gained is counted from what the filter knew at the start of the cell.
-fn motions(samples: &[Sample], cells: &[FilteredStep<f64>], tuning: &Tuning) -> Vec<Motion> {
-    let mut held = None;
-    let gross = net_tractions(samples);
-    (0..samples.len())
-        .map(|k| {
-            let sample = &samples[k];
-            let gained = if k == 0 {
-                0.0
-            } else {
-                let mps = f64::from(sample.end.speed_mps);
-                let before = cells[k - 1].state.mean[StateIndex::KineticEnergy];
-                (0.5 * mps * mps - before) / f64::from(sample.length_m)
-            };
-            let weight = f64::from(sample.forces.mass_kg) * 9.806_65;
-            let turning = 100.0 * f64::from(sample.forces.rotating_kg) * gained / weight;
-            let net_traction = match held {
-                Some(held) if !sample.end.condition.is_valid() => held,
-                _ => gross[k] - turning,
-            };
-            held = Some(net_traction);
-            Motion {
-                net_traction,
-                launches: gained > f64::from(tuning.process_noise.launch_mps2),
-            }
-        })
-        .collect()
-}
-
-/// Returns the tuning by which changes of traction show the scale in a cell: at a launch all of
-/// each change does.
-fn tuning_in(motion: &Motion, tuning: &Tuning) -> Tuning {
-    let mut tuning = tuning.clone();
-    if motion.launches {
-        tuning.process_noise.traction_change_percent = 0.0;
-        tuning.process_noise.jump_matters_percent = 0.0;
-    }
-    tuning
-}
 
 /// Observed states of a speed.
 pub const SPEED: &[StateIndex] = &[StateIndex::KineticEnergy];
@@ -130,13 +81,7 @@ pub fn batch(samples: &[Sample], cells: &[FilteredStep<f64>], tuning: &Tuning) -
             0.0
         };
         known.scale_sigma = (known.scale_sigma.powi(2) + opened).sqrt();
-        // Where the scale is known, changes of traction show nothing of it.
-        if known.scale_sigma <= f64::from(tuning.process_noise.jump_scale_sigma) * known.scale {
-            known.scale_sigma = 0.0;
-        }
-        let net_traction = (motions[k - 1].net_traction, motions[k].net_traction);
-        let tuning = tuning_in(&motions[k], tuning);
-        let (f, input, q) = dense_model(sample, net_traction, known, &tuning);
+        let (f, input, q) = dense_model(sample, (motions[k - 1], motions[k]), known, tuning);
         let (now, before) = (k * STATES, (k - 1) * STATES);
         let moved = &f * mean.rows(before, STATES) + input;
         mean.rows_mut(now, STATES).copy_from(&moved);

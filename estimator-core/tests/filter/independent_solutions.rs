@@ -63,12 +63,15 @@ proptest! {
         mut samples in random_drive(),
         stopped in 3..8_usize,
         mass_is_reported: bool,
+        jump_scale_sigma in 0.0..1.0_f32,
     ) {
         let mut tuning = Tuning::default();
         // It is compared after four cells, and whatever it is.
         tuning.prior.launch_m = 10.0;
         tuning.prior.launch_scale_sigma = 10.0;
         tuning.prior.same_load_sigmas = 100.0;
+        // A launch leaves the scale a sigma that its open load has or has not.
+        tuning.process_noise.jump_scale_sigma = jump_scale_sigma;
         samples[stopped].after_stop = true;
         // Otherwise the load is open where the drive begins, and is compared with that of the file.
         samples[0].mass_is_reported = mass_is_reported;

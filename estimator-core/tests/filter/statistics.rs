@@ -7,7 +7,8 @@ use estimator_core::sample::Sample;
 use estimator_core::{CELL_LENGTH_M, Tuning};
 use nalgebra::DVector;
 use test_kit::dense::{
-    ALTITUDE, BIAS, ENERGY, GNSS_ERROR, LearnedByThen, SCALE, SLOPE, dense_model, net_tractions,
+    ALTITUDE, BIAS, ENERGY, GNSS_ERROR, LearnedByThen, Motion, SCALE, SLOPE, dense_model,
+    net_tractions,
 };
 use test_kit::{Noise, altitude, run, sample, speed, truck};
 
@@ -32,14 +33,18 @@ fn drawn(cells: u32, seed: u64, tuning: &Tuning) -> Vec<Sample> {
             air_n + weight_n * (0.006_5 + 0.01 * x[SLOPE]) + 39_000.0 * 0.2 * (22.0 - mps);
         let mut s = sample(k, force_n as f32, mps as f32);
         if let Some(before) = samples.last() {
+            let moved = |net_traction| Motion {
+                net_traction,
+                launches: false,
+            };
             let net_tractions = net_tractions(&[*before, s]);
+            let motions = (moved(net_tractions[0]), moved(net_tractions[1]));
             let known = LearnedByThen {
                 force_ratio: 1.0,
                 scale: 1.0 + x[SCALE],
                 scale_sigma: 0.0,
             };
-            let (f, input, q) =
-                dense_model(&s, (net_tractions[0], net_tractions[1]), known, tuning);
+            let (f, input, q) = dense_model(&s, motions, known, tuning);
             let process_noise = q.map(|variance: f64| variance.sqrt() * normal());
             x = f * x + input + process_noise;
             x[SLOPE] *= 0.999;

@@ -1,7 +1,8 @@
 //! The model of the filter as dense matrices, written down independently.
 
-use crate::truck;
+use crate::{FilteredStep, truck};
 use estimator_core::Tuning;
+use estimator_core::filter::measurement::Observation;
 use estimator_core::filter::{STATES, StateIndex};
 use estimator_core::sample::Sample;
 use nalgebra::{DMatrix, DVector};
@@ -52,11 +53,64 @@ pub fn net_tractions(samples: &[Sample]) -> Vec<f64> {
         .collect()
 }
 
+/// A cell as the model moves over it.
+#[derive(Clone, Copy, Debug)]
+pub struct Motion {
+    /// Net traction at its end, %.
+    pub net_traction: f64,
+    /// Whether the vehicle launches with an open load: it gains speed faster than a road lets it.
+    pub launches: bool,
+}
+
+/// Returns the motion over each cell. What turns engine and wheels does not move the mass: it is no
+/// net traction. The speed gained is counted from what the filter knew at the start of the cell. A
+/// stop opens the load, until it is compared with the one before; the drive itself begins in motion.
+pub fn motions(samples: &[Sample], cells: &[FilteredStep<f64>], tuning: &Tuning) -> Vec<Motion> {
+    let mut held = None;
+    let mut driven_m = None;
+    let gross = net_tractions(samples);
+    (0..samples.len())
+        .map(|k| {
+            let sample = &samples[k];
+            let is_valid = sample.end.condition.is_valid();
+            let length = f64::from(sample.length_m);
+            let gained = if k == 0 {
+                0.0
+            } else {
+                let mps = f64::from(sample.end.speed_mps);
+                let before = cells[k - 1].state.mean[StateIndex::KineticEnergy];
+                (0.5 * mps * mps - before) / length
+            };
+            let weight = f64::from(sample.forces.mass_kg) * 9.806_65;
+            let turning = 100.0 * f64::from(sample.forces.rotating_kg) * gained / weight;
+            let net_traction = match held {
+                Some(held) if !is_valid => held,
+                _ => gross[k] - turning,
+            };
+            held = Some(net_traction);
+            if sample.after_stop {
+                driven_m = Some(0.0);
+            }
+            let longest = f64::from(tuning.prior.launch_longest_m);
+            let is_open = driven_m.is_some_and(|metres| metres < longest);
+            if let Some((Observation::Scale, _)) = cells[k].record.smoother_input.second {
+                driven_m = None;
+            } else if is_valid {
+                driven_m = driven_m.map(|metres| metres + length);
+            }
+            Motion {
+                net_traction,
+                launches: is_open && gained > f64::from(tuning.process_noise.launch_mps2),
+            }
+        })
+        .collect()
+}
+
 /// Returns the transition matrix and the process noise of one sample. The model is eq. 9 in
 /// e = v²/2 over one cell, with the slope at its middle and Gauss-Markov slow states.
 pub fn dense_model(
     sample: &Sample,
-    net_traction: (f64, f64),
+    (before, now): (Motion, Motion),
     learned: LearnedByThen,
     tuning: &Tuning,
 ) -> (DMatrix<f64>, DVector<f64>, DVector<f64>) {
@@ -74,11 +128,13 @@ pub fn dense_model(
     let energy = 1.0 - drag + 0.5 * drag * drag;
 
     let mut f = DMatrix::<f64>::identity(STATES, STATES);
-    let change = net_traction.1 - net_traction.0;
+    let change = now.net_traction - before.net_traction;
     let limit = f64::from(tuning.process_noise.traction_change_percent);
     let beyond = change - change.clamp(-limit, limit);
     let shows = f64::from(tuning.process_noise.jump_matters_percent);
-    let jump = if learned.scale_sigma * beyond.abs() > shows {
+    let jump = if now.launches {
+        change
+    } else if learned.scale_sigma * beyond.abs() > shows {
         beyond
     } else {
         0.0
@@ -91,7 +147,7 @@ pub fn dense_model(
     f[(ALTITUDE, SLOPE_RATE)] = length * 0.5 * length / 100.0;
     f[(ALTITUDE, BIAS)] = -length / 100.0;
     f[(ALTITUDE, WIND)] = -length / 100.0;
-    f[(ALTITUDE, SCALE)] = (net_traction.1 - jump) * length / 100.0;
+    f[(ALTITUDE, SCALE)] = (now.net_traction - jump) * length / 100.0;
     f[(SLOPE, SLOPE_RATE)] = length;
     f[(SLOPE, SCALE)] = -jump;
     let rate = keep(length / f64::from(tuning.process_noise.slope_rate_length_m));
@@ -144,6 +200,11 @@ pub fn dense_model(
         * 100.0;
     q[WIND] = (1.0 - wind * wind) * wind_sigma * wind_sigma;
     q[SCALE] = f64::from(tuning.process_noise.scale_walk_per_sqrt_km).powi(2) * length / 1000.0;
+    // What a launch shows together keeps a sigma.
+    if now.launches && jump != 0.0 {
+        let least = f64::from(tuning.process_noise.jump_scale_sigma) * learned.scale;
+        q[SCALE] += (least.powi(2) - learned.scale_sigma.powi(2)).max(0.0);
+    }
     q[GNSS_ERROR] =
         (1.0 - error * error) * f64::from(tuning.measurement_noise.gnss_error_sigma_m).powi(2);
     (f, input, q)
