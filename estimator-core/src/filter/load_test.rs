@@ -18,6 +18,8 @@ use crate::tuning::Prior;
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct LoadTest {
     before: Option<ScaleBefore>,
+    /// Distance driven with a valid model since a launch began, m; `None` without one.
+    launched_m: Option<f32>,
 }
 
 /// The scale before a stop.
@@ -27,7 +29,6 @@ struct ScaleBefore {
     variance: f32,
     /// Distance driven since with a valid model, m.
     driven_m: f32,
-    opened: Opened,
 }
 
 /// Where the load was opened.
@@ -52,9 +53,8 @@ pub(super) enum LoadDecision<S> {
 impl LoadTest {
     /// Returns whether the vehicle launches with a load that is not known yet.
     pub(super) fn is_launching(&self, tuning: &Prior) -> bool {
-        self.before.is_some_and(|before| {
-            before.opened == Opened::Standing && before.driven_m < tuning.launch_longest_m
-        })
+        self.launched_m
+            .is_some_and(|driven_m| driven_m < tuning.launch_longest_m)
     }
 
     /// Opens the scale: its load may be any.
@@ -65,11 +65,10 @@ impl LoadTest {
             error: state.mean[scale].to_f32(),
             variance: state.covariance.variance(scale).to_f32(),
             driven_m: 0.0,
-            opened,
         });
         before.driven_m = 0.0;
-        before.opened = opened;
         before.variance += tuning.same_load_sigma * tuning.same_load_sigma;
+        self.launched_m = (opened == Opened::Standing).then_some(0.0);
         let relative_sigma = match opened {
             Opened::Standing => tuning.open_scale_sigma,
             Opened::Moving => tuning.unreported_scale_sigma,
@@ -86,6 +85,11 @@ impl LoadTest {
         sample: &Sample,
         tuning: &Prior,
     ) -> Option<LoadDecision<S>> {
+        if let Some(launched_m) = &mut self.launched_m
+            && sample.end.condition.is_valid()
+        {
+            *launched_m += sample.length_m;
+        }
         let before = self.before.as_mut()?;
         if sample.end.condition.is_valid() {
             before.driven_m += sample.length_m;
@@ -94,7 +98,6 @@ impl LoadTest {
             error,
             variance,
             driven_m,
-            ..
         } = *before;
         if driven_m < tuning.launch_m {
             return None;
@@ -112,6 +115,8 @@ impl LoadTest {
         if !agrees {
             return Some(LoadDecision::Changed);
         }
+        // The old scale says more than the rest of the launch.
+        self.launched_m = None;
         let measurement = ScalarMeasurement {
             observation: Observation::Scale,
             innovation: S::from_f32(innovation),

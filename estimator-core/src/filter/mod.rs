@@ -253,7 +253,10 @@ impl<S: Scalar> Filter<S> {
         let cell = level_cell(context, sample, state, learned.load_factor);
         altitude.delay_mut().advance(cell.climb_m, cell.duration_s);
         let error = state.mean[StateIndex::Bias] + state.mean[StateIndex::Wind];
-        brake.drive(cell.length_m, cell.climb_m - 0.01 * cell.length_m * error.to_f32());
+        brake.drive(
+            cell.length_m,
+            cell.climb_m - 0.01 * cell.length_m * error.to_f32(),
+        );
         levels.advance(
             &cell,
             &context.tuning.process_noise,

@@ -103,6 +103,6 @@ fn the_same_load_after_many_stops_is_no_change() {
         // What is known of the scale is not lost at stops.
         let last = found.rows.last().unwrap();
         let sigma = last.mass_sigma_kg.unwrap() / last.mass_kg.unwrap();
-        assert!(sigma < 0.06, "{truck}: {sigma}");
+        assert!(sigma < 0.08, "{truck}: {sigma}");
     }
 }
