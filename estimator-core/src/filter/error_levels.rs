@@ -322,7 +322,7 @@ impl Hypothesis {
                 p[i][k] -= gain * cross[k];
             }
         }
-        Scalar::min(innovation * innovation * per_variance, 9.0) + libm::logf(variance)
+        Scalar::min(innovation * innovation * per_variance, 25.0) + libm::logf(variance)
     }
 }
 
