@@ -1,4 +1,4 @@
-//! Runs every fault on simulated drives:
+//! Runs every fault and every manoeuvre on simulated drives:
 //!
 //! ```text
 //! cargo run -p cross-tests --release --example faults [-- --check | --write]
@@ -6,21 +6,19 @@
 
 use clap::Parser;
 use cross_tests::exit_code;
-use cross_tests::faults::matrix::{FaultRow, matrix};
-use cross_tests::faults::table::{committed_file, table};
+use cross_tests::fault_page::{FaultPage, committed_file, faults, manoeuvres};
 use host_sim::error::{Error, Result};
 use host_sim::files::output::write_whole;
 use host_sim::terminal::print::print;
-use std::fs;
 use std::process::ExitCode;
 
-/// Puts faults into simulated drives, and reports their errors and counters.
+/// Puts faults and manoeuvres into simulated drives, and reports their errors and counters.
 #[derive(Parser)]
 struct Options {
-    /// Fail if the table is not that of tests/faults.md.
+    /// Fail if the tables are not those of tests/faults.md.
     #[arg(long)]
     check: bool,
-    /// Write the table to tests/faults.md.
+    /// Write the tables to tests/faults.md.
     #[arg(long, conflicts_with = "check")]
     write: bool,
 }
@@ -30,24 +28,23 @@ fn main() -> ExitCode {
 }
 
 fn run(options: &Options) -> Result<()> {
-    let rows = matrix()?;
-    let text = table(&rows);
-    print(&text)?;
     let path = committed_file();
+    let committed = FaultPage::committed()?;
+    let (faults, complaints) = faults()?;
+    let page = FaultPage {
+        faults,
+        // Without the measured road they stay as they are.
+        manoeuvres: manoeuvres()?.unwrap_or_else(|| committed.manoeuvres.clone()),
+    };
+    print(&page.text())?;
     if options.write {
-        write_whole(&path, |file| file.write_all(text.as_bytes()))?;
+        write_whole(&path, |file| file.write_all(page.text().as_bytes()))?;
     }
-    if options.check && fs::read_to_string(&path).map_err(Error::io(&path))? != text {
-        return Err(Error::content(&path, "is not this table; write it anew"));
+    if options.check && committed != page {
+        return Err(Error::content(&path, "is not this page; write it anew"));
     }
-    let complaints: Vec<String> = rows.iter().flat_map(named).collect();
     if complaints.is_empty() {
         return Ok(());
     }
     Err(Error::content(&path, complaints.join("\n")))
-}
-
-fn named(row: &FaultRow) -> impl Iterator<Item = String> {
-    let complaints = row.complaints().into_iter();
-    complaints.map(|complaint| format!("{}: {complaint}", row.fault.name))
 }

@@ -2,19 +2,20 @@
 //!
 //! ```text
 //! cargo run -p cross-tests --release --example manoeuvres -- [--only WORDS]... [--truck A|B]
-//!     [--seeds N] [--random N [--seed S]] [--mass N [--seed S]] [--json]
+//!     [--seeds N] [--random N [--seed S] [--most-lying PERCENT]] [--mass N [--seed S]] [--json]
 //! ```
 
 use clap::Parser;
 use cross_tests::exit_code;
+use cross_tests::image::root;
 use cross_tests::manoeuvres::bench::bench;
 use cross_tests::manoeuvres::catalogue::catalogue;
 use cross_tests::manoeuvres::drives::Plan;
 use cross_tests::manoeuvres::mass;
 use cross_tests::manoeuvres::random::drawn;
 use cross_tests::manoeuvres::road::BenchRoad;
-use cross_tests::manoeuvres::table::{json, table};
-use host_sim::error::Result;
+use cross_tests::manoeuvres::table::{json, lying_percent, table};
+use host_sim::error::{Error, Result};
 use host_sim::terminal::print::print;
 use host_sim::terminal::progress;
 use std::process::ExitCode;
@@ -40,6 +41,9 @@ struct Options {
     /// Seed of the random drives.
     #[arg(long, default_value_t = 1)]
     seed: u64,
+    /// Fail if a larger part of the drives lies or has no result, %.
+    #[arg(long, value_name = "PERCENT")]
+    most_lying: Option<f64>,
     /// Print JSON instead of a table.
     #[arg(long)]
     json: bool,
@@ -83,8 +87,16 @@ fn run(options: &Options) -> Result<()> {
     let rows = bench(&road, plans, || bar.inc(1));
     bar.finish_and_clear();
     if options.json {
-        print(&format!("{:#}\n", json(&rows)))
+        print(&format!("{:#}\n", json(&rows)))?;
     } else {
-        print(&format!("{}\n", table(&rows)))
+        print(&format!("{}\n", table(&rows)))?;
+    }
+    let lying_percent = lying_percent(&rows);
+    match options.most_lying {
+        Some(most) if lying_percent > most => Err(Error::content(
+            &root(),
+            format!("{lying_percent:.1} % of the drives lie, more than {most} %"),
+        )),
+        _ => Ok(()),
     }
 }

@@ -6,11 +6,13 @@ pub mod diagnosed;
 pub mod docs;
 pub mod drive;
 pub mod emulator;
+pub mod fault_page;
 pub mod faults;
 pub mod image;
 pub mod manoeuvres;
 pub mod peers;
 pub mod planted;
+pub mod verdict;
 
 use host_sim::error::Result;
 use std::process::ExitCode;

@@ -1,35 +1,30 @@
-//! The faults of `tests/faults.md`, and faults that do not fit into the table.
+//! The faults and manoeuvres of `tests/faults.md`, and faults that do not fit into the table.
 
+use cross_tests::fault_page::{self, FaultPage};
 use cross_tests::faults::catalogue::{FaultKind, catalogue};
 use cross_tests::faults::drive::{DAY_LAPS, drive, lap};
 use cross_tests::faults::frames::pgn;
-use cross_tests::faults::matrix::matrix;
-use cross_tests::faults::table::{committed_file, table};
 use embedded_can::{Frame, Id};
 use estimator_core::{Estimator, Instant, Tuning};
 use host_sim::numeric::series::linear;
 use host_sim::source::can_frame::{CanFrame, TimedFrame};
-use std::fs;
+
+const ANEW: &str = "tests/faults.md is not what came out: \
+    cargo run -p cross-tests --release --example faults -- --write";
 
 #[test]
 fn every_fault_is_withstood_or_declared_and_the_table_says_so() {
-    let rows = matrix().unwrap();
-    let complaints: Vec<String> = rows
-        .iter()
-        .flat_map(|row| {
-            let name = &row.fault.name;
-            row.complaints()
-                .into_iter()
-                .map(move |complaint| format!("{name}: {complaint}"))
-        })
-        .collect();
+    let (table, complaints) = fault_page::faults().unwrap();
     assert!(complaints.is_empty(), "{}", complaints.join("\n"));
-    let committed = fs::read_to_string(committed_file()).unwrap();
-    assert!(
-        committed == table(&rows),
-        "tests/faults.md is not what came out: \
-         cargo run -p cross-tests --release --example faults -- --write"
-    );
+    assert!(FaultPage::committed().unwrap().faults == table, "{ANEW}");
+}
+
+#[test]
+fn the_table_says_which_manoeuvres_are_withstood() {
+    let Some(page) = fault_page::manoeuvres().unwrap() else {
+        return;
+    };
+    assert!(FaultPage::committed().unwrap().manoeuvres == page, "{ANEW}");
 }
 
 /// A CAN FD frame of up to 64 bytes.

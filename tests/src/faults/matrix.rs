@@ -1,8 +1,9 @@
 //! Every fault on every drive, and which requirements are met.
 
-use super::catalogue::{Fault, FaultKind, catalogue};
+use super::catalogue::{Fault, catalogue};
 use super::drive::drive;
-use super::outcome::{Phases, Times, TrueDrive, estimated, is_sound};
+use super::outcome::{Counted, Phases, Times, TrueDrive, estimated, is_sound};
+use crate::verdict::Verdict;
 use estimator_core::Counters;
 use host_sim::error::Result;
 use host_sim::recorder::SmoothedRun;
@@ -36,6 +37,8 @@ pub struct FaultOutcome {
     pub truck: &'static str,
     /// Errors with the fault.
     pub with: Phases,
+    /// Those of the cells that are not marked as suspect.
+    pub unmarked: Phases,
     /// Errors without it, over the same stretches.
     pub without: Phases,
     /// Increase of the counters by the fault, by key.
@@ -83,8 +86,9 @@ impl Subject {
         let distance_m = |run: &SmoothedRun| run.rows.last().map_or(0.0, |row| row.distance_m);
         FaultOutcome {
             truck,
-            with: self.truth.phases(&run.rows, &times),
-            without: self.truth.phases(&self.clean.rows, &right),
+            with: self.truth.phases(&run.rows, &times, Counted::All),
+            unmarked: self.truth.phases(&run.rows, &times, Counted::Unmarked),
+            without: self.truth.phases(&self.clean.rows, &right, Counted::All),
             counted: more(&run.counters, &self.clean.counters),
             is_sound: is_sound(&run.rows),
             is_harmless: run.rows == self.clean.rows,
@@ -121,6 +125,7 @@ impl FaultOutcome {
         let mut drives = 1.0;
         for one in outcomes {
             all.with.merge(&one.with);
+            all.unmarked.merge(&one.unmarked);
             all.without.merge(&one.without);
             for (name, count) in one.counted {
                 *all.counted.entry(name).or_default() += count;
@@ -137,22 +142,51 @@ impl FaultOutcome {
         Some(all)
     }
 
-    /// Returns whether the sigmas, smoothed and lagged, are large enough during the fault and over
-    /// the whole drive.
+    /// Returns whether the sigmas of unmarked cells, smoothed and lagged, are large enough during
+    /// the fault and over the whole drive.
     #[must_use]
     pub fn is_honest(&self) -> bool {
-        let honest = |means: [f64; 3]| means[..2].iter().all(|mean| *mean < HONEST);
-        honest(self.with.during.normalised()) && honest(self.with.whole.normalised())
+        is_honest(&self.unmarked)
     }
 
-    /// Returns whether the estimate recovers after the fault: smoothed, lagged and live.
+    /// Returns whether the unmarked cells are right again after the fault: smoothed, lagged and live.
     #[must_use]
     pub fn is_recovered(&self) -> bool {
-        let with = self.with.after.rmse_percent();
-        let without = self.without.after.rmse_percent();
-        with.iter()
-            .zip(without)
-            .all(|(with, without)| *with <= RECOVERED.0 * without + RECOVERED.1)
+        is_recovered(&self.unmarked, &self.without)
+    }
+
+    /// Returns the bars that are not met.
+    #[must_use]
+    pub fn missed(&self) -> Vec<&'static str> {
+        [
+            ("NEES", self.is_honest()),
+            ("error after", self.is_recovered()),
+        ]
+        .into_iter()
+        .filter_map(|(bar, is_met)| (!is_met).then_some(bar))
+        .collect()
+    }
+
+    /// Returns what becomes of the fault.
+    #[must_use]
+    pub fn verdict(&self) -> Verdict {
+        if !self.missed().is_empty() {
+            Verdict::NotWithstood
+        } else if self.is_harmless {
+            Verdict::NoEffect
+        } else if is_honest(&self.with) && is_recovered(&self.with, &self.without) {
+            Verdict::Withstood
+        } else {
+            Verdict::Marked
+        }
+    }
+
+    /// Returns the marked part of the cells from the start of the fault until the recovery, %:
+    /// smoothed, lagged and live.
+    #[must_use]
+    pub fn marked_percent(&self) -> [f64; 3] {
+        let (all, unmarked) = (self.with.during.cells(), self.unmarked.during.cells());
+        [0, 1, 2].map(|kind| 100.0 * (all[kind] - unmarked[kind]) as f64 / all[kind].max(1) as f64)
     }
 
     /// Returns whether the distance is that without the fault.
@@ -204,23 +238,20 @@ impl FaultRow {
         }
         complaints
     }
+}
 
-    /// Returns the outcome in words.
-    #[must_use]
-    pub fn verdict(&self) -> &'static str {
-        let all = |is: fn(&FaultOutcome) -> bool| self.outcomes.iter().all(is);
-        if self.fault.kind == FaultKind::Nothing {
-            ""
-        } else if !all(FaultOutcome::is_honest) || !all(FaultOutcome::is_recovered) {
-            "**not withstood**"
-        } else if all(|outcome| outcome.is_harmless) {
-            "no effect"
-        } else if !all(FaultOutcome::is_counted) {
-            "withstood, not detected"
-        } else {
-            "withstood"
-        }
-    }
+/// Returns whether the mean squares are those of honest sigmas, smoothed and lagged.
+fn is_honest(errors: &Phases) -> bool {
+    let honest = |means: [f64; 3]| means[..2].iter().all(|mean| *mean < HONEST);
+    honest(errors.during.normalised()) && honest(errors.whole.normalised())
+}
+
+/// Returns whether the errors after a fault are like those without it.
+fn is_recovered(with: &Phases, without: &Phases) -> bool {
+    let with = with.after.rmse_percent();
+    with.iter()
+        .zip(without.after.rmse_percent())
+        .all(|(with, without)| *with <= RECOVERED.0 * without + RECOVERED.1)
 }
 
 impl FaultOutcome {

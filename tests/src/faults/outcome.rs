@@ -58,18 +58,36 @@ const fn grades_and_sigmas(row: &RunRow) -> [(f64, f64); 3] {
     ]
 }
 
+/// Returns whether a row is marked as suspect: smoothed, lagged and live.
+fn marks(row: &RunRow) -> [bool; 3] {
+    [row.consistent, row.lagged_consistent, row.live_consistent].map(|consistent| consistent == 0)
+}
+
+/// Which cells count.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Counted {
+    /// All of them.
+    All,
+    /// Those that are not marked as suspect.
+    Unmarked,
+}
+
 /// Errors over some cells of one or several drives: smoothed, lagged and live.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CellErrors {
-    cells: usize,
+    cells: [usize; 3],
     squares: [f64; 3],
     normalised: [f64; 3],
 }
 
 impl CellErrors {
-    fn add(&mut self, row: &RunRow, grade_percent: f64) {
-        self.cells += 1;
+    fn add(&mut self, row: &RunRow, grade_percent: f64, counted: Counted) {
+        let marks = marks(row);
         for (index, (value, sigma)) in grades_and_sigmas(row).into_iter().enumerate() {
+            if counted == Counted::Unmarked && marks[index] {
+                continue;
+            }
+            self.cells[index] += 1;
             let error = value - grade_percent;
             self.squares[index] += error * error;
             self.normalised[index] += (error / sigma).powi(2);
@@ -77,30 +95,33 @@ impl CellErrors {
     }
 
     fn merge(&mut self, other: &Self) {
-        self.cells += other.cells;
         for index in 0..3 {
+            self.cells[index] += other.cells[index];
             self.squares[index] += other.squares[index];
             self.normalised[index] += other.normalised[index];
         }
     }
 
-    /// Returns the number of cells.
+    /// Returns the numbers of cells.
     #[must_use]
-    pub const fn cells(&self) -> usize {
+    pub const fn cells(&self) -> [usize; 3] {
         self.cells
     }
 
-    /// Returns the RMS errors of grade, %.
+    /// Returns the RMS errors of grade, %; 0 without cells.
     #[must_use]
     pub fn rmse_percent(&self) -> [f64; 3] {
-        self.squares
-            .map(|sum| (sum / self.cells.max(1) as f64).sqrt())
+        self.means(&self.squares).map(f64::sqrt)
     }
 
     /// Returns the means of the squared errors over the stated variances.
     #[must_use]
     pub fn normalised(&self) -> [f64; 3] {
-        self.normalised.map(|sum| sum / self.cells.max(1) as f64)
+        self.means(&self.normalised)
+    }
+
+    fn means(&self, sums: &[f64; 3]) -> [f64; 3] {
+        [0, 1, 2].map(|index| sums[index] / self.cells[index].max(1) as f64)
     }
 }
 
@@ -171,10 +192,10 @@ impl TrueDrive {
             .map_or(0.0, |(_, distance_m)| *distance_m)
     }
 
-    /// Returns the errors of a run by phase. A cell is compared with the truth at the time at which
+    /// Returns the errors of a run by phase, over the cells that count. A cell is compared with the truth at the time at which
     /// the vehicle left it.
     #[must_use]
-    pub fn phases(&self, rows: &[RunRow], times: &Times) -> Phases {
+    pub fn phases(&self, rows: &[RunRow], times: &Times, counted: Counted) -> Phases {
         let (from_s, until_s) = times.window_s;
         let from_m = self.distance_m(from_s);
         let recovered_m = self.distance_m(until_s) + RECOVERY_M;
@@ -194,8 +215,8 @@ impl TrueDrive {
                 distance_m if distance_m < recovered_m => 1,
                 _ => 2,
             };
-            errors[phase].add(row, grade_percent);
-            errors[3].add(row, grade_percent);
+            errors[phase].add(row, grade_percent, counted);
+            errors[3].add(row, grade_percent, counted);
         }
         let [before, during, after, whole] = errors;
         Phases {

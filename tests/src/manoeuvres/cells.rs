@@ -73,6 +73,18 @@ pub struct JudgedCell {
     pub after_m: Option<f64>,
 }
 
+impl JudgedCell {
+    /// Returns the cell as if none of its estimates were marked.
+    #[must_use]
+    pub fn without_marks(&self) -> Self {
+        let of = self.of.map(|judged| Judged {
+            is_marked: false,
+            ..judged
+        });
+        Self { of, ..*self }
+    }
+}
+
 /// The cells of a run, and those that should not be.
 #[derive(Clone, Debug, Default)]
 pub struct RunCells {

@@ -4,6 +4,7 @@
 //! cells: 1 where sigmas are honest. RMSE is over all cells.
 
 use super::cells::{JudgedCell, RunCells};
+use crate::verdict::Verdict;
 use serde::Serialize;
 
 /// Length of a window, m.
@@ -24,6 +25,9 @@ const MARKED_WITHOUT_FAULT: f64 = 0.01;
 const MARKS_END_M: f64 = 5_000.0;
 /// Smoothed RMSE with a fault: factor on that of the same drive without it, and in addition, %.
 const SPOILT: (f64, f64) = (1.5, 0.02);
+
+/// The complaint about a drive whose sigmas are far too small.
+const LIES: &str = "LIES";
 
 /// Means of the drive without a fault: smoothed, lagged and live.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,6 +62,20 @@ impl KindJudgement {
     #[must_use]
     pub fn worst(&self) -> f64 {
         self.windows.iter().copied().fold(0.0, f64::max)
+    }
+
+    /// Returns whether the NEES of the drive is small enough.
+    fn is_honest(&self) -> bool {
+        self.nees.is_none_or(|nees| nees <= HONEST)
+    }
+
+    /// Returns whether that of each window is.
+    fn has_honest_windows(&self) -> bool {
+        self.windows.iter().all(|nees| *nees <= WORST)
+    }
+
+    fn lies(&self) -> bool {
+        !self.is_honest() || !self.has_honest_windows()
     }
 
     fn of(cells: &[JudgedCell], kind: usize, reference: Option<&Reference>) -> Self {
@@ -121,6 +139,8 @@ pub struct Judgement {
     pub in_reverse: usize,
     /// True if the smoothed error is within the bar relative to the drive without a fault.
     pub keeps_accuracy: bool,
+    /// True if the drive would lie without its marks.
+    pub needs_marks: bool,
 }
 
 impl Judgement {
@@ -129,8 +149,11 @@ impl Judgement {
     pub fn new(run: &RunCells, has_fault: bool, reference: Option<&Reference>) -> Self {
         let of = [0, 1, 2].map(|kind| KindJudgement::of(&run.cells, kind, reference));
         let limit = reference.map_or(f64::INFINITY, |r| SPOILT.0 * r.rmse_percent + SPOILT.1);
+        let bare: Vec<JudgedCell> = run.cells.iter().map(JudgedCell::without_marks).collect();
+        let lies_bare = |kind| KindJudgement::of(&bare, kind, None).lies();
         Self {
             keeps_accuracy: of[0].rmse_percent <= limit,
+            needs_marks: [0, 1, 2].into_iter().any(lies_bare),
             of,
             has_fault,
             in_reverse: run.in_reverse,
@@ -149,9 +172,39 @@ impl Judgement {
     /// Returns true if sigmas of unmarked cells are far too small.
     #[must_use]
     pub fn lies(&self) -> bool {
-        self.of
-            .iter()
-            .any(|of| !of.nees.is_none_or(|nees| nees <= HONEST) || of.worst() > WORST)
+        self.of.iter().any(KindJudgement::lies)
+    }
+
+    /// Returns what becomes of the drive.
+    #[must_use]
+    pub fn verdict(&self) -> Verdict {
+        if !self.complaints().is_empty() {
+            Verdict::NotWithstood
+        } else if self.needs_marks {
+            Verdict::Marked
+        } else {
+            Verdict::Withstood
+        }
+    }
+
+    /// Returns the bars that the drive does not meet, with the kinds of estimate that miss those of
+    /// the sigmas.
+    #[must_use]
+    pub fn missed(&self) -> Vec<String> {
+        let kinds = |test: fn(&KindJudgement) -> bool| {
+            let kinds = ["smoothed", "lagged", "live"].into_iter().zip(&self.of);
+            let missing = kinds.filter_map(|(name, of)| test(of).then_some(name));
+            missing.collect::<Vec<_>>().join(", ")
+        };
+        let sigmas = [
+            ("NEES", kinds(|of| !of.is_honest())),
+            ("window", kinds(|of| !of.has_honest_windows())),
+        ];
+        let sigmas = sigmas
+            .into_iter()
+            .filter_map(|(bar, kinds)| (!kinds.is_empty()).then(|| format!("{bar} ({kinds})")));
+        let others = self.complaints().into_iter().filter(|bar| *bar != LIES);
+        sigmas.chain(others.map(str::to_owned)).collect()
     }
 
     /// Returns the bars that the drive does not meet.
@@ -159,7 +212,7 @@ impl Judgement {
     pub fn complaints(&self) -> Vec<&'static str> {
         let mut complaints = Vec::new();
         if self.lies() {
-            complaints.push("LIES");
+            complaints.push(LIES);
         }
         let any = |test: fn(&KindJudgement) -> bool| self.of.iter().any(test);
         if self.has_fault && any(|of| of.right_percent > 100.0 * RIGHT_PART) {
@@ -226,6 +279,8 @@ mod tests {
         assert!((live.worst() - 12.25).abs() < 1e-9);
         assert!((live.sigma_percent - 0.1).abs() < 1e-12);
         assert_eq!(judgement.complaints(), ["LIES"]);
+        assert_eq!(judgement.missed(), ["window (smoothed, lagged, live)"]);
+        assert_eq!(judgement.verdict(), Verdict::NotWithstood);
         let rmse = 0.1 * live.nees.unwrap().sqrt();
         assert!((live.rmse_percent - rmse).abs() < 1e-9);
         assert!(!judgement.keeps_accuracy);
@@ -239,6 +294,7 @@ mod tests {
         ]);
         let judgement = Judgement::new(&wrong, true, Some(&REFERENCE));
         assert!(judgement.complaints().is_empty());
+        assert_eq!(judgement.verdict(), Verdict::Marked);
         assert!((judgement.of[0].nees.unwrap() - 1.0).abs() < 1e-9);
         assert!((judgement.of[0].marked_percent - 100.0 * 5.0 / 14.5).abs() < 1e-9);
         let right = run(&[

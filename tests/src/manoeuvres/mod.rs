@@ -7,7 +7,8 @@
 //!
 //! [`road`] has the road, [`drives`] the plan of a drive, [`truth`] what was true of it, [`signals`]
 //! the changes of what frames say, [`catalogue`] the manoeuvres by name, [`random`] combinations of them,
-//! [`cells`] the cells beside the truth, [`mass`] the stated mass beside the true one, [`judge`] the numbers and bars, and [`table`] the print.
+//! [`cells`] the cells beside the truth, [`mass`] the stated mass beside the true one, [`judge`] the
+//! numbers and bars, [`table`] the print, and [`page`] the parts of `tests/faults.md`.
 
 pub mod bench;
 pub mod catalogue;
@@ -16,6 +17,7 @@ pub mod drives;
 pub mod judge;
 pub mod low_pass;
 pub mod mass;
+pub mod page;
 pub mod parts;
 pub mod random;
 pub mod road;

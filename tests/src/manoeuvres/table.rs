@@ -49,11 +49,13 @@ fn line(row: &BenchRow) -> Vec<String> {
     line
 }
 
-fn three(judgement: &Judgement, of: impl Fn(&KindJudgement) -> String) -> String {
+/// Returns a number of each kind of estimate: smoothed, lagged and live.
+pub(super) fn three(judgement: &Judgement, of: impl Fn(&KindJudgement) -> String) -> String {
     judgement.of.iter().map(of).collect::<Vec<_>>().join(" / ")
 }
 
-fn short(number: f64) -> String {
+/// Returns a number with a decimal if it is below 10.
+pub(super) fn short(number: f64) -> String {
     if number < 9.95 {
         format!("{number:.1}")
     } else {
@@ -76,7 +78,7 @@ fn verdict(judgement: &Judgement) -> String {
 
 /// Sums over all drives.
 #[derive(Clone, Debug, Default)]
-struct Totals {
+pub(super) struct Totals {
     drives: usize,
     failed: usize,
     lying: usize,
@@ -92,7 +94,7 @@ struct Totals {
 }
 
 impl Totals {
-    fn of(rows: &[BenchRow]) -> Self {
+    pub(super) fn of(rows: &[BenchRow]) -> Self {
         let judgements: Vec<&Judgement> = rows
             .iter()
             .filter_map(|row| row.judgement.as_ref().ok())
@@ -139,7 +141,7 @@ impl Totals {
             && (0..3).all(|kind| few(kind) && self.far_above[kind] == 0)
     }
 
-    fn text(&self) -> String {
+    pub(super) fn text(&self) -> String {
         let of = |counts: [usize; 3]| counts.map(|count| count.to_string()).join(" / ");
         let percent = |values: [f64; 3], digits: usize| {
             values.map(|value| format!("{value:.digits$}")).join(" / ")
@@ -197,6 +199,13 @@ fn without_fault(
         let (rmse, sigma) = (of(|kind| kind.rmse_percent), of(|kind| kind.sigma_percent));
         (truck.name(), rmse, sigma)
     })
+}
+
+/// Returns the part of the drives that lie or have no result, %.
+#[must_use]
+pub fn lying_percent(rows: &[BenchRow]) -> f64 {
+    let totals = Totals::of(rows);
+    100.0 * (totals.lying + totals.failed) as f64 / totals.drives.max(1) as f64
 }
 
 /// Returns rows and totals as JSON.
