@@ -123,18 +123,6 @@ pub fn compare(plan: &Plan, driven: &Driven, rows: &[RunRow]) -> RunCells {
             (true, ..) => continue,
             (false, ..) => moment.grade_percent,
         };
-        if std::env::var_os("LATE_ROWS").is_some() {
-            println!(
-                "ROW {:.1} {:.1} {:.3} {:.3} {:.3} {:?} {}",
-                row.time_s,
-                row.distance_m,
-                grade_percent,
-                row.grade_percent,
-                row.grade_sigma_percent,
-                row.altitude_m,
-                row.altitude_sigma_m.unwrap_or(0.0)
-            );
-        }
         cells.cells.push(JudgedCell {
             driven_m: moment.driven_m,
             of: Kind::ALL.map(|kind| {
