@@ -67,7 +67,7 @@ impl ModelMass {
     #[inline]
     #[must_use]
     pub fn gross_kg(&self, scale: Uncertain) -> Uncertain {
-        let possible = scale.value.clamp(SMALLEST_SCALE, LARGEST_SCALE);
+        let possible = possible_scale(scale.value);
         let beyond = scale.value - possible;
         // As parts of the mass of the model.
         let driven = 1.0 / possible;
@@ -84,6 +84,11 @@ impl ModelMass {
             sigma: self.mass_kg * Scalar::sqrt(variance),
         }
     }
+}
+
+/// Returns the scale that a vehicle can have, nearest to this one.
+pub(super) fn possible_scale(scale: f32) -> f32 {
+    Scalar::min(LARGEST_SCALE, Scalar::max(SMALLEST_SCALE, scale))
 }
 
 /// Returns mean and variance of two independent measurements with their variances, of which the

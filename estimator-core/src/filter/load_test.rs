@@ -18,8 +18,10 @@ use crate::tuning::Prior;
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct LoadTest {
     before: Option<ScaleBefore>,
-    /// Distance driven with a valid model since a launch began, m; `None` without one.
-    launched_m: Option<f32>,
+    /// Whether the vehicle launches with the load that was opened.
+    launches: bool,
+    /// Distance driven since with a valid model, m.
+    driven_m: f32,
 }
 
 /// The scale before a stop.
@@ -27,8 +29,6 @@ pub(super) struct LoadTest {
 struct ScaleBefore {
     error: f32,
     variance: f32,
-    /// Distance driven since with a valid model, m.
-    driven_m: f32,
 }
 
 /// Where the load was opened.
@@ -52,9 +52,8 @@ pub(super) enum LoadDecision<S> {
 
 impl LoadTest {
     /// Returns whether the vehicle launches with a load that is not known yet.
-    pub(super) fn is_launching(&self, tuning: &Prior) -> bool {
-        self.launched_m
-            .is_some_and(|driven_m| driven_m < tuning.launch_longest_m)
+    pub(super) const fn is_launching(&self, tuning: &Prior) -> bool {
+        self.launches && self.driven_m < tuning.launch_longest_m
     }
 
     /// Opens the scale: its load may be any.
@@ -64,11 +63,10 @@ impl LoadTest {
         let before = self.before.get_or_insert(ScaleBefore {
             error: state.mean[scale].to_f32(),
             variance: state.covariance.variance(scale).to_f32(),
-            driven_m: 0.0,
         });
-        before.driven_m = 0.0;
         before.variance += tuning.same_load_sigma * tuning.same_load_sigma;
-        self.launched_m = (opened == Opened::Standing).then_some(0.0);
+        self.launches = opened == Opened::Standing;
+        self.driven_m = 0.0;
         let relative_sigma = match opened {
             Opened::Standing => tuning.open_scale_sigma,
             Opened::Moving => tuning.unreported_scale_sigma,
@@ -85,21 +83,11 @@ impl LoadTest {
         sample: &Sample,
         tuning: &Prior,
     ) -> Option<LoadDecision<S>> {
-        if let Some(launched_m) = &mut self.launched_m
-            && sample.end.condition.is_valid()
-        {
-            *launched_m += sample.length_m;
-        }
-        let before = self.before.as_mut()?;
         if sample.end.condition.is_valid() {
-            before.driven_m += sample.length_m;
+            self.driven_m += sample.length_m;
         }
-        let ScaleBefore {
-            error,
-            variance,
-            driven_m,
-        } = *before;
-        if driven_m < tuning.launch_m {
+        let ScaleBefore { error, variance } = self.before?;
+        if self.driven_m < tuning.launch_m {
             return None;
         }
         let scale = StateIndex::Scale;
@@ -108,7 +96,7 @@ impl LoadTest {
         let sigmas = tuning.same_load_sigmas;
         let agrees = innovation * innovation <= sigmas * sigmas * (now + variance);
         let known = tuning.launch_scale_sigma * (1.0 + error);
-        if agrees && now > known * known && driven_m < tuning.open_longest_m {
+        if agrees && now > known * known && self.driven_m < tuning.open_longest_m {
             return None;
         }
         self.before = None;
@@ -116,7 +104,7 @@ impl LoadTest {
             return Some(LoadDecision::Changed);
         }
         // The old scale says more than the rest of the launch.
-        self.launched_m = None;
+        self.launches = false;
         let measurement = ScalarMeasurement {
             observation: Observation::Scale,
             innovation: S::from_f32(innovation),

@@ -62,6 +62,7 @@ use crate::vehicle::Traction;
 use altitude_update::AltitudeUpdate;
 use effect_uncertainty::EffectUncertainty;
 use error_levels::{ErrorLevels, LevelCell};
+use gross_mass::possible_scale;
 use load_test::{LoadDecision, LoadTest, Opened};
 use measurement::Observation;
 use predict::Prediction;
@@ -144,7 +145,6 @@ impl<S: Scalar> Filter<S> {
 
     fn learned_noise(&self, prior: &Prior) -> LearnedNoise {
         let levels = self.levels.levels();
-        let scale = |state: &State<S>| 1.0 + state.mean[StateIndex::Scale].to_f32();
         LearnedNoise {
             levels,
             gnss_error_ratio: levels.gnss_error_ratio(self.altitude.gnss_error_ratio()),
@@ -152,7 +152,7 @@ impl<S: Scalar> Filter<S> {
             launches: self.load.is_launching(prior),
             changes_mislead: self.scale_bounds.changes_mislead(),
             load_factor: self.state.as_ref().map_or(1.0, |state| {
-                Scalar::min(5.0, Scalar::max(0.2, scale(state)))
+                possible_scale(1.0 + state.mean[StateIndex::Scale].to_f32())
             }),
         }
     }
