@@ -17,9 +17,10 @@ use crate::vehicle::GRAVITY;
 #[derive(Clone, Debug)]
 pub(super) struct SpeedUpdate {
     noise: NoiseRatio,
-    /// Learned over assumed variance of the force, and the last innovation over its sigma.
+    /// Learned over assumed variance of the force.
     force_ratio: f32,
-    last_innovation: f32,
+    /// Weighted sum of the innovations over their sigmas, of variance 1 if they are white.
+    innovations_before: f32,
     steps: SlopeStep,
     has_stepped: bool,
     /// Distance since the last speed up to the last cell, m.
@@ -39,7 +40,7 @@ impl SpeedUpdate {
                 tuning.speed_ratio_gain,
             ),
             force_ratio: 1.0,
-            last_innovation: 0.0,
+            innovations_before: 0.0,
             steps: SlopeStep::new(gates),
             has_stepped: false,
             unmeasured_m: 0.0,
@@ -66,9 +67,13 @@ impl SpeedUpdate {
 
     /// Learns the noise of the force. Noise of the readings leaves successive innovations
     /// uncorrelated, or makes them alternate; a force that the model lacks moves them the same way
-    /// (Mehra 1970).
+    /// (Mehra 1970). A force that is late moves them one way and soon back, so that an innovation is
+    /// compared with a weighted sum of those before it.
     fn learn_force(&mut self, innovation: f32, tuning: &MeasurementNoise) {
-        let product = innovation * core::mem::replace(&mut self.last_innovation, innovation);
+        let product = innovation * self.innovations_before;
+        let keep = tuning.force_memory;
+        let new = libm::sqrtf(1.0 - keep * keep) * innovation;
+        self.innovations_before = keep * self.innovations_before + new;
         let bounded = Scalar::min(3.0, Scalar::max(-3.0, product));
         let factor = 1.0 + tuning.force_ratio_gain * (bounded - tuning.force_correlation);
         self.force_ratio = Scalar::min(

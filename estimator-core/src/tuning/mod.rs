@@ -24,8 +24,9 @@ tuning! {
         speed_ratio_low: f32 = 0.1, 1e-3..=1.0, "1", "smallest learned over assumed variance of speed", "a third of the assumed sigma";
         speed_ratio_high: f32 = 25.0, 1.0..=1e4, "1", "largest learned over assumed variance of speed", "five times the assumed sigma";
         speed_ratio_gain: f32 = 0.01, 0.0..=1.0, "1", "part of a normalised squared innovation by which the ratio follows", "Mehra 1970; a memory of 100 readings";
-        force_ratio_gain: f32 = 0.01, 0.0..=1.0, "1", "part of the product of successive normalised innovations by which the noise of the force follows", "as `speed_ratio_gain`";
-        force_correlation: f32 = 0.1, 0.0..=1.0, "1", "mean product of successive normalised innovations that is no noise of the force", "chosen";
+        force_ratio_gain: f32 = 0.01, 0.0..=1.0, "1", "part of the product of a normalised innovation with those before it by which the noise of the force follows", "as `speed_ratio_gain`";
+        force_memory: f32 = 0.9, 0.0..=0.99, "1", "part that one more reading leaves of the innovations before it", "ten readings: what a late force adds is gone by then, what a noisy one adds is not";
+        force_correlation: f32 = 0.1, 0.0..=1.0, "1", "mean of that product that is no noise of the force", "chosen";
         force_ratio_high: f32 = 10_000.0, 1.0..=1e8, "1", "largest learned over assumed variance of the force", "a hundred times the assumed sigma";
         altitude_sigma_m: f32 = 0.5, 0.01..=50.0, "m", "white noise of one GNSS altitude at a dilution of precision of 1, 1 sigma", "single-frequency receivers: 0.3 to 1 m from fix to fix";
         altitude_ratio_low: f32 = 0.05, 1e-3..=1.0, "1", "smallest learned over assumed variance of altitude", "a fifth of the assumed sigma";
