@@ -8,7 +8,6 @@ use super::state_index::{PerState, StateIndex};
 use crate::context::Context;
 use crate::sample::Sample;
 use crate::scalar::Scalar;
-use crate::vehicle::Traction;
 
 /// A prediction: F, the input, and Q.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -140,10 +139,8 @@ impl NetTraction {
         };
         let change = percent - before;
         let tuning = &context.tuning.process_noise;
-        // A driver who launches does not answer the road. The timing of a measured force against the
-        // speed makes larger steps than loads do.
-        let is_engine = context.model.vehicle.traction != Traction::Force;
-        let launches = is_engine && learned.launches && gained > tuning.launch_mps2;
+        // A driver who launches does not answer the road.
+        let launches = learned.launches && gained > tuning.launch_mps2;
         let of_the_road = if launches {
             0.0
         } else {
