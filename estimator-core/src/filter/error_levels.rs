@@ -12,7 +12,7 @@
 //! and surface change. A knot joins the cells of some eighty metres, and each cell takes one
 //! hypothesis over the last knot, so that no step takes much longer than another.
 
-use super::process_noise::GaussMarkov;
+use super::gauss_markov::GaussMarkov;
 use crate::scalar::Scalar;
 use crate::tuning::{MeasurementNoise, ProcessNoise};
 

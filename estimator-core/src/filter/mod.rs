@@ -25,6 +25,7 @@ pub mod covariance;
 pub mod dynamics;
 mod effect_uncertainty;
 mod error_levels;
+mod gauss_markov;
 pub mod gross_mass;
 mod load_test;
 pub mod measurement;
@@ -210,7 +211,8 @@ impl<S: Scalar> Filter<S> {
             energy_before,
             reset,
         } = predict(slot, &prediction, prior, scale_reset, context, sample)?;
-        if is_first && !sample.mass_is_reported {
+        let mass_is_told = sample.mass_is_reported || context.model.effects.mass_variance() > 0.0;
+        if is_first && !mass_is_told {
             let opened = if sample.end.speed_mps < context.tuning.detection.coast_mps {
                 Opened::Standing
             } else {
@@ -316,7 +318,7 @@ impl<S: Scalar> Filter<S> {
             count(&mut context.counters.loads_reopened);
         }
         if let Some(state) = &mut self.state
-            && (sample.after_load_change || sample.after_stop)
+            && (sample.after_stop || (sample.after_load_change && !sample.mass_is_reported))
         {
             self.load
                 .open(state, Opened::Standing, &context.tuning.prior);

@@ -1,30 +1,11 @@
 //! Process noise: the matrix Q, which is diagonal, and the Gauss-Markov processes behind it.
 
 use super::error_levels::Levels;
+use super::gauss_markov::GaussMarkov;
 use super::state_index::PerState;
 use crate::context::Context;
 use crate::sample::Sample;
 use crate::scalar::Scalar;
-
-/// One step of a first-order Gauss-Markov process: x⁺ = k x + w, var w = (1 − k²) σ².
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct GaussMarkov {
-    /// The part k of the state that is left.
-    pub keep: f32,
-    /// The variance of w.
-    pub variance: f32,
-}
-
-impl GaussMarkov {
-    /// Creates the step for a length or time in correlation lengths or times, and the variance σ².
-    pub(super) fn step(correlation_lengths: f32, variance: f32) -> Self {
-        let keep = 1.0 / (1.0 + correlation_lengths);
-        Self {
-            keep,
-            variance: (1.0 - keep * keep) * variance,
-        }
-    }
-}
 
 /// What has been learned of the noise, as ratios of learned to assumed.
 #[derive(Clone, Copy, Debug, PartialEq)]
