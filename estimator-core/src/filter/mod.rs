@@ -171,7 +171,7 @@ impl<S: Scalar> Filter<S> {
     /// non-finite result, which restarts the filter and is counted.
     pub fn step(&mut self, context: &mut Context, sample: &Sample) -> Option<StepRecord<S>> {
         self.reopen(context, sample);
-        let braked = self.brake.advance(context, sample);
+        let braked = self.brake.advance(context, sample, self.state.as_ref());
         let sample = braked.as_ref().unwrap_or(sample);
         let is_first = self.state.is_none();
         let steps_count = context.model.vehicle.traction != Traction::Force;

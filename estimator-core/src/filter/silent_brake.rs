@@ -10,7 +10,7 @@
 //! Biometrika 41:100, 1954): a brake moves many fixes by a little before it moves one by much.
 
 use super::state::State;
-use super::state_index::StateIndex::{Altitude, Slope};
+use super::state_index::StateIndex::{Altitude, Bias, Slope, Wind};
 use crate::cell::Condition;
 use crate::context::Context;
 use crate::sample::Sample;
@@ -29,8 +29,10 @@ pub(super) struct SilentBrake {
     low_from_m: f32,
     length_m: f32,
     climb_m: f32,
-    is_on: bool,
-    /// Whether it braked without a report before: then it does so again.
+    /// Error of the model when the engine last drove, %, and cells since it is larger.
+    error_before: f32,
+    larger_cells: u32,
+    /// Whether it braked without a report on this drive.
     has_braked: bool,
 }
 
@@ -42,13 +44,19 @@ impl SilentBrake {
 
     /// Advances over a cell. Returns the sample as it is with the brake, if there is one.
     #[inline]
-    pub(super) fn advance(&mut self, context: &Context, sample: &Sample) -> Option<Sample> {
+    pub(super) fn advance<S: Scalar>(
+        &mut self,
+        context: &Context,
+        sample: &Sample,
+        state: Option<&State<S>>,
+    ) -> Option<Sample> {
         let forces = &sample.forces;
         let most = 0.01 * context.tuning.detection.silent_brake_traction_percent;
         // The braking of motors is part of a measured force.
         let is_measured = context.model.vehicle.traction == Traction::Force;
         if is_measured || forces.traction_n > most * forces.weight_n() {
             *self = Self {
+                error_before: state.map_or(0.0, |state| model_error(state).0),
                 has_braked: self.has_braked,
                 ..Self::default()
             };
@@ -56,7 +64,9 @@ impl SilentBrake {
         }
         self.rolling_cells = self.rolling_cells.saturating_add(1);
         self.low_cells = self.low_cells.saturating_add(1);
-        if !self.is_on {
+        self.larger_cells = self.larger_cells.saturating_add(1);
+        // A vehicle that braked without a report does so again.
+        if !self.has_braked {
             return None;
         }
         let mut braked = *sample;
@@ -83,7 +93,7 @@ impl SilentBrake {
         state: &mut State<S>,
         (altitude_m, innovation_m, variance): (f32, f32, f32),
     ) -> Option<u32> {
-        if self.rolling_cells == 0 || self.is_on || !sample.end.condition.is_valid() {
+        if self.rolling_cells == 0 || self.has_braked || !sample.end.condition.is_valid() {
             return None;
         }
         let detection = &context.tuning.detection;
@@ -100,22 +110,39 @@ impl SilentBrake {
             self.length_m = 0.0;
             self.climb_m = 0.0;
         }
-        let enough = if self.has_braked {
-            detection.silent_brake_next_sum
-        } else {
-            detection.silent_brake_sum
-        };
         let hidden_m = self.climb_m - (altitude_m - self.low_from_m);
         let is_steep = 100.0 * hidden_m > detection.silent_brake_least_percent * self.length_m;
-        if self.low_sum < enough || !(is_steep || self.has_braked) {
+        let is_low = self.low_sum > detection.silent_brake_sum && is_steep;
+        // Where the error of the model could move, it took in what the brake hides.
+        let (error, sigma) = model_error(state);
+        let taken_in = Scalar::max(error - self.error_before, 0.0);
+        let least = detection.silent_brake_least_percent;
+        if taken_in < 0.5 * least {
+            self.larger_cells = 0;
+        }
+        let has_taken_in = taken_in > least + 2.0 * sigma;
+        if !is_low && !has_taken_in {
             return None;
         }
-        self.is_on = true;
         self.has_braked = true;
         let steepest = detection.silent_brake_slope_percent;
         let covariance = &mut state.covariance;
         covariance.add_variance(Slope, S::from_f32(steepest * steepest));
+        covariance.add_variance(Bias, S::from_f32(taken_in * taken_in));
         covariance.add_variance(Altitude, S::from_f32(innovation_m * innovation_m));
-        Some(self.low_cells.min(self.rolling_cells))
+        let unnoticed_cells = if has_taken_in {
+            self.larger_cells.max(self.low_cells)
+        } else {
+            self.low_cells
+        };
+        Some(unnoticed_cells.min(self.rolling_cells))
     }
+}
+
+/// Returns the slow error of the model, and its sigma, %.
+fn model_error<S: Scalar>(state: &State<S>) -> (f32, f32) {
+    let error = state.mean[Bias] + state.mean[Wind];
+    let of = |i, j| state.covariance.get(i, j).to_f32();
+    let variance = of(Bias, Bias) + 2.0 * of(Bias, Wind) + of(Wind, Wind);
+    (error.to_f32(), Scalar::sqrt(Scalar::max(variance, 0.0)))
 }

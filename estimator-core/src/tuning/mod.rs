@@ -174,7 +174,6 @@ tuning! {
         held_after_percent: f32 = 200.0, 0.0..=1e5, "%", "movement of the torque after which it may be found to be held", "some ten changes";
         silent_brake_traction_percent: f32 = 0.1, -10.0..=10.0, "%", "traction over weight up to which the engine drives nothing", "drivers do not brake and drive at once";
         silent_brake_sum: f32 = 10.0, 0.1..=1e3, "1", "sum of altitudes below the climb of the model, in sigmas, that shows a brake then", "a false one in a thousand kilometres without traction";
-        silent_brake_next_sum: f32 = 3.5, 0.1..=1e3, "1", "the same after the first one of a drive", "half of it: a vehicle whose brake is not reported brakes again";
         silent_brake_least_percent: f32 = 1.5, 0.0..=100.0, "%", "slope that it hides at least", "receivers drift by 1 m in 100 m";
         silent_brake_slack: f32 = 0.5, 0.0..=10.0, "1", "part of each that is usual, in sigmas", "half of the smallest shift that is looked for";
         silent_brake_most: f32 = 3.5, 0.1..=100.0, "1", "most that one of them counts, in sigmas", "chosen: one may be an outlier";
