@@ -130,6 +130,7 @@ impl<S: Scalar> Filter<S> {
             levels: self.levels.restarted(),
             speed: self.speed.second_pass(&self.noise(), tuning),
             altitude: self.altitude.second_pass(&self.noise(), tuning),
+            brake: self.brake.second_pass(),
             ..Filter::new(tuning, &self.noise(), self.prior)
         }
     }

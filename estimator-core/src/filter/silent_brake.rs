@@ -37,6 +37,15 @@ pub(super) struct SilentBrake {
 }
 
 impl SilentBrake {
+    /// Returns the test for a second pass over the same drive: a brake that was not reported once is
+    /// not reported before either.
+    pub(super) fn second_pass(&self) -> Self {
+        Self {
+            has_braked: self.has_braked,
+            ..Self::default()
+        }
+    }
+
     /// Returns whether the engine drives nothing over the newest cell.
     pub(super) const fn may_brake(&self) -> bool {
         self.rolling_cells > 0
