@@ -234,11 +234,21 @@ fn uncertainty_of_an_amount_is_uncertainty_of_the_grade() {
     }
 }
 
-/// Where nothing reports the mass, the load may be any. Only an amount that is known less than that
-/// makes the scale less sure.
+/// Where nothing tells the mass, the load may be any. Only an amount that is known less than that
+/// makes the scale less sure. An adopted mass with a sigma tells it.
 #[test]
-fn an_open_load_covers_a_smaller_uncertainty_of_the_scale() {
-    for effect in CATALOGUE.iter().filter(|effect| acts_on_the_scale(effect)) {
+fn an_open_load_covers_a_smaller_uncertainty_of_the_torque() {
+    let mass = CATALOGUE
+        .iter()
+        .find(|effect| effect.name == "mass")
+        .unwrap();
+    let of_mass = |amount_sigma| sigmas(AdoptedEffect::new(mass, 0.0, amount_sigma));
+    let [open, told] = [0.0, 0.02].map(of_mass);
+    assert!(told[1] < 0.9 * open[1], "{told:?} {open:?}");
+    for effect in CATALOGUE
+        .iter()
+        .filter(|effect| effect.name == "torque_scale")
+    {
         let of_sigma = |amount_sigma| sigmas(AdoptedEffect::new(effect, 0.0, amount_sigma));
         let any_load = Tuning::default().prior.any_load_scale_sigma;
         let [certain, covered, more] = [0.0, 0.5 * any_load, 2.0 * any_load].map(of_sigma);
