@@ -32,8 +32,9 @@ pub(super) struct SilentBrake {
     /// Error of the model when the engine last drove, %, and cells since it is larger.
     error_before: f32,
     larger_cells: u32,
-    /// Whether it braked without a report on this drive.
-    has_braked: bool,
+    is_on: bool,
+    /// Brakes found on this drive that were not reported.
+    found: u8,
 }
 
 impl SilentBrake {
@@ -41,9 +42,15 @@ impl SilentBrake {
     /// not reported before either.
     pub(super) fn second_pass(&self) -> Self {
         Self {
-            has_braked: self.has_braked,
+            found: self.found,
             ..Self::default()
         }
+    }
+
+    /// Returns whether brakes of this vehicle are known not to be reported. A single one may have
+    /// been an error of altitudes.
+    const fn is_known(&self) -> bool {
+        self.found > 1
     }
 
     /// Returns whether the engine drives nothing over the newest cell.
@@ -66,7 +73,7 @@ impl SilentBrake {
         if is_measured || forces.traction_n > most * forces.weight_n() {
             *self = Self {
                 error_before: state.map_or(0.0, |state| model_error(state).0),
-                has_braked: self.has_braked,
+                found: self.found,
                 ..Self::default()
             };
             return None;
@@ -74,8 +81,8 @@ impl SilentBrake {
         self.rolling_cells = self.rolling_cells.saturating_add(1);
         self.low_cells = self.low_cells.saturating_add(1);
         self.larger_cells = self.larger_cells.saturating_add(1);
-        // A vehicle that braked without a report does so again.
-        if !self.has_braked {
+        // What brakes without a report does so again.
+        if !self.is_on && !self.is_known() {
             return None;
         }
         let mut braked = *sample;
@@ -102,7 +109,7 @@ impl SilentBrake {
         state: &mut State<S>,
         (altitude_m, innovation_m, variance): (f32, f32, f32),
     ) -> Option<u32> {
-        if self.rolling_cells == 0 || self.has_braked || !sample.end.condition.is_valid() {
+        if self.rolling_cells == 0 || self.is_on || !sample.end.condition.is_valid() {
             return None;
         }
         let detection = &context.tuning.detection;
@@ -133,7 +140,8 @@ impl SilentBrake {
         if !is_low && !has_taken_in {
             return None;
         }
-        self.has_braked = true;
+        self.is_on = true;
+        self.found = self.found.saturating_add(if has_taken_in { 2 } else { 1 });
         let steepest = detection.silent_brake_slope_percent;
         let covariance = &mut state.covariance;
         covariance.add_variance(Slope, S::from_f32(steepest * steepest));
