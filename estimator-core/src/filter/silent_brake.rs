@@ -127,16 +127,17 @@ impl SilentBrake {
             self.climb_m = 0.0;
         }
         let hidden_m = self.climb_m - (altitude_m - self.low_from_m);
-        let is_steep = 100.0 * hidden_m > detection.silent_brake_least_percent * self.length_m;
+        let hidden_percent = 100.0 * hidden_m / Scalar::max(self.length_m, sample.length_m);
+        let slopes = detection.silent_brake_least_percent..detection.silent_brake_steepest_percent;
+        let is_steep = slopes.contains(&hidden_percent);
         let is_low = self.low_sum > detection.silent_brake_sum && is_steep;
         // Where the error of the model could move, it took in what the brake hides.
         let (error, sigma) = model_error(state);
         let taken_in = Scalar::max(error - self.error_before, 0.0);
-        let least = detection.silent_brake_least_percent;
-        if taken_in < 0.5 * least {
+        if taken_in < 0.5 * slopes.start {
             self.larger_cells = 0;
         }
-        let has_taken_in = taken_in > least + 2.0 * sigma;
+        let has_taken_in = taken_in > slopes.start + 2.0 * sigma && hidden_percent < slopes.end;
         if !is_low && !has_taken_in {
             return None;
         }

@@ -175,6 +175,7 @@ tuning! {
         silent_brake_traction_percent: f32 = 0.1, -10.0..=10.0, "%", "traction over weight up to which the engine drives nothing", "drivers do not brake and drive at once";
         silent_brake_sum: f32 = 10.0, 0.1..=1e3, "1", "sum of altitudes below the climb of the model, in sigmas, that shows a brake then", "a false one in a thousand kilometres without traction";
         silent_brake_least_percent: f32 = 1.5, 0.0..=100.0, "%", "slope that it hides at least", "receivers drift by 1 m in 100 m";
+        silent_brake_steepest_percent: f32 = 15.0, 0.0..=100.0, "%", "slope beyond which it is an error of the altitude", "no main road is steeper";
         silent_brake_slack: f32 = 0.5, 0.0..=10.0, "1", "part of each that is usual, in sigmas", "half of the smallest shift that is looked for";
         silent_brake_most: f32 = 3.5, 0.1..=100.0, "1", "most that one of them counts, in sigmas", "chosen: one may be an outlier";
         silent_brake_slope_percent: f32 = 6.0, 0.0..=100.0, "%", "slope that an unreported brake may hide, 1 sigma", "steep descents of main roads";
