@@ -148,12 +148,14 @@ impl NetTraction {
         };
         // Not `clamp`, which panics if the limits are in the wrong order.
         let jump_percent = change - Scalar::min(of_the_road, Scalar::max(-of_the_road, change));
-        let (sigma, scale) = from.map_or((0.0, 1.0), |state| {
+        let (variance, scale) = from.map_or((0.0, 1.0), |state| {
+            let variance = state.covariance.variance(StateIndex::Scale);
             let scale = 1.0 + state.mean[StateIndex::Scale].to_f32();
-            (state.sigma(StateIndex::Scale).to_f32(), scale)
+            (variance.to_f32(), scale)
         });
         // Where the scale is known, climbs show it better than torque in motion does.
-        let matters = launches || sigma * jump_percent.abs() > tuning.jump_matters_percent;
+        let least = tuning.jump_matters_percent;
+        let matters = launches || variance * jump_percent * jump_percent > least * least;
         let (jump_percent, jump_noise_percent) = if learned.changes_mislead {
             (0.0, jump_percent)
         } else if matters {
@@ -165,7 +167,7 @@ impl NetTraction {
         // counts. What they show together is known no better than rotating mass and timing.
         let least = tuning.jump_scale_sigma * scale;
         let scale_variance = if launches && jump_percent != 0.0 {
-            Scalar::max(least * least - sigma * sigma, 0.0)
+            Scalar::max(least * least - variance, 0.0)
         } else {
             0.0
         };

@@ -29,12 +29,7 @@ impl ScaleBounds {
         // While little is known of it, it passes its bounds on the way to where it is. Not once it is
         // set to them: that widens its sigma each time.
         let beyond = (scale - bounded).abs();
-        let allowed = if self.changes_mislead {
-            0.0
-        } else {
-            0.5 * state.sigma(Scale).to_f32()
-        };
-        if beyond <= allowed {
+        if beyond == 0.0 || (!self.changes_mislead && beyond <= 0.5 * state.sigma(Scale).to_f32()) {
             return KeptScale::Within;
         }
         let covariance = &mut state.covariance;

@@ -72,7 +72,7 @@ impl SilentBrake {
         let is_measured = context.model.vehicle.traction == Traction::Force;
         if is_measured || forces.traction_n > most * forces.weight_n() {
             *self = Self {
-                error_before: state.map_or(0.0, |state| model_error(state).0),
+                error_before: state.map_or(0.0, model_error),
                 found: self.found,
                 ..Self::default()
             };
@@ -132,12 +132,14 @@ impl SilentBrake {
         let is_steep = slopes.contains(&hidden_percent);
         let is_low = self.low_sum > detection.silent_brake_sum && is_steep;
         // Where the error of the model could move, it took in what the brake hides.
-        let (error, sigma) = model_error(state);
-        let taken_in = Scalar::max(error - self.error_before, 0.0);
+        let taken_in = Scalar::max(model_error(state) - self.error_before, 0.0);
         if taken_in < 0.5 * slopes.start {
             self.larger_cells = 0;
         }
-        let has_taken_in = taken_in > slopes.start + 2.0 * sigma && hidden_percent < slopes.end;
+        let beyond = taken_in - slopes.start;
+        let has_taken_in = beyond > 0.0
+            && beyond * beyond > 4.0 * model_error_variance(state)
+            && hidden_percent < slopes.end;
         if !is_low && !has_taken_in {
             return None;
         }
@@ -157,10 +159,13 @@ impl SilentBrake {
     }
 }
 
-/// Returns the slow error of the model, and its sigma, %.
-fn model_error<S: Scalar>(state: &State<S>) -> (f32, f32) {
-    let error = state.mean[Bias] + state.mean[Wind];
+/// Returns the slow error of the model, %.
+fn model_error<S: Scalar>(state: &State<S>) -> f32 {
+    (state.mean[Bias] + state.mean[Wind]).to_f32()
+}
+
+/// Returns its variance, %².
+fn model_error_variance<S: Scalar>(state: &State<S>) -> f32 {
     let of = |i, j| state.covariance.get(i, j).to_f32();
-    let variance = of(Bias, Bias) + 2.0 * of(Bias, Wind) + of(Wind, Wind);
-    (error.to_f32(), Scalar::sqrt(Scalar::max(variance, 0.0)))
+    of(Bias, Bias) + 2.0 * of(Bias, Wind) + of(Wind, Wind)
 }
