@@ -131,8 +131,13 @@ impl AltitudeDelay {
                 self.readings = self.readings.saturating_add(1);
                 self.decide(tuning);
             }
-            let by_forces_mps = 0.5 * (self.vertical_mps[lag] + self.vertical_mps[lag + 1]);
-            let (mean, variance) = &mut self.difference[lag];
+            let (Some([newer, older]), Some((mean, variance))) = (
+                self.vertical_mps.get(lag..lag + 2),
+                self.difference.get_mut(lag),
+            ) else {
+                return;
+            };
+            let by_forces_mps = 0.5 * (newer + older);
             let apart = measured_mps - by_forces_mps - *mean;
             let apart = Scalar::min(FASTEST_MPS, Scalar::max(-FASTEST_MPS, apart));
             *mean += gain * apart;
@@ -144,14 +149,14 @@ impl AltitudeDelay {
         if self.readings < tuning.delay_readings / 4 {
             return;
         }
-        let mut best = 0;
+        let (mut best, mut least) = (0, f32::INFINITY);
         for (lag, (_, variance)) in self.difference.iter().enumerate() {
-            if *variance < self.difference[best].1 {
-                best = lag;
+            if *variance < least {
+                (best, least) = (lag, *variance);
             }
         }
         let at_now = Scalar::min(self.difference[0].1, self.difference[1].1);
-        let is_late = best > 1 && self.difference[best].1 < tuning.delay_part * at_now;
+        let is_late = best > 1 && least < tuning.delay_part * at_now;
         let delay_s = if is_late { best as u8 } else { 0 };
         // A second more or less is no change: each one sets the altitude anew.
         if delay_s.abs_diff(self.delay_s) > 1 || (delay_s == 0) != (self.delay_s == 0) {

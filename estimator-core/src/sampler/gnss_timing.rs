@@ -120,12 +120,14 @@ impl GnssTiming {
                 self.decide(assumed, tuning);
             }
             // Between the wheel speed at this lag and the one after it.
-            let (later, earlier) = match lag.checked_sub(1) {
-                Some(later) => (self.wheels_mps[later], self.wheels_mps[lag]),
-                None => (self.wheels_mps[0], self.wheels_mps[0]),
+            let (Some(later), Some(earlier), Some((mean, variance))) = (
+                self.wheels_mps.get(lag.saturating_sub(1)),
+                self.wheels_mps.get(lag),
+                self.difference.get_mut(lag),
+            ) else {
+                return;
             };
             let wheels_mps = earlier + Scalar::min(after, 1.0) * (later - earlier);
-            let (mean, variance) = &mut self.difference[lag];
             let apart = speed_mps - wheels_mps - *mean;
             *mean += gain * apart;
             *variance = (1.0 - gain) * (*variance + gain * apart * apart);
