@@ -123,7 +123,7 @@ impl AltitudeDelay {
         if usize::from(self.filled) < LAGS + 2 {
             return;
         }
-        let gain = 1.0 / f32::from(self.readings.clamp(1, tuning.delay_readings));
+        let gain = 1.0 / f32::from(self.readings.min(tuning.delay_readings).max(1));
         for _ in 0..AT_ONCE {
             let lag = usize::from(self.next);
             self.next = (self.next + 1) % LAGS as u8;

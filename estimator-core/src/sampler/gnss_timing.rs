@@ -111,7 +111,7 @@ impl GnssTiming {
         if after > 1.5 {
             return;
         }
-        let gain = 1.0 / f32::from(self.readings.clamp(1, tuning.timing_readings));
+        let gain = 1.0 / f32::from(self.readings.min(tuning.timing_readings).max(1));
         for _ in 0..AT_ONCE {
             let lag = usize::from(self.next);
             self.next = (self.next + 1) % LAGS as u8;
