@@ -401,6 +401,7 @@ fn level_cell<S: Scalar>(
         climb_m: 0.01 * sample.length_m * slope.to_f32(),
         bias_variance: bias_variance(context, sample, load_factor),
         wind_variance: wind_variance(context, sample, load_factor),
+        known_bias_variance: state.covariance.variance(StateIndex::Bias).to_f32(),
     }
 }
 

@@ -172,7 +172,7 @@ impl Hypothesis {
         if is_new {
             let (rr, qq) = step.variances(receiver);
             *p = Covariance {
-                bb: knot.bias_variance,
+                bb: knot.known_bias_variance,
                 ww: wind,
                 rr,
                 qq,

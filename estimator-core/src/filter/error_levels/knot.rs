@@ -12,6 +12,8 @@ pub(in crate::filter) struct LevelCell {
     /// Variances of bias and wind as they are assumed, %².
     pub bias_variance: f32,
     pub wind_variance: f32,
+    /// Variance of the bias as it is known, %².
+    pub known_bias_variance: f32,
 }
 
 /// A knot that is being filled.
@@ -36,6 +38,7 @@ pub(super) struct Knot {
     pub variance: f32,
     pub bias_variance: f32,
     pub wind_variance: f32,
+    pub known_bias_variance: f32,
 }
 
 impl OpenKnot {
@@ -74,6 +77,7 @@ impl OpenKnot {
             variance: variance_sum / (fixes * fixes),
             bias_variance: cell.bias_variance,
             wind_variance: cell.wind_variance,
+            known_bias_variance: cell.known_bias_variance,
         })
     }
 }
