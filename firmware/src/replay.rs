@@ -4,13 +4,14 @@ use crate::exchange::CELLS_FILE;
 use crate::exchange::cell;
 use crate::recorded::{Recorded, Unusable};
 use core::fmt;
+use estimator_core::vehicle::ParameterError;
 use estimator_core::{Cell, Estimator, Step, Tuning, Uncertain};
 use semihosting::fs::File;
 use semihosting::io::{self, Write};
 use static_cell::StaticCell;
 
 /// Static, since it is too large for a controller's stack. Its size can be read from the image.
-static ESTIMATOR: StaticCell<Estimator<f32>> = StaticCell::new();
+static ESTIMATOR: StaticCell<Result<Estimator<f32>, ParameterError>> = StaticCell::new();
 
 /// Number of cells from one log of the estimate to the next.
 const CELLS_PER_KM: u32 = 400;
@@ -40,8 +41,11 @@ impl From<Unusable> for ReplayError {
 /// Panics when called twice: there is one estimator.
 pub fn run() -> Result<(), ReplayError> {
     let (vehicle, mut drive) = Recorded::open()?;
-    let estimator = Estimator::new(vehicle, Tuning::default()).map_err(Unusable::Vehicle)?;
-    let estimator = ESTIMATOR.init(estimator);
+    // In its place: the stack is smaller than the estimator.
+    let estimator = ESTIMATOR
+        .init_with(|| Estimator::new(vehicle, Tuning::default()))
+        .as_mut()
+        .map_err(|problem| Unusable::Vehicle(*problem))?;
 
     let mut cells = Cells {
         file: File::create(CELLS_FILE).map_err(ReplayError::Write)?,

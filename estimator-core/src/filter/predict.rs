@@ -69,6 +69,12 @@ impl<S: Scalar> Prediction<S> {
         }
     }
 
+    /// Creates the prediction over the cell of a sample where nothing has been learned.
+    #[must_use]
+    pub fn of_first_cell(context: &Context, sample: &Sample, effects: EffectContribution) -> Self {
+        Self::new(context, sample, None, &LearnedNoise::NONE, effects)
+    }
+
     /// Predicts mean and covariance to the end of the cell.
     #[inline]
     pub fn apply(&self, state: &mut State<S>) {

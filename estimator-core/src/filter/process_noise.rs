@@ -24,6 +24,18 @@ pub(super) struct LearnedNoise {
     pub load_factor: f32,
 }
 
+impl LearnedNoise {
+    /// Nothing learned.
+    pub(super) const NONE: Self = Self {
+        levels: Levels::ASSUMED,
+        gnss_error_ratio: 1.0,
+        force_ratio: 1.0,
+        launches: false,
+        changes_mislead: false,
+        load_factor: 1.0,
+    };
+}
+
 /// The coloured states over one cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ColouredStates {

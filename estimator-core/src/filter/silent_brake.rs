@@ -130,7 +130,9 @@ impl SilentBrake {
         let hidden_percent = 100.0 * hidden_m / Scalar::max(self.length_m, sample.length_m);
         let slopes = detection.silent_brake_least_percent..detection.silent_brake_steepest_percent;
         let is_steep = slopes.contains(&hidden_percent);
-        let is_low = self.low_sum > detection.silent_brake_sum && is_steep;
+        // Half of it shows a second one.
+        let enough = detection.silent_brake_sum * if self.found > 0 { 0.5 } else { 1.0 };
+        let is_low = self.low_sum > enough && is_steep;
         // Where the error of the model could move, it took in what the brake hides.
         let taken_in = Scalar::max(model_error(state) - self.error_before, 0.0);
         if taken_in < 0.5 * slopes.start {

@@ -264,6 +264,6 @@ fn another_load_after_a_stop_is_learned_as_on_a_fresh_start() {
     assert!(reopened[0] < 1.5 * fresh[0], "{reopened:?}, {fresh:?}");
     assert!(kept[0] > 1.15 * reopened[0], "{kept:?}, {reopened:?}");
     assert!(reopened[3] < 1.2 && kept[3] > 1.4, "{reopened:?}, {kept:?}");
-    assert!(scales[1] < scales[0] + 0.01, "{scales:?}");
+    assert!(scales[1] < scales[0] + 0.02, "{scales:?}");
     assert!(scales[2] > scales[1], "{scales:?}");
 }

@@ -43,12 +43,12 @@ pub fn ours(meter: &mut impl FilterMeter) {
         speed: None,
         altitude: None,
         after_load_change: false,
-            after_stop: false,
+        after_stop: false,
         mass_is_reported: false,
         disagreement: Disagreement::default(),
     };
     let no_effects = EffectContribution::default();
-    let prediction = Prediction::new(&context, &sample, None, 1.0, no_effects);
+    let prediction = Prediction::of_first_cell(&context, &sample, no_effects);
     let mut covariance = Covariance::ZERO;
     for state in StateIndex::ALL {
         covariance.add_variance(state, 1.0);

@@ -90,6 +90,14 @@ pub(super) struct Levels {
 }
 
 impl Levels {
+    /// As assumed.
+    pub(super) const ASSUMED: Self = Self {
+        wind_ratio: 1.0,
+        wind_length_ratio: 1.0,
+        receiver_time_ratio: 1.0,
+        receiver: (1.0, 0.0),
+    };
+
     /// Returns the level of the receiver's coloured error, given what its innovations alone say.
     pub(super) fn gnss_error_ratio(&self, of_innovations: f32) -> f32 {
         let (ratio, part) = self.receiver;
@@ -133,12 +141,7 @@ impl ErrorLevels {
             next: 0,
             best: 0.0,
             sums: Sums::default(),
-            levels: Levels {
-                wind_ratio: 1.0,
-                wind_length_ratio: 1.0,
-                receiver_time_ratio: 1.0,
-                receiver: (1.0, 0.0),
-            },
+            levels: Levels::ASSUMED,
         }
     }
 
