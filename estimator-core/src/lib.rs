@@ -60,6 +60,7 @@ pub mod effect;
 pub mod estimator;
 pub mod filter;
 pub mod intake;
+mod lagged_differences;
 pub mod maybe;
 pub mod model;
 pub mod persistent_state;

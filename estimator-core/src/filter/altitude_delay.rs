@@ -4,13 +4,14 @@
 //! at which both fit best is the delay. The altitude is then carried on by the climb since. The
 //! variances of the difference at a row of lags are means that forget, and each fix updates a few.
 
+use crate::lagged_differences::LaggedDifferences;
 use crate::scalar::Scalar;
 use crate::tuning::MeasurementNoise;
 
 /// Number of lags, each a second.
 const LAGS: usize = 48;
 /// Lags that one fix updates.
-const AT_ONCE: usize = 16;
+const AT_ONCE: u8 = 16;
 /// Difference of vertical speeds that counts at most, m/s: beyond is an outlier.
 const FASTEST_MPS: f32 = 1.0;
 /// Time between two fixes that are compared, s.
@@ -28,9 +29,7 @@ pub(super) struct AltitudeDelay {
     fix: Option<(f32, f32)>,
     /// Vertical speed of the altitudes, m/s.
     measured_mps: Option<f32>,
-    difference: [(f32, f32); LAGS],
-    next: u8,
-    readings: u16,
+    differences: LaggedDifferences<LAGS>,
     delay_s: u8,
     has_changed: bool,
 }
@@ -43,9 +42,7 @@ impl AltitudeDelay {
             filled: 0,
             fix: None,
             measured_mps: None,
-            difference: [(0.0, 0.0); LAGS],
-            next: 0,
-            readings: 0,
+            differences: LaggedDifferences::new(),
             delay_s: 0,
             has_changed: false,
         }
@@ -54,8 +51,7 @@ impl AltitudeDelay {
     /// Returns the comparison before its start, with the delay found so far.
     pub(super) fn restarted(&self) -> Self {
         Self {
-            difference: self.difference,
-            readings: self.readings,
+            differences: self.differences.restarted(),
             delay_s: self.delay_s,
             ..Self::new()
         }
@@ -123,40 +119,27 @@ impl AltitudeDelay {
         if usize::from(self.filled) < LAGS + 2 {
             return;
         }
-        let gain = 1.0 / f32::from(self.readings.min(tuning.delay_readings).max(1));
-        for _ in 0..AT_ONCE {
-            let lag = usize::from(self.next);
-            self.next = (self.next + 1) % LAGS as u8;
-            if lag == 0 {
-                self.readings = self.readings.saturating_add(1);
-                self.decide(tuning);
-            }
-            let (Some([newer, older]), Some((mean, variance))) = (
-                self.vertical_mps.get(lag..lag + 2),
-                self.difference.get_mut(lag),
-            ) else {
-                return;
-            };
-            let by_forces_mps = 0.5 * (newer + older);
-            let apart = measured_mps - by_forces_mps - *mean;
-            let apart = Scalar::min(FASTEST_MPS, Scalar::max(-FASTEST_MPS, apart));
-            *mean += gain * apart;
-            *variance = (1.0 - gain) * (*variance + gain * apart * apart);
+        let gain = self.differences.gain(tuning.delay_readings);
+        if self.differences.begins_round() {
+            self.decide(tuning);
         }
+        let vertical_mps = &self.vertical_mps;
+        self.differences.update(AT_ONCE, gain, |lag, mean_mps| {
+            let [newer, older] = vertical_mps.get(lag..lag + 2)?.try_into().ok()?;
+            let by_forces_mps: f32 = 0.5 * (newer + older);
+            let apart = measured_mps - by_forces_mps - mean_mps;
+            Some(Scalar::min(FASTEST_MPS, Scalar::max(-FASTEST_MPS, apart)))
+        });
     }
 
     fn decide(&mut self, tuning: &MeasurementNoise) {
-        if self.readings < tuning.delay_readings / 4 {
+        if self.differences.rounds() < tuning.delay_readings / 4 {
             return;
         }
-        let (mut best, mut least) = (0, f32::INFINITY);
-        for (lag, (_, variance)) in self.difference.iter().enumerate() {
-            if *variance < least {
-                (best, least) = (lag, *variance);
-            }
-        }
-        let at_now = Scalar::min(self.difference[0].1, self.difference[1].1);
-        let is_late = best > 1 && least < tuning.delay_part * at_now;
+        let best = self.differences.best();
+        let variance = |lag: usize| self.differences.variance(lag);
+        let at_now = Scalar::min(variance(0), variance(1));
+        let is_late = best > 1 && variance(best) < tuning.delay_part * at_now;
         let delay_s = if is_late { best as u8 } else { 0 };
         // A second more or less is no change: each one sets the altitude anew.
         if delay_s.abs_diff(self.delay_s) > 1 || (delay_s == 0) != (self.delay_s == 0) {

@@ -212,8 +212,7 @@ impl<S: Scalar> Filter<S> {
             energy_before,
             reset,
         } = predict(slot, &prediction, prior, scale_reset, context, sample)?;
-        let mass_is_told = sample.mass_is_reported || context.model.effects.mass_variance() > 0.0;
-        if is_first && !mass_is_told {
+        if is_first && !mass_is_told(context, sample) {
             let opened = if sample.end.speed_mps < context.tuning.detection.coast_mps {
                 Opened::Standing
             } else {
@@ -255,11 +254,7 @@ impl<S: Scalar> Filter<S> {
         }
         let cell = level_cell(context, sample, state, learned.load_factor);
         altitude.delay_mut().advance(cell.climb_m, cell.duration_s);
-        let error = state.mean[StateIndex::Bias] + state.mean[StateIndex::Wind];
-        brake.drive(
-            cell.length_m,
-            cell.climb_m - 0.01 * cell.length_m * error.to_f32(),
-        );
+        brake.drive(state, cell.length_m, cell.climb_m);
         levels.advance(
             &cell,
             &context.tuning.process_noise,
@@ -386,6 +381,11 @@ fn start_after_gap<S: Scalar>(state: &mut State<S>, tuning: &Tuning, speed: Spee
     ] {
         state.covariance.set(index, index, square(sigma));
     }
+}
+
+/// Returns whether the bus reports the mass, or an adopted effect knows it.
+fn mass_is_told(context: &Context, sample: &Sample) -> bool {
+    sample.mass_is_reported || context.model.effects.mass_variance() > 0.0
 }
 
 fn level_cell<S: Scalar>(

@@ -93,11 +93,12 @@ impl SilentBrake {
         Some(braked)
     }
 
-    /// Adds a cell: its length, and its climb by the forces, m.
+    /// Adds a cell: its length, and its climb by the forces, m, from which the error of the model is
+    /// taken.
     #[inline]
-    pub(super) fn drive(&mut self, length_m: f32, climb_m: f32) {
+    pub(super) fn drive<S: Scalar>(&mut self, state: &State<S>, length_m: f32, climb_m: f32) {
         self.length_m += length_m;
-        self.climb_m += climb_m;
+        self.climb_m += climb_m - 0.01 * length_m * model_error(state);
     }
 
     /// Takes an altitude, its innovation, m, and its variance. Returns the number of cells in

@@ -5,6 +5,7 @@
 //! difference at a row of lags are means that forget, and each reading updates a few of them.
 
 use super::latest::TimedValue;
+use crate::lagged_differences::LaggedDifferences;
 use crate::scalar::Scalar;
 use crate::time::{Duration, Instant};
 use crate::tuning::Detection;
@@ -13,7 +14,7 @@ use crate::tuning::Detection;
 const LAGS: usize = 32;
 const STEP: Duration = Duration::from_micros(250_000);
 /// Lags that one reading updates.
-const AT_ONCE: usize = 4;
+const AT_ONCE: u8 = 4;
 
 /// The comparison of both speeds.
 #[derive(Clone, Debug)]
@@ -22,10 +23,8 @@ pub(super) struct GnssTiming {
     wheels_mps: [f32; LAGS + 1],
     newest: Option<Instant>,
     filled: u8,
-    /// Mean and variance of the difference of the speeds at each lag.
-    difference: [(f32, f32); LAGS],
-    next: u8,
-    readings: u16,
+    /// Speeds over ground less wheel speeds.
+    differences: LaggedDifferences<LAGS>,
     /// Mean wheel speed, m/s.
     mean_wheels_mps: f32,
     latency: Option<Duration>,
@@ -38,9 +37,7 @@ impl Default for GnssTiming {
             wheels_mps: [0.0; LAGS + 1],
             newest: None,
             filled: 0,
-            difference: [(0.0, 0.0); LAGS],
-            next: 0,
-            readings: 0,
+            differences: LaggedDifferences::new(),
             mean_wheels_mps: 0.0,
             latency: None,
             factor: 1.0,
@@ -111,45 +108,26 @@ impl GnssTiming {
         if after > 1.5 {
             return;
         }
-        let gain = 1.0 / f32::from(self.readings.min(tuning.timing_readings).max(1));
-        for _ in 0..AT_ONCE {
-            let lag = usize::from(self.next);
-            self.next = (self.next + 1) % LAGS as u8;
-            if lag == 0 {
-                self.readings = self.readings.saturating_add(1);
-                self.decide(assumed, tuning);
-            }
+        let gain = self.differences.gain(tuning.timing_readings);
+        if self.differences.begins_round() {
+            self.decide(assumed, tuning);
+        }
+        let Self {
+            wheels_mps,
+            mean_wheels_mps,
+            differences,
+            ..
+        } = self;
+        differences.update(AT_ONCE, gain, |lag, mean_mps| {
             // Between the wheel speed at this lag and the one after it.
-            let (Some(later), Some(earlier), Some((mean, variance))) = (
-                self.wheels_mps.get(lag.saturating_sub(1)),
-                self.wheels_mps.get(lag),
-                self.difference.get_mut(lag),
-            ) else {
-                return;
-            };
-            let wheels_mps = earlier + Scalar::min(after, 1.0) * (later - earlier);
-            let apart = speed_mps - wheels_mps - *mean;
-            *mean += gain * apart;
-            *variance = (1.0 - gain) * (*variance + gain * apart * apart);
+            let later = wheels_mps.get(lag.saturating_sub(1))?;
+            let earlier = wheels_mps.get(lag)?;
+            let by_wheels_mps = earlier + Scalar::min(after, 1.0) * (later - earlier);
             if lag == 0 {
-                self.mean_wheels_mps += gain * (wheels_mps - self.mean_wheels_mps);
+                *mean_wheels_mps += gain * (by_wheels_mps - *mean_wheels_mps);
             }
-        }
-    }
-
-    fn variance(&self, lag: usize) -> f32 {
-        self.difference.get(lag).map_or(f32::INFINITY, |(_, v)| *v)
-    }
-
-    /// Returns the lag at which the speeds fit best.
-    fn best_lag(&self) -> usize {
-        let mut best = 0;
-        for lag in 1..LAGS {
-            if self.variance(lag) < self.variance(best) {
-                best = lag;
-            }
-        }
-        best
+            Some(speed_mps - by_wheels_mps - mean_mps)
+        });
     }
 
     /// Chooses the factor. The speeds are compared at the lag at which they fit best: at any other,
@@ -158,8 +136,7 @@ impl GnssTiming {
         if self.mean_wheels_mps < tuning.turn_mps {
             return;
         }
-        let (apart_mps, _) = self.difference.get(best).copied().unwrap_or_default();
-        let ratio = 1.0 + apart_mps / self.mean_wheels_mps;
+        let ratio = 1.0 + self.differences.mean(best) / self.mean_wheels_mps;
         if (ratio - self.factor).abs() > tuning.speed_scale_change {
             let is_off = (ratio - 1.0).abs() > tuning.speed_scale_change;
             self.factor = if is_off { ratio } else { 1.0 };
@@ -168,12 +145,12 @@ impl GnssTiming {
 
     /// Chooses latency and factor.
     fn decide(&mut self, assumed: Duration, tuning: &Detection) {
-        if self.readings < tuning.timing_readings / 6 {
+        if self.differences.rounds() < tuning.timing_readings / 6 {
             return;
         }
-        let best = self.best_lag();
+        let best = self.differences.best();
         self.scale(best, tuning);
-        let variance = |lag: usize| self.variance(lag);
+        let variance = |lag: usize| self.differences.variance(lag);
         let usual = (assumed.micros() / STEP.micros()) as usize;
         let at_usual = Scalar::min(variance(usual), variance(usual + 1));
         // What was learned stays until the advantage is half as large.

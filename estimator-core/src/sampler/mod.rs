@@ -9,13 +9,14 @@
 //! | `driveline`, `traction` | gear and clutch; torque or force to mean traction force |
 //! | `brakes`, `brake_detector` | brakes that signals report; brakes that none reports |
 //! | `odometer`, `speed_check` | distance and cells; plausibility of speed readings |
-//! | `gnss` | positions and altitudes along the driven distance |
+//! | `gnss`, `gnss_timing` | positions and altitudes along the driven distance; age of a fix |
 //! | `stops`, `reversing` | standstills, weighings, load changes; direction of motion |
 //! | `effect_inputs` | what effects depend on |
+//! | `parts` | what these collect, and the sample of a cell |
 //! | `latest`, `held_signal`, `accepted_ranges` | newest values, their age and rests; ranges of readings |
 //!
 //! Hold times make the model invalid for some time after a gear shift or a brake. The one after a
-//! shift is in this file (`Parts::hold_shift`); those after a brake or a retarder are in `brakes`.
+//! shift is in `parts` (`Parts::hold_shift`); those after a brake or a retarder are in `brakes`.
 //! Their lengths are [`HoldTimes`](crate::tuning::HoldTimes).
 
 mod accepted_ranges;
@@ -28,35 +29,28 @@ mod gnss_timing;
 mod held_signal;
 mod latest;
 mod odometer;
+mod parts;
 mod reversing;
 mod speed_check;
 mod stops;
 mod traction;
 
-use crate::cell::{CELL_LENGTH_M, CellEnd, Condition, Disagreement};
 use crate::context::Context;
 use crate::counters::count;
 use crate::effect::Acts;
-use crate::sample::{AltitudeContinuity, EffectInputs, ForceInputs, Sample};
+use crate::sample::{AltitudeContinuity, Sample};
 use crate::scalar::Scalar;
 use crate::signal::{Reading, Signal, Value};
 use crate::time::{Duration, Instant};
 use crate::tuning::Tuning;
-use crate::vehicle::{Driveline, Traction, air_density};
-use accepted_ranges::SPEEDS_MPS;
-use brake_detector::BrakeDetector;
-use brakes::Brakes;
-use driveline::{DrivelineSignals, DrivelineState};
-use effect_inputs::EffectSignals;
-use gnss::{AltitudeOutcome, Gnss};
-use gnss_timing::GnssTiming;
+use crate::vehicle::Traction;
+use gnss::AltitudeOutcome;
 use heapless::Deque;
-use latest::{Latest, TimedValue};
-use odometer::{DrivenCell, Interval, Odometer};
-use reversing::{DirectionSignals, Reversing};
-use speed_check::{Plausibility, SpeedCheck};
-use stops::Stops;
-use traction::TractionInput;
+use latest::TimedValue;
+use odometer::{Interval, Odometer};
+use parts::Parts;
+use reversing::DirectionSignals;
+use speed_check::SpeedCheck;
 
 /// Number of samples that may wait for the filter.
 const QUEUE: usize = 24;
@@ -69,66 +63,13 @@ pub struct Sampler {
     samples: Deque<Sample, QUEUE>,
 }
 
-/// What the sampler collects from readings.
-#[derive(Clone, Debug)]
-struct Parts {
-    driveline: DrivelineSignals,
-    driveline_state: DrivelineState,
-    /// End of the hold time of the last gear shift.
-    shift_until: Instant,
-    traction: TractionInput,
-    brakes: Brakes,
-    brake_detector: BrakeDetector,
-    stops: Stops,
-    reversing: Reversing,
-    gnss: Gnss,
-    gnss_timing: GnssTiming,
-    /// Factor on the wheel speed in use.
-    speed_factor: f32,
-    wheel_speed: Latest,
-    wheel_check: SpeedCheck,
-    front_axle_check: SpeedCheck,
-    air: AirSignals,
-    effect_signals: EffectSignals,
-}
-
-/// Temperature and pressure of the air.
-#[derive(Clone, Copy, Debug, Default)]
-struct AirSignals {
-    ambient: Latest,
-    pressure: Latest,
-}
-
-impl AirSignals {
-    fn density(&self) -> f32 {
-        air_density(self.pressure.last(), self.ambient.last())
-    }
-}
-
 impl Sampler {
     /// Creates a sampler before the first reading.
     #[must_use]
     pub fn new() -> Self {
         Self {
             odometer: Odometer::default(),
-            parts: Parts {
-                driveline: DrivelineSignals::default(),
-                driveline_state: DrivelineState::UNKNOWN,
-                shift_until: Instant::default(),
-                traction: TractionInput::new(),
-                brakes: Brakes::default(),
-                brake_detector: BrakeDetector::default(),
-                stops: Stops::default(),
-                reversing: Reversing::default(),
-                gnss: Gnss::default(),
-                gnss_timing: GnssTiming::default(),
-                speed_factor: 1.0,
-                wheel_speed: Latest::default(),
-                wheel_check: SpeedCheck::default(),
-                front_axle_check: SpeedCheck::default(),
-                air: AirSignals::default(),
-                effect_signals: EffectSignals::default(),
-            },
+            parts: Parts::new(),
             samples: Deque::new(),
         }
     }
@@ -387,168 +328,5 @@ impl Sampler {
 impl Default for Sampler {
     fn default() -> Self {
         Self::new()
-    }
-}
-
-impl Parts {
-    /// Takes a reading of the driveline. Most readings repeat the one before; then only the hold
-    /// time of a transition is extended.
-    #[inline(never)] // See Sampler::record().
-    fn record_driveline(
-        &mut self,
-        context: &Context,
-        now: Instant,
-        signal: Signal,
-        value: Option<f32>,
-        speed_mps: Option<f32>,
-    ) {
-        let changed = self.driveline.record(context, now, signal, value);
-        let counts = signal != Signal::EngineSpeed || self.driveline_state.needs_engine_speed;
-        // Whether an open driveline coasts depends on the torque.
-        if changed && counts || self.driveline_state.driveline == Driveline::Open {
-            self.follow_driveline(context, now, speed_mps);
-        } else if self.driveline_state.in_transition {
-            self.hold_shift(context, now);
-        }
-    }
-
-    /// Updates the state of the driveline, and the hold time after its changes.
-    fn follow_driveline(&mut self, context: &Context, now: Instant, speed_mps: Option<f32>) {
-        let net_percent = self.traction.net_torque_percent(context, now);
-        let state = self.driveline.state(context, now, speed_mps, net_percent);
-        let changed = self.traction.set_driveline(context, now, state.driveline);
-        if changed || state.in_transition {
-            self.hold_shift(context, now);
-        }
-        self.driveline_state = state;
-    }
-
-    fn hold_shift(&mut self, context: &Context, now: Instant) {
-        let until = now + context.tuning.hold_times.shift_hold;
-        self.shift_until = self.shift_until.max(until);
-    }
-
-    /// Returns the speed of a reading if it counts, m/s. The front axle's speed replaces the
-    /// wheel-based speed where that is missing.
-    fn check_speed(
-        &mut self,
-        context: &mut Context,
-        now: Instant,
-        signal: Signal,
-        value: Option<f32>,
-    ) -> Option<f32> {
-        let Context {
-            tuning, counters, ..
-        } = context;
-        let driveline = self.driveline_state.driveline;
-        let turns = self.driveline.turns(tuning, now, driveline);
-        let is_wheels = signal == Signal::WheelSpeed;
-        let sensor = if is_wheels {
-            &mut self.wheel_check
-        } else {
-            &mut self.front_axle_check
-        };
-        let reported_mps = value.filter(|mps| SPEEDS_MPS.contains(mps));
-        let checked =
-            reported_mps.map(|mps| (mps, sensor.check(now, mps, turns, &tuning.detection)));
-        let plausible_mps = match checked {
-            None => None,
-            Some((mps, Plausibility::Plausible)) => Some(mps),
-            Some((_, Plausibility::Jumped)) => {
-                count(&mut counters.speed_leaps);
-                return None;
-            }
-            Some((_, Plausibility::Frozen)) => {
-                count(&mut counters.frozen_speeds);
-                None
-            }
-        };
-        if is_wheels {
-            self.wheel_speed.set(plausible_mps, now);
-            return plausible_mps;
-        }
-        let timeout = tuning.hold_times.speed_timeout;
-        let is_missing = self.wheel_speed.within(now, timeout).is_none();
-        plausible_mps.filter(|_| is_missing)
-    }
-
-    /// Returns the resolution of the speed in use, m/s.
-    fn resolution_mps(&self, context: &Context, now: Instant) -> f32 {
-        let timeout = context.tuning.hold_times.speed_timeout;
-        if self.wheel_speed.within(now, timeout).is_some() {
-            self.wheel_check.resolution_mps(&context.tuning.detection)
-        } else {
-            self.front_axle_check
-                .resolution_mps(&context.tuning.detection)
-        }
-    }
-
-    /// Returns the condition of the interval that ends now.
-    #[inline(always)] // In Sampler::speed.
-    fn condition(&self, context: &Context, now: Instant, slower_mps: f32) -> Condition {
-        Condition {
-            shifting: now < self.shift_until,
-            braking: self.brakes.are_on(now),
-            no_traction: !self.traction.is_known(context, now),
-            crawling: slower_mps < context.tuning.detection.crawl_mps,
-        }
-    }
-
-    /// Returns the sample of a cell that was driven to its end.
-    #[inline(always)] // In Sampler::speed.
-    fn sample(
-        &mut self,
-        context: &mut Context,
-        driven: &DrivenCell,
-        detects_brakes: bool,
-    ) -> Sample {
-        let model = &context.model;
-        let forces = ForceInputs {
-            traction_n: driven.mean_force_n * model.effects.factor(Acts::Traction),
-            rotating_kg: self.traction.rotating_kg(model),
-            mass_kg: self.stops.mass_kg(model),
-            air_density: self.air.density(),
-        };
-        let mut condition = driven.condition;
-        if detects_brakes {
-            let is_invalid = !condition.is_valid() || condition.crawling;
-            let detector = &mut self.brake_detector;
-            if detector.advance(context, &forces, driven.speed_mps, is_invalid) {
-                condition.braking = true;
-                context.counters.brakes_guessed += 1;
-            }
-        } else {
-            self.brake_detector.restart();
-        }
-        let model = &context.model;
-        let sample = Sample {
-            end: CellEnd {
-                cell: driven.number,
-                time: driven.time,
-                position_e7: self.gnss.position_at(&context.tuning, CELL_LENGTH_M),
-                speed_mps: driven.speed_mps,
-                condition,
-            },
-            gap_cells: driven.gap_cells,
-            length_m: CELL_LENGTH_M,
-            duration_s: driven.duration_s,
-            forces,
-            effect_inputs: EffectInputs {
-                driven_s: self.stops.driven_s(),
-                ambient_celsius: self.air.ambient.last().into(),
-                engaged: self.traction.is_engaged(model),
-                ..self
-                    .effect_signals
-                    .take(&context.tuning, driven.time, driven.speed_mps)
-            },
-            speed: driven.speed,
-            altitude: self.gnss.altitude_before(CELL_LENGTH_M),
-            after_load_change: self.stops.take_load_change(context),
-            after_stop: self.stops.take_stop(),
-            mass_is_reported: self.stops.has_reported_mass(),
-            disagreement: Disagreement::default(),
-        };
-        self.gnss.cell_closed();
-        sample
     }
 }

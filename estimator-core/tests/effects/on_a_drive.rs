@@ -234,8 +234,8 @@ fn uncertainty_of_an_amount_is_uncertainty_of_the_grade() {
     }
 }
 
-/// Where nothing tells the mass, the load may be any. Only an amount that is known less than that
-/// makes the scale less sure. An adopted mass with a sigma tells it.
+/// Without a reported mass the scale begins with the sigma of any load. An uncertainty of the torque
+/// widens it only if it is larger than that. An adopted mass with a sigma replaces that sigma.
 #[test]
 fn an_open_load_covers_a_smaller_uncertainty_of_the_torque() {
     let mass = CATALOGUE

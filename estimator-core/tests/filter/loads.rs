@@ -1,5 +1,5 @@
-//! The load of a vehicle that nobody reports: a launch shows it, and so do the climbs of a drive that
-//! begins in motion. Forces, speeds and altitudes are those of a vehicle of known mass.
+//! The load of a vehicle whose mass no signal reports. A launch shows it. The climbs of a drive that
+//! begins in motion show it too. Forces, speeds and altitudes are those of a vehicle of known mass.
 
 use estimator_core::filter::{ModelMass, StateIndex};
 use estimator_core::sample::Sample;

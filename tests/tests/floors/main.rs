@@ -19,7 +19,7 @@ const CRATES: [&str; 5] = [
 ];
 
 /// Parts of the core from top to bottom. None imports what stands above it.
-const CORE: [&str; 21] = [
+const CORE: [&str; 22] = [
     "estimator",
     "broadcast",
     "persistent_state",
@@ -36,6 +36,7 @@ const CORE: [&str; 21] = [
     "tuning",
     "counters",
     "cell",
+    "lagged_differences",
     "scalar",
     "time",
     "maybe",

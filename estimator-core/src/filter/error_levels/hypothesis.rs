@@ -85,11 +85,11 @@ impl SmoothError {
 }
 
 impl Receiver {
-    /// Returns the variances of the error and of its rate in the long run.
-    const fn variances(&self, coloured: f32) -> (f32, f32) {
+    /// Returns the variance of the error's rate in the long run.
+    const fn rate_variance(&self) -> f32 {
         match self {
-            Self::Coloured(_) => (coloured, 0.0),
-            Self::Smooth(smooth) => (smooth.variance, smooth.rate_variance),
+            Self::Coloured(_) => 0.0,
+            Self::Smooth(smooth) => smooth.rate_variance,
         }
     }
 }
@@ -170,12 +170,11 @@ impl Hypothesis {
         } = self;
         let is_new = x.a == 0.0 && x.b == 0.0 && x.w == 0.0 && x.r == 0.0;
         if is_new {
-            let (rr, qq) = step.variances(receiver);
             *p = Covariance {
                 bb: knot.known_bias_variance,
                 ww: wind,
-                rr,
-                qq,
+                rr: receiver,
+                qq: step.rate_variance(),
                 ..Covariance::default()
             };
         }

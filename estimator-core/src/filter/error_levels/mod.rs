@@ -342,14 +342,11 @@ fn settle(group: &mut [Hypothesis; RECEIVER_LEVELS], measurement: &MeasurementNo
         return (best, ratio);
     }
     let at = Scalar::min(1.0, Scalar::max(-1.0, 0.5 * (down - up) / bend));
-    (
-        best + 0.5 * at * (down - up) - 0.5 * at * at * bend,
-        ratio
-            * (1.0
-                + at * (if at > 0.0 {
-                    RECEIVER_STEP - 1.0
-                } else {
-                    1.0 - 1.0 / RECEIVER_STEP
-                })),
-    )
+    let step = if at > 0.0 {
+        RECEIVER_STEP - 1.0
+    } else {
+        1.0 - 1.0 / RECEIVER_STEP
+    };
+    let likelihood = best + 0.5 * at * (down - up) - 0.5 * at * at * bend;
+    (likelihood, ratio * (1.0 + at * step))
 }
