@@ -13,4 +13,5 @@ pub mod signal_table;
 #[cfg(target_os = "linux")]
 pub mod socketcan;
 pub mod terrain;
+mod time_order;
 pub mod ztbus;
