@@ -58,7 +58,7 @@ pub struct Args {
     /// Print the summary as JSON.
     #[arg(long)]
     json: bool,
-    /// candump log (either layout, also .gz) or signal table (.csv, also .csv.gz).
+    /// Log of frames (candump in either layout, ASC, TRC or BLF) or signal table (.csv); plain or gzip.
     log: PathBuf,
 }
 

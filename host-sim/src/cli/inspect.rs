@@ -5,7 +5,6 @@ use crate::inspect::census::Census;
 use crate::inspect::census_of;
 use crate::inspect::needs::{Need, needs};
 use crate::inspect::text::text;
-use crate::source::log_kind::LogKind;
 use crate::terminal::print::print;
 use crate::terminal::progress;
 use serde::Serialize;
@@ -24,8 +23,8 @@ use std::path::{Path, PathBuf};
         roadgrade inspect --json table.csv | jq '.needs[] | select(.presence != \"present\")'"
 )]
 pub struct Args {
-    /// A candump log (`candump -l`, or as candump prints it with `-t a`), or a signal table
-    /// (.csv); plain or gzip.
+    /// A candump log (`candump -l`, or as candump prints it with `-t a`), a log in ASC, TRC or BLF,
+    /// or a signal table (.csv); plain or gzip.
     log: PathBuf,
     /// List every message and identifier. By default, only the most frequent of those that the
     /// estimator does not read are listed.
@@ -40,7 +39,7 @@ pub struct Args {
 #[derive(Serialize)]
 struct Inspection<'a> {
     log: &'a Path,
-    kind: &'static str,
+    kind: String,
     #[serde(flatten)]
     census: &'a Census,
     needs: &'a [Need],
@@ -51,10 +50,7 @@ pub fn run(args: &Args) -> Result<()> {
     let bar = progress::bytes(args.log.metadata().map_or(0, |file| file.len()));
     let (kind, census) = census_of(&args.log, |read| bar.set_position(read))?;
     bar.finish_and_clear();
-    let kind = match kind {
-        LogKind::Candump => "candump log",
-        LogKind::SignalTable => "signal table",
-    };
+    let kind = kind.to_string();
     let needs = needs(&census);
     if !args.json {
         let head = format!("{}: {kind}", args.log.display());

@@ -3,8 +3,7 @@
 use crate::error::{Error, Result};
 use crate::live::replay::{Pace, Replay, Sent};
 use crate::live::stop_flag;
-use crate::source::candump::CandumpReader;
-use crate::source::log_kind::{LogKind, kind_of};
+use crate::source::log::Log;
 use crate::source::log_time;
 use crate::source::socketcan::{FrameSender, of_group};
 use crate::terminal::print::print;
@@ -43,7 +42,7 @@ pub struct Args {
     /// Print the summary as JSON.
     #[arg(long)]
     json: bool,
-    /// candump log (either layout, also .gz).
+    /// Log of frames: candump (either layout), ASC, TRC or BLF; plain or gzip.
     log: PathBuf,
 }
 
@@ -60,11 +59,10 @@ fn pace(text: &str) -> std::result::Result<Pace, String> {
 
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
-    if kind_of(&args.log)? == LogKind::SignalTable {
-        let problem = "is a signal table; expected a candump log";
+    let Log::Frames(mut log) = Log::open(&args.log)? else {
+        let problem = "is a signal table; expected a candump log, or one in ASC, TRC or BLF";
         return Err(Error::content(&args.log, problem));
-    }
-    let mut log = CandumpReader::open(&args.log)?;
+    };
     let filters = if args.log_time {
         vec![of_group(log_time::PGN)]
     } else {

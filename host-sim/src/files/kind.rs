@@ -1,5 +1,6 @@
 //! What a file is, by its first bytes: for messages about files in the wrong place.
 
+use super::log_format::{LogFormat, format_of};
 use crate::error::Error;
 use estimator_core::{Signal, Tuning};
 use flate2::read::MultiGzDecoder;
@@ -18,6 +19,8 @@ const PARQUET_MAGIC: &[u8] = b"PAR1";
 pub enum Kind {
     /// Frames of a bus.
     Candump,
+    /// Frames of a bus, in a format of Vector or PEAK.
+    FrameLog(LogFormat),
     /// A table of signals.
     SignalTable,
     /// Cells of a drive.
@@ -50,6 +53,9 @@ impl fmt::Display for Kind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Candump => "a candump log",
+            Self::FrameLog(LogFormat::Asc) => "a Vector ASC log",
+            Self::FrameLog(LogFormat::Trc) => "a PEAK TRC log",
+            Self::FrameLog(LogFormat::Blf) => "a Vector BLF log",
             Self::SignalTable => "a signal table",
             Self::Run => "a run (of `roadgrade estimate`)",
             Self::Map => "a map (of `roadgrade fuse`)",
@@ -77,6 +83,9 @@ pub fn of(path: &Path) -> Option<Kind> {
     let head = head(path).ok()?;
     if head.starts_with(PARQUET_MAGIC) {
         return Some(Kind::Parquet);
+    }
+    if let Some(format) = format_of(&head) {
+        return Some(Kind::FrameLog(format));
     }
     let text = String::from_utf8_lossy(&head);
     let text = text.trim_start_matches('\u{feff}').trim_start();

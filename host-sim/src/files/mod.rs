@@ -8,6 +8,7 @@ pub mod kept;
 pub mod kind;
 pub mod limits;
 pub mod lock;
+pub mod log_format;
 pub mod oracle;
 pub mod output;
 pub mod parquet;

@@ -2,8 +2,9 @@
 
 use super::census::{BusCounter, Census, TableCounter};
 use crate::error::Result;
-use crate::source::candump::CandumpReader;
-use crate::source::log_kind::{LogKind, kind_of};
+use crate::source::frame_log::FrameLog;
+use crate::source::log::Log;
+use crate::source::log_kind::LogKind;
 use crate::source::signal_table::SignalTableReader;
 use std::path::Path;
 
@@ -13,18 +14,18 @@ const PROGRESS_STEP: u64 = 1 << 16;
 /// Reads a log and returns its kind and census. `progress` gets the number of bytes read so far.
 ///
 /// # Errors
-/// Returns an error with file and line if the log cannot be read to its end.
+/// Returns an error with file and line (or byte) if the log cannot be read to its end.
 pub fn census_of(log: &Path, progress: impl Fn(u64)) -> Result<(LogKind, Census)> {
-    let kind = kind_of(log)?;
-    let census = match kind {
-        LogKind::Candump => count_frames(log, progress)?,
-        LogKind::SignalTable => count_rows(log, progress)?,
+    let log = Log::open(log)?;
+    let kind = log.kind();
+    let census = match log {
+        Log::Frames(frames) => count_frames(frames, progress)?,
+        Log::Table(table) => count_rows(*table, progress)?,
     };
     Ok((kind, census))
 }
 
-fn count_frames(path: &Path, progress: impl Fn(u64)) -> Result<Census> {
-    let mut log = CandumpReader::open(path)?;
+fn count_frames(mut log: FrameLog, progress: impl Fn(u64)) -> Result<Census> {
     let mut counter = BusCounter::default();
     let mut frames = 0_u64;
     while let Some(frame) = log.next_frame()? {
@@ -37,8 +38,7 @@ fn count_frames(path: &Path, progress: impl Fn(u64)) -> Result<Census> {
     Ok(counter.finish(log.skipped()))
 }
 
-fn count_rows(path: &Path, progress: impl Fn(u64)) -> Result<Census> {
-    let mut table = SignalTableReader::open(path)?;
+fn count_rows(mut table: SignalTableReader, progress: impl Fn(u64)) -> Result<Census> {
     let mut counter = TableCounter::new(table.signals());
     let mut rows = 0_u64;
     while let Some(row) = table.next_row()? {

@@ -17,14 +17,11 @@ use super::can_frame::TimedFrame;
 use super::candump_line::{Content, LineProblem, parse};
 use super::lines::Lines;
 use super::log_file::LogFile;
+use super::time_order::{IN_ORDER, TimeOrder};
 use crate::error::{Error, Result};
 use crate::files::kind::{self, Kind};
-use estimator_core::{Duration, Instant};
-
+use estimator_core::Instant;
 use std::path::Path;
-
-/// Maximum length of the quote of a wrong line in a message, bytes.
-const QUOTE_BYTES: usize = 60;
 
 /// Number of skipped lines.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -35,17 +32,13 @@ pub struct Skipped {
     pub bus_errors: u64,
 }
 
-/// Largest disorder of frames. Frames of two interfaces, or of two senders on a virtual one, can
-/// reach candump in the wrong order. A frame within this limit gets the time of the one before.
-const DISORDER: Duration = Duration::from_millis(10);
-
 /// Reader of candump logs, frame by frame.
 ///
 /// Times are those of the log, in microseconds; since the Unix epoch if candump logged absolute
 /// time.
 pub struct CandumpReader {
     lines: Lines,
-    newest: Instant,
+    order: TimeOrder,
     frames: u64,
     skipped: Skipped,
 }
@@ -56,12 +49,18 @@ impl CandumpReader {
     /// # Errors
     /// Returns an error if the file cannot be opened.
     pub fn open(path: &Path) -> Result<Self> {
-        Ok(Self {
-            lines: Lines::new(LogFile::open(path)?),
-            newest: Instant::ZERO,
+        Ok(Self::new(LogFile::open(path)?))
+    }
+
+    /// Creates a reader of an open log.
+    #[must_use]
+    pub fn new(file: LogFile) -> Self {
+        Self {
+            lines: Lines::new(file),
+            order: TimeOrder::default(),
             frames: 0,
             skipped: Skipped::default(),
-        })
+        }
     }
 
     /// Reads the next frame; `None` at the end.
@@ -83,11 +82,8 @@ impl CandumpReader {
                 Err(problem) => return Err(self.wrong_line(&problem)),
             };
             let logged = Instant::from_micros(line.micros);
-            if self.newest.since(logged) > DISORDER {
-                return Err(self.time_backwards(logged));
-            }
-            let time = self.newest.max(logged);
-            self.newest = time;
+            let time = self.order.place(logged);
+            let time = time.map_err(|problem| self.error(problem, IN_ORDER))?;
             match line.content {
                 Content::Frame(frame) => {
                     self.frames += 1;
@@ -130,9 +126,8 @@ impl CandumpReader {
     }
 
     fn wrong_line(&self, problem: &LineProblem) -> Error {
-        let line = self.lines.line();
-        let quote = quote(line);
-        let what = if line.iter().any(|b| b.is_ascii_control() && *b != b'\t') {
+        let quote = self.lines.quote();
+        let what = if self.lines.is_binary() {
             "binary data"
         } else {
             problem.what
@@ -146,21 +141,10 @@ impl CandumpReader {
     }
 
     fn cut_off(&self) -> Error {
-        let quote = quote(self.lines.line());
+        let quote = self.lines.quote();
         self.error(
             format!("the log is cut off within its last line `{quote}`"),
             "a whole frame and a line end",
-        )
-    }
-
-    fn time_backwards(&self, time: Instant) -> Error {
-        self.error(
-            format!(
-                "time runs backwards, from {} to {}",
-                Seconds(self.newest),
-                Seconds(time)
-            ),
-            "times that do not decrease by more than 10 ms",
         )
     }
 
@@ -174,22 +158,5 @@ impl Iterator for CandumpReader {
 
     fn next(&mut self) -> Option<Self::Item> {
         self.next_frame().transpose()
-    }
-}
-
-/// Quotes the start of a line, with non-printable bytes escaped.
-fn quote(line: &[u8]) -> String {
-    let head = &line[..line.len().min(QUOTE_BYTES)];
-    let dots = if head.len() < line.len() { "…" } else { "" };
-    format!("{}{dots}", head.escape_ascii())
-}
-
-/// A time as candump writes it.
-pub(super) struct Seconds(pub(super) Instant);
-
-impl std::fmt::Display for Seconds {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let micros = self.0.micros();
-        write!(f, "{}.{:06} s", micros / 1_000_000, micros % 1_000_000)
     }
 }

@@ -36,11 +36,11 @@ pub(super) struct LineProblem {
 const WHOLE_LINE: &str = "a candump line such as `(1.000000) can0 0CF00400#0102030405060708` \
                           or `(001.000000)  can0  0CF00400   [8]  01 02 03 04 05 06 07 08`";
 
-const fn problem(what: &'static str, expected: &'static str) -> LineProblem {
+pub(super) const fn problem(what: &'static str, expected: &'static str) -> LineProblem {
     LineProblem { what, expected }
 }
 
-type Parsed<T> = Result<T, LineProblem>;
+pub(super) type Parsed<T> = Result<T, LineProblem>;
 
 /// Values of hexadecimal digits; 0xff for any other byte.
 const NIBBLES: [u8; 256] = {

@@ -1,9 +1,7 @@
-//! The inputs of a log of either kind, in order.
+//! The inputs of a log of any kind, in order.
 
 use super::can_frame::{CanFrame, TimedFrame};
-use super::candump::CandumpReader;
-use super::log_kind::{LogKind, kind_of};
-use super::signal_table::SignalTableReader;
+use super::log::Log;
 use crate::error::Result;
 use embedded_can::{Frame, Id};
 use estimator_core::signal::Pgn;
@@ -58,15 +56,14 @@ fn carries_mass(frame: &CanFrame) -> bool {
 /// Passes every input of a log to `take`, and the bytes read so far to `progress`.
 ///
 /// # Errors
-/// Returns an error with file and line if the log cannot be read to its end.
+/// Returns an error with file and line (or byte) if the log cannot be read to its end.
 pub fn for_each_input(
     log: &Path,
     progress: impl Fn(u64),
     mut take: impl FnMut(LogInput),
 ) -> Result<()> {
-    match kind_of(log)? {
-        LogKind::Candump => {
-            let mut reader = CandumpReader::open(log)?;
+    match Log::open(log)? {
+        Log::Frames(mut reader) => {
             let mut frames = 0_u32;
             while let Some(frame) = reader.next_frame()? {
                 take(LogInput::Frame(frame));
@@ -76,8 +73,7 @@ pub fn for_each_input(
                 }
             }
         }
-        LogKind::SignalTable => {
-            let mut reader = SignalTableReader::open(log)?;
+        Log::Table(mut reader) => {
             while let Some(row) = reader.next_row()? {
                 for reading in row.readings {
                     take(LogInput::Reading(row.time, *reading));

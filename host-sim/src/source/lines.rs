@@ -9,6 +9,9 @@ use std::ops::Range;
 /// Number of bytes read at once, and the maximum length of a line.
 const BUFFER_BYTES: usize = 256 * 1024;
 
+/// Maximum length of the quote of a line in a message, bytes.
+const QUOTE_BYTES: usize = 60;
+
 /// Reader of lines; its memory does not depend on the length of the log.
 pub(super) struct Lines {
     file: LogFile,
@@ -45,6 +48,20 @@ impl Lines {
     /// Returns the current line, without its end.
     pub(super) fn line(&self) -> &[u8] {
         &self.buffer[self.line.clone()]
+    }
+
+    /// Quotes the start of the current line, with non-printable bytes escaped.
+    pub(super) fn quote(&self) -> String {
+        let line = self.line();
+        let head = &line[..line.len().min(QUOTE_BYTES)];
+        let dots = if head.len() < line.len() { "…" } else { "" };
+        format!("{}{dots}", head.escape_ascii())
+    }
+
+    /// Returns true if the current line has bytes that no text has.
+    pub(super) fn is_binary(&self) -> bool {
+        let is_odd = |byte: &u8| byte.is_ascii_control() && *byte != b'\t';
+        self.line().iter().any(is_odd)
     }
 
     /// Returns true if the current line ends in a line feed; only the last line may lack it.

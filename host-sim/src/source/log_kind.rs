@@ -1,6 +1,7 @@
 //! Kinds of log files.
 
 use crate::error::{Error, Result};
+use std::fmt;
 use std::path::Path;
 
 /// The kind of a log.
@@ -8,12 +9,30 @@ use std::path::Path;
 pub enum LogKind {
     /// Frames of a bus, in either layout of candump.
     Candump,
+    /// Frames of a bus, in Vector's text format.
+    Asc,
+    /// Frames of a bus, in PEAK's text format.
+    Trc,
+    /// Frames of a bus, in Vector's binary format.
+    Blf,
     /// A signal table.
     SignalTable,
 }
 
-/// Returns the kind of a log by its name: `.csv` and `.csv.gz` are signal tables, all others
-/// candump logs.
+impl fmt::Display for LogKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Candump => "candump log",
+            Self::Asc => "Vector ASC log",
+            Self::Trc => "PEAK TRC log",
+            Self::Blf => "Vector BLF log",
+            Self::SignalTable => "signal table",
+        })
+    }
+}
+
+/// Returns the kind of a log whose content does not tell, by its name: `.csv` and `.csv.gz` are
+/// signal tables, all others candump logs.
 ///
 /// # Errors
 /// Returns an error if the file does not exist.

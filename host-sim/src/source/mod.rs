@@ -4,8 +4,10 @@ pub mod can_frame;
 pub mod candump;
 mod candump_line;
 pub mod candump_writer;
+pub mod frame_log;
 pub mod input;
 mod lines;
+pub mod log;
 pub mod log_file;
 pub mod log_kind;
 pub mod log_time;
@@ -13,4 +15,5 @@ pub mod signal_table;
 #[cfg(target_os = "linux")]
 pub mod socketcan;
 pub mod terrain;
+mod time_order;
 pub mod ztbus;

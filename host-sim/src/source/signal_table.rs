@@ -1,8 +1,8 @@
 //! Signal tables: CSV with `time_s` and one column per signal, plain or gzip; an empty cell is
 //! missing.
 
-use super::candump::Seconds;
 use super::log_file::LogFile;
+use super::time_order::Seconds;
 use crate::error::{Error, Result};
 use crate::files::kind::{self, Kind};
 use crate::files::limits::{self, Budget};
@@ -57,6 +57,15 @@ impl SignalTableReader {
     /// Returns an error if the file cannot be opened or is empty, or if a column is unknown,
     /// repeated or missing.
     pub fn open(path: &Path) -> Result<Self> {
+        Self::new(LogFile::open(path)?)
+    }
+
+    /// Reads the header of an open table.
+    ///
+    /// # Errors
+    /// As [`open`](Self::open).
+    pub fn new(file: LogFile) -> Result<Self> {
+        let path = &file.path().to_owned();
         let mut csv = csv::ReaderBuilder::new()
             .trim(csv::Trim::All)
             .has_headers(false)
@@ -65,7 +74,7 @@ impl SignalTableReader {
             .terminator(csv::Terminator::Any(b'\n'))
             .flexible(true)
             .from_reader(Budget::new(
-                LogFile::open(path)?.chain(&b"\n"[..]),
+                file.chain(&b"\n"[..]),
                 limits::RECORD_BYTES,
                 "row",
             ));

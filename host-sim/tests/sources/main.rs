@@ -2,5 +2,6 @@
 
 mod can_frame;
 mod candump;
+mod frame_log;
 mod inspect;
 mod signal_table;

@@ -1,0 +1,226 @@
+//! PEAK's text format (TRC), versions 1.1, 1.3, 2.0 and 2.1.
+//!
+//! ```text
+//! ;$FILEVERSION=1.1
+//!      1)         2.3  Rx     0CF00400  8  01 02 03 04 05 06 07 08
+//! ;$FILEVERSION=1.3
+//!      1)         2.3 1  Rx     0CF00400 -  8    01 02 03 04 05 06 07 08
+//! ;$FILEVERSION=2.1
+//! ;$COLUMNS=N,O,T,B,I,d,R,L,D
+//!       1         2.300 DT 1  0CF00400 Rx -  8    01 02 03 04 05 06 07 08
+//! ```
+//!
+//! * Times are milliseconds since the start of the measurement.
+//! * An identifier of more than 4 digits has 29 bits, any other 11 bits. PEAK's programs write 8 and 4
+//!   digits, others leave out zeros.
+
+use super::fields::{Words, data_frame, fixed_point, identifier, length_of, number};
+use super::text::{LineFormat, TextLine};
+use crate::source::can_frame::CanFrame;
+use crate::source::candump_line::{LineProblem, Parsed, problem};
+use embedded_can::{Frame, Id};
+
+/// The layout of the lines, from the header.
+#[derive(Default)]
+pub(super) struct Trc {
+    has_version: bool,
+    columns: Vec<Column>,
+}
+
+/// A column; the comments have its letter in `;$COLUMNS`.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Column {
+    /// `O`
+    Time,
+    /// `T`
+    Type,
+    /// `I`
+    Identifier,
+    /// `l`, `L`
+    Length,
+    /// `D`
+    Data,
+    /// `N`, `B`, `d`, `R` and others of one word.
+    Unused,
+}
+
+/// What a line of some type is.
+enum Message {
+    Data,
+    Remote,
+    FlexibleRate,
+    BusError,
+    Status,
+}
+
+const COLUMNS_1_1: [Column; 6] = [
+    Column::Unused,
+    Column::Time,
+    Column::Type,
+    Column::Identifier,
+    Column::Length,
+    Column::Data,
+];
+const COLUMNS_1_3: [Column; 8] = [
+    Column::Unused,
+    Column::Time,
+    Column::Unused,
+    Column::Type,
+    Column::Identifier,
+    Column::Unused,
+    Column::Length,
+    Column::Data,
+];
+
+const VERSIONS: &str = "1.1, 1.3, 2.0 or 2.1";
+const NO_FRAME: LineProblem = problem(
+    "no frame",
+    "number, time, type, identifier, length and data in the order of the header",
+);
+
+impl LineFormat for Trc {
+    const NAME: &'static str = "a PEAK TRC log";
+
+    fn parse(&mut self, line: &[u8]) -> Parsed<TextLine> {
+        match line.trim_ascii() {
+            [] => Ok(TextLine::Other),
+            [b';', header @ ..] => self.header(header).map(|()| TextLine::Other),
+            _ if !self.has_version => Err(problem("TRC 1.0 (no `;$FILEVERSION=` above)", VERSIONS)),
+            _ if self.columns.is_empty() => Err(problem(
+                "no columns above",
+                "a line such as `;$COLUMNS=N,O,T,B,I,d,R,L,D`",
+            )),
+            line => self.message(line),
+        }
+    }
+}
+
+impl Trc {
+    fn header(&mut self, header: &[u8]) -> Parsed<()> {
+        if let Some(version) = header.strip_prefix(b"$FILEVERSION=") {
+            self.columns = match version.trim_ascii() {
+                b"1.1" => COLUMNS_1_1.to_vec(),
+                b"1.3" => COLUMNS_1_3.to_vec(),
+                b"2.0" | b"2.1" => Vec::new(),
+                _ => return Err(problem("a version that is not read", VERSIONS)),
+            };
+            self.has_version = true;
+        } else if let Some(names) = header.strip_prefix(b"$COLUMNS=") {
+            let names = names.trim_ascii().split(|byte| *byte == b',');
+            self.columns = names.map(column).collect();
+            let has = |column| self.columns.contains(&column);
+            if ![
+                Column::Time,
+                Column::Type,
+                Column::Identifier,
+                Column::Length,
+                Column::Data,
+            ]
+            .into_iter()
+            .all(has)
+            {
+                return Err(problem(
+                    "columns are missing",
+                    "at least O, T, I, l or L, and D",
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    fn message(&self, line: &[u8]) -> Parsed<TextLine> {
+        let mut words = Words(line);
+        let mut micros = None;
+        let mut message = None;
+        let mut id = None;
+        let mut length = None;
+        for column in &self.columns {
+            match column {
+                Column::Data => break,
+                Column::Time => micros = Some(time(words.next())?),
+                Column::Identifier => id = Some(identifier_of(words.next())?),
+                Column::Length => length = Some(length_of(words.next(), 10)?),
+                Column::Type => {
+                    message = match message_of(words.next())? {
+                        // The other columns of these may be empty.
+                        Message::FlexibleRate => return Ok(TextLine::FlexibleRate),
+                        Message::BusError => return Ok(TextLine::BusError),
+                        Message::Status => return Ok(TextLine::Other),
+                        frame => Some(frame),
+                    };
+                }
+                Column::Unused => {
+                    words.next().ok_or(NO_FRAME)?;
+                }
+            }
+        }
+        let (Some(micros), Some(message), Some(id), Some(length)) = (micros, message, id, length)
+        else {
+            return Err(NO_FRAME);
+        };
+        // Versions 1.x write `RTR` instead of data.
+        let is_remote = matches!(message, Message::Remote) || words.0.trim_ascii_start() == b"RTR";
+        let (frame, is_closed) = if is_remote {
+            let frame = CanFrame::new_remote(id, length).ok_or(NO_FRAME)?;
+            (frame, words.0.trim_ascii() == b"RTR")
+        } else {
+            data_frame(&mut words, id, length, 16)?
+        };
+        Ok(TextLine::Frame {
+            micros,
+            frame,
+            is_closed,
+        })
+    }
+}
+
+fn column(name: &[u8]) -> Column {
+    match name.trim_ascii() {
+        b"O" => Column::Time,
+        b"T" => Column::Type,
+        b"I" => Column::Identifier,
+        b"l" | b"L" => Column::Length,
+        b"D" => Column::Data,
+        _ => Column::Unused,
+    }
+}
+
+/// Reads a time in milliseconds; returns microseconds.
+fn time(word: Option<&[u8]>) -> Parsed<u64> {
+    let micros = word.and_then(|word| fixed_point(word, 3));
+    micros.ok_or(problem(
+        "no time",
+        "milliseconds since the start, such as `2.300`",
+    ))
+}
+
+fn message_of(word: Option<&[u8]>) -> Parsed<Message> {
+    Ok(match word {
+        Some(b"DT" | b"Rx" | b"Tx") => Message::Data,
+        Some(b"RR") => Message::Remote,
+        Some(b"FD" | b"FB" | b"FE" | b"BI") => Message::FlexibleRate,
+        Some(b"ER" | b"Error" | b"Warng") => Message::BusError,
+        Some(b"ST" | b"EC" | b"EV") => Message::Status,
+        _ => {
+            return Err(problem(
+                "no type of message",
+                "DT, RR, FD, FB, FE, BI, ST, ER, EC or EV; Rx, Tx, Warng or Error in 1.x",
+            ));
+        }
+    })
+}
+
+fn identifier_of(word: Option<&[u8]>) -> Parsed<Id> {
+    let id = word.and_then(|digits| {
+        let is_extended = match digits.len() {
+            5..=8 => true,
+            1..=4 => false,
+            _ => return None,
+        };
+        identifier(number(digits, 16)?, is_extended)
+    });
+    id.ok_or(problem(
+        "no CAN identifier",
+        "4 hexadecimal digits up to 07FF, or up to 8 and 1FFFFFFF",
+    ))
+}
