@@ -13,7 +13,7 @@ mod summary;
 pub mod verdict;
 
 pub use drive_recorder::Recorder;
-pub use estimate_log::estimate_log;
+pub use estimate_log::{estimate_log, estimate_logs};
 pub use long_run::{LongRun, Rows, SmoothedRun};
 pub use missing::missing;
 pub use summary::RunSummary;

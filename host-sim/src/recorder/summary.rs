@@ -13,19 +13,25 @@ use serde::{Serialize, Serializer};
 /// Summary of a drive.
 #[derive(Debug, Default, Serialize)]
 pub struct RunSummary {
-    distance_km: f64,
+    /// Driven distance, km.
+    pub distance_km: f64,
     duration_s: f64,
     cells: usize,
-    valid_percent: f64,
-    grade_sigma_percent: f64,
+    /// Part of valid cells, %.
+    pub valid_percent: f64,
+    /// Mean standard deviation of the smoothed grade, %.
+    pub grade_sigma_percent: f64,
     lagged_grade_sigma_percent: f64,
     live_grade_sigma_percent: f64,
     climb_m: f64,
     bias_percent: f64,
     scale: f64,
-    mass_kg: Option<f64>,
-    mass_sigma_kg: Option<f64>,
-    verdict: String,
+    /// Gross mass at the end, kg.
+    pub mass_kg: Option<f64>,
+    /// Its standard deviation, kg.
+    pub mass_sigma_kg: Option<f64>,
+    /// Whether the signals agree.
+    pub verdict: String,
     suspect_km: f64,
     disagreements: Vec<DisagreementStretch>,
     #[serde(serialize_with = "by_key")]

@@ -1,6 +1,7 @@
 //! Plots and pages.
 
 pub mod demo_page;
+pub mod logs_page;
 pub mod map_page;
 pub mod page;
 pub mod plan;

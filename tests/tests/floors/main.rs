@@ -45,13 +45,14 @@ const CORE: [&str; 22] = [
 ];
 
 /// Parts of the host, and the parts that each may import. All may import `error`.
-const HOST: [(&str, &[&str]); 17] = [
+const HOST: [(&str, &[&str]); 18] = [
     (
         "cli",
         &[
             "comparison",
             "diagnose",
             "files",
+            "identify",
             "inspect",
             "live",
             "map",
@@ -87,6 +88,7 @@ const HOST: [(&str, &[&str]); 17] = [
         "diagnose",
         &["files", "map", "numeric", "recorder", "report", "source"],
     ),
+    ("identify", &["diagnose", "files", "numeric", "source"]),
     ("report", &["files", "map", "numeric", "score"]),
     ("live", &["files", "recorder", "source", "terminal"]),
     // Not the simulator: measured data have a truth, too.
