@@ -10,7 +10,7 @@ use crate::persistent_state::{PersistentState, PersistentStateError};
 use crate::sample::Sample;
 use crate::sampler::Sampler;
 use crate::scalar::Scalar;
-use crate::signal::Reading;
+use crate::signal::{Reading, Signal};
 use crate::smoother::FixedLag;
 use crate::time::{Duration, Instant};
 use crate::tuning::Tuning;
@@ -111,6 +111,12 @@ impl<S: Scalar> Estimator<S> {
         let noise = state.noise(&tuning.measurement_noise);
         estimator.filter = Filter::new(tuning, &noise, Some(*state.slow_states()));
         Ok(estimator)
+    }
+
+    /// Leaves out a signal from now on, as if the bus did not have it: for a sensor known to be
+    /// wrong.
+    pub fn ignore(&mut self, signal: Signal) {
+        self.intake.ignore(signal);
     }
 
     /// Takes one frame, received at `now`.

@@ -25,6 +25,8 @@ pub enum Admission {
     Switched,
     /// Another source owns the signal.
     Refused,
+    /// The signal is left out, whatever its source.
+    Ignored,
 }
 
 /// The source of a signal: an address, and the message it is sent in.
@@ -34,6 +36,8 @@ pub struct Sender(u16);
 impl Sender {
     /// No sender: there are not so many messages.
     const NONE: Self = Self(u16::MAX);
+    /// The owner of a signal that is left out: there are not so many messages.
+    const NOBODY: Self = Self(u16::MAX - 1);
 
     const fn address(self) -> u8 {
         self.0 as u8
@@ -77,6 +81,21 @@ impl SourceArbiter {
         }
     }
 
+    /// Leaves out a signal from now on, whatever its source.
+    pub fn ignore(&mut self, signal: Signal) {
+        if let Some(ownership) = self.signals.get_mut(signal as usize) {
+            ownership.sender = Sender::NOBODY;
+            ownership.owner = Sender::NOBODY;
+        }
+    }
+
+    /// Returns whether a signal is left out.
+    #[must_use]
+    pub fn is_ignored(&self, signal: Signal) -> bool {
+        let ownership = self.signals.get(signal as usize);
+        ownership.is_some_and(|ownership| ownership.owner == Sender::NOBODY)
+    }
+
     /// Decides whether a reading of `signal` counts. Only a measurement (`available`) takes or keeps
     /// a signal.
     pub fn admit(
@@ -88,7 +107,12 @@ impl SourceArbiter {
         tuning: &HoldTimes,
     ) -> Admission {
         if signal == Signal::RetarderTorque {
-            return Admission::Admitted;
+            let is_ignored = self.is_ignored(signal);
+            return if is_ignored {
+                Admission::Ignored
+            } else {
+                Admission::Admitted
+            };
         }
         let Some(ownership) = self.signals.get_mut(signal as usize) else {
             return Admission::Refused;
@@ -116,6 +140,9 @@ impl Ownership {
         is_start: bool,
         tuning: &HoldTimes,
     ) -> Admission {
+        if self.owner == Sender::NOBODY {
+            return Admission::Ignored;
+        }
         let is_free = self.sender == Sender::NONE;
         if !available {
             return if is_free {

@@ -1,5 +1,6 @@
 //! `roadgrade diagnose`.
 
+use super::log_options::LogOptions;
 use super::outputs;
 use super::tuning_option::TuningOption;
 use crate::diagnose::{Diagnosis, Request, diagnose, report};
@@ -41,6 +42,8 @@ pub struct Args {
     holdout: Vec<PathBuf>,
     #[command(flatten)]
     tuning: TuningOption,
+    #[command(flatten)]
+    reading: LogOptions,
     /// Print report.json instead of tables.
     #[arg(long)]
     json: bool,
@@ -71,6 +74,7 @@ pub fn run(args: &Args) -> Result<()> {
         held_out: args.holdout.clone(),
         reference: args.reference.clone(),
         tuning: args.tuning.read()?,
+        options: args.reading.read_options(),
     };
     let wait = progress::spinner("reading and evaluating drives");
     let found = diagnose(&request)?;

@@ -1,5 +1,6 @@
 //! `roadgrade identify`.
 
+use super::log_options::LogOptions;
 use super::outputs;
 use super::tuning_option::TuningOption;
 use crate::error::{Error, Result, on_one_line};
@@ -22,6 +23,8 @@ pub struct Args {
     /// What the vehicle is like: a class, or another vehicle file. Default: recognised by its mass.
     #[arg(long, value_name = "CLASS|V.toml")]
     like: Option<String>,
+    #[command(flatten)]
+    reading: LogOptions,
     #[command(flatten)]
     tuning: TuningOption,
     /// Print each value as JSON: key, value, sigma, origin (read, measured, assumed).
@@ -57,6 +60,7 @@ pub fn run(args: &Args) -> Result<()> {
         logs: args.logs.clone(),
         like,
         tuning: args.tuning.read()?,
+        options: args.reading.read_options(),
     };
     let found = shown(&request)?;
     let text = annotated::text(&found);

@@ -1,5 +1,6 @@
 //! `roadgrade inspect`.
 
+use super::log_options::LogOptions;
 use crate::error::{Error, Result};
 use crate::inspect::census::Census;
 use crate::inspect::census_of;
@@ -26,6 +27,8 @@ pub struct Args {
     /// A candump log (`candump -l`, or as candump prints it with `-t a`), a log in ASC, TRC or BLF,
     /// or a signal table (.csv); plain or gzip.
     log: PathBuf,
+    #[command(flatten)]
+    reading: LogOptions,
     /// List every message and identifier. By default, only the most frequent of those that the
     /// estimator does not read are listed.
     #[arg(long)]
@@ -48,7 +51,9 @@ struct Inspection<'a> {
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     let bar = progress::bytes(args.log.metadata().map_or(0, |file| file.len()));
-    let (kind, census) = census_of(&args.log, |read| bar.set_position(read))?;
+    let (kind, census) = census_of(&args.log, &args.reading.read_options(), |read| {
+        bar.set_position(read)
+    })?;
     bar.finish_and_clear();
     let kind = kind.to_string();
     let needs = needs(&census);

@@ -1,5 +1,6 @@
 //! `roadgrade map`: from logs of one vehicle to a grade map.
 
+use super::log_options::LogOptions;
 use super::tuning_option::TuningOption;
 use super::{estimate, identify, outputs};
 use crate::error::{Error, Result, on_one_line};
@@ -12,6 +13,7 @@ use crate::map::pipeline::roads_of_runs::roads_of_runs;
 use crate::map::{self, GradeMap, Network, SessionRun, read_network, stage_map_ways};
 use crate::recorder::{self, RunSummary};
 use crate::report::logs_page::{LogRun, LogsMap, logs_page};
+use crate::source::read_options::ReadOptions;
 use crate::terminal::print::{note, print};
 use crate::terminal::progress;
 use crate::terminal::table::text_table;
@@ -50,6 +52,8 @@ pub struct Args {
     #[arg(long)]
     join: bool,
     #[command(flatten)]
+    reading: LogOptions,
+    #[command(flatten)]
     tuning: TuningOption,
     /// Print the summary of each run as JSON.
     #[arg(long)]
@@ -72,7 +76,7 @@ pub fn run(args: &Args) -> Result<()> {
     let tuning = args.tuning.read()?;
     let road = args.road.as_deref().map(read_network).transpose()?;
     let (vehicle, identified) = vehicle(args, &tuning)?;
-    let (runs, left_out) = estimate_all(&drives, &vehicle, &tuning)?;
+    let (runs, left_out) = estimate_all(&drives, &vehicle, &tuning, &args.reading.read_options())?;
     let cells: Vec<Vec<RunCell>> = runs
         .iter()
         .map(|of| of.rows.iter().map(RunCell::from).collect())
@@ -159,6 +163,7 @@ fn vehicle(args: &Args, tuning: &Tuning) -> Result<(VehicleFile, Option<Identifi
         logs: args.logs.clone(),
         like: args.like.as_deref().map(identify::like).transpose()?,
         tuning: tuning.clone(),
+        options: args.reading.read_options(),
     };
     let found = identify::shown(&request)?;
     note(format_args!(
@@ -174,12 +179,13 @@ fn estimate_all(
     drives: &[Drive],
     vehicle: &VehicleFile,
     tuning: &Tuning,
+    options: &ReadOptions,
 ) -> Result<(Vec<LogRun>, Vec<String>)> {
     let bar = progress::count(drives.len() as u64, "drives");
     let results: Vec<Result<LogRun>> = drives
         .par_iter()
         .map(|drive| {
-            let run = estimate_one(drive, vehicle, tuning);
+            let run = estimate_one(drive, vehicle, tuning, options);
             bar.inc(1);
             run
         })
@@ -202,8 +208,13 @@ fn estimate_all(
     Ok((runs, words))
 }
 
-fn estimate_one(drive: &Drive, vehicle: &VehicleFile, tuning: &Tuning) -> Result<LogRun> {
-    let mut run = recorder::estimate_logs::<f32>(&vehicle.model, tuning, &drive.logs)?;
+fn estimate_one(
+    drive: &Drive,
+    vehicle: &VehicleFile,
+    tuning: &Tuning,
+    options: &ReadOptions,
+) -> Result<LogRun> {
+    let mut run = recorder::estimate_logs::<f32>(&vehicle.model, tuning, &drive.logs, options)?;
     estimate::check(&drive.logs[0], vehicle, &run)?;
     let summary = RunSummary::new(&mut run)?;
     Ok(LogRun {

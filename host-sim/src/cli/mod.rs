@@ -11,6 +11,7 @@ mod import;
 mod inspect;
 #[cfg(target_os = "linux")]
 mod listen;
+mod log_options;
 mod map;
 mod outputs;
 #[cfg(target_os = "linux")]

@@ -3,6 +3,7 @@
 use super::ratio_histogram::RatioHistogram;
 use crate::error::Result;
 use crate::source::input::{LogInput, for_each_input};
+use crate::source::read_options::ReadOptions;
 use estimator_core::{Decoder, Instant, Reading, Signal};
 use std::collections::{BTreeMap, VecDeque};
 use std::f64::consts::PI;
@@ -73,25 +74,34 @@ struct Newest {
 }
 
 impl Observation {
-    /// Reads a log. `progress` gets the number of bytes read so far.
+    /// Reads a log.
     ///
     /// # Errors
     /// Returns an error with file and line if the log cannot be read to its end.
-    pub fn of(log: &Path, progress: impl Fn(u64)) -> Result<Self> {
+    pub fn of(log: &Path, options: &ReadOptions) -> Result<Self> {
         let mut found = Self::default();
         let mut newest = Newest::default();
         let mut decoder = Decoder::new();
-        for_each_input(log, progress, |input| match input {
-            LogInput::Frame(timed) => {
-                decoder.decode(&timed.frame, |_, pgn, reading| {
-                    let first = newest.sources.entry(reading.signal).or_insert(pgn.source);
-                    if *first == pgn.source {
-                        found.take(&mut newest, timed.time, reading);
-                    }
-                });
-            }
-            LogInput::Reading(time, reading) => found.take(&mut newest, time, reading),
-        })?;
+        let is_wanted = |reading: &Reading| !options.ignore.contains(&reading.signal);
+        for_each_input(
+            log,
+            options,
+            |_| (),
+            |input| match input {
+                LogInput::Frame(timed) => {
+                    decoder.decode(&timed.frame, |_, pgn, reading| {
+                        let first = newest.sources.entry(reading.signal).or_insert(pgn.source);
+                        if *first == pgn.source && is_wanted(&reading) {
+                            found.take(&mut newest, timed.time, reading);
+                        }
+                    });
+                }
+                LogInput::Reading(time, reading) if is_wanted(&reading) => {
+                    found.take(&mut newest, time, reading);
+                }
+                LogInput::Reading(..) => {}
+            },
+        )?;
         Ok(found)
     }
 

@@ -11,6 +11,7 @@ use crate::diagnose::drive::LoggedDrive;
 use crate::error::{Error, Result};
 use crate::files::vehicle::VehicleFile;
 use crate::numeric::statistics;
+use crate::source::read_options::ReadOptions;
 use estimator_core::{Signal, Tuning};
 use rayon::prelude::*;
 use std::path::PathBuf;
@@ -51,6 +52,8 @@ pub struct Request {
     pub like: Option<Like>,
     /// Tuning of the estimator.
     pub tuning: Tuning,
+    /// How logs are read.
+    pub options: ReadOptions,
 }
 
 /// Identifies the vehicle of the logs. `progress` gets one line for each step.
@@ -63,7 +66,7 @@ pub fn identify(request: &Request, progress: impl Fn(&str)) -> Result<Identified
     let observed: Vec<Observation> = request
         .logs
         .par_iter()
-        .map(|log| Observation::of(log, |_| ()))
+        .map(|log| Observation::of(log, &request.options))
         .collect::<Result<_>>()?;
     let mut observation = Observation::default();
     for one in &observed {
@@ -158,7 +161,8 @@ impl<'a> Search<'a> {
         let of = |(log, mass_kg): (&PathBuf, &f64)| {
             let mut model = model.clone();
             model.vehicle.mass_kg = *mass_kg as f32;
-            let logged = LoggedDrive::read(log, &model, &self.request.tuning)?;
+            let logged =
+                LoggedDrive::read(log, &model, &self.request.tuning, &self.request.options)?;
             Ok(FittedDrive { model, logged })
         };
         let drives: Result<Vec<_>> = logs.par_iter().zip(&self.masses_kg).map(of).collect();

@@ -221,6 +221,7 @@ impl Range {
 /// Counter of the frames of a bus.
 #[derive(Default)]
 pub struct BusCounter {
+    ignored: Vec<Signal>,
     decoder: Decoder,
     all: EventTally,
     remote: u64,
@@ -231,6 +232,15 @@ pub struct BusCounter {
 }
 
 impl BusCounter {
+    /// Creates a counter that leaves out these signals.
+    #[must_use]
+    pub fn without(ignored: &[Signal]) -> Self {
+        Self {
+            ignored: ignored.to_vec(),
+            ..Self::default()
+        }
+    }
+
     /// Counts one frame.
     pub fn add(&mut self, timed: &TimedFrame) {
         let TimedFrame { time, frame } = timed;
@@ -246,8 +256,11 @@ impl BusCounter {
         let group = self.groups.entry(pgn.number).or_default();
         group.tally.add(*time);
         group.sources.insert(pgn.source);
-        let signals = &mut self.signals;
+        let (signals, ignored) = (&mut self.signals, &self.ignored);
         let outcome = self.decoder.decode(frame, |_, pgn, reading: Reading| {
+            if ignored.contains(&reading.signal) {
+                return;
+            }
             let key = (reading.signal, pgn.number, pgn.source);
             signals.entry(key).or_default().add(reading.value);
         });

@@ -5,6 +5,7 @@ use crate::error::Result;
 use crate::source::frame_log::FrameLog;
 use crate::source::log::Log;
 use crate::source::log_kind::LogKind;
+use crate::source::read_options::ReadOptions;
 use crate::source::signal_table::SignalTableReader;
 use std::path::Path;
 
@@ -15,18 +16,26 @@ const PROGRESS_STEP: u64 = 1 << 16;
 ///
 /// # Errors
 /// Returns an error with file and line (or byte) if the log cannot be read to its end.
-pub fn census_of(log: &Path, progress: impl Fn(u64)) -> Result<(LogKind, Census)> {
-    let log = Log::open(log)?;
+pub fn census_of(
+    log: &Path,
+    options: &ReadOptions,
+    progress: impl Fn(u64),
+) -> Result<(LogKind, Census)> {
+    let log = Log::open(log, options)?;
     let kind = log.kind();
     let census = match log {
-        Log::Frames(frames) => count_frames(frames, progress)?,
+        Log::Frames(frames) => count_frames(frames, options, progress)?,
         Log::Table(table) => count_rows(*table, progress)?,
     };
     Ok((kind, census))
 }
 
-fn count_frames(mut log: FrameLog, progress: impl Fn(u64)) -> Result<Census> {
-    let mut counter = BusCounter::default();
+fn count_frames(
+    mut log: FrameLog,
+    options: &ReadOptions,
+    progress: impl Fn(u64),
+) -> Result<Census> {
+    let mut counter = BusCounter::without(&options.ignore);
     let mut frames = 0_u64;
     while let Some(frame) = log.next_frame()? {
         counter.add(&frame);

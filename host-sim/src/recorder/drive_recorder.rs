@@ -11,7 +11,7 @@ use crate::source::input::LogInput;
 use estimator_core::sample::Sample;
 use estimator_core::{
     Cell, Estimator, Instant, Model, ParameterError, PersistentState, PersistentStateError,
-    Reading, Scalar, Tuning, Uncertain,
+    Reading, Scalar, Signal, Tuning, Uncertain,
 };
 use serde::{Deserialize, Serialize};
 use std::io;
@@ -75,6 +75,13 @@ impl<S: Scalar> Recorder<S> {
     /// frame on the bus, whether it is decoded or not.
     pub fn begin(&mut self, start: Instant) {
         self.start.get_or_insert(start);
+    }
+
+    /// Leaves out signals, as if the bus did not have them.
+    pub fn ignore(&mut self, signals: &[Signal]) {
+        for signal in signals {
+            self.estimator.ignore(*signal);
+        }
     }
 
     /// Takes one frame.

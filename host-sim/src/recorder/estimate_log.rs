@@ -4,6 +4,7 @@ use super::drive_recorder::Recorder;
 use super::long_run::LongRun;
 use crate::error::{Error, Result};
 use crate::source::input::for_each_input;
+use crate::source::read_options::ReadOptions;
 use estimator_core::{Duration, Instant, Model, PersistentState, Scalar, Tuning};
 use std::path::{Path, PathBuf};
 
@@ -21,11 +22,13 @@ pub fn estimate_log<S: Scalar>(
     tuning: &Tuning,
     persistent_state: Option<&PersistentState>,
     log: &Path,
+    options: &ReadOptions,
     progress: impl Fn(u64),
 ) -> Result<LongRun> {
     let mut recorder = Recorder::<S>::resume(model, tuning, persistent_state)
         .map_err(|e| Error::content(log, e.to_string()))?;
-    for_each_input(log, progress, |input| recorder.on_input(&input))?;
+    recorder.ignore(&options.ignore);
+    for_each_input(log, options, progress, |input| recorder.on_input(&input))?;
     recorder.end()
 }
 
@@ -38,15 +41,18 @@ pub fn estimate_logs<S: Scalar>(
     model: &Model,
     tuning: &Tuning,
     logs: &[PathBuf],
+    options: &ReadOptions,
 ) -> Result<LongRun> {
     let first = logs.first().map_or(Path::new(""), PathBuf::as_path);
     let mut recorder = Recorder::<S>::resume(model, tuning, None)
         .map_err(|e| Error::content(first, e.to_string()))?;
+    recorder.ignore(&options.ignore);
     let mut end = Instant::default();
     for log in logs {
         let mut shift = None;
         for_each_input(
             log,
+            options,
             |_| (),
             |input| {
                 let time = input.time();

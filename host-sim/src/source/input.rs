@@ -2,6 +2,7 @@
 
 use super::can_frame::{CanFrame, TimedFrame};
 use super::log::Log;
+use super::read_options::ReadOptions;
 use crate::error::Result;
 use embedded_can::{Frame, Id};
 use estimator_core::signal::Pgn;
@@ -68,10 +69,11 @@ fn carries_mass(frame: &CanFrame) -> bool {
 /// Returns an error with file and line (or byte) if the log cannot be read to its end.
 pub fn for_each_input(
     log: &Path,
+    options: &ReadOptions,
     progress: impl Fn(u64),
     mut take: impl FnMut(LogInput),
 ) -> Result<()> {
-    match Log::open(log)? {
+    match Log::open(log, options)? {
         Log::Frames(mut reader) => {
             let mut frames = 0_u32;
             while let Some(frame) = reader.next_frame()? {

@@ -4,4 +4,5 @@ mod can_frame;
 mod candump;
 mod frame_log;
 mod inspect;
+mod read_options;
 mod signal_table;
