@@ -11,10 +11,12 @@ pub struct Counters {
     pub frames_decoded: u64,
     /// Frames of messages that the decoder does not read.
     pub frames_ignored: u64,
-    /// Frames of known messages that are too short, or remote.
+    /// Frames of known messages that are too short, or remote, or announce an impossible session.
     pub frames_malformed: u32,
     /// Fast packets dropped because of missing, repeated or swapped frames.
     pub fast_packets_broken: u32,
+    /// Transport sessions dropped because of missing, swapped or late packets.
+    pub sessions_broken: u32,
     /// Inputs older than the one before.
     pub time_backwards: u32,
     /// Single inputs far ahead of the one before.

@@ -156,7 +156,10 @@ impl Sampler {
                     self.speed(context, now, mps);
                 }
             }
-            Signal::EngineTorqueMode
+            Signal::EngineReferenceTorque
+            | Signal::EngineInertia
+            | Signal::RetarderReferenceTorque
+            | Signal::EngineTorqueMode
             | Signal::ParasiticTorque
             | Signal::OutputShaftSpeed
             | Signal::SelectedGear

@@ -83,6 +83,12 @@ macro_rules! signals {
 }
 
 signals! {
+    /// Torque that 100 % of the engine torque stands for (SPN 544).
+    EngineReferenceTorque = "reference_torque_nm";
+    /// Moment of inertia of the engine (SPN 1794).
+    EngineInertia = "engine_inertia_kgm2";
+    /// Torque that 100 % of the retarder torque stands for (SPN 556).
+    RetarderReferenceTorque = "retarder_reference_torque_nm";
     /// Control mode that sets the engine torque (SPN 899).
     EngineTorqueMode = "engine_torque_mode";
     /// Fraction to add to the engine torque (SPN 4154).

@@ -247,10 +247,12 @@ impl BusCounter {
         group.tally.add(*time);
         group.sources.insert(pgn.source);
         let signals = &mut self.signals;
-        let outcome = self.decoder.decode(frame, |_, pgn, reading: Reading| {
-            let key = (reading.signal, pgn.number, pgn.source);
-            signals.entry(key).or_default().add(reading.value);
-        });
+        let outcome = self
+            .decoder
+            .decode_at(*time, frame, |_, pgn, reading: Reading| {
+                let key = (reading.signal, pgn.number, pgn.source);
+                signals.entry(key).or_default().add(reading.value);
+            });
         if matches!(outcome, FrameOutcome::Rejected(_)) {
             group.unusable += 1;
         }
