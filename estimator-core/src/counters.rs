@@ -29,6 +29,8 @@ pub struct Counters {
     pub not_available: u32,
     /// Readings with the code "error", and non-finite readings.
     pub errors: u32,
+    /// Parameters of the vehicle that the bus contradicted: its values are used.
+    pub parameters_replaced: u32,
     /// Readings from another source than the one in use.
     pub other_source: u32,
     /// Times that another source took over a signal from a silent one.

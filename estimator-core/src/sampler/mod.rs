@@ -7,6 +7,7 @@
 //! | file | content |
 //! |---|---|
 //! | `driveline`, `traction` | gear and clutch; torque or force to mean traction force |
+//! | `engine_configuration` | reference torque and inertia that the engine reports |
 //! | `brakes`, `brake_detector` | brakes that signals report; brakes that none reports |
 //! | `odometer`, `speed_check` | distance and cells; plausibility of speed readings |
 //! | `gnss`, `gnss_timing` | positions and altitudes along the driven distance; age of a fix |
@@ -24,6 +25,7 @@ mod brake_detector;
 mod brakes;
 mod driveline;
 mod effect_inputs;
+mod engine_configuration;
 mod gnss;
 mod gnss_timing;
 mod held_signal;
@@ -156,9 +158,10 @@ impl Sampler {
                     self.speed(context, now, mps);
                 }
             }
-            Signal::EngineReferenceTorque
-            | Signal::EngineInertia
-            | Signal::RetarderReferenceTorque
+            Signal::EngineReferenceTorque | Signal::EngineInertia => {
+                parts.record_configuration(context, reading.signal, value);
+            }
+            Signal::RetarderReferenceTorque
             | Signal::EngineTorqueMode
             | Signal::ParasiticTorque
             | Signal::OutputShaftSpeed

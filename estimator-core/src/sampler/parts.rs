@@ -6,6 +6,7 @@ use super::brake_detector::BrakeDetector;
 use super::brakes::Brakes;
 use super::driveline::{DrivelineSignals, DrivelineState};
 use super::effect_inputs::EffectSignals;
+use super::engine_configuration::EngineConfiguration;
 use super::gnss::Gnss;
 use super::gnss_timing::GnssTiming;
 use super::latest::Latest;
@@ -31,6 +32,7 @@ pub(super) struct Parts {
     /// End of the hold time of the last gear shift.
     shift_until: Instant,
     pub traction: TractionInput,
+    engine_configuration: EngineConfiguration,
     pub brakes: Brakes,
     pub brake_detector: BrakeDetector,
     pub stops: Stops,
@@ -67,6 +69,7 @@ impl Parts {
             driveline_state: DrivelineState::UNKNOWN,
             shift_until: Instant::default(),
             traction: TractionInput::new(),
+            engine_configuration: EngineConfiguration::default(),
             brakes: Brakes::default(),
             brake_detector: BrakeDetector::default(),
             stops: Stops::default(),
@@ -117,6 +120,18 @@ impl Parts {
             self.hold_shift(context, now);
         }
         self.driveline_state = state;
+    }
+
+    /// Takes a reading of the engine's configuration.
+    pub(super) fn record_configuration(
+        &mut self,
+        context: &mut Context,
+        signal: Signal,
+        value: Option<f32>,
+    ) {
+        if self.engine_configuration.record(context, signal, value) {
+            self.stops.scale_changed();
+        }
     }
 
     fn hold_shift(&mut self, context: &Context, now: Instant) {

@@ -64,6 +64,10 @@ pub fn events(c: &Counters) -> Vec<CountedEvent> {
         ("long silences", c.silences.into()),
         ("values not available", c.not_available.into()),
         ("values in error", c.errors.into()),
+        (
+            "parameters replaced by the bus",
+            c.parameters_replaced.into(),
+        ),
         ("values of other senders", c.other_source.into()),
         ("sender switches", c.source_switches.into()),
         ("rates exceeded", c.rates_exceeded.into()),
