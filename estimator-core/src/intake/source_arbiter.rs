@@ -9,6 +9,9 @@
 //! A truck may have two retarders, one at the engine and one at the gearbox. Each reports its own
 //! torque, so retarder torque has no owner.
 //!
+//! Where one sender reports the air pressure in two messages, that with the finer steps (AMB2) has the
+//! lower number, and wins.
+//!
 //! What an engine says of itself counts if it comes from the controller whose torque is used. A bus
 //! may have two: the other one is a gateway's, or that of a second engine.
 //!
@@ -128,7 +131,12 @@ impl SourceArbiter {
                 Admission::Admitted
             }
             Signal::EngineReferenceTorque | Signal::EngineInertia => Admission::Refused,
-            _ => ownership.hand_over(sender, now, available, is_start, tuning),
+            _ => {
+                let is_finer = signal == Signal::AirPressure && sender.0 < ownership.owner.0;
+                let precedes = sender.address() < ownership.owner.address()
+                    || is_finer && sender.address() == ownership.owner.address();
+                ownership.hand_over(sender, now, available, is_start && precedes, tuning)
+            }
         }
     }
 }
@@ -140,7 +148,7 @@ impl Ownership {
         sender: Sender,
         now: Instant,
         available: bool,
-        is_start: bool,
+        precedes: bool,
         tuning: &HoldTimes,
     ) -> Admission {
         let is_free = self.sender == Sender::NONE;
@@ -151,7 +159,6 @@ impl Ownership {
                 Admission::Refused
             };
         }
-        let precedes = is_start && sender.address() < self.owner.address();
         let returns = sender == self.owner;
         if is_free || precedes {
             self.owner = sender;

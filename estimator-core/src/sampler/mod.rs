@@ -133,6 +133,7 @@ impl Sampler {
                 parts.record_driveline(context, now, reading.signal, value, speed_mps);
             }
             Signal::BrakeSwitch
+            | Signal::FoundationBrake
             | Signal::BrakePedal
             | Signal::BrakePressure
             | Signal::ParkingBrake
@@ -153,7 +154,7 @@ impl Sampler {
             | Signal::Altitude => {
                 self.record_fix(context, now, reading.signal, reading.value, source_switched);
             }
-            Signal::WheelSpeed | Signal::FrontAxleSpeed => {
+            Signal::WheelSpeed | Signal::FrontAxleSpeed | Signal::TachographSpeed => {
                 if let Some(mps) = parts.check_speed(context, now, reading.signal, value) {
                     self.speed(context, now, mps);
                 }
@@ -162,6 +163,7 @@ impl Sampler {
                 parts.record_configuration(context, reading.signal, value);
             }
             Signal::RetarderReferenceTorque
+            | Signal::RoadwayGrade
             | Signal::EngineTorqueMode
             | Signal::ParasiticTorque
             | Signal::OutputShaftSpeed
@@ -186,6 +188,7 @@ impl Sampler {
             Signal::EngineTorque | Signal::TractionForce => {}
             Signal::WheelSpeed => self.parts.wheel_check = SpeedCheck::default(),
             Signal::FrontAxleSpeed => self.parts.front_axle_check = SpeedCheck::default(),
+            Signal::TachographSpeed => self.parts.tachograph_check = SpeedCheck::default(),
             _ => return,
         }
         self.odometer.interrupt();

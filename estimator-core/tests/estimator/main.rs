@@ -4,3 +4,4 @@ mod broadcast;
 mod engine_configuration;
 mod facade;
 mod input_faults;
+mod newer_messages;
