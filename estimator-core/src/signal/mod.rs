@@ -8,9 +8,10 @@ mod decoder;
 mod fast_packet;
 mod layout;
 mod reading;
+mod transport;
 
 pub use decoder::{Decoder, FrameOutcome, Pgn, Rejection};
-pub use layout::{MessageInfo, encode, messages};
+pub use layout::{Framing, MessageInfo, encode, messages};
 pub use reading::{Reading, Signal, Value};
 
 /// Number of messages that the decoder knows.

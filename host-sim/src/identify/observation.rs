@@ -89,7 +89,7 @@ impl Observation {
             |_| (),
             |input| match input {
                 LogInput::Frame(timed) => {
-                    decoder.decode(&timed.frame, |_, pgn, reading| {
+                    decoder.decode_at(timed.time, &timed.frame, |_, pgn, reading| {
                         let first = newest.sources.entry(reading.signal).or_insert(pgn.source);
                         if *first == pgn.source && is_wanted(&reading) {
                             found.take(&mut newest, timed.time, reading);
