@@ -111,6 +111,7 @@ pub fn run(args: &Args) -> Result<()> {
         drive::<f32>(&vehicle, &tuning, last, &args.log, &options)?
     };
     let seconds = started.elapsed().as_secs_f64();
+    conclusion::warn(&run.warnings);
     check(&args.log, &vehicle, &run)?;
     let origin = Origin {
         vehicle: Some(vehicle.name),

@@ -1,6 +1,7 @@
 //! A summary of a drive.
 
 use super::long_run::LongRun;
+use super::plausibility::Warning;
 use super::verdict::{DisagreementStretch, stretches, verdict};
 use crate::error::Result;
 use crate::files::run::RunRows;
@@ -34,6 +35,7 @@ pub struct RunSummary {
     pub verdict: String,
     suspect_km: f64,
     disagreements: Vec<DisagreementStretch>,
+    warnings: Vec<Warning>,
     #[serde(serialize_with = "by_key")]
     events: Vec<CountedEvent>,
 }
@@ -52,6 +54,7 @@ impl RunSummary {
             cells: run.rows.count(),
             scale: 1.0,
             disagreements: stretches(&run.disagreements),
+            warnings: run.warnings.clone(),
             events: events(&run.counters),
             ..Self::default()
         };
@@ -80,7 +83,7 @@ impl RunSummary {
             live_grade_sigma_percent: sums.live_grade_sigma_percent / count,
             climb_m: last_m.unwrap_or(0.0) - first_m.unwrap_or(0.0),
             bias_percent: sums.bias_percent / count,
-            verdict: verdict(sums.cells, marked, &sums.disagreements),
+            verdict: verdict(sums.cells, marked, &sums.disagreements, &sums.warnings),
             suspect_km: marked as f64 * f64::from(CELL_LENGTH_M) * 1e-3,
             ..sums
         })
