@@ -10,7 +10,7 @@ use crate::persistent_state::{PersistentState, PersistentStateError};
 use crate::sample::Sample;
 use crate::sampler::Sampler;
 use crate::scalar::Scalar;
-use crate::signal::Reading;
+use crate::signal::{Reading, Signal};
 use crate::smoother::FixedLag;
 use crate::time::{Duration, Instant};
 use crate::tuning::Tuning;
@@ -111,6 +111,13 @@ impl<S: Scalar> Estimator<S> {
         let noise = state.noise(&tuning.measurement_noise);
         estimator.filter = Filter::new(tuning, &noise, Some(*state.slow_states()));
         Ok(estimator)
+    }
+
+    /// Reserves a signal for [`on_reading`](Self::on_reading), for a caller that decodes messages of
+    /// its own ([`own_message`](crate::signal::own_message)). The built-in messages no longer give
+    /// it; what they say of it counts as that of another source.
+    pub fn reserve(&mut self, signal: Signal) {
+        self.intake.reserve(signal);
     }
 
     /// Takes one frame, received at `now`.

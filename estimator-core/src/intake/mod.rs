@@ -66,6 +66,12 @@ impl Intake {
         }
     }
 
+    /// Reserves a signal for [`on_reading`](Self::on_reading): the built-in messages no longer give
+    /// it.
+    pub fn reserve(&mut self, signal: Signal) {
+        self.checks.sources.reserve(signal);
+    }
+
     /// Takes one frame, received at `now`, and gives its readings to the sampler.
     #[inline]
     pub fn on_frame<F: Frame>(

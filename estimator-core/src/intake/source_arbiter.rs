@@ -9,6 +9,9 @@
 //! A truck may have two retarders, one at the engine and one at the gearbox. Each reports its own
 //! torque, so retarder torque has no owner.
 //!
+//! A signal that the caller gives without a bus, from a message of its own, can be reserved. Then no
+//! sender owns it.
+//!
 //! Which controller starts first is chance. J1939 gives the lowest addresses to the controllers that
 //! measure (engine 0, gearbox 3, brakes 11), and those above 127 to whatever asks for one.
 
@@ -34,6 +37,8 @@ pub struct Sender(u16);
 impl Sender {
     /// No sender: there are not so many messages.
     const NONE: Self = Self(u16::MAX);
+    /// The caller of the estimator, who gives readings himself.
+    const CALLER: Self = Self(u16::MAX - 1);
 
     const fn address(self) -> u8 {
         self.0 as u8
@@ -77,6 +82,14 @@ impl SourceArbiter {
         }
     }
 
+    /// Reserves a signal for readings that come without a bus: from now on, no sender owns it.
+    pub fn reserve(&mut self, signal: Signal) {
+        if let Some(ownership) = self.signals.get_mut(signal as usize) {
+            ownership.sender = Sender::CALLER;
+            ownership.owner = Sender::CALLER;
+        }
+    }
+
     /// Decides whether a reading of `signal` counts. Only a measurement (`available`) takes or keeps
     /// a signal.
     pub fn admit(
@@ -87,9 +100,6 @@ impl SourceArbiter {
         available: bool,
         tuning: &HoldTimes,
     ) -> Admission {
-        if signal == Signal::RetarderTorque {
-            return Admission::Admitted;
-        }
         let Some(ownership) = self.signals.get_mut(signal as usize) else {
             return Admission::Refused;
         };
@@ -97,6 +107,12 @@ impl SourceArbiter {
             if available {
                 ownership.last_seen = now;
             }
+            return Admission::Admitted;
+        }
+        if ownership.sender == Sender::CALLER {
+            return Admission::Refused;
+        }
+        if signal == Signal::RetarderTorque {
             return Admission::Admitted;
         }
         let started = *self.started.get_or_insert(now);

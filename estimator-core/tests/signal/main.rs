@@ -1,3 +1,4 @@
 //! Signals: frames become readings.
 
 mod decoding;
+mod own_messages;
