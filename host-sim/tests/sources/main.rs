@@ -4,4 +4,5 @@ mod can_frame;
 mod candump;
 mod frame_log;
 mod inspect;
+mod own_signals;
 mod signal_table;
