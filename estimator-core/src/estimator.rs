@@ -120,6 +120,12 @@ impl<S: Scalar> Estimator<S> {
         self.intake.reserve(signal);
     }
 
+    /// Leaves out a signal from now on, as if the bus did not have it: for a sensor known to be
+    /// wrong.
+    pub fn ignore(&mut self, signal: Signal) {
+        self.intake.ignore(signal);
+    }
+
     /// Takes one frame, received at `now`.
     pub fn on_frame<F: Frame>(&mut self, now: Instant, frame: &F) -> Outcome {
         self.intake

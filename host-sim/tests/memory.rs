@@ -4,6 +4,7 @@ use estimator_core::Tuning;
 use host_sim::files::run::{Origin, write_rows};
 use host_sim::files::vehicle::VehicleFile;
 use host_sim::recorder::estimate_log;
+use host_sim::source::read_options::ReadOptions;
 use peak_alloc::PeakAlloc;
 use std::fmt::Write;
 use std::fs;
@@ -56,8 +57,15 @@ fn peak(folder: &Path, km: usize, ending: &str) -> usize {
     write_log(&log, km);
     let before = ALLOCATOR.current_usage();
     ALLOCATOR.reset_peak_usage();
-    let mut run =
-        estimate_log::<f32>(&vehicle.model, &Tuning::default(), None, &log, |_| ()).unwrap();
+    let mut run = estimate_log::<f32>(
+        &vehicle.model,
+        &Tuning::default(),
+        None,
+        &log,
+        &ReadOptions::default(),
+        |_| (),
+    )
+    .unwrap();
     assert!(run.rows.count() + 50 > km * 400, "{}", run.rows.count());
     write_rows(&out, &mut run.rows, &Origin::default()).unwrap();
     ALLOCATOR.peak_usage() - before

@@ -14,6 +14,7 @@ use host_sim::error::{Error, Result};
 use host_sim::files::output::write_whole;
 use host_sim::files::vehicle::VehicleFile;
 use host_sim::source::input::{LogInput, for_each_input};
+use host_sim::source::read_options::ReadOptions;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -42,6 +43,7 @@ fn run(args: &Args) -> Result<()> {
     let mut frames = Vec::new();
     for_each_input(
         &args.log,
+        &ReadOptions::default(),
         |_| (),
         |input| {
             if let LogInput::Frame(frame) = input {

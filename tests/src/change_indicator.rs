@@ -20,6 +20,7 @@ use host_sim::recorder::{SmoothedRun, estimate_log};
 use host_sim::simulator::scenario::Scenario;
 use host_sim::simulator::simulate;
 use host_sim::source::can_frame::TimedFrame;
+use host_sim::source::read_options::ReadOptions;
 use host_sim::source::ztbus::Mission;
 use serde::Serialize;
 use similar::TextDiff;
@@ -184,16 +185,30 @@ impl Indicated {
             for (pass, number) in mission.passes().iter().take(2).zip(1..) {
                 let table = folder.path().join("pass.csv");
                 mission.write_pass(&table, pass)?;
-                let run = estimate_log::<f32>(&vehicle, &Tuning::default(), None, &table, |_| ())?
-                    .in_memory()?;
+                let run = estimate_log::<f32>(
+                    &vehicle,
+                    &Tuning::default(),
+                    None,
+                    &table,
+                    &ReadOptions::default(),
+                    |_| (),
+                )?
+                .in_memory()?;
                 self.add(format!("ztbus_pass_{number}"), text_of(&run));
             }
         } else {
             self.absent.push(mission.display().to_string());
         }
         if idle.exists() {
-            let run = estimate_log::<f32>(&truck(), &Tuning::default(), None, &idle, |_| ())?
-                .in_memory()?;
+            let run = estimate_log::<f32>(
+                &truck(),
+                &Tuning::default(),
+                None,
+                &idle,
+                &ReadOptions::default(),
+                |_| (),
+            )?
+            .in_memory()?;
             self.add("truck_idle", text_of(&run));
         } else {
             self.absent.push(idle.display().to_string());

@@ -11,6 +11,7 @@ use host_sim::error::{Error, Result};
 use host_sim::files::truth;
 use host_sim::files::vehicle::VehicleFile;
 use host_sim::score::score_run;
+use host_sim::source::read_options::ReadOptions;
 use host_sim::terminal::table::text_table;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -152,6 +153,7 @@ impl DiagnosisCase {
         let assumed = VehicleFile::read(&logs.vehicle)?;
         let diagnosis = diagnose(&Request {
             tuning: Tuning::default(),
+            options: ReadOptions::default(),
             vehicle: assumed.clone(),
             logs: logs.fit.clone(),
             held_out: logs.held_out.clone(),
@@ -175,7 +177,13 @@ impl GradeErrors {
     fn of(logs: &PlantedLogs, vehicle: &VehicleFile) -> Result<Self> {
         let (mut smoothed, mut live, mut cells) = (0.0, 0.0, 0.0);
         for (log, truth) in logs.held_out.iter().zip(&logs.truth.held_out) {
-            let run = LoggedDrive::read(log, &vehicle.model, &Tuning::default())?.run;
+            let run = LoggedDrive::read(
+                log,
+                &vehicle.model,
+                &Tuning::default(),
+                &ReadOptions::default(),
+            )?
+            .run;
             let truth = truth::read(truth)?;
             let score = score_run("held out", &run.rows, &truth)
                 .map_err(|problem| Error::content(log, problem.to_string()))?;

@@ -72,6 +72,11 @@ impl Intake {
         self.checks.sources.reserve(signal);
     }
 
+    /// Leaves out a signal from now on, as if the bus did not have it.
+    pub fn ignore(&mut self, signal: Signal) {
+        self.checks.sources.ignore(signal);
+    }
+
     /// Takes one frame, received at `now`, and gives its readings to the sampler.
     #[inline]
     pub fn on_frame<F: Frame>(
@@ -139,6 +144,9 @@ impl Intake {
         if let Some(out_of_time) = checks.time(context, now) {
             return out_of_time;
         }
+        if checks.sources.is_ignored(reading.signal) {
+            return Outcome::Ignored;
+        }
         checks.take(context, sampler, reading.signal, reading.value, None);
         sampler.start(checks.clock.now());
         Outcome::Used
@@ -186,6 +194,7 @@ impl Checks {
                     switched = true;
                     count(&mut context.counters.source_switches);
                 }
+                Admission::Ignored => return false,
                 Admission::Refused => {
                     count(&mut context.counters.other_source);
                     return false;

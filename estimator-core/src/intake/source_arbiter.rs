@@ -28,6 +28,8 @@ pub enum Admission {
     Switched,
     /// Another source owns the signal.
     Refused,
+    /// The signal is left out, whatever its source.
+    Ignored,
 }
 
 /// The source of a signal: an address, and the message it is sent in.
@@ -38,7 +40,9 @@ impl Sender {
     /// No sender: there are not so many messages.
     const NONE: Self = Self(u16::MAX);
     /// The caller of the estimator, who gives readings himself.
-    const CALLER: Self = Self(u16::MAX - 1);
+    const CALLER: Self = Self(u16::MAX - 2);
+    /// The owner of a signal that is left out: there are not so many messages.
+    const NOBODY: Self = Self(u16::MAX - 1);
 
     const fn address(self) -> u8 {
         self.0 as u8
@@ -82,12 +86,30 @@ impl SourceArbiter {
         }
     }
 
-    /// Reserves a signal for readings that come without a bus: from now on, no sender owns it.
+    /// Reserves a signal for readings that come without a bus: from now on, no sender owns it. One
+    /// that is left out stays so.
     pub fn reserve(&mut self, signal: Signal) {
-        if let Some(ownership) = self.signals.get_mut(signal as usize) {
+        if let Some(ownership) = self.signals.get_mut(signal as usize)
+            && ownership.owner != Sender::NOBODY
+        {
             ownership.sender = Sender::CALLER;
             ownership.owner = Sender::CALLER;
         }
+    }
+
+    /// Leaves out a signal from now on, whatever its source.
+    pub fn ignore(&mut self, signal: Signal) {
+        if let Some(ownership) = self.signals.get_mut(signal as usize) {
+            ownership.sender = Sender::NOBODY;
+            ownership.owner = Sender::NOBODY;
+        }
+    }
+
+    /// Returns whether a signal is left out.
+    #[must_use]
+    pub fn is_ignored(&self, signal: Signal) -> bool {
+        let ownership = self.signals.get(signal as usize);
+        ownership.is_some_and(|ownership| ownership.owner == Sender::NOBODY)
     }
 
     /// Decides whether a reading of `signal` counts. Only a measurement (`available`) takes or keeps
@@ -100,6 +122,14 @@ impl SourceArbiter {
         available: bool,
         tuning: &HoldTimes,
     ) -> Admission {
+        if signal == Signal::RetarderTorque {
+            let ownership = self.signals.get(signal as usize);
+            return match ownership.map(|ownership| ownership.owner) {
+                Some(Sender::NOBODY) => Admission::Ignored,
+                Some(Sender::CALLER) => Admission::Refused,
+                _ => Admission::Admitted,
+            };
+        }
         let Some(ownership) = self.signals.get_mut(signal as usize) else {
             return Admission::Refused;
         };
@@ -107,12 +137,6 @@ impl SourceArbiter {
             if available {
                 ownership.last_seen = now;
             }
-            return Admission::Admitted;
-        }
-        if ownership.sender == Sender::CALLER {
-            return Admission::Refused;
-        }
-        if signal == Signal::RetarderTorque {
             return Admission::Admitted;
         }
         let started = *self.started.get_or_insert(now);
@@ -132,6 +156,11 @@ impl Ownership {
         is_start: bool,
         tuning: &HoldTimes,
     ) -> Admission {
+        match self.owner {
+            Sender::NOBODY => return Admission::Ignored,
+            Sender::CALLER => return Admission::Refused,
+            _ => {}
+        }
         let is_free = self.sender == Sender::NONE;
         if !available {
             return if is_free {

@@ -12,6 +12,7 @@ use crate::report::demo_page::{DemoDrive, demo_page};
 use crate::score::{self, ScoreRow, rivals};
 use crate::simulator::scenario::Scenario;
 use crate::simulator::{files_of, write_runs};
+use crate::source::read_options::ReadOptions;
 use crate::terminal::print::{note, print};
 use estimator_core::Tuning;
 use std::path::{Path, PathBuf};
@@ -76,7 +77,7 @@ fn drive(scenario: &Scenario, index: usize, tuning: &Tuning, folder: &Path) -> R
     let file = |ending: &str| folder.join(format!("{}.{ending}", run.name));
     let log = file("log");
     let vehicle = VehicleFile::read(&file("vehicle.toml"))?;
-    let estimated = estimate::drive::<f32>(&vehicle, tuning, None, &log)?;
+    let estimated = estimate::drive::<f32>(&vehicle, tuning, None, &log, &ReadOptions::default())?;
     estimate::check(&log, &vehicle, &estimated)?;
     let rows = estimated.in_memory()?.rows;
     run::write(&file("csv"), &rows)?;

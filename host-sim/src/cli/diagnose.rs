@@ -1,5 +1,6 @@
 //! `roadgrade diagnose`.
 
+use super::log_options::LogOptions;
 use super::outputs;
 use super::tuning_option::TuningOption;
 use crate::diagnose::{Diagnosis, Request, diagnose, report};
@@ -41,6 +42,8 @@ pub struct Args {
     holdout: Vec<PathBuf>,
     #[command(flatten)]
     tuning: TuningOption,
+    #[command(flatten)]
+    reading: LogOptions,
     /// Print report.json instead of tables.
     #[arg(long)]
     json: bool,
@@ -56,7 +59,9 @@ impl Args {
             .into_iter()
             .chain(self.reference.as_deref());
         outputs::check(
-            logs.chain(others).chain(self.tuning.file()),
+            logs.chain(others)
+                .chain(self.tuning.file())
+                .chain(self.reading.own().files()),
             written.iter().map(PathBuf::as_path),
         )
     }
@@ -71,6 +76,7 @@ pub fn run(args: &Args) -> Result<()> {
         held_out: args.holdout.clone(),
         reference: args.reference.clone(),
         tuning: args.tuning.read()?,
+        options: args.reading.read_options()?,
     };
     let wait = progress::spinner("reading and evaluating drives");
     let found = diagnose(&request)?;

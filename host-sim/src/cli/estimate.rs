@@ -1,5 +1,6 @@
 //! `roadgrade estimate`: estimates a run from a recorded drive.
 
+use super::log_options::LogOptions;
 use super::tuning_option::TuningOption;
 use super::{conclusion, outputs};
 use crate::error::{Error, Result};
@@ -8,6 +9,7 @@ use crate::files::vehicle::VehicleFile;
 use crate::files::{data_set, kept};
 use crate::recorder::{self, LongRun, RunSummary};
 use crate::smooth::held_bytes;
+use crate::source::read_options::ReadOptions;
 use crate::terminal::print::{note, print};
 use crate::terminal::progress;
 use estimator_core::{PersistentState, Scalar, Tuning};
@@ -52,6 +54,8 @@ pub struct Args {
     kept: Option<PathBuf>,
     #[command(flatten)]
     tuning: TuningOption,
+    #[command(flatten)]
+    reading: LogOptions,
     /// Compute in double precision instead of single precision.
     #[arg(long)]
     double: bool,
@@ -66,6 +70,7 @@ impl Args {
     fn check_outputs(&self, out: Option<&Path>) -> Result<()> {
         let inputs = [&*self.log, &self.vehicle];
         let inputs = inputs.into_iter().chain(self.tuning.file());
+        let inputs = inputs.chain(self.reading.own().files());
         outputs::check(inputs, out.into_iter().chain(self.kept.as_deref()))
     }
 
@@ -93,6 +98,7 @@ pub fn run(args: &Args) -> Result<()> {
     }
     let vehicle = VehicleFile::read(&args.vehicle)?;
     let tuning = args.tuning.read()?;
+    let options = args.reading.read_options()?;
     let started = Clock::now();
     let file = args.kept.as_deref();
     let last = match file {
@@ -101,9 +107,9 @@ pub fn run(args: &Args) -> Result<()> {
     };
     let last = last.as_ref();
     let mut run = if args.double {
-        drive::<f64>(&vehicle, &tuning, last, &args.log)?
+        drive::<f64>(&vehicle, &tuning, last, &args.log, &options)?
     } else {
-        drive::<f32>(&vehicle, &tuning, last, &args.log)?
+        drive::<f32>(&vehicle, &tuning, last, &args.log, &options)?
     };
     let seconds = started.elapsed().as_secs_f64();
     check(&args.log, &vehicle, &run)?;
@@ -142,10 +148,11 @@ pub(super) fn drive<S: Scalar>(
     tuning: &Tuning,
     last: Option<&PersistentState>,
     log: &Path,
+    options: &ReadOptions,
 ) -> Result<LongRun> {
     let bar = progress::bytes(log.metadata().map_or(0, |file| file.len()));
     let progress = |read| bar.set_position(read);
-    let run = recorder::estimate_log::<S>(&vehicle.model, tuning, last, log, progress);
+    let run = recorder::estimate_log::<S>(&vehicle.model, tuning, last, log, options, progress);
     bar.finish_and_clear();
     run
 }

@@ -10,6 +10,7 @@ mod import;
 mod inspect;
 #[cfg(target_os = "linux")]
 mod listen;
+mod log_options;
 mod outputs;
 #[cfg(target_os = "linux")]
 mod replay;

@@ -1,5 +1,6 @@
 //! `roadgrade replay`: sends a recorded log on an interface.
 
+use super::log_options::FrameOptions;
 use crate::error::{Error, Result};
 use crate::live::replay::{Pace, Replay, Sent};
 use crate::live::stop_flag;
@@ -39,6 +40,8 @@ pub struct Args {
     /// Send the log's time stamps too, for `listen --log-time`.
     #[arg(long)]
     log_time: bool,
+    #[command(flatten)]
+    reading: FrameOptions,
     /// Print the summary as JSON.
     #[arg(long)]
     json: bool,
@@ -59,7 +62,7 @@ fn pace(text: &str) -> std::result::Result<Pace, String> {
 
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
-    let Log::Frames(mut log) = Log::open(&args.log)? else {
+    let Log::Frames(mut log) = Log::open(&args.log, &args.reading.read_options())? else {
         let problem = "is a signal table; expected a candump log, or one in ASC, TRC or BLF";
         return Err(Error::content(&args.log, problem));
     };

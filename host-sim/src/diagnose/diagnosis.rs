@@ -10,6 +10,7 @@ use super::selection::SelectionStep;
 use crate::error::{Error, Result, on_one_line};
 use crate::files::run::{RunCell, RunIdentity};
 use crate::map::read_map;
+use crate::source::read_options::ReadOptions;
 use estimator_core::{AdoptedEffect, Model, Tuning};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
@@ -106,6 +107,7 @@ struct RequestLogs {
     /// Indices of the logs on which before and after are judged.
     judged: Range<usize>,
     tuning: Tuning,
+    options: ReadOptions,
 }
 
 impl RequestLogs {
@@ -130,6 +132,7 @@ impl RequestLogs {
             fitted,
             judged,
             tuning: request.tuning.clone(),
+            options: request.options.clone(),
         })
     }
 
@@ -159,7 +162,7 @@ impl RequestLogs {
     }
 
     fn read_each(&self, paths: &[PathBuf], model: &Model) -> Result<Vec<LoggedDrive>> {
-        let read = |path: &PathBuf| LoggedDrive::read(path, model, &self.tuning);
+        let read = |path: &PathBuf| LoggedDrive::read(path, model, &self.tuning, &self.options);
         paths.par_iter().map(read).collect()
     }
 }

@@ -6,6 +6,7 @@ use crate::map::{
 };
 use crate::recorder::{Recorder, SmoothedRun};
 use crate::source::input::for_each_input;
+use crate::source::read_options::ReadOptions;
 use estimator_core::filter::Filter;
 use estimator_core::sample::Sample;
 use estimator_core::{Model, Tuning};
@@ -27,10 +28,16 @@ impl LoggedDrive {
     ///
     /// # Errors Returns an error, with file and line, if the log cannot be read; if the vehicle is
     /// impossible; or if the log has no movement.
-    pub fn read(path: &Path, model: &Model, tuning: &Tuning) -> Result<Self> {
+    pub fn read(
+        path: &Path,
+        model: &Model,
+        tuning: &Tuning,
+        options: &ReadOptions,
+    ) -> Result<Self> {
         let mut recorder = Recorder::<f32>::new(model.clone(), tuning.clone())
             .map_err(|e| Error::content(path, e.to_string()))?;
-        for_each_input(path, |_| (), |input| recorder.on_input(&input))?;
+        recorder.read_as(options);
+        for_each_input(path, options, |_| (), |input| recorder.on_input(&input))?;
         let filter = recorder.estimator().second_pass_filter();
         let (run, samples) = recorder.finish_with_samples()?;
         if run.rows.is_empty() {

@@ -4,6 +4,7 @@ use super::dependence::Variable;
 use super::judgement::Judgement;
 use crate::files::vehicle::VehicleFile;
 use crate::report::page::Figure;
+use crate::source::read_options::ReadOptions;
 use estimator_core::{AdoptedEffect, Tuning};
 use std::path::PathBuf;
 
@@ -21,6 +22,8 @@ pub struct Request {
     pub reference: Option<PathBuf>,
     /// Tuning of the estimator that reads the drives.
     pub tuning: Tuning,
+    /// How to read the logs.
+    pub options: ReadOptions,
 }
 
 /// An effect that was adopted.

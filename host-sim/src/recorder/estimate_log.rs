@@ -4,6 +4,7 @@ use super::drive_recorder::Recorder;
 use super::long_run::LongRun;
 use crate::error::{Error, Result};
 use crate::source::input::for_each_input;
+use crate::source::read_options::ReadOptions;
 use estimator_core::{Model, PersistentState, Scalar, Tuning};
 use std::path::Path;
 
@@ -18,10 +19,12 @@ pub fn estimate_log<S: Scalar>(
     tuning: &Tuning,
     persistent_state: Option<&PersistentState>,
     log: &Path,
+    options: &ReadOptions,
     progress: impl Fn(u64),
 ) -> Result<LongRun> {
     let mut recorder = Recorder::<S>::resume(model, tuning, persistent_state)
         .map_err(|e| Error::content(log, e.to_string()))?;
-    for_each_input(log, progress, |input| recorder.on_input(&input))?;
+    recorder.read_as(options);
+    for_each_input(log, options, progress, |input| recorder.on_input(&input))?;
     recorder.end()
 }

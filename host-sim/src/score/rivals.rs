@@ -7,6 +7,7 @@ use crate::files::run::RunRow;
 use crate::files::vehicle::VehicleFile;
 use crate::recorder::{Recorder, SmoothedRun};
 use crate::source::input::{LogInput, for_each_input};
+use crate::source::read_options::ReadOptions;
 use estimator_core::sample::Sample;
 use estimator_core::{
     CELL_LENGTH_M, Context, Instant, Intake, Model, ParameterError, Sampler, Tuning,
@@ -117,6 +118,7 @@ pub fn of_log(
     let mut samples = Vec::new();
     for_each_input(
         log,
+        &ReadOptions::default(),
         |_| (),
         |input| {
             start.get_or_insert(input.time());

@@ -3,6 +3,7 @@
 use super::frame_log::FrameLog;
 use super::log_file::LogFile;
 use super::log_kind::{LogKind, kind_of};
+use super::read_options::ReadOptions;
 use super::signal_table::SignalTableReader;
 use crate::error::{Error, Result};
 use crate::files::log_format::{LogFormat, foreign, format_of};
@@ -23,7 +24,7 @@ impl Log {
     /// # Errors
     /// Returns an error if the file cannot be opened or is of a format that is not read, or for the
     /// header of a signal table.
-    pub fn open(path: &Path) -> Result<Self> {
+    pub fn open(path: &Path, options: &ReadOptions) -> Result<Self> {
         let by_name = kind_of(path)?;
         let mut file = LogFile::open(path)?;
         let head = file.look_at_head();
@@ -36,7 +37,8 @@ impl Log {
             Some(LogFormat::Trc) => FrameLog::trc(file),
             Some(LogFormat::Blf) => FrameLog::blf(file),
             None if by_name == LogKind::SignalTable => {
-                let table = SignalTableReader::new(file)?;
+                let mut table = SignalTableReader::new(file)?;
+                table.ignore(&options.ignore);
                 return Ok(Self::Table(Box::new(table)));
             }
             None => FrameLog::candump(file),

@@ -99,6 +99,12 @@ impl SignalTableReader {
         })
     }
 
+    /// Leaves out the columns of these signals.
+    pub(super) fn ignore(&mut self, signals: &[Signal]) {
+        let is_kept = |column: &SignalColumn| !signals.contains(&column.signal);
+        self.columns.retain(is_kept);
+    }
+
     /// Returns the signals that have a column, in the order of [`Signal`].
     pub fn signals(&self) -> impl Iterator<Item = Signal> {
         self.columns.iter().map(|column| column.signal)

@@ -13,6 +13,7 @@ use crate::map::{self, GradeMap, MapRow, Network, RoadLine, SessionRun};
 use crate::recorder::estimate_log;
 use crate::report::page::{Figure, Section, Table};
 use crate::report::plot::{Mark, Plot, Series, colour};
+use crate::source::read_options::ReadOptions;
 use crate::source::terrain::Terrain;
 use crate::source::ztbus::{Mission, Pass, PassDirection, round_trips};
 use estimator_core::Tuning;
@@ -161,7 +162,14 @@ fn estimate(mission: &Mission, pass: &Pass, folder: &Path) -> Result<Vec<RunRow>
     let table = folder.join("pass.csv");
     mission.write_pass(&table, pass)?;
     let model = mission.vehicle().model;
-    let run = estimate_log::<f32>(&model, &Tuning::default(), None, &table, |_| ())?;
+    let run = estimate_log::<f32>(
+        &model,
+        &Tuning::default(),
+        None,
+        &table,
+        &ReadOptions::default(),
+        |_| (),
+    )?;
     Ok(run.in_memory()?.rows)
 }
 

@@ -3,6 +3,7 @@
 use estimator_core::Tuning;
 use host_sim::diagnose::{Request, diagnose};
 use host_sim::files::vehicle::VehicleFile;
+use host_sim::source::read_options::ReadOptions;
 use std::path::{Path, PathBuf};
 use test_kit::command::program;
 
@@ -40,6 +41,7 @@ fn drift_on_a_held_out_round_trip_nearly_vanishes() {
         .collect();
     let found = diagnose(&Request {
         tuning: Tuning::default(),
+        options: ReadOptions::default(),
         vehicle: VehicleFile::read(&folder.path().join("vehicle.toml")).unwrap(),
         logs: passes[..4].to_vec(),
         held_out: passes[4..].to_vec(),

@@ -5,4 +5,5 @@ mod candump;
 mod frame_log;
 mod inspect;
 mod own_signals;
+mod read_options;
 mod signal_table;

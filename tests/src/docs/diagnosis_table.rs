@@ -33,6 +33,7 @@ pub fn bus() -> Result<Option<String>> {
         held_out,
         reference: None,
         tuning: Default::default(),
+        options: Default::default(),
     })?;
     Ok(Some(table(&diagnosis)))
 }

@@ -5,7 +5,7 @@ use can_dbc::{
     SignalExtendedValueType, ValueType,
 };
 use estimator_core::signal::Pgn;
-use estimator_core::signal::own_message::FrameMatch;
+use estimator_core::signal::own_message::{FrameMatch, Multiplexer};
 use estimator_core::signal::raw_field::{self, NumberKind, RawField};
 
 /// Source address of identifiers that stand for those of any sender (J1939-81: the null address).
@@ -47,12 +47,24 @@ pub struct DbcSignal {
 }
 
 /// The numbers of a multiplexer that select a signal.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Switch {
     /// The number that switches.
     pub field: RawField,
     /// Pairs of the least and the greatest selecting number.
     pub ranges: Vec<(u64, u64)>,
+}
+
+impl Switch {
+    /// Returns whether the signal is in `payload`.
+    #[must_use]
+    pub fn selects(&self, payload: &[u8]) -> bool {
+        let switch = Multiplexer {
+            field: self.field,
+            ranges: &self.ranges,
+        };
+        switch.selects(payload)
+    }
 }
 
 impl DbcMessage {
@@ -110,10 +122,16 @@ impl DbcSignal {
         }
     }
 
-    /// Returns a value in `unit` of a raw number.
+    /// Reads the number from `payload`, in `unit`; `None` if the payload ends before it, or while a
+    /// multiplexer selects another signal.
     #[must_use]
-    pub fn physical(&self, raw: f64) -> f64 {
-        raw * self.factor + self.offset
+    pub fn read(&self, payload: &[u8]) -> Option<f64> {
+        let raw = self.field.as_ref().ok()?.read(payload)?;
+        let is_selected = self
+            .multiplexers
+            .iter()
+            .all(|switch| switch.selects(payload));
+        is_selected.then(|| raw.to_f64() * self.factor + self.offset)
     }
 }
 

@@ -8,19 +8,19 @@ use crate::error::Result;
 use crate::files::nearest::nearest_in_words;
 use crate::source::can_frame::CanFrame;
 use embedded_can::Frame;
-use estimator_core::signal::own_message::{FrameMatch, Multiplexer, OwnSignal};
+use estimator_core::signal::own_message::{FrameMatch, OwnSignal};
 use estimator_core::signal::raw_field::RawField;
 use estimator_core::{Reading, Signal};
 use std::path::Path;
 
 /// Own signals: which frames have them, and how they become ours.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct OwnSignals {
     messages: Vec<Message>,
 }
 
 /// The mapped signals of one message.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 struct Message {
     frames: FrameMatch,
     /// In the order of [`Signal`].
@@ -28,7 +28,7 @@ struct Message {
 }
 
 /// One mapped signal.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 struct Mapped {
     signal: Signal,
     field: RawField,
@@ -87,13 +87,6 @@ impl OwnSignals {
 
 impl Mapped {
     fn read(&self, payload: &[u8], mut sink: impl FnMut(Reading)) {
-        let is_selected = self.multiplexers.iter().all(|switch| {
-            let switch = Multiplexer {
-                field: switch.field,
-                ranges: &switch.ranges,
-            };
-            switch.selects(payload)
-        });
         let own = OwnSignal {
             signal: self.signal,
             field: self.field,
@@ -104,8 +97,11 @@ impl Mapped {
             values: &self.values,
             has_j1939_codes: self.has_j1939_codes,
         };
-        if let Some(value) = own.read(payload)
-            && is_selected
+        if self
+            .multiplexers
+            .iter()
+            .all(|switch| switch.selects(payload))
+            && let Some(value) = own.read(payload)
         {
             let signal = self.signal;
             sink(Reading { signal, value });

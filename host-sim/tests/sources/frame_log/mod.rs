@@ -9,6 +9,7 @@ use host_sim::source::can_frame::{CanFrame, TimedFrame};
 use host_sim::source::candump::{CandumpReader, Skipped};
 use host_sim::source::log::Log;
 use host_sim::source::log_kind::LogKind;
+use host_sim::source::read_options::ReadOptions;
 use std::fs;
 use std::path::Path;
 use tempfile::TempDir;
@@ -32,7 +33,7 @@ fn read_as(name: &str, content: &[u8]) -> Content {
 }
 
 fn read_path(path: &Path) -> Content {
-    let log = Log::open(path).map_err(|e| e.to_string())?;
+    let log = Log::open(path, &ReadOptions::default()).map_err(|e| e.to_string())?;
     let kind = log.kind();
     let Log::Frames(mut log) = log else {
         return Ok((kind, Vec::new(), Skipped::default()));

@@ -1,0 +1,18 @@
+//! What a user asks of the reading of a log.
+
+use super::own_signals::OwnSignals;
+use estimator_core::Signal;
+use std::sync::Arc;
+
+/// How a log is read. The default reads all of it, and leaves out damage.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ReadOptions {
+    /// Refuse a log with any damage, instead of one with more than 1 %.
+    pub strict: bool,
+    /// Read the frames of these interfaces only; of all if there is none.
+    pub interfaces: Vec<String>,
+    /// Leave out these signals, as if the bus did not have them.
+    pub ignore: Vec<Signal>,
+    /// Signals of the user's own messages. The built-in messages do not give these.
+    pub signals: Option<Arc<OwnSignals>>,
+}
