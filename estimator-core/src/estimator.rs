@@ -116,6 +116,13 @@ impl<S: Scalar> Estimator<S> {
         Ok(estimator)
     }
 
+    /// Reserves a signal for [`on_reading`](Self::on_reading), for a caller that decodes messages of
+    /// its own ([`own_message`](crate::signal::own_message)). The built-in messages no longer give
+    /// it; what they say of it counts as that of another source.
+    pub fn reserve(&mut self, signal: Signal) {
+        self.intake.reserve(signal);
+    }
+
     /// Leaves out a signal from now on, as if the bus did not have it: for a sensor known to be
     /// wrong.
     pub fn ignore(&mut self, signal: Signal) {

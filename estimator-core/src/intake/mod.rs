@@ -66,6 +66,12 @@ impl Intake {
         }
     }
 
+    /// Reserves a signal for [`on_reading`](Self::on_reading): the built-in messages no longer give
+    /// it.
+    pub fn reserve(&mut self, signal: Signal) {
+        self.checks.sources.reserve(signal);
+    }
+
     /// Leaves out a signal from now on, as if the bus did not have it.
     pub fn ignore(&mut self, signal: Signal) {
         self.checks.sources.ignore(signal);

@@ -15,6 +15,9 @@
 //! What an engine says of itself counts if it comes from the controller whose torque is used. A bus
 //! may have two: the other one is a gateway's, or that of a second engine.
 //!
+//! A signal that the caller gives without a bus, from a message of its own, can be reserved. Then no
+//! sender owns it.
+//!
 //! Which controller starts first is chance. J1939 gives the lowest addresses to the controllers that
 //! measure (engine 0, gearbox 3, brakes 11), and those above 127 to whatever asks for one.
 
@@ -42,6 +45,8 @@ pub struct Sender(u16);
 impl Sender {
     /// No sender: there are not so many messages.
     const NONE: Self = Self(u16::MAX);
+    /// The caller of the estimator, who gives readings himself.
+    const CALLER: Self = Self(u16::MAX - 2);
     /// The owner of a signal that is left out: there are not so many messages.
     const NOBODY: Self = Self(u16::MAX - 1);
 
@@ -87,6 +92,17 @@ impl SourceArbiter {
         }
     }
 
+    /// Reserves a signal for readings that come without a bus: from now on, no sender owns it. One
+    /// that is left out stays so.
+    pub fn reserve(&mut self, signal: Signal) {
+        if let Some(ownership) = self.signals.get_mut(signal as usize)
+            && ownership.owner != Sender::NOBODY
+        {
+            ownership.sender = Sender::CALLER;
+            ownership.owner = Sender::CALLER;
+        }
+    }
+
     /// Leaves out a signal from now on, whatever its source.
     pub fn ignore(&mut self, signal: Signal) {
         if let Some(ownership) = self.signals.get_mut(signal as usize) {
@@ -113,11 +129,11 @@ impl SourceArbiter {
         tuning: &HoldTimes,
     ) -> Admission {
         if signal == Signal::RetarderTorque {
-            let is_ignored = self.is_ignored(signal);
-            return if is_ignored {
-                Admission::Ignored
-            } else {
-                Admission::Admitted
+            let ownership = self.signals.get(signal as usize);
+            return match ownership.map(|ownership| ownership.owner) {
+                Some(Sender::NOBODY) => Admission::Ignored,
+                Some(Sender::CALLER) => Admission::Refused,
+                _ => Admission::Admitted,
             };
         }
         let Some(ownership) = self.signals.get_mut(signal as usize) else {
@@ -175,8 +191,10 @@ impl Ownership {
         precedes: bool,
         tuning: &HoldTimes,
     ) -> Admission {
-        if self.owner == Sender::NOBODY {
-            return Admission::Ignored;
+        match self.owner {
+            Sender::NOBODY => return Admission::Ignored,
+            Sender::CALLER => return Admission::Refused,
+            _ => {}
         }
         let is_free = self.sender == Sender::NONE;
         if !available {

@@ -7,6 +7,8 @@
 mod decoder;
 mod fast_packet;
 mod layout;
+pub mod own_message;
+pub mod raw_field;
 mod reading;
 mod transport;
 

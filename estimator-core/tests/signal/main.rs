@@ -1,4 +1,5 @@
 //! Signals: frames become readings.
 
 mod decoding;
+mod own_messages;
 mod transport;

@@ -59,7 +59,9 @@ impl Args {
             .into_iter()
             .chain(self.reference.as_deref());
         outputs::check(
-            logs.chain(others).chain(self.tuning.file()),
+            logs.chain(others)
+                .chain(self.tuning.file())
+                .chain(self.reading.own().files()),
             written.iter().map(PathBuf::as_path),
         )
     }
@@ -74,7 +76,7 @@ pub fn run(args: &Args) -> Result<()> {
         held_out: args.holdout.clone(),
         reference: args.reference.clone(),
         tuning: args.tuning.read()?,
-        options: args.reading.read_options(),
+        options: args.reading.read_options()?,
     };
     let wait = progress::spinner("reading and evaluating drives");
     let found = diagnose(&request)?;

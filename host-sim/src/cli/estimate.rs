@@ -70,6 +70,7 @@ impl Args {
     fn check_outputs(&self, out: Option<&Path>) -> Result<()> {
         let inputs = [&*self.log, &self.vehicle];
         let inputs = inputs.into_iter().chain(self.tuning.file());
+        let inputs = inputs.chain(self.reading.own().files());
         outputs::check(inputs, out.into_iter().chain(self.kept.as_deref()))
     }
 
@@ -97,7 +98,7 @@ pub fn run(args: &Args) -> Result<()> {
     }
     let vehicle = VehicleFile::read(&args.vehicle)?;
     let tuning = args.tuning.read()?;
-    let options = args.reading.read_options();
+    let options = args.reading.read_options()?;
     let started = Clock::now();
     let file = args.kept.as_deref();
     let last = match file {

@@ -60,7 +60,7 @@ pub fn run(args: &Args) -> Result<()> {
         logs: args.logs.clone(),
         like,
         tuning: args.tuning.read()?,
-        options: args.reading.read_options(),
+        options: args.reading.read_options()?,
     };
     let found = shown(&request)?;
     let text = annotated::text(&found);

@@ -4,8 +4,11 @@ use super::log_options::LogOptions;
 use crate::error::{Error, Result};
 use crate::inspect::census::Census;
 use crate::inspect::census_of;
+use crate::inspect::dbc_census::{DbcCounter, DbcSignalCount};
 use crate::inspect::needs::{Need, needs};
-use crate::inspect::text::text;
+use crate::inspect::proposal::{Proposal, propose, to_toml};
+use crate::inspect::text::{dbc_text, text};
+use crate::source::own_signals::dbc::Dbc;
 use crate::terminal::print::print;
 use crate::terminal::progress;
 use serde::Serialize;
@@ -21,6 +24,7 @@ use std::path::{Path, PathBuf};
     after_long_help = "Examples:\n  \
         roadgrade inspect drive.log\n  \
         roadgrade inspect --all drive.log.gz\n  \
+        roadgrade inspect --dbc car.dbc drive.log\n  \
         roadgrade inspect --json table.csv | jq '.needs[] | select(.presence != \"present\")'"
 )]
 pub struct Args {
@@ -46,26 +50,63 @@ struct Inspection<'a> {
     #[serde(flatten)]
     census: &'a Census,
     needs: &'a [Need],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    dbc: Option<DbcInspection>,
+}
+
+/// What the log has of a `.dbc` file.
+#[derive(Serialize)]
+struct DbcInspection {
+    signals: Vec<DbcSignalCount>,
+    /// Proposed mapping.
+    proposal: Vec<Proposal>,
+    /// The same as a `SIGNALS.toml`.
+    signals_toml: String,
+}
+
+impl DbcInspection {
+    fn of(counter: DbcCounter) -> Self {
+        let signals = counter.finish();
+        let proposal = propose(&signals);
+        Self {
+            signals_toml: to_toml(&proposal),
+            signals,
+            proposal,
+        }
+    }
+
+    fn text(&self) -> String {
+        format!(
+            "{}\nA SIGNALS.toml to start from: check each signal, above all its unit and its sign.\n\n{}",
+            dbc_text(&self.signals),
+            self.signals_toml
+        )
+    }
 }
 
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     let bar = progress::bytes(args.log.metadata().map_or(0, |file| file.len()));
-    let (kind, census) = census_of(&args.log, &args.reading.read_options(), |read| {
-        bar.set_position(read)
-    })?;
+    let options = args.reading.inspect_options()?;
+    let dbc = args.reading.own().dbc().map(Dbc::read).transpose()?;
+    let mut counter = dbc.as_ref().map(DbcCounter::new);
+    let progress = |read| bar.set_position(read);
+    let (kind, census) = census_of(&args.log, &options, counter.as_mut(), progress)?;
     bar.finish_and_clear();
+    let dbc = counter.map(DbcInspection::of);
     let kind = kind.to_string();
     let needs = needs(&census);
     if !args.json {
         let head = format!("{}: {kind}", args.log.display());
-        return print(&text(&head, &census, &needs, args.all));
+        let dbc = dbc.as_ref().map(DbcInspection::text).unwrap_or_default();
+        return print(&(text(&head, &census, &needs, args.all) + &dbc));
     }
     let inspection = Inspection {
         log: &args.log,
         kind,
         census: &census,
         needs: &needs,
+        dbc,
     };
     let json =
         serde_json::to_string_pretty(&inspection).map_err(|e| Error::io(&args.log)(e.into()))?;

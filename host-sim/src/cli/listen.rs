@@ -1,5 +1,6 @@
 //! `roadgrade listen`: estimates a run from a live bus.
 
+use super::log_options::OwnOptions;
 use super::tuning_option::TuningOption;
 use super::{conclusion, outputs};
 use crate::error::{Error, Result, on_one_line};
@@ -53,6 +54,8 @@ pub struct Args {
     kept: Option<PathBuf>,
     #[command(flatten)]
     tuning: TuningOption,
+    #[command(flatten)]
+    own: OwnOptions,
     /// File for the received frames, as a candump log.
     #[arg(long, value_name = "FILE.log")]
     log: Option<PathBuf>,
@@ -93,6 +96,7 @@ impl Args {
             address: self.publish.then_some(self.address),
             log_time: self.log_time,
             end_after_silence: self.end_after_silence,
+            own: self.own.needed_mapping()?,
             json: self.json,
         })
     }
@@ -106,7 +110,10 @@ pub fn run(args: &Args) -> Result<()> {
     }
     let outputs = [&args.out, &args.log, &args.kept];
     outputs::check(
-        [&*args.vehicle].into_iter().chain(args.tuning.file()),
+        [&*args.vehicle]
+            .into_iter()
+            .chain(args.tuning.file())
+            .chain(args.own.files()),
         outputs.into_iter().filter_map(|path| path.as_deref()),
     )?;
     let vehicle = VehicleFile::read(&args.vehicle)?;

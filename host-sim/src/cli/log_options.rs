@@ -1,7 +1,11 @@
 //! The options of reading, the same in every command that reads a log.
 
+use crate::error::{Error, Result};
+use crate::source::own_signals::OwnSignals;
 use crate::source::read_options::ReadOptions;
 use estimator_core::Signal;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Options of every log, also where its frames are only passed on.
 #[derive(Debug, clap::Args)]
@@ -22,6 +26,59 @@ pub struct LogOptions {
     /// Leave out a signal, as if the bus did not have it; may be repeated.
     #[arg(long, value_name = "SIGNAL", value_parser = signal)]
     ignore: Vec<Signal>,
+    #[command(flatten)]
+    own: OwnOptions,
+}
+
+/// Options of own signals.
+#[derive(Debug, clap::Args)]
+pub struct OwnOptions {
+    /// Description of the bus, for messages that are not built in.
+    #[arg(long, value_name = "FILE.dbc")]
+    dbc: Option<PathBuf>,
+    /// Mapping of signals of FILE.dbc to ours; docs/formats.md describes it.
+    #[arg(long, value_name = "SIGNALS.toml", requires = "dbc")]
+    signals: Option<PathBuf>,
+}
+
+impl OwnOptions {
+    /// Returns the files that are read.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        [&self.dbc, &self.signals]
+            .into_iter()
+            .filter_map(|path| path.as_deref())
+    }
+
+    /// Returns the description of the bus.
+    pub fn dbc(&self) -> Option<&Path> {
+        self.dbc.as_deref()
+    }
+
+    /// Reads the mapping, if there is one.
+    ///
+    /// # Errors
+    /// Returns the error of either file.
+    pub fn mapping(&self) -> Result<Option<Arc<OwnSignals>>> {
+        match (&self.dbc, &self.signals) {
+            (Some(dbc), Some(signals)) => {
+                OwnSignals::read(dbc, signals).map(|own| Some(Arc::new(own)))
+            }
+            _ => Ok(None),
+        }
+    }
+
+    /// Reads the mapping for an estimate, which has no use for a description alone.
+    ///
+    /// # Errors
+    /// Returns the error of either file, and a usage error for a description without a mapping.
+    pub fn needed_mapping(&self) -> Result<Option<Arc<OwnSignals>>> {
+        if self.dbc.is_some() && self.signals.is_none() {
+            let problem = "--dbc without --signals; `roadgrade inspect --dbc FILE.dbc LOG` prints a \
+                           SIGNALS.toml to start from";
+            return Err(Error::Usage(problem.to_owned()));
+        }
+        self.mapping()
+    }
 }
 
 impl FrameOptions {
@@ -36,16 +93,37 @@ impl FrameOptions {
 }
 
 impl LogOptions {
-    /// Returns how to read a log.
-    pub fn read_options(&self) -> ReadOptions {
+    /// Returns how to read a log for an estimate.
+    ///
+    /// # Errors
+    /// Returns an error for own signals that cannot be read.
+    pub fn read_options(&self) -> Result<ReadOptions> {
+        Ok(self.with(self.own.needed_mapping()?))
+    }
+
+    /// Returns how to read a log for an inspection, for which a description of the bus is enough.
+    ///
+    /// # Errors
+    /// Returns an error for own signals that cannot be read.
+    pub fn inspect_options(&self) -> Result<ReadOptions> {
+        Ok(self.with(self.own.mapping()?))
+    }
+
+    /// Returns the options of own signals.
+    pub const fn own(&self) -> &OwnOptions {
+        &self.own
+    }
+
+    fn with(&self, signals: Option<Arc<OwnSignals>>) -> ReadOptions {
         ReadOptions {
             ignore: self.ignore.clone(),
+            signals,
             ..self.frames.read_options()
         }
     }
 }
 
-fn signal(name: &str) -> Result<Signal, String> {
+fn signal(name: &str) -> std::result::Result<Signal, String> {
     // Words that begin alike: `fan` means `fan_percent`.
     let likeness = |signal: &Signal| strsim::jaro_winkler(name, signal.column());
     Signal::from_column(name).ok_or_else(|| {

@@ -76,7 +76,7 @@ pub fn run(args: &Args) -> Result<()> {
     let tuning = args.tuning.read()?;
     let road = args.road.as_deref().map(read_network).transpose()?;
     let (vehicle, identified) = vehicle(args, &tuning)?;
-    let (runs, left_out) = estimate_all(&drives, &vehicle, &tuning, &args.reading.read_options())?;
+    let (runs, left_out) = estimate_all(&drives, &vehicle, &tuning, &args.reading.read_options()?)?;
     let cells: Vec<Vec<RunCell>> = runs
         .iter()
         .map(|of| of.rows.iter().map(RunCell::from).collect())
@@ -163,7 +163,7 @@ fn vehicle(args: &Args, tuning: &Tuning) -> Result<(VehicleFile, Option<Identifi
         logs: args.logs.clone(),
         like: args.like.as_deref().map(identify::like).transpose()?,
         tuning: tuning.clone(),
-        options: args.reading.read_options(),
+        options: args.reading.read_options()?,
     };
     let found = identify::shown(&request)?;
     note(format_args!(

@@ -36,7 +36,7 @@ impl LoggedDrive {
     ) -> Result<Self> {
         let mut recorder = Recorder::<f32>::new(model.clone(), tuning.clone())
             .map_err(|e| Error::content(path, e.to_string()))?;
-        recorder.ignore(&options.ignore);
+        recorder.read_as(options);
         for_each_input(path, options, |_| (), |input| recorder.on_input(&input))?;
         let filter = recorder.estimator().second_pass_filter();
         let (run, samples) = recorder.finish_with_samples()?;

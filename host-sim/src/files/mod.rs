@@ -9,6 +9,7 @@ pub mod kind;
 pub mod limits;
 pub mod lock;
 pub mod log_format;
+pub mod nearest;
 pub mod oracle;
 pub mod output;
 pub mod parquet;

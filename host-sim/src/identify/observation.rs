@@ -83,6 +83,11 @@ impl Observation {
         let mut newest = Newest::default();
         let mut decoder = Decoder::new();
         let is_wanted = |reading: &Reading| !options.ignore.contains(&reading.signal);
+        let own: Vec<Signal> = options
+            .signals
+            .iter()
+            .flat_map(|own| own.signals())
+            .collect();
         for_each_input(
             log,
             options,
@@ -91,7 +96,10 @@ impl Observation {
                 LogInput::Frame(timed) => {
                     decoder.decode_at(timed.time, &timed.frame, |_, pgn, reading| {
                         let first = newest.sources.entry(reading.signal).or_insert(pgn.source);
-                        if *first == pgn.source && is_wanted(&reading) {
+                        if *first == pgn.source
+                            && is_wanted(&reading)
+                            && !own.contains(&reading.signal)
+                        {
                             found.take(&mut newest, timed.time, reading);
                         }
                     });

@@ -4,12 +4,15 @@ use super::pgn_names::{TRANSPORT_MANAGEMENT, name_of};
 use crate::numeric::rounding::round;
 use crate::source::can_frame::{CanFrame, TimedFrame};
 use crate::source::candump::Skipped;
+use crate::source::own_signals::OwnSignals;
+use crate::source::read_options::ReadOptions;
 use crate::source::signal_table::SignalRow;
 use embedded_can::{Frame, Id};
 use estimator_core::signal::{FrameOutcome, Pgn};
 use estimator_core::{Decoder, Instant, Reading, Signal, Value};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 /// Content of a log.
 #[derive(Clone, Debug, Default, Serialize)]
@@ -86,9 +89,9 @@ pub struct TransportedCount {
 pub struct SignalCount {
     /// Name with unit ([`Signal::column`]).
     pub signal: &'static str,
-    /// Its parameter group; `None` in a signal table.
+    /// Its parameter group; `None` in a signal table and for an own message.
     pub pgn: Option<u32>,
-    /// Its source address; `None` in a signal table.
+    /// Its source address; `None` in a signal table and for an own message.
     pub source: Option<u8>,
     /// Number of readings, or of rows of a table.
     pub count: u64,
@@ -221,22 +224,30 @@ impl Range {
 /// Counter of the frames of a bus.
 #[derive(Default)]
 pub struct BusCounter {
-    ignored: Vec<Signal>,
+    /// Signals that are left out of all messages.
+    left_out: Vec<Signal>,
+    /// Signals that are left out of the built-in ones.
+    not_built_in: Vec<Signal>,
     decoder: Decoder,
     all: EventTally,
     remote: u64,
     groups: BTreeMap<u32, Group>,
     standard: BTreeMap<u16, EventTally>,
     transported: BTreeMap<u32, (u64, u16)>,
-    signals: BTreeMap<(Signal, u32, u8), Range>,
+    /// By signal and, for built-in messages, PGN and source address.
+    signals: BTreeMap<(Signal, Option<(u32, u8)>), Range>,
+    own: Option<Arc<OwnSignals>>,
 }
 
 impl BusCounter {
-    /// Creates a counter that leaves out these signals.
+    /// Creates a counter of a bus that is read so.
     #[must_use]
-    pub fn without(ignored: &[Signal]) -> Self {
+    pub fn of(options: &ReadOptions) -> Self {
+        let own = options.signals.iter().flat_map(|own| own.signals());
         Self {
-            ignored: ignored.to_vec(),
+            left_out: options.ignore.clone(),
+            not_built_in: options.ignore.iter().copied().chain(own).collect(),
+            own: options.signals.clone(),
             ..Self::default()
         }
     }
@@ -246,6 +257,7 @@ impl BusCounter {
         let TimedFrame { time, frame } = timed;
         self.all.add(*time);
         self.remote += u64::from(frame.is_remote_frame());
+        self.add_own(frame);
         let pgn = match frame.id() {
             Id::Standard(id) => {
                 self.standard.entry(id.as_raw()).or_default().add(*time);
@@ -256,12 +268,12 @@ impl BusCounter {
         let group = self.groups.entry(pgn.number).or_default();
         group.tally.add(*time);
         group.sources.insert(pgn.source);
-        let (signals, ignored) = (&mut self.signals, &self.ignored);
+        let (signals, ignored) = (&mut self.signals, &self.not_built_in);
         let take = |_, pgn: Pgn, reading: Reading| {
             if ignored.contains(&reading.signal) {
                 return;
             }
-            let key = (reading.signal, pgn.number, pgn.source);
+            let key = (reading.signal, Some((pgn.number, pgn.source)));
             signals.entry(key).or_default().add(reading.value);
         };
         let outcome = self.decoder.decode_at(*time, frame, take);
@@ -272,6 +284,18 @@ impl BusCounter {
             let (count, length) = self.transported.entry(announced).or_default();
             *count += 1;
             *length = length_bytes;
+        }
+    }
+
+    /// Counts the own signals of a frame.
+    fn add_own(&mut self, frame: &CanFrame) {
+        let (signals, ignored) = (&mut self.signals, &self.left_out);
+        if let Some(own) = &self.own {
+            own.decode(frame, |Reading { signal, value }| {
+                if !ignored.contains(&signal) {
+                    signals.entry((signal, None)).or_default().add(value);
+                }
+            });
         }
     }
 
@@ -324,8 +348,9 @@ impl BusCounter {
             signals: self
                 .signals
                 .into_iter()
-                .map(|((signal, number, source), range)| {
-                    range.finish(signal, Some(Pgn { number, source }))
+                .map(|((signal, sender), range)| {
+                    let pgn = sender.map(|(number, source)| Pgn { number, source });
+                    range.finish(signal, pgn)
                 })
                 .collect(),
         }

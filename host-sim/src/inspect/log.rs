@@ -1,7 +1,9 @@
 //! The census of a whole log, in constant memory.
 
 use super::census::{BusCounter, Census, TableCounter};
+use super::dbc_census::DbcCounter;
 use crate::error::Result;
+use crate::source::can_frame::TimedFrame;
 use crate::source::frame_log::FrameLog;
 use crate::source::log::Log;
 use crate::source::log_kind::LogKind;
@@ -12,19 +14,28 @@ use std::path::Path;
 /// Number of frames or rows between two calls of `progress`.
 const PROGRESS_STEP: u64 = 1 << 16;
 
-/// Reads a log and returns its kind and census. `progress` gets the number of bytes read so far.
+/// Reads a log and returns its kind and census. `progress` gets the number of bytes read so far,
+/// `dbc` each frame.
 ///
 /// # Errors
 /// Returns an error with file and line (or byte) if the log cannot be read to its end.
 pub fn census_of(
     log: &Path,
     options: &ReadOptions,
+    mut dbc: Option<&mut DbcCounter>,
     progress: impl Fn(u64),
 ) -> Result<(LogKind, Census)> {
     let log = Log::open(log, options)?;
     let kind = log.kind();
     let census = match log {
-        Log::Frames(frames) => count_frames(frames, options, progress)?,
+        Log::Frames(frames) => {
+            let look = |frame: &TimedFrame| {
+                if let Some(dbc) = &mut dbc {
+                    dbc.add(&frame.frame);
+                }
+            };
+            count_frames(frames, options, look, progress)?
+        }
         Log::Table(table) => count_rows(*table, progress)?,
     };
     Ok((kind, census))
@@ -33,12 +44,14 @@ pub fn census_of(
 fn count_frames(
     mut log: FrameLog,
     options: &ReadOptions,
+    mut look: impl FnMut(&TimedFrame),
     progress: impl Fn(u64),
 ) -> Result<Census> {
-    let mut counter = BusCounter::without(&options.ignore);
+    let mut counter = BusCounter::of(options);
     let mut frames = 0_u64;
     while let Some(frame) = log.next_frame()? {
         counter.add(&frame);
+        look(&frame);
         frames += 1;
         if frames.is_multiple_of(PROGRESS_STEP) {
             progress(log.file().bytes_read());

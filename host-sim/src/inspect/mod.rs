@@ -2,9 +2,11 @@
 //! inputs of an estimate.
 
 pub mod census;
+pub mod dbc_census;
 mod log;
 pub mod needs;
 pub mod pgn_names;
+pub mod proposal;
 pub mod text;
 
 pub use log::census_of;

@@ -201,8 +201,8 @@ fn annotate(census: &Census, signals: &[Signal], need: &mut Need) {
         && !census.standard_ids.is_empty()
     {
         need.note = Some(format!(
-            "{} identifiers of 11 bits are on this bus; if one of them is a GNSS module's, its \
-             .dbc belongs into estimator-core/dbc",
+            "{} identifiers of 11 bits are on this bus; if one of them is a GNSS module's, \
+             `roadgrade inspect --dbc FILE.dbc LOG` with its .dbc proposes how to read it",
             census.standard_ids.len()
         ));
     }

@@ -1,6 +1,7 @@
 //! The tables that `roadgrade inspect` prints.
 
 use super::census::{Census, MessageCount, SignalCount};
+use super::dbc_census::DbcSignalCount;
 use super::needs::{Importance, Need, Presence};
 use super::pgn_names::{TRANSPORT_DATA, TRANSPORT_MANAGEMENT, name_of};
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
@@ -157,7 +158,11 @@ fn signals(out: &mut String, census: &Census) {
     for signal in &census.signals {
         table.add_row([
             signal.signal.to_owned(),
-            sender(signal),
+            if is_bus {
+                sender(signal)
+            } else {
+                String::new()
+            },
             grouped(signal.count),
             format!(
                 "{:.1} %",
@@ -216,6 +221,39 @@ fn missing(out: &mut String, needs: &[Need]) {
     }
 }
 
+/// Returns the table of the signals of a `.dbc` file that are in a log, below a headline.
+pub fn dbc_text(signals: &[DbcSignalCount]) -> String {
+    let mut out = String::new();
+    if signals.is_empty() {
+        line(&mut out, "\nNo message of the .dbc file is in this log.");
+        return out;
+    }
+    line(&mut out, "\nSignals of the .dbc file");
+    let mut table = table(&[
+        "message",
+        "identifier",
+        "signal",
+        "unit",
+        "count",
+        "min",
+        "max",
+    ]);
+    align_right(&mut table, &[4, 5, 6]);
+    for signal in signals {
+        table.add_row([
+            signal.message.clone(),
+            signal.identifier.clone(),
+            signal.signal.clone(),
+            signal.unit.clone(),
+            grouped(signal.count),
+            figure(&signal.signal, signal.min),
+            figure(&signal.signal, signal.max),
+        ]);
+    }
+    finish(&mut out, &table);
+    out
+}
+
 fn table(header: &[&str]) -> Table {
     let mut table = Table::new();
     table.load_style(presets::ASCII_MARKDOWN);
@@ -258,7 +296,7 @@ fn sender(signal: &SignalCount) -> String {
             let name = name_of(pgn).map_or_else(|| pgn.to_string(), str::to_owned);
             format!("{name} 0x{source:02X}")
         }
-        _ => String::new(),
+        _ => "own".to_owned(),
     }
 }
 

@@ -11,7 +11,8 @@ use crate::files::output::Staged;
 use crate::files::vehicle::VehicleFile;
 use crate::recorder::{LongRun, Recorder};
 use crate::source::log_time;
-use crate::source::socketcan::{BusEvent, FrameReceiver, Received, of_group, wanted};
+use crate::source::own_signals::OwnSignals;
+use crate::source::socketcan::{BusEvent, FrameReceiver, Received, of_frames, of_group, wanted};
 use estimator_core::Tuning;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -41,6 +42,8 @@ pub struct ListenRequest<'a> {
     pub log_time: bool,
     /// End the drive after this time without a frame.
     pub end_after_silence: Option<Duration>,
+    /// Signals of the user's own messages.
+    pub own: Option<Arc<OwnSignals>>,
     /// Print JSON instead of lines and panel.
     pub json: bool,
 }
@@ -83,8 +86,11 @@ impl<'a> Listening<'a> {
         };
         let recorder = Recorder::resume(&vehicle.model, &request.tuning, last.as_ref())
             .map_err(|e| Error::content(request.vehicle_file, e.to_string()))?;
-        let session = Session::begin(recorder, request.interfaces, request.log_time, request.log)?;
+        let session = Session::begin(recorder, request.interfaces, request.log_time, request.log)?
+            .with_own_signals(request.own.clone());
         let mut filters = wanted();
+        let own = request.own.iter().flat_map(|own| own.frames());
+        filters.extend(own.map(of_frames));
         if request.log_time {
             filters.push(of_group(log_time::PGN));
         }

@@ -7,10 +7,14 @@ use crate::files::output::{Staged, Writing};
 use crate::recorder::{LongRun, Recorder};
 use crate::source::can_frame::TimedFrame;
 use crate::source::candump_writer::write_frame;
+use crate::source::input::LogInput;
 use crate::source::log_time::LogTime;
+use crate::source::own_signals::OwnSignals;
+use crate::source::read_options::ReadOptions;
 use crate::source::socketcan::{BusEvent, Received, ReceivedItem};
 use estimator_core::{Cell, Instant};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::{Duration, Instant as Monotonic};
 
 /// Time without a frame after which the mode is `silent`.
@@ -42,6 +46,7 @@ pub enum Reaction {
 #[derive(Debug)]
 pub struct Session {
     recorder: Recorder<f32>,
+    own: Option<Arc<OwnSignals>>,
     /// Finished cells that are not yet fetched.
     cells: Vec<Cell>,
     newest_cell: Option<Cell>,
@@ -79,6 +84,7 @@ impl Session {
         };
         Ok(Self {
             recorder,
+            own: None,
             cells: Vec::new(),
             newest_cell: None,
             timing: if is_log_timed {
@@ -93,6 +99,17 @@ impl Session {
             last_frame: now,
             untimed: 0,
         })
+    }
+
+    /// Takes these signals of the user's own messages too, and from these alone.
+    #[must_use]
+    pub fn with_own_signals(mut self, own: Option<Arc<OwnSignals>>) -> Self {
+        self.recorder.read_as(&ReadOptions {
+            signals: own.clone(),
+            ..ReadOptions::default()
+        });
+        self.own = own;
+        self
     }
 
     /// Processes a received item.
@@ -152,11 +169,20 @@ impl Session {
             let name = &self.interfaces[interface].0.name;
             write_frame(log, frame, name).map_err(Error::io(path))?;
         }
-        self.recorder.on_frame(frame);
+        self.on_input(&LogInput::Frame(*frame));
+        if let Some(own) = self.own.clone() {
+            own.decode(&frame.frame, |reading| {
+                self.on_input(&LogInput::Reading(frame.time, reading));
+            });
+        }
+        Ok(())
+    }
+
+    fn on_input(&mut self, input: &LogInput) {
+        self.recorder.on_input(input);
         let cells = self.recorder.new_cells();
         self.newest_cell = cells.last().copied().or(self.newest_cell);
         self.cells.extend_from_slice(cells);
-        Ok(())
     }
 
     /// ReceivedItem there is to see.

@@ -9,6 +9,7 @@ use crate::files::spool::Spool;
 use crate::smooth::{Samples, SmoothedCell, smooth_segments};
 use crate::source::can_frame::TimedFrame;
 use crate::source::input::LogInput;
+use crate::source::read_options::ReadOptions;
 use estimator_core::sample::Sample;
 use estimator_core::{
     Cell, Estimator, Instant, Model, ParameterError, PersistentState, PersistentStateError,
@@ -77,6 +78,16 @@ impl<S: Scalar> Recorder<S> {
     /// frame on the bus, whether it is decoded or not.
     pub fn begin(&mut self, start: Instant) {
         self.start.get_or_insert(start);
+    }
+
+    /// Takes the inputs of a log that is read so: leaves out signals, and takes those of own messages
+    /// from these alone.
+    pub fn read_as(&mut self, options: &ReadOptions) {
+        self.ignore(&options.ignore);
+        if let Some(own) = &options.signals {
+            own.signals()
+                .for_each(|signal| self.estimator.reserve(signal));
+        }
     }
 
     /// Leaves out signals, as if the bus did not have them.

@@ -27,7 +27,7 @@ pub fn estimate_log<S: Scalar>(
 ) -> Result<LongRun> {
     let mut recorder = Recorder::<S>::resume(model, tuning, persistent_state)
         .map_err(|e| Error::content(log, e.to_string()))?;
-    recorder.ignore(&options.ignore);
+    recorder.read_as(options);
     for_each_input(log, options, progress, |input| recorder.on_input(&input))?;
     recorder.end()
 }
@@ -46,7 +46,7 @@ pub fn estimate_logs<S: Scalar>(
     let first = logs.first().map_or(Path::new(""), PathBuf::as_path);
     let mut recorder = Recorder::<S>::resume(model, tuning, None)
         .map_err(|e| Error::content(first, e.to_string()))?;
-    recorder.ignore(&options.ignore);
+    recorder.read_as(options);
     let mut end = Instant::default();
     for log in logs {
         let mut shift = None;

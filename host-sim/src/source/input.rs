@@ -17,7 +17,7 @@ const CVW: u32 = 65_136;
 pub enum LogInput {
     /// A frame of a bus.
     Frame(TimedFrame),
-    /// A reading of a signal table.
+    /// A reading of a signal table, or of the user's own messages.
     Reading(Instant, Reading),
 }
 
@@ -63,7 +63,8 @@ fn carries_mass(frame: &CanFrame) -> bool {
     matches!(frame.id(), Id::Extended(id) if Pgn::from_raw(id.as_raw()).number == CVW)
 }
 
-/// Passes every input of a log to `take`, and the bytes read so far to `progress`.
+/// Passes every input of a log to `take`, and the bytes read so far to `progress`. The readings of an
+/// own message come after its frame, which may be a built-in message too.
 ///
 /// # Errors
 /// Returns an error with file and line (or byte) if the log cannot be read to its end.
@@ -78,6 +79,11 @@ pub fn for_each_input(
             let mut frames = 0_u32;
             while let Some(frame) = reader.next_frame()? {
                 take(LogInput::Frame(frame));
+                if let Some(own) = &options.signals {
+                    own.decode(&frame.frame, |reading| {
+                        take(LogInput::Reading(frame.time, reading));
+                    });
+                }
                 frames = frames.wrapping_add(1);
                 if frames.is_multiple_of(8192) {
                     progress(reader.file().bytes_read());

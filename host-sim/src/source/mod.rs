@@ -11,7 +11,9 @@ pub mod log;
 pub mod log_file;
 pub mod log_kind;
 pub mod log_time;
+pub mod own_signals;
 pub mod read_options;
+pub mod signal_range;
 pub mod signal_table;
 #[cfg(target_os = "linux")]
 pub mod socketcan;

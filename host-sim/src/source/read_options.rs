@@ -1,9 +1,11 @@
 //! What a user asks of the reading of a log.
 
+use super::own_signals::OwnSignals;
 use estimator_core::Signal;
+use std::sync::Arc;
 
 /// How a log is read. The default reads all of it, and leaves out damage.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReadOptions {
     /// Refuse a log with any damage, instead of one with more than 1 %.
     pub strict: bool,
@@ -11,4 +13,6 @@ pub struct ReadOptions {
     pub interfaces: Vec<String>,
     /// Leave out these signals, as if the bus did not have them.
     pub ignore: Vec<Signal>,
+    /// Signals of the user's own messages. The built-in messages do not give these.
+    pub signals: Option<Arc<OwnSignals>>,
 }

@@ -4,5 +4,6 @@ mod can_frame;
 mod candump;
 mod frame_log;
 mod inspect;
+mod own_signals;
 mod read_options;
 mod signal_table;

@@ -1,9 +1,13 @@
 //! Kernel filters: the messages that the decoder reads, from any source address.
 
 use estimator_core::signal;
+use estimator_core::signal::own_message::FrameMatch;
 
 /// Bit of a 29-bit identifier in SocketCAN's identifier word (`CAN_EFF_FLAG`).
 const EXTENDED: u32 = 0x8000_0000;
+/// The bits of an 11-bit and of a 29-bit identifier.
+const STANDARD_BITS: u32 = 0x7ff;
+const EXTENDED_BITS: u32 = 0x1fff_ffff;
 /// The bits of a parameter group in an identifier: extended data page, data page, PDU format,
 /// PDU specific; without priority and source address (J1939-21).
 const GROUP: u32 = 0x03ff_ff00;
@@ -22,6 +26,16 @@ pub const fn of_group(pgn: u32) -> (u32, u32) {
         GROUP
     };
     (EXTENDED | (pgn << 8 & mask), EXTENDED | mask)
+}
+
+/// Returns the filter of the frames of an own message.
+#[must_use]
+pub const fn of_frames(frames: FrameMatch) -> (u32, u32) {
+    match frames {
+        FrameMatch::Standard(id) => (id as u32, EXTENDED | STANDARD_BITS),
+        FrameMatch::Extended(id) => (EXTENDED | id, EXTENDED | EXTENDED_BITS),
+        FrameMatch::Group(pgn) => of_group(pgn),
+    }
 }
 
 /// Returns the filters of all decoded messages, from the layouts in `estimator-core/dbc`.

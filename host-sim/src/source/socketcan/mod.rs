@@ -14,7 +14,7 @@ mod sender;
 mod steady_clock;
 
 pub use bus_event::{BusEvent, of_error_frame};
-pub use filter::{accepts, of_group, wanted};
+pub use filter::{accepts, of_frames, of_group, wanted};
 pub use interface::open_error;
 pub use receiver::{FrameReceiver, Received, ReceivedItem};
 pub use sender::FrameSender;

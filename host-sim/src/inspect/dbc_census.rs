@@ -1,0 +1,129 @@
+//! The signals of a `.dbc` file that are in a log, with the range of each.
+
+use crate::numeric::rounding::round;
+use crate::source::can_frame::CanFrame;
+use crate::source::own_signals::dbc::Dbc;
+use crate::source::own_signals::dbc_message::{DbcMessage, DbcSignal};
+use embedded_can::{Frame, Id};
+use estimator_core::signal::Pgn;
+use estimator_core::signal::own_message::FrameMatch;
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// Statistics of one signal of a `.dbc` file.
+#[derive(Clone, Debug, Serialize)]
+pub struct DbcSignalCount {
+    /// Name of the message.
+    pub message: String,
+    /// Identifier, hexadecimal; or the parameter group, decimal.
+    pub identifier: String,
+    /// Name of the signal.
+    pub signal: String,
+    /// Unit, as the file writes it.
+    pub unit: String,
+    /// Number of frames that have it.
+    pub count: u64,
+    /// Smallest number, in `unit`; `None` if none is finite.
+    pub min: Option<f64>,
+    /// Largest number.
+    pub max: Option<f64>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Seen {
+    count: u64,
+    min: f64,
+    max: f64,
+}
+
+/// Counter of the signals of a `.dbc` file.
+pub struct DbcCounter<'d> {
+    messages: BTreeMap<FrameMatch, (&'d DbcMessage, Vec<Seen>)>,
+}
+
+impl<'d> DbcCounter<'d> {
+    /// Creates a counter that has seen nothing.
+    #[must_use]
+    pub fn new(dbc: &'d Dbc) -> Self {
+        let none = Seen {
+            count: 0,
+            min: f64::INFINITY,
+            max: f64::NEG_INFINITY,
+        };
+        let messages = dbc.messages().iter();
+        Self {
+            messages: messages
+                .map(|message| (message.frames, (message, vec![none; message.signals.len()])))
+                .collect(),
+        }
+    }
+
+    /// Counts one frame.
+    pub fn add(&mut self, frame: &CanFrame) {
+        let matches = match frame.id() {
+            Id::Standard(id) => [Some(FrameMatch::Standard(id.as_raw())), None],
+            Id::Extended(id) => {
+                let id = id.as_raw();
+                let group = FrameMatch::Group(Pgn::from_raw(id).number);
+                [Some(FrameMatch::Extended(id)), Some(group)]
+            }
+        };
+        for key in matches.into_iter().flatten() {
+            if let Some((message, seen)) = self.messages.get_mut(&key) {
+                for (signal, seen) in message.signals.iter().zip(seen) {
+                    seen.add(signal, frame.data());
+                }
+            }
+        }
+    }
+
+    /// Returns the signals that were seen, in the order of the file's identifiers.
+    #[must_use]
+    pub fn finish(self) -> Vec<DbcSignalCount> {
+        let mut counts = Vec::new();
+        for (frames, (message, seen)) in self.messages {
+            let signals = message.signals.iter().zip(seen);
+            counts.extend(
+                signals
+                    .filter(|(_, seen)| seen.count > 0)
+                    .map(|(signal, seen)| seen.finish(frames, message, signal)),
+            );
+        }
+        counts
+    }
+}
+
+impl Seen {
+    fn add(&mut self, signal: &DbcSignal, payload: &[u8]) {
+        let Some(number) = signal.read(payload) else {
+            return;
+        };
+        self.count += 1;
+        if number.is_finite() {
+            self.min = self.min.min(number);
+            self.max = self.max.max(number);
+        }
+    }
+
+    fn finish(
+        self,
+        frames: FrameMatch,
+        message: &DbcMessage,
+        signal: &DbcSignal,
+    ) -> DbcSignalCount {
+        let figure = |number: f64| number.is_finite().then(|| round(number, 7));
+        DbcSignalCount {
+            message: message.name.clone(),
+            identifier: match frames {
+                FrameMatch::Standard(id) => format!("{id:03X}"),
+                FrameMatch::Extended(id) => format!("{id:08X}"),
+                FrameMatch::Group(pgn) => format!("PGN {pgn}"),
+            },
+            signal: signal.name.clone(),
+            unit: signal.unit.clone(),
+            count: self.count,
+            min: figure(self.min),
+            max: figure(self.max),
+        }
+    }
+}

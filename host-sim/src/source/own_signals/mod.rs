@@ -1,0 +1,12 @@
+//! Signals of a user's own bus: any `.dbc` file, mapped to our signals by a `SIGNALS.toml`.
+
+pub mod dbc;
+pub mod dbc_message;
+mod dbc_text;
+mod lines;
+mod mapping;
+mod mapping_file;
+mod message_reference;
+pub mod units;
+
+pub use mapping::OwnSignals;
