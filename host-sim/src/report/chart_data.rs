@@ -6,7 +6,9 @@ use super::thin::{Points, thinned};
 use serde_json::{Value, json};
 
 /// Significant digits of drawn numbers. A pixel needs four; hover shows more.
-const DIGITS: i32 = 7;
+const DIGITS: i32 = 6;
+/// Decimals of x, from the first digit of the axis's length on: a cell of 2.5 m in 1,000 km.
+const AXIS_DIGITS: i32 = 6;
 
 /// A figure as a page embeds it.
 #[derive(Clone, Debug)]
@@ -99,8 +101,12 @@ fn series_json(series: &Series, kept: &Points, axes: &mut Vec<Vec<f64>>) -> Valu
 /// Rounds x; points at the same x follow each other at a distance that no screen shows, because the
 /// library holds one point at each x.
 fn strictly_ascending(values: impl Iterator<Item = f64>) -> Vec<f64> {
-    let mut all: Vec<f64> = values.map(rounded).collect();
+    let mut all: Vec<f64> = values.collect();
     let span = all.last().unwrap_or(&0.0) - all.first().unwrap_or(&0.0);
+    let span = if span > 0.0 { span } else { 1.0 };
+    for x in &mut all {
+        *x = to_place(*x, place_of(span) - AXIS_DIGITS);
+    }
     let step = (1e-9 * span).max(f64::MIN_POSITIVE);
     for i in 1..all.len() {
         if all[i] <= all[i - 1] {
@@ -119,9 +125,18 @@ fn rounded(value: f64) -> f64 {
     if value == 0.0 || !value.is_finite() {
         return value;
     }
-    let places = DIGITS - 1 - value.abs().log10().floor() as i32;
-    let power = 10_f64.powi(places.abs());
-    if places >= 0 {
+    to_place(value, place_of(value) - DIGITS + 1)
+}
+
+/// Returns the power of ten of the first digit.
+fn place_of(value: f64) -> i32 {
+    value.abs().log10().floor() as i32
+}
+
+/// Rounds to a power of ten.
+fn to_place(value: f64, place: i32) -> f64 {
+    let power = 10_f64.powi(place.abs());
+    if place < 0 {
         (value * power).round() / power
     } else {
         (value / power).round() * power
@@ -144,10 +159,7 @@ mod tests {
         assert!(!drawn.json.contains('<') && drawn.words.is_empty());
         let value: Value = serde_json::from_str(&drawn.json).unwrap();
         assert_eq!(value["axes"].as_array().unwrap().len(), 1);
-        assert_eq!(
-            value["series"][1]["y"],
-            json!([0.333_333_3, null, 0.333_333_3])
-        );
+        assert_eq!(value["series"][1]["y"], json!([0.333_333, null, 0.333_333]));
         assert_eq!(value["y"], "</script>");
     }
 

@@ -64,15 +64,13 @@ fn with_gaps(points: Vec<ProfilePoint>) -> Vec<ProfilePoint> {
     let longest = GAP_STEPS * steps.get(steps.len() / 2).copied().unwrap_or(f64::INFINITY);
     let mut all: Vec<ProfilePoint> = Vec::with_capacity(points.len());
     for point in points {
-        if let Some(before) = all.last() {
-            if point.distance_m - before.distance_m > longest {
-                let distance_m = 0.5 * (before.distance_m + point.distance_m);
-                all.push(ProfilePoint {
-                    distance_m,
-                    value: f64::NAN,
-                    sigma: None,
-                });
-            }
+        let before = all.last().map(|before| before.distance_m);
+        if let Some(before_m) = before.filter(|before_m| point.distance_m - before_m > longest) {
+            all.push(ProfilePoint {
+                distance_m: 0.5 * (before_m + point.distance_m),
+                value: f64::NAN,
+                sigma: None,
+            });
         }
         all.push(point);
     }

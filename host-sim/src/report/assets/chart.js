@@ -48,17 +48,10 @@ const drawChart = (() => {
       case "bars":
         return { ...common, stroke: colour, fill: faint(colour), width: 1, paths: uPlot.paths.bars({ size: [1, Infinity] }) };
       case "band":
-        return { ...common, stroke: "transparent", fill: faint(colour), paths: bandEdge, isBand: true };
+        return { ...common, stroke: "transparent", fill: faint(colour), isBand: true };
       default:
         return { ...common, stroke: colour };
     }
-  }
-
-  // The edge of a band: the line without a fill to the axis. The band between edges is filled.
-  const linear = uPlot.paths.linear();
-  function bandEdge(u, series, from, to) {
-    const paths = linear(u, series, from, to);
-    return paths && { ...paths, fill: null };
   }
 
   // All series of uPlot, where they are in its data, and its bands.
@@ -66,9 +59,9 @@ const drawChart = (() => {
     const options = [{ label: spec.x, value: (u, value) => short(value) }];
     const bands = [];
     spec.series.forEach((series, i) => {
-      options[at[i]] = seriesOptions(spec, i);
+      options[at[i]] = { ...seriesOptions(spec, i), class: `is-${series.mark}` };
       if (series.mark !== "band") return;
-      const edge = { label: "", class: "hidden", stroke: "transparent", paths: bandEdge, points: { show: false } };
+      const edge = { label: "", class: "hidden", stroke: "transparent", points: { show: false } };
       options[at[i] + 1] = edge;
       options[at[i]].value = (u, upper, si, index) =>
         upper === null || upper === undefined || index === null
@@ -77,6 +70,22 @@ const drawChart = (() => {
       bands.push({ series: [at[i], at[i] + 1], fill: faint(ofPair(series.colour)) });
     });
     return { options, bands };
+  }
+
+  // Keys of the legend look as what they name: a line, a dashed line, an area.
+  function markers(spec, at) {
+    const of = (i) => spec.series[at.indexOf(i)];
+    const colour = (i) => (of(i) ? ofPair(of(i).colour) : "transparent");
+    const isArea = (i) => of(i) && (of(i).mark === "band" || of(i).mark === "bars");
+    return {
+      width: 0,
+      stroke: () => "transparent",
+      fill: (u, i) =>
+        isArea(i) ? faint(colour(i))
+        : of(i) && of(i).mark === "dashed"
+          ? `repeating-linear-gradient(to right, ${colour(i)} 0 .45em, transparent .45em .7em)`
+          : colour(i),
+    };
   }
 
   // Grey where the data say so; drawn below the curves.
@@ -142,10 +151,36 @@ const drawChart = (() => {
     };
   }
 
+  // A finger that moves sideways over a zoomed chart moves it; else it shows values.
+  function panByTouch(u, range, set, isFull) {
+    let held = null;
+    u.over.addEventListener("pointerdown", (event) => {
+      held = event.pointerType === "mouse" || isFull(range()) ? null : { x: event.clientX, range: range() };
+    });
+    u.over.addEventListener("pointermove", (event) => {
+      if (event.pointerType === "mouse") return;
+      if (held) {
+        const [low, high] = held.range;
+        const by = ((held.x - event.clientX) / u.over.clientWidth) * (high - low);
+        set([low + by, high + by]);
+      } else {
+        const box = u.over.getBoundingClientRect();
+        u.setCursor({ left: event.clientX - box.left, top: event.clientY - box.top });
+      }
+    });
+    u.over.addEventListener("pointerup", () => (held = null));
+    u.over.addEventListener("pointercancel", () => (held = null));
+  }
+
   return (box, spec) => {
     const tools = element("div", box, { className: "tools" });
-    element("span", tools, { textContent: "drag to zoom" });
-    const reset = element("button", tools, { type: "button", textContent: "show all", hidden: true });
+    const button = (textContent, title, onclick) =>
+      element("button", tools, { type: "button", textContent, title, ariaLabel: title, onclick });
+    element("span", tools, { textContent: "drag to zoom", className: "for-mouse" });
+    button("+", "zoom in", () => zoom(1 / 2));
+    button("−", "zoom out", () => zoom(2));
+    const reset = button("show all", "show all", () => told !== full && set(full));
+    reset.disabled = true;
     const { data, at } = columns(spec);
     const { options: series, bands } = allSeries(spec, at);
     const xs = data[0];
@@ -165,9 +200,23 @@ const drawChart = (() => {
       },
       range(limits) {
         const [min, max] = (told = limits || full);
-        reset.hidden = isFull(told);
+        reset.disabled = isFull(told);
         u.setScale("x", { min, max });
       },
+    };
+    // Shows a range of x, here and in all that is linked. It stays within the data.
+    const set = ([low, high]) => {
+      const wide = Math.min(high - low, full[1] - full[0]);
+      const from = Math.min(Math.max(low, full[0]), full[1] - wide);
+      const limits = wide < full[1] - full[0] ? [from, from + wide] : null;
+      member.range(limits);
+      links.tell(spec.link, member, "range", limits);
+    };
+    // Zooms about the pointer, else about the middle.
+    const zoom = (by) => {
+      const { left } = u.cursor;
+      const middle = left >= 0 ? u.posToVal(left, "x") : (told[0] + told[1]) / 2;
+      set([middle - ((told[1] - told[0]) / 2) * by, middle + ((told[1] - told[0]) / 2) * by]);
     };
     const hooks = {
       drawClear: [(of) => drawShaded(of, spec)],
@@ -183,7 +232,7 @@ const drawChart = (() => {
           const { min, max } = of.scales[key];
           if (key !== "x" || min === null || (min === told[0] && max === told[1])) return;
           told = [min, max];
-          reset.hidden = isFull(told);
+          reset.disabled = isFull(told);
           links.tell(spec.link, member, "range", isFull(told) ? null : told);
         },
       ],
@@ -204,15 +253,12 @@ const drawChart = (() => {
         },
         axes: [axis(spec.x, isNarrow ? 40 : 48, isNarrow), axis(spec.y, isNarrow ? 56 : 66, isNarrow)],
         cursor: { y: false, drag: { x: true, y: false, setScale: true }, dataIdx: nearest, points: { size: 7 } },
-        legend: { live: true },
+        legend: { live: true, markers: markers(spec, at) },
       },
       data,
       box,
     );
-    reset.onclick = () => {
-      member.range(null);
-      links.tell(spec.link, member, "range", null);
-    };
+    panByTouch(u, () => told, set, isFull);
     links.join(spec.link, member);
     const sized = new ResizeObserver(() => {
       if (box.clientWidth && box.clientWidth !== u.width) u.setSize({ width: box.clientWidth, height });
