@@ -2,7 +2,7 @@
 
 use super::log_options::LogOptions;
 use super::tuning_option::TuningOption;
-use super::{estimate, identify, outputs};
+use super::{conclusion, estimate, identify, outputs};
 use crate::error::{Error, Result, on_one_line};
 use crate::files::data_set;
 use crate::files::output::{Staged, stage_text};
@@ -92,11 +92,12 @@ pub fn run(args: &Args) -> Result<()> {
         return Err(Error::content(&args.logs[0], problem));
     }
     let map = LogsMap {
+        network: &road,
         ways: &fused,
         runs: &runs,
         vehicle: &vehicle.name,
         identified: identified.as_ref(),
-        problems: &left_out,
+        left_out: &left_out,
     };
     let page = logs_page(&map);
     let mut staged: Vec<Staged> = Vec::new();
@@ -217,10 +218,12 @@ fn estimate_one(
     let mut run = recorder::estimate_logs::<f32>(&vehicle.model, tuning, &drive.logs, options)?;
     estimate::check(&drive.logs[0], vehicle, &run)?;
     let summary = RunSummary::new(&mut run)?;
+    let run = run.in_memory()?;
     Ok(LogRun {
         name: drive.name.clone(),
-        rows: run.in_memory()?.rows,
+        rows: run.rows,
         summary,
+        warnings: run.warnings,
     })
 }
 
@@ -248,6 +251,9 @@ fn conclude(args: &Args, runs: &[LogRun]) -> Result<()> {
     } else {
         let rows: Vec<Vec<String>> = runs.iter().map(LogRun::line).collect();
         print(&format!("{}\n", text_table(&LogRun::HEADER, &rows, 1)))?;
+    }
+    for of in runs {
+        conclusion::warn(&of.warnings);
     }
     let file = |name: &str| on_one_line(&args.out.join(name)).to_string();
     note(format_args!("map: {}", file("map.csv")));

@@ -89,7 +89,10 @@ const HOST: [(&str, &[&str]); 18] = [
         &["files", "map", "numeric", "recorder", "report", "source"],
     ),
     ("identify", &["diagnose", "files", "numeric", "source"]),
-    ("report", &["files", "map", "numeric", "score"]),
+    (
+        "report",
+        &["files", "identify", "map", "numeric", "recorder", "score"],
+    ),
     ("live", &["files", "recorder", "source", "terminal"]),
     // Not the simulator: measured data have a truth, too.
     (
