@@ -59,7 +59,8 @@ const drawChart = (() => {
     const options = [{ label: spec.x, value: (u, value) => short(value) }];
     const bands = [];
     spec.series.forEach((series, i) => {
-      options[at[i]] = { ...seriesOptions(spec, i), class: `is-${series.mark}` };
+      const isNamed = series.name || spec.series.length === 1;
+      options[at[i]] = { ...seriesOptions(spec, i), class: isNamed ? `is-${series.mark}` : "hidden" };
       if (series.mark !== "band") return;
       const edge = { label: "", class: "hidden", stroke: "transparent", points: { show: false } };
       options[at[i] + 1] = edge;
