@@ -294,7 +294,7 @@ fn the_page_draws_plan_profiles_and_uncertainty() {
     assert_eq!(page.matches("class=\"drawing\"").count(), 1 + 3 * 4);
     let links = |link: &str| page.matches(&format!("\"link\":\"{link}\"")).count();
     assert_eq!(links("way way/7 backward"), 1 + 3);
-    assert_eq!(links("way a"), 2 + 3);
+    assert_eq!(links("way a forward"), 2 + 3);
 
     // A map of one cell is drawn, too.
     write_map(&folder.path().join("one.csv"), &[at(0.0, 8.0)]).expect("written");

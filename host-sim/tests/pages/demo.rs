@@ -82,7 +82,7 @@ fn the_error_drawn_is_the_error_printed() {
     assert!((drawn - printed).abs() < 1e-4, "{drawn} and {printed}");
     let scored = page.texts("#s2 tbody tr:last-child td").join(" ");
     assert!(
-        scored.contains(&format!("{printed:.3}")),
+        scored.contains(&format!("{printed:.4}")),
         "{printed}: {scored}"
     );
 }

@@ -59,7 +59,8 @@ const drawChart = (() => {
     const options = [{ label: spec.x, value: (u, value) => short(value) }];
     const bands = [];
     spec.series.forEach((series, i) => {
-      options[at[i]] = { ...seriesOptions(spec, i), class: `is-${series.mark}` };
+      const isNamed = series.name || spec.series.length === 1;
+      options[at[i]] = { ...seriesOptions(spec, i), class: isNamed ? `is-${series.mark}` : "hidden" };
       if (series.mark !== "band") return;
       const edge = { label: "", class: "hidden", stroke: "transparent", points: { show: false } };
       options[at[i] + 1] = edge;
@@ -141,12 +142,13 @@ const drawChart = (() => {
     u.ctx.fill();
   }
 
-  function axis(label, size, isNarrow) {
+  function axis(label, size, isNarrow, isWhole) {
     const font = `${isNarrow ? 11 : 12}px system-ui, sans-serif`;
     const grid = { stroke: themed("--grid"), width: 1 };
     return {
       label, size, font, grid, ticks: { ...grid, size: 5 }, stroke: themed("--ink"),
-      labelFont: font, labelSize: isNarrow ? 18 : 22, labelGap: 0,
+      labelFont: font, labelSize: isNarrow ? 16 : 20, labelGap: 0,
+      ...(isWhole ? { incrs: [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000] } : {}),
       values: (u, splits) => splits.map((value) => (value === null ? "" : short(value))),
     };
   }
@@ -187,7 +189,8 @@ const drawChart = (() => {
     const isBars = spec.series.some((of) => of.mark === "bars");
     const pad = isBars && xs.length > 1 ? (xs[1] - xs[0]) / 2 : 0;
     const full = xs.length > 1 ? [xs[0] - pad, xs[xs.length - 1] + pad] : [(xs[0] || 0) - 0.5, (xs[0] || 0) + 0.5];
-    const isFull = ([low, high]) => low <= full[0] && high >= full[1];
+    const isFull = ([low, high]) => low <= full[0] + pad && high >= full[1] - pad;
+    const isWhole = xs.every(Number.isInteger) && full[1] - full[0] < 5000;
     const isNarrow = box.clientWidth < 560;
     const height = Math.round(Math.max(spec.height, 160) * (isNarrow ? 0.85 : 1));
     let [told, isLed] = [full, false];
@@ -251,7 +254,7 @@ const drawChart = (() => {
           x: { time: false, range: (of, min, max) => (min === null || isFull([min, max]) ? full : [min, max]) },
           y: spec.range ? { range: () => spec.range } : {},
         },
-        axes: [axis(spec.x, isNarrow ? 40 : 48, isNarrow), axis(spec.y, isNarrow ? 56 : 66, isNarrow)],
+        axes: [axis(spec.x, 32, isNarrow, isWhole), axis(spec.y, isNarrow ? 46 : 56, isNarrow)],
         cursor: { y: false, drag: { x: true, y: false, setScale: true }, dataIdx: nearest, points: { size: 7 } },
         legend: { live: true, markers: markers(spec, at) },
       },

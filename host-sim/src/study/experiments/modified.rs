@@ -183,7 +183,12 @@ fn error_figure(name: &str, caption: &str, runs: &[(&Replica, &Estimated)]) -> O
     plot.y_range = Some(SHOWN_PERCENT);
     plot.height = 240;
     let error = rmse(&first.truth, &grade);
-    let caption =
-        format!("{caption} RMSE {error:.3} %. Grey: braking; marks on the axis: gear shifts.");
+    let mut caption = format!("{caption} RMSE {error:.3} %.");
+    if !plot.shaded.is_empty() {
+        caption += " Grey: braking.";
+    }
+    if !plot.ticks.is_empty() {
+        caption += " Marks on the axis: gear shifts.";
+    }
     Some(Figure::new(name, &plot, caption))
 }
