@@ -3,9 +3,17 @@
 use crate::error::{Result, on_one_line};
 use crate::files::kept;
 use crate::files::run::{self, Origin};
-use crate::recorder::LongRun;
+use crate::recorder::{LongRun, replaced};
 use crate::terminal::print::note;
+use estimator_core::Model;
 use std::path::Path;
+
+/// Says which parameters of the given model the bus contradicted.
+pub(super) fn note_replaced(given: &Model, drive: &LongRun) {
+    for parameter in replaced(given, &drive.model) {
+        note(format_args!("{parameter}"));
+    }
+}
 
 /// Writes the run, and the persistent state if there is a file for it. The state is staged before
 /// the run is written, so that neither file appears if one cannot be written.

@@ -9,6 +9,7 @@ mod latencies;
 mod long_run;
 mod missing;
 mod placed_samples;
+mod replaced;
 mod summary;
 pub mod verdict;
 
@@ -16,4 +17,5 @@ pub use drive_recorder::Recorder;
 pub use estimate_log::estimate_log;
 pub use long_run::{LongRun, Rows, SmoothedRun};
 pub use missing::missing;
+pub use replaced::{ReplacedParameter, replaced};
 pub use summary::RunSummary;
