@@ -52,7 +52,7 @@ impl CanFrame {
         let packets = payload.len().div_ceil(7) as u8;
         let announcement = [32, low, high, packets, 0xff, pgn0, pgn1, pgn2];
         let id = move |group: u32| 7 << 26 | group << 8 | u32::from(source);
-        let parts = (1..).zip(payload.chunks(7)).map(|(number, part)| {
+        let parts = (1_u8..=255).zip(payload.chunks(7)).map(|(number, part)| {
             let mut data = [0xff; 8];
             data[0] = number;
             data[1..=part.len()].copy_from_slice(part);
