@@ -3,8 +3,9 @@
 use crate::error::{Result, on_one_line};
 use crate::files::kept;
 use crate::files::run::{self, Origin};
-use crate::recorder::{LongRun, Warning};
+use crate::recorder::{LongRun, Warning, replaced};
 use crate::terminal::print::note;
+use estimator_core::Model;
 use std::path::Path;
 
 /// Prints warnings, each with what to do.
@@ -14,6 +15,13 @@ pub(super) fn warn(warnings: &[Warning]) {
     } in warnings
     {
         note(format_args!("warning: {message}; {advice}"));
+    }
+}
+
+/// Says which parameters of the given model the bus contradicted.
+pub(super) fn note_replaced(given: &Model, drive: &LongRun) {
+    for parameter in replaced(given, &drive.model) {
+        note(format_args!("{parameter}"));
     }
 }
 

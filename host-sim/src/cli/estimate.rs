@@ -114,6 +114,7 @@ pub fn run(args: &Args) -> Result<()> {
     let seconds = started.elapsed().as_secs_f64();
     conclusion::warn(&run.warnings);
     check(&args.log, &vehicle, &run)?;
+    conclusion::note_replaced(&vehicle.model, &run);
     let origin = Origin {
         vehicle: Some(vehicle.name),
         day: args.day.clone(),

@@ -171,6 +171,7 @@ fn conclude(args: &Args, vehicle: &VehicleFile, run: &mut LongRun) -> Result<()>
         }
         note(format_args!("roadgrade: {bus}: {problem}"));
     }
+    conclusion::note_replaced(&vehicle.model, run);
     let origin = Origin {
         vehicle: Some(vehicle.name.clone()),
         day: None,

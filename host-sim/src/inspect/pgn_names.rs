@@ -1,9 +1,6 @@
 //! Acronyms of the usual parameter groups of a truck's bus, decoded or not.
 
-/// ISO 11783-3 / SAE J1939-21: connection management of multi-packet messages.
-pub const TRANSPORT_MANAGEMENT: u32 = 60_416;
-/// ISO 11783-3 / SAE J1939-21: data of multi-packet messages.
-pub const TRANSPORT_DATA: u32 = 60_160;
+pub use crate::source::can_frame::{TRANSPORT_DATA, TRANSPORT_MANAGEMENT};
 
 /// Groups beyond those that the core decodes, by ascending PGN (SAE J1939-21, -71, -73, -81;
 /// NMEA 2000).

@@ -237,6 +237,7 @@ impl<S: Scalar> Recorder<S> {
         )?;
         Ok(LongRun {
             rows,
+            model: self.estimator.model().clone(),
             counters: *self.estimator.counters(),
             persistent_state: self.estimator.persistent_state(),
             disagreements,

@@ -5,7 +5,7 @@ use crate::error::{Error, Result};
 use crate::files::run::{RunRow, RunRows};
 use crate::files::spool::{Spool, blocks};
 use crate::smooth::Disagreements;
-use estimator_core::{Counters, PersistentState};
+use estimator_core::{Counters, Model, PersistentState};
 use std::io;
 
 /// A smoothed drive, in memory.
@@ -28,6 +28,8 @@ pub struct SmoothedRun {
 pub struct LongRun {
     /// Its cells.
     pub rows: Rows,
+    /// The model at the end: what the bus contradicted is as the bus says.
+    pub model: Model,
     /// Counters of the core.
     pub counters: Counters,
     /// State for the next drive; `None` if this one was too short.

@@ -10,6 +10,7 @@ mod long_run;
 mod missing;
 mod placed_samples;
 mod plausibility;
+mod replaced;
 mod summary;
 pub mod verdict;
 
@@ -18,4 +19,5 @@ pub use estimate_log::{estimate_log, estimate_logs};
 pub use long_run::{LongRun, Rows, SmoothedRun};
 pub use missing::missing;
 pub use plausibility::Warning;
+pub use replaced::{ReplacedParameter, replaced};
 pub use summary::RunSummary;

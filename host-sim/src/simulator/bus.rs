@@ -1,5 +1,6 @@
 //! The bus: each message at its own rate from its own controller, one frame at a time.
 
+use super::broadcasts::Broadcasts;
 use super::gnss::GnssReceiver;
 use super::random::{Purpose, stream};
 use super::scenario::Scenario;
@@ -54,6 +55,7 @@ pub struct BusTraffic<'a> {
     gnss: GnssReceiver<'a>,
     gnss_latency_s: f64,
     senders: Vec<MessageSchedule>,
+    broadcasts: Broadcasts,
     log_start_s: f64,
     end_s: f64,
     /// Time at which the bus is free again, s.
@@ -96,6 +98,7 @@ impl<'a> BusTraffic<'a> {
             gnss,
             gnss_latency_s: 1e-3 * scenario.latency_ms.gnss,
             senders,
+            broadcasts: Broadcasts::new(scenario, index, ENGINE, RETARDER),
             log_start_s: scenario.runs[index].start_time_s,
             end_s,
             free_s: 0.0,
@@ -123,6 +126,11 @@ impl<'a> BusTraffic<'a> {
         } = *sender;
         if due_s > self.end_s {
             return false;
+        }
+        let duration_s = (FRAME_BITS.0 + 8.0 * FRAME_BITS.1) * BIT_S;
+        if let Some((start_s, frame)) = self.broadcasts.next(self.free_s, duration_s, due_s) {
+            self.transmit(start_s, frame);
+            return true;
         }
         let jitter_s = (JITTER.0 * sender.period_s).min(JITTER.1);
         sender.next_s += sender.period_s;

@@ -8,6 +8,7 @@
 //! The scenario and its seed determine everything: the same scenario gives the same frames, byte
 //! for byte. [`simulate`] returns a run in memory; [`Recording`] returns its frames one by one.
 
+mod broadcasts;
 pub mod bus;
 pub mod drive;
 pub mod driver;

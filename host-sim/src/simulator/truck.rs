@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 /// Standard gravity, m/s².
 pub const GRAVITY: f64 = 9.806_65;
 /// Largest torque of the retarder, at the output shaft, Nm.
-const RETARDER_NM: f64 = 3_500.0;
+pub(super) const RETARDER_NM: f64 = 3_500.0;
 /// Idle speed of the engine, rpm.
 pub const IDLE_RPM: f64 = 600.0;
 

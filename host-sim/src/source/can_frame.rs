@@ -3,6 +3,13 @@
 use embedded_can::{ExtendedId, Frame, Id, StandardId};
 use estimator_core::Instant;
 
+/// ISO 11783-3 / SAE J1939-21: connection management of multi-packet messages.
+pub const TRANSPORT_MANAGEMENT: u32 = 60_416;
+/// ISO 11783-3 / SAE J1939-21: data of multi-packet messages.
+pub const TRANSPORT_DATA: u32 = 60_160;
+/// The destination of a broadcast.
+const TO_ALL: u32 = 255;
+
 /// A classic CAN frame: 11- or 29-bit identifier, up to 8 bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CanFrame {
@@ -33,6 +40,28 @@ impl CanFrame {
     #[must_use]
     pub fn standard(id: u16, data: &[u8]) -> Option<Self> {
         Self::new(StandardId::new(id)?, data)
+    }
+
+    /// Returns the frames of a payload that a source sends to all by transport protocol (BAM, SAE
+    /// J1939-21): the announcement, and seven bytes in each of the others, the last one padded with
+    /// ones. Bytes beyond 1785 are cut off.
+    pub fn broadcast(pgn: u32, source: u8, payload: &[u8]) -> impl Iterator<Item = Self> {
+        let payload = &payload[..payload.len().min(255 * 7)];
+        let [low, high] = (payload.len() as u16).to_le_bytes();
+        let [pgn0, pgn1, pgn2, _] = pgn.to_le_bytes();
+        let packets = payload.len().div_ceil(7) as u8;
+        let announcement = [32, low, high, packets, 0xff, pgn0, pgn1, pgn2];
+        let id = move |group: u32| 7 << 26 | group << 8 | u32::from(source);
+        let parts = (1_u8..=255).zip(payload.chunks(7)).map(|(number, part)| {
+            let mut data = [0xff; 8];
+            data[0] = number;
+            data[1..=part.len()].copy_from_slice(part);
+            data
+        });
+        let announcement = Self::extended(id(TRANSPORT_MANAGEMENT | TO_ALL), &announcement);
+        let parts =
+            parts.filter_map(move |data| Self::extended(id(TRANSPORT_DATA | TO_ALL), &data));
+        announcement.into_iter().chain(parts)
     }
 
     /// Returns the frames that carry a payload with a raw 29-bit identifier: one frame, or for nine

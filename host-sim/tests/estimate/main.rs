@@ -3,6 +3,7 @@
 mod changed_resistance;
 mod consistency;
 mod end_to_end;
+mod engine_configuration;
 mod faulty_drive;
 mod gnss_faults;
 mod late_receiver;

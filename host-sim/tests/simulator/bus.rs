@@ -1,9 +1,11 @@
 //! The simulated bus reports what the simulated truck did.
 
+use embedded_can::{Frame, Id};
 use estimator_core::{Driveline, Estimator, Signal, Traction, Tuning, Value, VehicleParameters};
 use host_sim::simulator::{Recording, SimulatedRun, simulate};
+use host_sim::source::can_frame::TimedFrame;
 use std::collections::BTreeMap;
-use test_kit::simulated::{A, B, MILD, QUIET, readings, run, scenario, series};
+use test_kit::simulated::{A, B, MILD, QUIET, readings, run, scenario, series, without_sessions};
 
 /// Returns (time, altitude) as the vehicle model integrates it from the bus alone.
 fn altitude_of_the_bus(run: &SimulatedRun, vehicle: &VehicleParameters) -> Vec<(f64, f64)> {
@@ -151,8 +153,8 @@ fn messages_come_at_their_rates() {
             .micros() as f64;
     let mut counts: BTreeMap<u32, f64> = BTreeMap::new();
     let mut senders: BTreeMap<u32, u8> = BTreeMap::new();
-    for timed in &run.frames {
-        let embedded_can::Id::Extended(id) = embedded_can::Frame::id(&timed.frame) else {
+    for timed in without_sessions(run.frames.clone()) {
+        let Id::Extended(id) = timed.frame.id() else {
             panic!("all identifiers here have 29 bits");
         };
         let pgn = (id.as_raw() >> 8) & 0x3_ffff;
@@ -233,6 +235,58 @@ fn the_receiver_reports_the_true_position() {
         }
     }
     assert!(compared.iter().all(|&n| n > 100), "{compared:?}");
+}
+
+#[test]
+fn engine_and_retarder_say_every_5_s_what_they_are() {
+    let run = run(&["[road]\nlength_m = 3000.0\n", A]);
+    let torques = series(&run, Signal::EngineReferenceTorque);
+    assert!(torques.len() > 20, "{}", torques.len());
+    assert!(torques.iter().all(|(_, torque_nm)| *torque_nm == 1_750.0));
+    let period_s = (torques[20].0 - torques[0].0) / 20.0;
+    assert!((period_s - 5.0).abs() < 0.01, "{period_s}");
+    assert_eq!(series(&run, Signal::EngineInertia).len(), torques.len());
+    let retarders = series(&run, Signal::RetarderReferenceTorque);
+    assert!(retarders.iter().all(|(_, torque_nm)| *torque_nm == 3_500.0));
+    // Their frames are among each other.
+    let sources: Vec<u32> = run
+        .frames
+        .iter()
+        .filter_map(|timed| match timed.frame.id() {
+            Id::Extended(id) if id.as_raw() >> 8 == 0x1c_ebff => Some(id.as_raw() & 0xff),
+            _ => None,
+        })
+        .take(6)
+        .collect();
+    assert_eq!(sources, [0x00, 0x10, 0x00, 0x10, 0x00, 0x10]);
+}
+
+#[test]
+fn multi_packet_messages_delay_no_frame_and_change_no_cell() {
+    let simulated = run(&["[road]\nlength_m = 3000.0\n", B]);
+    let cells = |frames: &[TimedFrame]| {
+        let vehicle = simulated.vehicle.model.clone();
+        let mut estimator = Estimator::<f32>::new(vehicle, Tuning::default()).unwrap();
+        let mut cells = Vec::new();
+        for timed in frames {
+            estimator.on_frame(timed.time, &timed.frame);
+            while estimator.step().is_some() {}
+            while let Some(cell) = estimator.next_cell() {
+                cells.push(cell);
+            }
+        }
+        let counters = *estimator.counters();
+        assert_eq!(counters.parameters_replaced + counters.sessions_broken, 0);
+        cells
+    };
+    let alone = without_sessions(simulated.frames.clone());
+    assert!(alone.len() + 100 < simulated.frames.len());
+    assert_eq!(cells(&simulated.frames), cells(&alone));
+    // 8 bytes at 250 kbit/s: no two frames are on the bus at once.
+    for pair in simulated.frames.windows(2) {
+        let apart = pair[1].time.since(pair[0].time).micros();
+        assert!(apart >= 299, "{apart} µs");
+    }
 }
 
 #[test]
@@ -334,5 +388,8 @@ fn the_core_finds_the_grade_of_a_simulated_road() {
     assert!(rmse < 0.2, "{rmse} %");
     let counters = estimator.counters();
     assert_eq!(counters.frames_ignored, 0);
-    assert_eq!(counters.frames_malformed + counters.fast_packets_broken, 0);
+    assert_eq!(
+        counters.frames_malformed + counters.fast_packets_broken + counters.sessions_broken,
+        0
+    );
 }

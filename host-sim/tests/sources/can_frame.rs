@@ -15,6 +15,21 @@ fn up_to_eight_bytes_are_one_frame() {
 }
 
 #[test]
+fn a_broadcast_is_announced_and_numbered() {
+    let payload: Vec<u8> = (0..39).collect();
+    let frames: Vec<CanFrame> = CanFrame::broadcast(65_251, 5, &payload).collect();
+    assert_eq!(frames.len(), 7);
+    let announcement = [32, 39, 0, 6, 0xff, 0xe3, 0xfe, 0];
+    assert_eq!(
+        frames[0],
+        CanFrame::extended(0x1cec_ff05, &announcement).unwrap()
+    );
+    let last = [6, 35, 36, 37, 38, 0xff, 0xff, 0xff];
+    assert_eq!(frames[6], CanFrame::extended(0x1ceb_ff05, &last).unwrap());
+    assert_eq!(CanFrame::broadcast(65_251, 5, &[0; 2_000]).count(), 256);
+}
+
+#[test]
 fn more_is_a_fast_packet() {
     for length in [9, 13, 14, 43, 222, 223] {
         let payload: Vec<u8> = (0..length).collect();

@@ -361,7 +361,25 @@ fn a_real_truck_s_bus() {
             assert!((low..=high).contains(&value), "{signal} {figure} {value}");
         }
     }
-    // The transport protocol carries the engine configuration (EC1).
+    // The transport protocol carries the engine configuration (EC1): 2,386 Nm, every 5 s.
+    for (signal, value) in [
+        ("reference_torque_nm", 2_386.0),
+        ("engine_inertia_kgm2", 3.824),
+    ] {
+        let range = entry(&bus["signals"], "signal", signal);
+        assert_eq!(
+            (&range["pgn"], &range["source"]),
+            (&json!(65_251), &json!(0))
+        );
+        assert_eq!(
+            (&range["count"], &range["available"]),
+            (&json!(25), &json!(25))
+        );
+        for figure in ["min", "max"] {
+            let found = range[figure].as_f64().expect("a figure");
+            assert!((found - value).abs() < 1e-6, "{signal} {figure} {found}");
+        }
+    }
     assert_eq!(entry(&bus["messages"], "name", "TP.CM")["pgn"], 60_416);
     assert_eq!(entry(&bus["messages"], "name", "TP.DT")["pgn"], 60_160);
     assert_eq!(

@@ -1,6 +1,8 @@
 //! Bus traffic made of arbitrary bytes: noise, known messages with any content, and drives that
 //! bring the filter into states in which a fault can do harm.
 
+pub mod sessions;
+
 use arbitrary::Arbitrary;
 use embedded_can::{ExtendedId, Frame, StandardId};
 use estimator_core::signal::{encode, messages};

@@ -1,9 +1,11 @@
 //! Scenarios for the tests of the simulator, and the readings on the simulated bus.
 
-use estimator_core::signal::FrameOutcome;
+use embedded_can::{Frame, Id};
+use estimator_core::signal::{FrameOutcome, Pgn};
 use estimator_core::{Decoder, Instant, Signal, Value};
 use host_sim::simulator::scenario::Scenario;
 use host_sim::simulator::{SimulatedRun, simulate};
+use host_sim::source::can_frame::{TRANSPORT_DATA, TRANSPORT_MANAGEMENT, TimedFrame};
 use std::path::Path;
 
 /// Neither noise nor latency: the reported values are true but for their resolution.
@@ -36,6 +38,22 @@ pub fn scenario(parts: &[&str]) -> Scenario {
 
 pub fn run(parts: &[&str]) -> SimulatedRun {
     simulate(&scenario(parts), 0).unwrap()
+}
+
+/// Returns frames without those of multi-packet messages: for what counts or changes frames one by
+/// one.
+pub fn without_sessions(frames: Vec<TimedFrame>) -> Vec<TimedFrame> {
+    let is_session = |timed: &TimedFrame| {
+        let Id::Extended(id) = timed.frame.id() else {
+            return false;
+        };
+        let pgn = Pgn::from_raw(id.as_raw()).number;
+        [TRANSPORT_MANAGEMENT, TRANSPORT_DATA].contains(&pgn)
+    };
+    frames
+        .into_iter()
+        .filter(|timed| !is_session(timed))
+        .collect()
 }
 
 /// Returns every reading on the bus, in order.

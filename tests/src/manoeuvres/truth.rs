@@ -11,6 +11,7 @@ use host_sim::simulator::road::Road;
 use host_sim::simulator::scenario::Scenario;
 use host_sim::source::can_frame::TimedFrame;
 use std::ops::Range;
+use test_kit::simulated::without_sessions;
 
 /// Time between two moments of the truth, s.
 const MOMENT_S: f64 = 0.1;
@@ -72,7 +73,7 @@ impl Driven {
     pub fn simulated(scenario: &Scenario) -> Result<Self> {
         let run = &scenario.runs[0];
         let recording = Recording::new(scenario, 0)?;
-        let frames: Vec<TimedFrame> = recording.frames().collect();
+        let frames = without_sessions(recording.frames().collect());
         let first = frames.first().map_or(Instant::ZERO, |timed| timed.time);
         let first_s = first.micros() as f64 * 1e-6 - run.start_time_s;
         let drive = recording.drive();
