@@ -4,7 +4,7 @@ use crate::error::{Result, on_one_line};
 use crate::files::kept;
 use crate::files::run::{self, Origin};
 use crate::recorder::{LongRun, Warning};
-use crate::terminal::print::note;
+use crate::terminal::print::{alert, note};
 use std::path::Path;
 
 /// Prints warnings, each with what to do.
@@ -13,7 +13,7 @@ pub(super) fn warn(warnings: &[Warning]) {
         message, advice, ..
     } in warnings
     {
-        note(format_args!("warning: {message}; {advice}"));
+        alert(format_args!("warning: {message}; {advice}"));
     }
 }
 

@@ -13,7 +13,9 @@ mod listen;
 mod outputs;
 #[cfg(target_os = "linux")]
 mod replay;
+mod run_page;
 mod score;
+mod shell;
 mod simulate;
 mod study;
 mod tuning_option;
@@ -26,6 +28,7 @@ use without_can as replay;
 
 use crate::error::Result;
 use crate::files::signals;
+use crate::terminal::print::be_quiet;
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, Subcommand};
 
@@ -33,6 +36,9 @@ use clap::{CommandFactory, Parser, Subcommand};
 #[derive(Debug, Parser)]
 #[command(name = "roadgrade", version, propagate_version = true)]
 pub struct Cli {
+    /// Print no messages and no progress: only results, warnings and errors.
+    #[arg(long, short, global = true)]
+    quiet: bool,
     #[command(subcommand)]
     command: Command,
 }
@@ -55,7 +61,7 @@ enum Command {
     Listen(listen::Args),
     /// Fuse runs over the same road into one map.
     Fuse(fuse::Args),
-    /// Convert a map to GeoJSON, to one CSV file per way, or to an HTML page.
+    /// Convert a map to GeoJSON, KML or GPX, to one CSV file per way, or to an HTML page.
     Export(export::Args),
     /// Compare runs with the truth.
     Score(score::Args),
@@ -63,6 +69,11 @@ enum Command {
     Diagnose(diagnose::Args),
     /// Compute the tables and figures of the thesis, and those of measured data.
     Study(study::Args),
+    /// Print the completions of a shell: bash, zsh, fish, elvish or powershell.
+    Completions(shell::CompletionArgs),
+    /// Write the man pages.
+    #[command(hide = true)]
+    Man(shell::ManArgs),
 }
 
 impl Cli {
@@ -72,6 +83,9 @@ impl Cli {
     /// Returns the error of the subcommand. It names the file, the line and what was expected.
     pub fn run(&self) -> Result<()> {
         signals::watch();
+        if self.quiet {
+            be_quiet();
+        }
         match &self.command {
             Command::Demo(args) => demo::run(args),
             Command::Simulate(args) => simulate::run(args),
@@ -85,6 +99,8 @@ impl Cli {
             Command::Score(args) => score::run(args),
             Command::Diagnose(args) => diagnose::run(args),
             Command::Study(args) => study::run(args),
+            Command::Completions(args) => shell::completions(args, Self::command()),
+            Command::Man(args) => shell::man(args, Self::command()),
         }
     }
 

@@ -196,8 +196,8 @@ fn annotate(census: &Census, signals: &[Signal], need: &mut Need) {
         && !census.standard_ids.is_empty()
     {
         need.note = Some(format!(
-            "{} identifiers of 11 bits are on this bus; if one of them is a GNSS module's, its \
-             .dbc belongs into estimator-core/dbc",
+            "{} identifiers of 11 bits are on this bus; if one of them is a GNSS module's, decode \
+             it by its .dbc and give its signals as a signal table",
             census.standard_ids.len()
         ));
     }
