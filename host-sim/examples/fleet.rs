@@ -54,6 +54,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let origin = Origin {
             vehicle: Some(format!("truck {truck:04}")),
             day: (!is_last).then(|| day.clone()),
+            ..Origin::default()
         };
         let rows = run(&road, seed, truck as u64, number as u64);
         let name = format!("truck{truck:04}-{:02}", number % RUNS_A_SESSION);

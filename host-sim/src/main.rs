@@ -3,7 +3,7 @@
 use clap::Parser;
 use host_sim::cli::Cli;
 use host_sim::error::Error;
-use host_sim::terminal::print::note;
+use host_sim::terminal::print::alert;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
@@ -12,7 +12,7 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(Error::Usage(problem)) => Cli::end_with_usage(&problem),
         Err(error) => {
-            note(format_args!("roadgrade: {error}"));
+            alert(format_args!("roadgrade: {error}"));
             ExitCode::from(1)
         }
     }

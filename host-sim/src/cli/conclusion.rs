@@ -4,7 +4,7 @@ use crate::error::{Result, on_one_line};
 use crate::files::kept;
 use crate::files::run::{self, Origin};
 use crate::recorder::{LongRun, Warning, replaced};
-use crate::terminal::print::note;
+use crate::terminal::print::{alert, note};
 use estimator_core::Model;
 use std::path::Path;
 
@@ -14,7 +14,7 @@ pub(super) fn warn(warnings: &[Warning]) {
         message, advice, ..
     } in warnings
     {
-        note(format_args!("warning: {message}; {advice}"));
+        alert(format_args!("warning: {message}; {advice}"));
     }
 }
 

@@ -26,6 +26,9 @@ pub struct Args {
     out: PathBuf,
     #[command(flatten)]
     tuning: TuningOption,
+    /// Print the scores as JSON instead of a table.
+    #[arg(long)]
+    json: bool,
 }
 
 impl Args {
@@ -77,6 +80,9 @@ pub fn run(args: &Args) -> Result<()> {
     let report = page.write(out)?;
     let table = out.join("score.csv");
     write_csv(&table, demo.scores.iter().map(ScoreRow::rounded))?;
+    if args.json {
+        return print(&format!("{}\n", score::json(&overall)));
+    }
     print(&format!("{}\n\n", score::table(&overall)))?;
     print(&format!("each run: {}\n", on_one_line(&table)))?;
     print(&format!("page to open: {}\n", on_one_line(&report)))

@@ -2,8 +2,9 @@
 
 use super::log_options::LogOptions;
 use super::tuning_option::TuningOption;
-use super::{conclusion, outputs};
+use super::{conclusion, outputs, run_page};
 use crate::error::{Error, Result};
+use crate::files::output::Staged;
 use crate::files::run::{self, Origin};
 use crate::files::vehicle::VehicleFile;
 use crate::files::{data_set, kept};
@@ -49,6 +50,9 @@ pub struct Args {
     /// Day of the drive. Vehicle name and day together name the session of a Parquet run.
     #[arg(long, value_name = "YYYY-MM-DD", value_parser = data_set::check_day)]
     day: Option<String>,
+    /// Page that draws the run: plan, profile, sigma.
+    #[arg(long, value_name = "FILE.html")]
+    page: Option<PathBuf>,
     /// Persistent state of the vehicle: read before the drive, written after it.
     #[arg(long, value_name = "FILE")]
     kept: Option<PathBuf>,
@@ -71,7 +75,19 @@ impl Args {
         let inputs = [&*self.log, &self.vehicle];
         let inputs = inputs.into_iter().chain(self.tuning.file());
         let inputs = inputs.chain(self.reading.own().files());
-        outputs::check(inputs, out.into_iter().chain(self.kept.as_deref()))
+        let others = [self.kept.as_deref(), self.page.as_deref()];
+        outputs::check(inputs, out.into_iter().chain(others.into_iter().flatten()))
+    }
+
+    /// Checks endings and folders of the outputs.
+    fn check_names(&self) -> Result<()> {
+        if let Some(out) = &self.out {
+            outputs::check_file(out, &["csv", "parquet"])?;
+        }
+        if let Some(page) = &self.page {
+            outputs::check_file(page, &["html", "htm"])?;
+        }
+        self.kept.as_deref().map_or(Ok(()), outputs::check_folder)
     }
 
     fn run_path(&self, run: &mut LongRun, origin: &Origin) -> Result<PathBuf> {
@@ -93,9 +109,7 @@ impl Args {
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     args.check_outputs(args.out.as_deref())?;
-    if let Some(out) = &args.out {
-        outputs::check_table(out, &["csv", "parquet"])?;
-    }
+    args.check_names()?;
     let vehicle = VehicleFile::read(&args.vehicle)?;
     let tuning = args.tuning.read()?;
     let options = args.reading.read_options()?;
@@ -118,12 +132,22 @@ pub fn run(args: &Args) -> Result<()> {
     let origin = Origin {
         vehicle: Some(vehicle.name),
         day: args.day.clone(),
+        start_utc: run.start_utc.clone(),
     };
     let out = args.run_path(&mut run, &origin)?;
     args.check_outputs(Some(&out))?;
+    let page = args.page.as_deref();
+    let page = page.map(|path| run_page::stage(path, &args.log, &mut run.rows));
+    let page = page.transpose()?;
     conclusion::write(&mut run, Some(&out), &origin, file)?;
+    page.map_or(Ok(()), Staged::commit)?;
 
-    let summary = RunSummary::new(&mut run)?;
+    print_summary(args, &mut run, seconds)
+}
+
+/// Prints the summary of the drive, which took this time to estimate.
+fn print_summary(args: &Args, run: &mut LongRun, seconds: f64) -> Result<()> {
+    let summary = RunSummary::new(run)?;
     if args.json {
         let json = serde_json::to_string(&summary).expect("numbers are JSON");
         print(&format!("{json}\n"))?;

@@ -2,6 +2,7 @@
 
 use super::outputs;
 use crate::error::{Error, Result, on_one_line};
+use crate::files::output::is_written_through;
 use crate::map;
 use crate::report::map_page;
 use crate::terminal::print::note;
@@ -15,12 +16,15 @@ use std::path::PathBuf;
     grades_percent, grade_sigmas_percent, altitudes_m, runs. With --pieces the lines are short and \
     have scalar properties only; QGIS and geopandas can colour them by grade_percent. The sigma of \
     a piece is the mean sigma of its cells, because errors of neighbouring cells are correlated.\n\n\
+    KML: the same lines, with grade and sigma as text. GPX: a track for each way, with altitudes; GPX \
+    has no grades.\n\n\
     CSV: a folder with WAY.csv for each way (WAY.backward.csv for the direction against its \
     points). Each file is a map of its own. Characters that a file name cannot have become _.\n\n\
     Page: one HTML file. It shows the map in plan view, coloured by grade and by sigma, and along \
     each way the grade with two sigmas, the sigma and the number of runs.\n\n\
     Examples:\n  \
     roadgrade export map.parquet --out map.geojson --pieces 50\n  \
+    roadgrade export map.parquet --out map.kml --pieces 100\n  \
     roadgrade export map.parquet --out map.html\n  \
     roadgrade export map.csv --out ways"
 )]
@@ -28,13 +32,13 @@ pub struct Args {
     /// A map that `fuse` wrote.
     #[arg(value_name = "MAP")]
     map: PathBuf,
-    /// Output: NAME.geojson, NAME.html, or a folder for one CSV file per way.
+    /// Output: NAME.geojson, NAME.kml, NAME.gpx, NAME.html, or a folder for one CSV file per way.
     #[arg(long, value_name = "FILE|DIR")]
     out: PathBuf,
     /// Output format [default: by the extension of --out].
     #[arg(long, value_enum)]
     format: Option<Format>,
-    /// Length of the GeoJSON lines, m, at least 2.5 (one line per cell).
+    /// Length of the lines of GeoJSON or KML, m, at least 2.5 (one line per cell).
     #[arg(long, value_name = "METRES", value_parser = metres)]
     pieces: Option<f64>,
 }
@@ -42,6 +46,8 @@ pub struct Args {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 enum Format {
     Geojson,
+    Kml,
+    Gpx,
     Csv,
     Page,
 }
@@ -49,14 +55,21 @@ enum Format {
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     let format = args.format()?;
-    if args.pieces.is_some() && format != Format::Geojson {
-        let problem = "--pieces applies to GeoJSON only; expected --out NAME.geojson";
+    let has_pieces = [Format::Geojson, Format::Kml].contains(&format);
+    if args.pieces.is_some() && !has_pieces {
+        let problem = "--pieces applies to GeoJSON and KML only; expected --out NAME.geojson or \
+                       NAME.kml";
         return Err(Error::Usage(problem.to_owned()));
     }
     outputs::check([&*args.map], [&*args.out])?;
+    if format != Format::Csv {
+        outputs::check_folder(&args.out)?;
+    }
     let ways = map::read_map_ways(&args.map)?;
     match format {
         Format::Geojson => map::stage_map_geojson(&args.out, &ways, args.pieces)?.commit()?,
+        Format::Kml => map::stage_map_kml(&args.out, &ways, args.pieces)?.commit()?,
+        Format::Gpx => map::stage_map_gpx(&args.out, &ways)?.commit()?,
         Format::Csv => map::write_ways_csv(&args.out, &args.map, &ways)?,
         Format::Page => map_page::page(&args.map, &ways)
             .stage_alone(&args.out)?
@@ -79,11 +92,16 @@ impl Args {
         let extension = self.out.extension().unwrap_or_default().to_string_lossy();
         match extension.to_ascii_lowercase().as_str() {
             "geojson" | "json" => Ok(Format::Geojson),
+            "kml" => Ok(Format::Kml),
+            "gpx" => Ok(Format::Gpx),
             "html" | "htm" => Ok(Format::Page),
+            "" if is_written_through(&self.out) => Err(Error::Usage(
+                "--out has no ending; expected --format geojson, kml, gpx or page".to_owned(),
+            )),
             "" => Ok(Format::Csv),
             _ if self.out.is_dir() => Ok(Format::Csv),
             other => Err(Error::Usage(format!(
-                "--out ends in .{other}; expected .geojson, .html, a folder, or --format"
+                "--out ends in .{other}; expected .geojson, .kml, .gpx, .html, a folder, or --format"
             ))),
         }
     }

@@ -2,9 +2,11 @@
 
 use super::outputs;
 use crate::error::{Error, Result};
-use crate::map::check_session_name;
 use crate::map::pipeline::fuse_files::{FuseRequest, NamedSession, fuse_files};
 use crate::map::pipeline::words;
+use crate::map::{GRID_M, check_session_name};
+use crate::terminal::print::print;
+use serde_json::json;
 use std::path::PathBuf;
 
 /// Arguments of `fuse`.
@@ -71,6 +73,9 @@ pub struct Args {
     /// Treat a damaged file in a folder as an error.
     #[arg(long)]
     strict: bool,
+    /// Print what the map has as JSON.
+    #[arg(long)]
+    json: bool,
     /// Runs to fuse, or folders of runs, as `estimate` wrote them. A run that names no session is a
     /// session of its own.
     #[arg(required_unless_present_any = ["sessions", "store"], value_name = "RUN")]
@@ -83,9 +88,9 @@ pub fn run(args: &Args) -> Result<()> {
         let problem = "--store and --out name the same file; expected two different files";
         return Err(Error::Usage(problem.to_owned()));
     }
-    outputs::check_table(&args.out, &["csv", "parquet"])?;
+    outputs::check_file(&args.out, &["csv", "parquet"])?;
     if let Some(store) = &args.store {
-        outputs::check_table(store, &["csv"])?;
+        outputs::check_file(store, &["csv"])?;
     }
     let fused = fuse_files(&FuseRequest {
         runs: &args.runs,
@@ -97,7 +102,17 @@ pub fn run(args: &Args) -> Result<()> {
         strict: args.strict,
     })?;
     words::report(&args.out, &fused);
-    Ok(())
+    if !args.json {
+        return Ok(());
+    }
+    let cells: usize = fused.ways.iter().map(|way| way.rows.len()).sum();
+    let summary = json!({
+        "map": args.out,
+        "cells": cells,
+        "km": cells as f64 * GRID_M * 1e-3,
+        "ways": fused.ways.len(),
+    });
+    print(&format!("{summary}\n"))
 }
 
 /// Parses NAME=RUN.csv,RUN.csv.

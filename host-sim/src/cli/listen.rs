@@ -9,7 +9,7 @@ use crate::files::run::Origin;
 use crate::files::vehicle::VehicleFile;
 use crate::live::{EndedDrive, ListenRequest, Listening};
 use crate::recorder::{self, LongRun, RunSummary};
-use crate::terminal::print::{note, print};
+use crate::terminal::print::{alert, note, print};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -106,7 +106,7 @@ impl Args {
 pub fn run(args: &Args) -> Result<()> {
     check(args)?;
     if let Some(out) = &args.out {
-        outputs::check_table(out, &["csv", "parquet"])?;
+        outputs::check_file(out, &["csv", "parquet"])?;
     }
     let outputs = [&args.out, &args.log, &args.kept];
     outputs::check(
@@ -169,12 +169,13 @@ fn conclude(args: &Args, vehicle: &VehicleFile, run: &mut LongRun) -> Result<()>
         if run.rows.count() == 0 && args.out.is_some() {
             return Err(Error::content(Path::new(&bus), problem));
         }
-        note(format_args!("roadgrade: {bus}: {problem}"));
+        alert(format_args!("roadgrade: {bus}: {problem}"));
     }
     conclusion::note_replaced(&vehicle.model, run);
     let origin = Origin {
         vehicle: Some(vehicle.name.clone()),
         day: None,
+        start_utc: run.start_utc.clone(),
     };
     conclusion::write(run, args.out.as_deref(), &origin, args.kept.as_deref())
 }

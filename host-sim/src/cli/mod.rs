@@ -16,7 +16,9 @@ mod map;
 mod outputs;
 #[cfg(target_os = "linux")]
 mod replay;
+mod run_page;
 mod score;
+mod shell;
 mod simulate;
 mod study;
 mod tuning_option;
@@ -29,6 +31,7 @@ use without_can as replay;
 
 use crate::error::Result;
 use crate::files::signals;
+use crate::terminal::print::be_quiet;
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, Subcommand};
 
@@ -36,6 +39,9 @@ use clap::{CommandFactory, Parser, Subcommand};
 #[derive(Debug, Parser)]
 #[command(name = "roadgrade", version, propagate_version = true)]
 pub struct Cli {
+    /// Print no messages and no progress: only results, warnings and errors.
+    #[arg(long, short, global = true)]
+    quiet: bool,
     #[command(subcommand)]
     command: Command,
 }
@@ -60,7 +66,7 @@ enum Command {
     Map(map::Args),
     /// Fuse runs over the same road into one map.
     Fuse(fuse::Args),
-    /// Convert a map to GeoJSON, to one CSV file per way, or to an HTML page.
+    /// Convert a map to GeoJSON, KML or GPX, to one CSV file per way, or to an HTML page.
     Export(export::Args),
     /// Write the vehicle file that logs ask for.
     Identify(identify::Args),
@@ -70,6 +76,11 @@ enum Command {
     Diagnose(diagnose::Args),
     /// Compute the tables and figures of the thesis, and those of measured data.
     Study(study::Args),
+    /// Print the completions of a shell: bash, zsh, fish, elvish or powershell.
+    Completions(shell::CompletionArgs),
+    /// Write the man pages.
+    #[command(hide = true)]
+    Man(shell::ManArgs),
 }
 
 impl Cli {
@@ -79,6 +90,9 @@ impl Cli {
     /// Returns the error of the subcommand. It names the file, the line and what was expected.
     pub fn run(&self) -> Result<()> {
         signals::watch();
+        if self.quiet {
+            be_quiet();
+        }
         match &self.command {
             Command::Demo(args) => demo::run(args),
             Command::Simulate(args) => simulate::run(args),
@@ -94,6 +108,8 @@ impl Cli {
             Command::Score(args) => score::run(args),
             Command::Diagnose(args) => diagnose::run(args),
             Command::Study(args) => study::run(args),
+            Command::Completions(args) => shell::completions(args, Self::command()),
+            Command::Man(args) => shell::man(args, Self::command()),
         }
     }
 

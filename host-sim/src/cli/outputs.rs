@@ -1,15 +1,11 @@
-//! Outputs that must not be inputs.
+//! Outputs: none may be an input, and each has a folder and a known ending.
 
 use crate::error::{Error, Result, on_one_line};
+use crate::files::output::{is_stdout, is_written_through};
 use crate::files::same::handle;
+use crate::terminal::print::leave_stdout;
 use same_file::Handle;
 use std::path::{Path, PathBuf};
-
-/// Endings of formats in which other files are.
-const OTHER_FORMATS: [&str; 13] = [
-    "parquet", "geojson", "json", "html", "htm", "gz", "zst", "toml", "log", "svg", "grade",
-    "xlsx", "txt",
-];
 
 /// Checks, before anything is written, that no output is an input or another output, under
 /// whatever name.
@@ -43,25 +39,56 @@ pub(super) fn check<'p>(
     Ok(())
 }
 
-/// Checks that the name of a table does not promise another format: the content would be CSV all
-/// the same.
+/// Checks the name of an output file before the work begins: its folder exists, and it ends as a
+/// known format does or has no ending. What is written through has any name.
 ///
 /// # Errors
-/// Returns a usage error that names the formats.
-pub(super) fn check_table(path: &Path, endings: &[&str]) -> Result<()> {
+/// Returns a usage error that names the formats, or an error that names the missing folder.
+pub(super) fn check_file(path: &Path, endings: &[&str]) -> Result<()> {
+    if is_written_through(path) {
+        return check_folder(path);
+    }
     let ending = path.extension().unwrap_or_default().to_string_lossy();
     let ending = ending.to_ascii_lowercase();
-    if !OTHER_FORMATS.contains(&&*ending) || endings.contains(&&*ending) {
-        return Ok(());
+    if !ending.is_empty() && !endings.contains(&&*ending) {
+        return Err(unknown_ending(path, &ending, endings));
     }
+    check_folder(path)
+}
+
+/// Checks, before the work begins, that the folder of an output file exists. If the output is
+/// standard output, tables go to standard error.
+///
+/// # Errors
+/// Names the missing folder.
+pub(super) fn check_folder(path: &Path) -> Result<()> {
+    if is_stdout(path) {
+        leave_stdout();
+    }
+    let folder = path
+        .parent()
+        .filter(|of| !of.as_os_str().is_empty() && !is_stdout(path));
+    match folder.filter(|folder| !folder.is_dir()) {
+        Some(folder) => Err(Error::content(
+            path,
+            format!(
+                "there is no folder {}; create it, or name another one",
+                on_one_line(folder)
+            ),
+        )),
+        None => Ok(()),
+    }
+}
+
+fn unknown_ending(path: &Path, ending: &str, endings: &[&str]) -> Error {
     let endings: Vec<String> = endings.iter().map(|ending| format!(".{ending}")).collect();
-    let geojson = match &*ending {
+    let geojson = match ending {
         "geojson" | "json" | "html" | "htm" => "; `roadgrade export` writes GeoJSON and pages",
         _ => "",
     };
-    Err(Error::Usage(format!(
+    Error::Usage(format!(
         "{}: ends in .{ending}; expected {}{geojson}",
         on_one_line(path),
         endings.join(" or ")
-    )))
+    ))
 }

@@ -84,7 +84,7 @@ pub fn run(args: &Args) -> Result<()> {
         folder.join("score.csv")
     });
     args.check_output(&out)?;
-    outputs::check_table(&out, &["csv"])?;
+    outputs::check_file(&out, &["csv"])?;
     let truths = args
         .truth
         .iter()

@@ -37,6 +37,9 @@ pub struct Args {
     /// Seed of all random numbers.
     #[arg(long, default_value_t = 2011)]
     seed: u64,
+    /// Print the tables as JSON: an object for each, with its columns and rows.
+    #[arg(long)]
+    json: bool,
 }
 
 impl Args {
@@ -61,7 +64,9 @@ pub fn run(args: &Args) -> Result<()> {
         note(format_args!("{}: {}", study.name, study.about));
         match (study.run)(&setting)? {
             StudyOutcome::Done(section) => {
-                print_tables(&section)?;
+                if !args.json {
+                    print_tables(&section)?;
+                }
                 sections.push(section);
             }
             StudyOutcome::Skipped(why) if args.name == ALL => note(format_args!("skipped: {why}")),
@@ -81,10 +86,24 @@ pub fn run(args: &Args) -> Result<()> {
         inputs.iter().map(PathBuf::as_path),
         page.files(&args.out).iter().map(PathBuf::as_path),
     )?;
-    print(&format!(
-        "page to open: {}\n",
-        page.write(&args.out)?.display()
-    ))
+    let file = page.write(&args.out)?;
+    if args.json {
+        return print(&format!("{}\n", tables_as_json(&page.sections)));
+    }
+    print(&format!("page to open: {}\n", file.display()))
+}
+
+fn tables_as_json(sections: &[Section]) -> serde_json::Value {
+    let tables = sections.iter().flat_map(|section| &section.tables);
+    let tables = tables.map(|table| {
+        serde_json::json!({
+            "name": table.name,
+            "caption": table.caption,
+            "columns": table.header,
+            "rows": table.rows,
+        })
+    });
+    tables.collect()
 }
 
 fn print_tables(section: &Section) -> Result<()> {

@@ -3,6 +3,7 @@
 
 use super::run::RunRows;
 use crate::error::{Error, Result};
+use chrono::NaiveDate;
 use std::path::{Path, PathBuf};
 
 /// Returns the path of a run in a data set: in the tile of its first position. A run is never
@@ -51,22 +52,17 @@ pub fn tile(latitude_deg: f64, longitude_deg: f64) -> String {
     )
 }
 
-/// Checks that a day is YYYY-MM-DD.
+/// Checks that a day is YYYY-MM-DD, and one of the calendar.
 ///
 /// # Errors
 /// Returns an error that names the expected value.
 pub fn check_day(text: &str) -> std::result::Result<String, String> {
     let expected = || format!("{text:?} is not a date; expected YYYY-MM-DD, such as 2026-11-21");
-    let digits = |part: &str, count: usize| {
-        let is_number = part.len() == count && part.bytes().all(|byte| byte.is_ascii_digit());
-        is_number.then(|| part.parse::<u32>().ok()).flatten()
-    };
-    let parts: Vec<&str> = text.split('-').collect();
-    let [year, month, day] = parts[..] else {
-        return Err(expected());
-    };
-    match (digits(year, 4), digits(month, 2), digits(day, 2)) {
-        (Some(_), Some(1..=12), Some(1..=31)) => Ok(text.to_owned()),
-        _ => Err(expected()),
+    // The parser also takes days and months of one digit.
+    let day = NaiveDate::parse_from_str(text, "%Y-%m-%d").map_err(|_| expected())?;
+    if day.to_string() == text {
+        Ok(text.to_owned())
+    } else {
+        Err(expected())
     }
 }

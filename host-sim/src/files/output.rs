@@ -1,5 +1,5 @@
 //! Output files that appear whole or not at all. A device or a pipe is written through when the
-//! file is complete, and never replaced.
+//! file is complete, and never replaced; a symbolic link stays one. `-` is standard output.
 
 use super::temporary::Temporary;
 use crate::error::{Error, Result};
@@ -8,11 +8,51 @@ use std::io::{self, BufWriter, Seek, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
+/// Path that means standard output.
+const STDOUT: &str = "-";
+/// Longest chain of symbolic links that is followed, as in Linux.
+const MOST_LINKS: usize = 40;
+
+/// Returns whether a path means standard output.
+#[must_use]
+pub fn is_stdout(path: &Path) -> bool {
+    path.as_os_str() == STDOUT
+}
+
+/// Returns whether a path is written through and never replaced: standard output, a device, a pipe.
+#[must_use]
+pub fn is_written_through(path: &Path) -> bool {
+    let is_special = |found: fs::Metadata| !found.is_file() && !found.is_dir();
+    is_stdout(path) || is_descriptor(path) || fs::metadata(path).is_ok_and(is_special)
+}
+
+/// Returns whether a path is that of an open file (`/dev/stdout`, `/dev/fd/3`), or a link to one:
+/// replacing what it names would not reach who opened it.
+fn is_descriptor(path: &Path) -> bool {
+    let below = |name: &PathBuf| ["/proc", "/dev/fd"].iter().any(|of| name.starts_with(of));
+    links(path).iter().any(below)
+}
+
+/// Returns what a path names when symbolic links are followed, whether it exists or not.
+fn target_of(path: &Path) -> PathBuf {
+    links(path).pop().unwrap_or_else(|| path.to_owned())
+}
+
+/// Returns a path and what it names, link by link.
+fn links(path: &Path) -> Vec<PathBuf> {
+    let follow = |from: &PathBuf| Some(folder_of(from).join(fs::read_link(from).ok()?));
+    std::iter::successors(Some(path.to_owned()), follow)
+        .take(MOST_LINKS)
+        .collect()
+}
+
 /// A complete file that has not yet appeared under its name. If dropped, it leaves nothing.
 #[derive(Debug)]
 #[must_use = "the file appears when it is committed"]
 pub struct Staged {
     path: PathBuf,
+    /// The path with symbolic links followed.
+    target: PathBuf,
     content: Content,
 }
 
@@ -31,9 +71,13 @@ impl Staged {
     /// # Errors
     /// Returns the error of the file system; `path` is then unchanged.
     pub fn commit(self) -> Result<()> {
-        let Self { path, content } = self;
+        let Self {
+            path,
+            target,
+            content,
+        } = self;
         match content {
-            Content::Beside(file) => file.persist(&path),
+            Content::Beside(file) => file.persist(&target),
             Content::Aside(file) => copy_to(&path, file),
         }
         .map_err(Error::io(&path))
@@ -46,17 +90,26 @@ impl Staged {
     /// # Errors
     /// Returns the error of the file system; `path` is then unchanged.
     pub fn commit_keeping(self, previous: Option<&Path>) -> Result<()> {
-        let Self { path, content } = self;
+        let Self {
+            path,
+            target,
+            content,
+        } = self;
         let Content::Beside(file) = content else {
-            return Self { path, content }.commit();
+            return Self {
+                path,
+                target,
+                content,
+            }
+            .commit();
         };
         file.sync().map_err(Error::io(&path))?;
         if let Some(previous) = previous {
-            keep(&path, previous).map_err(Error::io(previous))?;
+            keep(&target, previous).map_err(Error::io(previous))?;
         }
-        file.persist(&path).map_err(Error::io(&path))?;
+        file.persist(&target).map_err(Error::io(&path))?;
         // The file has its name; whether the name is on the disk yet is not worth an error.
-        let _ = File::open(folder_of(&path)).and_then(|folder| folder.sync_all());
+        let _ = File::open(folder_of(&target)).and_then(|folder| folder.sync_all());
         Ok(())
     }
 }
@@ -83,6 +136,14 @@ fn keep(path: &Path, previous: &Path) -> io::Result<()> {
 
 fn copy_to(path: &Path, mut content: File) -> io::Result<()> {
     content.rewind()?;
+    if is_stdout(path) {
+        let mut stdout = io::stdout().lock();
+        // A reader that has seen enough (`| head`) closes the pipe.
+        return match io::copy(&mut content, &mut stdout).and_then(|_| stdout.flush()) {
+            Err(e) if e.kind() == io::ErrorKind::BrokenPipe => Ok(()),
+            written => written,
+        };
+    }
     let mut device = OpenOptions::new().write(true).open(path)?;
     io::copy(&mut content, &mut device)?;
     device.flush()
@@ -99,6 +160,7 @@ fn folder_of(path: &Path) -> &Path {
 #[derive(Debug)]
 pub struct Writing {
     path: PathBuf,
+    target: PathBuf,
     file: BufWriter<Content>,
 }
 
@@ -108,21 +170,20 @@ impl Writing {
     /// # Errors
     /// Returns the error of the file system; a folder is one.
     pub fn begin(path: &Path) -> Result<Self> {
-        let folder = folder_of(path);
-        let content = match fs::metadata(path) {
-            Ok(found) if found.is_dir() => {
-                return Err(Error::content(path, "is a folder; expected a file"));
-            }
-            Ok(found) if !found.is_file() => {
-                Content::Aside(tempfile::tempfile().map_err(Error::io(path))?)
-            }
-            _ => {
-                fs::create_dir_all(folder).map_err(Error::io(folder))?;
-                Content::Beside(Temporary::create_in(folder).map_err(Error::io(path))?)
-            }
+        let target = target_of(path);
+        if fs::metadata(path).is_ok_and(|found| found.is_dir()) {
+            return Err(Error::content(path, "is a folder; expected a file"));
+        }
+        let content = if is_written_through(path) {
+            Content::Aside(tempfile::tempfile().map_err(Error::io(path))?)
+        } else {
+            let folder = folder_of(&target);
+            fs::create_dir_all(folder).map_err(Error::io(folder))?;
+            Content::Beside(Temporary::create_in(folder).map_err(Error::io(path))?)
         };
         Ok(Self {
             path: path.to_owned(),
+            target,
             file: BufWriter::new(content),
         })
     }
@@ -132,11 +193,15 @@ impl Writing {
     /// # Errors
     /// Returns the error of the file system.
     pub fn finish(self) -> Result<Staged> {
-        let Self { path, file } = self;
+        let Self { path, target, file } = self;
         let content = file
             .into_inner()
             .map_err(|e| Error::io(&path)(e.into_error()))?;
-        Ok(Staged { path, content })
+        Ok(Staged {
+            path,
+            target,
+            content,
+        })
     }
 }
 

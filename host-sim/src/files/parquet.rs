@@ -5,7 +5,7 @@ use super::output::{Staged, Writing};
 use super::parquet_pages;
 use crate::error::{Error, Result, out_of_files};
 use arrow_array::types::{ArrowPrimitiveType, Float64Type, Int64Type};
-use arrow_array::{Array, ArrayRef, PrimitiveArray, RecordBatch, StringArray};
+use arrow_array::{Array, ArrayRef, BinaryArray, PrimitiveArray, RecordBatch, StringArray};
 use arrow_schema::{Field, Schema};
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use parquet::arrow::{ArrowWriter, ProjectionMask};
@@ -22,6 +22,9 @@ use std::sync::{Arc, Once};
 
 /// Number of rows that are decoded at once.
 const BATCH_ROWS: usize = 8192;
+/// What altitudes refer to, in the metadata of files: the receiver decides.
+pub const VERTICAL_DATUM: &str =
+    "mean sea level, as the GNSS receiver reports it (by its own geoid model)";
 /// Number of rows of a row group (164 km). A group is encoded in memory before it is written.
 const ROW_GROUP_ROWS: usize = 65_536;
 
@@ -73,6 +76,11 @@ impl ParquetColumn {
     /// Creates a column of texts, some of which may be missing.
     pub fn texts<'a>(name: &'static str, values: impl Iterator<Item = Option<&'a str>>) -> Self {
         Self::new(name, values.collect::<StringArray>(), true)
+    }
+
+    /// Creates a column of geometries, as well-known binary.
+    pub fn geometries(name: &'static str, values: impl Iterator<Item = Vec<u8>>) -> Self {
+        Self::new(name, BinaryArray::from_iter_values(values), false)
     }
 
     fn new(name: &'static str, values: impl Array + 'static, nullable: bool) -> Self {
@@ -143,7 +151,7 @@ impl TableWriter {
         let schema = Arc::new(Schema::new(fields));
         let metadata = metadata
             .iter()
-            .map(|(key, value)| KeyValue::new(format!("roadgrade.{key}"), value.clone()))
+            .map(|(key, value)| KeyValue::new(key_of(key), value.clone()))
             .collect();
         let properties = WriterProperties::builder()
             .set_compression(Compression::SNAPPY)
@@ -178,6 +186,18 @@ impl TableWriter {
     pub fn finish(self) -> Result<Staged> {
         let Self { path, writer, .. } = self;
         writer.into_inner().map_err(|e| failed(&path, e))?.finish()
+    }
+}
+
+/// Key of the metadata of GeoParquet, which has no prefix.
+pub const GEO: &str = "geo";
+
+/// Returns the key of a file's metadata: ours have a prefix.
+fn key_of(key: &str) -> String {
+    if key == GEO {
+        GEO.to_owned()
+    } else {
+        format!("roadgrade.{key}")
     }
 }
 

@@ -6,6 +6,7 @@ use super::plausibility::Plausibility;
 use crate::error::Result;
 use crate::files::run::RunRow;
 use crate::files::spool::Spool;
+use crate::files::utc::utc_of;
 use crate::smooth::{Samples, SmoothedCell, smooth_segments};
 use crate::source::can_frame::TimedFrame;
 use crate::source::input::LogInput;
@@ -241,6 +242,7 @@ impl<S: Scalar> Recorder<S> {
             counters: *self.estimator.counters(),
             persistent_state: self.estimator.persistent_state(),
             disagreements,
+            start_utc: self.start.and_then(utc_of),
             warnings: self.plausibility.judge(&self.estimator.model().vehicle),
         })
     }

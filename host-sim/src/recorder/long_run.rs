@@ -21,6 +21,8 @@ pub struct SmoothedRun {
     pub disagreements: Disagreements,
     /// What is not plausible about the input.
     pub warnings: Vec<Warning>,
+    /// Time of the first input in UTC, as RFC 3339 writes it, where the log has absolute times.
+    pub start_utc: Option<String>,
 }
 
 /// A smoothed drive that need not fit into memory.
@@ -38,6 +40,8 @@ pub struct LongRun {
     pub disagreements: Disagreements,
     /// What is not plausible about the input.
     pub warnings: Vec<Warning>,
+    /// Time of the first input in UTC, as RFC 3339 writes it, where the log has absolute times.
+    pub start_utc: Option<String>,
 }
 
 impl LongRun {
@@ -57,6 +61,7 @@ impl LongRun {
             persistent_state: self.persistent_state,
             disagreements: self.disagreements,
             warnings: self.warnings,
+            start_utc: self.start_utc,
         })
     }
 }

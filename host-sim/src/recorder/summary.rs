@@ -17,6 +17,8 @@ pub struct RunSummary {
     /// Driven distance, km.
     pub distance_km: f64,
     duration_s: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    start_utc: Option<String>,
     cells: usize,
     /// Part of valid cells, %.
     pub valid_percent: f64,
@@ -55,6 +57,7 @@ impl RunSummary {
             scale: 1.0,
             disagreements: stretches(&run.disagreements),
             warnings: run.warnings.clone(),
+            start_utc: run.start_utc.clone(),
             events: events(&run.counters),
             ..Self::default()
         };
@@ -97,6 +100,9 @@ impl RunSummary {
             rows.push(vec![name.to_owned(), unit.to_owned(), value]);
         };
         line("distance", format!("{:.3}", self.distance_km), "km");
+        if let Some(start) = &self.start_utc {
+            line("start", start.clone(), "UTC");
+        }
         line("duration", format!("{:.1}", self.duration_s), "s");
         line("cells", self.cells.to_string(), "");
         line("valid", format!("{:.1}", self.valid_percent), "%");

@@ -1,5 +1,6 @@
-//! Progress bars on stderr, if it is a terminal.
+//! Progress bars on stderr, if it is a terminal and the command is not quiet.
 
+use super::print::is_quiet;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 
@@ -18,7 +19,7 @@ pub fn count(total: u64, what: &str) -> ProgressBar {
 /// Returns a spinner for work of unknown length.
 #[must_use]
 pub fn spinner(what: &str) -> ProgressBar {
-    let spinner = if std::io::stderr().is_terminal() {
+    let spinner = if is_shown() {
         ProgressBar::new_spinner()
     } else {
         ProgressBar::hidden()
@@ -28,10 +29,15 @@ pub fn spinner(what: &str) -> ProgressBar {
     spinner
 }
 
+/// Returns whether progress is shown.
+fn is_shown() -> bool {
+    std::io::stderr().is_terminal() && !is_quiet()
+}
+
 fn bar(total: u64, template: &str) -> ProgressBar {
     let bar = ProgressBar::with_draw_target(
         Some(total),
-        if std::io::stderr().is_terminal() {
+        if is_shown() {
             ProgressDrawTarget::stderr()
         } else {
             ProgressDrawTarget::hidden()

@@ -73,6 +73,7 @@ pub fn write_parquet(path: &Path, vehicle: &str, number: usize) {
     let origin = Origin {
         vehicle: Some(vehicle.to_owned()),
         day: Some("2026-11-21".to_owned()),
+        ..Origin::default()
     };
     run::write_from(path, &rows(400, number), &origin).expect("written");
 }

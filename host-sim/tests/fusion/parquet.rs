@@ -38,6 +38,7 @@ fn origin(truck: usize) -> Origin {
     Origin {
         vehicle: Some(format!("truck {truck}")),
         day: Some("2026-11-21".into()),
+        ..Origin::default()
     }
 }
 

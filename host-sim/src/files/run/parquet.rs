@@ -6,6 +6,7 @@ use crate::error::{Error, Result};
 use crate::files::columns::{self, Column};
 use crate::files::limits;
 use crate::files::output::Staged;
+use crate::files::parquet::VERTICAL_DATUM;
 use crate::files::parquet::{Opened, ParquetColumn, TableWriter, open};
 use crate::files::row_check::Flaw;
 use std::path::Path;
@@ -40,6 +41,8 @@ pub struct Origin {
     pub vehicle: Option<String>,
     /// Day of the drive, YYYY-MM-DD.
     pub day: Option<String>,
+    /// Time of the first input in UTC, as RFC 3339 writes it.
+    pub start_utc: Option<String>,
 }
 
 impl Origin {
@@ -74,6 +77,8 @@ pub fn stage(path: &Path, rows: &mut dyn RunRows, origin: &Origin) -> Result<Sta
         ("vehicle", origin.vehicle.clone()),
         ("day", origin.day.clone()),
         ("session", origin.session()),
+        ("start_utc", origin.start_utc.clone()),
+        ("vertical_datum", Some(VERTICAL_DATUM.to_owned())),
     ];
     metadata.extend(
         known

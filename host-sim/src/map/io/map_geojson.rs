@@ -50,7 +50,7 @@ pub fn segments(rows: &[MapRow]) -> impl Iterator<Item = &[MapRow]> {
 }
 
 /// Splits a segment into pieces; each ends where the next begins.
-fn pieces(segment: &[MapRow], piece_m: f64) -> impl Iterator<Item = &[MapRow]> {
+pub(super) fn pieces(segment: &[MapRow], piece_m: f64) -> impl Iterator<Item = &[MapRow]> {
     let cells = ((piece_m / GRID_M).round() as usize).max(1);
     let last = segment.len() - 1;
     (0..last.max(1))
@@ -120,7 +120,7 @@ fn whole(name: Option<&WayName>, rows: &[MapRow]) -> Feature {
 }
 
 /// Returns the mean along the line through these rows.
-fn mean(rows: &[MapRow], value: fn(&MapRow) -> f64) -> f64 {
+pub(super) fn mean(rows: &[MapRow], value: fn(&MapRow) -> f64) -> f64 {
     if let [only] = rows {
         return value(only);
     }

@@ -4,9 +4,10 @@
 use super::road_row::RoadRow;
 use super::way_file::{self, DIRECTION, Grouping, WAY};
 use crate::error::{Error, Result};
+use crate::files::geo_parquet;
 use crate::files::limits::{MAP_ROWS, ROAD_ROWS};
 use crate::files::output::Staged;
-use crate::files::parquet::{ParquetColumn, open, stage as stage_parquet};
+use crate::files::parquet::{GEO, ParquetColumn, VERTICAL_DATUM, open, stage as stage_parquet};
 use crate::files::row_check::Flaw;
 use crate::map::fusion::map_row::{MapRow, WayRows};
 use crate::map::geometry::way_name::WayName;
@@ -45,8 +46,15 @@ pub fn stage(path: &Path, ways: &[WayRows]) -> Result<Staged> {
         numbers("grade_percent", |row| row.grade_percent),
         numbers("grade_sigma_percent", |row| row.grade_sigma_percent),
         ParquetColumn::whole("runs", rows().map(|row| row.runs.into())),
+        geo_parquet::points(rows().map(|row| (row.longitude_deg, row.latitude_deg))),
     ]);
-    stage_parquet(path, columns, &[("schema", MAP_SCHEMA.to_owned())])
+    let extent = geo_parquet::extent(rows().map(|row| (row.longitude_deg, row.latitude_deg)));
+    let metadata = [
+        ("schema", MAP_SCHEMA.to_owned()),
+        ("vertical_datum", VERTICAL_DATUM.to_owned()),
+        (GEO, geo_parquet::metadata(extent)),
+    ];
+    stage_parquet(path, columns, &metadata)
 }
 
 /// Reads a map.

@@ -3,6 +3,9 @@
 mod checksum;
 pub mod map_file;
 pub mod map_geojson;
+pub mod map_gpx;
+pub mod map_kml;
+mod map_lines;
 pub mod map_parquet;
 pub mod network_file;
 pub mod road_file;

@@ -11,7 +11,7 @@ use crate::map::io::run_list::RunList;
 use crate::map::io::store;
 use crate::map::io::store_file::StoreFile;
 use crate::map::matching::placing::{PlacedRun, place};
-use crate::terminal::print::note;
+use crate::terminal::print::{alert, note};
 use rayon::prelude::*;
 use std::path::PathBuf;
 
@@ -130,7 +130,12 @@ impl<'a, 'r> RunIntake<'a, 'r> {
             self.tally.repeated += 1;
             return Ok(());
         };
-        note(format_args!("{}", describe(&input.path, &placed.coverage)));
+        let words = describe(&input.path, &placed.coverage);
+        if placed.coverage.matched > 0 {
+            note(words);
+        } else {
+            alert(words);
+        }
         let session = input.session.as_deref();
         if let (Some(folder), false) = (&self.placed, placed.cells.is_empty()) {
             let path = folder.join(format!("{identity}.parquet"));

@@ -16,8 +16,8 @@ const STRETCH_M: f64 = 150.0;
 const STRETCHES: u32 = 20;
 /// Way over which altitudes are remembered, cells: fixes are late.
 const REMEMBERED: usize = 100;
-/// Least way in which an altitude of a receiver changes, m.
-const CONSTANT_M: f64 = 2_000.0;
+/// Least way in which an altitude of a receiver changes, m, even on a plain and in whole metres.
+const CONSTANT_M: f64 = 5_000.0;
 /// Altitudes in feet are 3.28 times those in m; no error of a receiver or a speed is so large.
 const LARGE: f64 = 1.7;
 /// Part of the climb by the forces that no receiver stays below.

@@ -238,7 +238,7 @@ impl Way {
         if let Some(interval_s) = interval_s.filter(|seconds| *seconds > LONGEST_S) {
             return Some(clock_warning(format!(
                 "wheel speeds are {interval_s:.1} s apart (median), too far for an estimate: the \
-                 time looks like milliseconds"
+                 time looks like milliseconds, or speeds were left out"
             )));
         }
         let mps2 = self

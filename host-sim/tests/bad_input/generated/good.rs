@@ -72,6 +72,7 @@ pub fn files() -> TempDir {
     let origin = Origin {
         vehicle: Some("A".to_owned()),
         day: Some("2026-11-21".to_owned()),
+        ..Origin::default()
     };
     run::write_from(&at.join("run.parquet"), &rows(60, 2), &origin).unwrap();
     done("fuse --out map.csv --store store.csv run.csv run.parquet");

@@ -1,0 +1,17 @@
+//! Absolute time.
+
+use chrono::DateTime;
+use estimator_core::Instant;
+
+/// Earliest absolute time of a log, µs: 2001-09-09. Smaller times count from a start that no one
+/// knows.
+const EARLIEST_MICROS: u64 = 1_000_000_000_000_000;
+
+/// Returns the time of a log in UTC as RFC 3339 writes it (`2026-11-22T17:30:00.250Z`), if the time
+/// stamps of the log are absolute: seconds since 1970, as candump writes them.
+#[must_use]
+pub fn utc_of(time: Instant) -> Option<String> {
+    let micros = Some(time.micros()).filter(|micros| *micros >= EARLIEST_MICROS)?;
+    let utc = DateTime::from_timestamp_micros(i64::try_from(micros).ok()?)?;
+    Some(format!("{utc:?}"))
+}
