@@ -13,6 +13,7 @@ pub mod identify;
 pub mod inspect;
 #[cfg(target_os = "linux")]
 pub mod live;
+pub mod logs_to_map;
 pub mod map;
 pub mod numeric;
 pub mod recorder;

@@ -8,6 +8,7 @@ use crate::files::oracle::{OracleFile, mean_speed_mps};
 use crate::files::run::{self, RunCell};
 use crate::files::truth;
 use crate::files::vehicle::VehicleFile;
+use crate::logs_to_map::{Job, drives, make};
 use crate::map::{self, GradeMap, MapRow, Network, RoadLine, RoadRow, SessionRun};
 use crate::report::demo_page::{Demo, DemoDrive, demo_page};
 use crate::score::{self, ScoreRow, Unscorable, rivals};
@@ -17,6 +18,9 @@ use crate::source::read_options::ReadOptions;
 use crate::terminal::print::{note, print};
 use estimator_core::Tuning;
 use std::path::{Path, PathBuf};
+
+/// Folder, and name in the table, of the map that is made without vehicle files.
+const FROM_LOGS: &str = "from_logs";
 
 /// Arguments of `demo`.
 #[derive(Debug, clap::Args)]
@@ -68,6 +72,9 @@ pub fn run(args: &Args) -> Result<()> {
     let mut overall = score::mean(&scores);
     overall.push(map_score);
     scores.extend_from_slice(&overall);
+    note("5  map truck A's roads again from its logs alone, without a vehicle file");
+    let from_logs = map_from_logs(&scenario, &tuning, out)?;
+    overall.push(from_logs);
     let demo = Demo {
         drives,
         map,
@@ -85,7 +92,40 @@ pub fn run(args: &Args) -> Result<()> {
     }
     print(&format!("{}\n\n", score::table(&overall)))?;
     print(&format!("each run: {}\n", on_one_line(&table)))?;
+    let from_logs = out.join(FROM_LOGS);
+    print(&format!(
+        "from logs alone: {}\n",
+        on_one_line(&from_logs.join("index.html"))
+    ))?;
     print(&format!("page to open: {}\n", on_one_line(&report)))
+}
+
+/// Makes a map of the logs of truck A, whose vehicle is identified, and scores it.
+fn map_from_logs(scenario: &Scenario, tuning: &Tuning, folder: &Path) -> Result<ScoreRow> {
+    let road = TrueRoad::read(folder)?;
+    let first = &scenario.runs[0].vehicle.name;
+    let logs: Vec<PathBuf> = scenario
+        .runs
+        .iter()
+        .filter(|run| run.vehicle.name == *first)
+        .map(|run| folder.join(format!("{}.log", run.name)))
+        .collect();
+    let made = make(
+        Job {
+            drives: drives(&logs, false),
+            vehicle: None,
+            like: None,
+            roads: Some(TrueRoad::read(folder)?.network),
+            tuning: tuning.clone(),
+            options: ReadOptions::default(),
+        },
+        |_| (),
+    )?;
+    made.write(&folder.join(FROM_LOGS))?;
+    let rows: Vec<MapRow> = made.ways.iter().flat_map(|way| way.rows.clone()).collect();
+    let (_, mut row) = road.score(&rows)?;
+    FROM_LOGS.clone_into(&mut row.run);
+    Ok(row)
 }
 
 /// The road of the scenario, with its true grades.

@@ -55,7 +55,9 @@ pub fn run(args: &Args) -> Result<()> {
     let like_file = args.like.as_deref().map(Path::new).filter(|p| p.is_file());
     let inputs = args.logs.iter().map(PathBuf::as_path);
     let inputs = inputs.chain(like_file).chain(args.tuning.file());
+    let inputs = inputs.chain(args.reading.own().files());
     outputs::check(inputs, [&*args.out])?;
+    outputs::check_file(&args.out, &["toml"])?;
     let request = Request {
         logs: args.logs.clone(),
         like,
@@ -73,17 +75,22 @@ pub fn run(args: &Args) -> Result<()> {
 }
 
 /// Identifies, and shows the progress.
-pub(super) fn shown(request: &Request) -> Result<Identified> {
+fn shown(request: &Request) -> Result<Identified> {
     let wait = progress::spinner("reading the logs");
     let found = identify(request, |step| wait.set_message(step.to_owned()))?;
     wait.finish_and_clear();
+    tell_unknown(&found);
+    Ok(found)
+}
+
+/// Says what the logs do not tell.
+pub(super) fn tell_unknown(found: &Identified) {
     for unknown in &found.unknown {
         note(format_args!(
             "not known: {}. {}",
             unknown.what, unknown.advice
         ));
     }
-    Ok(found)
 }
 
 /// Returns the class or the file that `--like` names.
@@ -110,10 +117,10 @@ fn table(found: &Identified) -> String {
         .map(|value| {
             vec![
                 value.key.clone(),
-                format!("{:.5}", value.value),
                 comment(value),
+                format!("{:.5}", value.value),
             ]
         })
         .collect();
-    format!("{}\n", text_table(&["key", "value", "from"], &rows, 1))
+    format!("{}\n", text_table(&["key", "from", "value"], &rows, 2))
 }

@@ -2,24 +2,15 @@
 
 use super::log_options::LogOptions;
 use super::tuning_option::TuningOption;
-use super::{conclusion, estimate, identify, outputs};
-use crate::error::{Error, Result, on_one_line};
-use crate::files::data_set;
-use crate::files::output::{Staged, stage_text};
-use crate::files::run::{self, RunCell};
+use super::{conclusion, identify, outputs};
+use crate::error::{Result, on_one_line};
 use crate::files::vehicle::VehicleFile;
-use crate::identify::{Identified, Request, annotated};
-use crate::map::pipeline::roads_of_runs::roads_of_runs;
-use crate::map::{self, GradeMap, Network, SessionRun, read_network, stage_map_ways};
-use crate::recorder::{self, RunSummary};
-use crate::report::logs_page::{LogRun, LogsMap, logs_page};
-use crate::source::read_options::ReadOptions;
-use crate::terminal::print::{note, print};
+use crate::logs_to_map::{Drive, Job, MadeMap, drives, files, make};
+use crate::map::read_network;
+use crate::report::logs_page::LogRun;
+use crate::terminal::print::{alert, note, print};
 use crate::terminal::progress;
 use crate::terminal::table::text_table;
-use estimator_core::Tuning;
-use rayon::prelude::*;
-use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Arguments of `map`.
@@ -63,83 +54,24 @@ pub struct Args {
     logs: Vec<PathBuf>,
 }
 
-/// One drive: its logs and the name of its run.
-struct Drive {
-    name: String,
-    logs: Vec<PathBuf>,
-}
-
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
-    let drives = drives(args);
+    let drives = drives(&args.logs, args.join);
     check_outputs(args, &drives)?;
-    let tuning = args.tuning.read()?;
-    let road = args.road.as_deref().map(read_network).transpose()?;
-    let (vehicle, identified) = vehicle(args, &tuning)?;
-    let (runs, left_out) = estimate_all(&drives, &vehicle, &tuning, &args.reading.read_options()?)?;
-    let cells: Vec<Vec<RunCell>> = runs
-        .iter()
-        .map(|of| of.rows.iter().map(RunCell::from).collect())
-        .collect();
-    let no_road = || {
-        let problem = "no run has positions: expected GNSS positions (NMEA 2000 129025 or 129029)";
-        Error::content(&args.logs[0], problem)
+    let job = Job {
+        drives,
+        vehicle: args.vehicle.as_deref().map(VehicleFile::read).transpose()?,
+        like: args.like.as_deref().map(identify::like).transpose()?,
+        roads: args.road.as_deref().map(read_network).transpose()?,
+        tuning: args.tuning.read()?,
+        options: args.reading.read_options()?,
     };
-    let road = road.or_else(|| roads_of_runs(&cells)).ok_or_else(no_road)?;
-    let fused = fuse(&road, &runs, &vehicle.name);
-    if fused.is_empty() {
-        let problem = "no cell of the road is covered; expected runs on it, in its direction";
-        return Err(Error::content(&args.logs[0], problem));
-    }
-    let map = LogsMap {
-        network: &road,
-        ways: &fused,
-        runs: &runs,
-        vehicle: &vehicle.name,
-        identified: identified.as_ref(),
-        left_out: &left_out,
-    };
-    let page = logs_page(&map);
-    let mut staged: Vec<Staged> = Vec::new();
-    let text = identified
-        .as_ref()
-        .map_or_else(|| vehicle.to_toml(), annotated::text);
-    staged.push(stage_text(&args.out.join("vehicle.toml"), &text)?);
-    staged.push(stage_map_ways(&args.out.join("map.csv"), &fused)?);
-    staged.push(page.stage_alone(&args.out.join("index.html"))?);
-    for of in &runs {
-        run::write(&run_path(&args.out, &of.name), &of.rows)?;
-    }
-    for file in staged {
-        file.commit()?;
-    }
-    conclude(args, &runs)
-}
-
-fn drives(args: &Args) -> Vec<Drive> {
-    if args.join {
-        return vec![Drive {
-            name: data_set::run_name(&args.logs[0]),
-            logs: args.logs.clone(),
-        }];
-    }
-    let mut taken = BTreeSet::new();
-    let drive = |log: &PathBuf| {
-        let plain = data_set::run_name(log);
-        // Logs of two folders may have the same name.
-        let numbered = (2..).map(|number| format!("{plain}-{number}"));
-        let mut names = std::iter::once(plain.clone()).chain(numbered);
-        let name = names.find(|name| taken.insert(name.clone()));
-        Drive {
-            name: name.unwrap_or(plain),
-            logs: vec![log.clone()],
-        }
-    };
-    args.logs.iter().map(drive).collect()
-}
-
-fn run_path(folder: &Path, name: &str) -> PathBuf {
-    folder.join("runs").join(format!("{name}.csv"))
+    let wait = progress::spinner("reading the logs");
+    let made = make(job, |step| wait.set_message(step.to_owned()))?;
+    made.write(&args.out)?;
+    wait.finish_and_clear();
+    tell(&made);
+    conclude(args, &made)
 }
 
 fn check_outputs(args: &Args, drives: &[Drive]) -> Result<()> {
@@ -149,113 +81,44 @@ fn check_outputs(args: &Args, drives: &[Drive]) -> Result<()> {
         .chain(args.vehicle.as_deref())
         .chain(args.road.as_deref())
         .chain(like)
-        .chain(args.tuning.file());
-    let own = ["vehicle.toml", "map.csv", "index.html"].map(|name| args.out.join(name));
-    let runs = drives.iter().map(|drive| run_path(&args.out, &drive.name));
-    let written: Vec<PathBuf> = own.into_iter().chain(runs).collect();
+        .chain(args.tuning.file())
+        .chain(args.reading.own().files());
+    let written = files(&args.out, drives);
     outputs::check(inputs, written.iter().map(PathBuf::as_path))
 }
 
-fn vehicle(args: &Args, tuning: &Tuning) -> Result<(VehicleFile, Option<Identified>)> {
-    if let Some(path) = &args.vehicle {
-        return Ok((VehicleFile::read(path)?, None));
+/// Says what was assumed, and what was wrong with the input.
+fn tell(made: &MadeMap) {
+    if let Some(found) = made.identified() {
+        identify::tell_unknown(found);
+        note(format_args!(
+            "the vehicle is identified as one like {}; vehicle.toml says what was read, measured \
+             and assumed",
+            found.class
+        ));
     }
-    let request = Request {
-        logs: args.logs.clone(),
-        like: args.like.as_deref().map(identify::like).transpose()?,
-        tuning: tuning.clone(),
-        options: args.reading.read_options()?,
-    };
-    let found = identify::shown(&request)?;
-    note(format_args!(
-        "the vehicle is identified as one like {}; vehicle.toml tells what was read, measured and \
-         assumed",
-        found.class
-    ));
-    Ok((found.vehicle.clone(), Some(found)))
+    for problem in &made.left_out {
+        alert(format_args!("warning: left out: {problem}"));
+    }
+    for run in &made.runs {
+        conclusion::warn(&run.warnings);
+    }
 }
 
-/// Estimates all drives. Returns the runs, and for each drive that has none a line that says why.
-fn estimate_all(
-    drives: &[Drive],
-    vehicle: &VehicleFile,
-    tuning: &Tuning,
-    options: &ReadOptions,
-) -> Result<(Vec<LogRun>, Vec<String>)> {
-    let bar = progress::count(drives.len() as u64, "drives");
-    let results: Vec<Result<LogRun>> = drives
-        .par_iter()
-        .map(|drive| {
-            let run = estimate_one(drive, vehicle, tuning, options);
-            bar.inc(1);
-            run
-        })
-        .collect();
-    bar.finish_and_clear();
-    let (mut runs, mut problems) = (Vec::new(), Vec::new());
-    for result in results {
-        match result {
-            Ok(run) => runs.push(run),
-            Err(problem) => problems.push(problem),
-        }
-    }
-    let words: Vec<String> = problems.iter().map(ToString::to_string).collect();
-    if runs.is_empty() {
-        return Err(problems.swap_remove(0));
-    }
-    for problem in &words {
-        note(format_args!("warning: left out: {problem}"));
-    }
-    Ok((runs, words))
-}
-
-fn estimate_one(
-    drive: &Drive,
-    vehicle: &VehicleFile,
-    tuning: &Tuning,
-    options: &ReadOptions,
-) -> Result<LogRun> {
-    let mut run = recorder::estimate_logs::<f32>(&vehicle.model, tuning, &drive.logs, options)?;
-    estimate::check(&drive.logs[0], vehicle, &run)?;
-    let summary = RunSummary::new(&mut run)?;
-    let run = run.in_memory()?;
-    Ok(LogRun {
-        name: drive.name.clone(),
-        rows: run.rows,
-        summary,
-        warnings: run.warnings,
-    })
-}
-
-fn fuse(road: &Network, runs: &[LogRun], vehicle: &str) -> Vec<map::WayRows> {
-    let mut sums = GradeMap::new(road);
-    for of in runs {
-        // One vehicle: its parameters are common to all runs.
-        sums.add_run(&SessionRun {
-            session: Some(vehicle),
-            rows: &of.rows,
-        });
-    }
-    sums.close_session(vehicle);
-    sums.fused().ways
-}
-
-fn conclude(args: &Args, runs: &[LogRun]) -> Result<()> {
+fn conclude(args: &Args, made: &MadeMap) -> Result<()> {
     if args.json {
-        let json: Vec<_> = runs
+        let runs: Vec<_> = made
+            .runs
             .iter()
-            .map(|of| serde_json::json!({ "run": of.name, "summary": of.summary }))
+            .map(|run| serde_json::json!({ "run": run.name, "summary": run.summary }))
             .collect();
-        let json = serde_json::to_string(&json).expect("numbers are JSON");
+        let json = serde_json::json!({ "runs": runs, "left_out": made.left_out });
         print(&format!("{json}\n"))?;
     } else {
-        let rows: Vec<Vec<String>> = runs.iter().map(LogRun::line).collect();
+        let rows: Vec<Vec<String>> = made.runs.iter().map(LogRun::line).collect();
         print(&format!("{}\n", text_table(&LogRun::HEADER, &rows, 1)))?;
     }
-    for of in runs {
-        conclusion::warn(&of.warnings);
-    }
-    let file = |name: &str| on_one_line(&args.out.join(name)).to_string();
+    let file = |name: &str| on_one_line(&args.out.join(name));
     note(format_args!("map: {}", file("map.csv")));
     note(format_args!("page to open: {}", file("index.html")));
     Ok(())

@@ -153,7 +153,9 @@ fn vehicle_section(map: &LogsMap) -> Section {
     };
     let header = ["key", "value", "from"];
     let caption = "What was read, measured and assumed.";
-    let table = Table::new("vehicle", caption, &header).with_rows(found.values.iter().map(row));
+    let table = Table::new("vehicle", caption, &header)
+        .with_rows(found.values.iter().map(row))
+        .with_words();
     unknown.table(table)
 }
 

@@ -11,6 +11,8 @@ pub struct Table {
     pub header: Vec<String>,
     /// Rows; numbers as text.
     pub rows: Vec<Vec<String>>,
+    /// Whether the last column is words instead of numbers.
+    pub has_words: bool,
 }
 
 impl Table {
@@ -21,6 +23,7 @@ impl Table {
             caption: caption.into(),
             header: header.iter().map(|&name| name.to_owned()).collect(),
             rows: Vec::new(),
+            has_words: false,
         }
     }
 
@@ -28,6 +31,13 @@ impl Table {
     #[must_use]
     pub fn with_rows(mut self, rows: impl IntoIterator<Item = Vec<String>>) -> Self {
         self.rows.extend(rows);
+        self
+    }
+
+    /// Returns the table with words in its last column.
+    #[must_use]
+    pub const fn with_words(mut self) -> Self {
+        self.has_words = true;
         self
     }
 

@@ -45,7 +45,7 @@ const CORE: [&str; 22] = [
 ];
 
 /// Parts of the host, and the parts that each may import. All may import `error`.
-const HOST: [(&str, &[&str]); 18] = [
+const HOST: [(&str, &[&str]); 19] = [
     (
         "cli",
         &[
@@ -55,6 +55,7 @@ const HOST: [(&str, &[&str]); 18] = [
             "identify",
             "inspect",
             "live",
+            "logs_to_map",
             "map",
             "numeric",
             "recorder",
@@ -87,6 +88,10 @@ const HOST: [(&str, &[&str]); 18] = [
     (
         "diagnose",
         &["files", "map", "numeric", "recorder", "report", "source"],
+    ),
+    (
+        "logs_to_map",
+        &["files", "identify", "map", "recorder", "report", "source"],
     ),
     ("identify", &["diagnose", "files", "numeric", "source"]),
     (

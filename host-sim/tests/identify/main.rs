@@ -1,0 +1,6 @@
+//! `roadgrade identify` and `roadgrade map`: from logs to a vehicle file and a map.
+
+mod maps;
+mod refused;
+mod trucks;
+mod vehicles;

@@ -1,0 +1,76 @@
+//! What `identify` and `map` refuse, and with which words.
+
+use super::trucks::{LIGHT, simulate, without};
+use predicates::str::contains;
+use std::fs;
+use test_kit::command::{folder, roadgrade};
+
+#[test]
+fn wrong_usage_is_told_before_anything_is_read() {
+    let folder = folder();
+    let path = folder.path();
+    fs::write(path.join("a.log"), "").unwrap();
+    let cases: [(&[&str], &str); 3] = [
+        (
+            &["identify", "--out", "v.toml", "--like", "truck4t", "a.log"],
+            "expected a vehicle file, or one of bus, car, truck12t, truck40t, van",
+        ),
+        (&["identify", "--out", "v.csv", "a.log"], "expected .toml"),
+        (&["map", "a.log"], "--out <DIR>"),
+    ];
+    for (arguments, words) in cases {
+        roadgrade(path, arguments).code(2).stderr(contains(words));
+    }
+}
+
+#[test]
+fn a_missing_signal_is_named() {
+    let folder = folder();
+    let path = folder.path();
+    simulate(path, &[&LIGHT], 2_000.0, false);
+    for (pgn, words) in [
+        ("F004", "no torque: expected EEC1"),
+        ("FEF1", "no speed: expected wheel-based speed"),
+        ("F805", "no GNSS altitude: expected NMEA 2000 129029"),
+    ] {
+        // Without the front axle's speed, too.
+        without(path, "light.log", "part.log", &[pgn, "FEBF"]);
+        let arguments = ["identify", "--out", "v.toml", "part.log"];
+        roadgrade(path, &arguments).code(1).stderr(contains(words));
+        assert!(!path.join("v.toml").exists());
+    }
+}
+
+#[test]
+fn a_log_that_cannot_be_estimated_is_left_out_of_the_map() {
+    let folder = folder();
+    let path = folder.path();
+    simulate(path, &[&LIGHT], 6_000.0, false);
+    without(path, "light.log", "deaf.log", &["F805"]);
+    let arguments = [
+        "map",
+        "--out",
+        "out",
+        "--vehicle",
+        "light.toml",
+        "light.log",
+        "deaf.log",
+    ];
+    roadgrade(path, &arguments)
+        .success()
+        .stderr(contains("warning: left out: deaf.log: no GNSS altitude"));
+    assert!(path.join("out/runs/light.csv").exists());
+    assert!(!path.join("out/runs/deaf.csv").exists());
+    let page = fs::read_to_string(path.join("out/index.html")).unwrap();
+    assert!(page.contains("Left out: deaf.log"));
+    let arguments = [
+        "map",
+        "--out",
+        "none",
+        "--vehicle",
+        "light.toml",
+        "deaf.log",
+    ];
+    roadgrade(path, &arguments).code(1);
+    assert!(!path.join("none").exists());
+}

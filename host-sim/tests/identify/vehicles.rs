@@ -1,0 +1,178 @@
+//! The vehicle files that logs ask for, and how good estimates with them are.
+
+use super::trucks::{HEAVY, LIGHT, Truck, simulate, without};
+use estimator_core::Traction;
+use host_sim::files::run;
+use host_sim::files::truth;
+use host_sim::files::vehicle::VehicleFile;
+use host_sim::score::score_run;
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+use test_kit::command::{folder, roadgrade};
+
+fn identify(folder: &Path, out: &str, arguments: &[&str]) -> Vec<Value> {
+    let mut all = vec!["identify", "--json", "--out", out];
+    all.extend(arguments);
+    let done = roadgrade(folder, &all).success();
+    serde_json::from_slice(&done.get_output().stdout).unwrap()
+}
+
+fn value<'a>(values: &'a [Value], key: &str) -> &'a Value {
+    values
+        .iter()
+        .find(|of| of["key"] == key)
+        .unwrap_or_else(|| panic!("{key}"))
+}
+
+/// Engine turns to a metre in each gear, rad/m.
+fn turns_per_m(file: &VehicleFile) -> Vec<f32> {
+    let vehicle = &file.model.vehicle;
+    let Traction::Powertrain(powertrain) = &vehicle.traction else {
+        panic!("no powertrain");
+    };
+    let per_ratio = powertrain.final_drive_ratio / vehicle.wheel_radius_m;
+    powertrain
+        .gears
+        .iter()
+        .map(|gear| gear.ratio * per_ratio)
+        .collect()
+}
+
+/// RMSE and normalised squared error of the smoothed and of the live grade, %.
+fn scores(folder: &Path, vehicle: &str, log: &str, truth_of: &str) -> [(f64, f64); 2] {
+    let arguments = ["estimate", "--vehicle", vehicle, "--out", "run.csv", log];
+    roadgrade(folder, &arguments).success();
+    let rows = run::read(&folder.join("run.csv")).unwrap();
+    let truth = truth::read(&folder.join(format!("{truth_of}.truth.csv"))).unwrap();
+    let scored = score_run("run", &rows, &truth).unwrap().rows;
+    ["smoothed", "live"].map(|estimate| {
+        let row = scored.iter().find(|row| row.estimate == estimate).unwrap();
+        (row.rmse_percent, row.nees)
+    })
+}
+
+#[test]
+fn estimates_with_the_identified_file_are_as_good_as_with_the_right_one() {
+    let folder = folder();
+    let path = folder.path();
+    simulate(path, &[&HEAVY, &LIGHT], 25_000.0, false);
+    for truck in [&HEAVY, &LIGHT] {
+        let name = truck.name;
+        let log = format!("{name}.log");
+        // The bus with everything, without the mass (CVW), and without mass, EC1's transport and
+        // the gearbox.
+        let bare = ["FE70", "ECFF", "EBFF", "F005"];
+        for (number, left_out) in [&[][..], &bare[..1], &bare].into_iter().enumerate() {
+            let part = format!("{name}{number}.log");
+            without(path, &log, &part, left_out);
+            let values = identify(path, "found.toml", &[&part]);
+            assert!(values.iter().all(|of| of["sigma"].as_f64().unwrap() >= 0.0));
+            let right = scores(path, &format!("{name}.vehicle.toml"), &part, name);
+            let found = scores(path, "found.toml", &part, name);
+            let words = format!("{part}: {right:?}, {found:?}");
+            assert!(found[0].0 <= 1.2 * right[0].0, "{words}");
+            assert!(found[1].0 <= 1.3 * right[1].0, "{words}");
+            // Of one drive of 25 km, not of many.
+            assert!(
+                found.iter().all(|of| (0.1..=2.5).contains(&of.1)),
+                "{words}"
+            );
+        }
+    }
+}
+
+fn check_read(truck: &Truck) {
+    let folder = folder();
+    let path = folder.path();
+    simulate(path, &[truck], 12_000.0, false);
+    let log = format!("{}.log", truck.name);
+    let values = identify(path, "found.toml", &[&log]);
+    let torque = value(&values, "powertrain.reference_torque_nm");
+    assert_eq!(torque["value"], f64::from(truck.reference_torque_nm));
+    assert_eq!(torque["origin"], "read");
+    assert_eq!(value(&values, "vehicle.mass_kg")["origin"], "read");
+    assert_eq!(
+        value(&values, "vehicle.wheel_inertia_kgm2")["origin"],
+        "assumed"
+    );
+    let right = VehicleFile::read(&path.join(format!("{}.toml", truck.name))).unwrap();
+    let found = VehicleFile::read(&path.join("found.toml")).unwrap();
+    let (right, found) = (turns_per_m(&right), turns_per_m(&found));
+    // Started from standstill: all gears but some that a start may skip.
+    assert_eq!(found.len(), right.len(), "{found:?}, {right:?}");
+    for (number, (found, right)) in found.iter().zip(&right).enumerate() {
+        let of = value(&values, &format!("powertrain.gears[{number}].ratio"));
+        if of["origin"] != "assumed" {
+            let off = found / right - 1.0;
+            assert!(off.abs() < 0.01, "gear {number}: {found} for {right}");
+        }
+    }
+}
+
+#[test]
+fn what_the_bus_tells_is_read_exactly() {
+    check_read(&HEAVY);
+    check_read(&LIGHT);
+}
+
+#[test]
+fn each_value_of_the_file_has_a_comment_that_tells_its_origin() {
+    let folder = folder();
+    let path = folder.path();
+    simulate(path, &[&LIGHT], 8_000.0, false);
+    let values = identify(path, "found.toml", &["light.log"]);
+    let text = fs::read_to_string(path.join("found.toml")).unwrap();
+    let commented = text
+        .lines()
+        .filter(|line| !line.starts_with('#') && line.contains(" = ") && !line.starts_with("name"))
+        .inspect(|line| {
+            let words = ["# read", "# measured ± ", "# assumed ± "];
+            assert!(words.iter().any(|word| line.contains(word)), "{line}");
+        })
+        .count();
+    assert_eq!(commented, values.len());
+    let keys: Vec<&str> = values
+        .iter()
+        .map(|of| of["key"].as_str().unwrap())
+        .collect();
+    assert!(
+        keys.contains(&"vehicle.drag_area_m2") && keys.contains(&"powertrain.final_drive_ratio")
+    );
+}
+
+#[test]
+fn two_logs_narrow_what_one_tells() {
+    let folder = folder();
+    let path = folder.path();
+    simulate(path, &[&LIGHT], 20_000.0, true);
+    let sigma = |logs: &[&str]| {
+        let values = identify(path, "found.toml", logs);
+        value(&values, "vehicle.drag_area_m2")["sigma"]
+            .as_f64()
+            .unwrap()
+    };
+    let (one, two) = (
+        sigma(&["light.log"]),
+        sigma(&["light.log", "light_back.log"]),
+    );
+    assert!(two < one, "{two} with two logs, {one} with one");
+}
+
+#[test]
+fn a_vehicle_file_as_a_model_gives_what_is_not_measured() {
+    let folder = folder();
+    let path = folder.path();
+    simulate(path, &[&LIGHT], 5_000.0, false);
+    let values = identify(path, "found.toml", &["--like", "light.toml", "light.log"]);
+    let inertia = value(&values, "vehicle.wheel_inertia_kgm2");
+    assert_eq!(
+        (&inertia["value"], &inertia["origin"]),
+        (&60.0.into(), &"assumed".into())
+    );
+    // Radius and final drive together are what the speeds show.
+    let radius = value(&values, "vehicle.wheel_radius_m")["value"]
+        .as_f64()
+        .unwrap();
+    assert!((radius / 0.42 - 1.0).abs() < 0.005, "{radius}");
+}
