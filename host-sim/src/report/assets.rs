@@ -10,8 +10,14 @@ pub const UPLOT_LICENCE: &str = include_str!("assets/uplot/LICENSE");
 pub const PAGE_CSS: &str = include_str!("assets/page.css");
 /// Hover and zoom that figures share.
 pub const LINKS_JS: &str = include_str!("assets/links.js");
+/// Series of charts, as the library wants them.
+pub const CHART_SERIES_JS: &str = include_str!("assets/chart_series.js");
+/// What charts show besides their series.
+pub const CHART_MARKS_JS: &str = include_str!("assets/chart_marks.js");
 /// Charts.
 pub const CHART_JS: &str = include_str!("assets/chart.js");
+/// How plans look.
+pub const PLAN_VIEW_JS: &str = include_str!("assets/plan_view.js");
 /// Plans.
 pub const PLAN_JS: &str = include_str!("assets/plan.js");
 /// Starts the figures of a page.

@@ -156,7 +156,10 @@ fn row(way: &WayRows) -> Vec<String> {
     ]
 }
 
-fn profile_section(number: usize, way: &WayRows) -> Section {
+/// Returns the profiles of a way: grade with two sigmas, sigma and number of runs. The number makes
+/// the names of its figures distinct.
+#[must_use]
+pub fn profile_section(number: usize, way: &WayRows) -> Section {
     let points = |value: fn(&MapRow) -> (f64, Option<f64>)| {
         way.rows.iter().map(move |row| {
             let (value, sigma) = value(row);

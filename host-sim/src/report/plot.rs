@@ -1,5 +1,4 @@
-//! Plots: series over a common axis, as data. [`svg`](super::svg) and
-//! [`chart_data`](super::chart_data) draw them.
+//! Plots: series over a common axis, as data. `svg.rs` and `chart_data.rs` draw them.
 
 pub use super::colour;
 use plotters::style::RGBColor;

@@ -3,6 +3,7 @@
 use super::parsed::{ParsedPage, points};
 use std::fs;
 use std::path::Path;
+use std::process::Command;
 use std::sync::LazyLock;
 use tempfile::TempDir;
 use test_kit::command::roadgrade;
@@ -118,4 +119,25 @@ fn marks_that_captions_name_are_there() {
             .any(|y| y.abs() > 0.5)
     });
     assert_eq!(captions.contains("Triangles"), beyond);
+}
+
+/// In a browser, every figure becomes a canvas.
+#[test]
+fn a_browser_draws_every_figure() {
+    let profile = tempfile::tempdir().expect("a folder");
+    let drawn = Command::new("chromium")
+        .args(["--headless", "--no-sandbox", "--disable-gpu"])
+        .args(["--virtual-time-budget=3000", "--dump-dom"])
+        .arg(format!("--user-data-dir={}", profile.path().display()))
+        .arg(format!("file://{}", folder().join("report.html").display()))
+        .output();
+    let Ok(drawn) = drawn else {
+        eprintln!("SKIPPED: no chromium to draw the page");
+        return;
+    };
+    let page = String::from_utf8_lossy(&drawn.stdout);
+    let said = String::from_utf8_lossy(&drawn.stderr);
+    assert_eq!(page.matches("<canvas").count(), 4, "{said}");
+    assert_eq!(page.matches("class=\"u-legend").count(), 3);
+    assert_eq!(page.matches("class=\"classes\"").count(), 1);
 }
