@@ -2,7 +2,7 @@
 
 use super::log_options::LogOptions;
 use super::tuning_option::TuningOption;
-use super::{conclusion, outputs};
+use super::{conclusion, log_notes, outputs};
 use crate::error::{Error, Result};
 use crate::files::run::{self, Origin};
 use crate::files::vehicle::VehicleFile;
@@ -112,6 +112,7 @@ pub fn run(args: &Args) -> Result<()> {
         drive::<f32>(&vehicle, &tuning, last, &args.log, &options)?
     };
     let seconds = started.elapsed().as_secs_f64();
+    log_notes::note_report(&args.log, &run.log);
     check(&args.log, &vehicle, &run)?;
     let origin = Origin {
         vehicle: Some(vehicle.name),

@@ -1,5 +1,6 @@
 //! The command line: one file per subcommand.
 
+mod columns;
 mod conclusion;
 mod demo;
 mod diagnose;
@@ -10,6 +11,7 @@ mod import;
 mod inspect;
 #[cfg(target_os = "linux")]
 mod listen;
+mod log_notes;
 mod log_options;
 mod outputs;
 #[cfg(target_os = "linux")]
@@ -50,6 +52,8 @@ enum Command {
     Import(import::Args),
     /// Show which messages are in a log, and which inputs of an estimate are missing.
     Inspect(inspect::Args),
+    /// List every signal: its column, unit and range, and the messages that have it.
+    Columns(columns::Args),
     /// Send a recorded log on a CAN interface.
     Replay(replay::Args),
     /// Estimate the grade live, from CAN interfaces.
@@ -79,6 +83,7 @@ impl Cli {
             Command::Estimate(args) => estimate::run(args),
             Command::Import(args) => import::run(args),
             Command::Inspect(args) => inspect::run(args),
+            Command::Columns(args) => columns::run(args),
             Command::Replay(args) => replay::run(args),
             Command::Listen(args) => listen::run(args),
             Command::Fuse(args) => fuse::run(args),

@@ -12,7 +12,8 @@ use std::path::Path;
 /// Bytes that are looked at.
 const HEAD_BYTES: u64 = 16 << 10;
 const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
-const PARQUET_MAGIC: &[u8] = b"PAR1";
+/// First bytes of a Parquet file.
+pub const PARQUET_MAGIC: &[u8] = b"PAR1";
 
 /// A kind of file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -37,6 +37,9 @@ pub struct Census {
     pub can_fd_frames: u64,
     /// Bus errors that the interface reported; they are skipped.
     pub bus_errors: u64,
+    /// Columns of a signal table that are not ours.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub ignored_columns: Vec<String>,
     /// Decoded signals, in the order of [`Signal`], then by source address.
     pub signals: Vec<SignalCount>,
 }
@@ -342,6 +345,7 @@ impl BusCounter {
                 })
                 .collect(),
             remote_frames: self.remote,
+            ignored_columns: Vec::new(),
             can_fd_frames: skipped.can_fd,
             bus_errors: skipped.bus_errors,
             signals: self
@@ -373,12 +377,14 @@ fn announcement(pgn: Pgn, frame: &CanFrame) -> Option<(u32, u16)> {
 pub struct TableCounter {
     all: EventTally,
     columns: BTreeMap<Signal, Range>,
+    ignored: Vec<String>,
 }
 
 impl TableCounter {
-    /// Creates a counter for a table with these columns.
-    pub fn new(columns: impl IntoIterator<Item = Signal>) -> Self {
+    /// Creates a counter for a table with these columns, and with others that are not ours.
+    pub fn new(columns: impl IntoIterator<Item = Signal>, ignored: &[String]) -> Self {
         Self {
+            ignored: ignored.to_vec(),
             all: EventTally::default(),
             columns: columns
                 .into_iter()
@@ -403,6 +409,7 @@ impl TableCounter {
             start_s: self.all.first.micros() as f64 / 1e6,
             duration_s: self.all.duration_s(),
             rows,
+            ignored_columns: self.ignored,
             signals: self
                 .columns
                 .into_iter()

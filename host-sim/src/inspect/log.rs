@@ -7,6 +7,7 @@ use crate::source::can_frame::TimedFrame;
 use crate::source::frame_log::FrameLog;
 use crate::source::log::Log;
 use crate::source::log_kind::LogKind;
+use crate::source::parquet_table::ParquetTable;
 use crate::source::read_options::ReadOptions;
 use crate::source::signal_table::SignalTableReader;
 use std::path::Path;
@@ -37,6 +38,7 @@ pub fn census_of(
             count_frames(frames, options, look, progress)?
         }
         Log::Table(table) => count_rows(*table, progress)?,
+        Log::Parquet(table) => count_parquet_rows(*table)?,
     };
     Ok((kind, census))
 }
@@ -61,7 +63,7 @@ fn count_frames(
 }
 
 fn count_rows(mut table: SignalTableReader, progress: impl Fn(u64)) -> Result<Census> {
-    let mut counter = TableCounter::new(table.signals());
+    let mut counter = TableCounter::new(table.signals(), table.ignored_columns());
     let mut rows = 0_u64;
     while let Some(row) = table.next_row()? {
         counter.add(&row);
@@ -69,6 +71,14 @@ fn count_rows(mut table: SignalTableReader, progress: impl Fn(u64)) -> Result<Ce
         if rows.is_multiple_of(PROGRESS_STEP) {
             progress(table.file().bytes_read());
         }
+    }
+    Ok(counter.finish())
+}
+
+fn count_parquet_rows(mut table: ParquetTable) -> Result<Census> {
+    let mut counter = TableCounter::new(table.signals(), table.ignored_columns());
+    while let Some(row) = table.next_row()? {
+        counter.add(&row);
     }
     Ok(counter.finish())
 }

@@ -42,6 +42,10 @@ fn overview(out: &mut String, head: &str, census: &Census) {
             census.start_s
         ),
     );
+    if !census.ignored_columns.is_empty() {
+        let columns = census.ignored_columns.join(", ");
+        line(out, &format!("ignored columns: {columns}"));
+    }
     let unusable: u64 = census.messages.iter().map(|m| m.unusable).sum();
     for (count, what) in [
         (census.remote_frames, "remote frames"),

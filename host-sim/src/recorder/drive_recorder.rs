@@ -8,6 +8,7 @@ use crate::files::spool::Spool;
 use crate::smooth::{Samples, SmoothedCell, smooth_segments};
 use crate::source::can_frame::TimedFrame;
 use crate::source::input::LogInput;
+use crate::source::log_report::LogReport;
 use crate::source::read_options::ReadOptions;
 use estimator_core::sample::Sample;
 use estimator_core::{
@@ -225,6 +226,7 @@ impl<S: Scalar> Recorder<S> {
         )?;
         Ok(LongRun {
             rows,
+            log: LogReport::default(),
             counters: *self.estimator.counters(),
             persistent_state: self.estimator.persistent_state(),
             disagreements,

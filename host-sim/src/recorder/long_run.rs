@@ -4,6 +4,7 @@ use crate::error::{Error, Result};
 use crate::files::run::{RunRow, RunRows};
 use crate::files::spool::{Spool, blocks};
 use crate::smooth::Disagreements;
+use crate::source::log_report::LogReport;
 use estimator_core::{Counters, PersistentState};
 use std::io;
 
@@ -25,6 +26,8 @@ pub struct SmoothedRun {
 pub struct LongRun {
     /// Its cells.
     pub rows: Rows,
+    /// What the reading of the log told; nothing for a live bus.
+    pub log: LogReport,
     /// Counters of the core.
     pub counters: Counters,
     /// State for the next drive; `None` if this one was too short.

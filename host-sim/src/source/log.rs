@@ -3,9 +3,11 @@
 use super::frame_log::FrameLog;
 use super::log_file::LogFile;
 use super::log_kind::{LogKind, kind_of};
+use super::parquet_table::ParquetTable;
 use super::read_options::ReadOptions;
 use super::signal_table::SignalTableReader;
 use crate::error::{Error, Result};
+use crate::files::kind::PARQUET_MAGIC;
 use crate::files::log_format::{LogFormat, foreign, format_of};
 use std::path::Path;
 
@@ -15,6 +17,8 @@ pub enum Log {
     Frames(FrameLog),
     /// Rows of a signal table.
     Table(Box<SignalTableReader>),
+    /// Rows of a signal table in Parquet.
+    Parquet(Box<ParquetTable>),
 }
 
 impl Log {
@@ -28,6 +32,9 @@ impl Log {
         let by_name = kind_of(path)?;
         let mut file = LogFile::open(path)?;
         let head = file.look_at_head();
+        if head.starts_with(PARQUET_MAGIC) {
+            return ParquetTable::open(path).map(|table| Self::Parquet(Box::new(table)));
+        }
         if let Some(advice) = foreign(head) {
             return Err(Error::content(path, advice));
         }
@@ -51,7 +58,7 @@ impl Log {
     pub const fn kind(&self) -> LogKind {
         match self {
             Self::Frames(frames) => frames.kind(),
-            Self::Table(_) => LogKind::SignalTable,
+            Self::Table(_) | Self::Parquet(_) => LogKind::SignalTable,
         }
     }
 }

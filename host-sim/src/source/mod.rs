@@ -10,10 +10,13 @@ mod lines;
 pub mod log;
 pub mod log_file;
 pub mod log_kind;
+pub mod log_report;
 pub mod log_time;
 pub mod own_signals;
+pub mod parquet_table;
 pub mod read_options;
 pub mod signal_range;
+pub mod signal_source;
 pub mod signal_table;
 #[cfg(target_os = "linux")]
 pub mod socketcan;

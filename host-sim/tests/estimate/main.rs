@@ -6,6 +6,7 @@ mod end_to_end;
 mod faulty_drive;
 mod gnss_faults;
 mod late_receiver;
+mod own_signals;
 mod persistent_state;
 mod receiver_filters;
 mod reversing;

@@ -33,7 +33,7 @@ BO_ 1264 Gnss: 8 Gateway
  SG_ Height m2 : 8|32@1- (1,0) [0|0] "m" Logger
  SG_ Satellites m2 : 40|8@1+ (1,0) [0|255] "" Logger
 
-BO_ 419360256 Tacho: 8 Vector__XXX
+BO_ 419358208 Tacho: 8 Vector__XXX
  SG_ Speed : 48|16@1+ (0.00390625,0) [0|250.996] "km/h" Logger
 
 BO_ 2566844926 CCVS1: 8 Gateway
@@ -217,7 +217,7 @@ fn groups_are_read_from_any_address_with_the_codes_of_j1939() {
 #[test]
 fn an_identifier_is_that_of_one_sender() {
     // The identifier of the file lacks the mark of 29 bits, as some tools write it.
-    for message in ["\"Tacho\"", "419360256", "\"0x18FEE600\""] {
+    for message in ["\"Tacho\"", "419358208", "\"0x18FEE600\""] {
         let own = mapped(&format!(
             "[signals.wheel_speed_mps]\nmessage = {message}\nsignal = \"Speed\"\n"
         ));
