@@ -70,7 +70,7 @@ fn error(toml: &str) -> String {
 fn readings(own: &OwnSignals, frame: &CanFrame) -> Vec<(Signal, Value)> {
     let mut readings = Vec::new();
     own.decode(frame, |Reading { signal, value }| {
-        readings.push((signal, value))
+        readings.push((signal, value));
     });
     readings
 }

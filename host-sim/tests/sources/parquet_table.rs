@@ -17,7 +17,9 @@ fn write(path: &Path, times: &[f64], speeds: &[Option<f64>]) {
     stage(path, columns, &[]).unwrap().commit().unwrap();
 }
 
-fn rows(path: &Path) -> Result<Vec<(u64, Vec<(Signal, Value)>)>, String> {
+type Row = (u64, Vec<(Signal, Value)>);
+
+fn rows(path: &Path) -> Result<Vec<Row>, String> {
     let mut table = ParquetTable::open(path).map_err(|e| e.to_string())?;
     let mut rows = Vec::new();
     while let Some(row) = table.next_row().map_err(|e| e.to_string())? {
