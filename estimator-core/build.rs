@@ -16,6 +16,9 @@ use std::{env, fs};
 /// Files and the convention of their "not available" and "error" codes.
 const FILES: [(&str, &str); 2] = [("j1939.dbc", "J1939"), ("nmea2000.dbc", "Nmea2000")];
 
+/// SAE J1939-21: announcements and data of multi-packet messages.
+const TRANSPORT: [u32; 2] = [60_160, 60_416];
+
 /// What the layouts call the estimator.
 const RECEIVER: &str = "Estimator";
 
@@ -45,10 +48,11 @@ fn main() {
     for (pgn, convention, message) in &messages {
         writeln!(
             code,
-            "Message {{ pgn: {pgn}, name: \"{}\", priority: {}, length: {}, end_bit: {}, convention: Convention::{convention}, fields: &[",
+            "Message {{ pgn: {pgn}, name: \"{}\", priority: {}, length: {}, framing: Framing::{}, end_bit: {}, convention: Convention::{convention}, fields: &[",
             message.name,
             priority(message),
             message.size,
+            framing(message, convention),
             end_bit(message)
         )
         .unwrap();
@@ -67,6 +71,10 @@ fn main() {
     for (index, (pgn, ..)) in messages.iter().enumerate() {
         writeln!(code, "    {pgn} => Some({index}),").unwrap();
     }
+    // Behind the last message: only what is neither ignored nor a message has to look at it.
+    let [data, management] = TRANSPORT;
+    let behind = messages.len();
+    writeln!(code, "    {data} | {management} => Some({behind}),").unwrap();
     writeln!(code, "    _ => None,\n}} }}").unwrap();
 
     let out = PathBuf::from(env::var("OUT_DIR").unwrap()).join("layout_tables.rs");
@@ -98,6 +106,15 @@ fn extended_id(message: &Message) -> u32 {
 
 fn pgn(message: &Message) -> u32 {
     (extended_id(message) >> 8) & 0x3_ffff
+}
+
+/// How frames carry it: more than 8 bytes need several.
+fn framing(message: &Message, convention: &str) -> &'static str {
+    match (message.size > 8, convention) {
+        (false, _) => "Single",
+        (true, "J1939") => "Transport",
+        (true, _) => "FastPacket",
+    }
 }
 
 fn priority(message: &Message) -> u32 {
@@ -147,7 +164,7 @@ fn field(message: &Message, convention: &str, signal: &Signal) -> String {
             "km/h" => 1.0 / 3.6,
             "kPa" => 1000.0,
             "rad" => 180.0 / std::f64::consts::PI,
-            "" | "%" | "rpm" | "degC" | "rad/s" | "kg" | "deg" | "m/s" | "m" => 1.0,
+            "" | "%" | "rpm" | "degC" | "rad/s" | "kg" | "deg" | "m/s" | "m" | "Nm" | "kgm2" => 1.0,
             other => panic!("{}.{}: unknown unit {other}", message.name, signal.name),
         };
         format!(

@@ -11,10 +11,12 @@ pub struct Counters {
     pub frames_decoded: u64,
     /// Frames of messages that the decoder does not read.
     pub frames_ignored: u64,
-    /// Frames of known messages that are too short, or remote.
+    /// Frames of known messages that are too short, or remote, or announce an impossible session.
     pub frames_malformed: u32,
     /// Fast packets dropped because of missing, repeated or swapped frames.
     pub fast_packets_broken: u32,
+    /// Transport sessions dropped because of missing, swapped or late packets.
+    pub sessions_broken: u32,
     /// Inputs older than the one before.
     pub time_backwards: u32,
     /// Single inputs far ahead of the one before.
@@ -27,6 +29,8 @@ pub struct Counters {
     pub not_available: u32,
     /// Readings with the code "error", and non-finite readings.
     pub errors: u32,
+    /// Parameters of the vehicle that the bus contradicted: its values are used.
+    pub parameters_replaced: u32,
     /// Readings from another source than the one in use.
     pub other_source: u32,
     /// Times that another source took over a signal from a silent one.

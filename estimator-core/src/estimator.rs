@@ -6,7 +6,7 @@ use crate::counters::{Counters, count};
 use crate::filter::{AltitudeEvent, Filter, ModelMass, SensorNoiseRatios, SlowStates};
 use crate::intake::{Intake, Outcome};
 use crate::model::Model;
-use crate::persistent_state::{PersistentState, PersistentStateError};
+use crate::persistent_state::{PersistentState, PersistentStateError, fingerprint};
 use crate::sample::Sample;
 use crate::sampler::Sampler;
 use crate::scalar::Scalar;
@@ -63,6 +63,8 @@ pub enum Step {
 #[derive(Clone, Debug)]
 pub struct Estimator<S> {
     context: Context,
+    /// Of the model as given: the bus may change parameters of it.
+    fingerprint: u32,
     intake: Intake,
     sampler: Sampler,
     filter: Filter<S>,
@@ -83,6 +85,7 @@ impl<S: Scalar> Estimator<S> {
         let intake = Intake::new(&context.tuning);
         let filter = Filter::new(&context.tuning, &SensorNoiseRatios::default(), None);
         Ok(Self {
+            fingerprint: fingerprint(&context.model),
             context,
             intake,
             sampler: Sampler::new(),
@@ -224,7 +227,7 @@ impl<S: Scalar> Estimator<S> {
             return None;
         }
         let slow = SlowStates::of(self.filter.state()?, self.sample()?.forces.mass_kg);
-        PersistentState::new(self.model(), measurement_noise, slow, &self.noise())
+        PersistentState::new(self.fingerprint, measurement_noise, slow, &self.noise())
     }
 
     /// Returns a filter for a second pass over this drive ([`Filter::second_pass`]).
@@ -251,7 +254,8 @@ impl<S: Scalar> Estimator<S> {
         &self.context.tuning
     }
 
-    /// Returns the model of the vehicle.
+    /// Returns the model of the vehicle that is in use. Its reference torque and engine inertia are
+    /// those that the bus reports (EC1), if they differ from the given ones.
     #[must_use]
     pub const fn model(&self) -> &Model {
         &self.context.model

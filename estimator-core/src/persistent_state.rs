@@ -154,14 +154,14 @@ impl PersistentState {
 
     /// Creates what a drive leaves; `None` if a value could not be read back.
     pub(crate) fn new(
-        model: &Model,
+        fingerprint: u32,
         tuning: &MeasurementNoise,
         slow: SlowStates,
         noise: &SensorNoiseRatios,
     ) -> Option<Self> {
         let learned = |ratio: f32, sigma: f32| Scalar::sqrt(ratio) * sigma;
         let state = Self {
-            fingerprint: fingerprint(model),
+            fingerprint,
             slow,
             sensors: SensorSigmas {
                 speed_mps: learned(noise.speed, tuning.speed_sigma_mps),
@@ -334,7 +334,7 @@ impl PersistentState {
 
 /// Returns a fingerprint that differs between vehicles and between edits of one: CRC-32 over all
 /// parameters in a fixed order, effects with their names.
-fn fingerprint(model: &Model) -> u32 {
+pub(crate) fn fingerprint(model: &Model) -> u32 {
     let vehicle = &model.vehicle;
     let mut digest = CHECKSUM.digest();
     let mut add = |number: f32| add_bytes(&mut digest, &number.to_le_bytes());

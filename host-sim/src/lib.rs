@@ -9,6 +9,7 @@ pub mod comparison;
 pub mod diagnose;
 pub mod error;
 pub mod files;
+pub mod identify;
 pub mod inspect;
 #[cfg(target_os = "linux")]
 pub mod live;

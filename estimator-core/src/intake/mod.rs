@@ -96,7 +96,7 @@ impl Intake {
             return out_of_time;
         }
         let mut used = false;
-        let outcome = decoder.decode_read(frame, |message, pgn, reading| {
+        let outcome = decoder.decode_read(now, frame, |message, pgn, reading| {
             let sender = Some(Sender::new(message, pgn.source));
             used |= checks.take(context, sampler, reading.signal, reading.value, sender);
         });
@@ -122,7 +122,8 @@ impl Intake {
             FrameOutcome::Rejected(rejection) => {
                 count(match rejection {
                     Rejection::FastPacketOrder => &mut context.counters.fast_packets_broken,
-                    Rejection::Remote | Rejection::Truncated => {
+                    Rejection::TransportOrder => &mut context.counters.sessions_broken,
+                    Rejection::Remote | Rejection::Truncated | Rejection::TransportAnnouncement => {
                         &mut context.counters.frames_malformed
                     }
                 });

@@ -9,6 +9,12 @@
 //! A truck may have two retarders, one at the engine and one at the gearbox. Each reports its own
 //! torque, so retarder torque has no owner.
 //!
+//! Where one sender reports the air pressure in two messages, that with the finer steps (AMB2) has the
+//! lower number, and wins.
+//!
+//! What an engine says of itself counts if it comes from the controller whose torque is used. A bus
+//! may have two: the other one is a gateway's, or that of a second engine.
+//!
 //! A signal that the caller gives without a bus, from a message of its own, can be reserved. Then no
 //! sender owns it.
 //!
@@ -139,21 +145,50 @@ impl SourceArbiter {
             }
             return Admission::Admitted;
         }
+        self.admit_other(signal, sender, now, available, tuning)
+    }
+
+    /// Decides on a reading of another source than the one in use.
+    #[inline(never)] // Not on the path of every reading.
+    fn admit_other(
+        &mut self,
+        signal: Signal,
+        sender: Sender,
+        now: Instant,
+        available: bool,
+        tuning: &HoldTimes,
+    ) -> Admission {
         let started = *self.started.get_or_insert(now);
         let is_start = now.since(started) < tuning.source_start;
-        ownership.hand_over(sender, now, available, is_start, tuning)
+        let engine = self.signals.get(Signal::EngineTorque as usize);
+        let is_of_engine = engine.is_some_and(|of| of.sender.address() == sender.address());
+        let Some(ownership) = self.signals.get_mut(signal as usize) else {
+            return Admission::Refused;
+        };
+        match signal {
+            Signal::EngineReferenceTorque | Signal::EngineInertia if is_of_engine => {
+                ownership.sender = sender;
+                Admission::Admitted
+            }
+            Signal::EngineReferenceTorque | Signal::EngineInertia => Admission::Refused,
+            _ => {
+                let is_finer = signal == Signal::AirPressure && sender.0 < ownership.owner.0;
+                let precedes = sender.address() < ownership.owner.address()
+                    || is_finer && sender.address() == ownership.owner.address();
+                ownership.hand_over(sender, now, available, is_start && precedes, tuning)
+            }
+        }
     }
 }
 
 impl Ownership {
-    /// Decides on a reading of another source than the one in use.
-    #[inline(never)] // Not on the path of every reading.
+    /// Decides whether another source takes the signal.
     fn hand_over(
         &mut self,
         sender: Sender,
         now: Instant,
         available: bool,
-        is_start: bool,
+        precedes: bool,
         tuning: &HoldTimes,
     ) -> Admission {
         match self.owner {
@@ -169,7 +204,6 @@ impl Ownership {
                 Admission::Refused
             };
         }
-        let precedes = is_start && sender.address() < self.owner.address();
         let returns = sender == self.owner;
         if is_free || precedes {
             self.owner = sender;

@@ -10,5 +10,9 @@ pub(super) const ALTITUDES_M: Range<f32> = -1_000.0..10_000.0;
 pub(super) const YAW_RATES_RADPS: RangeInclusive<f32> = -2.0..=2.0;
 /// Courses over ground, °.
 pub(super) const COURSES_DEG: RangeInclusive<f32> = 0.0..=360.0;
+/// Reference torques of engines (SPN 544), Nm.
+pub(super) const REFERENCE_TORQUES_NM: RangeInclusive<f32> = 10.0..=10_000.0;
+/// Moments of inertia of engines (SPN 1794), kg m².
+pub(super) const ENGINE_INERTIAS_KGM2: RangeInclusive<f32> = 0.01..=50.0;
 /// Fan drive, %.
 pub(super) const FANS_PERCENT: RangeInclusive<f32> = 0.0..=100.0;

@@ -15,6 +15,7 @@ use crate::tuning::Tuning;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Brakes {
     switch: Latest,
+    foundation: Latest,
     pedal: Latest,
     pressure: Latest,
     parking_brake: Latest,
@@ -34,6 +35,7 @@ impl Brakes {
     ) {
         match signal {
             Signal::BrakeSwitch => self.switch.set_if_available(value, now),
+            Signal::FoundationBrake => self.foundation.set_if_available(value, now),
             Signal::BrakePedal => self.pedal.set_if_available(value, now),
             Signal::BrakePressure => self.pressure.set_if_available(value, now),
             Signal::ParkingBrake => self.parking_brake.set_if_available(value, now),
@@ -62,6 +64,7 @@ impl Brakes {
                 .is_some_and(|value| value > limit)
         };
         self.switch.is_on(now, timeout)
+            || self.foundation.is_on(now, timeout)
             || self.parking_brake.is_on(now, timeout)
             || above(&self.pedal, tuning.detection.brake_pedal_percent)
             || above(&self.pressure, tuning.detection.brake_pressure_pa)

@@ -7,6 +7,7 @@
 //! | file | content |
 //! |---|---|
 //! | `driveline`, `traction` | gear and clutch; torque or force to mean traction force |
+//! | `engine_configuration` | reference torque and inertia that the engine reports |
 //! | `brakes`, `brake_detector` | brakes that signals report; brakes that none reports |
 //! | `odometer`, `speed_check` | distance and cells; plausibility of speed readings |
 //! | `gnss`, `gnss_timing` | positions and altitudes along the driven distance; age of a fix |
@@ -24,6 +25,7 @@ mod brake_detector;
 mod brakes;
 mod driveline;
 mod effect_inputs;
+mod engine_configuration;
 mod gnss;
 mod gnss_timing;
 mod held_signal;
@@ -131,6 +133,7 @@ impl Sampler {
                 parts.record_driveline(context, now, reading.signal, value, speed_mps);
             }
             Signal::BrakeSwitch
+            | Signal::FoundationBrake
             | Signal::BrakePedal
             | Signal::BrakePressure
             | Signal::ParkingBrake
@@ -151,12 +154,17 @@ impl Sampler {
             | Signal::Altitude => {
                 self.record_fix(context, now, reading.signal, reading.value, source_switched);
             }
-            Signal::WheelSpeed | Signal::FrontAxleSpeed => {
+            Signal::WheelSpeed | Signal::FrontAxleSpeed | Signal::TachographSpeed => {
                 if let Some(mps) = parts.check_speed(context, now, reading.signal, value) {
                     self.speed(context, now, mps);
                 }
             }
-            Signal::EngineTorqueMode
+            Signal::EngineReferenceTorque | Signal::EngineInertia => {
+                parts.record_configuration(context, reading.signal, value);
+            }
+            Signal::RetarderReferenceTorque
+            | Signal::RoadwayGrade
+            | Signal::EngineTorqueMode
             | Signal::ParasiticTorque
             | Signal::OutputShaftSpeed
             | Signal::SelectedGear
@@ -180,6 +188,7 @@ impl Sampler {
             Signal::EngineTorque | Signal::TractionForce => {}
             Signal::WheelSpeed => self.parts.wheel_check = SpeedCheck::default(),
             Signal::FrontAxleSpeed => self.parts.front_axle_check = SpeedCheck::default(),
+            Signal::TachographSpeed => self.parts.tachograph_check = SpeedCheck::default(),
             _ => return,
         }
         self.odometer.interrupt();

@@ -6,6 +6,7 @@ use super::brake_detector::BrakeDetector;
 use super::brakes::Brakes;
 use super::driveline::{DrivelineSignals, DrivelineState};
 use super::effect_inputs::EffectSignals;
+use super::engine_configuration::EngineConfiguration;
 use super::gnss::Gnss;
 use super::gnss_timing::GnssTiming;
 use super::latest::Latest;
@@ -31,6 +32,7 @@ pub(super) struct Parts {
     /// End of the hold time of the last gear shift.
     shift_until: Instant,
     pub traction: TractionInput,
+    engine_configuration: EngineConfiguration,
     pub brakes: Brakes,
     pub brake_detector: BrakeDetector,
     pub stops: Stops,
@@ -40,8 +42,10 @@ pub(super) struct Parts {
     /// Factor on the wheel speed in use.
     pub speed_factor: f32,
     wheel_speed: Latest,
+    front_axle_speed: Latest,
     pub wheel_check: SpeedCheck,
     pub front_axle_check: SpeedCheck,
+    pub tachograph_check: SpeedCheck,
     pub air: AirSignals,
     pub effect_signals: EffectSignals,
 }
@@ -67,6 +71,7 @@ impl Parts {
             driveline_state: DrivelineState::UNKNOWN,
             shift_until: Instant::default(),
             traction: TractionInput::new(),
+            engine_configuration: EngineConfiguration::default(),
             brakes: Brakes::default(),
             brake_detector: BrakeDetector::default(),
             stops: Stops::default(),
@@ -75,8 +80,10 @@ impl Parts {
             gnss_timing: GnssTiming::default(),
             speed_factor: 1.0,
             wheel_speed: Latest::default(),
+            front_axle_speed: Latest::default(),
             wheel_check: SpeedCheck::default(),
             front_axle_check: SpeedCheck::default(),
+            tachograph_check: SpeedCheck::default(),
             air: AirSignals::default(),
             effect_signals: EffectSignals::default(),
         }
@@ -119,13 +126,25 @@ impl Parts {
         self.driveline_state = state;
     }
 
+    /// Takes a reading of the engine's configuration.
+    pub(super) fn record_configuration(
+        &mut self,
+        context: &mut Context,
+        signal: Signal,
+        value: Option<f32>,
+    ) {
+        if self.engine_configuration.record(context, signal, value) {
+            self.stops.scale_changed();
+        }
+    }
+
     fn hold_shift(&mut self, context: &Context, now: Instant) {
         let until = now + context.tuning.hold_times.shift_hold;
         self.shift_until = self.shift_until.max(until);
     }
 
     /// Returns the speed of a reading if it counts, m/s. The front axle's speed replaces the
-    /// wheel-based speed where that is missing.
+    /// wheel-based speed where that is missing, and the tachograph's where both are.
     pub(super) fn check_speed(
         &mut self,
         context: &mut Context,
@@ -138,11 +157,10 @@ impl Parts {
         } = context;
         let driveline = self.driveline_state.driveline;
         let turns = self.driveline.turns(tuning, now, driveline);
-        let is_wheels = signal == Signal::WheelSpeed;
-        let sensor = if is_wheels {
-            &mut self.wheel_check
-        } else {
-            &mut self.front_axle_check
+        let sensor = match signal {
+            Signal::WheelSpeed => &mut self.wheel_check,
+            Signal::FrontAxleSpeed => &mut self.front_axle_check,
+            _ => &mut self.tachograph_check,
         };
         let reported_mps = value.filter(|mps| SPEEDS_MPS.contains(mps));
         let checked =
@@ -159,24 +177,33 @@ impl Parts {
                 None
             }
         };
-        if is_wheels {
-            self.wheel_speed.set(plausible_mps, now);
-            return plausible_mps;
-        }
         let timeout = tuning.hold_times.speed_timeout;
-        let is_missing = self.wheel_speed.within(now, timeout).is_none();
-        plausible_mps.filter(|_| is_missing)
+        let is_missing = |better: &Latest| better.within(now, timeout).is_none();
+        let counts = match signal {
+            Signal::WheelSpeed => {
+                self.wheel_speed.set(plausible_mps, now);
+                true
+            }
+            Signal::FrontAxleSpeed => {
+                self.front_axle_speed.set(plausible_mps, now);
+                is_missing(&self.wheel_speed)
+            }
+            _ => is_missing(&self.wheel_speed) && is_missing(&self.front_axle_speed),
+        };
+        plausible_mps.filter(|_| counts)
     }
 
     /// Returns the resolution of the speed in use, m/s.
     pub(super) fn resolution_mps(&self, context: &Context, now: Instant) -> f32 {
         let timeout = context.tuning.hold_times.speed_timeout;
-        if self.wheel_speed.within(now, timeout).is_some() {
-            self.wheel_check.resolution_mps(&context.tuning.detection)
+        let sensor = if self.wheel_speed.within(now, timeout).is_some() {
+            &self.wheel_check
+        } else if self.front_axle_speed.within(now, timeout).is_some() {
+            &self.front_axle_check
         } else {
-            self.front_axle_check
-                .resolution_mps(&context.tuning.detection)
-        }
+            &self.tachograph_check
+        };
+        sensor.resolution_mps(&context.tuning.detection)
     }
 
     /// Returns the condition of the interval that ends now.

@@ -96,6 +96,11 @@ impl Stops {
         self.driven.micros() as f32 * 1e-6
     }
 
+    /// Takes a change of the traction that the model computes: it reads as another load.
+    pub(super) const fn scale_changed(&mut self) {
+        self.was_long = true;
+    }
+
     /// Returns whether there was a stop since the last call in which the load may have changed
     /// without a report.
     pub(super) fn take_stop(&mut self) -> bool {

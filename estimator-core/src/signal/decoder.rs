@@ -1,8 +1,10 @@
 //! Frames to readings.
 
 use super::fast_packet::{FastPackets, Unfinished};
-use super::layout::{Field, MESSAGES, Message, index_of};
+use super::layout::{Field, Framing, MESSAGES, Message, index_of};
 use super::reading::Reading;
+use super::transport::TransportSessions;
+use crate::time::Instant;
 use embedded_can::{Frame, Id};
 
 /// Parameter group number and source address of a 29-bit identifier (SAE J1939-21).
@@ -43,6 +45,10 @@ pub enum Rejection {
     Truncated,
     /// A frame of its fast packet is missing, repeated or swapped.
     FastPacketOrder,
+    /// A packet of its transport session is missing, swapped or late, or the session was cut off.
+    TransportOrder,
+    /// The announcement of its transport session contradicts itself.
+    TransportAnnouncement,
 }
 
 /// What became of a frame.
@@ -56,7 +62,7 @@ pub enum FrameOutcome {
         /// The source address.
         source: u8,
     },
-    /// It is a part of a fast packet that is not complete yet.
+    /// It is a part of a fast packet or transport session that is not complete yet.
     Partial,
     /// Its message is unknown.
     Ignored,
@@ -64,10 +70,11 @@ pub enum FrameOutcome {
     Rejected(Rejection),
 }
 
-/// A decoder of frames. It holds the fast packets that are not complete yet.
+/// A decoder of frames. It holds the fast packets and transport sessions that are not complete yet.
 #[derive(Clone, Debug)]
 pub struct Decoder {
     packets: FastPackets,
+    sessions: TransportSessions,
 }
 
 impl Decoder {
@@ -76,33 +83,47 @@ impl Decoder {
     pub const fn new() -> Self {
         Self {
             packets: FastPackets::new(),
+            sessions: TransportSessions::new(),
         }
     }
 
     /// Decodes one frame and gives each of its readings to `sink`, with the index of the message and
-    /// its PGN and source. The outcome repeats index and source.
+    /// its PGN and source. The outcome repeats index and source. Transport sessions have no timeout.
     pub fn decode<F: Frame>(
         &mut self,
         frame: &F,
         sink: impl FnMut(usize, Pgn, Reading),
     ) -> FrameOutcome {
-        self.decode_fields(frame, |message| message.fields, sink)
+        self.decode_at(Instant::ZERO, frame, sink)
+    }
+
+    /// Decodes one frame that was received at `now`, as [`Self::decode`] does. A transport session
+    /// with a pause that is too long is given up: what follows may be another one.
+    pub fn decode_at<F: Frame>(
+        &mut self,
+        now: Instant,
+        frame: &F,
+        sink: impl FnMut(usize, Pgn, Reading),
+    ) -> FrameOutcome {
+        self.decode_fields(now, frame, |message| message.fields, sink)
     }
 
     /// Decodes only the signals that the estimator reads.
     #[inline]
     pub(crate) fn decode_read<F: Frame>(
         &mut self,
+        now: Instant,
         frame: &F,
         sink: impl FnMut(usize, Pgn, Reading),
     ) -> FrameOutcome {
         let read = |message: &Message| message.fields.get(..message.read).unwrap_or_default();
-        self.decode_fields(frame, read, sink)
+        self.decode_fields(now, frame, read, sink)
     }
 
     #[inline]
     fn decode_fields<F: Frame>(
         &mut self,
+        now: Instant,
         frame: &F,
         fields: impl Fn(&'static Message) -> &'static [Field],
         mut sink: impl FnMut(usize, Pgn, Reading),
@@ -114,29 +135,24 @@ impl Decoder {
         let Some(index) = index_of(pgn.number) else {
             return FrameOutcome::Ignored;
         };
-        let Some(message) = MESSAGES.get(index) else {
-            return FrameOutcome::Ignored;
-        };
         if frame.is_remote_frame() {
             return FrameOutcome::Rejected(Rejection::Remote);
         }
-        let payload = if message.length <= 8 {
-            frame.data()
-        } else {
-            let key = (pgn.number << 8) | u32::from(pgn.source);
-            match self.packets.push(key, frame.data()) {
-                Ok(payload) => payload,
-                Err(Unfinished::Partial) => return FrameOutcome::Partial,
-                Err(Unfinished::Truncated) => return FrameOutcome::Rejected(Rejection::Truncated),
-                Err(Unfinished::OutOfOrder | Unfinished::CutOff) => {
-                    return FrameOutcome::Rejected(Rejection::FastPacketOrder);
-                }
-            }
+        let (index, message, payload) = match MESSAGES.get(index) {
+            Some(message) => match self.payload(message, pgn, frame.data()) {
+                Ok(payload) => (index, message, payload),
+                Err(outcome) => return outcome,
+            },
+            // Frames of the transport protocol have the index behind the last message.
+            None => match self.sessions.push(now, pgn, id.as_raw(), frame.data()) {
+                Ok((index, message, payload)) => (index, message, payload),
+                Err(outcome) => return outcome,
+            },
         };
-        // All readings or none.
-        if payload.len() * 8 < usize::from(message.end_bit) {
-            return FrameOutcome::Rejected(Rejection::Truncated);
-        }
+        let pgn = Pgn {
+            number: message.pgn,
+            source: pgn.source,
+        };
         for field in fields(message) {
             if let Some(value) = field.read(payload) {
                 let signal = field.signal;
@@ -147,6 +163,35 @@ impl Decoder {
             message: index,
             source: pgn.source,
         }
+    }
+
+    /// Returns the payload of a message that single frames or fast packets carry: all readings or
+    /// none.
+    #[inline(always)] // Called once.
+    fn payload<'a>(
+        &'a mut self,
+        message: &Message,
+        pgn: Pgn,
+        data: &'a [u8],
+    ) -> Result<&'a [u8], FrameOutcome> {
+        let payload = if message.framing == Framing::FastPacket {
+            let key = (pgn.number << 8) | u32::from(pgn.source);
+            self.packets
+                .push(key, data)
+                .map_err(|unfinished| match unfinished {
+                    Unfinished::Partial => FrameOutcome::Partial,
+                    Unfinished::Truncated => FrameOutcome::Rejected(Rejection::Truncated),
+                    Unfinished::OutOfOrder | Unfinished::CutOff => {
+                        FrameOutcome::Rejected(Rejection::FastPacketOrder)
+                    }
+                })?
+        } else {
+            data
+        };
+        if payload.len() * 8 < usize::from(message.end_bit) {
+            return Err(FrameOutcome::Rejected(Rejection::Truncated));
+        }
+        Ok(payload)
     }
 }
 

@@ -12,6 +12,17 @@ pub(super) enum Convention {
     Nmea2000,
 }
 
+/// How frames carry a message.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Framing {
+    /// In one frame.
+    Single,
+    /// In a fast packet (NMEA 2000).
+    FastPacket,
+    /// In a session of the transport protocol (SAE J1939-21).
+    Transport,
+}
+
 /// Conversion of a raw number to a physical value.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Scaling {
@@ -78,6 +89,7 @@ pub(super) struct Message {
     pub name: &'static str,
     pub priority: u8,
     pub length: u8,
+    pub framing: Framing,
     /// End of the last field, bit.
     pub end_bit: u16,
     pub convention: Convention,
@@ -111,10 +123,16 @@ impl MessageInfo {
         self.0.priority
     }
 
-    /// Returns the length of the payload, bytes. Above 8 it is sent as a fast packet.
+    /// Returns the length of the payload, bytes. Above 8 it takes several frames ([`Self::framing`]).
     #[must_use]
     pub const fn length(self) -> usize {
         self.0.length as usize
+    }
+
+    /// Returns how frames carry it.
+    #[must_use]
+    pub const fn framing(self) -> Framing {
+        self.0.framing
     }
 
     /// Returns its signals.

@@ -10,9 +10,10 @@ mod layout;
 pub mod own_message;
 pub mod raw_field;
 mod reading;
+mod transport;
 
 pub use decoder::{Decoder, FrameOutcome, Pgn, Rejection};
-pub use layout::{MessageInfo, encode, messages};
+pub use layout::{Framing, MessageInfo, encode, messages};
 pub use reading::{Reading, Signal, Value};
 
 /// Number of messages that the decoder knows.

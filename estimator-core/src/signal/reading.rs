@@ -83,6 +83,14 @@ macro_rules! signals {
 }
 
 signals! {
+    /// Torque that 100 % of the engine torque stands for (SPN 544).
+    EngineReferenceTorque = "reference_torque_nm";
+    /// Moment of inertia of the engine (SPN 1794).
+    EngineInertia = "engine_inertia_kgm2";
+    /// Torque that 100 % of the retarder torque stands for (SPN 556).
+    RetarderReferenceTorque = "retarder_reference_torque_nm";
+    /// Grade of the road by the map of a predictive cruise control (SPN 7432).
+    RoadwayGrade = "roadway_grade_percent";
     /// Control mode that sets the engine torque (SPN 899).
     EngineTorqueMode = "engine_torque_mode";
     /// Fraction to add to the engine torque (SPN 4154).
@@ -111,6 +119,8 @@ signals! {
     CurrentGear = "gear";
     /// Whether the service brake is used (SPN 597).
     BrakeSwitch = "brake";
+    /// Whether the foundation brakes are used, by the pedal or not (SPN 2919).
+    FoundationBrake = "foundation_brake";
     /// Brake pedal position (SPN 521).
     BrakePedal = "brake_pedal_percent";
     /// Service brake pressure.
@@ -153,6 +163,8 @@ signals! {
     Longitude = "longitude_deg";
     /// Altitude of a fix; completes it.
     Altitude = "altitude_m";
+    /// Speed by the tachograph (SPN 1624).
+    TachographSpeed = "tachograph_speed_mps";
     /// Speed of the front axle (SPN 904).
     FrontAxleSpeed = "front_axle_speed_mps";
     /// Wheel-based vehicle speed (SPN 84).

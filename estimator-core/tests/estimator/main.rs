@@ -1,5 +1,7 @@
 //! The facade: frames in, cells and frames out.
 
 mod broadcast;
+mod engine_configuration;
 mod facade;
 mod input_faults;
+mod newer_messages;

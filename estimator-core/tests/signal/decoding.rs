@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use test_kit::{TestFrame, frames_of};
 
 /// Parameter groups of the bus contract.
-const MESSAGES: usize = 18;
+const MESSAGES: usize = 26;
 
 fn decode(frames: &[TestFrame]) -> (Vec<Reading>, Vec<FrameOutcome>) {
     let mut decoder = Decoder::new();
@@ -58,8 +58,9 @@ fn identifiers_come_apart_as_in_j1939_21() {
 fn every_group_of_the_contract_is_known() {
     let pgns: Vec<_> = messages().map(|message| message.pgn()).collect();
     let contract = [
-        61_440, 61_441, 61_442, 61_444, 61_445, 61_449, 65_136, 65_213, 65_215, 65_247, 65_256,
-        65_265, 65_267, 65_269, 129_025, 129_026, 129_029, 129_539,
+        61_440, 61_441, 61_442, 61_444, 61_445, 61_449, 61_651, 64_502, 64_872, 64_964, 64_992,
+        65_132, 65_136, 65_213, 65_215, 65_247, 65_249, 65_251, 65_256, 65_265, 65_267, 65_269,
+        129_025, 129_026, 129_029, 129_539,
     ];
     assert_eq!(pgns, contract);
     assert_eq!(pgns.len(), MESSAGES);
@@ -89,6 +90,52 @@ fn speed_and_switches_by_hand() {
     assert_eq!(real(&readings, Signal::BrakeSwitch), 1.0);
     assert_eq!(value(&readings, Signal::ClutchSwitch), Value::NotAvailable);
     assert_eq!(real(&readings, Signal::ParkingBrake), 0.0);
+}
+
+#[test]
+fn foundation_brake_and_tachograph_by_hand() {
+    // Foundation brakes in use (byte 2, bits 1-2), emergency braking not available.
+    let ebc5 = TestFrame::of_pgn(
+        64_964,
+        11,
+        &[0xff, 0xfd, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff],
+    );
+    // 0x4b00 / 256 = 75 km/h in the last two bytes.
+    let tco1 = TestFrame::of_pgn(
+        65_132,
+        0xee,
+        &[0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0x00, 0x4b],
+    );
+    let (readings, _) = decode(&[ebc5, tco1]);
+    assert_eq!(real(&readings, Signal::FoundationBrake), 1.0);
+    assert!((real(&readings, Signal::TachographSpeed) - 75.0 / 3.6).abs() < 1e-5);
+}
+
+#[test]
+fn weight_pressure_and_quality_of_the_newer_messages_by_hand() {
+    // 19 500 times 2 kg, over three bytes.
+    let gcvw = TestFrame::of_pgn(64_872, 0, &[0x2c, 0x4c, 0x00, 0xff, 0xff, 0xff, 0xff, 0xff]);
+    // 987 times 0.1 kPa.
+    let amb2 = TestFrame::of_pgn(64_992, 0, &[0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xdb, 0x03]);
+    // 11 satellites, HDOP 0.9, VDOP 1.4.
+    let vp2 = TestFrame::of_pgn(64_502, 0x1c, &[11, 9, 14, 0xff, 0xff, 0xff, 0xff, 0xff]);
+    // 140 / 8 - 16 = 1.5 %.
+    let pcc1 = TestFrame::of_pgn(61_651, 0, &[0xff, 0xff, 0xff, 140, 0xff, 0xff, 0xff, 0xff]);
+    let (readings, _) = decode(&[gcvw, amb2, vp2, pcc1]);
+    for (signal, expected) in [
+        (Signal::Mass, 39_000.0),
+        (Signal::AirPressure, 98_700.0),
+        (Signal::Satellites, 11.0),
+        (Signal::Hdop, 0.9),
+        (Signal::Vdop, 1.4),
+        (Signal::RoadwayGrade, 1.5),
+    ] {
+        let value = real(&readings, signal);
+        assert!(
+            (value - expected).abs() <= 1e-6 * expected,
+            "{signal:?} {value}"
+        );
+    }
 }
 
 #[test]
@@ -233,8 +280,10 @@ proptest! {
                 Signal::EngineTorqueFraction => Value::Real(0.875 * seed),
                 Signal::YawRate => Value::Real(3.0 * (seed - 0.5)),
                 Signal::DrivelineEngaged | Signal::ShiftInProcess | Signal::BrakeSwitch
-                | Signal::ParkingBrake | Signal::ClutchSwitch => Value::Real(seed.round()),
+                | Signal::FoundationBrake | Signal::ParkingBrake | Signal::ClutchSwitch => Value::Real(seed.round()),
                 Signal::FixMethod | Signal::EngineTorqueMode => Value::Real((13.0 * seed).round()),
+                Signal::RoadwayGrade => Value::Real(30.0 * seed - 15.0),
+                Signal::Hdop | Signal::Vdop => Value::Real(25.0 * seed),
                 _ => Value::Real(60.0 * seed),
             }
         };

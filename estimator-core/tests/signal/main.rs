@@ -2,3 +2,4 @@
 
 mod decoding;
 mod own_messages;
+mod transport;

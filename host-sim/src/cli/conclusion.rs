@@ -3,9 +3,19 @@
 use crate::error::{Result, on_one_line};
 use crate::files::kept;
 use crate::files::run::{self, Origin};
-use crate::recorder::LongRun;
+use crate::recorder::{LongRun, Warning};
 use crate::terminal::print::note;
 use std::path::Path;
+
+/// Prints warnings, each with what to do.
+pub(super) fn warn(warnings: &[Warning]) {
+    for Warning {
+        message, advice, ..
+    } in warnings
+    {
+        note(format_args!("warning: {message}; {advice}"));
+    }
+}
 
 /// Writes the run, and the persistent state if there is a file for it. The state is staged before
 /// the run is written, so that neither file appears if one cannot be written.

@@ -5,11 +5,12 @@ use super::{estimate, outputs};
 use crate::error::{Error, Result, on_one_line};
 use crate::files::csv::write_csv;
 use crate::files::oracle::{OracleFile, mean_speed_mps};
+use crate::files::run::{self, RunCell};
+use crate::files::truth;
 use crate::files::vehicle::VehicleFile;
-use crate::files::{run, truth};
 use crate::map::{self, GradeMap, MapRow, Network, RoadLine, RoadRow, SessionRun};
-use crate::report::demo_page::{DemoDrive, demo_page};
-use crate::score::{self, ScoreRow, rivals};
+use crate::report::demo_page::{Demo, DemoDrive, demo_page};
+use crate::score::{self, ScoreRow, Unscorable, rivals};
 use crate::simulator::scenario::Scenario;
 use crate::simulator::{files_of, write_runs};
 use crate::source::read_options::ReadOptions;
@@ -52,27 +53,72 @@ pub fn run(args: &Args) -> Result<()> {
     note("1  simulate trucks; their true parameters differ from their files");
     write_runs(&scenario, out)?;
     note("2  estimate each drive from its bus log");
+    let road = TrueRoad::read(out)?;
     let drives = (0..scenario.runs.len())
-        .map(|index| drive(&scenario, index, &tuning, out))
+        .map(|index| drive(&scenario, index, &tuning, &road, out))
         .collect::<Result<Vec<_>>>()?;
     note("3  fuse the runs into a map");
-    let (map, map_score) = fuse(&drives, out)?;
+    let map = fuse(&drives, &road, out)?;
     note("4  score against the truth and write the page");
+    let (true_percent, map_score) = road.score(&map)?;
     let mut scores: Vec<ScoreRow> = drives.iter().flat_map(|d| d.scores.clone()).collect();
     let mut overall = score::mean(&scores);
     overall.push(map_score);
     scores.extend_from_slice(&overall);
-    let page = demo_page(&drives, &map, &scores);
+    let demo = Demo {
+        drives,
+        map,
+        true_percent,
+        road: road.rows,
+        scores,
+    };
+    let page = demo_page(&demo);
     args.check_outputs(&page.files(out))?;
     let report = page.write(out)?;
     let table = out.join("score.csv");
-    write_csv(&table, scores.iter().map(ScoreRow::rounded))?;
+    write_csv(&table, demo.scores.iter().map(ScoreRow::rounded))?;
     print(&format!("{}\n\n", score::table(&overall)))?;
     print(&format!("each run: {}\n", on_one_line(&table)))?;
     print(&format!("page to open: {}\n", on_one_line(&report)))
 }
 
-fn drive(scenario: &Scenario, index: usize, tuning: &Tuning, folder: &Path) -> Result<DemoDrive> {
+/// The road of the scenario, with its true grades.
+struct TrueRoad {
+    file: PathBuf,
+    rows: Vec<RoadRow>,
+    network: Network,
+}
+
+impl TrueRoad {
+    fn read(folder: &Path) -> Result<Self> {
+        let file = folder.join("road.csv");
+        let rows: Vec<RoadRow> = map::read_road(&file)?;
+        let line = RoadLine::new(rows.iter().map(RoadRow::point).collect())
+            .map_err(|e| Error::content(&file, e.to_string()))?;
+        Ok(Self {
+            file,
+            rows,
+            network: Network::from(line),
+        })
+    }
+
+    /// Returns the true grade at each cell of the map, and the score of the map.
+    fn score(&self, map: &[MapRow]) -> Result<(Vec<Option<f64>>, ScoreRow)> {
+        let problem = |e: Unscorable| Error::content(&self.file, e.to_string());
+        let true_percent = score::true_grades(map, &self.rows).map_err(problem)?;
+        let mut row = score::score_map_on_road(map, &self.rows).map_err(problem)?;
+        row.run = "all".to_owned();
+        Ok((true_percent, row))
+    }
+}
+
+fn drive(
+    scenario: &Scenario,
+    index: usize,
+    tuning: &Tuning,
+    road: &TrueRoad,
+    folder: &Path,
+) -> Result<DemoDrive> {
     let run = &scenario.runs[index];
     let file = |ending: &str| folder.join(format!("{}.{ending}", run.name));
     let log = file("log");
@@ -86,9 +132,11 @@ fn drive(scenario: &Scenario, index: usize, tuning: &Tuning, folder: &Path) -> R
     let rivals = rivals::of_log(&log, Some(&vehicle), Some(&oracle), mean_speed_mps(&rows))?;
     let scored = score::score_run_beside(&run.name, &rows, &truth, &rivals)
         .map_err(|e| Error::content(&log, e.to_string()))?;
+    let cells: Vec<RunCell> = rows.iter().map(RunCell::from).collect();
     Ok(DemoDrive {
         name: run.name.clone(),
         truck: vehicle.name,
+        places_m: map::road_distances(&road.network, &cells),
         rows,
         truth,
         scores: scored.rows,
@@ -96,14 +144,8 @@ fn drive(scenario: &Scenario, index: usize, tuning: &Tuning, folder: &Path) -> R
     })
 }
 
-fn fuse(drives: &[DemoDrive], folder: &Path) -> Result<(Vec<MapRow>, ScoreRow)> {
-    let road_file = folder.join("road.csv");
-    let reference: Vec<RoadRow> = map::read_road(&road_file)?;
-    let problem = |e: &dyn ToString| Error::content(&road_file, e.to_string());
-    let road =
-        RoadLine::new(reference.iter().map(RoadRow::point).collect()).map_err(|e| problem(&e))?;
-    let road = Network::from(road);
-    let mut fused = GradeMap::new(&road);
+fn fuse(drives: &[DemoDrive], road: &TrueRoad, folder: &Path) -> Result<Vec<MapRow>> {
+    let mut fused = GradeMap::new(&road.network);
     for drive in drives {
         // Each drive has its own parameter errors, so no two drives share a session.
         fused.add_run(&SessionRun {
@@ -113,7 +155,5 @@ fn fuse(drives: &[DemoDrive], folder: &Path) -> Result<(Vec<MapRow>, ScoreRow)> 
     }
     let rows = fused.fused().rows();
     map::write_map(&folder.join("map.csv"), &rows)?;
-    let mut row = score::score_map_on_road(&rows, &reference).map_err(|e| problem(&e))?;
-    row.run = "all".to_owned();
-    Ok((rows, row))
+    Ok(rows)
 }

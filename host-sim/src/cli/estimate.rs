@@ -113,6 +113,7 @@ pub fn run(args: &Args) -> Result<()> {
     };
     let seconds = started.elapsed().as_secs_f64();
     log_notes::note_report(&args.log, &run.log);
+    conclusion::warn(&run.warnings);
     check(&args.log, &vehicle, &run)?;
     let origin = Origin {
         vehicle: Some(vehicle.name),

@@ -163,6 +163,7 @@ fn check(args: &Args) -> Result<()> {
 /// Writes the files of the drive. If an input was missing, it warns and still writes the run: a
 /// drive of hours is worth keeping.
 fn conclude(args: &Args, vehicle: &VehicleFile, run: &mut LongRun) -> Result<()> {
+    conclusion::warn(&run.warnings);
     if let Some(problem) = recorder::missing(vehicle, run) {
         let bus = args.interfaces.join(", ");
         if run.rows.count() == 0 && args.out.is_some() {

@@ -7,12 +7,14 @@ mod diagnose;
 mod estimate;
 mod export;
 mod fuse;
+mod identify;
 mod import;
 mod inspect;
 #[cfg(target_os = "linux")]
 mod listen;
 mod log_notes;
 mod log_options;
+mod map;
 mod outputs;
 #[cfg(target_os = "linux")]
 mod replay;
@@ -58,10 +60,14 @@ enum Command {
     Replay(replay::Args),
     /// Estimate the grade live, from CAN interfaces.
     Listen(listen::Args),
+    /// Make a grade map of the logs of one vehicle.
+    Map(map::Args),
     /// Fuse runs over the same road into one map.
     Fuse(fuse::Args),
     /// Convert a map to GeoJSON, to one CSV file per way, or to an HTML page.
     Export(export::Args),
+    /// Write the vehicle file that logs ask for.
+    Identify(identify::Args),
     /// Compare runs with the truth.
     Score(score::Args),
     /// Find effects that the vehicle model lacks, and add them to the vehicle file.
@@ -86,8 +92,10 @@ impl Cli {
             Command::Columns(args) => columns::run(args),
             Command::Replay(args) => replay::run(args),
             Command::Listen(args) => listen::run(args),
+            Command::Map(args) => map::run(args),
             Command::Fuse(args) => fuse::run(args),
             Command::Export(args) => export::run(args),
+            Command::Identify(args) => identify::run(args),
             Command::Score(args) => score::run(args),
             Command::Diagnose(args) => diagnose::run(args),
             Command::Study(args) => study::run(args),

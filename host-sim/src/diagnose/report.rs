@@ -240,6 +240,7 @@ fn residual_section(diagnosis: &Diagnosis) -> Section {
             &plot,
             "The drives one after the other.",
         )],
+        ..Section::default()
     }
 }
 
@@ -311,7 +312,7 @@ fn candidates_section(diagnosis: &Diagnosis) -> Section {
                 .to_owned(),
         ],
         tables: vec![Table::new("candidates", caption, &header).with_rows(rows)],
-        figures: Vec::new(),
+        ..Section::default()
     }
 }
 
@@ -343,11 +344,11 @@ fn adopted_section(diagnosis: &Diagnosis) -> Section {
     Section {
         heading: "What is adopted".to_owned(),
         words,
-        tables: Vec::new(),
         figures: diagnosis
             .unexplained
             .iter()
             .filter_map(|rest| rest.figure.clone())
             .collect(),
+        ..Section::default()
     }
 }

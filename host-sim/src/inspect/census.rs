@@ -272,13 +272,14 @@ impl BusCounter {
         group.tally.add(*time);
         group.sources.insert(pgn.source);
         let (signals, ignored) = (&mut self.signals, &self.not_built_in);
-        let outcome = self.decoder.decode(frame, |_, pgn, reading: Reading| {
+        let take = |_, pgn: Pgn, reading: Reading| {
             if ignored.contains(&reading.signal) {
                 return;
             }
             let key = (reading.signal, Some((pgn.number, pgn.source)));
             signals.entry(key).or_default().add(reading.value);
-        });
+        };
+        let outcome = self.decoder.decode_at(*time, frame, take);
         if matches!(outcome, FrameOutcome::Rejected(_)) {
             group.unusable += 1;
         }

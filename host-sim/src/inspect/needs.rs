@@ -49,7 +49,11 @@ pub struct Need {
 /// Speeds below this are standstill, m/s: one step of SPN 84 is 0.001 m/s.
 const STANDING_MPS: f64 = 0.1;
 
-const SPEED: &[Signal] = &[Signal::WheelSpeed, Signal::FrontAxleSpeed];
+const SPEED: &[Signal] = &[
+    Signal::WheelSpeed,
+    Signal::FrontAxleSpeed,
+    Signal::TachographSpeed,
+];
 const TRACTION: &[Signal] = &[Signal::EngineTorque, Signal::TractionForce];
 const GEAR: &[Signal] = &[Signal::GearRatio, Signal::CurrentGear];
 const ALTITUDE: &[Signal] = &[Signal::Altitude];
@@ -106,6 +110,7 @@ const LIST: &[(&str, Importance, &[Signal], &str)] = &[
         Importance::Optional,
         &[
             Signal::BrakeSwitch,
+            Signal::FoundationBrake,
             Signal::BrakePedal,
             Signal::BrakePressure,
         ],

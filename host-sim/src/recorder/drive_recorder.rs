@@ -2,6 +2,7 @@
 
 use super::long_run::{LongRun, Rows, SmoothedRun, no_room};
 use super::placed_samples::PlacedSamples;
+use super::plausibility::Plausibility;
 use crate::error::Result;
 use crate::files::run::RunRow;
 use crate::files::spool::Spool;
@@ -37,6 +38,7 @@ pub struct Recorder<S> {
     start: Option<Instant>,
     samples: PlacedSamples,
     grades: Spool<OnlineGrades, GRADES_SLOT>,
+    plausibility: Plausibility,
     /// The cells that the last input finished.
     new_cells: Vec<Cell>,
     /// The error of the first sample or cell that could not be stored.
@@ -100,6 +102,9 @@ impl<S: Scalar> Recorder<S> {
     pub fn on_frame(&mut self, timed: &TimedFrame) {
         self.start.get_or_insert(timed.time);
         self.estimator.on_frame(timed.time, &timed.frame);
+        let (vehicle, tuning) = (&self.estimator.model().vehicle, self.estimator.tuning());
+        self.plausibility
+            .frame(timed.time, &timed.frame, vehicle, tuning);
         self.collect();
     }
 
@@ -107,6 +112,8 @@ impl<S: Scalar> Recorder<S> {
     pub fn on_reading(&mut self, time: Instant, reading: Reading) {
         self.start.get_or_insert(time);
         self.estimator.on_reading(time, reading);
+        let vehicle = &self.estimator.model().vehicle;
+        self.plausibility.reading(time, reading, vehicle);
         self.collect();
     }
 
@@ -123,6 +130,8 @@ impl<S: Scalar> Recorder<S> {
         while self.estimator.step().is_some() {
             if let Some(sample) = self.estimator.sample() {
                 let latency = self.estimator.gnss_latency();
+                let vehicle = &self.estimator.model().vehicle;
+                self.plausibility.sample(sample, vehicle);
                 let kept = self.samples.push(sample, latency);
                 self.note_failure(kept);
             }
@@ -210,6 +219,7 @@ impl<S: Scalar> Recorder<S> {
         let start = self.start.unwrap_or_default();
         let mut rows = Rows::default();
         let (samples, grades) = (&mut self.samples, &mut self.grades);
+        let plausibility = &mut self.plausibility;
         let disagreements = smooth_segments(
             self.estimator.model(),
             self.estimator.tuning(),
@@ -220,7 +230,9 @@ impl<S: Scalar> Recorder<S> {
                 let end = grades.count().min(first + smoothed.len());
                 let grades = grades.read(first.min(end)..end)?;
                 let segment = smoothed.iter().zip(&grades);
-                let segment = segment.map(|(smoothed, grades)| row(start, grades, smoothed));
+                let segment = segment
+                    .map(|(smoothed, grades)| row(start, grades, smoothed))
+                    .inspect(|row| plausibility.row(row));
                 rows.put(first, segment)
             },
         )?;
@@ -230,6 +242,7 @@ impl<S: Scalar> Recorder<S> {
             counters: *self.estimator.counters(),
             persistent_state: self.estimator.persistent_state(),
             disagreements,
+            warnings: self.plausibility.judge(&self.estimator.model().vehicle),
         })
     }
 }
@@ -242,6 +255,7 @@ impl<S> From<Estimator<S>> for Recorder<S> {
             start: None,
             samples: PlacedSamples::default(),
             grades: Spool::default(),
+            plausibility: Plausibility::default(),
             new_cells: Vec::new(),
             trouble: None,
         }

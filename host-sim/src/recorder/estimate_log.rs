@@ -5,8 +5,11 @@ use super::long_run::LongRun;
 use crate::error::{Error, Result};
 use crate::source::input::for_each_input;
 use crate::source::read_options::ReadOptions;
-use estimator_core::{Model, PersistentState, Scalar, Tuning};
-use std::path::Path;
+use estimator_core::{Duration, Instant, Model, PersistentState, Scalar, Tuning};
+use std::path::{Path, PathBuf};
+
+/// Time between two parts of a drive whose clocks begin anew.
+const BETWEEN_PARTS: Duration = Duration::from_micros(1_000_000);
 
 /// Passes a whole log of either kind to an estimator that starts from the persistent state of the
 /// last drive, if any. `progress` gets the bytes read so far.
@@ -29,4 +32,42 @@ pub fn estimate_log<S: Scalar>(
     let mut run = recorder.end()?;
     run.log = report;
     Ok(run)
+}
+
+/// Passes logs that are consecutive parts of one drive to an estimator. A log whose clock begins
+/// anew continues one second after the end of the one before.
+///
+/// # Errors
+/// Returns the errors of [`estimate_log`].
+pub fn estimate_logs<S: Scalar>(
+    model: &Model,
+    tuning: &Tuning,
+    logs: &[PathBuf],
+    options: &ReadOptions,
+) -> Result<LongRun> {
+    let first = logs.first().map_or(Path::new(""), PathBuf::as_path);
+    let mut recorder = Recorder::<S>::resume(model, tuning, None)
+        .map_err(|e| Error::content(first, e.to_string()))?;
+    recorder.read_as(options);
+    let mut end = Instant::default();
+    for log in logs {
+        let mut shift = None;
+        for_each_input(
+            log,
+            options,
+            |_| (),
+            |input| {
+                let time = input.time();
+                let shift = *shift.get_or_insert(if time < end {
+                    (end + BETWEEN_PARTS).since(time)
+                } else {
+                    Duration::default()
+                });
+                let input = input.at(time + shift);
+                end = end.max(input.time());
+                recorder.on_input(&input);
+            },
+        )?;
+    }
+    recorder.end()
 }

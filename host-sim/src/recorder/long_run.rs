@@ -1,5 +1,6 @@
 //! The result of a drive.
 
+use super::plausibility::Warning;
 use crate::error::{Error, Result};
 use crate::files::run::{RunRow, RunRows};
 use crate::files::spool::{Spool, blocks};
@@ -19,6 +20,8 @@ pub struct SmoothedRun {
     pub persistent_state: Option<PersistentState>,
     /// Where signals disagree.
     pub disagreements: Disagreements,
+    /// What is not plausible about the input.
+    pub warnings: Vec<Warning>,
 }
 
 /// A smoothed drive that need not fit into memory.
@@ -34,6 +37,8 @@ pub struct LongRun {
     pub persistent_state: Option<PersistentState>,
     /// Where signals disagree.
     pub disagreements: Disagreements,
+    /// What is not plausible about the input.
+    pub warnings: Vec<Warning>,
 }
 
 impl LongRun {
@@ -52,6 +57,7 @@ impl LongRun {
             counters: self.counters,
             persistent_state: self.persistent_state,
             disagreements: self.disagreements,
+            warnings: self.warnings,
         })
     }
 }

@@ -9,11 +9,13 @@ mod latencies;
 mod long_run;
 mod missing;
 mod placed_samples;
+mod plausibility;
 mod summary;
 pub mod verdict;
 
 pub use drive_recorder::Recorder;
-pub use estimate_log::estimate_log;
+pub use estimate_log::{estimate_log, estimate_logs};
 pub use long_run::{LongRun, Rows, SmoothedRun};
 pub use missing::missing;
+pub use plausibility::Warning;
 pub use summary::RunSummary;

@@ -1,6 +1,7 @@
 //! A summary of a drive.
 
 use super::long_run::LongRun;
+use super::plausibility::Warning;
 use super::verdict::{DisagreementStretch, stretches, verdict};
 use crate::error::Result;
 use crate::files::run::RunRows;
@@ -13,21 +14,28 @@ use serde::{Serialize, Serializer};
 /// Summary of a drive.
 #[derive(Debug, Default, Serialize)]
 pub struct RunSummary {
-    distance_km: f64,
+    /// Driven distance, km.
+    pub distance_km: f64,
     duration_s: f64,
     cells: usize,
-    valid_percent: f64,
-    grade_sigma_percent: f64,
+    /// Part of valid cells, %.
+    pub valid_percent: f64,
+    /// Mean standard deviation of the smoothed grade, %.
+    pub grade_sigma_percent: f64,
     lagged_grade_sigma_percent: f64,
     live_grade_sigma_percent: f64,
     climb_m: f64,
     bias_percent: f64,
     scale: f64,
-    mass_kg: Option<f64>,
-    mass_sigma_kg: Option<f64>,
-    verdict: String,
+    /// Gross mass at the end, kg.
+    pub mass_kg: Option<f64>,
+    /// Its standard deviation, kg.
+    pub mass_sigma_kg: Option<f64>,
+    /// Whether the signals agree.
+    pub verdict: String,
     suspect_km: f64,
     disagreements: Vec<DisagreementStretch>,
+    warnings: Vec<Warning>,
     #[serde(serialize_with = "by_key")]
     events: Vec<CountedEvent>,
 }
@@ -46,6 +54,7 @@ impl RunSummary {
             cells: run.rows.count(),
             scale: 1.0,
             disagreements: stretches(&run.disagreements),
+            warnings: run.warnings.clone(),
             events: events(&run.counters),
             ..Self::default()
         };
@@ -74,7 +83,7 @@ impl RunSummary {
             live_grade_sigma_percent: sums.live_grade_sigma_percent / count,
             climb_m: last_m.unwrap_or(0.0) - first_m.unwrap_or(0.0),
             bias_percent: sums.bias_percent / count,
-            verdict: verdict(sums.cells, marked, &sums.disagreements),
+            verdict: verdict(sums.cells, marked, &sums.disagreements, &sums.warnings),
             suspect_km: marked as f64 * f64::from(CELL_LENGTH_M) * 1e-3,
             ..sums
         })

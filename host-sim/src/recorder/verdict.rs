@@ -1,5 +1,6 @@
 //! Whether the estimate of a drive can be trusted.
 
+use super::plausibility::Warning;
 use crate::smooth::Disagreements;
 use crate::terminal::disagreements::WORDS;
 use estimator_core::CELL_LENGTH_M;
@@ -45,14 +46,27 @@ pub fn stretches(disagreements: &Disagreements) -> Vec<DisagreementStretch> {
 }
 
 /// Returns the verdict on a drive with so many cells, of which so many are marked: `consistent`, or
-/// `suspect: ` and what disagrees, the longest first.
+/// `suspect: `, the warnings that spoil the estimate, and what disagrees, the longest first.
 #[must_use]
-pub fn verdict(cells: usize, marked: usize, stretches: &[DisagreementStretch]) -> String {
+pub fn verdict(
+    cells: usize,
+    marked: usize,
+    stretches: &[DisagreementStretch],
+    warnings: &[Warning],
+) -> String {
+    let mut words: Vec<&str> = warnings.iter().filter_map(|of| of.spoils).collect();
     let is_suspect = marked as f64 > SUSPECT_PART * cells as f64
         && marked as f64 * f64::from(CELL_LENGTH_M) >= SUSPECT_M;
-    if !is_suspect {
+    if is_suspect {
+        words.extend(kinds(stretches));
+    } else if words.is_empty() {
         return "consistent".to_owned();
     }
+    format!("suspect: {}", words.join("; "))
+}
+
+/// Returns what disagrees, the longest first.
+fn kinds(stretches: &[DisagreementStretch]) -> Vec<&'static str> {
     let length_m = |what: &str| -> f64 {
         let of_kind = stretches.iter().filter(|stretch| stretch.what == what);
         of_kind.map(|stretch| stretch.to_m - stretch.from_m).sum()
@@ -60,8 +74,7 @@ pub fn verdict(cells: usize, marked: usize, stretches: &[DisagreementStretch]) -
     let mut kinds: Vec<(&str, f64)> = WORDS.map(|what| (what, length_m(what))).to_vec();
     kinds.retain(|(_, length_m)| *length_m > 0.0);
     kinds.sort_by(|(_, a), (_, b)| b.total_cmp(a));
-    let words: Vec<&str> = kinds.into_iter().map(|(what, _)| what).collect();
-    format!("suspect: {}", words.join("; "))
+    kinds.into_iter().map(|(what, _)| what).collect()
 }
 
 fn end_of(cell: u32) -> f64 {

@@ -1,12 +1,32 @@
 //! The page of the demonstration.
 
+use super::map_page;
 use super::page::{Figure, Page, Section, Table};
 use super::plot::{Mark, Plot, Series, colour, shaded_ranges};
+use super::profile::ProfilePoint;
 use crate::files::run::RunRow;
 use crate::files::truth::TruthRow;
-use crate::map::MapRow;
+use crate::map::{MapRow, RoadRow, WayRows};
 use crate::numeric::series::linear;
 use crate::score::{self, ScoreRow};
+
+/// Name of what all figures run along, as in the page of a map.
+const ROAD: &str = "road";
+
+/// What the demonstration found.
+#[derive(Clone, Debug)]
+pub struct Demo {
+    /// The drives.
+    pub drives: Vec<DemoDrive>,
+    /// The map of all of them.
+    pub map: Vec<MapRow>,
+    /// True grade at each cell of the map, %, as the score compares it.
+    pub true_percent: Vec<Option<f64>>,
+    /// The true road.
+    pub road: Vec<RoadRow>,
+    /// The error table.
+    pub scores: Vec<ScoreRow>,
+}
 
 /// One drive of the scenario, simulated and estimated.
 #[derive(Clone, Debug)]
@@ -17,6 +37,8 @@ pub struct DemoDrive {
     pub truck: String,
     /// Its estimate.
     pub rows: Vec<RunRow>,
+    /// Distance of each row along the road, m. The odometer differs from it by metres.
+    pub places_m: Vec<Option<f64>>,
     /// Its truth.
     pub truth: Vec<TruthRow>,
     /// Its lines of the error table.
@@ -27,143 +49,148 @@ pub struct DemoDrive {
 
 /// Creates the page.
 #[must_use]
-pub fn demo_page(drives: &[DemoDrive], map: &[MapRow], scores: &[ScoreRow]) -> Page {
-    let truth = |value: fn(&TruthRow) -> f64| {
-        let rows = drives[0].truth.iter();
-        rows.map(move |row| (row.distance_m * 1e-3, value(row)))
+pub fn demo_page(demo: &Demo) -> Page {
+    Page::new(
+        "A grade map from bus traffic",
+        "Five drives over the same ten kilometres, by two trucks whose mass, drag, rolling \
+         resistance and torque differ by up to 10 % from their vehicle files. All results \
+         below are estimated from their CAN logs by the code that runs on the vehicle.",
+    )
+    .with(road_section(demo))
+    .with(errors_section(demo))
+    .with(vehicles_section(demo))
+}
+
+fn road_section(demo: &Demo) -> Section {
+    let way = WayRows {
+        name: None,
+        rows: demo.map.clone(),
     };
-    let grade = Plot::new("distance (km)", "grade (%)")
-        .with(Series::two_sigma(
-            "map, ± 2 sigma",
-            colour::BLUE,
-            map.iter().map(|row| {
-                (
-                    row.distance_m * 1e-3,
-                    row.grade_percent,
-                    row.grade_sigma_percent,
-                )
-            }),
+    let plan = map_page::plan(&[way]);
+    Section::new("Grade along the road")
+        .paragraph("The five runs fused, each weighted by its variance.")
+        .figure(Figure::new(
+            "map_grade",
+            &map_plot(demo),
+            "Fused map against the truth, both at the cells of the map.",
         ))
-        .with(Series::line(
-            "true grade",
-            colour::BLACK,
-            truth(|row| row.grade_percent),
+        .figure(Figure::plan(
+            "plan",
+            plan,
+            "The map from above, north up. A point under the pointer shows in all figures.",
         ))
-        .with(
-            Series::line(
-                "map of all runs",
-                colour::BLUE,
-                map.iter()
-                    .map(|row| (row.distance_m * 1e-3, row.grade_percent)),
-            )
-            .drawn(Mark::Dashed),
-        );
-    let mut errors = Plot::new("distance (km)", "error of smoothed grade (%)");
-    errors.y_range = Some((-0.5, 0.5));
-    errors.shaded = drives.iter().flat_map(suspect_ranges).collect();
-    let mut altitude = Plot::new("distance (km)", "altitude (m)");
-    for (drive, colour) in drives.iter().zip(colour::CYCLE) {
-        let name = format!("{} ({})", drive.name, drive.truck);
-        errors = errors.with(Series::line(&name, colour, error_of(drive)));
-        altitude = altitude.with(Series::line(
-            &name,
-            colour,
-            drive
-                .rows
-                .iter()
-                .filter_map(|row| Some((row.distance_m * 1e-3, row.altitude_m?))),
-        ));
+        .figure(errors_figure(demo))
+}
+
+fn map_plot(demo: &Demo) -> Plot {
+    let map = demo.map.iter().map(|row| ProfilePoint {
+        distance_m: row.distance_m,
+        value: row.grade_percent,
+        sigma: Some(row.grade_sigma_percent),
+    });
+    let truth = demo.map.iter().zip(&demo.true_percent);
+    let truth = truth.map(|(row, percent)| (row.distance_m * 1e-3, percent.unwrap_or(f64::NAN)));
+    let mut plot = Plot::profile("grade (%)", ROAD)
+        .with(Series::line("true grade", colour::BLACK, truth))
+        .with_profile("map of all runs", colour::BLUE, map);
+    // The truth is seen through the dashes, and the band is behind both.
+    plot.series.swap(0, 1);
+    if let Some(line) = plot.series.last_mut() {
+        line.mark = Mark::Dashed;
     }
-    let altitude = altitude.with(Series::line(
-        "truth",
-        colour::BLACK,
-        truth(|row| row.altitude_m),
-    ));
-    Page {
-        title: "A grade map from bus traffic".to_owned(),
-        lead: "Five drives over the same ten kilometres, by two trucks whose mass, drag, rolling \
-               resistance and torque differ by up to 10 % from their vehicle files. All results \
-               below are estimated from their CAN logs by the code that runs on the vehicle."
-            .to_owned(),
-        sections: vec![
-            Section {
-                heading: "Grade along the road".to_owned(),
-                words: vec!["The five runs fused, each weighted by its variance.".to_owned()],
-                tables: Vec::new(),
-                figures: vec![
-                    Figure::new("map_grade", &grade, "Fused map against the truth."),
-                    Figure::new(
-                        "errors",
-                        &errors,
-                        "Error of each run, smoothed over the whole run. Grey: signals disagree in \
-                         some run.",
-                    ),
-                ],
-            },
-            Section {
-                heading: "How far off".to_owned(),
-                words: vec![
-                    "Root of the mean squared error, bias and mean normalised squared error \
-                     (NEES; 1 means that the stated sigmas are consistent) in % grade, first and \
-                     last 500 m left out. Live is the grade on the vehicle at once, lagged the \
-                     grade on the vehicle 500 m later, smoothed the grade from the whole run."
-                        .to_owned(),
-                    "For comparison, from the same logs: the thesis's original filter, its \
-                     modified method, and an oracle. The oracle is this filter with the true \
-                     vehicle parameters and the true noise levels. These drives have neither wind \
-                     nor cold tyres, so the oracle's vehicle model is exact. The last column is \
-                     the error over the oracle's."
-                        .to_owned(),
-                ],
-                tables: vec![
-                    Table::new(
-                        "errors_table",
-                        "Each run, the mean of the runs, and the map of all.",
-                        &score::HEADER,
-                    )
-                    .with_rows(score::text(scores)),
-                ],
-                figures: Vec::new(),
-            },
-            Section {
-                heading: "What the vehicles were found to be".to_owned(),
-                words: vec![
-                    "The traction scale is true over assumed traction per kilogram. The filter \
-                     estimates it from GNSS and the vehicle model together."
-                        .to_owned(),
-                ],
-                tables: vec![scales(drives)],
-                figures: vec![Figure::new(
-                    "altitude",
-                    &altitude,
-                    "Altitude. GNSS determines its level, with a slow error of metres that \
-                     differs between runs.",
-                )],
-            },
-        ],
+    plot
+}
+
+fn errors_figure(demo: &Demo) -> Figure {
+    let mut plot = Plot::profile("error of smoothed grade (%)", ROAD);
+    plot.y_range = Some((-0.5, 0.5));
+    plot.shaded = demo.drives.iter().flat_map(suspect_ranges).collect();
+    for (drive, colour) in demo.drives.iter().zip(colour::CYCLE) {
+        plot = plot.with(Series::line(drive.title(), colour, drive.errors()));
+    }
+    let mut caption = "Error of each run, smoothed over the whole run.".to_owned();
+    if !plot.shaded.is_empty() {
+        caption += " Grey: signals disagree in some run.";
+    }
+    Figure::new("errors", &plot, caption)
+}
+
+fn errors_section(demo: &Demo) -> Section {
+    Section::new("How far off")
+        .paragraph(
+            "Root of the mean squared error, bias and mean normalised squared error \
+             (NEES; 1 means that the stated sigmas are consistent) in % grade, first and \
+             last 500 m left out. Live is the grade on the vehicle at once, lagged the \
+             grade on the vehicle 500 m later, smoothed the grade from the whole run.",
+        )
+        .paragraph(
+            "For comparison, from the same logs: the thesis's original filter, its \
+             modified method, and an oracle. The oracle is this filter with the true \
+             vehicle parameters and the true noise levels. These drives have neither wind \
+             nor cold tyres, so the oracle's vehicle model is exact. The last column is \
+             the error over the oracle's.",
+        )
+        .table(
+            Table::new(
+                "errors_table",
+                "Each run, the mean of the runs, and the map of all.",
+                &score::HEADER,
+            )
+            .with_rows(score::text(&demo.scores)),
+        )
+}
+
+fn vehicles_section(demo: &Demo) -> Section {
+    let mut plot = Plot::profile("altitude (m)", ROAD);
+    for (drive, colour) in demo.drives.iter().zip(colour::CYCLE) {
+        let altitudes = drive.along(|row| row.altitude_m);
+        plot = plot.with(Series::line(drive.title(), colour, altitudes));
+    }
+    let truth = demo.road.iter();
+    let truth = truth.filter_map(|row| Some((row.distance_m * 1e-3, row.altitude_m?)));
+    let plot = plot.with(Series::line("truth", colour::BLACK, truth));
+    Section::new("What the vehicles were found to be")
+        .paragraph(
+            "The traction scale is true over assumed traction per kilogram. The filter \
+             estimates it from GNSS and the vehicle model together.",
+        )
+        .table(scales(&demo.drives))
+        .figure(Figure::new(
+            "altitude",
+            &plot,
+            "Altitude. GNSS determines its level, with a slow error of metres that \
+             differs between runs.",
+        ))
+}
+
+impl DemoDrive {
+    fn title(&self) -> String {
+        format!("{} ({})", self.name, self.truck)
+    }
+
+    /// Returns a value along the road, km, where the run lies on it.
+    fn along(&self, value: impl Fn(&RunRow) -> Option<f64>) -> Vec<(f64, f64)> {
+        let rows = self.rows.iter().zip(&self.places_m);
+        rows.filter_map(|(row, place_m)| Some(((*place_m)? * 1e-3, value(row)?)))
+            .collect()
+    }
+
+    /// Returns the errors of the smoothed grade against the truth at the same time, %.
+    fn errors(&self) -> Vec<(f64, f64)> {
+        let truth = self.truth.iter();
+        let truth: Vec<(f64, f64)> = truth.map(|row| (row.time_s, row.grade_percent)).collect();
+        self.along(|row| Some(row.grade_percent - linear(&truth, row.time_s)?))
     }
 }
 
 /// Returns where a run is marked as suspect, km.
 fn suspect_ranges(drive: &DemoDrive) -> Vec<(f64, f64)> {
-    let marks = drive.rows.iter();
-    shaded_ranges(marks.map(|row| (row.distance_m * 1e-3, row.consistent == 0)))
-}
-
-fn error_of(drive: &DemoDrive) -> Vec<(f64, f64)> {
-    let truth: Vec<(f64, f64)> = drive
-        .truth
-        .iter()
-        .map(|row| (row.time_s, row.grade_percent))
-        .collect();
-    drive
-        .rows
-        .iter()
-        .filter_map(|row| {
-            let true_percent = linear(&truth, row.time_s)?;
-            Some((row.distance_m * 1e-3, row.grade_percent - true_percent))
-        })
-        .collect()
+    let marks = drive.along(|row| Some(f64::from(row.consistent)));
+    shaded_ranges(
+        marks
+            .into_iter()
+            .map(|(km, consistent)| (km, consistent == 0.0)),
+    )
 }
 
 fn scales(drives: &[DemoDrive]) -> Table {

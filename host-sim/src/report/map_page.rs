@@ -1,33 +1,24 @@
 //! The page of a map: plan, profiles, and their standard deviations.
 
 use crate::map::{GRID_M, MapRow, WayRows, map_segments};
+use crate::numeric::statistics::quantile;
 use crate::report::page::{Figure, Page, Section, Table};
-use crate::report::plan::{Classes, PlanLine, plan};
-use crate::report::plot::{Plot, Series, colour};
-use plotters::style::RGBColor;
+use crate::report::plan::{Colouring, Plan, PlanLine, PlanPoint};
+use crate::report::plot::{Plot, colour};
+use crate::report::profile::ProfilePoint;
 use std::path::Path;
 
 /// Largest number of profiles; the longest ways have one.
 const MOST_PROFILES: usize = 12;
 /// Largest number of rows in the table of ways; the longest ways are listed.
 const MOST_LISTED: usize = 200;
-/// From downhill over level to uphill; distinguishable for the colour-blind.
-const GRADE_COLOURS: [RGBColor; 7] = [
-    RGBColor(0x08, 0x45, 0x94),
-    RGBColor(0x42, 0x92, 0xc6),
-    RGBColor(0x9e, 0xca, 0xe1),
-    RGBColor(0xb0, 0xb0, 0xb0),
-    RGBColor(0xfd, 0xae, 0x6b),
-    RGBColor(0xe6, 0x55, 0x0d),
-    RGBColor(0x8c, 0x2d, 0x04),
-];
-/// From a small standard deviation to a large one.
-const SIGMA_COLOURS: [RGBColor; 4] = [
-    RGBColor(0x00, 0x44, 0x7c),
-    RGBColor(0x56, 0xb4, 0xe9),
-    RGBColor(0xe6, 0x9f, 0x00),
-    RGBColor(0xb3, 0x3c, 0x00),
-];
+
+/// Returns the figures that share hover and zoom with a way: those of the same name.
+pub(super) fn link(way: &WayRows) -> String {
+    way.name
+        .as_ref()
+        .map_or_else(|| "road".to_owned(), |name| format!("way {name}"))
+}
 
 pub(crate) fn page(file: &Path, ways: &[WayRows]) -> Page {
     let mut longest: Vec<&WayRows> = ways.iter().collect();
@@ -74,81 +65,53 @@ fn km(cells: usize) -> f64 {
     cells as f64 * GRID_M * 1e-3
 }
 
-fn quantile(values: impl Iterator<Item = f64>, part: f64) -> f64 {
-    let mut values: Vec<f64> = values.collect();
-    values.sort_by(f64::total_cmp);
-    let last = values.len().saturating_sub(1);
-    let at = (part * last as f64).round() as usize;
-    values.get(at).copied().unwrap_or(0.0)
-}
-
 fn plan_section(ways: &[WayRows]) -> Section {
-    let rows = || ways.iter().flat_map(|way| &way.rows);
-    let steep = quantile(rows().map(|row| row.grade_percent.abs()), 0.9);
-    // The outermost limits are 2.5 steps from level.
-    let step = nice_above(steep / 2.5);
-    let grades = Classes {
-        limits: [-2.5, -1.5, -0.5, 0.5, 1.5, 2.5]
-            .map(|n| tidy(n * step))
-            .to_vec(),
-        colours: GRADE_COLOURS.to_vec(),
-        unit: "%",
-    };
-    let sigmas = || rows().map(|row| row.grade_sigma_percent);
-    let mut limits: Vec<f64> = [0.25, 0.5, 0.9]
-        .map(|part| nice_above(quantile(sigmas(), part)))
-        .to_vec();
-    limits.dedup();
-    let sigma_classes = Classes {
-        colours: SIGMA_COLOURS[..=limits.len()].to_vec(),
-        limits,
-        unit: "%",
-    };
-    let lines = |value: fn(&MapRow) -> f64| -> Vec<PlanLine> {
-        let segments = ways.iter().flat_map(|way| map_segments(&way.rows));
-        segments
-            .map(|rows| PlanLine {
-                points: rows
-                    .iter()
-                    .map(|row| (row.latitude_deg, row.longitude_deg, value(row)))
-                    .collect(),
-            })
-            .collect()
-    };
     let directions = if ways.len() > 1 {
         " Each way is drawn slightly to the right of its position."
     } else {
         ""
     };
-    let grade = plan(&lines(|row| row.grade_percent), &grades);
-    let sigma = plan(&lines(|row| row.grade_sigma_percent), &sigma_classes);
-    Section {
-        heading: "Plan".to_owned(),
-        words: Vec::new(),
-        tables: Vec::new(),
-        figures: vec![
-            Figure::new(
-                "plan_grade",
-                &grade,
-                format!("Grade in the direction of travel; uphill is positive.{directions}"),
-            ),
-            Figure::new("plan_sigma", &sigma, "Standard deviation of the grade."),
+    let caption = format!(
+        "The map from above, north up. Grade in the direction of travel; uphill is \
+         positive.{directions} A point under the pointer shows in the profile below, and the \
+         other way round."
+    );
+    Section::new("Plan").figure(Figure::plan("plan", plan(ways), caption))
+}
+
+/// Returns the plan of a map, coloured by grade, sigma or number of runs.
+#[must_use]
+pub fn plan(ways: &[WayRows]) -> Plan {
+    let rows = || ways.iter().flat_map(|way| &way.rows);
+    let line = |way: &WayRows, rows: &[MapRow]| PlanLine {
+        name: way.name.as_ref().map(|_| link(way)).unwrap_or_default(),
+        link: link(way),
+        points: rows.iter().map(plan_point).collect(),
+    };
+    Plan {
+        colourings: vec![
+            Colouring::grades(rows().map(|row| row.grade_percent)),
+            Colouring::amounts("sigma", "%", rows().map(|row| row.grade_sigma_percent)),
+            Colouring::amounts("runs", "", rows().map(|row| f64::from(row.runs))),
         ],
+        lines: ways
+            .iter()
+            .flat_map(|way| map_segments(&way.rows).map(move |rows| line(way, rows)))
+            .collect(),
     }
 }
 
-/// Returns the smallest of 1, 1.5, 2, 3, 5, 7 times a power of ten that is at least `value`.
-fn nice_above(value: f64) -> f64 {
-    let value = value.max(1e-3);
-    let power = 10_f64.powi(value.log10().floor() as i32);
-    let nice = [1.0, 1.5, 2.0, 3.0, 5.0, 7.0].map(|n| n * power);
-    let found = nice.into_iter().find(|nice| *nice >= value * (1.0 - 1e-9));
-    tidy(found.unwrap_or(10.0 * power))
-}
-
-/// Rounds off the error of binary fractions.
-fn tidy(value: f64) -> f64 {
-    (value * 1e6).round() / 1e6
+fn plan_point(row: &MapRow) -> PlanPoint {
+    PlanPoint {
+        latitude_deg: row.latitude_deg,
+        longitude_deg: row.longitude_deg,
+        distance_m: row.distance_m,
+        values: vec![
+            row.grade_percent,
+            row.grade_sigma_percent,
+            f64::from(row.runs),
+        ],
+    }
 }
 
 fn table_section(longest: &[&WayRows]) -> Section {
@@ -168,13 +131,8 @@ fn table_section(longest: &[&WayRows]) -> Section {
     } else {
         "Longest first. Climb is the altitude gain less the loss.".to_owned()
     };
-    Section {
-        heading: "Ways".to_owned(),
-        tables: vec![
-            Table::new("ways", caption, &header).with_rows(listed.iter().map(|way| row(way))),
-        ],
-        ..Section::default()
-    }
+    let rows = listed.iter().map(|way| row(way));
+    Section::new("Ways").table(Table::new("ways", caption, &header).with_rows(rows))
 }
 
 fn row(way: &WayRows) -> Vec<String> {
@@ -199,69 +157,45 @@ fn row(way: &WayRows) -> Vec<String> {
 }
 
 fn profile_section(number: usize, way: &WayRows) -> Section {
-    let figure = |name: &str, plot: &Plot, caption: &str| {
-        Figure::new(format!("{name}_{number}"), plot, caption)
+    let points = |value: fn(&MapRow) -> (f64, Option<f64>)| {
+        way.rows.iter().map(move |row| {
+            let (value, sigma) = value(row);
+            ProfilePoint {
+                distance_m: row.distance_m,
+                value,
+                sigma,
+            }
+        })
     };
-    let mut grade = Plot::new("distance (km)", "grade (%)");
-    let mut sigma = Plot::new("distance (km)", "sigma of grade (%)");
-    let mut runs = Plot::new("distance (km)", "runs");
-    (sigma.height, runs.height) = (220, 180);
+    let profile = |y_label, name, colour, value| {
+        Plot::profile(y_label, link(way)).with_profile(name, colour, points(value))
+    };
+    let grade = profile("grade (%)", "grade", colour::BLUE, |row| {
+        (row.grade_percent, Some(row.grade_sigma_percent))
+    });
+    let mut sigma = profile("sigma of grade (%)", "sigma", colour::ORANGE, |row| {
+        (row.grade_sigma_percent, None)
+    });
+    let mut runs = profile("runs", "runs", colour::BLACK, |row| {
+        (f64::from(row.runs), None)
+    });
     let most = |value: fn(&MapRow) -> f64| way.rows.iter().map(value).fold(0.0, f64::max);
     sigma.y_range = Some((0.0, 1.1 * most(|row| row.grade_sigma_percent)));
     runs.y_range = Some((0.0, 1.1 * most(|row| f64::from(row.runs))));
-    for (part, rows) in map_segments(&way.rows).enumerate() {
-        // The legend lists each colour once.
-        let name = |name: &str| {
-            if part == 0 {
-                name.to_owned()
-            } else {
-                String::new()
-            }
-        };
-        let along = |value: fn(&MapRow) -> f64| {
-            rows.iter()
-                .map(move |row| (row.distance_m * 1e-3, value(row)))
-        };
-        let band = rows.iter().map(|row| {
-            (
-                row.distance_m * 1e-3,
-                row.grade_percent,
-                row.grade_sigma_percent,
-            )
-        });
-        grade = grade
-            .with(Series::two_sigma(name("± 2 sigma"), colour::BLUE, band))
-            .with(Series::line(
-                name("grade"),
-                colour::BLUE,
-                along(|row| row.grade_percent),
-            ));
-        sigma = sigma.with(Series::line(
-            "",
-            colour::ORANGE,
-            along(|row| row.grade_sigma_percent),
-        ));
-        runs = runs.with(Series::line(
-            "",
-            colour::BLACK,
-            along(|row| f64::from(row.runs)),
-        ));
-    }
-    Section {
-        heading: way
-            .name
-            .as_ref()
-            .map_or_else(|| "Along the road".to_owned(), |name| format!("Way {name}")),
-        words: Vec::new(),
-        tables: Vec::new(),
-        figures: vec![
-            figure(
-                "grade",
-                &grade,
-                "Grade in the direction of travel. A gap has no run.",
-            ),
-            figure("sigma", &sigma, "Standard deviation of the grade."),
-            figure("runs", &runs, "Number of runs."),
-        ],
-    }
+    (sigma.height, runs.height) = (220, 180);
+    let figure = |name: &str, plot: &Plot, caption: &str| {
+        Figure::new(format!("{name}_{number}"), plot, caption)
+    };
+    let heading = way
+        .name
+        .as_ref()
+        .map_or_else(|| "Along the road".to_owned(), |name| format!("Way {name}"));
+    Section::new(heading)
+        .figure(figure(
+            "grade",
+            &grade,
+            "Grade in the direction of travel. A gap has no run.",
+        ))
+        .figure(figure("sigma", &sigma, "Standard deviation of the grade."))
+        .figure(figure("runs", &runs, "Number of runs."))
 }

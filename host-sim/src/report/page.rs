@@ -1,6 +1,9 @@
-//! One self-contained HTML page: sections of text, tables and inline SVG.
+//! One self-contained HTML page: sections of text, tables, charts and plans.
 
-use super::plot::Plot;
+use super::chart_data::Drawn;
+pub use super::figure::Figure;
+pub use super::section::{Note, Section};
+pub use super::table::Table;
 use crate::error::{Error, Result};
 use crate::files::output::{Staged, stage_text};
 use askama::Template;
@@ -8,9 +11,13 @@ use std::path::{Path, PathBuf};
 
 /// File name of a page.
 pub const PAGE: &str = "report.html";
+/// Points of curves that a page can hold without being slow or large (about 20 bytes each) ...
+const MOST_POINTS: usize = 60_000;
+/// ... and the least and the most of them for a curve.
+const POINTS_OF_A_CURVE: (usize, usize) = (1_000, 10_000);
 
 /// A page.
-#[derive(Clone, Debug, Template)]
+#[derive(Clone, Debug, Default, Template)]
 #[template(path = "page.html")]
 pub struct Page {
     /// Title.
@@ -21,88 +28,24 @@ pub struct Page {
     pub sections: Vec<Section>,
 }
 
-/// A section of a page.
-#[derive(Clone, Debug, Default)]
-pub struct Section {
-    /// Heading.
-    pub heading: String,
-    /// Text; a paragraph each.
-    pub words: Vec<String>,
-    /// Tables.
-    pub tables: Vec<Table>,
-    /// Figures.
-    pub figures: Vec<Figure>,
-}
-
-/// A table: a header and rows of the same length.
-#[derive(Clone, Debug, Default)]
-pub struct Table {
-    /// Name of its file, without extension.
-    pub name: String,
-    /// Caption.
-    pub caption: String,
-    /// Names of the columns with their units.
-    pub header: Vec<String>,
-    /// Rows; numbers as text.
-    pub rows: Vec<Vec<String>>,
-}
-
-/// A plot with its caption.
-#[derive(Clone, Debug)]
-pub struct Figure {
-    /// Name of its files, without extension.
-    pub name: String,
-    /// The SVG text.
-    pub svg: String,
-    /// The drawn data as CSV.
-    pub csv: String,
-    /// Caption.
-    pub caption: String,
-}
-
-impl Figure {
-    /// Draws a plot.
-    pub fn new(name: impl Into<String>, plot: &Plot, caption: impl Into<String>) -> Self {
+impl Page {
+    /// Creates a page without sections.
+    pub fn new(title: impl Into<String>, lead: impl Into<String>) -> Self {
         Self {
-            name: name.into(),
-            svg: plot.to_svg(),
-            csv: plot.to_csv(),
-            caption: caption.into(),
-        }
-    }
-}
-
-impl Table {
-    /// Creates an empty table.
-    pub fn new(name: impl Into<String>, caption: impl Into<String>, header: &[&str]) -> Self {
-        Self {
-            name: name.into(),
-            caption: caption.into(),
-            header: header.iter().map(|&name| name.to_owned()).collect(),
-            rows: Vec::new(),
+            title: title.into(),
+            lead: lead.into(),
+            sections: Vec::new(),
         }
     }
 
-    /// Returns the table with these rows.
+    /// Returns the page with one more section.
     #[must_use]
-    pub fn with_rows(mut self, rows: impl IntoIterator<Item = Vec<String>>) -> Self {
-        self.rows.extend(rows);
+    pub fn with(mut self, section: Section) -> Self {
+        self.sections.push(section);
         self
     }
 
-    /// Returns the table as CSV.
-    fn to_csv(&self) -> String {
-        let mut writer = csv::Writer::from_writer(Vec::new());
-        for row in std::iter::once(&self.header).chain(&self.rows) {
-            writer.write_record(row).expect("memory takes every row");
-        }
-        let bytes = writer.into_inner().expect("memory takes every row");
-        String::from_utf8(bytes).expect("made of strings")
-    }
-}
-
-impl Page {
-    /// Writes `report.html` into a folder, with each table as NAME.csv and each figure as NAME.svg
+    /// Writes `report.html` into a folder, with each table as NAME.csv and each plot as NAME.svg
     /// and NAME.csv beside it. Returns the path of the page.
     ///
     /// # Errors
@@ -118,14 +61,9 @@ impl Page {
     #[must_use]
     pub fn files(&self, folder: &Path) -> Vec<PathBuf> {
         let of_section = |section: &Section| {
-            let tables = section
-                .tables
-                .iter()
-                .map(|table| format!("{}.csv", table.name));
-            let figures = section.figures.iter();
-            let figures = figures.flat_map(|figure| {
-                ["svg", "csv"].map(|ending| format!("{}.{ending}", figure.name))
-            });
+            let tables = section.tables.iter();
+            let tables = tables.map(|table| format!("{}.csv", table.name));
+            let figures = section.figures.iter().flat_map(Figure::file_names);
             tables.chain(figures).collect::<Vec<_>>()
         };
         let names = self.sections.iter().flat_map(of_section);
@@ -150,20 +88,34 @@ impl Page {
     /// Returns an error if a file cannot be written.
     pub fn stage(&self, folder: &Path) -> Result<Vec<Staged>> {
         let mut files = Vec::new();
-        let mut stage = |name: &str, text: &str| -> Result<()> {
-            files.push(stage_text(&folder.join(name), text)?);
-            Ok(())
-        };
         for section in &self.sections {
             for table in &section.tables {
-                stage(&format!("{}.csv", table.name), &table.to_csv())?;
+                let path = folder.join(format!("{}.csv", table.name));
+                files.push(stage_text(&path, &table.to_csv())?);
             }
-            for figure in &section.figures {
-                stage(&format!("{}.svg", figure.name), &figure.svg)?;
-                stage(&format!("{}.csv", figure.name), &figure.csv)?;
+            for (name, text) in section.figures.iter().flat_map(Figure::files) {
+                files.push(stage_text(&folder.join(name), &text)?);
             }
         }
         files.push(self.stage_alone(&folder.join(PAGE))?);
         Ok(files)
+    }
+
+    fn has_figures(&self) -> bool {
+        self.sections
+            .iter()
+            .any(|section| !section.figures.is_empty())
+    }
+
+    /// Returns a figure for the page's script.
+    fn drawn(&self, figure: &Figure) -> Drawn {
+        let curves: usize = self
+            .sections
+            .iter()
+            .flat_map(|section| &section.figures)
+            .map(Figure::curves)
+            .sum();
+        let (least, most) = POINTS_OF_A_CURVE;
+        figure.drawn((MOST_POINTS / curves.max(1)).clamp(least, most))
     }
 }

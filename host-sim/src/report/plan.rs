@@ -1,160 +1,119 @@
-//! Plan view of lines, coloured by a value.
+//! Plans: lines seen from above, north up, coloured by a value.
 
-use super::plot::{Mark, Plot, Series, WIDTH};
-use plotters::style::RGBColor;
+use super::chart_data::{Drawn, number};
+pub use super::colouring::Colouring;
+use serde_json::{Value, json};
 
-/// Width and height of the axes, pixels.
-const AXES_PX: (f64, f64) = (90.0, 100.0);
-/// Smallest and largest height of a plan, pixels.
-const HEIGHT_PX: (f64, f64) = (320.0, 900.0);
-/// Points nearer than this are drawn as one, pixels.
-const STEP_PX: f64 = 1.5;
-/// Offset of a line to the right of its way, pixels, if there are several lines. Both directions of
-/// a road are then visible.
-const ASIDE_PX: f64 = 2.0;
 /// Length of a degree of latitude, m.
 const DEGREE_M: f64 = 111_200.0;
+/// Largest number of drawn points of a plan.
+const MOST_POINTS: usize = 12_000;
+
+/// A point of a line.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PlanPoint {
+    /// Latitude, deg.
+    pub latitude_deg: f64,
+    /// Longitude, deg.
+    pub longitude_deg: f64,
+    /// Distance along the line, m.
+    pub distance_m: f64,
+    /// A value for each [`Colouring`] of the plan.
+    pub values: Vec<f64>,
+}
 
 /// A line in its direction of travel.
 #[derive(Clone, Debug, Default)]
 pub struct PlanLine {
-    /// Latitude and longitude, deg, and the value there.
-    pub points: Vec<(f64, f64, f64)>,
+    /// Name that hover shows; may be empty.
+    pub name: String,
+    /// Name that it shares with the profiles along it ([`Plot::link`](super::plot::Plot::link)).
+    pub link: String,
+    /// Its points.
+    pub points: Vec<PlanPoint>,
 }
 
-/// Colours for values. A value has the colour of the first class whose upper limit is above it.
-#[derive(Clone, Debug)]
-pub struct Classes {
-    /// Upper limits of all classes but the last.
-    pub limits: Vec<f64>,
-    /// Colours of the classes, one more than limits.
-    pub colours: Vec<RGBColor>,
-    /// Unit of the values.
-    pub unit: &'static str,
+/// A plan.
+#[derive(Clone, Debug, Default)]
+pub struct Plan {
+    /// Ways to colour it; the reader chooses, the first one is shown.
+    pub colourings: Vec<Colouring>,
+    /// Lines.
+    pub lines: Vec<PlanLine>,
 }
 
-impl Classes {
-    fn of(&self, value: f64) -> usize {
-        self.limits.partition_point(|&limit| limit <= value)
-    }
-
-    fn name(&self, class: usize) -> String {
-        let (first, last) = (class == 0, class == self.limits.len());
-        let unit = self.unit;
-        match class {
-            _ if first => format!("below {} {unit}", self.limits[0]),
-            _ if last => format!("above {} {unit}", self.limits[class - 1]),
-            _ => format!("{} to {}", self.limits[class - 1], self.limits[class]),
-        }
-    }
-}
-
-/// Draws lines with north up and both axes in km from the middle.
-#[must_use]
-pub fn plan(lines: &[PlanLine], classes: &Classes) -> Plot {
-    let all = || lines.iter().flat_map(|line| &line.points);
-    let Some(&(_, reference_deg, _)) = all().next() else {
-        return Plot::new("east (km)", "north (km)");
-    };
-    // Longitudes are relative to one point, so a line across the date line stays continuous.
-    let turn = |longitude: f64| (longitude - reference_deg + 540.0).rem_euclid(360.0) - 180.0;
-    let (south, north) = extent(all().map(|point| point.0));
-    let (west, east) = extent(all().map(|point| turn(point.1)));
-    let (middle_deg, centre_deg) = (0.5 * (south + north), 0.5 * (west + east));
-    let wide_km = 1e-3 * DEGREE_M * middle_deg.to_radians().cos();
-    let high_km = 1e-3 * DEGREE_M;
-    let (width, height) = ((east - west) * wide_km, (north - south) * high_km);
-    let across_px = f64::from(WIDTH) - AXES_PX.0;
-    let most_px = HEIGHT_PX.1 - AXES_PX.1;
-    let pixel_km = (width / across_px).max(height / most_px).max(1e-5);
-    let aside_km = if lines.len() > 1 {
-        ASIDE_PX * pixel_km
-    } else {
-        0.0
-    };
-
-    let mut plot = Plot::new("east (km)", "north (km)");
-    plot.equal_scales = true;
-    plot.height = (height / pixel_km + AXES_PX.1).clamp(HEIGHT_PX.0, HEIGHT_PX.1) as u32;
-    let mut drawn: Vec<Vec<(f64, f64)>> = vec![Vec::new(); classes.colours.len()];
-    let mut begins: Vec<Vec<usize>> = vec![Vec::new(); classes.colours.len()];
-    for line in lines {
-        let points = line.points.iter().map(|&(latitude, longitude, value)| {
-            let x = (turn(longitude) - centre_deg) * wide_km;
-            let y = (latitude - middle_deg) * high_km;
-            (x, y, value)
-        });
-        let points = aside(&thinned(points, STEP_PX * pixel_km), aside_km);
-        let mut before = None;
-        for pair in points.windows(2) {
-            let class = classes.of(pair[0].2);
-            let drawn = &mut drawn[class];
-            if before != Some(class) {
-                begins[class].push(drawn.len());
-                drawn.push((pair[0].0, pair[0].1));
-            }
-            drawn.push((pair[1].0, pair[1].1));
-            before = Some(class);
-        }
-    }
-    for (class, (points, begins)) in drawn.into_iter().zip(begins).enumerate() {
-        plot.series.push(Series {
-            name: classes.name(class),
-            points,
-            colour: classes.colours[class],
-            mark: Mark::Lines(begins),
-        });
-    }
-    plot
-}
-
-fn extent(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
-        (low.min(value), high.max(value))
-    })
-}
-
-/// Returns points at least this far apart, each with the mean value up to the next.
-fn thinned(points: impl Iterator<Item = (f64, f64, f64)>, step: f64) -> Vec<(f64, f64, f64)> {
-    let mut thinned_points: Vec<(f64, f64, f64)> = Vec::new();
-    let (mut sum, mut count) = (0.0, 0.0);
-    let mut last = None;
-    for (x, y, value) in points {
-        let is_near = thinned_points
-            .last()
-            .is_some_and(|before| (x - before.0).hypot(y - before.1) < step);
-        if is_near {
-            sum += value;
-            count += 1.0;
-            last = Some((x, y));
+impl Plan {
+    /// Returns the plan for the page's script: metres east and north of the middle.
+    pub(super) fn drawn(&self) -> Drawn {
+        let points = || self.lines.iter().flat_map(|line| &line.points);
+        let reference_deg = points().next().map_or(0.0, |point| point.longitude_deg);
+        // Longitudes are relative to one point, so a line across the date line stays continuous.
+        let turn = |longitude: f64| (longitude - reference_deg + 540.0).rem_euclid(360.0) - 180.0;
+        let middle_deg = middle(points().map(|point| point.latitude_deg));
+        let centre_deg = middle(points().map(|point| turn(point.longitude_deg)));
+        let east_m = DEGREE_M * middle_deg.to_radians().cos();
+        let group = points().count().div_ceil(MOST_POINTS).max(1);
+        let place = |point: &PlanPoint| {
+            [
+                decimetres((turn(point.longitude_deg) - centre_deg) * east_m),
+                decimetres((point.latitude_deg - middle_deg) * DEGREE_M),
+            ]
+        };
+        let lines: Vec<Value> = self
+            .lines
+            .iter()
+            .map(|line| line.json(group, &place))
+            .collect();
+        let words = if group > 1 {
+            format!("Each drawn point is the mean of {group} cells.")
         } else {
-            (sum, count) = (value, 1.0);
-            thinned_points.push((x, y, value));
-            last = None;
-        }
-        if let Some(before) = thinned_points.last_mut() {
-            before.2 = sum / count;
-        }
+            String::new()
+        };
+        let value = json!({
+            "kind": "plan",
+            "middle": [middle_deg, centre_deg + reference_deg],
+            "metres": [DEGREE_M, east_m],
+            "colourings": self.colourings.iter().map(Colouring::json).collect::<Vec<_>>(),
+            "lines": lines,
+        });
+        Drawn::new(&value, words)
     }
-    // The last point is the end of the line.
-    if let (Some((x, y)), Some(&(_, _, value))) = (last, thinned_points.last()) {
-        thinned_points.push((x, y, value));
-    }
-    thinned_points
 }
 
-/// Returns the points moved to the right of their direction.
-fn aside(points: &[(f64, f64, f64)], by: f64) -> Vec<(f64, f64, f64)> {
-    (0..points.len())
-        .map(|i| {
-            let (x, y, value) = points[i];
-            let (a, b) = (
-                points[i.saturating_sub(1)],
-                points[(i + 1).min(points.len() - 1)],
-            );
-            let (dx, dy) = (b.0 - a.0, b.1 - a.1);
-            let length = dx.hypot(dy).max(f64::MIN_POSITIVE);
-            (x + by * dy / length, y - by * dx / length, value)
+impl PlanLine {
+    fn json(&self, group: usize, place: &dyn Fn(&PlanPoint) -> [f64; 2]) -> Value {
+        let groups: Vec<&[PlanPoint]> = self.points.chunks(group).collect();
+        let last = self.points.last().filter(|_| group > 1);
+        let firsts = groups.iter().map(|group| &group[0]).chain(last);
+        let firsts: Vec<&PlanPoint> = firsts.collect();
+        let kinds = self.points.first().map_or(0, |point| point.values.len());
+        let mean = |kind: usize| {
+            let means = groups.iter().map(move |group| {
+                let sum: f64 = group.iter().map(|point| point.values[kind]).sum();
+                number(round_to(sum / group.len() as f64, 1e4))
+            });
+            means.collect::<Vec<_>>()
+        };
+        json!({
+            "name": self.name,
+            "link": self.link,
+            "places": firsts.iter().flat_map(|point| place(point)).collect::<Vec<_>>(),
+            "km": firsts.iter().map(|point| number(point.distance_m * 1e-3)).collect::<Vec<_>>(),
+            "values": (0..kinds).map(mean).collect::<Vec<_>>(),
         })
-        .collect()
+    }
+}
+
+fn middle(values: impl Iterator<Item = f64>) -> f64 {
+    let none = (f64::INFINITY, f64::NEG_INFINITY);
+    let (low, high) = values.fold(none, |(low, high), value| (low.min(value), high.max(value)));
+    if low > high { 0.0 } else { 0.5 * (low + high) }
+}
+
+fn decimetres(metres: f64) -> f64 {
+    round_to(metres, 10.0)
+}
+
+fn round_to(value: f64, per_unit: f64) -> f64 {
+    (value * per_unit).round() / per_unit
 }

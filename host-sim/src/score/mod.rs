@@ -18,7 +18,7 @@ pub mod run_score;
 pub mod score_row;
 pub mod table;
 
-pub use of_map::{score_map, score_map_on_road};
+pub use of_map::{score_map, score_map_on_road, true_grades};
 pub use run_score::{RunScore, score_run, score_run_beside};
 pub use score_row::{END_CUT_M, MEAN, ScoreRow, Unscorable, mean};
 pub use table::{HEADER, json, table, text};

@@ -10,8 +10,8 @@ use crate::numeric::series::linear;
 /// # Errors
 /// Returns an error if no cell is left to compare.
 pub fn score_map(map: &[MapRow], reference: &[(f64, f64)]) -> Result<ScoreRow, Unscorable> {
-    let places: Vec<Option<f64>> = map.iter().map(|row| Some(row.distance_m)).collect();
-    score_placed(map, &places, reference)
+    let at = map.iter().map(|row| linear(reference, row.distance_m));
+    score_true(map, &at.collect::<Vec<_>>())
 }
 
 /// Compares a map with a reference road that has grades, by position and course. Their distances
@@ -20,6 +20,15 @@ pub fn score_map(map: &[MapRow], reference: &[(f64, f64)]) -> Result<ScoreRow, U
 /// # Errors
 /// Returns an error if the reference is no road or has no grade, or if no cell is left to compare.
 pub fn score_map_on_road(map: &[MapRow], reference: &[RoadRow]) -> Result<ScoreRow, Unscorable> {
+    score_true(map, &true_grades(map, reference)?)
+}
+
+/// Returns the true grade at each cell of a map, %: that of a reference road where the cell lies on
+/// it by position and course. `None` beyond the road.
+///
+/// # Errors
+/// Returns an error if the reference is no road or has no grade.
+pub fn true_grades(map: &[MapRow], reference: &[RoadRow]) -> Result<Vec<Option<f64>>, Unscorable> {
     let road = Network::from(RoadLine::new(
         reference.iter().map(RoadRow::point).collect(),
     )?);
@@ -37,28 +46,23 @@ pub fn score_map_on_road(map: &[MapRow], reference: &[RoadRow]) -> Result<ScoreR
             position: Some((row.latitude_deg, row.longitude_deg)),
         })
         .collect();
-    let places: Vec<Option<f64>> = match_track(&road, &track)
+    Ok(match_track(&road, &track)
         .into_iter()
         .map(|place| match place {
-            MatchedPlace::OnRoad { distance_m, .. } => Some(distance_m),
+            MatchedPlace::OnRoad { distance_m, .. } => linear(&grades, distance_m),
             _ => None,
         })
-        .collect();
-    score_placed(map, &places, &grades)
+        .collect())
 }
 
-fn score_placed(
-    map: &[MapRow],
-    places: &[Option<f64>],
-    reference: &[(f64, f64)],
-) -> Result<ScoreRow, Unscorable> {
+fn score_true(map: &[MapRow], true_percent: &[Option<f64>]) -> Result<ScoreRow, Unscorable> {
     let mut sums = Sums::default();
-    for (row, place) in map.iter().zip(places) {
+    for (row, true_percent) in map.iter().zip(true_percent) {
         let ends = (map[0].distance_m, map[map.len() - 1].distance_m);
         if is_end(ends.0, ends.1, row.distance_m) {
             continue;
         }
-        if let Some(true_percent) = place.and_then(|at| linear(reference, at)) {
+        if let Some(true_percent) = true_percent {
             sums.add(
                 row.grade_percent - true_percent,
                 row.grade_sigma_percent,

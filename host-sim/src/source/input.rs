@@ -34,6 +34,15 @@ impl LogInput {
         }
     }
 
+    /// Returns the same input at another time.
+    #[must_use]
+    pub const fn at(self, time: Instant) -> Self {
+        match self {
+            Self::Frame(frame) => Self::Frame(TimedFrame { time, ..frame }),
+            Self::Reading(_, reading) => Self::Reading(time, reading),
+        }
+    }
+
     /// Returns the input with the vehicle mass marked as not available, for an estimator whose mass
     /// is more accurate than that of the bus.
     #[must_use]

@@ -74,6 +74,7 @@ fn run(setting: &Setting) -> Result<StudyOutcome> {
         )],
         tables: vec![accuracy(&groups, &drives), lag_table(&curves)],
         figures: vec![lag_figure(&curves)],
+        ..Section::default()
     }))
 }
 

@@ -277,6 +277,7 @@ fn section(conditions: &Conditions, sets: &[Set]) -> Section {
             figure_10(sets, &mean_curve, law),
             figure_11(&mean_curve, law),
         ],
+        ..Section::default()
     }
 }
 

@@ -71,7 +71,7 @@ fn run(setting: &Setting) -> Result<StudyOutcome> {
              m are left out."
         )],
         tables: vec![maps_table(&roads), beside_table(&roads)],
-        figures: Vec::new(),
+        ..Section::default()
     }))
 }
 

@@ -102,6 +102,7 @@ fn run(setting: &Setting) -> Result<StudyOutcome> {
         words,
         tables: vec![statistics(&sources), effect(&sources, setting.seed)],
         figures,
+        ..Section::default()
     }))
 }
 

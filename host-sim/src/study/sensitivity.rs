@@ -268,6 +268,7 @@ fn run(_: &Setting) -> Result<StudyOutcome> {
         ],
         tables: vec![effects(&vehicles)],
         figures: vehicles.into_iter().filter_map(figure).collect(),
+        ..Section::default()
     }))
 }
 

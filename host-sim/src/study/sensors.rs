@@ -130,7 +130,7 @@ fn run(setting: &Setting) -> Result<StudyOutcome> {
             2 * ROADS
         )],
         tables: vec![table(&cases, &of_trucks)],
-        figures: Vec::new(),
+        ..Section::default()
     }))
 }
 

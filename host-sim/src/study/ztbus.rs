@@ -234,6 +234,7 @@ fn section(found: &Findings) -> Section {
         ],
         tables: vec![pass_table(&found.passes), drift_table(&found.drifts)],
         figures: found.profiles.iter().map(altitude_figure).collect(),
+        ..Section::default()
     }
 }
 

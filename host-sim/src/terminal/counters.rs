@@ -14,9 +14,10 @@ pub struct CountedEvent {
 }
 
 /// Keys whose name differs from the key.
-const NAMES: [(&str, &str); 23] = [
+const NAMES: [(&str, &str); 24] = [
     ("frames malformed", "malformed frames"),
     ("fast packets broken", "incomplete fast packets"),
+    ("sessions broken", "incomplete transport sessions"),
     ("inputs back in time", "inputs with earlier time stamps"),
     ("inputs far ahead", "inputs with time stamps far ahead"),
     (
@@ -56,12 +57,17 @@ pub fn events(c: &Counters) -> Vec<CountedEvent> {
     [
         ("frames malformed", c.frames_malformed.into()),
         ("fast packets broken", c.fast_packets_broken.into()),
+        ("sessions broken", c.sessions_broken.into()),
         ("inputs back in time", c.time_backwards.into()),
         ("inputs far ahead", c.times_ahead.into()),
         ("clocks set back", c.clocks_set_back.into()),
         ("long silences", c.silences.into()),
         ("values not available", c.not_available.into()),
         ("values in error", c.errors.into()),
+        (
+            "parameters replaced by the bus",
+            c.parameters_replaced.into(),
+        ),
         ("values of other senders", c.other_source.into()),
         ("sender switches", c.source_switches.into()),
         ("rates exceeded", c.rates_exceeded.into()),

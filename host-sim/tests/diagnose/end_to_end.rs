@@ -127,7 +127,7 @@ fn a_report_a_vehicle_and_a_page_are_written() {
 
     let page = fs::read_to_string(out.join("report.html")).unwrap();
     let name = adopted[0]["name"].as_str().unwrap();
-    assert!(page.contains(name) && page.contains("<svg"));
+    assert!(page.contains(name) && page.contains("data-residual"));
 
     // The written vehicle file has the adopted effects and is read back.
     let with_effects = out.join("vehicle.toml");

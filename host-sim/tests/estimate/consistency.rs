@@ -69,7 +69,7 @@ fn cells_in_which_signals_disagree_are_marked_and_told() {
     let marked = cells.iter().filter(|cell| !cell.is_consistent).count();
     assert_eq!(marked, 130);
     assert_eq!(
-        verdict(cells.len(), marked, &stretches),
+        verdict(cells.len(), marked, &stretches, &[]),
         format!("suspect: {CLIMB}; {SPEED}")
     );
 }
@@ -79,7 +79,7 @@ fn a_drive_without_disagreement_is_consistent() {
     let (cells, found) = smoothed(|_| Disagreement::default());
     assert!(cells.iter().all(|cell| cell.is_consistent));
     assert_eq!(stretches(&found), []);
-    assert_eq!(verdict(cells.len(), 0, &[]), "consistent");
+    assert_eq!(verdict(cells.len(), 0, &[], &[]), "consistent");
 }
 
 #[test]
@@ -118,7 +118,7 @@ fn a_drive_is_suspect_from_one_per_cent_and_200_m_on() {
         (0, 0, "consistent"),
     ] {
         assert_eq!(
-            verdict(cells, marked, &told),
+            verdict(cells, marked, &told, &[]),
             expected,
             "{marked} of {cells}"
         );

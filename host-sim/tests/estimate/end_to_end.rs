@@ -299,38 +299,6 @@ fn a_truck_that_never_moves_is_reported() {
 }
 
 #[test]
-fn the_demo_ends_with_a_table_and_a_page() {
-    let folder = TempDir::new().unwrap();
-    let out = folder.path().join("demo");
-    roadgrade()
-        .args(["demo", "--out"])
-        .arg(&out)
-        .assert()
-        .success()
-        .stdout(contains("| all  | map ").and(contains("report.html")));
-    let page = fs::read_to_string(out.join("report.html")).unwrap();
-    assert_eq!(page.matches("<svg").count(), 3);
-    assert!(!page.contains("NaN"));
-    for estimate in ["smoothed", "original", "modified", "oracle"] {
-        assert!(page.contains(estimate), "{estimate}");
-    }
-    // Five runs and their mean with eight rows each, and the map.
-    let table = fs::read_to_string(out.join("score.csv")).unwrap();
-    assert!(table.starts_with("run,estimate,cells,rmse_percent,"));
-    assert_eq!(table.lines().count(), 1 + 6 * 8 + 1);
-    for name in [
-        "a1.log",
-        "a1.truth.csv",
-        "a1.vehicle.toml",
-        "a1.csv",
-        "map.csv",
-        "score.csv",
-    ] {
-        assert!(out.join(name).exists(), "{name}");
-    }
-}
-
-#[test]
 fn the_study_of_the_measured_bus_finds_its_drift() {
     let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");
     if !data.join("ztbus").exists() {

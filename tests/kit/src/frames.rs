@@ -52,10 +52,43 @@ impl embedded_can::Frame for TestFrame {
     }
 }
 
-/// Returns the frames of a payload: itself, or its fast-packet frames.
+/// Parameter groups of the transport protocol (SAE J1939-21).
+pub const TRANSPORT_MANAGEMENT: u32 = 60_416;
+pub const TRANSPORT_DATA: u32 = 60_160;
+/// The destination of a broadcast.
+pub const TO_ALL: u8 = 255;
+
+/// Returns the frames of a payload that its sender transmits by transport protocol: a broadcast, or
+/// a session to one receiver.
+pub fn session_of(pgn: u32, source: u8, destination: u8, payload: &[u8]) -> Vec<TestFrame> {
+    let to = u32::from(destination);
+    let [low, high] = (payload.len() as u16).to_le_bytes();
+    let [pgn0, pgn1, pgn2, _] = pgn.to_le_bytes();
+    let packets = payload.len().div_ceil(7) as u8;
+    let control = if destination == TO_ALL { 32 } else { 16 };
+    let announcement = [control, low, high, packets, 0xff, pgn0, pgn1, pgn2];
+    let mut frames = vec![TestFrame::of_pgn(
+        TRANSPORT_MANAGEMENT | to,
+        source,
+        &announcement,
+    )];
+    for (number, part) in (1..).zip(payload.chunks(7)) {
+        let mut bytes = vec![number];
+        bytes.extend_from_slice(part);
+        bytes.resize(8, 0xff);
+        frames.push(TestFrame::of_pgn(TRANSPORT_DATA | to, source, &bytes));
+    }
+    frames
+}
+
+/// Returns the frames of a payload: itself, those of a fast packet, or for a group of J1939 those of a
+/// broadcast session.
 pub fn frames_of(pgn: u32, source: u8, sequence: u8, payload: &[u8]) -> Vec<TestFrame> {
     if payload.len() <= 8 {
         return vec![TestFrame::of_pgn(pgn, source, payload)];
+    }
+    if pgn < 0x1_0000 {
+        return session_of(pgn, source, TO_ALL, payload);
     }
     let mut bytes = vec![sequence << 5, payload.len() as u8];
     bytes.extend_from_slice(&payload[..6]);

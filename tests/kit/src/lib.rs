@@ -17,7 +17,7 @@ pub mod simulated;
 mod trucks;
 
 pub use filter_runs::{FilterRun, FilteredStep, cells, run, run_counted, smooth};
-pub use frames::{TestFrame, frames_of};
+pub use frames::{TO_ALL, TRANSPORT_DATA, TRANSPORT_MANAGEMENT, TestFrame, frames_of, session_of};
 pub use noise::Noise;
 pub use samples::{altitude, sample, speed};
 pub use trucks::{by_force, truck, truck_with};

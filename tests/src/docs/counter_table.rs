@@ -21,8 +21,8 @@ macro_rules! counters {
 
 counters! {
     frames frames_decoded frames_ignored frames_malformed fast_packets_broken
-    time_backwards times_ahead clocks_set_back silences
-    not_available errors other_source source_switches rates_exceeded
+    sessions_broken time_backwards times_ahead clocks_set_back silences
+    not_available errors parameters_replaced other_source source_switches rates_exceeded
     speed_leaps frozen_speeds speeds_used tractions_used poor_fixes frozen_fixes reversals gaps
     samples_lost cells_lost cells_unsound cells_suspect steps invalid_steps
     altitudes_used altitudes_rejected altitude_outliers speed_steps brakes_guessed

@@ -45,13 +45,14 @@ const CORE: [&str; 22] = [
 ];
 
 /// Parts of the host, and the parts that each may import. All may import `error`.
-const HOST: [(&str, &[&str]); 17] = [
+const HOST: [(&str, &[&str]); 18] = [
     (
         "cli",
         &[
             "comparison",
             "diagnose",
             "files",
+            "identify",
             "inspect",
             "live",
             "map",
@@ -87,7 +88,11 @@ const HOST: [(&str, &[&str]); 17] = [
         "diagnose",
         &["files", "map", "numeric", "recorder", "report", "source"],
     ),
-    ("report", &["files", "map", "numeric", "score"]),
+    ("identify", &["diagnose", "files", "numeric", "source"]),
+    (
+        "report",
+        &["files", "identify", "map", "numeric", "recorder", "score"],
+    ),
     ("live", &["files", "recorder", "source", "terminal"]),
     // Not the simulator: measured data have a truth, too.
     (

@@ -78,6 +78,21 @@ pub fn place(network: &Network, cells: &[RunCell]) -> PlacedRun {
     }
 }
 
+/// Returns the distance of each cell along a single road, m, smooth along the drive; `None` where
+/// the run is not on the road.
+#[must_use]
+pub fn road_distances(road: &Network, cells: &[RunCell]) -> Vec<Option<f64>> {
+    let track = track_of_run(cells);
+    let mut distances = vec![None; cells.len()];
+    for segment in matched_segments(road, &track, &match_track(road, &track)) {
+        let offset_m = segment.legs.first().map_or(0.0, |leg| leg.offset_m);
+        for (index, along_m) in segment.points.zip(segment.distance_m) {
+            distances[index] = Some(along_m - offset_m);
+        }
+    }
+    distances
+}
+
 /// Interpolates a segment onto the grid. Errors of neighbouring cells are almost equal, so
 /// variances are interpolated and not reduced.
 fn place_segment(

@@ -4,4 +4,5 @@ pub mod fuse_files;
 mod inputs;
 mod intake;
 mod road;
+pub mod roads_of_runs;
 pub mod words;

@@ -49,7 +49,7 @@ fn run(setting: &Setting) -> Result<StudyOutcome> {
              the mean over campaigns in {better_on_average} of the {experiments} experiments."
         )],
         tables: vec![runs_table(&all), maps_table(&all)],
-        figures: Vec::new(),
+        ..Section::default()
     }))
 }
 

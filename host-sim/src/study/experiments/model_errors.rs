@@ -73,6 +73,7 @@ fn run(setting: &Setting) -> Result<StudyOutcome> {
         ],
         tables: vec![table(&each)],
         figures,
+        ..Section::default()
     }))
 }
 

@@ -51,6 +51,7 @@ fn run(setting: &Setting) -> Result<StudyOutcome> {
         words,
         tables,
         figures,
+        ..Section::default()
     }))
 }
 

@@ -43,6 +43,7 @@ fn run(setting: &Setting) -> Result<StudyOutcome> {
         words: words(),
         tables: tables(&runs),
         figures,
+        ..Section::default()
     }))
 }
 

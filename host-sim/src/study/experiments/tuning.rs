@@ -225,7 +225,7 @@ fn run(_: &Setting) -> Result<StudyOutcome> {
                 .to_owned(),
         ],
         tables: vec![table],
-        figures: Vec::new(),
+        ..Section::default()
     }))
 }
 

@@ -1,0 +1,119 @@
+//! `roadgrade identify`.
+
+use super::log_options::LogOptions;
+use super::outputs;
+use super::tuning_option::TuningOption;
+use crate::error::{Error, Result, on_one_line};
+use crate::files::output::write_whole;
+use crate::files::vehicle::VehicleFile;
+use crate::identify::annotated::{self, comment};
+use crate::identify::{Identified, Like, Request, class, identify};
+use crate::terminal::print::{note, print};
+use crate::terminal::progress;
+use crate::terminal::table::text_table;
+use std::path::{Path, PathBuf};
+
+/// Arguments of `identify`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = after_help())]
+pub struct Args {
+    /// Vehicle file to write.
+    #[arg(long, value_name = "V.toml")]
+    out: PathBuf,
+    /// What the vehicle is like: a class, or another vehicle file. Default: recognised by its mass.
+    #[arg(long, value_name = "CLASS|V.toml")]
+    like: Option<String>,
+    #[command(flatten)]
+    reading: LogOptions,
+    #[command(flatten)]
+    tuning: TuningOption,
+    /// Print each value as JSON: key, value, sigma, origin (read, measured, assumed).
+    #[arg(long)]
+    json: bool,
+    /// Drives of one vehicle: logs of frames or signal tables. Two are better than one.
+    #[arg(required = true, value_name = "LOG")]
+    logs: Vec<PathBuf>,
+}
+
+fn after_help() -> String {
+    let classes: Vec<String> = class::all()
+        .iter()
+        .map(|class| format!("  {:<9} {}", class.name, class.about))
+        .collect();
+    format!(
+        "Each value of the file has a comment: read off the bus, measured with its standard \
+         deviation, or assumed for the class. What these logs cannot tell is named, with the drive \
+         that would show it.\n\nClasses:\n{}\n\nExample:\n  roadgrade identify --out vehicle.toml \
+         mon.log tue.log",
+        classes.join("\n")
+    )
+}
+
+/// Runs the command.
+pub fn run(args: &Args) -> Result<()> {
+    let like = args.like.as_deref().map(like).transpose()?;
+    let like_file = args.like.as_deref().map(Path::new).filter(|p| p.is_file());
+    let inputs = args.logs.iter().map(PathBuf::as_path);
+    let inputs = inputs.chain(like_file).chain(args.tuning.file());
+    outputs::check(inputs, [&*args.out])?;
+    let request = Request {
+        logs: args.logs.clone(),
+        like,
+        tuning: args.tuning.read()?,
+        options: args.reading.read_options()?,
+    };
+    let found = shown(&request)?;
+    let text = annotated::text(&found);
+    write_whole(&args.out, |out| out.write_all(text.as_bytes()))?;
+    if args.json {
+        let json = serde_json::to_string_pretty(&found.values).expect("numbers are JSON");
+        return print(&format!("{json}\n"));
+    }
+    print(&table(&found))
+}
+
+/// Identifies, and shows the progress.
+pub(super) fn shown(request: &Request) -> Result<Identified> {
+    let wait = progress::spinner("reading the logs");
+    let found = identify(request, |step| wait.set_message(step.to_owned()))?;
+    wait.finish_and_clear();
+    for unknown in &found.unknown {
+        note(format_args!(
+            "not known: {}. {}",
+            unknown.what, unknown.advice
+        ));
+    }
+    Ok(found)
+}
+
+/// Returns the class or the file that `--like` names.
+pub(super) fn like(name: &str) -> Result<Like> {
+    if let Some(class) = class::named(name) {
+        return Ok(Like::Class(class));
+    }
+    let path = Path::new(name);
+    if path.is_file() {
+        return VehicleFile::read(path).map(Like::File);
+    }
+    let names: Vec<String> = class::all().into_iter().map(|class| class.name).collect();
+    Err(Error::Usage(format!(
+        "--like {}: is neither a class nor a file; expected a vehicle file, or one of {}",
+        on_one_line(path),
+        names.join(", ")
+    )))
+}
+
+fn table(found: &Identified) -> String {
+    let rows: Vec<Vec<String>> = found
+        .values
+        .iter()
+        .map(|value| {
+            vec![
+                value.key.clone(),
+                format!("{:.5}", value.value),
+                comment(value),
+            ]
+        })
+        .collect();
+    format!("{}\n", text_table(&["key", "value", "from"], &rows, 1))
+}

@@ -1,0 +1,142 @@
+//! The gears of a gearbox, from engine speed over wheel speed.
+
+use super::identified::{Estimate, Origin};
+use super::observation::Observation;
+use super::ratio_histogram::{Peak, RatioHistogram};
+use estimator_core::vehicle::MAX_GEARS;
+use std::collections::BTreeMap;
+
+/// Least weight of a gear, s of steady travel.
+const LEAST_WEIGHT_S: f64 = 1.0;
+/// Least part of all steady travel that a gear has which no signal reports.
+const LEAST_PART: f64 = 0.003;
+/// Fewest readings of a gear with its ratio.
+const LEAST_COUNT: u32 = 5;
+/// Systematic error of a ratio of speeds, relative: rounding, slip of the tyres.
+const FLOOR: f64 = 0.002;
+/// Words for gears that were not driven.
+pub const UNSEEN_GEARS: &str = "the ratios of all gears";
+/// Relative sigma of the ratio of a gear that was not driven.
+const UNSEEN: f64 = 0.1;
+
+/// One gear.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FoundGear {
+    /// Engine turns to a metre, rad/m: ratio of the gear times final drive over wheel radius.
+    pub turns_per_m: Estimate,
+    /// Ratio of the gear, where the bus reports it.
+    pub reported: Option<f64>,
+    /// Measured; read for a gear that was driven too briefly; assumed for one that was not.
+    pub origin: Origin,
+}
+
+/// Returns the forward gears, first gear first; none if no gear was driven.
+#[must_use]
+pub fn find(observation: &Observation) -> Vec<FoundGear> {
+    let by_ratio = peaks(&observation.by_ratio);
+    let by_gear = peaks(&observation.by_gear);
+    let mut gears = if by_ratio.is_empty() && by_gear.is_empty() {
+        let peaks = observation.turns.peaks(LEAST_PART);
+        peaks.iter().map(|peak| measured(peak, None)).collect()
+    } else if observation.ratio_of_gear.is_empty() && !by_ratio.is_empty() {
+        let reported = |(ratio, peak): (&i64, &Peak)| measured(peak, Some(thousandths(*ratio)));
+        by_ratio.iter().rev().map(reported).collect()
+    } else {
+        let most_often = |(gear, ratios): (&i32, &BTreeMap<i64, u32>)| {
+            let (ratio, count) = ratios.iter().max_by_key(|(_, count)| **count)?;
+            (*gear > 0 && *count >= LEAST_COUNT).then(|| (*gear, thousandths(*ratio)))
+        };
+        let reported = observation.ratio_of_gear.iter().filter_map(most_often);
+        numbered(&by_gear, &reported.collect())
+    };
+    gears.truncate(MAX_GEARS);
+    gears
+}
+
+fn thousandths(ratio: i64) -> f64 {
+    ratio as f64 / 1000.0
+}
+
+fn peaks<K: Copy + Ord>(turns: &BTreeMap<K, RatioHistogram>) -> BTreeMap<K, Peak> {
+    let peak = |(key, turns): (&K, &RatioHistogram)| {
+        let peak = turns.highest()?;
+        // A gear that is mostly reported with other ratios is a wrong report.
+        (peak.weight >= LEAST_WEIGHT_S && peak.weight > 0.5 * turns.weight())
+            .then_some((*key, peak))
+    };
+    turns.iter().filter_map(peak).collect()
+}
+
+fn measured(peak: &Peak, reported: Option<f64>) -> FoundGear {
+    FoundGear {
+        turns_per_m: Estimate::new(peak.ratio, peak.ratio * FLOOR.hypot(0.2 * peak.scatter)),
+        reported,
+        origin: Origin::Measured,
+    }
+}
+
+/// Returns gears 1 to the highest one that was driven. A gear that was driven for too short a time
+/// has the ratio that the bus reports. Otherwise its ratio follows from its neighbours: the steps of
+/// a gearbox are nearly equal.
+fn numbered(driven: &BTreeMap<i32, Peak>, reported: &BTreeMap<i32, f64>) -> Vec<FoundGear> {
+    let mut known: BTreeMap<i32, FoundGear> = driven
+        .iter()
+        .map(|(number, peak)| (*number, measured(peak, reported.get(number).copied())))
+        .collect();
+    // Turns to a metre of a gear of ratio one, from the gear that was driven for longest.
+    let longest = driven
+        .iter()
+        .filter(|(number, _)| reported.contains_key(number));
+    let longest = longest.max_by(|a, b| a.1.weight.total_cmp(&b.1.weight));
+    if let Some((number, peak)) = longest {
+        let direct = peak.ratio / reported[number];
+        for (number, ratio) in reported {
+            known.entry(*number).or_insert_with(|| FoundGear {
+                turns_per_m: Estimate::new(direct * ratio, direct * ratio * FLOOR),
+                reported: Some(*ratio),
+                origin: Origin::Read,
+            });
+        }
+    }
+    let Some(&highest) = known.keys().next_back() else {
+        return Vec::new();
+    };
+    (1..=highest.min(MAX_GEARS as i32))
+        .map(|number| {
+            let own = known.get(&number).cloned();
+            own.unwrap_or_else(|| between(&known, number))
+        })
+        .collect()
+}
+
+/// Returns a gear that was not driven. The highest gear is among the known ones.
+fn between(known: &BTreeMap<i32, FoundGear>, number: i32) -> FoundGear {
+    let turns = |gear: &FoundGear| gear.turns_per_m.value;
+    let below = known.range(..number).next_back();
+    let above = known.range(number..).next();
+    let turns_per_m = match (below, above) {
+        (Some((&a, from)), Some((&b, to))) => {
+            let part = f64::from(number - a) / f64::from(b - a);
+            turns(from) * (turns(to) / turns(from)).powf(part)
+        }
+        (None, Some((&b, to))) => turns(to) * usual_step(known).powi(b - number),
+        (Some((_, nearest)), None) => turns(nearest),
+        (None, None) => 1.0,
+    };
+    FoundGear {
+        turns_per_m: Estimate::new(turns_per_m, turns_per_m * UNSEEN),
+        reported: None,
+        origin: Origin::Assumed,
+    }
+}
+
+/// Returns the ratio of one gear to the next, on average; 1.3 if only one is known.
+fn usual_step(known: &BTreeMap<i32, FoundGear>) -> f64 {
+    let ends = known.iter().next().zip(known.iter().next_back());
+    match ends {
+        Some(((&a, from), (&b, to))) if b > a => {
+            (from.turns_per_m.value / to.turns_per_m.value).powf(1.0 / f64::from(b - a))
+        }
+        _ => 1.3,
+    }
+}

@@ -1,0 +1,23 @@
+//! The vehicle file that logs ask for: read off the bus, measured, or assumed.
+//!
+//! * [`observation`]: what the readings of a log show; [`ratio_histogram`] and [`gears`]: the gears
+//!   of the gearbox from engine speed over wheel speed;
+//! * [`class`]: what is usual in classes of vehicles;
+//! * [`fit`]: resistance, drag, traction and mass from the innovations of the filter;
+//! * [`procedure`]: all steps; [`draft`]: the vehicle while it is identified; [`account`]: each
+//!   value with its origin, and what remains unknown; [`identified`]: the result;
+//! * [`annotated`]: the vehicle file with a comment at each value.
+
+pub mod account;
+pub mod annotated;
+pub mod class;
+pub mod draft;
+pub mod fit;
+pub mod gears;
+pub mod identified;
+pub mod observation;
+pub mod procedure;
+pub mod ratio_histogram;
+
+pub use identified::{Estimate, Identified, IdentifiedValue, Origin, Unknown};
+pub use procedure::{Like, Request, identify};

@@ -1,0 +1,287 @@
+//! What the readings of a log show of the vehicle, in constant memory.
+
+use super::ratio_histogram::RatioHistogram;
+use crate::error::Result;
+use crate::source::input::{LogInput, for_each_input};
+use crate::source::read_options::ReadOptions;
+use estimator_core::{Decoder, Instant, Reading, Signal};
+use std::collections::{BTreeMap, VecDeque};
+use std::f64::consts::PI;
+use std::path::Path;
+
+/// Slowest speed at which a ratio of speeds counts, m/s: wheel speeds are coarse below.
+const SLOWEST_MPS: f64 = 1.5;
+/// Oldest engine speed that counts, s.
+const OLDEST_S: f32 = 0.25;
+/// Time over which a ratio must not change, s.
+const STEADY_S: f32 = 1.0;
+/// Largest change of a ratio over that time, relative: a gear is engaged, and no clutch slips.
+const STEADY: f64 = 0.025;
+/// Relative acceleration (1/s) at which a ratio has half its weight: engine speed and wheel speed
+/// are not of the same time.
+const HALF_WEIGHT_PER_S: f64 = 0.02;
+/// Clutch slip above which no ratio counts, %.
+const SLIP_PERCENT: f64 = 5.0;
+/// Slowest speed for a comparison with GNSS speed, m/s, ...
+const FAST_MPS: f64 = 8.0;
+/// ... and how little it changes, m/s, for so long, s.
+const STEADY_MPS: f64 = 0.4;
+const STEADY_SPEED_S: f32 = 3.0;
+/// Columns of what the bus tells of the vehicle, beside its mass.
+const TOLD: [&str; 2] = ["reference_torque_nm", "engine_inertia_kgm2"];
+/// Steps of a reported gear ratio: SPN 526 has 0.001.
+const RATIO_STEPS: f64 = 1000.0;
+
+/// What a log shows.
+#[derive(Clone, Debug, Default)]
+pub struct Observation {
+    /// Engine turns for one metre (rad/m) while a gear is engaged, whatever gear it is.
+    pub turns: RatioHistogram,
+    /// The same for each reported gear number.
+    pub by_gear: BTreeMap<i32, RatioHistogram>,
+    /// The same for each reported gear ratio, in thousandths.
+    pub by_ratio: BTreeMap<i64, RatioHistogram>,
+    /// For each gear number, the gear ratios reported with it, in thousandths, and how often.
+    pub ratio_of_gear: BTreeMap<i32, BTreeMap<i64, u32>>,
+    /// GNSS speed over wheel speed at steady speed.
+    pub ground: RatioHistogram,
+    /// Fastest turns of the engine, rpm.
+    pub fastest_rpm: f64,
+    /// Values that the bus tells of the vehicle.
+    told: BTreeMap<Signal, Told>,
+    /// Number of measurements of each signal.
+    counts: BTreeMap<Signal, u64>,
+}
+
+/// Values of a signal that is a property of the vehicle.
+#[derive(Clone, Copy, Debug, Default)]
+struct Told {
+    count: u32,
+    sum: f64,
+    sum_of_squares: f64,
+}
+
+/// The newest readings, while a log is read.
+#[derive(Default)]
+struct Newest {
+    values: BTreeMap<Signal, (Instant, f64)>,
+    /// Ratios, and speeds (m/s), of the last second.
+    recent: VecDeque<(Instant, f64, f64)>,
+    /// Wheel speeds of the last seconds, m/s.
+    speeds: VecDeque<(Instant, f64)>,
+    /// The first source of each signal. Others are left out.
+    sources: BTreeMap<Signal, u8>,
+}
+
+impl Observation {
+    /// Reads a log.
+    ///
+    /// # Errors
+    /// Returns an error with file and line if the log cannot be read to its end.
+    pub fn of(log: &Path, options: &ReadOptions) -> Result<Self> {
+        let mut found = Self::default();
+        let mut newest = Newest::default();
+        let mut decoder = Decoder::new();
+        let is_wanted = |reading: &Reading| !options.ignore.contains(&reading.signal);
+        let own: Vec<Signal> = options
+            .signals
+            .iter()
+            .flat_map(|own| own.signals())
+            .collect();
+        for_each_input(
+            log,
+            options,
+            |_| (),
+            |input| match input {
+                LogInput::Frame(timed) => {
+                    decoder.decode_at(timed.time, &timed.frame, |_, pgn, reading| {
+                        let first = newest.sources.entry(reading.signal).or_insert(pgn.source);
+                        if *first == pgn.source
+                            && is_wanted(&reading)
+                            && !own.contains(&reading.signal)
+                        {
+                            found.take(&mut newest, timed.time, reading);
+                        }
+                    });
+                }
+                LogInput::Reading(time, reading) if is_wanted(&reading) => {
+                    found.take(&mut newest, time, reading);
+                }
+                LogInput::Reading(..) => {}
+            },
+        )?;
+        Ok(found)
+    }
+
+    /// Adds what another log shows.
+    pub fn merge(&mut self, other: &Self) {
+        self.turns.merge(&other.turns);
+        self.ground.merge(&other.ground);
+        self.fastest_rpm = self.fastest_rpm.max(other.fastest_rpm);
+        for (gear, turns) in &other.by_gear {
+            self.by_gear.entry(*gear).or_default().merge(turns);
+        }
+        for (ratio, turns) in &other.by_ratio {
+            self.by_ratio.entry(*ratio).or_default().merge(turns);
+        }
+        for (gear, ratios) in &other.ratio_of_gear {
+            let own = self.ratio_of_gear.entry(*gear).or_default();
+            for (ratio, count) in ratios {
+                *own.entry(*ratio).or_default() += count;
+            }
+        }
+        for (signal, told) in &other.told {
+            let own = self.told.entry(*signal).or_default();
+            own.count += told.count;
+            own.sum += told.sum;
+            own.sum_of_squares += told.sum_of_squares;
+        }
+        for (signal, count) in &other.counts {
+            *self.counts.entry(*signal).or_default() += count;
+        }
+    }
+
+    /// Returns whether a signal has measurements.
+    #[must_use]
+    pub fn has(&self, signal: Signal) -> bool {
+        self.counts.contains_key(&signal)
+    }
+
+    /// Returns mean and standard deviation of what the bus tells of the vehicle.
+    #[must_use]
+    pub fn told(&self, signal: Signal) -> Option<(f64, f64)> {
+        let told = self.told.get(&signal)?;
+        let mean = told.sum / f64::from(told.count);
+        let variance = told.sum_of_squares / f64::from(told.count) - mean * mean;
+        Some((mean, variance.max(0.0).sqrt()))
+    }
+
+    fn take(&mut self, newest: &mut Newest, time: Instant, reading: Reading) {
+        let signal = reading.signal;
+        if !reading.value.is_available() {
+            newest.values.remove(&signal);
+            return;
+        }
+        *self.counts.entry(signal).or_default() += 1;
+        let Some(value) = reading.value.real().map(f64::from) else {
+            return;
+        };
+        newest.values.insert(signal, (time, value));
+        match signal {
+            Signal::WheelSpeed => self.take_speed(newest, time, value),
+            Signal::GnssSpeed => {
+                if let Some(wheels_mps) = newest.steady_mps(time) {
+                    self.ground.add(value / wheels_mps, wheels_mps);
+                }
+            }
+            Signal::EngineSpeed => self.fastest_rpm = self.fastest_rpm.max(value),
+            _ if value > 0.0 && told_by_bus(signal) => self.take_told(signal, value),
+            _ => {}
+        }
+    }
+
+    fn take_told(&mut self, signal: Signal, value: f64) {
+        let told = self.told.entry(signal).or_default();
+        told.count += 1;
+        told.sum += value;
+        told.sum_of_squares += value * value;
+    }
+
+    fn take_speed(&mut self, newest: &mut Newest, time: Instant, speed_mps: f64) {
+        newest.take_speed(time, speed_mps);
+        let Some(turns) = newest.turns_per_metre(time, speed_mps) else {
+            newest.recent.clear();
+            return;
+        };
+        let value = |signal| newest.values.get(&signal).map(|(_, value)| *value);
+        let gear = value(Signal::CurrentGear).map(|gear| gear.round() as i32);
+        let ratio = value(Signal::GearRatio).map(|ratio| (ratio * RATIO_STEPS).round() as i64);
+        let ratio = ratio.filter(|ratio| *ratio > 0);
+        if let Some((gear, ratio)) = gear.zip(ratio) {
+            let own = self.ratio_of_gear.entry(gear).or_default();
+            *own.entry(ratio).or_default() += 1;
+        }
+        let Some(weight) = newest.steadiness(time, turns, speed_mps) else {
+            return;
+        };
+        self.turns.add(turns, weight);
+        if let Some(gear) = gear {
+            self.by_gear.entry(gear).or_default().add(turns, weight);
+        }
+        if let Some(ratio) = ratio {
+            self.by_ratio.entry(ratio).or_default().add(turns, weight);
+        }
+    }
+}
+
+/// Returns whether a signal tells a property of the vehicle.
+fn told_by_bus(signal: Signal) -> bool {
+    signal == Signal::Mass || TOLD.contains(&signal.column())
+}
+
+impl Newest {
+    fn take_speed(&mut self, now: Instant, speed_mps: f64) {
+        self.speeds.push_back((now, speed_mps));
+        let is_old = |(at, _): &(Instant, f64)| now.since(*at).seconds() > STEADY_SPEED_S;
+        while self.speeds.len() > 2 && self.speeds.get(1).is_some_and(is_old) {
+            self.speeds.pop_front();
+        }
+    }
+
+    /// Returns the mean wheel speed of the last seconds if it was steady, so that the ages of both
+    /// speeds do not matter.
+    fn steady_mps(&self, now: Instant) -> Option<f64> {
+        let (first, _) = *self.speeds.front()?;
+        let (last, _) = *self.speeds.back()?;
+        let is_full = last.since(first).seconds() >= STEADY_SPEED_S;
+        let is_fresh = now.since(last).seconds() < 1.0;
+        let (mut least, mut most, mut sum) = (f64::INFINITY, 0.0_f64, 0.0);
+        for (_, mps) in &self.speeds {
+            (least, most, sum) = (least.min(*mps), most.max(*mps), sum + mps);
+        }
+        (is_full && is_fresh && least > FAST_MPS && most - least < STEADY_MPS)
+            .then(|| sum / self.speeds.len() as f64)
+    }
+
+    /// Returns how far the engine turns for one metre, rad/m; `None` where no gear may be engaged.
+    fn turns_per_metre(&self, now: Instant, speed_mps: f64) -> Option<f64> {
+        let value = |signal| self.values.get(&signal).map(|(_, value)| *value);
+        let is_on = |signal| value(signal).is_some_and(|value| value > 0.5);
+        let (at, rpm) = *self.values.get(&Signal::EngineSpeed)?;
+        let is_open = value(Signal::DrivelineEngaged).is_some_and(|engaged| engaged < 0.5)
+            || is_on(Signal::ShiftInProcess)
+            || is_on(Signal::ClutchSwitch)
+            || value(Signal::ClutchSlip).is_some_and(|slip| slip > SLIP_PERCENT)
+            || value(Signal::CurrentGear).is_some_and(|gear| gear < 0.5);
+        if is_open || speed_mps < SLOWEST_MPS || rpm <= 0.0 || now.since(at).seconds() > OLDEST_S {
+            return None;
+        }
+        Some(rpm * PI / 30.0 / speed_mps)
+    }
+
+    /// Returns the weight of a ratio: the time to the last one, s, less where the vehicle
+    /// accelerates; `None` if the ratio has changed over the last second.
+    fn steadiness(&mut self, now: Instant, turns: f64, speed_mps: f64) -> Option<f64> {
+        let last = self.recent.back().map(|(at, ..)| *at);
+        self.recent.push_back((now, turns, speed_mps));
+        let is_old = |(at, ..): &(Instant, f64, f64)| now.since(*at).seconds() > STEADY_S;
+        while self.recent.len() > 2 && self.recent.get(1).is_some_and(is_old) {
+            self.recent.pop_front();
+        }
+        let (first, _, first_mps) = *self.recent.front()?;
+        let length_s = now.since(first).seconds();
+        if length_s < STEADY_S || length_s > 4.0 * STEADY_S {
+            return None;
+        }
+        let of = |pick: fn(f64, f64) -> f64| {
+            let ratios = self.recent.iter().map(|(_, turns, _)| *turns);
+            ratios.reduce(pick)
+        };
+        if of(f64::max)? > of(f64::min)? * (1.0 + STEADY) {
+            return None;
+        }
+        let per_s = (speed_mps / first_mps).ln() / f64::from(length_s);
+        let weight = 1.0 / (1.0 + (per_s / HALF_WEIGHT_PER_S).powi(2));
+        Some(weight * f64::from(now.since(last?).seconds()))
+    }
+}

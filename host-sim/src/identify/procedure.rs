@@ -1,0 +1,369 @@
+//! All steps of an identification.
+
+use super::account::{self, Findings};
+use super::class::{self, Class, Usual};
+use super::draft::{Draft, Parameter};
+use super::fit::{Amounts, FittedDrive, Priors, fit};
+use super::gears;
+use super::identified::{Estimate, Identified, Origin};
+use super::observation::Observation;
+use crate::diagnose::drive::LoggedDrive;
+use crate::error::{Error, Result};
+use crate::files::vehicle::VehicleFile;
+use crate::numeric::statistics;
+use crate::source::read_options::ReadOptions;
+use estimator_core::{Signal, Tuning};
+use rayon::prelude::*;
+use std::path::PathBuf;
+
+/// Most drives that are fitted: their samples are in memory. The others still show gears.
+const MOST_DRIVES: usize = 24;
+/// Most times that the drives are read until the masses agree, ...
+const ROUNDS: usize = 4;
+/// ... which is within this part.
+const MASSES_AGREE: f64 = 0.05;
+/// Engines of trucks turn slower than this, rpm.
+const TRUCK_RPM: f64 = 3_200.0;
+/// Relative sigma of a torque signal, of a told mass, and of a measured traction force.
+const TORQUE_SIGNAL: f64 = 0.03;
+const TOLD_MASS: f64 = 0.02;
+/// A traction scale is written from this size on, and from this many sigmas.
+const SCALE_WRITTEN: (f64, f64) = (0.01, 2.0);
+/// Distance after which two means of GNSS speed are independent, m.
+const INDEPENDENT_M: f64 = 2_000.0;
+/// Sigma of the ratio of GNSS speed and wheel speed itself: slip, climb.
+const GROUND_FLOOR: f64 = 5e-4;
+
+/// What the vehicle is like.
+#[derive(Clone, Debug)]
+pub enum Like {
+    /// A class.
+    Class(Class),
+    /// Another vehicle.
+    File(VehicleFile),
+}
+
+/// What is asked.
+#[derive(Clone, Debug)]
+pub struct Request {
+    /// Drives of one vehicle.
+    pub logs: Vec<PathBuf>,
+    /// What it is like; recognised by itself if `None`.
+    pub like: Option<Like>,
+    /// Tuning of the estimator.
+    pub tuning: Tuning,
+    /// How logs are read.
+    pub options: ReadOptions,
+}
+
+/// Identifies the vehicle of the logs. `progress` gets one line for each step.
+///
+/// # Errors
+/// Returns an error, with file and line, if a log cannot be read; and one that names the missing
+/// signal if no log has what an estimate needs.
+pub fn identify(request: &Request, progress: impl Fn(&str)) -> Result<Identified> {
+    progress("reading the logs");
+    let observed: Vec<Observation> = request
+        .logs
+        .par_iter()
+        .map(|log| Observation::of(log, &request.options))
+        .collect::<Result<_>>()?;
+    let mut observation = Observation::default();
+    for one in &observed {
+        observation.merge(one);
+    }
+    let mut search = Search::new(request, observation)?;
+    search.read_until_masses_agree(&observed, &progress)?;
+    progress("fitting resistance, drag and traction");
+    search.fit();
+    search.measure_radius();
+    Ok(account::identified(search.findings()))
+}
+
+struct Search<'a> {
+    request: &'a Request,
+    observation: Observation,
+    class: Class,
+    draft: Draft,
+    drives: Vec<FittedDrive>,
+    masses_kg: Vec<f64>,
+    traction_scale: Option<Estimate>,
+}
+
+impl<'a> Search<'a> {
+    fn new(request: &'a Request, observation: Observation) -> Result<Self> {
+        check_signals(request, &observation)?;
+        let class = match &request.like {
+            Some(Like::Class(class)) => class.clone(),
+            Some(Like::File(file)) => like_file(file),
+            None => first_guess(&observation),
+        };
+        let gears = gears::find(&observation);
+        let by_torque = observation.has(Signal::EngineTorque);
+        if by_torque && gears.is_empty() {
+            let problem = "no gear is ever engaged for a second of steady travel: expected a drive \
+                           with engine speed (EEC1) and wheel speed (CCVS1)";
+            return Err(Error::content(&request.logs[0], problem));
+        }
+        let gears = if by_torque { gears } else { Vec::new() };
+        let draft = Draft::new(&class.usual, &class.name, &observation, &gears);
+        Ok(Self {
+            request,
+            observation,
+            class,
+            draft,
+            drives: Vec::new(),
+            masses_kg: Vec::new(),
+            traction_scale: None,
+        })
+    }
+
+    fn read_until_masses_agree(
+        &mut self,
+        observed: &[Observation],
+        progress: &impl Fn(&str),
+    ) -> Result<()> {
+        let logs = &self.request.logs[..self.request.logs.len().min(MOST_DRIVES)];
+        let told = |number: usize| observed.get(number)?.told(Signal::Mass);
+        let mass_kg = self.draft.mass_kg.value();
+        self.masses_kg = (0..logs.len())
+            .map(|number| told(number).map_or(mass_kg, |(mean, _)| mean))
+            .collect();
+        for round in 1..=ROUNDS {
+            progress(&format!("estimating the drives, pass {round}"));
+            self.read_drives(logs)?;
+            let mut agree = true;
+            for (number, drive) in self.drives.iter().enumerate() {
+                let last = drive
+                    .logged
+                    .run
+                    .rows
+                    .iter()
+                    .rev()
+                    .find_map(|row| row.mass_kg);
+                let Some(mass_kg) = last.filter(|_| told(number).is_none()) else {
+                    continue;
+                };
+                agree &= (mass_kg / self.masses_kg[number]).ln().abs() < MASSES_AGREE;
+                self.masses_kg[number] = mass_kg;
+            }
+            agree &= self.scale_torque();
+            let class_fits = self.choose_class();
+            if agree && class_fits {
+                break;
+            }
+        }
+        self.read_drives(logs)
+    }
+
+    fn read_drives(&mut self, logs: &[PathBuf]) -> Result<()> {
+        let model = self.draft.model();
+        let of = |(log, mass_kg): (&PathBuf, &f64)| {
+            let mut model = model.clone();
+            model.vehicle.mass_kg = *mass_kg as f32;
+            let logged =
+                LoggedDrive::read(log, &model, &self.request.tuning, &self.request.options)?;
+            Ok(FittedDrive { model, logged })
+        };
+        let drives: Result<Vec<_>> = logs.par_iter().zip(&self.masses_kg).map(of).collect();
+        self.drives = drives?;
+        Ok(())
+    }
+
+    /// Scales a reference torque that is not told, if the mass is. Returns whether it was right.
+    fn scale_torque(&mut self) -> bool {
+        let scales = self
+            .drives
+            .iter()
+            .filter_map(|drive| drive.logged.run.rows.last());
+        let scale = statistics::mean(&scales.map(|row| row.scale).collect::<Vec<_>>());
+        match &mut self.draft.driveline {
+            Some(driveline)
+                if self.draft.mass_kg.origin == Origin::Read
+                    && driveline.reference_torque_nm.origin != Origin::Read
+                    && scale > 0.0 =>
+            {
+                driveline.reference_torque_nm.estimate.value *= scale;
+                scale.ln().abs() < MASSES_AGREE
+            }
+            _ => true,
+        }
+    }
+
+    /// Chooses the class by the mass, unless one was named. Returns whether it was the right one.
+    fn choose_class(&mut self) -> bool {
+        let mean_kg = self.masses_kg.iter().sum::<f64>() / self.masses_kg.len() as f64;
+        if self.request.like.is_some() {
+            return true;
+        }
+        let class = class_of(mean_kg, &self.observation);
+        let fits = class.name == self.class.name;
+        if !fits {
+            let gears = match &self.draft.driveline {
+                Some(_) => gears::find(&self.observation),
+                None => Vec::new(),
+            };
+            self.draft = Draft::new(&class.usual, &class.name, &self.observation, &gears);
+            self.class = class;
+        }
+        fits
+    }
+
+    fn priors(&self) -> Priors {
+        let usual = &self.class.usual;
+        let torque = self.draft.driveline.as_ref().map_or(TORQUE_SIGNAL, |of| {
+            let efficiency = of.final_drive_efficiency.estimate.relative_sigma();
+            of.reference_torque_nm
+                .estimate
+                .relative_sigma()
+                .max(TORQUE_SIGNAL)
+                .hypot(efficiency)
+        });
+        let mass = match self.draft.mass_kg.origin {
+            Origin::Read => TOLD_MASS,
+            _ => usual.mass_kg.relative_sigma(),
+        };
+        Priors {
+            rolling_resistance: usual.rolling_resistance.sigma,
+            drag_area_m2: usual.drag_area_m2.sigma,
+            traction: torque,
+            mass,
+        }
+    }
+
+    fn fit(&mut self) {
+        let priors = self.priors();
+        let Some(amounts) = fit(&self.drives, &priors, &self.request.tuning) else {
+            return;
+        };
+        let how = "innovations of the filter";
+        let refine = |parameter: &mut Parameter, amount: Estimate, prior: f64| {
+            let value = (parameter.value() + amount.value).max(0.2 * parameter.value());
+            // Data that leave the prior as it is measure nothing.
+            if amount.sigma < 0.9 * prior {
+                *parameter = Parameter::measured(Estimate::new(value, amount.sigma), how);
+            }
+        };
+        refine(
+            &mut self.draft.rolling_resistance,
+            amounts.rolling_resistance,
+            priors.rolling_resistance,
+        );
+        refine(
+            &mut self.draft.drag_area_m2,
+            amounts.drag_area_m2,
+            priors.drag_area_m2,
+        );
+        self.apply_traction(&amounts);
+        self.apply_masses(&amounts);
+    }
+
+    fn apply_traction(&mut self, amounts: &Amounts) {
+        let Estimate { value, sigma } = amounts.traction;
+        if let Some(driveline) = &mut self.draft.driveline
+            && driveline.reference_torque_nm.origin != Origin::Read
+        {
+            let torque = &mut driveline.reference_torque_nm;
+            let nm = torque.value() * (1.0 + value);
+            let how = "traction that the drives need for this mass; EC1 is not on the bus";
+            *torque = Parameter::measured(Estimate::new(nm, sigma * torque.value()), how);
+            return;
+        }
+        let (least, sigmas) = SCALE_WRITTEN;
+        if value.abs() > least && value.abs() > sigmas * sigma {
+            self.traction_scale = Some(amounts.traction);
+        }
+    }
+
+    fn apply_masses(&mut self, amounts: &Amounts) {
+        if self.draft.mass_kg.origin == Origin::Read {
+            return;
+        }
+        for (mass_kg, amount) in self.masses_kg.iter_mut().zip(&amounts.mass) {
+            *mass_kg *= (1.0 + amount.value).clamp(0.3, 3.0);
+        }
+        let count = self.masses_kg.len() as f64;
+        let mean_kg = self.masses_kg.iter().sum::<f64>() / count;
+        let scatter = self
+            .masses_kg
+            .iter()
+            .map(|kg| (kg - mean_kg).powi(2))
+            .sum::<f64>();
+        let own = amounts
+            .mass
+            .iter()
+            .map(|mass| (mass.sigma * mean_kg).powi(2))
+            .sum::<f64>();
+        let sigma_kg = ((scatter + own) / count).sqrt();
+        let how = "acceleration and climbing under traction; each drive estimates its own";
+        self.draft.mass_kg = Parameter::measured(Estimate::new(mean_kg, sigma_kg), how);
+    }
+
+    fn measure_radius(&mut self) {
+        let Some(ratio) = self.observation.ground.highest() else {
+            return;
+        };
+        // The weights are speeds at one fix a second or more often: at most the distance.
+        let blocks = ratio.weight / INDEPENDENT_M;
+        if blocks < 1.0 {
+            return;
+        }
+        let sigma = (ratio.scatter / blocks.sqrt()).hypot(GROUND_FLOOR);
+        let nominal_m = self.draft.wheel_radius_m.value();
+        let radius_m = nominal_m * ratio.ratio;
+        let how = format!(
+            "GNSS distance is {:.4} of the distance on the bus, which takes {nominal_m} m (usual for {})",
+            ratio.ratio, self.class.name
+        );
+        self.draft.wheel_radius_m =
+            Parameter::measured(Estimate::new(radius_m, radius_m * sigma), how);
+    }
+
+    fn findings(&self) -> Findings<'_> {
+        Findings {
+            observation: &self.observation,
+            class: &self.class.name,
+            draft: &self.draft,
+            traction_scale: self.traction_scale,
+        }
+    }
+}
+
+/// Returns an error for logs without a signal that an estimate needs.
+fn check_signals(request: &Request, observation: &Observation) -> Result<()> {
+    let has = |signals: &[Signal]| signals.iter().any(|signal| observation.has(*signal));
+    let missing = if !has(&[Signal::WheelSpeed, Signal::FrontAxleSpeed]) {
+        "no speed: expected wheel-based speed (CCVS1, PGN 65265; column wheel_speed_mps)"
+    } else if !has(&[Signal::EngineTorque, Signal::TractionForce]) {
+        "no torque: expected EEC1 (PGN 61444; column engine_torque_percent) or column \
+         traction_force_n"
+    } else if !has(&[Signal::Altitude]) {
+        "no GNSS altitude: expected NMEA 2000 129029 (or VDS, PGN 65256; column altitude_m)"
+    } else {
+        return Ok(());
+    };
+    Err(Error::content(&request.logs[0], missing))
+}
+
+fn first_guess(observation: &Observation) -> Class {
+    let usual_kg = match observation.told(Signal::Mass) {
+        Some((mean_kg, _)) => mean_kg,
+        None if observation.fastest_rpm > TRUCK_RPM => 1_600.0,
+        // The middle of trucks: the mass shows itself on the first drive.
+        None => 18_000.0,
+    };
+    class_of(usual_kg, observation)
+}
+
+fn class_of(mass_kg: f64, observation: &Observation) -> Class {
+    class::of_mass(mass_kg, observation.has(Signal::Passengers))
+}
+
+fn like_file(file: &VehicleFile) -> Class {
+    let rest = class::of_mass(f64::from(file.model.vehicle.mass_kg), false).usual;
+    Class {
+        name: file.name.clone(),
+        about: String::new(),
+        usual: Usual::of_vehicle(file, &rest),
+    }
+}

@@ -1,0 +1,34 @@
+//! The readings of frames, as the estimator takes them: one source for each signal.
+
+use crate::source::can_frame::CanFrame;
+use estimator_core::intake::{Admission, Sender, SourceArbiter};
+use estimator_core::tuning::HoldTimes;
+use estimator_core::{Decoder, Instant, Reading};
+
+/// Decodes frames, and drops readings of signals that another source owns.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Tap {
+    decoder: Decoder,
+    sources: SourceArbiter,
+}
+
+impl Tap {
+    /// Passes the admitted measurements of a frame to `take`.
+    pub(super) fn readings(
+        &mut self,
+        now: Instant,
+        frame: &CanFrame,
+        tuning: &HoldTimes,
+        mut take: impl FnMut(Reading),
+    ) {
+        let Self { decoder, sources } = self;
+        decoder.decode(frame, |message, pgn, reading| {
+            let sender = Sender::new(message, pgn.source);
+            let is_available = reading.value.is_available();
+            let admission = sources.admit(reading.signal, sender, now, is_available, tuning);
+            if admission != Admission::Refused && is_available {
+                take(reading);
+            }
+        });
+    }
+}

@@ -1,0 +1,178 @@
+//! The page of `map`: what logs of one vehicle show of their roads.
+
+use super::map_page;
+use super::page::{Figure, Note, Page, Section, Table};
+use super::plot::{Plot, Series, colour};
+use crate::files::run::{RunCell, RunRow};
+use crate::identify::annotated::comment;
+use crate::identify::{Identified, IdentifiedValue};
+use crate::map::{GRID_M, Network, PlacedRun, WayRows, place};
+use crate::recorder::{RunSummary, Warning};
+use std::path::Path;
+
+/// Most ways that have a figure of each run, and most runs in one.
+const MOST_WAYS: usize = 8;
+const MOST_RUNS: usize = 12;
+
+/// One run of the map.
+pub struct LogRun {
+    /// Its name.
+    pub name: String,
+    /// Its cells.
+    pub rows: Vec<RunRow>,
+    /// Its summary.
+    pub summary: RunSummary,
+    /// What is not plausible about its input.
+    pub warnings: Vec<Warning>,
+}
+
+/// The map and where it comes from.
+pub struct LogsMap<'a> {
+    /// The roads.
+    pub network: &'a Network,
+    /// The ways of the map.
+    pub ways: &'a [WayRows],
+    /// The runs.
+    pub runs: &'a [LogRun],
+    /// Name of the vehicle.
+    pub vehicle: &'a str,
+    /// How the vehicle was identified; `None` if its file was given.
+    pub identified: Option<&'a Identified>,
+    /// Why logs were left out, a line each.
+    pub left_out: &'a [String],
+}
+
+impl LogRun {
+    /// Header of the table of runs.
+    pub const HEADER: [&'static str; 6] = ["run", "km", "sigma %", "valid %", "mass kg", "verdict"];
+
+    /// Returns the run's line of the table.
+    #[must_use]
+    pub fn line(&self) -> Vec<String> {
+        let of = &self.summary;
+        let mass = |(kg, sigma_kg): (f64, f64)| format!("{kg:.0} ± {sigma_kg:.0}");
+        let mass = of.mass_kg.zip(of.mass_sigma_kg).map(mass);
+        vec![
+            self.name.clone(),
+            format!("{:.2}", of.distance_km),
+            format!("{:.3}", of.grade_sigma_percent),
+            format!("{:.1}", of.valid_percent),
+            mass.unwrap_or_default(),
+            of.verdict.clone(),
+        ]
+    }
+}
+
+/// Creates the page.
+#[must_use]
+pub fn logs_page(map: &LogsMap) -> Page {
+    let mut page = map_page::page(Path::new("map"), map.ways);
+    page.title = format!("Grade map from logs of a vehicle like {}", map.vehicle);
+    page.with(runs_section(map))
+        .with(vehicle_section(map))
+        .with(input_section(map))
+}
+
+fn runs_section(map: &LogsMap) -> Section {
+    let words = "One line for each drive: its length, the mean standard deviation of its smoothed \
+                 grade, and whether its signals agree. Suspect cells count less in the map.";
+    let table = Table::new("runs", "Runs of the map.", &LogRun::HEADER)
+        .with_rows(map.runs.iter().map(LogRun::line));
+    let section = Section::new("Runs").paragraph(words).table(table);
+    let placed: Vec<(&str, PlacedRun)> = map
+        .runs
+        .iter()
+        .map(|run| {
+            let cells: Vec<RunCell> = run.rows.iter().map(RunCell::from).collect();
+            (run.name.as_str(), place(map.network, &cells))
+        })
+        .collect();
+    let drawn = map.ways.iter().take(MOST_WAYS).enumerate();
+    drawn.fold(section, |section, (number, way)| {
+        section.figure(runs_figure(map.network, number, way, &placed))
+    })
+}
+
+/// Returns the figure of the grades of each run along a way.
+fn runs_figure(
+    network: &Network,
+    number: usize,
+    way: &WayRows,
+    placed: &[(&str, PlacedRun)],
+) -> Figure {
+    let index = network.ways().iter().position(|of| of.name == way.name);
+    let name = way
+        .name
+        .as_ref()
+        .map_or_else(|| "the road".to_owned(), |name| format!("way {name}"));
+    let mut plot = Plot::profile("grade (%)", map_page::link(way));
+    let mut left_out = 0;
+    for (run, placed) in placed {
+        let cells = placed.cells.iter().filter(|cell| Some(cell.way) == index);
+        let points: Vec<(f64, f64)> = cells
+            .map(|cell| (cell.number as f64 * GRID_M * 1e-3, cell.grade_percent))
+            .collect();
+        if points.is_empty() {
+            continue;
+        }
+        if plot.series.len() == MOST_RUNS {
+            left_out += 1;
+            continue;
+        }
+        let colour = colour::CYCLE[plot.series.len() % colour::CYCLE.len()];
+        plot = plot.with(Series::line(*run, colour, points));
+    }
+    let more = match left_out {
+        0 => String::new(),
+        count => format!(" {count} more runs are not drawn."),
+    };
+    let caption = format!("Smoothed grade of each run along {name}.{more}");
+    Figure::new(format!("each_run_{number}"), &plot, caption)
+}
+
+fn vehicle_section(map: &LogsMap) -> Section {
+    let section = Section::new("Vehicle");
+    let Some(found) = map.identified else {
+        return section.paragraph("The vehicle file was given with --vehicle.");
+    };
+    let section = section.paragraph(format!(
+        "The vehicle is identified from the logs. Where they do not tell, it has what is usual for \
+         {}. The grade depends on the ratio of traction to mass, which the drives show.",
+        found.class
+    ));
+    let unknown = found.unknown.iter().fold(section, |section, unknown| {
+        let message = format!("Not known: {}.", unknown.what);
+        section.note(Note::info(format!("{message} {}", unknown.advice)))
+    });
+    let row = |value: &IdentifiedValue| {
+        vec![
+            value.key.clone(),
+            format!("{:.5}", value.value),
+            comment(value),
+        ]
+    };
+    let header = ["key", "value", "from"];
+    let caption = "What was read, measured and assumed.";
+    let table = Table::new("vehicle", caption, &header).with_rows(found.values.iter().map(row));
+    unknown.table(table)
+}
+
+fn input_section(map: &LogsMap) -> Section {
+    let mut section = Section::new("Input");
+    for problem in map.left_out {
+        section = section.note(Note::warning(
+            format!("Left out: {problem}."),
+            "The map is made of the other logs.",
+        ));
+    }
+    for run in map.runs {
+        for warning in &run.warnings {
+            let message = format!("{}: {}", run.name, warning.message);
+            section = section.note(Note::warning(message, warning.advice));
+        }
+    }
+    if section.notes.is_empty() {
+        section = section.paragraph("Nothing was wrong with the input.");
+    }
+    section
+}

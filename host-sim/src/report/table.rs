@@ -1,0 +1,43 @@
+//! Tables of a page.
+
+/// A table: a header and rows of the same length.
+#[derive(Clone, Debug, Default)]
+pub struct Table {
+    /// Name of its file, without extension.
+    pub name: String,
+    /// Caption.
+    pub caption: String,
+    /// Names of the columns with their units.
+    pub header: Vec<String>,
+    /// Rows; numbers as text.
+    pub rows: Vec<Vec<String>>,
+}
+
+impl Table {
+    /// Creates an empty table.
+    pub fn new(name: impl Into<String>, caption: impl Into<String>, header: &[&str]) -> Self {
+        Self {
+            name: name.into(),
+            caption: caption.into(),
+            header: header.iter().map(|&name| name.to_owned()).collect(),
+            rows: Vec::new(),
+        }
+    }
+
+    /// Returns the table with these rows.
+    #[must_use]
+    pub fn with_rows(mut self, rows: impl IntoIterator<Item = Vec<String>>) -> Self {
+        self.rows.extend(rows);
+        self
+    }
+
+    /// Returns the table as CSV.
+    pub(super) fn to_csv(&self) -> String {
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        for row in std::iter::once(&self.header).chain(&self.rows) {
+            writer.write_record(row).expect("memory takes every row");
+        }
+        let bytes = writer.into_inner().expect("memory takes every row");
+        String::from_utf8(bytes).expect("made of strings")
+    }
+}

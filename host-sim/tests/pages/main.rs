@@ -1,0 +1,7 @@
+//! Pages: one file each, valid, without anything from elsewhere, and with the data of their tables.
+
+mod assets;
+mod demo;
+mod parsed;
+mod parts;
+mod study;
