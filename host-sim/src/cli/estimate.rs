@@ -2,7 +2,7 @@
 
 use super::log_options::LogOptions;
 use super::tuning_option::TuningOption;
-use super::{conclusion, outputs};
+use super::{conclusion, damage, outputs};
 use crate::error::{Error, Result};
 use crate::files::run::{self, Origin};
 use crate::files::vehicle::VehicleFile;
@@ -111,6 +111,7 @@ pub fn run(args: &Args) -> Result<()> {
         drive::<f32>(&vehicle, &tuning, last, &args.log, &options)?
     };
     let seconds = started.elapsed().as_secs_f64();
+    damage::note_log(&args.log, &run.log);
     check(&args.log, &vehicle, &run)?;
     let origin = Origin {
         vehicle: Some(vehicle.name),

@@ -1,11 +1,13 @@
 //! `roadgrade inspect`.
 
+use super::damage;
 use super::log_options::LogOptions;
 use crate::error::{Error, Result};
 use crate::inspect::census::Census;
 use crate::inspect::census_of;
 use crate::inspect::needs::{Need, needs};
 use crate::inspect::text::text;
+use crate::source::log_report::LogReport;
 use crate::terminal::print::print;
 use crate::terminal::progress;
 use serde::Serialize;
@@ -46,26 +48,31 @@ struct Inspection<'a> {
     #[serde(flatten)]
     census: &'a Census,
     needs: &'a [Need],
+    #[serde(flatten)]
+    report: &'a LogReport,
 }
 
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     let bar = progress::bytes(args.log.metadata().map_or(0, |file| file.len()));
-    let (kind, census) = census_of(&args.log, &args.reading.read_options(), |read| {
+    let (kind, census, report) = census_of(&args.log, &args.reading.read_options(), |read| {
         bar.set_position(read)
     })?;
     bar.finish_and_clear();
+    damage::note_log(&args.log, &report);
     let kind = kind.to_string();
     let needs = needs(&census);
     if !args.json {
         let head = format!("{}: {kind}", args.log.display());
-        return print(&text(&head, &census, &needs, args.all));
+        let interfaces = &report.interfaces;
+        return print(&text(&head, &census, interfaces, &needs, args.all));
     }
     let inspection = Inspection {
         log: &args.log,
         kind,
         census: &census,
         needs: &needs,
+        report: &report,
     };
     let json =
         serde_json::to_string_pretty(&inspection).map_err(|e| Error::io(&args.log)(e.into()))?;

@@ -1,6 +1,7 @@
 //! The command line: one file per subcommand.
 
 mod conclusion;
+mod damage;
 mod demo;
 mod diagnose;
 mod estimate;

@@ -5,6 +5,7 @@ use crate::error::Result;
 use crate::source::frame_log::FrameLog;
 use crate::source::log::Log;
 use crate::source::log_kind::LogKind;
+use crate::source::log_report::LogReport;
 use crate::source::read_options::ReadOptions;
 use crate::source::signal_table::SignalTableReader;
 use std::path::Path;
@@ -12,7 +13,7 @@ use std::path::Path;
 /// Number of frames or rows between two calls of `progress`.
 const PROGRESS_STEP: u64 = 1 << 16;
 
-/// Reads a log and returns its kind and census. `progress` gets the number of bytes read so far.
+/// Reads a log and returns its kind, its census, and what the reading told. `progress` gets the number of bytes read so far.
 ///
 /// # Errors
 /// Returns an error with file and line (or byte) if the log cannot be read to its end.
@@ -20,18 +21,18 @@ pub fn census_of(
     log: &Path,
     options: &ReadOptions,
     progress: impl Fn(u64),
-) -> Result<(LogKind, Census)> {
-    let log = Log::open(log, options)?;
+) -> Result<(LogKind, Census, LogReport)> {
+    let mut log = Log::open(log, options)?;
     let kind = log.kind();
-    let census = match log {
+    let census = match &mut log {
         Log::Frames(frames) => count_frames(frames, options, progress)?,
-        Log::Table(table) => count_rows(*table, progress)?,
+        Log::Table(table) => count_rows(table, progress)?,
     };
-    Ok((kind, census))
+    Ok((kind, census, log.report()))
 }
 
 fn count_frames(
-    mut log: FrameLog,
+    log: &mut FrameLog,
     options: &ReadOptions,
     progress: impl Fn(u64),
 ) -> Result<Census> {
@@ -47,7 +48,7 @@ fn count_frames(
     Ok(counter.finish(log.skipped()))
 }
 
-fn count_rows(mut table: SignalTableReader, progress: impl Fn(u64)) -> Result<Census> {
+fn count_rows(table: &mut SignalTableReader, progress: impl Fn(u64)) -> Result<Census> {
     let mut counter = TableCounter::new(table.signals());
     let mut rows = 0_u64;
     while let Some(row) = table.next_row()? {

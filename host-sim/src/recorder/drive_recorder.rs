@@ -8,6 +8,7 @@ use crate::files::spool::Spool;
 use crate::smooth::{Samples, SmoothedCell, smooth_segments};
 use crate::source::can_frame::TimedFrame;
 use crate::source::input::LogInput;
+use crate::source::log_report::LogReport;
 use estimator_core::sample::Sample;
 use estimator_core::{
     Cell, Estimator, Instant, Model, ParameterError, PersistentState, PersistentStateError,
@@ -217,6 +218,7 @@ impl<S: Scalar> Recorder<S> {
             counters: *self.estimator.counters(),
             persistent_state: self.estimator.persistent_state(),
             disagreements,
+            log: LogReport::default(),
         })
     }
 }

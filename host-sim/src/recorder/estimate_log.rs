@@ -25,6 +25,8 @@ pub fn estimate_log<S: Scalar>(
     let mut recorder = Recorder::<S>::resume(model, tuning, persistent_state)
         .map_err(|e| Error::content(log, e.to_string()))?;
     recorder.ignore(&options.ignore);
-    for_each_input(log, options, progress, |input| recorder.on_input(&input))?;
-    recorder.end()
+    let report = for_each_input(log, options, progress, |input| recorder.on_input(&input))?;
+    let mut run = recorder.end()?;
+    run.log = report;
+    Ok(run)
 }

@@ -4,6 +4,7 @@ use crate::error::{Error, Result};
 use crate::files::run::{RunRow, RunRows};
 use crate::files::spool::{Spool, blocks};
 use crate::smooth::Disagreements;
+use crate::source::log_report::LogReport;
 use estimator_core::{Counters, PersistentState};
 use std::io;
 
@@ -31,6 +32,8 @@ pub struct LongRun {
     pub persistent_state: Option<PersistentState>,
     /// Where signals disagree.
     pub disagreements: Disagreements,
+    /// What the reading of the log told; nothing for a live bus.
+    pub log: LogReport,
 }
 
 impl LongRun {

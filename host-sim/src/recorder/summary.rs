@@ -4,6 +4,7 @@ use super::long_run::LongRun;
 use super::verdict::{DisagreementStretch, stretches, verdict};
 use crate::error::Result;
 use crate::files::run::RunRows;
+use crate::source::damage::Damage;
 use crate::terminal::counters::{CountedEvent, events};
 use crate::terminal::table::text_table;
 use comfy_table::Table;
@@ -28,6 +29,8 @@ pub struct RunSummary {
     verdict: String,
     suspect_km: f64,
     disagreements: Vec<DisagreementStretch>,
+    start_utc: Option<String>,
+    damage: Damage,
     #[serde(serialize_with = "by_key")]
     events: Vec<CountedEvent>,
 }
@@ -47,6 +50,8 @@ impl RunSummary {
             scale: 1.0,
             disagreements: stretches(&run.disagreements),
             events: events(&run.counters),
+            start_utc: run.log.start_utc.clone(),
+            damage: run.log.damage.clone(),
             ..Self::default()
         };
         let (mut first_m, mut last_m) = (None, None);

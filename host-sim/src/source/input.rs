@@ -2,6 +2,7 @@
 
 use super::can_frame::{CanFrame, TimedFrame};
 use super::log::Log;
+use super::log_report::LogReport;
 use super::read_options::ReadOptions;
 use crate::error::Result;
 use embedded_can::{Frame, Id};
@@ -54,7 +55,8 @@ fn carries_mass(frame: &CanFrame) -> bool {
     matches!(frame.id(), Id::Extended(id) if Pgn::from_raw(id.as_raw()).number == CVW)
 }
 
-/// Passes every input of a log to `take`, and the bytes read so far to `progress`.
+/// Passes every input of a log to `take`, and the bytes read so far to `progress`. Returns what the
+/// reading told besides.
 ///
 /// # Errors
 /// Returns an error with file and line (or byte) if the log cannot be read to its end.
@@ -63,9 +65,10 @@ pub fn for_each_input(
     options: &ReadOptions,
     progress: impl Fn(u64),
     mut take: impl FnMut(LogInput),
-) -> Result<()> {
-    match Log::open(log, options)? {
-        Log::Frames(mut reader) => {
+) -> Result<LogReport> {
+    let mut log = Log::open(log, options)?;
+    match &mut log {
+        Log::Frames(reader) => {
             let mut frames = 0_u32;
             while let Some(frame) = reader.next_frame()? {
                 take(LogInput::Frame(frame));
@@ -75,7 +78,7 @@ pub fn for_each_input(
                 }
             }
         }
-        Log::Table(mut reader) => {
+        Log::Table(reader) => {
             while let Some(row) = reader.next_row()? {
                 for reading in row.readings {
                     take(LogInput::Reading(row.time, *reading));
@@ -83,5 +86,5 @@ pub fn for_each_input(
             }
         }
     }
-    Ok(())
+    Ok(log.report())
 }
