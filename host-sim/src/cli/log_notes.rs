@@ -1,5 +1,6 @@
 //! What the reading of a log tells the user, on stderr.
 
+use super::damage;
 use crate::error::on_one_line;
 use crate::source::log_report::LogReport;
 use crate::terminal::print::note;
@@ -8,15 +9,15 @@ use std::path::Path;
 /// Columns that are named, of a table with many others.
 const FEW: usize = 20;
 
-/// Names the columns that are not ours, and the own signals that no frame had.
+/// Tells what was left out of a log, the columns that are not ours, and the own signals that no frame
+/// had.
 pub fn note_report(log: &Path, report: &LogReport) {
+    damage::note_log(log, report);
     let path = on_one_line(log);
     if let Some(columns) = in_words(&report.ignored_columns) {
         note(format_args!("{path}: ignored columns: {columns}"));
     }
-    let unseen = report.unseen_signals.iter();
-    let unseen: Vec<&str> = unseen.map(|signal| signal.column()).collect();
-    if let Some(signals) = in_words(&unseen) {
+    if let Some(signals) = in_words(&report.unseen_signals) {
         note(format_args!(
             "{path}: no frame has these signals of --signals: {signals}"
         ));

@@ -2,6 +2,7 @@
 
 mod columns;
 mod conclusion;
+mod damage;
 mod demo;
 mod diagnose;
 mod estimate;

@@ -3,7 +3,7 @@
 use super::pgn_names::{TRANSPORT_MANAGEMENT, name_of};
 use crate::numeric::rounding::round;
 use crate::source::can_frame::{CanFrame, TimedFrame};
-use crate::source::candump::Skipped;
+use crate::source::frame_log::Skipped;
 use crate::source::own_signals::OwnSignals;
 use crate::source::read_options::ReadOptions;
 use crate::source::signal_table::SignalRow;
@@ -37,9 +37,6 @@ pub struct Census {
     pub can_fd_frames: u64,
     /// Bus errors that the interface reported; they are skipped.
     pub bus_errors: u64,
-    /// Columns of a signal table that are not ours.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub ignored_columns: Vec<String>,
     /// Decoded signals, in the order of [`Signal`], then by source address.
     pub signals: Vec<SignalCount>,
 }
@@ -346,7 +343,6 @@ impl BusCounter {
                 })
                 .collect(),
             remote_frames: self.remote,
-            ignored_columns: Vec::new(),
             can_fd_frames: skipped.can_fd,
             bus_errors: skipped.bus_errors,
             signals: self
@@ -378,14 +374,12 @@ fn announcement(pgn: Pgn, frame: &CanFrame) -> Option<(u32, u16)> {
 pub struct TableCounter {
     all: EventTally,
     columns: BTreeMap<Signal, Range>,
-    ignored: Vec<String>,
 }
 
 impl TableCounter {
-    /// Creates a counter for a table with these columns, and with others that are not ours.
-    pub fn new(columns: impl IntoIterator<Item = Signal>, ignored: &[String]) -> Self {
+    /// Creates a counter for a table with these columns.
+    pub fn new(columns: impl IntoIterator<Item = Signal>) -> Self {
         Self {
-            ignored: ignored.to_vec(),
             all: EventTally::default(),
             columns: columns
                 .into_iter()
@@ -410,7 +404,6 @@ impl TableCounter {
             start_s: self.all.first.micros() as f64 / 1e6,
             duration_s: self.all.duration_s(),
             rows,
-            ignored_columns: self.ignored,
             signals: self
                 .columns
                 .into_iter()

@@ -5,6 +5,7 @@ use super::plausibility::Warning;
 use super::verdict::{DisagreementStretch, stretches, verdict};
 use crate::error::Result;
 use crate::files::run::RunRows;
+use crate::source::damage::Damage;
 use crate::terminal::counters::{CountedEvent, events};
 use crate::terminal::table::text_table;
 use comfy_table::Table;
@@ -36,6 +37,8 @@ pub struct RunSummary {
     suspect_km: f64,
     disagreements: Vec<DisagreementStretch>,
     warnings: Vec<Warning>,
+    start_utc: Option<String>,
+    damage: Damage,
     #[serde(serialize_with = "by_key")]
     events: Vec<CountedEvent>,
 }
@@ -56,6 +59,8 @@ impl RunSummary {
             disagreements: stretches(&run.disagreements),
             warnings: run.warnings.clone(),
             events: events(&run.counters),
+            start_utc: run.log.start_utc.clone(),
+            damage: run.log.damage.clone(),
             ..Self::default()
         };
         let (mut first_m, mut last_m) = (None, None);

@@ -78,9 +78,10 @@ pub fn for_each_input(
     progress: impl Fn(u64),
     mut take: impl FnMut(LogInput),
 ) -> Result<LogReport> {
-    let mut report = LogReport::default();
-    match Log::open(log, options)? {
-        Log::Frames(mut reader) => {
+    let mut log = Log::open(log, options)?;
+    let mut unseen_signals = Vec::new();
+    match &mut log {
+        Log::Frames(reader) => {
             let mut own = OwnReadings::of(options.signals.as_deref());
             let mut frames = 0_u32;
             while let Some(frame) = reader.next_frame()? {
@@ -91,22 +92,24 @@ pub fn for_each_input(
                     progress(reader.file().bytes_read());
                 }
             }
-            report.unseen_signals = own.unseen;
+            let unseen = own.unseen.iter();
+            unseen_signals = unseen.map(|signal| signal.column()).collect();
         }
-        Log::Parquet(mut reader) => {
-            report.ignored_columns = reader.ignored_columns().to_vec();
+        Log::Parquet(reader) => {
             while let Some(row) = reader.next_row()? {
                 pass_on(&row, &mut take);
             }
         }
-        Log::Table(mut reader) => {
-            report.ignored_columns = reader.ignored_columns().to_vec();
+        Log::Table(reader) => {
             while let Some(row) = reader.next_row()? {
                 pass_on(&row, &mut take);
             }
         }
     }
-    Ok(report)
+    Ok(LogReport {
+        unseen_signals,
+        ..log.report()
+    })
 }
 
 fn pass_on(row: &SignalRow, take: &mut impl FnMut(LogInput)) {

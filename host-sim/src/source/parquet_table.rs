@@ -21,11 +21,11 @@ pub struct ParquetTable {
 }
 
 impl ParquetTable {
-    /// Opens a table.
+    /// Opens a table, without the columns of the signals that are left out.
     ///
     /// # Errors
     /// Returns an error if the file is damaged, or has no time or no signal.
-    pub fn open(path: &Path) -> Result<Self> {
+    pub fn open(path: &Path, left_out: &[Signal]) -> Result<Self> {
         let opened = open(path)?;
         let names: Vec<String> = opened.column_names().map(str::to_owned).collect();
         if !names.iter().any(|name| name == TIME) {
@@ -36,6 +36,7 @@ impl ParquetTable {
         let mut signals: Vec<Signal> = names
             .iter()
             .filter_map(|name| Signal::from_column(name))
+            .filter(|signal| !left_out.contains(signal))
             .collect();
         signals.sort();
         if signals.is_empty() {

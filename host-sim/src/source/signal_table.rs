@@ -1,8 +1,9 @@
 //! Signal tables: CSV with `time_s` and one column per signal, plain or gzip; an empty cell is
 //! missing.
 
+use super::damage::{Damage, DamageCheck};
+use super::frame_log::Seconds;
 use super::log_file::LogFile;
-use super::time_order::Seconds;
 use crate::error::{Error, Result};
 use crate::files::kind::{self, Kind};
 use crate::files::limits::{self, Budget};
@@ -36,6 +37,9 @@ pub struct SignalTableReader {
     readings: Vec<Reading>,
     newest: Instant,
     rows: u64,
+    damage: DamageCheck,
+    /// True if the record is that of a row that was not handed out yet.
+    is_read_ahead: bool,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -60,14 +64,16 @@ impl SignalTableReader {
     /// Returns an error if the file cannot be opened or is empty, or if a column is repeated, or the
     /// time or any signal is missing.
     pub fn open(path: &Path) -> Result<Self> {
-        Self::new(LogFile::open(path)?)
+        let mut file = LogFile::open(path)?;
+        file.look_at_head();
+        Self::new(file, false)
     }
 
     /// Reads the header of an open table.
     ///
     /// # Errors
     /// As [`open`](Self::open).
-    pub fn new(file: LogFile) -> Result<Self> {
+    pub fn new(file: LogFile, is_strict: bool) -> Result<Self> {
         let path = &file.path().to_owned();
         let mut csv = csv::ReaderBuilder::new()
             .trim(csv::Trim::All)
@@ -104,6 +110,8 @@ impl SignalTableReader {
             readings: Vec::new(),
             newest: Instant::ZERO,
             rows: 0,
+            damage: DamageCheck::new(is_strict),
+            is_read_ahead: false,
         })
     }
 
@@ -124,23 +132,36 @@ impl SignalTableReader {
         self.columns.iter().map(|column| column.signal)
     }
 
-    /// Reads the next row; `None` at the end.
+    /// Reads the next row; `None` at the end. Rows with a value that is not a number, with too few or
+    /// too many fields, or before the row above are left out.
     ///
     /// # Errors
-    /// Returns an error, with file, line, column and expected value, for a value that is not a
-    /// number, a row that is too short or too long, time that runs backwards, a truncated gzip
-    /// stream, or a table without rows.
+    /// Returns an error, with file, line, column and expected value, for a table with too much
+    /// damage or without rows.
     pub fn next_row(&mut self) -> Result<Option<SignalRow<'_>>> {
-        if !read_row(&mut self.csv, &mut self.record)? {
-            if self.rows == 0 {
-                return Err(Error::content(
-                    self.file().path(),
-                    "no rows; expected at least one below the header",
-                ));
+        while self.read_on()? {
+            match self.parse() {
+                Ok(time) => {
+                    self.rows += 1;
+                    self.newest = time;
+                    return Ok(Some(SignalRow {
+                        time,
+                        readings: &self.readings,
+                    }));
+                }
+                Err(problem) => self.leave_out(problem)?,
             }
-            return Ok(None);
         }
-        self.rows += 1;
+        self.end().map(|()| None)
+    }
+
+    fn read_on(&mut self) -> Result<bool> {
+        let is_read = std::mem::take(&mut self.is_read_ahead);
+        Ok(is_read || read_row(&mut self.csv, &mut self.record)?)
+    }
+
+    /// Reads the values of the record.
+    fn parse(&mut self) -> Result<Instant> {
         if self.record.len() != self.fields {
             return Err(self.error(
                 format!("{} fields", self.record.len()),
@@ -158,7 +179,6 @@ impl SignalTableReader {
                 "times that do not decrease",
             ));
         }
-        self.newest = time;
         self.readings.clear();
         for k in 0..self.columns.len() {
             let SignalColumn { index, signal } = self.columns[k];
@@ -166,10 +186,40 @@ impl SignalTableReader {
                 self.readings.push(Reading { signal, value });
             }
         }
-        Ok(Some(SignalRow {
-            time,
-            readings: &self.readings,
-        }))
+        Ok(time)
+    }
+
+    /// Leaves out a row. The last one of a table without a line end is cut off.
+    fn leave_out(&mut self, problem: Error) -> Result<()> {
+        self.is_read_ahead = read_row(&mut self.csv, &mut self.record)?;
+        if self.is_read_ahead || self.rows == 0 || self.file().newest_byte() == Some(b'\n') {
+            return self.damage.line(problem, self.rows);
+        }
+        let problem = problem.with_note("the table is cut off within its last row");
+        self.damage.cut_off(problem)
+    }
+
+    fn end(&mut self) -> Result<()> {
+        if self.file().is_cut_off() {
+            let problem = self.file().cut_off_error();
+            self.damage.cut_off(problem)?;
+        }
+        if self.rows > 0 {
+            let bytes = self.file().bytes_read();
+            return self
+                .damage
+                .end(self.rows + self.damage.found().lines, bytes);
+        }
+        let path = self.file().path();
+        let problem = "no rows; expected at least one below the header";
+        let empty = Error::content(path, problem);
+        Err(self.damage.take_first().unwrap_or(empty))
+    }
+
+    /// Returns what was left out so far.
+    #[must_use]
+    pub const fn damage(&self) -> &Damage {
+        self.damage.found()
     }
 
     /// Returns the file, for progress and messages.

@@ -12,7 +12,7 @@ use host_sim::live::view::{InterfaceView, LiveView};
 use host_sim::live::{Reaction, Session};
 use host_sim::recorder::{Recorder, SmoothedRun};
 use host_sim::source::can_frame::{CanFrame, TimedFrame};
-use host_sim::source::candump::CandumpReader;
+use host_sim::source::frame_log::FrameLog;
 use host_sim::source::log_time::{self, LogTime};
 use host_sim::source::socketcan::{
     BusEvent, Received, ReceivedItem, SteadyClock, accepts, of_error_frame, of_group, wanted,
@@ -381,7 +381,7 @@ fn frames_with_the_logs_time_give_the_logs_run() {
     assert_eq!(run.rows, recorded(&drive).rows);
     assert!(!log.exists());
     staged.unwrap().unwrap().commit().unwrap();
-    let heard: Vec<TimedFrame> = CandumpReader::open(&log)
+    let heard: Vec<TimedFrame> = FrameLog::open_candump(&log)
         .unwrap()
         .map(Result::unwrap)
         .collect();

@@ -91,10 +91,45 @@ fn gzip_is_read_and_a_damaged_one_refused() {
     encoder.write_all(TABLE.as_bytes()).expect("memory");
     let packed = encoder.finish().expect("memory");
     assert_eq!(read(&packed), Ok(table_rows()));
-    let message = read(&packed[..packed.len() - 4]).expect_err("cut off");
+    assert_eq!(read(&packed[..packed.len() - 4]), Ok(table_rows()));
+    let mut damaged = packed.clone();
+    let checksum = damaged.len() - 8;
+    damaged[checksum] ^= 1;
+    let message = read(&damaged).expect_err("damaged");
     assert!(
         message.contains("gzip data are truncated or damaged"),
         "{message}"
+    );
+}
+
+#[test]
+fn damaged_rows_are_left_out_up_to_one_percent() {
+    let table = |damaged: &[usize], end: &str| {
+        let row = |k: usize| match damaged.contains(&k) {
+            true => format!("{k},x\n"),
+            false => format!("{k},{}\n", k % 7),
+        };
+        let rows: Vec<String> = (0..300).map(row).collect();
+        format!("time_s,gear\n{}{end}", rows.concat())
+    };
+    let rows = read(table(&[0, 7, 299], "").as_bytes()).expect("a table");
+    assert_eq!(rows.len(), 297);
+    let message = error(&table(&[0, 7, 8, 9], ""));
+    let words = "table.csv:2: gear is `x`; expected a finite number from -1e6 to 1e6, or an empty \
+                 cell (4 of 300 lines are damaged, more than 1 %)";
+    assert!(message.starts_with("table.csv:2: gear is `x`"), "{message}");
+    assert!(message.ends_with(&words[words.len() - 47..]), "{message}");
+    // A last row that is cut off is no damage.
+    assert_eq!(
+        read(table(&[1, 2, 3], "300").as_bytes())
+            .expect("a table")
+            .len(),
+        297
+    );
+    // A row before the one above.
+    assert_eq!(
+        read(table(&[], "2,1\n").as_bytes()).expect("a table").len(),
+        300
     );
 }
 
@@ -194,7 +229,7 @@ fn cells_are_checked_with_line_and_column() {
             "table.csv:2: 4 fields; expected 3, as many as the header has",
         ),
         (
-            "1,2,\n2,2",
+            "1,2,\n2,2\n",
             "table.csv:3: 2 fields; expected 3, as many as the header has",
         ),
         (
