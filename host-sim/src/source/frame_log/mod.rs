@@ -255,6 +255,7 @@ impl FrameLog {
             damage: self.damage().clone(),
             interfaces: self.interfaces().cloned().collect(),
             start_utc: self.start_unix_micros().and_then(utc_text),
+            ..LogReport::default()
         }
     }
 
