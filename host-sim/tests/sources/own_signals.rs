@@ -5,6 +5,7 @@ use estimator_core::signal::own_message::FrameMatch;
 use estimator_core::{Reading, Signal, Value};
 use host_sim::source::can_frame::CanFrame;
 use host_sim::source::own_signals::OwnSignals;
+use proptest::prelude::*;
 
 /// A car: 11-bit identifiers and Motorola order, multiplexers, floats; and a J1939 message.
 const DBC: &str = r#"VERSION "1.0"
@@ -346,5 +347,36 @@ fn a_wrong_dbc_is_refused_with_its_line() {
     ] {
         let found = read(dbc.as_bytes(), SPEED).unwrap_err();
         assert!(found.starts_with(expected), "{found}");
+    }
+}
+
+proptest! {
+    #[test]
+    fn damaged_files_are_read_or_refused_by_name(
+        damage in proptest::collection::vec((0_usize..2_500, any::<u8>(), 0_usize..20), 1..6),
+        payload: [u8; 8],
+    ) {
+        let toml = format!("{SPEED}[signals.gear]\nmessage = 640\nsignal = \"Gear\"\n");
+        let mut bytes = [DBC.as_bytes(), toml.as_bytes()].concat();
+        for (at, byte, removed) in damage {
+            let at = at % bytes.len();
+            let end = (at + removed).min(bytes.len());
+            bytes.splice(at..end, [byte]);
+        }
+        let split = bytes.len() - toml.len().min(bytes.len());
+        let (dbc, toml) = bytes.split_at(split);
+        match read(dbc, &String::from_utf8_lossy(toml)) {
+            Ok(own) => {
+                for id in [416, 640, 1264] {
+                    own.decode(&standard(id, &payload), |reading| {
+                        assert!(reading.value.real().is_none_or(f32::is_finite));
+                    });
+                }
+            }
+            Err(words) => prop_assert!(
+                words.starts_with("car.dbc:") || words.starts_with("S.toml:"),
+                "{words}"
+            ),
+        }
     }
 }
