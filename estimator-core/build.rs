@@ -5,6 +5,9 @@
 //! scale below one (PGN 129029), carries angles in f32 (0.4 m at 1e-7 deg), demands one source
 //! address and exact payload lengths, and knows no "not available" codes.
 
+#[path = "build/own_messages.rs"]
+mod own_messages;
+
 use can_dbc::{ByteOrder, Dbc, Message, MessageId, Signal, ValueType};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -18,6 +21,9 @@ const TRANSPORT: [u32; 2] = [60_160, 60_416];
 
 /// What the layouts call the estimator.
 const RECEIVER: &str = "Estimator";
+
+// The signals of the example: `CAR`.
+include!("examples/own_dbc/signals.rs");
 
 fn main() {
     let mut messages = Vec::new();
@@ -73,6 +79,17 @@ fn main() {
 
     let out = PathBuf::from(env::var("OUT_DIR").unwrap()).join("layout_tables.rs");
     fs::write(out, code).expect("the build folder takes the generated tables");
+    write_own_dbc_example();
+}
+
+/// Writes the table of `examples/own_dbc`, as the build script of a firmware would.
+fn write_own_dbc_example() {
+    println!("cargo::rerun-if-changed=build");
+    println!("cargo::rerun-if-changed=examples/own_dbc");
+    let text = fs::read_to_string("examples/own_dbc/car.dbc").expect("the example has a .dbc");
+    let code = own_messages::table(&text, "CAR_MESSAGES", CAR);
+    let out = PathBuf::from(env::var("OUT_DIR").unwrap()).join("own_dbc_example.rs");
+    fs::write(out, code).expect("the build folder takes the generated table");
 }
 
 /// Whether the estimator is among those that the layout names as receivers.

@@ -73,6 +73,19 @@ impl Error {
         is_out_of_files(source) || limits.contains(&source.kind())
     }
 
+    /// Returns the error with a note on what was expected.
+    #[must_use]
+    pub fn with_note(mut self, note: &str) -> Self {
+        match &mut self {
+            Self::Line { expected, .. } => *expected += &format!(" ({note})"),
+            Self::Key { problem, .. } | Self::Content { problem, .. } => {
+                *problem += &format!(" ({note})");
+            }
+            Self::Io { .. } | Self::Usage(_) => {}
+        }
+        self
+    }
+
     /// Creates the error of a line.
     pub fn line(
         path: &Path,

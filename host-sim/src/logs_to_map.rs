@@ -160,7 +160,8 @@ fn estimate(job: &Job, vehicle: &VehicleFile) -> Result<(Vec<LogRun>, Vec<String
 }
 
 fn estimate_one(job: &Job, drive: &Drive, vehicle: &VehicleFile) -> Result<LogRun> {
-    let mut run = estimate_logs::<f32>(&vehicle.model, &job.tuning, &drive.logs, &job.options)?;
+    let (mut run, reports) =
+        estimate_logs::<f32>(&vehicle.model, &job.tuning, &drive.logs, &job.options)?;
     if let Some(problem) = missing(vehicle, &run) {
         return Err(Error::content(&drive.logs[0], problem));
     }
@@ -171,6 +172,7 @@ fn estimate_one(job: &Job, drive: &Drive, vehicle: &VehicleFile) -> Result<LogRu
         rows: run.rows,
         summary,
         warnings: run.warnings,
+        reports,
     })
 }
 

@@ -45,7 +45,7 @@ pub struct Sender(u16);
 impl Sender {
     /// No sender: there are not so many messages.
     const NONE: Self = Self(u16::MAX);
-    /// The caller of the estimator, who gives readings himself.
+    /// The caller of the estimator, which gives the readings of a reserved signal itself.
     const CALLER: Self = Self(u16::MAX - 2);
     /// The owner of a signal that is left out: there are not so many messages.
     const NOBODY: Self = Self(u16::MAX - 1);

@@ -1,10 +1,10 @@
 //! Messages of a user's own `.dbc` file, mapped to [`Signal`]s: 11-bit identifiers, both byte orders,
 //! multiplexed signals.
 //!
-//! They stand beside the built-in messages. Whoever calls the estimator decodes them and gives their
+//! They stand beside the built-in messages. The caller of the estimator decodes them and gives their
 //! readings to `Estimator::on_reading`; `Estimator::reserve` keeps the same signals of built-in
 //! messages out. A firmware has a table of them that is made at build time (see
-//! `examples/own_dbc`), a host one that is read at run time.
+//! `examples/own_dbc`). A host reads its table at run time.
 
 use super::decoder::Pgn;
 use super::raw_field::{RawField, RawNumber};
@@ -13,6 +13,7 @@ use embedded_can::{Frame, Id};
 
 /// The frames of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum FrameMatch {
     /// Those with this 11-bit identifier.
     Standard(u16),
@@ -152,19 +153,14 @@ pub struct OwnMessage<'a> {
 }
 
 impl OwnMessage<'_> {
-    /// Gives the readings of a payload to `sink`. Returns how many signals are not in it because it
-    /// is too short.
-    pub fn decode(&self, payload: &[u8], mut sink: impl FnMut(Reading)) -> usize {
-        let mut cut_off = 0;
+    /// Gives the readings of a payload to `sink`. Signals beyond its end give none.
+    pub fn decode(&self, payload: &[u8], mut sink: impl FnMut(Reading)) {
         for own in self.signals {
-            if own.field.payload_bytes() > payload.len() {
-                cut_off += 1;
-            } else if let Some(value) = own.read(payload) {
+            if let Some(value) = own.read(payload) {
                 let signal = own.signal;
                 sink(Reading { signal, value });
             }
         }
-        cut_off
     }
 }
 

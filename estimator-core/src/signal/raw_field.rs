@@ -4,6 +4,7 @@
 /// The order of the bytes of a number, and what its start bit is. Bit 0 of a byte is its least
 /// significant one, and bit 8 of a payload is bit 0 of its second byte.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum ByteOrder {
     /// Least significant byte first; the start bit is the least significant bit (`@1`).
     Intel,
@@ -13,6 +14,7 @@ pub enum ByteOrder {
 
 /// The kind of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum NumberKind {
     /// An unsigned integer.
     Unsigned,
@@ -26,6 +28,7 @@ pub enum NumberKind {
 
 /// A number as it is in a payload, before scale and offset.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum RawNumber {
     /// An unsigned integer.
     Unsigned(u64),
@@ -60,6 +63,7 @@ impl RawNumber {
 
 /// The place and kind of a number in a payload.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct RawField {
     /// The bytes that hold it.
     first_byte: u16,

@@ -296,3 +296,65 @@ fn a_reserved_signal_is_not_taken_from_built_in_messages() {
     let live = estimator.live().unwrap();
     assert!((live.estimate.speed_mps - 20.0).abs() < 0.1, "{live:?}");
 }
+
+/// The table that the build script makes of `examples/own_dbc`.
+mod generated {
+    use estimator_core::Signal;
+    use estimator_core::signal::own_message::{FrameMatch, Multiplexer, OwnMessage, OwnSignal};
+    use estimator_core::signal::raw_field::{ByteOrder, NumberKind, RawField};
+
+    include!(concat!(env!("OUT_DIR"), "/own_dbc_example.rs"));
+}
+
+#[test]
+fn a_table_made_at_build_time_reads_the_cars_frames() {
+    let readings = |id, data: &[u8]| {
+        let mut readings = Vec::new();
+        decode_own(&generated::CAR_MESSAGES, &standard(id, data), |reading| {
+            readings.push((reading.signal, reading.value));
+        });
+        readings
+    };
+    let [a, b, c, d] = 473_769_123_i32.to_be_bytes();
+    // -600 N; a latitude; 431.25 m with nine satellites; 72 km/h with the brake on.
+    for (id, data, expected) in [
+        (
+            257,
+            vec![0xfb, 0x50],
+            vec![(Signal::TractionForce, Value::Real(-600.0))],
+        ),
+        (
+            300,
+            vec![2, a, b, c, d],
+            vec![(Signal::Latitude, Value::DegreesE7(473_769_123))],
+        ),
+        (
+            300,
+            vec![1, 9, 0x00, 0x1d, 0x1a],
+            vec![
+                (Signal::Satellites, Value::Real(9.0)),
+                (Signal::Altitude, Value::Real(431.25)),
+            ],
+        ),
+        (
+            513,
+            vec![0x01, 0x1c, 0x20, 0],
+            vec![
+                (Signal::BrakeSwitch, Value::Real(1.0)),
+                (Signal::WheelSpeed, Value::Real(20.0)),
+            ],
+        ),
+        (
+            513,
+            vec![0x03, 0xff, 0xff, 0],
+            vec![
+                (Signal::BrakeSwitch, Value::NotAvailable),
+                (Signal::WheelSpeed, Value::NotAvailable),
+            ],
+        ),
+    ] {
+        assert_eq!(readings(id, &data), expected, "{id} {data:?}");
+    }
+    let in_order = |message: &OwnMessage| message.signals.is_sorted_by_key(|own| own.signal);
+    assert!(generated::CAR_MESSAGES.iter().all(in_order));
+}

@@ -1,8 +1,8 @@
 //! `roadgrade diagnose`.
 
 use super::log_options::LogOptions;
-use super::outputs;
 use super::tuning_option::TuningOption;
+use super::{damage, outputs};
 use crate::diagnose::{Diagnosis, Request, diagnose, report};
 use crate::error::{Result, on_one_line};
 use crate::files::vehicle::VehicleFile;
@@ -81,6 +81,9 @@ pub fn run(args: &Args) -> Result<()> {
     let wait = progress::spinner("reading and evaluating drives");
     let found = diagnose(&request)?;
     wait.finish_and_clear();
+    for (log, report) in &found.logs {
+        damage::note_log(log, report);
+    }
     args.check_outputs(&report::files(&found, &args.out))?;
     let page = report::write(&found, &args.out)?;
     if args.json {

@@ -2,7 +2,7 @@
 
 use super::log_options::LogOptions;
 use super::tuning_option::TuningOption;
-use super::{conclusion, outputs, run_page};
+use super::{conclusion, log_notes, outputs, run_page};
 use crate::error::{Error, Result};
 use crate::files::output::Staged;
 use crate::files::run::{self, Origin};
@@ -126,6 +126,7 @@ pub fn run(args: &Args) -> Result<()> {
         drive::<f32>(&vehicle, &tuning, last, &args.log, &options)?
     };
     let seconds = started.elapsed().as_secs_f64();
+    log_notes::note_report(&args.log, &run.log);
     conclusion::warn(&run.warnings);
     check(&args.log, &vehicle, &run)?;
     conclusion::note_replaced(&vehicle.model, &run);

@@ -1,5 +1,6 @@
 //! `roadgrade inspect`.
 
+use super::log_notes;
 use super::log_options::LogOptions;
 use crate::error::{Error, Result};
 use crate::inspect::census::Census;
@@ -8,6 +9,7 @@ use crate::inspect::dbc_census::{DbcCounter, DbcSignalCount};
 use crate::inspect::needs::{Need, needs};
 use crate::inspect::proposal::{Proposal, propose, to_toml};
 use crate::inspect::text::{dbc_text, text};
+use crate::source::log_report::LogReport;
 use crate::source::own_signals::dbc::Dbc;
 use crate::terminal::print::print;
 use crate::terminal::progress;
@@ -50,6 +52,8 @@ struct Inspection<'a> {
     #[serde(flatten)]
     census: &'a Census,
     needs: &'a [Need],
+    #[serde(flatten)]
+    report: &'a LogReport,
     #[serde(skip_serializing_if = "Option::is_none")]
     dbc: Option<DbcInspection>,
 }
@@ -91,15 +95,17 @@ pub fn run(args: &Args) -> Result<()> {
     let dbc = args.reading.own().dbc().map(Dbc::read).transpose()?;
     let mut counter = dbc.as_ref().map(DbcCounter::new);
     let progress = |read| bar.set_position(read);
-    let (kind, census) = census_of(&args.log, &options, counter.as_mut(), progress)?;
+    let (kind, census, report) = census_of(&args.log, &options, counter.as_mut(), progress)?;
     bar.finish_and_clear();
+    log_notes::note_report(&args.log, &report);
     let dbc = counter.map(DbcInspection::of);
     let kind = kind.to_string();
     let needs = needs(&census);
     if !args.json {
         let head = format!("{}: {kind}", args.log.display());
+        let interfaces = &report.interfaces;
         let dbc = dbc.as_ref().map(DbcInspection::text).unwrap_or_default();
-        return print(&(text(&head, &census, &needs, args.all) + &dbc));
+        return print(&(text(&head, &census, interfaces, &needs, args.all) + &dbc));
     }
     let inspection = Inspection {
         log: &args.log,
@@ -107,6 +113,7 @@ pub fn run(args: &Args) -> Result<()> {
         census: &census,
         needs: &needs,
         dbc,
+        report: &report,
     };
     let json =
         serde_json::to_string_pretty(&inspection).map_err(|e| Error::io(&args.log)(e.into()))?;

@@ -2,7 +2,7 @@
 
 use super::log_options::LogOptions;
 use super::tuning_option::TuningOption;
-use super::{conclusion, identify, outputs};
+use super::{conclusion, identify, log_notes, outputs};
 use crate::error::{Result, on_one_line};
 use crate::files::vehicle::VehicleFile;
 use crate::logs_to_map::{Drive, Job, MadeMap, drives, files, make};
@@ -101,6 +101,9 @@ fn tell(made: &MadeMap) {
         alert(format_args!("warning: left out: {problem}"));
     }
     for run in &made.runs {
+        for (log, report) in &run.reports {
+            log_notes::note_report(log, report);
+        }
         conclusion::warn(&run.warnings);
     }
 }

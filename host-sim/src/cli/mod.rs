@@ -1,6 +1,8 @@
 //! The command line: one file per subcommand.
 
+mod columns;
 mod conclusion;
+mod damage;
 mod demo;
 mod diagnose;
 mod estimate;
@@ -11,6 +13,7 @@ mod import;
 mod inspect;
 #[cfg(target_os = "linux")]
 mod listen;
+mod log_notes;
 mod log_options;
 mod map;
 mod outputs;
@@ -58,6 +61,8 @@ enum Command {
     Import(import::Args),
     /// Show which messages are in a log, and which inputs of an estimate are missing.
     Inspect(inspect::Args),
+    /// List every signal: its column, unit and range, and the messages that have it.
+    Columns(columns::Args),
     /// Send a recorded log on a CAN interface.
     Replay(replay::Args),
     /// Estimate the grade live, from CAN interfaces.
@@ -99,6 +104,7 @@ impl Cli {
             Command::Estimate(args) => estimate::run(args),
             Command::Import(args) => import::run(args),
             Command::Inspect(args) => inspect::run(args),
+            Command::Columns(args) => columns::run(args),
             Command::Replay(args) => replay::run(args),
             Command::Listen(args) => listen::run(args),
             Command::Map(args) => map::run(args),

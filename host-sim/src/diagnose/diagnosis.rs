@@ -31,6 +31,8 @@ pub fn diagnose(request: &Request) -> Result<Diagnosis> {
     let mut findings = Vec::new();
     let mut drives = logs.read(&vehicle.model)?;
     logs.check_copies(&drives)?;
+    let reports = drives.iter().map(|drive| drive.log.clone());
+    let reports = logs.paths.iter().cloned().zip(reports).collect();
     let wheels = Wheels::measured(&drives[..logs.fitted]);
     if let Some(finding) = wheels.as_ref().and_then(Wheels::finding) {
         // The search for other effects uses the corrected speeds and distances.
@@ -97,6 +99,7 @@ pub fn diagnose(request: &Request) -> Result<Diagnosis> {
         after,
         judged_on_fitted: logs.judged.start == 0,
         vehicle,
+        logs: reports,
     })
 }
 

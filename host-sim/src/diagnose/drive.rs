@@ -6,6 +6,7 @@ use crate::map::{
 };
 use crate::recorder::{Recorder, SmoothedRun};
 use crate::source::input::for_each_input;
+use crate::source::log_report::LogReport;
 use crate::source::read_options::ReadOptions;
 use estimator_core::filter::Filter;
 use estimator_core::sample::Sample;
@@ -21,6 +22,8 @@ pub struct LoggedDrive {
     pub run: SmoothedRun,
     /// A filter in the estimator's initial state, with its sensor noise.
     pub filter: Filter<f64>,
+    /// What the reading of the log told.
+    pub log: LogReport,
 }
 
 impl LoggedDrive {
@@ -37,7 +40,7 @@ impl LoggedDrive {
         let mut recorder = Recorder::<f32>::new(model.clone(), tuning.clone())
             .map_err(|e| Error::content(path, e.to_string()))?;
         recorder.read_as(options);
-        for_each_input(path, options, |_| (), |input| recorder.on_input(&input))?;
+        let log = for_each_input(path, options, |_| (), |input| recorder.on_input(&input))?;
         let filter = recorder.estimator().second_pass_filter();
         let (run, samples) = recorder.finish_with_samples()?;
         if run.rows.is_empty() {
@@ -50,6 +53,7 @@ impl LoggedDrive {
             samples,
             run,
             filter,
+            log,
         })
     }
 }

@@ -4,6 +4,7 @@ use super::dependence::Variable;
 use super::judgement::Judgement;
 use crate::files::vehicle::VehicleFile;
 use crate::report::page::Figure;
+use crate::source::log_report::LogReport;
 use crate::source::read_options::ReadOptions;
 use estimator_core::{AdoptedEffect, Tuning};
 use std::path::PathBuf;
@@ -86,4 +87,6 @@ pub struct Diagnosis {
     pub judged_on_fitted: bool,
     /// The vehicle file with the adopted effects.
     pub vehicle: VehicleFile,
+    /// What the reading of each log told.
+    pub logs: Vec<(PathBuf, LogReport)>,
 }

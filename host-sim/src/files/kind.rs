@@ -12,7 +12,8 @@ use std::path::Path;
 /// Bytes that are looked at.
 const HEAD_BYTES: u64 = 16 << 10;
 const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
-const PARQUET_MAGIC: &[u8] = b"PAR1";
+/// First bytes of a Parquet file.
+pub const PARQUET_MAGIC: &[u8] = b"PAR1";
 
 /// A kind of file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,6 +57,9 @@ impl fmt::Display for Kind {
             Self::FrameLog(LogFormat::Asc) => "a Vector ASC log",
             Self::FrameLog(LogFormat::Trc) => "a PEAK TRC log",
             Self::FrameLog(LogFormat::Blf) => "a Vector BLF log",
+            Self::FrameLog(LogFormat::Mdf) => "an ASAM MDF 4 log",
+            Self::FrameLog(LogFormat::SavvyCan) => "a SavvyCAN log",
+            Self::FrameLog(LogFormat::PythonCan) => "a python-can log",
             Self::SignalTable => "a signal table",
             Self::Run => "a run (of `roadgrade estimate`)",
             Self::Map => "a map (of `roadgrade fuse`)",

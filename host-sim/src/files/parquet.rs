@@ -4,10 +4,12 @@ use super::limits;
 use super::output::{Staged, Writing};
 use super::parquet_pages;
 use crate::error::{Error, Result, out_of_files};
-use arrow_array::types::{ArrowPrimitiveType, Float64Type, Int64Type};
-use arrow_array::{Array, ArrayRef, BinaryArray, PrimitiveArray, RecordBatch, StringArray};
+use arrow_array::types::{ArrowPrimitiveType, Float32Type, Float64Type, Int32Type, Int64Type};
+use arrow_array::{
+    Array, ArrayRef, BinaryArray, BooleanArray, PrimitiveArray, RecordBatch, StringArray,
+};
 use arrow_schema::{Field, Schema};
-use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use parquet::arrow::arrow_reader::{ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder};
 use parquet::arrow::{ArrowWriter, ProjectionMask};
 use parquet::basic::Compression;
 use parquet::errors::ParquetError;
@@ -420,17 +422,105 @@ impl Opened<'_> {
     }
 }
 
-/// Numeric column of either type.
+impl Opened<'_> {
+    /// Returns the names of all columns.
+    pub fn column_names(&self) -> impl Iterator<Item = &str> {
+        self.builder
+            .schema()
+            .fields()
+            .iter()
+            .map(|field| &**field.name())
+    }
+
+    /// Returns a reader of these columns, batch by batch: its memory does not depend on the length
+    /// of the table.
+    ///
+    /// # Errors
+    /// Returns an error if the file is damaged.
+    pub fn batches(self, names: Vec<String>) -> Result<NumberBatches> {
+        let path = self.path;
+        guarded(path, || {
+            let builder = self.builder;
+            let wanted: Vec<&str> = names.iter().map(String::as_str).collect();
+            let file = File::open(path).map_err(Error::io(path))?;
+            parquet_pages::check(&file, builder.metadata(), &wanted)
+                .map_err(|problem| damaged(path, &problem))?;
+            let projection = ProjectionMask::columns(builder.parquet_schema(), wanted);
+            let reader = builder
+                .with_projection(projection)
+                .with_batch_size(BATCH_ROWS)
+                .build()
+                .map_err(|e| damaged(path, &e.to_string()))?;
+            Ok(NumberBatches {
+                path: path.to_owned(),
+                names,
+                reader,
+            })
+        })
+    }
+}
+
+/// A reader of columns of numbers, batch by batch.
+pub struct NumberBatches {
+    path: PathBuf,
+    names: Vec<String>,
+    reader: ParquetRecordBatchReader,
+}
+
+impl NumberBatches {
+    /// Returns the path, for messages.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Reads the next rows: the columns in the order in which they were asked for. Switches are 0 and
+    /// 1. Returns `None` at the end.
+    ///
+    /// # Errors
+    /// Returns an error if a column is not numeric, and if the file is damaged.
+    pub fn next_batch(&mut self) -> Result<Option<Vec<Vec<Option<f64>>>>> {
+        let Self {
+            path,
+            names,
+            reader,
+        } = self;
+        guarded(path, || {
+            let Some(batch) = reader.next() else {
+                return Ok(None);
+            };
+            let batch = batch.map_err(|e| damaged(path, &e.to_string()))?;
+            let column = |name: &String| {
+                let values = batch.column_by_name(name).and_then(Values::of);
+                let values = values.ok_or_else(|| {
+                    let problem = format!("column {name} is not of numbers; expected doubles");
+                    Error::content(path, problem)
+                })?;
+                Ok((0..batch.num_rows()).map(|row| values.at(row)).collect())
+            };
+            names.iter().map(column).collect::<Result<_>>().map(Some)
+        })
+    }
+}
+
+/// Numeric column of any type.
 enum Values<'a> {
     Float(&'a PrimitiveArray<Float64Type>),
+    Single(&'a PrimitiveArray<Float32Type>),
     Whole(&'a PrimitiveArray<Int64Type>),
+    Short(&'a PrimitiveArray<Int32Type>),
+    Switch(&'a BooleanArray),
 }
 
 impl<'a> Values<'a> {
     fn of(values: &'a ArrayRef) -> Option<Self> {
         let any = values.as_any();
         let float = any.downcast_ref().map(Self::Float);
-        float.or_else(|| any.downcast_ref().map(Self::Whole))
+        float
+            .or_else(|| any.downcast_ref().map(Self::Single))
+            .or_else(|| any.downcast_ref().map(Self::Whole))
+            .or_else(|| any.downcast_ref().map(Self::Short))
+            .or_else(|| any.downcast_ref().map(Self::Switch))
     }
 
     fn at(&self, row: usize) -> Option<f64> {
@@ -442,7 +532,10 @@ impl<'a> Values<'a> {
         }
         match self {
             Self::Float(array) => present(array, row),
+            Self::Single(array) => present(array, row).map(f64::from),
             Self::Whole(array) => present(array, row).map(|value| value as f64),
+            Self::Short(array) => present(array, row).map(f64::from),
+            Self::Switch(array) => (!array.is_null(row)).then(|| f64::from(array.value(row))),
         }
     }
 }

@@ -11,7 +11,14 @@ const EARLIEST_MICROS: u64 = 1_000_000_000_000_000;
 /// stamps of the log are absolute: seconds since 1970, as candump writes them.
 #[must_use]
 pub fn utc_of(time: Instant) -> Option<String> {
-    let micros = Some(time.micros()).filter(|micros| *micros >= EARLIEST_MICROS)?;
-    let utc = DateTime::from_timestamp_micros(i64::try_from(micros).ok()?)?;
+    Some(time.micros())
+        .filter(|micros| *micros >= EARLIEST_MICROS)
+        .and_then(utc_text)
+}
+
+/// Returns a time, in microseconds since 1970, as RFC 3339 writes it.
+#[must_use]
+pub fn utc_text(unix_micros: u64) -> Option<String> {
+    let utc = DateTime::from_timestamp_micros(i64::try_from(unix_micros).ok()?)?;
     Some(format!("{utc:?}"))
 }

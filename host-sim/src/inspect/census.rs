@@ -3,7 +3,7 @@
 use super::pgn_names::{TRANSPORT_MANAGEMENT, name_of};
 use crate::numeric::rounding::round;
 use crate::source::can_frame::{CanFrame, TimedFrame};
-use crate::source::candump::Skipped;
+use crate::source::frame_log::Skipped;
 use crate::source::own_signals::OwnSignals;
 use crate::source::read_options::ReadOptions;
 use crate::source::signal_table::SignalRow;

@@ -50,12 +50,13 @@ impl<'d> DbcCounter<'d> {
             min: f64::INFINITY,
             max: f64::NEG_INFINITY,
         };
-        let messages = dbc.messages().iter();
-        Self {
-            messages: messages
-                .map(|message| (message.frames, (message, vec![none; message.signals.len()])))
-                .collect(),
+        let mut messages = BTreeMap::new();
+        for message in dbc.messages() {
+            // The first of several with the same frames, which a mapping by number takes too.
+            let counts = (message, vec![none; message.signals.len()]);
+            messages.entry(message.frames).or_insert(counts);
         }
+        Self { messages }
     }
 
     /// Counts one frame.

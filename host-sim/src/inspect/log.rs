@@ -7,6 +7,8 @@ use crate::source::can_frame::TimedFrame;
 use crate::source::frame_log::FrameLog;
 use crate::source::log::Log;
 use crate::source::log_kind::LogKind;
+use crate::source::log_report::LogReport;
+use crate::source::parquet_table::ParquetTable;
 use crate::source::read_options::ReadOptions;
 use crate::source::signal_table::SignalTableReader;
 use std::path::Path;
@@ -14,8 +16,8 @@ use std::path::Path;
 /// Number of frames or rows between two calls of `progress`.
 const PROGRESS_STEP: u64 = 1 << 16;
 
-/// Reads a log and returns its kind and census. `progress` gets the number of bytes read so far,
-/// `dbc` each frame.
+/// Reads a log and returns its kind, its census, and what the reading told. `progress` gets the
+/// number of bytes read so far, `dbc` each frame.
 ///
 /// # Errors
 /// Returns an error with file and line (or byte) if the log cannot be read to its end.
@@ -24,10 +26,10 @@ pub fn census_of(
     options: &ReadOptions,
     mut dbc: Option<&mut DbcCounter>,
     progress: impl Fn(u64),
-) -> Result<(LogKind, Census)> {
-    let log = Log::open(log, options)?;
+) -> Result<(LogKind, Census, LogReport)> {
+    let mut log = Log::open(log, options)?;
     let kind = log.kind();
-    let census = match log {
+    let census = match &mut log {
         Log::Frames(frames) => {
             let look = |frame: &TimedFrame| {
                 if let Some(dbc) = &mut dbc {
@@ -36,13 +38,14 @@ pub fn census_of(
             };
             count_frames(frames, options, look, progress)?
         }
-        Log::Table(table) => count_rows(*table, progress)?,
+        Log::Table(table) => count_rows(table, progress)?,
+        Log::Parquet(table) => count_parquet_rows(table)?,
     };
-    Ok((kind, census))
+    Ok((kind, census, log.report()))
 }
 
 fn count_frames(
-    mut log: FrameLog,
+    log: &mut FrameLog,
     options: &ReadOptions,
     mut look: impl FnMut(&TimedFrame),
     progress: impl Fn(u64),
@@ -60,7 +63,7 @@ fn count_frames(
     Ok(counter.finish(log.skipped()))
 }
 
-fn count_rows(mut table: SignalTableReader, progress: impl Fn(u64)) -> Result<Census> {
+fn count_rows(table: &mut SignalTableReader, progress: impl Fn(u64)) -> Result<Census> {
     let mut counter = TableCounter::new(table.signals());
     let mut rows = 0_u64;
     while let Some(row) = table.next_row()? {
@@ -69,6 +72,14 @@ fn count_rows(mut table: SignalTableReader, progress: impl Fn(u64)) -> Result<Ce
         if rows.is_multiple_of(PROGRESS_STEP) {
             progress(table.file().bytes_read());
         }
+    }
+    Ok(counter.finish())
+}
+
+fn count_parquet_rows(table: &mut ParquetTable) -> Result<Census> {
+    let mut counter = TableCounter::new(table.signals());
+    while let Some(row) = table.next_row()? {
+        counter.add(&row);
     }
     Ok(counter.finish())
 }

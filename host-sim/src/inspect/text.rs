@@ -4,6 +4,7 @@ use super::census::{Census, MessageCount, SignalCount};
 use super::dbc_census::DbcSignalCount;
 use super::needs::{Importance, Need, Presence};
 use super::pgn_names::{TRANSPORT_DATA, TRANSPORT_MANAGEMENT, name_of};
+use crate::source::interfaces::InterfaceCount;
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
 use std::fmt::Write as _;
 
@@ -13,10 +14,19 @@ const FEW: usize = 15;
 const WIDTH: u16 = 110;
 
 /// Returns all tables of a log, below `head`.
-pub fn text(head: &str, census: &Census, needs: &[Need], all: bool) -> String {
+pub fn text(
+    head: &str,
+    census: &Census,
+    interfaces: &[InterfaceCount],
+    needs: &[Need],
+    all: bool,
+) -> String {
     let limit = if all { usize::MAX } else { FEW };
     let mut out = String::new();
     overview(&mut out, head, census);
+    if interfaces.len() > 1 {
+        table_of(&mut out, interfaces);
+    }
     if census.frames > 0 {
         messages(&mut out, census, limit);
         standard_ids(&mut out, census, limit);
@@ -56,6 +66,22 @@ fn overview(out: &mut String, head: &str, census: &Census) {
             line(out, &format!("{} {what}", grouped(count)));
         }
     }
+}
+
+/// Prints the interfaces of a log that has several.
+fn table_of(out: &mut String, interfaces: &[InterfaceCount]) {
+    line(out, "\nInterfaces");
+    let mut table = table(&["name", "frames", "left out, as another has them"]);
+    align_right(&mut table, &[1, 2]);
+    for count in interfaces {
+        let InterfaceCount {
+            name,
+            frames,
+            duplicates,
+        } = count;
+        table.add_row([name.clone(), grouped(*frames), some(*duplicates)]);
+    }
+    finish(out, &table);
 }
 
 /// Prints the decoded messages first, then the others by their share of the bus.

@@ -10,11 +10,12 @@ use crate::files::utc::utc_of;
 use crate::smooth::{Samples, SmoothedCell, smooth_segments};
 use crate::source::can_frame::TimedFrame;
 use crate::source::input::LogInput;
+use crate::source::log_report::LogReport;
 use crate::source::read_options::ReadOptions;
 use estimator_core::sample::Sample;
 use estimator_core::{
-    Cell, Estimator, Instant, Model, ParameterError, PersistentState, PersistentStateError,
-    Reading, Scalar, Signal, Tuning, Uncertain,
+    Cell, Estimator, Instant, Model, Outcome, ParameterError, PersistentState,
+    PersistentStateError, Reading, Scalar, Signal, Tuning, Uncertain,
 };
 use serde::{Deserialize, Serialize};
 use std::io;
@@ -86,8 +87,10 @@ impl<S: Scalar> Recorder<S> {
     pub fn read_as(&mut self, options: &ReadOptions) {
         self.ignore(&options.ignore);
         if let Some(own) = &options.signals {
-            own.signals()
-                .for_each(|signal| self.estimator.reserve(signal));
+            for signal in own.signals() {
+                self.estimator.reserve(signal);
+                self.plausibility.reserve(signal);
+            }
         }
     }
 
@@ -95,6 +98,7 @@ impl<S: Scalar> Recorder<S> {
     pub fn ignore(&mut self, signals: &[Signal]) {
         for signal in signals {
             self.estimator.ignore(*signal);
+            self.plausibility.ignore(*signal);
         }
     }
 
@@ -111,9 +115,11 @@ impl<S: Scalar> Recorder<S> {
     /// Processes one reading of a signal table.
     pub fn on_reading(&mut self, time: Instant, reading: Reading) {
         self.start.get_or_insert(time);
-        self.estimator.on_reading(time, reading);
-        let vehicle = &self.estimator.model().vehicle;
-        self.plausibility.reading(time, reading, vehicle);
+        // A signal that is left out is not judged either.
+        if self.estimator.on_reading(time, reading) != Outcome::Ignored {
+            let vehicle = &self.estimator.model().vehicle;
+            self.plausibility.reading(time, reading, vehicle);
+        }
         self.collect();
     }
 
@@ -239,6 +245,7 @@ impl<S: Scalar> Recorder<S> {
         Ok(LongRun {
             rows,
             model: self.estimator.model().clone(),
+            log: LogReport::default(),
             counters: *self.estimator.counters(),
             persistent_state: self.estimator.persistent_state(),
             disagreements,

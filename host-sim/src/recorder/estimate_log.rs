@@ -4,6 +4,7 @@ use super::drive_recorder::Recorder;
 use super::long_run::LongRun;
 use crate::error::{Error, Result};
 use crate::source::input::for_each_input;
+use crate::source::log_report::LogReport;
 use crate::source::read_options::ReadOptions;
 use estimator_core::{Duration, Instant, Model, PersistentState, Scalar, Tuning};
 use std::path::{Path, PathBuf};
@@ -28,12 +29,16 @@ pub fn estimate_log<S: Scalar>(
     let mut recorder = Recorder::<S>::resume(model, tuning, persistent_state)
         .map_err(|e| Error::content(log, e.to_string()))?;
     recorder.read_as(options);
-    for_each_input(log, options, progress, |input| recorder.on_input(&input))?;
-    recorder.end()
+    let report = for_each_input(log, options, progress, |input| recorder.on_input(&input))?;
+    let mut run = recorder.end()?;
+    run.start_utc = report.start_utc.clone().or(run.start_utc);
+    run.log = report;
+    Ok(run)
 }
 
 /// Passes logs that are consecutive parts of one drive to an estimator. A log whose clock begins
-/// anew continues one second after the end of the one before.
+/// anew continues one second after the end of the one before. Returns the run, and what the reading
+/// of each log told.
 ///
 /// # Errors
 /// Returns the errors of [`estimate_log`].
@@ -42,15 +47,16 @@ pub fn estimate_logs<S: Scalar>(
     tuning: &Tuning,
     logs: &[PathBuf],
     options: &ReadOptions,
-) -> Result<LongRun> {
+) -> Result<(LongRun, Vec<(PathBuf, LogReport)>)> {
     let first = logs.first().map_or(Path::new(""), PathBuf::as_path);
     let mut recorder = Recorder::<S>::resume(model, tuning, None)
         .map_err(|e| Error::content(first, e.to_string()))?;
     recorder.read_as(options);
+    let mut reports = Vec::new();
     let mut end = Instant::default();
     for log in logs {
         let mut shift = None;
-        for_each_input(
+        let report = for_each_input(
             log,
             options,
             |_| (),
@@ -66,6 +72,12 @@ pub fn estimate_logs<S: Scalar>(
                 recorder.on_input(&input);
             },
         )?;
+        reports.push((log.clone(), report));
     }
-    recorder.end()
+    let mut run = recorder.end()?;
+    let first_start = reports
+        .first()
+        .and_then(|(_, report)| report.start_utc.clone());
+    run.start_utc = first_start.or(run.start_utc);
+    Ok((run, reports))
 }

@@ -5,6 +5,7 @@ use crate::error::{Error, Result};
 use crate::files::run::{RunRow, RunRows};
 use crate::files::spool::{Spool, blocks};
 use crate::smooth::Disagreements;
+use crate::source::log_report::LogReport;
 use estimator_core::{Counters, Model, PersistentState};
 use std::io;
 
@@ -32,6 +33,8 @@ pub struct LongRun {
     pub rows: Rows,
     /// The model at the end: what the bus contradicted is as the bus says.
     pub model: Model,
+    /// What the reading of the log told; nothing for a live bus.
+    pub log: LogReport,
     /// Counters of the core.
     pub counters: Counters,
     /// State for the next drive; `None` if this one was too short.

@@ -5,6 +5,7 @@ use super::plausibility::Warning;
 use super::verdict::{DisagreementStretch, stretches, verdict};
 use crate::error::Result;
 use crate::files::run::RunRows;
+use crate::source::damage::Damage;
 use crate::terminal::counters::{CountedEvent, events};
 use crate::terminal::table::text_table;
 use comfy_table::Table;
@@ -38,6 +39,7 @@ pub struct RunSummary {
     suspect_km: f64,
     disagreements: Vec<DisagreementStretch>,
     warnings: Vec<Warning>,
+    damage: Damage,
     #[serde(serialize_with = "by_key")]
     events: Vec<CountedEvent>,
 }
@@ -59,6 +61,7 @@ impl RunSummary {
             warnings: run.warnings.clone(),
             start_utc: run.start_utc.clone(),
             events: events(&run.counters),
+            damage: run.log.damage.clone(),
             ..Self::default()
         };
         let (mut first_m, mut last_m) = (None, None);

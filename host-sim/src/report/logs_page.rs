@@ -3,12 +3,14 @@
 use super::map_page;
 use super::page::{Figure, Note, Page, Section, Table};
 use super::plot::{Plot, Series, colour};
+use crate::error::on_one_line;
 use crate::files::run::{RunCell, RunRow};
 use crate::identify::annotated::comment;
 use crate::identify::{Identified, IdentifiedValue};
 use crate::map::{GRID_M, Network, PlacedRun, WayRows, place};
 use crate::recorder::{RunSummary, Warning};
-use std::path::Path;
+use crate::source::log_report::LogReport;
+use std::path::{Path, PathBuf};
 
 /// Most ways that have a figure of each run, and most runs in one.
 const MOST_WAYS: usize = 8;
@@ -22,6 +24,8 @@ pub struct LogRun {
     pub rows: Vec<RunRow>,
     /// Its summary.
     pub summary: RunSummary,
+    /// What the reading of each of its logs told.
+    pub reports: Vec<(PathBuf, LogReport)>,
     /// What is not plausible about its input.
     pub warnings: Vec<Warning>,
 }
@@ -168,6 +172,12 @@ fn input_section(map: &LogsMap) -> Section {
         ));
     }
     for run in map.runs {
+        for (log, report) in &run.reports {
+            if let Some(damage) = report.damage.words() {
+                let message = format!("{}: {damage}.", on_one_line(log));
+                section = section.note(Note::warning(message, report.damage.first.join("; ")));
+            }
+        }
         for warning in &run.warnings {
             let message = format!("{}: {}", run.name, warning.message);
             section = section.note(Note::warning(message, warning.advice));

@@ -2,7 +2,10 @@
 
 use super::can_frame::{CanFrame, TimedFrame};
 use super::log::Log;
+use super::log_report::LogReport;
+use super::own_signals::OwnSignals;
 use super::read_options::ReadOptions;
+use super::signal_table::SignalRow;
 use crate::error::Result;
 use embedded_can::{Frame, Id};
 use estimator_core::signal::Pgn;
@@ -64,7 +67,8 @@ fn carries_mass(frame: &CanFrame) -> bool {
 }
 
 /// Passes every input of a log to `take`, and the bytes read so far to `progress`. The readings of an
-/// own message come after its frame, which may be a built-in message too.
+/// own message come after its frame, which may be a built-in message too. Returns what the reading
+/// told besides.
 ///
 /// # Errors
 /// Returns an error with file and line (or byte) if the log cannot be read to its end.
@@ -73,30 +77,70 @@ pub fn for_each_input(
     options: &ReadOptions,
     progress: impl Fn(u64),
     mut take: impl FnMut(LogInput),
-) -> Result<()> {
-    match Log::open(log, options)? {
-        Log::Frames(mut reader) => {
+) -> Result<LogReport> {
+    let mut log = Log::open(log, options)?;
+    let mut unseen_signals = Vec::new();
+    match &mut log {
+        Log::Frames(reader) => {
+            let mut own = OwnReadings::of(options.signals.as_deref());
             let mut frames = 0_u32;
             while let Some(frame) = reader.next_frame()? {
                 take(LogInput::Frame(frame));
-                if let Some(own) = &options.signals {
-                    own.decode(&frame.frame, |reading| {
-                        take(LogInput::Reading(frame.time, reading));
-                    });
-                }
+                own.pass_on(&frame, &mut take);
                 frames = frames.wrapping_add(1);
                 if frames.is_multiple_of(8192) {
                     progress(reader.file().bytes_read());
                 }
             }
+            let unseen = own.unseen.iter();
+            unseen_signals = unseen.map(|signal| signal.column()).collect();
         }
-        Log::Table(mut reader) => {
+        Log::Parquet(reader) => {
             while let Some(row) = reader.next_row()? {
-                for reading in row.readings {
-                    take(LogInput::Reading(row.time, *reading));
-                }
+                pass_on(&row, &mut take);
+            }
+        }
+        Log::Table(reader) => {
+            while let Some(row) = reader.next_row()? {
+                pass_on(&row, &mut take);
             }
         }
     }
-    Ok(())
+    Ok(LogReport {
+        unseen_signals,
+        ..log.report()
+    })
+}
+
+fn pass_on(row: &SignalRow, take: &mut impl FnMut(LogInput)) {
+    for reading in row.readings {
+        take(LogInput::Reading(row.time, *reading));
+    }
+}
+
+/// The readings of own messages.
+struct OwnReadings<'a> {
+    own: Option<&'a OwnSignals>,
+    /// Signals that no frame had so far.
+    unseen: Vec<Signal>,
+}
+
+impl<'a> OwnReadings<'a> {
+    fn of(own: Option<&'a OwnSignals>) -> Self {
+        let unseen = own.map(|own| own.signals().collect());
+        Self {
+            own,
+            unseen: unseen.unwrap_or_default(),
+        }
+    }
+
+    fn pass_on(&mut self, timed: &TimedFrame, take: &mut impl FnMut(LogInput)) {
+        let Some(own) = self.own else {
+            return;
+        };
+        own.decode(&timed.frame, |reading| {
+            self.unseen.retain(|signal| *signal != reading.signal);
+            take(LogInput::Reading(timed.time, reading));
+        });
+    }
 }

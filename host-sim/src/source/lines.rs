@@ -77,12 +77,14 @@ impl Lines {
         let mut searched = 0;
         loop {
             let waiting = &self.buffer[self.waiting.clone()];
-            if let Some(found) = memchr(b'\n', &waiting[searched..]) {
+            if let Some(found) = memchr(b'\n', waiting.get(searched..).unwrap_or_default()) {
                 self.hand_out(searched + found, true);
                 return Ok(true);
             }
-            searched = waiting.len();
-            if self.fetch()? == 0 {
+            let before = waiting.len();
+            let count = self.fetch()?;
+            searched = before.min(self.waiting.len() - count);
+            if count == 0 {
                 let is_left = !self.waiting.is_empty();
                 if is_left {
                     self.hand_out(self.waiting.len(), false);
@@ -106,6 +108,10 @@ impl Lines {
     fn fetch(&mut self) -> Result<usize> {
         self.buffer.copy_within(self.waiting.clone(), 0);
         self.waiting = 0..self.waiting.len();
+        if self.waiting.end == self.buffer.len() && self.buffer.iter().all(|byte| *byte == 0) {
+            // Blocks of the disk that were never written: the logger lost its power.
+            self.waiting = 0..1;
+        }
         if self.waiting.end == self.buffer.len() {
             return Err(Error::line(
                 self.file.path(),

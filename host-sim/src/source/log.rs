@@ -3,18 +3,26 @@
 use super::frame_log::FrameLog;
 use super::log_file::LogFile;
 use super::log_kind::{LogKind, kind_of};
+use super::log_report::LogReport;
+use super::parquet_table::ParquetTable;
 use super::read_options::ReadOptions;
 use super::signal_table::SignalTableReader;
 use crate::error::{Error, Result};
-use crate::files::log_format::{LogFormat, foreign, format_of};
+use crate::files::kind::PARQUET_MAGIC;
+use crate::files::log_format::{foreign, format_of};
 use std::path::Path;
+
+/// The column that every signal table has.
+const TIME: &[u8] = b"time_s";
 
 /// An open log.
 pub enum Log {
     /// Frames of a bus.
-    Frames(FrameLog),
+    Frames(Box<FrameLog>),
     /// Rows of a signal table.
     Table(Box<SignalTableReader>),
+    /// Rows of a signal table in Parquet.
+    Parquet(Box<ParquetTable>),
 }
 
 impl Log {
@@ -28,22 +36,39 @@ impl Log {
         let by_name = kind_of(path)?;
         let mut file = LogFile::open(path)?;
         let head = file.look_at_head();
+        if head.starts_with(PARQUET_MAGIC) {
+            let table = ParquetTable::open(path, &options.ignore)?;
+            return Ok(Self::Parquet(Box::new(table)));
+        }
         if let Some(advice) = foreign(head) {
             return Err(Error::content(path, advice));
         }
         let format = format_of(head);
-        let frames = match format {
-            Some(LogFormat::Asc) => FrameLog::asc(file),
-            Some(LogFormat::Trc) => FrameLog::trc(file),
-            Some(LogFormat::Blf) => FrameLog::blf(file),
-            None if by_name == LogKind::SignalTable => {
-                let mut table = SignalTableReader::new(file)?;
-                table.ignore(&options.ignore);
-                return Ok(Self::Table(Box::new(table)));
-            }
-            None => FrameLog::candump(file),
-        };
-        Ok(Self::Frames(frames))
+        let is_table = by_name == LogKind::SignalTable || is_header_of_table(head);
+        if format.is_none() && is_table {
+            let mut table = SignalTableReader::new(file, options.strict)?;
+            table.ignore(&options.ignore);
+            return Ok(Self::Table(Box::new(table)));
+        }
+        let frames = FrameLog::new(file, format, options)?;
+        Ok(Self::Frames(Box::new(frames)))
+    }
+
+    /// Returns what the reading told so far.
+    #[must_use]
+    pub fn report(&self) -> LogReport {
+        match self {
+            Self::Frames(frames) => frames.report(),
+            Self::Table(table) => LogReport {
+                damage: table.damage().clone(),
+                ignored_columns: table.ignored_columns().to_vec(),
+                ..LogReport::default()
+            },
+            Self::Parquet(table) => LogReport {
+                ignored_columns: table.ignored_columns().to_vec(),
+                ..LogReport::default()
+            },
+        }
     }
 
     /// Returns the kind of the log.
@@ -51,7 +76,13 @@ impl Log {
     pub const fn kind(&self) -> LogKind {
         match self {
             Self::Frames(frames) => frames.kind(),
-            Self::Table(_) => LogKind::SignalTable,
+            Self::Table(_) | Self::Parquet(_) => LogKind::SignalTable,
         }
     }
+}
+
+fn is_header_of_table(head: &[u8]) -> bool {
+    let line = head.split(|byte| *byte == b'\n').next().unwrap_or_default();
+    let mut names = line.split(|byte| *byte == b',');
+    names.any(|name| name.trim_ascii() == TIME)
 }

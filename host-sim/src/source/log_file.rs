@@ -1,33 +1,36 @@
-//! A log on disk, plain or gzip, as a stream of bytes.
+//! A log on disk or from a pipe, plain or packed, as a stream of bytes.
 
+use super::log_stream::{Packing, RawState, unpacked};
 use crate::error::{Error, Result};
 use crate::files::limits::is_over_budget;
-use flate2::read::MultiGzDecoder;
+use encoding_rs_io::DecodeReaderBytes;
 use std::fs::File;
-use std::io::{self, Cursor, Read};
+use std::io::{self, Cursor, ErrorKind, Read};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
 
-/// First bytes of a gzip file (RFC 1952).
-const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
-
-/// A gzip file that expands to more than this, bytes, ...
+/// Packed data that expand to more than this, bytes, ...
 const BOMB_BYTES: u64 = 64 << 20;
-/// ... and more than so many times, is no log: the longest ones of a standing truck reach 60.
+/// ... and more than so many times, are no log: the longest ones of a standing truck reach 60.
 const BOMB_RATIO: u64 = 400;
 
-/// Bytes that decide on the kind of a log, those inside of a gzip file.
+/// Bytes that decide on the kind of a log, those inside of a packed file.
 const HEAD_BYTES: u64 = 4 << 10;
 /// Mark of UTF-8, with which some programs begin a text.
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+/// Marks of UTF-16.
+const WIDE_MARKS: [&[u8]; 2] = [b"\xff\xfe", b"\xfe\xff"];
+/// What flate2 says of bytes that are not gzip, behind a gzip member.
+const NO_GZIP: &str = "invalid gzip header";
+/// The name of standard input.
+const STANDARD_INPUT: &str = "-";
 
-/// An open log. Its first bytes, not its name, decide whether it is gzip.
+/// An open log. Its first bytes, not its name, decide how it is packed. One that is cut off ends
+/// there.
 pub struct LogFile {
     path: PathBuf,
     content: Box<dyn Read + Send>,
-    is_gzip: bool,
-    bytes_read: Arc<AtomicU64>,
+    packing: Packing,
+    raw: RawState,
     bytes_total: u64,
     bytes_expanded: u64,
     /// The first bytes, if they were looked at, and how many of them were read again.
@@ -35,81 +38,71 @@ pub struct LogFile {
     head_taken: usize,
     /// The error behind the head, until the reader comes there.
     head_error: Option<io::Error>,
-    may_be_cut_off: bool,
+    newest_byte: Option<u8>,
+    is_cut_off: bool,
 }
 
-/// Counts the bytes read from the disk, before decompression.
-struct Counting<R> {
-    inner: R,
-    bytes: Arc<AtomicU64>,
-}
-
-impl<R: Read> Read for Counting<R> {
-    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        let count = self.inner.read(buffer)?;
-        self.bytes.fetch_add(count as u64, Ordering::Relaxed);
-        Ok(count)
-    }
+/// Returns true if this path means standard input.
+pub(super) fn is_standard_input(path: &Path) -> bool {
+    path.as_os_str() == STANDARD_INPUT
 }
 
 impl LogFile {
-    /// Opens a log.
+    /// Opens a log; `-` is standard input.
     ///
     /// # Errors
     /// Returns an error if the file cannot be opened or is a folder.
     pub fn open(path: &Path) -> Result<Self> {
-        let mut file = File::open(path).map_err(Error::io(path))?;
-        let metadata = file.metadata().map_err(Error::io(path))?;
-        if metadata.is_dir() {
-            return Err(Error::content(path, "is a folder; expected a file"));
-        }
-        let mut head = Vec::new();
-        file.by_ref()
-            .take(GZIP_MAGIC.len() as u64)
-            .read_to_end(&mut head)
-            .map_err(Error::io(path))?;
-        let is_gzip = head == GZIP_MAGIC;
-        let bytes_read = Arc::new(AtomicU64::new(0));
-        // Chained, not rewound: a pipe cannot be rewound.
-        let raw = Counting {
-            inner: Cursor::new(head).chain(file),
-            bytes: Arc::clone(&bytes_read),
-        };
-        let content: Box<dyn Read + Send> = if is_gzip {
-            Box::new(MultiGzDecoder::new(raw))
+        let (opened, bytes_total) = if is_standard_input(path) {
+            (unpacked(io::stdin()), 0)
         } else {
-            Box::new(raw)
+            let file = File::open(path).map_err(Error::io(path))?;
+            let metadata = file.metadata().map_err(Error::io(path))?;
+            if metadata.is_dir() {
+                return Err(Error::content(path, "is a folder; expected a file"));
+            }
+            (unpacked(file), metadata.len())
         };
+        let (content, packing, raw) = opened.map_err(Error::io(path))?;
         Ok(Self {
             path: path.to_owned(),
             content,
-            is_gzip,
-            bytes_read,
-            bytes_total: metadata.len(),
+            packing,
+            raw,
+            bytes_total,
             bytes_expanded: 0,
             head: Vec::new(),
             head_taken: 0,
             head_error: None,
-            may_be_cut_off: false,
+            newest_byte: None,
+            is_cut_off: false,
         })
     }
 
-    /// Returns the first bytes, without a byte order mark. They are read again afterwards, from a
-    /// pipe too. An error among them comes when the reader gets there.
+    /// Returns the first bytes, in UTF-8 if they are text, without a byte order mark. They are read
+    /// again afterwards, from a pipe too. An error among them comes when the reader gets there.
     pub(super) fn look_at_head(&mut self) -> &[u8] {
-        let mut head = Vec::new();
-        let read = self.by_ref().take(HEAD_BYTES).read_to_end(&mut head);
-        self.head_error = read.err();
-        if head.starts_with(BYTE_ORDER_MARK) {
+        if !self.head.is_empty() {
+            return self.head.get(self.head_taken..).unwrap_or_default();
+        }
+        self.read_head();
+        if WIDE_MARKS.iter().any(|mark| self.head.starts_with(mark)) {
+            let head = Cursor::new(std::mem::take(&mut self.head));
+            let rest = std::mem::replace(&mut self.content, Box::new(io::empty()));
+            self.content = Box::new(DecodeReaderBytes::new(head.chain(rest)));
+            self.read_head();
+        }
+        if self.head.starts_with(BYTE_ORDER_MARK) {
             self.head_taken = BYTE_ORDER_MARK.len();
         }
-        self.head = head;
         self.head.get(self.head_taken..).unwrap_or_default()
     }
 
-    /// Lets gzip data that are cut off end like those that are whole.
-    pub(super) const fn allow_cut_off(&mut self) {
-        self.may_be_cut_off = true;
+    fn read_head(&mut self) {
+        let mut head = Vec::new();
+        let read = self.by_ref().take(HEAD_BYTES).read_to_end(&mut head);
+        self.head_error = read.err();
+        self.head = head;
     }
 
     /// Returns the path of the log.
@@ -121,7 +114,14 @@ impl LogFile {
     /// Returns the number of bytes read from the disk so far.
     #[must_use]
     pub fn bytes_read(&self) -> u64 {
-        self.bytes_read.load(Ordering::Relaxed)
+        self.raw.bytes()
+    }
+
+    /// Counts bytes that a reader took from the seekable file.
+    pub(super) fn note_read(&self, bytes: u64) {
+        if self.packing == Packing::Plain {
+            self.raw.add(bytes);
+        }
     }
 
     /// Returns the size on the disk, bytes; 0 for a pipe.
@@ -130,51 +130,109 @@ impl LogFile {
         self.bytes_total
     }
 
+    /// Returns true if the packed data ended before their time.
+    pub(super) const fn is_cut_off(&self) -> bool {
+        self.is_cut_off
+    }
+
+    /// Returns the last byte that was read.
+    pub(super) const fn newest_byte(&self) -> Option<u8> {
+        self.newest_byte
+    }
+
+    /// Returns the error for packed data that are cut off.
+    pub(super) fn cut_off_error(&self) -> Error {
+        let name = self.packing.name();
+        let problem = format!("the {name} data are cut off; expected a complete {name} file");
+        Error::content(&self.path, problem)
+    }
+
+    /// Returns the log as a file in which one can go back: itself, or a temporary copy.
+    ///
+    /// # Errors
+    /// Returns the error of the file system or of the packed data.
+    pub(super) fn to_seekable(&mut self) -> Result<File> {
+        let is_plain = self.packing == Packing::Plain && self.path.is_file();
+        if is_plain {
+            return File::open(&self.path).map_err(Error::io(&self.path));
+        }
+        let folder = std::env::temp_dir();
+        let mut copy = tempfile::tempfile().map_err(Error::io(&folder))?;
+        let mut buffer = vec![0; 1 << 16];
+        loop {
+            let count = match self.read(&mut buffer) {
+                Ok(0) => return Ok(copy),
+                Ok(count) => count,
+                Err(e) if e.kind() == ErrorKind::Interrupted => continue,
+                Err(e) => return Err(self.read_error_at(self.bytes_expanded, e)),
+            };
+            let part = buffer.get(..count).unwrap_or_default();
+            io::Write::write_all(&mut copy, part).map_err(Error::io(&folder))?;
+        }
+    }
+
     /// Returns the error of a failed read near `line`.
     #[must_use]
     pub fn read_error(&self, line: u64, error: io::Error) -> Error {
         if is_over_budget(&error) {
-            Error::line(&self.path, line, error.to_string(), "lines of text")
-        } else if self.is_gzip {
-            Error::line(
-                &self.path,
-                line,
-                format!("the gzip data are truncated or damaged ({error})"),
-                "a complete gzip file",
-            )
-        } else {
-            Error::io(&self.path)(error)
+            return Error::line(&self.path, line, error.to_string(), "lines of text");
+        }
+        match self.packing {
+            Packing::Plain => Error::io(&self.path)(error),
+            packing => {
+                let name = packing.name();
+                let problem = format!("the {name} data are truncated or damaged ({error})");
+                Error::line(&self.path, line, problem, format!("a complete {name} file"))
+            }
         }
     }
-}
 
-impl LogFile {
     /// Returns the error of a failed read of a binary log near byte `offset`.
     pub(super) fn read_error_at(&self, offset: u64, error: io::Error) -> Error {
         if is_over_budget(&error) {
-            Error::content(&self.path, format!("{error}; expected a log"))
-        } else if self.is_gzip {
-            let problem = format!("the gzip data are damaged at byte {offset} ({error})");
-            Error::content(&self.path, problem + "; expected a complete gzip file")
-        } else {
-            Error::io(&self.path)(error)
+            return Error::content(&self.path, format!("{error}; expected a log"));
+        }
+        match self.packing {
+            Packing::Plain => Error::io(&self.path)(error),
+            packing => {
+                let name = packing.name();
+                let problem = format!("the {name} data are damaged at byte {offset} ({error})");
+                let problem = format!("{problem}; expected a complete {name} file");
+                Error::content(&self.path, problem)
+            }
         }
     }
 
-    fn is_cut_off(&self, error: &io::Error) -> bool {
-        self.may_be_cut_off && self.is_gzip && error.kind() == io::ErrorKind::UnexpectedEof
+    /// Returns true if this error means that the packed data end too early, or that what stands
+    /// behind them is not packed: blocks of a disk that were never written.
+    fn is_end(&self, error: &io::Error) -> bool {
+        match self.packing {
+            Packing::Plain => false,
+            Packing::Gzip => {
+                let is_behind = self.bytes_expanded > 0 && error.to_string() == NO_GZIP;
+                is_behind || error.kind() == ErrorKind::UnexpectedEof
+            }
+            Packing::Zstd => {
+                error.kind() == ErrorKind::UnexpectedEof
+                    || (self.raw.is_over() && error.kind() != ErrorKind::FileTooLarge)
+            }
+        }
     }
 
     fn read_content(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         if let Some(error) = self.head_error.take() {
             return Err(error);
         }
+        if self.is_cut_off {
+            return Ok(0);
+        }
         let count = self.content.read(buffer)?;
-        if self.is_gzip {
+        if self.packing != Packing::Plain {
             self.bytes_expanded += count as u64;
             if self.bytes_expanded > BOMB_BYTES.max(BOMB_RATIO * self.bytes_read()) {
-                let problem = format!("the gzip data expand more than {BOMB_RATIO} times");
-                return Err(io::Error::new(io::ErrorKind::FileTooLarge, problem));
+                let name = self.packing.name();
+                let problem = format!("the {name} data expand more than {BOMB_RATIO} times");
+                return Err(io::Error::new(ErrorKind::FileTooLarge, problem));
             }
         }
         Ok(count)
@@ -189,11 +247,19 @@ impl Read for LogFile {
             let count = rest.len().min(buffer.len());
             buffer[..count].copy_from_slice(&rest[..count]);
             self.head_taken += count;
+            self.newest_byte = self.head.get(self.head_taken.wrapping_sub(1)).copied();
             return Ok(count);
         }
-        match self.read_content(buffer) {
-            Err(e) if self.is_cut_off(&e) => Ok(0),
-            other => other,
+        let count = match self.read_content(buffer) {
+            Err(e) if self.is_end(&e) => {
+                self.is_cut_off = true;
+                0
+            }
+            other => other?,
+        };
+        if let Some(last) = count.checked_sub(1) {
+            self.newest_byte = buffer.get(last).copied();
         }
+        Ok(count)
     }
 }

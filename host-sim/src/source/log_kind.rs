@@ -1,5 +1,6 @@
 //! Kinds of log files.
 
+use super::log_file::is_standard_input;
 use crate::error::{Error, Result};
 use std::fmt;
 use std::path::Path;
@@ -15,6 +16,12 @@ pub enum LogKind {
     Trc,
     /// Frames of a bus, in Vector's binary format.
     Blf,
+    /// Frames of a bus, in ASAM's measurement data format.
+    Mdf,
+    /// Frames of a bus, in the CSV of SavvyCAN and GVRET.
+    SavvyCan,
+    /// Frames of a bus, in the CSV of python-can.
+    PythonCan,
     /// A signal table.
     SignalTable,
 }
@@ -26,6 +33,9 @@ impl fmt::Display for LogKind {
             Self::Asc => "Vector ASC log",
             Self::Trc => "PEAK TRC log",
             Self::Blf => "Vector BLF log",
+            Self::Mdf => "ASAM MDF 4 log",
+            Self::SavvyCan => "SavvyCAN log",
+            Self::PythonCan => "python-can log",
             Self::SignalTable => "signal table",
         })
     }
@@ -37,12 +47,16 @@ impl fmt::Display for LogKind {
 /// # Errors
 /// Returns an error if the file does not exist.
 pub fn kind_of(path: &Path) -> Result<LogKind> {
+    if is_standard_input(path) {
+        return Ok(LogKind::Candump);
+    }
     if path.metadata().map_err(Error::io(path))?.is_dir() {
         return Err(Error::content(path, "is a folder; expected a log file"));
     }
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let name = name.to_ascii_lowercase();
     let name = name.strip_suffix(".gz").unwrap_or(&name);
+    let name = name.strip_suffix(".zst").unwrap_or(name);
     Ok(if name.ends_with(".csv") {
         LogKind::SignalTable
     } else {

@@ -1,22 +1,27 @@
 //! Sources of frames and readings.
 
 pub mod can_frame;
-pub mod candump;
-mod candump_line;
+
 pub mod candump_writer;
+pub mod damage;
 pub mod frame_log;
 pub mod input;
+pub mod interfaces;
 mod lines;
 pub mod log;
 pub mod log_file;
 pub mod log_kind;
+pub mod log_report;
+mod log_stream;
 pub mod log_time;
 pub mod own_signals;
+pub mod parquet_table;
 pub mod read_options;
 pub mod signal_range;
+pub mod signal_source;
 pub mod signal_table;
 #[cfg(target_os = "linux")]
 pub mod socketcan;
 pub mod terrain;
-mod time_order;
+
 pub mod ztbus;

@@ -1,11 +1,13 @@
 //! Signal tables: CSV with `time_s` and one column per signal, plain or gzip; an empty cell is
 //! missing.
 
+use super::damage::{Damage, DamageCheck};
+use super::frame_log::Seconds;
 use super::log_file::LogFile;
-use super::time_order::Seconds;
 use crate::error::{Error, Result};
 use crate::files::kind::{self, Kind};
 use crate::files::limits::{self, Budget};
+use crate::files::nearest::nearest_in_words;
 use crate::files::output::write_whole;
 use csv::ByteRecord;
 use estimator_core::{Instant, Reading, Signal, Value};
@@ -13,11 +15,11 @@ use std::io::{self, Chain, Read, Write};
 use std::path::Path;
 
 /// The time column, in seconds from any origin.
-const TIME: &str = "time_s";
+pub(super) const TIME: &str = "time_s";
 /// Byte order mark, which some spreadsheets write before the header.
 const UTF8_MARK: &[u8] = b"\xef\xbb\xbf";
 /// Beyond this many seconds `f64` does not resolve microseconds well.
-const LATEST_S: f64 = 4e9;
+pub(super) const LATEST_S: f64 = 4e9;
 
 /// A log with a line feed appended, because its last line may lack one.
 type TerminatedLog = Budget<Chain<LogFile, &'static [u8]>>;
@@ -30,9 +32,14 @@ pub struct SignalTableReader {
     time_column: usize,
     /// In the order of [`Signal`], the required order of simultaneous readings.
     columns: Vec<SignalColumn>,
+    /// Columns that are not ours.
+    ignored: Vec<String>,
     readings: Vec<Reading>,
     newest: Instant,
     rows: u64,
+    damage: DamageCheck,
+    /// True if the record is that of a row that was not handed out yet.
+    is_read_ahead: bool,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -54,17 +61,19 @@ impl SignalTableReader {
     /// Opens a table and reads its header.
     ///
     /// # Errors
-    /// Returns an error if the file cannot be opened or is empty, or if a column is unknown,
-    /// repeated or missing.
+    /// Returns an error if the file cannot be opened or is empty, or if a column is repeated, or the
+    /// time or any signal is missing.
     pub fn open(path: &Path) -> Result<Self> {
-        Self::new(LogFile::open(path)?)
+        let mut file = LogFile::open(path)?;
+        file.look_at_head();
+        Self::new(file, false)
     }
 
     /// Reads the header of an open table.
     ///
     /// # Errors
     /// As [`open`](Self::open).
-    pub fn new(file: LogFile) -> Result<Self> {
+    pub fn new(file: LogFile, is_strict: bool) -> Result<Self> {
         let path = &file.path().to_owned();
         let mut csv = csv::ReaderBuilder::new()
             .trim(csv::Trim::All)
@@ -85,7 +94,11 @@ impl SignalTableReader {
                 "the file is empty; expected a header with time_s and signal columns",
             ));
         }
-        let (time_column, columns) = columns_of(path, line_of(&csv), &header)
+        let HeaderColumns {
+            time: time_column,
+            columns,
+            ignored,
+        } = columns_of(path, line_of(&csv), &header)
             .map_err(|e| kind::explained(e, path, &[Kind::SignalTable]))?;
         Ok(Self {
             csv,
@@ -93,9 +106,12 @@ impl SignalTableReader {
             record: header,
             time_column,
             columns,
+            ignored,
             readings: Vec::new(),
             newest: Instant::ZERO,
             rows: 0,
+            damage: DamageCheck::new(is_strict),
+            is_read_ahead: false,
         })
     }
 
@@ -105,28 +121,47 @@ impl SignalTableReader {
         self.columns.retain(is_kept);
     }
 
+    /// Returns the columns that are not ours.
+    #[must_use]
+    pub fn ignored_columns(&self) -> &[String] {
+        &self.ignored
+    }
+
     /// Returns the signals that have a column, in the order of [`Signal`].
     pub fn signals(&self) -> impl Iterator<Item = Signal> {
         self.columns.iter().map(|column| column.signal)
     }
 
-    /// Reads the next row; `None` at the end.
+    /// Reads the next row; `None` at the end. Rows with a value that is not a number, with too few or
+    /// too many fields, or before the row above are left out.
     ///
     /// # Errors
-    /// Returns an error, with file, line, column and expected value, for a value that is not a
-    /// number, a row that is too short or too long, time that runs backwards, a truncated gzip
-    /// stream, or a table without rows.
+    /// Returns an error, with file, line, column and expected value, for a table with too much
+    /// damage or without rows.
     pub fn next_row(&mut self) -> Result<Option<SignalRow<'_>>> {
-        if !read_row(&mut self.csv, &mut self.record)? {
-            if self.rows == 0 {
-                return Err(Error::content(
-                    self.file().path(),
-                    "no rows; expected at least one below the header",
-                ));
+        while self.read_on()? {
+            match self.parse() {
+                Ok(time) => {
+                    self.rows += 1;
+                    self.newest = time;
+                    return Ok(Some(SignalRow {
+                        time,
+                        readings: &self.readings,
+                    }));
+                }
+                Err(problem) => self.leave_out(problem)?,
             }
-            return Ok(None);
         }
-        self.rows += 1;
+        self.end().map(|()| None)
+    }
+
+    fn read_on(&mut self) -> Result<bool> {
+        let is_read = std::mem::take(&mut self.is_read_ahead);
+        Ok(is_read || read_row(&mut self.csv, &mut self.record)?)
+    }
+
+    /// Reads the values of the record.
+    fn parse(&mut self) -> Result<Instant> {
         if self.record.len() != self.fields {
             return Err(self.error(
                 format!("{} fields", self.record.len()),
@@ -144,7 +179,6 @@ impl SignalTableReader {
                 "times that do not decrease",
             ));
         }
-        self.newest = time;
         self.readings.clear();
         for k in 0..self.columns.len() {
             let SignalColumn { index, signal } = self.columns[k];
@@ -152,10 +186,40 @@ impl SignalTableReader {
                 self.readings.push(Reading { signal, value });
             }
         }
-        Ok(Some(SignalRow {
-            time,
-            readings: &self.readings,
-        }))
+        Ok(time)
+    }
+
+    /// Leaves out a row. The last one of a table without a line end is cut off.
+    fn leave_out(&mut self, problem: Error) -> Result<()> {
+        self.is_read_ahead = read_row(&mut self.csv, &mut self.record)?;
+        if self.is_read_ahead || self.rows == 0 || self.file().newest_byte() == Some(b'\n') {
+            return self.damage.line(problem, self.rows);
+        }
+        let problem = problem.with_note("the table is cut off within its last row");
+        self.damage.cut_off(problem)
+    }
+
+    fn end(&mut self) -> Result<()> {
+        if self.file().is_cut_off() {
+            let problem = self.file().cut_off_error();
+            self.damage.cut_off(problem)?;
+        }
+        if self.rows > 0 {
+            let bytes = self.file().bytes_read();
+            return self
+                .damage
+                .end(self.rows + self.damage.found().lines, bytes);
+        }
+        let path = self.file().path();
+        let problem = "no rows; expected at least one below the header";
+        let empty = Error::content(path, problem);
+        Err(self.damage.take_first().unwrap_or(empty))
+    }
+
+    /// Returns what was left out so far.
+    #[must_use]
+    pub const fn damage(&self) -> &Damage {
+        self.damage.found()
     }
 
     /// Returns the file, for progress and messages.
@@ -174,29 +238,13 @@ impl SignalTableReader {
 
     /// Returns the value of a cell; `None` if it is empty.
     fn value(&self, index: usize, signal: Signal) -> Result<Option<Value>> {
-        if self.record.get(index).is_none_or(<[u8]>::is_empty) {
+        let is_missing = |text: &[u8]| text.is_empty() || text.eq_ignore_ascii_case(b"nan");
+        if self.record.get(index).is_none_or(is_missing) {
             return Ok(None);
         }
         let number = self.number(index);
-        let (value, expected) = match largest_angle_deg(signal) {
-            Some(most) => (
-                number
-                    .filter(|degrees| degrees.abs() <= most)
-                    .map(|degrees| Value::DegreesE7((degrees * 1e7).round() as i32)),
-                "degrees within the globe, or an empty cell",
-            ),
-            None => (
-                number
-                    .filter(|number| number.abs() <= largest(signal))
-                    .map(|number| Value::Real(number as f32)),
-                match number {
-                    Some(_) => expected_number(signal),
-                    None => "a finite number, or an empty cell",
-                },
-            ),
-        };
-        value
-            .ok_or_else(|| self.wrong_value(index, signal.column(), expected))
+        checked(signal, number)
+            .map_err(|expected| self.wrong_value(index, signal.column(), expected))
             .map(Some)
     }
 
@@ -222,6 +270,28 @@ fn line_of(csv: &csv::Reader<TerminatedLog>) -> u64 {
 
 fn file_of(csv: &csv::Reader<TerminatedLog>) -> &LogFile {
     csv.get_ref().inner().get_ref().0
+}
+
+/// Returns the value of a number, `None` for a text that is none.
+///
+/// # Errors
+/// Returns what was expected.
+pub(super) fn checked(
+    signal: Signal,
+    number: Option<f64>,
+) -> std::result::Result<Value, &'static str> {
+    if let Some(most) = largest_angle_deg(signal) {
+        return number
+            .filter(|degrees| degrees.abs() <= most)
+            .map(|degrees| Value::DegreesE7((degrees * 1e7).round() as i32))
+            .ok_or("degrees within the globe, or an empty cell");
+    }
+    let number = number.ok_or("a finite number, or an empty cell")?;
+    if number.abs() <= largest(signal) {
+        Ok(Value::Real(number as f32))
+    } else {
+        Err(expected_number(signal))
+    }
 }
 
 /// Returns the largest value of an angle. Angles have more digits than `f32`.
@@ -305,24 +375,29 @@ fn expected_number(signal: Signal) -> &'static str {
     range_of(signal).1
 }
 
+/// What the header of a table has.
+#[derive(Default)]
+struct HeaderColumns {
+    time: usize,
+    columns: Vec<SignalColumn>,
+    ignored: Vec<String>,
+}
+
 /// Finds the columns of the time and the signals.
-fn columns_of(path: &Path, line: u64, header: &ByteRecord) -> Result<(usize, Vec<SignalColumn>)> {
+fn columns_of(path: &Path, line: u64, header: &ByteRecord) -> Result<HeaderColumns> {
     let mut time_column = None;
-    let mut columns: Vec<SignalColumn> = Vec::new();
+    let mut header_columns = HeaderColumns::default();
     for (index, name) in header.iter().enumerate() {
         let name = name.strip_prefix(UTF8_MARK).unwrap_or(name);
         let name = String::from_utf8_lossy(name);
         let is_twice = if name == TIME {
             time_column.replace(index).is_some()
         } else {
-            let signal = Signal::from_column(&name).ok_or_else(|| {
-                Error::line(
-                    path,
-                    line,
-                    format!("unknown column `{}`", name.escape_default()),
-                    format!("{}; docs/formats.md has all", nearest(&name)),
-                )
-            })?;
+            let Some(signal) = Signal::from_column(&name) else {
+                header_columns.ignored.push(name.into_owned());
+                continue;
+            };
+            let columns = &mut header_columns.columns;
             let is_known = columns.iter().any(|column| column.signal == signal);
             columns.push(SignalColumn { index, signal });
             is_known
@@ -336,27 +411,21 @@ fn columns_of(path: &Path, line: u64, header: &ByteRecord) -> Result<(usize, Vec
             ));
         }
     }
-    let time_column = time_column
+    header_columns.time = time_column
         .ok_or_else(|| Error::line(path, line, "no column time_s", "time_s in the header"))?;
-    if columns.is_empty() {
+    if header_columns.columns.is_empty() {
+        let known = Signal::ALL.iter().map(|signal| signal.column());
+        let first = header_columns.ignored.first().map_or("", String::as_str);
+        let alike = nearest_in_words(first, known);
         return Err(Error::line(
             path,
             line,
             "no column with a signal",
-            "any of the signals in docs/formats.md, such as wheel_speed_mps",
+            format!("any that `roadgrade columns` lists, such as {alike}"),
         ));
     }
-    columns.sort_by_key(|column| column.signal);
-    Ok((time_column, columns))
-}
-
-/// Returns the names of the columns that are spelt most alike.
-fn nearest(name: &str) -> String {
-    let mut known: Vec<&str> = std::iter::once(TIME)
-        .chain(Signal::ALL.iter().map(|signal| signal.column()))
-        .collect();
-    known.sort_by_cached_key(|column| strsim::damerau_levenshtein(name, column));
-    format!("a name such as {}", known[..3].join(", "))
+    header_columns.columns.sort_by_key(|column| column.signal);
+    Ok(header_columns)
 }
 
 /// Reads the next record that is not blank. Returns false at the end.

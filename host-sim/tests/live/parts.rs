@@ -2,7 +2,8 @@
 
 #![cfg(target_os = "linux")]
 
-use embedded_can::{ExtendedId, Frame};
+use embedded_can::{ExtendedId, Frame, StandardId};
+use estimator_core::signal::own_message::FrameMatch;
 use estimator_core::{
     CellEnd, Condition, Counters, Disagreement, Estimate, Instant, Live, Tuning, Uncertain, signal,
 };
@@ -12,14 +13,17 @@ use host_sim::live::view::{InterfaceView, LiveView};
 use host_sim::live::{Reaction, Session};
 use host_sim::recorder::{Recorder, SmoothedRun};
 use host_sim::source::can_frame::{CanFrame, TimedFrame};
-use host_sim::source::candump::CandumpReader;
+use host_sim::source::frame_log::FrameLog;
 use host_sim::source::log_time::{self, LogTime};
+use host_sim::source::own_signals::OwnSignals;
 use host_sim::source::socketcan::{
-    BusEvent, Received, ReceivedItem, SteadyClock, accepts, of_error_frame, of_group, wanted,
+    BusEvent, Received, ReceivedItem, SteadyClock, accepts, of_error_frame, of_frames, of_group,
+    wanted,
 };
 use proptest::prelude::*;
 use socketcan::CanErrorFrame;
 use std::path::Path;
+use std::sync::Arc;
 use std::time::{Duration, Instant as Monotonic, SystemTime};
 use tempfile::TempDir;
 
@@ -381,7 +385,7 @@ fn frames_with_the_logs_time_give_the_logs_run() {
     assert_eq!(run.rows, recorded(&drive).rows);
     assert!(!log.exists());
     staged.unwrap().unwrap().commit().unwrap();
-    let heard: Vec<TimedFrame> = CandumpReader::open(&log)
+    let heard: Vec<TimedFrame> = FrameLog::open_candump(&log)
         .unwrap()
         .map(Result::unwrap)
         .collect();
@@ -412,4 +416,59 @@ fn events_and_dropped_frames_are_counted_and_reported() {
     let (run, log) = session.finish();
     let run = run.unwrap().in_memory().unwrap();
     assert!(run.rows.is_empty() && log.unwrap().is_none());
+}
+
+#[test]
+fn own_messages_pass_the_filters() {
+    let filters = [
+        FrameMatch::Standard(0x101),
+        FrameMatch::Extended(0x18fe_f117),
+        FrameMatch::Group(65_256),
+    ]
+    .map(of_frames);
+    for (word, passes) in [
+        (0x101, true),
+        (0x102, false),
+        (EXTENDED | 0x101, false),
+        (EXTENDED | 0x18fe_f117, true),
+        (EXTENDED | 0x18fe_f118, false),
+        (EXTENDED | 0x18fe_e817, true),
+        (EXTENDED | 0x0cfe_e821, true),
+    ] {
+        assert_eq!(accepts(&filters, word), passes, "{word:#x}");
+    }
+}
+
+#[test]
+fn own_messages_make_cells_on_a_live_bus() {
+    let folder = TempDir::new().unwrap();
+    let write = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        path
+    };
+    let dbc = write(
+        "car.dbc",
+        "BO_ 257 Car: 4 Car\n SG_ Force : 7|16@0- (1,0) [0|0] \"N\" Car\n \
+         SG_ Speed : 23|16@0+ (0.01,0) [0|0] \"m/s\" Car\n",
+    );
+    let mapping = write(
+        "signals.toml",
+        "[signals.traction_force_n]\nmessage = \"Car\"\nsignal = \"Force\"\n\
+         [signals.wheel_speed_mps]\nmessage = 257\nsignal = \"Speed\"\n",
+    );
+    let own = Arc::new(OwnSignals::read(&dbc, &mapping).unwrap());
+    let cells = |own| {
+        let recorder = Recorder::new(test_kit::by_force(), Tuning::default()).unwrap();
+        let session = Session::begin(recorder, &["can0".to_owned()], false, None).unwrap();
+        let mut session = session.with_own_signals(own);
+        let frame = CanFrame::new(StandardId::new(257).unwrap(), &[0x0f, 0xa0, 0x07, 0xd0]);
+        for k in 0..900 {
+            let time = Instant::from_micros(100_000 * k);
+            session.take(&received(time, frame.unwrap())).unwrap();
+        }
+        session.fetch_cells().len()
+    };
+    assert_eq!(cells(None), 0);
+    assert!(cells(Some(own)) > 400, "1.8 km less the lag");
 }

@@ -5,5 +5,6 @@ mod candump;
 mod frame_log;
 mod inspect;
 mod own_signals;
+mod parquet_table;
 mod read_options;
 mod signal_table;

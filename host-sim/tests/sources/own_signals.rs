@@ -5,6 +5,7 @@ use estimator_core::signal::own_message::FrameMatch;
 use estimator_core::{Reading, Signal, Value};
 use host_sim::source::can_frame::CanFrame;
 use host_sim::source::own_signals::OwnSignals;
+use proptest::prelude::*;
 
 /// A car: 11-bit identifiers and Motorola order, multiplexers, floats; and a J1939 message.
 const DBC: &str = r#"VERSION "1.0"
@@ -33,7 +34,7 @@ BO_ 1264 Gnss: 8 Gateway
  SG_ Height m2 : 8|32@1- (1,0) [0|0] "m" Logger
  SG_ Satellites m2 : 40|8@1+ (1,0) [0|255] "" Logger
 
-BO_ 419360256 Tacho: 8 Vector__XXX
+BO_ 419358208 Tacho: 8 Vector__XXX
  SG_ Speed : 48|16@1+ (0.00390625,0) [0|250.996] "km/h" Logger
 
 BO_ 2566844926 CCVS1: 8 Gateway
@@ -70,7 +71,7 @@ fn error(toml: &str) -> String {
 fn readings(own: &OwnSignals, frame: &CanFrame) -> Vec<(Signal, Value)> {
     let mut readings = Vec::new();
     own.decode(frame, |Reading { signal, value }| {
-        readings.push((signal, value))
+        readings.push((signal, value));
     });
     readings
 }
@@ -217,7 +218,7 @@ fn groups_are_read_from_any_address_with_the_codes_of_j1939() {
 #[test]
 fn an_identifier_is_that_of_one_sender() {
     // The identifier of the file lacks the mark of 29 bits, as some tools write it.
-    for message in ["\"Tacho\"", "419360256", "\"0x18FEE600\""] {
+    for message in ["\"Tacho\"", "419358208", "\"0x18FEE600\""] {
         let own = mapped(&format!(
             "[signals.wheel_speed_mps]\nmessage = {message}\nsignal = \"Speed\"\n"
         ));
@@ -346,5 +347,36 @@ fn a_wrong_dbc_is_refused_with_its_line() {
     ] {
         let found = read(dbc.as_bytes(), SPEED).unwrap_err();
         assert!(found.starts_with(expected), "{found}");
+    }
+}
+
+proptest! {
+    #[test]
+    fn damaged_files_are_read_or_refused_by_name(
+        damage in proptest::collection::vec((0_usize..2_500, any::<u8>(), 0_usize..20), 1..6),
+        payload: [u8; 8],
+    ) {
+        let toml = format!("{SPEED}[signals.gear]\nmessage = 640\nsignal = \"Gear\"\n");
+        let mut bytes = [DBC.as_bytes(), toml.as_bytes()].concat();
+        for (at, byte, removed) in damage {
+            let at = at % bytes.len();
+            let end = (at + removed).min(bytes.len());
+            bytes.splice(at..end, [byte]);
+        }
+        let split = bytes.len() - toml.len().min(bytes.len());
+        let (dbc, toml) = bytes.split_at(split);
+        match read(dbc, &String::from_utf8_lossy(toml)) {
+            Ok(own) => {
+                for id in [416, 640, 1264] {
+                    own.decode(&standard(id, &payload), |reading| {
+                        assert!(reading.value.real().is_none_or(f32::is_finite));
+                    });
+                }
+            }
+            Err(words) => prop_assert!(
+                words.starts_with("car.dbc:") || words.starts_with("S.toml:"),
+                "{words}"
+            ),
+        }
     }
 }

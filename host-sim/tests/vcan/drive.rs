@@ -4,8 +4,8 @@ use crate::roadgrade;
 use host_sim::simulator::scenario::Scenario;
 use host_sim::simulator::simulate;
 use host_sim::source::can_frame::{CanFrame, TimedFrame};
-use host_sim::source::candump::CandumpReader;
 use host_sim::source::candump_writer::write_frame;
+use host_sim::source::frame_log::FrameLog;
 use std::fs::{self, File};
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -78,7 +78,7 @@ pub fn write_log(path: &Path, frames: &[TimedFrame]) {
 
 /// Returns the frames of a log without their times.
 pub fn frames_of(path: &Path) -> Vec<CanFrame> {
-    let log = CandumpReader::open(path).unwrap();
+    let log = FrameLog::open_candump(path).unwrap();
     log.map(|timed| timed.unwrap().frame).collect()
 }
 

@@ -5,7 +5,7 @@ use crate::bus::Vcan;
 use crate::drive::{VcanDrive, frames_of, replay, untimed};
 use crate::listener::Listener;
 use host_sim::files::run;
-use host_sim::source::candump::CandumpReader;
+use host_sim::source::frame_log::FrameLog;
 
 #[test]
 #[ignore = "needs a CAN interface: tests/run vcan"]
@@ -42,7 +42,7 @@ fn a_drive_in_real_time_is_recorded_and_estimated_as_from_its_file() {
     let worst = off.fold(0.0, f64::max);
     assert!(worst < 1.0, "{worst} sigma");
 
-    let stamps = CandumpReader::open(&recording)
+    let stamps = FrameLog::open_candump(&recording)
         .unwrap()
         .map(|timed| timed.unwrap().time);
     let stamps: Vec<f64> = stamps.map(|time| time.micros() as f64 * 1e-3).collect();

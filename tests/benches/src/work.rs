@@ -14,7 +14,7 @@ use host_sim::simulator::scenario::Scenario;
 use host_sim::simulator::simulate;
 use host_sim::smooth::smooth_run;
 use host_sim::source::can_frame::TimedFrame;
-use host_sim::source::candump::CandumpReader;
+use host_sim::source::frame_log::FrameLog;
 use host_sim::source::candump_writer::write_frame;
 use std::fs::{self, File};
 use std::hint::black_box;
@@ -199,7 +199,7 @@ impl Work {
     }
 
     fn read(&self, log: &Path) {
-        let mut reader = CandumpReader::open(log).expect("it was written");
+        let mut reader = FrameLog::open_candump(log).expect("it was written");
         while let Some(frame) = reader.next_frame().expect("a whole log") {
             black_box(&frame);
         }
@@ -215,7 +215,7 @@ impl Work {
     }
 
     fn read_and_decode(&self) {
-        let mut reader = CandumpReader::open(&self.log()).expect("it was written");
+        let mut reader = FrameLog::open_candump(&self.log()).expect("it was written");
         let mut decoder = Decoder::new();
         while let Some(timed) = reader.next_frame().expect("a whole log") {
             decoder.decode(&timed.frame, |_, _, reading| {

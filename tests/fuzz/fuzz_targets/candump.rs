@@ -3,12 +3,12 @@
 #![no_main]
 
 use fuzz_targets::as_file;
-use host_sim::source::candump::CandumpReader;
+use host_sim::source::frame_log::FrameLog;
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
     as_file(".log", bytes, |path| {
-        let mut log = CandumpReader::open(path).expect("there is such a file");
+        let mut log = FrameLog::open_candump(path).expect("there is such a file");
         let mut newest = None;
         loop {
             match log.next_frame() {

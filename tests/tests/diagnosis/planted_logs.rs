@@ -9,7 +9,7 @@ use host_sim::files::truth::{self, TruthRow};
 use host_sim::files::vehicle::VehicleFile;
 use host_sim::simulator::scenario::Scenario;
 use host_sim::simulator::truck::Preset;
-use host_sim::source::candump::CandumpReader;
+use host_sim::source::frame_log::FrameLog;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
@@ -221,7 +221,7 @@ type Signals = BTreeMap<Signal, Vec<(f64, f64)>>;
 
 fn read(log: &Path) -> (VehicleParameters, Signals) {
     let vehicle = VehicleFile::read(&log.with_file_name("vehicle.toml")).unwrap();
-    let mut reader = CandumpReader::open(log).unwrap();
+    let mut reader = FrameLog::open_candump(log).unwrap();
     let mut decoder = Decoder::new();
     let mut signals = Signals::new();
     let mut start = None;

@@ -96,7 +96,9 @@ const HOST: [(&str, &[&str]); 19] = [
     ("identify", &["diagnose", "files", "numeric", "source"]),
     (
         "report",
-        &["files", "identify", "map", "numeric", "recorder", "score"],
+        &[
+            "files", "identify", "map", "numeric", "recorder", "score", "source",
+        ],
     ),
     ("live", &["files", "recorder", "source", "terminal"]),
     // Not the simulator: measured data have a truth, too.

@@ -52,6 +52,16 @@ pub(super) struct Plausibility {
 }
 
 impl Plausibility {
+    /// Leaves out a signal of frames.
+    pub(super) fn ignore(&mut self, signal: Signal) {
+        self.tap.ignore(signal);
+    }
+
+    /// Leaves out a signal of built-in messages, which own messages give.
+    pub(super) fn reserve(&mut self, signal: Signal) {
+        self.tap.reserve(signal);
+    }
+
     /// Takes a frame.
     pub(super) fn frame(
         &mut self,

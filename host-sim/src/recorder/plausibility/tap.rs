@@ -3,7 +3,7 @@
 use crate::source::can_frame::CanFrame;
 use estimator_core::intake::{Admission, Sender, SourceArbiter};
 use estimator_core::tuning::HoldTimes;
-use estimator_core::{Decoder, Instant, Reading};
+use estimator_core::{Decoder, Instant, Reading, Signal};
 
 /// Decodes frames, and drops readings of signals that another source owns.
 #[derive(Clone, Debug, Default)]
@@ -13,6 +13,16 @@ pub(super) struct Tap {
 }
 
 impl Tap {
+    /// Leaves out a signal.
+    pub(super) fn ignore(&mut self, signal: Signal) {
+        self.sources.ignore(signal);
+    }
+
+    /// Leaves out a signal that frames do not give, but own messages.
+    pub(super) fn reserve(&mut self, signal: Signal) {
+        self.sources.reserve(signal);
+    }
+
     /// Passes the admitted measurements of a frame to `take`.
     pub(super) fn readings(
         &mut self,
@@ -26,7 +36,8 @@ impl Tap {
             let sender = Sender::new(message, pgn.source);
             let is_available = reading.value.is_available();
             let admission = sources.admit(reading.signal, sender, now, is_available, tuning);
-            if admission != Admission::Refused && is_available {
+            let counts = matches!(admission, Admission::Admitted | Admission::Switched);
+            if counts && is_available {
                 take(reading);
             }
         });

@@ -12,9 +12,10 @@
 //! * Lines that are neither frames nor errors of the bus are events, and pass.
 
 use super::fields::{MOST_MICROS, Words, data_frame, fixed_point, identifier, length_of, number};
+use super::line_problem::{Parsed, header_problem, problem};
 use super::text::{LineFormat, TextLine};
 use crate::source::can_frame::CanFrame;
-use crate::source::candump_line::{Parsed, problem};
+use crate::source::interfaces::{InterfaceIndex, Interfaces};
 use embedded_can::{Frame, Id};
 
 /// What the header says on the lines below it.
@@ -35,9 +36,7 @@ impl Default for Asc {
 }
 
 impl LineFormat for Asc {
-    const NAME: &'static str = "a Vector ASC log";
-
-    fn parse(&mut self, line: &[u8]) -> Parsed<TextLine> {
+    fn parse(&mut self, line: &[u8], interfaces: &mut Interfaces) -> Parsed<TextLine> {
         let mut words = Words(line);
         let Some(first) = words.next() else {
             return Ok(TextLine::Other);
@@ -58,8 +57,11 @@ impl LineFormat for Asc {
                     TextLine::FlexibleRate
                 })
             }
-            Some(channel) if number(channel, 10).is_some() => self.event(micros, &mut words),
-            _ => Ok(TextLine::Other),
+            Some(channel) => match number(channel, 10) {
+                Some(channel) => self.event(micros, interfaces.channel(channel), &mut words),
+                None => Ok(TextLine::Other),
+            },
+            None => Ok(TextLine::Other),
         }
     }
 }
@@ -69,7 +71,7 @@ impl Asc {
     fn base(&mut self, words: &mut Words) -> Parsed<()> {
         const BASE: &str =
             "`base hex  timestamps absolute`, `dec` for `hex`, `relative` for `absolute`";
-        let wrong = problem("no such base or kind of time stamps", BASE);
+        let wrong = header_problem("no such base or kind of time stamps", BASE);
         self.radix = match words.next() {
             Some(b"hex") => 16,
             Some(b"dec") => 10,
@@ -96,7 +98,7 @@ impl Asc {
     }
 
     /// Parses what stands behind time and channel.
-    fn event(&self, micros: u64, words: &mut Words) -> Parsed<TextLine> {
+    fn event(&self, micros: u64, interface: InterfaceIndex, words: &mut Words) -> Parsed<TextLine> {
         let Some(name) = words.next() else {
             return Ok(TextLine::Other);
         };
@@ -118,6 +120,7 @@ impl Asc {
         };
         Ok(TextLine::Frame {
             micros,
+            interface,
             frame,
             is_closed,
         })

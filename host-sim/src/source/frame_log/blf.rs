@@ -5,65 +5,64 @@
 //! Times are those since the start of the measurement.
 
 use super::blf_container::Containers;
-use super::blf_object::{ObjectProblem, Recorded, recorded};
-use super::text::no_frames;
+use super::blf_object::{Recorded, recorded};
+use super::frame_reader::{FrameReader, LogNotes, LoggedFrame};
 use crate::error::{Error, Result};
-use crate::source::can_frame::TimedFrame;
-use crate::source::candump::Skipped;
 use crate::source::log_file::LogFile;
-use crate::source::time_order::{IN_ORDER, TimeOrder};
-use estimator_core::Instant;
 
 /// Reader of the frames of a BLF file. A file that is cut off ends there.
 pub(super) struct BlfReader {
     containers: Containers,
-    order: TimeOrder,
-    frames: u64,
-    skipped: Skipped,
+    notes: LogNotes,
 }
 
 impl BlfReader {
-    pub(super) fn new(mut file: LogFile) -> Self {
-        file.allow_cut_off();
-        Self {
+    pub(super) fn boxed(file: LogFile, is_strict: bool) -> Box<dyn FrameReader> {
+        Box::new(Self {
             containers: Containers::new(file),
-            order: TimeOrder::default(),
-            frames: 0,
-            skipped: Skipped::default(),
-        }
+            notes: LogNotes::new(is_strict),
+        })
     }
+}
 
-    pub(super) fn next_frame(&mut self) -> Result<Option<TimedFrame>> {
-        while let Some(object) = self.containers.next_object()? {
-            let content = recorded(self.containers.bytes(object));
-            match content.map_err(|problem| self.wrong_object(&problem))? {
-                Recorded::Frame { micros, frame } => {
-                    let time = self.order.place(Instant::from_micros(micros));
-                    let time = time.map_err(|what| self.error(&what, IN_ORDER))?;
-                    self.frames += 1;
-                    return Ok(Some(TimedFrame { time, frame }));
+impl FrameReader for BlfReader {
+    fn next_logged(&mut self) -> Result<Option<LoggedFrame>> {
+        while let Some(object) = self.containers.next_object(&mut self.notes.damage)? {
+            match recorded(self.containers.bytes(object)) {
+                Ok(Recorded::Frame {
+                    micros,
+                    channel,
+                    frame,
+                }) => {
+                    let interface = self.notes.interfaces.channel(channel.into());
+                    return Ok(Some(self.notes.frame(micros, interface, frame)));
                 }
-                Recorded::FlexibleRate => self.skipped.can_fd += 1,
-                Recorded::BusError => self.skipped.bus_errors += 1,
-                Recorded::Other => {}
+                Ok(Recorded::FlexibleRate) => self.notes.skipped.can_fd += 1,
+                Ok(Recorded::BusError) => self.notes.skipped.bus_errors += 1,
+                Ok(Recorded::Other) => {}
+                Err(problem) => {
+                    let error = self.error(problem.what, problem.expected);
+                    self.notes.damage.line(error, self.notes.frames)?;
+                }
             }
         }
-        no_frames(self.file(), self.frames, self.skipped, "a Vector BLF log").map(|()| None)
-    }
-
-    pub(super) const fn skipped(&self) -> Skipped {
-        self.skipped
-    }
-
-    pub(super) fn file(&self) -> &LogFile {
-        self.containers.file()
-    }
-
-    fn wrong_object(&self, problem: &ObjectProblem) -> Error {
-        self.error(problem.what, problem.expected)
+        self.notes.origin_us = self.containers.origin_us();
+        Ok(None)
     }
 
     fn error(&self, problem: &str, expected: &str) -> Error {
         self.containers.error(problem, expected)
+    }
+
+    fn file(&self) -> &LogFile {
+        self.containers.file()
+    }
+
+    fn notes(&self) -> &LogNotes {
+        &self.notes
+    }
+
+    fn notes_mut(&mut self) -> &mut LogNotes {
+        &mut self.notes
     }
 }

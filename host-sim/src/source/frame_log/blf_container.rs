@@ -1,10 +1,14 @@
 //! The objects of a BLF file, inside and outside of its containers, as one stream.
 
+use super::blf_file::{BlfFile, u16_at, u32_at};
+use super::calendar::DateTime;
 use crate::error::{Error, Result};
 use crate::files::log_format::BLF_MAGIC;
+use crate::source::damage::DamageCheck;
 use crate::source::log_file::LogFile;
 use flate2::read::ZlibDecoder;
-use std::io::{BufReader, ErrorKind, Read};
+use memchr::memmem;
+use std::io::{ErrorKind, Read};
 use std::ops::Range;
 
 /// First bytes of an object.
@@ -24,35 +28,52 @@ const MOST_BYTES: usize = 64 << 20;
 /// Largest file header, bytes; Vector's has 144.
 const MOST_HEADER_BYTES: u64 = 64 << 10;
 
+/// Where the start of the measurement stands in the file header: eight numbers of two bytes, year,
+/// month, day of the week, day, hour, minute, second, millisecond.
+const START_AT: usize = 40;
+
 const METHOD_NONE: u16 = 0;
 const METHOD_ZLIB: u16 = 2;
 
+/// Types of objects that record frames and errors, and their largest size, bytes.
+const FRAMES: [u32; 7] = [1, 2, 73, 86, 100, 101, 104];
+const MOST_FRAME_BYTES: usize = 4096;
+
 /// Reader of objects.
 pub(super) struct Containers {
-    file: BufReader<LogFile>,
-    /// Bytes of the file that were taken.
-    offset: u64,
+    file: BlfFile,
     /// Where the newest object of the file begins.
     object_at: u64,
     is_open: bool,
+    origin_us: Option<u64>,
     /// An object of the file.
     packed: Vec<u8>,
     /// Content of containers, of which `used` bytes were handed out.
     stream: Vec<u8>,
     used: usize,
+    /// True if the rest of the stream continues in a container that is lost.
+    is_torn: bool,
+    /// True if the stream may begin within an object.
+    is_within: bool,
 }
 
-/// Returns the number at a place of some bytes, if it is inside.
-pub(super) fn number<const N: usize>(bytes: &[u8], at: usize) -> Option<[u8; N]> {
-    bytes.get(at..)?.first_chunk().copied()
+/// What is wrong with some bytes of the file or of the stream.
+struct Flaw {
+    what: String,
+    expected: String,
 }
 
-pub(super) fn u16_at(bytes: &[u8], at: usize) -> Option<u16> {
-    number(bytes, at).map(u16::from_le_bytes)
-}
+impl Flaw {
+    fn new(what: impl Into<String>, expected: impl Into<String>) -> Self {
+        Self {
+            what: what.into(),
+            expected: expected.into(),
+        }
+    }
 
-pub(super) fn u32_at(bytes: &[u8], at: usize) -> Option<u32> {
-    number(bytes, at).map(u32::from_le_bytes)
+    fn no_object() -> Self {
+        Self::new("no object behind the one before", "the letters LOBJ")
+    }
 }
 
 /// Returns where in these bytes the next object begins, behind its padding.
@@ -64,21 +85,57 @@ fn beginning(bytes: &[u8]) -> Option<usize> {
     })
 }
 
+/// Returns the size of an object by its header.
+fn size_of(header: &[u8]) -> std::result::Result<usize, Flaw> {
+    let size = u32_at(header, 8).map_or(0, |size| size as usize);
+    let is_frame = u32_at(header, 12).is_some_and(|kind| FRAMES.contains(&kind));
+    let most = if is_frame {
+        MOST_FRAME_BYTES
+    } else {
+        MOST_BYTES
+    };
+    if (BASE_BYTES..=most).contains(&size) {
+        return Ok(size);
+    }
+    let what = format!("an object of {size} bytes");
+    Err(Flaw::new(what, format!("{BASE_BYTES} to {most}")))
+}
+
+/// Returns where in the bytes of a damaged object another container begins: the size of the damaged
+/// one may be wrong.
+fn container_within(packed: &[u8]) -> Option<usize> {
+    memmem::find_iter(packed, OBJECT_MAGIC).find(|at| {
+        let header = packed.get(*at..).unwrap_or_default();
+        *at > 0
+            && u16_at(header, 4).map(usize::from) == Some(BASE_BYTES)
+            && u32_at(header, 12) == Some(CONTAINER)
+            && size_of(header).is_ok()
+    })
+}
+
 impl Containers {
     pub(super) fn new(file: LogFile) -> Self {
         Self {
-            file: BufReader::new(file),
-            offset: 0,
+            file: BlfFile::new(file),
             object_at: 0,
             is_open: false,
+            origin_us: None,
             packed: Vec::new(),
             stream: Vec::new(),
             used: 0,
+            is_torn: false,
+            is_within: false,
         }
     }
 
     pub(super) fn file(&self) -> &LogFile {
-        self.file.get_ref()
+        self.file.log()
+    }
+
+    /// Returns the start of the measurement, in microseconds since the Unix epoch. The file does not
+    /// tell the time zone.
+    pub(super) const fn origin_us(&self) -> Option<u64> {
+        self.origin_us
     }
 
     /// Returns the bytes of an object.
@@ -96,106 +153,172 @@ impl Containers {
     /// Goes to the next object; `None` at the end.
     ///
     /// # Errors
-    /// Returns an error of the disk or of the decompression, or for bytes that are no object.
-    pub(super) fn next_object(&mut self) -> Result<Option<Range<usize>>> {
+    /// Returns an error of the disk or of the decompression, and what `damage` does not allow.
+    pub(super) fn next_object(&mut self, damage: &mut DamageCheck) -> Result<Option<Range<usize>>> {
         if !self.is_open {
-            self.skip_header()?;
+            self.read_header()?;
             self.is_open = true;
         }
         loop {
-            if let Some(object) = self.next_in_stream()? {
+            if let Some(object) = self.next_in_stream(damage)? {
                 return Ok(Some(object));
             }
             self.stream.drain(..self.used);
             self.used = 0;
-            if !self.fetch()? {
+            if self.is_torn {
+                self.stream.clear();
+                self.is_torn = false;
+                self.is_within = true;
+            }
+            if !self.fetch(damage)? {
+                let is_rest = self.stream.len() > MOST_PADDING && !self.is_within;
+                if is_rest {
+                    self.cut_off(damage)?;
+                }
                 return Ok(None);
             }
         }
     }
 
-    fn skip_header(&mut self) -> Result<()> {
-        self.take(LENGTH_BYTES)?;
+    fn cut_off(&self, damage: &mut DamageCheck) -> Result<()> {
+        damage.cut_off(self.error("the log is cut off", "a whole object"))
+    }
+
+    fn read_header(&mut self) -> Result<()> {
+        self.file.take(&mut self.packed, LENGTH_BYTES)?;
         let Some(length) = u32_at(&self.packed, BLF_MAGIC.len()) else {
             return Ok(());
         };
         let rest = u64::from(length).checked_sub(LENGTH_BYTES);
-        match rest.filter(|rest| *rest <= MOST_HEADER_BYTES) {
-            Some(rest) => self.take(rest).map(|_| ()),
-            None => Err(self.error(&format!("a file header of {length} bytes"), "144")),
+        let Some(rest) = rest.filter(|rest| *rest <= MOST_HEADER_BYTES) else {
+            return Err(self.error(&format!("a file header of {length} bytes"), "144"));
+        };
+        self.file.take_more(&mut self.packed, rest)?;
+        let part = |k: usize| u16_at(&self.packed, START_AT + 2 * k).map(u64::from);
+        if let (Some(year), Some(month), Some(day)) = (part(0), part(1), part(3)) {
+            let of_day = |k| part(k).unwrap_or_default();
+            let start = DateTime {
+                year,
+                month,
+                day,
+                hour: of_day(4),
+                minute: of_day(5),
+                second: of_day(6),
+                micros: of_day(7) * 1000,
+            };
+            self.origin_us = start.unix_micros();
         }
+        Ok(())
     }
 
     /// Returns the next whole object of the stream.
-    fn next_in_stream(&mut self) -> Result<Option<Range<usize>>> {
-        let rest = self.stream.get(self.used..).unwrap_or_default();
-        if rest.len() < MOST_PADDING + BASE_BYTES {
-            return Ok(None);
+    fn next_in_stream(&mut self, damage: &mut DamageCheck) -> Result<Option<Range<usize>>> {
+        loop {
+            let rest = self.stream.get(self.used..).unwrap_or_default();
+            if rest.len() < MOST_PADDING + BASE_BYTES {
+                return Ok(None);
+            }
+            let flaw = match beginning(rest) {
+                None => Flaw::no_object(),
+                Some(padding) => match size_of(rest.get(padding..).unwrap_or_default()) {
+                    Ok(size) if rest.len() < padding + size => return Ok(None),
+                    Ok(size) => {
+                        let object = self.used + padding..self.used + padding + size;
+                        self.used = object.end;
+                        self.is_within = false;
+                        return Ok(Some(object));
+                    }
+                    Err(flaw) => flaw,
+                },
+            };
+            let next = memmem::find(rest.get(1..).unwrap_or_default(), OBJECT_MAGIC);
+            // The letters may continue in the next container.
+            let lost = next.map_or(rest.len() - OBJECT_MAGIC.len(), |at| at + 1);
+            if !self.is_within {
+                self.is_within = true;
+                damage.block(self.error(&flaw.what, &flaw.expected), lost as u64)?;
+            }
+            self.used += lost;
+            if next.is_none() {
+                return Ok(None);
+            }
         }
-        let Some(padding) = beginning(rest) else {
-            return Err(self.no_object());
-        };
-        let size = self.size(rest.get(padding..).unwrap_or_default())?;
-        let end = padding + size;
-        if rest.len() < end {
-            return Ok(None);
-        }
-        let object = self.used + padding..self.used + end;
-        self.used = object.end;
-        Ok(Some(object))
-    }
-
-    /// Returns the size of an object by its header.
-    fn size(&self, header: &[u8]) -> Result<usize> {
-        let size = u32_at(header, 8).map_or(0, |size| size as usize);
-        if (BASE_BYTES..=MOST_BYTES).contains(&size) {
-            return Ok(size);
-        }
-        let expected = format!("{BASE_BYTES} to {MOST_BYTES}");
-        Err(self.error(&format!("an object of {size} bytes"), &expected))
     }
 
     /// Reads the next object of the file to the end of the stream: itself, or what is in it if it is
     /// a container. Returns false at the end of the file.
-    fn fetch(&mut self) -> Result<bool> {
-        self.object_at = self.offset;
-        if !self.take(BASE_BYTES as u64)? {
+    fn fetch(&mut self, damage: &mut DamageCheck) -> Result<bool> {
+        self.object_at = self.file.offset();
+        if !self.file.take(&mut self.packed, BASE_BYTES as u64)? {
+            if self.packed.len() > MOST_PADDING {
+                self.cut_off(damage)?;
+            }
             return Ok(false);
         }
         let Some(padding) = beginning(&self.packed) else {
-            return Err(self.no_object());
+            return self.skip_damage(&Flaw::no_object(), damage);
         };
         self.packed.drain(..padding);
         self.object_at += padding as u64;
-        if !self.take_more(padding as u64)? {
+        if !self.file.take_more(&mut self.packed, padding as u64)? {
+            self.cut_off(damage)?;
             return Ok(false);
         }
-        let size = self.size(&self.packed)?;
-        let is_whole = self.take_more((size - BASE_BYTES) as u64)?;
+        let size = match size_of(&self.packed) {
+            Ok(size) => size,
+            Err(flaw) => return self.skip_damage(&flaw, damage),
+        };
+        let rest = (size - BASE_BYTES) as u64;
+        let is_whole = self.file.take_more(&mut self.packed, rest)?;
+        if let Some(at) = (!is_whole)
+            .then(|| container_within(&self.packed))
+            .flatten()
+        {
+            return self.give_back(at, &Flaw::no_object(), damage);
+        }
+        if !is_whole {
+            self.cut_off(damage)?;
+        }
         if u32_at(&self.packed, 12) != Some(CONTAINER) {
             self.stream.extend_from_slice(&self.packed);
-        } else {
-            self.unpack(is_whole)?;
+        } else if let Err(flaw) = self.unpack(is_whole) {
+            self.is_torn = true;
+            let end = container_within(&self.packed).unwrap_or(self.packed.len());
+            return self.give_back(end, &flaw, damage);
         }
         Ok(is_whole)
     }
 
-    fn unpack(&mut self, is_whole: bool) -> Result<()> {
+    /// Leaves out the file up to the next object.
+    fn skip_damage(&mut self, flaw: &Flaw, damage: &mut DamageCheck) -> Result<bool> {
+        self.is_torn = true;
+        let lost = self.file.skip_to(&mut self.packed, OBJECT_MAGIC)?;
+        damage.block(self.error(&flaw.what, &flaw.expected), lost)?;
+        Ok(true)
+    }
+
+    /// Leaves out the object up to a place in it, and reads on from there.
+    fn give_back(&mut self, at: usize, flaw: &Flaw, damage: &mut DamageCheck) -> Result<bool> {
+        self.is_torn = true;
+        self.file
+            .give_back(self.packed.get(at..).unwrap_or_default());
+        damage.block(self.error(&flaw.what, &flaw.expected), at as u64)?;
+        Ok(true)
+    }
+
+    fn unpack(&mut self, is_whole: bool) -> std::result::Result<(), Flaw> {
         let declared = u32_at(&self.packed, BASE_BYTES + 8);
         let (Some(method), Some(declared), Some(content)) = (
             u16_at(&self.packed, BASE_BYTES),
             declared.map(|size| size as usize),
             self.packed.get(BASE_BYTES + CONTAINER_BYTES..),
         ) else {
-            return if is_whole {
-                Err(self.error("a container without header", "at least 32 bytes"))
-            } else {
-                Ok(())
-            };
+            let flaw = Flaw::new("a container without header", "at least 32 bytes");
+            return if is_whole { Err(flaw) } else { Ok(()) };
         };
         if declared > MOST_BYTES {
-            let expected = format!("at most {MOST_BYTES}");
-            return Err(self.error(&format!("a container of {declared} bytes"), &expected));
+            let what = format!("a container of {declared} bytes");
+            return Err(Flaw::new(what, format!("at most {MOST_BYTES}")));
         }
         match method {
             METHOD_NONE => self.stream.extend_from_slice(content),
@@ -207,41 +330,21 @@ impl Containers {
                 match content.read_to_end(&mut self.stream) {
                     Err(e) if is_whole || e.kind() != ErrorKind::UnexpectedEof => {
                         let what = format!("damaged zlib data ({e})");
-                        return Err(self.error(&what, "a whole container"));
+                        return Err(Flaw::new(what, "a whole container"));
                     }
                     _ => {}
                 }
                 if self.stream.len() - before > declared {
                     let what =
                         format!("a container with more than the {declared} bytes it declares");
-                    return Err(self.error(&what, "as many"));
+                    return Err(Flaw::new(what, "as many"));
                 }
             }
             _ => {
                 let what = format!("compression method {method}");
-                return Err(self.error(&what, "0 (none) or 2 (zlib)"));
+                return Err(Flaw::new(what, "0 (none) or 2 (zlib)"));
             }
         }
         Ok(())
-    }
-
-    fn no_object(&self) -> Error {
-        self.error("no object behind the one before", "the letters LOBJ")
-    }
-
-    /// Reads so many bytes; returns false if the file ends before.
-    fn take(&mut self, count: u64) -> Result<bool> {
-        self.packed.clear();
-        self.take_more(count)
-    }
-
-    fn take_more(&mut self, count: u64) -> Result<bool> {
-        let before = self.packed.len();
-        let read = self.file.by_ref().take(count).read_to_end(&mut self.packed);
-        self.offset += (self.packed.len() - before) as u64;
-        match read {
-            Ok(read) => Ok(read as u64 == count),
-            Err(e) => Err(self.file().read_error_at(self.offset, e)),
-        }
     }
 }

@@ -1,6 +1,6 @@
 //! One object of a BLF file.
 
-use super::blf_container::{number, u16_at, u32_at};
+use super::blf_file::{number, u16_at, u32_at};
 use super::fields::{MOST_MICROS, identifier};
 use crate::source::can_frame::CanFrame;
 use embedded_can::Frame;
@@ -16,6 +16,7 @@ const ID_MASK: u32 = 0x1fff_ffff;
 pub(super) enum Recorded {
     Frame {
         micros: u64,
+        channel: u16,
         frame: CanFrame,
     },
     /// A CAN FD frame.
@@ -93,6 +94,7 @@ fn frame(
     data_at: usize,
 ) -> Result<Recorded, ObjectProblem> {
     let micros = micros(object)?;
+    let channel = channel(object, body).ok_or(SHORT)?;
     let raw = u32_at(body, id_at).ok_or(SHORT)?;
     let id = identifier(raw & ID_MASK, raw & EXTENDED != 0).ok_or(problem(
         "an identifier with too many bits",
@@ -107,7 +109,19 @@ fn frame(
         CanFrame::new(id, data.ok_or(SHORT)?)
     };
     let frame = frame.ok_or(SHORT)?;
-    Ok(Recorded::Frame { micros, frame })
+    Ok(Recorded::Frame {
+        micros,
+        channel,
+        frame,
+    })
+}
+
+/// Returns the channel of a frame, from 1. A CAN_FD_MESSAGE_64 has it in one byte.
+fn channel(object: &[u8], body: &[u8]) -> Option<u16> {
+    if u32_at(object, 12)? == 101 {
+        return body.first().map(|channel| u16::from(*channel));
+    }
+    u16_at(body, 0)
 }
 
 /// Returns the time of an object, in microseconds.

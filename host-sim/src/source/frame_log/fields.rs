@@ -1,7 +1,7 @@
 //! Fields of a line: words set apart by blanks, numbers, identifiers, data.
 
+use super::line_problem::{LineProblem, Parsed, problem};
 use crate::source::can_frame::CanFrame;
-use crate::source::candump_line::{LineProblem, Parsed, problem};
 use embedded_can::{ExtendedId, Frame, Id, StandardId};
 
 /// Maximum number of digits before the point: microseconds then still fit 64 bits.

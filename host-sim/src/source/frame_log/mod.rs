@@ -3,97 +3,273 @@
 mod asc;
 mod blf;
 mod blf_container;
+mod blf_file;
 mod blf_object;
+mod calendar;
+mod candump;
+mod candump_line;
+mod csv_logs;
 mod fields;
+mod frame_order;
+mod frame_reader;
+mod interface_arbiter;
+mod line_problem;
+mod mdf;
 mod text;
 mod trc;
 
+pub(super) use frame_order::Seconds;
+pub use frame_reader::Skipped;
+
 use super::can_frame::TimedFrame;
-use super::candump::{CandumpReader, Skipped};
+use super::damage::Damage;
+use super::interfaces::InterfaceCount;
 use super::log_file::LogFile;
 use super::log_kind::LogKind;
-use crate::error::Result;
+use super::log_report::LogReport;
+use super::read_options::ReadOptions;
+use crate::error::{Error, Result};
+use crate::files::kind::{self, Kind};
+use crate::files::log_format::LogFormat;
+use crate::files::utc::utc_text;
 use asc::Asc;
 use blf::BlfReader;
-use text::TextReader;
+use candump::Candump;
+use csv_logs::CsvLog;
+use estimator_core::Instant;
+use frame_order::{FrameOrder, IN_ORDER, Placed};
+use frame_reader::{FrameReader, LoggedFrame};
+use interface_arbiter::InterfaceArbiter;
+use mdf::MdfReader;
+use std::path::Path;
+use text::{LineFormat, TextReader};
 use trc::Trc;
+
+/// Times after this are those since the Unix epoch: 2001-09-09. A measurement is shorter.
+const EPOCH_FROM: Instant = Instant::from_micros(1_000_000_000_000_000);
 
 /// Reader of a recording of a bus.
 ///
-/// Times are those of the log, in microseconds. In the formats of Vector and PEAK they begin with the
-/// measurement.
-pub struct FrameLog(Reader);
+/// Frames come in the order of time, each message from one interface. Times are those of the log, in
+/// microseconds. In the formats of Vector and PEAK they begin with the measurement.
+pub struct FrameLog {
+    kind: LogKind,
+    reader: Box<dyn FrameReader>,
+    order: FrameOrder,
+    arbiter: InterfaceArbiter,
+    /// Names of the interfaces to read; of all if empty.
+    interfaces: Vec<String>,
+    selected: u64,
+    first: Option<Instant>,
+    is_over: bool,
+}
 
-enum Reader {
-    Candump(Box<CandumpReader>),
-    Asc(Box<TextReader<Asc>>),
-    Trc(Box<TextReader<Trc>>),
-    Blf(Box<BlfReader>),
+fn text<F: LineFormat + 'static>(file: LogFile, format: F, strict: bool) -> Box<dyn FrameReader> {
+    Box::new(TextReader::new(file, format, strict))
 }
 
 impl FrameLog {
-    pub(super) fn candump(file: LogFile) -> Self {
-        Self(Reader::Candump(Box::new(CandumpReader::new(file))))
+    /// Opens a candump log.
+    ///
+    /// # Errors
+    /// Returns an error if the file cannot be opened.
+    pub fn open_candump(path: &Path) -> Result<Self> {
+        Self::new(LogFile::open(path)?, None, &ReadOptions::default())
     }
 
-    pub(super) fn asc(file: LogFile) -> Self {
-        Self(Reader::Asc(Box::new(TextReader::new(file, Asc::default()))))
-    }
-
-    pub(super) fn trc(file: LogFile) -> Self {
-        Self(Reader::Trc(Box::new(TextReader::new(file, Trc::default()))))
-    }
-
-    pub(super) fn blf(file: LogFile) -> Self {
-        Self(Reader::Blf(Box::new(BlfReader::new(file))))
+    /// Creates a reader of an open log; without a format it is one of candump.
+    pub(super) fn new(
+        mut file: LogFile,
+        format: Option<LogFormat>,
+        options: &ReadOptions,
+    ) -> Result<Self> {
+        let strict = options.strict;
+        let (kind, reader) = match format {
+            Some(LogFormat::Asc) => (LogKind::Asc, text(file, Asc::default(), strict)),
+            Some(LogFormat::Trc) => (LogKind::Trc, text(file, Trc::default(), strict)),
+            Some(LogFormat::Blf) => (LogKind::Blf, BlfReader::boxed(file, strict)),
+            Some(LogFormat::Mdf) => (LogKind::Mdf, MdfReader::boxed(file, strict)?),
+            Some(LogFormat::SavvyCan) => {
+                let reader = text(file, CsvLog::savvy_can(), strict);
+                (LogKind::SavvyCan, reader)
+            }
+            Some(LogFormat::PythonCan) => {
+                let reader = text(file, CsvLog::python_can(), strict);
+                (LogKind::PythonCan, reader)
+            }
+            None => {
+                let format = Candump::of_head(file.look_at_head());
+                (LogKind::Candump, text(file, format, strict))
+            }
+        };
+        Ok(Self {
+            kind,
+            reader,
+            order: FrameOrder::default(),
+            arbiter: InterfaceArbiter::default(),
+            interfaces: options.interfaces.clone(),
+            selected: 0,
+            first: None,
+            is_over: false,
+        })
     }
 
     /// Reads the next frame; `None` at the end.
     ///
     /// # Errors
-    /// Returns an error with file, line or byte, and what was expected, for damage, for time that
-    /// runs backwards by more than 10 ms, and for a file without frames. A candump log that is cut
-    /// off is an error too; a log of another format is used up to there.
+    /// Returns an error with file, line or byte, and what was expected, for a log with too much
+    /// damage, without frames, or without an interface that is asked for. Damage is found on the
+    /// way: frames returned before such an error are part of a damaged log.
     pub fn next_frame(&mut self) -> Result<Option<TimedFrame>> {
-        match &mut self.0 {
-            Reader::Candump(reader) => reader.next_frame(),
-            Reader::Asc(reader) => reader.next_frame(),
-            Reader::Trc(reader) => reader.next_frame(),
-            Reader::Blf(reader) => reader.next_frame(),
+        loop {
+            if let Some(logged) = self.order.next() {
+                let notes = self.reader.notes_mut();
+                if !self.arbiter.admits(&logged, self.order.waiting()) {
+                    notes.interfaces.count_duplicate(logged.interface);
+                    continue;
+                }
+                self.first.get_or_insert(logged.time);
+                let LoggedFrame { time, frame, .. } = logged;
+                return Ok(Some(TimedFrame { time, frame }));
+            }
+            if self.is_over {
+                return Ok(None);
+            }
+            match self.reader.next_logged()? {
+                Some(logged) => self.place(logged)?,
+                None => {
+                    self.is_over = true;
+                    self.order.end();
+                    self.end()?;
+                }
+            }
         }
+    }
+
+    fn place(&mut self, logged: LoggedFrame) -> Result<()> {
+        if !self.interfaces.is_empty() {
+            let name = self.reader.notes().interfaces.name(logged.interface);
+            let is_same = |wanted: &String| wanted.eq_ignore_ascii_case(name);
+            if !self.interfaces.iter().any(is_same) {
+                return Ok(());
+            }
+        }
+        self.selected += 1;
+        let reader = &mut self.reader;
+        let problem = match self
+            .order
+            .put(logged, |problem| reader.error(problem, IN_ORDER))
+        {
+            Placed::InOrder => return Ok(()),
+            Placed::TooOld(problem) => reader.error(&problem, IN_ORDER),
+            Placed::WasAhead(problem) => problem,
+        };
+        let notes = reader.notes_mut();
+        notes.damage.line(problem, notes.frames)
+    }
+
+    /// Checks the whole log at its end.
+    fn end(&mut self) -> Result<()> {
+        if self.file().is_cut_off() {
+            let error = self.file().cut_off_error();
+            self.reader.notes_mut().damage.cut_off(error)?;
+        }
+        let (lines, bytes) = (self.reader.lines(), self.file().bytes_read());
+        let notes = self.reader.notes_mut();
+        if notes.frames == 0 {
+            return Err(match notes.damage.take_first() {
+                Some(error) => self.explained(error),
+                None => self.no_frames(),
+            });
+        }
+        if self.selected == 0 {
+            return Err(self.no_interface());
+        }
+        notes.damage.end(lines, bytes)
+    }
+
+    /// Returns the error, or one that says that another file may have taken the log's place.
+    fn explained(&self, error: Error) -> Error {
+        match self.kind {
+            LogKind::Candump => kind::explained(error, self.file().path(), &[Kind::Candump]),
+            _ => error,
+        }
+    }
+
+    fn no_frames(&self) -> Error {
+        let Skipped { can_fd, bus_errors } = self.skipped();
+        let kind = self.kind;
+        let problem = if can_fd.saturating_add(bus_errors) > 0 {
+            format!(
+                "no classic CAN frame among {can_fd} CAN FD frames and {bus_errors} bus errors; \
+                 expected a {kind} of a J1939 bus"
+            )
+        } else if self.file().bytes_read() == 0 || kind == LogKind::Candump {
+            format!("the file is empty; expected a {kind} with at least one frame")
+        } else {
+            format!("no frames; expected a {kind} with at least one frame")
+        };
+        Error::content(self.file().path(), problem)
+    }
+
+    fn no_interface(&self) -> Error {
+        let names: Vec<&str> = self.interfaces().map(|count| &*count.name).collect();
+        let problem = format!(
+            "no frames of interface {}; expected one of {}",
+            self.interfaces.join(", "),
+            names.join(", ")
+        );
+        Error::content(self.file().path(), problem)
     }
 
     /// Returns the number of frames skipped so far.
     #[must_use]
-    pub const fn skipped(&self) -> Skipped {
-        match &self.0 {
-            Reader::Candump(reader) => reader.skipped(),
-            Reader::Asc(reader) => reader.skipped(),
-            Reader::Trc(reader) => reader.skipped(),
-            Reader::Blf(reader) => reader.skipped(),
+    pub fn skipped(&self) -> Skipped {
+        self.reader.notes().skipped
+    }
+
+    /// Returns what was left out so far.
+    #[must_use]
+    pub fn damage(&self) -> &Damage {
+        self.reader.notes().damage.found()
+    }
+
+    /// Returns the interfaces that had frames so far, in the order of their first ones.
+    pub fn interfaces(&self) -> impl Iterator<Item = &InterfaceCount> {
+        self.reader.notes().interfaces.counts()
+    }
+
+    /// Returns the time of the first frame, in microseconds since the Unix epoch, if the log has it.
+    /// Some formats have the time in the time zone of the logger, which they do not tell.
+    fn start_unix_micros(&self) -> Option<u64> {
+        let first = self.first?;
+        match self.reader.notes().origin_us {
+            Some(origin) => origin.checked_add(first.micros()),
+            None => (first >= EPOCH_FROM).then_some(first.micros()),
+        }
+    }
+
+    /// Returns what the reading told so far.
+    #[must_use]
+    pub fn report(&self) -> LogReport {
+        LogReport {
+            damage: self.damage().clone(),
+            interfaces: self.interfaces().cloned().collect(),
+            start_utc: self.start_unix_micros().and_then(utc_text),
+            ..LogReport::default()
         }
     }
 
     /// Returns the file, for progress and messages.
     #[must_use]
     pub fn file(&self) -> &LogFile {
-        match &self.0 {
-            Reader::Candump(reader) => reader.file(),
-            Reader::Asc(reader) => reader.file(),
-            Reader::Trc(reader) => reader.file(),
-            Reader::Blf(reader) => reader.file(),
-        }
+        self.reader.file()
     }
 
     /// Returns the kind of the log.
     #[must_use]
     pub const fn kind(&self) -> LogKind {
-        match &self.0 {
-            Reader::Candump(_) => LogKind::Candump,
-            Reader::Asc(_) => LogKind::Asc,
-            Reader::Trc(_) => LogKind::Trc,
-            Reader::Blf(_) => LogKind::Blf,
-        }
+        self.kind
     }
 }
 

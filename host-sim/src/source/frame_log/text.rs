@@ -1,13 +1,12 @@
 //! Logs of lines, whatever their format.
 
+use super::frame_reader::{FrameReader, LogNotes, LoggedFrame};
+use super::line_problem::{LineProblem, Parsed};
 use crate::error::{Error, Result};
-use crate::source::can_frame::{CanFrame, TimedFrame};
-use crate::source::candump::Skipped;
-use crate::source::candump_line::{LineProblem, Parsed};
+use crate::source::can_frame::CanFrame;
+use crate::source::interfaces::{InterfaceIndex, Interfaces};
 use crate::source::lines::Lines;
 use crate::source::log_file::LogFile;
-use crate::source::time_order::{IN_ORDER, TimeOrder};
-use estimator_core::Instant;
 
 /// The content of a line.
 pub(super) enum TextLine {
@@ -15,6 +14,7 @@ pub(super) enum TextLine {
     Other,
     Frame {
         micros: u64,
+        interface: InterfaceIndex,
         frame: CanFrame,
         /// True if the line cannot be truncated.
         is_closed: bool,
@@ -25,74 +25,74 @@ pub(super) enum TextLine {
 }
 
 /// A format of lines.
-pub(super) trait LineFormat {
-    /// Name for messages, with its article.
-    const NAME: &'static str;
-
+pub(super) trait LineFormat: Send {
     /// Parses the next line of the log, without its end.
     ///
     /// # Errors
     /// Returns what is wrong with the line.
-    fn parse(&mut self, line: &[u8]) -> Parsed<TextLine>;
+    fn parse(&mut self, line: &[u8], interfaces: &mut Interfaces) -> Parsed<TextLine>;
+
+    /// Returns the time of the log's time 0, in microseconds since the Unix epoch, if a line told.
+    fn origin_us(&self) -> Option<u64> {
+        None
+    }
 }
 
 /// Reader of the frames of such a log. A log that is cut off ends there.
 pub(super) struct TextReader<F> {
     format: F,
     lines: Lines,
-    order: TimeOrder,
-    frames: u64,
-    skipped: Skipped,
+    notes: LogNotes,
 }
 
 impl<F: LineFormat> TextReader<F> {
-    pub(super) fn new(mut file: LogFile, format: F) -> Self {
-        file.allow_cut_off();
+    pub(super) fn new(file: LogFile, format: F, is_strict: bool) -> Self {
         Self {
             format,
             lines: Lines::new(file),
-            order: TimeOrder::default(),
-            frames: 0,
-            skipped: Skipped::default(),
+            notes: LogNotes::new(is_strict),
         }
     }
 
-    pub(super) fn next_frame(&mut self) -> Result<Option<TimedFrame>> {
-        while self.lines.advance()? {
-            let is_whole = self.lines.has_end();
-            match self.format.parse(self.lines.line()) {
-                Ok(TextLine::Frame {
-                    micros,
-                    frame,
-                    is_closed,
-                }) if is_whole || is_closed => {
-                    let time = self.order.place(Instant::from_micros(micros));
-                    let time = time.map_err(|problem| self.error(problem, IN_ORDER))?;
-                    self.frames += 1;
-                    return Ok(Some(TimedFrame { time, frame }));
+    /// Takes what a line contains; `None` if it is not a frame.
+    fn take(&mut self, line: Parsed<TextLine>) -> Result<Option<LoggedFrame>> {
+        let is_whole = self.lines.has_end();
+        match line {
+            Ok(TextLine::Frame {
+                micros,
+                interface,
+                frame,
+                is_closed,
+            }) if is_whole || is_closed => {
+                return Ok(Some(self.notes.frame(micros, interface, frame)));
+            }
+            Err(problem) if problem.is_header && is_whole => {
+                return Err(self.wrong_line(&problem));
+            }
+            // A file without a line end is no log.
+            Err(problem) if is_whole || (self.lines.number() == 1 && !problem.is_header) => {
+                let error = self.wrong_line(&problem);
+                self.notes.damage.line(error, self.notes.frames)?;
+            }
+            Ok(TextLine::FlexibleRate) if is_whole => self.notes.skipped.can_fd += 1,
+            Ok(TextLine::BusError) if is_whole => self.notes.skipped.bus_errors += 1,
+            Ok(TextLine::Other) if is_whole || self.lines.line().is_empty() => {
+                if self.lines.is_binary() {
+                    let problem = format!("binary data in `{}`", self.lines.quote());
+                    let error = self.error(&problem, "lines of text");
+                    self.notes.damage.line(error, self.notes.frames)?;
                 }
-                Err(problem) if is_whole => return Err(self.wrong_line(&problem)),
-                Ok(TextLine::FlexibleRate) if is_whole => self.skipped.can_fd += 1,
-                Ok(TextLine::BusError) if is_whole => self.skipped.bus_errors += 1,
-                Ok(TextLine::Other) if is_whole && self.lines.is_binary() => {
-                    return Err(self.error(
-                        format!("binary data in `{}`", self.lines.quote()),
-                        "lines of text",
-                    ));
-                }
-                // The rest is the last line of a log that is cut off.
-                _ => {}
+            }
+            _ => {
+                let problem = format!(
+                    "the log is cut off within its last line `{}`",
+                    self.lines.quote()
+                );
+                let error = self.error(&problem, "a whole frame and a line end");
+                self.notes.damage.cut_off(error)?;
             }
         }
-        no_frames(self.file(), self.frames, self.skipped, F::NAME).map(|()| None)
-    }
-
-    pub(super) const fn skipped(&self) -> Skipped {
-        self.skipped
-    }
-
-    pub(super) const fn file(&self) -> &LogFile {
-        self.lines.file()
+        Ok(None)
     }
 
     fn wrong_line(&self, problem: &LineProblem) -> Error {
@@ -102,27 +102,40 @@ impl<F: LineFormat> TextReader<F> {
             problem.what
         };
         let quote = self.lines.quote();
-        self.error(format!("{what} in `{quote}`"), problem.expected)
-    }
-
-    fn error(&self, problem: String, expected: &str) -> Error {
-        Error::line(self.file().path(), self.lines.number(), problem, expected)
+        self.error(&format!("{what} in `{quote}`"), problem.expected)
     }
 }
 
-/// Returns an error if a log ended without a frame.
-pub(super) fn no_frames(file: &LogFile, frames: u64, skipped: Skipped, name: &str) -> Result<()> {
-    if frames > 0 {
-        return Ok(());
+impl<F: LineFormat> FrameReader for TextReader<F> {
+    fn next_logged(&mut self) -> Result<Option<LoggedFrame>> {
+        while self.lines.advance()? {
+            let line = self.lines.line();
+            let line = self.format.parse(line, &mut self.notes.interfaces);
+            if let Some(frame) = self.take(line)? {
+                return Ok(Some(frame));
+            }
+        }
+        self.notes.origin_us = self.format.origin_us();
+        Ok(None)
     }
-    let Skipped { can_fd, bus_errors } = skipped;
-    let problem = if can_fd.saturating_add(bus_errors) > 0 {
-        format!(
-            "no classic CAN frame among {can_fd} CAN FD frames and {bus_errors} bus errors; \
-             expected {name} of a J1939 bus"
-        )
-    } else {
-        format!("no frames; expected {name} with at least one frame")
-    };
-    Err(Error::content(file.path(), problem))
+
+    fn error(&self, problem: &str, expected: &str) -> Error {
+        Error::line(self.file().path(), self.lines.number(), problem, expected)
+    }
+
+    fn file(&self) -> &LogFile {
+        self.lines.file()
+    }
+
+    fn notes(&self) -> &LogNotes {
+        &self.notes
+    }
+
+    fn notes_mut(&mut self) -> &mut LogNotes {
+        &mut self.notes
+    }
+
+    fn lines(&self) -> u64 {
+        self.lines.number()
+    }
 }

@@ -15,9 +15,10 @@
 //!   digits, others leave out zeros.
 
 use super::fields::{Words, data_frame, fixed_point, identifier, length_of, number};
+use super::line_problem::{LineProblem, Parsed, header_problem, problem};
 use super::text::{LineFormat, TextLine};
 use crate::source::can_frame::CanFrame;
-use crate::source::candump_line::{LineProblem, Parsed, problem};
+use crate::source::interfaces::Interfaces;
 use embedded_can::{Frame, Id};
 
 /// The layout of the lines, from the header.
@@ -40,7 +41,9 @@ enum Column {
     Length,
     /// `D`
     Data,
-    /// `N`, `B`, `d`, `R` and others of one word.
+    /// `B`
+    Bus,
+    /// `N`, `d`, `R` and others of one word.
     Unused,
 }
 
@@ -64,7 +67,7 @@ const COLUMNS_1_1: [Column; 6] = [
 const COLUMNS_1_3: [Column; 8] = [
     Column::Unused,
     Column::Time,
-    Column::Unused,
+    Column::Bus,
     Column::Type,
     Column::Identifier,
     Column::Unused,
@@ -79,18 +82,19 @@ const NO_FRAME: LineProblem = problem(
 );
 
 impl LineFormat for Trc {
-    const NAME: &'static str = "a PEAK TRC log";
-
-    fn parse(&mut self, line: &[u8]) -> Parsed<TextLine> {
+    fn parse(&mut self, line: &[u8], interfaces: &mut Interfaces) -> Parsed<TextLine> {
         match line.trim_ascii() {
             [] => Ok(TextLine::Other),
             [b';', header @ ..] => self.header(header).map(|()| TextLine::Other),
-            _ if !self.has_version => Err(problem("TRC 1.0 (no `;$FILEVERSION=` above)", VERSIONS)),
-            _ if self.columns.is_empty() => Err(problem(
+            _ if !self.has_version => Err(header_problem(
+                "TRC 1.0 (no `;$FILEVERSION=` above)",
+                VERSIONS,
+            )),
+            _ if self.columns.is_empty() => Err(header_problem(
                 "no columns above",
                 "a line such as `;$COLUMNS=N,O,T,B,I,d,R,L,D`",
             )),
-            line => self.message(line),
+            line => self.message(line, interfaces),
         }
     }
 }
@@ -102,7 +106,7 @@ impl Trc {
                 b"1.1" => COLUMNS_1_1.to_vec(),
                 b"1.3" => COLUMNS_1_3.to_vec(),
                 b"2.0" | b"2.1" => Vec::new(),
-                _ => return Err(problem("a version that is not read", VERSIONS)),
+                _ => return Err(header_problem("a version that is not read", VERSIONS)),
             };
             self.has_version = true;
         } else if let Some(names) = header.strip_prefix(b"$COLUMNS=") {
@@ -119,7 +123,7 @@ impl Trc {
             .into_iter()
             .all(has)
             {
-                return Err(problem(
+                return Err(header_problem(
                     "columns are missing",
                     "at least O, T, I, l or L, and D",
                 ));
@@ -128,17 +132,19 @@ impl Trc {
         Ok(())
     }
 
-    fn message(&self, line: &[u8]) -> Parsed<TextLine> {
+    fn message(&self, line: &[u8], interfaces: &mut Interfaces) -> Parsed<TextLine> {
         let mut words = Words(line);
         let mut micros = None;
         let mut message = None;
         let mut id = None;
         let mut length = None;
+        let mut bus = 1;
         for column in &self.columns {
             match column {
                 Column::Data => break,
                 Column::Time => micros = Some(time(words.next())?),
                 Column::Identifier => id = Some(identifier_of(words.next())?),
+                Column::Bus => bus = bus_of(words.next())?,
                 Column::Length => length = Some(length_of(words.next(), 10)?),
                 Column::Type => {
                     message = match message_of(words.next())? {
@@ -168,6 +174,7 @@ impl Trc {
         };
         Ok(TextLine::Frame {
             micros,
+            interface: interfaces.channel(bus),
             frame,
             is_closed,
         })
@@ -177,6 +184,7 @@ impl Trc {
 fn column(name: &[u8]) -> Column {
     match name.trim_ascii() {
         b"O" => Column::Time,
+        b"B" => Column::Bus,
         b"T" => Column::Type,
         b"I" => Column::Identifier,
         b"l" | b"L" => Column::Length,
@@ -192,6 +200,15 @@ fn time(word: Option<&[u8]>) -> Parsed<u64> {
         "no time",
         "milliseconds since the start, such as `2.300`",
     ))
+}
+
+/// Returns the number of a bus; `-` stands for the only one.
+fn bus_of(word: Option<&[u8]>) -> Parsed<u32> {
+    match word {
+        Some(b"-") => Ok(1),
+        Some(word) => number(word, 10).ok_or(NO_FRAME),
+        None => Err(NO_FRAME),
+    }
 }
 
 fn message_of(word: Option<&[u8]>) -> Parsed<Message> {

@@ -2,7 +2,7 @@
 
 use super::dbc_message::DbcMessage;
 use super::dbc_text::Statements;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, without_controls};
 use crate::files::limits::read_bytes;
 use can_dbc::DbcError;
 use std::path::{Path, PathBuf};
@@ -70,7 +70,10 @@ fn located(path: &Path, text: &str, error: &DbcError) -> Error {
         (Some(line), Some(statement)) => Error::line(
             path,
             line,
-            format!("`{}` is not understood", statement.trim().escape_debug()),
+            format!(
+                "`{}` is not understood",
+                without_controls(statement.trim(), &[])
+            ),
             "a message, `BO_ 500 Name: 8 Sender`, or a signal of it, \
              `SG_ Name : 7|16@0+ (0.01,0) [0|100] \"km/h\" Receiver`",
         ),

@@ -152,10 +152,6 @@ fn wrong_objects_of_blf_are_named_with_what_was_expected() {
             "damaged zlib data",
         ),
         (
-            in_file(blf_container(2, size - 1, &zlib(&objects))),
-            "more than the 47 bytes",
-        ),
-        (
             in_file(blf_container(2, 1 << 30, &zlib(&objects))),
             "a container of 1073741824 bytes",
         ),
@@ -179,11 +175,6 @@ fn wrong_objects_of_blf_are_named_with_what_was_expected() {
 fn formats_that_are_not_read_are_named() {
     for (start, words) in [
         (&b"PK\x03\x04"[..], "is a zip archive; unpack it first"),
-        (
-            b"MDF     4.10",
-            "ASAM MDF 4, which is not read yet; `asammdf` exports",
-        ),
-        (b"UnFinMF 4.10", "ASAM MDF 4"),
         (b"MDF     3.30", "ASAM MDF 3"),
         (
             b"SQLite format 3\0",

@@ -6,7 +6,7 @@ mod writers;
 use embedded_can::{Frame, StandardId};
 use estimator_core::Instant;
 use host_sim::source::can_frame::{CanFrame, TimedFrame};
-use host_sim::source::candump::{CandumpReader, Skipped};
+use host_sim::source::frame_log::{FrameLog, Skipped};
 use host_sim::source::log::Log;
 use host_sim::source::log_kind::LogKind;
 use host_sim::source::read_options::ReadOptions;
@@ -224,7 +224,7 @@ fn estimates_equal_those_of_candump_to_the_last_byte() {
         .args(["simulate", "--scenario"])
         .arg(file("scenario.toml"));
     simulate.arg("--out").arg(folder.path()).assert().success();
-    let log = CandumpReader::open(&file("a.log")).expect("a log");
+    let log = FrameLog::open_candump(&file("a.log")).expect("a log");
     let frames: Vec<TimedFrame> = log
         .map(|timed| {
             let TimedFrame { time, frame } = timed.expect("a whole log");

@@ -1,6 +1,8 @@
 //! One line of a candump log.
 
-use super::can_frame::CanFrame;
+use super::calendar::DateTime;
+use super::line_problem::{Parsed, problem};
+use crate::source::can_frame::CanFrame;
 use embedded_can::{ExtendedId, Frame, Id, StandardId};
 
 /// Bit of an error message in SocketCAN's identifier word (`CAN_ERR_FLAG`).
@@ -10,8 +12,9 @@ const MOST_SECOND_DIGITS: usize = 12;
 
 /// The content of a line.
 #[derive(Debug)]
-pub(super) struct CandumpLine {
+pub(super) struct CandumpLine<'a> {
     pub micros: u64,
+    pub interface: &'a [u8],
     pub content: Content,
     /// True if the line cannot be truncated.
     pub is_closed: bool,
@@ -26,21 +29,8 @@ pub(super) enum Content {
     BusError,
 }
 
-/// Why a line is not a candump line.
-#[derive(Debug)]
-pub(super) struct LineProblem {
-    pub what: &'static str,
-    pub expected: &'static str,
-}
-
 const WHOLE_LINE: &str = "a candump line such as `(1.000000) can0 0CF00400#0102030405060708` \
                           or `(001.000000)  can0  0CF00400   [8]  01 02 03 04 05 06 07 08`";
-
-pub(super) const fn problem(what: &'static str, expected: &'static str) -> LineProblem {
-    LineProblem { what, expected }
-}
-
-pub(super) type Parsed<T> = Result<T, LineProblem>;
 
 /// Values of hexadecimal digits; 0xff for any other byte.
 const NIBBLES: [u8; 256] = {
@@ -69,7 +59,7 @@ const fn nibble(byte: u8) -> Option<u8> {
 /// The rest of a line.
 struct Cursor<'a>(&'a [u8]);
 
-impl Cursor<'_> {
+impl<'a> Cursor<'a> {
     fn take(&mut self, byte: u8) -> bool {
         let is_next = self.0.first() == Some(&byte);
         if is_next {
@@ -86,7 +76,7 @@ impl Cursor<'_> {
         self.0.len() < before
     }
 
-    fn word(&mut self) -> &[u8] {
+    fn word(&mut self) -> &'a [u8] {
         let length = self
             .0
             .iter()
@@ -104,6 +94,41 @@ impl Cursor<'_> {
         let value = (nibble(*high)? << 4) | nibble(*low)?;
         self.0 = rest;
         Some(value)
+    }
+
+    /// Reads the time and the bracket behind it: seconds, or what candump -t A writes.
+    fn time(&mut self) -> Option<u64> {
+        let start = self.0;
+        if let Some(micros) = self.micros() {
+            return self.take(b')').then_some(micros);
+        }
+        self.0 = start;
+        self.date().filter(|_| self.take(b')'))
+    }
+
+    /// Reads `2026-11-22 10:00:00.000000`, in the time zone of the logger, which is not told.
+    fn date(&mut self) -> Option<u64> {
+        let mut parts = [0; 5];
+        for (part, end) in parts.iter_mut().zip(*b"-- ::") {
+            *part = Some(self.decimal())
+                .filter(|(_, digits)| (1..=4).contains(digits))?
+                .0;
+            if !self.take(end) {
+                return None;
+            }
+        }
+        let [year, month, day, hour, minute] = parts;
+        let micros = self.micros()?;
+        DateTime {
+            year,
+            month,
+            day,
+            hour,
+            minute,
+            second: micros / 1_000_000,
+            micros: micros % 1_000_000,
+        }
+        .unix_micros()
     }
 
     /// Reads `12.345678`. The fraction may have one to nine digits; digits below a microsecond are
@@ -161,8 +186,14 @@ impl Cursor<'_> {
     }
 }
 
+/// Returns the time of a line of either layout; `None` if it has none.
+pub(super) fn time_of(line: &[u8]) -> Option<u64> {
+    let line = line.trim_ascii_start().strip_prefix(b"(")?;
+    Cursor(line).time()
+}
+
 /// Parses a line without its end; `None` if it is blank.
-pub(super) fn parse(line: &[u8]) -> Parsed<Option<CandumpLine>> {
+pub(super) fn parse(line: &[u8]) -> Parsed<Option<CandumpLine<'_>>> {
     let mut rest = Cursor(line);
     rest.skip_blanks();
     if rest.0.is_empty() {
@@ -171,12 +202,13 @@ pub(super) fn parse(line: &[u8]) -> Parsed<Option<CandumpLine>> {
     if !rest.take(b'(') {
         return Err(problem("no time in brackets", WHOLE_LINE));
     }
-    let micros = rest.micros().filter(|_| rest.take(b')')).ok_or(problem(
+    let micros = rest.time().ok_or(problem(
         "no time",
         "seconds with a fraction, such as `(1.000000)`",
     ))?;
     rest.skip_blanks();
-    if rest.word().is_empty() || !rest.skip_blanks() {
+    let interface = rest.word();
+    if interface.is_empty() || !rest.skip_blanks() {
         return Err(problem("no frame behind the time", WHOLE_LINE));
     }
     skip_direction(&mut rest);
@@ -189,6 +221,7 @@ pub(super) fn parse(line: &[u8]) -> Parsed<Option<CandumpLine>> {
     };
     Ok(Some(CandumpLine {
         micros,
+        interface,
         content,
         is_closed,
     }))

@@ -1,0 +1,87 @@
+//! What the readers of all formats have in common.
+
+use crate::error::{Error, Result};
+use crate::source::can_frame::CanFrame;
+use crate::source::damage::DamageCheck;
+use crate::source::interfaces::{InterfaceIndex, Interfaces};
+use crate::source::log_file::LogFile;
+use estimator_core::Instant;
+
+/// A frame as a log has it.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::source) struct LoggedFrame {
+    pub time: Instant,
+    pub interface: InterfaceIndex,
+    pub frame: CanFrame,
+}
+
+/// Number of frames skipped.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Skipped {
+    /// CAN FD frames: J1939 on classic CAN and NMEA 2000 have none.
+    pub can_fd: u64,
+    /// Bus errors that the interface reported.
+    pub bus_errors: u64,
+}
+
+/// What a reader notes of its log.
+pub(in crate::source) struct LogNotes {
+    pub frames: u64,
+    pub skipped: Skipped,
+    pub damage: DamageCheck,
+    pub interfaces: Interfaces,
+    /// Time of the log's time 0, in microseconds since the Unix epoch, if the log has it.
+    pub origin_us: Option<u64>,
+}
+
+impl LogNotes {
+    pub(super) fn new(is_strict: bool) -> Self {
+        Self {
+            frames: 0,
+            skipped: Skipped::default(),
+            damage: DamageCheck::new(is_strict),
+            interfaces: Interfaces::default(),
+            origin_us: None,
+        }
+    }
+
+    /// Counts a frame and returns it.
+    pub(super) fn frame(
+        &mut self,
+        micros: u64,
+        interface: InterfaceIndex,
+        frame: CanFrame,
+    ) -> LoggedFrame {
+        self.frames += 1;
+        self.interfaces.count_frame(interface);
+        LoggedFrame {
+            time: Instant::from_micros(micros),
+            interface,
+            frame,
+        }
+    }
+}
+
+/// A reader of frames in the order in which they are logged.
+pub(in crate::source) trait FrameReader: Send {
+    /// Reads the next frame; `None` at the end.
+    ///
+    /// # Errors
+    /// Returns an error if the log cannot be read on.
+    fn next_logged(&mut self) -> Result<Option<LoggedFrame>>;
+
+    /// Returns an error at the place that was read last.
+    fn error(&self, problem: &str, expected: &str) -> Error;
+
+    fn file(&self) -> &LogFile;
+
+    fn notes(&self) -> &LogNotes;
+
+    fn notes_mut(&mut self) -> &mut LogNotes;
+
+    /// Returns the number of lines read so far; in a binary format, of frames.
+    fn lines(&self) -> u64 {
+        let notes = self.notes();
+        notes.frames + notes.damage.found().lines
+    }
+}

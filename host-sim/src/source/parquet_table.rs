@@ -1,0 +1,137 @@
+//! Signal tables as Parquet: `time_s` and one column per signal; null and NaN are missing.
+
+use super::signal_table::{LATEST_S, SignalRow, TIME, checked};
+use crate::error::{Error, Result};
+use crate::files::parquet::{NumberBatches, open};
+use estimator_core::{Instant, Reading, Signal};
+use std::path::Path;
+
+/// Reader of tables, row by row; its memory does not depend on the length of the table.
+pub struct ParquetTable {
+    batches: NumberBatches,
+    /// In the order of [`Signal`].
+    signals: Vec<Signal>,
+    ignored: Vec<String>,
+    /// The time, then the signals.
+    batch: Vec<Vec<Option<f64>>>,
+    next: usize,
+    row: u64,
+    newest: Instant,
+    readings: Vec<Reading>,
+}
+
+impl ParquetTable {
+    /// Opens a table, without the columns of the signals that are left out.
+    ///
+    /// # Errors
+    /// Returns an error if the file is damaged, or has no time or no signal.
+    pub fn open(path: &Path, left_out: &[Signal]) -> Result<Self> {
+        let opened = open(path)?;
+        let names: Vec<String> = opened.column_names().map(str::to_owned).collect();
+        if !names.iter().any(|name| name == TIME) {
+            let problem = "is a Parquet file without a column time_s; expected a log, or a signal \
+                           table";
+            return Err(Error::content(path, problem));
+        }
+        let mut signals: Vec<Signal> = names
+            .iter()
+            .filter_map(|name| Signal::from_column(name))
+            .filter(|signal| !left_out.contains(signal))
+            .collect();
+        signals.sort();
+        if signals.is_empty() {
+            let problem = "no column with a signal; expected any that `roadgrade columns` lists, \
+                           such as wheel_speed_mps";
+            return Err(Error::content(path, problem));
+        }
+        let is_ignored = |name: &String| *name != TIME && Signal::from_column(name).is_none();
+        let ignored = names.into_iter().filter(is_ignored).collect();
+        let columns = signals.iter().map(|signal| signal.column());
+        let wanted = std::iter::once(TIME).chain(columns);
+        Ok(Self {
+            batches: opened.batches(wanted.map(str::to_owned).collect())?,
+            signals,
+            ignored,
+            batch: Vec::new(),
+            next: 0,
+            row: 0,
+            newest: Instant::ZERO,
+            readings: Vec::new(),
+        })
+    }
+
+    /// Returns the signals that have a column, in the order of [`Signal`].
+    pub fn signals(&self) -> impl Iterator<Item = Signal> {
+        self.signals.iter().copied()
+    }
+
+    /// Returns the columns that are not ours.
+    #[must_use]
+    pub fn ignored_columns(&self) -> &[String] {
+        &self.ignored
+    }
+
+    /// Reads the next row; `None` at the end.
+    ///
+    /// # Errors
+    /// Returns an error, with row, column and expected value, for a time that is missing or runs
+    /// backwards, and for a number beyond its range; and for a damaged file or one without rows.
+    pub fn next_row(&mut self) -> Result<Option<SignalRow<'_>>> {
+        while self
+            .batch
+            .first()
+            .is_none_or(|times| self.next >= times.len())
+        {
+            let Some(batch) = self.batches.next_batch()? else {
+                return self.end();
+            };
+            (self.batch, self.next) = (batch, 0);
+        }
+        self.row += 1;
+        let row = self.next;
+        self.next += 1;
+        let finite = |values: &Vec<Option<f64>>| values[row].filter(|value| value.is_finite());
+        let seconds = self.batch.first().and_then(finite);
+        let seconds = seconds.filter(|seconds| (0.0..LATEST_S).contains(seconds));
+        let Some(seconds) = seconds else {
+            return Err(self.error(TIME, "seconds from 0 to 4e9"));
+        };
+        let time = Instant::from_micros((seconds * 1e6).round() as u64);
+        if time < self.newest {
+            return Err(self.error(
+                "time_s, which runs backwards,",
+                "times that do not decrease",
+            ));
+        }
+        self.newest = time;
+        self.readings.clear();
+        for (signal, values) in self.signals.iter().zip(&self.batch[1..]) {
+            let number = values[row].filter(|value| !value.is_nan());
+            if number.is_some() {
+                let value = checked(*signal, number)
+                    .map_err(|expected| self.error(signal.column(), expected))?;
+                self.readings.push(Reading {
+                    signal: *signal,
+                    value,
+                });
+            }
+        }
+        Ok(Some(SignalRow {
+            time,
+            readings: &self.readings,
+        }))
+    }
+
+    fn end(&self) -> Result<Option<SignalRow<'_>>> {
+        if self.row == 0 {
+            let problem = "no rows; expected at least one";
+            return Err(Error::content(self.batches.path(), problem));
+        }
+        Ok(None)
+    }
+
+    fn error(&self, what: &str, expected: &str) -> Error {
+        let problem = format!("row {}: {what} is wrong; expected {expected}", self.row);
+        Error::content(self.batches.path(), problem)
+    }
+}
