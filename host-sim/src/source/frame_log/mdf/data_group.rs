@@ -26,7 +26,7 @@ const MOST_BYTES: usize = 8;
 /// A frame and where it is from.
 #[derive(Clone, Copy)]
 pub(super) struct Found {
-    pub micros: u64,
+    pub micros: i64,
     pub channel: u32,
     pub frame: CanFrame,
 }
@@ -34,7 +34,7 @@ pub(super) struct Found {
 /// What a record says without its data.
 #[derive(Clone, Copy)]
 struct Head {
-    micros: u64,
+    micros: i64,
     channel: u32,
     raw_id: u32,
     is_extended: bool,

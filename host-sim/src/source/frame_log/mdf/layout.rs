@@ -57,13 +57,14 @@ pub(super) struct Clock {
 }
 
 impl Clock {
-    /// Reads the time of a record, in microseconds.
-    pub(super) fn micros(&self, record: &[u8]) -> Option<u64> {
+    /// Reads the time of a record, in microseconds since the start of the measurement. Some writers
+    /// take the time at which they open the file for that.
+    pub(super) fn micros(&self, record: &[u8]) -> Option<i64> {
         let value = self.field.value(record)?;
         let micros = (value * self.factor_us + self.offset_us).round();
-        (0.0..=MOST_MICROS)
+        (-MOST_MICROS..=MOST_MICROS)
             .contains(&micros)
-            .then_some(micros as u64)
+            .then_some(micros as i64)
     }
 }
 
