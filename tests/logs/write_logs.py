@@ -71,7 +71,7 @@ def write_screen(frames, path, stamps):
             log.write(f" ({stamp:010.6f})  can0  {name}   [{frame.dlc}]  {data}\n")
 
 
-def write_mdf(frames, path, compression, fixed):
+def write_mdf(frames, path, compression):
     """Writes bus events as asammdf does for bus loggers."""
     data = numpy.zeros((len(frames), 8), dtype="u1")
     for row, frame in zip(data, frames):
@@ -112,7 +112,7 @@ def main():
     write_screen(frames, folder / "screen_a.log", "a")
     write_screen(frames, folder / "screen_d.log", "d")
     for compression in (0, 1, 2):
-        write_mdf(frames, folder / f"asammdf_{compression}.mf4", compression, False)
+        write_mdf(frames, folder / f"asammdf_{compression}.mf4", compression)
     text = (folder / "grid.log").read_text()
     (folder / "grid.log.gz").write_bytes(gzip.compress(text.encode()))
     (folder / "utf16.log").write_bytes(text.encode("utf-16"))

@@ -55,6 +55,8 @@ pub(super) struct Containers {
     is_torn: bool,
     /// True if the stream may begin within an object.
     is_within: bool,
+    /// True if no good object of the file came since the last damage.
+    is_damaged: bool,
 }
 
 /// What is wrong with some bytes of the file or of the stream.
@@ -125,6 +127,7 @@ impl Containers {
             used: 0,
             is_torn: false,
             is_within: false,
+            is_damaged: false,
         }
     }
 
@@ -286,6 +289,7 @@ impl Containers {
             let end = container_within(&self.packed).unwrap_or(self.packed.len());
             return self.give_back(end, &flaw, damage);
         }
+        self.is_damaged = false;
         Ok(is_whole)
     }
 
@@ -293,7 +297,7 @@ impl Containers {
     fn skip_damage(&mut self, flaw: &Flaw, damage: &mut DamageCheck) -> Result<bool> {
         self.is_torn = true;
         let lost = self.file.skip_to(&mut self.packed, OBJECT_MAGIC)?;
-        damage.block(self.error(&flaw.what, &flaw.expected), lost)?;
+        self.count(flaw, lost, damage)?;
         Ok(true)
     }
 
@@ -302,8 +306,17 @@ impl Containers {
         self.is_torn = true;
         self.file
             .give_back(self.packed.get(at..).unwrap_or_default());
-        damage.block(self.error(&flaw.what, &flaw.expected), at as u64)?;
+        self.count(flaw, at as u64, damage)?;
         Ok(true)
+    }
+
+    /// Counts a damaged block, once until a good one follows.
+    fn count(&mut self, flaw: &Flaw, bytes: u64, damage: &mut DamageCheck) -> Result<()> {
+        if std::mem::replace(&mut self.is_damaged, true) {
+            damage.more_of_block(bytes);
+            return Ok(());
+        }
+        damage.block(self.error(&flaw.what, &flaw.expected), bytes)
     }
 
     fn unpack(&mut self, is_whole: bool) -> std::result::Result<(), Flaw> {

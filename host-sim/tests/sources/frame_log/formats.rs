@@ -2,7 +2,7 @@
 
 use super::writers::{asc_header, candump, gzip, trc_header};
 use super::{frame, read, some_frames};
-use embedded_can::StandardId;
+use embedded_can::{Frame, Id, StandardId};
 use host_sim::source::can_frame::TimedFrame;
 use host_sim::source::log::Log;
 use host_sim::source::log_kind::LogKind;
@@ -11,6 +11,7 @@ use std::fs;
 use std::path::Path;
 use tempfile::TempDir;
 use test_kit::command::program;
+use test_kit::mdf::{MDF_FORMS, MdfBlocks, MdfData, MdfFrame, mdf};
 
 /// A recording of a standing truck, as a candump log and as an MDF file, if it is there.
 fn truck_idle(ending: &str) -> Option<Vec<u8>> {
@@ -35,8 +36,18 @@ fn an_mdf_file_has_the_frames_of_the_candump_log() {
     assert!(expected.len() > 50_000);
     for content in [&mdf, &gzip(&mdf)] {
         let found = read(content).expect("an MDF file");
-        assert!(found == (LogKind::Mdf, expected.clone(), skipped));
+        assert_eq!((found.0, found.2), (LogKind::Mdf, skipped));
+        assert!(found.1.len() == expected.len());
+        // The log has eight bytes of each frame, whatever its length.
+        for (found, expected) in found.1.iter().zip(&expected) {
+            let (found_frame, frame) = (found.frame, expected.frame);
+            assert_eq!((found.time, found_frame.id()), (expected.time, frame.id()));
+            let (short, whole) = (found_frame.data(), frame.data());
+            assert_eq!(short, &whole[..short.len()]);
+            assert!(whole[short.len()..].iter().all(|byte| *byte == 0));
+        }
     }
+    let (_, expected, _) = read(&mdf).expect("an MDF file");
     // Cut off anywhere behind its header.
     for cut in [20_000, 1_000_001, mdf.len() - 1] {
         let (_, part, _) = read(&mdf[..cut]).expect("a part");
@@ -52,6 +63,67 @@ fn an_mdf_file_has_the_frames_of_the_candump_log() {
     }
 }
 
+fn of_mdf(frames: &[TimedFrame]) -> Vec<MdfFrame> {
+    let of = |timed: &TimedFrame| {
+        let (id, is_extended) = match timed.frame.id() {
+            Id::Standard(id) => (id.as_raw().into(), false),
+            Id::Extended(id) => (id.as_raw(), true),
+        };
+        MdfFrame {
+            micros: timed.time.micros(),
+            bus: 1,
+            id,
+            is_extended,
+            data: timed.frame.data().to_vec(),
+        }
+    };
+    frames.iter().map(of).collect()
+}
+
+#[test]
+fn every_form_of_mdf_gives_the_same_frames() {
+    let mut frames = some_frames();
+    frames.retain(|timed| !timed.frame.is_remote_frame());
+    for k in 0..5000 {
+        frames.push(frame(3_600_001 + k, 0x18FE_F100, &(k * k).to_le_bytes()));
+    }
+    for (blocks, data) in MDF_FORMS {
+        let file = mdf(&of_mdf(&frames), blocks, data);
+        let (kind, found, _) = read(&file).expect("an MDF file");
+        assert!(
+            kind == LogKind::Mdf && found == frames,
+            "{blocks:?} {data:?}"
+        );
+        for cut in (file.len() / 2..file.len()).step_by(file.len() / 11) {
+            if let Ok((_, part, _)) = read(&file[..cut]) {
+                assert!(part == frames[..part.len()], "{blocks:?} {data:?} at {cut}");
+            }
+        }
+        for at in (64..file.len()).step_by(file.len() / 97) {
+            let mut damaged = file.clone();
+            damaged[at] ^= 0xff;
+            if let Err(message) = read(&damaged) {
+                assert!(message.starts_with("drive"), "{message}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_lost_block_of_mdf_costs_its_frames_only() {
+    let frames: Vec<TimedFrame> = (0..3000_u64)
+        .map(|k| frame(k, 0x18FE_F100, &(k * k).to_le_bytes()))
+        .collect();
+    for blocks in [MdfBlocks::Deflated, MdfBlocks::Transposed] {
+        let mut file = mdf(&of_mdf(&frames), blocks, MdfData::InRecord);
+        let starts: Vec<usize> = memchr::memmem::find_iter(&file, b"##DZ").collect();
+        file[starts[1] + 100] ^= 0xff;
+        let (_, found, _) = read(&file).expect("two of three blocks");
+        assert!((1998..2001).contains(&found.len()), "{}", found.len());
+        assert!(found.iter().all(|timed| frames.contains(timed)));
+    }
+}
+
 #[test]
 fn csv_of_other_programs_is_read() {
     let savvy = "Time Stamp,ID,Extended,Dir,Bus,LEN,D1,D2,D3,D4,D5,D6,D7,D8\n\
@@ -62,7 +134,7 @@ fn csv_of_other_programs_is_read() {
         0.001,0xcf00400,1,0,0,3,YH2E\n0.002,0x123,0,0,0,0,\n0.002,0x0,0,0,1,0,\n";
     let id = StandardId::new(0x123).expect("an identifier");
     let empty = TimedFrame {
-        frame: embedded_can::Frame::new(id, &[]).expect("a frame"),
+        frame: Frame::new(id, &[]).expect("a frame"),
         ..frame(2, 0, &[])
     };
     let frames = [frame(1, 0x0CF0_0400, &[0x60, 0x7D, 0x84]), empty];
