@@ -56,7 +56,7 @@ struct Inspection<'a> {
 pub fn run(args: &Args) -> Result<()> {
     let bar = progress::bytes(args.log.metadata().map_or(0, |file| file.len()));
     let (kind, census, report) = census_of(&args.log, &args.reading.read_options(), |read| {
-        bar.set_position(read)
+        bar.set_position(read);
     })?;
     bar.finish_and_clear();
     damage::note_log(&args.log, &report);

@@ -179,7 +179,7 @@ impl FrameGroup {
         file: &mut MdfFile,
         notes: &mut LogNotes,
     ) -> Result<Option<Found>> {
-        if self.layout.event == Event::ErrorFrame {
+        if self.layout.event == Event::Error {
             notes.skipped.bus_errors += 1;
             return Ok(None);
         }
@@ -241,7 +241,7 @@ impl FrameGroup {
             channel: read(layout.bus).unwrap_or(1) as u32,
             raw_id: (raw & ID_MASK) as u32,
             is_extended,
-            is_remote: layout.event == Event::RemoteFrame,
+            is_remote: layout.event == Event::Remote,
             length: length as usize,
         })
     }
