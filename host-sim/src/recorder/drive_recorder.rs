@@ -235,10 +235,9 @@ impl<S: Scalar> Recorder<S> {
                 // Both passes begin with the first speed.
                 let end = grades.count().min(first + smoothed.len());
                 let grades = grades.read(first.min(end)..end)?;
-                let segment = smoothed.iter().zip(&grades);
-                let segment = segment
-                    .map(|(smoothed, grades)| row(start, grades, smoothed))
-                    .inspect(|row| plausibility.row(row));
+                let cells = smoothed.iter().inspect(|cell| plausibility.smoothed(cell));
+                let segment = cells.zip(&grades);
+                let segment = segment.map(|(smoothed, grades)| row(start, grades, smoothed));
                 rows.put(first, segment)
             },
         )?;

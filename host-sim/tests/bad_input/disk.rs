@@ -45,6 +45,7 @@ fn a_full_disk_leaves_whole_files_or_none() {
     let out = at.join("out");
     for command in COMMANDS {
         let words: Vec<&str> = command.split(' ').collect();
+        fs::create_dir_all(&out).unwrap();
         done(at, &words);
         let whole = contents(&out);
         assert!(!whole.is_empty(), "{command}");
@@ -52,6 +53,7 @@ fn a_full_disk_leaves_whole_files_or_none() {
         let (least, most) = (sizes.iter().min().unwrap(), sizes.iter().max().unwrap());
         for limit in [0, 1, least - 1, most / 2, most - 1] {
             fs::remove_dir_all(&out).unwrap();
+            fs::create_dir_all(&out).unwrap();
             let output = with_limit(at, &format!("--fsize={limit}"), &words);
             let message = stderr(&output);
             assert_eq!(
@@ -63,7 +65,6 @@ fn a_full_disk_leaves_whole_files_or_none() {
                 message.contains("File too large"),
                 "{command}, {limit}: {message}"
             );
-            fs::create_dir_all(&out).unwrap();
             for (path, content) in contents(&out) {
                 assert!(
                     whole.get(&path) == Some(&content),

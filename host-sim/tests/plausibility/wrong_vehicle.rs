@@ -31,6 +31,18 @@ fn mass_in_pounds() {
 }
 
 #[test]
+fn reported_mass_of_another_load() {
+    let mut wrong = table();
+    for (_, row) in &mut wrong {
+        if row.contains_key(&Signal::BrakeSwitch) {
+            row.insert(Signal::Mass, 60_000.0);
+        }
+    }
+    let printed = estimate_with(&vehicle(), &wrong);
+    printed.warns(&["scale"], "", "the reported mass (CVW)");
+}
+
+#[test]
 fn reference_torque_of_another_engine() {
     let file = vehicle_with("reference_torque_nm", |nm| nm * 0.7);
     estimate_with(&file, &table()).warns(&["scale"], "", "check mass_kg");

@@ -153,7 +153,7 @@ impl<'a, 'r> RunIntake<'a, 'r> {
         if strict || e.is_of_the_machine() {
             return Err(e);
         }
-        note(format_args!("{e}: left out"));
+        alert(format_args!("{e}: left out"));
         self.tally.damaged += 1;
         Ok(())
     }
@@ -198,17 +198,17 @@ impl<'a, 'r> RunIntake<'a, 'r> {
             ));
         }
         if unmatched > 0 {
-            note(format_args!(
+            alert(format_args!(
                 "warning: {unmatched} of {added} runs cover no cell"
             ));
         }
         if repeated > 0 {
-            note(format_args!(
+            alert(format_args!(
                 "warning: {repeated} runs were already in the map"
             ));
         }
         if damaged > 0 {
-            note(format_args!(
+            alert(format_args!(
                 "warning: {damaged} damaged files left out, {added} runs added"
             ));
         }

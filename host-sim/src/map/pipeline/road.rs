@@ -7,7 +7,7 @@ use crate::map::geometry::network::Network;
 use crate::map::io::network_file::{read, road_through};
 use crate::map::io::store::MapStore;
 use crate::map::matching::track::road_of_run;
-use crate::terminal::print::note;
+use crate::terminal::print::alert;
 use std::path::Path;
 
 /// The sums of earlier runs, and their file.
@@ -62,7 +62,7 @@ fn road_from_runs(inputs: &Inputs) -> Result<Network> {
         };
         match track {
             Some(track) => return road_through(path, track),
-            None => note(format_args!(
+            None => alert(format_args!(
                 "warning: {}: no positions to take the road from",
                 on_one_line(path)
             )),

@@ -31,7 +31,7 @@ mod way;
 
 pub use warning::Warning;
 
-use crate::files::run::RunRow;
+use crate::smooth::SmoothedCell;
 use crate::source::can_frame::CanFrame;
 use brakes::Brakes;
 use climb::Climb;
@@ -83,14 +83,13 @@ impl Plausibility {
 
     /// Takes a sample of the estimator.
     pub(super) fn sample(&mut self, sample: &Sample, vehicle: &VehicleParameters) {
-        let is_reported = sample.mass_is_reported;
-        self.seen.fit.cell(sample.end.condition, is_reported);
+        self.seen.fit.sample(sample);
         self.seen.climb.sample(sample, vehicle);
     }
 
-    /// Takes a row of the run, in any order.
-    pub(super) fn row(&mut self, row: &RunRow) {
-        self.seen.fit.row(row);
+    /// Takes a cell of the smoothed run, in any order.
+    pub(super) fn smoothed(&mut self, cell: &SmoothedCell) {
+        self.seen.fit.smoothed(cell);
     }
 
     /// Returns what is not plausible, causes first.

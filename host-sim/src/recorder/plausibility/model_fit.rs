@@ -1,8 +1,8 @@
 //! What the estimate itself says: cells in which the model does not hold, and the scale at the end.
 
 use super::warning::Warning;
-use crate::files::run::RunRow;
-use estimator_core::Condition;
+use crate::smooth::SmoothedCell;
+use estimator_core::Sample;
 
 /// Least number of cells from which anything is concluded: 1 km.
 const CELLS: u32 = 400;
@@ -10,53 +10,52 @@ const CELLS: u32 = 400;
 const ALL: f64 = 0.95;
 /// Difference of the scale from 1 that torque and mass of a right vehicle file do not have.
 const LARGEST_OFF: f64 = 0.15;
-/// Largest relative sigma of a mass that counts.
+/// Largest relative sigma of a scale that counts.
 const KNOWN: f64 = 0.1;
 /// Kilograms over pounds.
 const POUNDS: f64 = 0.453_592;
 
-/// Collects samples and rows.
+/// Collects samples and smoothed cells.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ModelFit {
     cells: u32,
     shifting: u32,
     braking: u32,
     no_traction: u32,
-    mass_was_reported: bool,
-    last: Option<LastRow>,
+    /// Mass that the model takes, kg, and whether the bus reported it.
+    model_mass_kg: f64,
+    mass_is_reported: bool,
+    last: Option<LastCell>,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct LastRow {
+struct LastCell {
     distance_m: f64,
     scale: f64,
-    mass_kg: f64,
-    mass_sigma_kg: f64,
+    sigma: f64,
 }
 
 impl ModelFit {
-    /// Takes the condition of a cell, and whether a mass was reported.
-    pub(super) fn cell(&mut self, condition: Condition, mass_is_reported: bool) {
+    /// Takes a sample of the estimator.
+    pub(super) fn sample(&mut self, sample: &Sample) {
+        let condition = sample.end.condition;
         self.cells = self.cells.saturating_add(1);
         self.shifting += u32::from(condition.shifting);
         self.braking += u32::from(condition.braking);
         self.no_traction += u32::from(condition.no_traction);
-        self.mass_was_reported = mass_is_reported;
+        self.model_mass_kg = f64::from(sample.forces.mass_kg);
+        self.mass_is_reported = sample.mass_is_reported;
     }
 
-    /// Takes a row of the run, in any order.
-    pub(super) fn row(&mut self, row: &RunRow) {
-        let is_last = |last: LastRow| row.distance_m >= last.distance_m;
-        if let (true, Some(mass_kg), Some(mass_sigma_kg)) = (
-            self.last.is_none_or(is_last),
-            row.mass_kg,
-            row.mass_sigma_kg,
-        ) {
-            self.last = Some(LastRow {
-                distance_m: row.distance_m,
-                scale: row.scale,
-                mass_kg,
-                mass_sigma_kg,
+    /// Takes a cell of the smoothed run, in any order.
+    pub(super) fn smoothed(&mut self, cell: &SmoothedCell) {
+        let distance_m = cell.end.distance_m();
+        let is_last = |last: LastCell| distance_m >= last.distance_m;
+        if self.last.is_none_or(is_last) {
+            self.last = Some(LastCell {
+                distance_m,
+                scale: f64::from(cell.estimate.scale.value),
+                sigma: f64::from(cell.estimate.scale.sigma),
             });
         }
     }
@@ -102,14 +101,12 @@ impl ModelFit {
 
     /// Returns a scale that is too far from 1.
     pub(super) fn scale(&self) -> Option<Warning> {
-        let last = self.last?;
-        let sigma = last.mass_sigma_kg / last.mass_kg;
-        let is_off = (last.scale - 1.0).abs() > LARGEST_OFF + sigma * last.scale;
-        if !is_off || sigma > KNOWN || self.cells < CELLS {
+        let LastCell { scale, sigma, .. } = self.last?;
+        let is_off = (scale - 1.0).abs() > LARGEST_OFF + sigma;
+        if !is_off || sigma > KNOWN * scale || self.cells < CELLS {
             return None;
         }
-        let scale = last.scale;
-        let origin = if self.mass_was_reported {
+        let origin = if self.mass_is_reported {
             "the reported mass (CVW)"
         } else {
             "mass_kg of the vehicle file"
@@ -126,8 +123,8 @@ impl ModelFit {
             "scale",
             format!(
                 "the vehicle moves as if its traction per kilogram were {scale:.2} times what \
-                 {origin}{looks} and the torque say: the gross mass would be {:.0} kg",
-                last.mass_kg
+                 {origin}{looks} and the torque say: by the forces alone, the gross mass is {:.0} kg",
+                self.model_mass_kg / scale
             ),
             "check mass_kg, reference_torque_nm, the gear ratios, final_drive_ratio and \
              wheel_radius_m, and the unit of the altitude",
