@@ -9,7 +9,7 @@
 //! Packets come in order. A session with a missing packet is dropped. A packet that comes twice with
 //! the same bytes counts once: a receiver may ask for it again.
 
-use super::decoder::{FrameOutcome, Pgn, Rejection};
+use super::frame_outcome::{FrameOutcome, Pgn, Rejection};
 use super::layout::{Framing, MESSAGES, Message, index_of};
 use crate::time::Instant;
 
