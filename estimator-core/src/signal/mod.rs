@@ -6,13 +6,15 @@
 
 mod decoder;
 mod fast_packet;
+mod frame_outcome;
 mod layout;
 pub mod own_message;
 pub mod raw_field;
 mod reading;
 mod transport;
 
-pub use decoder::{Decoder, FrameOutcome, Pgn, Rejection};
+pub use decoder::Decoder;
+pub use frame_outcome::{FrameOutcome, Pgn, Rejection};
 pub use layout::{Framing, MessageInfo, encode, messages};
 pub use reading::{Reading, Signal, Value};
 

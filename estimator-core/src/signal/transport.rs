@@ -9,9 +9,9 @@
 //! Packets come in order. A session with a missing packet is dropped. A packet that comes twice with
 //! the same bytes counts once: a receiver may ask for it again.
 
-use super::decoder::{FrameOutcome, Pgn, Rejection};
+use super::frame_outcome::{FrameOutcome, Pgn, Rejection};
 use super::layout::{Framing, MESSAGES, Message, index_of};
-use crate::time::{Duration, Instant};
+use crate::time::Instant;
 
 /// Parameter group of announcements (TP.CM).
 const MANAGEMENT: u32 = 60_416;
@@ -31,9 +31,9 @@ const TO_ALL: u8 = 255;
 const PACKET: usize = 7;
 /// Lengths of multi-packet messages, bytes.
 const LENGTHS: core::ops::RangeInclusive<u16> = 9..=1_785;
-/// Longest pause within a session: T1 to all, T2 and T3 to one receiver.
-const PAUSE_TO_ALL: Duration = Duration::from_millis(750);
-const PAUSE_TO_ONE: Duration = Duration::from_millis(1_250);
+/// Longest pause within a session, µs: T1 to all, T2 and T3 to one receiver.
+const PAUSE_TO_ALL_US: u32 = 750_000;
+const PAUSE_TO_ONE_US: u32 = 1_250_000;
 
 /// Bytes that are kept of a message: EC1's inertia ends there.
 pub(super) const CAPACITY: usize = 32;
@@ -84,8 +84,9 @@ struct Session {
     next: u8,
     /// Bytes to keep.
     length: u8,
-    /// Time of its newest frame.
-    time: Instant,
+    /// Time of its newest frame: the low 32 bits, µs. With all of them, what is read with every frame
+    /// would lie behind the sessions, where a controller reaches it by a longer way.
+    time_us: u32,
     /// The payload, with ones ("not available") where the message is shorter.
     bytes: [u8; CAPACITY],
 }
@@ -164,16 +165,14 @@ impl TransportSessions {
             return FrameOutcome::Rejected(Rejection::TransportAnnouncement);
         }
         if let Some(session) = self.free_session(now) {
-            *session = Session {
-                open: true,
-                pair,
-                message: message as u8,
-                packets,
-                next: 1,
-                length: length.min(CAPACITY as u16) as u8,
-                time: now,
-                ..Session::CLOSED
-            };
+            session.open = true;
+            session.pair = pair;
+            session.message = message as u8;
+            session.packets = packets;
+            session.next = 1;
+            session.length = length.min(CAPACITY as u16) as u8;
+            session.time_us = now.micros() as u32;
+            session.bytes = [0xff; CAPACITY];
         }
         unfinished
     }
@@ -184,8 +183,7 @@ impl TransportSessions {
         pair: Pair,
         data: &[u8],
     ) -> Result<Complete<'_>, FrameOutcome> {
-        let session = self.sessions.iter_mut().find(|of| of.is_of(pair));
-        let Some(session) = session else {
+        let Some(session) = self.session_of(pair) else {
             // Of another message, or of a session that was dropped.
             return Err(FrameOutcome::Ignored);
         };
@@ -200,8 +198,13 @@ impl TransportSessions {
 
     /// Closes the session of a pair. Returns whether there was one.
     fn close(&mut self, pair: Pair) -> bool {
-        let session = self.sessions.iter_mut().find(|of| of.is_of(pair));
+        let session = self.session_of(pair);
         session.is_some_and(|session| core::mem::replace(&mut session.open, false))
+    }
+
+    #[inline(never)]
+    fn session_of(&mut self, pair: Pair) -> Option<&mut Session> {
+        self.sessions.iter_mut().find(|of| of.is_of(pair))
     }
 
     /// Returns a session that is closed or was given up, else the oldest.
@@ -227,8 +230,8 @@ impl Session {
         packets: 0,
         next: 0,
         length: 0,
-        time: Instant::ZERO,
-        bytes: [0xff; CAPACITY],
+        time_us: 0,
+        bytes: [0; CAPACITY],
     };
 
     fn is_of(&self, pair: Pair) -> bool {
@@ -236,12 +239,12 @@ impl Session {
     }
 
     fn is_given_up(&self, now: Instant) -> bool {
-        let pause = if self.pair.destination == TO_ALL {
-            PAUSE_TO_ALL
+        let longest_us = if self.pair.destination == TO_ALL {
+            PAUSE_TO_ALL_US
         } else {
-            PAUSE_TO_ONE
+            PAUSE_TO_ONE_US
         };
-        now.since(self.time) > pause
+        (now.micros() as u32).wrapping_sub(self.time_us) > longest_us
     }
 
     /// Appends a packet. Returns `Ok` if it is the last one.
@@ -270,7 +273,7 @@ impl Session {
         for (to, from) in place.iter_mut().zip(packet) {
             *to = *from;
         }
-        self.time = now;
+        self.time_us = now.micros() as u32;
         if number == self.packets {
             return Ok(());
         }
