@@ -136,7 +136,14 @@ impl FrameLog {
             if self.is_over {
                 return Ok(None);
             }
-            match self.reader.next_logged()? {
+            let logged = match self.reader.next_logged() {
+                // Nothing of the log before it.
+                Err(error) if self.reader.notes().frames == 0 => {
+                    return Err(self.explained(error));
+                }
+                other => other?,
+            };
+            match logged {
                 Some(logged) => self.place(logged)?,
                 None => {
                     self.is_over = true;

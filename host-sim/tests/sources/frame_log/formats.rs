@@ -125,6 +125,22 @@ fn a_lost_block_of_mdf_costs_its_frames_only() {
 }
 
 #[test]
+fn a_circle_of_data_blocks_in_mdf_ends() {
+    let frames: Vec<TimedFrame> = (0..300_u64)
+        .map(|k| frame(k, 0x18FE_F100, &k.to_le_bytes()))
+        .collect();
+    let mut file = mdf(&of_mdf(&frames), MdfBlocks::List, MdfData::InRecord);
+    let list = memchr::memmem::find(&file, b"##DL").expect("a list");
+    // Its first link is the next list.
+    file[list + 24..list + 32].copy_from_slice(&(list as u64).to_le_bytes());
+    let message = read(&file).expect_err("a circle");
+    assert!(
+        message.contains("more data blocks than the file has"),
+        "{message}"
+    );
+}
+
+#[test]
 fn csv_of_other_programs_is_read() {
     let savvy = "Time Stamp,ID,Extended,Dir,Bus,LEN,D1,D2,D3,D4,D5,D6,D7,D8\n\
         1000,0CF00400,true,Rx,0,3,60,7D,84,\n2000,00000123,false,Rx,1,0,\n";

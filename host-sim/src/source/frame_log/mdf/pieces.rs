@@ -13,7 +13,7 @@ const MOST_BYTES: u64 = 16 << 20;
 /// Bytes of a compressed block before its content.
 const PACKED_HEADER_BYTES: u64 = 24;
 /// Most blocks of a list that are empty.
-const MOST_EMPTY: u32 = 1 << 20;
+const MOST_EMPTY: u32 = 1 << 16;
 
 /// What comes next of some data.
 pub(super) enum Piece {
@@ -40,6 +40,8 @@ pub(super) struct Pieces {
     rest: (u64, u64),
     is_cut_off: bool,
     empty: u32,
+    /// Bytes of the blocks so far: more than the file has are a circle of links.
+    taken: u64,
 }
 
 impl Pieces {
@@ -76,6 +78,14 @@ impl Pieces {
                     });
                 }
             };
+            self.taken = self.taken.saturating_add(HEADER_BYTES);
+            if matches!(&block.id, b"##DT" | b"##SD" | b"##DV" | b"##DZ") {
+                let in_file = file.length().saturating_sub(link);
+                self.taken = self.taken.saturating_add(block.length.min(in_file));
+            }
+            if self.taken > 2 * file.length() {
+                return Err(file.error("more data blocks than the file has", "each of them once"));
+            }
             match &block.id {
                 b"##DT" | b"##SD" | b"##DV" => self.plain(file, &block),
                 b"##DZ" => return unpack(file, &block, bytes),
