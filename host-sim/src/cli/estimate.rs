@@ -62,7 +62,8 @@ pub struct Args {
     /// Print the summary as JSON.
     #[arg(long)]
     json: bool,
-    /// Log of frames (candump in either layout, ASC, TRC or BLF) or signal table (.csv); plain or gzip.
+    /// Log of frames (candump, ASC, TRC, BLF, MDF 4, CSV of SavvyCAN or python-can) or signal table (.csv);
+    /// plain, gzip or zstd; - is standard input.
     log: PathBuf,
 }
 

@@ -30,8 +30,8 @@ use std::path::{Path, PathBuf};
         roadgrade inspect --json table.csv | jq '.needs[] | select(.presence != \"present\")'"
 )]
 pub struct Args {
-    /// A candump log (`candump -l`, or as candump prints it with `-t a`), a log in ASC, TRC or BLF,
-    /// or a signal table (.csv); plain or gzip.
+    /// A log of frames (candump, ASC, TRC, BLF, MDF 4, CSV of SavvyCAN or python-can) or a signal table
+    /// (.csv); plain, gzip or zstd; - is standard input.
     log: PathBuf,
     #[command(flatten)]
     reading: LogOptions,

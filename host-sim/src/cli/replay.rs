@@ -21,7 +21,7 @@ const BAR_STEP: u64 = 256;
 /// Arguments of `replay`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
-Frames are sent at the times of the log, or faster by a factor. All frames of the log are sent, whatever interface it names for them.
+Frames are sent at the times of the log, or faster by a factor. All frames of the log are sent, whatever interface it names for them; what two interfaces heard is sent once.
 
 While the queue of the interface is full (ENOBUFS), replay waits. A virtual interface has no such limit. With --speed max its frames arrive faster than a listener can read them, and frames that do not fit into the buffer of the listener are lost. `roadgrade listen` counts them as lost.
 
@@ -46,7 +46,7 @@ pub struct Args {
     /// Print the summary as JSON.
     #[arg(long)]
     json: bool,
-    /// Log of frames: candump (either layout), ASC, TRC or BLF; plain or gzip.
+    /// Log of frames: candump, ASC, TRC, BLF, MDF 4, CSV of SavvyCAN or python-can; plain, gzip or zstd.
     log: PathBuf,
 }
 

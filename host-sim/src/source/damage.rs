@@ -105,6 +105,11 @@ impl DamageCheck {
         self.keep(problem)
     }
 
+    /// Adds bytes to the block that was left out last.
+    pub(super) const fn more_of_block(&mut self, bytes: u64) {
+        self.found.bytes += bytes;
+    }
+
     /// Notes that the log ends before its time.
     ///
     /// # Errors

@@ -151,7 +151,7 @@ impl LogFile {
     ///
     /// # Errors
     /// Returns the error of the file system or of the packed data.
-    pub(super) fn to_seekable(&mut self) -> Result<File> {
+    pub(super) fn open_seekable(&mut self) -> Result<File> {
         let is_plain = self.packing == Packing::Plain && self.path.is_file();
         if is_plain {
             return File::open(&self.path).map_err(Error::io(&self.path));

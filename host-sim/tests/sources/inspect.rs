@@ -301,11 +301,7 @@ fn bad_logs_end_with_a_message_and_nothing_on_stdout() {
             b"To be or not to be\n",
             "text.log:1: no time in brackets in `To be or not",
         ),
-        (
-            "cut.log",
-            b"(1.0) can0 123#01\n(1.1) can0 12",
-            "cut.log:2: the log is cut off",
-        ),
+        ("cut.log", b"(1.0) can0 12", "cut.log:1: no CAN identifier"),
         (
             "back.log",
             b"(2.0) can0 123#01\n(1.0) can0 123#01\n",

@@ -237,7 +237,7 @@ fn cells_are_checked_with_line_and_column() {
             "table.csv:3: time_s runs backwards, from 1.500000 s to 1.250000 s; expected times",
         ),
     ] {
-        let message = error(&format!("time_s,gear,latitude_deg\n{rows}"));
+        let message = error(&format!("time_s,gear,latitude_deg\n{rows}\n"));
         assert!(message.starts_with(problem), "{rows:?}: {message}");
     }
 }

@@ -8,9 +8,11 @@
 
 use arbitrary::{Arbitrary, Unstructured};
 use estimator_core::{Estimator, Signal, Tuning};
+use flate2::write::ZlibEncoder;
 use flate2::{Compression, GzBuilder};
 use fuzz_targets::{Event, EventBus, truck};
 use std::io::Write;
+use test_kit::mdf::{MDF_FORMS, MdfFrame, mdf};
 use std::path::Path;
 use std::{fs, io};
 
@@ -34,6 +36,13 @@ fn main() -> io::Result<()> {
         let text = fs::read(corpus.join(target).join(from))?;
         write(&corpus, target, to, &compressed(&text)?)?;
     }
+    for (k, (blocks, data)) in MDF_FORMS.into_iter().enumerate() {
+        let name = format!("form_{k}");
+        write(&corpus, "mdf", &name, &mdf(&few_frames(), blocks, data))?;
+    }
+    for (name, method) in [("plain", 0), ("zlib", 2)] {
+        write(&corpus, "blf", name, &blf(&few_frames(), method)?)?;
+    }
     Ok(())
 }
 
@@ -41,6 +50,54 @@ fn write(corpus: &Path, target: &str, name: &str, bytes: &[u8]) -> io::Result<()
     let folder = corpus.join(target);
     fs::create_dir_all(&folder)?;
     fs::write(folder.join(name), bytes)
+}
+
+// --- logs ------------------------------------------------------------------------------------------
+
+fn few_frames() -> Vec<MdfFrame> {
+    let frame = |k: u64| MdfFrame {
+        micros: 1000 * k,
+        bus: 1,
+        id: 0x0CF0_0400,
+        is_extended: true,
+        data: k.to_le_bytes().to_vec(),
+    };
+    (1..9).map(frame).collect()
+}
+
+/// Returns a BLF file with one container, plain (0) or zlib (2).
+fn blf(frames: &[MdfFrame], method: u16) -> io::Result<Vec<u8>> {
+    let object = |header: u16, kind: u32, body: &[u8]| {
+        let length = 16 + body.len() as u32;
+        let mut bytes = b"LOBJ".to_vec();
+        bytes.extend([header.to_le_bytes(), 1_u16.to_le_bytes()].concat());
+        bytes.extend([length.to_le_bytes(), kind.to_le_bytes()].concat());
+        bytes.extend(body);
+        bytes
+    };
+    let mut objects = Vec::new();
+    for frame in frames {
+        let mut body = [2, 0, 0, 0, 0, 0, 0, 0].to_vec();
+        body.extend((1000 * frame.micros).to_le_bytes());
+        body.extend([1, 0, 0, frame.data.len() as u8]);
+        body.extend((frame.id | 1 << 31).to_le_bytes());
+        body.extend(&frame.data);
+        objects.extend(object(32, 1, &body));
+    }
+    let declared = objects.len() as u32;
+    if method == 2 {
+        let mut encoder = ZlibEncoder::new(Vec::new(), Compression::default());
+        encoder.write_all(&objects)?;
+        objects = encoder.finish()?;
+    }
+    let mut content = [method, 0, 0, 0].map(u16::to_le_bytes).concat();
+    content.extend([declared.to_le_bytes(), [0; 4]].concat());
+    content.extend(objects);
+    let mut file = b"LOGG".to_vec();
+    file.extend(144_u32.to_le_bytes());
+    file.resize(144, 0);
+    file.extend(object(16, 10, &content));
+    Ok(file)
 }
 
 // --- traffic ---------------------------------------------------------------------------------------

@@ -6,6 +6,8 @@ use embedded_can::{ExtendedId, Frame, StandardId};
 use estimator_core::signal::{encode, messages};
 use estimator_core::{Instant, Signal, Value, VehicleParameters};
 use host_sim::source::can_frame::{CanFrame, TimedFrame};
+use host_sim::source::log::Log;
+use host_sim::source::read_options::ReadOptions;
 use std::io::Write;
 use std::path::Path;
 use test_kit::truck_with;
@@ -276,4 +278,37 @@ pub fn as_file(suffix: &str, bytes: &[u8], read: impl FnOnce(&Path)) {
         .expect("a temporary file");
     file.write_all(bytes).expect("the file can be written");
     read(file.path());
+}
+
+/// Reads a log that begins with these letters: its frames are in the order of time, or the error
+/// names the file. Bytes that do not begin so get them in front, so that all are of the format.
+pub fn check_log(letters: &[u8], bytes: &[u8]) {
+    let head = if bytes.starts_with(letters) || bytes.starts_with(b"UnFinMF 4") {
+        &[]
+    } else {
+        letters
+    };
+    as_file(".log", &[head, bytes].concat(), |path| {
+        let error = match Log::open(path, &ReadOptions::default()) {
+            Ok(Log::Frames(mut log)) => {
+                let mut newest = None;
+                loop {
+                    match log.next_frame() {
+                        Ok(Some(timed)) => {
+                            assert!(newest.is_none_or(|newest| newest <= timed.time));
+                            newest = Some(timed.time);
+                        }
+                        Ok(None) => {
+                            assert!(newest.is_some(), "a log without a frame is an error");
+                            return;
+                        }
+                        Err(error) => break error,
+                    }
+                }
+            }
+            Ok(Log::Table(_)) => panic!("a log of frames is no table"),
+            Err(error) => error,
+        };
+        assert!(error.to_string().contains(&path.display().to_string()));
+    });
 }

@@ -7,6 +7,8 @@ pub mod effect_drive;
 mod filter_runs;
 mod frames;
 pub mod hilly_drive;
+#[cfg(feature = "mdf")]
+pub mod mdf;
 mod noise;
 pub mod readings_drive;
 #[cfg(feature = "host")]

@@ -9,8 +9,10 @@
 //! * An identifier that ends in `x` has 29 bits.
 //! * With `base dec`, identifiers and data are decimal.
 //! * Relative times are those since the line before.
+//! * The date is that of the logger's clock, whatever its time zone.
 //! * Lines that are neither frames nor errors of the bus are events, and pass.
 
+use super::calendar::DateTime;
 use super::fields::{MOST_MICROS, Words, data_frame, fixed_point, identifier, length_of, number};
 use super::line_problem::{Parsed, header_problem, problem};
 use super::text::{LineFormat, TextLine};
@@ -23,6 +25,7 @@ pub(super) struct Asc {
     radix: u32,
     is_relative: bool,
     micros: u64,
+    origin_us: Option<u64>,
 }
 
 impl Default for Asc {
@@ -31,11 +34,16 @@ impl Default for Asc {
             radix: 16,
             is_relative: false,
             micros: 0,
+            origin_us: None,
         }
     }
 }
 
 impl LineFormat for Asc {
+    fn origin_us(&self) -> Option<u64> {
+        self.origin_us
+    }
+
     fn parse(&mut self, line: &[u8], interfaces: &mut Interfaces) -> Parsed<TextLine> {
         let mut words = Words(line);
         let Some(first) = words.next() else {
@@ -43,6 +51,9 @@ impl LineFormat for Asc {
         };
         if first.eq_ignore_ascii_case(b"base") {
             self.base(&mut words)?;
+        }
+        if first.eq_ignore_ascii_case(b"date") {
+            self.origin_us = date(&mut words).and_then(|date| date.unix_micros());
         }
         if !matches!(first, [b'0'..=b'9', ..] | [b'-', b'0'..=b'9', ..]) {
             return Ok(TextLine::Other);
@@ -64,6 +75,41 @@ impl LineFormat for Asc {
             None => Ok(TextLine::Other),
         }
     }
+}
+
+/// Names of months. Those of other languages are not known.
+const MONTHS: [&[u8]; 12] = [
+    b"jan", b"feb", b"mar", b"apr", b"may", b"jun", b"jul", b"aug", b"sep", b"oct", b"nov", b"dec",
+];
+
+/// Reads `Sun Nov 22 10:00:00.000 am 2026`, with or without the fraction and `am`.
+fn date(words: &mut Words) -> Option<DateTime> {
+    let _weekday = words.next()?;
+    let month = words.next()?.to_ascii_lowercase();
+    let month = MONTHS.iter().position(|name| month.starts_with(name))? as u64 + 1;
+    let day = number(words.next()?, 10)?.into();
+    let mut time = words.next()?.split(|byte| *byte == b':');
+    let hour = u64::from(number(time.next()?, 10)?);
+    let minute = number(time.next()?, 10)?.into();
+    let micros = fixed_point(time.next()?, 6)?;
+    let mut last = words.next()?.to_ascii_lowercase();
+    let hour = match last.as_slice() {
+        b"am" => hour % 12,
+        b"pm" => hour % 12 + 12,
+        _ => hour,
+    };
+    if matches!(last.as_slice(), b"am" | b"pm") {
+        last = words.next()?.to_vec();
+    }
+    Some(DateTime {
+        year: number(&last, 10)?.into(),
+        month,
+        day,
+        hour,
+        minute,
+        second: micros / 1_000_000,
+        micros: micros % 1_000_000,
+    })
 }
 
 impl Asc {

@@ -1,43 +1,26 @@
 //! The objects of a BLF file, inside and outside of its containers, as one stream.
 
 use super::blf_file::{BlfFile, u16_at, u32_at};
+use super::blf_layout::{
+    BASE_BYTES, CONTAINER, Flaw, MOST_PADDING, OBJECT_MAGIC, beginning, container_within, size_of,
+    unpack,
+};
 use super::calendar::DateTime;
 use crate::error::{Error, Result};
 use crate::files::log_format::BLF_MAGIC;
 use crate::source::damage::DamageCheck;
 use crate::source::log_file::LogFile;
-use flate2::read::ZlibDecoder;
 use memchr::memmem;
-use std::io::{ErrorKind, Read};
 use std::ops::Range;
 
-/// First bytes of an object.
-const OBJECT_MAGIC: &[u8] = b"LOBJ";
-/// Bytes of the part of an object's header that all objects have.
-const BASE_BYTES: usize = 16;
-/// Bytes of a container between that part and its content.
-const CONTAINER_BYTES: usize = 16;
-/// Type of a container.
-const CONTAINER: u32 = 10;
-/// Most bytes between two objects: writers differ in how they pad.
-const MOST_PADDING: usize = 4;
 /// Bytes of the file header that are read for its length.
 const LENGTH_BYTES: u64 = 8;
-/// Largest object, container or content of a container, bytes. Vector's are 128 KiB.
-const MOST_BYTES: usize = 64 << 20;
 /// Largest file header, bytes; Vector's has 144.
 const MOST_HEADER_BYTES: u64 = 64 << 10;
 
 /// Where the start of the measurement stands in the file header: eight numbers of two bytes, year,
 /// month, day of the week, day, hour, minute, second, millisecond.
 const START_AT: usize = 40;
-
-const METHOD_NONE: u16 = 0;
-const METHOD_ZLIB: u16 = 2;
-
-/// Types of objects that record frames and errors, and their largest size, bytes.
-const FRAMES: [u32; 7] = [1, 2, 73, 86, 100, 101, 104];
-const MOST_FRAME_BYTES: usize = 4096;
 
 /// Reader of objects.
 pub(super) struct Containers {
@@ -55,62 +38,8 @@ pub(super) struct Containers {
     is_torn: bool,
     /// True if the stream may begin within an object.
     is_within: bool,
-}
-
-/// What is wrong with some bytes of the file or of the stream.
-struct Flaw {
-    what: String,
-    expected: String,
-}
-
-impl Flaw {
-    fn new(what: impl Into<String>, expected: impl Into<String>) -> Self {
-        Self {
-            what: what.into(),
-            expected: expected.into(),
-        }
-    }
-
-    fn no_object() -> Self {
-        Self::new("no object behind the one before", "the letters LOBJ")
-    }
-}
-
-/// Returns where in these bytes the next object begins, behind its padding.
-fn beginning(bytes: &[u8]) -> Option<usize> {
-    (0..=MOST_PADDING).find(|at| {
-        bytes
-            .get(*at..)
-            .is_some_and(|b| b.starts_with(OBJECT_MAGIC))
-    })
-}
-
-/// Returns the size of an object by its header.
-fn size_of(header: &[u8]) -> std::result::Result<usize, Flaw> {
-    let size = u32_at(header, 8).map_or(0, |size| size as usize);
-    let is_frame = u32_at(header, 12).is_some_and(|kind| FRAMES.contains(&kind));
-    let most = if is_frame {
-        MOST_FRAME_BYTES
-    } else {
-        MOST_BYTES
-    };
-    if (BASE_BYTES..=most).contains(&size) {
-        return Ok(size);
-    }
-    let what = format!("an object of {size} bytes");
-    Err(Flaw::new(what, format!("{BASE_BYTES} to {most}")))
-}
-
-/// Returns where in the bytes of a damaged object another container begins: the size of the damaged
-/// one may be wrong.
-fn container_within(packed: &[u8]) -> Option<usize> {
-    memmem::find_iter(packed, OBJECT_MAGIC).find(|at| {
-        let header = packed.get(*at..).unwrap_or_default();
-        *at > 0
-            && u16_at(header, 4).map(usize::from) == Some(BASE_BYTES)
-            && u32_at(header, 12) == Some(CONTAINER)
-            && size_of(header).is_ok()
-    })
+    /// True if no good object of the file came since the last damage.
+    is_damaged: bool,
 }
 
 impl Containers {
@@ -125,6 +54,7 @@ impl Containers {
             used: 0,
             is_torn: false,
             is_within: false,
+            is_damaged: false,
         }
     }
 
@@ -281,11 +211,12 @@ impl Containers {
         }
         if u32_at(&self.packed, 12) != Some(CONTAINER) {
             self.stream.extend_from_slice(&self.packed);
-        } else if let Err(flaw) = self.unpack(is_whole) {
+        } else if let Err(flaw) = unpack(&self.packed, is_whole, &mut self.stream) {
             self.is_torn = true;
             let end = container_within(&self.packed).unwrap_or(self.packed.len());
             return self.give_back(end, &flaw, damage);
         }
+        self.is_damaged = false;
         Ok(is_whole)
     }
 
@@ -293,7 +224,7 @@ impl Containers {
     fn skip_damage(&mut self, flaw: &Flaw, damage: &mut DamageCheck) -> Result<bool> {
         self.is_torn = true;
         let lost = self.file.skip_to(&mut self.packed, OBJECT_MAGIC)?;
-        damage.block(self.error(&flaw.what, &flaw.expected), lost)?;
+        self.count(flaw, lost, damage)?;
         Ok(true)
     }
 
@@ -302,49 +233,16 @@ impl Containers {
         self.is_torn = true;
         self.file
             .give_back(self.packed.get(at..).unwrap_or_default());
-        damage.block(self.error(&flaw.what, &flaw.expected), at as u64)?;
+        self.count(flaw, at as u64, damage)?;
         Ok(true)
     }
 
-    fn unpack(&mut self, is_whole: bool) -> std::result::Result<(), Flaw> {
-        let declared = u32_at(&self.packed, BASE_BYTES + 8);
-        let (Some(method), Some(declared), Some(content)) = (
-            u16_at(&self.packed, BASE_BYTES),
-            declared.map(|size| size as usize),
-            self.packed.get(BASE_BYTES + CONTAINER_BYTES..),
-        ) else {
-            let flaw = Flaw::new("a container without header", "at least 32 bytes");
-            return if is_whole { Err(flaw) } else { Ok(()) };
-        };
-        if declared > MOST_BYTES {
-            let what = format!("a container of {declared} bytes");
-            return Err(Flaw::new(what, format!("at most {MOST_BYTES}")));
+    /// Counts a damaged block, once until a good one follows.
+    fn count(&mut self, flaw: &Flaw, bytes: u64, damage: &mut DamageCheck) -> Result<()> {
+        if std::mem::replace(&mut self.is_damaged, true) {
+            damage.more_of_block(bytes);
+            return Ok(());
         }
-        match method {
-            METHOD_NONE => self.stream.extend_from_slice(content),
-            METHOD_ZLIB => {
-                let before = self.stream.len();
-                // One byte more than declared shows that there is more.
-                let most = declared as u64 + 1;
-                let mut content = ZlibDecoder::new(content).take(most);
-                match content.read_to_end(&mut self.stream) {
-                    Err(e) if is_whole || e.kind() != ErrorKind::UnexpectedEof => {
-                        let what = format!("damaged zlib data ({e})");
-                        return Err(Flaw::new(what, "a whole container"));
-                    }
-                    _ => {}
-                }
-                if self.stream.len() - before > declared {
-                    let what =
-                        format!("a container with more than the {declared} bytes it declares");
-                    return Err(Flaw::new(what, "as many"));
-                }
-            }
-            _ => {
-                let what = format!("compression method {method}");
-                return Err(Flaw::new(what, "0 (none) or 2 (zlib)"));
-            }
-        }
-        Ok(())
+        damage.block(self.error(&flaw.what, &flaw.expected), bytes)
     }
 }

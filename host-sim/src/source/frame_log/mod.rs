@@ -4,6 +4,7 @@ mod asc;
 mod blf;
 mod blf_container;
 mod blf_file;
+mod blf_layout;
 mod blf_object;
 mod calendar;
 mod candump;

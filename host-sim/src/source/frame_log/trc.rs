@@ -25,6 +25,7 @@ use embedded_can::{Frame, Id};
 #[derive(Default)]
 pub(super) struct Trc {
     has_version: bool,
+    origin_us: Option<u64>,
     columns: Vec<Column>,
 }
 
@@ -82,6 +83,10 @@ const NO_FRAME: LineProblem = problem(
 );
 
 impl LineFormat for Trc {
+    fn origin_us(&self) -> Option<u64> {
+        self.origin_us
+    }
+
     fn parse(&mut self, line: &[u8], interfaces: &mut Interfaces) -> Parsed<TextLine> {
         match line.trim_ascii() {
             [] => Ok(TextLine::Other),
@@ -109,6 +114,8 @@ impl Trc {
                 _ => return Err(header_problem("a version that is not read", VERSIONS)),
             };
             self.has_version = true;
+        } else if let Some(days) = header.strip_prefix(b"$STARTTIME=") {
+            self.origin_us = start_time(days.trim_ascii());
         } else if let Some(names) = header.strip_prefix(b"$COLUMNS=") {
             let names = names.trim_ascii().split(|byte| *byte == b',');
             self.columns = names.map(column).collect();
@@ -200,6 +207,14 @@ fn time(word: Option<&[u8]>) -> Parsed<u64> {
         "no time",
         "milliseconds since the start, such as `2.300`",
     ))
+}
+
+/// Returns the microseconds since the Unix epoch for days since 1899-12-30, the start of OLE dates.
+fn start_time(days: &[u8]) -> Option<u64> {
+    const EPOCH_DAYS: f64 = 25_569.0;
+    let days: f64 = str::from_utf8(days).ok()?.parse().ok()?;
+    let micros = ((days - EPOCH_DAYS) * 86_400e6).round();
+    (0.0..1e18).contains(&micros).then_some(micros as u64)
 }
 
 /// Returns the number of a bus; `-` stands for the only one.

@@ -12,7 +12,8 @@ fn a_log_that_is_cut_off_is_used_up_to_there() {
     for (name, write) in FORMATS {
         let whole = write(&frames);
         let mut found = 0;
-        for cut in 5..whole.len() {
+        let last = whole.len() - 1;
+        for cut in (5..last).step_by(11).chain([last]) {
             match read(&whole[..cut]) {
                 Ok((_, part, _)) => {
                     assert_eq!(part, frames[..part.len()], "{name} at {cut}");
@@ -41,7 +42,7 @@ fn a_gzip_log_that_is_cut_off_is_used_up_to_there() {
         let (first, second) = whole.split_at(whole.len() / 2);
         let members = [gzip(first), gzip(second)];
         let packed = members.concat();
-        for cut in 1..packed.len() {
+        for cut in (1..packed.len()).step_by(5) {
             match read(&packed[..cut]) {
                 Ok((_, part, _)) => assert_eq!(part, frames[..part.len()], "{name} at {cut}"),
                 Err(message) => assert!(message.contains("expected"), "{name}: {message}"),
@@ -57,7 +58,7 @@ fn no_damaged_byte_makes_the_reader_panic() {
     let frames = &some_frames()[6..9];
     for (_, write) in FORMATS {
         let whole = write(frames);
-        for at in 0..whole.len() {
+        for at in (0..whole.len()).step_by(9) {
             for flip in [0x01, 0xff] {
                 let mut damaged = whole.clone();
                 damaged[at] ^= flip;

@@ -1,6 +1,9 @@
 //! Logs in the formats of Vector and PEAK: the same frames as candump's, and all that is not a frame.
 
 mod damage;
+mod formats;
+mod interfaces;
+mod left_out;
 mod writers;
 
 use embedded_can::{Frame, StandardId};

@@ -26,7 +26,7 @@ const MOST_BYTES: usize = 8;
 /// A frame and where it is from.
 #[derive(Clone, Copy)]
 pub(super) struct Found {
-    pub micros: u64,
+    pub micros: i64,
     pub channel: u32,
     pub frame: CanFrame,
 }
@@ -34,7 +34,7 @@ pub(super) struct Found {
 /// What a record says without its data.
 #[derive(Clone, Copy)]
 struct Head {
-    micros: u64,
+    micros: i64,
     channel: u32,
     raw_id: u32,
     is_extended: bool,
@@ -179,7 +179,7 @@ impl FrameGroup {
         file: &mut MdfFile,
         notes: &mut LogNotes,
     ) -> Result<Option<Found>> {
-        if self.layout.event == Event::ErrorFrame {
+        if self.layout.event == Event::Error {
             notes.skipped.bus_errors += 1;
             return Ok(None);
         }
@@ -241,7 +241,7 @@ impl FrameGroup {
             channel: read(layout.bus).unwrap_or(1) as u32,
             raw_id: (raw & ID_MASK) as u32,
             is_extended,
-            is_remote: layout.event == Event::RemoteFrame,
+            is_remote: layout.event == Event::Remote,
             length: length as usize,
         })
     }

@@ -57,13 +57,14 @@ pub(super) struct Clock {
 }
 
 impl Clock {
-    /// Reads the time of a record, in microseconds.
-    pub(super) fn micros(&self, record: &[u8]) -> Option<u64> {
+    /// Reads the time of a record, in microseconds since the start of the measurement. Some writers
+    /// take the time at which they open the file for that.
+    pub(super) fn micros(&self, record: &[u8]) -> Option<i64> {
         let value = self.field.value(record)?;
         let micros = (value * self.factor_us + self.offset_us).round();
-        (0.0..=MOST_MICROS)
+        (-MOST_MICROS..=MOST_MICROS)
             .contains(&micros)
-            .then_some(micros as u64)
+            .then_some(micros as i64)
     }
 }
 
@@ -79,9 +80,9 @@ pub(super) enum DataField {
 /// What the records of a group are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Event {
-    DataFrame,
-    RemoteFrame,
-    ErrorFrame,
+    Data,
+    Remote,
+    Error,
 }
 
 /// The parts of a frame.
@@ -102,7 +103,7 @@ impl FrameLayout {
     /// Reads the layout of a group from its channels; `None` if its records are no frames.
     pub(super) fn read(file: &mut MdfFile, first: u64) -> Result<Option<Self>> {
         let mut found = Self {
-            event: Event::DataFrame,
+            event: Event::Data,
             clock: None,
             id: None,
             ide: None,
@@ -189,11 +190,11 @@ fn part_of(name: &[u8]) -> Option<(Event, &[u8])> {
     let point = name.iter().rposition(|byte| *byte == b'.')?;
     let (group, part) = (name.get(..point)?, name.get(point + 1..)?);
     let event = if group.starts_with(b"CAN_DataFrame") {
-        Event::DataFrame
+        Event::Data
     } else if group.starts_with(b"CAN_RemoteFrame") {
-        Event::RemoteFrame
+        Event::Remote
     } else if group.starts_with(b"CAN_ErrorFrame") {
-        Event::ErrorFrame
+        Event::Error
     } else {
         return None;
     };

@@ -77,7 +77,7 @@ pub(super) struct MdfFile {
 
 impl MdfFile {
     pub(super) fn open(mut log: LogFile) -> Result<Self> {
-        let mut file = log.to_seekable()?;
+        let mut file = log.open_seekable()?;
         let length = file.seek(SeekFrom::End(0)).map_err(Error::io(log.path()))?;
         let mut opened = Self {
             log,

@@ -37,7 +37,8 @@ struct Merged {
 pub(super) struct MdfReader {
     file: MdfFile,
     groups: Vec<Merged>,
-    is_started: bool,
+    /// Added to all times, so that the first one is not negative, µs; `None` before it.
+    shift_us: Option<i64>,
     notes: LogNotes,
 }
 
@@ -73,19 +74,32 @@ impl MdfReader {
         Ok(Box::new(Self {
             file,
             groups,
-            is_started: false,
+            shift_us: None,
             notes,
         }))
     }
 }
 
+impl MdfReader {
+    /// Reads the first frame of each group.
+    fn start(&mut self) -> Result<()> {
+        for merged in &mut self.groups {
+            merged.next = merged.group.next_frame(&mut self.file, &mut self.notes)?;
+        }
+        let firsts = self.groups.iter().filter_map(|merged| merged.next);
+        let first = firsts.map(|found| found.micros).min().unwrap_or(0);
+        let shift = first.min(0).unsigned_abs();
+        self.shift_us = Some(shift as i64);
+        let origin = &mut self.notes.origin_us;
+        *origin = origin.and_then(|origin| origin.checked_sub(shift));
+        Ok(())
+    }
+}
+
 impl FrameReader for MdfReader {
     fn next_logged(&mut self) -> Result<Option<LoggedFrame>> {
-        if !self.is_started {
-            self.is_started = true;
-            for merged in &mut self.groups {
-                merged.next = merged.group.next_frame(&mut self.file, &mut self.notes)?;
-            }
+        if self.shift_us.is_none() {
+            self.start()?;
         }
         let with_frame = self
             .groups
@@ -99,8 +113,11 @@ impl FrameReader for MdfReader {
             return Ok(None);
         };
         merged.next = merged.group.next_frame(&mut self.file, &mut self.notes)?;
+        let micros = found.micros.saturating_add(self.shift_us.unwrap_or(0));
+        // A time before the first one is that of a damaged record.
+        let micros = u64::try_from(micros).unwrap_or(0);
         let interface = self.notes.interfaces.channel(found.channel);
-        Ok(Some(self.notes.frame(found.micros, interface, found.frame)))
+        Ok(Some(self.notes.frame(micros, interface, found.frame)))
     }
 
     fn error(&self, problem: &str, expected: &str) -> Error {

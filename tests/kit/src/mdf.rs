@@ -1,0 +1,256 @@
+//! A writer of small ASAM MDF 4 files with frames of a bus, in every form that readers must know.
+
+use flate2::Compression;
+use flate2::write::ZlibEncoder;
+use std::io::Write;
+
+/// Bytes of the identification and of the header block.
+const START_BYTES: usize = 64 + 104;
+/// Bytes of a record: time, bus, identifier, its kind, length, data or their offset.
+const RECORD_BYTES: usize = 23;
+/// Types of channels: of fixed length, of variable length, time.
+const FIXED: u8 = 0;
+const VARIABLE: u8 = 1;
+const MASTER: u8 = 2;
+/// Types of data: unsigned number, number in floating point, bytes.
+const UNSIGNED: u8 = 0;
+const REAL: u8 = 4;
+const BYTES: u8 = 10;
+
+/// A frame to write.
+#[derive(Clone, Debug)]
+pub struct MdfFrame {
+    /// Time since the start, µs.
+    pub micros: u64,
+    /// Number of the bus, from 1.
+    pub bus: u8,
+    /// The raw identifier.
+    pub id: u32,
+    /// Whether it has 29 bits.
+    pub is_extended: bool,
+    /// The data.
+    pub data: Vec<u8>,
+}
+
+/// How the records are stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MdfBlocks {
+    /// One plain block.
+    Plain,
+    /// One plain block without its length, as in a file that is not finished.
+    Unfinished,
+    /// A list of plain blocks; records begin in one and end in the next.
+    List,
+    /// A list of compressed blocks.
+    Deflated,
+    /// A list of compressed blocks, transposed.
+    Transposed,
+}
+
+/// Where the data of the frames are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MdfData {
+    /// In the records.
+    InRecord,
+    /// In signal data of their own.
+    SignalData,
+    /// In records of another group.
+    OtherGroup,
+}
+
+/// Every form.
+pub const MDF_FORMS: [(MdfBlocks, MdfData); 9] = [
+    (MdfBlocks::Plain, MdfData::InRecord),
+    (MdfBlocks::Plain, MdfData::SignalData),
+    (MdfBlocks::Plain, MdfData::OtherGroup),
+    (MdfBlocks::Unfinished, MdfData::InRecord),
+    (MdfBlocks::Unfinished, MdfData::OtherGroup),
+    (MdfBlocks::List, MdfData::InRecord),
+    (MdfBlocks::Deflated, MdfData::InRecord),
+    (MdfBlocks::Transposed, MdfData::InRecord),
+    (MdfBlocks::Transposed, MdfData::SignalData),
+];
+
+struct Writer(Vec<u8>);
+
+impl Writer {
+    /// Writes a block and returns its place.
+    fn block(&mut self, id: &[u8; 4], links: &[u64], data: &[u8]) -> u64 {
+        while !self.0.len().is_multiple_of(8) {
+            self.0.push(0);
+        }
+        let at = self.0.len() as u64;
+        let length = 24 + 8 * links.len() + data.len();
+        self.0.extend_from_slice(id);
+        self.0.extend_from_slice(&[0; 4]);
+        self.0.extend_from_slice(&(length as u64).to_le_bytes());
+        self.0
+            .extend_from_slice(&(links.len() as u64).to_le_bytes());
+        for link in links {
+            self.0.extend_from_slice(&link.to_le_bytes());
+        }
+        self.0.extend_from_slice(data);
+        at
+    }
+
+    fn text(&mut self, text: &str) -> u64 {
+        self.block(b"##TX", &[], &[text.as_bytes(), &[0]].concat())
+    }
+
+    /// Writes a channel: name, type, data type, byte, bits, and its links.
+    fn channel(&mut self, name: &str, kinds: [u8; 2], place: [u32; 2], links: [u64; 3]) -> u64 {
+        let name = self.text(name);
+        let [next, part, values] = links;
+        let [byte, bits] = place.map(u32::to_le_bytes);
+        let head = [
+            &[kinds[0], u8::from(kinds[0] == MASTER), kinds[1], 0][..],
+            &byte,
+            &bits,
+        ];
+        let data = [&head.concat()[..], &[0; 60]].concat();
+        self.block(b"##CN", &[next, part, name, 0, 0, values, 0, 0], &data)
+    }
+
+    /// Writes data as blocks and returns the link to them.
+    fn data(&mut self, id: &[u8; 4], bytes: &[u8], blocks: MdfBlocks, columns: usize) -> u64 {
+        if matches!(blocks, MdfBlocks::Plain | MdfBlocks::Unfinished) {
+            return self.block(id, &[], bytes);
+        }
+        let mut links = vec![0];
+        for part in bytes.chunks(bytes.len() / 3 + 5) {
+            links.push(match blocks {
+                MdfBlocks::List => self.block(id, &[], part),
+                _ => self.packed(id, part, blocks, columns),
+            });
+        }
+        let count = links.len() as u32 - 1;
+        let data = [
+            &[0; 4][..],
+            &count.to_le_bytes(),
+            &vec![0; 8 * count as usize],
+        ]
+        .concat();
+        let list = self.block(b"##DL", &links, &data);
+        self.block(b"##HL", &[list], &[0; 8])
+    }
+
+    fn packed(&mut self, id: &[u8; 4], part: &[u8], blocks: MdfBlocks, columns: usize) -> u64 {
+        let is_transposed = blocks == MdfBlocks::Transposed;
+        let columns = if is_transposed { columns } else { 0 };
+        let turned = if is_transposed {
+            transposed(part, columns)
+        } else {
+            part.to_vec()
+        };
+        let mut encoder = ZlibEncoder::new(Vec::new(), Compression::default());
+        encoder.write_all(&turned).expect("memory");
+        let content = encoder.finish().expect("memory");
+        let head = [
+            &id[2..],
+            &[u8::from(is_transposed), 0],
+            &(columns as u32).to_le_bytes(),
+            &(part.len() as u64).to_le_bytes(),
+            &(content.len() as u64).to_le_bytes(),
+            &content,
+        ];
+        self.block(b"##DZ", &[], &head.concat())
+    }
+}
+
+/// Returns the first bytes of all rows, then the second ones, and so on, and what is left over.
+fn transposed(bytes: &[u8], columns: usize) -> Vec<u8> {
+    let rows = bytes.len() / columns;
+    let mut turned: Vec<u8> = (0..columns * rows)
+        .map(|k| bytes[k % rows * columns + k / rows])
+        .collect();
+    turned.extend_from_slice(&bytes[columns * rows..]);
+    turned
+}
+
+/// Returns a file with these frames.
+///
+/// # Panics
+/// Panics if a frame has more than eight bytes.
+#[must_use]
+pub fn mdf(frames: &[MdfFrame], blocks: MdfBlocks, data: MdfData) -> Vec<u8> {
+    let mut file = Writer(vec![0; START_BYTES]);
+    let mark: &[u8] = match blocks {
+        MdfBlocks::Unfinished => b"UnFinMF 4.11    kit     ",
+        _ => b"MDF     4.11    kit     ",
+    };
+    file.0[..mark.len()].copy_from_slice(mark);
+    let is_unsorted = data == MdfData::OtherGroup;
+    let other = is_unsorted.then(|| file.block(b"##CG", &[0; 6], &group(2, 1, 0)));
+    let mut records = Vec::new();
+    let mut values = Vec::new();
+    for frame in frames {
+        let length = frame.data.len() as u8;
+        if is_unsorted {
+            records.push(1);
+        }
+        records.extend_from_slice(&(frame.micros as f64 / 1e6).to_le_bytes());
+        records.push(frame.bus);
+        records.extend_from_slice(&frame.id.to_le_bytes());
+        records.extend_from_slice(&[u8::from(frame.is_extended), length]);
+        let value = [&u32::from(length).to_le_bytes()[..], &frame.data].concat();
+        if data == MdfData::InRecord {
+            records.extend_from_slice(&frame.data);
+            records.resize(records.len() + 8 - frame.data.len(), 0);
+        } else {
+            records.extend_from_slice(&(values.len() as u64).to_le_bytes());
+            values.extend_from_slice(&value);
+        }
+        if is_unsorted {
+            records.push(2);
+            records.extend_from_slice(&value);
+        }
+    }
+    let link = match data {
+        MdfData::InRecord => 0,
+        MdfData::SignalData => file.data(b"##SD", &values, blocks, 12),
+        MdfData::OtherGroup => other.unwrap_or(0),
+    };
+    let kind = if link == 0 { FIXED } else { VARIABLE };
+    let mut part = 0;
+    for (name, kinds, place, values) in [
+        ("DataBytes", [kind, BYTES], [15, 64], link),
+        ("DataLength", [FIXED, UNSIGNED], [14, 8], 0),
+        ("IDE", [FIXED, UNSIGNED], [13, 8], 0),
+        ("ID", [FIXED, UNSIGNED], [9, 32], 0),
+        ("BusChannel", [FIXED, UNSIGNED], [8, 8], 0),
+    ] {
+        let name = format!("CAN_DataFrame.{name}");
+        part = file.channel(&name, kinds, place, [part, 0, values]);
+    }
+    let frame = file.channel("CAN_DataFrame", [FIXED, BYTES], [8, 120], [0, part, 0]);
+    let first = file.channel("Timestamp", [MASTER, REAL], [0, 64], [frame, 0, 0]);
+    let links = [other.unwrap_or(0), first, 0, 0, 0, 0];
+    let cg = file.block(b"##CG", &links, &group(1, 0, RECORD_BYTES as u32));
+    // The data come last: an unfinished file ends with them.
+    let dg = file.block(
+        b"##DG",
+        &[0, cg, 0, 0],
+        &[u8::from(is_unsorted), 0, 0, 0, 0, 0, 0, 0],
+    );
+    let at = file.data(b"##DT", &records, blocks, RECORD_BYTES);
+    if blocks == MdfBlocks::Unfinished {
+        file.0[60] = 1 << 2;
+        let length = at as usize + 8;
+        file.0[length..length + 8].copy_from_slice(&24_u64.to_le_bytes());
+    }
+    let to_data = dg as usize + 24 + 16;
+    file.0[to_data..to_data + 8].copy_from_slice(&at.to_le_bytes());
+    let mut header = Writer(vec![0; 64]);
+    header.block(b"##HD", &[dg, 0, 0, 0, 0, 0], &[0; 32]);
+    file.0[64..START_BYTES].copy_from_slice(&header.0[64..START_BYTES]);
+    file.0
+}
+
+/// Returns the data of a channel group: number, flags, and bytes of a record.
+fn group(number: u64, flags: u16, bytes: u32) -> Vec<u8> {
+    let mut data = vec![0; 32];
+    data[..8].copy_from_slice(&number.to_le_bytes());
+    data[16..18].copy_from_slice(&flags.to_le_bytes());
+    data[24..28].copy_from_slice(&bytes.to_le_bytes());
+    data
+}
