@@ -6,7 +6,7 @@
 //! messages out. A firmware has a table of them that is made at build time (see
 //! `examples/own_dbc`). A host reads its table at run time.
 
-use super::decoder::Pgn;
+use super::frame_outcome::Pgn;
 use super::raw_field::{RawField, RawNumber};
 use super::reading::{Reading, Signal, Value};
 use embedded_can::{Frame, Id};

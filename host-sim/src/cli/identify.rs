@@ -100,7 +100,7 @@ pub(super) fn like(name: &str) -> Result<Like> {
     }
     let path = Path::new(name);
     if path.is_file() {
-        return VehicleFile::read(path).map(Like::File);
+        return VehicleFile::read(path).map(|file| Like::File(Box::new(file)));
     }
     let names: Vec<String> = class::all().into_iter().map(|class| class.name).collect();
     Err(Error::Usage(format!(

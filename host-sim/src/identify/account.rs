@@ -25,7 +25,7 @@ pub struct Findings<'a> {
 
 /// Returns the result of what was found.
 #[must_use]
-pub fn identified(found: Findings<'_>) -> Identified {
+pub fn identified(found: &Findings<'_>) -> Identified {
     let mut model = found.draft.model();
     let mut values = values(found.draft);
     if let Some(Estimate { value, sigma }) = found.traction_scale {
@@ -47,7 +47,7 @@ pub fn identified(found: Findings<'_>) -> Identified {
             model,
         },
         class: found.class.to_owned(),
-        unknown: unknown(&found),
+        unknown: unknown(found),
         values,
     }
 }

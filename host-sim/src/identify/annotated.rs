@@ -58,7 +58,7 @@ pub fn comment(value: &IdentifiedValue) -> String {
 
 /// Returns a number with two significant digits, without an exponent.
 fn two_digits(value: f64) -> String {
-    if !(value > 0.0) {
+    if value <= 0.0 || !value.is_finite() {
         return "0".to_owned();
     }
     let decimals = (1 - value.log10().floor() as i32).max(0);

@@ -270,7 +270,7 @@ impl Newest {
         }
         let (first, _, first_mps) = *self.recent.front()?;
         let length_s = now.since(first).seconds();
-        if length_s < STEADY_S || length_s > 4.0 * STEADY_S {
+        if !(STEADY_S..=4.0 * STEADY_S).contains(&length_s) {
             return None;
         }
         let of = |pick: fn(f64, f64) -> f64| {

@@ -40,7 +40,7 @@ pub enum Like {
     /// A class.
     Class(Class),
     /// Another vehicle.
-    File(VehicleFile),
+    File(Box<VehicleFile>),
 }
 
 /// What is asked.
@@ -77,7 +77,7 @@ pub fn identify(request: &Request, progress: impl Fn(&str)) -> Result<Identified
     progress("fitting resistance, drag and traction");
     search.fit();
     search.measure_radius();
-    Ok(account::identified(search.findings()))
+    Ok(account::identified(&search.findings()))
 }
 
 struct Search<'a> {

@@ -37,7 +37,7 @@ impl RatioHistogram {
     /// Adds a ratio. Others than positive ones are left out.
     pub fn add(&mut self, ratio: f64, weight: f64) {
         let log = ratio.ln();
-        if !log.is_finite() || !(weight > 0.0) {
+        if !log.is_finite() || !weight.is_finite() || weight <= 0.0 {
             return;
         }
         let bin = self.bins.entry((log / BIN).floor() as i32).or_default();

@@ -39,10 +39,8 @@ pub fn roads_of_runs(runs: &[Vec<RunCell>]) -> Option<Network> {
     for run in longest {
         let mut tried: Vec<Range<usize>> = Vec::new();
         while roads.len() < MOST_ROADS {
-            let ranges = match network(&roads) {
-                Some(network) => unplaced(&network, run),
-                None => vec![0..run.len()],
-            };
+            let whole = || std::iter::once(0..run.len()).collect();
+            let ranges = network(&roads).map_or_else(whole, |network| unplaced(&network, run));
             let length_m =
                 |range: &Range<usize>| run[range.end - 1].distance_m - run[range.start].distance_m;
             let next = ranges
