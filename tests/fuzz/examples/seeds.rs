@@ -13,9 +13,9 @@ use flate2::{Compression, GzBuilder};
 use fuzz_targets::sessions::Packet;
 use fuzz_targets::{Event, EventBus, truck};
 use std::io::Write;
-use test_kit::mdf::{MDF_FORMS, MdfFrame, mdf};
 use std::path::Path;
 use std::{fs, io};
+use test_kit::mdf::{MDF_FORMS, MdfFrame, mdf};
 
 type Events = Vec<Event>;
 
