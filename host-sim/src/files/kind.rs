@@ -104,18 +104,28 @@ pub fn of(path: &Path) -> Option<Kind> {
     }
 }
 
+/// Returns an error if the file is clearly of another kind than these. The first one names them in
+/// the message.
+///
+/// # Errors
+/// Names both kinds.
+pub(crate) fn refuse_other(path: &Path, expected: &[Kind]) -> Result<(), Error> {
+    match (of(path), expected) {
+        (Some(found), [first, ..]) if !expected.contains(&found) => Err(Error::content(
+            path,
+            format!("is {found}; expected {first}"),
+        )),
+        _ => Ok(()),
+    }
+}
+
 /// Returns the error, or one that says that the file is of another kind than expected. `expected`
 /// are the kinds that the reader takes; the first names them in the message.
 pub(crate) fn explained(error: Error, path: &Path, expected: &[Kind]) -> Error {
     if matches!(error, Error::Io { .. } | Error::Usage(_)) {
         return error;
     }
-    match (of(path), expected) {
-        (Some(found), [first, ..]) if !expected.contains(&found) => {
-            Error::content(path, format!("is {found}; expected {first}"))
-        }
-        _ => error,
-    }
+    refuse_other(path, expected).err().unwrap_or(error)
 }
 
 /// Returns the first bytes, those inside of a gzip file.

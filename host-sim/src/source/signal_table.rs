@@ -100,6 +100,9 @@ impl SignalTableReader {
             ignored,
         } = columns_of(path, line_of(&csv), &header)
             .map_err(|e| kind::explained(e, path, &[Kind::SignalTable]))?;
+        if !ignored.is_empty() {
+            kind::refuse_other(path, &[Kind::SignalTable])?;
+        }
         Ok(Self {
             csv,
             fields: header.len(),

@@ -199,16 +199,20 @@ fn logs_that_lack_what_is_needed_are_refused_by_name() {
     let prose = folder.path().join("prose.log");
     fs::write(&prose, "Dear truck,\nhow are you?\n").unwrap();
     refused(&prose, "prose.log:1");
+    refused(&folder.path().join("absent.log"), "No such file");
+}
+
+#[test]
+fn a_log_that_is_cut_off_is_used_up_to_there() {
+    let (folder, log, vehicle) = short_drive();
+    let out = folder.path().join("run.csv");
     let text = fs::read_to_string(&log).unwrap();
     let cut = folder.path().join("cut.log");
     fs::write(&cut, &text[..text.len() - 9]).unwrap();
-    refused(&cut, "cut.log:");
-    let mut lines: Vec<&str> = text.lines().collect();
-    lines.swap(100, 5000);
-    let backwards = folder.path().join("backwards.log");
-    fs::write(&backwards, lines.join("\n") + "\n").unwrap();
-    refused(&backwards, "backwards.log:102");
-    refused(&folder.path().join("absent.log"), "No such file");
+    estimate(&vehicle, &cut, &out)
+        .success()
+        .stderr(contains("cut.log: used up to where it is cut off"));
+    assert!(out.exists());
 }
 
 #[test]

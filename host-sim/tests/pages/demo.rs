@@ -26,7 +26,12 @@ fn page() -> ParsedPage {
 
 #[test]
 fn the_demo_ends_with_a_table_and_a_page() {
-    assert!(DEMO.1.contains("| all  | map ") && DEMO.1.contains("report.html"));
+    let lines: Vec<&str> = DEMO.1.lines().collect();
+    for run in ["| all ", "| from_logs "] {
+        let is_map = |line: &&&str| line.starts_with(run) && line.contains("| map ");
+        assert_eq!(lines.iter().filter(is_map).count(), 1, "{run}: {}", DEMO.1);
+    }
+    assert!(DEMO.1.contains("report.html") && DEMO.1.contains("index.html"));
     let page = page();
     assert_eq!(page.all(".drawing").len(), 4);
     assert_eq!(page.all("nav li").len(), page.all("section").len());

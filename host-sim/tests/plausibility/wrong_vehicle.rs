@@ -45,7 +45,12 @@ fn reported_mass_of_another_load() {
 #[test]
 fn reference_torque_of_another_engine() {
     let file = vehicle_with("reference_torque_nm", |nm| nm * 0.7);
-    estimate_with(&file, &table()).warns(&["scale"], "", "check mass_kg");
+    // EC1 on the bus would go before the file.
+    let mut table = table();
+    for (_, row) in &mut table {
+        row.retain(|signal, _| *signal != Signal::EngineReferenceTorque);
+    }
+    estimate_with(&file, &table).warns(&["scale"], "", "check mass_kg");
 }
 
 #[test]

@@ -234,20 +234,20 @@ fn the_start_is_known_where_the_log_has_it() {
     let date = asc_header(16, false);
     let trc = trc_header("2.1") + "      1      1500.000 DT 1      0123 Rx -  1    01\n";
     for (text, start) in [
-        (date.clone() + line, Some("2026-11-22T10:00:01.500000Z")),
+        (date.clone() + line, Some("2026-11-22T10:00:01.500Z")),
         (
             date.replace(" am", "") + line,
-            Some("2026-11-22T10:00:01.500000Z"),
+            Some("2026-11-22T10:00:01.500Z"),
         ),
         (
             date.replace(" am", " pm") + line,
-            Some("2026-11-22T22:00:01.500000Z"),
+            Some("2026-11-22T22:00:01.500Z"),
         ),
         (line.to_owned() + line, None),
         (trc, Some("2026-11-22T10:00:01.500003Z")),
         (
             "(1795341601.500000) can0 123#01\n".to_owned(),
-            Some("2026-11-22T10:00:01.500000Z"),
+            Some("2026-11-22T10:00:01.500Z"),
         ),
         ("(1.500000) can0 123#01\n".to_owned(), None),
     ] {

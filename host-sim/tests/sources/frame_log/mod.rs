@@ -243,7 +243,11 @@ fn estimates_equal_those_of_candump_to_the_last_byte() {
             .arg(file("a.vehicle.toml"));
         estimate.arg("--out").arg(file("run.csv")).arg(file("log"));
         let output = estimate.assert().success().get_output().stdout.clone();
-        (fs::read(file("run.csv")).expect("a run"), output)
+        // Not every format has the time of the start.
+        let output = String::from_utf8(output).expect("a table");
+        let lines = output.lines().filter(|line| !line.starts_with("| start"));
+        let lines: Vec<String> = lines.map(|line| line.replace(' ', "")).collect();
+        (fs::read(file("run.csv")).expect("a run"), lines)
     };
     let expected = estimate(&candump(&frames));
     assert!(expected.0.len() > 10_000);
