@@ -166,6 +166,8 @@ impl SourceArbiter {
             return Admission::Refused;
         };
         match signal {
+            _ if ownership.owner == Sender::NOBODY => Admission::Ignored,
+            _ if ownership.owner == Sender::CALLER => Admission::Refused,
             Signal::EngineReferenceTorque | Signal::EngineInertia if is_of_engine => {
                 ownership.sender = sender;
                 Admission::Admitted
@@ -191,11 +193,6 @@ impl Ownership {
         precedes: bool,
         tuning: &HoldTimes,
     ) -> Admission {
-        match self.owner {
-            Sender::NOBODY => return Admission::Ignored,
-            Sender::CALLER => return Admission::Refused,
-            _ => {}
-        }
         let is_free = self.sender == Sender::NONE;
         if !available {
             return if is_free {

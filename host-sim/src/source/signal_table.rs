@@ -100,7 +100,11 @@ impl SignalTableReader {
             ignored,
         } = columns_of(path, line_of(&csv), &header)
             .map_err(|e| kind::explained(e, path, &[Kind::SignalTable]))?;
-        if !ignored.is_empty() {
+        // A run has signals, too, but none that drives it.
+        let is_speed = |column: &SignalColumn| {
+            matches!(column.signal, Signal::WheelSpeed | Signal::FrontAxleSpeed)
+        };
+        if !ignored.is_empty() && !columns.iter().any(is_speed) {
             kind::refuse_other(path, &[Kind::SignalTable])?;
         }
         Ok(Self {

@@ -73,7 +73,7 @@ fn a_file_in_the_wrong_place_is_named_for_what_it_is() {
         ),
         (
             "inspect map.parquet",
-            "map.parquet: is a Parquet file; expected a candump log",
+            "map.parquet: is a Parquet file without a column time_s; expected a log",
         ),
         (
             "fuse --out out.csv map.csv",
