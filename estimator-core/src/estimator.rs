@@ -136,7 +136,7 @@ impl<S: Scalar> Estimator<S> {
     }
 
     /// Takes one reading that comes without a bus. Readings of the same time go in the order of
-    /// [`Signal`](crate::Signal).
+    /// [`Signal`].
     pub fn on_reading(&mut self, now: Instant, reading: Reading) -> Outcome {
         self.intake
             .on_reading(&mut self.context, now, reading, &mut self.sampler)

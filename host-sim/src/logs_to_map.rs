@@ -3,7 +3,7 @@
 use crate::error::{Error, Result};
 use crate::files::data_set::run_name;
 use crate::files::output::{Staged, stage_text};
-use crate::files::run::{self, RunCell};
+use crate::files::run::{self, RunCell, RunIdentity};
 use crate::files::vehicle::VehicleFile;
 use crate::identify::{Identified, Like, Request, annotated, identify};
 use crate::map::pipeline::roads_of_runs::roads_of_runs;
@@ -13,7 +13,7 @@ use crate::report::logs_page::{LogRun, LogsMap, logs_page};
 use crate::source::read_options::ReadOptions;
 use estimator_core::Tuning;
 use rayon::prelude::*;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// What a map is made of.
@@ -146,12 +146,25 @@ fn estimate(job: &Job, vehicle: &VehicleFile) -> Result<(Vec<LogRun>, Vec<String
         .par_iter()
         .map(|drive| estimate_one(job, drive, vehicle))
         .collect();
-    let (mut runs, mut problems) = (Vec::new(), Vec::new());
-    for result in results {
-        match result {
-            Ok(run) => runs.push(run),
-            Err(problem) => problems.push(problem),
+    let (mut runs, mut problems) = (Vec::<LogRun>::new(), Vec::new());
+    let mut seen: BTreeMap<RunIdentity, usize> = BTreeMap::new();
+    for (drive, result) in job.drives.iter().zip(results) {
+        let run = match result {
+            Ok(run) => run,
+            Err(problem) => {
+                problems.push(problem);
+                continue;
+            }
+        };
+        // Under another name, format or packing: a drive counts once.
+        let identity = RunIdentity::of(run.rows.iter().map(RunCell::from));
+        if let Some(&first) = seen.get(&identity) {
+            let problem = format!("the same drive as {}", runs[first].name);
+            problems.push(Error::content(&drive.logs[0], problem));
+            continue;
         }
+        seen.insert(identity, runs.len());
+        runs.push(run);
     }
     if runs.is_empty() {
         return Err(problems.swap_remove(0));

@@ -1,5 +1,6 @@
 //! `roadgrade identify`.
 
+use super::log_files::LogFiles;
 use super::log_options::LogOptions;
 use super::outputs;
 use super::tuning_option::TuningOption;
@@ -58,8 +59,9 @@ pub fn run(args: &Args) -> Result<()> {
     let inputs = inputs.chain(args.reading.own().files());
     outputs::check(inputs, [&*args.out])?;
     outputs::check_file(&args.out, &["toml"])?;
+    let logs = LogFiles::of(&args.logs)?;
     let request = Request {
-        logs: args.logs.clone(),
+        logs: logs.paths.clone(),
         like,
         tuning: args.tuning.read()?,
         options: args.reading.read_options()?,

@@ -1,9 +1,10 @@
 //! `roadgrade map`: from logs of one vehicle to a grade map.
 
+use super::log_files::LogFiles;
 use super::log_options::LogOptions;
 use super::tuning_option::TuningOption;
 use super::{conclusion, identify, log_notes, outputs};
-use crate::error::{Result, on_one_line};
+use crate::error::{Error, Result, on_one_line};
 use crate::files::vehicle::VehicleFile;
 use crate::logs_to_map::{Drive, Job, MadeMap, drives, files, make};
 use crate::map::read_network;
@@ -56,7 +57,9 @@ pub struct Args {
 
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
-    let drives = drives(&args.logs, args.join);
+    check_folder(&args.out)?;
+    let logs = LogFiles::of(&args.logs)?;
+    let drives = drives(&logs.paths, args.join);
     check_outputs(args, &drives)?;
     let job = Job {
         drives,
@@ -72,6 +75,15 @@ pub fn run(args: &Args) -> Result<()> {
     wait.finish_and_clear();
     tell(&made);
     conclude(args, &made)
+}
+
+/// Checks, before the work, that the folder of the results can be one.
+fn check_folder(out: &Path) -> Result<()> {
+    if out.exists() && !out.is_dir() {
+        let problem = "is a file; expected a folder, which may not exist yet";
+        return Err(Error::content(out, problem));
+    }
+    Ok(())
 }
 
 fn check_outputs(args: &Args, drives: &[Drive]) -> Result<()> {

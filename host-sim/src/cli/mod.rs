@@ -13,6 +13,7 @@ mod import;
 mod inspect;
 #[cfg(target_os = "linux")]
 mod listen;
+mod log_files;
 mod log_notes;
 mod log_options;
 mod map;

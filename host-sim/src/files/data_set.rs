@@ -33,7 +33,10 @@ pub fn run_path(folder: &Path, rows: &mut dyn RunRows, day: &str, name: &str) ->
 #[must_use]
 pub fn run_name(log: &Path) -> String {
     let name = log.file_name().unwrap_or_default().to_string_lossy();
-    let name = name.strip_suffix(".gz").unwrap_or(&name);
+    let packed = [".gz", ".zst"]
+        .iter()
+        .find_map(|end| name.strip_suffix(end));
+    let name = packed.unwrap_or(&name);
     let ending = name.rfind('.').filter(|&at| at > 0);
     name[..ending.unwrap_or(name.len())].to_owned()
 }

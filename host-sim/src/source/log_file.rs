@@ -43,7 +43,7 @@ pub struct LogFile {
 }
 
 /// Returns true if this path means standard input.
-pub(super) fn is_standard_input(path: &Path) -> bool {
+pub fn is_standard_input(path: &Path) -> bool {
     path.as_os_str() == STANDARD_INPUT
 }
 

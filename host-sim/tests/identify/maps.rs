@@ -4,7 +4,7 @@ use super::trucks::{LIGHT, simulate};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
-use test_kit::command::{folder, roadgrade};
+use test_kit::command::{folder, program, roadgrade};
 
 /// Rows of a CSV file, by column.
 fn columns(path: &Path) -> BTreeMap<String, Vec<String>> {
@@ -129,4 +129,19 @@ fn parts_of_a_drive_are_joined() {
     let read = |file: &str| fs::read_to_string(path.join(file)).unwrap();
     assert_eq!(read("whole/runs/light.csv"), read("joined/runs/part1.csv"));
     assert_eq!(read("whole/map.csv"), read("joined/map.csv"));
+}
+
+#[test]
+fn standard_input_is_read_as_often_as_it_takes() {
+    let folder = folder();
+    let path = folder.path();
+    simulate(path, &[&LIGHT], 4_000.0, false);
+    let log = fs::read(path.join("light.log")).unwrap();
+    roadgrade(path, &["map", "--out", "file", "light.log"]).success();
+    let mut piped = program();
+    piped.current_dir(path).args(["map", "--out", "piped", "-"]);
+    piped.write_stdin(log).assert().success();
+    let read = |file: &str| fs::read_to_string(path.join(file)).unwrap();
+    assert_eq!(read("file/map.csv"), read("piped/map.csv"));
+    assert!(path.join("piped/runs/stdin.csv").exists());
 }

@@ -74,3 +74,31 @@ fn a_log_that_cannot_be_estimated_is_left_out_of_the_map() {
     roadgrade(path, &arguments).code(1);
     assert!(!path.join("none").exists());
 }
+
+#[test]
+fn a_drive_that_is_given_twice_counts_once() {
+    let folder = folder();
+    let path = folder.path();
+    simulate(path, &[&LIGHT], 4_000.0, false);
+    fs::copy(path.join("light.log"), path.join("copy.log")).unwrap();
+    let map = |out: &str, logs: &[&str]| {
+        let arguments = ["map", "--out", out, "--vehicle", "light.toml"];
+        roadgrade(path, &[&arguments[..], logs].concat()).success()
+    };
+    map("one", &["light.log"]);
+    map("two", &["light.log", "copy.log"]).stderr(contains(
+        "warning: left out: copy.log: the same drive as light",
+    ));
+    let read = |file: &str| fs::read_to_string(path.join(file)).unwrap();
+    assert_eq!(read("one/map.csv"), read("two/map.csv"));
+}
+
+#[test]
+fn a_file_in_place_of_the_folder_is_told_before_the_work() {
+    let folder = folder();
+    let path = folder.path();
+    fs::write(path.join("out"), "mine").unwrap();
+    let arguments = ["map", "--out", "out", "no.log"];
+    let refused = roadgrade(path, &arguments).code(1);
+    refused.stderr(contains("out: is a file; expected a folder"));
+}

@@ -33,7 +33,11 @@ const EXTENDED: u32 = 0x8000_0000;
 #[test]
 fn every_message_of_the_decoder_passes_the_filters_whoever_sends_it() {
     let filters = wanted();
-    assert_eq!(filters.len(), signal::messages().count());
+    // EC1 comes in packets of the transport protocol: its announcements and its data.
+    for packet in [0x1CEC_FF00, 0x1CEB_FF00, 0x1CEC_2100] {
+        assert!(accepts(&filters, EXTENDED | packet));
+    }
+    assert_eq!(filters.len(), signal::messages().count() + 2);
     for message in signal::messages() {
         for (priority, source) in [(0, 0), (3, 0x21), (7, 0xff)] {
             let id = priority << 26 | message.pgn() << 8 | source;

@@ -6,7 +6,7 @@ use crate::listener::Listener;
 use estimator_core::signal;
 use estimator_core::signal::Pgn;
 use host_sim::files::run;
-use host_sim::source::can_frame::{CanFrame, TimedFrame};
+use host_sim::source::can_frame::{CanFrame, TRANSPORT_DATA, TRANSPORT_MANAGEMENT, TimedFrame};
 use host_sim::source::socketcan::{FrameSender, accepts, wanted};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -53,7 +53,8 @@ fn is_wanted(frame: &CanFrame) -> bool {
         return false;
     };
     let pgn = Pgn::from_raw(id.as_raw()).number;
-    signal::messages().any(|message| message.pgn() == pgn)
+    let is_packet = [TRANSPORT_MANAGEMENT, TRANSPORT_DATA].contains(&pgn);
+    is_packet || signal::messages().any(|message| message.pgn() == pgn)
 }
 
 #[test]

@@ -9,13 +9,13 @@ use host_sim::error::Result;
 use host_sim::files::run::{self, RunRow};
 use host_sim::map::{GradeMap, Network, RoadLine, RoadPoint, SessionRun, place, road_of_run};
 use host_sim::recorder::{Recorder, estimate_log};
-use host_sim::source::read_options::ReadOptions;
 use host_sim::simulator::scenario::Scenario;
 use host_sim::simulator::simulate;
 use host_sim::smooth::smooth_run;
 use host_sim::source::can_frame::TimedFrame;
-use host_sim::source::frame_log::FrameLog;
 use host_sim::source::candump_writer::write_frame;
+use host_sim::source::frame_log::FrameLog;
+use host_sim::source::read_options::ReadOptions;
 use std::fs::{self, File};
 use std::hint::black_box;
 use std::io::{BufWriter, Write};
@@ -237,7 +237,14 @@ impl Work {
     }
 
     fn estimate_log(&self) {
-        let run = estimate_log::<f32>(&self.model, &Tuning::default(), None, &self.log(), &ReadOptions::default(), |_| ());
+        let run = estimate_log::<f32>(
+            &self.model,
+            &Tuning::default(),
+            None,
+            &self.log(),
+            &ReadOptions::default(),
+            |_| (),
+        );
         black_box(run.expect("a whole log").rows.count());
     }
 

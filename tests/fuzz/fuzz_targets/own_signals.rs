@@ -28,7 +28,9 @@ fuzz_target!(|bytes: &[u8]| {
 
 fn check(dbc_path: &Path, toml_path: &Path, payload: &[u8]) {
     match OwnSignals::read(dbc_path, toml_path) {
-        Ok(own) => own.frames().for_each(|frames| decode(&own, frames, payload)),
+        Ok(own) => own
+            .frames()
+            .for_each(|frames| decode(&own, frames, payload)),
         Err(error) => {
             let words = error.to_string();
             let is_named = |path: &Path| words.contains(&path.display().to_string());
@@ -55,7 +57,10 @@ fn decode(own: &OwnSignals, frames: FrameMatch, payload: &[u8]) {
     for payload in payload.chunks(8) {
         if let Some(frame) = frame(frames, payload) {
             own.decode(&frame, |reading| {
-                assert!(reading.value.real().is_none_or(f32::is_finite), "{reading:?}");
+                assert!(
+                    reading.value.real().is_none_or(f32::is_finite),
+                    "{reading:?}"
+                );
             });
         }
     }

@@ -308,7 +308,7 @@ pub fn check_log(letters: &[u8], bytes: &[u8]) {
                     }
                 }
             }
-            Ok(Log::Table(_)) => panic!("a log of frames is no table"),
+            Ok(Log::Table(_) | Log::Parquet(_)) => panic!("a log of frames is no table"),
             Err(error) => error,
         };
         assert!(error.to_string().contains(&path.display().to_string()));

@@ -1,5 +1,6 @@
 //! Kernel filters: the messages that the decoder reads, from any source address.
 
+use crate::source::can_frame::{TRANSPORT_DATA, TRANSPORT_MANAGEMENT};
 use estimator_core::signal;
 use estimator_core::signal::own_message::FrameMatch;
 
@@ -38,12 +39,14 @@ pub const fn of_frames(frames: FrameMatch) -> (u32, u32) {
     }
 }
 
-/// Returns the filters of all decoded messages, from the layouts in `estimator-core/dbc`.
+/// Returns the filters of all decoded messages, from the layouts in `estimator-core/dbc`, and of the
+/// transport protocol.
 #[must_use]
 pub fn wanted() -> Vec<(u32, u32)> {
-    signal::messages()
-        .map(|message| of_group(message.pgn()))
-        .collect()
+    // EC1 comes in packets, whose identifiers do not tell what they carry.
+    let packets = [TRANSPORT_MANAGEMENT, TRANSPORT_DATA];
+    let messages = signal::messages().map(|message| message.pgn());
+    messages.chain(packets).map(of_group).collect()
 }
 
 /// Returns true if any of `filters` accepts an identifier word, as the kernel decides it.

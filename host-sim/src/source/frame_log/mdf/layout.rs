@@ -22,7 +22,7 @@ pub(super) struct Field {
 impl Field {
     /// Reads the bits, as they are; `None` if the record is too short.
     pub(super) fn raw(&self, record: &[u8]) -> Option<u64> {
-        let count = (self.bit + self.bits).div_ceil(8) as usize;
+        let count = self.bit.saturating_add(self.bits).div_ceil(8) as usize;
         let bytes = record.get(self.byte..)?.get(..count)?;
         let is_big_endian = matches!(self.data_type, 1 | 3 | 5);
         let add = |sum: u128, byte: &u8| (sum << 8) | u128::from(*byte);
@@ -32,7 +32,7 @@ impl Field {
             bytes.iter().rev().fold(0, add)
         };
         let mask = u64::MAX.checked_shr(64 - self.bits.clamp(1, 64))?;
-        Some((word >> self.bit) as u64 & mask)
+        Some(word.checked_shr(self.bit)? as u64 & mask)
     }
 
     /// Reads the number that the bits mean.

@@ -123,14 +123,14 @@ impl Records {
         self.to_skip -= skipped;
         let piece = self.piece.get(skipped as usize..).unwrap_or_default();
         self.bytes.extend_from_slice(piece);
-        self.offset += self.piece.len() as u64;
+        self.offset = self.offset.saturating_add(self.piece.len() as u64);
     }
 
     /// Leaves out bytes that are lost, and the rest of the record in which they end. Where records
     /// differ in length, the next block must begin with one.
     fn lose(&mut self, lost: u64) {
         self.bytes.clear();
-        self.offset += lost;
+        self.offset = self.offset.saturating_add(lost);
         let mut sizes = self.sizes.values();
         if let (Some(Size::Fixed(size)), None) = (sizes.next(), sizes.next()) {
             let size = (size + self.id_bytes) as u64;

@@ -66,7 +66,7 @@ impl SignalData {
         damage: &mut DamageCheck,
     ) -> Result<()> {
         let end = offset.saturating_add(count as u64);
-        while !self.is_over && self.start + (self.bytes.len() as u64) < end {
+        while !self.is_over && self.start.saturating_add(self.bytes.len() as u64) < end {
             let before = offset.saturating_sub(self.start);
             let before = before.min(self.bytes.len() as u64);
             self.bytes.drain(..before as usize);
@@ -79,7 +79,8 @@ impl SignalData {
                     in_file,
                 } => {
                     damage.block(problem, in_file)?;
-                    self.start += self.bytes.len() as u64 + bytes;
+                    let after = self.start.saturating_add(self.bytes.len() as u64);
+                    self.start = after.saturating_add(bytes);
                     self.bytes.clear();
                 }
                 Piece::CutOff(problem) => damage.cut_off(problem)?,
