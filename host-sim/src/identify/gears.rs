@@ -53,6 +53,17 @@ pub fn find(observation: &Observation) -> Vec<FoundGear> {
     gears
 }
 
+/// Returns the engine turns to a metre of a gear of ratio one, rad/m: final drive over wheel radius.
+/// `None` if the bus reports no ratio with a gear that was driven.
+#[must_use]
+pub fn direct_turns_per_m(observation: &Observation) -> Option<f64> {
+    let peaks = peaks(&observation.by_ratio);
+    let longest = peaks
+        .iter()
+        .max_by(|a, b| a.1.weight.total_cmp(&b.1.weight))?;
+    Some(longest.1.ratio / thousandths(*longest.0))
+}
+
 fn thousandths(ratio: i64) -> f64 {
     ratio as f64 / 1000.0
 }

@@ -5,10 +5,10 @@ use super::class::{self, Class, Usual};
 use super::draft::{Draft, Parameter};
 use super::fit::{Amounts, FittedDrive, Priors, fit};
 use super::gears;
-use super::identified::{Estimate, Identified, Origin};
+use super::identified::{Estimate, Identified, Origin, Unknown};
 use super::observation::Observation;
 use crate::diagnose::drive::LoggedDrive;
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, on_one_line};
 use crate::files::vehicle::VehicleFile;
 use crate::numeric::statistics;
 use crate::source::read_options::ReadOptions;
@@ -33,6 +33,10 @@ const SCALE_WRITTEN: (f64, f64) = (0.01, 2.0);
 const INDEPENDENT_M: f64 = 2_000.0;
 /// Sigma of the ratio of GNSS speed and wheel speed itself: slip, climb.
 const GROUND_FLOOR: f64 = 5e-4;
+
+/// Largest spread of final drive over wheel radius between logs of one vehicle, relative: worn and
+/// new tyres differ by 0.02 to 0.03.
+const ONE_VEHICLE: f64 = 0.04;
 
 /// What the vehicle is like.
 #[derive(Clone, Debug)]
@@ -77,7 +81,33 @@ pub fn identify(request: &Request, progress: impl Fn(&str)) -> Result<Identified
     progress("fitting resistance, drag and traction");
     search.fit();
     search.measure_radius();
-    Ok(account::identified(&search.findings()))
+    let mut found = account::identified(&search.findings());
+    found
+        .unknown
+        .extend(other_vehicle(&request.logs, &observed));
+    Ok(found)
+}
+
+/// Returns a doubt if the axles of two logs are not those of one vehicle.
+fn other_vehicle(logs: &[PathBuf], observed: &[Observation]) -> Option<Unknown> {
+    let turns = logs
+        .iter()
+        .zip(observed)
+        .filter_map(|(log, observation)| Some((log, gears::direct_turns_per_m(observation)?)));
+    let turns: Vec<(&PathBuf, f64)> = turns.collect();
+    let least = turns.iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
+    let most = turns.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let spread = most.1 / least.1 - 1.0;
+    (spread > ONE_VEHICLE).then(|| Unknown {
+        what: format!(
+            "whether all logs are of one vehicle: the engine of {} turns {:.0} % further for a \
+             metre in the same gear ratio than that of {}",
+            on_one_line(most.0),
+            100.0 * spread,
+            on_one_line(least.0)
+        ),
+        advice: "Give the logs of one vehicle only.".to_owned(),
+    })
 }
 
 struct Search<'a> {

@@ -176,3 +176,18 @@ fn a_vehicle_file_as_a_model_gives_what_is_not_measured() {
         .unwrap();
     assert!((radius / 0.42 - 1.0).abs() < 0.005, "{radius}");
 }
+
+#[test]
+fn logs_of_two_vehicles_are_doubted() {
+    let folder = folder();
+    let path = folder.path();
+    simulate(path, &[&HEAVY, &LIGHT], 4_000.0, false);
+    let told = |logs: &[&str]| {
+        let arguments = [&["identify", "--out", "found.toml"][..], logs].concat();
+        let done = roadgrade(path, &arguments).success();
+        String::from_utf8_lossy(&done.get_output().stderr).into_owned()
+    };
+    let doubt = "whether all logs are of one vehicle: the engine of light.log";
+    assert!(told(&["heavy.log", "light.log"]).contains(doubt));
+    assert!(!told(&["light.log", "light.log"]).contains("of one vehicle"));
+}
