@@ -2,7 +2,7 @@
 
 use super::log_options::LogOptions;
 use super::tuning_option::TuningOption;
-use super::{damage, outputs};
+use super::{log_notes, outputs};
 use crate::diagnose::{Diagnosis, Request, diagnose, report};
 use crate::error::{Result, on_one_line};
 use crate::files::vehicle::VehicleFile;
@@ -83,7 +83,7 @@ pub fn run(args: &Args) -> Result<()> {
     let found = diagnose(&request)?;
     wait.finish_and_clear();
     for (log, report) in &found.logs {
-        damage::note_log(log, report);
+        log_notes::note_report(log, report);
     }
     args.check_outputs(&report::files(&found, &args.out))?;
     let page = report::write(&found, &args.out)?;
