@@ -7,7 +7,7 @@ use crate::files::run::{self, RunCell, RunIdentity};
 use crate::files::vehicle::VehicleFile;
 use crate::identify::{Identified, Like, Request, annotated, identify};
 use crate::map::pipeline::roads_of_runs::roads_of_runs;
-use crate::map::{GradeMap, Network, SessionRun, WayRows, stage_map_ways};
+use crate::map::{GradeMap, Network, PlacedRun, WayRows, place, stage_map_ways};
 use crate::recorder::{RunSummary, estimate_logs, missing};
 use crate::report::logs_page::{LogRun, LogsMap, logs_page};
 use crate::source::read_options::ReadOptions;
@@ -45,6 +45,8 @@ pub struct MadeMap {
     vehicle: VehicleFile,
     identified: Option<Identified>,
     network: Network,
+    /// The runs as they lie on the network, in their order.
+    placed: Vec<PlacedRun>,
     /// The ways of the map.
     pub ways: Vec<WayRows>,
     /// The runs.
@@ -110,7 +112,8 @@ pub fn make(job: Job, progress: impl Fn(&str) + Sync) -> Result<MadeMap> {
                        VP, PGN 65267; columns latitude_deg and longitude_deg)";
         Error::content(&first, problem)
     })?;
-    let ways = fuse(&network, &runs, &vehicle.name);
+    let placed: Vec<PlacedRun> = cells.iter().map(|run| place(&network, run)).collect();
+    let ways = fuse(&network, &placed, &vehicle.name);
     if ways.is_empty() {
         let problem = "no cell of the road is covered; expected runs on it, in its direction";
         return Err(Error::content(&first, problem));
@@ -119,6 +122,7 @@ pub fn make(job: Job, progress: impl Fn(&str) + Sync) -> Result<MadeMap> {
         vehicle,
         identified,
         network,
+        placed,
         ways,
         runs,
         left_out,
@@ -189,14 +193,11 @@ fn estimate_one(job: &Job, drive: &Drive, vehicle: &VehicleFile) -> Result<LogRu
     })
 }
 
-fn fuse(roads: &Network, runs: &[LogRun], vehicle: &str) -> Vec<WayRows> {
+fn fuse(roads: &Network, runs: &[PlacedRun], vehicle: &str) -> Vec<WayRows> {
     let mut sums = GradeMap::new(roads);
     for run in runs {
         // One vehicle: the errors of its parameters are common to all runs.
-        sums.add_run(&SessionRun {
-            session: Some(vehicle),
-            rows: &run.rows,
-        });
+        sums.add_placed(Some(vehicle), run);
     }
     sums.close_session(vehicle);
     sums.fused().ways
@@ -216,6 +217,7 @@ impl MadeMap {
     pub fn write(&self, folder: &Path) -> Result<()> {
         let page = logs_page(&LogsMap {
             network: &self.network,
+            placed: &self.placed,
             ways: &self.ways,
             runs: &self.runs,
             vehicle: &self.vehicle.name,

@@ -50,7 +50,7 @@ const _: () = {
     }
 };
 
-/// The parts of an identifier that tell sessions apart.
+/// Source and destination of an identifier. Together they identify a session.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Pair {
     source: u8,

@@ -73,7 +73,7 @@ pub fn run(args: &Args) -> Result<()> {
     overall.push(map_score);
     scores.extend_from_slice(&overall);
     note("5  map truck A's roads again from its logs alone, without a vehicle file");
-    let from_logs = map_from_logs(&scenario, &tuning, out)?;
+    let from_logs = map_from_logs(&scenario, &tuning, &road, out)?;
     overall.push(from_logs);
     let demo = Demo {
         drives,
@@ -101,8 +101,12 @@ pub fn run(args: &Args) -> Result<()> {
 }
 
 /// Makes a map of the logs of truck A, whose vehicle is identified, and scores it.
-fn map_from_logs(scenario: &Scenario, tuning: &Tuning, folder: &Path) -> Result<ScoreRow> {
-    let road = TrueRoad::read(folder)?;
+fn map_from_logs(
+    scenario: &Scenario,
+    tuning: &Tuning,
+    road: &TrueRoad,
+    folder: &Path,
+) -> Result<ScoreRow> {
     let first = &scenario.runs[0].vehicle.name;
     let logs: Vec<PathBuf> = scenario
         .runs

@@ -1,18 +1,18 @@
 //! `roadgrade identify`.
 
+use super::like_option::LikeOption;
 use super::log_files::LogFiles;
 use super::log_options::LogOptions;
 use super::outputs;
 use super::tuning_option::TuningOption;
-use crate::error::{Error, Result, on_one_line};
+use crate::error::Result;
 use crate::files::output::write_whole;
-use crate::files::vehicle::VehicleFile;
 use crate::identify::annotated::{self, comment};
-use crate::identify::{Identified, Like, Request, class, identify};
+use crate::identify::{Identified, Request, class, identify};
 use crate::terminal::print::{note, print};
 use crate::terminal::progress;
 use crate::terminal::table::text_table;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Arguments of `identify`.
 #[derive(Debug, clap::Args)]
@@ -21,9 +21,8 @@ pub struct Args {
     /// Vehicle file to write.
     #[arg(long, value_name = "V.toml")]
     out: PathBuf,
-    /// What the vehicle is like: a class, or another vehicle file. Default: recognised by its mass.
-    #[arg(long, value_name = "CLASS|V.toml")]
-    like: Option<String>,
+    #[command(flatten)]
+    like: LikeOption,
     #[command(flatten)]
     reading: LogOptions,
     #[command(flatten)]
@@ -52,10 +51,9 @@ fn after_help() -> String {
 
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
-    let like = args.like.as_deref().map(like).transpose()?;
-    let like_file = args.like.as_deref().map(Path::new).filter(|p| p.is_file());
+    let like = args.like.read()?;
     let inputs = args.logs.iter().map(PathBuf::as_path);
-    let inputs = inputs.chain(like_file).chain(args.tuning.file());
+    let inputs = inputs.chain(args.like.file()).chain(args.tuning.file());
     let inputs = inputs.chain(args.reading.own().files());
     outputs::check(inputs, [&*args.out])?;
     outputs::check_file(&args.out, &["toml"])?;
@@ -93,23 +91,6 @@ pub(super) fn tell_unknown(found: &Identified) {
             unknown.what, unknown.advice
         ));
     }
-}
-
-/// Returns the class or the file that `--like` names.
-pub(super) fn like(name: &str) -> Result<Like> {
-    if let Some(class) = class::named(name) {
-        return Ok(Like::Class(class));
-    }
-    let path = Path::new(name);
-    if path.is_file() {
-        return VehicleFile::read(path).map(|file| Like::File(Box::new(file)));
-    }
-    let names: Vec<String> = class::all().into_iter().map(|class| class.name).collect();
-    Err(Error::Usage(format!(
-        "--like {}: is neither a class nor a file; expected a vehicle file, or one of {}",
-        on_one_line(path),
-        names.join(", ")
-    )))
 }
 
 fn table(found: &Identified) -> String {

@@ -1,6 +1,5 @@
 //! What the reading of a log tells the user, on stderr.
 
-use super::damage;
 use crate::error::on_one_line;
 use crate::source::log_report::LogReport;
 use crate::terminal::print::note;
@@ -12,7 +11,7 @@ const FEW: usize = 20;
 /// Tells what was left out of a log, the columns that are not ours, and the own signals that no frame
 /// had.
 pub fn note_report(log: &Path, report: &LogReport) {
-    damage::note_log(log, report);
+    note_damage(log, report);
     let path = on_one_line(log);
     if let Some(columns) = in_words(&report.ignored_columns) {
         note(format_args!("{path}: ignored columns: {columns}"));
@@ -21,6 +20,17 @@ pub fn note_report(log: &Path, report: &LogReport) {
         note(format_args!(
             "{path}: no frame has these signals of --signals: {signals}"
         ));
+    }
+}
+
+/// Tells what was left out of a log, with the first problems.
+fn note_damage(log: &Path, report: &LogReport) {
+    let Some(words) = report.damage.words() else {
+        return;
+    };
+    note(format_args!("{}: {words}:", on_one_line(log)));
+    for problem in &report.damage.first {
+        note(format_args!("  {problem}"));
     }
 }
 

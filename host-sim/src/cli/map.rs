@@ -1,5 +1,6 @@
 //! `roadgrade map`: from logs of one vehicle to a grade map.
 
+use super::like_option::LikeOption;
 use super::log_files::LogFiles;
 use super::log_options::LogOptions;
 use super::tuning_option::TuningOption;
@@ -32,11 +33,10 @@ pub struct Args {
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Vehicle parameters. Default: identified from the logs.
-    #[arg(long, value_name = "V.toml")]
+    #[arg(long, value_name = "V.toml", conflicts_with = "like")]
     vehicle: Option<PathBuf>,
-    /// What the vehicle is like, where it is identified: a class, or another vehicle file.
-    #[arg(long, value_name = "CLASS|V.toml", conflicts_with = "vehicle")]
-    like: Option<String>,
+    #[command(flatten)]
+    like: LikeOption,
     /// Road or network, as `fuse` takes it. Default: the tracks of the runs.
     #[arg(long, value_name = "ROAD.csv|NET.geojson")]
     road: Option<PathBuf>,
@@ -64,7 +64,7 @@ pub fn run(args: &Args) -> Result<()> {
     let job = Job {
         drives,
         vehicle: args.vehicle.as_deref().map(VehicleFile::read).transpose()?,
-        like: args.like.as_deref().map(identify::like).transpose()?,
+        like: args.like.read()?,
         roads: args.road.as_deref().map(read_network).transpose()?,
         tuning: args.tuning.read()?,
         options: args.reading.read_options()?,
@@ -87,12 +87,11 @@ fn check_folder(out: &Path) -> Result<()> {
 }
 
 fn check_outputs(args: &Args, drives: &[Drive]) -> Result<()> {
-    let like = args.like.as_deref().map(Path::new);
     let inputs = args.logs.iter().map(PathBuf::as_path);
     let inputs = inputs
         .chain(args.vehicle.as_deref())
         .chain(args.road.as_deref())
-        .chain(like)
+        .chain(args.like.file())
         .chain(args.tuning.file())
         .chain(args.reading.own().files());
     let written = files(&args.out, drives);

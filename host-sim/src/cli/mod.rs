@@ -2,7 +2,6 @@
 
 mod columns;
 mod conclusion;
-mod damage;
 mod demo;
 mod diagnose;
 mod estimate;
@@ -11,6 +10,7 @@ mod fuse;
 mod identify;
 mod import;
 mod inspect;
+mod like_option;
 #[cfg(target_os = "linux")]
 mod listen;
 mod log_files;

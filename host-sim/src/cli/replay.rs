@@ -1,6 +1,6 @@
 //! `roadgrade replay`: sends a recorded log on an interface.
 
-use super::damage;
+use super::log_notes;
 use super::log_options::FrameOptions;
 use crate::error::{Error, Result};
 use crate::live::replay::{Pace, Replay, Sent};
@@ -89,7 +89,7 @@ pub fn run(args: &Args) -> Result<()> {
     }
     let sent = replay.end()?;
     bar.finish_and_clear();
-    damage::note_log(&args.log, &log.report());
+    log_notes::note_report(&args.log, &log.report());
     print(&summary(args, &sent, begun.elapsed().as_secs_f64()))
 }
 

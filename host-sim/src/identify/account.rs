@@ -1,7 +1,6 @@
 //! Each value with its origin, and what the logs cannot tell.
 
 use super::draft::{Draft, Parameter};
-use super::gears::UNSEEN_GEARS;
 use super::identified::{Estimate, Identified, IdentifiedValue, Origin, Unknown};
 use super::observation::Observation;
 use crate::files::vehicle::VehicleFile;
@@ -103,7 +102,7 @@ fn unknown(found: &Findings<'_>) -> Vec<Unknown> {
         let driven = driveline.gear_ratios.iter().filter(is_driven).count();
         if driven < driveline.gear_ratios.len() || driven < FEW_GEARS {
             add(
-                &format!("{UNSEEN_GEARS}: {driven} gears were driven for long enough"),
+                &format!("the ratios of all gears: {driven} gears were driven for long enough"),
                 "Record a drive from standstill to full speed, through all gears, without haste.",
             );
         }

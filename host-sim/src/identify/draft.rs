@@ -159,9 +159,9 @@ fn driveline(
     gears: &[FoundGear],
 ) -> DraftDriveline {
     let assumed = |estimate| Parameter::assumed(estimate, class);
-    let told = |column, usual: Estimate, range: std::ops::RangeInclusive<f64>, how| {
-        Signal::from_column(column)
-            .and_then(|signal| observation.told(signal))
+    let told = |signal, usual: Estimate, range: std::ops::RangeInclusive<f64>, how| {
+        observation
+            .told(signal)
             .filter(|(mean, _)| range.contains(mean))
             .map_or_else(|| assumed(usual), |(mean, _)| Parameter::read(mean, how))
     };
@@ -174,13 +174,13 @@ fn driveline(
     let gear_ratios = gears.iter().map(|gear| gear_ratio(gear, per_turn));
     DraftDriveline {
         engine_inertia_kgm2: told(
-            "engine_inertia_kgm2",
+            Signal::EngineInertia,
             usual.engine_inertia_kgm2,
             0.01..=50.0,
             "EC1, SPN 1794",
         ),
         reference_torque_nm: told(
-            "reference_torque_nm",
+            Signal::EngineReferenceTorque,
             usual.reference_torque_nm,
             TORQUES_NM,
             "EC1, SPN 544",

@@ -14,8 +14,6 @@ const LEAST_PART: f64 = 0.003;
 const LEAST_COUNT: u32 = 5;
 /// Systematic error of a ratio of speeds, relative: rounding, slip of the tyres.
 const FLOOR: f64 = 0.002;
-/// Words for gears that were not driven.
-pub const UNSEEN_GEARS: &str = "the ratios of all gears";
 /// Relative sigma of the ratio of a gear that was not driven.
 const UNSEEN: f64 = 0.1;
 

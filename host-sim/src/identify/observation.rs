@@ -27,8 +27,12 @@ const FAST_MPS: f64 = 8.0;
 /// ... and how little it changes, m/s, for so long, s.
 const STEADY_MPS: f64 = 0.4;
 const STEADY_SPEED_S: f32 = 3.0;
-/// Columns of what the bus tells of the vehicle, beside its mass.
-const TOLD: [&str; 2] = ["reference_torque_nm", "engine_inertia_kgm2"];
+/// What the bus tells of the vehicle.
+const TOLD: [Signal; 3] = [
+    Signal::Mass,
+    Signal::EngineReferenceTorque,
+    Signal::EngineInertia,
+];
 /// Steps of a reported gear ratio: SPN 526 has 0.001.
 const RATIO_STEPS: f64 = 1000.0;
 
@@ -66,7 +70,7 @@ struct Told {
 struct Newest {
     values: BTreeMap<Signal, (Instant, f64)>,
     /// Ratios, and speeds (m/s), of the last second.
-    recent: VecDeque<(Instant, f64, f64)>,
+    recent: VecDeque<(Instant, (f64, f64))>,
     /// Wheel speeds of the last seconds, m/s.
     speeds: VecDeque<(Instant, f64)>,
     /// The first source of each signal. Others are left out.
@@ -175,7 +179,7 @@ impl Observation {
                 }
             }
             Signal::EngineSpeed => self.fastest_rpm = self.fastest_rpm.max(value),
-            _ if value > 0.0 && told_by_bus(signal) => self.take_told(signal, value),
+            _ if value > 0.0 && TOLD.contains(&signal) => self.take_told(signal, value),
             _ => {}
         }
     }
@@ -214,18 +218,18 @@ impl Observation {
     }
 }
 
-/// Returns whether a signal tells a property of the vehicle.
-fn told_by_bus(signal: Signal) -> bool {
-    signal == Signal::Mass || TOLD.contains(&signal.column())
+/// Drops what is older than this, but keeps one value that reaches back so far.
+fn forget_older<T>(values: &mut VecDeque<(Instant, T)>, now: Instant, span_s: f32) {
+    let is_old = |(at, _): &(Instant, T)| now.since(*at).seconds() > span_s;
+    while values.len() > 2 && values.get(1).is_some_and(is_old) {
+        values.pop_front();
+    }
 }
 
 impl Newest {
     fn take_speed(&mut self, now: Instant, speed_mps: f64) {
         self.speeds.push_back((now, speed_mps));
-        let is_old = |(at, _): &(Instant, f64)| now.since(*at).seconds() > STEADY_SPEED_S;
-        while self.speeds.len() > 2 && self.speeds.get(1).is_some_and(is_old) {
-            self.speeds.pop_front();
-        }
+        forget_older(&mut self.speeds, now, STEADY_SPEED_S);
     }
 
     /// Returns the mean wheel speed of the last seconds if it was steady, so that the ages of both
@@ -263,18 +267,15 @@ impl Newest {
     /// accelerates; `None` if the ratio has changed over the last second.
     fn steadiness(&mut self, now: Instant, turns: f64, speed_mps: f64) -> Option<f64> {
         let last = self.recent.back().map(|(at, ..)| *at);
-        self.recent.push_back((now, turns, speed_mps));
-        let is_old = |(at, ..): &(Instant, f64, f64)| now.since(*at).seconds() > STEADY_S;
-        while self.recent.len() > 2 && self.recent.get(1).is_some_and(is_old) {
-            self.recent.pop_front();
-        }
-        let (first, _, first_mps) = *self.recent.front()?;
+        self.recent.push_back((now, (turns, speed_mps)));
+        forget_older(&mut self.recent, now, STEADY_S);
+        let (first, (_, first_mps)) = *self.recent.front()?;
         let length_s = now.since(first).seconds();
         if !(STEADY_S..=4.0 * STEADY_S).contains(&length_s) {
             return None;
         }
         let of = |pick: fn(f64, f64) -> f64| {
-            let ratios = self.recent.iter().map(|(_, turns, _)| *turns);
+            let ratios = self.recent.iter().map(|(_, (turns, _))| *turns);
             ratios.reduce(pick)
         };
         if of(f64::max)? > of(f64::min)? * (1.0 + STEADY) {

@@ -4,7 +4,7 @@ use super::account::{self, Findings};
 use super::class::{self, Class, Usual};
 use super::draft::{Draft, Parameter};
 use super::fit::{Amounts, FittedDrive, Priors, fit};
-use super::gears;
+use super::gears::{self, FoundGear};
 use super::identified::{Estimate, Identified, Origin, Unknown};
 use super::observation::Observation;
 use crate::diagnose::drive::LoggedDrive;
@@ -12,7 +12,7 @@ use crate::error::{Error, Result, on_one_line};
 use crate::files::vehicle::VehicleFile;
 use crate::numeric::statistics;
 use crate::source::read_options::ReadOptions;
-use estimator_core::{Signal, Tuning};
+use estimator_core::{Model, Signal, Tuning};
 use rayon::prelude::*;
 use std::path::PathBuf;
 
@@ -113,6 +113,8 @@ fn other_vehicle(logs: &[PathBuf], observed: &[Observation]) -> Option<Unknown> 
 struct Search<'a> {
     request: &'a Request,
     observation: Observation,
+    /// The gears; none for a measured traction force.
+    gears: Vec<FoundGear>,
     class: Class,
     draft: Draft,
     drives: Vec<FittedDrive>,
@@ -128,18 +130,22 @@ impl<'a> Search<'a> {
             Some(Like::File(file)) => like_file(file),
             None => first_guess(&observation),
         };
-        let gears = gears::find(&observation);
         let by_torque = observation.has(Signal::EngineTorque);
+        let gears = if by_torque {
+            gears::find(&observation)
+        } else {
+            Vec::new()
+        };
         if by_torque && gears.is_empty() {
             let problem = "no gear is ever engaged for a second of steady travel: expected a drive \
                            with engine speed (EEC1) and wheel speed (CCVS1)";
             return Err(Error::content(&request.logs[0], problem));
         }
-        let gears = if by_torque { gears } else { Vec::new() };
         let draft = Draft::new(&class.usual, &class.name, &observation, &gears);
         Ok(Self {
             request,
             observation,
+            gears,
             class,
             draft,
             drives: Vec::new(),
@@ -186,16 +192,24 @@ impl<'a> Search<'a> {
         self.read_drives(logs)
     }
 
+    /// Reads the drives with the vehicle as it is now, unless they were.
     fn read_drives(&mut self, logs: &[PathBuf]) -> Result<()> {
         let model = self.draft.model();
-        let of = |(log, mass_kg): (&PathBuf, &f64)| {
+        let with_mass = |mass_kg: &f64| {
             let mut model = model.clone();
             model.vehicle.mass_kg = *mass_kg as f32;
+            model
+        };
+        let models: Vec<Model> = self.masses_kg.iter().map(with_mass).collect();
+        if self.drives.iter().map(|drive| &drive.model).eq(&models) {
+            return Ok(());
+        }
+        let of = |(log, model): (&PathBuf, Model)| {
             let logged =
                 LoggedDrive::read(log, &model, &self.request.tuning, &self.request.options)?;
             Ok(FittedDrive { model, logged })
         };
-        let drives: Result<Vec<_>> = logs.par_iter().zip(&self.masses_kg).map(of).collect();
+        let drives: Result<Vec<_>> = logs.par_iter().zip(models).map(of).collect();
         self.drives = drives?;
         Ok(())
     }
@@ -222,18 +236,13 @@ impl<'a> Search<'a> {
 
     /// Chooses the class by the mass, unless one was named. Returns whether it was the right one.
     fn choose_class(&mut self) -> bool {
-        let mean_kg = self.masses_kg.iter().sum::<f64>() / self.masses_kg.len() as f64;
         if self.request.like.is_some() {
             return true;
         }
-        let class = class_of(mean_kg, &self.observation);
+        let class = class_of(statistics::mean(&self.masses_kg), &self.observation);
         let fits = class.name == self.class.name;
         if !fits {
-            let gears = match &self.draft.driveline {
-                Some(_) => gears::find(&self.observation),
-                None => Vec::new(),
-            };
-            self.draft = Draft::new(&class.usual, &class.name, &self.observation, &gears);
+            self.draft = Draft::new(&class.usual, &class.name, &self.observation, &self.gears);
             self.class = class;
         }
         fits
@@ -313,7 +322,7 @@ impl<'a> Search<'a> {
             *mass_kg *= (1.0 + amount.value).clamp(0.3, 3.0);
         }
         let count = self.masses_kg.len() as f64;
-        let mean_kg = self.masses_kg.iter().sum::<f64>() / count;
+        let mean_kg = statistics::mean(&self.masses_kg);
         let scatter = self
             .masses_kg
             .iter()

@@ -4,10 +4,10 @@ use super::map_page;
 use super::page::{Figure, Note, Page, Section, Table};
 use super::plot::{Plot, Series, colour};
 use crate::error::on_one_line;
-use crate::files::run::{RunCell, RunRow};
+use crate::files::run::RunRow;
 use crate::identify::annotated::comment;
 use crate::identify::{Identified, IdentifiedValue};
-use crate::map::{GRID_M, Network, PlacedRun, WayRows, place};
+use crate::map::{GRID_M, Network, PlacedRun, WayRows};
 use crate::recorder::{RunSummary, Warning};
 use crate::source::log_report::LogReport;
 use std::path::{Path, PathBuf};
@@ -34,6 +34,8 @@ pub struct LogRun {
 pub struct LogsMap<'a> {
     /// The roads.
     pub network: &'a Network,
+    /// The runs as they lie on the roads, in their order.
+    pub placed: &'a [PlacedRun],
     /// The ways of the map.
     pub ways: &'a [WayRows],
     /// The runs.
@@ -83,35 +85,22 @@ fn runs_section(map: &LogsMap) -> Section {
     let table = Table::new("runs", "Runs of the map.", &LogRun::HEADER)
         .with_rows(map.runs.iter().map(LogRun::line));
     let section = Section::new("Runs").paragraph(words).table(table);
-    let placed: Vec<(&str, PlacedRun)> = map
-        .runs
-        .iter()
-        .map(|run| {
-            let cells: Vec<RunCell> = run.rows.iter().map(RunCell::from).collect();
-            (run.name.as_str(), place(map.network, &cells))
-        })
-        .collect();
     let drawn = map.ways.iter().take(MOST_WAYS).enumerate();
     drawn.fold(section, |section, (number, way)| {
-        section.figure(runs_figure(map.network, number, way, &placed))
+        section.figure(runs_figure(map, number, way))
     })
 }
 
 /// Returns the figure of the grades of each run along a way.
-fn runs_figure(
-    network: &Network,
-    number: usize,
-    way: &WayRows,
-    placed: &[(&str, PlacedRun)],
-) -> Figure {
-    let index = network.ways().iter().position(|of| of.name == way.name);
+fn runs_figure(map: &LogsMap, number: usize, way: &WayRows) -> Figure {
+    let index = map.network.ways().iter().position(|of| of.name == way.name);
     let name = way
         .name
         .as_ref()
         .map_or_else(|| "the road".to_owned(), |name| format!("way {name}"));
     let mut plot = Plot::profile("grade (%)", map_page::link(way));
     let mut left_out = 0;
-    for (run, placed) in placed {
+    for (run, placed) in map.runs.iter().zip(map.placed) {
         let cells = placed.cells.iter().filter(|cell| Some(cell.way) == index);
         let points: Vec<(f64, f64)> = cells
             .map(|cell| (cell.number as f64 * GRID_M * 1e-3, cell.grade_percent))
@@ -124,7 +113,7 @@ fn runs_figure(
             continue;
         }
         let colour = colour::CYCLE[plot.series.len() % colour::CYCLE.len()];
-        plot = plot.with(Series::line(*run, colour, points));
+        plot = plot.with(Series::line(run.name.as_str(), colour, points));
     }
     let more = match left_out {
         0 => String::new(),

@@ -5,22 +5,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 use test_kit::command::{folder, program, roadgrade};
-
-/// Rows of a CSV file, by column.
-fn columns(path: &Path) -> BTreeMap<String, Vec<String>> {
-    let mut reader = csv::Reader::from_path(path).unwrap();
-    let names = reader.headers().unwrap().clone();
-    let mut columns: BTreeMap<String, Vec<String>> = BTreeMap::new();
-    for record in reader.records() {
-        for (name, field) in names.iter().zip(&record.unwrap()) {
-            columns
-                .entry(name.to_owned())
-                .or_default()
-                .push(field.to_owned());
-        }
-    }
-    columns
-}
+use test_kit::tables::columns;
 
 fn numbers(columns: &BTreeMap<String, Vec<String>>, name: &str) -> Vec<f64> {
     columns[name]

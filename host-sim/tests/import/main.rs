@@ -6,31 +6,15 @@ mod mission_maker;
 mod passes;
 
 use assert_cmd::Command;
-use std::collections::BTreeMap;
 use std::path::Path;
 use test_kit::command::program;
+use test_kit::tables::columns;
 
 fn import(file: &Path, out: &Path) -> Command {
     let mut command = program();
     command.args(["import", "ztbus"]).arg(file);
     command.arg("--out").arg(out);
     command
-}
-
-/// Returns the columns of a signal table as text.
-fn columns(path: &Path) -> BTreeMap<String, Vec<String>> {
-    let mut reader = csv::Reader::from_path(path).unwrap();
-    let names = reader.headers().unwrap().clone();
-    let mut columns: BTreeMap<String, Vec<String>> = BTreeMap::new();
-    for record in reader.records() {
-        for (name, field) in names.iter().zip(&record.unwrap()) {
-            columns
-                .entry(name.to_owned())
-                .or_default()
-                .push(field.to_owned());
-        }
-    }
-    columns
 }
 
 /// Checks all pass tables: numbers only, increasing time from 0 on, fixes, and the stated length.

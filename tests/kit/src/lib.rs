@@ -16,6 +16,8 @@ pub mod roads;
 mod samples;
 #[cfg(feature = "host")]
 pub mod simulated;
+#[cfg(feature = "host")]
+pub mod tables;
 mod trucks;
 
 pub use filter_runs::{FilterRun, FilteredStep, cells, run, run_counted, smooth};
