@@ -1,5 +1,6 @@
 //! The sampler: readings become samples.
 
+mod accelerometer;
 mod effect_inputs;
 mod measured_ratio;
 mod model_validity;

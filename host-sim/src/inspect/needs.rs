@@ -129,6 +129,12 @@ const LIST: &[(&str, Importance, &[Signal], &str)] = &[
         "a retarder at work reads as an uphill",
     ),
     (
+        "longitudinal acceleration",
+        Importance::Optional,
+        &[Signal::LongitudinalAcceleration],
+        "in shifts, under brakes and without torque the grade rests on GNSS alone",
+    ),
+    (
         "GNSS quality",
         Importance::Optional,
         &[
