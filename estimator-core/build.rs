@@ -22,6 +22,9 @@ const TRANSPORT: [u32; 2] = [60_160, 60_416];
 /// What the layouts call the two bits in which a sender judges the signals of its message.
 const MERIT: &str = "FigureOfMerit";
 
+/// A signal that most senders of this message leave out, in a byte of its own behind the others.
+const OPTIONAL: (&str, &str) = ("VDC2", "LongitudinalAcceleration");
+
 /// What the layouts call the estimator.
 const RECEIVER: &str = "Estimator";
 
@@ -51,13 +54,13 @@ fn main() {
     for (pgn, convention, message) in &messages {
         writeln!(
             code,
-            "Message {{ pgn: {pgn}, name: \"{}\", priority: {}, length: {}, framing: Framing::{}, end_bit: {}, merit_bit: {}, convention: Convention::{convention}, fields: &[",
+            "Message {{ pgn: {pgn}, name: \"{}\", priority: {}, length: {}, framing: Framing::{}, end_bit: {}, check: PayloadCheck::{}, convention: Convention::{convention}, fields: &[",
             message.name,
             priority(message),
             message.size,
             framing(message, convention),
             end_bit(message),
-            merit_bit(message)
+            payload_check(message)
         )
         .unwrap();
         let fields = message.signals.iter().filter(|s| s.name != MERIT);
@@ -126,20 +129,34 @@ fn priority(message: &Message) -> u32 {
     extended_id(message) >> 26
 }
 
-/// Where its last signal ends.
+/// Whether a sender may leave this signal out.
+fn is_optional(message: &Message, signal: &Signal) -> bool {
+    (message.name.as_str(), signal.name.as_str()) == OPTIONAL
+}
+
+/// Where the last signal ends that it must have.
 fn end_bit(message: &Message) -> u64 {
-    let ends = message.signals.iter().map(|s| s.start_bit + s.size);
+    let needed = message.signals.iter().filter(|s| !is_optional(message, s));
+    let ends = needed.map(|s| s.start_bit + s.size);
     ends.max().expect("a message has signals")
 }
 
-/// Where its figure of merit is; 0 where it has none.
-fn merit_bit(message: &Message) -> u64 {
-    let merit = message.signals.iter().find(|s| s.name == MERIT);
-    merit.map_or(0, |merit| {
-        let is_pair = merit.size == 2 && merit.start_bit > 0 && merit.start_bit % 8 < 7;
+/// What is to be looked at before its fields.
+fn payload_check(message: &Message) -> String {
+    if let Some(merit) = message.signals.iter().find(|s| s.name == MERIT) {
+        let is_pair = merit.size == 2 && merit.start_bit % 8 < 7;
         assert!(is_pair, "{}: not two bits of one byte", message.name);
-        merit.start_bit
-    })
+        return format!("Merit({})", merit.start_bit);
+    }
+    match message.signals.iter().find(|s| is_optional(message, s)) {
+        Some(optional) => {
+            let is_byte = optional.size == 8 && optional.start_bit.is_multiple_of(8);
+            let is_last = is_byte && optional.start_bit >= end_bit(message);
+            assert!(is_last, "{}: not a byte behind the others", message.name);
+            format!("Optional({})", optional.start_bit / 8)
+        }
+        None => "None".to_owned(),
+    }
 }
 
 /// One table entry; the units of the file become those of `Signal`.

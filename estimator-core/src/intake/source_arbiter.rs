@@ -23,7 +23,7 @@
 //! measure (engine 0, gearbox 3, brakes 11), and those above 127 to whatever asks for one.
 
 use crate::signal::Signal;
-use crate::time::Instant;
+use crate::time::{Duration, Instant};
 use crate::tuning::HoldTimes;
 
 /// Whether a reading comes from the source that owns its signal.
@@ -72,7 +72,20 @@ struct Ownership {
     sender: Sender,
     /// The source that takes the signal whenever it sends.
     owner: Sender,
-    last_seen: Instant,
+    /// The low 32 bits of the time, µs. They come round after 71 minutes: a source that was silent for
+    /// that long, and by chance for little more, may keep the signal for some seconds.
+    last_seen_us: u32,
+}
+
+impl Ownership {
+    fn seen(&mut self, now: Instant) {
+        self.last_seen_us = now.micros() as u32;
+    }
+
+    fn silence(&self, now: Instant) -> Duration {
+        let silence_us = (now.micros() as u32).wrapping_sub(self.last_seen_us);
+        Duration::from_micros(u64::from(silence_us))
+    }
 }
 
 /// The owner of each signal.
@@ -89,7 +102,7 @@ impl SourceArbiter {
         let none = Ownership {
             sender: Sender::NONE,
             owner: Sender::NONE,
-            last_seen: Instant::ZERO,
+            last_seen_us: 0,
         };
         Self {
             signals: [none; Signal::ALL.len()],
@@ -146,7 +159,7 @@ impl SourceArbiter {
         };
         if ownership.sender == sender {
             if available {
-                ownership.last_seen = now;
+                ownership.seen(now);
             }
             return Admission::Admitted;
         }
@@ -217,11 +230,11 @@ impl Ownership {
         let returns = sender == self.owner;
         if is_free || precedes {
             self.owner = sender;
-        } else if !returns && now.since(self.last_seen) <= tuning.source_timeout {
+        } else if !returns && self.silence(now) <= tuning.source_timeout {
             return Admission::Refused;
         }
         self.sender = sender;
-        self.last_seen = now;
+        self.seen(now);
         if is_free {
             Admission::Admitted
         } else {

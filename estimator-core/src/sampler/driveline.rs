@@ -90,7 +90,7 @@ impl DrivelineSignals {
             Signal::ClutchSwitch => (&mut self.clutch_pedal, true),
             Signal::GearRatio => (&mut self.gear_ratio, false),
             Signal::CurrentGear => (&mut self.gear, false),
-            Signal::EngineSpeed | Signal::MotorSpeed => (&mut self.engine_speed, false),
+            Signal::EngineSpeed => (&mut self.engine_speed, false),
             _ => return false,
         };
         if keeps_last && value.is_none() {

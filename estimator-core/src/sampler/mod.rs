@@ -127,7 +127,6 @@ impl Sampler {
                 }
             }
             Signal::EngineSpeed
-            | Signal::MotorSpeed
             | Signal::DrivelineEngaged
             | Signal::ShiftInProcess
             | Signal::ClutchSlip
@@ -136,6 +135,11 @@ impl Sampler {
             | Signal::CurrentGear => {
                 let speed_mps = odometer.speed_mps();
                 parts.record_driveline(context, now, reading.signal, value, speed_mps);
+            }
+            Signal::MotorSpeed => {
+                // A motor turns as an engine does, and in reverse the other way.
+                let (signal, rpm) = (Signal::EngineSpeed, value.map(f32::abs));
+                parts.record_driveline(context, now, signal, rpm, odometer.speed_mps());
             }
             Signal::BrakeSwitch
             | Signal::BrakeLight

@@ -18,11 +18,20 @@ pub(super) struct TractionInput {
     /// Net torque of a shaft that is reported in Nm, % of the reference torque. It goes before the
     /// engine's parts of its reference torque.
     shaft_torque: Latest,
-    shaft_is_motor: bool,
+    shaft: Shaft,
     force: Latest,
     driveline: Driveline,
     driveline_was_known: bool,
     integral: ForceIntegral,
+}
+
+/// The shaft whose torque is reported in Nm.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Shaft {
+    /// None so far.
+    None,
+    Engine,
+    Motor,
 }
 
 impl TractionInput {
@@ -33,7 +42,7 @@ impl TractionInput {
             held_torque: HeldSignal::default(),
             friction: Latest::default(),
             shaft_torque: Latest::default(),
-            shaft_is_motor: false,
+            shaft: Shaft::None,
             force: Latest::default(),
             driveline: Driveline::Unknown,
             driveline_was_known: false,
@@ -54,19 +63,13 @@ impl TractionInput {
             Signal::EngineTorqueFraction => self.fraction.set(value, now),
             // It follows engine speed and temperature: the last value is closer than none.
             Signal::FrictionTorque => self.friction.set_if_available(value, now),
-            Signal::EngineTorque => {
-                let fraction = self.fraction.last().unwrap_or(0.0);
-                let detection = &context.tuning.detection;
-                if let Some(value) = value
-                    && !self.held_torque.is_new(value + fraction, now, detection)
-                {
-                    return false;
-                }
-                self.torque.set(value, now);
-                return !self.has_shaft_torque(context, now) && self.torque_changed(context, now);
-            }
-            Signal::NetEngineTorque | Signal::MotorTorque => {
-                return self.record_shaft(context, now, signal, value);
+            Signal::EngineTorque | Signal::NetEngineTorque | Signal::MotorTorque => {
+                let is_new = if signal == Signal::EngineTorque {
+                    self.take_part(context, now, value)
+                } else {
+                    self.take_shaft(context, now, signal, value)
+                };
+                return is_new && self.torque_changed(context, now);
             }
             Signal::TractionForce => {
                 self.force.set(value, now);
@@ -109,7 +112,8 @@ impl TractionInput {
             (Traction::Force, _) => self.force.within(now, timeout).is_some(),
             (Traction::Powertrain(_), Driveline::Open) => true,
             (Traction::Powertrain(_), Driveline::Engaged(_)) => {
-                self.torque.within(now, timeout).is_some() || self.has_shaft_torque(context, now)
+                self.torque.within(now, timeout).is_some()
+                    || self.shaft_percent(context, now).is_some()
             }
             (Traction::Powertrain(_), Driveline::Unknown) => false,
         }
@@ -133,9 +137,24 @@ impl TractionInput {
         model.rotating_kg(self.driveline)
     }
 
-    /// Takes the torque of a shaft, Nm. That of a motor goes before that of an engine.
+    /// Takes the engine torque, a part of the reference torque. Returns whether it is new and counts.
+    #[inline(always)] // Called once.
+    fn take_part(&mut self, context: &Context, now: Instant, value: Option<f32>) -> bool {
+        let fraction = self.fraction.last().unwrap_or(0.0);
+        let detection = &context.tuning.detection;
+        if let Some(value) = value
+            && !self.held_torque.is_new(value + fraction, now, detection)
+        {
+            return false;
+        }
+        self.torque.set(value, now);
+        self.shaft_percent(context, now).is_none()
+    }
+
+    /// Takes the torque of a shaft, Nm. That of a motor goes before that of an engine. Returns whether
+    /// it is new and counts.
     #[inline(never)] // Rare.
-    fn record_shaft(
+    fn take_shaft(
         &mut self,
         context: &Context,
         now: Instant,
@@ -146,8 +165,13 @@ impl TractionInput {
         let Traction::Powertrain(powertrain) = &model.vehicle.traction else {
             return false;
         };
-        let is_motor = signal == Signal::MotorTorque;
-        if self.shaft_is_motor && !is_motor && self.has_shaft_torque(context, now) {
+        let shaft = if signal == Signal::MotorTorque {
+            Shaft::Motor
+        } else {
+            Shaft::Engine
+        };
+        let is_second = self.shaft == Shaft::Motor && shaft == Shaft::Engine;
+        if is_second && self.shaft_percent(context, now).is_some() {
             return false;
         }
         let percent = value.map(|torque_nm| 100.0 * torque_nm / powertrain.reference_torque_nm);
@@ -156,14 +180,19 @@ impl TractionInput {
         {
             return false;
         }
-        self.shaft_is_motor = is_motor;
+        self.shaft = shaft;
         self.shaft_torque.set(percent, now);
-        self.torque_changed(context, now)
+        true
     }
 
-    fn has_shaft_torque(&self, context: &Context, now: Instant) -> bool {
+    /// Returns the torque of the shaft, % of the reference torque.
+    #[inline]
+    fn shaft_percent(&self, context: &Context, now: Instant) -> Option<f32> {
+        if self.shaft == Shaft::None {
+            return None;
+        }
         let timeout = context.tuning.hold_times.torque_timeout;
-        self.shaft_torque.within(now, timeout).is_some()
+        self.shaft_torque.within(now, timeout)
     }
 
     fn torque_changed(&mut self, context: &Context, now: Instant) -> bool {
@@ -183,7 +212,7 @@ impl TractionInput {
     /// 514. SPN 513 is indicated torque, which includes friction.
     pub(super) fn net_torque_percent(&self, context: &Context, now: Instant) -> Option<f32> {
         let timeout = context.tuning.hold_times.torque_timeout;
-        if let Some(shaft) = self.shaft_torque.within(now, timeout) {
+        if let Some(shaft) = self.shaft_percent(context, now) {
             return Some(shaft);
         }
         let torque = self.torque.within(now, timeout)?;

@@ -2,8 +2,8 @@
 
 use super::fast_packet::{FastPackets, Unfinished};
 use super::frame_outcome::{FrameOutcome, Pgn, Rejection};
-use super::layout::{Field, Framing, MESSAGES, Message, index_of};
-use super::reading::{Reading, Value};
+use super::layout::{Framing, MESSAGES, Message, index_of};
+use super::reading::Reading;
 use super::transport::TransportSessions;
 use crate::time::Instant;
 use embedded_can::{Frame, Id};
@@ -43,7 +43,7 @@ impl Decoder {
         frame: &F,
         sink: impl FnMut(usize, Pgn, Reading),
     ) -> FrameOutcome {
-        self.decode_fields(now, frame, |message| message.fields, sink)
+        self.decode_fields(now, frame, false, sink)
     }
 
     /// Decodes only the signals that the estimator reads.
@@ -54,8 +54,7 @@ impl Decoder {
         frame: &F,
         sink: impl FnMut(usize, Pgn, Reading),
     ) -> FrameOutcome {
-        let read = |message: &Message| message.fields.get(..message.read).unwrap_or_default();
-        self.decode_fields(now, frame, read, sink)
+        self.decode_fields(now, frame, true, sink)
     }
 
     #[inline]
@@ -63,7 +62,7 @@ impl Decoder {
         &mut self,
         now: Instant,
         frame: &F,
-        fields: impl Fn(&'static Message) -> &'static [Field],
+        only_read: bool,
         mut sink: impl FnMut(usize, Pgn, Reading),
     ) -> FrameOutcome {
         let Id::Extended(id) = frame.id() else {
@@ -91,13 +90,10 @@ impl Decoder {
             number: message.pgn,
             source: pgn.source,
         };
-        let is_poor = message.is_poor(payload);
-        for field in fields(message) {
-            if let Some(mut value) = field.read(payload) {
+        let (payload, fields) = message.checked(payload, only_read);
+        for field in fields {
+            if let Some(value) = field.read(payload) {
                 let signal = field.signal;
-                if is_poor && value.is_available() {
-                    value = Value::Error;
-                }
                 sink(index, pgn, Reading { signal, value });
             }
         }

@@ -82,6 +82,50 @@ impl Field {
     }
 }
 
+/// What is to be looked at before the fields of a message.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum PayloadCheck {
+    /// Nothing.
+    None,
+    /// The two bits from this one on, in which the sender judges its signals (J1939).
+    Merit(u8),
+    /// This byte, whose signal most senders leave out. The estimator reads it last.
+    Optional(u8),
+}
+
+/// A payload of error codes (J1939).
+const ERRORS: [u8; 8] = [0xfe; 8];
+
+impl Message {
+    /// Returns payload and fields to decode: all, or those that the estimator reads. Where the sender
+    /// calls its signals degraded (01) or faulty (10), the payload is one of error codes.
+    #[inline]
+    pub(super) fn checked<'a>(
+        &'static self,
+        payload: &'a [u8],
+        only_read: bool,
+    ) -> (&'a [u8], &'static [Field]) {
+        let count = if only_read {
+            self.read
+        } else {
+            self.fields.len()
+        };
+        let fields = self.fields.get(..count).unwrap_or_default();
+        match self.check {
+            PayloadCheck::None => (payload, fields),
+            PayloadCheck::Merit(bit) => match payload.get(usize::from(bit / 8)) {
+                Some(byte) if matches!((byte >> (bit % 8)) & 3, 1 | 2) => (&ERRORS, fields),
+                _ => (payload, fields),
+            },
+            PayloadCheck::Optional(byte) => match (payload.get(usize::from(byte)), fields) {
+                (None, [others @ .., _]) => (payload, others),
+                (Some(0xff), [others @ .., _]) if only_read => (payload, others),
+                _ => (payload, fields),
+            },
+        }
+    }
+}
+
 /// One message: a parameter group with the fields of interest.
 #[derive(Debug)]
 pub(super) struct Message {
@@ -92,8 +136,7 @@ pub(super) struct Message {
     pub framing: Framing,
     /// End of the last field, bit.
     pub end_bit: u16,
-    /// First of the two bits in which the sender judges its signals (J1939); 0 where it does not.
-    pub merit_bit: u8,
+    pub check: PayloadCheck,
     pub convention: Convention,
     pub fields: &'static [Field],
     /// Number of fields that the estimator reads: the first ones. The others are for tools.
@@ -101,17 +144,6 @@ pub(super) struct Message {
 }
 
 include!(concat!(env!("OUT_DIR"), "/layout_tables.rs"));
-
-impl Message {
-    /// Returns whether the sender says that its signals are degraded (01) or faulty (10).
-    #[inline]
-    pub(super) fn is_poor(&self, payload: &[u8]) -> bool {
-        self.merit_bit != 0 && {
-            let byte = payload.get(usize::from(self.merit_bit / 8));
-            byte.is_some_and(|byte| matches!((byte >> (self.merit_bit % 8)) & 3, 1 | 2))
-        }
-    }
-}
 
 /// A message that the decoder knows.
 #[derive(Clone, Copy, Debug)]

@@ -74,6 +74,17 @@ fn each_brake_has_its_hold_time() {
 }
 
 #[test]
+fn a_brake_light_counts_beside_a_switch_that_is_off_and_the_other_way_round() {
+    for (switch, light) in [(0.0, 1.0), (1.0, 0.0)] {
+        let mut drive = ReadingsDrive::of(truck());
+        let readings = [(Signal::BrakeSwitch, switch), (Signal::BrakeLight, light)];
+        let samples = drive.on(10.0, &cruising(&readings));
+        let is_braking = |sample: &Sample| sample.end.condition.braking;
+        assert!(samples[1..].iter().all(is_braking), "{switch} {light}");
+    }
+}
+
+#[test]
 fn a_retarder_at_rest_drags_a_percent_and_is_no_brake() {
     let mut drive = ReadingsDrive::of(truck());
     let samples = drive.on(10.0, &cruising(&[(Signal::RetarderTorque, -1.0)]));

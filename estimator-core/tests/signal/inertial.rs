@@ -59,6 +59,17 @@ fn the_stability_control_reports_acceleration_beside_yaw_rate() {
 }
 
 #[test]
+fn a_frame_of_the_stability_control_may_end_before_the_acceleration() {
+    for length in 5..8 {
+        let data = vec![0x80; length];
+        let mut signals = Vec::new();
+        let frame = TestFrame::of_pgn(61_449, 11, &data);
+        Decoder::new().decode(&frame, |_, _, reading| signals.push(reading.signal));
+        assert_eq!(signals, [Signal::YawRate], "{length}");
+    }
+}
+
+#[test]
 fn what_a_sensor_calls_degraded_or_faulty_is_an_error() {
     type OfMerit = fn(u8) -> [u8; 8];
     let messages: [(u32, OfMerit); 3] = [(61_485, accs), (61_459, ssi), (61_481, ssi2)];
@@ -69,10 +80,6 @@ fn what_a_sensor_calls_degraded_or_faulty_is_an_error() {
             assert_eq!(value.is_available(), is_good, "{pgn} {merit}");
             assert!(is_good || value == Value::Error, "{pgn} {merit}");
         }
-        // What is not available is no error.
-        let mut nothing = of_merit(1);
-        nothing[..6].fill(0xff);
-        assert_eq!(only(pgn, nothing).value, Value::NotAvailable, "{pgn}");
     }
 }
 
