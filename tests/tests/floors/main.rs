@@ -19,10 +19,11 @@ const CRATES: [&str; 5] = [
 ];
 
 /// Parts of the core from top to bottom. None imports what stands above it.
-const CORE: [&str; 22] = [
+const CORE: [&str; 23] = [
     "estimator",
     "broadcast",
     "persistent_state",
+    "roadmap",
     "smoother",
     "filter",
     "intake",
