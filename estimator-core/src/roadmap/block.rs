@@ -31,6 +31,8 @@ const HALF_TURN_E7: i32 = 1_800_000_000;
 /// A block: up to 128 cells of one way without a gap.
 #[derive(Clone, Copy, Debug)]
 pub struct Block<'m> {
+    /// Its offset.
+    pub offset: u32,
     /// Offset of its way.
     pub way: u32,
     /// Number of its first cell.
@@ -98,6 +100,7 @@ impl<'m> Block<'m> {
             return Err(MapError::Content);
         }
         Ok(Self {
+            offset,
             way,
             first_cell,
             count,

@@ -24,14 +24,23 @@
 //! # assert_eq!(grades_near(b"other", 0, 0), Err(MapError::Magic));
 //! ```
 
+mod along;
 mod block;
+mod horizon;
 mod map_error;
+mod map_live;
+mod matcher;
 mod packed_map;
+mod path;
+mod profile;
 mod record;
 mod tile;
 
 pub use block::{Block, Cells, MapCell, MapPoint, Points};
+pub use horizon::{Branch, Horizon, HorizonPoint, MOST_BRANCHES};
 pub use map_error::MapError;
+pub use map_live::{MapCounters, MapLive};
+pub use matcher::{MapMatch, MapPlace, Matcher};
 pub use packed_map::{Blocks, Join, Joins, MapWay, PackedMap, TileBlocks, WayDirection, Ways};
 pub use tile::Tile;
 

@@ -7,6 +7,7 @@ mod diagnose;
 mod estimate;
 mod export;
 mod fuse;
+mod horizon;
 mod identify;
 mod import;
 mod inspect;
@@ -78,6 +79,8 @@ enum Command {
     Export(export::Args),
     /// Write maps in the form that the vehicle reads.
     Pack(pack::Args),
+    /// Write the grade ahead along a recorded drive, from a packed map.
+    Horizon(horizon::Args),
     /// Write the vehicle file that logs ask for.
     Identify(identify::Args),
     /// Compare runs with the truth.
@@ -116,6 +119,7 @@ impl Cli {
             Command::Fuse(args) => fuse::run(args),
             Command::Export(args) => export::run(args),
             Command::Pack(args) => pack::run(args),
+            Command::Horizon(args) => horizon::run(args),
             Command::Identify(args) => identify::run(args),
             Command::Score(args) => score::run(args),
             Command::Diagnose(args) => diagnose::run(args),

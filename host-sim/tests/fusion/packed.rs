@@ -215,7 +215,7 @@ fn what_is_no_map_is_named() {
 static RECORDS: LazyLock<(Vec<u8>, Vec<Range<usize>>)> = LazyLock::new(|| {
     let bytes = packed_map(&ways()).expect("packed");
     let map = PackedMap::open(&bytes).expect("a map");
-    let mut records = vec![0..HEADER];
+    let mut records: Vec<Range<usize>> = std::iter::once(0..HEADER).collect();
     let sized = |at: u32| {
         let at = at as usize;
         at..at + usize::from(u16::from_le_bytes([bytes[at], bytes[at + 1]]))

@@ -20,18 +20,29 @@ pub fn is_packed(path: &Path) -> bool {
         && head == MAGIC
 }
 
+/// Opens a packed map for the rest of the program. Its bytes are never given back.
+///
+/// # Errors
+/// Returns the error of the file system, or says what is wrong with the map.
+pub fn open(path: &Path) -> Result<PackedMap<'static>> {
+    let bytes = std::fs::read(path).map_err(Error::io(path))?;
+    PackedMap::open(bytes.leak()).map_err(wrong(path))
+}
+
 /// Reads a packed map way by way.
 ///
 /// # Errors
 /// Returns the error of the file system, or says what is wrong with the map.
 pub fn read(path: &Path) -> Result<Vec<WayRows>> {
     let bytes = std::fs::read(path).map_err(Error::io(path))?;
-    ways(&bytes).map_err(|problem| {
-        Error::content(
-            path,
-            format!("{problem}; expected one that `roadgrade pack` wrote"),
-        )
-    })
+    ways(&bytes).map_err(wrong(path))
+}
+
+fn wrong(path: &Path) -> impl Fn(MapError) -> Error {
+    move |problem| {
+        let expected = "expected a packed map, as `roadgrade pack` writes it";
+        Error::content(path, format!("{problem}; {expected}"))
+    }
 }
 
 fn ways(bytes: &[u8]) -> std::result::Result<Vec<WayRows>, MapError> {
