@@ -1,9 +1,10 @@
 //! The live grade with the map.
 
+use super::alignment::Alignment;
 use super::matcher::{MapMatch, MapPlace, Matcher};
 use super::packed_map::PackedMap;
 use super::profile::Profile;
-use crate::cell::{CELL_LENGTH_M, Live, Uncertain};
+use crate::cell::{CELL_LENGTH_M, Cell, Live, Uncertain};
 use libm::sqrtf;
 
 /// Distance over which the map is compared with the estimate, m.
@@ -26,6 +27,9 @@ pub struct MapLive<'m> {
     /// Mean squared difference of estimate and map, in their standard deviations.
     difference: f32,
     is_left_out: bool,
+    alignment: Alignment,
+    /// Standard deviation of the map's grade, %, lately.
+    map_sigma_percent: f32,
     map_grade_percent: Option<Uncertain>,
     combined_percent: Option<Uncertain>,
     counters: MapCounters,
@@ -52,6 +56,8 @@ impl<'m> MapLive<'m> {
             profile: None,
             difference: 1.0,
             is_left_out: false,
+            alignment: Alignment::new(),
+            map_sigma_percent: 0.0,
             map_grade_percent: None,
             combined_percent: None,
             counters: MapCounters::default(),
@@ -63,21 +69,40 @@ impl<'m> MapLive<'m> {
         self.matcher.advance(&live.end);
         self.map_grade_percent = None;
         self.combined_percent = None;
+        let cell = live.end.cell;
         let MapMatch::On(place) = self.matcher.place() else {
+            self.alignment.hold(cell, None);
             return;
         };
         self.counters.cells_on_map = self.counters.cells_on_map.saturating_add(1);
-        let Some(map) = self.grade_at(&place) else {
+        let map = self.grade_at(&place);
+        self.alignment.hold(cell, map.map(|map| map.value));
+        let Some(map) = map else {
             return;
         };
         self.map_grade_percent = Some(map);
+        self.map_sigma_percent = map.sigma;
         let own = live.estimate.grade_percent;
         self.compare(own, map);
-        if self.is_left_out {
+        if self.is_left_out() {
             self.counters.cells_left_out = self.counters.cells_left_out.saturating_add(1);
         } else {
             self.combined_percent = Some(combined(own, map));
         }
+    }
+
+    /// Compares a finished cell with the map: its lagged grade shows whether the map is shifted along
+    /// the road.
+    pub fn finish(&mut self, cell: &Cell) {
+        let was_left_out = self.is_left_out();
+        self.alignment.compare(cell, self.map_sigma_percent);
+        self.count_left_out(was_left_out);
+    }
+
+    /// Returns how far the vehicle is ahead of its place on the map, m, as the grades tell.
+    #[must_use]
+    pub fn shift_m(&self) -> Uncertain {
+        self.alignment.shift_m()
     }
 
     /// Returns the live grade combined with the map's, %; `None` where there is no map, its place is
@@ -96,7 +121,7 @@ impl<'m> MapLive<'m> {
     /// Returns whether the map is left out because it differs from the estimate.
     #[must_use]
     pub const fn is_left_out(&self) -> bool {
-        self.is_left_out
+        self.is_left_out || self.alignment.is_displaced()
     }
 
     /// Returns what knows the place.
@@ -131,13 +156,20 @@ impl<'m> MapLive<'m> {
         if variance <= 0.0 || !difference.is_finite() {
             return;
         }
+        let was_left_out = self.is_left_out();
         let squared = (difference * difference / variance).min(100.0);
         self.difference += (squared - self.difference) * CELL_LENGTH_M / COMPARED_M;
-        if self.difference > LEFT_OUT && !self.is_left_out {
+        if self.difference > LEFT_OUT {
             self.is_left_out = true;
-            self.counters.times_left_out = self.counters.times_left_out.saturating_add(1);
         } else if self.difference < COUNTS_AGAIN {
             self.is_left_out = false;
+        }
+        self.count_left_out(was_left_out);
+    }
+
+    fn count_left_out(&mut self, was_left_out: bool) {
+        if self.is_left_out() && !was_left_out {
+            self.counters.times_left_out = self.counters.times_left_out.saturating_add(1);
         }
     }
 }

@@ -24,6 +24,7 @@
 //! # assert_eq!(grades_near(b"other", 0, 0), Err(MapError::Magic));
 //! ```
 
+mod alignment;
 mod along;
 mod block;
 mod horizon;

@@ -186,6 +186,9 @@ impl<S: Scalar> Recorder<S> {
     }
 
     fn take_cell(&mut self, cell: Cell) {
+        if let Some(map) = &mut self.map {
+            map.finish(&cell);
+        }
         let grades = OnlineGrades {
             live: cell.live_grade_percent,
             lagged: cell.lagged_grade_percent,
