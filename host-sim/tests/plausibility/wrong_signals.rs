@@ -1,7 +1,8 @@
 //! A column of a good drive in another unit.
 
-use crate::drive::{Table, at_times, estimate, table, with};
+use crate::drive::{DRIVE, Table, at_times, estimate, table, table_of, with};
 use estimator_core::Signal;
+use test_kit::simulated::run;
 
 /// Factors from m/s.
 const KMH: f64 = 3.6;
@@ -225,6 +226,33 @@ fn yaw_rate_in_degrees_per_second() {
         side * 57.3
     }));
     printed.warns(&["yaw_rate_unit"], "", "looks like °/s");
+}
+
+/// Returns the drive with an accelerometer, in this message, whose readings are changed.
+fn with_accelerometer(message: &str, change: impl Fn(f64) -> f64) -> Table {
+    let sensor = format!("[accelerometer]\nmessage = \"{message}\"\n");
+    let (seed, rest) = DRIVE.split_once('\n').unwrap();
+    let mut table = table_of(&run(&[seed, "\n", &sensor, rest]));
+    for (_, row) in &mut table {
+        if let Some(value) = row.get_mut(&Signal::LongitudinalAcceleration) {
+            *value = change(*value);
+        }
+    }
+    table
+}
+
+#[test]
+fn an_accelerometer_upside_down_or_in_another_unit() {
+    for message in ["ACCS", "VDC2"] {
+        let right = with_accelerometer(message, |mps2| mps2);
+        assert_eq!(estimate(&right).codes, [""; 0], "{message}");
+        let upside_down = with_accelerometer(message, |mps2| -mps2);
+        estimate(&upside_down).warns(&["accelerometer_sign"], "", "it is upside down");
+        let in_g = with_accelerometer(message, |mps2| mps2 / 9.806_65);
+        estimate(&in_g).warns(&["accelerometer_unit"], "", "it looks like g");
+        let in_centimetres = with_accelerometer(message, |mps2| 10.0 * mps2);
+        estimate(&in_centimetres).warns(&["accelerometer_unit"], "", "in m/s²");
+    }
 }
 
 #[test]

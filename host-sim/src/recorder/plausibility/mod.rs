@@ -12,11 +12,13 @@
 //! | `forces` | torque, force, engine speed |
 //! | `brakes` | brake pressure, retarder |
 //! | `climb` | altitude |
+//! | `accelerometer` | longitudinal acceleration |
 //! | `surroundings` | air, yaw rate, reported mass |
 //! | `model_fit` | gears that never match, scale |
 //! | `tap` | readings of frames |
 //! | `distribution` | quantiles in fixed memory |
 
+mod accelerometer;
 mod brakes;
 mod climb;
 mod distribution;
@@ -33,6 +35,7 @@ pub use warning::Warning;
 
 use crate::smooth::SmoothedCell;
 use crate::source::can_frame::CanFrame;
+use accelerometer::Accelerometer;
 use brakes::Brakes;
 use climb::Climb;
 use estimator_core::{
@@ -105,6 +108,7 @@ struct Seen {
     forces: Forces,
     brakes: Brakes,
     climb: Climb,
+    accelerometer: Accelerometer,
     surroundings: Surroundings,
     fit: ModelFit,
 }
@@ -130,6 +134,7 @@ impl Seen {
             Signal::WheelSpeed | Signal::FrontAxleSpeed => {
                 self.way.wheels(now, signal, value);
                 self.brakes.speed(now, value);
+                self.accelerometer.speed(now, signal, value);
             }
             Signal::GnssSpeed => self.way.ground(now, value),
             Signal::Course => self.way.course(value),
@@ -142,6 +147,7 @@ impl Seen {
             Signal::Altitude => self.climb.altitude(value, self.way.wheels_m()),
             Signal::AmbientTemperature => self.surroundings.temperature(value),
             Signal::AirPressure => self.surroundings.air_pressure(value),
+            Signal::LongitudinalAcceleration => self.accelerometer.reading(value),
             Signal::YawRate => self.surroundings.yaw_rate(value, speed_mps),
             Signal::Mass => self.surroundings.mass(value),
             _ => {}
@@ -157,6 +163,7 @@ impl Seen {
         let spoils = |found: &[Warning]| found.iter().any(|warning| warning.spoils.is_some());
         if !spoils(&found) {
             self.brakes.judge(&mut found);
+            found.extend(self.accelerometer.judge());
         }
         found.extend(self.climb.judge_changes(way_m));
         if !spoils(&found) {
