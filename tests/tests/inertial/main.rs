@@ -1,0 +1,90 @@
+//! What an accelerometer is worth: the live estimate where the force model does not hold.
+
+#![allow(clippy::unwrap_used)]
+
+mod drive;
+mod sensor;
+
+use drive::{Fault, LiveCell, errors, live, scenario};
+use sensor::HONEST;
+
+#[test]
+fn table() {
+    for truck in ["A", "B"] {
+        for seed in [1, 2, 3] {
+            for sensor in [None, Some(HONEST)] {
+                let text = scenario(truck, seed, "");
+                let judged = |c: &LiveCell| c.distance_m > 500.0 && c.distance_m < 29_500.0;
+                let plain = live(&text, Fault::None, sensor);
+                let all = errors(&plain.cells, judged);
+                let late = errors(&plain.cells, |c| judged(c) && c.distance_m > 5_000.0);
+                let valid = errors(&plain.cells, |c| judged(c) && c.condition.is_valid());
+                let invalid = errors(&plain.cells, |c| judged(c) && !c.condition.is_valid());
+                println!(
+                    "{truck}{seed} acc {} | all {:.4} nees {:.2} | >5km {:.4} nees {:.2} | valid {:.4} {:.2} | shift/brake {} {:.4} {:.2} ratio {:.2}",
+                    sensor.is_some() as u8,
+                    all.rmse_percent,
+                    all.nees,
+                    late.rmse_percent,
+                    late.nees,
+                    valid.rmse_percent,
+                    valid.nees,
+                    invalid.cells,
+                    invalid.rmse_percent,
+                    invalid.nees,
+                    invalid.rmse_percent / valid.rmse_percent
+                );
+                let kept: Vec<f64> = plain
+                    .cells
+                    .iter()
+                    .filter(|c| judged(c) && c.distance_m > 5_000.0)
+                    .map(|c| c.grade_error_percent)
+                    .collect();
+                let (mut slow, mut fast, mut n) = (0.0, 0.0, 0.0);
+                for i in 100..kept.len() - 100 {
+                    let mean = kept[i - 100..=i + 100].iter().sum::<f64>() / 201.0;
+                    slow += mean * mean;
+                    fast += (kept[i] - mean).powi(2);
+                    n += 1.0;
+                }
+                println!(
+                    "    slow {:.4} fast {:.4}",
+                    (slow / n as f64).sqrt(),
+                    (fast / n as f64).sqrt()
+                );
+                let missing = live(&text, Fault::TorqueMissing(600.0, 720.0), sensor);
+                let during = errors(&missing.cells, |c| c.time_s > 600.0 && c.time_s < 722.0);
+                let stuck = live(&text, Fault::TorqueStuck(600.0, 660.0), sensor);
+                let in_stuck = |c: &LiveCell| c.time_s > 600.0 && c.time_s < 661.0;
+                let held = errors(&stuck.cells, in_stuck);
+                let unmarked = errors(&stuck.cells, |c| in_stuck(c) && c.disagreement.is_none());
+                let seen = stuck
+                    .cells
+                    .iter()
+                    .find(|c| c.time_s > 600.0 && c.disagreement.torque);
+                let without_gnss =
+                    scenario(truck, seed, "[gnss]\noutages_m = [[12000.0, 22000.0]]\n");
+                let dark = live(&without_gnss, Fault::None, sensor);
+                let end = dark
+                    .cells
+                    .iter()
+                    .rev()
+                    .find(|c| c.distance_m < 21_950.0)
+                    .unwrap();
+                println!(
+                    "    missing {:.3} nees {:.2} | stuck {:.3} nees {:.2} seen {:?} unmarked {} {:.3} {:.2} | altitude {:.2} of {:.2} m",
+                    during.rmse_percent,
+                    during.nees,
+                    held.rmse_percent,
+                    held.nees,
+                    seen.map(|c| (10.0 * (c.time_s - 600.0)).round() / 10.0),
+                    unmarked.cells,
+                    unmarked.rmse_percent,
+                    unmarked.nees,
+                    end.altitude_error_m.unwrap(),
+                    end.altitude_sigma_m
+                );
+            }
+        }
+    }
+}
