@@ -165,6 +165,11 @@ impl<S: Scalar> Filter<S> {
         }
     }
 
+    /// Debug.
+    pub fn debug(&self) -> (f32, f32, f32, f32, f32, bool) {
+        self.accelerometer.debug()
+    }
+
     /// Returns the state; `None` before the first speed.
     #[must_use]
     pub const fn state(&self) -> Option<&State<S>> {
@@ -226,6 +231,7 @@ impl<S: Scalar> Filter<S> {
             levels,
             load,
             brake,
+            accelerometer,
             ..
         } = self;
         let Predicted {
@@ -298,10 +304,14 @@ impl<S: Scalar> Filter<S> {
                     reopen_bias(state, context, sample);
                     scale_reset.start(state, &context.tuning.prior);
                 }
-                gated.accepted.map(|fix| {
+                if let Some(fix) = gated.accepted {
                     let update = altitude.apply(context, sample, state, scale_reset, fix);
-                    (Observation::Altitude, update)
-                })
+                    Some((Observation::Altitude, update))
+                } else {
+                    accelerometer
+                        .weigh(sample, state, &context.tuning)
+                        .map(|measured| (Observation::Scale, measured.apply(state)))
+                }
             }
         };
         let kept = scale_bounds.keep(state, &context.tuning.prior);

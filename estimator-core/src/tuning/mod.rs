@@ -121,12 +121,14 @@ tuning! {
         block_cells: u8 = 8, 1.0..=255.0, "cells", "cells over which innovations are summed to compare force and accelerometer", "20 m";
         slack: f32 = 0.7, 0.0..=10.0, "1", "part of each block that is usual, in sigmas", "half of the smallest shift that is looked for";
         sum: f32 = 7.0, 0.1..=1e3, "1", "sum of blocks, in sigmas, that shows a wrong force", "a false one in a thousand kilometres";
-        sum_unchanged: f32 = 4.5, 0.1..=1e3, "1", "the same while the traction stays the same to the last digit", "a stuck torque does; others do it rarely";
-        unchanged_cells: u16 = 16, 1.0..=65_535.0, "cells", "cells with the same traction that may be a stuck one", "chosen: 2 s at 20 m/s";
+        sum_unchanged: f32 = 2.8, 0.1..=1e3, "1", "the same while the traction stays the same to the last digit for unusually long", "a stuck torque does";
+        unchanged_s: f32 = 3.5, 0.1..=1e4, "s", "time for which a traction stays the same to the last digit, beyond twice the longest so far, at which `sum` is zero", "chosen";
         agreed_sigmas: f32 = 2.0, 0.1..=100.0, "1", "largest difference of a block, in sigmas, that agrees", "two sigmas";
         agreed_blocks: u16 = 6, 1.0..=1e4, "blocks", "blocks in a row that must agree before a force is believed again", "120 m";
         doubt: f32 = 0.3, 0.0..=10.0, "1", "part of a disagreement that may be the accelerometer's, 1 sigma", "chosen";
         longest_m: f32 = 3_000.0, 2.5..=1e6, "m", "distance of a disagreement after which the accelerometer is rejected", "chosen: torque comes back sooner";
+        weigh_m: f32 = 250.0, 2.5..=1e6, "m", "distance between two measurements of the scale by the accelerometer", "chosen";
+        weigh_sigma: f32 = 0.02, 1e-4..=1.0, "1", "scale error of an accelerometer, 1 sigma", "data sheets: 1 to 2 %";
         alone_m: f32 = 200.0, 2.5..=1e6, "m", "distance without a valid model from which the slow error of the accelerometer is told in the sigma", "its noise is larger before that";
     }
 

@@ -47,6 +47,7 @@ pub struct LiveCell {
     pub grade_sigma_percent: f64,
     pub altitude_error_m: Option<f64>,
     pub altitude_sigma_m: f64,
+    pub traction_percent: f64,
 }
 
 /// The live estimates of a drive, and what was counted.
@@ -89,6 +90,21 @@ pub fn live(text: &str, fault: Fault, sensor: Option<SensorErrors>) -> LiveDrive
             };
             let state = filter.state().unwrap();
             let estimate = state.estimate(&ModelMass::of(&context, &sample));
+            if sensor.is_some() && matches!(fault, Fault::None) && record.end.cell % 800 == 0 {
+                let m = &state.mean;
+                use estimator_core::filter::StateIndex::{Bias, Scale, Wind};
+                println!(
+                    "  {} km true scale {:.3} filter {:.3}+-{:.3} b+w {:.3}+-{:.3} acc {:?} noise {:?}",
+                    record.end.cell / 400,
+                    scenario.runs[0].true_scale() - 1.0,
+                    m[Scale],
+                    state.sigma(Scale),
+                    m[Bias] + m[Wind],
+                    state.sigma(Bias),
+                    filter.debug(),
+                    context.counters.accelerometers_rejected
+                );
+            }
             let time_s = record.end.time.micros() as f64 * 1e-6;
             let truth = drive.at(time_s);
             let road = &drive.road;
@@ -103,6 +119,7 @@ pub fn live(text: &str, fault: Fault, sensor: Option<SensorErrors>) -> LiveDrive
                 altitude_error_m: estimate
                     .altitude_m
                     .map(|z| f64::from(z.value) - road.altitude_m(truth.distance_m)),
+                traction_percent: 100.0 * truth.traction_n / (9.81 * drive.truck.mass_kg),
                 altitude_sigma_m: estimate.altitude_m.map_or(0.0, |z| z.sigma.into()),
             });
         }

@@ -52,10 +52,46 @@ fn table() {
                     (slow / n as f64).sqrt(),
                     (fast / n as f64).sqrt()
                 );
+                let mut since: Option<f64> = None;
+                for (i, c) in plain.cells.iter().enumerate() {
+                    let on = c.disagreement.torque;
+                    if on && since.is_none() {
+                        since = Some(c.distance_m);
+                    }
+                    if !on && let Some(from) = since.take() {
+                        println!(
+                            "    marked {from:.0} .. {:.0} m; {:?}",
+                            c.distance_m, plain.counters.accelerometers_rejected
+                        );
+                    }
+                    let _ = i;
+                }
                 let missing = live(&text, Fault::TorqueMissing(600.0, 720.0), sensor);
                 let during = errors(&missing.cells, |c| c.time_s > 600.0 && c.time_s < 722.0);
                 let stuck = live(&text, Fault::TorqueStuck(600.0, 660.0), sensor);
                 let in_stuck = |c: &LiveCell| c.time_s > 600.0 && c.time_s < 661.0;
+                if sensor.is_some() {
+                    let t: Vec<String> = stuck
+                        .cells
+                        .iter()
+                        .filter(|c| c.time_s > 600.0 && c.time_s < 661.0)
+                        .step_by(10)
+                        .map(|c| {
+                            format!(
+                                "{:.1}:{:.2}",
+                                c.time_s - 600.0,
+                                c.traction_percent
+                                    - stuck
+                                        .cells
+                                        .iter()
+                                        .find(|c| c.time_s > 600.0)
+                                        .unwrap()
+                                        .traction_percent
+                            )
+                        })
+                        .collect();
+                    println!("    {}", t.join(" "));
+                }
                 let held = errors(&stuck.cells, in_stuck);
                 let unmarked = errors(&stuck.cells, |c| in_stuck(c) && c.disagreement.is_none());
                 let seen = stuck

@@ -45,9 +45,7 @@ pub(super) struct ForceTest {
     usual: f32,
     /// Errors when the sums were last zero.
     before: Option<SlowErrors>,
-    /// Traction of the last cell, N, and cells since it changed.
-    traction_n: f32,
-    unchanged_cells: u16,
+    traction: UnchangedTraction,
     disagrees: bool,
     /// Blocks in a row that agree, and their sum.
     agreed_blocks: u16,
@@ -94,8 +92,7 @@ impl ForceTest {
             cells: 0,
             usual: 1.0,
             before: None,
-            traction_n: f32::NAN,
-            unchanged_cells: 0,
+            traction: UnchangedTraction::new(),
             disagrees: false,
             agreed_blocks: 0,
             agreed_sum: 0.0,
@@ -116,19 +113,14 @@ impl ForceTest {
     pub(super) fn restart(&mut self) {
         *self = Self {
             usual: self.usual,
+            traction: self.traction,
             ..Self::new()
         };
     }
 
-    /// Notes the traction of a cell. One that stays the same to the last digit may be stuck.
-    pub(super) fn note_traction(&mut self, traction_n: f32) {
-        let is_same = (traction_n - self.traction_n).abs() <= 1e-6 * traction_n.abs();
-        self.unchanged_cells = if is_same {
-            self.unchanged_cells.saturating_add(1)
-        } else {
-            0
-        };
-        self.traction_n = traction_n;
+    /// Notes the traction of a cell, N.
+    pub(super) fn note_traction(&mut self, traction_n: f32, duration_s: f32) {
+        self.traction.note(traction_n, duration_s, !self.disagrees);
     }
 
     /// Takes the innovation of a cell in which the model holds, and the errors before it. If the
@@ -158,12 +150,7 @@ impl ForceTest {
             return Finding::Nothing;
         }
         self.cells = self.cells.saturating_add(u32::from(block.cells));
-        let limit = if self.is_unchanged(tuning) {
-            tuning.sum_unchanged
-        } else {
-            tuning.sum
-        };
-        if Scalar::max(self.above, self.below) <= limit {
+        if Scalar::max(self.above, self.below) <= self.limit(tuning) {
             return Finding::Nothing;
         }
         let cells = self.cells;
@@ -172,8 +159,7 @@ impl ForceTest {
         }
         *self = Self {
             disagrees: true,
-            traction_n: self.traction_n,
-            unchanged_cells: self.unchanged_cells,
+            traction: self.traction,
             usual: self.usual,
             ..Self::new()
         };
@@ -183,19 +169,25 @@ impl ForceTest {
         }
     }
 
-    const fn is_unchanged(&self, tuning: &Inertial) -> bool {
-        self.unchanged_cells >= tuning.unchanged_cells
+    /// Returns the sum beyond which the force is wrong: less while the traction is unchanged for
+    /// longer than is usual.
+    fn limit(&self, tuning: &Inertial) -> f32 {
+        let left = 1.0 - self.traction.unusual_s() / tuning.unchanged_s;
+        Scalar::max(tuning.sum_unchanged, tuning.sum * Scalar::min(1.0, left))
     }
 
     fn wait_for_agreement(&mut self, sigmas: f32, tuning: &Inertial) -> Finding {
-        if sigmas.abs() > tuning.agreed_sigmas || self.is_unchanged(tuning) {
+        if sigmas.abs() > tuning.agreed_sigmas {
             self.agreed_blocks = 0;
             self.agreed_sum = 0.0;
             return Finding::Nothing;
         }
         self.agreed_blocks += 1;
         self.agreed_sum += sigmas;
-        if self.agreed_blocks < tuning.agreed_blocks {
+        // A stuck torque may agree for a while.
+        let is_unusual = self.traction.unusual_s() > 0.0;
+        let enough = tuning.agreed_blocks * if is_unusual { 3 } else { 1 };
+        if self.agreed_blocks < enough {
             return Finding::Nothing;
         }
         let mean = self.agreed_sum / libm::sqrtf(f32::from(self.agreed_blocks));
@@ -205,6 +197,51 @@ impl ForceTest {
             return Finding::Nothing;
         }
         self.disagrees = false;
+        self.traction.take_for_usual();
         Finding::AgreesAgain
+    }
+}
+
+/// A traction that stays the same to the last digit: it may be stuck, or the driver coasts, or drives
+/// with all there is.
+#[derive(Clone, Copy, Debug)]
+struct UnchangedTraction {
+    last_n: f32,
+    /// Time since it changed, s.
+    unchanged_s: f32,
+    /// Longest such time on this drive in which nothing was wrong, s: of coasting, and of driving.
+    usual_s: [f32; 2],
+}
+
+impl UnchangedTraction {
+    const fn new() -> Self {
+        Self {
+            last_n: f32::NAN,
+            unchanged_s: 0.0,
+            usual_s: [0.5; 2],
+        }
+    }
+
+    fn note(&mut self, traction_n: f32, duration_s: f32, agrees: bool) {
+        if (traction_n - self.last_n).abs() <= 3e-4 * traction_n.abs() {
+            self.unchanged_s += duration_s;
+            return;
+        }
+        if agrees {
+            self.take_for_usual();
+        }
+        self.last_n = traction_n;
+        self.unchanged_s = 0.0;
+    }
+
+    fn take_for_usual(&mut self) {
+        let usual_s = &mut self.usual_s[usize::from(self.last_n > 0.0)];
+        *usual_s = Scalar::max(*usual_s, self.unchanged_s);
+    }
+
+    /// Returns the time for which it is unchanged beyond twice the usual one, s.
+    fn unusual_s(&self) -> f32 {
+        let usual_s = self.usual_s[usize::from(self.last_n > 0.0)];
+        Scalar::max(0.0, self.unchanged_s - 2.0 * usual_s)
     }
 }

@@ -10,11 +10,14 @@
 //! | file | content |
 //! |---|---|
 //! | `slow_errors` | offset, pitch under acceleration, and scale, learned where the model holds |
+//! | `weighing` | the scale that it shows, as a measurement of the filter |
 //! | `force_test` | whether force and accelerometer agree |
 
 mod force_test;
 mod slow_errors;
+mod weighing;
 
+use super::measurement::ScalarMeasurement;
 use super::noise_ratio::NoiseRatio;
 use super::predict::{MeasuredMotion, Prediction};
 use super::state::State;
@@ -28,6 +31,7 @@ use crate::tuning::{Inertial, Tuning};
 use crate::vehicle::GRAVITY;
 use force_test::{Finding, ForceTest, Innovation};
 use slow_errors::{Regressors, SlowErrors};
+use weighing::Weighing;
 
 /// Slope that an acceleration of 1 m/s² amounts to, %.
 const PERCENT_PER_MPS2: f32 = 100.0 / GRAVITY;
@@ -48,6 +52,9 @@ pub(super) struct Accelerometer {
     alone_m: f32,
     /// Distance over which the force is not believed, m.
     doubted_m: f32,
+    /// Variance of the change of speed by the model where it last held, (m/s²)².
+    model_variance: f32,
+    weighing: Weighing,
     widening: Widening,
 }
 
@@ -83,6 +90,8 @@ impl Accelerometer {
             unchanged_cells: 0,
             alone_m: 0.0,
             doubted_m: 0.0,
+            model_variance: 0.0,
+            weighing: Weighing::default(),
             widening: Widening::default(),
         }
     }
@@ -122,6 +131,19 @@ impl Accelerometer {
         Some(doubted)
     }
 
+    pub(super) fn debug(&self) -> (f32, f32, f32, f32, f32, bool) {
+        let (scale, v) = self.errors.scale();
+        let (c, vc) = self.errors.expected(Regressors::new(0.0, 0.0));
+        (
+            scale,
+            libm::sqrtf(v),
+            c,
+            libm::sqrtf(vc),
+            self.errors.pitch_gain(),
+            self.is_trusted,
+        )
+    }
+
     /// Returns whether it stood in for the model up to the last cell.
     pub(super) fn stood_in(&self) -> bool {
         self.alone_m > 0.0
@@ -130,6 +152,7 @@ impl Accelerometer {
     /// Opens the scale: the load may be another one.
     pub(super) fn open_scale(&mut self, tuning: &Tuning) {
         self.errors.open_scale(tuning.prior.open_scale_sigma);
+        self.weighing = Weighing::default();
     }
 
     /// Widens the state by what it does not know yet of the accelerometer's errors.
@@ -197,25 +220,29 @@ impl Accelerometer {
         let tuning = &context.tuning;
         let motion = prediction.motion(state, sample.length_m);
         let regressors = Regressors::new(motion.change_mps2, motion.net_traction_percent);
-        self.walk(sample, state, prediction, tuning);
+        self.walk(sample, prediction, tuning);
         let (expected_mps2, expected_variance) = self.errors.expected(regressors);
         let sigma = tuning.inertial.acceleration_sigma_mps2;
         let step = measured.resolution_mps2;
         let own_variance = self.noise.ratio() * sigma * sigma / f32::from(measured.count.max(1))
             + step * step / 12.0;
+        let holds = reported.is_valid() && !reported.crawling;
+        if holds && !self.test.disagrees() {
+            self.model_variance = motion.variance;
+        }
         let innovation = Innovation {
             mps2: measured.acceleration_mps2 - motion.felt_mps2 - expected_mps2,
-            white_variance: own_variance + motion.variance,
+            white_variance: own_variance + self.model_variance,
             expected_variance,
         };
         if self.is_frozen(measured, &tuning.inertial) {
             self.reject(context);
             return None;
         }
-        let holds = reported.is_valid() && !reported.crawling;
         let mut disagreeing = None;
         if holds && self.is_trusted {
-            self.test.note_traction(sample.forces.traction_n);
+            self.test
+                .note_traction(sample.forces.traction_n, sample.duration_s);
             disagreeing = self.compare(innovation, sample, tuning);
         }
         if self.test.disagrees() {
@@ -251,16 +278,24 @@ impl Accelerometer {
         disagreeing
     }
 
-    /// Lets the errors walk over a cell: with the temperature of the sensor, and with the slow errors
-    /// of the model, which are part of them.
-    fn walk<S: Scalar>(
+    /// Returns the scale that it shows as a measurement, if there is a new one.
+    #[inline]
+    pub(super) fn weigh<S: Scalar>(
         &mut self,
         sample: &Sample,
         state: &State<S>,
-        prediction: &Prediction<S>,
         tuning: &Tuning,
-    ) {
-        let _ = state;
+    ) -> Option<ScalarMeasurement<S>> {
+        if !self.is_trusted || sample.inertial.is_none() || self.test.disagrees() {
+            return None;
+        }
+        self.weighing
+            .next(self.errors.scale(), self.learned_m, state, &tuning.inertial)
+    }
+
+    /// Lets the errors walk over a cell: with the temperature of the sensor, and with the slow errors
+    /// of the model, which are part of them.
+    fn walk<S: Scalar>(&mut self, sample: &Sample, prediction: &Prediction<S>, tuning: &Tuning) {
         let drift = tuning.inertial.drift_mps2_per_sqrt_s;
         let of_model = prediction.slow_variance() / (PERCENT_PER_MPS2 * PERCENT_PER_MPS2);
         self.errors.walk(
