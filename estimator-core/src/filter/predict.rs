@@ -124,6 +124,12 @@ impl<S: Scalar> Prediction<S> {
         (self.noise.bias + self.noise.wind).to_f32()
     }
 
+    /// Adds an error of the force, m/s², 1 sigma.
+    pub(super) fn add_force_noise(&mut self, sigma_mps2: f32, length_m: f32) {
+        let work = sigma_mps2 * length_m;
+        self.noise.kinetic_energy += S::from_f32(work * work);
+    }
+
     /// Combines the force with a measured motion, by their variances. Returns the weight of the
     /// measured one.
     ///

@@ -127,6 +127,7 @@ tuning! {
         agreed_blocks: u16 = 6, 1.0..=1e4, "blocks", "blocks in a row that must agree before a force is believed again", "120 m";
         doubt: f32 = 0.3, 0.0..=10.0, "1", "part of a disagreement that may be the accelerometer's, 1 sigma", "chosen";
         longest_m: f32 = 3_000.0, 2.5..=1e6, "m", "distance of a disagreement after which the accelerometer is rejected", "chosen: torque comes back sooner";
+        unchanged_percent_per_s: f32 = 0.5, 0.0..=100.0, "%/s", "what is not known of a traction for each second for which it stays the same unusually long, 1 sigma", "traction follows the road: 0.1 % in a cell at most";
         weigh_m: f32 = 250.0, 2.5..=1e6, "m", "distance between two measurements of the scale by the accelerometer", "chosen";
         weigh_sigma: f32 = 0.02, 1e-4..=1.0, "1", "scale error of an accelerometer, 1 sigma", "data sheets: 1 to 2 %";
         alone_m: f32 = 200.0, 2.5..=1e6, "m", "distance without a valid model from which the slow error of the accelerometer is told in the sigma", "its noise is larger before that";

@@ -3,6 +3,12 @@
 #![allow(clippy::unwrap_used)]
 
 mod drive;
+
+fn plain_motorway(truck: &str, seed: u64, more: &str) -> String {
+    format!(
+        "seed = {seed}\n[road]\nlength_m = 30000.0\n{more}[[runs]]\nname = \"x\"\ntruck = \"{truck}\"\n"
+    )
+}
 mod sensor;
 
 use drive::{Fault, LiveCell, errors, live, scenario};
@@ -12,8 +18,19 @@ use sensor::HONEST;
 fn table() {
     for truck in ["A", "B"] {
         for seed in [1, 2, 3] {
-            for sensor in [None, Some(HONEST)] {
-                let text = scenario(truck, seed, "");
+            for (sensor, text) in [
+                (None, scenario(truck, seed, "")),
+                (Some(HONEST), scenario(truck, seed, "")),
+                (
+                    Some(sensor::SensorErrors {
+                        white_mps2: 0.1,
+                        ..HONEST
+                    }),
+                    scenario(truck, seed, ""),
+                ),
+                (None, plain_motorway(truck, seed, "")),
+                (Some(HONEST), plain_motorway(truck, seed, "")),
+            ] {
                 let judged = |c: &LiveCell| c.distance_m > 500.0 && c.distance_m < 29_500.0;
                 let plain = live(&text, Fault::None, sensor);
                 let all = errors(&plain.cells, judged);
@@ -34,24 +51,6 @@ fn table() {
                     invalid.nees,
                     invalid.rmse_percent / valid.rmse_percent
                 );
-                let kept: Vec<f64> = plain
-                    .cells
-                    .iter()
-                    .filter(|c| judged(c) && c.distance_m > 5_000.0)
-                    .map(|c| c.grade_error_percent)
-                    .collect();
-                let (mut slow, mut fast, mut n) = (0.0, 0.0, 0.0);
-                for i in 100..kept.len() - 100 {
-                    let mean = kept[i - 100..=i + 100].iter().sum::<f64>() / 201.0;
-                    slow += mean * mean;
-                    fast += (kept[i] - mean).powi(2);
-                    n += 1.0;
-                }
-                println!(
-                    "    slow {:.4} fast {:.4}",
-                    (slow / n as f64).sqrt(),
-                    (fast / n as f64).sqrt()
-                );
                 let mut since: Option<f64> = None;
                 for (i, c) in plain.cells.iter().enumerate() {
                     let on = c.disagreement.torque;
@@ -71,26 +70,22 @@ fn table() {
                 let stuck = live(&text, Fault::TorqueStuck(600.0, 660.0), sensor);
                 let in_stuck = |c: &LiveCell| c.time_s > 600.0 && c.time_s < 661.0;
                 if sensor.is_some() {
+                    let first = stuck
+                        .cells
+                        .iter()
+                        .find(|c| c.time_s > 600.0)
+                        .unwrap()
+                        .traction_percent;
                     let t: Vec<String> = stuck
                         .cells
                         .iter()
-                        .filter(|c| c.time_s > 600.0 && c.time_s < 661.0)
+                        .filter(|c| c.time_s > 600.0 && c.time_s < 626.0)
                         .step_by(10)
                         .map(|c| {
-                            format!(
-                                "{:.1}:{:.2}",
-                                c.time_s - 600.0,
-                                c.traction_percent
-                                    - stuck
-                                        .cells
-                                        .iter()
-                                        .find(|c| c.time_s > 600.0)
-                                        .unwrap()
-                                        .traction_percent
-                            )
+                            format!("{:.1}:{:.2}", c.time_s - 600.0, c.traction_percent - first)
                         })
                         .collect();
-                    println!("    {}", t.join(" "));
+                    println!("    traction {first:.2} {}", t.join(" "));
                 }
                 let held = errors(&stuck.cells, in_stuck);
                 let unmarked = errors(&stuck.cells, |c| in_stuck(c) && c.disagreement.is_none());

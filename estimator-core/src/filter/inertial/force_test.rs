@@ -5,8 +5,11 @@
 //! sum of either sign (E. S. Page, "Continuous inspection schemes", Biometrika 41:100, 1954).
 
 use super::slow_errors::SlowErrors;
+use super::unchanged_traction::UnchangedTraction;
+use crate::sample::Sample;
 use crate::scalar::Scalar;
 use crate::tuning::Inertial;
+use crate::vehicle::VehicleParameters;
 
 /// Largest normalised square of a block that counts for its usual size.
 const LARGEST_USUAL: f32 = 4.0;
@@ -109,6 +112,12 @@ impl ForceTest {
         self.usual
     }
 
+    /// Returns the time for which the traction has been the same to the last digit, beyond what is
+    /// usual, s.
+    pub(super) fn unusual_s(&self) -> f32 {
+        self.traction.unusual_s()
+    }
+
     /// Drops the sums: what comes does not follow what was.
     pub(super) fn restart(&mut self) {
         *self = Self {
@@ -118,9 +127,10 @@ impl ForceTest {
         };
     }
 
-    /// Notes the traction of a cell, N.
-    pub(super) fn note_traction(&mut self, traction_n: f32, duration_s: f32) {
-        self.traction.note(traction_n, duration_s, !self.disagrees);
+    /// Notes the traction of a cell.
+    pub(super) fn note_traction(&mut self, sample: &Sample, vehicle: &VehicleParameters) {
+        self.traction
+            .note(&sample.forces, vehicle, sample.duration_s, !self.disagrees);
     }
 
     /// Takes the innovation of a cell in which the model holds, and the errors before it. If the
@@ -199,49 +209,5 @@ impl ForceTest {
         self.disagrees = false;
         self.traction.take_for_usual();
         Finding::AgreesAgain
-    }
-}
-
-/// A traction that stays the same to the last digit: it may be stuck, or the driver coasts, or drives
-/// with all there is.
-#[derive(Clone, Copy, Debug)]
-struct UnchangedTraction {
-    last_n: f32,
-    /// Time since it changed, s.
-    unchanged_s: f32,
-    /// Longest such time on this drive in which nothing was wrong, s: of coasting, and of driving.
-    usual_s: [f32; 2],
-}
-
-impl UnchangedTraction {
-    const fn new() -> Self {
-        Self {
-            last_n: f32::NAN,
-            unchanged_s: 0.0,
-            usual_s: [0.5; 2],
-        }
-    }
-
-    fn note(&mut self, traction_n: f32, duration_s: f32, agrees: bool) {
-        if (traction_n - self.last_n).abs() <= 3e-4 * traction_n.abs() {
-            self.unchanged_s += duration_s;
-            return;
-        }
-        if agrees {
-            self.take_for_usual();
-        }
-        self.last_n = traction_n;
-        self.unchanged_s = 0.0;
-    }
-
-    fn take_for_usual(&mut self) {
-        let usual_s = &mut self.usual_s[usize::from(self.last_n > 0.0)];
-        *usual_s = Scalar::max(*usual_s, self.unchanged_s);
-    }
-
-    /// Returns the time for which it is unchanged beyond twice the usual one, s.
-    fn unusual_s(&self) -> f32 {
-        let usual_s = self.usual_s[usize::from(self.last_n > 0.0)];
-        Scalar::max(0.0, self.unchanged_s - 2.0 * usual_s)
     }
 }

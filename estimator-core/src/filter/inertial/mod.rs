@@ -10,11 +10,13 @@
 //! | file | content |
 //! |---|---|
 //! | `slow_errors` | offset, pitch under acceleration, and scale, learned where the model holds |
+//! | `unchanged_traction` | for how long the traction stays the same to the last digit |
 //! | `weighing` | the scale that it shows, as a measurement of the filter |
 //! | `force_test` | whether force and accelerometer agree |
 
 mod force_test;
 mod slow_errors;
+mod unchanged_traction;
 mod weighing;
 
 use super::measurement::ScalarMeasurement;
@@ -240,9 +242,10 @@ impl Accelerometer {
             return None;
         }
         let mut disagreeing = None;
+        if holds {
+            self.test.note_traction(sample, &context.model.vehicle);
+        }
         if holds && self.is_trusted {
-            self.test
-                .note_traction(sample.forces.traction_n, sample.duration_s);
             disagreeing = self.compare(innovation, sample, tuning);
         }
         if self.test.disagrees() {
@@ -260,6 +263,9 @@ impl Accelerometer {
                 self.learn(context, sample, regressors, innovation, state);
             }
         }
+        // A traction that stands still is no better known than tractions change.
+        let stale_percent = context.tuning.inertial.unchanged_percent_per_s * self.test.unusual_s();
+        prediction.add_force_noise(stale_percent / PERCENT_PER_MPS2, sample.length_m);
         let (offset_mps2, variance) = self.errors.expected(regressors.steady());
         let most = context.tuning.inertial.known_sigma_mps2;
         if !self.is_trusted || variance > 4.0 * most * most {
