@@ -19,6 +19,9 @@ const FILES: [(&str, &str); 2] = [("j1939.dbc", "J1939"), ("nmea2000.dbc", "Nmea
 /// SAE J1939-21: announcements and data of multi-packet messages.
 const TRANSPORT: [u32; 2] = [60_160, 60_416];
 
+/// What the layouts call the two bits in which a sender judges the signals of its message.
+const MERIT: &str = "FigureOfMerit";
+
 /// What the layouts call the estimator.
 const RECEIVER: &str = "Estimator";
 
@@ -48,15 +51,17 @@ fn main() {
     for (pgn, convention, message) in &messages {
         writeln!(
             code,
-            "Message {{ pgn: {pgn}, name: \"{}\", priority: {}, length: {}, framing: Framing::{}, end_bit: {}, convention: Convention::{convention}, fields: &[",
+            "Message {{ pgn: {pgn}, name: \"{}\", priority: {}, length: {}, framing: Framing::{}, end_bit: {}, merit_bit: {}, convention: Convention::{convention}, fields: &[",
             message.name,
             priority(message),
             message.size,
             framing(message, convention),
-            end_bit(message)
+            end_bit(message),
+            merit_bit(message)
         )
         .unwrap();
-        let (read, unread): (Vec<_>, Vec<_>) = message.signals.iter().partition(|s| is_read(s));
+        let fields = message.signals.iter().filter(|s| s.name != MERIT);
+        let (read, unread): (Vec<_>, Vec<_>) = fields.partition(|s| is_read(s));
         for signal in read.iter().chain(&unread) {
             writeln!(code, "    {},", field(message, convention, signal)).unwrap();
         }
@@ -127,6 +132,16 @@ fn end_bit(message: &Message) -> u64 {
     ends.max().expect("a message has signals")
 }
 
+/// Where its figure of merit is; 0 where it has none.
+fn merit_bit(message: &Message) -> u64 {
+    let merit = message.signals.iter().find(|s| s.name == MERIT);
+    merit.map_or(0, |merit| {
+        let is_pair = merit.size == 2 && merit.start_bit > 0 && merit.start_bit % 8 < 7;
+        assert!(is_pair, "{}: not two bits of one byte", message.name);
+        merit.start_bit
+    })
+}
+
 /// One table entry; the units of the file become those of `Signal`.
 fn field(message: &Message, convention: &str, signal: &Signal) -> String {
     assert!(
@@ -164,7 +179,9 @@ fn field(message: &Message, convention: &str, signal: &Signal) -> String {
             "km/h" => 1.0 / 3.6,
             "kPa" => 1000.0,
             "rad" => 180.0 / std::f64::consts::PI,
-            "" | "%" | "rpm" | "degC" | "rad/s" | "kg" | "deg" | "m/s" | "m" | "Nm" | "kgm2" => 1.0,
+            "deg/s" => std::f64::consts::PI / 180.0,
+            "" | "%" | "rpm" | "degC" | "rad/s" | "kg" | "deg" | "m/s" | "m" | "m/s2" | "Nm"
+            | "kgm2" => 1.0,
             other => panic!("{}.{}: unknown unit {other}", message.name, signal.name),
         };
         format!(

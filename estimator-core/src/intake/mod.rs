@@ -97,8 +97,13 @@ impl Intake {
         }
         let mut used = false;
         let outcome = decoder.decode_read(now, frame, |message, pgn, reading| {
+            // Most senders of VDC2 leave the acceleration out: that is nothing to count.
+            let Reading { signal, value } = reading;
+            if signal == Signal::LongitudinalAcceleration && value == Value::NotAvailable {
+                return;
+            }
             let sender = Some(Sender::new(message, pgn.source));
-            used |= checks.take(context, sampler, reading.signal, reading.value, sender);
+            used |= checks.take(context, sampler, signal, value, sender);
         });
         match outcome {
             FrameOutcome::Decoded { message, .. } => {

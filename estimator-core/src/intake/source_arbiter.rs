@@ -10,7 +10,8 @@
 //! torque, so retarder torque has no owner.
 //!
 //! Where one sender reports the air pressure in two messages, that with the finer steps (AMB2) has the
-//! lower number, and wins.
+//! lower number, and wins. An acceleration with finer steps (ACCS before VDC2) has the higher number,
+//! and wins whoever sends it.
 //!
 //! What an engine says of itself counts if it comes from the controller whose torque is used. A bus
 //! may have two: the other one is a gateway's, or that of a second engine.
@@ -52,6 +53,10 @@ impl Sender {
 
     const fn address(self) -> u8 {
         self.0 as u8
+    }
+
+    const fn message(self) -> u8 {
+        (self.0 >> 8) as u8
     }
 
     /// Creates the sender with this address, in the message with this index.
@@ -174,9 +179,17 @@ impl SourceArbiter {
             }
             Signal::EngineReferenceTorque | Signal::EngineInertia => Admission::Refused,
             _ => {
-                let is_finer = signal == Signal::AirPressure && sender.0 < ownership.owner.0;
-                let precedes = sender.address() < ownership.owner.address()
-                    || is_finer && sender.address() == ownership.owner.address();
+                let owner = ownership.owner;
+                let is_finer = signal == Signal::AirPressure && sender.0 < owner.0;
+                let precedes = match signal {
+                    Signal::LongitudinalAcceleration if sender.message() != owner.message() => {
+                        sender.message() > owner.message()
+                    }
+                    _ => {
+                        sender.address() < owner.address()
+                            || is_finer && sender.address() == owner.address()
+                    }
+                };
                 ownership.hand_over(sender, now, available, is_start && precedes, tuning)
             }
         }

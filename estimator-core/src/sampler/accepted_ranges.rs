@@ -8,6 +8,8 @@ pub(super) const SPEEDS_MPS: RangeInclusive<f32> = 0.0..=70.0;
 pub(super) const ALTITUDES_M: Range<f32> = -1_000.0..10_000.0;
 /// Yaw rates of road vehicles, rad/s.
 pub(super) const YAW_RATES_RADPS: RangeInclusive<f32> = -2.0..=2.0;
+/// Longitudinal accelerations of road vehicles on any slope, m/s².
+pub(super) const ACCELERATIONS_MPS2: RangeInclusive<f32> = -20.0..=20.0;
 /// Courses over ground, °.
 pub(super) const COURSES_DEG: RangeInclusive<f32> = 0.0..=360.0;
 /// Reference torques of engines (SPN 544), Nm.

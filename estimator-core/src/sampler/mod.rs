@@ -12,6 +12,7 @@
 //! | `odometer`, `speed_check` | distance and cells; plausibility of speed readings |
 //! | `gnss`, `gnss_timing` | positions and altitudes along the driven distance; age of a fix |
 //! | `stops`, `reversing` | standstills, weighings, load changes; direction of motion |
+//! | `inertial` | the accelerometer: one mean a cell |
 //! | `effect_inputs` | what effects depend on |
 //! | `parts` | what these collect, and the sample of a cell |
 //! | `latest`, `held_signal`, `accepted_ranges` | newest values, their age and rests; ranges of readings |
@@ -29,6 +30,7 @@ mod engine_configuration;
 mod gnss;
 mod gnss_timing;
 mod held_signal;
+mod inertial;
 mod latest;
 mod odometer;
 mod parts;
@@ -117,12 +119,15 @@ impl Sampler {
             Signal::EngineTorqueFraction
             | Signal::FrictionTorque
             | Signal::EngineTorque
+            | Signal::NetEngineTorque
+            | Signal::MotorTorque
             | Signal::TractionForce => {
                 if parts.traction.record(context, now, reading.signal, value) {
                     context.counters.tractions_used += 1;
                 }
             }
             Signal::EngineSpeed
+            | Signal::MotorSpeed
             | Signal::DrivelineEngaged
             | Signal::ShiftInProcess
             | Signal::ClutchSlip
@@ -133,11 +138,13 @@ impl Sampler {
                 parts.record_driveline(context, now, reading.signal, value, speed_mps);
             }
             Signal::BrakeSwitch
+            | Signal::BrakeLight
             | Signal::FoundationBrake
             | Signal::BrakePedal
             | Signal::BrakePressure
             | Signal::ParkingBrake
-            | Signal::RetarderTorque => {
+            | Signal::RetarderTorque
+            | Signal::RetarderForce => {
                 parts
                     .brakes
                     .record(&context.tuning, now, reading.signal, value);
@@ -159,6 +166,7 @@ impl Sampler {
                     self.speed(context, now, mps);
                 }
             }
+            Signal::LongitudinalAcceleration => parts.accelerometer.record(now, value),
             Signal::EngineReferenceTorque | Signal::EngineInertia => {
                 parts.record_configuration(context, reading.signal, value);
             }
@@ -168,7 +176,10 @@ impl Sampler {
             | Signal::ParasiticTorque
             | Signal::OutputShaftSpeed
             | Signal::SelectedGear
-            | Signal::Passengers => {}
+            | Signal::Passengers
+            | Signal::Pitch
+            | Signal::PitchRate
+            | Signal::VerticalSpeed => {}
             Signal::Fan | Signal::YawRate | Signal::Course | Signal::GnssSpeed => {
                 let speed_mps = odometer.speed_mps();
                 let signals = &mut parts.effect_signals;
@@ -186,6 +197,7 @@ impl Sampler {
     fn switch_source(&mut self, signal: Signal) {
         match signal {
             Signal::EngineTorque | Signal::TractionForce => {}
+            Signal::LongitudinalAcceleration => return self.parts.accelerometer.switch_source(),
             Signal::WheelSpeed => self.parts.wheel_check = SpeedCheck::default(),
             Signal::FrontAxleSpeed => self.parts.front_axle_check = SpeedCheck::default(),
             Signal::TachographSpeed => self.parts.tachograph_check = SpeedCheck::default(),
@@ -305,6 +317,7 @@ impl Sampler {
                 count(&mut context.counters.reversals);
             }
             parts.traction.take_mean_n(now);
+            parts.accelerometer.take(now);
             parts.gnss.clear();
             parts.brake_detector.restart();
             odometer.stand(speed);
@@ -315,6 +328,7 @@ impl Sampler {
             .map_or(speed_mps, |last| Scalar::min(last, speed_mps));
         let interval = Interval {
             mean_force_n: parts.traction.take_mean_n(now),
+            acceleration: parts.accelerometer.take(now),
             condition: parts.condition(context, now, slower_mps),
             resolution_mps: parts.resolution_mps(context, now),
         };

@@ -1,5 +1,6 @@
 //! Time to distance: speed readings move an odometer, which divides the drive into cells.
 
+use super::inertial::{CellAcceleration, IntervalAcceleration};
 use super::latest::TimedValue;
 use crate::cell::{CELL_LENGTH_M, Condition};
 use crate::sample::SpeedMeasurement;
@@ -18,6 +19,7 @@ struct OpenCell {
     speed_distance_sum_m: f32,
     speed_count: u8,
     gap_cells: u32,
+    acceleration: CellAcceleration,
 }
 
 /// A cell that was driven to its end.
@@ -31,12 +33,14 @@ pub(super) struct DrivenCell {
     pub condition: Condition,
     pub speed: Option<SpeedMeasurement>,
     pub gap_cells: u32,
+    pub acceleration: CellAcceleration,
 }
 
-/// Force and condition between two speed readings.
+/// Force, acceleration and condition between two speed readings.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Interval {
     pub mean_force_n: f32,
+    pub acceleration: Option<IntervalAcceleration>,
     pub condition: Condition,
     /// Resolution of the speed reading, m/s.
     pub resolution_mps: f32,
@@ -165,6 +169,10 @@ impl Odometer {
             let piece_m = Scalar::min(left_m, room_m);
             self.open.work_nm += interval.mean_force_n * piece_m;
             self.open.duration_s += seconds * piece_m / distance_m;
+            if let Some(acceleration) = interval.acceleration {
+                let part = piece_m / distance_m;
+                self.open.acceleration.add(acceleration, piece_m, part);
+            }
             self.open.condition = self.open.condition.or(interval.condition);
             left_m -= piece_m;
             if piece_m < room_m {
@@ -196,6 +204,7 @@ impl Odometer {
                 resolution_mps: open.resolution_mps,
             }),
             gap_cells: open.gap_cells,
+            acceleration: open.acceleration,
         }
     }
 }

@@ -9,6 +9,7 @@ use super::effect_inputs::EffectSignals;
 use super::engine_configuration::EngineConfiguration;
 use super::gnss::Gnss;
 use super::gnss_timing::GnssTiming;
+use super::inertial::Accelerometer;
 use super::latest::Latest;
 use super::odometer::DrivenCell;
 use super::reversing::Reversing;
@@ -33,6 +34,7 @@ pub(super) struct Parts {
     shift_until: Instant,
     pub traction: TractionInput,
     engine_configuration: EngineConfiguration,
+    pub accelerometer: Accelerometer,
     pub brakes: Brakes,
     pub brake_detector: BrakeDetector,
     pub stops: Stops,
@@ -72,6 +74,7 @@ impl Parts {
             shift_until: Instant::default(),
             traction: TractionInput::new(),
             engine_configuration: EngineConfiguration::default(),
+            accelerometer: Accelerometer::default(),
             brakes: Brakes::default(),
             brake_detector: BrakeDetector::default(),
             stops: Stops::default(),
@@ -101,7 +104,8 @@ impl Parts {
         speed_mps: Option<f32>,
     ) {
         let changed = self.driveline.record(context, now, signal, value);
-        let counts = signal != Signal::EngineSpeed || self.driveline_state.needs_engine_speed;
+        let is_speed = matches!(signal, Signal::EngineSpeed | Signal::MotorSpeed);
+        let counts = !is_speed || self.driveline_state.needs_engine_speed;
         // Whether an open driveline coasts depends on the torque.
         if changed && counts || self.driveline_state.driveline == Driveline::Open {
             self.follow_driveline(context, now, speed_mps);
@@ -266,7 +270,7 @@ impl Parts {
             },
             speed: driven.speed,
             altitude: self.gnss.altitude_before(CELL_LENGTH_M),
-            inertial: None,
+            inertial: self.accelerometer.measurement(&driven.acceleration),
             after_load_change: self.stops.take_load_change(context),
             after_stop: self.stops.take_stop(),
             mass_is_reported: self.stops.has_reported_mass(),

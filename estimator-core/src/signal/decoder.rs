@@ -3,7 +3,7 @@
 use super::fast_packet::{FastPackets, Unfinished};
 use super::frame_outcome::{FrameOutcome, Pgn, Rejection};
 use super::layout::{Field, Framing, MESSAGES, Message, index_of};
-use super::reading::Reading;
+use super::reading::{Reading, Value};
 use super::transport::TransportSessions;
 use crate::time::Instant;
 use embedded_can::{Frame, Id};
@@ -91,9 +91,13 @@ impl Decoder {
             number: message.pgn,
             source: pgn.source,
         };
+        let is_poor = message.is_poor(payload);
         for field in fields(message) {
-            if let Some(value) = field.read(payload) {
+            if let Some(mut value) = field.read(payload) {
                 let signal = field.signal;
+                if is_poor && value.is_available() {
+                    value = Value::Error;
+                }
                 sink(index, pgn, Reading { signal, value });
             }
         }

@@ -92,6 +92,8 @@ pub(super) struct Message {
     pub framing: Framing,
     /// End of the last field, bit.
     pub end_bit: u16,
+    /// First of the two bits in which the sender judges its signals (J1939); 0 where it does not.
+    pub merit_bit: u8,
     pub convention: Convention,
     pub fields: &'static [Field],
     /// Number of fields that the estimator reads: the first ones. The others are for tools.
@@ -99,6 +101,17 @@ pub(super) struct Message {
 }
 
 include!(concat!(env!("OUT_DIR"), "/layout_tables.rs"));
+
+impl Message {
+    /// Returns whether the sender says that its signals are degraded (01) or faulty (10).
+    #[inline]
+    pub(super) fn is_poor(&self, payload: &[u8]) -> bool {
+        self.merit_bit != 0 && {
+            let byte = payload.get(usize::from(self.merit_bit / 8));
+            byte.is_some_and(|byte| matches!((byte >> (self.merit_bit % 8)) & 3, 1 | 2))
+        }
+    }
+}
 
 /// A message that the decoder knows.
 #[derive(Clone, Copy, Debug)]

@@ -1,5 +1,6 @@
 //! The facade: frames in, cells and frames out.
 
+mod accelerometers;
 mod broadcast;
 mod engine_configuration;
 mod facade;

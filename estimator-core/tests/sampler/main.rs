@@ -1,8 +1,10 @@
 //! The sampler: readings become samples.
 
+mod accelerometer;
 mod effect_inputs;
 mod measured_ratio;
 mod model_validity;
 mod receiver_timing;
 mod reversing;
+mod shaft_torque;
 mod stops;

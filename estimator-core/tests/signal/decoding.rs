@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use test_kit::{TestFrame, frames_of};
 
 /// Parameter groups of the bus contract.
-const MESSAGES: usize = 26;
+const MESSAGES: usize = 32;
 
 fn decode(frames: &[TestFrame]) -> (Vec<Reading>, Vec<FrameOutcome>) {
     let mut decoder = Decoder::new();
@@ -58,9 +58,9 @@ fn identifiers_come_apart_as_in_j1939_21() {
 fn every_group_of_the_contract_is_known() {
     let pgns: Vec<_> = messages().map(|message| message.pgn()).collect();
     let contract = [
-        61_440, 61_441, 61_442, 61_444, 61_445, 61_449, 61_651, 64_502, 64_872, 64_964, 64_992,
-        65_132, 65_136, 65_213, 65_215, 65_247, 65_249, 65_251, 65_256, 65_265, 65_267, 65_269,
-        129_025, 129_026, 129_029, 129_539,
+        61_440, 61_441, 61_442, 61_444, 61_445, 61_449, 61_459, 61_481, 61_482, 61_485, 61_651,
+        64_372, 64_373, 64_502, 64_872, 64_964, 64_992, 65_132, 65_136, 65_213, 65_215, 65_247,
+        65_249, 65_251, 65_256, 65_265, 65_267, 65_269, 129_025, 129_026, 129_029, 129_539,
     ];
     assert_eq!(pgns, contract);
     assert_eq!(pgns.len(), MESSAGES);
@@ -278,7 +278,8 @@ proptest! {
                 Signal::Latitude | Signal::Longitude => Value::DegreesE7((seed * 9e8) as i32),
                 Signal::AirPressure => Value::Real(1e5 * seed),
                 Signal::EngineTorqueFraction => Value::Real(0.875 * seed),
-                Signal::YawRate => Value::Real(3.0 * (seed - 0.5)),
+                Signal::YawRate | Signal::PitchRate => Value::Real(3.0 * (seed - 0.5)),
+                Signal::LongitudinalAcceleration => Value::Real(20.0 * (seed - 0.5)),
                 Signal::DrivelineEngaged | Signal::ShiftInProcess | Signal::BrakeSwitch
                 | Signal::FoundationBrake | Signal::ParkingBrake | Signal::ClutchSwitch => Value::Real(seed.round()),
                 Signal::FixMethod | Signal::EngineTorqueMode => Value::Real((13.0 * seed).round()),

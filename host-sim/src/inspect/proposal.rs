@@ -35,6 +35,11 @@ const NAMES: &[(Signal, &[&str])] = &[
             "engtrq",
         ],
     ),
+    (Signal::MotorTorque, &["motortorque", "motortrq"]),
+    (
+        Signal::MotorSpeed,
+        &["motorspeed", "motorspd", "rotorspeed", "motorrpm"],
+    ),
     (
         Signal::FrictionTorque,
         &["nominalfriction", "frictiontorque", "frictiontrq"],
@@ -107,6 +112,19 @@ const NAMES: &[(Signal, &[&str])] = &[
         Signal::AirPressure,
         &["barometricpres", "ambientpres", "airpressure", "baro"],
     ),
+    (
+        Signal::LongitudinalAcceleration,
+        &[
+            "longitudinalacceleration",
+            "longitudinalaccel",
+            "longaccel",
+            "longacc",
+            "acclong",
+            "accelx",
+        ],
+    ),
+    (Signal::PitchRate, &["pitchrate"]),
+    (Signal::Pitch, &["pitchangle", "pitch"]),
     (Signal::YawRate, &["yawrate", "yaw"]),
     (Signal::Satellites, &["satellites", "numsat", "sats"]),
     (Signal::Hdop, &["hdop"]),

@@ -2,13 +2,14 @@
 
 use super::broadcasts::Broadcasts;
 use super::gnss::GnssReceiver;
+use super::inertial::InertialSensors;
 use super::random::{Purpose, stream};
 use super::scenario::Scenario;
 use super::sensors::Sensors;
 use crate::source::can_frame::{CanFrame, TimedFrame};
 use embedded_can::Frame;
-use estimator_core::Instant;
 use estimator_core::signal::{encode, messages};
+use estimator_core::{Instant, Value};
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use std::collections::VecDeque;
@@ -52,6 +53,7 @@ struct MessageSchedule {
 #[derive(Debug)]
 pub struct BusTraffic<'a> {
     sensors: Sensors<'a>,
+    inertial: InertialSensors<'a>,
     gnss: GnssReceiver<'a>,
     gnss_latency_s: f64,
     senders: Vec<MessageSchedule>,
@@ -70,12 +72,16 @@ impl<'a> BusTraffic<'a> {
         scenario: &Scenario,
         index: usize,
         sensors: Sensors<'a>,
+        inertial: InertialSensors<'a>,
         gnss: GnssReceiver<'a>,
         end_s: f64,
     ) -> Self {
         let mut rng = stream(scenario.seed, index, Purpose::Bus);
+        let of_inertial = inertial.messages();
+        let of_inertial = of_inertial.map(|(pgn, period_ms)| (pgn, BRAKES, period_ms));
         let senders = periods_ms(scenario.rates.fast_ms)
             .into_iter()
+            .chain(of_inertial)
             .map(|(pgn, address, period_ms)| {
                 let period_s = 1e-3 * period_ms;
                 // Otherwise rare messages would be missing in the first seconds of the log.
@@ -95,6 +101,7 @@ impl<'a> BusTraffic<'a> {
             .collect();
         Self {
             sensors,
+            inertial,
             gnss,
             gnss_latency_s: 1e-3 * scenario.latency_ms.gnss,
             senders,
@@ -143,7 +150,10 @@ impl<'a> BusTraffic<'a> {
             encode(pgn, &mut payload, |signal| fix.value(signal))
         } else {
             encode(pgn, &mut payload, |signal| {
-                self.sensors.value(signal, due_s)
+                match self.inertial.value(pgn, signal, due_s) {
+                    Some(number) => Value::Real(number),
+                    None => self.sensors.value(signal, due_s),
+                }
             })
         };
         let payload = &payload[..length.unwrap_or(0)];

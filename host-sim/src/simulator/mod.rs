@@ -15,6 +15,8 @@ pub mod driver;
 pub mod gearbox;
 pub mod geodesy;
 pub mod gnss;
+pub mod inertial;
+pub mod inertial_file;
 pub mod manoeuvre_file;
 pub mod manoeuvres;
 mod oracle;

@@ -24,6 +24,8 @@ pub enum Purpose {
     Wind,
     /// Switching times of a planted fan.
     Fan,
+    /// Errors of the inertial sensors.
+    Inertial,
 }
 
 /// Returns the stream of `purpose` in run `index` of the scenario with this `seed`.

@@ -3,6 +3,7 @@
 use super::bus::BusTraffic;
 use super::drive::{self, SimulatedDrive};
 use super::gnss::GnssReceiver;
+use super::inertial::InertialSensors;
 use super::scenario::Scenario;
 use super::sensors::Sensors;
 use crate::error::Result;
@@ -82,11 +83,13 @@ impl<'a> Recording<'a> {
     /// Returns the bus traffic, in order of time. Each call returns the same frames.
     pub fn frames(&self) -> impl Iterator<Item = TimedFrame> {
         let sensors = Sensors::new(self.scenario, self.index, &self.drive);
+        let inertial = InertialSensors::new(self.scenario, self.index, &self.drive);
         let gnss = GnssReceiver::new(self.scenario, self.index, &self.drive);
         BusTraffic::new(
             self.scenario,
             self.index,
             sensors,
+            inertial,
             gnss,
             self.drive.duration_s(),
         )

@@ -1,6 +1,7 @@
 //! A scenario: the checked file, with its road built and its vehicles drawn. The keys of the file
 //! are documented in [`scenario_file`](super::scenario_file).
 
+use super::inertial_file::{AccelerometerTable, PitchTable};
 use super::manoeuvre_file::{Section, Stop, check_manoeuvres};
 use super::planted_file::PlantedTable;
 use super::random::{Purpose, normal, stream};
@@ -44,6 +45,10 @@ pub struct Scenario {
     pub road: Road,
     /// Noise of the vehicle's sensors.
     pub noise: SensorNoiseLevels,
+    /// The accelerometer, if there is one.
+    pub accelerometer: Option<AccelerometerTable>,
+    /// The slope sensor, if there is one.
+    pub pitch: Option<PitchTable>,
     /// Errors of the GNSS receiver.
     pub gnss: GnssErrors,
     /// Latencies of the messages, ms.
@@ -172,6 +177,8 @@ impl Scenario {
             seed: document.seed,
             road,
             noise: document.noise,
+            accelerometer: document.accelerometer,
+            pitch: document.pitch,
             gnss: document.gnss,
             latency_ms: document.latency_ms,
             rates: document.rates,

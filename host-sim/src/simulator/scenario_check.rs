@@ -14,6 +14,8 @@ pub fn check_document(document: &ScenarioDocument) -> Result<(), String> {
     }
     let ScenarioDocument {
         noise,
+        accelerometer,
+        pitch,
         gnss,
         latency_ms,
         rates,
@@ -24,6 +26,8 @@ pub fn check_document(document: &ScenarioDocument) -> Result<(), String> {
         ..
     } = document;
     planted.check()?;
+    accelerometer.map_or(Ok(()), |table| table.check())?;
+    pitch.map_or(Ok(()), |table| table.check())?;
     check_steady_wind(wind.speed_mps, wind.from_deg)?;
     check("wind.gust_sigma_mps", wind.gust_sigma_mps, 0.0..=20.0)?;
     check("wind.gust_time_s", wind.gust_time_s, 0.1..=1e6)?;

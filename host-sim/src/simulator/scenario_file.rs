@@ -24,6 +24,24 @@
 //! speed_sigma_mps = 0.011        # white, each reading (thesis 4.3.7)
 //! yaw_rate_sigma_radps = 0.002
 //!
+//! # [accelerometer]              # units and ranges: inertial_file; without the table no such sensor
+//! # message = "ACCS"             # or "VDC2", with the period of [rates]
+//! # period_ms = 20.0
+//! # offset_mps2 = 0.1            # at the start …
+//! # drift_mps2 = 0.02            # … and its random walk: 1 sigma after an hour
+//! # scale_factor = 1.01
+//! # mounting_deg = 0.2           # against the road, nose up
+//! # body_pitch_deg_per_mps2 = 0.3  # by acceleration and slope
+//! # roughness_mps2 = 0.3         # vibration at 20 m/s
+//!
+//! # [pitch]                      # likewise; a slope sensor, compensated for acceleration
+//! # message = "SSI"              # or "SSI2"
+//! # period_ms = 20.0
+//! # offset_deg = 0.2
+//! # drift_deg = 0.05
+//! # body_pitch_deg_per_mps2 = 0.3
+//! # noise_sigma_deg = 0.1
+//!
 //! [gnss]
 //! altitude_sigma_m = 3.0         # slow error of the altitude …
 //! altitude_time_s = 250.0        # … and its correlation time
@@ -40,7 +58,7 @@
 //! torque = 10.0                  # engine: 61444, 65247
 //! speed = 30.0                   # wheels: 65265, 65215
 //! gearbox = 10.0                 # 61442, 61445
-//! chassis = 20.0                 # brakes and yaw rate: 65265 (597), 61440, 61441, 61449
+//! chassis = 20.0                 # brakes, yaw rate, inertial: 65265 (597), 61440, 61441, 61449
 //! gnss = 150.0
 //!
 //! [rates]
@@ -116,6 +134,7 @@
 //!
 //! File names are relative to the scenario.
 
+use super::inertial_file::{AccelerometerTable, PitchTable};
 use super::manoeuvre_file::{Section, Stop};
 use super::planted_file::PlantedTable;
 use super::road_generator::RoadShape;
@@ -136,6 +155,10 @@ pub struct ScenarioDocument {
     /// `[noise]`: noise of the vehicle sensors.
     #[serde(default)]
     pub noise: SensorNoiseLevels,
+    /// `[accelerometer]`: a longitudinal accelerometer; without it there is none.
+    pub accelerometer: Option<AccelerometerTable>,
+    /// `[pitch]`: a slope sensor; without it there is none.
+    pub pitch: Option<PitchTable>,
     /// `[gnss]`: errors of the GNSS receiver.
     #[serde(default)]
     pub gnss: GnssErrors,

@@ -3,6 +3,7 @@
 mod bus;
 mod end_to_end;
 mod gps_chain;
+mod inertial;
 mod manoeuvres;
 mod physics;
 mod planted_effects;
