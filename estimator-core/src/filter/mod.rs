@@ -166,7 +166,7 @@ impl<S: Scalar> Filter<S> {
     }
 
     /// Debug.
-    pub fn debug(&self) -> (f32, f32, f32, f32, f32, bool) {
+    pub fn debug(&self) -> (f32, f32, f32, f32, (f32, f32), bool) {
         self.accelerometer.debug()
     }
 

@@ -111,9 +111,11 @@ impl<S: Scalar> Prediction<S> {
         let after =
             self.dynamics.keep_energy * (before - self.dynamics.gravity * slope) + self.work;
         let change_mps2 = (after - before).to_f32() / length_m;
+        let gravity_mps2 = 0.01 * GRAVITY * slope.to_f32();
         ModelMotion {
             change_mps2,
-            felt_mps2: change_mps2 + 0.01 * GRAVITY * slope.to_f32(),
+            gravity_mps2,
+            felt_mps2: change_mps2 + gravity_mps2,
             net_traction_percent: self.dynamics.net_traction.to_f32(),
             variance: self.noise.kinetic_energy.to_f32() / (length_m * length_m),
         }
@@ -148,7 +150,7 @@ impl<S: Scalar> Prediction<S> {
         );
         mix(
             &mut self.dynamics.gravity,
-            S::from_f32(0.01 * GRAVITY * per_mps2),
+            S::from_f32(0.01 * GRAVITY * measured.per_gravity * per_mps2),
         );
         // The air resistance is in what is measured.
         mix(&mut self.dynamics.keep_energy, S::ONE);
@@ -168,7 +170,9 @@ impl<S: Scalar> Prediction<S> {
 pub(super) struct ModelMotion {
     /// Change of the speed, m/s².
     pub change_mps2: f32,
-    /// The same plus the gravity along the slope that the model reads, m/s².
+    /// Gravity along the slope that the model reads, m/s².
+    pub gravity_mps2: f32,
+    /// Sum of both: the specific force.
     pub felt_mps2: f32,
     /// Net traction, %.
     pub net_traction_percent: f32,
@@ -179,10 +183,12 @@ pub(super) struct ModelMotion {
 /// A measured change of the speed plus gravity.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MeasuredMotion {
-    /// Without the slow errors of the sensor, m/s².
+    /// Less the offset of the sensor, m/s².
     pub acceleration_mps2: f32,
     /// What the sensor reads for a change of the speed of 1 m/s².
     pub per_change: f32,
+    /// The same for a gravity along the road of 1 m/s².
+    pub per_gravity: f32,
     /// Variance, (m/s²)².
     pub variance: f32,
 }

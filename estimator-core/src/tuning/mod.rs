@@ -107,14 +107,17 @@ tuning! {
         offset_sigma_mps2: f32 = 0.5, 1e-3..=10.0, "m/s²", "offset before anything is known, 1 sigma", "a mounting angle of 3°";
         changed_offset_sigma_mps2: f32 = 0.1, 0.0..=10.0, "m/s²", "change of the offset over a drive, 1 sigma", "chosen: its drift, and the bias of the model";
         drift_mps2_per_sqrt_s: f32 = 0.001, 0.0..=1.0, "m/s²/√s", "random walk of the offset, 1 sigma", "0.02 to 0.05 over twenty minutes of warming up";
-        pitch_gain: f32 = 0.05, -1.0..=1.0, "1", "what the reading of an acceleration gains because the body pitches", "0.3° for 1 m/s²";
-        pitch_gain_sigma: f32 = 0.05, 0.0..=1.0, "1", "its error, 1 sigma", "chosen";
+        gain: f32 = 0.04, -1.0..=1.0, "1", "what the reading of a specific force gains because the body pitches under it", "suspensions: 0.1 to 0.4° for 1 m/s²";
+        gain_sigma: f32 = 0.04, 0.0..=1.0, "1", "its error, and that of the sensor's scale, 1 sigma", "chosen";
+        gain_least_sigma: f32 = 0.03, 0.0..=1.0, "1", "its error once learned, 1 sigma", "the scale of the forces looks the same";
+        pitch_gain_sigma: f32 = 0.03, 0.0..=1.0, "1", "what the reading of an acceleration gains besides, 1 sigma", "chosen";
         pitch_gain_least_sigma: f32 = 0.01, 0.0..=1.0, "1", "its error once learned, 1 sigma", "rotating mass and timing of the torque look the same";
         scale_sigma: f32 = 0.8, 1e-3..=10.0, "1", "scale of the forces before it is compared with the accelerometer, 1 sigma", "as `open_scale_sigma`";
-        scale_least_sigma: f32 = 0.01, 1e-4..=1.0, "1", "the same once compared, 1 sigma", "scale error of the sensor, drag and losses look the same";
+        scale_least_sigma: f32 = 0.03, 1e-4..=1.0, "1", "the same once compared, 1 sigma", "as `gain_least_sigma`";
         scale_error: f32 = 0.1, 0.0..=10.0, "1", "scale error of an accelerometer that may be used, 1 sigma", "chosen: beyond three of it the axis or the unit is wrong";
         learned_m: f32 = 500.0, 0.0..=1e5, "m", "distance with a valid model before an accelerometer may be used", "chosen";
         known_sigma_mps2: f32 = 0.03, 1e-4..=10.0, "m/s²", "sigma of its slow errors at which it may be used", "0.3 % of slope";
+        usable_sigma_mps2: f32 = 0.1, 1e-4..=10.0, "m/s²", "the same up to which it is used then", "1 % of slope";
         known_scale_sigma: f32 = 0.15, 1e-3..=10.0, "1", "sigma of the scale by the accelerometer at which it may be used", "a sensor on another axis or in another unit differs by more";
         largest_usual: f32 = 9.0, 1.0..=1e4, "1", "usual square of a block of innovations over its variance, beyond which the accelerometer is not used", "chosen";
         frozen_cells: u16 = 20, 1.0..=65_535.0, "cells", "equal readings in a row that show a stuck accelerometer", "chosen: road noise moves the mean of a cell";
@@ -129,7 +132,6 @@ tuning! {
         longest_m: f32 = 3_000.0, 2.5..=1e6, "m", "distance of a disagreement after which the accelerometer is rejected", "chosen: torque comes back sooner";
         unchanged_percent_per_s: f32 = 0.5, 0.0..=100.0, "%/s", "what is not known of a traction for each second for which it stays the same unusually long, 1 sigma", "traction follows the road: 0.1 % in a cell at most";
         weigh_m: f32 = 250.0, 2.5..=1e6, "m", "distance between two measurements of the scale by the accelerometer", "chosen";
-        weigh_sigma: f32 = 0.02, 1e-4..=1.0, "1", "scale error of an accelerometer, 1 sigma", "data sheets: 1 to 2 %";
         alone_m: f32 = 200.0, 2.5..=1e6, "m", "distance without a valid model from which the slow error of the accelerometer is told in the sigma", "its noise is larger before that";
     }
 

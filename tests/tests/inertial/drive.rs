@@ -1,7 +1,6 @@
 //! A simulated drive through the chain from frames to live estimates, with an accelerometer added
 //! to the samples.
 
-use crate::sensor::{Accelerometer, SensorErrors};
 use cross_tests::faults::signals::{replaced, stuck};
 use cross_tests::faults::{Frames, seconds};
 use estimator_core::filter::gross_mass::ModelMass;
@@ -70,7 +69,7 @@ pub fn scenario(truck: &str, seed: u64, more: &str) -> String {
 }
 
 /// Drives a scenario with a fault of the torque, with or without an accelerometer.
-pub fn live(text: &str, fault: Fault, sensor: Option<SensorErrors>) -> LiveDrive {
+pub fn live(text: &str, fault: Fault) -> LiveDrive {
     let scenario = Scenario::parse(text, Path::new("inertial")).unwrap();
     let recording = Recording::new(&scenario, 0).unwrap();
     let drive = recording.drive();
@@ -79,17 +78,34 @@ pub fn live(text: &str, fault: Fault, sensor: Option<SensorErrors>) -> LiveDrive
     let mut intake = Intake::new(&context.tuning);
     let mut sampler = Sampler::new();
     let mut filter = Filter::<f32>::new(&context.tuning, &SensorNoiseRatios::default(), None);
-    let mut sensor = sensor.map(|errors| Accelerometer::new(drive, errors, scenario.seed));
     let mut cells = Vec::new();
     for timed in fault.received(Box::new(recording.frames())) {
         intake.on_frame(&mut context, timed.time, &timed.frame, &mut sampler);
-        while let Some(mut sample) = sampler.next_sample() {
-            sample.inertial = sensor.as_mut().and_then(|sensor| sensor.measure(&sample));
+        while let Some(sample) = sampler.next_sample() {
             let Some(record) = filter.step(&mut context, &sample) else {
                 continue;
             };
             let state = filter.state().unwrap();
             let estimate = state.estimate(&ModelMass::of(&context, &sample));
+            if matches!(fault, Fault::None)
+                && std::env::var("DEBUG").is_ok()
+                && record.end.cell % 1600 == 0
+                && text.contains("accelerometer")
+            {
+                let m = &state.mean;
+                use estimator_core::filter::StateIndex::{Bias, Scale, Wind};
+                println!(
+                    "  {} km true scale {:.3} filter {:.3}+-{:.3} b+w {:.3}+-{:.3} acc {:.3?} {}",
+                    record.end.cell / 400,
+                    scenario.runs[0].true_scale() - 1.0,
+                    m[Scale],
+                    state.sigma(Scale),
+                    m[Bias] + m[Wind],
+                    state.sigma(Bias),
+                    filter.debug(),
+                    context.counters.accelerometers_rejected
+                );
+            }
             let time_s = record.end.time.micros() as f64 * 1e-6;
             let truth = drive.at(time_s);
             let road = &drive.road;

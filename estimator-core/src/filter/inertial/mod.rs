@@ -76,14 +76,7 @@ impl Accelerometer {
     pub(super) fn new(tuning: &Tuning) -> Self {
         let tuning = &tuning.inertial;
         Self {
-            errors: SlowErrors::new(
-                [0.0, tuning.pitch_gain, 0.0],
-                [
-                    tuning.offset_sigma_mps2,
-                    tuning.pitch_gain_sigma,
-                    tuning.scale_sigma,
-                ],
-            ),
+            errors: SlowErrors::new(tuning),
             noise: NoiseRatio::new(1.0, tuning.ratio_low, tuning.ratio_high, tuning.ratio_gain),
             test: ForceTest::new(),
             learned_m: 0.0,
@@ -102,13 +95,9 @@ impl Accelerometer {
     /// one at its start.
     pub(super) fn second_pass(&self, tuning: &Tuning) -> Self {
         let mut errors = self.errors;
-        errors.walk(
-            tuning.inertial.changed_offset_sigma_mps2 * tuning.inertial.changed_offset_sigma_mps2,
-            [
-                tuning.inertial.pitch_gain_least_sigma,
-                tuning.inertial.scale_sigma,
-            ],
-        );
+        let changed = tuning.inertial.changed_offset_sigma_mps2;
+        errors.walk(changed * changed, &tuning.inertial);
+        errors.open_scale(tuning.prior.open_scale_sigma);
         Self {
             errors,
             noise: self.noise,
@@ -133,15 +122,15 @@ impl Accelerometer {
         Some(doubted)
     }
 
-    pub(super) fn debug(&self) -> (f32, f32, f32, f32, f32, bool) {
+    pub(super) fn debug(&self) -> (f32, f32, f32, f32, (f32, f32), bool) {
         let (scale, v) = self.errors.scale();
-        let (c, vc) = self.errors.expected(Regressors::new(0.0, 0.0));
+        let (c, vc) = self.errors.expected(Regressors::new(0.0, 0.0, 0.0));
         (
             scale,
             libm::sqrtf(v),
             c,
             libm::sqrtf(vc),
-            self.errors.pitch_gain(),
+            self.errors.gains(),
             self.is_trusted,
         )
     }
@@ -202,10 +191,15 @@ impl Accelerometer {
         }
     }
 
+    fn offset_variance(&self) -> f32 {
+        let (_, variance) = self.errors.expected(Regressors::new(0.0, 0.0, 0.0));
+        variance
+    }
+
     /// Notes a cell without a reading.
     fn interrupt(&mut self, tuning: &Tuning) {
         self.test.restart();
-        self.end_alone(tuning);
+        self.end_alone(self.offset_variance(), tuning);
         self.doubted_m = 0.0;
     }
 
@@ -221,7 +215,11 @@ impl Accelerometer {
     ) -> Option<u32> {
         let tuning = &context.tuning;
         let motion = prediction.motion(state, sample.length_m);
-        let regressors = Regressors::new(motion.change_mps2, motion.net_traction_percent);
+        let regressors = Regressors::new(
+            motion.felt_mps2,
+            motion.change_mps2,
+            motion.net_traction_percent,
+        );
         self.walk(sample, prediction, tuning);
         let (expected_mps2, expected_variance) = self.errors.expected(regressors);
         let sigma = tuning.inertial.acceleration_sigma_mps2;
@@ -266,16 +264,27 @@ impl Accelerometer {
         // A traction that stands still is no better known than tractions change.
         let stale_percent = context.tuning.inertial.unchanged_percent_per_s * self.test.unusual_s();
         prediction.add_force_noise(stale_percent / PERCENT_PER_MPS2, sample.length_m);
-        let (offset_mps2, variance) = self.errors.expected(regressors.steady());
-        let most = context.tuning.inertial.known_sigma_mps2;
-        if !self.is_trusted || variance > 4.0 * most * most {
-            self.end_alone(&context.tuning);
+        let (gain, change_gain) = self.errors.gains();
+        let (offset_mps2, _) =
+            self.errors
+                .expected(Regressors::new(0.0, 0.0, motion.net_traction_percent));
+        let felt_mps2 = (measured.acceleration_mps2 - offset_mps2) / gain;
+        let change_mps2 = felt_mps2 - motion.gravity_mps2;
+        let (_, variance) = self.errors.expected(Regressors::new(
+            felt_mps2,
+            change_mps2,
+            motion.net_traction_percent,
+        ));
+        let most = context.tuning.inertial.usable_sigma_mps2;
+        if !self.is_trusted || variance > most * most {
+            self.end_alone(variance, &context.tuning);
             return disagreeing;
         }
         let weight = prediction.combine(
             &MeasuredMotion {
                 acceleration_mps2: measured.acceleration_mps2 - offset_mps2,
-                per_change: 1.0 + self.errors.pitch_gain(),
+                per_change: change_gain,
+                per_gravity: gain,
                 variance: own_variance,
             },
             sample.length_m,
@@ -306,10 +315,7 @@ impl Accelerometer {
         let of_model = prediction.slow_variance() / (PERCENT_PER_MPS2 * PERCENT_PER_MPS2);
         self.errors.walk(
             drift * drift * sample.duration_s + of_model,
-            [
-                tuning.inertial.pitch_gain_least_sigma,
-                tuning.inertial.scale_least_sigma,
-            ],
+            &tuning.inertial,
         );
     }
 
@@ -372,7 +378,7 @@ impl Accelerometer {
         if self.learned_m < least_m {
             return;
         }
-        let (scale, scale_variance) = self.errors.scale();
+        let (scale, scale_variance) = self.errors.total_scale();
         let known = state.covariance.variance(Scale).to_f32();
         let difference = scale - state.mean[Scale].to_f32();
         let of_sensor = tuning.inertial.scale_error;
@@ -384,7 +390,7 @@ impl Accelerometer {
             return;
         }
         let excited = tuning.inertial.known_scale_sigma;
-        let (_, variance) = self.errors.expected(regressors.steady());
+        let (_, variance) = self.errors.expected(regressors);
         let sigma = tuning.inertial.known_sigma_mps2;
         self.is_trusted |= scale_variance < excited * excited && variance < sigma * sigma;
     }
@@ -394,7 +400,7 @@ impl Accelerometer {
         if self.is_trusted || self.learned_m > 0.0 {
             count(&mut context.counters.accelerometers_rejected);
         }
-        self.end_alone(&context.tuning);
+        self.end_alone(self.offset_variance(), &context.tuning);
         *self = Self {
             widening: self.widening,
             last_mps2: self.last_mps2,
@@ -407,7 +413,7 @@ impl Accelerometer {
     /// matters more than its noise, and is the same in all cells.
     fn follow_use(&mut self, weight: f32, variance: f32, sample: &Sample, tuning: &Tuning) {
         if weight < 0.5 {
-            self.end_alone(tuning);
+            self.end_alone(variance, tuning);
             return;
         }
         let before_m = self.alone_m;
@@ -419,9 +425,8 @@ impl Accelerometer {
     }
 
     /// Ends a stretch over which it stood in for the model: the slope is read by the force again.
-    fn end_alone(&mut self, tuning: &Tuning) {
+    fn end_alone(&mut self, variance: f32, tuning: &Tuning) {
         if self.alone_m >= tuning.inertial.alone_m {
-            let (_, variance) = self.errors.expected(Regressors::new(0.0, 0.0));
             self.widening.shared += variance * PERCENT_PER_MPS2 * PERCENT_PER_MPS2;
         }
         self.alone_m = 0.0;

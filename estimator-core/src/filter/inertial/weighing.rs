@@ -2,8 +2,8 @@
 //!
 //! Where the traction changes, force and accelerometer together weigh the vehicle, on any road and
 //! without an altitude. What is shown grows over the drive. The filter is given what is new of it:
-//! the difference of the informations since the last time. The scale error of the sensor is the same
-//! all the time, so that all of it together says no more than that error allows.
+//! the difference of the informations since the last time. The gain of the sensor is the same all the
+//! time, so that all of it together says no more than that gain is known.
 
 use super::super::measurement::{Observation, ScalarMeasurement};
 use super::super::state::State;
@@ -39,7 +39,7 @@ impl Weighing {
             return None;
         }
         self.at_m = learned_m;
-        let information = 1.0 / (COLOUR * variance + tuning.weigh_sigma * tuning.weigh_sigma);
+        let information = 1.0 / (COLOUR * variance);
         let new = information - self.told;
         if new < LEAST_PART * information {
             return None;
