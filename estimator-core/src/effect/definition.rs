@@ -111,6 +111,12 @@ pub struct Search {
 pub enum Varies {
     /// Nothing: one amount, with the default parameters.
     Amount,
+    /// One amount, if the air temperatures of the drives to fit differ enough. At one temperature
+    /// the effect is another coefficient of rolling resistance.
+    AmountOverTemperatures {
+        /// Smallest range of temperatures, K.
+        smallest_range_k: f32,
+    },
     /// One amount for each of these values of a parameter. The best value is taken.
     AmountForEachValue {
         /// Key of the parameter.

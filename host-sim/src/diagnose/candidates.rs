@@ -81,14 +81,21 @@ const PERIODS_S: (f64, f64, f64) = (40.0, 900.0, 1.05);
 const PLAYS_PERCENT: [f32; 3] = [0.1, 0.3, 1.0];
 impl Menu {
     /// Creates the candidates for the drives with these numbers. `road_m` is the length of their
-    /// common road, if they have one.
+    /// common road, if they have one; `temperatures_k` the range of their air temperatures, K.
     #[must_use]
-    pub fn new(road_m: Option<f64>, drives: &[usize]) -> Self {
+    pub fn new(road_m: Option<f64>, temperatures_k: f32, drives: &[usize]) -> Self {
         let mut menu = Self::default();
         for effect in CATALOGUE {
             let choices = match search_of(effect).map_or(Varies::Amount, |search| search.varies) {
                 Varies::GnssSpeed => continue,
-                Varies::Amount => vec![menu.choice(effect, &[], Detail::None)],
+                Varies::AmountOverTemperatures { smallest_range_k }
+                    if temperatures_k < smallest_range_k =>
+                {
+                    continue;
+                }
+                Varies::Amount | Varies::AmountOverTemperatures { .. } => {
+                    vec![menu.choice(effect, &[], Detail::None)]
+                }
                 Varies::AmountForEachValue { key, values } => values
                     .iter()
                     .map(|&value| menu.choice(effect, &[Some(value)], Detail::Value(key, value)))

@@ -33,7 +33,9 @@ impl<'a> EffectSearch<'a> {
     ) -> Self {
         let road = CommonRoad::of(drives);
         let numbers: Vec<usize> = (0..fitted).collect();
-        let menu = Menu::new(road.as_ref().map(CommonRoad::length_m), &numbers);
+        let temperatures_k = temperature_range_k(&drives[..fitted]);
+        let road_m = road.as_ref().map(CommonRoad::length_m);
+        let menu = Menu::new(road_m, temperatures_k, &numbers);
         Self {
             drives,
             fitted,
@@ -185,5 +187,19 @@ impl<'a> EffectSearch<'a> {
             variable: self.menu.variable(&candidate.choices[case.choice]),
             figure: None,
         }
+    }
+}
+
+/// Returns the range of the air temperatures of nine cells in ten, K; 0 where none is known.
+fn temperature_range_k(drives: &[LoggedDrive]) -> f32 {
+    let samples = drives.iter().flat_map(|drive| &drive.samples);
+    let mut celsius: Vec<f32> = samples
+        .filter_map(|sample| sample.effect_inputs.ambient_celsius.get())
+        .collect();
+    celsius.sort_by(f32::total_cmp);
+    let ends = [celsius.len() / 20, celsius.len() - celsius.len() / 20];
+    match celsius.get(ends[0]..ends[1]) {
+        Some([first, .., last]) => last - first,
+        _ => 0.0,
     }
 }

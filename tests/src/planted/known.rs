@@ -33,7 +33,7 @@ const fn effect(
     }
 }
 
-const KNOWN: [Known; 16] = [
+const KNOWN: [Known; 17] = [
     effect("rolling_resistance", 0.1, "errors", |amount, _| {
         format!("rolling_factor = {:?}", 1.0 + amount)
     }),
@@ -71,6 +71,9 @@ const KNOWN: [Known; 16] = [
     }),
     effect("road_surface", 1e-3, "planted", |amount, seed| {
         stretch("rough", seed, 2_000.0, amount)
+    }),
+    effect("tyre_temperature", 0.006, "planted", |amount, _| {
+        format!("tyre_temperature_per_k = {amount:?}")
     }),
     effect("torque_hysteresis", 1.0, "planted", |amount, _| {
         format!("torque_hysteresis = {amount:?}")
