@@ -15,11 +15,13 @@ use crate::tuning::Tuning;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Brakes {
     switch: Latest,
+    light: Latest,
     foundation: Latest,
     pedal: Latest,
     pressure: Latest,
     parking_brake: Latest,
     retarder: Latest,
+    retarder_force: Latest,
     until: Instant,
 }
 
@@ -35,11 +37,13 @@ impl Brakes {
     ) {
         match signal {
             Signal::BrakeSwitch => self.switch.set_if_available(value, now),
+            Signal::BrakeLight => self.light.set_if_available(value, now),
             Signal::FoundationBrake => self.foundation.set_if_available(value, now),
             Signal::BrakePedal => self.pedal.set_if_available(value, now),
             Signal::BrakePressure => self.pressure.set_if_available(value, now),
             Signal::ParkingBrake => self.parking_brake.set_if_available(value, now),
             Signal::RetarderTorque => self.retarder.set_if_available(value, now),
+            Signal::RetarderForce => self.retarder_force.set_if_available(value, now),
             _ => return,
         }
         self.hold(tuning, now);
@@ -64,6 +68,7 @@ impl Brakes {
                 .is_some_and(|value| value > limit)
         };
         self.switch.is_on(now, timeout)
+            || self.light.is_on(now, timeout)
             || self.foundation.is_on(now, timeout)
             || self.parking_brake.is_on(now, timeout)
             || above(&self.pedal, tuning.detection.brake_pedal_percent)
@@ -71,9 +76,12 @@ impl Brakes {
     }
 
     fn retards(&self, tuning: &Tuning, now: Instant) -> bool {
-        self.retarder
-            .within(now, tuning.hold_times.state_timeout)
-            .is_some_and(|percent| percent < tuning.detection.retarder_percent)
+        let timeout = tuning.hold_times.state_timeout;
+        let detection = &tuning.detection;
+        let torque_percent = self.retarder.within(now, timeout);
+        let force_n = self.retarder_force.within(now, timeout);
+        torque_percent.is_some_and(|percent| percent < detection.retarder_percent)
+            || force_n.is_some_and(|force_n| force_n.abs() > detection.retarder_force_n)
     }
 
     /// Returns whether a brake, or its hold time, is on.

@@ -90,7 +90,7 @@ impl DrivelineSignals {
             Signal::ClutchSwitch => (&mut self.clutch_pedal, true),
             Signal::GearRatio => (&mut self.gear_ratio, false),
             Signal::CurrentGear => (&mut self.gear, false),
-            Signal::EngineSpeed => (&mut self.engine_speed, false),
+            Signal::EngineSpeed | Signal::MotorSpeed => (&mut self.engine_speed, false),
             _ => return false,
         };
         if keeps_last && value.is_none() {
@@ -198,6 +198,14 @@ impl DrivelineSignals {
             .within(now, tuning.hold_times.torque_timeout);
         let ratio = self.gear_ratio.within(now, timeout);
         let number = self.gear.within(now, timeout);
+        // A single reduction is in unless a signal says that it is open. Nothing else needs to report
+        // it, and the number of a forward gear may be that of a selector.
+        if let Some(gear) = powertrain.only_gear()
+            && ratio.is_none()
+            && number.is_none_or(|number| number > 0.0)
+        {
+            return (Driveline::Engaged(gear), false);
+        }
         let reported = ratio
             .and(self.gear_of_ratio)
             .or_else(|| number.and_then(|number| powertrain.gear(number as i32)));

@@ -117,12 +117,15 @@ impl Sampler {
             Signal::EngineTorqueFraction
             | Signal::FrictionTorque
             | Signal::EngineTorque
+            | Signal::NetEngineTorque
+            | Signal::MotorTorque
             | Signal::TractionForce => {
                 if parts.traction.record(context, now, reading.signal, value) {
                     context.counters.tractions_used += 1;
                 }
             }
             Signal::EngineSpeed
+            | Signal::MotorSpeed
             | Signal::DrivelineEngaged
             | Signal::ShiftInProcess
             | Signal::ClutchSlip
@@ -133,11 +136,13 @@ impl Sampler {
                 parts.record_driveline(context, now, reading.signal, value, speed_mps);
             }
             Signal::BrakeSwitch
+            | Signal::BrakeLight
             | Signal::FoundationBrake
             | Signal::BrakePedal
             | Signal::BrakePressure
             | Signal::ParkingBrake
-            | Signal::RetarderTorque => {
+            | Signal::RetarderTorque
+            | Signal::RetarderForce => {
                 parts
                     .brakes
                     .record(&context.tuning, now, reading.signal, value);
@@ -168,7 +173,11 @@ impl Sampler {
             | Signal::ParasiticTorque
             | Signal::OutputShaftSpeed
             | Signal::SelectedGear
-            | Signal::Passengers => {}
+            | Signal::Passengers
+            | Signal::LongitudinalAcceleration
+            | Signal::Pitch
+            | Signal::PitchRate
+            | Signal::VerticalSpeed => {}
             Signal::Fan | Signal::YawRate | Signal::Course | Signal::GnssSpeed => {
                 let speed_mps = odometer.speed_mps();
                 let signals = &mut parts.effect_signals;

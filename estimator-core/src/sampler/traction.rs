@@ -15,6 +15,10 @@ pub(super) struct TractionInput {
     torque: Latest,
     held_torque: HeldSignal,
     friction: Latest,
+    /// Net torque of a shaft that is reported in Nm, % of the reference torque. It goes before the
+    /// engine's parts of its reference torque.
+    shaft_torque: Latest,
+    shaft_is_motor: bool,
     force: Latest,
     driveline: Driveline,
     driveline_was_known: bool,
@@ -28,6 +32,8 @@ impl TractionInput {
             torque: Latest::default(),
             held_torque: HeldSignal::default(),
             friction: Latest::default(),
+            shaft_torque: Latest::default(),
+            shaft_is_motor: false,
             force: Latest::default(),
             driveline: Driveline::Unknown,
             driveline_was_known: false,
@@ -57,7 +63,10 @@ impl TractionInput {
                     return false;
                 }
                 self.torque.set(value, now);
-                return self.torque_changed(context, now);
+                return !self.has_shaft_torque(context, now) && self.torque_changed(context, now);
+            }
+            Signal::NetEngineTorque | Signal::MotorTorque => {
+                return self.record_shaft(context, now, signal, value);
             }
             Signal::TractionForce => {
                 self.force.set(value, now);
@@ -100,7 +109,7 @@ impl TractionInput {
             (Traction::Force, _) => self.force.within(now, timeout).is_some(),
             (Traction::Powertrain(_), Driveline::Open) => true,
             (Traction::Powertrain(_), Driveline::Engaged(_)) => {
-                self.torque.within(now, timeout).is_some()
+                self.torque.within(now, timeout).is_some() || self.has_shaft_torque(context, now)
             }
             (Traction::Powertrain(_), Driveline::Unknown) => false,
         }
@@ -124,6 +133,39 @@ impl TractionInput {
         model.rotating_kg(self.driveline)
     }
 
+    /// Takes the torque of a shaft, Nm. That of a motor goes before that of an engine.
+    #[inline(never)] // Rare.
+    fn record_shaft(
+        &mut self,
+        context: &Context,
+        now: Instant,
+        signal: Signal,
+        value: Option<f32>,
+    ) -> bool {
+        let Context { model, tuning, .. } = context;
+        let Traction::Powertrain(powertrain) = &model.vehicle.traction else {
+            return false;
+        };
+        let is_motor = signal == Signal::MotorTorque;
+        if self.shaft_is_motor && !is_motor && self.has_shaft_torque(context, now) {
+            return false;
+        }
+        let percent = value.map(|torque_nm| 100.0 * torque_nm / powertrain.reference_torque_nm);
+        if let Some(percent) = percent
+            && !self.held_torque.is_new(percent, now, &tuning.detection)
+        {
+            return false;
+        }
+        self.shaft_is_motor = is_motor;
+        self.shaft_torque.set(percent, now);
+        self.torque_changed(context, now)
+    }
+
+    fn has_shaft_torque(&self, context: &Context, now: Instant) -> bool {
+        let timeout = context.tuning.hold_times.torque_timeout;
+        self.shaft_torque.within(now, timeout).is_some()
+    }
+
     fn torque_changed(&mut self, context: &Context, now: Instant) -> bool {
         let model = &context.model;
         if model.vehicle.traction == Traction::Force {
@@ -137,10 +179,13 @@ impl TractionInput {
         self.driveline != Driveline::Unknown
     }
 
-    /// Returns the net engine torque, % of the reference torque: SPN 513 + 4154 − 514. SPN 513 is
-    /// indicated torque, which includes friction.
+    /// Returns the net torque, % of the reference torque: that of the shaft, else SPN 513 + 4154 −
+    /// 514. SPN 513 is indicated torque, which includes friction.
     pub(super) fn net_torque_percent(&self, context: &Context, now: Instant) -> Option<f32> {
         let timeout = context.tuning.hold_times.torque_timeout;
+        if let Some(shaft) = self.shaft_torque.within(now, timeout) {
+            return Some(shaft);
+        }
         let torque = self.torque.within(now, timeout)?;
         let fraction = self.fraction.within(now, timeout).unwrap_or(0.0);
         let friction = self.friction.last().unwrap_or(0.0);

@@ -101,6 +101,8 @@ signals! {
     ParasiticTorque = "parasitic_torque_percent";
     /// Engine speed (SPN 190).
     EngineSpeed = "engine_speed_rpm";
+    /// Speed of an electric motor in the engine's place; negative in reverse.
+    MotorSpeed = "motor_speed_rpm";
     /// Whether the driveline is engaged (SPN 560).
     DrivelineEngaged = "driveline_engaged";
     /// Whether a gear shift is in process (SPN 574).
@@ -119,6 +121,8 @@ signals! {
     CurrentGear = "gear";
     /// Whether the service brake is used (SPN 597).
     BrakeSwitch = "brake";
+    /// Whether the brake light is on, which the driver's braking switches.
+    BrakeLight = "brake_light";
     /// Whether the foundation brakes are used, by the pedal or not (SPN 2919).
     FoundationBrake = "foundation_brake";
     /// Brake pedal position (SPN 521).
@@ -129,6 +133,8 @@ signals! {
     ParkingBrake = "parking_brake";
     /// Retarder torque, negative when it brakes (SPN 520).
     RetarderTorque = "retarder_torque_percent";
+    /// Force of the retarder at the wheels. Its sign does not count: it brakes.
+    RetarderForce = "retarder_force_n";
     /// Gross combination mass (SPN 1760).
     Mass = "mass_kg";
     /// Passengers on board.
@@ -141,6 +147,16 @@ signals! {
     AirPressure = "air_pressure_pa";
     /// Yaw rate, positive to the left (SPN 1808).
     YawRate = "yaw_rate_radps";
+    /// Longitudinal acceleration of an accelerometer, positive forwards: motion and gravity (SPN 5348).
+    LongitudinalAcceleration = "longitudinal_acceleration_mps2";
+    /// Pitch of the body against the horizon, positive nose up (SPN 4976).
+    Pitch = "pitch_deg";
+    /// Rate of the pitch, positive nose up (SPN 4983).
+    PitchRate = "pitch_rate_radps";
+    /// Net torque of the engine's shaft, instead of a part of the reference torque.
+    NetEngineTorque = "engine_torque_nm";
+    /// Torque of an electric motor in the engine's place, negative where it brakes.
+    MotorTorque = "motor_torque_nm";
     /// Indicated engine torque, part of the reference torque (SPN 513).
     EngineTorque = "engine_torque_percent";
     /// Measured traction force, instead of an engine torque.
@@ -157,6 +173,8 @@ signals! {
     Course = "course_deg";
     /// Speed over ground.
     GnssSpeed = "gnss_speed_mps";
+    /// Vertical speed by a GNSS receiver, positive upwards.
+    VerticalSpeed = "vertical_speed_mps";
     /// Latitude of a fix.
     Latitude = "latitude_deg";
     /// Longitude of a fix; completes a position.

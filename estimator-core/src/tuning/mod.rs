@@ -163,6 +163,7 @@ tuning! {
         brake_pressure_pa: f32 = 20_000.0, 0.0..=1e7, "Pa", "pressure in the service brakes beyond a sensor's offset", "chosen";
         brake_pedal_percent: f32 = 0.5, 0.0..=100.0, "%", "pedal travel beyond an offset", "resolution of SPN 521: 0.4";
         retarder_percent: f32 = -1.5, -100.0..=0.0, "%", "retarder torque below which it brakes", "resolution of SPN 520: 1, and its drag";
+        retarder_force_n: f32 = 300.0, 0.0..=100_000.0, "N", "force of the retarder at the wheels beyond which it brakes", "1.5 % of a retarder of 3500 Nm on the shaft";
         undeclared_brake_percent: f32 = 3.0, 0.0..=100.0, "%", "slope of the moment above that of the road so far that is a brake, where none is reported", "no road steepens by 3 within metres";
         undeclared_brake_sigmas: f32 = 4.0, 0.0..=100.0, "1", "the same in standard deviations of the one around the other", "four sigmas";
         undeclared_brake_moment_cells: f32 = 4.0, 1.0..=1e4, "cells", "cells over which the slope of the moment is averaged", "noise of the wheel speed";

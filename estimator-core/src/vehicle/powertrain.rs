@@ -126,6 +126,15 @@ impl Powertrain {
         self.gears.get(index).copied()
     }
 
+    /// Returns the gear of a powertrain that has one (a single reduction).
+    #[must_use]
+    pub fn only_gear(&self) -> Option<Gear> {
+        match self.gears.as_slice() {
+            [gear] => Some(*gear),
+            _ => None,
+        }
+    }
+
     /// Returns the gear of a measured ratio, whose relative error is at most `tolerance`.
     ///
     /// A ratio that no gear has, but that lies within the gearbox's range, gives a gear of this

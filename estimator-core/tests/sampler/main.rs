@@ -5,4 +5,5 @@ mod measured_ratio;
 mod model_validity;
 mod receiver_timing;
 mod reversing;
+mod shaft_torque;
 mod stops;

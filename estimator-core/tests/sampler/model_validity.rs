@@ -52,11 +52,14 @@ fn is_between(found: f64, low: f64, high: f64) {
 fn each_brake_has_its_hold_time() {
     for (signal, on, off, hold) in [
         (Signal::BrakeSwitch, 1.0, 0.0, 1.0),
+        (Signal::BrakeLight, 1.0, 0.0, 1.0),
         (Signal::FoundationBrake, 1.0, 0.0, 1.0),
         (Signal::BrakePedal, 12.0, 0.0, 1.0),
         (Signal::BrakePressure, 80_000.0, 0.0, 1.0),
         (Signal::ParkingBrake, 1.0, 0.0, 1.0),
         (Signal::RetarderTorque, -20.0, 0.0, 2.0),
+        (Signal::RetarderForce, 5_000.0, 0.0, 2.0),
+        (Signal::RetarderForce, -5_000.0, 200.0, 2.0),
     ] {
         let mut drive = ReadingsDrive::of(truck());
         let before = drive.on(5.0, &cruising(&[(signal, off)]));

@@ -54,7 +54,12 @@ const SPEED: &[Signal] = &[
     Signal::FrontAxleSpeed,
     Signal::TachographSpeed,
 ];
-const TRACTION: &[Signal] = &[Signal::EngineTorque, Signal::TractionForce];
+const TRACTION: &[Signal] = &[
+    Signal::EngineTorque,
+    Signal::NetEngineTorque,
+    Signal::MotorTorque,
+    Signal::TractionForce,
+];
 const GEAR: &[Signal] = &[Signal::GearRatio, Signal::CurrentGear];
 const ALTITUDE: &[Signal] = &[Signal::Altitude];
 const POSITION: &[Signal] = &[Signal::Latitude, Signal::Longitude];
@@ -110,6 +115,7 @@ const LIST: &[(&str, Importance, &[Signal], &str)] = &[
         Importance::Optional,
         &[
             Signal::BrakeSwitch,
+            Signal::BrakeLight,
             Signal::FoundationBrake,
             Signal::BrakePedal,
             Signal::BrakePressure,
@@ -119,7 +125,7 @@ const LIST: &[(&str, Importance, &[Signal], &str)] = &[
     (
         "retarder torque",
         Importance::Optional,
-        &[Signal::RetarderTorque],
+        &[Signal::RetarderTorque, Signal::RetarderForce],
         "a retarder at work reads as an uphill",
     ),
     (
@@ -191,6 +197,9 @@ fn annotate(census: &Census, signals: &[Signal], need: &mut Need) {
         if census.available(&[Signal::TractionForce]) > 0 {
             need.importance = Importance::Optional;
             need.without = "nothing: a measured traction force needs no gear";
+        } else if census.available(&[Signal::MotorTorque]) > 0 {
+            need.importance = Importance::Optional;
+            need.without = "nothing where the vehicle file has one gear, a single reduction";
         } else if census.available(&[Signal::EngineSpeed]) > 0 && census.available(SPEED) > 0 {
             need.importance = Importance::Optional;
             need.without = "told from engine speed and wheel speed: late at shifts, unknown in \

@@ -313,7 +313,7 @@ const fn largest_angle_deg(signal: Signal) -> Option<f64> {
 /// Magnitudes that no reading exceeds, by the unit in which the name of a column ends. The core
 /// treats readings beyond narrower ranges as not available; these detect another unit, another
 /// column, or a damaged digit.
-const LARGEST: [(&str, f64, &str); 10] = [
+const LARGEST: [(&str, f64, &str); 12] = [
     (
         "_percent",
         1e4,
@@ -328,6 +328,16 @@ const LARGEST: [(&str, f64, &str); 10] = [
         "_mps",
         1e4,
         "a finite number from -1e4 to 1e4 m/s, or an empty cell",
+    ),
+    (
+        "_mps2",
+        1e4,
+        "a finite number from -1e4 to 1e4 m/s², or an empty cell",
+    ),
+    (
+        "_nm",
+        1e6,
+        "a finite number from -1e6 to 1e6 Nm, or an empty cell",
     ),
     (
         "_pa",

@@ -1,0 +1,143 @@
+//! Torques that are reported in Nm, and powertrains with a single reduction.
+
+use estimator_core::Signal;
+use estimator_core::sample::Sample;
+use test_kit::readings_drive::ReadingsDrive;
+use test_kit::{truck, truck_with};
+
+/// Reference torque of the electric car, Nm, and the ratio of its only gear.
+const REFERENCE_NM: f32 = 250.0;
+const REDUCTION: f32 = 3.2;
+/// Force at its wheels for one Nm of the motor: final drive, efficiencies and radius of the kit's truck.
+const N_PER_NM: f32 = REDUCTION * 2.92 * 0.985 * 0.98 / 0.5;
+
+fn electric() -> ReadingsDrive {
+    ReadingsDrive::of(truck_with(REFERENCE_NM, &[REDUCTION]))
+}
+
+/// Drives for 10 s at 20 m/s, and returns the last sample.
+fn last(drive: &mut ReadingsDrive, readings: &[(Signal, f32)]) -> Sample {
+    let mut all = readings.to_vec();
+    all.push((Signal::WheelSpeed, 20.0));
+    *drive.on(10.0, &all).last().unwrap()
+}
+
+fn assert_force(sample: &Sample, torque_nm: f32) {
+    let expected_n = torque_nm * N_PER_NM;
+    let off_n = sample.forces.traction_n - expected_n;
+    assert!(
+        off_n.abs() < 0.01,
+        "{} N: {torque_nm} Nm",
+        expected_n + off_n
+    );
+    assert!(!sample.end.condition.no_traction);
+}
+
+#[test]
+fn a_motor_through_a_single_reduction_needs_neither_gear_nor_speed() {
+    for torque_nm in [120.0, 0.0, -80.0] {
+        let sample = last(&mut electric(), &[(Signal::MotorTorque, torque_nm)]);
+        assert_force(&sample, torque_nm);
+        assert!(sample.end.condition.is_valid());
+        assert!(sample.effect_inputs.engaged);
+    }
+}
+
+#[test]
+fn a_part_of_the_reference_torque_through_a_single_reduction_needs_none_either() {
+    let sample = last(&mut electric(), &[(Signal::EngineTorque, 40.0)]);
+    assert_force(&sample, 0.4 * REFERENCE_NM);
+}
+
+#[test]
+fn neither_a_motor_speed_nor_a_selector_opens_a_single_reduction() {
+    // Neither a speed at which no gear turns nor the number of a selector's position.
+    for more in [(Signal::MotorSpeed, 700.0), (Signal::CurrentGear, 4.0)] {
+        let sample = last(&mut electric(), &[more, (Signal::MotorTorque, 100.0)]);
+        assert_force(&sample, 100.0);
+    }
+}
+
+#[test]
+fn a_single_reduction_is_open_where_a_signal_says_so() {
+    for open in [
+        (Signal::CurrentGear, 0.0),
+        (Signal::DrivelineEngaged, 0.0),
+        (Signal::ClutchSwitch, 1.0),
+    ] {
+        let sample = last(&mut electric(), &[open, (Signal::MotorTorque, 100.0)]);
+        assert_eq!(sample.forces.traction_n, 0.0, "{open:?}");
+        assert!(!sample.effect_inputs.engaged);
+    }
+}
+
+#[test]
+fn several_gears_need_a_gear_or_a_speed_which_may_be_the_motors() {
+    let mut unknown = ReadingsDrive::of(truck());
+    let sample = last(&mut unknown, &[(Signal::MotorTorque, 800.0)]);
+    assert!(sample.end.condition.no_traction);
+
+    // The direct gear turns so at 20 m/s.
+    let mut known = ReadingsDrive::of(truck());
+    let speed = (Signal::MotorSpeed, 1_115.4);
+    let sample = last(&mut known, &[speed, (Signal::MotorTorque, 800.0)]);
+    assert!(!sample.end.condition.no_traction);
+    let expected_n = 800.0 * 2.92 * 0.985 * 0.98 / 0.5;
+    assert!((sample.forces.traction_n / expected_n - 1.0).abs() < 1e-5);
+}
+
+#[test]
+fn a_torque_in_nm_is_net_and_goes_before_parts_of_the_reference_torque() {
+    let parts = [(Signal::FrictionTorque, 10.0), (Signal::EngineTorque, 90.0)];
+    for signal in [Signal::NetEngineTorque, Signal::MotorTorque] {
+        let mut drive = electric();
+        let mut both = parts.to_vec();
+        both.push((signal, 50.0));
+        assert_force(&last(&mut drive, &both), 50.0);
+        both.rotate_right(1);
+        assert_force(&last(&mut drive, &both), 50.0);
+        // Without it, the parts stand in.
+        assert_force(&last(&mut drive, &parts), 0.8 * REFERENCE_NM);
+    }
+}
+
+#[test]
+fn the_torque_of_a_motor_goes_before_that_of_an_engine() {
+    let mut drive = electric();
+    let engine = (Signal::NetEngineTorque, 200.0);
+    let both = [engine, (Signal::MotorTorque, 60.0), engine];
+    assert_force(&last(&mut drive, &both), 60.0);
+    assert_force(&last(&mut drive, &[engine]), 200.0);
+}
+
+#[test]
+fn the_same_torque_in_nm_and_in_parts_gives_the_same_samples() {
+    let drive_of = |percent: bool| {
+        let mut drive = ReadingsDrive::of(truck());
+        for k in 0..100 {
+            let torque_percent = 40.0 + 30.0 * (0.3 * k as f32).sin();
+            let torque = if percent {
+                (Signal::EngineTorque, torque_percent)
+            } else {
+                (Signal::NetEngineTorque, 17.5 * torque_percent)
+            };
+            let gear = (Signal::CurrentGear, if k < 50 { 10.0 } else { 11.0 });
+            drive.on(0.5, &[gear, torque, (Signal::WheelSpeed, 20.0)]);
+        }
+        drive.samples
+    };
+    let (nm, percent) = (drive_of(false), drive_of(true));
+    assert_eq!(nm.len(), percent.len());
+    for (nm, percent) in nm.iter().zip(&percent) {
+        let off_n = nm.forces.traction_n - percent.forces.traction_n;
+        assert!(off_n.abs() < 0.02, "{off_n} N");
+        assert_eq!(nm.end.condition, percent.end.condition);
+    }
+}
+
+#[test]
+fn a_measured_force_is_not_touched_by_torques() {
+    let mut drive = ReadingsDrive::of(test_kit::by_force());
+    let readings = [(Signal::MotorTorque, 100.0), (Signal::TractionForce, 5e3)];
+    assert_eq!(last(&mut drive, &readings).forces.traction_n, 5e3);
+}
