@@ -108,8 +108,8 @@ pub struct PlantedTruth {
 ///
 /// The size is the effect's force over the truck's weight in %, as RMS over the distance of all
 /// six runs without shift or brake. For `wheel_radius` it is the error of the radius in %. A
-/// negative size makes `rolling_resistance`, `air_drag`, `mass`, `torque_scale` or `wheel_radius`
-/// less than assumed.
+/// negative size makes an effect of which [`can_be_less`] less than assumed; wind blows from the
+/// other side.
 ///
 /// The logs and `vehicle.toml` go into `folder`. The truth goes into the folder of the same name
 /// with `.truth` appended.
@@ -187,6 +187,12 @@ pub fn logs_of(
             amounts,
         },
     })
+}
+
+/// Returns whether there can be less of an effect than assumed.
+#[must_use]
+pub fn can_be_less(effect: &str) -> bool {
+    known(effect).is_some_and(|known| known.or_less)
 }
 
 /// Returns the amount of `effect` that makes `size_percent` on the bench's runs.

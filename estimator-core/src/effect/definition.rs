@@ -124,8 +124,8 @@ pub enum Varies {
         /// Values to try.
         values: &'static [f32],
     },
-    /// The same, with an amount for each drive. Their mean is adopted, not below zero; its sigma
-    /// includes their scatter.
+    /// The same, with one amount on the drives that began alike, or with an amount for each drive.
+    /// The mean over drives is adopted, not below zero; its sigma includes their scatter.
     AmountForEachDrive {
         /// Key of the parameter.
         key: &'static str,

@@ -33,6 +33,17 @@ pub enum Detail {
     Value(&'static str, f32),
     /// The same, with a separate amount for each drive.
     EachDrive(&'static str, f32),
+    /// The same, with one amount for some of the drives. The others have none.
+    SomeDrives {
+        /// Key of the parameter.
+        key: &'static str,
+        /// Its value.
+        value: f32,
+        /// Number of drives that have the amount.
+        with: usize,
+        /// Number of drives.
+        of: usize,
+    },
     /// Amounts towards north and east. The parameter with this key is the direction.
     Direction(&'static str),
     /// A section of the common road, m.

@@ -5,8 +5,8 @@ use super::findings::{CandidateCase, Diagnosis, Finding, Request};
 use super::judgement::{self, Judgement, ReferenceGrades, judge};
 use super::picture;
 use super::radius::Wheels;
+use super::rivals::SelectionStep;
 use super::search::EffectSearch;
-use super::selection::SelectionStep;
 use crate::error::{Error, Result, on_one_line};
 use crate::files::run::{RunCell, RunIdentity};
 use crate::map::read_map;
@@ -73,6 +73,7 @@ pub fn diagnose(request: &Request) -> Result<Diagnosis> {
                 adopted,
                 evidence: step.adopted.evidence,
                 group: search.names(&step.group),
+                fitted: search.amounts(&step.adopted),
             }),
             None => unexplained.push(search.unexplained(&step.adopted)),
         }

@@ -7,6 +7,7 @@ use crate::report::page::Figure;
 use crate::source::log_report::LogReport;
 use crate::source::read_options::ReadOptions;
 use estimator_core::{AdoptedEffect, Tuning};
+use nalgebra::DMatrix;
 use std::path::PathBuf;
 
 /// Request for a diagnosis.
@@ -36,6 +37,19 @@ pub struct Finding {
     pub evidence: f64,
     /// Effects that the data cannot separate from it.
     pub group: Vec<&'static str>,
+    /// The amounts that were fitted, if the vehicle file has them only summed up.
+    pub fitted: Option<FittedAmounts>,
+}
+
+/// Amounts that were fitted together: parts of a direction, or those of drives.
+#[derive(Clone, Debug)]
+pub struct FittedAmounts {
+    /// What each belongs to.
+    pub names: Vec<String>,
+    /// The amounts, in the effect's unit.
+    pub amounts: Vec<f64>,
+    /// Their covariance.
+    pub covariance: DMatrix<f64>,
 }
 
 /// Result for one candidate.

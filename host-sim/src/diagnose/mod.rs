@@ -4,8 +4,9 @@
 //! * [`drive`]: a log as input, and the places of its cells on a common road;
 //! * [`candidates`]: the candidates: effects ([`estimator_core::effect::Search`]) and plain
 //!   dependences ([`dependence`]); [`evidence`]: the sums of the drives for them; [`regression`]:
-//!   amounts and likelihoods from these; [`selection`]: which candidates are adopted; [`search`]:
-//!   all these steps;
+//!   amounts and likelihoods from these; [`case`]: the fit of one candidate; [`rivals`] and
+//!   [`pairs`]: which one, or which two, to adopt; [`selection`]: forward and backward;
+//!   [`search`]: all these steps;
 //! * [`radius`]: the wheel radius, which shows in speed and distance rather than in slope;
 //! * [`judgement`]: the bare model against a reference, before and after;
 //! * [`diagnosis`]: the whole procedure; [`findings`]: its request and result;
@@ -13,16 +14,19 @@
 
 pub mod bare_model;
 pub mod candidates;
+pub mod case;
 pub mod dependence;
 pub mod diagnosis;
 pub mod drive;
 pub mod evidence;
 pub mod findings;
 pub mod judgement;
+pub mod pairs;
 pub mod picture;
 pub mod radius;
 pub mod regression;
 pub mod report;
+pub mod rivals;
 pub mod search;
 pub mod selection;
 

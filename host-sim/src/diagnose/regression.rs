@@ -213,11 +213,13 @@ impl<'a> Regression<'a> {
         // The last amounts are the new ones. The result is their scatter.
         let last = amounts.len() - 1;
         let scatter = (sandwich[(last, last)] / inverse[(last, last)]).max(1.0);
-        let mut covariance = inverse;
-        for i in 0..amounts.len() {
-            let widened = covariance[(i, i)].max(sandwich[(i, i)]);
-            covariance[(i, i)] = widened;
-        }
+        // Widened with its correlations kept.
+        let factors: Vec<f64> = (0..amounts.len())
+            .map(|i| (sandwich[(i, i)] / inverse[(i, i)]).max(1.0).sqrt())
+            .collect();
+        let covariance = DMatrix::from_fn(amounts.len(), amounts.len(), |i, j| {
+            factors[i] * factors[j] * inverse[(i, j)]
+        });
         Some(Fit {
             amounts,
             covariance,

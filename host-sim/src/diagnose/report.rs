@@ -1,6 +1,6 @@
 //! report.json and the page.
 
-use super::findings::{Diagnosis, Finding};
+use super::findings::{Diagnosis, Finding, FittedAmounts};
 use super::judgement::{Judgement, WINDOW_M};
 use crate::error::Result;
 use crate::files::output::stage_text;
@@ -27,6 +27,18 @@ fn errors(judgement: &Judgement) -> Value {
     })
 }
 
+/// Returns fitted amounts, each with its row of the covariance.
+fn amounts(fitted: &FittedAmounts) -> Value {
+    let rows = fitted.covariance.row_iter();
+    let named = fitted.names.iter().zip(&fitted.amounts).zip(rows);
+    named
+        .map(|((of, amount), row)| {
+            let row: Vec<Value> = row.iter().map(|value| number(*value)).collect();
+            json!({ "of": of, "amount": number(*amount), "covariance": row })
+        })
+        .collect()
+}
+
 /// Returns the content of report.json.
 #[must_use]
 pub fn to_json(diagnosis: &Diagnosis) -> Value {
@@ -46,6 +58,7 @@ pub fn to_json(diagnosis: &Diagnosis) -> Value {
                 "unit": finding.adopted.effect.unit,
                 "details": details,
                 "evidence": number(finding.evidence),
+                "amounts": finding.fitted.as_ref().map(amounts),
                 "cannot_be_told_from": finding.group,
                 "told_apart_by": finding.group.iter().filter_map(|name| separated_by(name)).collect::<Vec<_>>(),
             })

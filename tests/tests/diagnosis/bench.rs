@@ -2,6 +2,7 @@
 
 use cross_tests::diagnosed::{CaseOutcome, DiagnosisCase, Verdict, cases, effects, table};
 use cross_tests::planted::CLEAN;
+use std::collections::BTreeSet;
 use std::slice;
 
 /// Effect, size in %, truck, and the accepted verdicts. Effects that differ little at one speed and
@@ -88,6 +89,10 @@ fn the_full_bench_has_every_effect_and_size_on_both_trucks() {
     assert_eq!(sizes("mass"), [0.1, 0.3]);
     assert_eq!(sizes("wheel_radius"), [1.0, 3.0]);
     assert_eq!(sizes(CLEAN), [0.0]);
+    let less = cases(&all, &[-0.3], 1).unwrap();
+    let effects: BTreeSet<&str> = less.iter().map(|case| case.effect.as_str()).collect();
+    assert!(effects.contains("mass") && effects.contains("headwind"));
+    assert!(!effects.contains("brake_drag") && !effects.contains("road_surface+fan"));
     let error = cases(slice::from_ref(&"gravity".to_owned()), &[0.1], 1).unwrap_err();
     assert!(error.to_string().contains("gravity"), "{error}");
 }
