@@ -45,7 +45,7 @@ const CORE: [&str; 22] = [
 ];
 
 /// Parts of the host, and the parts that each may import. All may import `error`.
-const HOST: [(&str, &[&str]); 19] = [
+const HOST: [(&str, &[&str]); 20] = [
     (
         "cli",
         &[
@@ -53,6 +53,7 @@ const HOST: [(&str, &[&str]); 19] = [
             "diagnose",
             "files",
             "identify",
+            "inertial_judge",
             "inspect",
             "live",
             "logs_to_map",
@@ -74,6 +75,7 @@ const HOST: [(&str, &[&str]); 19] = [
             "comparison",
             "diagnose",
             "files",
+            "inertial_judge",
             "map",
             "numeric",
             "recorder",
@@ -87,7 +89,15 @@ const HOST: [(&str, &[&str]); 19] = [
     ),
     (
         "diagnose",
-        &["files", "map", "numeric", "recorder", "report", "source"],
+        &[
+            "files",
+            "inertial_judge",
+            "map",
+            "numeric",
+            "recorder",
+            "report",
+            "source",
+        ],
     ),
     (
         "logs_to_map",
@@ -114,6 +124,7 @@ const HOST: [(&str, &[&str]); 19] = [
             "terminal",
         ],
     ),
+    ("inertial_judge", &[]),
     ("inspect", &["numeric", "source"]),
     ("recorder", &["files", "smooth", "source", "terminal"]),
     ("simulator", &["files", "numeric", "source", "terminal"]),
