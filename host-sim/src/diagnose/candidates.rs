@@ -20,6 +20,8 @@ const LONGEST_STRETCH: f64 = 0.4;
 pub struct Choice {
     /// For each of its amounts, the columns whose sum is its force.
     pub amounts: Vec<Vec<usize>>,
+    /// Columns of drives held out, of which each has an amount of its own.
+    pub held_out: Vec<usize>,
     /// The parameter in which it differs from other choices.
     pub detail: Detail,
 }
@@ -73,6 +75,15 @@ pub struct Menu {
     columns: Vec<ColumnKind>,
 }
 
+/// Numbers of drives.
+#[derive(Clone, Copy, Debug)]
+pub struct DriveCounts {
+    /// Number of those to fit, which are first.
+    pub fitted: usize,
+    /// Number of all, with those held out.
+    pub of: usize,
+}
+
 /// The source of a column's force.
 #[derive(Clone, Copy, Debug)]
 enum ColumnKind {
@@ -91,10 +102,10 @@ const PERIODS_S: (f64, f64, f64) = (40.0, 900.0, 1.05);
 /// Tried widths of a driveline's hysteresis, % of the weight.
 const PLAYS_PERCENT: [f32; 3] = [0.1, 0.3, 1.0];
 impl Menu {
-    /// Creates the candidates for the drives with these numbers. `road_m` is the length of their
-    /// common road, if they have one; `temperatures_k` the range of their air temperatures, K.
+    /// Creates the candidates for these drives. `road_m` is the length of their common road, if
+    /// they have one; `temperatures_k` the range of their air temperatures, K.
     #[must_use]
-    pub fn new(road_m: Option<f64>, temperatures_k: f32, drives: &[usize]) -> Self {
+    pub fn new(road_m: Option<f64>, temperatures_k: f32, drives: DriveCounts) -> Self {
         let mut menu = Self::default();
         for effect in CATALOGUE {
             let choices = match search_of(effect).map_or(Varies::Amount, |search| search.varies) {
@@ -121,6 +132,7 @@ impl Menu {
                         .to_vec();
                     vec![Choice {
                         amounts,
+                        held_out: Vec::new(),
                         detail: Detail::Direction(key),
                     }]
                 }
@@ -191,6 +203,7 @@ impl Menu {
             amounts: (first..self.columns.len())
                 .map(|column| vec![column])
                 .collect(),
+            held_out: Vec::new(),
             detail,
         }
     }
@@ -208,6 +221,7 @@ impl Menu {
     fn choice(&mut self, effect: &'static Effect, given: &[Option<f32>], detail: Detail) -> Choice {
         Choice {
             amounts: vec![vec![self.column(effect, given)]],
+            held_out: Vec::new(),
             detail,
         }
     }
@@ -218,23 +232,21 @@ impl Menu {
         &mut self,
         effect: &'static Effect,
         (key, value): (&'static str, f32),
-        drives: &[usize],
+        drives: DriveCounts,
     ) -> Choice {
         let common = self.column(effect, &[Some(value)]);
         let ColumnKind::Effect(effect, details) = self.columns[common] else {
             unreachable!("it was just made");
         };
         self.columns.pop();
-        let amounts = drives
-            .iter()
-            .map(|&drive| {
-                self.columns
-                    .push(ColumnKind::OnDrive(effect, details, drive));
-                vec![self.columns.len() - 1]
-            })
-            .collect();
+        let first = self.columns.len();
+        let each = (0..drives.of).map(|drive| ColumnKind::OnDrive(effect, details, drive));
+        self.columns.extend(each);
         Choice {
-            amounts,
+            amounts: (first..first + drives.fitted)
+                .map(|column| vec![column])
+                .collect(),
+            held_out: (first + drives.fitted..self.columns.len()).collect(),
             detail: Detail::EachDrive(key, value),
         }
     }
@@ -251,6 +263,7 @@ impl Menu {
             for from in 0..=pieces - length {
                 choices.push(Choice {
                     amounts: vec![(first + from..first + from + length).collect()],
+                    held_out: Vec::new(),
                     detail: Detail::RoadSection(
                         from as f64 * piece_m,
                         (from + length) as f64 * piece_m,

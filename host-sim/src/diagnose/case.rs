@@ -98,7 +98,7 @@ impl Ground {
         };
         Some(Self {
             explained: regression.explained(&basis),
-            held_out: regression.held_out(&columns),
+            held_out: regression.held_out(&basis, &columns),
             bayes: regression.bayes(&basis, 1.0)?,
             basis,
             columns,
@@ -146,7 +146,9 @@ impl Ground {
         let size = (square / amounts.len() as f64).sqrt();
         let width = size.clamp(candidate.typical, UNUSUAL * candidate.typical);
         let with = basis.with(amounts, width);
+        let with = with.with_held_out(&choice.held_out, width);
         let fit = regression.fit(&with)?;
+        let columns = regression.columns(&with, &fit.amounts);
         let bayes = regression.bayes(&with, fit.scatter)? - regression.bayes(basis, fit.scatter)?;
         let (from, count) = (own.start, own.len());
         Some(CandidateFit {
@@ -161,7 +163,7 @@ impl Ground {
             gain: (regression.explained(&with) - self.explained) / fit.scatter,
             scatter: fit.scatter,
             width,
-            held_out: regression.held_out(&regression.columns(&with, &fit.amounts)) - self.held_out,
+            held_out: regression.held_out(&with, &columns) - self.held_out,
         })
     }
 
@@ -198,6 +200,7 @@ impl Ground {
                 let columns = order[..with].iter().map(|&drive| &choice.amounts[drive]);
                 let some = Choice {
                     amounts: vec![columns.flatten().copied().collect()],
+                    held_out: choice.held_out.clone(),
                     detail: Detail::SomeDrives {
                         key,
                         value,

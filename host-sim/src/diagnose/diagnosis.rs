@@ -72,7 +72,8 @@ pub fn diagnose(request: &Request) -> Result<Diagnosis> {
             Some(adopted) => findings.push(Finding {
                 adopted,
                 evidence: step.adopted.evidence,
-                group: search.names(&step.group),
+                group: search.names(step),
+                pairs: search.pairs(step),
                 fitted: search.amounts(&step.adopted),
             }),
             None => unexplained.push(search.unexplained(&step.adopted)),

@@ -37,6 +37,8 @@ pub struct Finding {
     pub evidence: f64,
     /// Effects that the data cannot separate from it.
     pub group: Vec<&'static str>,
+    /// Pairs of effects that together the data cannot separate from it.
+    pub pairs: Vec<[&'static str; 2]>,
     /// The amounts that were fitted, if the vehicle file has them only summed up.
     pub fitted: Option<FittedAmounts>,
 }

@@ -68,6 +68,7 @@ impl Wheels {
             adopted: self.adopted(),
             evidence: self.evidence(),
             group: Vec::new(),
+            pairs: Vec::new(),
             fitted: None,
         })
     }

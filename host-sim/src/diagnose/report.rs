@@ -60,6 +60,7 @@ pub fn to_json(diagnosis: &Diagnosis) -> Value {
                 "evidence": number(finding.evidence),
                 "amounts": finding.fitted.as_ref().map(amounts),
                 "cannot_be_told_from": finding.group,
+                "nor_from_both": finding.pairs,
                 "told_apart_by": finding.group.iter().filter_map(|name| separated_by(name)).collect::<Vec<_>>(),
             })
         })

@@ -22,6 +22,19 @@ pub struct SelectionStep {
     pub adopted: CandidateFit,
     /// Other candidates that the data cannot separate from it.
     pub group: Vec<CandidateFit>,
+    /// Pairs of others that the data cannot separate from it.
+    pub pairs: Vec<[usize; 2]>,
+}
+
+impl From<CandidateFit> for SelectionStep {
+    /// Creates a step without rivals.
+    fn from(adopted: CandidateFit) -> Self {
+        Self {
+            adopted,
+            group: Vec::new(),
+            pairs: Vec::new(),
+        }
+    }
 }
 
 impl SelectionStep {
@@ -76,6 +89,7 @@ pub(super) fn step(cases: &[CandidateFit], menu: &Menu) -> Option<SelectionStep>
             .filter(|case| case.candidate != adopted.candidate)
             .map(|&case| case.clone())
             .collect(),
+        pairs: Vec::new(),
     })
 }
 

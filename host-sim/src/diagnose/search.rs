@@ -1,10 +1,11 @@
 //! Search for effects: the candidates of a set of drives, their evidence, and their effects.
 
-use super::candidates::{Detail, Menu};
+use super::candidates::{Detail, DriveCounts, Menu};
 use super::case::CandidateFit;
 use super::drive::{CommonRoad, LoggedDrive};
 use super::evidence::{self, Evidence, WINDS_MPS, judging_tuning, segments};
 use super::findings::{FittedAmounts, Unexplained};
+use super::rivals::SelectionStep;
 use super::selection::{Selection, Selector};
 use crate::files::vehicle::VehicleFile;
 use estimator_core::effect::{Varies, search_of};
@@ -34,10 +35,13 @@ impl<'a> EffectSearch<'a> {
         tuning: &'a Tuning,
     ) -> Self {
         let road = CommonRoad::of(drives);
-        let numbers: Vec<usize> = (0..fitted).collect();
+        let counts = DriveCounts {
+            fitted,
+            of: drives.len(),
+        };
         let temperatures_k = temperature_range_k(&drives[..fitted]);
         let road_m = road.as_ref().map(CommonRoad::length_m);
-        let menu = Menu::new(road_m, temperatures_k, &numbers);
+        let menu = Menu::new(road_m, temperatures_k, counts);
         Self {
             drives,
             fitted,
@@ -105,11 +109,28 @@ impl<'a> EffectSearch<'a> {
         vehicle
     }
 
-    /// Returns the names of the effects of a group.
+    /// Returns the names of the effects that a step cannot separate from the adopted one, alone or
+    /// in pairs.
     #[must_use]
-    pub fn names(&self, group: &[CandidateFit]) -> Vec<&'static str> {
-        let name = |case: &CandidateFit| self.menu.candidates[case.candidate].name;
-        group.iter().map(name).collect()
+    pub fn names(&self, step: &SelectionStep) -> Vec<&'static str> {
+        let alone = step.group.iter().map(|case| case.candidate);
+        let mut names = Vec::new();
+        for candidate in alone.chain(step.pairs.iter().flatten().copied()) {
+            let name = self.menu.candidates[candidate].name;
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
+        names
+    }
+
+    /// Returns the names of the pairs of a step.
+    #[must_use]
+    pub fn pairs(&self, step: &SelectionStep) -> Vec<[&'static str; 2]> {
+        let pairs = step.pairs.iter();
+        pairs
+            .map(|pair| pair.map(|candidate| self.menu.candidates[candidate].name))
+            .collect()
     }
 
     /// Returns the effect of a case, as a vehicle file has it; `None` for a plain dependence.

@@ -8,17 +8,18 @@
 //! divided by that ratio.
 //!
 //! Each step forward may be followed by steps backward: an effect goes if what was adopted after it
-//! explains the same. Where no single candidate is left to adopt, [`pairs`](super::pairs) are.
+//! explains the same. Where no single candidate is left to adopt, [pairs](super::pairs) are looked
+//! for: beside what is adopted, or instead of one of it.
 
 use super::candidates::Menu;
-use super::case::{CandidateFit, Ground};
+use super::case::CandidateFit;
 use super::evidence::Evidence;
-use super::pairs;
-use super::regression::{Basis, Regression};
+use super::fitter::{Fitter, basis};
+use super::pairs::{self, Instead, Pair};
 use super::rivals::{SelectionStep, group, step};
 
 /// Largest number of adopted effects.
-pub(super) const MOST_ADOPTED: usize = 4;
+const MOST_ADOPTED: usize = 4;
 /// Largest number of steps forward. Steps backward make room for more than are adopted.
 const MOST_STEPS: usize = 2 * MOST_ADOPTED;
 /// An effect is dropped if its evidence, given the effects adopted after it, is below this: it is
@@ -38,8 +39,7 @@ pub struct Selection {
 
 /// Selection among the candidates of a menu.
 pub struct Selector<'a> {
-    pub(super) menu: &'a Menu,
-    pub(super) regression: Regression<'a>,
+    fitter: Fitter<'a>,
 }
 
 impl<'a> Selector<'a> {
@@ -50,8 +50,7 @@ impl<'a> Selector<'a> {
         is_held_out: impl Fn(usize) -> bool + 'a,
     ) -> Self {
         Self {
-            menu,
-            regression: Regression::new(evidence, is_held_out),
+            fitter: Fitter::new(menu, evidence, is_held_out),
         }
     }
 
@@ -59,16 +58,13 @@ impl<'a> Selector<'a> {
     /// the adopted candidate of the first step, where the evidence cannot separate them.
     #[must_use]
     pub fn select(&self, first: Option<usize>) -> Selection {
-        let mut selection = Selection {
-            alone: self.cases(&[]),
-            ..Selection::default()
-        };
-        let mut cases = selection.alone.clone();
-        let steps = &mut selection.steps;
+        let alone = self.fitter.cases(&[]);
+        let mut steps: Vec<SelectionStep> = Vec::new();
+        let mut cases = alone.clone();
         for number in 0..MOST_STEPS {
-            let mut found: Vec<SelectionStep> = step(&cases, self.menu).into_iter().collect();
+            let mut found = self.forward(&steps, &cases);
             if found.is_empty() {
-                found = pairs::best(self, steps, &cases);
+                found = self.exchange(&mut steps);
             }
             if found.is_empty() || steps.len() + found.len() > MOST_ADOPTED {
                 break;
@@ -78,94 +74,126 @@ impl<'a> Selector<'a> {
             }
             let latest: Vec<usize> = found.iter().map(|s| s.adopted.candidate).collect();
             steps.extend(found);
-            self.drop_superfluous(steps, &latest);
-            cases = self.cases(steps);
+            self.drop_superfluous(&mut steps, &latest);
+            cases = self.fitter.cases(&adopted(&steps));
         }
-        self.conclude(steps);
-        let basis = basis(steps);
-        let explained = self.regression.bayes(&basis, 1.0).unwrap_or_default();
-        selection.negative_log_likelihood = self.regression.negative_log_likelihood() - explained;
-        selection
+        self.conclude(&mut steps);
+        let regression = &self.fitter.regression;
+        let explained = regression.bayes(&basis(&adopted(&steps)), 1.0);
+        Selection {
+            negative_log_likelihood: regression.negative_log_likelihood()
+                - explained.unwrap_or_default(),
+            steps,
+            alone,
+        }
+    }
+
+    /// Returns the next step, or the two of a pair; none if nothing is to be adopted.
+    fn forward(&self, steps: &[SelectionStep], cases: &[CandidateFit]) -> Vec<SelectionStep> {
+        if let Some(step) = step(cases, self.fitter.menu) {
+            return vec![step];
+        }
+        let pair = pairs::best(&self.fitter, &adopted(steps), cases);
+        let steps = pair.into_iter().flat_map(|pair| pair.cases);
+        steps.map(SelectionStep::from).collect()
+    }
+
+    /// Takes out an effect that a pair of others replaces; returns the steps of the pair.
+    fn exchange(&self, steps: &mut Vec<SelectionStep>) -> Vec<SelectionStep> {
+        if steps.len() >= MOST_ADOPTED {
+            return Vec::new();
+        }
+        for index in 0..steps.len() {
+            if steps[index].adopted.choice.is_cycle() {
+                continue;
+            }
+            let better = self
+                .instead(steps, index)
+                .into_iter()
+                .find_map(|(pair, is)| matches!(is, Instead::Better).then_some(pair));
+            if let Some(pair) = better {
+                steps.remove(index);
+                return pair.cases.map(SelectionStep::from).to_vec();
+            }
+        }
+        Vec::new()
+    }
+
+    /// Returns pairs of other candidates, the most likely first, and what they are to an adopted
+    /// one.
+    fn instead(&self, steps: &[SelectionStep], index: usize) -> Vec<(Pair, Instead)> {
+        let beside = others(steps, index);
+        let candidate = steps[index].adopted.candidate;
+        let mut cases = self.fitter.cases(&beside);
+        let Some(own) = cases.iter().position(|case| case.candidate == candidate) else {
+            return Vec::new();
+        };
+        let own = cases.remove(own);
+        let count = self.fitter.menu.candidates.len();
+        let pairs = pairs::fitted(&self.fitter, &beside, &cases).into_iter();
+        pairs
+            .map(|pair| {
+                let is = pair.instead_of(&own, count);
+                (pair, is)
+            })
+            .collect()
     }
 
     /// Drops effects that those adopted after them explain. The latest ones stay.
     fn drop_superfluous(&self, steps: &mut Vec<SelectionStep>, latest: &[usize]) {
-        while let Some(worst) = self.superfluous(steps, latest) {
-            steps.remove(worst);
-        }
-    }
-
-    fn superfluous(&self, steps: &[SelectionStep], latest: &[usize]) -> Option<usize> {
-        let evidence = |index: usize| {
-            let adopted = &steps[index].adopted;
-            let stays = latest.contains(&adopted.candidate) || adopted.choice.is_cycle();
-            if stays {
-                return None;
-            }
-            let case = self.again(steps, index)?;
-            Some((index, case.evidence))
+        let stays = |step: &SelectionStep| {
+            latest.contains(&step.adopted.candidate) || step.adopted.choice.is_cycle()
         };
-        let worst = (0..steps.len())
-            .filter_map(evidence)
-            .min_by(|a, b| a.1.total_cmp(&b.1))?;
-        (worst.1 < SUPERFLUOUS).then_some(worst.0)
+        loop {
+            let earlier = (0..steps.len()).filter(|&index| !stays(&steps[index]));
+            let evidence = |index: usize| Some((index, self.again(steps, index)?.evidence));
+            let weakest = earlier
+                .filter_map(evidence)
+                .min_by(|a, b| a.1.total_cmp(&b.1));
+            match weakest {
+                Some((index, evidence)) if evidence < SUPERFLUOUS => drop(steps.remove(index)),
+                _ => return,
+            }
+        }
     }
 
     /// Returns the case of an adopted effect, given all others that are adopted.
     fn again(&self, steps: &[SelectionStep], index: usize) -> Option<CandidateFit> {
         let candidate = steps[index].adopted.candidate;
-        self.case(&self.ground(&without(steps, index))?, candidate)
+        self.fitter.case(&others(steps, index), candidate)
     }
 
     /// Gives each step the evidence, the amounts and the group of its effect, given all others.
     fn conclude(&self, steps: &mut [SelectionStep]) {
-        if steps.len() > 1 {
-            for index in 0..steps.len() {
-                if steps[index].adopted.choice.is_cycle() {
-                    continue;
-                }
-                let others = without(steps, index);
-                let cases = self.cases(&others);
-                let candidate = steps[index].adopted.candidate;
-                if let Some(own) = cases.iter().find(|case| case.candidate == candidate) {
-                    steps[index].group = group(own, &cases, self.menu);
-                    steps[index].adopted.evidence = own.evidence;
-                }
+        for index in 0..steps.len() {
+            if steps[index].adopted.choice.is_cycle() {
+                continue;
+            }
+            let as_good = self.instead(steps, index).into_iter();
+            steps[index].pairs = as_good
+                .filter(|(_, is)| !matches!(is, Instead::Worse))
+                .map(|(pair, _)| pair.cases.map(|case| case.candidate))
+                .collect();
+            if steps.len() == 1 {
+                continue;
+            }
+            let cases = self.fitter.cases(&others(steps, index));
+            let candidate = steps[index].adopted.candidate;
+            if let Some(own) = cases.iter().find(|case| case.candidate == candidate) {
+                steps[index].group = group(own, &cases, self.fitter.menu);
+                steps[index].adopted.evidence = own.evidence;
             }
         }
         self.refit(steps);
     }
 
-    /// Returns the fit of adopted effects, on which others are judged.
-    pub(super) fn ground(&self, steps: &[SelectionStep]) -> Option<Ground> {
-        Ground::of(basis(steps), &self.regression)
-    }
-
-    /// Returns the case of a candidate.
-    pub(super) fn case(&self, ground: &Ground, candidate: usize) -> Option<CandidateFit> {
-        let of_menu = &self.menu.candidates[candidate];
-        ground.case(&self.regression, candidate, of_menu)
-    }
-
-    /// Returns the cases of all candidates that are not adopted.
-    fn cases(&self, steps: &[SelectionStep]) -> Vec<CandidateFit> {
-        let Some(ground) = self.ground(steps) else {
-            return Vec::new();
-        };
-        let is_taken = |index: &usize| steps.iter().any(|s| s.adopted.candidate == *index);
-        let candidates = (0..self.menu.candidates.len()).filter(|index| !is_taken(index));
-        candidates
-            .filter_map(|index| self.case(&ground, index))
-            .collect()
-    }
-
     /// Fits the amounts of all adopted effects together.
     fn refit(&self, steps: &mut [SelectionStep]) {
-        let basis = basis(steps);
+        let basis = basis(&adopted(steps));
         if basis.size() == 0 {
             return;
         }
-        let Some(fit) = self.regression.fit(&basis) else {
+        let Some(fit) = self.fitter.regression.fit(&basis) else {
             return;
         };
         let mut from = 0;
@@ -182,18 +210,13 @@ impl<'a> Selector<'a> {
     }
 }
 
-/// Returns the amounts of adopted effects. A cycle has none: its phases are each drive's own.
-pub(super) fn basis(steps: &[SelectionStep]) -> Basis {
-    let adopted = steps.iter().map(|step| &step.adopted);
-    adopted
-        .filter(|case| !case.choice.is_cycle())
-        .fold(Basis::default(), |basis, case| {
-            basis.with(&case.choice.amounts, case.width)
-        })
+fn adopted(steps: &[SelectionStep]) -> Vec<&CandidateFit> {
+    steps.iter().map(|step| &step.adopted).collect()
 }
 
-fn without(steps: &[SelectionStep], index: usize) -> Vec<SelectionStep> {
-    let mut others = steps.to_vec();
+/// Returns what is adopted beside one of the steps.
+fn others(steps: &[SelectionStep], index: usize) -> Vec<&CandidateFit> {
+    let mut others = adopted(steps);
     others.remove(index);
     others
 }
