@@ -25,6 +25,9 @@ pub struct Sample {
     pub speed: Option<SpeedMeasurement>,
     /// GNSS altitude taken in the cell, if there is one.
     pub altitude: Option<AltitudeMeasurement>,
+    /// Mean of the readings of an accelerometer in the cell, if there are any.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub inertial: Option<InertialMeasurement>,
     /// The vehicle stood before this cell, for long or to be loaded. What was learned of its bias
     /// and scale may be wrong.
     pub after_load_change: bool,
@@ -62,6 +65,18 @@ pub struct AltitudeMeasurement {
     pub dilution: f32,
     /// How it follows from the altitude before it.
     pub continuity: AltitudeContinuity,
+}
+
+/// Mean of the readings of a longitudinal accelerometer in a cell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct InertialMeasurement {
+    /// Mean over the cell, m/s²: change of the speed plus gravity along the vehicle.
+    pub acceleration_mps2: f32,
+    /// Number of readings.
+    pub count: u8,
+    /// Resolution of the readings, m/s²: the smallest change so far.
+    pub resolution_mps2: f32,
 }
 
 /// How an altitude follows from the one before it.

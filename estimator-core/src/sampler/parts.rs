@@ -267,6 +267,7 @@ impl Parts {
             },
             speed: driven.speed,
             altitude: self.gnss.altitude_before(CELL_LENGTH_M),
+            inertial: None,
             after_load_change: self.stops.take_load_change(context),
             after_stop: self.stops.take_stop(),
             mass_is_reported: self.stops.has_reported_mass(),

@@ -1,7 +1,8 @@
 //! Samples and cells, serialized and deserialized with serde.
 
 use estimator_core::sample::{
-    AltitudeContinuity, AltitudeMeasurement, EffectInputs, ForceInputs, Sample, SpeedMeasurement,
+    AltitudeContinuity, AltitudeMeasurement, EffectInputs, ForceInputs, InertialMeasurement,
+    Sample, SpeedMeasurement,
 };
 use estimator_core::{Cell, CellEnd, Condition, Disagreement, Instant, Maybe, Uncertain};
 use proptest::prelude::*;
@@ -51,10 +52,25 @@ fn sample() -> impl Strategy<Value = Sample> {
             dilution: 1.25,
             continuity,
         });
-    let measured = (proptest::option::of(speed), proptest::option::of(altitude));
+    let inertial =
+        (-1e3..1e3_f32, any::<u8>()).prop_map(|(acceleration_mps2, count)| InertialMeasurement {
+            acceleration_mps2,
+            count,
+            resolution_mps2: acceleration_mps2 / 3.0,
+        });
+    let measured = (
+        proptest::option::of(speed),
+        proptest::option::of(altitude),
+        proptest::option::of(inertial),
+    );
     let rest = (-1e6..1e6_f32, [maybe(), maybe()], any::<bool>());
     (cell_end(), any::<u32>(), measured, rest).prop_map(
-        |(end, gap_cells, (speed, altitude), (number, [yaw_rate_radps, course_deg], flag))| {
+        |(
+            end,
+            gap_cells,
+            (speed, altitude, inertial),
+            (number, [yaw_rate_radps, course_deg], flag),
+        )| {
             Sample {
                 end,
                 gap_cells,
@@ -75,6 +91,7 @@ fn sample() -> impl Strategy<Value = Sample> {
                 },
                 speed,
                 altitude,
+                inertial,
                 after_load_change: !flag,
                 after_stop: flag,
                 mass_is_reported: flag,

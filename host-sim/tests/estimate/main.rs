@@ -7,6 +7,7 @@ mod engine_configuration;
 mod faulty_drive;
 mod gnss_faults;
 mod late_receiver;
+mod motor_torque;
 mod own_signals;
 mod persistent_state;
 mod receiver_filters;

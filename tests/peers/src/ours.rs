@@ -42,6 +42,7 @@ pub fn ours(meter: &mut impl FilterMeter) {
         effect_inputs: EffectInputs::default(),
         speed: None,
         altitude: None,
+        inertial: None,
         after_load_change: false,
         after_stop: false,
         mass_is_reported: false,

@@ -126,6 +126,7 @@ fn samples(drive: &MeasuredDrive) -> Vec<Sample> {
                 resolution_mps: 0.0,
             }),
             altitude,
+            inertial: None,
             after_load_change: false,
             after_stop: false,
             // The thesis takes the mass that the vehicle knows.
