@@ -161,6 +161,8 @@ impl DiagnosisCase {
             logs: logs.fit.clone(),
             held_out: logs.held_out.clone(),
             reference: None,
+            terrain: None,
+            accelerometer: false,
         })?;
         let filtered = [
             GradeErrors::of(&logs, &assumed)?,

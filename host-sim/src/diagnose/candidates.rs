@@ -72,6 +72,9 @@ pub struct Candidate {
 pub struct Menu {
     /// The candidates.
     pub candidates: Vec<Candidate>,
+    /// Columns of the errors of a sensor that is part of the evidence, each with its standard
+    /// deviation. They are unknowns beside all candidates.
+    pub sensor_errors: Vec<(usize, f64)>,
     columns: Vec<ColumnKind>,
 }
 
@@ -92,6 +95,8 @@ enum ColumnKind {
     OnDrive(&'static Effect, ParameterValues, usize),
     /// The weight on a piece of road, in one direction or both.
     Piece(usize, f64, Option<bool>),
+    /// No force: the unknown error of a sensor.
+    SensorError,
     /// A thousandth of the weight times a function of a signal.
     Basis(BasisFunction),
 }
@@ -150,6 +155,16 @@ impl Menu {
         }
         menu.plain_dependences(road_m);
         menu
+    }
+
+    /// Adds unknown errors of a sensor with these standard deviations; returns their columns.
+    pub fn add_sensor_errors<const N: usize>(&mut self, sigmas: [f64; N]) -> [usize; N] {
+        sigmas.map(|sigma| {
+            self.columns.push(ColumnKind::SensorError);
+            let column = self.columns.len() - 1;
+            self.sensor_errors.push((column, sigma));
+            column
+        })
     }
 
     fn plain_dependences(&mut self, road_m: Option<f64>) {
@@ -310,6 +325,7 @@ impl Menu {
                         if here { weight_n } else { 0.0 }
                     })
                     .collect(),
+                ColumnKind::SensorError => vec![0.0; drive.samples.len()],
                 ColumnKind::Basis(basis) => basis.column(drive),
             })
             .collect()

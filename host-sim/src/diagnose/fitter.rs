@@ -26,14 +26,14 @@ impl<'a> Fitter<'a> {
 
     /// Returns the case of a candidate beside adopted ones.
     pub(super) fn case(&self, adopted: &[&CandidateFit], candidate: usize) -> Option<CandidateFit> {
-        let ground = Ground::of(basis(adopted), &self.regression)?;
+        let ground = Ground::of(self.basis(adopted), &self.regression)?;
         let of_menu = &self.menu.candidates[candidate];
         ground.case(&self.regression, candidate, of_menu)
     }
 
     /// Returns the cases of all other candidates beside adopted ones.
     pub(super) fn cases(&self, adopted: &[&CandidateFit]) -> Vec<CandidateFit> {
-        let Some(ground) = Ground::of(basis(adopted), &self.regression) else {
+        let Some(ground) = Ground::of(self.basis(adopted), &self.regression) else {
             return Vec::new();
         };
         let is_taken = |index: usize| adopted.iter().any(|case| case.candidate == index);
@@ -43,15 +43,18 @@ impl<'a> Fitter<'a> {
             .filter_map(|(index, candidate)| ground.case(&self.regression, index, candidate))
             .collect()
     }
-}
 
-/// Returns the amounts of adopted candidates. A cycle has none: its phases are each drive's own.
-pub(super) fn basis(adopted: &[&CandidateFit]) -> Basis {
-    adopted
-        .iter()
-        .filter(|case| !case.choice.is_cycle())
-        .fold(Basis::default(), |basis, case| {
+    /// Returns the amounts of adopted candidates, behind the errors of sensors. A cycle has none:
+    /// its phases are each drive's own.
+    pub(super) fn basis(&self, adopted: &[&CandidateFit]) -> Basis {
+        let errors = self.menu.sensor_errors.iter();
+        let errors = errors.fold(Basis::default(), |basis, &(column, sigma)| {
+            basis.with(&[vec![column]], sigma)
+        });
+        let adopted = adopted.iter().filter(|case| !case.choice.is_cycle());
+        adopted.fold(errors, |basis, case| {
             let with = basis.with(&case.choice.amounts, case.width);
             with.with_held_out(&case.choice.held_out, case.width)
         })
+    }
 }

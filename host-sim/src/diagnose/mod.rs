@@ -9,12 +9,16 @@
 //!   [`search`]: all these steps;
 //! * [`radius`]: the wheel radius, which shows in speed and distance rather than in slope;
 //! * [`judgement`]: the bare model against a reference, before and after;
+//! * [`signal_judgement`]: model and estimates against the accelerometer, which is evidence too;
+//!   [`terrain_reference`]: terrain as a reference;
 //! * [`diagnosis`]: the whole procedure; [`findings`]: its request and result;
 //! * [`picture`]: plots of unexplained dependences; [`report`]: report.json and the page.
 
+mod accelerometer;
 pub mod bare_model;
 pub mod candidates;
 pub mod case;
+mod collector;
 pub mod dependence;
 pub mod diagnosis;
 pub mod drive;
@@ -30,6 +34,8 @@ pub mod report;
 pub mod rivals;
 pub mod search;
 pub mod selection;
+pub mod signal_judgement;
+pub mod terrain_reference;
 
 pub use diagnosis::diagnose;
 pub use findings::{CandidateCase, Diagnosis, Finding, Request, Unexplained};

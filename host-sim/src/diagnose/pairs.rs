@@ -1,7 +1,7 @@
 //! Pairs of effects that together explain what neither explains alone.
 
 use super::case::CandidateFit;
-use super::fitter::{Fitter, basis};
+use super::fitter::Fitter;
 use super::rivals::{ADOPTED, CONTRADICTED, SEPARATED, is_asked_for};
 
 /// Number of pairs, the best by a quick look, that are fitted in full.
@@ -93,7 +93,7 @@ fn quick_look<'c>(
 ) -> Vec<(&'c CandidateFit, &'c CandidateFit)> {
     let typical = |case: &CandidateFit| fitter.menu.candidates[case.candidate].typical;
     let is_simple = |case: &&CandidateFit| !case.choice.is_cycle();
-    let basis = basis(adopted);
+    let basis = fitter.basis(adopted);
     let simple: Vec<&CandidateFit> = cases.iter().filter(is_simple).collect();
     let mut found = Vec::new();
     for (index, one) in simple.iter().enumerate() {

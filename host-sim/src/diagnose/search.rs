@@ -1,5 +1,6 @@
 //! Search for effects: the candidates of a set of drives, their evidence, and their effects.
 
+use super::accelerometer;
 use super::candidates::{Detail, DriveCounts, Menu};
 use super::case::CandidateFit;
 use super::drive::{CommonRoad, LoggedDrive};
@@ -22,6 +23,8 @@ pub struct EffectSearch<'a> {
     /// The common road of the drives.
     pub road: Option<CommonRoad>,
     menu: Menu,
+    /// Columns of the errors of the accelerometer, if it is part of the evidence.
+    sensor_errors: Option<[usize; 2]>,
 }
 
 impl<'a> EffectSearch<'a> {
@@ -41,7 +44,12 @@ impl<'a> EffectSearch<'a> {
         };
         let temperatures_k = temperature_range_k(&drives[..fitted]);
         let road_m = road.as_ref().map(CommonRoad::length_m);
-        let menu = Menu::new(road_m, temperatures_k, counts);
+        let mut menu = Menu::new(road_m, temperatures_k, counts);
+        let is_sensed = |drive: &LoggedDrive| drive.accelerometer.is_some();
+        let sensor_errors = drives[..fitted]
+            .iter()
+            .any(is_sensed)
+            .then(|| menu.add_sensor_errors(accelerometer::ERROR_SIGMAS));
         Self {
             drives,
             fitted,
@@ -49,6 +57,7 @@ impl<'a> EffectSearch<'a> {
             tuning,
             road,
             menu,
+            sensor_errors,
         }
     }
 
@@ -74,7 +83,12 @@ impl<'a> EffectSearch<'a> {
             let evidence: Evidence = drives
                 .into_par_iter()
                 .map(|(number, (drive, columns))| {
-                    segments(number, drive, self.model, &tuning, columns)
+                    let mut sums = segments(number, drive, self.model, &tuning, columns);
+                    if let Some(errors) = self.sensor_errors {
+                        let model = self.model;
+                        accelerometer::add_evidence(&mut sums, drive, model, columns, errors);
+                    }
+                    sums
                 })
                 .collect::<Vec<_>>()
                 .into_iter()

@@ -14,7 +14,7 @@
 use super::candidates::Menu;
 use super::case::CandidateFit;
 use super::evidence::Evidence;
-use super::fitter::{Fitter, basis};
+use super::fitter::Fitter;
 use super::pairs::{self, Instead, Pair};
 use super::rivals::{SelectionStep, group, step};
 
@@ -79,7 +79,7 @@ impl<'a> Selector<'a> {
         }
         self.conclude(&mut steps);
         let regression = &self.fitter.regression;
-        let explained = regression.bayes(&basis(&adopted(&steps)), 1.0);
+        let explained = regression.bayes(&self.fitter.basis(&adopted(&steps)), 1.0);
         Selection {
             negative_log_likelihood: regression.negative_log_likelihood()
                 - explained.unwrap_or_default(),
@@ -189,14 +189,14 @@ impl<'a> Selector<'a> {
 
     /// Fits the amounts of all adopted effects together.
     fn refit(&self, steps: &mut [SelectionStep]) {
-        let basis = basis(&adopted(steps));
-        if basis.size() == 0 {
+        let basis = self.fitter.basis(&adopted(steps));
+        let mut from = self.fitter.menu.sensor_errors.len();
+        if basis.size() == from {
             return;
         }
         let Some(fit) = self.fitter.regression.fit(&basis) else {
             return;
         };
-        let mut from = 0;
         for step in steps {
             if step.adopted.choice.is_cycle() {
                 continue;
