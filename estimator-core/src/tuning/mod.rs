@@ -126,7 +126,7 @@ tuning! {
         drift_longest_m: f32 = 2_500.0, 2.5..=1e6, "m", "length after which a drift is an error of the model", "chosen: receivers recover sooner";
         drift_believed_m: f32 = 5_000.0, 2.5..=1e6, "m", "length for which fixes are used untested afterwards", "chosen: the filter relearns its bias";
         altitude_gap_s: f32 = 10.0, 0.1..=1e4, "s", "time without an altitude that counts as a gap", "slow receivers send every 5 s";
-        gnss_silence: ms = 300_000, 0.0..=1e8, "ms", "time without an altitude after which the next one sets the altitude", "the model's climb says less than a fix by then";
+        gnss_silence: ms = 900_000, 0.0..=1e8, "ms", "time without an altitude after which the next one sets the altitude", "altitudes of telematics come every 2 to 10 minutes, and teach the bias; beyond, the receiver's state is another one";
     }
 
     /// Hold times, delays and timeouts.
