@@ -31,7 +31,7 @@
 //!
 //! * It is **not** a bus driver, a scheduler or a logger. Time is an argument, frames are anything
 //!   that implements [`embedded_can::Frame`], and what happened is returned and counted.
-//! * It is **not** a map. Fusion of runs into maps is done on a host.
+//! * It does **not** make maps. Fusion of runs into maps is done on a host; [`roadmap`] reads them.
 //! * It is **not** a position estimator. Positions pass through it unfiltered.
 //! * It is **not** for vehicles without a known traction force: it needs engine torque and gear, or a
 //!   measured force.
@@ -64,6 +64,7 @@ mod lagged_differences;
 pub mod maybe;
 pub mod model;
 pub mod persistent_state;
+pub mod roadmap;
 pub mod sample;
 pub mod sampler;
 pub mod scalar;

@@ -148,6 +148,8 @@ fn run(road: &[FleetSpot], seed: u64, truck: u64, number: u64) -> Vec<RunRow> {
                 consistent: 1,
                 lagged_consistent: 1,
                 live_consistent: 1,
+                map_grade_percent: None,
+                map_grade_sigma_percent: None,
             }
         })
         .collect()

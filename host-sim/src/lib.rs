@@ -10,6 +10,7 @@ pub mod diagnose;
 pub mod error;
 pub mod files;
 pub mod identify;
+pub mod inertial_judge;
 pub mod inspect;
 #[cfg(target_os = "linux")]
 pub mod live;

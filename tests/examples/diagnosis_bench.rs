@@ -19,7 +19,13 @@ struct Args {
     #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u64).range(1..))]
     seeds: u64,
     /// Grade errors that the effects make, RMS, %; ten times that for the radius of the wheels, %.
-    #[arg(long, value_delimiter = ',', default_value = "0.05,0.1,0.3")]
+    /// Negative ones make less of an effect than assumed; effects that cannot be less are left out.
+    #[arg(
+        long,
+        value_delimiter = ',',
+        default_value = "0.05,0.1,0.3",
+        allow_hyphen_values = true
+    )]
     sizes: Vec<f64>,
     /// Effects to plant; all if none is given.
     #[arg(long, value_delimiter = ',')]

@@ -94,7 +94,8 @@ pub fn effects() -> impl Iterator<Item = &'static str> {
 }
 
 /// Returns the cases of every effect in every size (% grade), on both trucks, with seeds 1 to
-/// `seeds`. Clean logs have no size.
+/// `seeds`. Clean logs have no size. A negative size is left out for an effect of which there cannot
+/// be less than assumed.
 ///
 /// # Errors
 /// An effect is unknown.
@@ -111,7 +112,9 @@ pub fn cases(effects: &[String], sizes: &[f64], seeds: u64) -> Result<Vec<Diagno
             "wheel_radius" => sizes.iter().map(|size| RADIUS_SIZE * size).collect(),
             _ => sizes.to_vec(),
         };
-        for (size_percent, truck, seed) in sizes.into_iter().flat_map(|size| {
+        let can_be_less = effect.split('+').all(planted::can_be_less);
+        let sizes = sizes.into_iter().filter(|size| *size >= 0.0 || can_be_less);
+        for (size_percent, truck, seed) in sizes.flat_map(|size| {
             TRUCKS
                 .into_iter()
                 .flat_map(move |truck| (1..=seeds).map(move |seed| (size, truck, seed)))
@@ -158,6 +161,8 @@ impl DiagnosisCase {
             logs: logs.fit.clone(),
             held_out: logs.held_out.clone(),
             reference: None,
+            terrain: None,
+            accelerometer: false,
         })?;
         let filtered = [
             GradeErrors::of(&logs, &assumed)?,

@@ -21,7 +21,7 @@ use std::path::{Path, PathBuf};
 pub use known::FAN;
 
 /// Effects of the estimator's catalogue.
-pub const CATALOGUE: [&str; 12] = [
+pub const CATALOGUE: [&str; 13] = [
     "rolling_resistance",
     "tyre_warmup",
     "air_drag",
@@ -34,6 +34,7 @@ pub const CATALOGUE: [&str; 12] = [
     "wheel_radius",
     "brake_drag",
     "road_surface",
+    "tyre_temperature",
 ];
 /// Effects outside the catalogue.
 pub const OUTSIDE: [&str; 3] = ["torque_hysteresis", "side_resistance", "thermostat"];
@@ -41,14 +42,15 @@ pub const OUTSIDE: [&str; 3] = ["torque_hysteresis", "side_resistance", "thermos
 pub const CLEAN: &str = "clean";
 
 /// The four runs to fit and the two held out: forward or not, the log's clock at the start, s (an
-/// arbitrary time of day), and how long the tyres have rolled before, s.
-const RUNS: [(&str, bool, u32, u32); 6] = [
-    ("fit1", true, 21_617, 0),
-    ("fit2", false, 34_241, 0),
-    ("fit3", true, 47_903, 7_200),
-    ("fit4", false, 61_379, 3_000),
-    ("held1", true, 28_051, 0),
-    ("held2", false, 72_463, 600),
+/// arbitrary time of day), how long the tyres have rolled before, s, and the air temperature where
+/// that matters, °C.
+const RUNS: [(&str, bool, u32, u32, i32); 6] = [
+    ("fit1", true, 21_617, 0, -5),
+    ("fit2", false, 34_241, 0, 12),
+    ("fit3", true, 47_903, 7_200, 24),
+    ("fit4", false, 61_379, 3_000, 3),
+    ("held1", true, 28_051, 0, 0),
+    ("held2", false, 72_463, 600, 18),
 ];
 /// Number of runs to fit.
 const FIT_RUNS: usize = 4;
@@ -106,8 +108,8 @@ pub struct PlantedTruth {
 ///
 /// The size is the effect's force over the truck's weight in %, as RMS over the distance of all
 /// six runs without shift or brake. For `wheel_radius` it is the error of the radius in %. A
-/// negative size makes `rolling_resistance`, `air_drag`, `mass`, `torque_scale` or `wheel_radius`
-/// less than assumed.
+/// negative size makes an effect of which [`can_be_less`] less than assumed; wind blows from the
+/// other side.
 ///
 /// The logs and `vehicle.toml` go into `folder`. The truth goes into the folder of the same name
 /// with `.truth` appended.
@@ -138,6 +140,9 @@ pub fn logs_of(
         truck,
         seed,
         curvy: effects.iter().any(|&(effect, _)| effect == "cornering"),
+        weather: effects
+            .iter()
+            .any(|&(effect, _)| effect == "tyre_temperature"),
     };
     let mut amounts = Vec::new();
     for &(effect, size_percent) in effects.iter().filter(|&&(effect, _)| effect != CLEAN) {
@@ -184,6 +189,12 @@ pub fn logs_of(
     })
 }
 
+/// Returns whether there can be less of an effect than assumed.
+#[must_use]
+pub fn can_be_less(effect: &str) -> bool {
+    known(effect).is_some_and(|known| known.or_less)
+}
+
 /// Returns the amount of `effect` that makes `size_percent` on the bench's runs.
 ///
 /// # Errors
@@ -193,6 +204,7 @@ pub fn amount(effect: &str, size_percent: f64, truck: &str, seed: u64) -> Result
         truck,
         seed,
         curvy: effect == "cornering",
+        weather: effect == "tyre_temperature",
     };
     bench.calibrated(effect, size_percent)
 }
@@ -242,6 +254,8 @@ struct Bench<'a> {
     truck: &'a str,
     seed: u64,
     curvy: bool,
+    /// Whether each run has air of its own temperature.
+    weather: bool,
 }
 
 impl Bench<'_> {
@@ -308,7 +322,7 @@ impl Bench<'_> {
         for (table, keys) in tables {
             let _ = write!(text, "[{table}]\n{keys}");
         }
-        for (name, forward, start_s, tyres_s) in RUNS {
+        for (name, forward, start_s, tyres_s, celsius) in RUNS {
             let direction = if forward { "forward" } else { "backward" };
             let _ = write!(
                 text,
@@ -316,6 +330,9 @@ impl Bench<'_> {
                  start_time_s = {start_s}.0\ntyres_driven_s = {tyres_s}.0\n",
                 self.truck
             );
+            if self.weather {
+                let _ = writeln!(text, "temperature_celsius = {celsius}.0");
+            }
         }
         Ok(text)
     }

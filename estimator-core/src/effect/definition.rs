@@ -111,6 +111,12 @@ pub struct Search {
 pub enum Varies {
     /// Nothing: one amount, with the default parameters.
     Amount,
+    /// One amount, if the air temperatures of the drives to fit differ enough. At one temperature
+    /// the effect is another coefficient of rolling resistance.
+    AmountOverTemperatures {
+        /// Smallest range of temperatures, K.
+        smallest_range_k: f32,
+    },
     /// One amount for each of these values of a parameter. The best value is taken.
     AmountForEachValue {
         /// Key of the parameter.
@@ -118,8 +124,8 @@ pub enum Varies {
         /// Values to try.
         values: &'static [f32],
     },
-    /// The same, with an amount for each drive. Their mean is adopted, not below zero; its sigma
-    /// includes their scatter.
+    /// The same, with one amount on the drives that began alike, or with an amount for each drive.
+    /// The mean over drives is adopted, not below zero; its sigma includes their scatter.
     AmountForEachDrive {
         /// Key of the parameter.
         key: &'static str,

@@ -88,6 +88,7 @@ catalogue! {
     wheel_radius,
     brake_drag,
     road_surface,
+    tyre_temperature,
 }
 
 /// Returns the effect of this name.

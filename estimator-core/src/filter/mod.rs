@@ -13,6 +13,7 @@
 //! | [`measurement`], `speed_update`, `altitude_update` | h and the scalar update; R of each sensor |
 //! | `altitude_gate` | which altitudes to use; the climb test |
 //! | `noise_ratio` | measurement noise learned from innovations |
+//! | `inertial` | the accelerometer as a second measurement of the force |
 //! | `effect_uncertainty` | force and uncertainty of the adopted effects |
 //! | [`gross_mass`] | the mass that follows from the scale |
 //! | [`prior`], `scale_prior_reset` | what is assumed where a drive begins, and when that was wrong |
@@ -27,6 +28,7 @@ mod effect_uncertainty;
 mod error_levels;
 mod gauss_markov;
 pub mod gross_mass;
+mod inertial;
 mod load_test;
 pub mod measurement;
 mod noise_ratio;
@@ -64,6 +66,7 @@ use altitude_update::AltitudeUpdate;
 use effect_uncertainty::EffectUncertainty;
 use error_levels::{ErrorLevels, LevelCell};
 use gross_mass::possible_scale;
+use inertial::Accelerometer;
 use load_test::{LoadDecision, LoadTest, Opened};
 use measurement::Observation;
 use predict::Prediction;
@@ -88,6 +91,7 @@ pub struct Filter<S> {
     levels: ErrorLevels,
     load: LoadTest,
     brake: SilentBrake,
+    accelerometer: Accelerometer,
     /// Distance over which the model does not hold, up to the last cell, m.
     invalid_m: f32,
 }
@@ -116,6 +120,7 @@ impl<S: Scalar> Filter<S> {
             levels: ErrorLevels::new(),
             load: LoadTest::default(),
             brake: SilentBrake::default(),
+            accelerometer: Accelerometer::new(tuning),
             invalid_m: 0.0,
         }
     }
@@ -131,6 +136,7 @@ impl<S: Scalar> Filter<S> {
             speed: self.speed.second_pass(&self.noise(), tuning),
             altitude: self.altitude.second_pass(&self.noise(), tuning),
             brake: self.brake.second_pass(),
+            accelerometer: self.accelerometer.second_pass(tuning),
             ..Filter::new(tuning, &self.noise(), self.prior)
         }
     }
@@ -159,6 +165,11 @@ impl<S: Scalar> Filter<S> {
         }
     }
 
+    /// Debug.
+    pub fn debug(&self) -> (f32, f32, f32, f32, (f32, f32), bool) {
+        self.accelerometer.debug()
+    }
+
     /// Returns the state; `None` before the first speed.
     #[must_use]
     pub const fn state(&self) -> Option<&State<S>> {
@@ -174,6 +185,9 @@ impl<S: Scalar> Filter<S> {
         self.reopen(context, sample);
         let braked = self.brake.advance(context, sample, self.state.as_ref());
         let sample = braked.as_ref().unwrap_or(sample);
+        let end = sample.end;
+        let doubted = self.accelerometer.without_force(sample);
+        let sample = doubted.as_ref().unwrap_or(sample);
         let is_first = self.state.is_none();
         let steps_count = context.model.vehicle.traction != Traction::Force;
         if self.speed.take_step()
@@ -187,6 +201,7 @@ impl<S: Scalar> Filter<S> {
         if !sample.end.condition.is_valid() {
             self.invalid_m += sample.length_m;
         } else if core::mem::take(&mut self.invalid_m) > context.tuning.gates.drift_segment_m
+            && !self.accelerometer.stood_in()
             && let Some(state) = &mut self.state
         {
             allow_kink(state, &context.tuning.gates);
@@ -194,7 +209,18 @@ impl<S: Scalar> Filter<S> {
         }
         let effects = self.effects.advance(context, sample);
         let learned = self.learned_noise(&context.tuning.prior);
-        let prediction = Prediction::new(context, sample, self.state.as_ref(), &learned, effects);
+        let mut prediction =
+            Prediction::new(context, sample, self.state.as_ref(), &learned, effects);
+        if let Some(state) = &mut self.state {
+            self.accelerometer.widen(state);
+        }
+        let disagreeing_force = self.accelerometer.advance(
+            context,
+            sample,
+            end.condition,
+            self.state.as_ref(),
+            &mut prediction,
+        );
         let Self {
             state: slot,
             prior,
@@ -205,6 +231,7 @@ impl<S: Scalar> Filter<S> {
             levels,
             load,
             brake,
+            accelerometer,
             ..
         } = self;
         let Predicted {
@@ -228,6 +255,10 @@ impl<S: Scalar> Filter<S> {
         altitude.advance(sample, state, prediction.dynamics(), hidden_slope_percent);
         let mut disagreement = sample.disagreement;
         let mut disagreeing_cells = u32::from(!disagreement.is_none());
+        if let Some(cells) = disagreeing_force {
+            disagreement.torque = true;
+            disagreeing_cells = disagreeing_cells.max(cells);
+        }
         if let Some(innovation) = altitude.innovation(&context.tuning, sample, state)
             && let Some(cells) = brake.fix(context, sample, state, innovation)
         {
@@ -273,10 +304,14 @@ impl<S: Scalar> Filter<S> {
                     reopen_bias(state, context, sample);
                     scale_reset.start(state, &context.tuning.prior);
                 }
-                gated.accepted.map(|fix| {
+                if let Some(fix) = gated.accepted {
                     let update = altitude.apply(context, sample, state, scale_reset, fix);
-                    (Observation::Altitude, update)
-                })
+                    Some((Observation::Altitude, update))
+                } else {
+                    accelerometer
+                        .weigh(sample, state, &context.tuning)
+                        .map(|measured| (Observation::Scale, measured.apply(state)))
+                }
             }
         };
         let kept = scale_bounds.keep(state, &context.tuning.prior);
@@ -290,7 +325,7 @@ impl<S: Scalar> Filter<S> {
             return None;
         }
         Some(StepRecord {
-            end: sample.end,
+            end,
             smoother_input: SmootherInput {
                 dynamics: *prediction.dynamics(),
                 reset,
@@ -310,6 +345,7 @@ impl<S: Scalar> Filter<S> {
             && sample.after_load_change
         {
             reopen_after_load_change(state, context, sample);
+            self.accelerometer.open_scale(&context.tuning);
             self.scale_reset.start(state, &context.tuning.prior);
             count(&mut context.counters.loads_reopened);
         }
@@ -318,6 +354,7 @@ impl<S: Scalar> Filter<S> {
         {
             self.load
                 .open(state, Opened::Standing, &context.tuning.prior);
+            self.accelerometer.open_scale(&context.tuning);
             self.altitude.model_changed();
         }
     }

@@ -8,6 +8,7 @@ use super::state_index::{PerState, StateIndex};
 use crate::context::Context;
 use crate::sample::Sample;
 use crate::scalar::Scalar;
+use crate::vehicle::GRAVITY;
 
 /// A prediction: F, the input, and Q.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -101,11 +102,95 @@ impl<S: Scalar> Prediction<S> {
         covariance.add_variance(StateIndex::GnssError, gnss_error);
     }
 
+    /// Returns the motion that the force model predicts from a state.
+    pub(super) fn motion(&self, state: &State<S>, length_m: f32) -> ModelMotion {
+        let mean = &state.mean;
+        let slope =
+            mean[StateIndex::Slope] + self.dynamics.half_length * mean[StateIndex::SlopeRate];
+        let before = mean[StateIndex::KineticEnergy];
+        let after =
+            self.dynamics.keep_energy * (before - self.dynamics.gravity * slope) + self.work;
+        let change_mps2 = (after - before).to_f32() / length_m;
+        let gravity_mps2 = 0.01 * GRAVITY * slope.to_f32();
+        ModelMotion {
+            change_mps2,
+            gravity_mps2,
+            felt_mps2: change_mps2 + gravity_mps2,
+            net_traction_percent: self.dynamics.net_traction.to_f32(),
+            variance: self.noise.kinetic_energy.to_f32() / (length_m * length_m),
+        }
+    }
+
+    /// Returns the variance that bias and wind gain over the cell, %².
+    pub(super) fn slow_variance(&self) -> f32 {
+        (self.noise.bias + self.noise.wind).to_f32()
+    }
+
+    /// Adds an error of the force, m/s², 1 sigma.
+    pub(super) fn add_force_noise(&mut self, sigma_mps2: f32, length_m: f32) {
+        let work = sigma_mps2 * length_m;
+        self.noise.kinetic_energy += S::from_f32(work * work);
+    }
+
+    /// Combines the force with a measured motion, by their variances. Returns the weight of the
+    /// measured one.
+    ///
+    /// Either gives the energy at the end of the cell, linear in the states. So does their weighted
+    /// mean.
+    pub(super) fn combine(&mut self, measured: &MeasuredMotion, length_m: f32) -> f32 {
+        let per_mps2 = length_m / measured.per_change;
+        let variance = measured.variance * per_mps2 * per_mps2;
+        let of_model = self.noise.kinetic_energy.to_f32();
+        let weight = of_model / (of_model + variance);
+        let part = S::from_f32(weight);
+        let mix = |model: &mut S, measured: S| *model += part * (measured - *model);
+        mix(
+            &mut self.work,
+            S::from_f32(measured.acceleration_mps2 * per_mps2),
+        );
+        mix(
+            &mut self.dynamics.gravity,
+            S::from_f32(0.01 * GRAVITY * measured.per_gravity * per_mps2),
+        );
+        // The air resistance is in what is measured.
+        mix(&mut self.dynamics.keep_energy, S::ONE);
+        self.noise.kinetic_energy = S::from_f32(weight * variance);
+        weight
+    }
+
     /// Returns F.
     #[must_use]
     pub const fn dynamics(&self) -> &Dynamics<S> {
         &self.dynamics
     }
+}
+
+/// The motion over a cell that the force model predicts.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ModelMotion {
+    /// Change of the speed, m/s².
+    pub change_mps2: f32,
+    /// Gravity along the slope that the model reads, m/s².
+    pub gravity_mps2: f32,
+    /// Sum of both: the specific force.
+    pub felt_mps2: f32,
+    /// Net traction, %.
+    pub net_traction_percent: f32,
+    /// Variance of the change, (m/s²)².
+    pub variance: f32,
+}
+
+/// A measured change of the speed plus gravity.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct MeasuredMotion {
+    /// Less the offset of the sensor, m/s².
+    pub acceleration_mps2: f32,
+    /// What the sensor reads for a change of the speed of 1 m/s².
+    pub per_change: f32,
+    /// The same for a gravity along the road of 1 m/s².
+    pub per_gravity: f32,
+    /// Variance, (m/s²)².
+    pub variance: f32,
 }
 
 /// Net traction at the end of a cell, and the part of its change that no road can have caused.

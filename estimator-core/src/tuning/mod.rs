@@ -98,6 +98,43 @@ tuning! {
         scale_reset_cells: u32 = 200, 1.0..=1e6, "cells", "number of cells for which it must be so", "500 m: single fixes move the scale far and back";
     }
 
+    /// The accelerometer: its errors, and when it is used.
+    inertial: Inertial {
+        acceleration_sigma_mps2: f32 = 0.2, 1e-3..=10.0, "m/s²", "white noise of one reading, 1 sigma", "road roughness in a cab: 0.1 to 0.3";
+        ratio_low: f32 = 0.02, 1e-4..=1.0, "1", "smallest learned over assumed variance of a reading", "a seventh of the assumed sigma";
+        ratio_high: f32 = 100.0, 1.0..=1e4, "1", "largest learned over assumed variance of a reading", "ten times the assumed sigma";
+        ratio_gain: f32 = 0.01, 0.0..=1.0, "1", "part of a normalised squared innovation by which the ratio follows", "as `speed_ratio_gain`";
+        offset_sigma_mps2: f32 = 0.5, 1e-3..=10.0, "m/s²", "offset before anything is known, 1 sigma", "a mounting angle of 3°";
+        changed_offset_sigma_mps2: f32 = 0.1, 0.0..=10.0, "m/s²", "change of the offset over a drive, 1 sigma", "chosen: its drift, and the bias of the model";
+        drift_mps2_per_sqrt_s: f32 = 0.001, 0.0..=1.0, "m/s²/√s", "random walk of the offset, 1 sigma", "0.02 to 0.05 over twenty minutes of warming up";
+        gain: f32 = 0.04, -1.0..=1.0, "1", "what the reading of a specific force gains because the body pitches under it", "suspensions: 0.1 to 0.4° for 1 m/s²";
+        gain_sigma: f32 = 0.04, 0.0..=1.0, "1", "its error, and that of the sensor's scale, 1 sigma", "chosen";
+        gain_least_sigma: f32 = 0.03, 0.0..=1.0, "1", "its error once learned, 1 sigma", "the scale of the forces looks the same";
+        pitch_gain_sigma: f32 = 0.03, 0.0..=1.0, "1", "what the reading of an acceleration gains besides, 1 sigma", "chosen";
+        pitch_gain_least_sigma: f32 = 0.01, 0.0..=1.0, "1", "its error once learned, 1 sigma", "rotating mass and timing of the torque look the same";
+        scale_sigma: f32 = 0.8, 1e-3..=10.0, "1", "scale of the forces before it is compared with the accelerometer, 1 sigma", "as `open_scale_sigma`";
+        scale_least_sigma: f32 = 0.03, 1e-4..=1.0, "1", "the same once compared, 1 sigma", "as `gain_least_sigma`";
+        scale_error: f32 = 0.1, 0.0..=10.0, "1", "scale error of an accelerometer that may be used, 1 sigma", "chosen: beyond three of it the axis or the unit is wrong";
+        learned_m: f32 = 500.0, 0.0..=1e5, "m", "distance with a valid model before an accelerometer may be used", "chosen";
+        known_sigma_mps2: f32 = 0.03, 1e-4..=10.0, "m/s²", "sigma of its slow errors at which it may be used", "0.3 % of slope";
+        usable_sigma_mps2: f32 = 0.1, 1e-4..=10.0, "m/s²", "the same up to which it is used then", "1 % of slope";
+        known_scale_sigma: f32 = 0.15, 1e-3..=10.0, "1", "sigma of the scale by the accelerometer at which it may be used", "a sensor on another axis or in another unit differs by more";
+        largest_usual: f32 = 9.0, 1.0..=1e4, "1", "usual square of a block of innovations over its variance, beyond which the accelerometer is not used", "chosen";
+        frozen_cells: u16 = 20, 1.0..=65_535.0, "cells", "equal readings in a row that show a stuck accelerometer", "chosen: road noise moves the mean of a cell";
+        block_cells: u8 = 8, 1.0..=255.0, "cells", "cells over which innovations are summed to compare force and accelerometer", "20 m";
+        slack: f32 = 0.7, 0.0..=10.0, "1", "part of each block that is usual, in sigmas", "half of the smallest shift that is looked for";
+        sum: f32 = 7.0, 0.1..=1e3, "1", "sum of blocks, in sigmas, that shows a wrong force", "a false one in a thousand kilometres";
+        sum_unchanged: f32 = 2.8, 0.1..=1e3, "1", "the same while the traction stays the same to the last digit for unusually long", "a stuck torque does";
+        unchanged_s: f32 = 3.5, 0.1..=1e4, "s", "time for which a traction stays the same to the last digit, beyond twice the longest so far, at which `sum` is zero", "chosen";
+        agreed_sigmas: f32 = 2.0, 0.1..=100.0, "1", "largest difference of a block, in sigmas, that agrees", "two sigmas";
+        agreed_blocks: u16 = 6, 1.0..=1e4, "blocks", "blocks in a row that must agree before a force is believed again", "120 m";
+        doubt: f32 = 0.3, 0.0..=10.0, "1", "part of a disagreement that may be the accelerometer's, 1 sigma", "chosen";
+        longest_m: f32 = 3_000.0, 2.5..=1e6, "m", "distance of a disagreement after which the accelerometer is rejected", "chosen: torque comes back sooner";
+        unchanged_percent_per_s: f32 = 0.5, 0.0..=100.0, "%/s", "what is not known of a traction for each second for which it stays the same unusually long, 1 sigma", "traction follows the road: 0.1 % in a cell at most";
+        weigh_m: f32 = 250.0, 2.5..=1e6, "m", "distance between two measurements of the scale by the accelerometer", "chosen";
+        alone_m: f32 = 200.0, 2.5..=1e6, "m", "distance without a valid model from which the slow error of the accelerometer is told in the sigma", "its noise is larger before that";
+    }
+
     /// Gates: which measurements to reject.
     gates: Gates {
         speed_test_ratio: f32 = 25.0, 1.0..=1e6, "1", "normalised squared innovation beyond which a speed is a step of the sensor", "five sigmas";
@@ -126,7 +163,7 @@ tuning! {
         drift_longest_m: f32 = 2_500.0, 2.5..=1e6, "m", "length after which a drift is an error of the model", "chosen: receivers recover sooner";
         drift_believed_m: f32 = 5_000.0, 2.5..=1e6, "m", "length for which fixes are used untested afterwards", "chosen: the filter relearns its bias";
         altitude_gap_s: f32 = 10.0, 0.1..=1e4, "s", "time without an altitude that counts as a gap", "slow receivers send every 5 s";
-        gnss_silence: ms = 300_000, 0.0..=1e8, "ms", "time without an altitude after which the next one sets the altitude", "the model's climb says less than a fix by then";
+        gnss_silence: ms = 900_000, 0.0..=1e8, "ms", "time without an altitude after which the next one sets the altitude", "altitudes of telematics come every 2 to 10 minutes, and teach the bias; beyond, the receiver's state is another one";
     }
 
     /// Hold times, delays and timeouts.

@@ -4,7 +4,7 @@ use estimator_core::effect::{self, CATALOGUE};
 
 /// Numbers of the effects in stored data. Vehicle images in flash contain them, so a line here never
 /// changes. A new effect gets a new line with the next free number.
-const NUMBERS: [(&str, u8); 12] = [
+const NUMBERS: [(&str, u8); 13] = [
     ("rolling_resistance", 0),
     ("tyre_warmup", 1),
     ("air_drag", 2),
@@ -17,6 +17,7 @@ const NUMBERS: [(&str, u8); 12] = [
     ("wheel_radius", 9),
     ("brake_drag", 10),
     ("road_surface", 11),
+    ("tyre_temperature", 12),
 ];
 
 #[test]

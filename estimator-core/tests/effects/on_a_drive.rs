@@ -8,7 +8,7 @@ use estimator_core::{
     AdoptedEffect, Estimate, Estimator, Model, PersistentStateError, Tuning, VehicleParameters,
 };
 use test_kit::effect_drive::{
-    DEG_PER_KM, PLAIN, PlantedDifference, START_LATITUDE_DEG, VehicleMoment, drive,
+    AMBIENT_CELSIUS, DEG_PER_KM, PLAIN, PlantedDifference, START_LATITUDE_DEG, VehicleMoment, drive,
 };
 use test_kit::hilly_drive::KEPT;
 use test_kit::readings_drive::ReadingsDrive;
@@ -81,6 +81,9 @@ fn resisting() -> Vec<(AdoptedEffect, ReportedForce)> {
         (adopted("road_surface", 0.003, &stretch), |m| {
             let inside = (m.driven_m - 4_000.0).abs() < 2_000.0;
             m.force_n + if inside { 0.003 * WEIGHT_N } else { 0.0 }
+        }),
+        (adopted("tyre_temperature", 0.02, &[]), |m| {
+            m.force_n + 0.02 * 0.0065 * WEIGHT_N * (25.0 - AMBIENT_CELSIUS)
         }),
         (adopted("torque_scale", -0.1, &[]), |m| m.force_n / 0.9),
     ]

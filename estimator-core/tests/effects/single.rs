@@ -84,7 +84,7 @@ fn forces_are_those_of_the_literature() {
     // Equivalent grade at 80 km/h, computed by hand: A, B.
     let flat = 0.0;
     #[rustfmt::skip]
-    let table: [Row; 24] = [
+    let table: [Row; 26] = [
         // The whole of the resistances.
         ("rolling_resistance", 0.007, &[], flat, [0.70, 0.70]),
         ("air_drag", 6.0, &[], flat, [0.464, 1.508]),
@@ -110,6 +110,9 @@ fn forces_are_those_of_the_literature() {
         ("wheel_radius", 0.01, &[], flat, [0.021, 0.048]),
         ("brake_drag", 382.46, &[], flat, [0.1, 0.325]),
         ("road_surface", 0.001, &[], flat, [0.1, 0.1]),
+        // At 10 °C.
+        ("tyre_temperature", 0.006, &[], flat, [0.063, 0.063]),
+        ("tyre_temperature", 0.01, &[], 2.0, [0.105, 0.105]),
     ];
     for (name, amount, parameters, slope_percent, expected) in table {
         for (vehicle, expected) in [heavy(), light()].iter().zip(expected) {
@@ -207,6 +210,7 @@ fn unknown_inputs_make_no_force() {
         ("driveline_loss", 0.05, &[]),
         ("auxiliary_load", 5_000.0, &[]),
         ("road_surface", 0.001, there),
+        ("tyre_temperature", 0.006, &[]),
     ] {
         let adopted = adopted(name, amount, parameters);
         assert!(adopted.force_n(&vehicle, &known) > 100.0, "{name}");
@@ -278,6 +282,13 @@ fn each_depends_on_its_declared_inputs() {
     near(force(&bend, &right), force(&bend, &known));
     let half = with(&|c| c.yaw_rate_radps = Maybe::some(22.2 / 1_000.0));
     near(force(&bend, &half), 0.25 * force(&bend, &known));
+
+    // Tyres have no excess at 25 °C, and less resistance in hotter air.
+    let cold = adopted("tyre_temperature", 0.006, &[]);
+    let at = |celsius: f32| with(&|c| c.ambient_celsius = Maybe::some(celsius));
+    near(force(&cold, &at(-5.0)), 2.0 * force(&cold, &known));
+    near(force(&cold, &at(32.5)), -0.5 * force(&cold, &known));
+    assert_eq!(force(&cold, &at(25.0)), 0.0);
 
     // A driveline loses in either direction.
     let driveline = adopted("driveline_loss", 0.05, &[]);

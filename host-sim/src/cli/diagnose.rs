@@ -9,6 +9,7 @@ use crate::files::vehicle::VehicleFile;
 use crate::terminal::print::{note, print};
 use crate::terminal::progress;
 use crate::terminal::table::text_table;
+use estimator_core::Signal;
 use std::path::PathBuf;
 
 /// Arguments of `diagnose`.
@@ -36,6 +37,13 @@ pub struct Args {
     /// Reference grade: a map that `fuse` wrote.
     #[arg(long, value_name = "MAP.csv")]
     reference: Option<PathBuf>,
+    /// Signal that is evidence beside the altitudes, and a judge of before and after:
+    /// longitudinal_acceleration_mps2. The estimates do not see it.
+    #[arg(long, value_name = "SIGNAL", value_parser = reference_signal)]
+    reference_signal: Option<Signal>,
+    /// Folder of SRTM tiles (N47E008.hgt): before and after are told against terrain, too.
+    #[arg(long, value_name = "DIR")]
+    terrain: Option<PathBuf>,
     /// Logs for validation only. They are not fitted. The errors before and after are computed on
     /// them. Default: the last log, if there are three or more.
     #[arg(long, value_name = "LOG", num_args = 1..)]
@@ -76,6 +84,8 @@ pub fn run(args: &Args) -> Result<()> {
         logs: args.logs.clone(),
         held_out: args.holdout.clone(),
         reference: args.reference.clone(),
+        terrain: args.terrain.clone(),
+        accelerometer: args.reference_signal.is_some(),
         tuning: args.tuning.read()?,
         options: args.reading.read_options()?,
     };
@@ -94,6 +104,16 @@ pub fn run(args: &Args) -> Result<()> {
     }
     note(format_args!("page to open: {}", on_one_line(&page)));
     Ok(())
+}
+
+/// Parses a signal that can be a reference.
+fn reference_signal(name: &str) -> std::result::Result<Signal, String> {
+    let known = Signal::LongitudinalAcceleration;
+    if name == known.column() {
+        Ok(known)
+    } else {
+        Err(format!("expected {}", known.column()))
+    }
 }
 
 fn tables(found: &Diagnosis) -> String {

@@ -8,11 +8,13 @@ use crate::files::output::Staged;
 use crate::files::run::{self, Origin};
 use crate::files::vehicle::VehicleFile;
 use crate::files::{data_set, kept};
-use crate::recorder::{self, LongRun, RunSummary};
+use crate::map::open_packed_map;
+use crate::recorder::{self, LongRun, Recorder, RunSummary};
 use crate::smooth::held_bytes;
 use crate::source::read_options::ReadOptions;
 use crate::terminal::print::{note, print};
 use crate::terminal::progress;
+use estimator_core::roadmap::PackedMap;
 use estimator_core::{PersistentState, Scalar, Tuning};
 use std::path::{Path, PathBuf};
 use std::time::Instant as Clock;
@@ -53,6 +55,10 @@ pub struct Args {
     /// Page that draws the run: plan, profile, sigma.
     #[arg(long, value_name = "FILE.html")]
     page: Option<PathBuf>,
+    /// Packed map, as `pack` writes it. The live grade is combined with its grade. Smoothed and lagged
+    /// grades are not.
+    #[arg(long, value_name = "MAP.grade")]
+    map: Option<PathBuf>,
     /// Persistent state of the vehicle: read before the drive, written after it.
     #[arg(long, value_name = "FILE")]
     kept: Option<PathBuf>,
@@ -76,6 +82,7 @@ impl Args {
         let inputs = [&*self.log, &self.vehicle];
         let inputs = inputs.into_iter().chain(self.tuning.file());
         let inputs = inputs.chain(self.reading.own().files());
+        let inputs = inputs.chain(self.map.as_deref());
         let others = [self.kept.as_deref(), self.page.as_deref()];
         outputs::check(inputs, out.into_iter().chain(others.into_iter().flatten()))
     }
@@ -121,10 +128,11 @@ pub fn run(args: &Args) -> Result<()> {
         None => None,
     };
     let last = last.as_ref();
+    let map = args.map.as_deref().map(open_packed_map).transpose()?;
     let mut run = if args.double {
-        drive::<f64>(&vehicle, &tuning, last, &args.log, &options)?
+        drive::<f64>(&vehicle, &tuning, last, map, &args.log, &options)?
     } else {
-        drive::<f32>(&vehicle, &tuning, last, &args.log, &options)?
+        drive::<f32>(&vehicle, &tuning, last, map, &args.log, &options)?
     };
     let seconds = started.elapsed().as_secs_f64();
     log_notes::note_report(&args.log, &run.log);
@@ -175,12 +183,18 @@ pub(super) fn drive<S: Scalar>(
     vehicle: &VehicleFile,
     tuning: &Tuning,
     last: Option<&PersistentState>,
+    map: Option<PackedMap<'static>>,
     log: &Path,
     options: &ReadOptions,
 ) -> Result<LongRun> {
+    let mut recorder = Recorder::<S>::resume(&vehicle.model, tuning, last)
+        .map_err(|e| Error::content(log, e.to_string()))?;
+    if let Some(map) = map {
+        recorder.follow(map);
+    }
     let bar = progress::bytes(log.metadata().map_or(0, |file| file.len()));
     let progress = |read| bar.set_position(read);
-    let run = recorder::estimate_log::<S>(&vehicle.model, tuning, last, log, options, progress);
+    let run = recorder::record_log(recorder, log, options, progress);
     bar.finish_and_clear();
     run
 }

@@ -18,7 +18,8 @@ use std::path::PathBuf;
     a piece is the mean sigma of its cells, because errors of neighbouring cells are correlated.\n\n\
     KML: the same lines, with grade and sigma as text. GPX: a track for each way, with altitudes; GPX \
     has no grades.\n\n\
-    CSV: a folder with WAY.csv for each way (WAY.backward.csv for the direction against its \
+    NAME.csv or NAME.parquet: the whole map, as `fuse` writes it.\n\n\
+    Folder: WAY.csv for each way (WAY.backward.csv for the direction against its \
     points). Each file is a map of its own. Characters that a file name cannot have become _.\n\n\
     Page: one HTML file. It shows the map in plan view, coloured by grade and by sigma, and along \
     each way the grade with two sigmas, the sigma and the number of runs.\n\n\
@@ -26,13 +27,15 @@ use std::path::PathBuf;
     roadgrade export map.parquet --out map.geojson --pieces 50\n  \
     roadgrade export map.parquet --out map.kml --pieces 100\n  \
     roadgrade export map.parquet --out map.html\n  \
+    roadgrade export map.grade --out map.csv\n  \
     roadgrade export map.csv --out ways"
 )]
 pub struct Args {
-    /// A map that `fuse` wrote.
+    /// A map that `fuse`, `map` or `pack` wrote.
     #[arg(value_name = "MAP")]
     map: PathBuf,
-    /// Output: NAME.geojson, NAME.kml, NAME.gpx, NAME.html, or a folder for one CSV file per way.
+    /// Output: NAME.csv, NAME.parquet, NAME.geojson, NAME.kml, NAME.gpx, NAME.html, or a folder for
+    /// one CSV file per way.
     #[arg(long, value_name = "FILE|DIR")]
     out: PathBuf,
     /// Output format [default: by the extension of --out].
@@ -48,7 +51,10 @@ enum Format {
     Geojson,
     Kml,
     Gpx,
+    /// A folder with one CSV file for each way.
     Csv,
+    /// The whole map: Parquet if the name ends in .parquet, else CSV.
+    Map,
     Page,
 }
 
@@ -70,6 +76,7 @@ pub fn run(args: &Args) -> Result<()> {
         Format::Geojson => map::stage_map_geojson(&args.out, &ways, args.pieces)?.commit()?,
         Format::Kml => map::stage_map_kml(&args.out, &ways, args.pieces)?.commit()?,
         Format::Gpx => map::stage_map_gpx(&args.out, &ways)?.commit()?,
+        Format::Map => map::stage_map_ways(&args.out, &ways)?.commit()?,
         Format::Csv => map::write_ways_csv(&args.out, &args.map, &ways)?,
         Format::Page => map_page::page(&args.map, &ways)
             .stage_alone(&args.out)?
@@ -95,13 +102,14 @@ impl Args {
             "kml" => Ok(Format::Kml),
             "gpx" => Ok(Format::Gpx),
             "html" | "htm" => Ok(Format::Page),
+            _ if self.out.is_dir() => Ok(Format::Csv),
+            "csv" | "parquet" => Ok(Format::Map),
             "" if is_written_through(&self.out) => Err(Error::Usage(
-                "--out has no ending; expected --format geojson, kml, gpx or page".to_owned(),
+                "--out has no ending; expected --format map, geojson, kml, gpx or page".to_owned(),
             )),
             "" => Ok(Format::Csv),
-            _ if self.out.is_dir() => Ok(Format::Csv),
             other => Err(Error::Usage(format!(
-                "--out ends in .{other}; expected .geojson, .kml, .gpx, .html, a folder, or --format"
+                "--out ends in .{other}; expected .csv, .parquet, .geojson, .kml, .gpx, .html, a folder, or --format"
             ))),
         }
     }

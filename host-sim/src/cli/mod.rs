@@ -7,6 +7,7 @@ mod diagnose;
 mod estimate;
 mod export;
 mod fuse;
+mod horizon;
 mod identify;
 mod import;
 mod inspect;
@@ -18,6 +19,7 @@ mod log_notes;
 mod log_options;
 mod map;
 mod outputs;
+mod pack;
 #[cfg(target_os = "linux")]
 mod replay;
 mod run_page;
@@ -72,8 +74,13 @@ enum Command {
     Map(map::Args),
     /// Fuse runs over the same road into one map.
     Fuse(fuse::Args),
-    /// Convert a map to GeoJSON, KML or GPX, to one CSV file per way, or to an HTML page.
+    /// Convert a map to CSV or Parquet, GeoJSON, KML or GPX, to one CSV file per way, or to an HTML
+    /// page.
     Export(export::Args),
+    /// Write maps in the form that the vehicle reads.
+    Pack(pack::Args),
+    /// Write the grade ahead along a recorded drive, from a packed map.
+    Horizon(horizon::Args),
     /// Write the vehicle file that logs ask for.
     Identify(identify::Args),
     /// Compare runs with the truth.
@@ -111,6 +118,8 @@ impl Cli {
             Command::Map(args) => map::run(args),
             Command::Fuse(args) => fuse::run(args),
             Command::Export(args) => export::run(args),
+            Command::Pack(args) => pack::run(args),
+            Command::Horizon(args) => horizon::run(args),
             Command::Identify(args) => identify::run(args),
             Command::Score(args) => score::run(args),
             Command::Diagnose(args) => diagnose::run(args),

@@ -20,6 +20,8 @@ const LONGEST_STRETCH: f64 = 0.4;
 pub struct Choice {
     /// For each of its amounts, the columns whose sum is its force.
     pub amounts: Vec<Vec<usize>>,
+    /// Columns of drives held out, of which each has an amount of its own.
+    pub held_out: Vec<usize>,
     /// The parameter in which it differs from other choices.
     pub detail: Detail,
 }
@@ -33,6 +35,17 @@ pub enum Detail {
     Value(&'static str, f32),
     /// The same, with a separate amount for each drive.
     EachDrive(&'static str, f32),
+    /// The same, with one amount for some of the drives. The others have none.
+    SomeDrives {
+        /// Key of the parameter.
+        key: &'static str,
+        /// Its value.
+        value: f32,
+        /// Number of drives that have the amount.
+        with: usize,
+        /// Number of drives.
+        of: usize,
+    },
     /// Amounts towards north and east. The parameter with this key is the direction.
     Direction(&'static str),
     /// A section of the common road, m.
@@ -59,7 +72,19 @@ pub struct Candidate {
 pub struct Menu {
     /// The candidates.
     pub candidates: Vec<Candidate>,
+    /// Columns of the errors of a sensor that is part of the evidence, each with its standard
+    /// deviation. They are unknowns beside all candidates.
+    pub sensor_errors: Vec<(usize, f64)>,
     columns: Vec<ColumnKind>,
+}
+
+/// Numbers of drives.
+#[derive(Clone, Copy, Debug)]
+pub struct DriveCounts {
+    /// Number of those to fit, which are first.
+    pub fitted: usize,
+    /// Number of all, with those held out.
+    pub of: usize,
 }
 
 /// The source of a column's force.
@@ -70,6 +95,8 @@ enum ColumnKind {
     OnDrive(&'static Effect, ParameterValues, usize),
     /// The weight on a piece of road, in one direction or both.
     Piece(usize, f64, Option<bool>),
+    /// No force: the unknown error of a sensor.
+    SensorError,
     /// A thousandth of the weight times a function of a signal.
     Basis(BasisFunction),
 }
@@ -80,15 +107,22 @@ const PERIODS_S: (f64, f64, f64) = (40.0, 900.0, 1.05);
 /// Tried widths of a driveline's hysteresis, % of the weight.
 const PLAYS_PERCENT: [f32; 3] = [0.1, 0.3, 1.0];
 impl Menu {
-    /// Creates the candidates for the drives with these numbers. `road_m` is the length of their
-    /// common road, if they have one.
+    /// Creates the candidates for these drives. `road_m` is the length of their common road, if
+    /// they have one; `temperatures_k` the range of their air temperatures, K.
     #[must_use]
-    pub fn new(road_m: Option<f64>, drives: &[usize]) -> Self {
+    pub fn new(road_m: Option<f64>, temperatures_k: f32, drives: DriveCounts) -> Self {
         let mut menu = Self::default();
         for effect in CATALOGUE {
             let choices = match search_of(effect).map_or(Varies::Amount, |search| search.varies) {
                 Varies::GnssSpeed => continue,
-                Varies::Amount => vec![menu.choice(effect, &[], Detail::None)],
+                Varies::AmountOverTemperatures { smallest_range_k }
+                    if temperatures_k < smallest_range_k =>
+                {
+                    continue;
+                }
+                Varies::Amount | Varies::AmountOverTemperatures { .. } => {
+                    vec![menu.choice(effect, &[], Detail::None)]
+                }
                 Varies::AmountForEachValue { key, values } => values
                     .iter()
                     .map(|&value| menu.choice(effect, &[Some(value)], Detail::Value(key, value)))
@@ -103,6 +137,7 @@ impl Menu {
                         .to_vec();
                     vec![Choice {
                         amounts,
+                        held_out: Vec::new(),
                         detail: Detail::Direction(key),
                     }]
                 }
@@ -120,6 +155,16 @@ impl Menu {
         }
         menu.plain_dependences(road_m);
         menu
+    }
+
+    /// Adds unknown errors of a sensor with these standard deviations; returns their columns.
+    pub fn add_sensor_errors<const N: usize>(&mut self, sigmas: [f64; N]) -> [usize; N] {
+        sigmas.map(|sigma| {
+            self.columns.push(ColumnKind::SensorError);
+            let column = self.columns.len() - 1;
+            self.sensor_errors.push((column, sigma));
+            column
+        })
     }
 
     fn plain_dependences(&mut self, road_m: Option<f64>) {
@@ -173,6 +218,7 @@ impl Menu {
             amounts: (first..self.columns.len())
                 .map(|column| vec![column])
                 .collect(),
+            held_out: Vec::new(),
             detail,
         }
     }
@@ -190,6 +236,7 @@ impl Menu {
     fn choice(&mut self, effect: &'static Effect, given: &[Option<f32>], detail: Detail) -> Choice {
         Choice {
             amounts: vec![vec![self.column(effect, given)]],
+            held_out: Vec::new(),
             detail,
         }
     }
@@ -200,23 +247,21 @@ impl Menu {
         &mut self,
         effect: &'static Effect,
         (key, value): (&'static str, f32),
-        drives: &[usize],
+        drives: DriveCounts,
     ) -> Choice {
         let common = self.column(effect, &[Some(value)]);
         let ColumnKind::Effect(effect, details) = self.columns[common] else {
             unreachable!("it was just made");
         };
         self.columns.pop();
-        let amounts = drives
-            .iter()
-            .map(|&drive| {
-                self.columns
-                    .push(ColumnKind::OnDrive(effect, details, drive));
-                vec![self.columns.len() - 1]
-            })
-            .collect();
+        let first = self.columns.len();
+        let each = (0..drives.of).map(|drive| ColumnKind::OnDrive(effect, details, drive));
+        self.columns.extend(each);
         Choice {
-            amounts,
+            amounts: (first..first + drives.fitted)
+                .map(|column| vec![column])
+                .collect(),
+            held_out: (first + drives.fitted..self.columns.len()).collect(),
             detail: Detail::EachDrive(key, value),
         }
     }
@@ -233,6 +278,7 @@ impl Menu {
             for from in 0..=pieces - length {
                 choices.push(Choice {
                     amounts: vec![(first + from..first + from + length).collect()],
+                    held_out: Vec::new(),
                     detail: Detail::RoadSection(
                         from as f64 * piece_m,
                         (from + length) as f64 * piece_m,
@@ -279,6 +325,7 @@ impl Menu {
                         if here { weight_n } else { 0.0 }
                     })
                     .collect(),
+                ColumnKind::SensorError => vec![0.0; drive.samples.len()],
                 ColumnKind::Basis(basis) => basis.column(drive),
             })
             .collect()

@@ -5,13 +5,16 @@ use super::findings::{CandidateCase, Diagnosis, Finding, Request};
 use super::judgement::{self, Judgement, ReferenceGrades, judge};
 use super::picture;
 use super::radius::Wheels;
+use super::rivals::SelectionStep;
 use super::search::EffectSearch;
-use super::selection::SelectionStep;
+use super::signal_judgement::SignalJudgement;
+use super::terrain_reference::references_by_terrain;
 use crate::error::{Error, Result, on_one_line};
 use crate::files::run::{RunCell, RunIdentity};
 use crate::map::read_map;
 use crate::source::read_options::ReadOptions;
-use estimator_core::{AdoptedEffect, Model, Tuning};
+use crate::source::terrain::Terrain;
+use estimator_core::{AdoptedEffect, Model, Signal, Tuning};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
@@ -31,6 +34,7 @@ pub fn diagnose(request: &Request) -> Result<Diagnosis> {
     let mut findings = Vec::new();
     let mut drives = logs.read(&vehicle.model)?;
     logs.check_copies(&drives)?;
+    logs.check_accelerometer(&drives)?;
     let reports = drives.iter().map(|drive| drive.log.clone());
     let reports = logs.paths.iter().cloned().zip(reports).collect();
     let wheels = Wheels::measured(&drives[..logs.fitted]);
@@ -50,6 +54,7 @@ pub fn diagnose(request: &Request) -> Result<Diagnosis> {
         logs: &logs,
     };
     let before = judge.judge(&request.vehicle.model)?;
+    let beside = Beside::new(request, &logs);
     // Each case with the index of its candidate.
     let mut cases: Vec<(Option<usize>, CandidateCase)> = Vec::new();
     for case in &selection.alone {
@@ -72,13 +77,16 @@ pub fn diagnose(request: &Request) -> Result<Diagnosis> {
             Some(adopted) => findings.push(Finding {
                 adopted,
                 evidence: step.adopted.evidence,
-                group: search.names(&step.group),
+                group: search.names(step),
+                pairs: search.pairs(step),
+                fitted: search.amounts(&step.adopted),
             }),
             None => unexplained.push(search.unexplained(&step.adopted)),
         }
     }
     let vehicle = search.vehicle_with(&vehicle, &selection);
     let after = judge.judge(&vehicle.model)?;
+    let models = [&request.vehicle.model, &vehicle.model];
     if !unexplained.is_empty() {
         let drives = logs.read(&vehicle.model)?;
         for (number, rest) in unexplained.iter_mut().enumerate() {
@@ -97,6 +105,9 @@ pub fn diagnose(request: &Request) -> Result<Diagnosis> {
         unexplained,
         before,
         after,
+        terrain: beside.terrain(models)?,
+        accelerometer: beside.accelerometer(models)?,
+        judged: logs.paths[logs.judged.clone()].to_vec(),
         judged_on_fitted: logs.judged.start == 0,
         vehicle,
         logs: reports,
@@ -111,6 +122,7 @@ struct RequestLogs {
     judged: Range<usize>,
     tuning: Tuning,
     options: ReadOptions,
+    accelerometer: bool,
 }
 
 impl RequestLogs {
@@ -136,6 +148,7 @@ impl RequestLogs {
             judged,
             tuning: request.tuning.clone(),
             options: request.options.clone(),
+            accelerometer: request.accelerometer,
         })
     }
 
@@ -156,6 +169,19 @@ impl RequestLogs {
         Ok(())
     }
 
+    /// Returns an error if the accelerometer is asked for and no drive has one.
+    fn check_accelerometer(&self, drives: &[LoggedDrive]) -> Result<()> {
+        let has_one = |drive: &LoggedDrive| drive.accelerometer.is_some();
+        if !self.accelerometer || drives[..self.fitted].iter().any(has_one) {
+            return Ok(());
+        }
+        let problem = format!(
+            "no {} in it, nor in other drives to fit; expected a log of an accelerometer",
+            Signal::LongitudinalAcceleration.column()
+        );
+        Err(Error::content(&self.paths[0], problem))
+    }
+
     fn read(&self, model: &Model) -> Result<Vec<LoggedDrive>> {
         self.read_each(&self.paths, model)
     }
@@ -165,7 +191,14 @@ impl RequestLogs {
     }
 
     fn read_each(&self, paths: &[PathBuf], model: &Model) -> Result<Vec<LoggedDrive>> {
-        let read = |path: &PathBuf| LoggedDrive::read(path, model, &self.tuning, &self.options);
+        let read = |path: &PathBuf| {
+            let (tuning, options) = (&self.tuning, &self.options);
+            if self.accelerometer {
+                LoggedDrive::read_with_accelerometer(path, model, tuning, options)
+            } else {
+                LoggedDrive::read(path, model, tuning, options)
+            }
+        };
         paths.par_iter().map(read).collect()
     }
 }
@@ -197,6 +230,39 @@ impl Judge<'_> {
             evidence,
             after: self.judge(if possible { &with } else { model })?,
         })
+    }
+}
+
+/// Judges beside the reference, where asked for.
+struct Beside<'a> {
+    request: &'a Request,
+    logs: &'a RequestLogs,
+}
+
+impl<'a> Beside<'a> {
+    const fn new(request: &'a Request, logs: &'a RequestLogs) -> Self {
+        Self { request, logs }
+    }
+
+    fn terrain(&self, [before, after]: [&Model; 2]) -> Result<Option<[Judgement; 2]>> {
+        let Some(folder) = &self.request.terrain else {
+            return Ok(None);
+        };
+        let mut terrain = Terrain::new(folder);
+        let mut against = |model| {
+            let drives = self.logs.read_judged(model)?;
+            let references = references_by_terrain(&drives, &mut terrain)?;
+            Ok(judge(&drives, model, &references))
+        };
+        Ok(Some([against(before)?, against(after)?]))
+    }
+
+    fn accelerometer(&self, [before, after]: [&Model; 2]) -> Result<Option<[SignalJudgement; 2]>> {
+        if !self.request.accelerometer {
+            return Ok(None);
+        }
+        let against = |model| Ok(SignalJudgement::of(&self.logs.read_judged(model)?, model));
+        Ok(Some([against(before)?, against(after)?]))
     }
 }
 

@@ -1,16 +1,18 @@
 //! A log as input of the diagnosis: the core's samples, and the place of each cell.
 
+use super::collector::Collector;
 use crate::error::{Error, Result};
+use crate::inertial_judge::InertialProfile;
 use crate::map::{
     MatchedPlace, Network, RoadLine, RoadPoint, match_track, road_of_run, track_of_run,
 };
 use crate::recorder::{Recorder, SmoothedRun};
-use crate::source::input::for_each_input;
+use crate::source::input::{LogInput, for_each_input};
 use crate::source::log_report::LogReport;
 use crate::source::read_options::ReadOptions;
 use estimator_core::filter::Filter;
 use estimator_core::sample::Sample;
-use estimator_core::{Model, Tuning};
+use estimator_core::{Model, Signal, Tuning};
 use std::path::Path;
 
 /// One log, read with a vehicle.
@@ -24,12 +26,16 @@ pub struct LoggedDrive {
     pub filter: Filter<f64>,
     /// What the reading of the log told.
     pub log: LogReport,
+    /// Speed and accelerometer, if they were asked for and the log has both. The estimate does not
+    /// see the accelerometer then.
+    pub accelerometer: Option<InertialProfile>,
 }
 
 impl LoggedDrive {
     /// Reads a log.
     ///
-    /// # Errors Returns an error, with file and line, if the log cannot be read; if the vehicle is
+    /// # Errors
+    /// Returns an error, with file and line, if the log cannot be read; if the vehicle is
     /// impossible; or if the log has no movement.
     pub fn read(
         path: &Path,
@@ -37,10 +43,42 @@ impl LoggedDrive {
         tuning: &Tuning,
         options: &ReadOptions,
     ) -> Result<Self> {
+        Self::read_beside(path, model, tuning, options, None)
+    }
+
+    /// Reads a log with its accelerometer beside the estimate.
+    ///
+    /// # Errors
+    /// Returns the errors of [`read`](Self::read).
+    pub fn read_with_accelerometer(
+        path: &Path,
+        model: &Model,
+        tuning: &Tuning,
+        options: &ReadOptions,
+    ) -> Result<Self> {
+        Self::read_beside(path, model, tuning, options, Some(Collector::default()))
+    }
+
+    fn read_beside(
+        path: &Path,
+        model: &Model,
+        tuning: &Tuning,
+        options: &ReadOptions,
+        mut collector: Option<Collector>,
+    ) -> Result<Self> {
         let mut recorder = Recorder::<f32>::new(model.clone(), tuning.clone())
             .map_err(|e| Error::content(path, e.to_string()))?;
         recorder.read_as(options);
-        let log = for_each_input(path, options, |_| (), |input| recorder.on_input(&input))?;
+        if collector.is_some() {
+            recorder.ignore(&[Signal::LongitudinalAcceleration]);
+        }
+        let take = |input: LogInput| {
+            if let Some(collector) = &mut collector {
+                collector.on_input(&input);
+            }
+            recorder.on_input(&input);
+        };
+        let log = for_each_input(path, options, |_| (), take)?;
         let filter = recorder.estimator().second_pass_filter();
         let (run, samples) = recorder.finish_with_samples()?;
         if run.rows.is_empty() {
@@ -54,6 +92,7 @@ impl LoggedDrive {
             run,
             filter,
             log,
+            accelerometer: collector.and_then(Collector::profile),
         })
     }
 }

@@ -19,7 +19,7 @@ use estimator_core::{CELL_LENGTH_M, Context, Counters, Model, Tuning};
 use nalgebra::{DMatrix, DVector};
 
 /// Length of a segment, m.
-const SEGMENT_M: f64 = 4_000.0;
+pub(super) const SEGMENT_M: f64 = 4_000.0;
 
 /// Missing force (N) in each cell of a drive, for one unit of an amount.
 pub type ForceColumn = Vec<f32>;

@@ -2,11 +2,13 @@
 
 use super::dependence::Variable;
 use super::judgement::Judgement;
+use super::signal_judgement::SignalJudgement;
 use crate::files::vehicle::VehicleFile;
 use crate::report::page::Figure;
 use crate::source::log_report::LogReport;
 use crate::source::read_options::ReadOptions;
 use estimator_core::{AdoptedEffect, Tuning};
+use nalgebra::DMatrix;
 use std::path::PathBuf;
 
 /// Request for a diagnosis.
@@ -21,6 +23,11 @@ pub struct Request {
     pub held_out: Vec<PathBuf>,
     /// Map as reference.
     pub reference: Option<PathBuf>,
+    /// Folder of SRTM tiles, as another reference for before and after.
+    pub terrain: Option<PathBuf>,
+    /// Whether the longitudinal accelerometer is evidence beside the altitudes, and a judge. The
+    /// estimates do not see it then.
+    pub accelerometer: bool,
     /// Tuning of the estimator that reads the drives.
     pub tuning: Tuning,
     /// How to read the logs.
@@ -36,6 +43,21 @@ pub struct Finding {
     pub evidence: f64,
     /// Effects that the data cannot separate from it.
     pub group: Vec<&'static str>,
+    /// Pairs of effects that together the data cannot separate from it.
+    pub pairs: Vec<[&'static str; 2]>,
+    /// The amounts that were fitted, if the vehicle file has them only summed up.
+    pub fitted: Option<FittedAmounts>,
+}
+
+/// Amounts that were fitted together: parts of a direction, or those of drives.
+#[derive(Clone, Debug)]
+pub struct FittedAmounts {
+    /// What each belongs to.
+    pub names: Vec<String>,
+    /// The amounts, in the effect's unit.
+    pub amounts: Vec<f64>,
+    /// Their covariance.
+    pub covariance: DMatrix<f64>,
 }
 
 /// Result for one candidate.
@@ -83,6 +105,12 @@ pub struct Diagnosis {
     pub before: Judgement,
     /// The bare model on the same drives, after.
     pub after: Judgement,
+    /// The bare model against terrain, before and after, if that was asked for.
+    pub terrain: Option<[Judgement; 2]>,
+    /// Model and estimates against the accelerometer, before and after, if that was asked for.
+    pub accelerometer: Option<[SignalJudgement; 2]>,
+    /// Names of the logs that were judged.
+    pub judged: Vec<PathBuf>,
     /// Whether these drives were also fitted, because no others exist.
     pub judged_on_fitted: bool,
     /// The vehicle file with the adopted effects.

@@ -170,12 +170,16 @@ pub fn errors(drive: &LoggedDrive, model: &Model, reference: &ReferenceGrades) -
         .map(|sample| {
             let energy = 0.5 * f64::from(sample.end.speed_mps).powi(2);
             let from = before.replace(energy).filter(|_| sample.gap_cells == 0)?;
-            let condition = sample.end.condition;
-            let holds = condition.is_valid() && !condition.crawling;
-            let grade = linear(reference, sample.end.distance_m()).filter(|_| holds)?;
+            let grade = linear(reference, sample.end.distance_m()).filter(|_| holds(sample))?;
             Some(model_slope_percent(model, sample, (from, energy)) - 100.0 * sine(0.01 * grade))
         })
         .collect()
+}
+
+/// Returns whether the force balance holds in a cell.
+pub(super) fn holds(sample: &Sample) -> bool {
+    let condition = sample.end.condition;
+    condition.is_valid() && !condition.crawling
 }
 
 fn windows(drive: &LoggedDrive, model: &Model, reference: &ReferenceGrades) -> Vec<f64> {
@@ -203,7 +207,7 @@ fn windows(drive: &LoggedDrive, model: &Model, reference: &ReferenceGrades) -> V
 
 /// Returns the sine of the slope (%) of the force balance over a cell, adopted effects included,
 /// between two kinetic energies per kilogram, m²/s².
-fn model_slope_percent(model: &Model, sample: &Sample, energies: (f64, f64)) -> f64 {
+pub(super) fn model_slope_percent(model: &Model, sample: &Sample, energies: (f64, f64)) -> f64 {
     let accelerated_kg = f64::from(sample.forces.accelerated_kg());
     bare_model::slope_percent(
         &model.vehicle.force_balance(&sample.forces),

@@ -5,7 +5,7 @@
 
 use super::drive::LoggedDrive;
 use super::findings::Finding;
-use super::selection::ADOPTED;
+use super::rivals::ADOPTED;
 use estimator_core::effect::wheel_radius;
 use estimator_core::{AdoptedEffect, CELL_LENGTH_M, Effect};
 
@@ -68,6 +68,8 @@ impl Wheels {
             adopted: self.adopted(),
             evidence: self.evidence(),
             group: Vec::new(),
+            pairs: Vec::new(),
+            fitted: None,
         })
     }
 }

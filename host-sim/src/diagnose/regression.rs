@@ -12,6 +12,8 @@ const FEWEST_DRIVES: usize = 3;
 pub struct Basis {
     amounts: Vec<Vec<usize>>,
     precision: Vec<f64>,
+    /// Columns of drives held out that have an amount of their own, and its prior precision.
+    held_out: Vec<(usize, f64)>,
 }
 
 impl Basis {
@@ -28,6 +30,15 @@ impl Basis {
         basis.amounts.extend_from_slice(amounts);
         basis.precision.resize(basis.size(), typical.powi(-2));
         basis
+    }
+
+    /// Returns the basis with an amount for each of these columns of drives held out. Whatever the
+    /// fit says, such an amount is that drive's own: how cold its tyres were, for example.
+    #[must_use]
+    pub fn with_held_out(mut self, columns: &[usize], typical: f64) -> Self {
+        let own = columns.iter().map(|&column| (column, typical.powi(-2)));
+        self.held_out.extend(own);
+        self
     }
 
     fn prior(&self) -> DMatrix<f64> {
@@ -142,11 +153,17 @@ impl<'a> Regression<'a> {
     }
 
     /// Returns twice the gain in log likelihood on the drives held out, with these amounts of the
-    /// columns.
+    /// columns. Over the amounts that are those drives' own, it is the marginal likelihood.
     #[must_use]
-    pub fn held_out(&self, columns: &DVector<f64>) -> f64 {
-        let square = columns.dot(&(&self.held_information * columns));
-        2.0 * columns.dot(&self.held_score) - square
+    pub fn held_out(&self, basis: &Basis, columns: &DVector<f64>) -> f64 {
+        let explained = &self.held_information * columns;
+        let fixed = 2.0 * columns.dot(&self.held_score) - columns.dot(&explained);
+        let left = &self.held_score - explained;
+        let own = basis.held_out.iter().map(|&(column, precision)| {
+            let information = self.held_information[(column, column)];
+            left[column].powi(2) / (information + precision) - (1.0 + information / precision).ln()
+        });
+        fixed + own.sum::<f64>()
     }
 
     /// Returns the sums of each drive, less these amounts of the columns.
@@ -213,11 +230,13 @@ impl<'a> Regression<'a> {
         // The last amounts are the new ones. The result is their scatter.
         let last = amounts.len() - 1;
         let scatter = (sandwich[(last, last)] / inverse[(last, last)]).max(1.0);
-        let mut covariance = inverse;
-        for i in 0..amounts.len() {
-            let widened = covariance[(i, i)].max(sandwich[(i, i)]);
-            covariance[(i, i)] = widened;
-        }
+        // Widened with its correlations kept.
+        let factors: Vec<f64> = (0..amounts.len())
+            .map(|i| (sandwich[(i, i)] / inverse[(i, i)]).max(1.0).sqrt())
+            .collect();
+        let covariance = DMatrix::from_fn(amounts.len(), amounts.len(), |i, j| {
+            factors[i] * factors[j] * inverse[(i, j)]
+        });
         Some(Fit {
             amounts,
             covariance,

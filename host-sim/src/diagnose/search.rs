@@ -1,13 +1,17 @@
 //! Search for effects: the candidates of a set of drives, their evidence, and their effects.
 
-use super::candidates::{Detail, Menu};
+use super::accelerometer;
+use super::candidates::{Detail, DriveCounts, Menu};
+use super::case::CandidateFit;
 use super::drive::{CommonRoad, LoggedDrive};
 use super::evidence::{self, Evidence, WINDS_MPS, judging_tuning, segments};
-use super::findings::Unexplained;
-use super::selection::{CandidateFit, Selection, Selector};
+use super::findings::{FittedAmounts, Unexplained};
+use super::rivals::SelectionStep;
+use super::selection::{Selection, Selector};
 use crate::files::vehicle::VehicleFile;
 use estimator_core::effect::{Varies, search_of};
 use estimator_core::{AdoptedEffect, Effect, Model, Tuning};
+use nalgebra::Vector2;
 use rayon::prelude::*;
 
 /// Search over drives, with its candidates.
@@ -19,6 +23,8 @@ pub struct EffectSearch<'a> {
     /// The common road of the drives.
     pub road: Option<CommonRoad>,
     menu: Menu,
+    /// Columns of the errors of the accelerometer, if it is part of the evidence.
+    sensor_errors: Option<[usize; 2]>,
 }
 
 impl<'a> EffectSearch<'a> {
@@ -32,8 +38,18 @@ impl<'a> EffectSearch<'a> {
         tuning: &'a Tuning,
     ) -> Self {
         let road = CommonRoad::of(drives);
-        let numbers: Vec<usize> = (0..fitted).collect();
-        let menu = Menu::new(road.as_ref().map(CommonRoad::length_m), &numbers);
+        let counts = DriveCounts {
+            fitted,
+            of: drives.len(),
+        };
+        let temperatures_k = temperature_range_k(&drives[..fitted]);
+        let road_m = road.as_ref().map(CommonRoad::length_m);
+        let mut menu = Menu::new(road_m, temperatures_k, counts);
+        let is_sensed = |drive: &LoggedDrive| drive.accelerometer.is_some();
+        let sensor_errors = drives[..fitted]
+            .iter()
+            .any(is_sensed)
+            .then(|| menu.add_sensor_errors(accelerometer::ERROR_SIGMAS));
         Self {
             drives,
             fitted,
@@ -41,6 +57,7 @@ impl<'a> EffectSearch<'a> {
             tuning,
             road,
             menu,
+            sensor_errors,
         }
     }
 
@@ -66,7 +83,12 @@ impl<'a> EffectSearch<'a> {
             let evidence: Evidence = drives
                 .into_par_iter()
                 .map(|(number, (drive, columns))| {
-                    segments(number, drive, self.model, &tuning, columns)
+                    let mut sums = segments(number, drive, self.model, &tuning, columns);
+                    if let Some(errors) = self.sensor_errors {
+                        let model = self.model;
+                        accelerometer::add_evidence(&mut sums, drive, model, columns, errors);
+                    }
+                    sums
                 })
                 .collect::<Vec<_>>()
                 .into_iter()
@@ -101,11 +123,28 @@ impl<'a> EffectSearch<'a> {
         vehicle
     }
 
-    /// Returns the names of the effects of a group.
+    /// Returns the names of the effects that a step cannot separate from the adopted one, alone or
+    /// in pairs.
     #[must_use]
-    pub fn names(&self, group: &[CandidateFit]) -> Vec<&'static str> {
-        let name = |case: &CandidateFit| self.menu.candidates[case.candidate].name;
-        group.iter().map(name).collect()
+    pub fn names(&self, step: &SelectionStep) -> Vec<&'static str> {
+        let alone = step.group.iter().map(|case| case.candidate);
+        let mut names = Vec::new();
+        for candidate in alone.chain(step.pairs.iter().flatten().copied()) {
+            let name = self.menu.candidates[candidate].name;
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
+        names
+    }
+
+    /// Returns the names of the pairs of a step.
+    #[must_use]
+    pub fn pairs(&self, step: &SelectionStep) -> Vec<[&'static str; 2]> {
+        let pairs = step.pairs.iter();
+        pairs
+            .map(|pair| pair.map(|candidate| self.menu.candidates[candidate].name))
+            .collect()
     }
 
     /// Returns the effect of a case, as a vehicle file has it; `None` for a plain dependence.
@@ -113,9 +152,9 @@ impl<'a> EffectSearch<'a> {
     pub fn adopted(&self, case: &CandidateFit) -> Option<AdoptedEffect> {
         let candidate = &self.menu.candidates[case.candidate];
         let effect: &'static Effect = candidate.effect?;
-        let (amount, sigma) = (case.amounts[0] as f32, case.sigmas[0] as f32);
+        let (amount, sigma) = (case.amounts[0] as f32, case.sigma(0) as f32);
         let mut adopted = AdoptedEffect::new(effect, amount, sigma);
-        match candidate.choices[case.choice].detail {
+        match case.choice.detail {
             Detail::None | Detail::Period(_) => {}
             Detail::Value(key, value) => {
                 let _ = adopted.set(key, value);
@@ -125,16 +164,30 @@ impl<'a> EffectSearch<'a> {
                 let count = case.amounts.len() as f64;
                 let mean = case.amounts.iter().sum::<f64>() / count;
                 let between = case.amounts.iter().map(|a| (a - mean).powi(2)).sum::<f64>() / count;
-                let own = case.sigmas.iter().map(|s| s * s).sum::<f64>() / count;
+                let own = case.covariance.diagonal().mean();
                 adopted =
                     AdoptedEffect::new(effect, mean.max(0.0) as f32, (between + own).sqrt() as f32);
+                let _ = adopted.set(key, value);
+            }
+            Detail::SomeDrives {
+                key,
+                value,
+                with,
+                of,
+            } => {
+                // Whether the next drive is one of them is unknown.
+                let (part, amount) = (with as f64 / of as f64, case.amounts[0]);
+                let between = part * (1.0 - part) * amount * amount;
+                let own = part * case.covariance[(0, 0)];
+                let mean = (part * amount).max(0.0);
+                adopted = AdoptedEffect::new(effect, mean as f32, (between + own).sqrt() as f32);
                 let _ = adopted.set(key, value);
             }
             Detail::Direction(key) => {
                 let (north, east) = (case.amounts[0], case.amounts[1]);
                 let size = north.hypot(east);
-                let along = |n: f64, e: f64| (n * north + e * east) / size.max(1e-9);
-                let sigma = along(case.sigmas[0], 0.0).hypot(along(0.0, case.sigmas[1]));
+                let along = Vector2::new(north, east) / size.max(1e-9);
+                let sigma = along.dot(&(&case.covariance * along)).sqrt();
                 adopted = AdoptedEffect::new(effect, size as f32, sigma as f32);
                 let direction_deg = east.atan2(north).to_degrees().rem_euclid(360.0);
                 let _ = adopted.set(key, direction_deg as f32);
@@ -159,12 +212,31 @@ impl<'a> EffectSearch<'a> {
         Some(adopted)
     }
 
+    /// Returns the amounts of a case that a vehicle file does not have one by one; `None` for a
+    /// single amount that it has.
+    #[must_use]
+    pub fn amounts(&self, case: &CandidateFit) -> Option<FittedAmounts> {
+        let names = match case.choice.detail {
+            Detail::Direction(_) => ["from north", "from east"].map(str::to_owned).to_vec(),
+            Detail::EachDrive(..) => (1..=case.amounts.len())
+                .map(|drive| format!("drive {drive}"))
+                .collect(),
+            Detail::SomeDrives { with, of, .. } => vec![format!("{with} of {of} drives")],
+            _ => return None,
+        };
+        Some(FittedAmounts {
+            names,
+            amounts: case.amounts.clone(),
+            covariance: case.covariance.clone(),
+        })
+    }
+
     /// Returns an adopted plain dependence for the report.
     #[must_use]
     pub fn unexplained(&self, case: &CandidateFit) -> Unexplained {
         let candidate = &self.menu.candidates[case.candidate];
         let size = case.amounts.iter().map(|a| a * a).sum::<f64>().sqrt();
-        let (where_or_when, rms_percent) = match candidate.choices[case.choice].detail {
+        let (where_or_when, rms_percent) = match case.choice.detail {
             Detail::Period(period_s) => (
                 format!(", period {period_s:.0} s"),
                 0.1 * size / 2f64.sqrt(),
@@ -182,8 +254,22 @@ impl<'a> EffectSearch<'a> {
             depends_on: format!("{}{where_or_when}", candidate.name),
             rms_percent,
             evidence: case.evidence,
-            variable: self.menu.variable(&candidate.choices[case.choice]),
+            variable: self.menu.variable(&case.choice),
             figure: None,
         }
+    }
+}
+
+/// Returns the range of the air temperatures of nine cells in ten, K; 0 where none is known.
+fn temperature_range_k(drives: &[LoggedDrive]) -> f32 {
+    let samples = drives.iter().flat_map(|drive| &drive.samples);
+    let mut celsius: Vec<f32> = samples
+        .filter_map(|sample| sample.effect_inputs.ambient_celsius.get())
+        .collect();
+    celsius.sort_by(f32::total_cmp);
+    let ends = [celsius.len() / 20, celsius.len() - celsius.len() / 20];
+    match celsius.get(ends[0]..ends[1]) {
+        Some([first, .., last]) => last - first,
+        _ => 0.0,
     }
 }

@@ -118,6 +118,10 @@ columns! {
     LIVE_GRADE_PERCENT = "live_grade_percent", -1000.0, 1000.0, " %";
     /// Its standard deviation.
     LIVE_GRADE_SIGMA_PERCENT = "live_grade_sigma_percent", 1e-9, 1e6, " %";
+    /// Grade of a map at the place of the vehicle.
+    MAP_GRADE_PERCENT = "map_grade_percent", -1000.0, 1000.0, " %";
+    /// Its standard deviation.
+    MAP_GRADE_SIGMA_PERCENT = "map_grade_sigma_percent", 1e-9, 1e6, " %";
     /// Speed. Smoothing may give a small negative one at a stop.
     SPEED_MPS = "speed_mps", -100.0, 200.0, " m/s";
     /// Bias of the vehicle model as grade.

@@ -44,6 +44,8 @@ pub enum Kind {
     Scenario,
     /// Parameters of the estimator.
     Tuning,
+    /// Fused cells in the form that the vehicle reads.
+    PackedMap,
     /// JSON of any content.
     Json,
     /// Parquet of any content.
@@ -71,6 +73,7 @@ impl fmt::Display for Kind {
             Self::Oracle => "an oracle file",
             Self::Scenario => "a scenario file",
             Self::Tuning => "a tuning file",
+            Self::PackedMap => "a packed map (of `roadgrade pack`)",
             Self::Json => "a JSON file",
             Self::Parquet => "a Parquet file",
         })
@@ -85,6 +88,9 @@ pub fn of(path: &Path) -> Option<Kind> {
         return None;
     }
     let head = head(path).ok()?;
+    if head.starts_with(&estimator_core::roadmap::format::MAGIC) {
+        return Some(Kind::PackedMap);
+    }
     if head.starts_with(PARQUET_MAGIC) {
         return Some(Kind::Parquet);
     }

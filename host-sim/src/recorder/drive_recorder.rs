@@ -12,16 +12,27 @@ use crate::source::can_frame::TimedFrame;
 use crate::source::input::LogInput;
 use crate::source::log_report::LogReport;
 use crate::source::read_options::ReadOptions;
+use estimator_core::roadmap::{MapLive, PackedMap};
 use estimator_core::sample::Sample;
 use estimator_core::{
     Cell, Estimator, Instant, Model, Outcome, ParameterError, PersistentState,
-    PersistentStateError, Reading, Scalar, Signal, Tuning, Uncertain,
+    PersistentStateError, Reading, Scalar, Signal, Step, Tuning, Uncertain,
 };
 use serde::{Deserialize, Serialize};
 use std::io;
 
 /// Slot size of the grades, bytes.
 const GRADES_SLOT: usize = 18;
+/// Slot size of the grades with a map, bytes.
+const MAP_GRADES_SLOT: usize = 18;
+
+/// Grades of a cell with a map, %.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+struct MapGrades {
+    /// The live grade combined with the map's.
+    combined: Uncertain,
+    map: Uncertain,
+}
 
 /// Grades of a cell that were available during the drive, %, and whether nothing disagreed.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
@@ -39,6 +50,8 @@ pub struct Recorder<S> {
     start: Option<Instant>,
     samples: PlacedSamples,
     grades: Spool<OnlineGrades, GRADES_SLOT>,
+    map: Option<MapLive<'static>>,
+    map_grades: Spool<Option<MapGrades>, MAP_GRADES_SLOT>,
     plausibility: Plausibility,
     /// The cells that the last input finished.
     new_cells: Vec<Cell>,
@@ -102,6 +115,16 @@ impl<S: Scalar> Recorder<S> {
         }
     }
 
+    /// Combines the live grade with that of a map from now on.
+    pub fn follow(&mut self, map: PackedMap<'static>) {
+        self.map = Some(MapLive::new(map));
+    }
+
+    /// Returns the place on the map and the grade with it; `None` without a map.
+    pub const fn map(&self) -> Option<&MapLive<'static>> {
+        self.map.as_ref()
+    }
+
     /// Takes one frame.
     pub fn on_frame(&mut self, timed: &TimedFrame) {
         self.start.get_or_insert(timed.time);
@@ -133,7 +156,10 @@ impl<S: Scalar> Recorder<S> {
 
     fn collect(&mut self) {
         self.new_cells.clear();
-        while self.estimator.step().is_some() {
+        while let Some(step) = self.estimator.step() {
+            if let Step::Moved(_) = step {
+                self.advance_map();
+            }
             if let Some(sample) = self.estimator.sample() {
                 let latency = self.estimator.gnss_latency();
                 let vehicle = &self.estimator.model().vehicle;
@@ -147,7 +173,22 @@ impl<S: Scalar> Recorder<S> {
         }
     }
 
+    fn advance_map(&mut self) {
+        let (Some(map), Some(live)) = (&mut self.map, self.estimator.live()) else {
+            return;
+        };
+        map.advance(&live);
+        let grades = map.combined_percent().zip(map.map_grade_percent());
+        let kept = self
+            .map_grades
+            .push(&grades.map(|(combined, map)| MapGrades { combined, map }));
+        self.note_failure(kept);
+    }
+
     fn take_cell(&mut self, cell: Cell) {
+        if let Some(map) = &mut self.map {
+            map.finish(&cell);
+        }
         let grades = OnlineGrades {
             live: cell.live_grade_percent,
             lagged: cell.lagged_grade_percent,
@@ -225,6 +266,7 @@ impl<S: Scalar> Recorder<S> {
         let start = self.start.unwrap_or_default();
         let mut rows = Rows::default();
         let (samples, grades) = (&mut self.samples, &mut self.grades);
+        let map_grades = &mut self.map_grades;
         let plausibility = &mut self.plausibility;
         let disagreements = smooth_segments(
             self.estimator.model(),
@@ -235,9 +277,15 @@ impl<S: Scalar> Recorder<S> {
                 // Both passes begin with the first speed.
                 let end = grades.count().min(first + smoothed.len());
                 let grades = grades.read(first.min(end)..end)?;
+                let with_map = map_grades.count().min(end);
+                let with_map = map_grades.read(first.min(with_map)..with_map)?;
+                let with_map = with_map.into_iter().chain(std::iter::repeat(None));
                 let cells = smoothed.iter().inspect(|cell| plausibility.smoothed(cell));
-                let segment = cells.zip(&grades);
-                let segment = segment.map(|(smoothed, grades)| row(start, grades, smoothed));
+                let segment = cells.zip(&grades).zip(with_map);
+                let segment = segment.map(|((smoothed, grades), with_map)| {
+                    let row = row(start, grades, smoothed);
+                    with_map.map_or(row, |with_map| with_map.applied(row))
+                });
                 rows.put(first, segment)
             },
         )?;
@@ -249,6 +297,7 @@ impl<S: Scalar> Recorder<S> {
             persistent_state: self.estimator.persistent_state(),
             disagreements,
             start_utc: self.start.and_then(utc_of),
+            map: self.map.as_ref().map(|map| *map.counters()),
             warnings: self.plausibility.judge(&self.estimator.model().vehicle),
         })
     }
@@ -262,6 +311,8 @@ impl<S> From<Estimator<S>> for Recorder<S> {
             start: None,
             samples: PlacedSamples::default(),
             grades: Spool::default(),
+            map: None,
+            map_grades: Spool::default(),
             plausibility: Plausibility::default(),
             new_cells: Vec::new(),
             trouble: None,
@@ -298,5 +349,20 @@ fn row(start: Instant, grades: &OnlineGrades, smoothed: &SmoothedCell) -> RunRow
         consistent: (*is_consistent).into(),
         lagged_consistent: grades.lagged_consistent.into(),
         live_consistent: grades.live_consistent.into(),
+        map_grade_percent: None,
+        map_grade_sigma_percent: None,
+    }
+}
+
+impl MapGrades {
+    /// Returns a row with the map's part in the live grade. Smoothed and lagged grades have none.
+    fn applied(&self, row: RunRow) -> RunRow {
+        RunRow {
+            live_grade_percent: self.combined.value.into(),
+            live_grade_sigma_percent: self.combined.sigma.into(),
+            map_grade_percent: Some(self.map.value.into()),
+            map_grade_sigma_percent: Some(self.map.sigma.into()),
+            ..row
+        }
     }
 }

@@ -26,8 +26,21 @@ pub fn estimate_log<S: Scalar>(
     options: &ReadOptions,
     progress: impl Fn(u64),
 ) -> Result<LongRun> {
-    let mut recorder = Recorder::<S>::resume(model, tuning, persistent_state)
+    let recorder = Recorder::<S>::resume(model, tuning, persistent_state)
         .map_err(|e| Error::content(log, e.to_string()))?;
+    record_log(recorder, log, options, progress)
+}
+
+/// Passes a whole log to a recorder, and ends the drive.
+///
+/// # Errors
+/// Returns an error, with file and line, for a log that cannot be read to its end.
+pub fn record_log<S: Scalar>(
+    mut recorder: Recorder<S>,
+    log: &Path,
+    options: &ReadOptions,
+    progress: impl Fn(u64),
+) -> Result<LongRun> {
     recorder.read_as(options);
     let report = for_each_input(log, options, progress, |input| recorder.on_input(&input))?;
     let mut run = recorder.end()?;

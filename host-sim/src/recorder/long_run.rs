@@ -6,6 +6,7 @@ use crate::files::run::{RunRow, RunRows};
 use crate::files::spool::{Spool, blocks};
 use crate::smooth::Disagreements;
 use crate::source::log_report::LogReport;
+use estimator_core::roadmap::MapCounters;
 use estimator_core::{Counters, Model, PersistentState};
 use std::io;
 
@@ -37,6 +38,8 @@ pub struct LongRun {
     pub log: LogReport,
     /// Counters of the core.
     pub counters: Counters,
+    /// What happened on the map; `None` without one.
+    pub map: Option<MapCounters>,
     /// State for the next drive; `None` if this one was too short.
     pub persistent_state: Option<PersistentState>,
     /// Where signals disagree.
@@ -70,7 +73,7 @@ impl LongRun {
 }
 
 /// Bytes of a row.
-const ROW_SLOT: usize = 152;
+const ROW_SLOT: usize = 170;
 
 /// The rows of a run, in memory or in a temporary file.
 #[derive(Debug, Default)]

@@ -25,7 +25,7 @@ pub fn missing(vehicle: &VehicleFile, run: &LongRun) -> Option<&'static str> {
                  \"force\" in the vehicle file says"
             }
         }
-    } else if counters.altitudes_used == 0 {
+    } else if counters.altitudes_used == 0 && counters.altitude_resets == 0 {
         "no GNSS altitude: expected NMEA 2000 129029 (or VDS, PGN 65256; column altitude_m)"
     } else {
         return None;

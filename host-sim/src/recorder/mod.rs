@@ -5,6 +5,7 @@
 
 mod drive_recorder;
 mod estimate_log;
+mod horizon_log;
 mod latencies;
 mod long_run;
 mod missing;
@@ -15,7 +16,8 @@ mod summary;
 pub mod verdict;
 
 pub use drive_recorder::Recorder;
-pub use estimate_log::{estimate_log, estimate_logs};
+pub use estimate_log::{estimate_log, estimate_logs, record_log};
+pub use horizon_log::{HorizonRow, horizons_of_log};
 pub use long_run::{LongRun, Rows, SmoothedRun};
 pub use missing::missing;
 pub use plausibility::Warning;

@@ -10,6 +10,7 @@ use crate::terminal::counters::{CountedEvent, events};
 use crate::terminal::table::text_table;
 use comfy_table::Table;
 use estimator_core::CELL_LENGTH_M;
+use estimator_core::roadmap::MapCounters;
 use serde::{Serialize, Serializer};
 
 /// Summary of a drive.
@@ -40,12 +41,35 @@ pub struct RunSummary {
     disagreements: Vec<DisagreementStretch>,
     warnings: Vec<Warning>,
     damage: Damage,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    map: Option<MapSummary>,
     #[serde(serialize_with = "by_key")]
     events: Vec<CountedEvent>,
 }
 
 fn by_key<S: Serializer>(events: &[CountedEvent], to: S) -> std::result::Result<S::Ok, S::Error> {
     to.collect_seq(events.iter().map(|event| (event.key, event.count)))
+}
+
+/// Use of a map.
+#[derive(Debug, Serialize)]
+struct MapSummary {
+    /// Distance with a known place on the map, km.
+    on_map_km: f64,
+    /// Distance over which the map was left out because it differs from the estimate, km.
+    left_out_km: f64,
+    left_out: u32,
+}
+
+impl From<MapCounters> for MapSummary {
+    fn from(counters: MapCounters) -> Self {
+        let km = |cells: u32| f64::from(cells) * f64::from(CELL_LENGTH_M) * 1e-3;
+        Self {
+            on_map_km: km(counters.cells_on_map),
+            left_out_km: km(counters.cells_left_out),
+            left_out: counters.times_left_out,
+        }
+    }
 }
 
 impl RunSummary {
@@ -62,6 +86,7 @@ impl RunSummary {
             start_utc: run.start_utc.clone(),
             events: events(&run.counters),
             damage: run.log.damage.clone(),
+            map: run.map.map(MapSummary::from),
             ..Self::default()
         };
         let (mut first_m, mut last_m) = (None, None);
@@ -109,6 +134,10 @@ impl RunSummary {
         line("duration", format!("{:.1}", self.duration_s), "s");
         line("cells", self.cells.to_string(), "");
         line("valid", format!("{:.1}", self.valid_percent), "%");
+        if let Some(map) = &self.map {
+            line("on the map", format!("{:.3}", map.on_map_km), "km");
+            line("map left out", format!("{:.3}", map.left_out_km), "km");
+        }
         line("climb", format!("{:.1}", self.climb_m), "m");
         let grade = "% grade";
         line(

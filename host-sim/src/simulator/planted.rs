@@ -13,6 +13,9 @@ const FAN_SHARE: f64 = 0.4;
 /// Time that the fan stays on or off, as a part of the mean.
 const FAN_SPREAD: Range<f64> = 0.3..1.7;
 
+/// Air temperature that coefficients of rolling resistance refer to, °C (ISO 28580).
+const TYRES_CELSIUS: f64 = 25.0;
+
 /// The position of the vehicle on the road, for effects of road and tyres.
 #[derive(Clone, Copy, Debug)]
 pub struct ContactPoint {
@@ -29,6 +32,8 @@ pub struct ContactPoint {
 pub struct PlantedEffects {
     table: PlantedTable,
     fan: Fan,
+    /// Air temperature below [`TYRES_CELSIUS`], K.
+    colder_k: f64,
     /// Torque at the driveline after hysteresis, Nm.
     followed_nm: f64,
     thermostat_on: bool,
@@ -71,12 +76,14 @@ impl Fan {
 }
 
 impl PlantedEffects {
-    /// Creates the effects of run `index` of the scenario with this `seed`.
+    /// Creates the effects of run `index` of the scenario with this `seed`, in air of this
+    /// temperature.
     #[must_use]
-    pub fn new(table: &PlantedTable, seed: u64, index: usize) -> Self {
+    pub fn new(table: &PlantedTable, seed: u64, index: usize, air_celsius: f64) -> Self {
         Self {
             fan: Fan::new(table.fan_period_s, stream(seed, index, Purpose::Fan)),
             table: table.clone(),
+            colder_k: TYRES_CELSIUS - air_celsius,
             followed_nm: 0.0,
             thermostat_on: false,
         }
@@ -109,7 +116,10 @@ impl PlantedEffects {
         if place.forward {
             rolling += rolling_at(&self.table.side_resistance, place.stored_m);
         }
-        weight_n * (cornering + rolling) + self.table.brake_drag_n
+        let cold = self.table.tyre_temperature_per_k * self.colder_k;
+        weight_n * (cornering + rolling)
+            + cold * truck.rolling_resistance_n()
+            + self.table.brake_drag_n
     }
 
     /// Returns the force lost in the driveline, N, for a net engine torque `net_torque_nm` at

@@ -14,6 +14,7 @@
 //! | `wheel_radius_factor` | 1 | 0.8 to 1.2 | true over assumed radius: reported speeds are true ones divided by it |
 //! | `rough` | m, m, 1 | −0.01 to 0.05 | added to the rolling resistance between two distances, in both directions |
 //! | `side_resistance` | m, m, 1 | −0.01 to 0.05 | the same in the road's forward direction only: one carriageway |
+//! | `tyre_temperature_per_k` | 1/K | −0.05 to 0.1 | amount · c_r m g (25 °C − air temperature) |
 //! | `torque_hysteresis` | % of reference torque | 0 to 50 | backlash between the signal and the torque |
 //! | `thermostat_w` | W | 0 to 200 000 | as `auxiliary_w` in the first half of each period; no signal reports it |
 //! | `thermostat_period_s` | s | 10 to 3600 | of the log's clock |
@@ -52,6 +53,9 @@ pub struct PlantedTable {
     pub rough: Vec<ResistanceSection>,
     /// Rough road sections, in the forward direction only, default none.
     pub side_resistance: Vec<ResistanceSection>,
+    /// Rolling resistance for each kelvin below 25 °C, as a part of it, 1/K, −0.05 to 0.1, default
+    /// 0.
+    pub tyre_temperature_per_k: f64,
     /// Hysteresis of the torque, % of the reference torque, 0 to 50, default 0.
     pub torque_hysteresis: f64,
     /// Auxiliary power in the first half of each period, W, 0 to 200 000, default 0; no signal
@@ -73,6 +77,7 @@ impl Default for PlantedTable {
             wheel_radius_factor: 1.0,
             rough: Vec::new(),
             side_resistance: Vec::new(),
+            tyre_temperature_per_k: 0.0,
             torque_hysteresis: 0.0,
             thermostat_w: 0.0,
             thermostat_period_s: 90.0,
@@ -100,6 +105,11 @@ impl PlantedTable {
             ("fan_period_s", self.fan_period_s, periods.clone()),
             ("brake_drag_n", self.brake_drag_n, 0.0..=50_000.0),
             ("wheel_radius_factor", self.wheel_radius_factor, 0.8..=1.2),
+            (
+                "tyre_temperature_per_k",
+                self.tyre_temperature_per_k,
+                -0.05..=0.1,
+            ),
             ("torque_hysteresis", self.torque_hysteresis, 0.0..=50.0),
             ("thermostat_w", self.thermostat_w, powers),
             ("thermostat_period_s", self.thermostat_period_s, periods),

@@ -7,7 +7,7 @@ use super::planted_file::PlantedTable;
 use super::random::{Purpose, normal, stream};
 use super::range_check::check;
 use super::road::Road;
-use super::scenario_check::{check_document, check_shape, check_steady_wind};
+use super::scenario_check::{TEMPERATURES_CELSIUS, check_document, check_shape, check_steady_wind};
 use super::scenario_file::{
     Air, DrivingDirection, GnssErrors, Latencies, ParameterErrors, Rates, RoadSource, RunTable,
     ScenarioDocument, SensorNoiseLevels, Start, Tyres, Wind,
@@ -23,8 +23,6 @@ use rand_chacha::ChaCha8Rng;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
-/// Specific gas constant of dry air, J/(kg K).
-const GAS_CONSTANT: f64 = 287.05;
 /// Range of a factor, and limits of a random factor.
 const FACTOR_RANGE: RangeInclusive<f64> = 0.2..=3.0;
 const DRAWN_RANGE: RangeInclusive<f64> = 0.3..=1.7;
@@ -55,8 +53,6 @@ pub struct Scenario {
     pub latency_ms: Latencies,
     /// Message rates.
     pub rates: Rates,
-    /// Air pressure and temperature.
-    pub air: Air,
     /// Warming of the tyres.
     pub tyres: Tyres,
     /// Planted effects.
@@ -89,6 +85,8 @@ pub struct ScenarioRun {
     pub from_standstill: bool,
     /// Time that the tyres have already rolled, s.
     pub tyres_driven_s: f64,
+    /// Air pressure and temperature.
+    pub air: Air,
     /// The wind.
     pub wind: Wind,
     /// Stops on the way, in order.
@@ -182,17 +180,10 @@ impl Scenario {
             gnss: document.gnss,
             latency_ms: document.latency_ms,
             rates: document.rates,
-            air: document.air,
             tyres: document.tyres,
             planted: document.planted,
             runs,
         })
-    }
-
-    /// Returns the density of dry air, kg/m³.
-    #[must_use]
-    pub fn air_density(&self) -> f64 {
-        self.air.pressure_pa / (GAS_CONSTANT * (self.air.temperature_celsius + 273.15))
     }
 
     /// Returns the assumed vehicle of all runs, if they share one.
@@ -269,6 +260,11 @@ fn run(
         check_steady_wind(steady.speed_mps, steady.from_deg)?;
         (wind.speed_mps, wind.from_deg) = (steady.speed_mps, steady.from_deg);
     }
+    let mut air = document.air;
+    if let Some(celsius) = table.temperature_celsius {
+        check("temperature_celsius", celsius, TEMPERATURES_CELSIUS)?;
+        air.temperature_celsius = celsius;
+    }
     check_manoeuvres(&table.stops, &table.sections)?;
     let errors = table.errors.unwrap_or(document.errors);
     let mut true_parameters = vehicle.model.vehicle.clone();
@@ -287,6 +283,7 @@ fn run(
         start_time_s: table.start_time_s,
         from_standstill: table.start == Start::Standstill,
         tyres_driven_s: table.tyres_driven_s,
+        air,
         wind,
         stops: table.stops.clone(),
         sections: table.sections.clone(),

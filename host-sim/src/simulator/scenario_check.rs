@@ -3,6 +3,10 @@
 use super::range_check::check;
 use super::road_generator::RoadShape;
 use super::scenario_file::ScenarioDocument;
+use std::ops::RangeInclusive;
+
+/// Air temperatures that a truck drives in, °C.
+pub const TEMPERATURES_CELSIUS: RangeInclusive<f64> = -60.0..=60.0;
 
 /// Checks the document, but not the files that it names.
 ///
@@ -75,7 +79,7 @@ pub fn check_document(document: &ScenarioDocument) -> Result<(), String> {
     check(
         "air.temperature_celsius",
         air.temperature_celsius,
-        -60.0..=60.0,
+        TEMPERATURES_CELSIUS,
     )
 }
 

@@ -88,6 +88,7 @@
 //! wheel_radius_factor = 1.0
 //! rough = []                     # [from_m, to_m, added rolling resistance]: in both directions
 //! side_resistance = []           # likewise, in the forward direction only
+//! tyre_temperature_per_k = 0.0   # added part of the rolling resistance a kelvin below 25 °C
 //! torque_hysteresis = 0.0        # % of the reference torque
 //! thermostat_w = 0.0             # reported by no signal …
 //! thermostat_period_s = 90.0     # … on in the first half of each period
@@ -104,6 +105,7 @@
 //! start_time_s = 0.0             # of the log clock
 //! start = "set_speed"            # or "standstill"
 //! tyres_driven_s = 0.0           # time already driven: warm tyres
+//! # temperature_celsius = 5.0    # other air than that of [air]
 //! # wind = { speed_mps = 3.0, from_deg = 90.0 }   # another steady wind than that of [wind]
 //!
 //! [runs.errors]                  # true over assumed value; each either as a factor …
@@ -141,6 +143,9 @@ use super::road_generator::RoadShape;
 use super::truck::Preset;
 use serde::Deserialize;
 use std::path::PathBuf;
+
+/// Specific gas constant of dry air, J/(kg K).
+const GAS_CONSTANT: f64 = 287.05;
 
 /// The scenario document.
 #[derive(Clone, Debug, Deserialize)]
@@ -340,6 +345,14 @@ pub struct Air {
     pub temperature_celsius: f64,
 }
 
+impl Air {
+    /// Returns the density of dry air, kg/m³.
+    #[must_use]
+    pub fn density(&self) -> f64 {
+        self.pressure_pa / (GAS_CONSTANT * (self.temperature_celsius + 273.15))
+    }
+}
+
 impl Default for Air {
     fn default() -> Self {
         Self {
@@ -484,6 +497,8 @@ pub struct RunTable {
     /// Time that the tyres have already rolled, s, 0 to 1e6, default 0.
     #[serde(default)]
     pub tyres_driven_s: f64,
+    /// Air temperature of this run, °C, -60 to 60, default that of `[air]`.
+    pub temperature_celsius: Option<f64>,
     /// Steady wind of this run, default that of `[wind]`.
     pub wind: Option<SteadyWind>,
     /// Parameter errors of this run, default those of `[errors]`.

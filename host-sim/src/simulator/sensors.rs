@@ -34,7 +34,7 @@ impl<'a> Sensors<'a> {
             drive,
             noise: scenario.noise,
             latency_ms: scenario.latency_ms,
-            air: scenario.air,
+            air: scenario.runs[index].air,
             believed_mass_kg: scenario.runs[index].vehicle.model.vehicle.mass_kg,
             wheel_radius_factor: scenario.planted.wheel_radius_factor,
             rng: stream(scenario.seed, index, Purpose::Sensors),

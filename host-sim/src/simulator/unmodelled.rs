@@ -27,7 +27,7 @@ impl Recording<'_> {
         let run = &self.scenario.runs[self.index];
         let assumed = Truck::new(&run.vehicle.model.vehicle).expect("it has the true one's engine");
         let radius_factor = self.scenario.planted.wheel_radius_factor;
-        let air_density = self.scenario.air_density();
+        let air_density = run.air.density();
         let torque_factor = assumed.reference_torque_nm / self.drive.truck.reference_torque_nm;
         self.drive.states.iter().map(move |state| {
             let length_m = STEP_S * state.speed_mps;

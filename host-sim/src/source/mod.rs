@@ -5,6 +5,7 @@ pub mod can_frame;
 pub mod candump_writer;
 pub mod damage;
 pub mod frame_log;
+pub mod i3;
 pub mod input;
 pub mod interfaces;
 mod lines;

@@ -74,6 +74,7 @@ pub fn events(c: &Counters) -> Vec<CountedEvent> {
         ("speeds that leapt", c.speed_leaps.into()),
         ("speeds that were frozen", c.frozen_speeds.into()),
         ("steps of the speed", c.speed_steps.into()),
+        ("accelerometers rejected", c.accelerometers_rejected.into()),
         ("poor fixes", c.poor_fixes.into()),
         ("gaps in speed", c.gaps.into()),
         (

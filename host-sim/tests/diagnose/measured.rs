@@ -46,6 +46,8 @@ fn drift_on_a_held_out_round_trip_nearly_vanishes() {
         logs: passes[..4].to_vec(),
         held_out: passes[4..].to_vec(),
         reference: None,
+        terrain: None,
+        accelerometer: false,
     })
     .unwrap();
     for finding in &found.findings {

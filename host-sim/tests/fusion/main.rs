@@ -6,6 +6,7 @@ mod fleet;
 mod known_roads;
 mod network;
 mod network_files;
+mod packed;
 mod parquet;
 mod road_line;
 mod sessions;

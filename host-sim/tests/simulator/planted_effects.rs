@@ -37,7 +37,7 @@ fn planted(text: &str) -> Vec<(DriveState, f64)> {
 fn nothing_is_planted_by_default() {
     let none = "[planted]\ncornering_compliance_rad = 0.0\ndriveline_loss = 0.0\n\
         auxiliary_w = 0.0\nfan_w = 0.0\nfan_period_s = 10.0\nbrake_drag_n = 0.0\n\
-        wheel_radius_factor = 1.0\nrough = []\nside_resistance = []\n\
+        wheel_radius_factor = 1.0\ntyre_temperature_per_k = 0.0\nrough = []\nside_resistance = []\n\
         torque_hysteresis = 0.0\nthermostat_w = 0.0\nthermostat_period_s = 10.0\n";
     for start in ["", "start = \"standstill\"\n"] {
         let with = |table: &str| {
@@ -80,6 +80,9 @@ fn each_force_is_that_of_its_formula() {
         }
     };
     expect("brake_drag_n = 400.0", &|_| 400.0);
+    // The air has 20 °C.
+    let rolling_n = f64::from(0.0065_f32) * WEIGHT_N;
+    expect("tyre_temperature_per_k = 0.01", &|_| 0.05 * rolling_n);
     expect("driveline_loss = 0.05", &|s| 0.05 * s.traction_n.abs());
     expect("auxiliary_w = 8000.0", &|s| {
         8000.0 * EFFICIENCY / s.speed_mps
@@ -341,6 +344,24 @@ fn runs_may_start_warm_and_on_another_day() {
 }
 
 #[test]
+fn runs_may_have_air_of_their_own_temperature() {
+    let text = format!(
+        "[planted]\ntyre_temperature_per_k = 0.01\n[air]\ntemperature_celsius = 15.0\n\
+         {MILD}{A}\n[[runs]]\nname = \"cold\"\ntruck = \"A\"\ntemperature_celsius = -15.0\n"
+    );
+    let scenario = scenario(&[&text]);
+    let density = |run: usize| scenario.runs[run].air.density();
+    assert!((density(1) / density(0) - 288.15 / 258.15).abs() < 1e-9);
+    // The model knows the density of the air, and lacks the resistance of the tyres.
+    for (run, kelvin) in [(0, 10.0), (1, 40.0)] {
+        let recording = Recording::new(&scenario, run).unwrap();
+        let step = recording.unmodelled().next().unwrap();
+        let expected = 100.0 * f64::from(0.0065_f32) * 0.01 * kelvin;
+        assert!((step.percent - expected).abs() < 1e-5, "{step:?}");
+    }
+}
+
+#[test]
 fn bad_keys_are_refused_by_name() {
     let cases = [
         (
@@ -353,6 +374,10 @@ fn bad_keys_are_refused_by_name() {
         ("fan_period_s = 0.0", "planted.fan_period_s"),
         ("brake_drag_n = inf", "planted.brake_drag_n"),
         ("wheel_radius_factor = 0.0", "planted.wheel_radius_factor"),
+        (
+            "tyre_temperature_per_k = 0.2",
+            "planted.tyre_temperature_per_k",
+        ),
         ("rough = [[-1.0, 5.0, 0.001]]", "planted.rough (start)"),
         ("rough = [[9.0, 5.0, 0.001]]", "planted.rough (end)"),
         (
@@ -380,6 +405,10 @@ fn bad_keys_are_refused_by_name() {
     refused(
         &format!("{A}tyres_driven_s = -1.0"),
         "runs[0].tyres_driven_s",
+    );
+    refused(
+        &format!("{A}temperature_celsius = 61.0"),
+        "runs[0].temperature_celsius",
     );
     let wind = |table: &str| format!("{A}wind = {table}");
     refused(

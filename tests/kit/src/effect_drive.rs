@@ -34,6 +34,8 @@ pub const PLAIN: PlantedDifference = PlantedDifference {
     true_over_reported: 1.0,
 };
 
+/// Air temperature that is reported, °C.
+pub const AMBIENT_CELSIUS: f32 = 5.0;
 const STEP_S: f32 = 0.1;
 const LATITUDE_DEG: f64 = 58.0;
 const M_PER_DEG: f64 = 111_132.0;
@@ -79,6 +81,7 @@ pub fn drive(
             estimator.on_reading(now, Reading { signal, value });
         };
         let real = Value::Real;
+        put(Signal::AmbientTemperature, real(AMBIENT_CELSIUS));
         put(Signal::Fan, real(moment.fan_percent));
         put(Signal::YawRate, real(yaw_rate_radps));
         put(Signal::Course, real(course_deg));

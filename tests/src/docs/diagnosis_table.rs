@@ -32,6 +32,8 @@ pub fn bus() -> Result<Option<String>> {
         logs,
         held_out,
         reference: None,
+        terrain: None,
+        accelerometer: false,
         tuning: Default::default(),
         options: Default::default(),
     })?;

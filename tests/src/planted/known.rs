@@ -17,6 +17,16 @@ pub struct Known {
     pub table: &'static str,
     /// Returns the keys of that table for an amount and a seed.
     pub keys: fn(f64, u64) -> String,
+    /// Whether there can be less of it than assumed.
+    pub or_less: bool,
+}
+
+impl Known {
+    /// Returns the effect as one of which there can be less than assumed.
+    const fn or_less(mut self) -> Self {
+        self.or_less = true;
+        self
+    }
 }
 
 const fn effect(
@@ -30,24 +40,29 @@ const fn effect(
         first_amount,
         table,
         keys,
+        or_less: false,
     }
 }
 
-const KNOWN: [Known; 16] = [
+const KNOWN: [Known; 17] = [
     effect("rolling_resistance", 0.1, "errors", |amount, _| {
         format!("rolling_factor = {:?}", 1.0 + amount)
-    }),
+    })
+    .or_less(),
     effect("tyre_warmup", 0.2, "tyres", |amount, _| {
         format!("cold_amount = {amount:?}")
     }),
     effect("air_drag", 0.1, "errors", |amount, _| {
         format!("drag_factor = {:?}", 1.0 + amount)
-    }),
+    })
+    .or_less(),
     effect("headwind", 1.0, "wind", |amount, seed| {
-        // Within 40° of the road's course.
-        let from_deg = COURSE_DEG - 40.0 + spread(seed, 80.0);
-        format!("speed_mps = {amount:?}\nfrom_deg = {from_deg:?}")
-    }),
+        // Within 40° of the road's course, or of the opposite.
+        let turned_deg = if amount < 0.0 { 180.0 } else { 0.0 };
+        let from_deg = (COURSE_DEG - 40.0 + spread(seed, 80.0) + turned_deg) % 360.0;
+        format!("speed_mps = {:?}\nfrom_deg = {from_deg:?}", amount.abs())
+    })
+    .or_less(),
     effect("cornering", 0.1, "planted", |amount, _| {
         format!("cornering_compliance_rad = {amount:?}")
     }),
@@ -59,25 +74,34 @@ const KNOWN: [Known; 16] = [
     }),
     effect("mass", 0.05, "errors", |amount, _| {
         format!("mass_factor = {:?}", 1.0 + amount)
-    }),
+    })
+    .or_less(),
     effect("torque_scale", 0.02, "errors", |amount, _| {
         format!("torque_factor = {:?}", 1.0 + amount)
-    }),
+    })
+    .or_less(),
     effect("wheel_radius", 0.01, "planted", |amount, _| {
         format!("wheel_radius_factor = {:?}", 1.0 + amount)
-    }),
+    })
+    .or_less(),
     effect("brake_drag", 100.0, "planted", |amount, _| {
         format!("brake_drag_n = {amount:?}")
     }),
     effect("road_surface", 1e-3, "planted", |amount, seed| {
         stretch("rough", seed, 2_000.0, amount)
-    }),
+    })
+    .or_less(),
+    effect("tyre_temperature", 0.006, "planted", |amount, _| {
+        format!("tyre_temperature_per_k = {amount:?}")
+    })
+    .or_less(),
     effect("torque_hysteresis", 1.0, "planted", |amount, _| {
         format!("torque_hysteresis = {amount:?}")
     }),
     effect("side_resistance", 1e-3, "planted", |amount, seed| {
         stretch("side_resistance", seed, 4_000.0, amount)
-    }),
+    })
+    .or_less(),
     effect("thermostat", 2_000.0, "planted", |amount, seed| {
         let period_s = 60.0 + spread(seed, 90.0);
         format!("thermostat_w = {amount:?}\nthermostat_period_s = {period_s:?}")

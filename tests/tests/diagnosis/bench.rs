@@ -2,11 +2,12 @@
 
 use cross_tests::diagnosed::{CaseOutcome, DiagnosisCase, Verdict, cases, effects, table};
 use cross_tests::planted::CLEAN;
+use std::collections::BTreeSet;
 use std::slice;
 
 /// Effect, size in %, truck, and the accepted verdicts. Effects that differ little at one speed and
 /// load may be found as a group.
-const CASES: [(&str, f64, &str, &[Verdict]); 7] = [
+const CASES: [(&str, f64, &str, &[Verdict]); 8] = [
     (CLEAN, 0.0, "A", &[Verdict::Named]),
     (CLEAN, 0.0, "B", &[Verdict::Named]),
     ("cornering", 0.1, "B", &[Verdict::Named]),
@@ -19,6 +20,7 @@ const CASES: [(&str, f64, &str, &[Verdict]); 7] = [
     ),
     ("wheel_radius", 1.0, "A", &[Verdict::Named]),
     ("torque_hysteresis", 0.3, "A", &[Verdict::Named]),
+    ("tyre_temperature", 0.1, "A", &[Verdict::Named]),
 ];
 
 #[test]
@@ -75,9 +77,9 @@ fn described(outcome: &CaseOutcome) -> String {
 fn the_full_bench_has_every_effect_and_size_on_both_trucks() {
     let all: Vec<String> = effects().map(str::to_owned).collect();
     let asked = cases(&all, &[0.1, 0.3], 3).unwrap();
-    // Twelve effects of the catalogue, the fan, three effects outside it and six pairs, each in two
+    // Thirteen effects of the catalogue, the fan, three effects outside it and six pairs, each in two
     // sizes, and clean logs.
-    assert_eq!(asked.len(), (22 * 2 + 1) * 2 * 3);
+    assert_eq!(asked.len(), (23 * 2 + 1) * 2 * 3);
     let sizes = |effect: &str| {
         let own = asked.iter().filter(|case| case.effect == effect);
         let mut sizes: Vec<f64> = own.map(|case| case.size_percent).collect();
@@ -87,6 +89,10 @@ fn the_full_bench_has_every_effect_and_size_on_both_trucks() {
     assert_eq!(sizes("mass"), [0.1, 0.3]);
     assert_eq!(sizes("wheel_radius"), [1.0, 3.0]);
     assert_eq!(sizes(CLEAN), [0.0]);
+    let less = cases(&all, &[-0.3], 1).unwrap();
+    let effects: BTreeSet<&str> = less.iter().map(|case| case.effect.as_str()).collect();
+    assert!(effects.contains("mass") && effects.contains("headwind"));
+    assert!(!effects.contains("brake_drag") && !effects.contains("road_surface+fan"));
     let error = cases(slice::from_ref(&"gravity".to_owned()), &[0.1], 1).unwrap_err();
     assert!(error.to_string().contains("gravity"), "{error}");
 }

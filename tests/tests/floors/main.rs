@@ -19,10 +19,11 @@ const CRATES: [&str; 5] = [
 ];
 
 /// Parts of the core from top to bottom. None imports what stands above it.
-const CORE: [&str; 22] = [
+const CORE: [&str; 23] = [
     "estimator",
     "broadcast",
     "persistent_state",
+    "roadmap",
     "smoother",
     "filter",
     "intake",
@@ -45,7 +46,7 @@ const CORE: [&str; 22] = [
 ];
 
 /// Parts of the host, and the parts that each may import. All may import `error`.
-const HOST: [(&str, &[&str]); 19] = [
+const HOST: [(&str, &[&str]); 20] = [
     (
         "cli",
         &[
@@ -53,6 +54,7 @@ const HOST: [(&str, &[&str]); 19] = [
             "diagnose",
             "files",
             "identify",
+            "inertial_judge",
             "inspect",
             "live",
             "logs_to_map",
@@ -74,6 +76,7 @@ const HOST: [(&str, &[&str]); 19] = [
             "comparison",
             "diagnose",
             "files",
+            "inertial_judge",
             "map",
             "numeric",
             "recorder",
@@ -87,7 +90,15 @@ const HOST: [(&str, &[&str]); 19] = [
     ),
     (
         "diagnose",
-        &["files", "map", "numeric", "recorder", "report", "source"],
+        &[
+            "files",
+            "inertial_judge",
+            "map",
+            "numeric",
+            "recorder",
+            "report",
+            "source",
+        ],
     ),
     (
         "logs_to_map",
@@ -114,6 +125,7 @@ const HOST: [(&str, &[&str]); 19] = [
             "terminal",
         ],
     ),
+    ("inertial_judge", &[]),
     ("inspect", &["numeric", "source"]),
     ("recorder", &["files", "smooth", "source", "terminal"]),
     ("simulator", &["files", "numeric", "source", "terminal"]),

@@ -25,12 +25,14 @@ const CELL_COLUMNS: [&str; 7] = [
 ];
 
 /// Columns that older files lack.
-const NEWER_COLUMNS: [&str; 5] = [
+const NEWER_COLUMNS: [&str; 7] = [
     "mass_kg",
     "mass_sigma_kg",
     CONSISTENT,
     "lagged_consistent",
     "live_consistent",
+    "map_grade_percent",
+    "map_grade_sigma_percent",
 ];
 const CONSISTENT: &str = "consistent";
 
@@ -134,6 +136,8 @@ fn columns(rows: &[RunRow]) -> Vec<ParquetColumn> {
         flags(CONSISTENT, |row| row.consistent),
         flags("lagged_consistent", |row| row.lagged_consistent),
         flags("live_consistent", |row| row.live_consistent),
+        optional("map_grade_percent", |row| row.map_grade_percent),
+        optional("map_grade_sigma_percent", |row| row.map_grade_sigma_percent),
     ]
 }
 
@@ -235,6 +239,8 @@ pub fn read(path: &Path) -> Result<Vec<RunRow>> {
             consistent: flag(columns::CONSISTENT, newer[2])?,
             lagged_consistent: flag(columns::LAGGED_CONSISTENT, newer[3])?,
             live_consistent: flag(columns::LIVE_CONSISTENT, newer[4])?,
+            map_grade_percent: newer[5],
+            map_grade_sigma_percent: newer[6],
         };
         RunRow::check(rows.last(), &row)
             .and_then(|()| density.check(row.distance_m))

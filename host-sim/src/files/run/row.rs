@@ -64,6 +64,13 @@ pub struct RunRow {
     /// The same as it was known at the time, for the live grade.
     #[serde(default = "consistent")]
     pub live_consistent: u8,
+    /// Grade of the map at the vehicle's place, %; empty without a map, and where it is left out. The
+    /// live grade then has its part.
+    #[serde(default)]
+    pub map_grade_percent: Option<f64>,
+    /// Standard deviation of the map's grade, with the error of the place, %.
+    #[serde(default)]
+    pub map_grade_sigma_percent: Option<f64>,
 }
 
 /// Returns the flag of a cell in which nothing is known to disagree.
@@ -122,6 +129,11 @@ impl RunRow {
             (columns::ALTITUDE_SIGMA_M, row.altitude_sigma_m),
             (columns::MASS_KG, row.mass_kg),
             (columns::MASS_SIGMA_KG, row.mass_sigma_kg),
+            (columns::MAP_GRADE_PERCENT, row.map_grade_percent),
+            (
+                columns::MAP_GRADE_SIGMA_PERCENT,
+                row.map_grade_sigma_percent,
+            ),
         ])?;
         match (row.latitude_deg, row.longitude_deg) {
             (Some(_), Some(_)) | (None, None) => {}
@@ -136,6 +148,12 @@ impl RunRow {
             return Err(Flaw {
                 problem: "incomplete mass".into(),
                 expected: "both mass_kg and mass_sigma_kg, or neither",
+            });
+        }
+        if row.map_grade_percent.is_some() != row.map_grade_sigma_percent.is_some() {
+            return Err(Flaw {
+                problem: "incomplete grade of a map".into(),
+                expected: "both map_grade_percent and map_grade_sigma_percent, or neither",
             });
         }
         before.map_or(Ok(()), |before| {
@@ -170,6 +188,8 @@ impl RunRow {
             consistent: self.consistent,
             lagged_consistent: self.lagged_consistent,
             live_consistent: self.live_consistent,
+            map_grade_percent: self.map_grade_percent.map(|v| round(v, 5)),
+            map_grade_sigma_percent: self.map_grade_sigma_percent.map(|v| round(v, 5)),
         }
     }
 }

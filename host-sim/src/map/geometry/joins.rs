@@ -53,6 +53,11 @@ impl Joins {
         Self { leaving, places }
     }
 
+    /// Returns the joins that leave each way, in order of distance.
+    pub(crate) fn leaving(&self) -> &[Vec<Join>] {
+        &self.leaving
+    }
+
     /// Returns true if a way is left or entered within `reach_m` of a place on it.
     pub(crate) fn is_near(&self, way: usize, at_m: f64, reach_m: f64) -> bool {
         self.has_place(way, at_m - reach_m..at_m + reach_m)

@@ -1,6 +1,7 @@
 //! MAP.csv or MAP.parquet: the fused cells of one road, or of the ways of a network.
 
 use super::map_parquet;
+use super::packed;
 use super::way_file::{self, WayColumns};
 use crate::error::Result;
 use crate::files::csv::stage_csv;
@@ -59,7 +60,7 @@ pub fn stage(path: &Path, rows: &[MapRow]) -> Result<Staged> {
     stage_csv(path, rows.iter().map(MapRow::rounded))
 }
 
-/// Reads a map of a single road, CSV or Parquet.
+/// Reads a map of a single road: CSV, Parquet or packed.
 ///
 /// # Errors
 /// Returns an error that names the file, the line and the expected value.
@@ -67,11 +68,14 @@ pub fn read(path: &Path) -> Result<Vec<MapRow>> {
     way_file::single(path, read_ways(path)?)
 }
 
-/// Reads a map way by way, CSV or Parquet.
+/// Reads a map way by way: CSV, Parquet or packed.
 ///
 /// # Errors
 /// Returns an error that names the file, the line and the expected value.
 pub fn read_ways(path: &Path) -> Result<Vec<WayRows>> {
+    if packed::is_packed(path) {
+        return packed::read(path);
+    }
     if is_parquet(path) {
         return map_parquet::read(path);
     }

@@ -8,6 +8,7 @@ pub mod map_kml;
 mod map_lines;
 pub mod map_parquet;
 pub mod network_file;
+pub mod packed;
 pub mod road_file;
 pub mod road_row;
 pub mod run_list;

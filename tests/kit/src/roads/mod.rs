@@ -142,6 +142,8 @@ pub fn run(spots: &[Spot]) -> Vec<RunRow> {
                 consistent: 1,
                 lagged_consistent: 1,
                 live_consistent: 1,
+                map_grade_percent: None,
+                map_grade_sigma_percent: None,
             }
         })
         .collect()

@@ -1,31 +1,17 @@
-//! `roadgrade import`.
+//! `roadgrade import ztbus`.
 
-use super::outputs;
+use crate::cli::outputs;
 use crate::error::{Result, on_one_line};
 use crate::source::ztbus::{Mission, Pass};
 use crate::terminal::print::{note, print};
 use crate::terminal::table::text_table;
-use clap::Subcommand;
 use comfy_table::Table;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-/// Arguments of `import`.
+/// Arguments of `import ztbus`.
 #[derive(Debug, clap::Args)]
-pub struct Args {
-    #[command(subcommand)]
-    source: ImportSource,
-}
-
-#[derive(Debug, Subcommand)]
-enum ImportSource {
-    /// Import a ZTBus mission. Writes mission.csv, vehicle.toml and one signal table for each
-    /// one-way trip.
-    Ztbus(ZtbusArgs),
-}
-
-#[derive(Debug, clap::Args)]
-struct ZtbusArgs {
+pub(super) struct Args {
     /// CSV file of the mission.
     file: PathBuf,
     /// Output folder.
@@ -34,13 +20,6 @@ struct ZtbusArgs {
     /// Print the passes as JSON.
     #[arg(long)]
     json: bool,
-}
-
-/// Runs the command.
-pub fn run(args: &Args) -> Result<()> {
-    match &args.source {
-        ImportSource::Ztbus(args) => ztbus(args),
-    }
 }
 
 #[derive(Serialize)]
@@ -64,7 +43,8 @@ struct PassSummary {
     file: PathBuf,
 }
 
-fn ztbus(args: &ZtbusArgs) -> Result<()> {
+/// Runs the command.
+pub(super) fn run(args: &Args) -> Result<()> {
     // The whole mission is read and split before the first file is written.
     let mission = Mission::read(&args.file)?;
     let passes = mission.passes();

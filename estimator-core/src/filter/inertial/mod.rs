@@ -1,0 +1,434 @@
+//! The accelerometer as a second measurement of the force.
+//!
+//! An accelerometer along the vehicle reads the change of speed plus the gravity along the road. The
+//! force model computes the same sum from torque and resistance, so that the accelerometer measures
+//! the input of the prediction, cell by cell, without a difference of speeds. Both are combined by
+//! their variances: where the model holds, it is better by a factor of ten or more; where it does
+//! not (shifts, brakes, launches, missing torque), the accelerometer stands in. Filter and smoother
+//! see another input, another F and another Q, and need no state more.
+//!
+//! | file | content |
+//! |---|---|
+//! | `slow_errors` | offset, pitch under acceleration, and scale, learned where the model holds |
+//! | `unchanged_traction` | for how long the traction stays the same to the last digit |
+//! | `weighing` | the scale that it shows, as a measurement of the filter |
+//! | `force_test` | whether force and accelerometer agree |
+
+mod force_test;
+mod slow_errors;
+mod unchanged_traction;
+mod weighing;
+
+use super::measurement::ScalarMeasurement;
+use super::noise_ratio::NoiseRatio;
+use super::predict::{MeasuredMotion, Prediction};
+use super::state::State;
+use super::state_index::StateIndex::{Altitude, Bias, Scale, Slope};
+use crate::cell::Condition;
+use crate::context::Context;
+use crate::counters::count;
+use crate::sample::{InertialMeasurement, Sample};
+use crate::scalar::Scalar;
+use crate::tuning::{Inertial, Tuning};
+use crate::vehicle::GRAVITY;
+use force_test::{Finding, ForceTest, Innovation};
+use slow_errors::{Regressors, SlowErrors};
+use weighing::Weighing;
+
+/// Slope that an acceleration of 1 m/s² amounts to, %.
+const PERCENT_PER_MPS2: f32 = 100.0 / GRAVITY;
+
+/// What is known of the accelerometer.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Accelerometer {
+    errors: SlowErrors,
+    noise: NoiseRatio,
+    test: ForceTest,
+    /// Distance over which the errors were learned, m.
+    learned_m: f32,
+    is_trusted: bool,
+    /// The last measurement, m/s², and cells since it changed.
+    last_mps2: f32,
+    unchanged_cells: u16,
+    /// Distance over which it stands in for the model, up to the last cell, m.
+    alone_m: f32,
+    /// Distance over which the force is not believed, m.
+    doubted_m: f32,
+    /// Variance of the change of speed by the model where it last held, (m/s²)².
+    model_variance: f32,
+    weighing: Weighing,
+    widening: Widening,
+}
+
+/// What the state does not know yet of the accelerometer's errors, %².
+#[derive(Clone, Copy, Debug, Default)]
+struct Widening {
+    /// Variance that the slope that is read shares with the bias.
+    shared: f32,
+    /// Variance of the slope alone.
+    slope: f32,
+    /// Variance of the altitude, m².
+    altitude: f32,
+}
+
+impl Accelerometer {
+    /// Creates it before its first reading.
+    pub(super) fn new(tuning: &Tuning) -> Self {
+        let tuning = &tuning.inertial;
+        Self {
+            errors: SlowErrors::new(tuning),
+            noise: NoiseRatio::new(1.0, tuning.ratio_low, tuning.ratio_high, tuning.ratio_gain),
+            test: ForceTest::new(),
+            learned_m: 0.0,
+            is_trusted: false,
+            last_mps2: f32::NAN,
+            unchanged_cells: 0,
+            alone_m: 0.0,
+            doubted_m: 0.0,
+            model_variance: 0.0,
+            weighing: Weighing::default(),
+            widening: Widening::default(),
+        }
+    }
+
+    /// Returns what is known for a second pass over the same drive. The offset may have been another
+    /// one at its start.
+    pub(super) fn second_pass(&self, tuning: &Tuning) -> Self {
+        let mut errors = self.errors;
+        let changed = tuning.inertial.changed_offset_sigma_mps2;
+        errors.walk(changed * changed, &tuning.inertial);
+        errors.open_scale(tuning.prior.open_scale_sigma);
+        Self {
+            errors,
+            noise: self.noise,
+            learned_m: self.learned_m,
+            is_trusted: self.is_trusted,
+            ..Self::new(tuning)
+        }
+    }
+
+    /// Returns the sample as one without a known traction, if the accelerometer shows that its force
+    /// is wrong.
+    #[inline]
+    pub(super) fn without_force(&self, sample: &Sample) -> Option<Sample> {
+        if !self.test.disagrees() || sample.inertial.is_none() {
+            return None;
+        }
+        let mut doubted = *sample;
+        doubted.end.condition = Condition {
+            no_traction: true,
+            ..sample.end.condition
+        };
+        Some(doubted)
+    }
+
+    pub(super) fn debug(&self) -> (f32, f32, f32, f32, (f32, f32), bool) {
+        let (scale, v) = self.errors.scale();
+        let (c, vc) = self.errors.expected(Regressors::new(0.0, 0.0, 0.0));
+        (
+            scale,
+            libm::sqrtf(v),
+            c,
+            libm::sqrtf(vc),
+            self.errors.gains(),
+            self.is_trusted,
+        )
+    }
+
+    /// Returns whether it stood in for the model up to the last cell.
+    pub(super) fn stood_in(&self) -> bool {
+        self.alone_m > 0.0
+    }
+
+    /// Opens the scale: the load may be another one.
+    pub(super) fn open_scale(&mut self, tuning: &Tuning) {
+        self.errors.open_scale(tuning.prior.open_scale_sigma);
+        self.weighing = Weighing::default();
+    }
+
+    /// Widens the state by what it does not know yet of the accelerometer's errors.
+    #[inline]
+    pub(super) fn widen<S: Scalar>(&mut self, state: &mut State<S>) {
+        let Widening {
+            shared,
+            slope,
+            altitude,
+        } = core::mem::take(&mut self.widening);
+        if shared + slope <= 0.0 {
+            return;
+        }
+        let covariance = &mut state.covariance;
+        // An offset moves the slope that is read, and not that of the road.
+        let joint = covariance.get(Slope, Bias) + S::from_f32(shared);
+        covariance.set(Slope, Bias, joint);
+        covariance.add_variance(Bias, S::from_f32(shared));
+        covariance.add_variance(Slope, S::from_f32(shared + slope));
+        covariance.add_variance(Altitude, S::from_f32(altitude));
+    }
+
+    /// Combines the prediction over the cell of a sample with the accelerometer, and learns from
+    /// their difference. `reported` is the condition without what the accelerometer says of it.
+    /// Returns the number of cells in which force and accelerometer disagree, up to this one.
+    #[inline]
+    pub(super) fn advance<S: Scalar>(
+        &mut self,
+        context: &mut Context,
+        sample: &Sample,
+        reported: Condition,
+        state: Option<&State<S>>,
+        prediction: &mut Prediction<S>,
+    ) -> Option<u32> {
+        match (&sample.inertial, state) {
+            (Some(measured), Some(state)) if sample.gap_cells == 0 => {
+                self.measure(context, sample, reported, state, prediction, measured)
+            }
+            _ => {
+                if self.learned_m > 0.0 {
+                    self.interrupt(&context.tuning);
+                }
+                None
+            }
+        }
+    }
+
+    fn offset_variance(&self) -> f32 {
+        let (_, variance) = self.errors.expected(Regressors::new(0.0, 0.0, 0.0));
+        variance
+    }
+
+    /// Notes a cell without a reading.
+    fn interrupt(&mut self, tuning: &Tuning) {
+        self.test.restart();
+        self.end_alone(self.offset_variance(), tuning);
+        self.doubted_m = 0.0;
+    }
+
+    #[inline(never)] // Vehicles without one do not pay for it.
+    fn measure<S: Scalar>(
+        &mut self,
+        context: &mut Context,
+        sample: &Sample,
+        reported: Condition,
+        state: &State<S>,
+        prediction: &mut Prediction<S>,
+        measured: &InertialMeasurement,
+    ) -> Option<u32> {
+        let tuning = &context.tuning;
+        let motion = prediction.motion(state, sample.length_m);
+        let regressors = Regressors::new(
+            motion.felt_mps2,
+            motion.change_mps2,
+            motion.net_traction_percent,
+        );
+        self.walk(sample, prediction, tuning);
+        let (expected_mps2, expected_variance) = self.errors.expected(regressors);
+        let sigma = tuning.inertial.acceleration_sigma_mps2;
+        let step = measured.resolution_mps2;
+        let own_variance = self.noise.ratio() * sigma * sigma / f32::from(measured.count.max(1))
+            + step * step / 12.0;
+        let holds = reported.is_valid() && !reported.crawling;
+        if holds && !self.test.disagrees() {
+            self.model_variance = motion.variance;
+        }
+        let innovation = Innovation {
+            mps2: measured.acceleration_mps2 - motion.felt_mps2 - expected_mps2,
+            white_variance: own_variance + self.model_variance,
+            expected_variance,
+        };
+        if self.is_frozen(measured, &tuning.inertial) {
+            self.reject(context);
+            return None;
+        }
+        let mut disagreeing = None;
+        if holds {
+            self.test.note_traction(sample, &context.model.vehicle);
+        }
+        if holds && self.is_trusted {
+            disagreeing = self.compare(innovation, sample, tuning);
+        }
+        if self.test.disagrees() {
+            self.doubted_m += sample.length_m;
+            disagreeing = disagreeing.or(Some(1));
+            if self.doubted_m > tuning.inertial.longest_m {
+                // Either may be wrong. Without it, the estimate is what it is on other vehicles.
+                self.reject(context);
+                return disagreeing;
+            }
+        } else {
+            self.doubted_m = 0.0;
+            // In low gears the torque that turns the engine is known worse.
+            if holds && motion.variance < own_variance {
+                self.learn(context, sample, regressors, innovation, state);
+            }
+        }
+        // A traction that stands still is no better known than tractions change.
+        let stale_percent = context.tuning.inertial.unchanged_percent_per_s * self.test.unusual_s();
+        prediction.add_force_noise(stale_percent / PERCENT_PER_MPS2, sample.length_m);
+        let (gain, change_gain) = self.errors.gains();
+        let (offset_mps2, _) =
+            self.errors
+                .expected(Regressors::new(0.0, 0.0, motion.net_traction_percent));
+        let felt_mps2 = (measured.acceleration_mps2 - offset_mps2) / gain;
+        let change_mps2 = felt_mps2 - motion.gravity_mps2;
+        let (_, variance) = self.errors.expected(Regressors::new(
+            felt_mps2,
+            change_mps2,
+            motion.net_traction_percent,
+        ));
+        let most = context.tuning.inertial.usable_sigma_mps2;
+        if !self.is_trusted || variance > most * most {
+            self.end_alone(variance, &context.tuning);
+            return disagreeing;
+        }
+        let weight = prediction.combine(
+            &MeasuredMotion {
+                acceleration_mps2: measured.acceleration_mps2 - offset_mps2,
+                per_change: change_gain,
+                per_gravity: gain,
+                variance: own_variance,
+            },
+            sample.length_m,
+        );
+        self.follow_use(weight, variance, sample, &context.tuning);
+        disagreeing
+    }
+
+    /// Returns the scale that it shows as a measurement, if there is a new one.
+    #[inline]
+    pub(super) fn weigh<S: Scalar>(
+        &mut self,
+        sample: &Sample,
+        state: &State<S>,
+        tuning: &Tuning,
+    ) -> Option<ScalarMeasurement<S>> {
+        if !self.is_trusted || sample.inertial.is_none() || self.test.disagrees() {
+            return None;
+        }
+        self.weighing
+            .next(self.errors.scale(), self.learned_m, state, &tuning.inertial)
+    }
+
+    /// Lets the errors walk over a cell: with the temperature of the sensor, and with the slow errors
+    /// of the model, which are part of them.
+    fn walk<S: Scalar>(&mut self, sample: &Sample, prediction: &Prediction<S>, tuning: &Tuning) {
+        let drift = tuning.inertial.drift_mps2_per_sqrt_s;
+        let of_model = prediction.slow_variance() / (PERCENT_PER_MPS2 * PERCENT_PER_MPS2);
+        self.errors.walk(
+            drift * drift * sample.duration_s + of_model,
+            &tuning.inertial,
+        );
+    }
+
+    /// Returns whether the reading is stuck: it stays the same to the last digit.
+    fn is_frozen(&mut self, measured: &InertialMeasurement, tuning: &Inertial) -> bool {
+        let is_same = measured.acceleration_mps2 == self.last_mps2;
+        self.last_mps2 = measured.acceleration_mps2;
+        self.unchanged_cells = if is_same {
+            self.unchanged_cells.saturating_add(1)
+        } else {
+            0
+        };
+        self.unchanged_cells >= tuning.frozen_cells
+    }
+
+    /// Compares force and accelerometer. Returns the number of cells in which they disagree, if that
+    /// is found now.
+    fn compare(&mut self, innovation: Innovation, sample: &Sample, tuning: &Tuning) -> Option<u32> {
+        match self
+            .test
+            .add(innovation, &mut self.errors, &tuning.inertial)
+        {
+            Finding::Nothing => None,
+            Finding::Disagrees { cells, error_mps2 } => {
+                let percent = PERCENT_PER_MPS2 * error_mps2;
+                let climb_m = 0.005 * percent * cells as f32 * sample.length_m;
+                let part = tuning.inertial.doubt * percent;
+                self.widening = Widening {
+                    shared: part * part,
+                    slope: percent * percent,
+                    altitude: climb_m * climb_m,
+                };
+                Some(cells)
+            }
+            Finding::AgreesAgain => None,
+        }
+    }
+
+    /// Learns from a cell in which the model holds.
+    fn learn<S: Scalar>(
+        &mut self,
+        context: &mut Context,
+        sample: &Sample,
+        regressors: Regressors,
+        innovation: Innovation,
+        state: &State<S>,
+    ) {
+        let tuning = &context.tuning;
+        let squared = innovation.mps2 * innovation.mps2;
+        let variance = innovation.white_variance + innovation.expected_variance;
+        let largest = tuning.measurement_noise.largest_innovation;
+        if squared > largest * variance && self.is_trusted {
+            return;
+        }
+        self.errors
+            .update(regressors, innovation.mps2, innovation.white_variance);
+        self.noise.learn(squared / variance, largest);
+        self.learned_m += sample.length_m;
+        let least_m = tuning.inertial.learned_m;
+        if self.learned_m < least_m {
+            return;
+        }
+        let (scale, scale_variance) = self.errors.total_scale();
+        let known = state.covariance.variance(Scale).to_f32();
+        let difference = scale - state.mean[Scale].to_f32();
+        let of_sensor = tuning.inertial.scale_error;
+        let most = scale_variance + known + of_sensor * of_sensor;
+        if difference * difference > 9.0 * most || self.test.usual() > tuning.inertial.largest_usual
+        {
+            // Upside down, in another unit, or on another axis.
+            self.reject(context);
+            return;
+        }
+        let excited = tuning.inertial.known_scale_sigma;
+        let (_, variance) = self.errors.expected(regressors);
+        let sigma = tuning.inertial.known_sigma_mps2;
+        self.is_trusted |= scale_variance < excited * excited && variance < sigma * sigma;
+    }
+
+    /// Stops using it until it has been learned anew.
+    fn reject(&mut self, context: &mut Context) {
+        if self.is_trusted || self.learned_m > 0.0 {
+            count(&mut context.counters.accelerometers_rejected);
+        }
+        self.end_alone(self.offset_variance(), &context.tuning);
+        *self = Self {
+            widening: self.widening,
+            last_mps2: self.last_mps2,
+            unchanged_cells: self.unchanged_cells,
+            ..Self::new(&context.tuning)
+        };
+    }
+
+    /// Notes how much of the prediction is the accelerometer's. Over a long distance its slow error
+    /// matters more than its noise, and is the same in all cells.
+    fn follow_use(&mut self, weight: f32, variance: f32, sample: &Sample, tuning: &Tuning) {
+        if weight < 0.5 {
+            self.end_alone(variance, tuning);
+            return;
+        }
+        let before_m = self.alone_m;
+        self.alone_m += sample.length_m;
+        let least_m = tuning.inertial.alone_m;
+        if before_m < least_m && self.alone_m >= least_m {
+            self.widening.shared += variance * PERCENT_PER_MPS2 * PERCENT_PER_MPS2;
+        }
+    }
+
+    /// Ends a stretch over which it stood in for the model: the slope is read by the force again.
+    fn end_alone(&mut self, variance: f32, tuning: &Tuning) {
+        if self.alone_m >= tuning.inertial.alone_m {
+            self.widening.shared += variance * PERCENT_PER_MPS2 * PERCENT_PER_MPS2;
+        }
+        self.alone_m = 0.0;
+    }
+}

@@ -1,0 +1,110 @@
+//! How far a map is shifted along the road, from the grades alone.
+
+use crate::cell::{CELL_LENGTH_M, Cell, Uncertain};
+use libm::sqrtf;
+
+/// Cells of which the map's grade is held: more than the fixed lag.
+const HELD: usize = 256;
+/// Cells on each side between which the map's grade changes.
+const ASIDE: u32 = 2;
+/// Unit of the grades that are held, %.
+const UNIT_PERCENT: f32 = 0.001;
+/// Distance over which shifts are averaged, m.
+const MEMORY_M: f32 = 1_000.0;
+/// Cells whose differences count as one: errors of a lagged grade last some 50 m.
+const CORRELATED_CELLS: f32 = 20.0;
+/// Standard deviation of a shift before anything is known, m.
+const PRIOR_M: f32 = 5.0;
+/// A shift that makes a map useless, m and standard deviations, and one that does no harm, m.
+const DISPLACED_M: f32 = 8.0;
+const DISPLACED_SIGMAS: f32 = 3.0;
+const ALIGNED_M: f32 = 5.0;
+
+/// Compares lagged grades with the grades of the map: where they differ in proportion to the change
+/// of grade along the road, the map is shifted. Lagged grades are used because live grades lag
+/// behind the road as if they were shifted themselves.
+#[derive(Clone, Debug)]
+pub(super) struct Alignment {
+    /// Grades of the map, the newest at its cell's number modulo [`HELD`].
+    grades: [Option<i16>; HELD],
+    newest: u32,
+    /// Sum of squared changes over their variances, 1/m², and that of differences times changes, 1/m.
+    information: f32,
+    product: f32,
+    is_displaced: bool,
+}
+
+impl Alignment {
+    pub(super) const fn new() -> Self {
+        Self {
+            grades: [None; HELD],
+            newest: 0,
+            information: 0.0,
+            product: 0.0,
+            is_displaced: false,
+        }
+    }
+
+    /// Holds the grade of the map at a cell, %.
+    pub(super) fn hold(&mut self, cell: u32, grade_percent: Option<f32>) {
+        let first = self.newest.max(cell.saturating_sub(HELD as u32 - 1));
+        for skipped in first..cell {
+            self.grades[skipped as usize % HELD] = None;
+        }
+        self.newest = cell + 1;
+        self.grades[cell as usize % HELD] = grade_percent
+            .map(|grade| grade / UNIT_PERCENT)
+            .filter(|units| units.abs() < f32::from(i16::MAX))
+            .map(|units| units as i16);
+    }
+
+    /// Compares a finished cell with the map. `map_sigma_percent` is the standard deviation of the
+    /// map's grade.
+    pub(super) fn compare(&mut self, cell: &Cell, map_sigma_percent: f32) {
+        let number = cell.end.cell;
+        let held = |cell: u32| {
+            let age = self.newest.checked_sub(cell)?;
+            if age == 0 || age as usize > HELD {
+                return None;
+            }
+            let units = self.grades[cell as usize % HELD]?;
+            Some(f32::from(units) * UNIT_PERCENT)
+        };
+        let (Some(here), Some(before), Some(after)) = (
+            held(number),
+            number.checked_sub(ASIDE).and_then(held),
+            held(number.saturating_add(ASIDE)),
+        ) else {
+            return;
+        };
+        let Uncertain { value, sigma } = cell.lagged_grade_percent;
+        let variance = sigma * sigma + map_sigma_percent * map_sigma_percent;
+        if variance <= 0.0 || !value.is_finite() {
+            return;
+        }
+        let change = (after - before) / (2.0 * ASIDE as f32 * CELL_LENGTH_M);
+        let forget = 1.0 - CELL_LENGTH_M / MEMORY_M;
+        self.information = forget * self.information + change * change / variance;
+        self.product = forget * self.product + change * (value - here) / variance;
+        let shift = self.shift_m();
+        if shift.value.abs() > DISPLACED_M.max(DISPLACED_SIGMAS * shift.sigma) {
+            self.is_displaced = true;
+        } else if shift.value.abs() < ALIGNED_M {
+            self.is_displaced = false;
+        }
+    }
+
+    /// Returns how far the vehicle is ahead of its place on the map, m.
+    pub(super) fn shift_m(&self) -> Uncertain {
+        let information = self.information / CORRELATED_CELLS + 1.0 / (PRIOR_M * PRIOR_M);
+        Uncertain {
+            value: self.product / CORRELATED_CELLS / information,
+            sigma: sqrtf(1.0 / information),
+        }
+    }
+
+    /// Returns whether the map is shifted by so much that it does harm.
+    pub(super) const fn is_displaced(&self) -> bool {
+        self.is_displaced
+    }
+}

@@ -1,0 +1,411 @@
+//! Where the vehicle is on the map: several hypotheses, moved by the odometer and compared with
+//! positions and course.
+//!
+//! A hypothesis is a place on a way. At each join it splits: one part stays on the way, one takes
+//! the join. Positions tell which fits. In a tunnel, all go on with the odometer. Away from the map,
+//! or where all hypotheses are poor, the index gives new ones near the position. The work per cell
+//! is bounded: positions are compared every 10 m, and the index is searched tile by tile.
+
+use super::along::Along;
+use super::block::Block;
+use super::packed_map::{PackedMap, TileBlocks};
+use super::path::{Foot, Moved, Path, cells_of, metres_between, nearest_place};
+use super::tile::Tile;
+use crate::cell::{CELL_LENGTH_M, CellEnd};
+use heapless::Vec;
+use libm::{expf, sqrtf};
+
+/// Most hypotheses.
+const MOST_PATHS: usize = 6;
+/// Cells from one comparison with a position to the next.
+const UPDATE_CELLS: u32 = 4;
+/// Distance of the two positions that make a course, m.
+const COURSE_M: f32 = 20.0;
+/// Distance over which misfits are averaged, m.
+const MEMORY_M: f32 = 200.0;
+/// Standard deviation of a position across the way, m: lanes, position error, offset of the map.
+const ACROSS_SIGMA_M: f32 = 6.0;
+/// Standard deviation along it, m. More than the noise: the place follows slowly.
+const AHEAD_SIGMA_M: f32 = 15.0;
+/// Cost of a course across the way.
+const COURSE_COST: f32 = 30.0;
+/// Largest misfit of one position.
+const WORST: f32 = 25.0;
+/// A hypothesis whose misfit is larger is dropped ...
+const DROPPED: f32 = 9.0;
+/// ... or by this larger than that of the best one ...
+const DROPPED_BESIDE: f32 = 4.0;
+/// ... after this distance, m.
+const TRIED_M: f32 = 50.0;
+/// The place counts as known after this distance, m, with at most this misfit, at this probability.
+const KNOWN_M: f32 = 100.0;
+const KNOWN_MISFIT: f32 = 4.0;
+const KNOWN_PROBABILITY: f32 = 0.9;
+/// Independent positions within the memory.
+const INDEPENDENT: f32 = 3.0;
+/// Hypotheses within this distance on one way are one, cells.
+const SAME_CELLS: f32 = 12.0;
+/// Largest distance of a new hypothesis from the position, m.
+const REACH_M: f32 = 30.0;
+/// Least cosine between the course and the way of a new hypothesis.
+const COURSE_COSINE: f32 = 0.8;
+/// Distance between two searches of the index while a place is known, m.
+const SEARCH_M: f32 = 100.0;
+/// Blocks of the index that are looked at for one position.
+const BLOCKS_AT_ONCE: usize = 2;
+/// Without a comparison for this distance, the place is no longer known, m.
+const BLIND_M: f32 = 20_000.0;
+/// Most cells in one advance. After a longer gap nothing is known.
+const MOST_CELLS: u32 = 400;
+
+/// A place on the map.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MapPlace {
+    /// Offset of the way.
+    pub way: u32,
+    /// Offset of the block.
+    pub block: u32,
+    /// Where along the way: the number of a cell, and a part of one.
+    pub cell: f32,
+    /// Standard deviation along the way, m.
+    pub sigma_m: f32,
+    /// Probability that the vehicle is on this way, among the ways of the map.
+    pub probability: f32,
+}
+
+/// Where the vehicle is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum MapMatch {
+    /// On the map, at this place.
+    On(MapPlace),
+    /// Perhaps on the map: too early to tell, or several ways fit.
+    Unclear,
+    /// Not on the map.
+    Off,
+}
+
+/// The search of the index around a position.
+#[derive(Clone, Debug)]
+struct Search<'m> {
+    blocks: TileBlocks<'m>,
+    /// Corners of the tiles that are still to be looked at.
+    corners_left: u8,
+    position_e7: (i32, i32),
+    course: [f32; 2],
+    /// Driven cells when the position was taken.
+    cell: u32,
+}
+
+/// Follows the vehicle on a map.
+#[derive(Clone, Debug)]
+pub struct Matcher<'m> {
+    map: PackedMap<'m>,
+    paths: Vec<Path<'m>, MOST_PATHS>,
+    along: Along,
+    cell: Option<u32>,
+    updated_cell: u32,
+    /// Where the course was last measured from, and the course.
+    course_from: Option<(i32, i32)>,
+    course: Option<[f32; 2]>,
+    search: Option<Search<'m>>,
+    searched_m: f32,
+    blind_m: f32,
+}
+
+impl<'m> Matcher<'m> {
+    /// Creates a matcher that does not know where the vehicle is.
+    #[must_use]
+    pub fn new(map: PackedMap<'m>) -> Self {
+        Self {
+            map,
+            paths: Vec::new(),
+            along: Along::new(),
+            cell: None,
+            updated_cell: 0,
+            course_from: None,
+            course: None,
+            search: None,
+            searched_m: f32::INFINITY,
+            blind_m: 0.0,
+        }
+    }
+
+    /// Returns the map.
+    #[must_use]
+    pub const fn map(&self) -> &PackedMap<'m> {
+        &self.map
+    }
+
+    /// Moves on to the end of a cell.
+    pub fn advance(&mut self, end: &CellEnd) {
+        let cells = self.cell.map_or(1, |cell| end.cell.saturating_sub(cell));
+        self.cell = Some(end.cell);
+        if cells > MOST_CELLS {
+            self.paths.clear();
+        }
+        let metres = CELL_LENGTH_M * cells as f32;
+        self.move_paths(cells as f32);
+        self.along.advance(metres);
+        self.blind_m += metres;
+        self.searched_m += metres;
+        if self.blind_m > BLIND_M {
+            self.paths.clear();
+        }
+        if end.cell.saturating_sub(self.updated_cell) < UPDATE_CELLS {
+            return;
+        }
+        let Some(position_e7) = end.position_e7 else {
+            self.course_from = None;
+            return;
+        };
+        let between_m = CELL_LENGTH_M * end.cell.saturating_sub(self.updated_cell) as f32;
+        self.updated_cell = end.cell;
+        self.measure_course(position_e7);
+        if let Some(course) = self.course {
+            self.compare(position_e7, course, between_m.min(MEMORY_M));
+            self.look_around(position_e7, course, end.cell);
+        }
+    }
+
+    /// Returns where the vehicle is.
+    #[must_use]
+    pub fn place(&self) -> MapMatch {
+        let Some(best) = self.best() else {
+            return MapMatch::Off;
+        };
+        let probability = self.probability(best);
+        let is_known = best.matched_m >= KNOWN_M
+            && best.misfit <= KNOWN_MISFIT
+            && probability >= KNOWN_PROBABILITY;
+        if is_known {
+            MapMatch::On(self.place_of(best, probability))
+        } else {
+            MapMatch::Unclear
+        }
+    }
+
+    /// Returns the hypotheses, with their probabilities.
+    pub fn hypotheses(&self) -> impl Iterator<Item = MapPlace> {
+        self.paths
+            .iter()
+            .map(|path| self.place_of(path, self.probability(path)))
+    }
+
+    fn place_of(&self, path: &Path<'m>, probability: f32) -> MapPlace {
+        MapPlace {
+            way: path.block.way,
+            block: path.block.offset,
+            cell: path.cell(),
+            sigma_m: self.along.sigma_m(),
+            probability,
+        }
+    }
+
+    fn best(&self) -> Option<&Path<'m>> {
+        self.paths
+            .iter()
+            .min_by(|a, b| a.misfit.total_cmp(&b.misfit))
+    }
+
+    /// Returns the probability of a hypothesis among all.
+    fn probability(&self, path: &Path<'m>) -> f32 {
+        let weight = |other: &Path<'m>| {
+            expf((0.5 * INDEPENDENT * (path.misfit - other.misfit)).clamp(-80.0, 80.0))
+        };
+        1.0 / self.paths.iter().map(weight).sum::<f32>().max(1.0)
+    }
+
+    /// Moves all hypotheses, and splits them at joins.
+    fn move_paths(&mut self, cells: f32) {
+        let cells = cells * (1.0 + self.along.scale);
+        let map = self.map;
+        let mut forks: Vec<Path<'m>, MOST_PATHS> = Vec::new();
+        self.paths.retain_mut(|path| {
+            let (misfit, matched_m) = (path.misfit, path.matched_m);
+            let moved = path.advance(&map, cells, |join, beyond| {
+                let cell = join.to_cell as f32 + beyond;
+                if let Ok(mut fork) = Path::new(&map, join.to_way, join.to_block, cell) {
+                    fork.misfit = misfit;
+                    fork.matched_m = matched_m;
+                    let _ = forks.push(fork);
+                }
+            });
+            moved == Moved::On
+        });
+        for fork in forks {
+            self.add(fork);
+        }
+    }
+
+    /// Adds a hypothesis unless there is one at its place. The poorest one makes room.
+    fn add(&mut self, path: Path<'m>) {
+        if self
+            .paths
+            .iter()
+            .any(|known| known.is_at(&path, SAME_CELLS))
+        {
+            return;
+        }
+        if let Err(path) = self.paths.push(path)
+            && let Some(poorest) = self
+                .paths
+                .iter_mut()
+                .max_by(|a, b| a.misfit.total_cmp(&b.misfit))
+            && poorest.misfit > path.misfit
+        {
+            *poorest = path;
+        }
+    }
+
+    /// Measures the course from a position some way back.
+    fn measure_course(&mut self, position_e7: (i32, i32)) {
+        let Some(from) = self.course_from else {
+            self.course_from = Some(position_e7);
+            return;
+        };
+        let way = metres_between(from, position_e7);
+        let length = sqrtf(way[0] * way[0] + way[1] * way[1]);
+        if length >= COURSE_M {
+            self.course = Some(way.map(|part| part / length));
+            self.course_from = Some(position_e7);
+        }
+    }
+
+    /// Compares all hypotheses with a position, and drops the poor ones.
+    fn compare(&mut self, position_e7: (i32, i32), course: [f32; 2], metres: f32) {
+        let gain = self.along.update();
+        let mut best: Option<(f32, f32)> = None;
+        for path in &mut self.paths {
+            let Some(foot) = path.foot(position_e7) else {
+                continue;
+            };
+            let now = misfit(&foot, course).min(WORST);
+            let memory_m = (path.matched_m + metres).min(MEMORY_M);
+            path.misfit += (now - path.misfit) * metres / memory_m.max(metres);
+            path.matched_m = (path.matched_m + metres).min(1e6);
+            let ahead_m = foot.ahead_m.clamp(-AHEAD_SIGMA_M, AHEAD_SIGMA_M);
+            path.at_cells += cells_of(gain.place * ahead_m);
+            if best.is_none_or(|(misfit, _)| path.misfit < misfit) {
+                best = Some((path.misfit, ahead_m));
+            }
+        }
+        if let Some((least, ahead_m)) = best {
+            self.blind_m = 0.0;
+            self.along.learn(gain, ahead_m);
+            self.paths.retain(|path| {
+                path.matched_m < TRIED_M
+                    || (path.misfit < DROPPED && path.misfit < least + DROPPED_BESIDE)
+            });
+        }
+        self.merge();
+    }
+
+    /// Drops hypotheses that have come to the place of a better one.
+    fn merge(&mut self) {
+        let mut kept: Vec<Path<'m>, MOST_PATHS> = Vec::new();
+        for path in core::mem::take(&mut self.paths) {
+            match kept
+                .iter_mut()
+                .find(|known| known.is_at(&path, 0.5 * SAME_CELLS))
+            {
+                Some(known) if path.misfit < known.misfit => *known = path,
+                Some(_) => {}
+                None => {
+                    let _ = kept.push(path);
+                }
+            }
+        }
+        self.paths = kept;
+    }
+
+    /// Looks for other ways near the position, a few blocks at once.
+    fn look_around(&mut self, position_e7: (i32, i32), course: [f32; 2], cell: u32) {
+        let is_known = matches!(self.place(), MapMatch::On(_));
+        let search = match &mut self.search {
+            Some(search) => search,
+            None if is_known && self.searched_m < SEARCH_M => return,
+            None => {
+                self.searched_m = 0.0;
+                self.search.insert(Search {
+                    blocks: self.map.blocks_in(corner(position_e7, 0)),
+                    corners_left: 3,
+                    position_e7,
+                    course,
+                    cell,
+                })
+            }
+        };
+        for _ in 0..BLOCKS_AT_ONCE {
+            let Some(offset) = search.blocks.next().and_then(Result::ok) else {
+                // The next tile that is not one of those before.
+                let next = (0..search.corners_left)
+                    .rev()
+                    .map(|left| (left, corner(search.position_e7, 3 - left)))
+                    .find(|(left, tile)| {
+                        (0..3 - left).all(|before| corner(search.position_e7, before) != *tile)
+                    });
+                match next {
+                    Some((left, tile)) => {
+                        search.corners_left = left;
+                        search.blocks = self.map.blocks_in(tile);
+                        continue;
+                    }
+                    None => {
+                        self.search = None;
+                        return;
+                    }
+                }
+            };
+            let Ok(block) = self.map.block(offset) else {
+                continue;
+            };
+            if let Some(path) = candidate(&self.map, &block, search, cell) {
+                if self.paths.is_empty() {
+                    self.along.restart();
+                }
+                self.add(path);
+                return;
+            }
+        }
+    }
+}
+
+/// Returns a new hypothesis on a block, if the position of the search is near it.
+fn candidate<'m>(
+    map: &PackedMap<'m>,
+    block: &Block<'m>,
+    search: &Search<'m>,
+    cell: u32,
+) -> Option<Path<'m>> {
+    let (at_cells, foot) = nearest_place(block, search.position_e7, search.course, COURSE_COSINE)?;
+    if foot.distance_m() > REACH_M {
+        return None;
+    }
+    let way = map.way(block.way).ok()?;
+    let driven = cell.saturating_sub(search.cell) as f32;
+    let mut path = Path::in_block(map, &way, *block, at_cells + driven).ok()?;
+    path.misfit = misfit(&foot, search.course);
+    Some(path)
+}
+
+/// Returns how badly a position and a course fit, in standard deviations squared.
+fn misfit(foot: &Foot, course: [f32; 2]) -> f32 {
+    let square = |x: f32| x * x;
+    let cosine = course[0] * foot.direction[0] + course[1] * foot.direction[1];
+    square(foot.left_m / ACROSS_SIGMA_M)
+        + square(foot.ahead_m / AHEAD_SIGMA_M)
+        + COURSE_COST * (1.0 - cosine)
+}
+
+/// Returns the tile at one of the four corners around a position.
+fn corner(position_e7: (i32, i32), index: u8) -> Tile {
+    /// More than the reach in latitude, and in longitude up to 70 degrees of it, 10⁻⁷ degrees.
+    const ASIDE_E7: i32 = 8_000;
+    let aside = |angle: i32, is_more: bool| {
+        angle.saturating_add(if is_more { ASIDE_E7 } else { -ASIDE_E7 })
+    };
+    Tile::of(
+        aside(position_e7.0, index & 1 != 0),
+        aside(position_e7.1, index & 2 != 0),
+    )
+}

@@ -1,0 +1,58 @@
+//! The map on the vehicle: `MAP.grade`, read in place from a byte slice.
+//!
+//! [`PackedMap`] reads a map from flash, a file or a memory map without copying it. `roadgrade pack`
+//! writes it. `docs/map-grade.md` specifies the format; [`format`] has its constants.
+//!
+//! A way is a line in one direction of travel. Its cells have a number: the distance along the way
+//! over 2.5 m. A [`Block`] is up to 128 cells of one way without a gap. Each record ends with a
+//! checksum, which is checked when the record is read. A map of a country opens as fast as one of a
+//! road, and damage in one place leaves the others usable.
+//!
+//! ```
+//! use estimator_core::roadmap::{MapError, PackedMap, Tile};
+//!
+//! fn grades_near(map: &[u8], latitude_e7: i32, longitude_e7: i32) -> Result<(), MapError> {
+//!     let map = PackedMap::open(map)?;
+//!     for block in map.blocks_in(Tile::of(latitude_e7, longitude_e7)) {
+//!         let block = map.block(block?)?;
+//!         for cell in block.cells()? {
+//!             let _ = (block.way, cell.cell, cell.grade_percent, cell.grade_sigma_percent);
+//!         }
+//!     }
+//!     Ok(())
+//! }
+//! # assert_eq!(grades_near(b"other", 0, 0), Err(MapError::Magic));
+//! ```
+
+mod alignment;
+mod along;
+mod block;
+mod horizon;
+mod map_error;
+mod map_live;
+mod matcher;
+mod packed_map;
+mod path;
+mod profile;
+mod record;
+mod tile;
+
+pub use block::{Block, Cells, MapCell, MapPoint, Points};
+pub use horizon::{Branch, Horizon, HorizonPoint, MOST_BRANCHES};
+pub use map_error::MapError;
+pub use map_live::{MapCounters, MapLive};
+pub use matcher::{MapMatch, MapPlace, Matcher};
+pub use packed_map::{Blocks, Join, Joins, MapWay, PackedMap, TileBlocks, WayDirection, Ways};
+pub use tile::Tile;
+
+/// Constants of the format, for those who write it: `docs/map-grade.md`.
+pub mod format {
+    pub use super::block::{
+        ALTITUDE_CELLS, ALTITUDE_UNITS_PER_CM, GRADE_UNITS_PER_PERCENT, HEADER as BLOCK_HEADER,
+        MOST_CELLS, SIGMA_CELLS, SIGMA_CODES_PER_OCTAVE, SIGMA_UNIT_PERCENT,
+    };
+    pub use super::packed_map::{
+        HEADER, INDEX_ENTRIES, INDEX_PAGE, JOIN, MAGIC, VERSION, WAY_HEADER,
+    };
+    pub use super::record::checksum;
+}

@@ -1,0 +1,392 @@
+//! A packed map: its header, ways, joins and index.
+
+use super::block::Block;
+use super::map_error::MapError;
+use super::record::{Numbers, record, sized_record};
+use super::tile::Tile;
+
+/// First bytes of a packed map.
+pub const MAGIC: [u8; 4] = *b"rgm\x1a";
+/// Version of the format.
+pub const VERSION: u32 = 1;
+/// Bytes of the header.
+pub const HEADER: usize = 64;
+/// Bytes of a way before its name.
+pub const WAY_HEADER: usize = 28;
+/// Bytes of a join.
+pub const JOIN: usize = 20;
+/// Bytes of a page of the index.
+pub const INDEX_PAGE: usize = 256;
+/// Entries of a page of the index.
+pub const INDEX_ENTRIES: usize = 31;
+
+/// Length of a cell, mm.
+const CELL_MM: u32 = 2_500;
+/// Bytes of an entry of the index.
+const INDEX_ENTRY: usize = 8;
+
+/// A map in the form that the vehicle reads, in place.
+#[derive(Clone, Copy, Debug)]
+pub struct PackedMap<'m> {
+    bytes: &'m [u8],
+    first_way: u32,
+    ways: u32,
+    first_block: u32,
+    blocks_end: u32,
+    first_page: u32,
+    pages: u32,
+}
+
+/// Direction in which a way is driven.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WayDirection {
+    /// In the order of the points that its name stands for.
+    Forward,
+    /// Against it.
+    Backward,
+    /// The map is of a single road.
+    SingleRoad,
+}
+
+/// A way: a line in one direction of travel.
+#[derive(Clone, Copy, Debug)]
+pub struct MapWay<'m> {
+    /// Offset of its record, by which blocks and joins name it.
+    pub offset: u32,
+    /// Its name, not necessarily unique: both directions have the same.
+    pub name: &'m str,
+    /// Direction in which it is driven.
+    pub direction: WayDirection,
+    /// Number of its first cell.
+    pub first_cell: i32,
+    /// Number of its last cell.
+    pub last_cell: i32,
+    /// Offset of its first block.
+    pub first_block: u32,
+    /// End of its last block.
+    pub blocks_end: u32,
+    first_join: u32,
+    joins: u32,
+    next: u32,
+}
+
+/// A place where one way can be left for another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Join {
+    /// Cell of the way at which it is left.
+    pub at_cell: i32,
+    /// Offset of the way that is entered.
+    pub to_way: u32,
+    /// Cell at which it is entered.
+    pub to_cell: i32,
+    /// Offset of the first block that ends at or behind this cell.
+    pub to_block: u32,
+}
+
+impl<'m> PackedMap<'m> {
+    /// Opens the map at the start of these bytes. What follows it is ignored.
+    ///
+    /// Only the header is read, so that a map of a country is opened as fast as one of a road.
+    ///
+    /// # Errors
+    /// Returns why these bytes are no map that this release can read.
+    pub fn open(bytes: &'m [u8]) -> Result<Self, MapError> {
+        if !bytes.starts_with(&MAGIC) {
+            return Err(MapError::Magic);
+        }
+        let mut numbers = Numbers::from(bytes, MAGIC.len())?;
+        let version = numbers.u32().map_err(|_| MapError::CutOff)?;
+        if version != VERSION {
+            return Err(MapError::Version(version));
+        }
+        let mut numbers = Numbers::from(record(bytes, 0, HEADER)?, 8)?;
+        let length = numbers.u32()?;
+        let bytes = usize::try_from(length)
+            .ok()
+            .and_then(|length| bytes.get(..length))
+            .ok_or(MapError::CutOff)?;
+        if numbers.u32()? != CELL_MM {
+            return Err(MapError::Content);
+        }
+        Ok(Self {
+            bytes,
+            first_way: numbers.u32()?,
+            ways: numbers.u32()?,
+            first_block: numbers.u32()?,
+            blocks_end: numbers.u32()?,
+            first_page: numbers.u32()?,
+            pages: numbers.u32()?,
+        })
+    }
+
+    /// Returns the number of its bytes.
+    #[must_use]
+    pub const fn len(&self) -> usize {
+        self.bytes.len()
+    }
+
+    /// Returns whether it has no ways.
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        self.ways == 0
+    }
+
+    /// Returns its ways. After an error there are no more.
+    #[must_use]
+    pub const fn ways(&self) -> Ways<'m> {
+        Ways {
+            map: *self,
+            next: self.first_way,
+            left: self.ways,
+        }
+    }
+
+    /// Returns the way whose record is at an offset.
+    ///
+    /// # Errors
+    /// Returns an error if there is none, or if it is damaged.
+    pub fn way(&self, offset: u32) -> Result<MapWay<'m>, MapError> {
+        let content = sized_record(self.bytes, offset)?;
+        let mut numbers = Numbers(content);
+        let length = numbers.u16()?;
+        let direction = match numbers.u8()? {
+            0 => WayDirection::Forward,
+            1 => WayDirection::Backward,
+            2 => WayDirection::SingleRoad,
+            _ => return Err(MapError::Content),
+        };
+        let name_bytes = numbers.u8()?;
+        Ok(MapWay {
+            offset,
+            direction,
+            first_cell: numbers.i32()?,
+            last_cell: numbers.i32()?,
+            first_block: numbers.u32()?,
+            blocks_end: numbers.u32()?,
+            first_join: numbers.u32()?,
+            joins: numbers.u32()?,
+            name: core::str::from_utf8(numbers.bytes(name_bytes.into())?)
+                .map_err(|_| MapError::Content)?,
+            next: offset.checked_add(length.into()).ok_or(MapError::Content)?,
+        })
+    }
+
+    /// Returns the joins at which a way is left, in the order of their cells. After an error there
+    /// are no more.
+    #[must_use]
+    pub const fn joins(&self, way: &MapWay<'m>) -> Joins<'m> {
+        Joins {
+            map: *self,
+            next: way.first_join,
+            left: way.joins,
+        }
+    }
+
+    /// Returns the block at an offset.
+    ///
+    /// # Errors
+    /// Returns an error if there is none, or if it is damaged.
+    pub fn block(&self, offset: u32) -> Result<Block<'m>, MapError> {
+        if !(self.first_block..self.blocks_end).contains(&offset) {
+            return Err(MapError::Content);
+        }
+        Block::read(self.bytes, offset)
+    }
+
+    /// Returns the blocks of a way, in the order of their cells. After an error there are no more.
+    #[must_use]
+    pub const fn blocks(&self, way: &MapWay<'m>) -> Blocks<'m> {
+        Blocks {
+            map: *self,
+            next: way.first_block,
+            end: way.blocks_end,
+        }
+    }
+
+    /// Returns the offsets of the blocks with a cell in a tile. After an error there are no more.
+    #[must_use]
+    pub fn blocks_in(&self, tile: Tile) -> TileBlocks<'m> {
+        let (mut low, mut high) = (0, self.pages);
+        // The first page whose last entry is not before the tile. Only this page and those after it
+        // are checked: a damaged entry on the way leads to no blocks, never to wrong ones.
+        while low < high {
+            let middle = low + (high - low) / 2;
+            match self.last_key(middle) {
+                Some(key) if key < tile.key() => low = middle + 1,
+                _ => high = middle,
+            }
+        }
+        TileBlocks {
+            map: *self,
+            tile,
+            page: low,
+            entry: 0,
+            content: None,
+        }
+    }
+
+    fn page_offset(&self, page: u32) -> Option<u32> {
+        let bytes = page.checked_mul(u32::try_from(INDEX_PAGE).ok()?)?;
+        self.first_page.checked_add(bytes)
+    }
+
+    /// Returns the last tile of a page, unchecked.
+    fn last_key(&self, page: u32) -> Option<u32> {
+        let start = usize::try_from(self.page_offset(page)?).ok()?;
+        let content = self.bytes.get(start..)?.get(..INDEX_PAGE)?;
+        let entries = Numbers::from(content, INDEX_ENTRIES * INDEX_ENTRY)
+            .ok()?
+            .u32()
+            .ok()?;
+        let last = usize::try_from(entries).ok()?.checked_sub(1)?;
+        let at = last.min(INDEX_ENTRIES - 1) * INDEX_ENTRY;
+        Numbers::from(content, at).ok()?.u32().ok()
+    }
+}
+
+impl<'m> MapWay<'m> {
+    /// Returns whether a cell is within its ends.
+    #[must_use]
+    pub const fn contains(&self, cell: i32) -> bool {
+        self.first_cell <= cell && cell <= self.last_cell
+    }
+}
+
+/// The ways of a map.
+#[derive(Clone, Debug)]
+pub struct Ways<'m> {
+    map: PackedMap<'m>,
+    next: u32,
+    left: u32,
+}
+
+impl<'m> Iterator for Ways<'m> {
+    type Item = Result<MapWay<'m>, MapError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        self.left = self.left.checked_sub(1)?;
+        let way = self.map.way(self.next);
+        match &way {
+            Ok(way) => self.next = way.next,
+            Err(_) => self.left = 0,
+        }
+        Some(way)
+    }
+}
+
+/// The joins at which a way is left.
+#[derive(Clone, Debug)]
+pub struct Joins<'m> {
+    map: PackedMap<'m>,
+    next: u32,
+    left: u32,
+}
+
+impl Iterator for Joins<'_> {
+    type Item = Result<Join, MapError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        self.left = self.left.checked_sub(1)?;
+        let join = self.read();
+        if join.is_err() {
+            self.left = 0;
+        }
+        Some(join)
+    }
+}
+
+impl Joins<'_> {
+    fn read(&mut self) -> Result<Join, MapError> {
+        let mut numbers = Numbers(record(self.map.bytes, self.next, JOIN)?);
+        self.next = u32::try_from(JOIN)
+            .ok()
+            .and_then(|length| self.next.checked_add(length))
+            .ok_or(MapError::Content)?;
+        Ok(Join {
+            at_cell: numbers.i32()?,
+            to_way: numbers.u32()?,
+            to_cell: numbers.i32()?,
+            to_block: numbers.u32()?,
+        })
+    }
+}
+
+/// The blocks of a way.
+#[derive(Clone, Debug)]
+pub struct Blocks<'m> {
+    map: PackedMap<'m>,
+    next: u32,
+    end: u32,
+}
+
+impl<'m> Iterator for Blocks<'m> {
+    type Item = Result<Block<'m>, MapError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.next >= self.end {
+            return None;
+        }
+        let block = self.map.block(self.next);
+        self.next = match &block {
+            Ok(block) => block.next,
+            Err(_) => self.end,
+        };
+        Some(block)
+    }
+}
+
+/// Offsets of the blocks with a cell in a tile.
+#[derive(Clone, Debug)]
+pub struct TileBlocks<'m> {
+    map: PackedMap<'m>,
+    tile: Tile,
+    page: u32,
+    entry: usize,
+    /// The page, checked.
+    content: Option<&'m [u8]>,
+}
+
+impl Iterator for TileBlocks<'_> {
+    type Item = Result<u32, MapError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let entry = self.next_entry();
+        if !matches!(entry, Ok(Some(_))) {
+            self.page = self.map.pages;
+        }
+        entry.transpose()
+    }
+}
+
+impl TileBlocks<'_> {
+    fn next_entry(&mut self) -> Result<Option<u32>, MapError> {
+        while self.page < self.map.pages {
+            let content = match self.content {
+                Some(content) => content,
+                None => {
+                    let offset = self.map.page_offset(self.page).ok_or(MapError::Content)?;
+                    *self
+                        .content
+                        .insert(record(self.map.bytes, offset, INDEX_PAGE)?)
+                }
+            };
+            let entries = Numbers::from(content, INDEX_ENTRIES * INDEX_ENTRY)?.u32()?;
+            let entries = usize::try_from(entries).map_err(|_| MapError::Content)?;
+            while self.entry < entries.min(INDEX_ENTRIES) {
+                let mut numbers = Numbers::from(content, self.entry * INDEX_ENTRY)?;
+                let (key, offset) = (numbers.u32()?, numbers.u32()?);
+                self.entry += 1;
+                if key > self.tile.key() {
+                    return Ok(None);
+                }
+                if key == self.tile.key() {
+                    return Ok(Some(offset));
+                }
+            }
+            self.page += 1;
+            self.entry = 0;
+            self.content = None;
+        }
+        Ok(None)
+    }
+}

@@ -1,0 +1,97 @@
+//! The grade profile of a way from a place on.
+
+use super::block::{Block, Cells, MapCell};
+use super::packed_map::PackedMap;
+use crate::cell::{CELL_LENGTH_M, Uncertain};
+use libm::sqrtf;
+
+/// The cells of a way, one after the other, from a place on.
+#[derive(Clone, Debug)]
+pub(super) struct Profile<'m> {
+    map: PackedMap<'m>,
+    block: Block<'m>,
+    blocks_end: u32,
+    cells: Cells<'m>,
+    before: MapCell,
+    here: MapCell,
+}
+
+impl<'m> Profile<'m> {
+    /// Begins at a cell in a block of a way, or at the first cell behind it.
+    pub(super) fn new(map: PackedMap<'m>, block: u32, cell: f32) -> Option<Self> {
+        let block = map.block(block).ok()?;
+        let blocks_end = map.way(block.way).ok()?.blocks_end;
+        let mut cells = block.cells().ok()?;
+        let here = cells.next()?;
+        let mut profile = Self {
+            map,
+            block,
+            blocks_end,
+            cells,
+            before: here,
+            here,
+        };
+        profile.seek(cell).then_some(profile)
+    }
+
+    /// Returns the way.
+    pub(super) const fn way(&self) -> u32 {
+        self.block.way
+    }
+
+    /// Moves forward to the first cell at or behind this one. Returns false if the way ends before.
+    pub(super) fn seek(&mut self, cell: f32) -> bool {
+        while (self.here.cell as f32) < cell {
+            if !self.step() {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// Returns whether the profile need not go back to reach a cell.
+    pub(super) fn is_before(&self, cell: f32) -> bool {
+        self.before.cell as f32 <= cell
+    }
+
+    fn step(&mut self) -> bool {
+        let next = self.cells.next().or_else(|| {
+            if self.block.next >= self.blocks_end {
+                return None;
+            }
+            self.block = self.map.block(self.block.next).ok()?;
+            self.cells = self.block.cells().ok()?;
+            self.cells.next()
+        });
+        match next {
+            Some(next) => {
+                self.before = self.here;
+                self.here = next;
+                true
+            }
+            None => false,
+        }
+    }
+
+    /// Returns the grade at a place between the last two cells, %. `None` in a gap of the map. An
+    /// error of the place by `sigma_m` changes the grade by as much as it changes along the road.
+    pub(super) fn grade_percent(&self, cell: f32, sigma_m: f32) -> Option<Uncertain> {
+        let (a, b) = (&self.before, &self.here);
+        let cells = b.cell - a.cell;
+        let part = if cells == 0 {
+            1.0
+        } else {
+            (cell - a.cell as f32) / cells as f32
+        };
+        if cells > 1 || !(-0.5..=1.5).contains(&part) {
+            return None;
+        }
+        let change = b.grade_percent - a.grade_percent;
+        let moved = change * sigma_m / CELL_LENGTH_M;
+        let sigma = b.grade_sigma_percent;
+        Some(Uncertain {
+            value: a.grade_percent + part * change,
+            sigma: sqrtf(sigma * sigma + moved * moved),
+        })
+    }
+}

@@ -1,0 +1,77 @@
+//! `roadgrade horizon`: the grade ahead, along a recorded drive.
+
+use super::log_options::LogOptions;
+use super::outputs;
+use crate::error::{Error, Result};
+use crate::files::csv::stage_csv;
+use crate::files::vehicle::VehicleFile;
+use crate::map::open_packed_map;
+use crate::recorder::horizons_of_log;
+use crate::terminal::progress;
+use std::path::PathBuf;
+
+/// Arguments of `horizon`.
+#[derive(Debug, clap::Args)]
+#[command(
+    after_help = "HORIZON.csv has, for every second in which the place on the map is known, the grade ahead \
+    every 25 m. Branch 0 is the most probable path; other branches begin where they leave it. \
+    Columns: time_s, distance_m (driven), branch, probability, ahead_m, grade_percent, \
+    grade_sigma_percent.\n\n\
+    Example:\n  \
+    roadgrade horizon --map map.grade --vehicle vehicle.toml --out ahead.csv mon.log"
+)]
+pub struct Args {
+    /// Packed map, as `pack` writes it.
+    #[arg(long, value_name = "MAP.grade")]
+    map: PathBuf,
+    /// Vehicle parameters.
+    #[arg(long, value_name = "V.toml")]
+    vehicle: PathBuf,
+    /// File for the grade ahead.
+    #[arg(long, value_name = "HORIZON.csv")]
+    out: PathBuf,
+    /// Length of the horizon, m.
+    #[arg(long, value_name = "METRES", default_value_t = 2000.0, value_parser = length)]
+    length: f32,
+    #[command(flatten)]
+    reading: LogOptions,
+    /// Log of frames or signal table, as for `estimate`.
+    log: PathBuf,
+}
+
+/// Runs the command.
+pub fn run(args: &Args) -> Result<()> {
+    let inputs = [&*args.log, &*args.vehicle, &*args.map];
+    let inputs = inputs.into_iter().chain(args.reading.own().files());
+    outputs::check(inputs, [&*args.out])?;
+    outputs::check_file(&args.out, &["csv"])?;
+    let vehicle = VehicleFile::read(&args.vehicle)?;
+    let map = open_packed_map(&args.map)?;
+    let options = args.reading.read_options()?;
+    let bar = progress::bytes(args.log.metadata().map_or(0, |file| file.len()));
+    let rows = horizons_of_log(
+        &vehicle.model,
+        map,
+        args.length,
+        &args.log,
+        &options,
+        |read| {
+            bar.set_position(read);
+        },
+    );
+    bar.finish_and_clear();
+    let rows = rows?;
+    if rows.is_empty() {
+        let problem = "is never on the map; expected a drive over its ways";
+        return Err(Error::content(&args.log, problem));
+    }
+    stage_csv(&args.out, rows)?.commit()
+}
+
+fn length(argument: &str) -> std::result::Result<f32, String> {
+    argument
+        .parse()
+        .ok()
+        .filter(|metres| (25.0..=20_000.0).contains(metres))
+        .ok_or_else(|| "expected 25 to 20000 m".to_owned())
+}

@@ -1,0 +1,4 @@
+//! The map on the vehicle: its place on the map, the live grade with the map, and the grade ahead.
+
+mod live;
+mod places;

@@ -1,0 +1,18 @@
+# shellcheck shell=bash disable=SC2154 # Variables of tests/run.
+# The reader of packed maps that docs/map-grade.md shows: it prints what the program packed.
+
+check_map_format() {
+    need_program python3
+    local roadgrade=$target/debug/roadgrade maps=$work/maps
+    # All packages: these alone would be rebuilt with other features.
+    cargo build --bins
+    mkdir -p "$maps"
+    printf '[road]\nlength_m = 5000.0\n[[runs]]\nname = "a"\ntruck = "A"\n' >"$maps/scenario.toml"
+    "$roadgrade" simulate --scenario "$maps/scenario.toml" --out "$maps"
+    "$roadgrade" map --out "$maps/map" --vehicle "$maps/a.vehicle.toml" "$maps/a.log" >/dev/null
+    "$roadgrade" pack "$maps/map/map.csv" --out "$maps/map.grade"
+    "$roadgrade" export "$maps/map.grade" --out "$maps/back.csv"
+    sed -n '/^```python/,/^```/p' docs/map-grade.md | sed '1d;$d' >"$maps/read.py"
+    python3 "$maps/read.py" "$maps/map.grade" >"$maps/read.csv"
+    python3 tests/map_format/compare.py "$maps/back.csv" "$maps/read.csv"
+}
