@@ -89,8 +89,11 @@ fn table() {
                     .cells
                     .iter()
                     .find(|c| c.time_s > 600.0 && c.disagreement.torque);
-                let without_gnss =
-                    scenario(truck, seed, "[gnss]\noutages_m = [[12000.0, 22000.0]]\n");
+                let without_gnss = text.replacen(
+                    "[[runs]]",
+                    "[gnss]\noutages_m = [[12000.0, 22000.0]]\n[[runs]]",
+                    1,
+                );
                 let dark = live(&without_gnss, Fault::None);
                 let end = dark
                     .cells
