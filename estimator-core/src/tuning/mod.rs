@@ -126,6 +126,7 @@ tuning! {
         sum: f32 = 7.0, 0.1..=1e3, "1", "sum of blocks, in sigmas, that shows a wrong force", "a false one in a thousand kilometres";
         small_slack: f32 = 0.3, 0.0..=10.0, "1", "the same where a small error is looked for", "half of it";
         small_sum: f32 = 12.0, 0.1..=1e3, "1", "sum of blocks, in sigmas, that shows a small error", "as rare";
+        suspicion: f32 = 2.0, 0.0..=100.0, "1", "error of the force that is suspected where a sum is nearly that large, as a part of what the accelerometer shows, 1 sigma", "chosen";
         unchanged_part: f32 = 0.4, 0.0..=1.0, "1", "part of both sums that is enough while the traction stays the same to the last digit for unusually long", "a stuck torque does";
         unchanged_s: f32 = 3.5, 0.1..=1e4, "s", "time for which a traction stays the same to the last digit, beyond twice the longest so far, at which that part is reached", "chosen";
         agreed_sigmas: f32 = 2.0, 0.1..=100.0, "1", "largest difference of a block, in sigmas, that agrees", "two sigmas";

@@ -44,6 +44,10 @@ pub(super) struct ForceTest {
     large: TwoSidedSum,
     small: TwoSidedSum,
     cells: u32,
+    /// Sum of the innovations since then, m/s².
+    innovations_mps2: f32,
+    /// Sigma of the error of the force that the sums suggest, m/s².
+    suspected_mps2: f32,
     /// Usual square of a block over its variance, at least one: the noise may have any colour.
     usual: f32,
     /// Errors when the sums were last zero.
@@ -114,6 +118,8 @@ impl ForceTest {
             large: TwoSidedSum::ZERO,
             small: TwoSidedSum::ZERO,
             cells: 0,
+            innovations_mps2: 0.0,
+            suspected_mps2: 0.0,
             usual: 1.0,
             before: None,
             traction: UnchangedTraction::new(),
@@ -137,6 +143,11 @@ impl ForceTest {
     /// usual, s.
     pub(super) fn unusual_s(&self) -> f32 {
         self.traction.unusual_s()
+    }
+
+    /// Returns the sigma of the error of the force that is suspected, m/s².
+    pub(super) const fn suspected_mps2(&self) -> f32 {
+        self.suspected_mps2
     }
 
     /// Drops the sums: what comes does not follow what was.
@@ -177,11 +188,17 @@ impl ForceTest {
         let small = self.small.add(sigmas, tuning.small_slack);
         if large + small <= 0.0 {
             self.cells = 0;
+            self.innovations_mps2 = 0.0;
+            self.suspected_mps2 = 0.0;
             self.before = Some(*errors);
             return Finding::Nothing;
         }
         self.cells = self.cells.saturating_add(u32::from(block.cells));
         let part = self.limit_part(tuning);
+        self.innovations_mps2 += block.innovation_mps2;
+        let evidence = Scalar::max(large / tuning.sum, small / tuning.small_sum) / part;
+        let mean_mps2 = self.innovations_mps2 / self.cells as f32;
+        self.suspected_mps2 = tuning.suspicion * evidence * evidence * mean_mps2.abs();
         if large <= part * tuning.sum && small <= part * tuning.small_sum {
             return Finding::Nothing;
         }

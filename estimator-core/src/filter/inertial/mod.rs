@@ -263,7 +263,8 @@ impl Accelerometer {
         }
         // A traction that stands still is no better known than tractions change.
         let stale_percent = context.tuning.inertial.unchanged_percent_per_s * self.test.unusual_s();
-        prediction.add_force_noise(stale_percent / PERCENT_PER_MPS2, sample.length_m);
+        let suspected_mps2 = self.test.suspected_mps2() + stale_percent / PERCENT_PER_MPS2;
+        prediction.add_force_noise(suspected_mps2, sample.length_m);
         let (gain, change_gain) = self.errors.gains();
         let (offset_mps2, _) =
             self.errors
