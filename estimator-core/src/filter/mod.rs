@@ -165,11 +165,6 @@ impl<S: Scalar> Filter<S> {
         }
     }
 
-    /// Debug.
-    pub fn debug(&self) -> (f32, f32, f32, f32, (f32, f32), bool) {
-        self.accelerometer.debug()
-    }
-
     /// Returns the state; `None` before the first speed.
     #[must_use]
     pub const fn state(&self) -> Option<&State<S>> {

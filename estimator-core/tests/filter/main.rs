@@ -1,5 +1,6 @@
 //! The filter: its states, its solution, its statistics, its gates.
 
+mod accelerometer;
 mod altitude_gate;
 mod batch;
 #[cfg(feature = "fixed")]

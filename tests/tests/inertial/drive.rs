@@ -87,25 +87,6 @@ pub fn live(text: &str, fault: Fault) -> LiveDrive {
             };
             let state = filter.state().unwrap();
             let estimate = state.estimate(&ModelMass::of(&context, &sample));
-            if matches!(fault, Fault::None)
-                && std::env::var("DEBUG").is_ok()
-                && record.end.cell % 1600 == 0
-                && text.contains("accelerometer")
-            {
-                let m = &state.mean;
-                use estimator_core::filter::StateIndex::{Bias, Scale, Wind};
-                println!(
-                    "  {} km true scale {:.3} filter {:.3}+-{:.3} b+w {:.3}+-{:.3} acc {:.3?} {}",
-                    record.end.cell / 400,
-                    scenario.runs[0].true_scale() - 1.0,
-                    m[Scale],
-                    state.sigma(Scale),
-                    m[Bias] + m[Wind],
-                    state.sigma(Bias),
-                    filter.debug(),
-                    context.counters.accelerometers_rejected
-                );
-            }
             let time_s = record.end.time.micros() as f64 * 1e-6;
             let truth = drive.at(time_s);
             let road = &drive.road;

@@ -40,10 +40,14 @@ pub(super) enum Finding {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ForceTest {
     block: Block,
-    /// Cumulative sums of blocks above and below what is expected, and cells since both are zero.
-    above: f32,
-    below: f32,
+    /// Cumulative sums that look for a large and for a small error, and cells since both are zero.
+    large: TwoSidedSum,
+    small: TwoSidedSum,
     cells: u32,
+    /// Sum of the innovations since then, m/s².
+    innovations_mps2: f32,
+    /// Sigma of the error of the force that the sums suggest, m/s².
+    suspected_mps2: f32,
     /// Usual square of a block over its variance, at least one: the noise may have any colour.
     usual: f32,
     /// Errors when the sums were last zero.
@@ -81,6 +85,27 @@ impl Block {
     }
 }
 
+/// A cumulative sum of either sign.
+#[derive(Clone, Copy, Debug)]
+struct TwoSidedSum {
+    above: f32,
+    below: f32,
+}
+
+impl TwoSidedSum {
+    const ZERO: Self = Self {
+        above: 0.0,
+        below: 0.0,
+    };
+
+    /// Adds a block and returns the larger sum. `slack` is the part of each that is usual.
+    fn add(&mut self, sigmas: f32, slack: f32) -> f32 {
+        self.above = Scalar::max(0.0, self.above + sigmas - slack);
+        self.below = Scalar::max(0.0, self.below - sigmas - slack);
+        Scalar::max(self.above, self.below)
+    }
+}
+
 impl ForceTest {
     pub(super) const fn new() -> Self {
         Self {
@@ -90,9 +115,11 @@ impl ForceTest {
                 white_variance: 0.0,
                 expected_variance: 0.0,
             },
-            above: 0.0,
-            below: 0.0,
+            large: TwoSidedSum::ZERO,
+            small: TwoSidedSum::ZERO,
             cells: 0,
+            innovations_mps2: 0.0,
+            suspected_mps2: 0.0,
             usual: 1.0,
             before: None,
             traction: UnchangedTraction::new(),
@@ -116,6 +143,11 @@ impl ForceTest {
     /// usual, s.
     pub(super) fn unusual_s(&self) -> f32 {
         self.traction.unusual_s()
+    }
+
+    /// Returns the sigma of the error of the force that is suspected, m/s².
+    pub(super) const fn suspected_mps2(&self) -> f32 {
+        self.suspected_mps2
     }
 
     /// Drops the sums: what comes does not follow what was.
@@ -152,15 +184,22 @@ impl ForceTest {
         }
         let followed = Scalar::min(sigmas * sigmas, LARGEST_USUAL) - 1.0;
         self.usual = Scalar::max(1.0, self.usual * (1.0 + USUAL_GAIN * followed));
-        self.above = Scalar::max(0.0, self.above + sigmas - tuning.slack);
-        self.below = Scalar::max(0.0, self.below - sigmas - tuning.slack);
-        if self.above + self.below <= 0.0 {
+        let large = self.large.add(sigmas, tuning.slack);
+        let small = self.small.add(sigmas, tuning.small_slack);
+        if large + small <= 0.0 {
             self.cells = 0;
+            self.innovations_mps2 = 0.0;
+            self.suspected_mps2 = 0.0;
             self.before = Some(*errors);
             return Finding::Nothing;
         }
         self.cells = self.cells.saturating_add(u32::from(block.cells));
-        if Scalar::max(self.above, self.below) <= self.limit(tuning) {
+        let part = self.limit_part(tuning);
+        self.innovations_mps2 += block.innovation_mps2;
+        let evidence = Scalar::max(large / tuning.sum, small / tuning.small_sum) / part;
+        let mean_mps2 = self.innovations_mps2 / self.cells as f32;
+        self.suspected_mps2 = tuning.suspicion * evidence * evidence * mean_mps2.abs();
+        if large <= part * tuning.sum && small <= part * tuning.small_sum {
             return Finding::Nothing;
         }
         let cells = self.cells;
@@ -179,11 +218,11 @@ impl ForceTest {
         }
     }
 
-    /// Returns the sum beyond which the force is wrong: less while the traction is unchanged for
-    /// longer than is usual.
-    fn limit(&self, tuning: &Inertial) -> f32 {
+    /// Returns the part of the limits that counts: less while the traction is unchanged for longer
+    /// than is usual.
+    fn limit_part(&self, tuning: &Inertial) -> f32 {
         let left = 1.0 - self.traction.unusual_s() / tuning.unchanged_s;
-        Scalar::max(tuning.sum_unchanged, tuning.sum * Scalar::min(1.0, left))
+        Scalar::max(tuning.unchanged_part, Scalar::min(1.0, left))
     }
 
     fn wait_for_agreement(&mut self, sigmas: f32, tuning: &Inertial) -> Finding {

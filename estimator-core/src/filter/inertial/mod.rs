@@ -12,18 +12,22 @@
 //! | `slow_errors` | offset, pitch under acceleration, and scale, learned where the model holds |
 //! | `unchanged_traction` | for how long the traction stays the same to the last digit |
 //! | `weighing` | the scale that it shows, as a measurement of the filter |
+//! | `alone` | what the state must know where the accelerometer stands in |
+//! | `frozen_reading` | whether the readings are stuck |
 //! | `force_test` | whether force and accelerometer agree |
 
+mod alone;
 mod force_test;
+mod frozen_reading;
 mod slow_errors;
 mod unchanged_traction;
 mod weighing;
 
 use super::measurement::ScalarMeasurement;
 use super::noise_ratio::NoiseRatio;
-use super::predict::{MeasuredMotion, Prediction};
+use super::predict::{MeasuredMotion, ModelMotion, Prediction};
 use super::state::State;
-use super::state_index::StateIndex::{Altitude, Bias, Scale, Slope};
+use super::state_index::StateIndex::Scale;
 use crate::cell::Condition;
 use crate::context::Context;
 use crate::counters::count;
@@ -31,7 +35,9 @@ use crate::sample::{InertialMeasurement, Sample};
 use crate::scalar::Scalar;
 use crate::tuning::{Inertial, Tuning};
 use crate::vehicle::GRAVITY;
+use alone::Alone;
 use force_test::{Finding, ForceTest, Innovation};
+use frozen_reading::FrozenReading;
 use slow_errors::{Regressors, SlowErrors};
 use weighing::Weighing;
 
@@ -47,28 +53,20 @@ pub(super) struct Accelerometer {
     /// Distance over which the errors were learned, m.
     learned_m: f32,
     is_trusted: bool,
-    /// The last measurement, m/s², and cells since it changed.
-    last_mps2: f32,
-    unchanged_cells: u16,
-    /// Distance over which it stands in for the model, up to the last cell, m.
-    alone_m: f32,
+    reading: FrozenReading,
+    alone: Alone,
     /// Distance over which the force is not believed, m.
     doubted_m: f32,
     /// Variance of the change of speed by the model where it last held, (m/s²)².
     model_variance: f32,
     weighing: Weighing,
-    widening: Widening,
 }
 
-/// What the state does not know yet of the accelerometer's errors, %².
-#[derive(Clone, Copy, Debug, Default)]
-struct Widening {
-    /// Variance that the slope that is read shares with the bias.
-    shared: f32,
-    /// Variance of the slope alone.
-    slope: f32,
-    /// Variance of the altitude, m².
-    altitude: f32,
+impl ModelMotion {
+    /// Returns what the slow errors are multiplied with.
+    fn regressors(&self) -> Regressors {
+        Regressors::new(self.felt_mps2, self.change_mps2, self.net_traction_percent)
+    }
 }
 
 impl Accelerometer {
@@ -81,13 +79,11 @@ impl Accelerometer {
             test: ForceTest::new(),
             learned_m: 0.0,
             is_trusted: false,
-            last_mps2: f32::NAN,
-            unchanged_cells: 0,
-            alone_m: 0.0,
+            reading: FrozenReading::new(),
+            alone: Alone::default(),
             doubted_m: 0.0,
             model_variance: 0.0,
             weighing: Weighing::default(),
-            widening: Widening::default(),
         }
     }
 
@@ -122,22 +118,9 @@ impl Accelerometer {
         Some(doubted)
     }
 
-    pub(super) fn debug(&self) -> (f32, f32, f32, f32, (f32, f32), bool) {
-        let (scale, v) = self.errors.scale();
-        let (c, vc) = self.errors.expected(Regressors::new(0.0, 0.0, 0.0));
-        (
-            scale,
-            libm::sqrtf(v),
-            c,
-            libm::sqrtf(vc),
-            self.errors.gains(),
-            self.is_trusted,
-        )
-    }
-
     /// Returns whether it stood in for the model up to the last cell.
     pub(super) fn stood_in(&self) -> bool {
-        self.alone_m > 0.0
+        self.alone.is_on()
     }
 
     /// Opens the scale: the load may be another one.
@@ -149,21 +132,7 @@ impl Accelerometer {
     /// Widens the state by what it does not know yet of the accelerometer's errors.
     #[inline]
     pub(super) fn widen<S: Scalar>(&mut self, state: &mut State<S>) {
-        let Widening {
-            shared,
-            slope,
-            altitude,
-        } = core::mem::take(&mut self.widening);
-        if shared + slope <= 0.0 {
-            return;
-        }
-        let covariance = &mut state.covariance;
-        // An offset moves the slope that is read, and not that of the road.
-        let joint = covariance.get(Slope, Bias) + S::from_f32(shared);
-        covariance.set(Slope, Bias, joint);
-        covariance.add_variance(Bias, S::from_f32(shared));
-        covariance.add_variance(Slope, S::from_f32(shared + slope));
-        covariance.add_variance(Altitude, S::from_f32(altitude));
+        self.alone.widen(state);
     }
 
     /// Combines the prediction over the cell of a sample with the accelerometer, and learns from
@@ -199,7 +168,8 @@ impl Accelerometer {
     /// Notes a cell without a reading.
     fn interrupt(&mut self, tuning: &Tuning) {
         self.test.restart();
-        self.end_alone(self.offset_variance(), tuning);
+        self.alone.believe();
+        self.alone.end(self.offset_variance(), &tuning.inertial);
         self.doubted_m = 0.0;
     }
 
@@ -213,84 +183,97 @@ impl Accelerometer {
         prediction: &mut Prediction<S>,
         measured: &InertialMeasurement,
     ) -> Option<u32> {
-        let tuning = &context.tuning;
-        let motion = prediction.motion(state, sample.length_m);
-        let regressors = Regressors::new(
-            motion.felt_mps2,
-            motion.change_mps2,
-            motion.net_traction_percent,
-        );
-        self.walk(sample, prediction, tuning);
-        let (expected_mps2, expected_variance) = self.errors.expected(regressors);
-        let sigma = tuning.inertial.acceleration_sigma_mps2;
-        let step = measured.resolution_mps2;
-        let own_variance = self.noise.ratio() * sigma * sigma / f32::from(measured.count.max(1))
-            + step * step / 12.0;
-        let holds = reported.is_valid() && !reported.crawling;
-        if holds && !self.test.disagrees() {
-            self.model_variance = motion.variance;
-        }
-        let innovation = Innovation {
-            mps2: measured.acceleration_mps2 - motion.felt_mps2 - expected_mps2,
-            white_variance: own_variance + self.model_variance,
-            expected_variance,
-        };
-        if self.is_frozen(measured, &tuning.inertial) {
+        let tuning = &context.tuning.inertial;
+        if self.reading.is_frozen(measured, tuning) {
             self.reject(context);
             return None;
         }
+        self.walk(sample, prediction, &context.tuning);
+        let motion = prediction.motion(state, sample.length_m);
+        let own_variance = self.own_variance(measured, &context.tuning.inertial);
+        let holds = reported.is_valid() && !reported.crawling;
         let mut disagreeing = None;
         if holds {
-            self.test.note_traction(sample, &context.model.vehicle);
-        }
-        if holds && self.is_trusted {
-            disagreeing = self.compare(innovation, sample, tuning);
-        }
-        if self.test.disagrees() {
-            self.doubted_m += sample.length_m;
-            disagreeing = disagreeing.or(Some(1));
-            if self.doubted_m > tuning.inertial.longest_m {
-                // Either may be wrong. Without it, the estimate is what it is on other vehicles.
-                self.reject(context);
-                return disagreeing;
+            if !self.test.disagrees() {
+                self.model_variance = motion.variance;
             }
-        } else {
-            self.doubted_m = 0.0;
+            let regressors = motion.regressors();
+            let (expected_mps2, expected_variance) = self.errors.expected(regressors);
+            let innovation = Innovation {
+                mps2: measured.acceleration_mps2 - motion.felt_mps2 - expected_mps2,
+                white_variance: own_variance + self.model_variance,
+                expected_variance,
+            };
+            self.test.note_traction(sample, &context.model.vehicle);
+            if self.is_trusted {
+                disagreeing = self.compare(innovation, sample, &context.tuning);
+            }
             // In low gears the torque that turns the engine is known worse.
-            if holds && motion.variance < own_variance {
+            if !self.test.disagrees() && motion.variance < own_variance {
                 self.learn(context, sample, regressors, innovation, state);
             }
         }
-        // A traction that stands still is no better known than tractions change.
-        let stale_percent = context.tuning.inertial.unchanged_percent_per_s * self.test.unusual_s();
-        prediction.add_force_noise(stale_percent / PERCENT_PER_MPS2, sample.length_m);
-        let (gain, change_gain) = self.errors.gains();
-        let (offset_mps2, _) =
-            self.errors
-                .expected(Regressors::new(0.0, 0.0, motion.net_traction_percent));
-        let felt_mps2 = (measured.acceleration_mps2 - offset_mps2) / gain;
-        let change_mps2 = felt_mps2 - motion.gravity_mps2;
-        let (_, variance) = self.errors.expected(Regressors::new(
-            felt_mps2,
-            change_mps2,
-            motion.net_traction_percent,
-        ));
-        let most = context.tuning.inertial.usable_sigma_mps2;
-        if !self.is_trusted || variance > most * most {
-            self.end_alone(variance, &context.tuning);
-            return disagreeing;
+        if self.test.disagrees() {
+            disagreeing = disagreeing.or(Some(1));
+            self.doubted_m += sample.length_m;
+            if self.doubted_m > context.tuning.inertial.longest_m {
+                // Either may be wrong. Without it, the estimate is what it is on other vehicles.
+                self.reject(context);
+            }
+        } else {
+            self.doubted_m = 0.0;
         }
+        self.stand_in(context, sample, &motion, prediction, measured, own_variance);
+        disagreeing
+    }
+
+    /// Returns the variance of the noise of a measurement, (m/s²)².
+    fn own_variance(&self, measured: &InertialMeasurement, tuning: &Inertial) -> f32 {
+        let (sigma, step) = (tuning.acceleration_sigma_mps2, measured.resolution_mps2);
+        self.noise.ratio() * sigma * sigma / f32::from(measured.count.max(1)) + step * step / 12.0
+    }
+
+    /// Combines the prediction with the measurement, if its errors are known well enough.
+    fn stand_in<S: Scalar>(
+        &mut self,
+        context: &Context,
+        sample: &Sample,
+        motion: &ModelMotion,
+        prediction: &mut Prediction<S>,
+        measured: &InertialMeasurement,
+        own_variance: f32,
+    ) {
+        let tuning = &context.tuning.inertial;
+        let (gain, change_gain) = self.errors.gains();
+        let traction_percent = motion.net_traction_percent;
+        let (offset_mps2, _) = self
+            .errors
+            .expected(Regressors::new(0.0, 0.0, traction_percent));
+        let acceleration_mps2 = measured.acceleration_mps2 - offset_mps2;
+        let felt_mps2 = acceleration_mps2 / gain;
+        let change_mps2 = felt_mps2 - motion.gravity_mps2;
+        let (_, variance) =
+            self.errors
+                .expected(Regressors::new(felt_mps2, change_mps2, traction_percent));
+        let most = tuning.usable_sigma_mps2;
+        if !self.is_trusted || variance > most * most {
+            self.alone.end(variance, tuning);
+            return;
+        }
+        // A traction that stands still is no better known than tractions change.
+        let stale_percent = tuning.unchanged_percent_per_s * self.test.unusual_s();
+        let suspected_mps2 = self.test.suspected_mps2() + stale_percent / PERCENT_PER_MPS2;
+        prediction.add_force_noise(suspected_mps2, sample.length_m);
         let weight = prediction.combine(
             &MeasuredMotion {
-                acceleration_mps2: measured.acceleration_mps2 - offset_mps2,
+                acceleration_mps2,
                 per_change: change_gain,
                 per_gravity: gain,
                 variance: own_variance,
             },
             sample.length_m,
         );
-        self.follow_use(weight, variance, sample, &context.tuning);
-        disagreeing
+        self.alone.follow(weight, variance, sample.length_m, tuning);
     }
 
     /// Returns the scale that it shows as a measurement, if there is a new one.
@@ -319,18 +302,6 @@ impl Accelerometer {
         );
     }
 
-    /// Returns whether the reading is stuck: it stays the same to the last digit.
-    fn is_frozen(&mut self, measured: &InertialMeasurement, tuning: &Inertial) -> bool {
-        let is_same = measured.acceleration_mps2 == self.last_mps2;
-        self.last_mps2 = measured.acceleration_mps2;
-        self.unchanged_cells = if is_same {
-            self.unchanged_cells.saturating_add(1)
-        } else {
-            0
-        };
-        self.unchanged_cells >= tuning.frozen_cells
-    }
-
     /// Compares force and accelerometer. Returns the number of cells in which they disagree, if that
     /// is found now.
     fn compare(&mut self, innovation: Innovation, sample: &Sample, tuning: &Tuning) -> Option<u32> {
@@ -340,17 +311,14 @@ impl Accelerometer {
         {
             Finding::Nothing => None,
             Finding::Disagrees { cells, error_mps2 } => {
-                let percent = PERCENT_PER_MPS2 * error_mps2;
-                let climb_m = 0.005 * percent * cells as f32 * sample.length_m;
-                let part = tuning.inertial.doubt * percent;
-                self.widening = Widening {
-                    shared: part * part,
-                    slope: percent * percent,
-                    altitude: climb_m * climb_m,
-                };
+                let length_m = cells as f32 * sample.length_m;
+                self.alone.doubt(error_mps2, length_m, &tuning.inertial);
                 Some(cells)
             }
-            Finding::AgreesAgain => None,
+            Finding::AgreesAgain => {
+                self.alone.believe();
+                None
+            }
         }
     }
 
@@ -400,35 +368,13 @@ impl Accelerometer {
         if self.is_trusted || self.learned_m > 0.0 {
             count(&mut context.counters.accelerometers_rejected);
         }
-        self.end_alone(self.offset_variance(), &context.tuning);
+        self.alone
+            .end(self.offset_variance(), &context.tuning.inertial);
+        self.alone.believe();
         *self = Self {
-            widening: self.widening,
-            last_mps2: self.last_mps2,
-            unchanged_cells: self.unchanged_cells,
+            reading: self.reading,
+            alone: self.alone,
             ..Self::new(&context.tuning)
         };
-    }
-
-    /// Notes how much of the prediction is the accelerometer's. Over a long distance its slow error
-    /// matters more than its noise, and is the same in all cells.
-    fn follow_use(&mut self, weight: f32, variance: f32, sample: &Sample, tuning: &Tuning) {
-        if weight < 0.5 {
-            self.end_alone(variance, tuning);
-            return;
-        }
-        let before_m = self.alone_m;
-        self.alone_m += sample.length_m;
-        let least_m = tuning.inertial.alone_m;
-        if before_m < least_m && self.alone_m >= least_m {
-            self.widening.shared += variance * PERCENT_PER_MPS2 * PERCENT_PER_MPS2;
-        }
-    }
-
-    /// Ends a stretch over which it stood in for the model: the slope is read by the force again.
-    fn end_alone(&mut self, variance: f32, tuning: &Tuning) {
-        if self.alone_m >= tuning.inertial.alone_m {
-            self.widening.shared += variance * PERCENT_PER_MPS2 * PERCENT_PER_MPS2;
-        }
-        self.alone_m = 0.0;
     }
 }
