@@ -17,4 +17,4 @@ pub mod profile;
 pub mod windows;
 
 pub use profile::{InertialProfile, ProfilePoint};
-pub use windows::{Window, windows, windows_of};
+pub use windows::{Window, noise_percent, windows, windows_of};

@@ -95,13 +95,13 @@ impl InertialProfile {
         }
     }
 
-    /// Returns the state where this distance is first reached; `None` outside the drive.
+    /// Returns the state where this distance is first reached; `None` outside the drive and in a break.
     #[must_use]
     pub fn at_distance(&self, distance_m: f64) -> Option<ProfilePoint> {
         self.between(|point| point.distance_m, distance_m)
     }
 
-    /// Returns the state at this time; `None` outside the drive.
+    /// Returns the state at this time; `None` outside the drive and in a break.
     #[must_use]
     pub fn at_time(&self, time_s: f64) -> Option<ProfilePoint> {
         self.between(|point| point.time_s, time_s)
@@ -114,6 +114,12 @@ impl InertialProfile {
         let Some(a) = after.checked_sub(1).and_then(|k| self.points.get(k)) else {
             return (of(b) == value).then_some(*b);
         };
+        if of(b) == value {
+            return Some(*b);
+        }
+        if a.breaks != b.breaks {
+            return None;
+        }
         let part = (value - of(a)) / (of(b) - of(a));
         let mix = |of: fn(&ProfilePoint) -> f64| of(a) + part * (of(b) - of(a));
         Some(ProfilePoint {

@@ -84,6 +84,12 @@ fn judged(from: ProfilePoint, to: ProfilePoint, resolution_mps: f64) -> Option<W
     })
 }
 
+/// Returns the part of the sigma of a window of `length_m` that is not from its ends, %.
+#[must_use]
+pub fn noise_percent(length_m: f64) -> f64 {
+    NOISE_PERCENT_ROOT_M / length_m.sqrt()
+}
+
 /// Returns the sigma of a window without the offset: noise of the road, and at each end the speed's
 /// resolution (uniform) and what the speed changes in the uncertain time.
 fn sigma_percent(from: &ProfilePoint, to: &ProfilePoint, resolution_mps: f64) -> f64 {
@@ -93,7 +99,7 @@ fn sigma_percent(from: &ProfilePoint, to: &ProfilePoint, resolution_mps: f64) ->
             resolution_mps.powi(2) / 12.0 + (TIME_SIGMA_S * point.acceleration_mps2).powi(2);
         point.speed_mps.powi(2) * speed_variance
     };
-    let noise_variance = NOISE_PERCENT_ROOT_M.powi(2) / length_m;
+    let noise_variance = noise_percent(length_m).powi(2);
     let percent_per_joule = 100.0 / (GRAVITY_MPS2 * length_m);
     (noise_variance + percent_per_joule.powi(2) * (end(from) + end(to))).sqrt()
 }

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 /// Settings of a study.
 #[derive(Clone, Debug)]
 pub struct Setting {
-    /// Folder of the measured data: `ztbus/*.csv` and `srtm/*.hgt`.
+    /// Folder of the measured data: `ztbus/*.csv`, `srtm/*.hgt` and `i3/Trip*.csv.gz`.
     pub data: PathBuf,
     /// Seed of every random number.
     pub seed: u64,

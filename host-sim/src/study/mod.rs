@@ -13,6 +13,7 @@ mod drive_errors;
 pub mod experiments;
 pub mod fleet;
 pub mod gps;
+pub mod i3;
 pub mod sensitivity;
 pub mod sensors;
 pub mod windows;
@@ -34,4 +35,5 @@ pub const STUDIES: &[Study] = &[
     sensors::STUDY,
     fleet::STUDY,
     ztbus::STUDY,
+    i3::STUDY,
 ];

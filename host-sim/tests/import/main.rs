@@ -1,14 +1,26 @@
-//! `roadgrade import ztbus`: passes, tables, and unusable files.
+//! `roadgrade import`: tables of measured data sets, and unusable files.
 
 mod bad_input;
+mod i3;
 mod measured;
 mod mission_maker;
 mod passes;
 
 use assert_cmd::Command;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use test_kit::command::program;
 use test_kit::tables::columns;
+
+/// Returns the path of measured data; `None` if they are absent.
+fn shared(name: &str) -> Option<PathBuf> {
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");
+    let path = data.join(name);
+    if !path.exists() {
+        eprintln!("SKIPPED: no measured data at ../shared/data/{name}");
+        return None;
+    }
+    Some(path)
+}
 
 fn import(file: &Path, out: &Path) -> Command {
     let mut command = program();

@@ -1,22 +1,11 @@
 //! The measured mission and the terrain. Skipped where the data are absent.
 
-use crate::{check_pass_tables, import};
+use crate::{check_pass_tables, import, shared};
 use host_sim::source::terrain::Terrain;
 use host_sim::source::ztbus::{Mission, round_trips};
 use host_sim::study::drift::{ForceSample, vehicle_model_drift};
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
-
-/// Returns the path of a measured file; `None` if it is absent.
-fn shared(name: &str) -> Option<PathBuf> {
-    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");
-    let path = data.join(name);
-    if !path.exists() {
-        eprintln!("SKIPPED: no measured data at ../shared/data/{name}");
-        return None;
-    }
-    Some(path)
-}
+use std::path::PathBuf;
 
 fn measured_mission() -> Option<PathBuf> {
     shared("ztbus/B183_2021-07-26_03-53-27_2021-07-26_07-18-47.csv")

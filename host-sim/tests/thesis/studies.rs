@@ -69,3 +69,52 @@ fn the_same_seed_gives_the_same_bytes() {
     };
     assert_eq!(page("one"), page("two"));
 }
+
+#[test]
+fn the_measured_car_is_judged_by_its_accelerometer() {
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data");
+    if !data.join("i3").exists() {
+        eprintln!("SKIPPED: no measured data at ../shared/data/i3");
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    study("i3", folder.path(), &data).success();
+    let table = |name: &str| -> Vec<Vec<String>> {
+        let text = fs::read_to_string(folder.path().join(name)).unwrap();
+        let rows = csv::Reader::from_reader(text.as_bytes()).into_records();
+        rows.map(|row| row.unwrap().iter().map(str::to_owned).collect())
+            .collect()
+    };
+    let number = |text: &str| -> f64 { text.parse().unwrap() };
+    // The floor: far below what is judged.
+    let floor = table("i3_floor.csv");
+    assert!(floor.len() > 10, "{floor:?}");
+    for pair in &floor[..floor.len() - 1] {
+        assert!((0.03..0.25).contains(&number(&pair[5])), "{pair:?}");
+    }
+    let groups = table("i3_groups.csv");
+    let rms = |group: &str, what: &str| -> f64 {
+        let is_it = |row: &&Vec<String>| row[0] == "300" && row[1] == group && row[2] == what;
+        number(&groups.iter().find(is_it).unwrap()[4])
+    };
+    for group in ["summer", "winter"] {
+        let (smoothed, live) = (rms(group, "smoothed"), rms(group, "live"));
+        let elevation = rms(group, "elevation");
+        assert!(
+            smoothed < live && live < elevation,
+            "{group}: {smoothed} {live} {elevation}"
+        );
+        assert!(smoothed < 0.45, "{group}: {smoothed}");
+    }
+    assert_eq!(table("i3_trips.csv").len(), 25);
+}
+
+#[test]
+fn without_a_car_its_study_says_what_it_lacks() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    study("i3", &out, folder.path())
+        .code(1)
+        .stderr(predicate::str::contains("no i3/Trip*.csv.gz"));
+    assert!(!out.exists());
+}

@@ -74,6 +74,9 @@ fn name(path: &Path) -> Result<String> {
 fn rows(path: &Path) -> Result<(Vec<TripRow>, Places)> {
     let mut reader = csv::ReaderBuilder::new()
         .delimiter(b';')
+        // With a terminator of one byte, the lines of records are exact; the carriage return of
+        // CR LF is trimmed.
+        .terminator(csv::Terminator::Any(b'\n'))
         .has_headers(false)
         .flexible(true)
         .from_reader(Budget::new(
@@ -118,20 +121,26 @@ fn rows(path: &Path) -> Result<(Vec<TripRow>, Places)> {
     Ok((rows, places))
 }
 
-/// Reads the next record. Returns false at the end.
+/// Reads the next record that is not blank. Returns false at the end.
 fn next(
     path: &Path,
     reader: &mut csv::Reader<Budget<LogFile>>,
     record: &mut ByteRecord,
 ) -> Result<bool> {
-    reader.get_mut().renew();
-    let line = reader.position().line();
-    reader
-        .read_byte_record(record)
-        .map_err(|error| match error.into_kind() {
-            csv::ErrorKind::Io(error) => reader.get_ref().inner().read_error(line, error),
-            kind => Error::line(path, line, format!("{kind:?}"), "lines of a trip"),
-        })
+    loop {
+        reader.get_mut().renew();
+        let line = reader.position().line();
+        let is_read = reader
+            .read_byte_record(record)
+            .map_err(|error| match error.into_kind() {
+                csv::ErrorKind::Io(error) => reader.get_ref().inner().read_error(line, error),
+                kind => Error::line(path, line, format!("{kind:?}"), "lines of a trip"),
+            })?;
+        let is_blank = record.len() == 1 && record[0].trim_ascii().is_empty();
+        if !is_read || !is_blank {
+            return Ok(is_read);
+        }
+    }
 }
 
 /// One line with the places of its columns.

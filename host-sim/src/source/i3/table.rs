@@ -1,6 +1,7 @@
 //! Rows as a signal table.
 
 use super::trip::{Trip, TripRow};
+use super::vehicle::MASS_KG;
 use crate::error::Result;
 use crate::numeric::rounding::round;
 use crate::source::signal_table;
@@ -10,7 +11,7 @@ use std::path::Path;
 /// A column: its signal, its decimals, and its value in a row.
 type TableColumn = (Signal, i32, fn(&TripRow) -> Option<f64>);
 
-const COLUMNS: [TableColumn; 5] = [
+const COLUMNS: [TableColumn; 6] = [
     (Signal::WheelSpeed, 5, |row| row.speed_mps),
     (Signal::MotorTorque, 2, |row| row.motor_torque_nm),
     (Signal::LongitudinalAcceleration, 2, |row| {
@@ -18,6 +19,8 @@ const COLUMNS: [TableColumn; 5] = [
     }),
     (Signal::Altitude, 2, |row| row.altitude_m),
     (Signal::AmbientTemperature, 2, |row| row.ambient_celsius),
+    // Nobody boards on the way. Without it, each wait at a light might be for another load.
+    (Signal::Mass, 0, |_| Some(MASS_KG)),
 ];
 
 impl Trip {

@@ -3,6 +3,9 @@
 use crate::files::vehicle::VehicleFile;
 use estimator_core::{Gear, Model, Powertrain, Traction, VehicleParameters};
 
+/// Mass of the car with two people and equipment, as on all trips, kg.
+pub(super) const MASS_KG: f64 = 1_440.0;
+
 /// Returns the assumed parameters of the car; nothing is fitted.
 ///
 /// Mass (kerb, two people and equipment), drag area (2.38 m² frontal, cd 0.29), rolling resistance
@@ -19,7 +22,7 @@ pub fn vehicle() -> VehicleFile {
     VehicleFile {
         name: "BMW i3".to_owned(),
         model: Model::from(VehicleParameters {
-            mass_kg: 1_440.0,
+            mass_kg: MASS_KG as f32,
             drag_area_m2: 0.69,
             rolling_resistance: 0.009,
             wheel_radius_m: 0.348,

@@ -53,11 +53,13 @@ pub const COMMANDS: &[&str] = &[
     "diagnose --vehicle force.toml --out out --reference reference.csv table.csv --holdout other.csv",
     "diagnose --vehicle a.vehicle.toml --tuning tuning.toml --out out --json drive.log",
     "import ztbus mission.csv --out out",
+    "import i3 TripA01.csv TripA02.csv.gz --out out",
     "replay --can no_such_0 drive.log",
     "replay --can no_such_0 --speed 10 --log-time drive.log.gz",
     "listen --can no_such_0 --vehicle force.toml --kept kept --out out.csv",
     "listen --can no_such_0 --vehicle force.toml --tuning tuning.toml --log out.log --publish",
     "study ztbus --data data --out out",
+    "study i3 --data data --out out",
 ];
 
 /// Commands of seconds, drawn once in [`SLOW_EVERY`] cases.

@@ -45,6 +45,19 @@ fn mission() -> String {
     header.to_owned() + &(0..200).map(row).collect::<String>()
 }
 
+/// Returns a trip of 3 km at 25 m/s, ten rows a second, with an elevation between two points.
+fn trip() -> String {
+    let header = "Time [s];Velocity [km/h];Elevation [m];Motor Torque [Nm];\
+        Longitudinal Acceleration [m/s^2];Ambient Temperature [°C]\r\n";
+    let row = |tenth: u32| {
+        let (time_s, noise) = (f64::from(tenth) * 0.1, f64::from(tenth * 7 % 11) * 0.1);
+        let climb_m = 20.0 - (time_s - 60.0).abs() / 3.0;
+        let speed_kmh = 90.0 + noise;
+        format!("{time_s:.1};{speed_kmh:.1};{climb_m:.2};{noise};{noise};9.5\r\n")
+    };
+    header.to_owned() + &(0..1_200).map(row).collect::<String>()
+}
+
 /// Compresses with gzip.
 pub fn zipped(content: &[u8]) -> Vec<u8> {
     let mut zip = GzEncoder::new(Vec::new(), Default::default());
@@ -102,10 +115,13 @@ pub fn files() -> TempDir {
         b"[measurement_noise]\nspeed_sigma_mps = 0.02\n[hold_times]\nshift_hold_ms = 1500\n",
     );
     write("mission.csv", mission().as_bytes());
-    for folder in ["data/ztbus", "data/srtm"] {
+    write("TripA01.csv", trip().as_bytes());
+    write("TripA02.csv.gz", &zipped(trip().as_bytes()));
+    for folder in ["data/ztbus", "data/srtm", "data/i3"] {
         fs::create_dir_all(at.join(folder)).unwrap();
     }
     write("data/ztbus/mission.csv", mission().as_bytes());
+    write("data/i3/TripA01.csv", trip().as_bytes());
     write("data/srtm/N47E008.hgt", &[1; 2 * 1201 * 1201]);
     write("scenario.toml", SCENARIO.as_bytes());
     let with_road = "[road]\nfile = \"road.csv\"\n[[runs]]\nname = \"b\"\ntruck = \"B\"\n";

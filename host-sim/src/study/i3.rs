@@ -1,0 +1,103 @@
+//! A measured car with an accelerometer: estimates that do not see it, judged by it.
+//!
+//! The accelerometer gives the grade without a force model ([`crate::inertial_judge`]). Its own
+//! errors are worked out first: offset, pitch of the body, delay, window ends; and its floor, from
+//! roads that were driven more than once.
+
+mod bare;
+mod brakes;
+mod comparison;
+mod figures;
+mod floor;
+mod interval;
+mod means;
+mod own_errors;
+mod repeats;
+mod tables;
+mod trips;
+
+use super::definition::{Setting, Study, StudyOutcome};
+use crate::error::Result;
+use crate::inertial_judge::Window;
+use crate::report::page::Section;
+use brakes::Braking;
+use comparison::Differences;
+use own_errors::OwnErrors;
+use trips::{JudgedTrip, Kind};
+
+/// Lengths of the windows over which grades are compared, m.
+const WINDOWS_M: [f64; 2] = [100.0, 300.0];
+
+/// The study, for the list.
+pub const STUDY: Study = Study {
+    name: "i3",
+    about: "a measured car: estimates and the bare model against its accelerometer, by season",
+    run,
+};
+
+/// A trip with all that was found on it.
+#[derive(Clone, Debug)]
+struct Found {
+    trip: JudgedTrip,
+    /// The judge's windows of each length.
+    windows: [Vec<Window>; 2],
+    /// Of each length and kind.
+    differences: [[Option<Differences>; Kind::ALL.len()]; 2],
+    own: OwnErrors,
+    braking: Braking,
+}
+
+fn run(setting: &Setting) -> Result<StudyOutcome> {
+    let mut found = Vec::new();
+    for file in trips::files(&setting.data) {
+        found.extend(trips::judged(&file)?.map(judge));
+    }
+    if found.is_empty() {
+        return Ok(StudyOutcome::Skipped(
+            "no i3/Trip*.csv.gz with an accelerometer in it; expected trips of the BMW i3 (--data \
+             DIR)"
+                .to_owned(),
+        ));
+    }
+    Ok(StudyOutcome::Done(section(&found, setting.seed)))
+}
+
+fn judge(trip: JudgedTrip) -> Found {
+    let windows = WINDOWS_M.map(|window_m| trip.windows(window_m));
+    let of =
+        |windows: &Vec<Window>| Kind::ALL.map(|kind| comparison::differences(&trip, kind, windows));
+    Found {
+        differences: [of(&windows[0]), of(&windows[1])],
+        own: own_errors::own_errors(&trip),
+        braking: brakes::braking(&trip, &windows[1]),
+        windows,
+        trip,
+    }
+}
+
+fn section(found: &[Found], seed: u64) -> Section {
+    let judged: Vec<JudgedTrip> = found.iter().map(|of| of.trip.clone()).collect();
+    let repeats = repeats::repeats(&judged, WINDOWS_M);
+    Section {
+        heading: "A measured car with an accelerometer".to_owned(),
+        words: vec![
+            "BMW i3 around Munich, in summer and winter. The judge is the grade by the \
+             accelerometer: the work of what it reads, less the change of kinetic energy, over \
+             weight and way. Estimates are made without it, with the parameters that are published; \
+             nothing is fitted. The judge's offset is not the road's: it is removed by trip, and told \
+             apart."
+                .to_owned(),
+            "The published elevation is interpolated between points minutes apart. Only these \
+             points are used; its slope between them is what a file without a vehicle model tells."
+                .to_owned(),
+        ],
+        tables: vec![
+            tables::groups(found, seed),
+            tables::trips(found),
+            tables::own(found),
+            floor::table(&repeats, seed),
+        ],
+        figures: figures::figures(found),
+        ..Section::default()
+    }
+}
