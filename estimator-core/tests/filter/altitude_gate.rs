@@ -9,18 +9,21 @@ use test_kit::{FilterRun, FilteredStep, Noise, altitude, sample, smooth, speed, 
 
 /// Simulates a level drive. `fault` returns the error of the fix in a cell, m.
 fn level_drive(fault: impl Fn(u32) -> f32) -> (Vec<FilteredStep<f64>>, Counters) {
-    drive_with_fixes(|k, altitude_m| Some(altitude_m + fault(k)))
+    drive_with_fixes(4_000, |k, altitude_m| Some(altitude_m + fault(k)))
 }
 
 /// Simulates the same drive with the fixes that `fix` returns for a cell and its true altitude.
-fn drive_with_fixes(fix: impl Fn(u32, f32) -> Option<f32>) -> (Vec<FilteredStep<f64>>, Counters) {
+fn drive_with_fixes(
+    length: u32,
+    fix: impl Fn(u32, f32) -> Option<f32>,
+) -> (Vec<FilteredStep<f64>>, Counters) {
     let vehicle = truck();
     let weight_n = vehicle.mass_kg * 9.806_65;
     let air_n = 0.5 * vehicle.drag_area_m2 * 1.2 * 400.0;
     let force_n = air_n + weight_n * vehicle.rolling_resistance;
     let mut run = FilterRun::new(vehicle, Tuning::default());
     let mut noise = Noise(3);
-    let cells = (1..=4_000_u32)
+    let cells = (1..=length)
         .map(|k| {
             let mut s = sample(k, force_n, 20.0);
             // The file is right, so that only the receiver can be wrong.
@@ -196,14 +199,14 @@ fn unmoved(before: &FilteredStep<f64>, after: &FilteredStep<f64>) {
 
 #[test]
 fn another_source_or_a_long_silence_resets_the_altitude_and_nothing_else() {
-    // 312 s at 20 m/s: longer than the 300 s that are bridged.
+    // 937 s at 20 m/s: longer than the 900 s that are bridged.
     let silence = |k: u32, altitude_m: f32| {
-        (!(800..3_300).contains(&k)).then_some(altitude_m + if k < 800 { 0.0 } else { 35.0 })
+        (!(800..8_300).contains(&k)).then_some(altitude_m + if k < 800 { 0.0 } else { 35.0 })
     };
-    let (cells, counters) = drive_with_fixes(silence);
+    let (cells, counters) = drive_with_fixes(9_000, silence);
     assert_eq!(counters.altitude_resets, 2);
     assert_eq!(counters.altitude_steps, 0);
-    unmoved(&cells[3_290], &cells[3_320]);
+    unmoved(&cells[8_290], &cells[8_320]);
     let height = |k: usize| {
         cells[k]
             .state
@@ -212,13 +215,13 @@ fn another_source_or_a_long_silence_resets_the_altitude_and_nothing_else() {
             .unwrap()
             .value
     };
-    assert!((height(3_320) - 135.0).abs() < 4.0, "{}", height(3_320));
+    assert!((height(8_320) - 135.0).abs() < 4.0, "{}", height(8_320));
 
-    let short = |k: u32, altitude_m: f32| (!(800..1_760).contains(&k)).then_some(altitude_m);
+    let short = |k: u32, altitude_m: f32| (!(800..3_300).contains(&k)).then_some(altitude_m);
     assert_eq!(
-        drive_with_fixes(short).1.altitude_resets,
+        drive_with_fixes(4_000, short).1.altitude_resets,
         1,
-        "120 s are bridged"
+        "312 s are bridged"
     );
 
     let vehicle = truck();

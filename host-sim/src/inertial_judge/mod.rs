@@ -1,4 +1,5 @@
-//! The grade that an accelerometer shows: an independent judge of estimates and of force models.
+//! The grade that an accelerometer shows: an independent judge of estimates and of force models
+//! (docs/theory/inertial-judge.md).
 //!
 //! A longitudinal accelerometer reads motion and gravity, a = dv/dt + g·sin(slope). Multiplied by
 //! the speed and summed over time, this is ∫a ds = Δ(v²/2) + g·Δz: the climb between two places

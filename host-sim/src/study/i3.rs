@@ -9,6 +9,7 @@ mod brakes;
 mod comparison;
 mod figures;
 mod floor;
+mod found;
 mod interval;
 mod means;
 mod own_errors;
@@ -18,15 +19,9 @@ mod trips;
 
 use super::definition::{Setting, Study, StudyOutcome};
 use crate::error::Result;
-use crate::inertial_judge::Window;
 use crate::report::page::Section;
-use brakes::Braking;
-use comparison::Differences;
-use own_errors::OwnErrors;
-use trips::{JudgedTrip, Kind};
-
-/// Lengths of the windows over which grades are compared, m.
-const WINDOWS_M: [f64; 2] = [100.0, 300.0];
+use found::{Found, WINDOWS_M};
+use trips::JudgedTrip;
 
 /// The study, for the list.
 pub const STUDY: Study = Study {
@@ -35,22 +30,10 @@ pub const STUDY: Study = Study {
     run,
 };
 
-/// A trip with all that was found on it.
-#[derive(Clone, Debug)]
-struct Found {
-    trip: JudgedTrip,
-    /// The judge's windows of each length.
-    windows: [Vec<Window>; 2],
-    /// Of each length and kind.
-    differences: [[Option<Differences>; Kind::ALL.len()]; 2],
-    own: OwnErrors,
-    braking: Braking,
-}
-
 fn run(setting: &Setting) -> Result<StudyOutcome> {
     let mut found = Vec::new();
     for file in trips::files(&setting.data) {
-        found.extend(trips::judged(&file)?.map(judge));
+        found.extend(trips::judged(&file)?.map(Found::of));
     }
     if found.is_empty() {
         return Ok(StudyOutcome::Skipped(
@@ -60,19 +43,6 @@ fn run(setting: &Setting) -> Result<StudyOutcome> {
         ));
     }
     Ok(StudyOutcome::Done(section(&found, setting.seed)))
-}
-
-fn judge(trip: JudgedTrip) -> Found {
-    let windows = WINDOWS_M.map(|window_m| trip.windows(window_m));
-    let of =
-        |windows: &Vec<Window>| Kind::ALL.map(|kind| comparison::differences(&trip, kind, windows));
-    Found {
-        differences: [of(&windows[0]), of(&windows[1])],
-        own: own_errors::own_errors(&trip),
-        braking: brakes::braking(&trip, &windows[1]),
-        windows,
-        trip,
-    }
 }
 
 fn section(found: &[Found], seed: u64) -> Section {

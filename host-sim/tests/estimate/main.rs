@@ -13,6 +13,7 @@ mod persistent_state;
 mod receiver_filters;
 mod reversing;
 mod smoothing;
+mod sparse_altitudes;
 mod stops_and_brakes;
 mod torque_readings;
 mod unreported_brake;

@@ -6,7 +6,6 @@ use flate2::Compression;
 use flate2::write::GzEncoder;
 use host_sim::files::vehicle::VehicleFile;
 use host_sim::source::i3::Trip;
-use predicates::prelude::*;
 use predicates::str::contains;
 use std::fs;
 use std::io::Write;

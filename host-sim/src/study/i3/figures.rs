@@ -1,7 +1,7 @@
 //! The figures of the study.
 
+use super::found::{Found, WINDOWS_M};
 use super::trips::Kind;
-use super::{Found, WINDOWS_M};
 use crate::report::page::Figure;
 use crate::report::plot::{Mark, Plot, Series, colour};
 

@@ -1,6 +1,6 @@
 //! The floor of the judgement: roads that were driven more than once.
 
-use super::WINDOWS_M;
+use super::found::WINDOWS_M;
 use super::interval::{interval, median};
 use super::repeats::Repeat;
 use crate::report::page::Table;

@@ -1,9 +1,9 @@
 //! The tables of the study.
 
+use super::found::{Found, WINDOWS_M};
 use super::interval::{Interval, interval, median};
 use super::own_errors::ends_percent;
 use super::trips::Kind;
-use super::{Found, WINDOWS_M};
 use crate::numeric::statistics::{mean, quantile};
 use crate::report::page::Table;
 
