@@ -34,8 +34,9 @@ const MAD: f64 = 0.6745;
 const LEAST_NOISE_PERCENT: f64 = 0.1;
 
 /// Standard deviations of the sensor's errors that are common to all drives: offset, %, and pitch,
-/// as a part of the acceleration. Any mounting.
-pub(super) const ERROR_SIGMAS: [f64; 2] = [5.0, 0.3];
+/// as a part of the acceleration. Both are guesses: a controller of vehicle dynamics learns the zero
+/// of its sensor over many drives.
+pub(super) const ERROR_SIGMAS: [f64; 2] = [0.1, 0.3];
 
 /// What the accelerometer tells of one cell.
 #[derive(Clone, Copy, Debug)]

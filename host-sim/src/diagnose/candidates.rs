@@ -78,13 +78,19 @@ pub struct Menu {
     columns: Vec<ColumnKind>,
 }
 
-/// Numbers of drives.
+/// What the drives are like, which decides what can be found on them.
 #[derive(Clone, Copy, Debug)]
-pub struct DriveCounts {
-    /// Number of those to fit, which are first.
+pub struct DriveFacts {
+    /// Number of drives to fit, which are first.
     pub fitted: usize,
-    /// Number of all, with those held out.
+    /// Number of all drives, with those held out.
     pub of: usize,
+    /// Length of their common road, m, if they have one.
+    pub road_m: Option<f64>,
+    /// Range of their air temperatures, K.
+    pub temperatures_k: f32,
+    /// How long half of them last at least, s.
+    pub duration_s: f64,
 }
 
 /// The source of a column's force.
@@ -104,19 +110,20 @@ enum ColumnKind {
 /// Tried periods of cycles, s: shortest, longest, and the ratio of one to the one before. The
 /// shortest period is limited by one fix a second and by the waves of the road.
 const PERIODS_S: (f64, f64, f64) = (40.0, 900.0, 1.05);
+/// A cycle repeats at least so often on a drive: a longer one is a drift.
+const FEWEST_PERIODS: f64 = 3.0;
 /// Tried widths of a driveline's hysteresis, % of the weight.
 const PLAYS_PERCENT: [f32; 3] = [0.1, 0.3, 1.0];
 impl Menu {
-    /// Creates the candidates for these drives. `road_m` is the length of their common road, if
-    /// they have one; `temperatures_k` the range of their air temperatures, K.
+    /// Creates the candidates for these drives.
     #[must_use]
-    pub fn new(road_m: Option<f64>, temperatures_k: f32, drives: DriveCounts) -> Self {
+    pub fn new(drives: &DriveFacts) -> Self {
         let mut menu = Self::default();
         for effect in CATALOGUE {
             let choices = match search_of(effect).map_or(Varies::Amount, |search| search.varies) {
                 Varies::GnssSpeed => continue,
                 Varies::AmountOverTemperatures { smallest_range_k }
-                    if temperatures_k < smallest_range_k =>
+                    if drives.temperatures_k < smallest_range_k =>
                 {
                     continue;
                 }
@@ -141,7 +148,7 @@ impl Menu {
                         detail: Detail::Direction(key),
                     }]
                 }
-                Varies::RoadSection { .. } => match road_m {
+                Varies::RoadSection { .. } => match drives.road_m {
                     Some(road_m) => menu.road_sections(road_m, None),
                     None => continue,
                 },
@@ -153,7 +160,7 @@ impl Menu {
                 choices,
             });
         }
-        menu.plain_dependences(road_m);
+        menu.plain_dependences(drives);
         menu
     }
 
@@ -167,7 +174,7 @@ impl Menu {
         })
     }
 
-    fn plain_dependences(&mut self, road_m: Option<f64>) {
+    fn plain_dependences(&mut self, drives: &DriveFacts) {
         let plain = |menu: &mut Self, name, typical, choices| {
             menu.candidates.push(Candidate {
                 name,
@@ -176,12 +183,15 @@ impl Menu {
                 choices,
             });
         };
-        if let Some(road_m) = road_m {
+        if let Some(road_m) = drives.road_m {
             let mut choices = self.road_sections(road_m, Some(true));
             choices.extend(self.road_sections(road_m, Some(false)));
             plain(self, "place and direction", f64::from(BASIS_UNIT), choices);
         }
         let (mut period_s, longest_s, step) = PERIODS_S;
+        let longest_s = longest_s
+            .min(drives.duration_s / FEWEST_PERIODS)
+            .max(period_s);
         let mut choices = Vec::new();
         while period_s <= longest_s {
             let bases = [
@@ -247,7 +257,7 @@ impl Menu {
         &mut self,
         effect: &'static Effect,
         (key, value): (&'static str, f32),
-        drives: DriveCounts,
+        drives: &DriveFacts,
     ) -> Choice {
         let common = self.column(effect, &[Some(value)]);
         let ColumnKind::Effect(effect, details) = self.columns[common] else {

@@ -1,7 +1,7 @@
 //! Search for effects: the candidates of a set of drives, their evidence, and their effects.
 
 use super::accelerometer;
-use super::candidates::{Detail, DriveCounts, Menu};
+use super::candidates::{Detail, DriveFacts, Menu};
 use super::case::CandidateFit;
 use super::drive::{CommonRoad, LoggedDrive};
 use super::evidence::{self, Evidence, WINDS_MPS, judging_tuning, segments};
@@ -9,6 +9,7 @@ use super::findings::{FittedAmounts, Unexplained};
 use super::rivals::SelectionStep;
 use super::selection::{Selection, Selector};
 use crate::files::vehicle::VehicleFile;
+use crate::numeric::statistics::quantile;
 use estimator_core::effect::{Varies, search_of};
 use estimator_core::{AdoptedEffect, Effect, Model, Tuning};
 use nalgebra::Vector2;
@@ -38,13 +39,13 @@ impl<'a> EffectSearch<'a> {
         tuning: &'a Tuning,
     ) -> Self {
         let road = CommonRoad::of(drives);
-        let counts = DriveCounts {
+        let mut menu = Menu::new(&DriveFacts {
             fitted,
             of: drives.len(),
-        };
-        let temperatures_k = temperature_range_k(&drives[..fitted]);
-        let road_m = road.as_ref().map(CommonRoad::length_m);
-        let mut menu = Menu::new(road_m, temperatures_k, counts);
+            road_m: road.as_ref().map(CommonRoad::length_m),
+            temperatures_k: temperature_range_k(&drives[..fitted]),
+            duration_s: duration_s(&drives[..fitted]),
+        });
         let is_sensed = |drive: &LoggedDrive| drive.accelerometer.is_some();
         let sensor_errors = drives[..fitted]
             .iter()
@@ -272,4 +273,15 @@ fn temperature_range_k(drives: &[LoggedDrive]) -> f32 {
         Some([first, .., last]) => last - first,
         _ => 0.0,
     }
+}
+
+/// Returns the duration of the drive in the middle, s.
+fn duration_s(drives: &[LoggedDrive]) -> f64 {
+    quantile(
+        drives.iter().filter_map(|drive| {
+            let rows = &drive.run.rows;
+            Some(rows.last()?.time_s - rows.first()?.time_s)
+        }),
+        0.5,
+    )
 }

@@ -1,4 +1,6 @@
 //! `roadgrade diagnose`.
 
+mod accelerometer;
 mod end_to_end;
 mod measured;
+mod selection;
