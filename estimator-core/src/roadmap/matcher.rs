@@ -19,8 +19,8 @@ use libm::{expf, sqrtf};
 const MOST_PATHS: usize = 6;
 /// Cells from one comparison with a position to the next.
 const UPDATE_CELLS: u32 = 4;
-/// Distance of the two positions that make a course, m.
-const COURSE_M: f32 = 20.0;
+/// A course is the chord of the last two comparisons. It is at least so long, m.
+const COURSE_M: f32 = 10.0;
 /// Distance over which misfits are averaged, m.
 const MEMORY_M: f32 = 200.0;
 /// Standard deviation of a position across the way, m: lanes, position error, offset of the map.
@@ -41,6 +41,8 @@ const TRIED_M: f32 = 50.0;
 const KNOWN_M: f32 = 100.0;
 const KNOWN_MISFIT: f32 = 4.0;
 const KNOWN_PROBABILITY: f32 = 0.9;
+/// Comparisons after a fork before one of several ways is the place.
+const KNOWN_COMPARISONS: u8 = 2;
 /// Independent positions within the memory.
 const INDEPENDENT: f32 = 3.0;
 /// Hypotheses within this distance on one way are one, cells.
@@ -104,8 +106,8 @@ pub struct Matcher<'m> {
     along: Along,
     cell: Option<u32>,
     updated_cell: u32,
-    /// Where the course was last measured from, and the course.
-    course_from: Option<(i32, i32)>,
+    /// The positions of the last two comparisons, the older one first.
+    recent_e7: [Option<(i32, i32)>; 2],
     course: Option<[f32; 2]>,
     search: Option<Search<'m>>,
     searched_m: f32,
@@ -122,7 +124,7 @@ impl<'m> Matcher<'m> {
             along: Along::new(),
             cell: None,
             updated_cell: 0,
-            course_from: None,
+            recent_e7: [None; 2],
             course: None,
             search: None,
             searched_m: f32::INFINITY,
@@ -155,7 +157,7 @@ impl<'m> Matcher<'m> {
             return;
         }
         let Some(position_e7) = end.position_e7 else {
-            self.course_from = None;
+            self.recent_e7 = [None; 2];
             return;
         };
         let between_m = CELL_LENGTH_M * end.cell.saturating_sub(self.updated_cell) as f32;
@@ -176,7 +178,8 @@ impl<'m> Matcher<'m> {
         let probability = self.probability(best);
         let is_known = best.matched_m >= KNOWN_M
             && best.misfit <= KNOWN_MISFIT
-            && probability >= KNOWN_PROBABILITY;
+            && probability >= KNOWN_PROBABILITY
+            && (best.compared >= KNOWN_COMPARISONS || self.paths.len() == 1);
         if is_known {
             MapMatch::On(self.place_of(best, probability))
         } else {
@@ -222,11 +225,13 @@ impl<'m> Matcher<'m> {
         let mut forks: Vec<Path<'m>, MOST_PATHS> = Vec::new();
         self.paths.retain_mut(|path| {
             let (misfit, matched_m) = (path.misfit, path.matched_m);
+            let directions = path.directions;
             let moved = path.advance(&map, cells, |join, beyond| {
                 let cell = join.to_cell as f32 + beyond;
                 if let Ok(mut fork) = Path::new(&map, join.to_way, join.to_block, cell) {
                     fork.misfit = misfit;
                     fork.matched_m = matched_m;
+                    fork.directions = directions;
                     let _ = forks.push(fork);
                 }
             });
@@ -257,17 +262,17 @@ impl<'m> Matcher<'m> {
         }
     }
 
-    /// Measures the course from a position some way back.
+    /// Measures the course from the position before the last one.
     fn measure_course(&mut self, position_e7: (i32, i32)) {
-        let Some(from) = self.course_from else {
-            self.course_from = Some(position_e7);
+        let [from, last] = self.recent_e7;
+        self.recent_e7 = [last, Some(position_e7)];
+        let Some(from) = from else {
             return;
         };
-        let way = metres_between(from, position_e7);
-        let length = sqrtf(way[0] * way[0] + way[1] * way[1]);
+        let chord = metres_between(from, position_e7);
+        let length = sqrtf(chord[0] * chord[0] + chord[1] * chord[1]);
         if length >= COURSE_M {
-            self.course = Some(way.map(|part| part / length));
-            self.course_from = Some(position_e7);
+            self.course = Some(chord.map(|part| part / length));
         }
     }
 
@@ -279,10 +284,12 @@ impl<'m> Matcher<'m> {
             let Some(foot) = path.foot(position_e7) else {
                 continue;
             };
-            let now = misfit(&foot, course).min(WORST);
+            let chord = path.chord(foot.direction);
+            let now = misfit(&foot, chord, course).min(WORST);
             let memory_m = (path.matched_m + metres).min(MEMORY_M);
             path.misfit += (now - path.misfit) * metres / memory_m.max(metres);
             path.matched_m = (path.matched_m + metres).min(1e6);
+            path.compared = path.compared.saturating_add(1);
             let ahead_m = foot.ahead_m.clamp(-AHEAD_SIGMA_M, AHEAD_SIGMA_M);
             path.at_cells += cells_of(gain.place * ahead_m);
             if best.is_none_or(|(misfit, _)| path.misfit < misfit) {
@@ -384,14 +391,15 @@ fn candidate<'m>(
     let way = map.way(block.way).ok()?;
     let driven = cell.saturating_sub(search.cell) as f32;
     let mut path = Path::in_block(map, &way, *block, at_cells + driven).ok()?;
-    path.misfit = misfit(&foot, search.course);
+    path.misfit = misfit(&foot, foot.direction, search.course);
     Some(path)
 }
 
 /// Returns how badly a position and a course fit, in standard deviations squared.
-fn misfit(foot: &Foot, course: [f32; 2]) -> f32 {
+/// `direction` is that of the way over the chord of the course.
+fn misfit(foot: &Foot, direction: [f32; 2], course: [f32; 2]) -> f32 {
     let square = |x: f32| x * x;
-    let cosine = course[0] * foot.direction[0] + course[1] * foot.direction[1];
+    let cosine = course[0] * direction[0] + course[1] * direction[1];
     square(foot.left_m / ACROSS_SIGMA_M)
         + square(foot.ahead_m / AHEAD_SIGMA_M)
         + COURSE_COST * (1.0 - cosine)

@@ -24,6 +24,10 @@ pub(super) struct Path<'m> {
     pub(super) misfit: f32,
     /// Distance over which positions have been compared, m.
     pub(super) matched_m: f32,
+    /// Comparisons since it was made, or left another way.
+    pub(super) compared: u8,
+    /// Directions of the way at the last two comparisons.
+    pub(super) directions: [[f32; 2]; 2],
     blocks_end: u32,
     joins: Joins<'m>,
     next_join: Option<Join>,
@@ -90,6 +94,8 @@ impl<'m> Path<'m> {
             at_cells,
             misfit: 0.0,
             matched_m: 0.0,
+            compared: 0,
+            directions: [[0.0; 2]; 2],
             blocks_end: way.blocks_end,
             joins: map.joins(way),
             next_join: None,
@@ -178,6 +184,20 @@ impl<'m> Path<'m> {
             left_m: off[1] * direction[0] - off[0] * direction[1],
             direction,
         })
+    }
+
+    /// Returns the direction of the chord of the way over the last two comparisons, and takes that of
+    /// this one.
+    pub(super) fn chord(&mut self, direction: [f32; 2]) -> [f32; 2] {
+        let [a, b] = self.directions;
+        self.directions = [b, direction];
+        let sum = [0, 1].map(|i| 0.5 * a[i] + b[i] + 0.5 * direction[i]);
+        let length = sqrtf(sum[0] * sum[0] + sum[1] * sum[1]);
+        if length > 0.5 {
+            sum.map(|part| part / length)
+        } else {
+            direction
+        }
     }
 
     /// Returns whether another path is at the same place, within some cells.

@@ -198,7 +198,7 @@ fn broken_runs_are_reported_with_file_and_line() {
         (
             "a field less",
             with_line(4, |fields| drop(fields.pop())),
-            "bad.csv:4: 20 fields under a header of 21",
+            "bad.csv:4: 22 fields under a header of 23",
         ),
         (
             "missing column",

@@ -1,4 +1,5 @@
 //! The map on the vehicle: its place on the map, the live grade with the map, and the grade ahead.
 
 mod live;
+mod network_drives;
 mod places;

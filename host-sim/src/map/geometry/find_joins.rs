@@ -9,6 +9,8 @@ use std::collections::BTreeSet;
 /// An end of a way within this distance of another way joins it, m, for networks whose ways share
 /// no points.
 const END_REACH_M: f64 = 5.0;
+/// A way that ends this far along from where it passes itself is a loop, m.
+const SHORTEST_LOOP_M: f64 = 40.0;
 /// Points whose coordinates round to the same value are one, 1/deg (a centimetre).
 const SAME_POINT: f64 = 1e7;
 
@@ -84,7 +86,9 @@ fn ends(ways: &WayIndex, is_joined: impl Fn(usize, f64) -> bool) -> Vec<Join> {
                 &mut nearby,
             );
             for near in nearby {
-                if near.way == way || near.foot.lateral_m > END_REACH_M {
+                let is_itself =
+                    near.way == way && (near.foot.distance_m - at_m).abs() < SHORTEST_LOOP_M;
+                if is_itself || near.foot.lateral_m > END_REACH_M {
                     continue;
                 }
                 // A way has no joins beyond its ends. It is not left at its start, or entered at

@@ -123,11 +123,15 @@ fn joins(ways: &[NumberedWay<'_>]) -> std::result::Result<Vec<Vec<JoinPlace>>, S
     }
     let network = Network::new(lines);
     for (index, leaving) in indices.iter().zip(network.joins().leaving()) {
-        let cell = |at_m: f64| (at_m / GRID_M).round() as i32;
+        // A way may end between two cells.
+        let cell = |way: usize, at_m: f64| {
+            let rows = &ways[way].rows;
+            ((at_m / GRID_M).round() as i32).clamp(rows[0].0, rows[rows.len() - 1].0)
+        };
         of_ways[*index].extend(leaving.iter().map(|join| JoinPlace {
-            at_cell: cell(join.at_m),
+            at_cell: cell(*index, join.at_m),
             to_way: indices[join.to_way],
-            to_cell: cell(join.to_m),
+            to_cell: cell(indices[join.to_way], join.to_m),
         }));
     }
     Ok(of_ways)
