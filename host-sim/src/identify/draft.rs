@@ -165,6 +165,19 @@ fn driveline(
             .filter(|(mean, _)| range.contains(mean))
             .map_or_else(|| assumed(usual), |(mean, _)| Parameter::read(mean, how))
     };
+    let reference_torque_nm = if observation.has_torque_in_nm() {
+        let mut unused = assumed(usual.reference_torque_nm);
+        unused.origin = Origin::Read;
+        unused.how = "torque comes in Nm: not used".to_owned();
+        unused
+    } else {
+        told(
+            Signal::EngineReferenceTorque,
+            usual.reference_torque_nm,
+            TORQUES_NM,
+            "EC1, SPN 544, or MG1IR1, SPN 10170",
+        )
+    };
     let final_drive_ratio = final_drive(usual, gears).unwrap_or_else(|| {
         let mut of_class = assumed(usual.final_drive_ratio);
         of_class.how += "; only its product with the gear ratios matters";
@@ -179,12 +192,7 @@ fn driveline(
             0.01..=50.0,
             "EC1, SPN 1794",
         ),
-        reference_torque_nm: told(
-            Signal::EngineReferenceTorque,
-            usual.reference_torque_nm,
-            TORQUES_NM,
-            "EC1, SPN 544",
-        ),
+        reference_torque_nm,
         final_drive_efficiency: assumed(usual.final_drive_efficiency),
         gear_efficiency: assumed(usual.gear_efficiency),
         gear_ratios: gear_ratios.collect(),

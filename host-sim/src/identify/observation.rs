@@ -151,6 +151,12 @@ impl Observation {
         self.counts.contains_key(&signal)
     }
 
+    /// Returns whether torque comes in Nm, so that no reference torque is needed.
+    #[must_use]
+    pub fn has_torque_in_nm(&self) -> bool {
+        self.has(Signal::MotorTorque) || self.has(Signal::NetEngineTorque)
+    }
+
     /// Returns mean and standard deviation of what the bus tells of the vehicle.
     #[must_use]
     pub fn told(&self, signal: Signal) -> Option<(f64, f64)> {
@@ -161,7 +167,11 @@ impl Observation {
     }
 
     fn take(&mut self, newest: &mut Newest, time: Instant, reading: Reading) {
-        let signal = reading.signal;
+        // A motor in the engine's place turns as an engine does.
+        let signal = match reading.signal {
+            Signal::MotorSpeed => Signal::EngineSpeed,
+            signal => signal,
+        };
         if !reading.value.is_available() {
             newest.values.remove(&signal);
             return;

@@ -130,7 +130,7 @@ impl<'a> Search<'a> {
             Some(Like::File(file)) => like_file(file),
             None => first_guess(&observation),
         };
-        let by_torque = observation.has(Signal::EngineTorque);
+        let by_torque = observation.has(Signal::EngineTorque) || observation.has_torque_in_nm();
         let gears = if by_torque {
             gears::find(&observation)
         } else {
@@ -373,9 +373,11 @@ fn check_signals(request: &Request, observation: &Observation) -> Result<()> {
     let has = |signals: &[Signal]| signals.iter().any(|signal| observation.has(*signal));
     let missing = if !has(&[Signal::WheelSpeed, Signal::FrontAxleSpeed]) {
         "no speed: expected wheel-based speed (CCVS1, PGN 65265; column wheel_speed_mps)"
-    } else if !has(&[Signal::EngineTorque, Signal::TractionForce]) {
-        "no torque: expected EEC1 (PGN 61444; column engine_torque_percent) or column \
-         traction_force_n"
+    } else if !has(&[Signal::EngineTorque, Signal::TractionForce])
+        && !observation.has_torque_in_nm()
+    {
+        "no torque: expected EEC1 (PGN 61444; column engine_torque_percent), or column \
+         engine_torque_nm, motor_torque_nm or traction_force_n"
     } else if !has(&[Signal::Altitude]) {
         "no GNSS altitude: expected NMEA 2000 129029 (or VDS, PGN 65256; column altitude_m)"
     } else {

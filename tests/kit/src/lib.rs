@@ -4,6 +4,7 @@
 pub mod command;
 pub mod dense;
 pub mod effect_drive;
+pub mod electric_car;
 mod filter_runs;
 mod frames;
 pub mod hilly_drive;
