@@ -166,6 +166,7 @@ impl Accelerometer {
     }
 
     /// Notes a cell without a reading.
+    #[inline(never)] // Vehicles without one do not pay for it.
     fn interrupt(&mut self, tuning: &Tuning) {
         self.test.restart();
         self.alone.believe();
