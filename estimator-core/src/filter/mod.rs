@@ -180,7 +180,7 @@ impl<S: Scalar> Filter<S> {
         self.reopen(context, sample);
         let braked = self.brake.advance(context, sample, self.state.as_ref());
         let sample = braked.as_ref().unwrap_or(sample);
-        let end = sample.end;
+        let reported = sample;
         let doubted = self.accelerometer.without_force(sample);
         let sample = doubted.as_ref().unwrap_or(sample);
         let is_first = self.state.is_none();
@@ -212,7 +212,7 @@ impl<S: Scalar> Filter<S> {
         let disagreeing_force = self.accelerometer.advance(
             context,
             sample,
-            end.condition,
+            reported.end.condition,
             self.state.as_ref(),
             &mut prediction,
         );
@@ -320,7 +320,7 @@ impl<S: Scalar> Filter<S> {
             return None;
         }
         Some(StepRecord {
-            end,
+            end: reported.end,
             smoother_input: SmootherInput {
                 dynamics: *prediction.dynamics(),
                 reset,

@@ -80,6 +80,11 @@ impl Alone {
         if self.shared + self.slope <= 0.0 {
             return;
         }
+        self.widen_by_all(state);
+    }
+
+    #[inline(never)] // Rare.
+    fn widen_by_all<S: Scalar>(&mut self, state: &mut State<S>) {
         let covariance = &mut state.covariance;
         let shared = S::from_f32(core::mem::take(&mut self.shared));
         let slope = S::from_f32(core::mem::take(&mut self.slope));

@@ -55,7 +55,7 @@ pub(super) struct Accelerometer {
     is_trusted: bool,
     reading: FrozenReading,
     alone: Alone,
-    /// Distance over which the force is not believed, m.
+    /// Distance over which the force is not believed, less that since, m.
     doubted_m: f32,
     /// Variance of the change of speed by the model where it last held, (m/s²)².
     model_variance: f32,
@@ -166,6 +166,7 @@ impl Accelerometer {
     }
 
     /// Notes a cell without a reading.
+    #[inline(never)] // Vehicles without one do not pay for it.
     fn interrupt(&mut self, tuning: &Tuning) {
         self.test.restart();
         self.alone.believe();
@@ -221,7 +222,8 @@ impl Accelerometer {
                 self.reject(context);
             }
         } else {
-            self.doubted_m = 0.0;
+            // A wrong accelerometer may agree in between.
+            self.doubted_m = Scalar::max(0.0, self.doubted_m - sample.length_m);
         }
         self.stand_in(context, sample, &motion, prediction, measured, own_variance);
         disagreeing

@@ -59,6 +59,7 @@ impl SlowErrors {
     }
 
     /// Returns what the accelerometer is expected to read beyond the model, m/s², and its variance.
+    #[inline(never)] // Called from several places: flash is scarce.
     pub(super) fn expected(&self, regressors: Regressors) -> (f32, f32) {
         let cross = self.cross(regressors);
         (
@@ -120,6 +121,7 @@ impl SlowErrors {
         self.covariance[SCALE][SCALE] += sigma * sigma;
     }
 
+    #[inline(never)] // As above.
     fn cross(&self, regressors: Regressors) -> [f32; ERRORS] {
         self.covariance.map(|row| f32::dot(&row, &regressors.0))
     }
