@@ -89,7 +89,8 @@ fn it_finds_what_winter_adds_and_judges_before_and_after() {
         .arg("--holdout")
         .arg(&logs[4])
         .assert()
-        .success();
+        .success()
+        .stdout(contains("Against the accelerometer").and(contains("smoothed")));
     let report: Value =
         serde_json::from_str(&fs::read_to_string(out.join("report.json")).unwrap()).unwrap();
     let adopted = report["adopted"].as_array().unwrap();

@@ -2,6 +2,7 @@
 
 use crate::diagnose::findings::{Diagnosis, Finding};
 use crate::diagnose::judgement::WINDOW_M;
+use crate::diagnose::signal_judgement::JUDGED;
 use estimator_core::effect::{self, search_of};
 
 /// Returns the text of a number, or that it is not known: too few windows have no interval, and none
@@ -40,6 +41,30 @@ fn errors_in_words(diagnosis: &Diagnosis) -> String {
     )
 }
 
+/// Returns what terrain and accelerometer say of the drives judged, if they were asked.
+fn beside_in_words(diagnosis: &Diagnosis) -> String {
+    let mut words = String::new();
+    if let Some([before, after]) = &diagnosis.terrain {
+        words += &format!(
+            " Against terrain, its altitude drifts by {:+.2} and {:+.2} m per km.",
+            before.drift_m_per_km, after.drift_m_per_km
+        );
+    }
+    if let Some([before, after]) = &diagnosis.accelerometer {
+        let overall = JUDGED.iter().filter_map(|(name, of)| {
+            let (before, after) = (before.overall(*of)?, after.overall(*of)?);
+            let rms = [before, after].map(|overall| overall.median_rms_percent);
+            Some(format!("{name} {:.3} and {:.3} %", rms[0], rms[1]))
+        });
+        let overall: Vec<String> = overall.collect();
+        words += &format!(
+            " Against the accelerometer, the median RMSE of a drive before and after is: {}.",
+            overall.join("; ")
+        );
+    }
+    words
+}
+
 /// Returns a summary in words.
 #[must_use]
 pub fn in_a_sentence(diagnosis: &Diagnosis) -> String {
@@ -50,6 +75,7 @@ pub fn in_a_sentence(diagnosis: &Diagnosis) -> String {
         format!("Adopted: {}.", names.join("; "))
     };
     words += &errors_in_words(diagnosis);
+    words += &beside_in_words(diagnosis);
     for rest in &diagnosis.unexplained {
         words += &format!(
             " Unexplained: {:.2} % that depends on {}.",
