@@ -12,7 +12,8 @@ check_map_format() {
     "$roadgrade" map --out "$maps/map" --vehicle "$maps/a.vehicle.toml" "$maps/a.log" >/dev/null
     "$roadgrade" pack "$maps/map/map.csv" --out "$maps/map.grade"
     "$roadgrade" export "$maps/map.grade" --out "$maps/back.csv"
-    sed -n '/^```python/,/^```/p' docs/map-grade.md | sed '1d;$d' >"$maps/read.py"
+    # The one block of Python on the page.
+    awk '/^`+python$/ { inside = 1; next } /^`+$/ { inside = 0 } inside' docs/map-grade.md >"$maps/read.py"
     python3 "$maps/read.py" "$maps/map.grade" >"$maps/read.csv"
     python3 tests/map_format/compare.py "$maps/back.csv" "$maps/read.csv"
 }

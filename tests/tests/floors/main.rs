@@ -127,7 +127,10 @@ const HOST: [(&str, &[&str]); 20] = [
     ),
     ("inertial_judge", &[]),
     ("inspect", &["numeric", "source"]),
-    ("recorder", &["files", "smooth", "source", "terminal"]),
+    (
+        "recorder",
+        &["files", "numeric", "smooth", "source", "terminal"],
+    ),
     ("simulator", &["files", "numeric", "source", "terminal"]),
     ("source", &["files", "numeric"]),
     ("map", &["files", "numeric", "terminal"]),
