@@ -6,7 +6,8 @@ use std::fs;
 use std::path::Path;
 use test_kit::roads::{hills, run};
 
-const NEWER: &str = ",mass_kg,mass_sigma_kg,consistent,lagged_consistent,live_consistent";
+const NEWER: &str = ",mass_kg,mass_sigma_kg,consistent,lagged_consistent,live_consistent,\
+                     map_grade_percent,map_grade_sigma_percent";
 
 /// A short run with each flag at 0 in one cell.
 fn rows() -> Vec<RunRow> {
@@ -77,7 +78,7 @@ fn the_columns_come_last_and_read_back() {
         text.lines()
             .nth(4)
             .unwrap()
-            .ends_with(",12000.0,500.0,0,1,1")
+            .ends_with(",12000.0,500.0,0,1,1,,")
     );
 }
 
@@ -86,7 +87,7 @@ fn an_older_file_has_no_mass_and_nothing_that_disagrees() {
     let folder = tempfile::tempdir().unwrap();
     let (new, old) = (folder.path().join("new.csv"), folder.path().join("old.csv"));
     run::write(&new, &rows()).unwrap();
-    fs::write(&old, without_last_columns(&new, 5)).unwrap();
+    fs::write(&old, without_last_columns(&new, 7)).unwrap();
     let wrote = folder.path().join("expected.csv");
     run::write(&wrote, &rows_as_an_older_file_tells_them()).unwrap();
     assert_eq!(run::read(&old).unwrap(), run::read(&wrote).unwrap());
@@ -103,14 +104,19 @@ fn what_is_no_flag_and_no_mass_is_refused() {
     run::write(&path, &rows()).unwrap();
     let good = fs::read_to_string(&path).unwrap();
     for (tail, problem) in [
-        (",12000.0,500.0,2,1,1", "consistent is 2; expected 0 or 1"),
-        (",12000.0,500.0,1,1,7", "live_consistent is 7"),
-        (",-1.0,500.0,1,1,1", "mass_kg is -1"),
-        (",inf,500.0,1,1,1", "mass_kg is inf"),
-        (",12000.0,0.0,1,1,1", "mass_sigma_kg is 0"),
-        (",,500.0,1,1,1", "incomplete mass"),
+        (",12000.0,500.0,2,1,1,,", "consistent is 2; expected 0 or 1"),
+        (",12000.0,500.0,1,1,7,,", "live_consistent is 7"),
+        (",-1.0,500.0,1,1,1,,", "mass_kg is -1"),
+        (",inf,500.0,1,1,1,,", "mass_kg is inf"),
+        (",12000.0,0.0,1,1,1,,", "mass_sigma_kg is 0"),
+        (",,500.0,1,1,1,,", "incomplete mass"),
+        (",12000.0,500.0,1,1,1,0.5,", "incomplete grade of a map"),
+        (
+            ",12000.0,500.0,1,1,1,0.5,0.0",
+            "map_grade_sigma_percent is 0",
+        ),
     ] {
-        let bad = good.replacen(",12000.0,500.0,1,1,1", tail, 1);
+        let bad = good.replacen(",12000.0,500.0,1,1,1,,", tail, 1);
         assert_ne!(bad, good);
         fs::write(&path, bad).unwrap();
         let error = run::read(&path).unwrap_err().to_string();

@@ -7,9 +7,12 @@
 
 use super::super::state::State;
 use super::super::state_index::StateIndex::{Altitude, Bias, Slope};
-use super::PERCENT_PER_MPS2;
 use crate::scalar::Scalar;
 use crate::tuning::Inertial;
+use crate::vehicle::GRAVITY;
+
+/// Slope that an acceleration of 1 m/s² amounts to, %.
+pub(super) const PERCENT_PER_MPS2: f32 = 100.0 / GRAVITY;
 
 /// Such a stretch, and what the state is not told yet of the errors.
 #[derive(Clone, Copy, Debug, Default)]

@@ -34,15 +34,11 @@ use crate::counters::count;
 use crate::sample::{InertialMeasurement, Sample};
 use crate::scalar::Scalar;
 use crate::tuning::{Inertial, Tuning};
-use crate::vehicle::GRAVITY;
-use alone::Alone;
+use alone::{Alone, PERCENT_PER_MPS2};
 use force_test::{Finding, ForceTest, Innovation};
 use frozen_reading::FrozenReading;
 use slow_errors::{Regressors, SlowErrors};
 use weighing::Weighing;
-
-/// Slope that an acceleration of 1 m/s² amounts to, %.
-const PERCENT_PER_MPS2: f32 = 100.0 / GRAVITY;
 
 /// What is known of the accelerometer.
 #[derive(Clone, Copy, Debug)]
