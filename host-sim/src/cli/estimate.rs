@@ -38,7 +38,7 @@ as Hive partitions.
 
 --kept FILE is the persistent state of the vehicle, as an ECU would store it between drives. It holds the estimated model errors and sensor noise, so the first kilometres of the next drive are more accurate. If FILE does not exist, the drive starts from the defaults. Estimate each drive once, in the order in which the drives took place. A damaged FILE is refused, and so is a FILE of another vehicle or of an edited V.toml: remove it, or use another FILE. The prior of the next drive allows for changes of wind, tyre temperature and load. A drive shorter than 5 km does not change FILE.
 
-A drive may have any length. Memory use is constant. A temporary file (in TMPDIR) takes 120 kB per kilometre.")]
+A drive may have any length. Memory use is constant. A temporary file (in TMPDIR) takes 140 kB per kilometre.")]
 pub struct Args {
     /// Vehicle parameters.
     #[arg(long, value_name = "V.toml")]

@@ -1,7 +1,7 @@
 //! One drive through the core: inputs in, a run out.
 //!
-//! The data that grow with the drive are stored in [spools](crate::files::spool), 310 bytes per
-//! cell (120 kB/km), so that memory use is constant.
+//! The data that grow with the drive are stored in [spools](crate::files::spool), 340 bytes per
+//! cell (140 kB/km), so that memory use is constant.
 
 mod drive_recorder;
 mod estimate_log;
