@@ -5,7 +5,7 @@
 //! * [`candidates`]: the candidates: effects ([`estimator_core::effect::Search`]) and plain
 //!   dependences ([`dependence`]); [`evidence`]: the sums of the drives for them; [`regression`]:
 //!   amounts and likelihoods from these; [`case`]: the fit of one candidate; [`rivals`] and
-//!   [`pairs`]: which one, or which two, to adopt; [`selection`]: forward and backward;
+//!   `pairs`: which one, or which two, to adopt; [`selection`]: forward and backward;
 //!   [`search`]: all these steps;
 //! * [`radius`]: the wheel radius, which shows in speed and distance rather than in slope;
 //! * [`judgement`]: the bare model against a reference, before and after;

@@ -8,7 +8,7 @@
 //! divided by that ratio.
 //!
 //! Each step forward may be followed by steps backward: an effect goes if what was adopted after it
-//! explains the same. Where no single candidate is left to adopt, [pairs](super::pairs) are looked
+//! explains the same. Where no single candidate is left to adopt, pairs are looked
 //! for: beside what is adopted, or instead of one of it.
 
 use super::candidates::Menu;
