@@ -73,6 +73,12 @@ impl Duration {
         }
     }
 
+    /// Seconds, in f64.
+    #[must_use]
+    pub const fn as_secs_f64(self) -> f64 {
+        self.micros as f64 * 1e-6
+    }
+
     /// Seconds, in f32. Spans beyond 4,294 s saturate.
     #[must_use]
     pub const fn seconds(self) -> f32 {

@@ -1,9 +1,10 @@
 //! The grade ahead.
 
+use super::joins::Join;
 use super::map_error::MapError;
 use super::matcher::MapPlace;
-use super::packed_map::{Join, PackedMap};
-use super::path::metres_between;
+use super::packed_map::{MapWay, PackedMap};
+use super::plane::{Lines, dot};
 use super::profile::Profile;
 use crate::cell::{CELL_LENGTH_M, Uncertain};
 use heapless::Vec;
@@ -142,18 +143,18 @@ impl<'m> Horizon<'m> {
             let ahead_m = |cell: i32| here.from_m + (cell as f32 - here.cell) * CELL_LENGTH_M;
             let mut best: Option<(Join, f32)> = None;
             let mut at_end: Vec<(Join, f32), MOST_BRANCHES> = Vec::new();
-            for join in self.map.joins(&way) {
+            for join in self.map.joins_from(&way, here.cell) {
                 let join = join?;
                 let join_m = ahead_m(join.at_cell);
-                if (join.at_cell as f32) < here.cell || join_m > self.length_m {
-                    continue;
+                if join_m > self.length_m {
+                    break;
                 }
                 if join.at_cell < way.last_cell - AT_END_CELLS {
                     fork(stretch(&join, join_m), left * (1.0 - STAYS));
                     left *= STAYS;
                     continue;
                 }
-                let cosine = self.cosine(way.offset, &join).unwrap_or(-1.0);
+                let cosine = self.cosine(&way, here.block, &join).unwrap_or(-1.0);
                 let _ = at_end.push((join, cosine));
                 if best.is_none_or(|(_, most)| cosine > most) {
                     best = Some((join, cosine));
@@ -180,24 +181,14 @@ impl<'m> Horizon<'m> {
         Ok(branch)
     }
 
-    /// Returns the cosine of the turn at a join at the end of a way.
-    fn cosine(&self, way: u32, join: &Join) -> Option<f32> {
-        let way = self.map.way(way).ok()?;
-        // The end of the last block of the way, and the begin of the block that is entered.
-        let last = self.map.blocks(&way).last()?.ok()?;
-        let (mut a, mut b) = (None, None);
-        for point in last.points() {
-            (a, b) = (b, Some(point));
-        }
+    /// Returns the cosine of the turn at a join at the end of a way, which is driven in a block near
+    /// its end.
+    fn cosine(&self, way: &MapWay<'m>, block: u32, join: &Join) -> Option<f32> {
+        let last = self.map.blocks_from(way, block).last()?.ok()?;
         let entered = self.map.block(join.to_block).ok()?;
-        let mut points = entered.points();
-        let (c, d) = (points.next()?, points.next()?);
-        let place = |point: super::block::MapPoint| (point.latitude_e7, point.longitude_e7);
-        let out = metres_between(place(a?), place(b?));
-        let on = metres_between(place(c), place(d));
-        let product =
-            libm::sqrtf((out[0] * out[0] + out[1] * out[1]) * (on[0] * on[0] + on[1] * on[1]));
-        (product > 0.0).then(|| (out[0] * on[0] + out[1] * on[1]) / product)
+        let out = Lines::of(&last)?.last()?;
+        let on = Lines::of(&entered)?.next()?;
+        Some(dot(out.direction, on.direction))
     }
 }
 

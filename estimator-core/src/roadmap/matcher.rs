@@ -8,12 +8,14 @@
 
 use super::along::Along;
 use super::block::Block;
-use super::packed_map::{PackedMap, TileBlocks};
-use super::path::{Foot, Moved, Path, cells_of, metres_between, nearest_place};
+use super::packed_map::PackedMap;
+use super::path::{Moved, Path, cells_of, nearest_place};
+use super::plane::{Foot, direction, dot, metres_between};
 use super::tile::Tile;
+use super::tile_index::TileBlocks;
 use crate::cell::{CELL_LENGTH_M, CellEnd};
 use heapless::Vec;
-use libm::{expf, sqrtf};
+use libm::expf;
 
 /// Most hypotheses.
 const MOST_PATHS: usize = 6;
@@ -269,10 +271,8 @@ impl<'m> Matcher<'m> {
         let Some(from) = from else {
             return;
         };
-        let chord = metres_between(from, position_e7);
-        let length = sqrtf(chord[0] * chord[0] + chord[1] * chord[1]);
-        if length >= COURSE_M {
-            self.course = Some(chord.map(|part| part / length));
+        if let Some(course) = direction(metres_between(from, position_e7), COURSE_M) {
+            self.course = Some(course);
         }
     }
 
@@ -399,7 +399,7 @@ fn candidate<'m>(
 /// `direction` is that of the way over the chord of the course.
 fn misfit(foot: &Foot, direction: [f32; 2], course: [f32; 2]) -> f32 {
     let square = |x: f32| x * x;
-    let cosine = course[0] * direction[0] + course[1] * direction[1];
+    let cosine = dot(course, direction);
     square(foot.left_m / ACROSS_SIGMA_M)
         + square(foot.ahead_m / AHEAD_SIGMA_M)
         + COURSE_COST * (1.0 - cosine)

@@ -28,22 +28,27 @@ mod alignment;
 mod along;
 mod block;
 mod horizon;
+mod joins;
 mod map_error;
 mod map_live;
 mod matcher;
 mod packed_map;
 mod path;
+mod plane;
 mod profile;
 mod record;
 mod tile;
+mod tile_index;
 
 pub use block::{Block, Cells, MapCell, MapPoint, Points};
 pub use horizon::{Branch, Horizon, HorizonPoint, MOST_BRANCHES};
+pub use joins::{Join, Joins};
 pub use map_error::MapError;
 pub use map_live::{MapCounters, MapLive};
 pub use matcher::{MapMatch, MapPlace, Matcher};
-pub use packed_map::{Blocks, Join, Joins, MapWay, PackedMap, TileBlocks, WayDirection, Ways};
+pub use packed_map::{Blocks, MapWay, PackedMap, WayDirection, Ways};
 pub use tile::Tile;
+pub use tile_index::TileBlocks;
 
 /// Constants of the format, for those who write it: `docs/map-grade.md`.
 pub mod format {
@@ -51,8 +56,8 @@ pub mod format {
         ALTITUDE_CELLS, ALTITUDE_UNITS_PER_CM, GRADE_UNITS_PER_PERCENT, HEADER as BLOCK_HEADER,
         MOST_CELLS, SIGMA_CELLS, SIGMA_CODES_PER_OCTAVE, SIGMA_UNIT_PERCENT,
     };
-    pub use super::packed_map::{
-        HEADER, INDEX_ENTRIES, INDEX_PAGE, JOIN, MAGIC, VERSION, WAY_HEADER,
-    };
+    pub use super::joins::JOIN;
+    pub use super::packed_map::{HEADER, MAGIC, VERSION, WAY_HEADER};
     pub use super::record::checksum;
+    pub use super::tile_index::{INDEX_ENTRIES, INDEX_PAGE};
 }

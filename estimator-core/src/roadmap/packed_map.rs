@@ -3,7 +3,6 @@
 use super::block::Block;
 use super::map_error::MapError;
 use super::record::{Numbers, record, sized_record};
-use super::tile::Tile;
 
 /// First bytes of a packed map.
 pub const MAGIC: [u8; 4] = *b"rgm\x1a";
@@ -13,28 +12,20 @@ pub const VERSION: u32 = 1;
 pub const HEADER: usize = 64;
 /// Bytes of a way before its name.
 pub const WAY_HEADER: usize = 28;
-/// Bytes of a join.
-pub const JOIN: usize = 20;
-/// Bytes of a page of the index.
-pub const INDEX_PAGE: usize = 256;
-/// Entries of a page of the index.
-pub const INDEX_ENTRIES: usize = 31;
 
 /// Length of a cell, mm.
 const CELL_MM: u32 = 2_500;
-/// Bytes of an entry of the index.
-const INDEX_ENTRY: usize = 8;
 
 /// A map in the form that the vehicle reads, in place.
 #[derive(Clone, Copy, Debug)]
 pub struct PackedMap<'m> {
-    bytes: &'m [u8],
+    pub(super) bytes: &'m [u8],
     first_way: u32,
     ways: u32,
     first_block: u32,
     blocks_end: u32,
-    first_page: u32,
-    pages: u32,
+    pub(super) first_page: u32,
+    pub(super) pages: u32,
 }
 
 /// Direction in which a way is driven.
@@ -65,22 +56,9 @@ pub struct MapWay<'m> {
     pub first_block: u32,
     /// End of its last block.
     pub blocks_end: u32,
-    first_join: u32,
-    joins: u32,
+    pub(super) first_join: u32,
+    pub(super) joins: u32,
     next: u32,
-}
-
-/// A place where one way can be left for another.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Join {
-    /// Cell of the way at which it is left.
-    pub at_cell: i32,
-    /// Offset of the way that is entered.
-    pub to_way: u32,
-    /// Cell at which it is entered.
-    pub to_cell: i32,
-    /// Offset of the first block that ends at or behind this cell.
-    pub to_block: u32,
 }
 
 impl<'m> PackedMap<'m> {
@@ -171,17 +149,6 @@ impl<'m> PackedMap<'m> {
         })
     }
 
-    /// Returns the joins at which a way is left, in the order of their cells. After an error there
-    /// are no more.
-    #[must_use]
-    pub const fn joins(&self, way: &MapWay<'m>) -> Joins<'m> {
-        Joins {
-            map: *self,
-            next: way.first_join,
-            left: way.joins,
-        }
-    }
-
     /// Returns the block at an offset.
     ///
     /// # Errors
@@ -196,51 +163,17 @@ impl<'m> PackedMap<'m> {
     /// Returns the blocks of a way, in the order of their cells. After an error there are no more.
     #[must_use]
     pub const fn blocks(&self, way: &MapWay<'m>) -> Blocks<'m> {
+        self.blocks_from(way, way.first_block)
+    }
+
+    /// Returns a block of a way, given by its offset, and those behind it.
+    #[must_use]
+    pub const fn blocks_from(&self, way: &MapWay<'m>, block: u32) -> Blocks<'m> {
         Blocks {
             map: *self,
-            next: way.first_block,
+            next: block,
             end: way.blocks_end,
         }
-    }
-
-    /// Returns the offsets of the blocks with a cell in a tile. After an error there are no more.
-    #[must_use]
-    pub fn blocks_in(&self, tile: Tile) -> TileBlocks<'m> {
-        let (mut low, mut high) = (0, self.pages);
-        // The first page whose last entry is not before the tile. Only this page and those after it
-        // are checked: a damaged entry on the way leads to no blocks, never to wrong ones.
-        while low < high {
-            let middle = low + (high - low) / 2;
-            match self.last_key(middle) {
-                Some(key) if key < tile.key() => low = middle + 1,
-                _ => high = middle,
-            }
-        }
-        TileBlocks {
-            map: *self,
-            tile,
-            page: low,
-            entry: 0,
-            content: None,
-        }
-    }
-
-    fn page_offset(&self, page: u32) -> Option<u32> {
-        let bytes = page.checked_mul(u32::try_from(INDEX_PAGE).ok()?)?;
-        self.first_page.checked_add(bytes)
-    }
-
-    /// Returns the last tile of a page, unchecked.
-    fn last_key(&self, page: u32) -> Option<u32> {
-        let start = usize::try_from(self.page_offset(page)?).ok()?;
-        let content = self.bytes.get(start..)?.get(..INDEX_PAGE)?;
-        let entries = Numbers::from(content, INDEX_ENTRIES * INDEX_ENTRY)
-            .ok()?
-            .u32()
-            .ok()?;
-        let last = usize::try_from(entries).ok()?.checked_sub(1)?;
-        let at = last.min(INDEX_ENTRIES - 1) * INDEX_ENTRY;
-        Numbers::from(content, at).ok()?.u32().ok()
     }
 }
 
@@ -274,43 +207,6 @@ impl<'m> Iterator for Ways<'m> {
     }
 }
 
-/// The joins at which a way is left.
-#[derive(Clone, Debug)]
-pub struct Joins<'m> {
-    map: PackedMap<'m>,
-    next: u32,
-    left: u32,
-}
-
-impl Iterator for Joins<'_> {
-    type Item = Result<Join, MapError>;
-
-    fn next(&mut self) -> Option<Self::Item> {
-        self.left = self.left.checked_sub(1)?;
-        let join = self.read();
-        if join.is_err() {
-            self.left = 0;
-        }
-        Some(join)
-    }
-}
-
-impl Joins<'_> {
-    fn read(&mut self) -> Result<Join, MapError> {
-        let mut numbers = Numbers(record(self.map.bytes, self.next, JOIN)?);
-        self.next = u32::try_from(JOIN)
-            .ok()
-            .and_then(|length| self.next.checked_add(length))
-            .ok_or(MapError::Content)?;
-        Ok(Join {
-            at_cell: numbers.i32()?,
-            to_way: numbers.u32()?,
-            to_cell: numbers.i32()?,
-            to_block: numbers.u32()?,
-        })
-    }
-}
-
 /// The blocks of a way.
 #[derive(Clone, Debug)]
 pub struct Blocks<'m> {
@@ -332,61 +228,5 @@ impl<'m> Iterator for Blocks<'m> {
             Err(_) => self.end,
         };
         Some(block)
-    }
-}
-
-/// Offsets of the blocks with a cell in a tile.
-#[derive(Clone, Debug)]
-pub struct TileBlocks<'m> {
-    map: PackedMap<'m>,
-    tile: Tile,
-    page: u32,
-    entry: usize,
-    /// The page, checked.
-    content: Option<&'m [u8]>,
-}
-
-impl Iterator for TileBlocks<'_> {
-    type Item = Result<u32, MapError>;
-
-    fn next(&mut self) -> Option<Self::Item> {
-        let entry = self.next_entry();
-        if !matches!(entry, Ok(Some(_))) {
-            self.page = self.map.pages;
-        }
-        entry.transpose()
-    }
-}
-
-impl TileBlocks<'_> {
-    fn next_entry(&mut self) -> Result<Option<u32>, MapError> {
-        while self.page < self.map.pages {
-            let content = match self.content {
-                Some(content) => content,
-                None => {
-                    let offset = self.map.page_offset(self.page).ok_or(MapError::Content)?;
-                    *self
-                        .content
-                        .insert(record(self.map.bytes, offset, INDEX_PAGE)?)
-                }
-            };
-            let entries = Numbers::from(content, INDEX_ENTRIES * INDEX_ENTRY)?.u32()?;
-            let entries = usize::try_from(entries).map_err(|_| MapError::Content)?;
-            while self.entry < entries.min(INDEX_ENTRIES) {
-                let mut numbers = Numbers::from(content, self.entry * INDEX_ENTRY)?;
-                let (key, offset) = (numbers.u32()?, numbers.u32()?);
-                self.entry += 1;
-                if key > self.tile.key() {
-                    return Ok(None);
-                }
-                if key == self.tile.key() {
-                    return Ok(Some(offset));
-                }
-            }
-            self.page += 1;
-            self.entry = 0;
-            self.content = None;
-        }
-        Ok(None)
     }
 }

@@ -1,17 +1,11 @@
 //! A place that moves along the ways of a map: one hypothesis of where the vehicle is.
 
 use super::block::Block;
+use super::joins::{Join, Joins};
 use super::map_error::MapError;
-use super::packed_map::{Join, Joins, MapWay, PackedMap};
+use super::packed_map::{MapWay, PackedMap};
+use super::plane::{Foot, Lines, direction, dot};
 use crate::cell::CELL_LENGTH_M;
-use libm::{cosf, sqrtf};
-
-/// Length of 10⁻⁷ degrees of latitude, m.
-const METRES_PER_E7: f32 = 0.011_12;
-/// 10⁻⁷ degrees in radians.
-const RADIANS_PER_E7: f32 = 1.745_329_3e-9;
-/// A turn, 10⁻⁷ degrees.
-const TURN_E7: i64 = 3_600_000_000;
 
 /// A place on a way, with how well positions have fitted it.
 #[derive(Clone, Debug)]
@@ -33,17 +27,6 @@ pub(super) struct Path<'m> {
     next_join: Option<Join>,
 }
 
-/// A position in the frame of a path.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Foot {
-    /// How far the position lies ahead of the place, m.
-    pub(super) ahead_m: f32,
-    /// How far it lies to the left, m.
-    pub(super) left_m: f32,
-    /// Direction of the way, east and north.
-    pub(super) direction: [f32; 2],
-}
-
 /// What became of a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Moved {
@@ -51,20 +34,6 @@ pub(super) enum Moved {
     On,
     /// Its way has ended.
     Ended,
-}
-
-/// Returns the distance east and north from one place to another, m. Both are 10⁻⁷ degrees of
-/// latitude and longitude, and near each other.
-pub(super) fn metres_between(from: (i32, i32), to: (i32, i32)) -> [f32; 2] {
-    let mut east = i64::from(to.1) - i64::from(from.1);
-    if east > TURN_E7 / 2 {
-        east -= TURN_E7;
-    } else if east < -TURN_E7 / 2 {
-        east += TURN_E7;
-    }
-    let north = (i64::from(to.0) - i64::from(from.0)) as f32 * METRES_PER_E7;
-    let cosine = cosf(from.0 as f32 * RADIANS_PER_E7);
-    [east as f32 * METRES_PER_E7 * cosine, north]
 }
 
 impl<'m> Path<'m> {
@@ -97,17 +66,10 @@ impl<'m> Path<'m> {
             compared: 0,
             directions: [[0.0; 2]; 2],
             blocks_end: way.blocks_end,
-            joins: map.joins(way),
+            joins: map.joins_from(way, block.first_cell as f32 + at_cells),
             next_join: None,
         };
-        let here = path.cell();
         path.take_join();
-        while path
-            .next_join
-            .is_some_and(|join| (join.at_cell as f32) < here)
-        {
-            path.take_join();
-        }
         Ok(path)
     }
 
@@ -146,58 +108,32 @@ impl<'m> Path<'m> {
         Moved::On
     }
 
-    /// Returns a position in the frame of the path; `None` in a gap of the map.
+    /// Returns a position beside the place; `None` in a gap of the map.
     pub(super) fn foot(&self, position_e7: (i32, i32)) -> Option<Foot> {
-        let mut points = self.block.points();
-        let start = points.next()?;
-        let origin = (start.latitude_e7, start.longitude_e7);
-        let mut from = (0.0, [0.0; 2]);
         let at = self.at_cells;
-        let mut segment = None;
-        for point in points {
-            let cells = (point.cell - self.block.first_cell) as f32;
-            let to = (
-                cells,
-                metres_between(origin, (point.latitude_e7, point.longitude_e7)),
-            );
-            segment = Some((from, to));
-            if cells >= at {
+        let mut lines = Lines::of(&self.block)?;
+        let position_m = lines.metres(position_e7);
+        let mut line = lines.next()?;
+        for next in lines {
+            if line.to_cells >= at {
                 break;
             }
-            from = to;
+            line = next;
         }
-        let ((from_cells, from_m), (to_cells, to_m)) = segment?;
-        if at < -1.0 || at > to_cells + 1.0 {
+        if at < -1.0 || at > line.to_cells + 1.0 {
             return None;
         }
-        let chord = [to_m[0] - from_m[0], to_m[1] - from_m[1]];
-        let length = sqrtf(chord[0] * chord[0] + chord[1] * chord[1]);
-        if length <= 0.0 {
-            return None;
-        }
-        let direction = chord.map(|part| part / length);
-        let part = (at - from_cells) / (to_cells - from_cells);
-        let position = metres_between(origin, position_e7);
-        let off = [0, 1].map(|i| position[i] - (from_m[i] + part * chord[i]));
-        Some(Foot {
-            ahead_m: off[0] * direction[0] + off[1] * direction[1],
-            left_m: off[1] * direction[0] - off[0] * direction[1],
-            direction,
-        })
+        let part = (at - line.from_cells) / (line.to_cells - line.from_cells);
+        Some(line.foot(part, position_m))
     }
 
     /// Returns the direction of the chord of the way over the last two comparisons, and takes that of
     /// this one.
-    pub(super) fn chord(&mut self, direction: [f32; 2]) -> [f32; 2] {
+    pub(super) fn chord(&mut self, now: [f32; 2]) -> [f32; 2] {
         let [a, b] = self.directions;
-        self.directions = [b, direction];
-        let sum = [0, 1].map(|i| 0.5 * a[i] + b[i] + 0.5 * direction[i]);
-        let length = sqrtf(sum[0] * sum[0] + sum[1] * sum[1]);
-        if length > 0.5 {
-            sum.map(|part| part / length)
-        } else {
-            direction
-        }
+        self.directions = [b, now];
+        let sum = [0, 1].map(|i| 0.5 * a[i] + b[i] + 0.5 * now[i]);
+        direction(sum, 0.5).unwrap_or(now)
     }
 
     /// Returns whether another path is at the same place, within some cells.
@@ -211,53 +147,22 @@ impl<'m> Path<'m> {
 }
 
 /// Returns the place on a block that is nearest to a position, as cells from its first cell, and the
-/// position in its frame. Segments that do not lead in the direction of travel do not count.
+/// position beside it. Lines that do not lead in the direction of travel do not count.
 pub(super) fn nearest_place(
     block: &Block<'_>,
     position_e7: (i32, i32),
     course: [f32; 2],
     least_cosine: f32,
 ) -> Option<(f32, Foot)> {
-    let mut points = block.points();
-    let start = points.next()?;
-    let origin = (start.latitude_e7, start.longitude_e7);
-    let position = metres_between(origin, position_e7);
-    let mut from = (0.0, [0.0; 2]);
-    let mut best: Option<(f32, Foot)> = None;
-    for point in points {
-        let cells = (point.cell - block.first_cell) as f32;
-        let to = metres_between(origin, (point.latitude_e7, point.longitude_e7));
-        let chord = [to[0] - from.1[0], to[1] - from.1[1]];
-        let length = sqrtf(chord[0] * chord[0] + chord[1] * chord[1]);
-        if length > 0.0 {
-            let direction = chord.map(|part| part / length);
-            let off = [position[0] - from.1[0], position[1] - from.1[1]];
-            let along = off[0] * direction[0] + off[1] * direction[1];
-            let on_m = along.clamp(0.0, length);
-            let foot = Foot {
-                ahead_m: along - on_m,
-                left_m: off[1] * direction[0] - off[0] * direction[1],
-                direction,
-            };
-            let cosine = direction[0] * course[0] + direction[1] * course[1];
-            if cosine >= least_cosine && best.is_none_or(|(_, best)| foot.is_nearer_than(&best)) {
-                best = Some((from.0 + (cells - from.0) * on_m / length, foot));
-            }
-        }
-        from = (cells, to);
-    }
-    best
-}
-
-impl Foot {
-    /// Returns the distance of the position from the place, m.
-    pub(super) fn distance_m(&self) -> f32 {
-        sqrtf(self.ahead_m * self.ahead_m + self.left_m * self.left_m)
-    }
-
-    fn is_nearer_than(&self, other: &Self) -> bool {
-        self.distance_m() < other.distance_m()
-    }
+    let lines = Lines::of(block)?;
+    let position_m = lines.metres(position_e7);
+    lines
+        .filter(|line| dot(line.direction, course) >= least_cosine)
+        .map(|line| {
+            let part = line.nearest_part(position_m);
+            (line.cells(part), line.foot(part, position_m))
+        })
+        .min_by(|a, b| a.1.distance_m().total_cmp(&b.1.distance_m()))
 }
 
 /// Returns the cells of a distance.

@@ -6,6 +6,7 @@
 
 use super::accepted_ranges::ACCELERATIONS_MPS2;
 use super::latest::TimedValue;
+use super::resolution::Resolution;
 use crate::cell::CELL_LENGTH_M;
 use crate::sample::InertialMeasurement;
 use crate::time::{Duration, Instant};
@@ -21,8 +22,8 @@ pub(super) struct Accelerometer {
     last: Option<TimedValue>,
     sum_mps2: f32,
     count: u16,
-    /// Smallest change so far.
-    step_mps2: Option<f32>,
+    /// m/s².
+    resolution: Resolution,
 }
 
 /// The mean acceleration between two speed readings, and the number of its readings.
@@ -49,11 +50,7 @@ impl Accelerometer {
             return;
         };
         if let Some(last) = self.last.filter(|last| last.value != value) {
-            let step_mps2 = (value - last.value).abs();
-            self.step_mps2 = Some(
-                self.step_mps2
-                    .map_or(step_mps2, |least| least.min(step_mps2)),
-            );
+            self.resolution.note(value - last.value);
         }
         self.last = Some(TimedValue { value, time: now });
         if self.count < u16::MAX {
@@ -93,10 +90,7 @@ impl Accelerometer {
             acceleration_mps2: cell.work_per_kg / cell.known_m,
             // A reading that several cells share counts in each.
             count: (cell.count + 0.5).clamp(1.0, 255.0) as u8,
-            resolution_mps2: self
-                .step_mps2
-                .filter(|step_mps2| *step_mps2 <= COARSEST_MPS2)
-                .unwrap_or(0.0),
+            resolution_mps2: self.resolution.within(COARSEST_MPS2),
         })
     }
 }

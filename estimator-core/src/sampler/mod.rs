@@ -34,6 +34,7 @@ mod inertial;
 mod latest;
 mod odometer;
 mod parts;
+mod resolution;
 mod reversing;
 mod speed_check;
 mod stops;

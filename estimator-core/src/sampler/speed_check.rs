@@ -1,6 +1,7 @@
 //! Plausibility of the readings of one speed sensor.
 
 use super::latest::TimedValue;
+use super::resolution::Resolution;
 use crate::scalar::Scalar;
 use crate::time::Instant;
 use crate::tuning::Detection;
@@ -34,18 +35,15 @@ struct RepeatedSpeed {
     readings: u8,
     /// Whether the sensor is stuck at it. It stays so while the engine happens to turn as at first.
     is_stuck: bool,
-    /// Smallest change reported so far: the resolution, m/s.
-    step_mps: Option<f32>,
+    /// Resolution, m/s.
+    resolution: Resolution,
 }
 
 impl SpeedCheck {
     /// Returns the smallest change of the readings so far, m/s; 0 where it is larger than the steps
     /// of any sensor.
     pub(super) fn resolution_mps(&self, tuning: &Detection) -> f32 {
-        self.repeated
-            .step_mps
-            .filter(|step_mps| *step_mps <= tuning.speed_step_mps)
-            .unwrap_or(0.0)
+        self.repeated.resolution.within(tuning.speed_step_mps)
     }
 
     /// Checks a reading. `turns` is the engine speed over the ratio of the engaged gear, rpm.
@@ -94,20 +92,21 @@ impl TimedValue {
 impl RepeatedSpeed {
     fn is_stuck(&mut self, mps: f32, turns: Option<f32>, tuning: &Detection) -> bool {
         if mps != self.mps {
-            let step_mps = (mps - self.mps).abs();
+            let mut resolution = self.resolution;
+            resolution.note(mps - self.mps);
             *self = Self {
                 mps,
                 turns,
                 readings: 0,
                 is_stuck: false,
-                step_mps: self
-                    .step_mps
-                    .map_or(Some(step_mps), |least| Some(Scalar::min(least, step_mps))),
+                resolution,
             };
             return false;
         }
         self.readings = self.readings.saturating_add(1);
-        let (Some(first), Some(turns), Some(step_mps)) = (self.turns, turns, self.step_mps) else {
+        let (Some(first), Some(turns), Some(step_mps)) =
+            (self.turns, turns, self.resolution.step())
+        else {
             self.turns = self.turns.or(turns);
             return self.is_stuck;
         };

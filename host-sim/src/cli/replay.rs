@@ -94,9 +94,9 @@ pub fn run(args: &Args) -> Result<()> {
 }
 
 fn summary(args: &Args, sent: &Sent, seconds: f64) -> String {
-    let log_s = sent.span.map_or(0.0, |(first, last)| {
-        last.since(first).micros() as f64 * 1e-6
-    });
+    let log_s = sent
+        .span
+        .map_or(0.0, |(first, last)| last.since(first).as_secs_f64());
     let latest_ms = sent.latest.as_secs_f64() * 1e3;
     let rate = sent.frames as f64 / seconds.max(1e-6);
     if args.json {

@@ -64,5 +64,5 @@ impl Collector {
 
 /// Returns the time of the log's clock, s.
 pub(super) fn seconds(time: Instant) -> f64 {
-    1e-6 * time.since(Instant::default()).micros() as f64
+    time.since(Instant::ZERO).as_secs_f64()
 }

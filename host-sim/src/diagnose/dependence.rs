@@ -1,8 +1,8 @@
 //! Plain dependences on time, place and signals, for a residual that no effect explains.
 
+use super::collector::seconds;
 use super::drive::{LoggedDrive, RoadPlace};
 use super::evidence::ForceColumn;
-use estimator_core::Instant;
 use estimator_core::sample::Sample;
 use estimator_core::vehicle::GRAVITY;
 
@@ -54,8 +54,9 @@ impl BasisFunction {
         let samples = &drive.samples;
         let unit_n = |sample: &Sample| BASIS_UNIT * sample.forces.mass_kg * GRAVITY;
         let of_phase = |period_s: f64, wave: fn(f64) -> f64| {
-            let phase =
-                |sample: &Sample| wave(std::f64::consts::TAU * clock_s(sample) / period_s) as f32;
+            let phase = |sample: &Sample| {
+                wave(std::f64::consts::TAU * seconds(sample.end.time) / period_s) as f32
+            };
             samples.iter().map(|s| unit_n(s) * phase(s)).collect()
         };
         match self {
@@ -122,7 +123,7 @@ impl Variable {
                 .collect(),
             Self::Phase(period_s) => samples
                 .iter()
-                .map(|s| Some(clock_s(s).rem_euclid(period_s)))
+                .map(|s| Some(seconds(s.end.time).rem_euclid(period_s)))
                 .collect(),
             Self::Signal(covariate) => samples
                 .iter()
@@ -141,11 +142,6 @@ impl Variable {
                 .collect(),
         }
     }
-}
-
-/// Returns the time of the log's clock, s.
-fn clock_s(sample: &Sample) -> f64 {
-    1e-6 * sample.end.time.since(Instant::default()).micros() as f64
 }
 
 /// Returns 1 where traction over weight rises, −1 where it falls, with a hysteresis in %.

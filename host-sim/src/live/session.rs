@@ -194,7 +194,7 @@ impl Session {
         let estimator = self.recorder.estimator();
         let start = self.start.unwrap_or(self.newest);
         LiveView {
-            time_s: self.newest.since(start).micros() as f64 * 1e-6,
+            time_s: self.newest.since(start).as_secs_f64(),
             live: estimator.live(),
             is_silent: now.duration_since(self.last_frame) > SILENCE,
             cells_finished: self.recorder.cells_finished(),

@@ -328,7 +328,7 @@ fn row(start: Instant, grades: &OnlineGrades, smoothed: &SmoothedCell) -> RunRow
     } = smoothed;
     let degrees = |e7: i32| f64::from(e7) * 1e-7;
     RunRow {
-        time_s: end.time.since(start).micros() as f64 * 1e-6,
+        time_s: end.time.since(start).as_secs_f64(),
         distance_m: end.distance_m(),
         latitude_deg: end.position_e7.map(|(latitude, _)| degrees(latitude)),
         longitude_deg: end.position_e7.map(|(_, longitude)| degrees(longitude)),

@@ -57,7 +57,7 @@ pub fn horizons_of_log(
         let Some(live) = recorder.estimator().live() else {
             return;
         };
-        let time_s = live.end.time.since(start).micros() as f64 * 1e-6;
+        let time_s = live.end.time.since(start).as_secs_f64();
         if time_s < next_s {
             return;
         }

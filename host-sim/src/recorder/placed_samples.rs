@@ -8,7 +8,7 @@ use super::latencies::{Latencies, Latency};
 use crate::files::spool::{Spool, blocks};
 use crate::smooth::Samples;
 use estimator_core::sample::{AltitudeMeasurement, Sample};
-use estimator_core::{CellEnd, Duration};
+use estimator_core::{CellEnd, Duration, Instant};
 use serde::{Deserialize, Serialize};
 use std::io;
 use std::ops::Range;
@@ -134,7 +134,7 @@ fn place(sample: &mut Sample, altitude: AltitudeMeasurement, taken_s: f64) {
 }
 
 fn seconds(end: CellEnd) -> f64 {
-    1e-6 * end.time.micros() as f64
+    end.time.since(Instant::ZERO).as_secs_f64()
 }
 
 /// Returns the driven distance at a time, m.
@@ -174,7 +174,7 @@ fn between(from: (i32, i32), to: (i32, i32), part: f64) -> (i32, i32) {
 mod tests {
     use super::*;
     use estimator_core::sample::{AltitudeContinuity, EffectInputs, ForceInputs};
-    use estimator_core::{Condition, Disagreement, Instant};
+    use estimator_core::{Condition, Disagreement};
 
     /// A vehicle at 20 m/s, whose position counts the metres, as the altitude does.
     fn kept(cell: u32, used: Duration, true_s: f64) -> (Sample, Duration) {

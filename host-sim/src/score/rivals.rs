@@ -158,7 +158,7 @@ fn by_method(
                 .zip(estimates)
                 .map(|(sample, (grade, sigma))| RivalCell {
                     number: sample.end.cell,
-                    time_s: sample.end.time.since(start).micros() as f64 * 1e-6,
+                    time_s: sample.end.time.since(start).as_secs_f64(),
                     grade_percent: *grade,
                     sigma_percent: *sigma,
                 }),

@@ -159,7 +159,7 @@ impl DriveOnRoad {
             .iter()
             .map(|cell| {
                 let end = &cell.record.end;
-                let time_s = end.time.since(start).micros() as f64 * 1e-6;
+                let time_s = end.time.since(start).as_secs_f64();
                 linear(&truth, time_s).filter(|_| ends_m.contains(&end.distance_m()))
             })
             .collect()

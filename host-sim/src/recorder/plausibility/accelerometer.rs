@@ -62,7 +62,7 @@ impl Accelerometer {
         let Some(window) = self.window.filter(|_| !is_other) else {
             return self.begin(now, mps);
         };
-        let seconds = now.since(window.from).micros() as f64 * 1e-6;
+        let seconds = now.since(window.from).as_secs_f64();
         if seconds < WINDOW_S.0 {
             return;
         }

@@ -52,7 +52,7 @@ impl Brakes {
     /// Takes a speed of the wheels, m/s.
     pub(super) fn speed(&mut self, now: Instant, mps: f64) {
         let (time, from_mps) = *self.since.get_or_insert((now, mps));
-        let seconds = now.since(time).micros() as f64 * 1e-6;
+        let seconds = now.since(time).as_secs_f64();
         if seconds < SHORTEST_S {
             return;
         }

@@ -15,7 +15,7 @@ impl Integral {
     pub(super) fn add(&mut self, now: Instant, mps: f64) -> Option<f64> {
         let last = self.last.replace((now, mps));
         let (time, last_mps) = last?;
-        let seconds = now.since(time).micros() as f64 * 1e-6;
+        let seconds = now.since(time).as_secs_f64();
         self.metres += 0.5 * (last_mps + mps) * seconds;
         Some(seconds)
     }

@@ -78,7 +78,7 @@ impl Way {
         let (time, from_mps) = *self.change_from.get_or_insert((now, mps));
         let change_mps = (mps - from_mps).abs();
         if change_mps >= CHANGE_MPS {
-            let seconds = now.since(time).micros() as f64 * 1e-6;
+            let seconds = now.since(time).as_secs_f64();
             self.accelerations.add(change_mps / seconds);
             self.change_from = Some((now, mps));
         }

@@ -1,0 +1,151 @@
+//! East and north of a place, m, and the lines of a plan view.
+
+use super::block::{Block, MapPoint, Points};
+use libm::{cosf, sqrtf};
+
+/// Length of 10⁻⁷ degrees of latitude, m.
+const METRES_PER_E7: f32 = 0.011_12;
+/// 10⁻⁷ degrees in radians.
+const RADIANS_PER_E7: f32 = 1.745_329_3e-9;
+/// A turn, 10⁻⁷ degrees.
+const TURN_E7: i64 = 3_600_000_000;
+
+/// Returns the distance east and north from one place to another, m. Both are 10⁻⁷ degrees of
+/// latitude and longitude, and near each other.
+pub(super) fn metres_between(from: (i32, i32), to: (i32, i32)) -> [f32; 2] {
+    let mut east = i64::from(to.1) - i64::from(from.1);
+    if east > TURN_E7 / 2 {
+        east -= TURN_E7;
+    } else if east < -TURN_E7 / 2 {
+        east += TURN_E7;
+    }
+    let north = (i64::from(to.0) - i64::from(from.0)) as f32 * METRES_PER_E7;
+    let cosine = cosf(from.0 as f32 * RADIANS_PER_E7);
+    [east as f32 * METRES_PER_E7 * cosine, north]
+}
+
+/// Returns the sum of the products of the parts.
+pub(super) fn dot(a: [f32; 2], b: [f32; 2]) -> f32 {
+    a[0] * b[0] + a[1] * b[1]
+}
+
+/// Returns the length of a vector.
+pub(super) fn length(vector: [f32; 2]) -> f32 {
+    sqrtf(dot(vector, vector))
+}
+
+/// Returns the direction of a vector that is longer than `least`.
+pub(super) fn direction(vector: [f32; 2], least: f32) -> Option<[f32; 2]> {
+    let length = length(vector);
+    (length > least).then(|| vector.map(|part| part / length))
+}
+
+/// A straight line of a plan view, from one point to the next.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Line {
+    /// Cells from the first one of the block to the ends.
+    pub(super) from_cells: f32,
+    pub(super) to_cells: f32,
+    /// Place of the first end, m from that of the first cell, and the way to the other end.
+    from_m: [f32; 2],
+    chord_m: [f32; 2],
+    /// Its direction.
+    pub(super) direction: [f32; 2],
+}
+
+/// A position beside a line.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Foot {
+    /// How far the position lies ahead of a place on the line, m.
+    pub(super) ahead_m: f32,
+    /// How far it lies to the left, m.
+    pub(super) left_m: f32,
+    /// Direction of the line, east and north.
+    pub(super) direction: [f32; 2],
+}
+
+impl Foot {
+    /// Returns the distance of the position from the place, m.
+    pub(super) fn distance_m(&self) -> f32 {
+        length([self.ahead_m, self.left_m])
+    }
+}
+
+impl Line {
+    /// Returns a position, m from the first cell of the block, beside the place at this part of the
+    /// line.
+    pub(super) fn foot(&self, part: f32, position_m: [f32; 2]) -> Foot {
+        let off = [0, 1].map(|i| position_m[i] - (self.from_m[i] + part * self.chord_m[i]));
+        Foot {
+            ahead_m: dot(off, self.direction),
+            left_m: off[1] * self.direction[0] - off[0] * self.direction[1],
+            direction: self.direction,
+        }
+    }
+
+    /// Returns the part of the line that is nearest to a position.
+    pub(super) fn nearest_part(&self, position_m: [f32; 2]) -> f32 {
+        let ahead_m = self.foot(0.0, position_m).ahead_m;
+        (ahead_m / length(self.chord_m)).clamp(0.0, 1.0)
+    }
+
+    /// Returns the cells at this part of the line.
+    pub(super) fn cells(&self, part: f32) -> f32 {
+        self.from_cells + part * (self.to_cells - self.from_cells)
+    }
+}
+
+/// The lines of a block. Those without length are left out.
+#[derive(Clone, Debug)]
+pub(super) struct Lines<'m> {
+    first_cell: i32,
+    origin: (i32, i32),
+    points: Points<'m>,
+    from: (f32, [f32; 2]),
+}
+
+impl<'m> Lines<'m> {
+    pub(super) fn of(block: &Block<'m>) -> Option<Self> {
+        let mut points = block.points();
+        let origin = place(&points.next()?);
+        Some(Self {
+            first_cell: block.first_cell,
+            origin,
+            points,
+            from: (0.0, [0.0; 2]),
+        })
+    }
+
+    /// Returns a position as m from the first cell of the block.
+    pub(super) fn metres(&self, position_e7: (i32, i32)) -> [f32; 2] {
+        metres_between(self.origin, position_e7)
+    }
+}
+
+impl Iterator for Lines<'_> {
+    type Item = Line;
+
+    fn next(&mut self) -> Option<Line> {
+        loop {
+            let point = self.points.next()?;
+            let (from_cells, from_m) = self.from;
+            let to_m = metres_between(self.origin, place(&point));
+            let to_cells = (point.cell - self.first_cell) as f32;
+            self.from = (to_cells, to_m);
+            let chord_m = [to_m[0] - from_m[0], to_m[1] - from_m[1]];
+            if let Some(direction) = direction(chord_m, 0.0) {
+                return Some(Line {
+                    from_cells,
+                    to_cells,
+                    from_m,
+                    chord_m,
+                    direction,
+                });
+            }
+        }
+    }
+}
+
+fn place(point: &MapPoint) -> (i32, i32) {
+    (point.latitude_e7, point.longitude_e7)
+}

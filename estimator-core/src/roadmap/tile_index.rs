@@ -1,0 +1,112 @@
+//! The index of a packed map by place.
+
+use super::map_error::MapError;
+use super::packed_map::PackedMap;
+use super::record::{Numbers, record};
+use super::tile::Tile;
+
+/// Bytes of a page of the index.
+pub const INDEX_PAGE: usize = 256;
+/// Entries of a page of the index.
+pub const INDEX_ENTRIES: usize = 31;
+
+/// Bytes of an entry of the index.
+const INDEX_ENTRY: usize = 8;
+
+impl<'m> PackedMap<'m> {
+    /// Returns the offsets of the blocks with a cell in a tile. After an error there are no more.
+    #[must_use]
+    pub fn blocks_in(&self, tile: Tile) -> TileBlocks<'m> {
+        let (mut low, mut high) = (0, self.pages);
+        // The first page whose last entry is not before the tile. Only this page and those after it
+        // are checked: a damaged entry on the way leads to no blocks, never to wrong ones.
+        while low < high {
+            let middle = low + (high - low) / 2;
+            match self.last_key(middle) {
+                Some(key) if key < tile.key() => low = middle + 1,
+                _ => high = middle,
+            }
+        }
+        TileBlocks {
+            map: *self,
+            tile,
+            page: low,
+            entry: 0,
+            content: None,
+        }
+    }
+
+    fn page_offset(&self, page: u32) -> Option<u32> {
+        let bytes = page.checked_mul(u32::try_from(INDEX_PAGE).ok()?)?;
+        self.first_page.checked_add(bytes)
+    }
+
+    /// Returns the last tile of a page, unchecked.
+    fn last_key(&self, page: u32) -> Option<u32> {
+        let start = usize::try_from(self.page_offset(page)?).ok()?;
+        let content = self.bytes.get(start..)?.get(..INDEX_PAGE)?;
+        let entries = Numbers::from(content, INDEX_ENTRIES * INDEX_ENTRY)
+            .ok()?
+            .u32()
+            .ok()?;
+        let last = usize::try_from(entries).ok()?.checked_sub(1)?;
+        let at = last.min(INDEX_ENTRIES - 1) * INDEX_ENTRY;
+        Numbers::from(content, at).ok()?.u32().ok()
+    }
+}
+
+/// Offsets of the blocks with a cell in a tile.
+#[derive(Clone, Debug)]
+pub struct TileBlocks<'m> {
+    map: PackedMap<'m>,
+    tile: Tile,
+    page: u32,
+    entry: usize,
+    /// The page, checked.
+    content: Option<&'m [u8]>,
+}
+
+impl Iterator for TileBlocks<'_> {
+    type Item = Result<u32, MapError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let entry = self.next_entry();
+        if !matches!(entry, Ok(Some(_))) {
+            self.page = self.map.pages;
+        }
+        entry.transpose()
+    }
+}
+
+impl TileBlocks<'_> {
+    fn next_entry(&mut self) -> Result<Option<u32>, MapError> {
+        while self.page < self.map.pages {
+            let content = match self.content {
+                Some(content) => content,
+                None => {
+                    let offset = self.map.page_offset(self.page).ok_or(MapError::Content)?;
+                    *self
+                        .content
+                        .insert(record(self.map.bytes, offset, INDEX_PAGE)?)
+                }
+            };
+            let entries = Numbers::from(content, INDEX_ENTRIES * INDEX_ENTRY)?.u32()?;
+            let entries = usize::try_from(entries).map_err(|_| MapError::Content)?;
+            while self.entry < entries.min(INDEX_ENTRIES) {
+                let mut numbers = Numbers::from(content, self.entry * INDEX_ENTRY)?;
+                let (key, offset) = (numbers.u32()?, numbers.u32()?);
+                self.entry += 1;
+                if key > self.tile.key() {
+                    return Ok(None);
+                }
+                if key == self.tile.key() {
+                    return Ok(Some(offset));
+                }
+            }
+            self.page += 1;
+            self.entry = 0;
+            self.content = None;
+        }
+        Ok(None)
+    }
+}
