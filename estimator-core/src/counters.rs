@@ -73,7 +73,7 @@ pub struct Counters {
     pub altitude_outliers: u32,
     /// Speeds that differ from the prediction by more than the model allows; the speed was reset.
     pub speed_steps: u32,
-    /// Times that the accelerometer was found wrong, or not to be told from a wrong force; it is
+    /// Times that the accelerometer was found wrong, or that a wrong force explains the same; it is
     /// used again once it agrees.
     pub accelerometers_rejected: u32,
     /// Cells in which the brake detector found a brake, without any brake signal.

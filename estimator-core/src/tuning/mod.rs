@@ -135,7 +135,7 @@ tuning! {
         longest_m: f32 = 3_000.0, 2.5..=1e6, "m", "distance of a disagreement after which the accelerometer is rejected", "chosen: torque comes back sooner";
         unchanged_percent_per_s: f32 = 0.5, 0.0..=100.0, "%/s", "what is not known of a traction for each second for which it stays the same unusually long, 1 sigma", "traction follows the road: 0.1 % in a cell at most";
         weigh_m: f32 = 250.0, 2.5..=1e6, "m", "distance between two measurements of the scale by the accelerometer", "chosen";
-        alone_m: f32 = 200.0, 2.5..=1e6, "m", "distance without a valid model from which the slow error of the accelerometer is told in the sigma", "its noise is larger before that";
+        alone_m: f32 = 200.0, 2.5..=1e6, "m", "distance without a valid model from which the sigma contains the slow error of the accelerometer", "its noise is larger before that";
     }
 
     /// Gates: which measurements to reject.

@@ -3,7 +3,7 @@
 use super::log_options::LogOptions;
 use super::outputs;
 use crate::error::{Error, Result};
-use crate::files::csv::stage_csv;
+use crate::files::csv::CsvTable;
 use crate::files::vehicle::VehicleFile;
 use crate::map::open_packed_map;
 use crate::recorder::horizons_of_log;
@@ -49,23 +49,27 @@ pub fn run(args: &Args) -> Result<()> {
     let map = open_packed_map(&args.map)?;
     let options = args.reading.read_options()?;
     let bar = progress::bytes(args.log.metadata().map_or(0, |file| file.len()));
-    let rows = horizons_of_log(
+    let mut table = CsvTable::begin(&args.out)?;
+    let mut is_empty = true;
+    let read = horizons_of_log(
         &vehicle.model,
         map,
         args.length,
         &args.log,
         &options,
-        |read| {
-            bar.set_position(read);
+        |read| bar.set_position(read),
+        |row| {
+            is_empty = false;
+            table.push(row)
         },
     );
     bar.finish_and_clear();
-    let rows = rows?;
-    if rows.is_empty() {
+    read?;
+    if is_empty {
         let problem = "is never on the map; expected a drive over its ways";
         return Err(Error::content(&args.log, problem));
     }
-    stage_csv(&args.out, rows)?.commit()
+    table.finish()?.commit()
 }
 
 fn length(argument: &str) -> std::result::Result<f32, String> {

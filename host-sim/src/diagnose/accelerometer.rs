@@ -10,6 +10,7 @@ use super::collector::seconds;
 use super::drive::LoggedDrive;
 use super::evidence::{ForceColumn, SEGMENT_M, SegmentSums};
 use super::judgement::{holds, model_slope_percent};
+use crate::inertial_judge::Stretch;
 use crate::numeric::statistics::quantile;
 use estimator_core::sample::Sample;
 use estimator_core::vehicle::GRAVITY;
@@ -25,8 +26,8 @@ const LONGEST_M: f64 = 2.0 * BLOCK_M;
 /// Standard deviation of what the offset changes from drive to drive, %: 1.5 thousandths of gravity.
 /// A guess; sensors of vehicle dynamics promise ten times that over all temperatures.
 const OFFSET_OF_DRIVE_PERCENT: f64 = 0.15;
-/// Blocks further from the median than this are left out, in standard deviations: brakes that
-/// nobody tells.
+/// Blocks further from the median than this are left out, in standard deviations: a log may have no
+/// signal of the brakes.
 const OUTLIER: f64 = 3.0;
 /// Median absolute deviation of a normal distribution, in standard deviations.
 const MAD: f64 = 0.6745;
@@ -41,14 +42,8 @@ pub(super) const ERROR_SIGMAS: [f64; 2] = [0.1, 0.3];
 /// What the accelerometer tells of one cell.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SensedCell {
-    /// Climb, m.
-    pub(super) climb_m: f64,
-    /// Length, m.
-    pub(super) length_m: f64,
-    /// Mean reading over the distance, m/s².
-    reading_mps2: f64,
-    /// Change of the kinetic energy a kilogram over the distance, m/s².
-    acceleration_mps2: f64,
+    /// The road of the cell, as the sensor shows it.
+    pub(super) stretch: Stretch,
     /// Kinetic energies a kilogram at both ends, m²/s².
     energies: (f64, f64),
 }
@@ -68,17 +63,8 @@ pub(super) fn cells(drive: &LoggedDrive) -> Vec<Option<SensedCell>> {
             let now = at(sample).map(|point| (point, energy));
             let from = std::mem::replace(&mut before, now).filter(|_| sample.gap_cells == 0);
             let ((from, from_energy), (to, to_energy)) = (from?, now?);
-            let length_m = to.distance_m - from.distance_m;
-            if from.breaks != to.breaks || length_m <= 0.0 {
-                return None;
-            }
-            let climb_m = to.climb_m - from.climb_m;
-            let kinetic = 0.5 * (to.speed_mps.powi(2) - from.speed_mps.powi(2));
             Some(SensedCell {
-                climb_m,
-                length_m,
-                reading_mps2: (f64::from(GRAVITY) * climb_m + kinetic) / length_m,
-                acceleration_mps2: kinetic / length_m,
+                stretch: Stretch::between(&from, &to)?,
                 energies: (from_energy, to_energy),
             })
         })
@@ -87,15 +73,18 @@ pub(super) fn cells(drive: &LoggedDrive) -> Vec<Option<SensedCell>> {
 
 /// Returns the slope of the force balance less that of the accelerometer in each cell, %, where the
 /// model holds. Both use the same speeds, so that these hardly matter.
-pub(super) fn errors(drive: &LoggedDrive, model: &Model) -> Vec<Option<f64>> {
-    let sensed = cells(drive);
+pub(super) fn errors(
+    drive: &LoggedDrive,
+    model: &Model,
+    sensed: &[Option<SensedCell>],
+) -> Vec<Option<f64>> {
     let pairs = drive.samples.iter().zip(sensed);
     pairs
         .map(|(sample, sensed)| {
-            let sensed = sensed.filter(|_| holds(sample))?;
+            let sensed = sensed.as_ref().filter(|_| holds(sample))?;
             let (from, to) = sensed.energies;
             let motion_mps2 = (to - from) / f64::from(sample.length_m);
-            let slope = (sensed.reading_mps2 - motion_mps2) / f64::from(GRAVITY);
+            let slope = (sensed.stretch.reading_mps2() - motion_mps2) / f64::from(GRAVITY);
             Some(model_slope_percent(model, sample, sensed.energies) - 100.0 * slope)
         })
         .collect()
@@ -177,12 +166,12 @@ fn blocks(
 ) -> Vec<Block> {
     let cell_m = f64::from(CELL_LENGTH_M);
     let sensed = cells(drive);
-    let errors = errors(drive, model);
+    let errors = errors(drive, model, &sensed);
     let mut found = Vec::new();
     let empty = || (0, 0.0, 0.0, DVector::zeros(columns.len()));
     let (mut first, mut count, mut error_sum, mut response) = empty();
     for (k, sample) in drive.samples.iter().enumerate() {
-        if let (Some(error), Some(sensed)) = (errors[k], sensed[k]) {
+        if let (Some(error), Some(sensed)) = (errors[k], &sensed[k]) {
             count += 1.0;
             error_sum += error;
             let percent_per_n = f64::from(100.0 / sample.forces.weight_n());
@@ -191,7 +180,7 @@ fn blocks(
             }
             let [offset, pitch] = sensor_errors;
             response[offset] += 1.0;
-            response[pitch] += 100.0 * sensed.acceleration_mps2 / f64::from(GRAVITY);
+            response[pitch] += 100.0 * sensed.stretch.acceleration_mps2 / f64::from(GRAVITY);
         }
         let stretch_m = (k - first + 1) as f64 * cell_m;
         if count * cell_m < BLOCK_M && stretch_m < LONGEST_M {

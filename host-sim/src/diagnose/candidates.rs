@@ -1,12 +1,12 @@
 //! Candidates of the search: the core's effects, each with one or several choices; and plain
 //! dependences on time, place and signals, for a residual that no effect explains.
 
+use super::column_kind::ColumnKind;
 use super::dependence::{BASIS_UNIT, BINS, BasisFunction, Covariate, Variable};
 use super::drive::{LoggedDrive, RoadPlace};
 use super::evidence::ForceColumn;
 use estimator_core::VehicleParameters;
 use estimator_core::effect::{CATALOGUE, Effect, ParameterValues, Varies, search_of};
-use estimator_core::vehicle::GRAVITY;
 
 /// Length of a piece of road, m. Road sections are made of pieces.
 const PIECE_M: f64 = 500.0;
@@ -93,20 +93,6 @@ pub struct DriveFacts {
     pub duration_s: f64,
 }
 
-/// The source of a column's force.
-#[derive(Clone, Copy, Debug)]
-enum ColumnKind {
-    Effect(&'static Effect, ParameterValues),
-    /// On one drive only.
-    OnDrive(&'static Effect, ParameterValues, usize),
-    /// The weight on a piece of road, in one direction or both.
-    Piece(usize, f64, Option<bool>),
-    /// No force: the unknown error of a sensor.
-    SensorError,
-    /// A thousandth of the weight times a function of a signal.
-    Basis(BasisFunction),
-}
-
 /// Tried periods of cycles, s: shortest, longest, and the ratio of one to the one before. The
 /// shortest period is limited by one fix a second and by the waves of the road.
 const PERIODS_S: (f64, f64, f64) = (40.0, 900.0, 1.05);
@@ -114,6 +100,7 @@ const PERIODS_S: (f64, f64, f64) = (40.0, 900.0, 1.05);
 const FEWEST_PERIODS: f64 = 3.0;
 /// Tried widths of a driveline's hysteresis, % of the weight.
 const PLAYS_PERCENT: [f32; 3] = [0.1, 0.3, 1.0];
+
 impl Menu {
     /// Creates the candidates for these drives.
     #[must_use]
@@ -308,37 +295,8 @@ impl Menu {
         drive: &LoggedDrive,
         places: Option<&[Option<RoadPlace>]>,
     ) -> Vec<ForceColumn> {
-        self.columns
-            .iter()
-            .map(|kind| match kind {
-                ColumnKind::OnDrive(_, _, other) if *other != number => {
-                    vec![0.0; drive.samples.len()]
-                }
-                ColumnKind::Effect(effect, details) | ColumnKind::OnDrive(effect, details, _) => {
-                    drive
-                        .samples
-                        .iter()
-                        .map(|sample| effect.derivative_n(vehicle, sample, details, 0.0))
-                        .collect()
-                }
-                ColumnKind::Piece(piece, piece_m, way) => drive
-                    .samples
-                    .iter()
-                    .enumerate()
-                    .map(|(k, sample)| {
-                        let place = places.and_then(|places| places[k]);
-                        let here = place.is_some_and(|p| {
-                            (p.at_m / piece_m) as usize == *piece
-                                && way.is_none_or(|forward| p.forward == forward)
-                        });
-                        let weight_n = sample.forces.mass_kg * GRAVITY;
-                        if here { weight_n } else { 0.0 }
-                    })
-                    .collect(),
-                ColumnKind::SensorError => vec![0.0; drive.samples.len()],
-                ColumnKind::Basis(basis) => basis.column(drive),
-            })
-            .collect()
+        let force = |kind: &ColumnKind| kind.force(vehicle, number, drive, places);
+        self.columns.iter().map(force).collect()
     }
 
     /// Returns the x variable of a plain dependence's plot; `None` for effects.

@@ -1,24 +1,13 @@
 //! The whole diagnosis, from logs to result.
 
-use super::drive::LoggedDrive;
 use super::findings::{CandidateCase, Diagnosis, Finding, Request};
-use super::judgement::{self, Judgement, ReferenceGrades, judge};
+use super::judge::Judge;
 use super::picture;
 use super::radius::Wheels;
+use super::request_logs::RequestLogs;
 use super::rivals::SelectionStep;
 use super::search::EffectSearch;
-use super::signal_judgement::SignalJudgement;
-use super::terrain_reference::references_by_terrain;
-use crate::error::{Error, Result, on_one_line};
-use crate::files::run::{RunCell, RunIdentity};
-use crate::map::read_map;
-use crate::source::read_options::ReadOptions;
-use crate::source::terrain::Terrain;
-use estimator_core::{AdoptedEffect, Model, Signal, Tuning};
-use rayon::prelude::*;
-use std::collections::{BTreeMap, BTreeSet};
-use std::ops::Range;
-use std::path::PathBuf;
+use crate::error::Result;
 
 /// An effect is clearly better than another if its error is below this fraction of the other's.
 const CLEARLY: f64 = 0.9;
@@ -49,12 +38,8 @@ pub fn diagnose(request: &Request) -> Result<Diagnosis> {
     let (evidence, selection) = search.evidence();
     // The reference is estimated with the first selection, whatever is adopted in the end.
     let found = search.vehicle_with(&vehicle, &selection).model;
-    let judge = Judge {
-        references: references(&logs.read(&found)?, request.reference.as_ref())?,
-        logs: &logs,
-    };
+    let mut judge = Judge::new(request, &logs, &logs.read(&found)?)?;
     let before = judge.judge(&request.vehicle.model)?;
-    let beside = Beside::new(request, &logs);
     // Each case with the index of its candidate.
     let mut cases: Vec<(Option<usize>, CandidateCase)> = Vec::new();
     for case in &selection.alone {
@@ -86,14 +71,13 @@ pub fn diagnose(request: &Request) -> Result<Diagnosis> {
     }
     let vehicle = search.vehicle_with(&vehicle, &selection);
     let after = judge.judge(&vehicle.model)?;
-    let models = [&request.vehicle.model, &vehicle.model];
     if !unexplained.is_empty() {
         let drives = logs.read(&vehicle.model)?;
         for (number, rest) in unexplained.iter_mut().enumerate() {
             let name = format!("unexplained_{}", number + 1);
             let (model, road) = (&vehicle.model, search.road.as_ref());
             rest.figure = rest.variable.map(|variable| {
-                picture::picture(&name, variable, &drives, model, &judge.references, road)
+                picture::picture(&name, variable, &drives, model, judge.references(), road)
             });
         }
     }
@@ -103,177 +87,17 @@ pub fn diagnose(request: &Request) -> Result<Diagnosis> {
         findings,
         candidates,
         unexplained,
-        before,
-        after,
-        terrain: beside.terrain(models)?,
-        accelerometer: beside.accelerometer(models)?,
+        before: before.reference,
+        after: after.reference,
+        terrain: before.terrain.zip(after.terrain).map(<[_; 2]>::from),
+        accelerometer: before
+            .accelerometer
+            .zip(after.accelerometer)
+            .map(<[_; 2]>::from),
         judged: logs.paths[logs.judged.clone()].to_vec(),
         judged_on_fitted: logs.judged.start == 0,
         vehicle,
         logs: reports,
-    })
-}
-
-/// The logs of a request. Those to fit are first.
-struct RequestLogs {
-    paths: Vec<PathBuf>,
-    fitted: usize,
-    /// Indices of the logs on which before and after are judged.
-    judged: Range<usize>,
-    tuning: Tuning,
-    options: ReadOptions,
-    accelerometer: bool,
-}
-
-impl RequestLogs {
-    fn of(request: &Request) -> Result<Self> {
-        let mut paths = request.logs.clone();
-        let held_out = match request.held_out.len() {
-            0 => usize::from(paths.len() >= 3),
-            given => given,
-        };
-        paths.extend_from_slice(&request.held_out);
-        let mut seen = BTreeSet::new();
-        if let Some(twice) = paths.iter().find(|path| !seen.insert(*path)) {
-            return Err(Error::content(
-                twice,
-                "given twice; expected each drive once, to fit or held out".to_owned(),
-            ));
-        }
-        let fitted = paths.len() - held_out;
-        let judged = if held_out > 0 { fitted } else { 0 }..paths.len();
-        Ok(Self {
-            paths,
-            fitted,
-            judged,
-            tuning: request.tuning.clone(),
-            options: request.options.clone(),
-            accelerometer: request.accelerometer,
-        })
-    }
-
-    /// Returns an error if two logs have the same drive: a copy that is held out would confirm what
-    /// was fitted to it. Cells are compared, so another name, format or compression does not matter.
-    fn check_copies(&self, drives: &[LoggedDrive]) -> Result<()> {
-        let mut seen = BTreeMap::new();
-        for (path, drive) in self.paths.iter().zip(drives) {
-            let identity = RunIdentity::of(drive.run.rows.iter().map(RunCell::from));
-            if let Some(first) = seen.insert(identity, path) {
-                let first = on_one_line(first);
-                let problem = format!(
-                    "the same drive as {first}; expected each drive once, to fit or held out"
-                );
-                return Err(Error::content(path, problem));
-            }
-        }
-        Ok(())
-    }
-
-    /// Returns an error if the accelerometer is asked for and no drive has one.
-    fn check_accelerometer(&self, drives: &[LoggedDrive]) -> Result<()> {
-        let has_one = |drive: &LoggedDrive| drive.accelerometer.is_some();
-        if !self.accelerometer || drives[..self.fitted].iter().any(has_one) {
-            return Ok(());
-        }
-        let problem = format!(
-            "no {} in it, nor in other drives to fit; expected a log of an accelerometer",
-            Signal::LongitudinalAcceleration.column()
-        );
-        Err(Error::content(&self.paths[0], problem))
-    }
-
-    fn read(&self, model: &Model) -> Result<Vec<LoggedDrive>> {
-        self.read_each(&self.paths, model)
-    }
-
-    fn read_judged(&self, model: &Model) -> Result<Vec<LoggedDrive>> {
-        self.read_each(&self.paths[self.judged.clone()], model)
-    }
-
-    fn read_each(&self, paths: &[PathBuf], model: &Model) -> Result<Vec<LoggedDrive>> {
-        let read = |path: &PathBuf| {
-            let (tuning, options) = (&self.tuning, &self.options);
-            if self.accelerometer {
-                LoggedDrive::read_with_accelerometer(path, model, tuning, options)
-            } else {
-                LoggedDrive::read(path, model, tuning, options)
-            }
-        };
-        paths.par_iter().map(read).collect()
-    }
-}
-
-/// The references and the drives on which vehicles are judged.
-struct Judge<'a> {
-    logs: &'a RequestLogs,
-    /// References of all drives.
-    references: Vec<ReferenceGrades>,
-}
-
-impl Judge<'_> {
-    fn judge(&self, model: &Model) -> Result<Judgement> {
-        let drives = self.logs.read_judged(model)?;
-        let references = &self.references[self.logs.judged.clone()];
-        Ok(judge(&drives, model, references))
-    }
-
-    /// Returns the case of one effect added to a vehicle. The vehicle is judged without the effect
-    /// if it cannot have it.
-    fn alone(&self, model: &Model, adopted: AdoptedEffect, evidence: f64) -> Result<CandidateCase> {
-        let mut with = model.clone();
-        let possible = with.effects.adopt(adopted).is_ok() && with.check().is_ok();
-        Ok(CandidateCase {
-            name: adopted.effect.name,
-            amount: f64::from(adopted.amount),
-            sigma: f64::from(adopted.amount_sigma),
-            unit: adopted.effect.unit,
-            evidence,
-            after: self.judge(if possible { &with } else { model })?,
-        })
-    }
-}
-
-/// Judges beside the reference, where asked for.
-struct Beside<'a> {
-    request: &'a Request,
-    logs: &'a RequestLogs,
-}
-
-impl<'a> Beside<'a> {
-    const fn new(request: &'a Request, logs: &'a RequestLogs) -> Self {
-        Self { request, logs }
-    }
-
-    fn terrain(&self, [before, after]: [&Model; 2]) -> Result<Option<[Judgement; 2]>> {
-        let Some(folder) = &self.request.terrain else {
-            return Ok(None);
-        };
-        let mut terrain = Terrain::new(folder);
-        let mut against = |model| {
-            let drives = self.logs.read_judged(model)?;
-            let references = references_by_terrain(&drives, &mut terrain)?;
-            Ok(judge(&drives, model, &references))
-        };
-        Ok(Some([against(before)?, against(after)?]))
-    }
-
-    fn accelerometer(&self, [before, after]: [&Model; 2]) -> Result<Option<[SignalJudgement; 2]>> {
-        if !self.request.accelerometer {
-            return Ok(None);
-        }
-        let against = |model| Ok(SignalJudgement::of(&self.logs.read_judged(model)?, model));
-        Ok(Some([against(before)?, against(after)?]))
-    }
-}
-
-/// Returns the reference of each drive, from a map if one is given.
-fn references(drives: &[LoggedDrive], map: Option<&PathBuf>) -> Result<Vec<ReferenceGrades>> {
-    let Some(path) = map else {
-        return Ok(judgement::references(drives));
-    };
-    judgement::references_by_map(drives, &read_map(path)?).ok_or_else(|| {
-        let problem = "no drive is on this road; expected a map of the road that was driven";
-        Error::content(path, problem.to_owned())
     })
 }
 

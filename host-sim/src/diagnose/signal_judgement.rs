@@ -3,11 +3,11 @@
 //! The accelerometer's offset is a part of each drive's mean difference. It is told, and removed
 //! from the RMS. Sensor and estimates see the same windows; the estimates did not see the sensor.
 
-use super::accelerometer::{cells, errors};
+use super::accelerometer::{SensedCell, cells, errors};
 use super::drive::LoggedDrive;
 use crate::files::run::RunRow;
 use crate::numeric::slope::sine;
-use crate::numeric::statistics::{mean, quantile};
+use crate::numeric::statistics::{deviation, mean, quantile};
 use estimator_core::{CELL_LENGTH_M, Model};
 
 /// Length of a window, m.
@@ -102,14 +102,14 @@ fn against_signal(number: usize, drive: &LoggedDrive, model: &Model) -> DriveAga
     let of_grade = |grade: fn(&RunRow) -> f64| {
         let rows = drive.run.rows.iter().zip(&sensed);
         let differences = rows.map(|(row, cell)| {
-            let cell = (*cell)?;
-            Some(100.0 * (sine(0.01 * grade(row)) - cell.climb_m / cell.length_m))
+            let cell: &SensedCell = cell.as_ref()?;
+            Some(100.0 * (sine(0.01 * grade(row)) - cell.stretch.sine()))
         });
         drive_errors(differences)
     };
     DriveAgainstSignal {
         drive: number,
-        bare: drive_errors(errors(drive, model).into_iter()),
+        bare: drive_errors(errors(drive, model, &sensed).into_iter()),
         smoothed: of_grade(|row| row.grade_percent),
         lagged: of_grade(|row| row.lagged_grade_percent),
         live: of_grade(|row| row.live_grade_percent),
@@ -128,11 +128,9 @@ fn drive_errors(differences: impl Iterator<Item = Option<f64>>) -> Option<DriveE
         })
         .filter(|error| error.is_finite())
         .collect();
-    let middle = mean(&windows);
-    let squares: Vec<f64> = windows.iter().map(|e| (e - middle).powi(2)).collect();
     (!windows.is_empty()).then(|| DriveErrors {
-        mean_percent: middle,
-        rms_percent: mean(&squares).sqrt(),
+        mean_percent: mean(&windows),
+        rms_percent: deviation(&windows),
         windows: windows.len(),
     })
 }

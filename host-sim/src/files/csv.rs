@@ -2,11 +2,11 @@
 //! line.
 
 use super::limits::{self, Budget};
-use super::output::{Staged, stage};
+use super::output::{Staged, Writing};
 use super::row_check::Flaw;
 use crate::error::{Error, Result};
 use serde::{Deserialize, Deserializer, Serialize};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Deserializes an optional value of a required column (serde takes a missing column for an empty
 /// one).
@@ -29,13 +29,49 @@ pub fn write_csv<T: Serialize>(path: &Path, rows: impl IntoIterator<Item = T>) -
 /// # Errors
 /// Returns the error of the file system.
 pub fn stage_csv<T: Serialize>(path: &Path, rows: impl IntoIterator<Item = T>) -> Result<Staged> {
-    stage(path, |out| {
-        let mut writer = csv::Writer::from_writer(out);
-        for row in rows {
-            writer.serialize(row).map_err(std::io::Error::other)?;
-        }
-        writer.flush()
-    })
+    let mut table = CsvTable::begin(path)?;
+    for row in rows {
+        table.push(&row)?;
+    }
+    table.finish()
+}
+
+/// A CSV file with a header that is written row by row.
+pub(crate) struct CsvTable {
+    writing: csv::Writer<Writing>,
+    path: PathBuf,
+}
+
+impl CsvTable {
+    /// Begins a file that appears when it is finished and committed.
+    ///
+    /// # Errors
+    /// Returns the error of the file system.
+    pub(crate) fn begin(path: &Path) -> Result<Self> {
+        Ok(Self {
+            writing: csv::Writer::from_writer(Writing::begin(path)?),
+            path: path.to_owned(),
+        })
+    }
+
+    /// Adds a row.
+    ///
+    /// # Errors
+    /// Returns the error of the file system.
+    pub(crate) fn push(&mut self, row: &impl Serialize) -> Result<()> {
+        let written = self.writing.serialize(row);
+        written.map_err(|e| Error::io(&self.path)(e.into()))
+    }
+
+    /// Completes the file.
+    ///
+    /// # Errors
+    /// Returns the error of the file system.
+    pub(crate) fn finish(self) -> Result<Staged> {
+        let writing = self.writing.into_inner();
+        let failed = |e: csv::IntoInnerError<_>| Error::io(&self.path)(e.into_error());
+        writing.map_err(failed)?.finish()
+    }
 }
 
 /// Reads the rows of a CSV file with a header.

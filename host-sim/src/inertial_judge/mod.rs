@@ -12,10 +12,13 @@
 //! both ends, and the time between both sensors.
 //!
 //! * [`profile`]: driven distance and climb at each time;
+//! * [`stretch`]: climb and motion between two points of it;
 //! * [`windows`](mod@windows): mean grade and sigma of windows.
 
 pub mod profile;
+pub mod stretch;
 pub mod windows;
 
 pub use profile::{InertialProfile, ProfilePoint};
+pub use stretch::Stretch;
 pub use windows::{Window, noise_percent, windows, windows_of};

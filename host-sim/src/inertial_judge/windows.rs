@@ -1,6 +1,8 @@
 //! Windows of driven distance: mean grade and its sigma.
 
 use super::profile::{GRAVITY_MPS2, InertialProfile, ProfilePoint};
+use super::stretch::Stretch;
+use crate::numeric::slope::grade;
 
 /// Noise of the mean grade times the root of the window, % √m: of the road, curves, lane and driver.
 /// From a car's drives over the same road (`study i3`): 0.14 to 0.17 % over 100 m, 0.07 to 0.095 %
@@ -64,23 +66,18 @@ pub fn windows_of(profile: &InertialProfile, window_m: f64) -> Vec<Window> {
 
 /// Judges the road between two points; `None` if there is a break in it or it is no road.
 fn judged(from: ProfilePoint, to: ProfilePoint, resolution_mps: f64) -> Option<Window> {
-    let length_m = to.distance_m - from.distance_m;
+    let stretch = Stretch::between(&from, &to)?;
     let duration_s = to.time_s - from.time_s;
-    let sine = (to.climb_m - from.climb_m) / length_m;
-    let is_road = length_m > 0.0 && duration_s > 0.0 && sine.abs() <= STEEPEST_SINE;
-    if !is_road || from.breaks != to.breaks {
-        return None;
-    }
-    let kinetic = 0.5 * (to.speed_mps.powi(2) - from.speed_mps.powi(2));
-    Some(Window {
+    let is_road = duration_s > 0.0 && stretch.sine().abs() <= STEEPEST_SINE;
+    is_road.then(|| Window {
         from_m: from.distance_m,
         to_m: to.distance_m,
         from_s: from.time_s,
         to_s: to.time_s,
-        grade_percent: 100.0 * sine.asin().tan(),
+        grade_percent: 100.0 * grade(stretch.sine()),
         sigma_percent: sigma_percent(&from, &to, resolution_mps),
-        acceleration_mps2: kinetic / length_m,
-        speed_mps: length_m / duration_s,
+        acceleration_mps2: stretch.acceleration_mps2,
+        speed_mps: stretch.length_m / duration_s,
     })
 }
 

@@ -32,11 +32,12 @@ pub struct HorizonRow {
     pub grade_sigma_percent: Option<f64>,
 }
 
-/// Returns the grade ahead, once for each second of a log in which the place on the map is known.
+/// Passes the grade ahead to `take`, once for each second of a log in which the place on the map is
+/// known.
 ///
 /// # Errors
 /// Returns an error for invalid parameters, and, with file and line, for a log that cannot be read
-/// to its end.
+/// to its end; also the first error of `take`.
 pub fn horizons_of_log(
     model: &Model,
     map: PackedMap<'static>,
@@ -44,12 +45,13 @@ pub fn horizons_of_log(
     log: &Path,
     options: &ReadOptions,
     progress: impl Fn(u64),
-) -> Result<Vec<HorizonRow>> {
+    mut take: impl FnMut(&HorizonRow) -> Result<()>,
+) -> Result<()> {
     let mut recorder = Recorder::<f32>::new(model.clone(), Tuning::default())
         .map_err(|e| Error::content(log, e.to_string()))?;
     recorder.read_as(options);
     recorder.follow(map);
-    let mut rows = Vec::new();
+    let mut taken = Ok(());
     let (mut start, mut next_s) = (None, 0.0);
     for_each_input(log, options, progress, |input| {
         let start: Instant = *start.get_or_insert(input.time());
@@ -69,7 +71,7 @@ pub fn horizons_of_log(
             return;
         };
         for (number, branch) in horizon.branches().iter().enumerate() {
-            rows.extend(horizon.points(branch, STEP_M).map(|point| HorizonRow {
+            let mut rows = horizon.points(branch, STEP_M).map(|point| HorizonRow {
                 time_s: round(time_s, 3),
                 distance_m: live.end.distance_m(),
                 branch: number,
@@ -77,8 +79,11 @@ pub fn horizons_of_log(
                 ahead_m: point.ahead_m.into(),
                 grade_percent: point.grade_percent.map(|g| round(g.value.into(), 4)),
                 grade_sigma_percent: point.grade_percent.map(|g| round(g.sigma.into(), 4)),
-            }));
+            });
+            if taken.is_ok() {
+                taken = rows.try_for_each(|row| take(&row));
+            }
         }
     })?;
-    Ok(rows)
+    taken
 }

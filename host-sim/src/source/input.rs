@@ -67,8 +67,8 @@ fn carries_mass(frame: &CanFrame) -> bool {
 }
 
 /// Passes every input of a log to `take`, and the bytes read so far to `progress`. The readings of an
-/// own message come after its frame, which may be a built-in message too. Returns what the reading
-/// told besides.
+/// own message come after its frame, which may be a built-in message too. Returns what is noteworthy
+/// in the log.
 ///
 /// # Errors
 /// Returns an error with file and line (or byte) if the log cannot be read to its end.

@@ -1,8 +1,9 @@
 //! `roadgrade export`: a map as GeoJSON, as CSV way by way, and as a page.
 
+use super::save;
 use assert_cmd::assert::Assert;
 use geojson::{Feature, FeatureCollection, Value as Shape};
-use host_sim::map::{MapRow, WayDirection, WayName, WayRows, read_map, stage_map_ways, write_map};
+use host_sim::map::{MapRow, WayDirection, WayName, WayRows, read_map, write_map};
 use predicates::prelude::*;
 use predicates::str::contains;
 use std::path::Path;
@@ -29,11 +30,6 @@ fn ways() -> Vec<WayRows> {
     let mut ways = map(&network, &[&rows[0], &rows[1], &rows[2][500..], &back]);
     ways[0].rows.drain(300..400);
     ways
-}
-
-fn save(folder: &Path, name: &str, ways: &[WayRows]) {
-    let staged = stage_map_ways(&folder.join(name), ways).expect("staged");
-    staged.commit().expect("written");
 }
 
 fn features(path: &Path) -> Vec<Feature> {

@@ -12,3 +12,12 @@ mod road_line;
 mod sessions;
 mod store;
 mod suspect_cells;
+
+use host_sim::map::{WayRows, stage_map_ways};
+use std::path::Path;
+
+/// Writes ways as a map, CSV or Parquet.
+fn save(folder: &Path, name: &str, ways: &[WayRows]) {
+    let staged = stage_map_ways(&folder.join(name), ways).expect("staged");
+    staged.commit().expect("written");
+}

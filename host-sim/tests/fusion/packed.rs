@@ -1,12 +1,12 @@
 //! `roadgrade pack`: maps in the form that the vehicle reads, and back.
 
+use super::save;
 use estimator_core::roadmap::format::{HEADER, INDEX_PAGE, JOIN, checksum};
 use estimator_core::roadmap::{MapError, PackedMap, Tile, WayDirection};
-use host_sim::map::{GRID_M, MapRow, WayRows, packed_map, read_map_ways, stage_map_ways};
+use host_sim::map::{GRID_M, MapRow, WayRows, packed_map, read_map_ways};
 use predicates::str::contains;
 use proptest::prelude::*;
 use std::ops::Range;
-use std::path::Path;
 use std::sync::LazyLock;
 use test_kit::command::{folder, roadgrade};
 use test_kit::roads::network::{map, network, way};
@@ -23,11 +23,6 @@ fn ways() -> Vec<WayRows> {
     let mut ways = map(&network, &[&run(&spots), &run(&reversed(&spots))]);
     ways[0].rows.drain(300..400);
     ways
-}
-
-fn save(folder: &Path, name: &str, ways: &[WayRows]) {
-    let staged = stage_map_ways(&folder.join(name), ways).expect("staged");
-    staged.commit().expect("written");
 }
 
 fn length_km(ways: &[WayRows]) -> f64 {

@@ -125,7 +125,7 @@ const HOST: [(&str, &[&str]); 20] = [
             "terminal",
         ],
     ),
-    ("inertial_judge", &[]),
+    ("inertial_judge", &["numeric"]),
     ("inspect", &["numeric", "source"]),
     (
         "recorder",

@@ -14,7 +14,7 @@ use crate::vehicle::GRAVITY;
 /// Slope that an acceleration of 1 m/s² amounts to, %.
 pub(super) const PERCENT_PER_MPS2: f32 = 100.0 / GRAVITY;
 
-/// Such a stretch, and what the state is not told yet of the errors.
+/// Such a stretch, and the part of the errors that the state does not contain yet.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Alone {
     /// Its length up to the last cell, m.
@@ -77,7 +77,7 @@ impl Alone {
         self.shared += variance * PERCENT_PER_MPS2 * PERCENT_PER_MPS2;
     }
 
-    /// Widens a state by what it was not told yet.
+    /// Widens a state by the part of the errors that it does not contain yet.
     #[inline]
     pub(super) fn widen<S: Scalar>(&mut self, state: &mut State<S>) {
         if self.shared + self.slope <= 0.0 {

@@ -3,11 +3,10 @@
 use super::cell::{Density, RunCell, RunHash, RunIdentity};
 use super::parquet::{self, Origin};
 use super::row::{RunRow, RunRows};
-use crate::error::{Error, Result};
-use crate::files::csv::read_records;
+use crate::error::Result;
+use crate::files::csv::{CsvTable, read_records};
 use crate::files::kind::{self, Kind};
 use crate::files::limits;
-use crate::files::output::Writing;
 use crate::files::parquet::is_parquet;
 use std::path::Path;
 
@@ -35,13 +34,9 @@ pub fn write_rows(path: &Path, rows: &mut dyn RunRows, origin: &Origin) -> Resul
     if is_parquet(path) {
         return parquet::stage(path, &mut Rounded(rows), origin)?.commit();
     }
-    let mut writing = Writing::begin(path)?;
-    let mut writer = csv::Writer::from_writer(&mut writing);
-    let failed = |e: csv::Error| Error::io(path)(e.into());
-    Rounded(rows).each(&mut |row| writer.serialize(row).map_err(failed))?;
-    writer.flush().map_err(Error::io(path))?;
-    drop(writer);
-    writing.finish()?.commit()
+    let mut table = CsvTable::begin(path)?;
+    Rounded(rows).each(&mut |row| table.push(row))?;
+    table.finish()?.commit()
 }
 
 /// Rows rounded as files have them.

@@ -73,7 +73,7 @@ pub fn read(path: &Path) -> Result<Vec<MapRow>> {
 /// # Errors
 /// Returns an error that names the file, the line and the expected value.
 pub fn read_ways(path: &Path) -> Result<Vec<WayRows>> {
-    if packed::is_packed(path) {
+    if kind::of(path) == Some(Kind::PackedMap) {
         return packed::read(path);
     }
     if is_parquet(path) {

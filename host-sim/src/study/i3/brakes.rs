@@ -1,4 +1,4 @@
-//! Friction brakes that no column tells: where the car slows down more than its motor explains.
+//! Friction brakes, which no column has: where the car slows down more than its motor explains.
 
 use super::comparison::{Differences, differences};
 use super::trips::{JudgedTrip, Kind};

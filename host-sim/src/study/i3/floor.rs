@@ -1,8 +1,9 @@
 //! The floor of the judgement: roads that were driven more than once.
 
 use super::found::WINDOWS_M;
-use super::interval::{interval, median};
+use super::interval::interval;
 use super::repeats::Repeat;
+use crate::numeric::statistics::median;
 use crate::report::page::Table;
 
 /// Returns the floor by pair of trips, and its median with an interval.

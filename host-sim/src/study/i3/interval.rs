@@ -36,15 +36,3 @@ pub(super) fn interval(values: &[f64], seed: u64, of: fn(&[f64]) -> f64) -> Opti
         high: quantile(draws, 0.975),
     })
 }
-
-/// Returns the median; the mean of the two in the middle of an even number.
-pub(super) fn median(values: &[f64]) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    let middle = sorted.len() / 2;
-    match sorted.len() {
-        0 => f64::NAN,
-        count if count.is_multiple_of(2) => 0.5 * (sorted[middle - 1] + sorted[middle]),
-        _ => sorted[middle],
-    }
-}

@@ -2,6 +2,7 @@
 
 use crate::files::run::RunRow;
 use crate::numeric::series::linear;
+use crate::numeric::slope::grade;
 
 /// The grades of a run and their sigmas as sums over its cells, by time.
 #[derive(Clone, Debug)]
@@ -51,5 +52,5 @@ pub(super) fn grade_of_climb(
 ) -> Option<f64> {
     let climb_m = linear(climbs, to_s)? - linear(climbs, from_s)?;
     let sine = (climb_m / length_m).clamp(-0.9, 0.9);
-    Some(100.0 * sine.asin().tan())
+    Some(100.0 * grade(sine))
 }

@@ -2,7 +2,7 @@
 
 use super::trips::JudgedTrip;
 use crate::inertial_judge::profile::GRAVITY_MPS2;
-use crate::inertial_judge::{InertialProfile, Window};
+use crate::inertial_judge::{InertialProfile, Stretch, Window};
 use nalgebra::{Matrix2, Vector2};
 
 /// Least way between two elevations whose climb is compared, m.
@@ -52,9 +52,9 @@ pub(super) fn ends_percent(windows: &[Window], noise_percent: f64) -> f64 {
 fn offset(trip: &JudgedTrip, from: Option<&(f64, f64)>, to: Option<&(f64, f64)>) -> Option<f64> {
     let (from, to) = (from?, to?);
     let (a, b) = (trip.profile.at_time(from.0)?, trip.profile.at_time(to.0)?);
-    let way_m = b.distance_m - a.distance_m;
-    let excess_m = (b.climb_m - a.climb_m) - (to.1 - from.1);
-    (way_m > PIECE_M && a.breaks == b.breaks).then(|| 100.0 * excess_m / way_m)
+    let stretch = Stretch::between(&a, &b)?;
+    let excess_m = stretch.climb_m - (to.1 - from.1);
+    (stretch.length_m > PIECE_M).then(|| 100.0 * excess_m / stretch.length_m)
 }
 
 fn drift(trip: &JudgedTrip) -> Option<f64> {

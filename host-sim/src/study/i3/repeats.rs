@@ -4,8 +4,8 @@
 //! where at least three in a row fit at about the same place, the road is the same.
 
 use super::trips::JudgedTrip;
-use crate::inertial_judge::InertialProfile;
-use crate::numeric::statistics::mean;
+use crate::inertial_judge::{InertialProfile, ProfilePoint, Stretch};
+use crate::numeric::statistics::{deviation, mean};
 
 /// Step of the profiles that are laid over each other, m.
 const GRID_M: f64 = 5.0;
@@ -70,16 +70,17 @@ fn grades(profile: &InertialProfile) -> Vec<f64> {
         .last()
         .map_or(0.0, |point| point.distance_m);
     let steps = (end_m / GRID_M) as usize;
-    let climbs: Vec<Option<(f64, u32)>> = (0..=steps)
+    let points: Vec<Option<ProfilePoint>> = (0..=steps)
         .map(|step| profile.at_distance(step as f64 * GRID_M))
-        .map(|point| point.map(|p| (p.climb_m, p.breaks)))
         .collect();
-    let base_m = BASE_STEPS as f64 * GRID_M;
-    let grade = |pair: &[Option<(f64, u32)>]| match (pair[0], pair[BASE_STEPS]) {
-        (Some(a), Some(b)) if a.1 == b.1 => 100.0 * (b.0 - a.0) / base_m,
-        _ => f64::NAN,
+    let grade = |base: &[Option<ProfilePoint>]| {
+        let stretch = Stretch::between(&base[0]?, &base[BASE_STEPS]?)?;
+        Some(100.0 * stretch.sine())
     };
-    climbs.windows(BASE_STEPS + 1).map(grade).collect()
+    points
+        .windows(BASE_STEPS + 1)
+        .map(|base| grade(base).unwrap_or(f64::NAN))
+        .collect()
 }
 
 /// Lays pieces of one trip on the other, and keeps those that fit in a row.
@@ -145,16 +146,12 @@ fn difference(
     window_m: f64,
 ) -> Option<(f64, f64)> {
     let judged = |profile: &InertialProfile, from_m: f64| {
-        let (p, q) = (
-            profile.at_distance(from_m)?,
-            profile.at_distance(from_m + window_m)?,
-        );
-        let kinetic = 0.5 * (q.speed_mps.powi(2) - p.speed_mps.powi(2));
-        let climb_m = q.climb_m - p.climb_m;
-        (p.breaks == q.breaks).then_some((100.0 * climb_m / window_m, kinetic / window_m))
+        let to_m = from_m + window_m;
+        Stretch::between(&profile.at_distance(from_m)?, &profile.at_distance(to_m)?)
     };
     let (x, y) = (judged(a, from_m)?, judged(b, from_m + shift_m)?);
-    Some((x.0 - y.0, x.1 - y.1))
+    let excess_percent = 100.0 * (x.sine() - y.sine());
+    Some((excess_percent, x.acceleration_mps2 - y.acceleration_mps2))
 }
 
 fn compared(
@@ -195,10 +192,7 @@ fn grades_of(differences: &[(f64, f64)]) -> Vec<f64> {
 
 /// Returns the noise of one judge: both have the same.
 fn noise(differences: &[(f64, f64)]) -> f64 {
-    let grades = grades_of(differences);
-    let offset = mean(&grades);
-    let squares: Vec<f64> = grades.iter().map(|of| (of - offset).powi(2)).collect();
-    (0.5 * mean(&squares)).sqrt()
+    deviation(&grades_of(differences)) / 2.0_f64.sqrt()
 }
 
 /// Returns the slope of the difference over that of the accelerations, % per m/s².

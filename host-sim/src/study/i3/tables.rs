@@ -1,10 +1,10 @@
 //! The tables of the study.
 
 use super::found::{Found, WINDOWS_M};
-use super::interval::{Interval, interval, median};
+use super::interval::{Interval, interval};
 use super::own_errors::ends_percent;
 use super::trips::Kind;
-use crate::numeric::statistics::{mean, quantile};
+use crate::numeric::statistics::{mean, median, quantile};
 use crate::report::page::Table;
 
 /// Bars of nine trips in ten.

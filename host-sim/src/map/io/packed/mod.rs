@@ -7,4 +7,4 @@ mod plan_view;
 mod unpack;
 
 pub use layout::{pack, stage};
-pub use unpack::{is_packed, open, read};
+pub use unpack::{open, read};

@@ -4,21 +4,8 @@ use crate::error::{Error, Result};
 use crate::map::fusion::map_row::{MapRow, WayRows};
 use crate::map::geometry::grid::GRID_M;
 use crate::map::geometry::way_name::{self, WayName};
-use estimator_core::roadmap::format::MAGIC;
 use estimator_core::roadmap::{Block, MapError, MapPoint, PackedMap, WayDirection};
-use std::fs::File;
-use std::io::Read;
 use std::path::Path;
-
-/// Returns whether a file begins as a packed map does.
-#[must_use]
-pub fn is_packed(path: &Path) -> bool {
-    // Opening a pipe may wait for ever.
-    let mut head = [0; MAGIC.len()];
-    path.is_file()
-        && File::open(path).is_ok_and(|mut file| file.read_exact(&mut head).is_ok())
-        && head == MAGIC
-}
 
 /// Opens a packed map for the rest of the program. Its bytes are never given back.
 ///
