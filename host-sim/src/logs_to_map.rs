@@ -179,7 +179,7 @@ fn estimate(job: &Job, vehicle: &VehicleFile) -> Result<(Vec<LogRun>, Vec<String
 fn estimate_one(job: &Job, drive: &Drive, vehicle: &VehicleFile) -> Result<LogRun> {
     let (mut run, reports) =
         estimate_logs::<f32>(&vehicle.model, &job.tuning, &drive.logs, &job.options)?;
-    if let Some(problem) = missing(vehicle, &run) {
+    if let Some(problem) = missing(vehicle, &run, &job.options.ignore) {
         return Err(Error::content(&drive.logs[0], problem));
     }
     let summary = RunSummary::new(&mut run)?;

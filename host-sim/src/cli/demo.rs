@@ -173,9 +173,9 @@ fn drive(
     let file = |ending: &str| folder.join(format!("{}.{ending}", run.name));
     let log = file("log");
     let vehicle = VehicleFile::read(&file("vehicle.toml"))?;
-    let estimated =
-        estimate::drive::<f32>(&vehicle, tuning, None, None, &log, &ReadOptions::default())?;
-    estimate::check(&log, &vehicle, &estimated)?;
+    let options = ReadOptions::default();
+    let estimated = estimate::drive::<f32>(&vehicle, tuning, None, None, &log, &options)?;
+    estimate::check(&log, &vehicle, &estimated, &options)?;
     let rows = estimated.in_memory()?.rows;
     run::write(&file("csv"), &rows)?;
     let truth = truth::read(&file("truth.csv"))?;

@@ -137,7 +137,7 @@ pub fn run(args: &Args) -> Result<()> {
     let seconds = started.elapsed().as_secs_f64();
     log_notes::note_report(&args.log, &run.log);
     conclusion::warn(&run.warnings);
-    check(&args.log, &vehicle, &run)?;
+    check(&args.log, &vehicle, &run, &options)?;
     conclusion::note_replaced(&vehicle.model, &run);
     let origin = Origin {
         vehicle: Some(vehicle.name),
@@ -200,8 +200,13 @@ pub(super) fn drive<S: Scalar>(
 }
 
 /// Returns an error that names the missing input if the log is not sufficient for an estimate.
-pub(super) fn check(log: &Path, vehicle: &VehicleFile, run: &LongRun) -> Result<()> {
-    match recorder::missing(vehicle, run) {
+pub(super) fn check(
+    log: &Path,
+    vehicle: &VehicleFile,
+    run: &LongRun,
+    options: &ReadOptions,
+) -> Result<()> {
+    match recorder::missing(vehicle, run, &options.ignore) {
         Some(problem) => Err(Error::content(log, problem)),
         None => Ok(()),
     }

@@ -164,7 +164,7 @@ fn check(args: &Args) -> Result<()> {
 /// drive of hours is worth keeping.
 fn conclude(args: &Args, vehicle: &VehicleFile, run: &mut LongRun) -> Result<()> {
     conclusion::warn(&run.warnings);
-    if let Some(problem) = recorder::missing(vehicle, run) {
+    if let Some(problem) = recorder::missing(vehicle, run, &[]) {
         let bus = args.interfaces.join(", ");
         if run.rows.count() == 0 && args.out.is_some() {
             return Err(Error::content(Path::new(&bus), problem));

@@ -2,12 +2,14 @@
 
 use super::long_run::LongRun;
 use crate::files::vehicle::VehicleFile;
-use estimator_core::Traction;
+use estimator_core::{Signal, Traction};
 
-/// Returns the input that a drive lacks for an estimate; `None` if none is missing.
+/// Returns the input that a drive lacks for an estimate; `None` if none is missing. Who ignores the
+/// altitude does not miss it: the force balance alone gives a grade, with a large sigma.
 #[must_use]
-pub fn missing(vehicle: &VehicleFile, run: &LongRun) -> Option<&'static str> {
+pub fn missing(vehicle: &VehicleFile, run: &LongRun, ignored: &[Signal]) -> Option<&'static str> {
     let counters = &run.counters;
+    let has_altitude = counters.altitudes_used > 0 || counters.altitude_resets > 0;
     let problem = if counters.speeds_used == 0 {
         "no speed: expected wheel-based speed (CCVS1, PGN 65265, or EBC2, PGN 65215; column \
          wheel_speed_mps)"
@@ -25,8 +27,9 @@ pub fn missing(vehicle: &VehicleFile, run: &LongRun) -> Option<&'static str> {
                  \"force\" in the vehicle file says"
             }
         }
-    } else if counters.altitudes_used == 0 && counters.altitude_resets == 0 {
-        "no GNSS altitude: expected NMEA 2000 129029 (or VDS, PGN 65256; column altitude_m)"
+    } else if !has_altitude && !ignored.contains(&Signal::Altitude) {
+        "no GNSS altitude: expected NMEA 2000 129029 (or VDS, PGN 65256; column altitude_m); \
+         --ignore altitude_m does without, with a larger sigma"
     } else {
         return None;
     };

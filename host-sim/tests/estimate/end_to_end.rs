@@ -161,6 +161,36 @@ fn is_group(line: &str, pgn: u32) -> bool {
     u32::from_str_radix(id, 16).is_ok_and(|id| (id >> 8) & 0x3_ffff == pgn)
 }
 
+/// Without any altitude, a wrong force balance shows nowhere. The sigma must have it from the start.
+#[test]
+fn a_drive_without_altitude_has_a_sigma_that_contains_a_wrong_force_balance() {
+    let (folder, log, vehicle) = short_drive();
+    let right = fs::read_to_string(&vehicle).unwrap();
+    let mut document: toml::Table = right.parse().unwrap();
+    let parameters = document["vehicle"].as_table_mut().unwrap();
+    let mass_kg = parameters["mass_kg"].as_float().unwrap();
+    parameters.insert("mass_kg".into(), (1.1 * mass_kg).into());
+    fs::write(&vehicle, document.to_string()).unwrap();
+    let out = folder.path().join("run.csv");
+    roadgrade()
+        .args(["estimate", "--ignore", "altitude_m", "--vehicle"])
+        .arg(&vehicle)
+        .arg("--out")
+        .arg(&out)
+        .arg(&log)
+        .assert()
+        .success();
+    let truth = truth::read(&folder.path().join("a.truth.csv")).unwrap();
+    let rows = run::read(&out).unwrap();
+    for score in score_run("a", &rows, &truth).unwrap().rows {
+        assert!(score.rmse_percent < 1.0 && score.nees < 1.5, "{score:?}");
+    }
+    assert!(
+        rows.iter()
+            .all(|row| row.altitude_sigma_m.is_none_or(|sigma_m| sigma_m > 100.0))
+    );
+}
+
 #[test]
 fn logs_that_lack_what_is_needed_are_refused_by_name() {
     let (folder, log, vehicle) = short_drive();
