@@ -6,6 +6,7 @@ use crate::time::Instant;
 pub const CELL_LENGTH_M: f32 = 2.5;
 
 /// Why the vehicle model does not hold in a cell; all false where it holds.
+#[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -41,6 +42,7 @@ impl Condition {
 }
 
 /// What disagrees in a cell: signals that cannot all be right. All false where everything agrees.
+#[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -94,6 +96,7 @@ impl Disagreement {
 }
 
 /// An estimate with its standard deviation.
+#[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -2,6 +2,7 @@
 
 /// Counts since the start. They saturate, except those of frames, readings, steps and altitudes,
 /// whose largest value no drive reaches: steps last for ten million kilometres.
+#[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Counters {

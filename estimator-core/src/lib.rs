@@ -24,6 +24,7 @@
 //! * [`vehicle`] holds parameters and force balance, [`effect`] what that balance lacks, [`model`]
 //!   both together.
 //! * [`context`] is what these parts share: the model, the [`tuning`] and the [`counters`].
+//! * [`packed_vehicle`] is a model as bytes, in [records of words](word_record).
 //! * [`persistent_state`] is what one drive leaves for the next; [`broadcast`] is the estimate as CAN
 //!   frames for other nodes.
 //!
@@ -63,6 +64,7 @@ pub mod intake;
 mod lagged_differences;
 pub mod maybe;
 pub mod model;
+pub mod packed_vehicle;
 pub mod persistent_state;
 pub mod roadmap;
 pub mod sample;
@@ -73,6 +75,7 @@ pub mod smoother;
 pub mod time;
 pub mod tuning;
 pub mod vehicle;
+pub mod word_record;
 
 pub use cell::{CELL_LENGTH_M, Cell, CellEnd, Condition, Disagreement, Estimate, Live, Uncertain};
 pub use context::Context;

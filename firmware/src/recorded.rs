@@ -2,8 +2,8 @@
 
 use crate::exchange::DRIVE_FILE;
 use crate::exchange::frame::{self, FRAME_BYTES, RecordedFrame};
-use crate::exchange::vehicle::{self, HeaderError, VEHICLE_BYTES};
 use core::fmt;
+use estimator_core::packed_vehicle::{self, PackedVehicleError, VEHICLE_BYTES};
 use estimator_core::{Instant, Model, ParameterError};
 use semihosting::fs::File;
 use semihosting::io::{self, Read};
@@ -25,7 +25,7 @@ pub enum Unusable {
     /// The file cannot be read.
     Read(io::Error),
     /// The header is refused.
-    Header(HeaderError),
+    Header(PackedVehicleError),
     /// The record of this frame, counted from 1, is malformed.
     Frame(u32),
     /// A parameter of the vehicle is impossible.
@@ -41,7 +41,7 @@ impl Recorded {
         let mut file = File::open(DRIVE_FILE).map_err(Unusable::Read)?;
         let mut header = [0; VEHICLE_BYTES];
         let filled = fill(&mut file, &mut header)?;
-        let model = vehicle::decode(&header[..filled]).map_err(Unusable::Header)?;
+        let model = packed_vehicle::decode(&header[..filled]).map_err(Unusable::Header)?;
         let recorded = Self {
             file,
             block: [0; BLOCK_FRAMES * FRAME_BYTES],

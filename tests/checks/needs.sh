@@ -7,6 +7,8 @@ declare -rA package_of=(
     [qemu-system-x86_64]=qemu-system-x86 [busybox]=busybox-static
     [ip]=iproute2 [candump]=can-utils
     [java]=default-jre-headless
+    [gcc]=gcc [clang]=clang
+    [arm-none-eabi-gcc]='gcc-arm-none-eabi libnewlib-arm-none-eabi'
 )
 readonly board=thumbv7em-none-eabihf # Cortex-M4F
 readonly small=thumbv6m-none-eabi    # Cortex-M0: no float unit, no compare-and-swap
@@ -61,7 +63,8 @@ need_program() {
 install_programs() {
     local program packages=()
     for program in "${!package_of[@]}"; do
-        has_program "$program" || packages+=("${package_of[$program]}")
+        # shellcheck disable=SC2206 # A program may need several packages.
+        has_program "$program" || packages+=(${package_of[$program]})
     done
     install_python_packages "${python_packages[@]}" &
     ((${#packages[@]} == 0)) || install_packages "${packages[@]}" || true

@@ -81,4 +81,6 @@ check_miri() {
     MIRIFLAGS=-Zmiri-disable-isolation PROPTEST_CASES=2 CARGO_TARGET_DIR=$target/miri \
         cargo +nightly miri test -p estimator-core --features fixed \
         --test signal --test numerics
+    MIRIFLAGS=-Zmiri-disable-isolation CARGO_TARGET_DIR=$target/miri \
+        cargo +nightly miri test -p estimator-c --test misuse
 }

@@ -4,7 +4,7 @@
 
 use clap::Parser;
 use cross_tests::exit_code;
-use firmware::exchange::vehicle;
+use estimator_core::packed_vehicle;
 use host_sim::error::Result;
 use host_sim::files::output::write_whole;
 use host_sim::files::vehicle::VehicleFile;
@@ -28,6 +28,6 @@ fn main() -> ExitCode {
 
 fn run(args: &Args) -> Result<()> {
     let vehicle = VehicleFile::read(&args.vehicle)?;
-    let image = vehicle::encode(&vehicle.model);
+    let image = packed_vehicle::encode(&vehicle.model);
     write_whole(&args.image, |out| out.write_all(&image))
 }

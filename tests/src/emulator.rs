@@ -3,8 +3,9 @@
 use crate::image::{root, target_folder};
 use assert_cmd::Command;
 use defmt_decoder::Table;
+use estimator_core::packed_vehicle;
 use estimator_core::{Cell, Estimator, Model, Tuning};
-use firmware::exchange::{CELLS_FILE, DRIVE_FILE, frame, vehicle};
+use firmware::exchange::{CELLS_FILE, DRIVE_FILE, frame};
 use host_sim::error::{Error, Result};
 use host_sim::source::can_frame::TimedFrame;
 use std::ffi::CStr;
@@ -54,7 +55,7 @@ pub fn missing() -> Option<String> {
 /// Returns the drive as the file that the board reads.
 #[must_use]
 pub fn drive_file(model: &Model, frames: &[TimedFrame]) -> Vec<u8> {
-    let mut bytes = vehicle::encode(model).to_vec();
+    let mut bytes = packed_vehicle::encode(model).to_vec();
     for timed in frames {
         let record = frame::encode(timed.time, &timed.frame);
         bytes.extend_from_slice(&record.expect("a frame has at most 8 bytes"));

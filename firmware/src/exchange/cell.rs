@@ -11,7 +11,7 @@
 //!
 //! Unknown values are zero.
 
-use super::{halves, next_f32, next_u64, to_bytes, to_words};
+use estimator_core::word_record::{halves, next_f32, next_u64, to_bytes, to_words};
 use estimator_core::{Cell, CellEnd, Condition, Instant, Uncertain};
 
 /// Length of a record, bytes.

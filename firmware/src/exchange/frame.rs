@@ -3,9 +3,9 @@
 //! The identifier has the flag bits of Linux's `can_frame`: bit 31 set for a 29-bit identifier,
 //! bit 30 for a remote frame. Bytes of the data beyond the length are zero.
 
-use super::{halves, next_u64, to_bytes, to_words};
 use embedded_can::{ExtendedId, Frame, Id, StandardId};
 use estimator_core::Instant;
+use estimator_core::word_record::{halves, next_u64, to_bytes, to_words};
 
 /// Length of a record, bytes.
 pub const FRAME_BYTES: usize = 24;

@@ -2,7 +2,7 @@
 //!
 //! | offset   | length | what                                                                     |
 //! |----------|--------|--------------------------------------------------------------------------|
-//! | 0x7_C000 | 2 KB   | the vehicle, flashed from a host, see [`firmware::exchange::vehicle`]    |
+//! | 0x7_C000 | 2 KB   | the vehicle, flashed from a host, see [`estimator_core::packed_vehicle`]    |
 //! | 0x7_D000 | 12 KB  | the persistent state, written in turns to all pages for even wear        |
 //!
 //! The data are in the second bank of the flash and the image is in the first, so that the image
@@ -13,7 +13,7 @@ use embassy_stm32::Peri;
 use embassy_stm32::flash::{Blocking, Flash};
 use embassy_stm32::peripherals::FLASH;
 use estimator_core::{Model, PersistentState};
-use firmware::exchange::vehicle::{self, HeaderError, VEHICLE_BYTES};
+use estimator_core::packed_vehicle::{self, PackedVehicleError, VEHICLE_BYTES};
 use sequential_storage::cache::{Cache, Uncached};
 use sequential_storage::map::{MapConfig, MapStorage};
 
@@ -32,7 +32,7 @@ type Storage = MapStorage<
 
 /// The flash behind the image.
 pub struct FlashStore {
-    model: Result<Model, HeaderError>,
+    model: Result<Model, PackedVehicleError>,
     states: Storage,
 }
 
@@ -43,8 +43,8 @@ impl FlashStore {
         let mut header = [0; VEHICLE_BYTES];
         let model = flash
             .blocking_read(VEHICLE_OFFSET, &mut header)
-            .map_err(|_| HeaderError::Length)
-            .and_then(|()| vehicle::decode(&header));
+            .map_err(|_| PackedVehicleError::Length)
+            .and_then(|()| packed_vehicle::decode(&header));
         let config = MapConfig::new(KEPT_RANGE);
         Self {
             model,
@@ -56,7 +56,7 @@ impl FlashStore {
     ///
     /// # Errors
     /// None was flashed, or this release refuses it.
-    pub fn model(&self) -> Result<&Model, HeaderError> {
+    pub fn model(&self) -> Result<&Model, PackedVehicleError> {
         self.model.as_ref().map_err(|error| *error)
     }
 

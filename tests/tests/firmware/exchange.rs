@@ -4,9 +4,9 @@
 use cross_tests::drive::{drive, truck};
 use embedded_can::{ExtendedId, Frame, StandardId};
 use estimator_core::effect::CATALOGUE;
+use estimator_core::packed_vehicle::{self, PackedVehicleError};
 use estimator_core::{AdoptedEffect, Cell, CellEnd, Condition, Gear, Instant, Traction, Uncertain};
-use firmware::exchange::vehicle::HeaderError;
-use firmware::exchange::{cell, frame, vehicle};
+use firmware::exchange::{cell, frame};
 use host_sim::source::can_frame::CanFrame;
 
 #[test]
@@ -28,7 +28,10 @@ fn vehicles_are_read_back() {
         many_effects.effects.adopt(adopted).unwrap();
     }
     for model in [truck(), by_force, many_gears, many_effects] {
-        assert_eq!(vehicle::decode(&vehicle::encode(&model)), Ok(model));
+        assert_eq!(
+            packed_vehicle::decode(&packed_vehicle::encode(&model)),
+            Ok(model)
+        );
     }
 }
 
@@ -37,9 +40,9 @@ const FIRST_EFFECT: usize = 240;
 
 /// Returns the header with the number of its first effect replaced.
 fn with_first_effect(
-    header: [u8; vehicle::VEHICLE_BYTES],
+    header: [u8; packed_vehicle::VEHICLE_BYTES],
     number: u32,
-) -> [u8; vehicle::VEHICLE_BYTES] {
+) -> [u8; packed_vehicle::VEHICLE_BYTES] {
     let mut header = header;
     header[FIRST_EFFECT..FIRST_EFFECT + 4].copy_from_slice(&number.to_le_bytes());
     header
@@ -47,15 +50,15 @@ fn with_first_effect(
 
 #[test]
 fn malformed_vehicles_are_refused() {
-    let good = vehicle::encode(&truck());
-    let refusal = |header: &[u8]| vehicle::decode(header).unwrap_err();
-    assert_eq!(refusal(&good[..good.len() - 1]), HeaderError::Length);
+    let good = packed_vehicle::encode(&truck());
+    let refusal = |header: &[u8]| packed_vehicle::decode(header).unwrap_err();
+    assert_eq!(refusal(&good[..good.len() - 1]), PackedVehicleError::Length);
     let mut earlier_version = good;
     earlier_version[7] = b'2';
-    assert_eq!(refusal(&earlier_version), HeaderError::Magic);
+    assert_eq!(refusal(&earlier_version), PackedVehicleError::Magic);
     let mut too_many_gears = good;
     too_many_gears[28] = 25;
-    assert_eq!(refusal(&too_many_gears), HeaderError::Gears);
+    assert_eq!(refusal(&too_many_gears), PackedVehicleError::Gears);
 }
 
 /// An effect is stored by its number. A release without it refuses the vehicle and does not take
@@ -68,15 +71,18 @@ fn a_catalogue_that_does_not_fit_is_refused() {
         let adopted = AdoptedEffect::new(effect, effect.typical, 0.1);
         model.effects.adopt(adopted).unwrap();
     }
-    let header = vehicle::encode(&model);
-    assert_eq!(vehicle::decode(&header).as_ref(), Ok(&model));
+    let header = packed_vehicle::encode(&model);
+    assert_eq!(packed_vehicle::decode(&header).as_ref(), Ok(&model));
     for unknown in [CATALOGUE.len() as u32, 200, u32::MAX - 1] {
-        let refused = vehicle::decode(&with_first_effect(header, unknown));
-        assert_eq!(refused, Err(HeaderError::Effect(unknown)));
+        let refused = packed_vehicle::decode(&with_first_effect(header, unknown));
+        assert_eq!(refused, Err(PackedVehicleError::Effect(unknown)));
     }
     let other = model.effects.iter().nth(1).unwrap().effect.number;
     let twice = with_first_effect(header, other.into());
-    assert_eq!(vehicle::decode(&twice), Err(HeaderError::Repeated));
+    assert_eq!(
+        packed_vehicle::decode(&twice),
+        Err(PackedVehicleError::Repeated)
+    );
 }
 
 #[test]

@@ -2,10 +2,10 @@
 
 use cross_tests::drive::{drive, truck, truck_with_every_effect};
 use cross_tests::emulator::{drive_file, missing, on_host, replay};
+use estimator_core::packed_vehicle::VEHICLE_BYTES;
 use estimator_core::{Cell, Model};
 use firmware::exchange::cell::{self, CELL_BYTES};
 use firmware::exchange::frame::FRAME_BYTES;
-use firmware::exchange::vehicle::VEHICLE_BYTES;
 
 /// Returns whether the board cannot be emulated here, and reports it.
 fn board_is_missing() -> bool {
@@ -86,7 +86,7 @@ fn an_unusable_drive_ends_with_status_1_and_its_reason() {
     let mut long_frame = good.clone();
     long_frame[VEHICLE_BYTES + 2 * FRAME_BYTES + 12] = 9;
     let cut_short = "\"drive.bin\": expected 1008 bytes";
-    let no_header = "\"drive.bin\": expected the header of a vehicle";
+    let no_header = "\"drive.bin\": expected a packed vehicle";
     let cases: [(Option<&[u8]>, &str); 6] = [
         (None, "\"drive.bin\": "),
         (Some(&[]), cut_short),

@@ -1,4 +1,4 @@
-//! The vehicle at the head of a drive, and in a board's flash.
+//! A vehicle as bytes: in a controller's flash, and at the head of a recorded drive.
 //!
 //! | words | content                                                                              |
 //! |-------|--------------------------------------------------------------------------------------|
@@ -13,30 +13,31 @@
 //! changes, so data outlive releases. Data with an effect that this release does not have are
 //! refused. The estimator checks whether the vehicle is possible.
 
-use super::{halves, next_f32, next_u64, to_bytes, to_words};
+use crate::effect::{MAX_EFFECT_PARAMETERS, MAX_EFFECTS, numbered};
+use crate::maybe::Maybe;
+use crate::model::{AdoptedEffect, Model};
+use crate::vehicle::{Gear, MAX_GEARS, Powertrain, Traction, VehicleParameters};
+use crate::word_record::{halves, next_f32, next_u64, to_bytes, to_words};
 use core::fmt;
 use core::iter::repeat;
-use estimator_core::effect::{MAX_EFFECT_PARAMETERS, MAX_EFFECTS, numbered};
-use estimator_core::vehicle::MAX_GEARS;
-use estimator_core::{AdoptedEffect, Gear, Maybe, Model, Powertrain, Traction, VehicleParameters};
 
-/// Number of effects that fit into a header. There is room for the effects of later releases.
+/// Number of effects that fit in. There is room for the effects of later releases.
 const EFFECTS: usize = 32;
 const _: () = assert!(MAX_EFFECTS <= EFFECTS);
 /// Words before the effects.
 const HEAD_WORDS: usize = 2 + 5 + 1 + 4 + 2 * MAX_GEARS;
 const EFFECT_WORDS: usize = 3 + MAX_EFFECT_PARAMETERS;
 
-/// Length of the header, bytes.
+/// Length of a packed vehicle, bytes.
 pub const VEHICLE_BYTES: usize = 4 * (HEAD_WORDS + EFFECT_WORDS * EFFECTS);
 
 const MAGIC: u64 = u64::from_le_bytes(*b"RGDRIVE3");
 const MEASURED_FORCE: u32 = u32::MAX;
 const NO_EFFECT: u32 = u32::MAX;
 
-/// Why a header is refused.
+/// Why bytes are refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum HeaderError {
+pub enum PackedVehicleError {
     /// The length is not [`VEHICLE_BYTES`].
     Length,
     /// The first bytes are not those of this version.
@@ -49,11 +50,11 @@ pub enum HeaderError {
     Repeated,
 }
 
-impl fmt::Display for HeaderError {
+impl fmt::Display for PackedVehicleError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Length => write!(f, "expected {VEHICLE_BYTES} bytes"),
-            Self::Magic => f.write_str("expected the header of a vehicle, version 3"),
+            Self::Magic => f.write_str("expected a packed vehicle of version 3"),
             Self::Gears => write!(f, "expected at most {MAX_GEARS} gears"),
             Self::Effect(number) => write!(f, "effect {number} is unknown to this release"),
             Self::Repeated => f.write_str("an effect is given twice"),
@@ -61,9 +62,9 @@ impl fmt::Display for HeaderError {
     }
 }
 
-impl core::error::Error for HeaderError {}
+impl core::error::Error for PackedVehicleError {}
 
-/// Returns the header of a vehicle.
+/// Returns a vehicle as bytes.
 #[must_use]
 pub fn encode(model: &Model) -> [u8; VEHICLE_BYTES] {
     let vehicle = &model.vehicle;
@@ -111,16 +112,16 @@ fn effect_words(adopted: &AdoptedEffect) -> [u32; EFFECT_WORDS] {
     ]
 }
 
-/// Returns the vehicle of a header.
+/// Returns the vehicle of these bytes.
 ///
 /// # Errors
-/// Returns [`HeaderError`] if it is not a header, or has an effect that this release lacks.
-pub fn decode(header: &[u8]) -> Result<Model, HeaderError> {
-    let mut words = to_words(header, VEHICLE_BYTES).ok_or(HeaderError::Length)?;
+/// Returns [`PackedVehicleError`] if they are not a packed vehicle, or have an effect that this release lacks.
+pub fn decode(bytes: &[u8]) -> Result<Model, PackedVehicleError> {
+    let mut words = to_words(bytes, VEHICLE_BYTES).ok_or(PackedVehicleError::Length)?;
     if next_u64(&mut words) != Some(MAGIC) {
-        return Err(HeaderError::Magic);
+        return Err(PackedVehicleError::Magic);
     }
-    let vehicle = vehicle(&mut words).ok_or(HeaderError::Gears)?;
+    let vehicle = vehicle(&mut words).ok_or(PackedVehicleError::Gears)?;
     let mut model = Model::from(vehicle);
     for _ in 0..EFFECTS {
         if let Some(adopted) = effect(&mut words)? {
@@ -129,7 +130,7 @@ pub fn decode(header: &[u8]) -> Result<Model, HeaderError> {
                 .iter()
                 .any(|known| known.effect == adopted.effect);
             if is_known || model.effects.adopt(adopted).is_err() {
-                return Err(HeaderError::Repeated);
+                return Err(PackedVehicleError::Repeated);
             }
         }
     }
@@ -158,16 +159,18 @@ fn vehicle(words: &mut impl Iterator<Item = u32>) -> Option<VehicleParameters> {
 }
 
 /// Reads the next effect; `Ok(None)` if there is none.
-fn effect(words: &mut impl Iterator<Item = u32>) -> Result<Option<AdoptedEffect>, HeaderError> {
-    let number = words.next().ok_or(HeaderError::Length)?;
-    let mut next = || next_f32(words).ok_or(HeaderError::Length);
+fn effect(
+    words: &mut impl Iterator<Item = u32>,
+) -> Result<Option<AdoptedEffect>, PackedVehicleError> {
+    let number = words.next().ok_or(PackedVehicleError::Length)?;
+    let mut next = || next_f32(words).ok_or(PackedVehicleError::Length);
     let [amount, amount_sigma] = [next()?, next()?];
     let parameters = [next()?, next()?, next()?].map(Maybe::some);
     if number == NO_EFFECT {
         return Ok(None);
     }
     Ok(Some(AdoptedEffect {
-        effect: numbered(number).ok_or(HeaderError::Effect(number))?,
+        effect: numbered(number).ok_or(PackedVehicleError::Effect(number))?,
         amount,
         amount_sigma,
         parameters,

@@ -1,0 +1,29 @@
+//! Makes the header from the sources: compares it, or writes it with `--write`.
+
+use std::path::Path;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let crate_folder = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let path = crate_folder.join("include/road_grade.h");
+    let mut made = Vec::new();
+    match cbindgen::generate(crate_folder) {
+        Ok(bindings) => bindings.write(&mut made),
+        Err(error) => {
+            eprintln!("{error}");
+            return ExitCode::FAILURE;
+        }
+    }
+    if std::env::args().any(|argument| argument == "--write") {
+        if let Err(error) = std::fs::write(&path, &made) {
+            eprintln!("{}: {error}", path.display());
+            return ExitCode::FAILURE;
+        }
+    } else if std::fs::read(&path).ok() != Some(made) {
+        eprintln!(
+            "include/road_grade.h is not what the sources say; run this with --write and look at the change"
+        );
+        return ExitCode::FAILURE;
+    }
+    ExitCode::SUCCESS
+}
