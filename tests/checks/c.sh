@@ -11,7 +11,7 @@ check_c() {
     need_program qemu-system-arm
     need_target "$board"
     need_target "$small"
-    cargo run -q -p estimator-c --example header
+    cargo run -q --example c_header
     cargo test -q -p estimator-c
     cargo build -q -p estimator-c --release
     cargo build -q -p estimator-c --release --target "$board"

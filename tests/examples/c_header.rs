@@ -1,13 +1,13 @@
-//! Makes the header from the sources: compares it, or writes it with `--write`.
+//! Makes the header of the C interface from its sources: compares it, or writes it with `--write`.
 
-use std::path::Path;
+use cross_tests::image::root;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let crate_folder = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let path = crate_folder.join("include/road_grade.h");
+    let folder = root().join("firmware/c");
+    let path = folder.join("include/road_grade.h");
     let mut made = Vec::new();
-    match cbindgen::generate(crate_folder) {
+    match cbindgen::generate(&folder) {
         Ok(bindings) => bindings.write(&mut made),
         Err(error) => {
             eprintln!("{error}");
