@@ -18,5 +18,10 @@ pub use frame_outcome::{FrameOutcome, Pgn, Rejection};
 pub use layout::{Framing, MessageInfo, encode, messages};
 pub use reading::{Reading, Signal, Value};
 
+/// The J1939 messages that are read, as a `.dbc` file.
+pub const J1939_DBC: &str = include_str!("../../dbc/j1939.dbc");
+/// The NMEA 2000 messages that are read, as a `.dbc` file.
+pub const NMEA2000_DBC: &str = include_str!("../../dbc/nmea2000.dbc");
+
 /// Number of messages that the decoder knows.
 pub(crate) const MESSAGE_COUNT: usize = layout::MESSAGES.len();

@@ -2,20 +2,11 @@
 
 use can_dbc::{Comment, Dbc, DbcError, Message};
 use estimator_core::Signal;
-use estimator_core::signal::Pgn;
+use estimator_core::signal::{J1939_DBC, NMEA2000_DBC, Pgn};
 use serde::Serialize;
 
 /// The layouts that the core is built with.
-const LAYOUTS: [(&str, &str); 2] = [
-    (
-        "J1939",
-        include_str!("../../../estimator-core/dbc/j1939.dbc"),
-    ),
-    (
-        "NMEA 2000",
-        include_str!("../../../estimator-core/dbc/nmea2000.dbc"),
-    ),
-];
+const LAYOUTS: [(&str, &str); 2] = [("J1939", J1939_DBC), ("NMEA 2000", NMEA2000_DBC)];
 
 /// A built-in message that has a signal.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
