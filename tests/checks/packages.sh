@@ -21,3 +21,14 @@ check_long_packages() {
         --target-dir "$target/packages" --debug
     "$work/installed/bin/roadgrade" demo --out "$work/demo"
 }
+
+# Builds what users install, and runs the tool from the Debian package where nothing else is.
+check_long_release() {
+    local bare=$work/bare
+    need_program dpkg-deb
+    packaging/release x86_64-unknown-linux-musl
+    dpkg-deb --extract "$target"/dist/roadgrade_*_amd64.deb "$bare"
+    mkdir "$bare/tmp"
+    as_root chroot "$bare" /usr/bin/roadgrade demo --out /demo
+    (cd "$target/dist" && sha256sum --check SHA256SUMS)
+}
