@@ -114,6 +114,8 @@ tuning! {
         pitch_gain_least_sigma: f32 = 0.01, 0.0..=1.0, "1", "its error once learned, 1 sigma", "rotating mass and timing of the torque look the same";
         scale_sigma: f32 = 0.8, 1e-3..=10.0, "1", "scale of the forces before it is compared with the accelerometer, 1 sigma", "as `open_scale_sigma`";
         scale_least_sigma: f32 = 0.02, 1e-4..=1.0, "1", "the same once compared, 1 sigma", "as `gain_least_sigma`";
+        air_sigma: f32 = 0.3, 0.0..=10.0, "1", "part of the air resistance that the model lacks, before it is compared with the accelerometer, 1 sigma", "a drag that is off by 15 %, and a steady wind of 3 m/s at 30 m/s";
+        air_least_sigma: f32 = 0.1, 0.0..=10.0, "1", "the same once compared, 1 sigma", "winds change with the direction";
         scale_error: f32 = 0.1, 0.0..=10.0, "1", "scale error of an accelerometer that may be used, 1 sigma", "chosen: beyond three of it the axis or the unit is wrong";
         learned_m: f32 = 500.0, 0.0..=1e5, "m", "distance with a valid model before an accelerometer may be used", "chosen";
         known_sigma_mps2: f32 = 0.03, 1e-4..=10.0, "m/s²", "sigma of its slow errors at which it may be used", "0.3 % of slope";

@@ -26,6 +26,7 @@ mod weighing;
 use super::measurement::ScalarMeasurement;
 use super::noise_ratio::NoiseRatio;
 use super::predict::{MeasuredMotion, ModelMotion, Prediction};
+use super::process_noise::wind_variance;
 use super::state::State;
 use super::state_index::StateIndex::Scale;
 use crate::cell::Condition;
@@ -34,10 +35,11 @@ use crate::counters::count;
 use crate::sample::{InertialMeasurement, Sample};
 use crate::scalar::Scalar;
 use crate::tuning::{Inertial, Tuning};
+use crate::vehicle::GRAVITY;
 use alone::{Alone, PERCENT_PER_MPS2};
 use force_test::{Finding, ForceTest, Innovation};
 use frozen_reading::FrozenReading;
-use slow_errors::{Regressors, SlowErrors};
+use slow_errors::{ForcesPerMass, Regressors, SlowErrors};
 use weighing::Weighing;
 
 /// What is known of the accelerometer.
@@ -56,13 +58,6 @@ pub(super) struct Accelerometer {
     /// Variance of the change of speed by the model where it last held, (m/s²)².
     model_variance: f32,
     weighing: Weighing,
-}
-
-impl ModelMotion {
-    /// Returns what the slow errors are multiplied with.
-    fn regressors(&self) -> Regressors {
-        Regressors::new(self.felt_mps2, self.change_mps2, self.net_traction_percent)
-    }
 }
 
 impl Accelerometer {
@@ -157,7 +152,9 @@ impl Accelerometer {
     }
 
     fn offset_variance(&self) -> f32 {
-        let (_, variance) = self.errors.expected(Regressors::new(0.0, 0.0, 0.0));
+        let (_, variance) =
+            self.errors
+                .expected(Regressors::new(0.0, 0.0, ForcesPerMass::default()));
         variance
     }
 
@@ -194,7 +191,8 @@ impl Accelerometer {
             if !self.test.disagrees() {
                 self.model_variance = motion.variance;
             }
-            let regressors = motion.regressors();
+            let forces = forces_per_mass(context, sample, &motion);
+            let regressors = Regressors::new(motion.felt_mps2, motion.change_mps2, forces);
             let (expected_mps2, expected_variance) = self.errors.expected(regressors);
             let innovation = Innovation {
                 mps2: measured.acceleration_mps2 - motion.felt_mps2 - expected_mps2,
@@ -203,7 +201,15 @@ impl Accelerometer {
             };
             self.test.note_traction(sample, &context.model.vehicle);
             if self.is_trusted {
-                disagreeing = self.compare(innovation, sample, &context.tuning);
+                // Gusts and slipstreams move a light vehicle against its accelerometer. They are no
+                // error of the torque.
+                let wind_percent2 = wind_variance(context, sample, 1.0);
+                let seen = Innovation {
+                    expected_variance: expected_variance
+                        + wind_percent2 / (PERCENT_PER_MPS2 * PERCENT_PER_MPS2),
+                    ..innovation
+                };
+                disagreeing = self.compare(seen, sample, &context.tuning);
             }
             // In low gears the torque that turns the engine is known worse.
             if !self.test.disagrees() && motion.variance < own_variance {
@@ -243,16 +249,14 @@ impl Accelerometer {
     ) {
         let tuning = &context.tuning.inertial;
         let (gain, change_gain) = self.errors.gains();
-        let traction_percent = motion.net_traction_percent;
-        let (offset_mps2, _) = self
-            .errors
-            .expected(Regressors::new(0.0, 0.0, traction_percent));
+        let forces = forces_per_mass(context, sample, motion);
+        let (offset_mps2, _) = self.errors.expected(Regressors::new(0.0, 0.0, forces));
         let acceleration_mps2 = measured.acceleration_mps2 - offset_mps2;
         let felt_mps2 = acceleration_mps2 / gain;
         let change_mps2 = felt_mps2 - motion.gravity_mps2;
-        let (_, variance) =
-            self.errors
-                .expected(Regressors::new(felt_mps2, change_mps2, traction_percent));
+        let (_, variance) = self
+            .errors
+            .expected(Regressors::new(felt_mps2, change_mps2, forces));
         let most = tuning.usable_sigma_mps2;
         if !self.is_trusted || variance > most * most {
             self.alone.end(variance, tuning);
@@ -374,5 +378,17 @@ impl Accelerometer {
             alone: self.alone,
             ..Self::new(&context.tuning)
         };
+    }
+}
+
+/// Returns the forces of the model in a cell, per mass.
+fn forces_per_mass(context: &Context, sample: &Sample, motion: &ModelMotion) -> ForcesPerMass {
+    let air_n = context
+        .model
+        .vehicle
+        .drag_n(&sample.forces, sample.end.speed_mps);
+    ForcesPerMass {
+        net_traction_percent: motion.net_traction_percent,
+        air_mps2: GRAVITY * air_n / sample.forces.weight_n(),
     }
 }

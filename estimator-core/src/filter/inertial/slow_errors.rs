@@ -2,9 +2,9 @@
 //!
 //! What the accelerometer reads beyond the model is its own offset less the slow error of the model;
 //! its gain on the specific force f, because its scale is off and the body pitches under that force,
-//! on a slope as under an acceleration a; what it pitches besides under an acceleration; and what a
-//! wrong scale makes of the net traction l: d = c + k f + p a + κ g l. All are found where the model
-//! holds. The offset is that relative to the model, so the slope that is read stays the same where
+//! on a slope as under an acceleration a; what it pitches besides under an acceleration; what a
+//! wrong scale makes of the net traction l; and what a wrong drag or a steady wind makes of the air
+//! resistance per mass, w: d = c + k f + p a + κ g l + λ w. All are found where the model holds. The offset is that relative to the model, so the slope that is read stays the same where
 //! the accelerometer stands in. Gain and scale hardly differ in what they do, so that together they
 //! are known much better than each.
 
@@ -13,26 +13,36 @@ use crate::tuning::Inertial;
 use crate::vehicle::GRAVITY;
 
 /// Number of errors.
-const ERRORS: usize = 4;
+const ERRORS: usize = 5;
 const OFFSET: usize = 0;
 const GAIN: usize = 1;
 const PITCH_GAIN: usize = 2;
 const SCALE: usize = 3;
+const AIR: usize = 4;
+
+/// Forces of the model, per mass.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct ForcesPerMass {
+    /// Traction less resistances, % of the weight.
+    pub net_traction_percent: f32,
+    /// Air resistance, m/s².
+    pub air_mps2: f32,
+}
 
 /// What the errors are multiplied with in a cell.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Regressors([f32; ERRORS]);
 
 impl Regressors {
-    /// Creates those of a cell from the specific force and the change of speed, m/s², and the net
-    /// traction, %.
-    pub(super) fn new(felt_mps2: f32, change_mps2: f32, net_traction_percent: f32) -> Self {
-        let traction_mps2 = 0.01 * GRAVITY * net_traction_percent;
-        Self([1.0, felt_mps2, change_mps2, traction_mps2])
+    /// Creates those of a cell from the specific force and the change of speed, m/s², and from what
+    /// the model knows of the cell.
+    pub(super) fn new(felt_mps2: f32, change_mps2: f32, forces: ForcesPerMass) -> Self {
+        let traction_mps2 = 0.01 * GRAVITY * forces.net_traction_percent;
+        Self([1.0, felt_mps2, change_mps2, traction_mps2, forces.air_mps2])
     }
 }
 
-/// Mean and covariance of offset, m/s², gain, pitch gain, and scale, 1.
+/// Mean and covariance of offset, m/s², gain, pitch gain, scale, and part of the air resistance, 1.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SlowErrors {
     mean: [f32; ERRORS],
@@ -47,13 +57,14 @@ impl SlowErrors {
             tuning.gain_sigma,
             tuning.pitch_gain_sigma,
             tuning.scale_sigma,
+            tuning.air_sigma,
         ];
         let mut covariance = [[0.0; ERRORS]; ERRORS];
         for (i, sigma) in sigmas.into_iter().enumerate() {
             covariance[i][i] = sigma * sigma;
         }
         Self {
-            mean: [0.0, tuning.gain, 0.0, 0.0],
+            mean: [0.0, tuning.gain, 0.0, 0.0, 0.0],
             covariance,
         }
     }
@@ -70,7 +81,7 @@ impl SlowErrors {
 
     /// Returns what the reading gains for a specific force, and for a change of speed, 1.
     pub(super) const fn gains(&self) -> (f32, f32) {
-        let [_, gain, pitch_gain, _] = self.mean;
+        let [_, gain, pitch_gain, ..] = self.mean;
         (1.0 + gain, 1.0 + gain + pitch_gain)
     }
 
@@ -103,13 +114,14 @@ impl SlowErrors {
     }
 
     /// Lets the offset walk, and keeps the others from being better known than they can be: errors
-    /// of the model that go with force, acceleration or traction do not average out.
+    /// of the model that go with force, acceleration, traction or air do not average out.
     pub(super) fn walk(&mut self, offset_variance: f32, tuning: &Inertial) {
         self.covariance[OFFSET][OFFSET] += offset_variance;
         for (i, sigma) in [
             (GAIN, tuning.gain_least_sigma),
             (PITCH_GAIN, tuning.pitch_gain_least_sigma),
             (SCALE, tuning.scale_least_sigma),
+            (AIR, tuning.air_least_sigma),
         ] {
             let variance = &mut self.covariance[i][i];
             *variance = Scalar::max(*variance, sigma * sigma);
