@@ -10,7 +10,7 @@
 //! | `engine_configuration` | reference torque and inertia that the engine reports |
 //! | `brakes`, `brake_detector` | brakes that signals report; brakes that none reports |
 //! | `odometer`, `speed_check` | distance and cells; plausibility of speed readings |
-//! | `gnss`, `gnss_timing` | positions and altitudes along the driven distance; age of a fix |
+//! | `gnss`, `gnss_timing`, `speed_lag` | positions and altitudes along the driven distance; age of a fix |
 //! | `stops`, `reversing` | standstills, weighings, load changes; direction of motion |
 //! | `inertial` | the accelerometer: one mean a cell |
 //! | `effect_inputs` | what effects depend on |
@@ -37,6 +37,7 @@ mod parts;
 mod resolution;
 mod reversing;
 mod speed_check;
+mod speed_lag;
 mod stops;
 mod traction;
 
@@ -206,6 +207,7 @@ impl Sampler {
             Signal::WheelSpeed => self.parts.wheel_check = SpeedCheck::default(),
             Signal::FrontAxleSpeed => self.parts.front_axle_check = SpeedCheck::default(),
             Signal::TachographSpeed => self.parts.tachograph_check = SpeedCheck::default(),
+            Signal::GnssSpeed => return self.parts.gnss_timing.switch_receiver(),
             _ => return,
         }
         self.odometer.interrupt();
@@ -292,10 +294,17 @@ impl Sampler {
             samples,
         } = self;
         let rolled_mps = reported_mps * context.model.effects.factor(Acts::WheelRadius);
-        parts.gnss_timing.wheels(TimedValue {
+        let rolled = TimedValue {
             value: rolled_mps,
             time: now,
-        });
+        };
+        let Tuning {
+            hold_times,
+            detection,
+            ..
+        } = &context.tuning;
+        let timing = &mut parts.gnss_timing;
+        timing.wheels(rolled, hold_times.gnss_latency, detection);
         let factor = parts.gnss_timing.speed_factor();
         if factor != parts.speed_factor {
             parts.speed_factor = factor;
@@ -331,8 +340,10 @@ impl Sampler {
         let slower_mps = odometer
             .speed_mps()
             .map_or(speed_mps, |last| Scalar::min(last, speed_mps));
+        let mean_force_n = parts.traction.take_mean_n(now);
+        parts.gnss_timing.force(mean_force_n);
         let interval = Interval {
-            mean_force_n: parts.traction.take_mean_n(now),
+            mean_force_n,
             acceleration: parts.accelerometer.take(now),
             condition: parts.condition(context, now, slower_mps),
             resolution_mps: parts.resolution_mps(context, now),
