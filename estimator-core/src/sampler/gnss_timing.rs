@@ -98,9 +98,24 @@ impl GnssTiming {
         self.fine.force(force_n);
     }
 
-    /// Takes a wheel speed, without the factor.
-    pub(super) fn wheels(&mut self, speed: TimedValue, assumed: Duration, tuning: &Detection) {
+    /// Takes a wheel speed, without the factor. Returns by how much longer the latency is with it, s.
+    pub(super) fn wheels(
+        &mut self,
+        speed: TimedValue,
+        assumed: Duration,
+        tuning: &Detection,
+    ) -> f32 {
+        let before = self.latency(assumed);
         self.fine.wheels(speed, assumed, tuning);
+        self.keep_speed(speed);
+        let after = self.latency(assumed);
+        if after == before {
+            return 0.0;
+        }
+        after.seconds() - before.seconds()
+    }
+
+    fn keep_speed(&mut self, speed: TimedValue) {
         match self.newest {
             Some(newest) if speed.time < newest + STEP => {}
             Some(newest) if speed.time.since(newest).micros() < 2 * STEP.micros() => {

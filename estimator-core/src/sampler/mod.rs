@@ -10,7 +10,8 @@
 //! | `engine_configuration` | reference torque and inertia that the engine reports |
 //! | `brakes`, `brake_detector` | brakes that signals report; brakes that none reports |
 //! | `odometer`, `speed_check` | distance and cells; plausibility of speed readings |
-//! | `gnss`, `gnss_timing`, `speed_lag` | positions and altitudes along the driven distance; age of a fix |
+//! | `gnss` | positions and altitudes along the driven distance |
+//! | `gnss_timing`, `speed_lag`, `lag_regression` | age of a fix; scale of the wheel speed |
 //! | `stops`, `reversing` | standstills, weighings, load changes; direction of motion |
 //! | `inertial` | the accelerometer: one mean a cell |
 //! | `effect_inputs` | what effects depend on |
@@ -31,6 +32,7 @@ mod gnss;
 mod gnss_timing;
 mod held_signal;
 mod inertial;
+mod lag_regression;
 mod latest;
 mod odometer;
 mod parts;
@@ -304,7 +306,11 @@ impl Sampler {
             ..
         } = &context.tuning;
         let timing = &mut parts.gnss_timing;
-        timing.wheels(rolled, hold_times.gnss_latency, detection);
+        let longer_s = timing.wheels(rolled, hold_times.gnss_latency, detection);
+        if longer_s != 0.0 {
+            // The last fixes move to where they were taken.
+            parts.gnss.put_back(longer_s * rolled_mps);
+        }
         let factor = parts.gnss_timing.speed_factor();
         if factor != parts.speed_factor {
             parts.speed_factor = factor;

@@ -8,6 +8,7 @@
 //! Wheel speeds become means over slots of equal length, speeds over ground means over what arrives
 //! in a slot. A slot is judged once the wheel speeds after it are known.
 
+use super::lag_regression::{Pair, Sums};
 use super::latest::TimedValue;
 use crate::scalar::Scalar;
 use crate::time::{Duration, Instant};
@@ -26,15 +27,8 @@ const LONGEST: Duration = Duration::from_micros(1_250_000);
 const LONGEST_LAG_S: f32 = 1.5;
 /// Unit of the force, N, so that all sums are of similar size.
 const FORCE_UNIT_N: f32 = 1e4;
-/// Part of a new difference that counts in the means that are taken off: a memory of a minute. What
-/// is slower, as the scale of the wheel speed, shows no delay.
-const MEAN_GAIN: f32 = 1.0 / 240.0;
-/// Most that a difference counts, m/s: beyond is an outlier.
-const LARGEST_MPS: f32 = 1.0;
 /// Slots between two decisions: 10 s.
 const DECIDE_EVERY: u8 = 40;
-/// Factor on the variance of the delay: errors of successive slots are alike, those of a second.
-const ALIKE: f32 = 4.0;
 /// Delay from that of the comparison, s, at which the comparison moves to it.
 const FAR_S: f32 = 0.05;
 
@@ -52,13 +46,6 @@ struct GroundMean {
     /// Sum of the speeds, m/s, and of their times before the end of the slot, s.
     sum_mps: f32,
     before_end_s: f32,
-}
-
-/// Delay and its variance.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Lag {
-    lag_s: f32,
-    variance_s2: f32,
 }
 
 /// The comparison of both speeds.
@@ -242,7 +229,7 @@ impl SpeedLag {
         let assumed_s = assumed.seconds();
         let apart_s = (lag_s - assumed_s).abs();
         match self.learned_s {
-            None if apart_s > tuning.lag_apart_s + 3.0 * sigma_s => self.learned_s = Some(lag_s),
+            None if apart_s > tuning.lag_apart_s + 2.0 * sigma_s => self.learned_s = Some(lag_s),
             None => {}
             Some(_) if apart_s < 0.5 * tuning.lag_apart_s => self.learned_s = None,
             // Smaller changes are noise, and each one moves the last fixes.
@@ -251,97 +238,5 @@ impl SpeedLag {
             }
             Some(_) => {}
         }
-    }
-}
-
-/// What one slot shows.
-#[derive(Clone, Copy, Debug)]
-struct Pair {
-    /// Speed over ground less that of the wheels, m/s.
-    apart_mps: f32,
-    /// m/s²
-    acceleration: f32,
-    force: f32,
-}
-
-/// Means, and sums of squares and products about them, which forget.
-#[derive(Clone, Copy, Debug)]
-struct Sums {
-    mean: Pair,
-    count: f32,
-    aa: f32,
-    af: f32,
-    ff: f32,
-    ad: f32,
-    fd: f32,
-    dd: f32,
-}
-
-impl Sums {
-    const NONE: Self = Self {
-        mean: Pair {
-            apart_mps: 0.0,
-            acceleration: 0.0,
-            force: 0.0,
-        },
-        count: 0.0,
-        aa: 0.0,
-        af: 0.0,
-        ff: 0.0,
-        ad: 0.0,
-        fd: 0.0,
-        dd: 0.0,
-    };
-
-    fn add(&mut self, pair: &Pair, forget: f32) {
-        if self.count == 0.0 {
-            self.mean = *pair;
-        }
-        let a = pair.acceleration - self.mean.acceleration;
-        let f = pair.force - self.mean.force;
-        let d = (pair.apart_mps - self.mean.apart_mps).clamp(-LARGEST_MPS, LARGEST_MPS);
-        self.mean.acceleration += MEAN_GAIN * a;
-        self.mean.force += MEAN_GAIN * f;
-        self.mean.apart_mps += MEAN_GAIN * d;
-        let keep = 1.0 - forget;
-        self.count = keep * self.count + 1.0;
-        self.aa = keep * self.aa + a * a;
-        self.af = keep * self.af + a * f;
-        self.ff = keep * self.ff + f * f;
-        self.ad = keep * self.ad + a * d;
-        self.fd = keep * self.fd + f * d;
-        self.dd = keep * self.dd + d * d;
-    }
-
-    /// Changes the sums to those of a comparison at a delay that is longer by so much, s.
-    fn shift(&mut self, longer_s: f32) {
-        self.dd += longer_s * (2.0 * self.ad + longer_s * self.aa);
-        self.ad += longer_s * self.aa;
-        self.fd += longer_s * self.af;
-        self.mean.apart_mps += longer_s * self.mean.acceleration;
-    }
-
-    /// Returns the delay beyond that of the comparison; `None` if the accelerations show none.
-    fn lag(&self) -> Option<Lag> {
-        // What of the acceleration and of the difference the force does not explain.
-        let of_force = |product: f32| {
-            if self.ff > 0.0 {
-                product / self.ff
-            } else {
-                0.0
-            }
-        };
-        let aa = self.aa - of_force(self.af * self.af);
-        let ad = self.ad - of_force(self.af * self.fd);
-        let dd = self.dd - of_force(self.fd * self.fd);
-        if aa <= 1e-3 * self.aa || self.count < 10.0 {
-            return None;
-        }
-        let left = (dd - ad * ad / aa).max(0.0) / self.count;
-        let found = Lag {
-            lag_s: -ad / aa,
-            variance_s2: ALIKE * left / aa,
-        };
-        (found.lag_s.is_finite() && found.variance_s2.is_finite()).then_some(found)
     }
 }

@@ -2,5 +2,6 @@
 
 pub mod alignment;
 pub mod placing;
+mod position_error;
 pub mod track;
 pub mod viterbi;
