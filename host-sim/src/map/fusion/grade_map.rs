@@ -13,6 +13,7 @@ use super::altitude_datum;
 use super::cell_sums::CellSums;
 use super::dependence::{BETWEEN_SESSIONS, Dependence, Disagreement, Expectation, WITHIN_SESSION};
 use super::map_row::{MapRow, WayRows};
+use super::position_error;
 use crate::files::run::{RunCell, RunRow};
 use crate::map::geometry::network::Network;
 use crate::map::matching::placing::{Coverage, PlacedRun, place};
@@ -220,9 +221,14 @@ impl<'a> GradeMap<'a> {
             });
             let mut rows: Vec<(MapRow, f64)> = rows.collect();
             altitude_datum::join(&mut rows);
+            let mut rows: Vec<MapRow> = rows.into_iter().map(|(row, _)| row).collect();
+            let added: Vec<f64> = position_error::variances(&rows).collect();
+            for (row, variance) in rows.iter_mut().zip(added) {
+                row.grade_sigma_percent = row.grade_sigma_percent.hypot(variance.sqrt());
+            }
             WayRows {
                 name: of_way.name.clone(),
-                rows: rows.into_iter().map(|(row, _)| row).collect(),
+                rows,
             }
         });
         FusedMap {

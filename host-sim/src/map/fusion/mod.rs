@@ -5,3 +5,4 @@ pub mod cell_sums;
 pub mod dependence;
 pub mod grade_map;
 pub mod map_row;
+mod position_error;

@@ -2,6 +2,5 @@
 
 pub mod alignment;
 pub mod placing;
-mod position_error;
 pub mod track;
 pub mod viterbi;

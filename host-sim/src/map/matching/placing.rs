@@ -1,7 +1,6 @@
 //! The cells of a run on the grid of each way.
 
 use super::alignment::{Leg, MatchedSegment, matched_segments};
-use super::position_error;
 use super::track::track_of_run;
 use super::viterbi::{MatchedPlace, match_track};
 use crate::files::run::RunCell;
@@ -73,7 +72,6 @@ pub fn place(network: &Network, cells: &[RunCell]) -> PlacedRun {
     }
     coverage.no_position =
         coverage.cells - coverage.matched - coverage.off_road - coverage.opposite;
-    position_error::add_to(&mut placed);
     PlacedRun {
         coverage,
         cells: placed,

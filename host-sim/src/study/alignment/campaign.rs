@@ -96,13 +96,18 @@ impl Campaign {
         })
     }
 
-    /// Drives all runs of these vehicles; calls `done` after each. Mass, drag and rolling
+    /// Drives all runs of these vehicles, estimated with this tuning; calls `done` after each. Mass, drag and rolling
     /// resistance of a run are wrong by 10 %, torque by 4 % (1 sigma); every second run has a
     /// wind of 3 m/s from any direction.
     ///
     /// # Errors
     /// Returns an error if a drive cannot be simulated or stored.
-    pub fn drive(&self, vehicles: &[Vehicle], done: impl Fn() + Sync) -> Result<Vec<CampaignRun>> {
+    pub fn drive(
+        &self,
+        vehicles: &[Vehicle],
+        tuning: &Tuning,
+        done: impl Fn() + Sync,
+    ) -> Result<Vec<CampaignRun>> {
         let scenarios: Vec<Scenario> = vehicles
             .iter()
             .enumerate()
@@ -115,7 +120,7 @@ impl Campaign {
         let all: Vec<(&Scenario, usize)> = all.collect();
         all.into_par_iter()
             .map(|(scenario, run)| {
-                let run = self.run(scenario, run);
+                let run = self.run(scenario, run, tuning);
                 done();
                 run
             })
@@ -150,18 +155,18 @@ impl Campaign {
         Ok(scenario)
     }
 
-    fn run(&self, scenario: &Scenario, index: usize) -> Result<CampaignRun> {
+    fn run(&self, scenario: &Scenario, index: usize, tuning: &Tuning) -> Result<CampaignRun> {
         let recording = Recording::new(scenario, index)?;
         let vehicle = &scenario.runs[index].vehicle;
-        let mut recorder = Recorder::<f32>::new(vehicle.model.clone(), Tuning::default())
-            .map_err(|e| problem(&e))?;
+        let mut recorder =
+            Recorder::<f32>::new(vehicle.model.clone(), tuning.clone()).map_err(|e| problem(&e))?;
         let mut first_s = None;
         for frame in recording.frames() {
             first_s.get_or_insert(frame.time.micros() as f64 * 1e-6);
             recorder.on_frame(&frame);
         }
         let start = recording.drive().at(first_s.unwrap_or_default());
-        let start_m = self.stretch.from_m + start.driven_m();
+        let start_m = start.distance_m;
         let truth = recording.truth().into_iter();
         let truth = truth.map(|row| (row.time_s, start_m + row.distance_m));
         Ok(CampaignRun {
