@@ -8,6 +8,7 @@
 //! Wheel speeds become means over slots of equal length, speeds over ground means over what arrives
 //! in a slot. A slot is judged once the wheel speeds after it are known.
 
+use super::accepted_ranges::SPEEDS_MPS;
 use super::lag_regression::{Pair, Sums};
 use super::latest::TimedValue;
 use crate::scalar::Scalar;
@@ -134,7 +135,8 @@ impl SpeedLag {
 
     /// Takes a speed over ground.
     pub(super) fn ground(&mut self, now: Instant, speed_mps: f32, tuning: &Detection) {
-        if self.last.is_none() || speed_mps < tuning.turn_mps {
+        let is_possible = SPEEDS_MPS.contains(&speed_mps);
+        if self.last.is_none() || !is_possible || speed_mps < tuning.turn_mps {
             return;
         }
         let is_next = now > self.slot_end;
@@ -192,7 +194,7 @@ impl SpeedLag {
         let before_s = SIDE as f32 * SLOT_S + ground.before_end_s / count + compared_s;
         let centre = (before_s / SLOT_S + 0.5) as usize;
         let around = self.slots.get(centre.checked_sub(SIDE)?..centre + SIDE)?;
-        let (newer, older) = around.split_at(SIDE);
+        let (newer, older) = around.split_at_checked(SIDE)?;
         let mean = |slots: &[Slot]| {
             let sum: f32 = slots.iter().map(|slot| slot.wheels_mps).sum();
             sum / SIDE as f32
@@ -211,7 +213,7 @@ impl SpeedLag {
 
     /// Decides on the delay, now and then.
     fn decide(&mut self, compared_s: f32, assumed: Duration, tuning: &Detection) {
-        self.until_decision -= 1;
+        self.until_decision = self.until_decision.saturating_sub(1);
         if self.until_decision > 0 {
             return;
         }
