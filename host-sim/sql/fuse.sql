@@ -112,17 +112,70 @@ road_shares AS (
         road, freedom, shared_freedom, chi_squared,
         LEAST(GREATEST((freedom - chi_squared) / shared_freedom, 1e-1), 2.5e-1) AS share
     FROM road_seen
+),
+fused AS (
+    SELECT
+        c.road, c.cell, c.runs, c.altitude_weight,
+        CASE WHEN c.altitude_weight > 0e0 THEN c.altitude_sum / c.altitude_weight END AS altitude_m,
+        c.grade_sum / c.weight AS grade_percent,
+        GREATEST(s.chi_squared / (s.freedom - s.share * s.shared_freedom), 1e0)
+        * (1e0 - s.share + s.share * c.weight * c.weight / c.weight_square) / c.weight AS variance
+    FROM road_cells AS c
+    JOIN road_shares AS s ON s.road = c.road
+),
+-- The cells around each (altitude_datum.rs, position_error.rs).
+around AS (
+    SELECT
+        *,
+        LAG(cell, 1) OVER (PARTITION BY road ORDER BY cell) AS cell_1,
+        LAG(altitude_m, 1) OVER (PARTITION BY road ORDER BY cell) AS altitude_1,
+        LAG(grade_percent, 1) OVER (PARTITION BY road ORDER BY cell) AS grade_1,
+        LAG(cell, 4) OVER (PARTITION BY road ORDER BY cell) AS cell_before,
+        LAG(grade_percent, 4) OVER (PARTITION BY road ORDER BY cell) AS grade_before,
+        LEAD(cell, 4) OVER (PARTITION BY road ORDER BY cell) AS cell_after,
+        LEAD(grade_percent, 4) OVER (PARTITION BY road ORDER BY cell) AS grade_after
+    FROM fused
+),
+-- Steps of the altitude beyond the climb by the grade, and the change of the grade, % per m.
+changes AS (
+    SELECT
+        *,
+        CASE
+            WHEN cell - cell_1 = 1
+                AND ABS(altitude_m - altitude_1 - 1.25e-2 * (grade_1 + grade_percent)) > 1e0
+                THEN altitude_m - altitude_1 - 1.25e-2 * (grade_1 + grade_percent)
+            ELSE 0e0
+        END AS step_m,
+        CASE
+            WHEN cell - cell_before = 4 AND cell_after - cell = 4
+                THEN (grade_after - grade_before) / 2e1
+            WHEN cell - cell_before = 4 THEN (grade_percent - grade_before) / 1e1
+            WHEN cell_after - cell = 4 THEN (grade_after - grade_percent) / 1e1
+            ELSE 0e0
+        END AS change_per_m
+    FROM around
+),
+shifted AS (
+    SELECT
+        *,
+        -SUM(step_m) OVER (
+            PARTITION BY road ORDER BY cell ROWS BETWEEN UNBOUNDED PRECEDING AND CURRENT ROW
+        ) AS shift_m
+    FROM changes
+),
+levelled AS (
+    SELECT
+        *,
+        SUM(altitude_weight * shift_m) OVER (PARTITION BY road)
+        / NULLIF(SUM(altitude_weight) OVER (PARTITION BY road), 0e0) AS mean_shift_m
+    FROM shifted
 )
 SELECT
-    c.road,
-    c.cell * 2.5e0 AS distance_m,
-    CASE WHEN c.altitude_weight > 0e0 THEN c.altitude_sum / c.altitude_weight END AS altitude_m,
-    c.grade_sum / c.weight AS grade_percent,
-    SQRT(
-        GREATEST(s.chi_squared / (s.freedom - s.share * s.shared_freedom), 1e0)
-        * (1e0 - s.share + s.share * c.weight * c.weight / c.weight_square) / c.weight
-    ) AS grade_sigma_percent,
-    c.runs
-FROM road_cells AS c
-JOIN road_shares AS s ON s.road = c.road
-ORDER BY c.road, distance_m
+    road,
+    cell * 2.5e0 AS distance_m,
+    altitude_m + shift_m - mean_shift_m AS altitude_m,
+    grade_percent,
+    SQRT(variance + (1.6e-1 + 2.25e0 / runs) * change_per_m * change_per_m) AS grade_sigma_percent,
+    runs
+FROM levelled
+ORDER BY road, distance_m

@@ -2,9 +2,11 @@
 //!
 //! Receiver and wheels measure the same accelerations. The lag at which both fit best is the latency
 //! of the receiver; the ratio of both speeds is the scale of the wheel speed. The variances of their
-//! difference at a row of lags are means that forget, and each reading updates a few of them.
+//! difference at a row of lags are means that forget, and each reading updates a few of them. They
+//! find delays of half a second and more; [`SpeedLag`] finds shorter ones, and finds them finer.
 
 use super::latest::TimedValue;
+use super::speed_lag::SpeedLag;
 use crate::lagged_differences::LaggedDifferences;
 use crate::scalar::Scalar;
 use crate::time::{Duration, Instant};
@@ -28,6 +30,7 @@ pub(super) struct GnssTiming {
     /// Mean wheel speed, m/s.
     mean_wheels_mps: f32,
     latency: Option<Duration>,
+    fine: SpeedLag,
     factor: f32,
 }
 
@@ -40,6 +43,7 @@ impl Default for GnssTiming {
             differences: LaggedDifferences::new(),
             mean_wheels_mps: 0.0,
             latency: None,
+            fine: SpeedLag::new(),
             factor: 1.0,
         }
     }
@@ -48,16 +52,26 @@ impl Default for GnssTiming {
 impl GnssTiming {
     /// Returns the latency of the receiver, or the assumed one as long as it fits as well.
     pub(super) fn latency(&self, assumed: Duration) -> Duration {
-        self.latency.unwrap_or(assumed)
+        self.learned().unwrap_or(assumed)
     }
 
-    /// Returns the way since a fix that arrives now was taken, m; `None` unless a latency was learned
-    /// and the speeds since then are known.
+    /// Returns the latency that the speeds show: where both comparisons agree, the finer one.
+    fn learned(&self) -> Option<Duration> {
+        let fine = self.fine.learned();
+        let Some(coarse) = self.latency else {
+            return fine;
+        };
+        let agrees = |fine: &Duration| fine.micros().abs_diff(coarse.micros()) < STEP.micros();
+        fine.filter(agrees).or(Some(coarse))
+    }
+
+    /// Returns the way since a fix that arrives now was taken, m; `None` unless a long latency was
+    /// learned and the speeds since then are known.
     pub(super) fn way_m(&self, now: Instant) -> Option<f32> {
-        if usize::from(self.filled) <= LAGS {
+        if usize::from(self.filled) <= LAGS || self.latency.is_none() {
             return None;
         }
-        let latency_s = self.latency?.seconds();
+        let latency_s = self.learned()?.seconds();
         let newest_s = Scalar::min(now.since(self.newest?).seconds(), latency_s);
         let mut left_s = latency_s - newest_s;
         let mut way_m = newest_s * self.wheels_mps[0];
@@ -74,8 +88,34 @@ impl GnssTiming {
         self.factor
     }
 
-    /// Takes a wheel speed, without the factor.
-    pub(super) fn wheels(&mut self, speed: TimedValue) {
+    /// Takes a change of the receiver: another one has another latency.
+    pub(super) const fn switch_receiver(&mut self) {
+        self.fine = SpeedLag::new();
+    }
+
+    /// Takes the mean force since the last wheel speed, N.
+    pub(super) const fn force(&mut self, force_n: f32) {
+        self.fine.force(force_n);
+    }
+
+    /// Takes a wheel speed, without the factor. Returns by how much longer the latency is with it, s.
+    pub(super) fn wheels(
+        &mut self,
+        speed: TimedValue,
+        assumed: Duration,
+        tuning: &Detection,
+    ) -> f32 {
+        let before = self.latency(assumed);
+        self.fine.wheels(speed, assumed, tuning);
+        self.keep_speed(speed);
+        let after = self.latency(assumed);
+        if after == before {
+            return 0.0;
+        }
+        after.seconds() - before.seconds()
+    }
+
+    fn keep_speed(&mut self, speed: TimedValue) {
         match self.newest {
             Some(newest) if speed.time < newest + STEP => {}
             Some(newest) if speed.time.since(newest).micros() < 2 * STEP.micros() => {
@@ -100,6 +140,7 @@ impl GnssTiming {
         assumed: Duration,
         tuning: &Detection,
     ) {
+        self.fine.ground(now, speed_mps, tuning);
         let Some(newest) = self.newest else { return };
         if usize::from(self.filled) <= LAGS || speed_mps < tuning.turn_mps {
             return;

@@ -10,7 +10,8 @@
 //! | `engine_configuration` | reference torque and inertia that the engine reports |
 //! | `brakes`, `brake_detector` | brakes that signals report; brakes that none reports |
 //! | `odometer`, `speed_check` | distance and cells; plausibility of speed readings |
-//! | `gnss`, `gnss_timing` | positions and altitudes along the driven distance; age of a fix |
+//! | `gnss` | positions and altitudes along the driven distance |
+//! | `gnss_timing`, `speed_lag`, `lag_regression` | age of a fix; scale of the wheel speed |
 //! | `stops`, `reversing` | standstills, weighings, load changes; direction of motion |
 //! | `inertial` | the accelerometer: one mean a cell |
 //! | `effect_inputs` | what effects depend on |
@@ -31,12 +32,14 @@ mod gnss;
 mod gnss_timing;
 mod held_signal;
 mod inertial;
+mod lag_regression;
 mod latest;
 mod odometer;
 mod parts;
 mod resolution;
 mod reversing;
 mod speed_check;
+mod speed_lag;
 mod stops;
 mod traction;
 
@@ -206,6 +209,7 @@ impl Sampler {
             Signal::WheelSpeed => self.parts.wheel_check = SpeedCheck::default(),
             Signal::FrontAxleSpeed => self.parts.front_axle_check = SpeedCheck::default(),
             Signal::TachographSpeed => self.parts.tachograph_check = SpeedCheck::default(),
+            Signal::GnssSpeed => return self.parts.gnss_timing.switch_receiver(),
             _ => return,
         }
         self.odometer.interrupt();
@@ -292,10 +296,21 @@ impl Sampler {
             samples,
         } = self;
         let rolled_mps = reported_mps * context.model.effects.factor(Acts::WheelRadius);
-        parts.gnss_timing.wheels(TimedValue {
+        let rolled = TimedValue {
             value: rolled_mps,
             time: now,
-        });
+        };
+        let Tuning {
+            hold_times,
+            detection,
+            ..
+        } = &context.tuning;
+        let timing = &mut parts.gnss_timing;
+        let longer_s = timing.wheels(rolled, hold_times.gnss_latency, detection);
+        if longer_s != 0.0 {
+            // The last fixes move to where they were taken.
+            parts.gnss.put_back(longer_s * rolled_mps);
+        }
         let factor = parts.gnss_timing.speed_factor();
         if factor != parts.speed_factor {
             parts.speed_factor = factor;
@@ -331,8 +346,10 @@ impl Sampler {
         let slower_mps = odometer
             .speed_mps()
             .map_or(speed_mps, |last| Scalar::min(last, speed_mps));
+        let mean_force_n = parts.traction.take_mean_n(now);
+        parts.gnss_timing.force(mean_force_n);
         let interval = Interval {
-            mean_force_n: parts.traction.take_mean_n(now),
+            mean_force_n,
             acceleration: parts.accelerometer.take(now),
             condition: parts.condition(context, now, slower_mps),
             resolution_mps: parts.resolution_mps(context, now),

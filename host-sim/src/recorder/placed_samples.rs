@@ -151,7 +151,7 @@ fn distance_m(around: &[Kept], at_s: f64) -> f64 {
 fn position_e7(near: &[Kept], taken_m: &[f64], at_m: f64) -> Option<(i32, i32)> {
     let mut pairs = near.windows(2).zip(taken_m.windows(2));
     let (pair, from_to) = pairs.find(|(_, from_to)| from_to[0] <= at_m && at_m <= from_to[1])?;
-    if pair[1].sample.gap_cells > 0 {
+    if pair[1].sample.gap_cells > 0 || from_to[1].is_infinite() {
         return None;
     }
     let part = (at_m - from_to[0]) / (from_to[1] - from_to[0]);

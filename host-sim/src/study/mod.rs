@@ -5,6 +5,7 @@
 //! [`STUDIES`].
 
 pub mod accuracy;
+pub mod alignment;
 pub mod convergence;
 mod definition;
 pub mod distance_drive;
@@ -34,6 +35,7 @@ pub const STUDIES: &[Study] = &[
     accuracy::STUDY,
     sensors::STUDY,
     fleet::STUDY,
+    alignment::STUDY,
     ztbus::STUDY,
     i3::STUDY,
 ];

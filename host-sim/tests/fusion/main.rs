@@ -1,5 +1,6 @@
 //! Runs become maps: roads, networks, stores, and `roadgrade fuse` and `export`.
 
+mod alignment;
 mod end_to_end;
 mod export;
 mod fleet;

@@ -78,7 +78,9 @@ fn a_session_of_one_run_is_that_run() {
         .map
         .fused();
         for row in &fused.rows() {
-            assert!((row.grade_sigma_percent - 0.07).abs() < 1e-12, "{row:?}");
+            // Besides, a place that is wrong by metres costs up to 0.016 % on these hills.
+            let sigma_percent = row.grade_sigma_percent;
+            assert!((0.07 - 1e-12..0.072).contains(&sigma_percent), "{row:?}");
         }
         assert_eq!(fused.between.disagreement.ratio(), None);
     }
@@ -99,7 +101,8 @@ fn the_share_is_learned_and_enters_the_sigma_of_the_map() {
         assert!(within.dependence.inflation < 1.01);
         let honest = 0.1 * (share + (1.0 - share) / count as f64).sqrt();
         for row in &fused.rows() {
-            assert!((row.grade_sigma_percent / honest - 1.0).abs() < 0.05);
+            // White noise reads as changes of the grade, which an error of the place multiplies.
+            assert!((row.grade_sigma_percent / honest - 1.0).abs() < 0.12);
         }
         let nees = nees(&fused.rows());
         assert!((0.9..1.1).contains(&nees), "{share} of {count}: {nees}");

@@ -32,10 +32,13 @@ fn later(rows: &[MapRow]) -> &[MapRow] {
 fn a_road_known_by_suspect_cells_alone_has_a_wide_sigma() {
     let map = map_of(&[&half_suspect()]);
     for row in &map[10..map.len() / 2 - 10] {
-        assert!((row.grade_sigma_percent - 0.1).abs() < 1e-9, "{row:?}");
+        // Besides, a place that is wrong by metres costs up to 0.016 % on these hills.
+        let sigma_percent = row.grade_sigma_percent;
+        assert!((0.1 - 1e-9..0.102).contains(&sigma_percent), "{row:?}");
     }
     for row in later(&map) {
-        assert!((row.grade_sigma_percent - 0.4).abs() < 1e-9, "{row:?}");
+        let sigma_percent = row.grade_sigma_percent;
+        assert!((0.4 - 1e-9..0.401).contains(&sigma_percent), "{row:?}");
         let error = row.grade_percent - hill_percent(row.distance_m);
         assert!((error - OFF_PERCENT).abs() < 1e-3, "{row:?}");
     }

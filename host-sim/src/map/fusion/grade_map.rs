@@ -9,9 +9,11 @@
 //! of a map does not depend on the number of runs. Runs can be added one by one, and maps merged in
 //! any order.
 
+use super::altitude_datum;
 use super::cell_sums::CellSums;
 use super::dependence::{BETWEEN_SESSIONS, Dependence, Disagreement, Expectation, WITHIN_SESSION};
 use super::map_row::{MapRow, WayRows};
+use super::position_error;
 use crate::files::run::{RunCell, RunRow};
 use crate::map::geometry::network::Network;
 use crate::map::matching::placing::{Coverage, PlacedRun, place};
@@ -206,7 +208,7 @@ impl<'a> GradeMap<'a> {
             let rows = rows.filter_map(|(distance_m, &PooledCell { sums, runs })| {
                 let (grade_percent, variance) = sums.grade(&between.dependence)?;
                 let (latitude_deg, longitude_deg) = of_way.line.position_at(distance_m);
-                Some(MapRow {
+                let row = MapRow {
                     distance_m,
                     latitude_deg,
                     longitude_deg,
@@ -214,11 +216,19 @@ impl<'a> GradeMap<'a> {
                     grade_percent,
                     grade_sigma_percent: variance.sqrt(),
                     runs,
-                })
+                };
+                Some((row, sums.altitude_weight))
             });
+            let mut rows: Vec<(MapRow, f64)> = rows.collect();
+            altitude_datum::join(&mut rows);
+            let mut rows: Vec<MapRow> = rows.into_iter().map(|(row, _)| row).collect();
+            let added: Vec<f64> = position_error::variances(&rows).collect();
+            for (row, variance) in rows.iter_mut().zip(added) {
+                row.grade_sigma_percent = row.grade_sigma_percent.hypot(variance.sqrt());
+            }
             WayRows {
                 name: of_way.name.clone(),
-                rows: rows.collect(),
+                rows,
             }
         });
         FusedMap {
