@@ -1,5 +1,6 @@
 //! `roadgrade demo`: the main job from end to end, on a built-in scenario.
 
+use super::estimate::KnownRoads;
 use super::tuning_option::TuningOption;
 use super::{estimate, outputs};
 use crate::error::{Error, Result, on_one_line};
@@ -173,8 +174,14 @@ fn drive(
     let file = |ending: &str| folder.join(format!("{}.{ending}", run.name));
     let log = file("log");
     let vehicle = VehicleFile::read(&file("vehicle.toml"))?;
-    let estimated =
-        estimate::drive::<f32>(&vehicle, tuning, None, None, &log, &ReadOptions::default())?;
+    let estimated = estimate::drive::<f32>(
+        &vehicle,
+        tuning,
+        None,
+        KnownRoads::default(),
+        &log,
+        &ReadOptions::default(),
+    )?;
     estimate::check(&log, &vehicle, &estimated)?;
     let rows = estimated.in_memory()?.rows;
     run::write(&file("csv"), &rows)?;

@@ -4,6 +4,7 @@ use super::log_options::LogOptions;
 use super::tuning_option::TuningOption;
 use super::{conclusion, log_notes, outputs, run_page};
 use crate::error::{Error, Result};
+use crate::files::flash_image::{self, RoadMemoryFile};
 use crate::files::output::Staged;
 use crate::files::run::{self, Origin};
 use crate::files::vehicle::VehicleFile;
@@ -59,6 +60,13 @@ pub struct Args {
     /// grades are not.
     #[arg(long, value_name = "MAP.grade")]
     map: Option<PathBuf>,
+    /// Road memory of the vehicle: the roads that it has driven. The live grade is combined with what
+    /// it knows, and it learns this drive. Read before the drive, written after it.
+    #[arg(long, value_name = "FILE")]
+    memory: Option<PathBuf>,
+    /// Size of a new road memory, bytes: 32768 to 16777216, a multiple of 4096 [default: 1048576].
+    #[arg(long, value_name = "N", requires = "memory", value_parser = flash_image::parse_bytes)]
+    memory_bytes: Option<usize>,
     /// Persistent state of the vehicle: read before the drive, written after it.
     #[arg(long, value_name = "FILE")]
     kept: Option<PathBuf>,
@@ -83,7 +91,11 @@ impl Args {
         let inputs = inputs.into_iter().chain(self.tuning.file());
         let inputs = inputs.chain(self.reading.own().files());
         let inputs = inputs.chain(self.map.as_deref());
-        let others = [self.kept.as_deref(), self.page.as_deref()];
+        let others = [
+            self.kept.as_deref(),
+            self.memory.as_deref(),
+            self.page.as_deref(),
+        ];
         outputs::check(inputs, out.into_iter().chain(others.into_iter().flatten()))
     }
 
@@ -95,7 +107,21 @@ impl Args {
         if let Some(page) = &self.page {
             outputs::check_file(page, &["html", "htm"])?;
         }
-        self.kept.as_deref().map_or(Ok(()), outputs::check_folder)
+        let kept = [self.kept.as_deref(), self.memory.as_deref()];
+        kept.into_iter()
+            .flatten()
+            .try_for_each(outputs::check_folder)
+    }
+
+    /// Opens what is known of the roads.
+    fn roads(&self) -> Result<KnownRoads> {
+        let map = self.map.as_deref().map(open_packed_map).transpose()?;
+        let memory = self.memory.as_deref();
+        let memory = memory.map(|path| flash_image::open(path, self.memory_bytes));
+        Ok(KnownRoads {
+            map,
+            memory: memory.transpose()?,
+        })
     }
 
     fn run_path(&self, run: &mut LongRun, origin: &Origin) -> Result<PathBuf> {
@@ -128,11 +154,11 @@ pub fn run(args: &Args) -> Result<()> {
         None => None,
     };
     let last = last.as_ref();
-    let map = args.map.as_deref().map(open_packed_map).transpose()?;
+    let roads = args.roads()?;
     let mut run = if args.double {
-        drive::<f64>(&vehicle, &tuning, last, map, &args.log, &options)?
+        drive::<f64>(&vehicle, &tuning, last, roads, &args.log, &options)?
     } else {
-        drive::<f32>(&vehicle, &tuning, last, map, &args.log, &options)?
+        drive::<f32>(&vehicle, &tuning, last, roads, &args.log, &options)?
     };
     let seconds = started.elapsed().as_secs_f64();
     log_notes::note_report(&args.log, &run.log);
@@ -149,7 +175,11 @@ pub fn run(args: &Args) -> Result<()> {
     let page = args.page.as_deref();
     let page = page.map(|path| run_page::stage(path, &args.log, &mut run.rows));
     let page = page.transpose()?;
+    let memory = args.memory.as_deref().zip(run.memory.as_ref());
+    let memory = memory.map(|(path, learned)| flash_image::stage(path, &learned.memory));
+    let memory = memory.transpose()?;
     conclusion::write(&mut run, Some(&out), &origin, file)?;
+    memory.map_or(Ok(()), Staged::commit)?;
     page.map_or(Ok(()), Staged::commit)?;
 
     print_summary(args, &mut run, seconds)
@@ -178,19 +208,29 @@ fn print_summary(args: &Args, run: &mut LongRun, seconds: f64) -> Result<()> {
     Ok(())
 }
 
+/// What is known of the roads before a drive.
+#[derive(Debug, Default)]
+pub(super) struct KnownRoads {
+    map: Option<PackedMap<'static>>,
+    memory: Option<RoadMemoryFile>,
+}
+
 /// Estimates one log and shows its progress.
 pub(super) fn drive<S: Scalar>(
     vehicle: &VehicleFile,
     tuning: &Tuning,
     last: Option<&PersistentState>,
-    map: Option<PackedMap<'static>>,
+    roads: KnownRoads,
     log: &Path,
     options: &ReadOptions,
 ) -> Result<LongRun> {
     let mut recorder = Recorder::<S>::resume(&vehicle.model, tuning, last)
         .map_err(|e| Error::content(log, e.to_string()))?;
-    if let Some(map) = map {
+    if let Some(map) = roads.map {
         recorder.follow(map);
+    }
+    if let Some(memory) = roads.memory {
+        recorder.remember(memory);
     }
     let bar = progress::bytes(log.metadata().map_or(0, |file| file.len()));
     let progress = |read| bar.set_position(read);
