@@ -1,14 +1,11 @@
 //! Whether a map counts: how well its grade fits the estimates.
 
 use super::alignment::Alignment;
+use super::map_limits::MapLimits;
 use crate::cell::{CELL_LENGTH_M, Cell, Live, Uncertain};
 
 /// Distance over which the map is compared with the estimate, m.
 const COMPARED_M: f32 = 150.0;
-/// Mean normalised squared difference from which the map is left out, and below which it counts
-/// again: 2.4 standard deviations over the whole distance, and 1.4.
-const LEFT_OUT: f32 = 6.0;
-const COUNTS_AGAIN: f32 = 2.0;
 
 /// What happened on the map.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -29,19 +26,25 @@ pub(super) struct MapJudge {
     difference: f32,
     is_left_out: bool,
     alignment: Alignment,
+    limits: MapLimits,
     /// Standard deviation of the map's grade, %, lately.
     map_sigma_percent: f32,
     counters: MapCounters,
 }
 
 impl MapJudge {
-    pub(super) fn new() -> Self {
+    pub(super) const fn new(limits: MapLimits) -> Self {
         Self {
             difference: 1.0,
             is_left_out: false,
-            alignment: Alignment::new(),
+            alignment: Alignment::new(limits),
+            limits,
             map_sigma_percent: 0.0,
-            counters: MapCounters::default(),
+            counters: MapCounters {
+                cells_on_map: 0,
+                cells_left_out: 0,
+                times_left_out: 0,
+            },
         }
     }
 
@@ -91,9 +94,9 @@ impl MapJudge {
         let was_left_out = self.is_left_out();
         let squared = (difference * difference / variance).min(100.0);
         self.difference += (squared - self.difference) * CELL_LENGTH_M / COMPARED_M;
-        if self.difference > LEFT_OUT {
+        if self.difference > self.limits.left_out {
             self.is_left_out = true;
-        } else if self.difference < COUNTS_AGAIN {
+        } else if self.difference < self.limits.counts_again {
             self.is_left_out = false;
         }
         self.count_left_out(was_left_out);

@@ -2,6 +2,7 @@
 
 use super::combination::combined;
 use super::map_judge::{MapCounters, MapJudge};
+use super::map_limits::MapLimits;
 use super::matcher::{MapMatch, MapPlace, Matcher};
 use super::packed_map::PackedMap;
 use super::profile::Profile;
@@ -29,7 +30,7 @@ impl<'m> MapLive<'m> {
         Self {
             matcher: Matcher::new(map),
             profile: None,
-            judge: MapJudge::new(),
+            judge: MapJudge::new(MapLimits::MAP),
             map_grade_percent: None,
             combined_percent: None,
         }

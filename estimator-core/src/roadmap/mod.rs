@@ -32,6 +32,7 @@ mod horizon;
 mod joins;
 mod map_error;
 mod map_judge;
+mod map_limits;
 mod map_live;
 mod matcher;
 pub mod memory;

@@ -3,7 +3,7 @@
 use super::log_options::LogOptions;
 use super::tuning_option::TuningOption;
 use super::{conclusion, log_notes, outputs, run_page};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, on_one_line};
 use crate::files::flash_image::{self, RoadMemoryFile};
 use crate::files::output::Staged;
 use crate::files::run::{self, Origin};
@@ -13,9 +13,10 @@ use crate::map::open_packed_map;
 use crate::recorder::{self, LongRun, Recorder, RunSummary};
 use crate::smooth::held_bytes;
 use crate::source::read_options::ReadOptions;
-use crate::terminal::print::{note, print};
+use crate::terminal::print::{alert, note, print};
 use crate::terminal::progress;
 use estimator_core::roadmap::PackedMap;
+use estimator_core::roadmap::memory::Opened;
 use estimator_core::{PersistentState, Scalar, Tuning};
 use std::path::{Path, PathBuf};
 use std::time::Instant as Clock;
@@ -38,6 +39,8 @@ run is never split. `fuse` accepts such a folder, or one tile of it. Query engin
 as Hive partitions.
 
 --kept FILE is the persistent state of the vehicle, as an ECU would store it between drives. It holds the estimated model errors and sensor noise, so the first kilometres of the next drive are more accurate. If FILE does not exist, the drive starts from the defaults. Estimate each drive once, in the order in which the drives took place. A damaged FILE is refused, and so is a FILE of another vehicle or of an edited V.toml: remove it, or use another FILE. The prior of the next drive allows for changes of wind, tyre temperature and load. A drive shorter than 5 km does not change FILE.
+
+--memory FILE is the road memory of the vehicle, as an ECU would keep it in flash: every road that it has driven, with grade, sigma and place. On a road that it knows, the live grade is combined with what it knows (and with --map); map_grade_percent is then the grade of both. Smoothed and lagged grades are not changed. After the drive FILE knows this one too. If FILE does not exist, it becomes an empty memory of --memory-bytes. If it is full, the road that is driven least and longest ago makes room. `export FILE --out RUN.csv` writes it as a run that `fuse` reads.
 
 A drive may have any length. Memory use is constant. A temporary file (in TMPDIR) takes 140 kB per kilometre.")]
 pub struct Args {
@@ -117,7 +120,11 @@ impl Args {
     fn roads(&self) -> Result<KnownRoads> {
         let map = self.map.as_deref().map(open_packed_map).transpose()?;
         let memory = self.memory.as_deref();
-        let memory = memory.map(|path| flash_image::open(path, self.memory_bytes));
+        let memory = memory.map(|path| {
+            let memory = flash_image::open(path, self.memory_bytes)?;
+            note_opened(path, memory.opened());
+            Ok(memory)
+        });
         Ok(KnownRoads {
             map,
             memory: memory.transpose()?,
@@ -206,6 +213,23 @@ fn print_summary(args: &Args, run: &mut LongRun, seconds: f64) -> Result<()> {
         held_bytes(run.rows.count()) / 1000
     ));
     Ok(())
+}
+
+/// Says what of a road memory is not read.
+fn note_opened(path: &Path, opened: &Opened) {
+    let path = on_one_line(path);
+    if opened.other_version > 0 {
+        let count = opened.other_version;
+        alert(format_args!(
+            "{path}: {count} pages of another release are not read; they are kept while there is room"
+        ));
+    }
+    if opened.damaged > 0 {
+        let count = opened.damaged;
+        alert(format_args!(
+            "{path}: {count} damaged sectors are left out; their roads are learned again"
+        ));
+    }
 }
 
 /// What is known of the roads before a drive.

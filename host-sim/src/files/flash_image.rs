@@ -1,5 +1,6 @@
 //! The flash memory of a vehicle as a file: the road memory on a host.
 
+use super::kind::{self, Kind};
 use super::limits::read_bytes;
 use super::output::{self, Staged};
 use crate::error::{Error, Result};
@@ -88,6 +89,7 @@ pub fn open(path: &Path, bytes: Option<usize>) -> Result<RoadMemoryFile> {
         }
         Err(error) => return Err(error),
     };
+    kind::refuse_other(path, &[Kind::RoadMemory])?;
     let found = image.0.len();
     if bytes.is_some_and(|bytes| bytes != found) {
         let problem = format!(
@@ -129,15 +131,13 @@ pub fn parse_bytes(argument: &str) -> std::result::Result<usize, String> {
         .ok_or_else(|| format!("expected {least} to {most}, a multiple of {SECTOR_BYTES}"))
 }
 
-/// Returns whether a file begins, or goes on, as a road memory does: its first sector may be free.
+/// Returns whether a file is a road memory. Its first sector may be free, so all are looked at.
 #[must_use]
 pub fn is_memory(path: &Path) -> bool {
-    let Ok(length) = path.metadata().map(|file| file.len() as usize) else {
-        return false;
-    };
-    let is_size = length.is_multiple_of(SECTOR_BYTES)
-        && (FEWEST_SECTORS..=MOST_SECTORS).contains(&(length / SECTOR_BYTES));
-    path.is_file() && is_size && open(path, None).is_ok()
+    // Opening a pipe may wait for ever.
+    let length = path.metadata().ok().filter(std::fs::Metadata::is_file);
+    length.is_some_and(|file| file.len().is_multiple_of(SECTOR_BYTES as u64))
+        && open(path, None).is_ok()
 }
 
 /// Writes a road memory to a file that appears when it is committed.

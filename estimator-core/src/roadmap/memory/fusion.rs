@@ -9,9 +9,9 @@ use crate::cell::Uncertain;
 use crate::roadmap::block::MapCell;
 use libm::sqrtf;
 
-/// Share of the variance that all drives of a vehicle have in common. Simulated trucks with wrong
-/// parameters give a third in one session (`docs/theory/maps.md`).
-pub(super) const COMMON_SHARE: f32 = 0.33;
+/// Share of the variance that all drives of a vehicle have in common: the usual share of sessions in
+/// the fusion of maps. Simulated drives with the same wrong parameters and other winds share less.
+pub(super) const COMMON_SHARE: f32 = 0.1;
 /// Drives that count: roads change, and so does the vehicle. Older ones then fade.
 const MOST_DRIVES: u16 = 30;
 /// Mean squared difference, in standard deviations, from which the road counts as rebuilt: what was

@@ -9,6 +9,7 @@ use super::store::{MemoryError, Opened, Store};
 use super::view::MemoryView;
 use crate::cell::{Cell, Live, Uncertain};
 use crate::roadmap::map_judge::{MapCounters, MapJudge};
+use crate::roadmap::map_limits::MapLimits;
 use crate::roadmap::matcher::{MapMatch, MapPlace};
 use crate::roadmap::packed_map::PackedMap;
 use crate::roadmap::profile::Profile;
@@ -48,7 +49,7 @@ impl<F: MappedFlash, R: AsRef<[Sector]> + AsMut<[Sector]>> RoadMemory<F, R> {
         Ok(Self {
             store: Store::open(flash, sectors)?,
             matcher: ParkedMatcher::new(),
-            judge: MapJudge::new(),
+            judge: MapJudge::new(MapLimits::MEMORY),
             learner: Learner::new(),
             place: MapMatch::Off,
             grade: None,
@@ -157,6 +158,13 @@ impl<F: MappedFlash, R: AsRef<[Sector]> + AsMut<[Sector]>> RoadMemory<F, R> {
     #[must_use]
     pub const fn flash(&self) -> &F {
         self.store.flash()
+    }
+
+    /// Returns the flash memory, for its driver. What changes in it is not seen before the memory is
+    /// opened again.
+    #[must_use]
+    pub const fn flash_mut(&mut self) -> &mut F {
+        self.store.flash_mut()
     }
 
     /// Returns the flash memory, and gives up what is not written yet.

@@ -136,6 +136,10 @@ impl<F: MappedFlash, R: AsRef<[Sector]> + AsMut<[Sector]>> Store<F, R> {
         &self.flash
     }
 
+    pub(super) const fn flash_mut(&mut self) -> &mut F {
+        &mut self.flash
+    }
+
     /// Returns the flash memory, and gives up the rest.
     pub(super) fn into_flash(self) -> F {
         self.flash
