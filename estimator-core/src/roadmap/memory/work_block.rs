@@ -35,6 +35,8 @@ pub(super) struct WorkBlock {
     pub(super) first_cell: i32,
     pub(super) cells: Vec<Known, MOST_CELLS>,
     points: Vec<MapPoint, MOST_POINTS>,
+    /// The last cell with a position.
+    latest: Option<MapPoint>,
     /// Whether it differs from the one in the page.
     pub(super) is_changed: bool,
 }
@@ -47,6 +49,7 @@ impl WorkBlock {
         self.first_cell = first_cell;
         self.cells.clear();
         self.points.clear();
+        self.latest = None;
         self.is_changed = false;
     }
 
@@ -79,55 +82,66 @@ impl WorkBlock {
     /// Appends a cell. Returns whether the block is full.
     pub(super) fn push(&mut self, known: Known, position_e7: Option<(i32, i32)>) -> bool {
         let cell = self.end();
-        let is_due = self
-            .points
-            .last()
-            .is_none_or(|last| cell - last.cell >= POINT_CELLS);
-        let is_last = self.cells.len() + 1 == MOST_CELLS;
-        if let Some((latitude_e7, longitude_e7)) = position_e7.filter(|_| is_due || is_last) {
-            let _ = self.points.push(MapPoint {
-                cell,
-                latitude_e7,
-                longitude_e7,
-            });
+        let point = position_e7.map(|(latitude_e7, longitude_e7)| MapPoint {
+            cell,
+            latitude_e7,
+            longitude_e7,
+        });
+        if let Some(point) = point {
+            let before = self.points.last();
+            if before.is_none_or(|before| cell - before.cell >= POINT_CELLS) {
+                let _ = self.points.push(point);
+            }
+            self.latest = Some(point);
         }
         let _ = self.cells.push(known);
         self.is_changed = true;
         self.cells.is_full()
     }
 
+    /// Returns the points, with the last cell that has a position.
+    fn all_points(&self) -> impl Iterator<Item = MapPoint> {
+        let last = self.points.last().map(|point| point.cell);
+        let latest = self.latest.filter(|latest| Some(latest.cell) > last);
+        self.points.iter().copied().chain(latest)
+    }
+
     /// Returns the block as bytes; `None` if it has no cells or no place, or does not fit.
     pub(super) fn bytes(&self) -> Option<BlockBytes> {
         let start = self.points.first()?;
-        if self.cells.is_empty() || start.cell != self.first_cell {
+        // Cells behind the last position have no place.
+        let placed = self.all_points().last()?.cell - self.first_cell + 1;
+        let count = usize::try_from(placed).ok()?.min(self.cells.len());
+        let cells = self.cells.get(..count)?;
+        if cells.is_empty() || start.cell != self.first_cell {
             return None;
         }
         let mut out = BlockBytes::new();
-        let has_altitude = self.cells.iter().all(|cell| cell.altitude_m.is_some());
+        let has_altitude = cells.iter().all(|cell| cell.altitude_m.is_some());
         let origin = [start.latitude_e7, start.longitude_e7].map(rounded_e7);
-        append(
-            &mut out,
-            &[0, 0, self.cells.len() as u8, has_altitude.into()],
-        )?;
+        append(&mut out, &[0, 0, count as u8, has_altitude.into()])?;
         append(&mut out, &self.way.to_le_bytes())?;
         append(&mut out, &self.first_cell.to_le_bytes())?;
         append(&mut out, &origin[0].to_le_bytes())?;
         append(&mut out, &origin[1].to_le_bytes())?;
-        append(&mut out, &(self.points.len() as u16 - 1).to_le_bytes())?;
+        append(
+            &mut out,
+            &(self.all_points().count() as u16 - 1).to_le_bytes(),
+        )?;
         self.put_points(&mut out, origin)?;
         let units = |cell: &Known| roundf(cell.grade_percent * GRADE_UNITS_PER_PERCENT) as i32;
         if has_altitude {
-            self.put_altitudes(&mut out, units)?;
+            put_altitudes(&mut out, cells, units)?;
         }
-        for same in self.cells.chunk_by(|a, b| a.runs == b.runs) {
+        for same in cells.chunk_by(|a, b| a.runs == b.runs) {
             put(&mut out, u32::from(same[0].runs))?;
             put(&mut out, same.len() as u16)?;
         }
-        for cells in self.cells.chunks(SIGMA_CELLS) {
-            append(&mut out, &[sigma_code(cells)])?;
+        for group in cells.chunks(SIGMA_CELLS) {
+            append(&mut out, &[sigma_code(group)])?;
         }
         let (mut before, mut step) = (0, 0);
-        for (i, cell) in self.cells.iter().enumerate() {
+        for (i, cell) in cells.iter().enumerate() {
             let grade = units(cell);
             let now = grade - before;
             put(&mut out, if i < 2 { now } else { now - step })?;
@@ -142,7 +156,7 @@ impl WorkBlock {
 
     fn put_points(&self, out: &mut BlockBytes, origin: [i32; 2]) -> Option<()> {
         let (mut cell, mut place) = (self.first_cell, origin);
-        for point in self.points.get(1..)? {
+        for point in self.all_points().skip(1) {
             put(out, u16::try_from(point.cell - cell).ok()?)?;
             let next = [point.latitude_e7, point.longitude_e7].map(rounded_e7);
             for i in 0..2 {
@@ -153,32 +167,35 @@ impl WorkBlock {
         }
         Some(())
     }
+}
 
-    /// Appends the altitude of the first cell and what the climb by the grades lacks at the end of each
-    /// stretch.
-    fn put_altitudes(&self, out: &mut BlockBytes, units: impl Fn(&Known) -> i32) -> Option<()> {
-        let wanted = |i: usize| {
-            let altitude_m = self.cells[i].altitude_m.unwrap_or_default();
-            roundf(altitude_m * 100.0) as i32
-        };
-        put(out, wanted(0))?;
-        let mut altitude = wanted(0) * ALTITUDE_UNITS_PER_CM;
-        let mut from = 0;
-        while from + 1 < self.cells.len() {
-            let to = (from + ALTITUDE_CELLS).min(self.cells.len() - 1);
-            let climb: i32 = self.cells[from..=to]
-                .windows(2)
-                .map(|pair| units(&pair[0]) + units(&pair[1]))
-                .sum();
-            let missing = wanted(to) * ALTITUDE_UNITS_PER_CM - (altitude + climb);
-            let correction_cm =
-                (missing + ALTITUDE_UNITS_PER_CM / 2).div_euclid(ALTITUDE_UNITS_PER_CM);
-            put(out, correction_cm)?;
-            altitude += climb + correction_cm * ALTITUDE_UNITS_PER_CM;
-            from = to;
-        }
-        Some(())
+/// Appends the altitude of the first cell and what the climb by the grades lacks at the end of each
+/// stretch.
+fn put_altitudes(
+    out: &mut BlockBytes,
+    cells: &[Known],
+    units: impl Fn(&Known) -> i32,
+) -> Option<()> {
+    let wanted = |i: usize| {
+        let altitude_m = cells[i].altitude_m.unwrap_or_default();
+        roundf(altitude_m * 100.0) as i32
+    };
+    put(out, wanted(0))?;
+    let mut altitude = wanted(0) * ALTITUDE_UNITS_PER_CM;
+    let mut from = 0;
+    while from + 1 < cells.len() {
+        let to = (from + ALTITUDE_CELLS).min(cells.len() - 1);
+        let climb: i32 = cells[from..=to]
+            .windows(2)
+            .map(|pair| units(&pair[0]) + units(&pair[1]))
+            .sum();
+        let missing = wanted(to) * ALTITUDE_UNITS_PER_CM - (altitude + climb);
+        let correction_cm = (missing + ALTITUDE_UNITS_PER_CM / 2).div_euclid(ALTITUDE_UNITS_PER_CM);
+        put(out, correction_cm)?;
+        altitude += climb + correction_cm * ALTITUDE_UNITS_PER_CM;
+        from = to;
     }
+    Some(())
 }
 
 /// Returns the code of the root mean square of sigmas.
