@@ -218,7 +218,7 @@ impl<S: Scalar> Recorder<S> {
     /// Returns the error of the file system, if the drive was too long for memory.
     pub fn end(mut self) -> Result<LongRun> {
         let mut run = self.smooth().map_err(no_room)?;
-        run.memory = self.roads.end()?;
+        run.memory = self.roads.end().map_err(no_room)?;
         Ok(run)
     }
 

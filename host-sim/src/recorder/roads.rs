@@ -1,7 +1,5 @@
 //! What is known of the road under the vehicle: a map, and what it has learned itself.
 
-use super::long_run::no_room;
-use crate::error::Result;
 use crate::files::flash_image::RoadMemoryFile;
 use crate::files::run::RunRow;
 use crate::files::spool::Spool;
@@ -98,11 +96,11 @@ impl Roads {
     }
 
     /// Ends the drive. Returns what was learned, if there is a memory.
-    pub(super) fn end(&mut self) -> Result<Option<LearnedRoads>> {
+    pub(super) fn end(&mut self) -> io::Result<Option<LearnedRoads>> {
         let Some(mut memory) = self.memory.take() else {
             return Ok(None);
         };
-        memory.close().map_err(io::Error::other).map_err(no_room)?;
+        memory.close().map_err(io::Error::other)?;
         Ok(Some(LearnedRoads { memory }))
     }
 }

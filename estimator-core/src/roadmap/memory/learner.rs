@@ -4,18 +4,16 @@ use super::address::{PageKey, block_number};
 use super::flash::MappedFlash;
 use super::fusion::Known;
 use super::history::{History, Was, follows};
+use super::memory_counters::MemoryCounters;
 use super::new_way::NewWay;
+use super::on_way::verified;
 use super::pages::{Pages, WayCell};
 use super::sectors::Sector;
 use super::store::{MemoryError, Store};
 use super::work_block::WorkBlock;
 use crate::cell::{CELL_LENGTH_M, Cell};
-use crate::roadmap::packed_map::PackedMap;
-use crate::roadmap::path::Path;
 use crate::time::Instant;
 
-/// Largest distance of a position from the way that the vehicle is on, m. Both have errors of 3 m.
-const ASIDE_M: f32 = 12.0;
 /// Factor on the variance of a cell in which signals disagree, as in the fusion of maps.
 const SUSPECT_VARIANCE: f32 = 16.0;
 /// Distance over which misfits are averaged, m.
@@ -32,22 +30,6 @@ struct Placed {
     at: f32,
     known: Known,
     number: u32,
-}
-
-/// What a drive over known and new roads gave.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-#[cfg_attr(feature = "defmt", derive(defmt::Format))]
-pub struct MemoryCounters {
-    /// Finished cells that were added to known ones.
-    pub cells_fused: u32,
-    /// Finished cells on roads that are driven for the first time.
-    pub cells_new: u32,
-    /// Finished cells that were left out: the place was not clear, or there was no room.
-    pub cells_left_out: u32,
-    /// Pages that were written.
-    pub writes: u32,
-    /// Pages that could not be written.
-    pub write_failures: u32,
 }
 
 /// Puts finished cells in their places.
@@ -98,7 +80,7 @@ impl Learner {
     {
         let (number, now) = (cell.end.cell, cell.end.time);
         let known = known_of(cell);
-        let place = self.verified(store, cell);
+        let place = verified(&self.history, store.view(), cell);
         match (place, known) {
             (Was::On(way, at), Some(known)) if !is_displaced => {
                 let here = Placed {
@@ -156,28 +138,6 @@ impl Learner {
                 is_moved
             }
             None => Ok(false),
-        }
-    }
-
-    /// Returns where the vehicle was at the end of a cell. A position beside the way shows that it was
-    /// not on it yet, or no longer.
-    fn verified<F, R>(&self, store: &Store<F, R>, cell: &Cell) -> Was
-    where
-        F: MappedFlash,
-        R: AsRef<[Sector]> + AsMut<[Sector]>,
-    {
-        let was = self.history.place(cell.end.cell);
-        let (Was::On(way, at), Some(position_e7)) = (was, cell.end.position_e7) else {
-            return was;
-        };
-        let view = store.view();
-        let foot = view.block_at(way, at as i32).and_then(|block| {
-            let path = Path::new(&PackedMap::of_memory(view), way, block, at).ok()?;
-            path.foot(position_e7)
-        });
-        match foot {
-            Some(foot) if foot.left_m.abs() < ASIDE_M => was,
-            _ => Was::Off,
         }
     }
 

@@ -14,7 +14,9 @@ mod flash;
 mod fusion;
 mod history;
 mod learner;
+mod memory_counters;
 mod new_way;
+mod on_way;
 mod page;
 mod page_buffer;
 mod pages;
@@ -27,7 +29,7 @@ mod work_block;
 
 pub use address::PageKey;
 pub use flash::{FEWEST_SECTORS, MOST_SECTORS, MappedFlash, SECTOR_BYTES};
-pub use learner::MemoryCounters;
+pub use memory_counters::MemoryCounters;
 pub use page::{MAGIC, Page, PageHeader, StoredJoin, VERSION};
 pub use road_memory::{MemoryGrade, RoadMemory};
 pub use sectors::Sector;

@@ -2,7 +2,8 @@
 
 use super::flash::MappedFlash;
 use super::fusion::Parts;
-use super::learner::{Learner, MemoryCounters};
+use super::learner::Learner;
+use super::memory_counters::MemoryCounters;
 use super::parked::ParkedMatcher;
 use super::sectors::Sector;
 use super::store::{MemoryError, Opened, Store};
