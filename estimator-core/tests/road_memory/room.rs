@@ -1,7 +1,8 @@
 //! A memory that is full, and the wear of its sectors.
 
-use super::flash::TestFlash;
+use super::flash::{Memory, TestFlash};
 use super::tracks::{Drive, Road, driven, known};
+use estimator_core::roadmap::memory::Sector;
 
 #[test]
 fn the_least_useful_road_makes_room() {
@@ -40,4 +41,12 @@ fn all_sectors_are_written_alike() {
     assert!(mean > 30, "{erases:?}");
     assert!(most < 2 * mean && least * 2 > mean, "{erases:?}");
     assert!(known(&memory).len() > 14_000);
+}
+
+#[test]
+fn the_ram_is_what_the_documentation_says() {
+    // 24 kB, the flash memory of the test and the list of its sectors apart.
+    let own = size_of::<Memory>() - size_of::<TestFlash>() - size_of::<Vec<Sector>>();
+    assert!((20_000..=24_576).contains(&own), "{own} bytes");
+    assert_eq!(size_of::<Sector>(), 24);
 }
