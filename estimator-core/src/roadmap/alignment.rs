@@ -1,5 +1,6 @@
 //! How far a map is shifted along the road, from the grades alone.
 
+use super::map_limits::MapLimits;
 use crate::cell::{CELL_LENGTH_M, Cell, Uncertain};
 use libm::sqrtf;
 
@@ -15,10 +16,6 @@ const MEMORY_M: f32 = 1_000.0;
 const CORRELATED_CELLS: f32 = 20.0;
 /// Standard deviation of a shift before anything is known, m.
 const PRIOR_M: f32 = 5.0;
-/// A shift that makes a map useless, m and standard deviations, and one that does no harm, m.
-const DISPLACED_M: f32 = 8.0;
-const DISPLACED_SIGMAS: f32 = 3.0;
-const ALIGNED_M: f32 = 5.0;
 
 /// Compares lagged grades with the grades of the map: where they differ in proportion to the change
 /// of grade along the road, the map is shifted. Lagged grades are used because live grades lag
@@ -32,16 +29,18 @@ pub(super) struct Alignment {
     information: f32,
     product: f32,
     is_displaced: bool,
+    limits: MapLimits,
 }
 
 impl Alignment {
-    pub(super) const fn new() -> Self {
+    pub(super) const fn new(limits: MapLimits) -> Self {
         Self {
             grades: [None; HELD],
             newest: 0,
             information: 0.0,
             product: 0.0,
             is_displaced: false,
+            limits,
         }
     }
 
@@ -87,9 +86,14 @@ impl Alignment {
         self.information = forget * self.information + change * change / variance;
         self.product = forget * self.product + change * (value - here) / variance;
         let shift = self.shift_m();
-        if shift.value.abs() > DISPLACED_M.max(DISPLACED_SIGMAS * shift.sigma) {
+        let limits = &self.limits;
+        if shift.value.abs()
+            > limits
+                .displaced_m
+                .max(limits.displaced_sigmas * shift.sigma)
+        {
             self.is_displaced = true;
-        } else if shift.value.abs() < ALIGNED_M {
+        } else if shift.value.abs() < limits.aligned_m {
             self.is_displaced = false;
         }
     }

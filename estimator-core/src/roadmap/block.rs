@@ -1,7 +1,7 @@
 //! A block of a packed map: up to 128 cells of one way.
 
 use super::map_error::MapError;
-use super::record::{Numbers, sized_record};
+use super::record::{Numbers, sized_content, sized_record};
 use libm::exp2f;
 
 /// Bytes before the points.
@@ -76,7 +76,15 @@ pub struct MapCell {
 impl<'m> Block<'m> {
     /// Reads the header of the block at an offset, and checks the block.
     pub(super) fn read(bytes: &'m [u8], offset: u32) -> Result<Self, MapError> {
-        let content = sized_record(bytes, offset)?;
+        Self::of_content(sized_record(bytes, offset)?, offset)
+    }
+
+    /// Reads the block at the start of these bytes, which was checked before.
+    pub(super) fn read_again(bytes: &'m [u8]) -> Result<Self, MapError> {
+        Self::of_content(sized_content(bytes)?, 0)
+    }
+
+    fn of_content(content: &'m [u8], offset: u32) -> Result<Self, MapError> {
         let mut numbers = Numbers(content);
         let length = numbers.u16()?;
         let count = numbers.u8()?;

@@ -1,6 +1,7 @@
 //! The joins of a packed map.
 
 use super::map_error::MapError;
+use super::memory::MemoryView;
 use super::packed_map::{MapWay, PackedMap};
 use super::record::{Numbers, record};
 
@@ -63,6 +64,10 @@ impl Iterator for Joins<'_> {
     type Item = Result<Join, MapError>;
 
     fn next(&mut self) -> Option<Self::Item> {
+        // A way of a memory may have made room since.
+        while self.map.memory.is_some() && self.next < self.count && self.at(self.next).is_err() {
+            self.next += 1;
+        }
         if self.next >= self.count {
             return None;
         }
@@ -78,6 +83,9 @@ impl Iterator for Joins<'_> {
 
 impl Joins<'_> {
     fn at(&self, index: u32) -> Result<Join, MapError> {
+        if let Some(memory) = &self.map.memory {
+            return join_in(memory, self.first + index);
+        }
         let offset = u32::try_from(JOIN)
             .ok()
             .and_then(|length| self.first.checked_add(index.checked_mul(length)?))
@@ -90,4 +98,16 @@ impl Joins<'_> {
             to_block: numbers.u32()?,
         })
     }
+}
+
+/// Returns a join of a memory by its address.
+fn join_in(memory: &MemoryView<'_>, address: u32) -> Result<Join, MapError> {
+    let join = memory.join(address).ok_or(MapError::Content)?;
+    let to_block = memory.block_at(join.to_way, join.to_cell);
+    Ok(Join {
+        at_cell: join.at_cell,
+        to_way: join.to_way,
+        to_cell: join.to_cell,
+        to_block: to_block.ok_or(MapError::Content)?,
+    })
 }

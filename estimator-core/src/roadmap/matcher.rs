@@ -18,7 +18,7 @@ use heapless::Vec;
 use libm::expf;
 
 /// Most hypotheses.
-const MOST_PATHS: usize = 6;
+pub(super) const MOST_PATHS: usize = 6;
 /// Cells from one comparison with a position to the next.
 const UPDATE_CELLS: u32 = 4;
 /// A course is the chord of the last two comparisons. It is at least so long, m.
@@ -90,30 +90,30 @@ pub enum MapMatch {
 
 /// The search of the index around a position.
 #[derive(Clone, Debug)]
-struct Search<'m> {
-    blocks: TileBlocks<'m>,
+pub(super) struct Search<'m> {
+    pub(super) blocks: TileBlocks<'m>,
     /// Corners of the tiles that are still to be looked at.
-    corners_left: u8,
-    position_e7: (i32, i32),
-    course: [f32; 2],
+    pub(super) corners_left: u8,
+    pub(super) position_e7: (i32, i32),
+    pub(super) course: [f32; 2],
     /// Driven cells when the position was taken.
-    cell: u32,
+    pub(super) cell: u32,
 }
 
 /// Follows the vehicle on a map.
 #[derive(Clone, Debug)]
 pub struct Matcher<'m> {
-    map: PackedMap<'m>,
-    paths: Vec<Path<'m>, MOST_PATHS>,
-    along: Along,
-    cell: Option<u32>,
-    updated_cell: u32,
+    pub(super) map: PackedMap<'m>,
+    pub(super) paths: Vec<Path<'m>, MOST_PATHS>,
+    pub(super) along: Along,
+    pub(super) cell: Option<u32>,
+    pub(super) updated_cell: u32,
     /// The positions of the last two comparisons, the older one first.
-    recent_e7: [Option<(i32, i32)>; 2],
-    course: Option<[f32; 2]>,
-    search: Option<Search<'m>>,
-    searched_m: f32,
-    blind_m: f32,
+    pub(super) recent_e7: [Option<(i32, i32)>; 2],
+    pub(super) course: Option<[f32; 2]>,
+    pub(super) search: Option<Search<'m>>,
+    pub(super) searched_m: f32,
+    pub(super) blind_m: f32,
 }
 
 impl<'m> Matcher<'m> {

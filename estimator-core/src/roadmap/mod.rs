@@ -27,11 +27,15 @@
 mod alignment;
 mod along;
 mod block;
+mod combination;
 mod horizon;
 mod joins;
 mod map_error;
+mod map_judge;
+mod map_limits;
 mod map_live;
 mod matcher;
+pub mod memory;
 mod packed_map;
 mod path;
 mod plane;
@@ -41,13 +45,15 @@ mod tile;
 mod tile_index;
 
 pub use block::{Block, Cells, MapCell, MapPoint, Points};
+pub use combination::{RoadGrade, combined_with_roads};
 pub use horizon::{Branch, Horizon, HorizonPoint, MOST_BRANCHES};
 pub use joins::{Join, Joins};
 pub use map_error::MapError;
-pub use map_live::{MapCounters, MapLive};
+pub use map_judge::MapCounters;
+pub use map_live::MapLive;
 pub use matcher::{MapMatch, MapPlace, Matcher};
 pub use packed_map::{Blocks, MapWay, PackedMap, WayDirection, Ways};
-pub use tile::Tile;
+pub use tile::{Tile, TileBounds};
 pub use tile_index::TileBlocks;
 
 /// Constants of the format, for those who write it: `docs/map-grade.md`.

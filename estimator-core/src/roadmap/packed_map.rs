@@ -2,6 +2,7 @@
 
 use super::block::Block;
 use super::map_error::MapError;
+use super::memory::{MemoryView, StoredWay};
 use super::record::{Numbers, record, sized_record};
 
 /// First bytes of a packed map.
@@ -26,6 +27,8 @@ pub struct PackedMap<'m> {
     blocks_end: u32,
     pub(super) first_page: u32,
     pub(super) pages: u32,
+    /// The road memory that is read instead of the bytes.
+    pub(super) memory: Option<MemoryView<'m>>,
 }
 
 /// Direction in which a way is driven.
@@ -94,7 +97,23 @@ impl<'m> PackedMap<'m> {
             blocks_end: numbers.u32()?,
             first_page: numbers.u32()?,
             pages: numbers.u32()?,
+            memory: None,
         })
+    }
+
+    /// Returns the roads of a memory as a map.
+    #[must_use]
+    pub const fn of_memory(memory: MemoryView<'m>) -> Self {
+        Self {
+            bytes: &[],
+            first_way: 0,
+            ways: u32::MAX,
+            first_block: 0,
+            blocks_end: 0,
+            first_page: 0,
+            pages: 0,
+            memory: Some(memory),
+        }
     }
 
     /// Returns the number of its bytes.
@@ -124,6 +143,9 @@ impl<'m> PackedMap<'m> {
     /// # Errors
     /// Returns an error if there is none, or if it is damaged.
     pub fn way(&self, offset: u32) -> Result<MapWay<'m>, MapError> {
+        if let Some(memory) = &self.memory {
+            return memory.way(offset).map(MapWay::of_memory);
+        }
         let content = sized_record(self.bytes, offset)?;
         let mut numbers = Numbers(content);
         let length = numbers.u16()?;
@@ -154,10 +176,21 @@ impl<'m> PackedMap<'m> {
     /// # Errors
     /// Returns an error if there is none, or if it is damaged.
     pub fn block(&self, offset: u32) -> Result<Block<'m>, MapError> {
+        if let Some(memory) = &self.memory {
+            return memory.block(offset, true);
+        }
         if !(self.first_block..self.blocks_end).contains(&offset) {
             return Err(MapError::Content);
         }
         Block::read(self.bytes, offset)
+    }
+
+    /// Returns the block at an offset, which was read before.
+    pub(super) fn block_again(&self, offset: u32) -> Result<Block<'m>, MapError> {
+        match &self.memory {
+            Some(memory) => memory.block(offset, false),
+            None => self.block(offset),
+        }
     }
 
     /// Returns the blocks of a way, in the order of their cells. After an error there are no more.
@@ -178,6 +211,21 @@ impl<'m> PackedMap<'m> {
 }
 
 impl<'m> MapWay<'m> {
+    const fn of_memory(way: StoredWay) -> Self {
+        Self {
+            offset: way.address,
+            name: "",
+            direction: WayDirection::Forward,
+            first_cell: way.first_cell,
+            last_cell: way.last_cell,
+            first_block: way.address,
+            blocks_end: way.blocks_end,
+            first_join: way.first_join,
+            joins: way.joins,
+            next: way.blocks_end,
+        }
+    }
+
     /// Returns whether a cell is within its ends.
     #[must_use]
     pub const fn contains(&self, cell: i32) -> bool {
@@ -198,7 +246,10 @@ impl<'m> Iterator for Ways<'m> {
 
     fn next(&mut self) -> Option<Self::Item> {
         self.left = self.left.checked_sub(1)?;
-        let way = self.map.way(self.next);
+        let way = match &self.map.memory {
+            Some(memory) => Ok(MapWay::of_memory(memory.way_from(self.next)?)),
+            None => self.map.way(self.next),
+        };
         match &way {
             Ok(way) => self.next = way.next,
             Err(_) => self.left = 0,

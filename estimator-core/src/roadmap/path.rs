@@ -27,6 +27,17 @@ pub(super) struct Path<'m> {
     next_join: Option<Join>,
 }
 
+/// A path without its map: what it is while the map changes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ParkedPath {
+    block: u32,
+    at_cells: f32,
+    misfit: f32,
+    matched_m: f32,
+    compared: u8,
+    directions: [[f32; 2]; 2],
+}
+
 /// What became of a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Moved {
@@ -71,6 +82,32 @@ impl<'m> Path<'m> {
         };
         path.take_join();
         Ok(path)
+    }
+
+    /// Leaves the map.
+    pub(super) const fn park(&self) -> ParkedPath {
+        ParkedPath {
+            block: self.block.offset,
+            at_cells: self.at_cells,
+            misfit: self.misfit,
+            matched_m: self.matched_m,
+            compared: self.compared,
+            directions: self.directions,
+        }
+    }
+
+    /// Comes back to the map, in the same place; `None` if the map has it no more.
+    pub(super) fn resume(map: &PackedMap<'m>, parked: &ParkedPath) -> Option<Self> {
+        let block = map.block_again(parked.block).ok()?;
+        let way = map.way(block.way).ok()?;
+        let path = Self::in_block(map, &way, block, parked.at_cells).ok()?;
+        Some(Self {
+            misfit: parked.misfit,
+            matched_m: parked.matched_m,
+            compared: parked.compared,
+            directions: parked.directions,
+            ..path
+        })
     }
 
     /// Returns where it is: the number of a cell, and a part of one.

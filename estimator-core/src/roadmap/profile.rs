@@ -54,6 +54,12 @@ impl<'m> Profile<'m> {
         self.before.cell as f32 <= cell
     }
 
+    /// Returns the standard deviation of the grade of the last cell, %, without the error of the place,
+    /// and its number of runs.
+    pub(super) const fn own_sigma(&self) -> (f32, u32) {
+        (self.here.grade_sigma_percent, self.here.runs)
+    }
+
     fn step(&mut self) -> bool {
         let next = self.cells.next().or_else(|| {
             if self.block.next >= self.blocks_end {

@@ -38,6 +38,23 @@ pub(super) fn sized_record(bytes: &[u8], offset: u32) -> Result<&[u8], MapError>
     record(bytes, offset, u16::from_le_bytes(*length).into())
 }
 
+/// Returns the content of the record at the start of these bytes, without a check of its checksum.
+pub(super) fn sized_content(bytes: &[u8]) -> Result<&[u8], MapError> {
+    let length = bytes.first_chunk::<2>().ok_or(MapError::CutOff)?;
+    let record = bytes.get(..u16::from_le_bytes(*length).into());
+    let content = record.and_then(|record| record.split_last_chunk::<CHECKSUM_BYTES>());
+    content.map(|(content, _)| content).ok_or(MapError::CutOff)
+}
+
+/// Returns the checksum of bytes in several parts.
+pub(super) fn checksum_of(parts: &[&[u8]]) -> u32 {
+    let mut digest = CHECKSUM.digest();
+    for part in parts {
+        digest.update(part);
+    }
+    digest.finalize()
+}
+
 /// Reads numbers from the content of a record, one after the other.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Numbers<'m>(pub(super) &'m [u8]);

@@ -18,6 +18,54 @@ impl Tile {
     }
 }
 
+/// Rows and columns of tiles, the upper halves and the lower halves of their keys.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TileBounds {
+    /// The southernmost row and the westernmost column.
+    pub least: [u16; 2],
+    /// The northernmost row and the easternmost column.
+    pub most: [u16; 2],
+}
+
+impl Default for TileBounds {
+    /// Returns those of no place.
+    fn default() -> Self {
+        Self {
+            least: [u16::MAX; 2],
+            most: [0; 2],
+        }
+    }
+}
+
+impl TileBounds {
+    /// Includes a tile.
+    pub(super) fn include(&mut self, tile: Tile) {
+        let key = tile.key();
+        for (i, number) in [(key >> 16) as u16, key as u16].into_iter().enumerate() {
+            self.least[i] = self.least[i].min(number);
+            self.most[i] = self.most[i].max(number);
+        }
+    }
+
+    /// Includes all tiles of others.
+    pub(super) fn unite(&mut self, other: &Self) {
+        for i in 0..2 {
+            self.least[i] = self.least[i].min(other.least[i]);
+            self.most[i] = self.most[i].max(other.most[i]);
+        }
+    }
+
+    /// Returns whether a tile is within.
+    #[must_use]
+    pub const fn contains(&self, tile: Tile) -> bool {
+        let (row, column) = ((tile.0 >> 16) as u16, tile.0 as u16);
+        self.least[0] <= row
+            && row <= self.most[0]
+            && self.least[1] <= column
+            && column <= self.most[1]
+    }
+}
+
 /// Returns the upper 16 bits of an angle with the sign bit flipped: south comes before north, west
 /// before east.
 const fn rank(angle_e7: i32) -> u32 {

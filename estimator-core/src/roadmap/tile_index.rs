@@ -17,6 +17,9 @@ impl<'m> PackedMap<'m> {
     /// Returns the offsets of the blocks with a cell in a tile. After an error there are no more.
     #[must_use]
     pub fn blocks_in(&self, tile: Tile) -> TileBlocks<'m> {
+        if self.memory.is_some() {
+            return self.blocks_from_page(tile, 0, 0);
+        }
         let (mut low, mut high) = (0, self.pages);
         // The first page whose last entry is not before the tile. Only this page and those after it
         // are checked: a damaged entry on the way leads to no blocks, never to wrong ones.
@@ -27,11 +30,21 @@ impl<'m> PackedMap<'m> {
                 _ => high = middle,
             }
         }
+        self.blocks_from_page(tile, low, 0)
+    }
+
+    /// Returns the blocks with a cell in a tile, from an entry of a page on.
+    pub(super) const fn blocks_from_page(
+        &self,
+        tile: Tile,
+        page: u32,
+        entry: usize,
+    ) -> TileBlocks<'m> {
         TileBlocks {
             map: *self,
             tile,
-            page: low,
-            entry: 0,
+            page,
+            entry,
             content: None,
         }
     }
@@ -59,9 +72,10 @@ impl<'m> PackedMap<'m> {
 #[derive(Clone, Debug)]
 pub struct TileBlocks<'m> {
     map: PackedMap<'m>,
-    tile: Tile,
-    page: u32,
-    entry: usize,
+    pub(super) tile: Tile,
+    /// Page of the index, or slot of the memory.
+    pub(super) page: u32,
+    pub(super) entry: usize,
     /// The page, checked.
     content: Option<&'m [u8]>,
 }
@@ -70,6 +84,13 @@ impl Iterator for TileBlocks<'_> {
     type Item = Result<u32, MapError>;
 
     fn next(&mut self) -> Option<Self::Item> {
+        if let Some(memory) = &self.map.memory {
+            let number = u8::try_from(self.entry).ok()?;
+            let (slot, number, address) = memory.block_in(self.tile, self.page, number)?;
+            self.page = slot;
+            self.entry = usize::from(number) + 1;
+            return Some(Ok(address));
+        }
         let entry = self.next_entry();
         if !matches!(entry, Ok(Some(_))) {
             self.page = self.map.pages;

@@ -1,5 +1,6 @@
 //! `roadgrade demo`: the main job from end to end, on a built-in scenario.
 
+use super::estimate::KnownRoads;
 use super::tuning_option::TuningOption;
 use super::{estimate, outputs};
 use crate::error::{Error, Result, on_one_line};
@@ -174,7 +175,8 @@ fn drive(
     let log = file("log");
     let vehicle = VehicleFile::read(&file("vehicle.toml"))?;
     let options = ReadOptions::default();
-    let estimated = estimate::drive::<f32>(&vehicle, tuning, None, None, &log, &options)?;
+    let roads = KnownRoads::default();
+    let estimated = estimate::drive::<f32>(&vehicle, tuning, None, roads, &log, &options)?;
     estimate::check(&log, &vehicle, &estimated, &options)?;
     let rows = estimated.in_memory()?.rows;
     run::write(&file("csv"), &rows)?;

@@ -3,7 +3,8 @@
 use super::log_options::LogOptions;
 use super::tuning_option::TuningOption;
 use super::{conclusion, log_notes, outputs, run_page};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, on_one_line};
+use crate::files::flash_image::{self, RoadMemoryFile};
 use crate::files::output::Staged;
 use crate::files::run::{self, Origin};
 use crate::files::vehicle::VehicleFile;
@@ -12,9 +13,10 @@ use crate::map::open_packed_map;
 use crate::recorder::{self, LongRun, Recorder, RunSummary};
 use crate::smooth::held_bytes;
 use crate::source::read_options::ReadOptions;
-use crate::terminal::print::{note, print};
+use crate::terminal::print::{alert, note, print};
 use crate::terminal::progress;
 use estimator_core::roadmap::PackedMap;
+use estimator_core::roadmap::memory::Opened;
 use estimator_core::{PersistentState, Scalar, Tuning};
 use std::path::{Path, PathBuf};
 use std::time::Instant as Clock;
@@ -38,6 +40,8 @@ as Hive partitions.
 
 --kept FILE is the persistent state of the vehicle, as an ECU would store it between drives. It holds the estimated model errors and sensor noise, so the first kilometres of the next drive are more accurate. If FILE does not exist, the drive starts from the defaults. Estimate each drive once, in the order in which the drives took place. A damaged FILE is refused, and so is a FILE of another vehicle or of an edited V.toml: remove it, or use another FILE. The prior of the next drive allows for changes of wind, tyre temperature and load. A drive shorter than 5 km does not change FILE.
 
+--memory FILE is the road memory of the vehicle, as an ECU would keep it in flash: every road that it has driven, with grade, sigma and place. On a road that it knows, the live grade is combined with what it knows (and with --map); map_grade_percent is then the grade of both. Smoothed and lagged grades are not changed. After the drive FILE knows this one too. If FILE does not exist, it becomes an empty memory of --memory-bytes. If it is full, the road that is driven least and longest ago makes room. `export FILE --out RUN.csv` writes it as a run that `fuse` reads.
+
 A drive may have any length. Memory use is constant. A temporary file (in TMPDIR) takes 140 kB per kilometre.")]
 pub struct Args {
     /// Vehicle parameters.
@@ -59,6 +63,13 @@ pub struct Args {
     /// grades are not.
     #[arg(long, value_name = "MAP.grade")]
     map: Option<PathBuf>,
+    /// Road memory of the vehicle: the roads that it has driven. The live grade is combined with what
+    /// it knows, and it learns this drive. Read before the drive, written after it.
+    #[arg(long, value_name = "FILE")]
+    memory: Option<PathBuf>,
+    /// Size of a new road memory, bytes: 32768 to 16777216, a multiple of 4096 [default: 1048576].
+    #[arg(long, value_name = "N", requires = "memory", value_parser = flash_image::parse_bytes)]
+    memory_bytes: Option<usize>,
     /// Persistent state of the vehicle: read before the drive, written after it.
     #[arg(long, value_name = "FILE")]
     kept: Option<PathBuf>,
@@ -83,7 +94,11 @@ impl Args {
         let inputs = inputs.into_iter().chain(self.tuning.file());
         let inputs = inputs.chain(self.reading.own().files());
         let inputs = inputs.chain(self.map.as_deref());
-        let others = [self.kept.as_deref(), self.page.as_deref()];
+        let others = [
+            self.kept.as_deref(),
+            self.memory.as_deref(),
+            self.page.as_deref(),
+        ];
         outputs::check(inputs, out.into_iter().chain(others.into_iter().flatten()))
     }
 
@@ -95,7 +110,25 @@ impl Args {
         if let Some(page) = &self.page {
             outputs::check_file(page, &["html", "htm"])?;
         }
-        self.kept.as_deref().map_or(Ok(()), outputs::check_folder)
+        let kept = [self.kept.as_deref(), self.memory.as_deref()];
+        kept.into_iter()
+            .flatten()
+            .try_for_each(outputs::check_folder)
+    }
+
+    /// Opens what is known of the roads.
+    fn roads(&self) -> Result<KnownRoads> {
+        let map = self.map.as_deref().map(open_packed_map).transpose()?;
+        let memory = self.memory.as_deref();
+        let memory = memory.map(|path| {
+            let memory = flash_image::open(path, self.memory_bytes)?;
+            note_opened(path, memory.opened());
+            Ok(memory)
+        });
+        Ok(KnownRoads {
+            map,
+            memory: memory.transpose()?,
+        })
     }
 
     fn run_path(&self, run: &mut LongRun, origin: &Origin) -> Result<PathBuf> {
@@ -128,11 +161,11 @@ pub fn run(args: &Args) -> Result<()> {
         None => None,
     };
     let last = last.as_ref();
-    let map = args.map.as_deref().map(open_packed_map).transpose()?;
+    let roads = args.roads()?;
     let mut run = if args.double {
-        drive::<f64>(&vehicle, &tuning, last, map, &args.log, &options)?
+        drive::<f64>(&vehicle, &tuning, last, roads, &args.log, &options)?
     } else {
-        drive::<f32>(&vehicle, &tuning, last, map, &args.log, &options)?
+        drive::<f32>(&vehicle, &tuning, last, roads, &args.log, &options)?
     };
     let seconds = started.elapsed().as_secs_f64();
     log_notes::note_report(&args.log, &run.log);
@@ -149,7 +182,11 @@ pub fn run(args: &Args) -> Result<()> {
     let page = args.page.as_deref();
     let page = page.map(|path| run_page::stage(path, &args.log, &mut run.rows));
     let page = page.transpose()?;
+    let memory = args.memory.as_deref().zip(run.memory.as_ref());
+    let memory = memory.map(|(path, learned)| flash_image::stage(path, &learned.memory));
+    let memory = memory.transpose()?;
     conclusion::write(&mut run, Some(&out), &origin, file)?;
+    memory.map_or(Ok(()), Staged::commit)?;
     page.map_or(Ok(()), Staged::commit)?;
 
     print_summary(args, &mut run, seconds)
@@ -178,19 +215,46 @@ fn print_summary(args: &Args, run: &mut LongRun, seconds: f64) -> Result<()> {
     Ok(())
 }
 
+/// Says what of a road memory is not read.
+fn note_opened(path: &Path, opened: &Opened) {
+    let path = on_one_line(path);
+    if opened.other_version > 0 {
+        let count = opened.other_version;
+        alert(format_args!(
+            "{path}: {count} pages of another release are not read; they are kept while there is room"
+        ));
+    }
+    if opened.damaged > 0 {
+        let count = opened.damaged;
+        alert(format_args!(
+            "{path}: {count} damaged sectors are left out; their roads are learned again"
+        ));
+    }
+}
+
+/// What is known of the roads before a drive.
+#[derive(Debug, Default)]
+pub(super) struct KnownRoads {
+    map: Option<PackedMap<'static>>,
+    memory: Option<RoadMemoryFile>,
+}
+
 /// Estimates one log and shows its progress.
 pub(super) fn drive<S: Scalar>(
     vehicle: &VehicleFile,
     tuning: &Tuning,
     last: Option<&PersistentState>,
-    map: Option<PackedMap<'static>>,
+    roads: KnownRoads,
     log: &Path,
     options: &ReadOptions,
 ) -> Result<LongRun> {
     let mut recorder = Recorder::<S>::resume(&vehicle.model, tuning, last)
         .map_err(|e| Error::content(log, e.to_string()))?;
-    if let Some(map) = map {
+    if let Some(map) = roads.map {
         recorder.follow(map);
+    }
+    if let Some(memory) = roads.memory {
+        recorder.remember(memory);
     }
     let bar = progress::bytes(log.metadata().map_or(0, |file| file.len()));
     let progress = |read| bar.set_position(read);

@@ -2,7 +2,9 @@
 
 use super::outputs;
 use crate::error::{Error, Result, on_one_line};
+use crate::files::flash_image::is_memory;
 use crate::files::output::is_written_through;
+use crate::files::run;
 use crate::map;
 use crate::report::map_page;
 use crate::terminal::print::note;
@@ -21,6 +23,8 @@ use std::path::PathBuf;
     NAME.csv or NAME.parquet: the whole map, as `fuse` writes it.\n\n\
     Folder: WAY.csv for each way (WAY.backward.csv for the direction against its \
     points). Each file is a map of its own. Characters that a file name cannot have become _.\n\n\
+    Road memory: NAME.csv or NAME.parquet is a run that `fuse` reads, with one road after the other. It has \
+    no times and speeds.\n\n\
     Page: one HTML file. It shows the map in plan view, coloured by grade and by sigma, and along \
     each way the grade with two sigmas, the sigma and the number of runs.\n\n\
     Examples:\n  \
@@ -28,10 +32,11 @@ use std::path::PathBuf;
     roadgrade export map.parquet --out map.kml --pieces 100\n  \
     roadgrade export map.parquet --out map.html\n  \
     roadgrade export map.grade --out map.csv\n  \
-    roadgrade export map.csv --out ways"
+    roadgrade export map.csv --out ways\n  \
+    roadgrade export roads.memory --out run.csv"
 )]
 pub struct Args {
-    /// A map that `fuse`, `map` or `pack` wrote.
+    /// A map that `fuse`, `map` or `pack` wrote, or the road memory of `estimate --memory`.
     #[arg(value_name = "MAP")]
     map: PathBuf,
     /// Output: NAME.csv, NAME.parquet, NAME.geojson, NAME.kml, NAME.gpx, NAME.html, or a folder for
@@ -71,6 +76,9 @@ pub fn run(args: &Args) -> Result<()> {
     if format != Format::Csv {
         outputs::check_folder(&args.out)?;
     }
+    if is_memory(&args.map) {
+        return export_memory(args, format);
+    }
     let ways = map::read_map_ways(&args.map)?;
     match format {
         Format::Geojson => map::stage_map_geojson(&args.out, &ways, args.pieces)?.commit()?,
@@ -87,6 +95,23 @@ pub fn run(args: &Args) -> Result<()> {
         "{}: {cells} cells, ways: {}",
         on_one_line(&args.out),
         ways.len()
+    ));
+    Ok(())
+}
+
+/// Writes the roads of a road memory as a run.
+fn export_memory(args: &Args, format: Format) -> Result<()> {
+    if format != Format::Map {
+        let problem = "a road memory becomes a run; expected --out NAME.csv or NAME.parquet";
+        return Err(Error::Usage(problem.to_owned()));
+    }
+    let learned = map::read_learned_run(&args.map)?;
+    run::write(&args.out, &learned.rows)?;
+    note(format_args!(
+        "{}: {} cells, roads: {}",
+        on_one_line(&args.out),
+        learned.rows.len(),
+        learned.roads
     ));
     Ok(())
 }

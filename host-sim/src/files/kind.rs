@@ -46,6 +46,8 @@ pub enum Kind {
     Tuning,
     /// Fused cells in the form that the vehicle reads.
     PackedMap,
+    /// Roads that a vehicle has driven.
+    RoadMemory,
     /// JSON of any content.
     Json,
     /// Parquet of any content.
@@ -74,6 +76,7 @@ impl fmt::Display for Kind {
             Self::Scenario => "a scenario file",
             Self::Tuning => "a tuning file",
             Self::PackedMap => "a packed map (of `roadgrade pack`)",
+            Self::RoadMemory => "a road memory (of `roadgrade estimate --memory`)",
             Self::Json => "a JSON file",
             Self::Parquet => "a Parquet file",
         })
@@ -90,6 +93,9 @@ pub fn of(path: &Path) -> Option<Kind> {
     let head = head(path).ok()?;
     if head.starts_with(&estimator_core::roadmap::format::MAGIC) {
         return Some(Kind::PackedMap);
+    }
+    if head.starts_with(&estimator_core::roadmap::memory::MAGIC) {
+        return Some(Kind::RoadMemory);
     }
     if head.starts_with(PARQUET_MAGIC) {
         return Some(Kind::Parquet);

@@ -3,6 +3,7 @@
 pub mod columns;
 pub mod csv;
 pub mod data_set;
+pub mod flash_image;
 mod flaw;
 pub mod geo_parquet;
 pub mod kept;

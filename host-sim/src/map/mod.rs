@@ -26,6 +26,7 @@ pub use geometry::network::Network;
 pub use geometry::road_line::{RoadLine, RoadPoint, RoadProblem};
 pub use geometry::way_index::Way;
 pub use geometry::way_name::{WayDirection, WayName};
+pub use io::learned_roads::{LearnedRun, read as read_learned_run};
 pub use io::map_file::{
     read as read_map, read_ways as read_map_ways, stage as stage_map, stage_ways as stage_map_ways,
     write as write_map,

@@ -3,7 +3,9 @@
 use super::long_run::{LongRun, Rows, SmoothedRun, no_room};
 use super::placed_samples::PlacedSamples;
 use super::plausibility::Plausibility;
+use super::roads::Roads;
 use crate::error::Result;
+use crate::files::flash_image::RoadMemoryFile;
 use crate::files::run::RunRow;
 use crate::files::spool::Spool;
 use crate::files::utc::utc_of;
@@ -23,17 +25,6 @@ use std::io;
 
 /// Slot size of the grades, bytes.
 const GRADES_SLOT: usize = 18;
-/// Slot size of the grades with a map, bytes.
-const MAP_GRADES_SLOT: usize = 18;
-
-/// Grades of a cell with a map, %.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-struct MapGrades {
-    /// The live grade combined with the map's.
-    combined: Uncertain,
-    map: Uncertain,
-}
-
 /// Grades of a cell that were available during the drive, %, and whether nothing disagreed.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct OnlineGrades {
@@ -50,8 +41,7 @@ pub struct Recorder<S> {
     start: Option<Instant>,
     samples: PlacedSamples,
     grades: Spool<OnlineGrades, GRADES_SLOT>,
-    map: Option<MapLive<'static>>,
-    map_grades: Spool<Option<MapGrades>, MAP_GRADES_SLOT>,
+    roads: Roads,
     plausibility: Plausibility,
     /// The cells that the last input finished.
     new_cells: Vec<Cell>,
@@ -117,12 +107,17 @@ impl<S: Scalar> Recorder<S> {
 
     /// Combines the live grade with that of a map from now on.
     pub fn follow(&mut self, map: PackedMap<'static>) {
-        self.map = Some(MapLive::new(map));
+        self.roads.follow(map);
+    }
+
+    /// Learns roads from now on, and combines the live grade with what the memory knows.
+    pub fn remember(&mut self, memory: RoadMemoryFile) {
+        self.roads.memory = Some(memory);
     }
 
     /// Returns the place on the map and the grade with it; `None` without a map.
     pub const fn map(&self) -> Option<&MapLive<'static>> {
-        self.map.as_ref()
+        self.roads.map.as_ref()
     }
 
     /// Takes one frame.
@@ -174,21 +169,15 @@ impl<S: Scalar> Recorder<S> {
     }
 
     fn advance_map(&mut self) {
-        let (Some(map), Some(live)) = (&mut self.map, self.estimator.live()) else {
-            return;
-        };
-        map.advance(&live);
-        let grades = map.combined_percent().zip(map.map_grade_percent());
-        let kept = self
-            .map_grades
-            .push(&grades.map(|(combined, map)| MapGrades { combined, map }));
-        self.note_failure(kept);
+        if let Some(live) = self.estimator.live() {
+            let kept = self.roads.advance(&live);
+            self.note_failure(kept);
+        }
     }
 
     fn take_cell(&mut self, cell: Cell) {
-        if let Some(map) = &mut self.map {
-            map.finish(&cell);
-        }
+        let learned = self.roads.finish(&cell);
+        self.note_failure(learned);
         let grades = OnlineGrades {
             live: cell.live_grade_percent,
             lagged: cell.lagged_grade_percent,
@@ -228,7 +217,9 @@ impl<S: Scalar> Recorder<S> {
     /// # Errors
     /// Returns the error of the file system, if the drive was too long for memory.
     pub fn end(mut self) -> Result<LongRun> {
-        self.smooth().map_err(no_room)
+        let mut run = self.smooth().map_err(no_room)?;
+        run.memory = self.roads.end().map_err(no_room)?;
+        Ok(run)
     }
 
     /// Ends the drive as [`end`](Self::end) does, with all rows in memory.
@@ -266,7 +257,7 @@ impl<S: Scalar> Recorder<S> {
         let start = self.start.unwrap_or_default();
         let mut rows = Rows::default();
         let (samples, grades) = (&mut self.samples, &mut self.grades);
-        let map_grades = &mut self.map_grades;
+        let roads = &mut self.roads;
         let plausibility = &mut self.plausibility;
         let disagreements = smooth_segments(
             self.estimator.model(),
@@ -277,14 +268,12 @@ impl<S: Scalar> Recorder<S> {
                 // Both passes begin with the first speed.
                 let end = grades.count().min(first + smoothed.len());
                 let grades = grades.read(first.min(end)..end)?;
-                let with_map = map_grades.count().min(end);
-                let with_map = map_grades.read(first.min(with_map)..with_map)?;
-                let with_map = with_map.into_iter().chain(std::iter::repeat(None));
+                let with_roads = roads.read(first.min(end)..end)?;
                 let cells = smoothed.iter().inspect(|cell| plausibility.smoothed(cell));
-                let segment = cells.zip(&grades).zip(with_map);
-                let segment = segment.map(|((smoothed, grades), with_map)| {
+                let segment = cells.zip(&grades).zip(with_roads);
+                let segment = segment.map(|((smoothed, grades), with_roads)| {
                     let row = row(start, grades, smoothed);
-                    with_map.map_or(row, |with_map| with_map.applied(row))
+                    with_roads.map_or(row, |with_roads| with_roads.applied(row))
                 });
                 rows.put(first, segment)
             },
@@ -297,7 +286,8 @@ impl<S: Scalar> Recorder<S> {
             persistent_state: self.estimator.persistent_state(),
             disagreements,
             start_utc: self.start.and_then(utc_of),
-            map: self.map.as_ref().map(|map| *map.counters()),
+            map: self.roads.map.as_ref().map(|map| *map.counters()),
+            memory: None,
             warnings: self.plausibility.judge(&self.estimator.model().vehicle),
         })
     }
@@ -311,8 +301,7 @@ impl<S> From<Estimator<S>> for Recorder<S> {
             start: None,
             samples: PlacedSamples::default(),
             grades: Spool::default(),
-            map: None,
-            map_grades: Spool::default(),
+            roads: Roads::default(),
             plausibility: Plausibility::default(),
             new_cells: Vec::new(),
             trouble: None,
@@ -351,18 +340,5 @@ fn row(start: Instant, grades: &OnlineGrades, smoothed: &SmoothedCell) -> RunRow
         live_consistent: grades.live_consistent.into(),
         map_grade_percent: None,
         map_grade_sigma_percent: None,
-    }
-}
-
-impl MapGrades {
-    /// Returns a row with the map's part in the live grade. Smoothed and lagged grades have none.
-    fn applied(&self, row: RunRow) -> RunRow {
-        RunRow {
-            live_grade_percent: self.combined.value.into(),
-            live_grade_sigma_percent: self.combined.sigma.into(),
-            map_grade_percent: Some(self.map.value.into()),
-            map_grade_sigma_percent: Some(self.map.sigma.into()),
-            ..row
-        }
     }
 }

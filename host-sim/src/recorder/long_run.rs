@@ -1,6 +1,7 @@
 //! The result of a drive.
 
 use super::plausibility::Warning;
+use super::roads::LearnedRoads;
 use crate::error::{Error, Result};
 use crate::files::run::{RunRow, RunRows};
 use crate::files::spool::{Spool, blocks};
@@ -40,6 +41,8 @@ pub struct LongRun {
     pub counters: Counters,
     /// What happened on the map; `None` without one.
     pub map: Option<MapCounters>,
+    /// The road memory after the drive; `None` without one.
+    pub memory: Option<LearnedRoads>,
     /// State for the next drive; `None` if this one was too short.
     pub persistent_state: Option<PersistentState>,
     /// Where signals disagree.

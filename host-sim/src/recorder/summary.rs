@@ -2,6 +2,7 @@
 
 use super::long_run::LongRun;
 use super::plausibility::Warning;
+use super::roads::LearnedRoads;
 use super::verdict::{DisagreementStretch, stretches, verdict};
 use crate::error::Result;
 use crate::files::run::RunRows;
@@ -43,6 +44,8 @@ pub struct RunSummary {
     damage: Damage,
     #[serde(skip_serializing_if = "Option::is_none")]
     map: Option<MapSummary>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    memory: Option<MemorySummary>,
     #[serde(serialize_with = "by_key")]
     events: Vec<CountedEvent>,
 }
@@ -63,13 +66,43 @@ struct MapSummary {
 
 impl From<MapCounters> for MapSummary {
     fn from(counters: MapCounters) -> Self {
-        let km = |cells: u32| f64::from(cells) * f64::from(CELL_LENGTH_M) * 1e-3;
         Self {
             on_map_km: km(counters.cells_on_map),
             left_out_km: km(counters.cells_left_out),
             left_out: counters.times_left_out,
         }
     }
+}
+
+/// Use of a road memory.
+#[derive(Debug, Serialize)]
+struct MemorySummary {
+    #[serde(flatten)]
+    on_roads: MapSummary,
+    /// Distance that was added to known roads, km.
+    known_km: f64,
+    /// Distance on roads that were driven for the first time, km.
+    new_km: f64,
+    /// Distance that was not learned, km: the place was not clear, or there was no room.
+    not_learned_km: f64,
+    writes: u32,
+}
+
+impl From<&LearnedRoads> for MemorySummary {
+    fn from(learned: &LearnedRoads) -> Self {
+        let counters = learned.counters();
+        Self {
+            on_roads: MapSummary::from(*learned.on_roads()),
+            known_km: km(counters.cells_fused),
+            new_km: km(counters.cells_new),
+            not_learned_km: km(counters.cells_left_out),
+            writes: counters.writes,
+        }
+    }
+}
+
+fn km(cells: u32) -> f64 {
+    f64::from(cells) * f64::from(CELL_LENGTH_M) * 1e-3
 }
 
 impl RunSummary {
@@ -87,6 +120,7 @@ impl RunSummary {
             events: events(&run.counters),
             damage: run.log.damage.clone(),
             map: run.map.map(MapSummary::from),
+            memory: run.memory.as_ref().map(MemorySummary::from),
             ..Self::default()
         };
         let (mut first_m, mut last_m) = (None, None);
@@ -137,6 +171,18 @@ impl RunSummary {
         if let Some(map) = &self.map {
             line("on the map", format!("{:.3}", map.on_map_km), "km");
             line("map left out", format!("{:.3}", map.left_out_km), "km");
+        }
+        if let Some(memory) = &self.memory {
+            let left_out_km = memory.on_roads.left_out_km;
+            line(
+                "on learned roads",
+                format!("{:.3}", memory.on_roads.on_map_km),
+                "km",
+            );
+            line("learned roads left out", format!("{left_out_km:.3}"), "km");
+            line("learned again", format!("{:.3}", memory.known_km), "km");
+            line("learned newly", format!("{:.3}", memory.new_km), "km");
+            line("not learned", format!("{:.3}", memory.not_learned_km), "km");
         }
         line("climb", format!("{:.1}", self.climb_m), "m");
         let grade = "% grade";

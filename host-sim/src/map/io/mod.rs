@@ -1,6 +1,7 @@
 //! Files of maps, roads, networks and sums.
 
 mod checksum;
+pub mod learned_roads;
 pub mod map_file;
 pub mod map_geojson;
 pub mod map_gpx;

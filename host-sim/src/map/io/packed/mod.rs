@@ -7,4 +7,5 @@ mod plan_view;
 mod unpack;
 
 pub use layout::{pack, stage};
+pub(in crate::map::io) use unpack::block_rows;
 pub use unpack::{open, read};

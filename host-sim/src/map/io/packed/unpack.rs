@@ -57,7 +57,10 @@ fn ways(bytes: &[u8]) -> std::result::Result<Vec<WayRows>, MapError> {
         .collect()
 }
 
-fn block_rows(block: &Block<'_>) -> std::result::Result<Vec<MapRow>, MapError> {
+/// Returns the cells of a block with their places.
+pub(in crate::map::io) fn block_rows(
+    block: &Block<'_>,
+) -> std::result::Result<Vec<MapRow>, MapError> {
     let points: Vec<MapPoint> = block.points().collect();
     let rows: Vec<MapRow> = block
         .cells()?
