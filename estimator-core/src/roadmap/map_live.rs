@@ -112,6 +112,25 @@ impl<'m> MapLive<'m> {
         self.combined_percent
     }
 
+    /// Returns the live estimate with the combined grade in place of its own, where there is one.
+    #[must_use]
+    pub fn applied(&self, live: &Live) -> Live {
+        let mut live = *live;
+        if let Some(combined) = self.combined_percent {
+            live.estimate.grade_percent = combined;
+        }
+        live
+    }
+
+    /// Returns the place on the map; `None` where it is not known or the map is left out.
+    #[must_use]
+    pub fn trusted_place(&self) -> Option<MapPlace> {
+        match self.matcher.place() {
+            MapMatch::On(place) if !self.is_left_out() => Some(place),
+            _ => None,
+        }
+    }
+
     /// Returns the grade of the map where the vehicle is, %, with the error of the place.
     #[must_use]
     pub const fn map_grade_percent(&self) -> Option<Uncertain> {

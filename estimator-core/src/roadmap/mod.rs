@@ -28,6 +28,7 @@ mod alignment;
 mod along;
 mod block;
 mod horizon;
+mod horizon_parts;
 mod joins;
 mod map_error;
 mod map_live;
@@ -42,6 +43,9 @@ mod tile_index;
 
 pub use block::{Block, Cells, MapCell, MapPoint, Points};
 pub use horizon::{Branch, Horizon, HorizonPoint, MOST_BRANCHES};
+pub use horizon_parts::{
+    HorizonPart, HorizonParts, NextGrade, NumberedPart, PART_GRADES, PART_STEP_M,
+};
 pub use joins::{Join, Joins};
 pub use map_error::MapError;
 pub use map_live::{MapCounters, MapLive};

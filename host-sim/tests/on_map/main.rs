@@ -2,4 +2,5 @@
 
 mod live;
 mod network_drives;
+mod parts;
 mod places;
