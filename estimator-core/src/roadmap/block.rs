@@ -2,7 +2,6 @@
 
 use super::map_error::MapError;
 use super::record::{Numbers, sized_record};
-use libm::exp2f;
 
 /// Bytes before the points.
 pub const HEADER: usize = 22;
@@ -20,6 +19,28 @@ pub const ALTITUDE_UNITS_PER_CM: i32 = 160;
 pub const SIGMA_UNIT_PERCENT: f32 = 0.001;
 /// Codes in which the sigma doubles.
 pub const SIGMA_CODES_PER_OCTAVE: f32 = 16.0;
+
+/// Powers of two, of the sixteenths of an octave. A general power takes double precision, which a
+/// controller has to emulate.
+#[allow(clippy::excessive_precision)]
+const SIXTEENTHS: [f32; 16] = [
+    1.0,
+    1.044_273_73,
+    1.090_507_75,
+    1.138_788_58,
+    1.189_207_08,
+    1.241_857_77,
+    1.296_839_59,
+    1.354_255_56,
+    1.414_213_54,
+    1.476_826_19,
+    1.542_210_82,
+    1.610_490_32,
+    1.681_792_86,
+    1.756_252_17,
+    1.834_008_10,
+    1.915_206_55,
+];
 
 /// Altitude units of one metre.
 const ALTITUDE_UNITS_PER_M: f32 = 16_000.0;
@@ -269,8 +290,7 @@ impl Iterator for Cells<'_> {
         Some(MapCell {
             cell: self.first_cell.checked_add(i32::try_from(index).ok()?)?,
             grade_percent: self.grade as f32 / GRADE_UNITS_PER_PERCENT,
-            grade_sigma_percent: SIGMA_UNIT_PERCENT
-                * exp2f(f32::from(code) / SIGMA_CODES_PER_OCTAVE),
+            grade_sigma_percent: SIGMA_UNIT_PERCENT * power_of_two(code),
             altitude_m,
             runs: self.runs.next()?,
         })
@@ -353,10 +373,30 @@ impl<'m> Altitudes<'m> {
             }
             let length = ALTITUDE_CELLS.min(self.count - (index - in_stretch));
             self.climbed = self.climbed.checked_add(climb)?;
-            let part = i64::from(self.correction) * i64::try_from(in_stretch + 1).ok()?;
-            let part = part.div_euclid(i64::try_from(length).ok()?);
-            altitude = self.climbed.checked_add(i32::try_from(part).ok()?)?;
+            let part = i32::try_from(in_stretch + 1).ok()?;
+            let part = self.correction.checked_mul(part)?;
+            let part = part.checked_div_euclid(i32::try_from(length).ok()?)?;
+            altitude = self.climbed.checked_add(part)?;
         }
         Some(altitude as f32 / ALTITUDE_UNITS_PER_M)
+    }
+}
+
+/// Returns 2 to the power of a sixteenth of the code.
+fn power_of_two(code: u8) -> f32 {
+    let octaves = 1_u32 << (code / 16);
+    SIXTEENTHS[usize::from(code % 16)] * octaves as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{SIGMA_CODES_PER_OCTAVE, power_of_two};
+
+    #[test]
+    fn a_power_of_two_is_that_of_the_library() {
+        for code in 0..=u8::MAX {
+            let expected = libm::exp2f(f32::from(code) / SIGMA_CODES_PER_OCTAVE);
+            assert_eq!(power_of_two(code), expected, "{code}");
+        }
     }
 }

@@ -239,8 +239,9 @@ impl<'m> Matcher<'m> {
             });
             moved == Moved::On
         });
-        for fork in forks {
-            self.add(fork);
+        // By reference: the iterator of the vector itself can panic, as far as the compiler knows.
+        for fork in &forks {
+            self.add(fork.clone());
         }
     }
 
@@ -310,15 +311,15 @@ impl<'m> Matcher<'m> {
     /// Drops hypotheses that have come to the place of a better one.
     fn merge(&mut self) {
         let mut kept: Vec<Path<'m>, MOST_PATHS> = Vec::new();
-        for path in core::mem::take(&mut self.paths) {
+        for path in &self.paths {
             match kept
                 .iter_mut()
-                .find(|known| known.is_at(&path, 0.5 * SAME_CELLS))
+                .find(|known| known.is_at(path, 0.5 * SAME_CELLS))
             {
-                Some(known) if path.misfit < known.misfit => *known = path,
+                Some(known) if path.misfit < known.misfit => *known = path.clone(),
                 Some(_) => {}
                 None => {
-                    let _ = kept.push(path);
+                    let _ = kept.push(path.clone());
                 }
             }
         }

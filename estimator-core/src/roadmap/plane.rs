@@ -1,12 +1,13 @@
 //! East and north of a place, m, and the lines of a plan view.
 
 use super::block::{Block, MapPoint, Points};
-use libm::{cosf, sqrtf};
+use crate::angle::cos_deg;
+use libm::sqrtf;
 
 /// Length of 10⁻⁷ degrees of latitude, m.
 const METRES_PER_E7: f32 = 0.011_12;
-/// 10⁻⁷ degrees in radians.
-const RADIANS_PER_E7: f32 = 1.745_329_3e-9;
+/// 10⁻⁷ degrees in degrees.
+const DEGREES_PER_E7: f32 = 1e-7;
 /// A turn, 10⁻⁷ degrees.
 const TURN_E7: i64 = 3_600_000_000;
 
@@ -20,7 +21,7 @@ pub(super) fn metres_between(from: (i32, i32), to: (i32, i32)) -> [f32; 2] {
         east += TURN_E7;
     }
     let north = (i64::from(to.0) - i64::from(from.0)) as f32 * METRES_PER_E7;
-    let cosine = cosf(from.0 as f32 * RADIANS_PER_E7);
+    let cosine = cos_deg(from.0 as f32 * DEGREES_PER_E7);
     [east as f32 * METRES_PER_E7 * cosine, north]
 }
 

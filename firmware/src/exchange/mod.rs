@@ -1,4 +1,4 @@
-//! The two files that an emulated board and a host exchange.
+//! The files that an emulated board and a host exchange.
 //!
 //! Both are sequences of 32-bit words, little endian, in records of fixed length. A float is the
 //! word of its bits, so that results can be compared bit for bit; a 64-bit number is two words,
@@ -13,10 +13,15 @@
 //! |----------------------|-------|-------------------------------------------------------------|
 //! | record, one a cell   | 13    | see [`cell`]                                                |
 //!
+//! | `on_map.bin`, with a map in flash | words | content                                        |
+//! |----------------------|-------|-------------------------------------------------------------|
+//! | record, one a step   | 14    | see [`on_map`]                                              |
+//!
 //! Decoding refuses records of another length, and content that encoding never writes.
 
 pub mod cell;
 pub mod frame;
+pub mod on_map;
 pub mod vehicle;
 
 use core::ffi::CStr;
@@ -25,6 +30,8 @@ use core::ffi::CStr;
 pub const DRIVE_FILE: &CStr = c"drive.bin";
 /// File in QEMU's working folder that the board writes: the finished cells.
 pub const CELLS_FILE: &CStr = c"cells.bin";
+/// File in QEMU's working folder that the board writes: the map's part of each step.
+pub const ON_MAP_FILE: &CStr = c"on_map.bin";
 
 const WORD: usize = size_of::<u32>();
 
