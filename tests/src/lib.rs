@@ -5,6 +5,7 @@ pub mod change_indicator;
 pub mod diagnosed;
 pub mod docs;
 pub mod drive;
+pub mod drive_map;
 pub mod emulator;
 pub mod fault_page;
 pub mod faults;
