@@ -78,17 +78,25 @@ pub fn run<S: Scalar>(meter: &mut InstructionMeter) -> Result<Budget, BudgetErro
         on_map_bytes: size_of::<OnMap<'_>>(),
         ..Budget::default()
     };
-    budget.through_estimator::<S>(meter)?;
+    budget.through_estimator::<S>(meter, None)?;
     budget.through_parts::<S>(meter)?;
-    budget.with_map::<S>(meter)?;
+    let mut on_map = OnMap::new(map_region::open().map_err(BudgetError::Map)?);
+    let mut with_map = Budget::default();
+    with_map.through_estimator::<S>(meter, Some(&mut on_map))?;
+    budget.map_stack_bytes = with_map.stack_bytes;
+    budget.map_step = with_map.map_step;
+    budget.map_finish = with_map.map_finish;
+    budget.ahead = with_map.ahead;
     Ok(budget)
 }
 
 impl Budget {
-    /// Counts the calls of a program that uses the estimator.
+    /// Counts the calls of a program that uses the estimator, with a map or without. In one function:
+    /// only so does the compiler build the estimator in its place.
     fn through_estimator<S: Scalar>(
         &mut self,
         meter: &mut InstructionMeter,
+        mut on_map: Option<&mut OnMap<'_>>,
     ) -> Result<(), BudgetError> {
         let (model, mut drive) = Recorded::open()?;
         let (estimator, start_stack_bytes) =
@@ -103,7 +111,13 @@ impl Budget {
             let (done, stack_bytes) = depth(|| {
                 for frame in block {
                     let (time, frame) = frame?;
-                    self.frame(meter, &mut estimator, time, &frame)?;
+                    match on_map.as_deref_mut() {
+                        None => self.frame(meter, &mut estimator, time, &frame)?,
+                        Some(on_map) => {
+                            estimator.on_frame(time, &frame);
+                            while self.step_on_map(meter, &mut estimator, on_map)? {}
+                        }
+                    }
                 }
                 Ok::<(), BudgetError>(())
             });
@@ -141,49 +155,27 @@ impl Budget {
         }
     }
 
-    /// Counts what the map adds, on the same drive.
-    fn with_map<S: Scalar>(&mut self, meter: &mut InstructionMeter) -> Result<(), BudgetError> {
-        let (model, mut drive) = Recorded::open()?;
-        let mut estimator =
-            Estimator::<S>::new(model, Tuning::default()).map_err(Unusable::Vehicle)?;
-        let mut on_map = OnMap::new(map_region::open().map_err(BudgetError::Map)?);
-        loop {
-            let block = drive.next_block()?;
-            if block.len() == 0 {
-                return Ok(());
-            }
-            let (done, stack_bytes) = depth(|| {
-                for frame in block {
-                    let (time, frame) = frame?;
-                    estimator.on_frame(time, &frame);
-                    self.step_on_map(meter, &mut estimator, &mut on_map)?;
-                }
-                Ok::<(), BudgetError>(())
-            });
-            done?;
-            self.map_stack_bytes = self.map_stack_bytes.max(stack_bytes);
-        }
-    }
-
+    /// Counts what the map adds to a step, and to the cells that it finishes.
     fn step_on_map<S: Scalar>(
         &mut self,
         meter: &mut InstructionMeter,
         estimator: &mut Estimator<S>,
         on_map: &mut OnMap<'_>,
-    ) -> Result<(), BudgetError> {
-        while let Some(step) = estimator.step() {
-            if let (Step::Moved(_), Some(live)) = (step, estimator.live()) {
-                let (_, count) = meter.count(|| on_map.advance(&live))?;
-                self.map_step.add(count);
-                let (_, count) = meter.count(|| on_map.next_part(&live))?;
-                self.ahead.add(count);
-            }
-            while let Some(cell) = estimator.next_cell() {
-                let (_, count) = meter.count(|| on_map.finish(&cell))?;
-                self.map_finish.add(count);
-            }
+    ) -> Result<bool, BudgetError> {
+        let Some(step) = estimator.step() else {
+            return Ok(false);
+        };
+        if let (Step::Moved(_), Some(live)) = (step, estimator.live()) {
+            let (_, count) = meter.count(|| on_map.advance(&live))?;
+            self.map_step.add(count);
+            let (_, count) = meter.count(|| on_map.next_part(&live))?;
+            self.ahead.add(count);
         }
-        Ok(())
+        while let Some(cell) = estimator.next_cell() {
+            let (_, count) = meter.count(|| on_map.finish(&cell))?;
+            self.map_finish.add(count);
+        }
+        Ok(true)
     }
 
     /// Counts the filter and the smoother separately, on the same drive.

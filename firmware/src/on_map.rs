@@ -66,10 +66,11 @@ impl<'m> OnMap<'m> {
             .filter_map(move |part| broadcast::ahead(&part, source))
     }
 
-    /// Returns PCC1: the live grade with the map, and the next one.
+    /// Returns PCC1: the live grade, which the caller has combined with the map
+    /// ([`MapLive::applied`]), and the next one.
     #[must_use]
     pub fn pcc1<F: embedded_can::Frame>(&self, live: &Live, source: u8) -> Option<F> {
-        let grade = self.map.applied(live).estimate.grade_percent.value;
+        let grade = live.estimate.grade_percent.value;
         broadcast::pcc1(Some(grade), self.next_grade(live), source)
     }
 }

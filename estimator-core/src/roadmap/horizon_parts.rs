@@ -5,14 +5,14 @@ use super::map_live::MapLive;
 use super::matcher::MapPlace;
 use crate::cell::{CELL_LENGTH_M, Live, Uncertain};
 
-/// Length of the horizon, m.
-const LENGTH_M: f32 = 2_000.0;
+/// Length of the horizon, m: 2 km are left when it is renewed.
+pub const PART_LENGTH_M: f32 = 2_200.0;
 /// Distance from one grade to the next, m.
 pub const PART_STEP_M: f32 = 25.0;
 /// Grades in a part.
 pub const PART_GRADES: usize = 2;
-/// Cells from the beginning of one horizon to that of the next, at least: one step.
-const RENEWED_CELLS: u32 = 10;
+/// Cells from the beginning of one horizon to that of the next on the same way: 200 m.
+const RENEWED_CELLS: u32 = 80;
 /// A grade that differs by this from that under the wheels is the next one, %: four steps of PCC1.
 const NEXT_DIFFERS_PERCENT: f32 = 0.5;
 /// Horizons are numbered from 0 to this.
@@ -87,8 +87,9 @@ struct Telling<'m> {
 pub struct HorizonParts<'m> {
     telling: Option<Telling<'m>>,
     sequence: u8,
-    /// Where the horizon began, if one was told since the place is known.
+    /// Where the horizon began, if one was told since the place is known, and on which way.
     cell: Option<u32>,
+    way: u32,
     /// The next grade, with its distance from the end of a cell.
     next: Option<(u32, NextGrade)>,
 }
@@ -141,7 +142,8 @@ impl<'m> HorizonParts<'m> {
     }
 
     fn begin(&mut self, map: &MapLive<'m>, place: &MapPlace, cell: u32) {
-        let is_due = |begun: u32| cell.saturating_sub(begun) >= RENEWED_CELLS;
+        let is_due =
+            |begun: u32| place.way != self.way || cell.saturating_sub(begun) >= RENEWED_CELLS;
         if !self.cell.is_none_or(is_due) {
             return;
         }
@@ -151,8 +153,9 @@ impl<'m> HorizonParts<'m> {
             self.sequence + 1
         };
         self.cell = Some(cell);
+        self.way = place.way;
         self.telling = Some(Telling {
-            horizon: Horizon::begin(*map.matcher().map(), place, LENGTH_M),
+            horizon: Horizon::begin(*map.matcher().map(), place, PART_LENGTH_M),
             is_whole: false,
             branch: 0,
             reader: None,

@@ -158,13 +158,12 @@ impl<'m> MapLive<'m> {
     fn grade_at(&mut self, place: &MapPlace) -> Option<Uncertain> {
         let follows =
             |profile: &Profile<'m>| profile.way() == place.way && profile.is_before(place.cell);
-        let mut profile = match self.profile.take().filter(follows) {
-            Some(profile) => profile,
-            None => Profile::new(*self.matcher.map(), place.block, place.cell)?,
-        };
-        let is_on = profile.seek(place.cell);
-        let profile = self.profile.insert(profile);
-        is_on
+        if !self.profile.as_ref().is_some_and(follows) {
+            self.profile = Profile::new(*self.matcher.map(), place.block, place.cell);
+        }
+        let profile = self.profile.as_mut()?;
+        profile
+            .seek(place.cell)
             .then(|| profile.grade_percent(place.cell, place.sigma_m))
             .flatten()
     }

@@ -214,6 +214,9 @@ impl<'m> Matcher<'m> {
 
     /// Returns the probability of a hypothesis among all.
     fn probability(&self, path: &Path<'m>) -> f32 {
+        if self.paths.len() == 1 {
+            return 1.0;
+        }
         let weight = |other: &Path<'m>| {
             expf((0.5 * INDEPENDENT * (path.misfit - other.misfit)).clamp(-80.0, 80.0))
         };
@@ -364,6 +367,10 @@ impl<'m> Matcher<'m> {
                     }
                 }
             };
+            if self.paths.iter().any(|path| path.block.offset == offset) {
+                // The hypothesis there is followed.
+                continue;
+            }
             let Ok(block) = self.map.block(offset) else {
                 continue;
             };

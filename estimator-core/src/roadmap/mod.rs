@@ -44,7 +44,7 @@ mod tile_index;
 pub use block::{Block, Cells, MapCell, MapPoint, Points};
 pub use horizon::{Branch, Horizon, HorizonPoint, MOST_BRANCHES};
 pub use horizon_parts::{
-    HorizonPart, HorizonParts, NextGrade, NumberedPart, PART_GRADES, PART_STEP_M,
+    HorizonPart, HorizonParts, NextGrade, NumberedPart, PART_GRADES, PART_LENGTH_M, PART_STEP_M,
 };
 pub use joins::{Join, Joins};
 pub use map_error::MapError;

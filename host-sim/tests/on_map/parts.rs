@@ -2,14 +2,12 @@
 
 use crate::network_drives::{drive, grid, map_of};
 use estimator_core::roadmap::{
-    Horizon, HorizonPart, HorizonParts, MapLive, MapPlace, NextGrade, NumberedPart, PART_STEP_M,
-    PackedMap,
+    Horizon, HorizonPart, HorizonParts, MapLive, MapPlace, NextGrade, NumberedPart, PART_LENGTH_M,
+    PART_STEP_M, PackedMap,
 };
 use estimator_core::{CellEnd, Disagreement, Estimate, Instant, Live, Uncertain};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
-
-const LENGTH_M: f32 = 2_000.0;
 
 /// Returns a live estimate that every map fits.
 fn live_at(cell: u32, position_e7: Option<(i32, i32)>) -> Live {
@@ -48,7 +46,7 @@ fn told(parts: &[NumberedPart]) -> (Vec<(f32, f32)>, Vec<Told>) {
                 to_m,
                 probability,
             } => {
-                assert_eq!((usize::from(branch), to_m), (branches.len(), LENGTH_M));
+                assert_eq!((usize::from(branch), to_m), (branches.len(), PART_LENGTH_M));
                 branches.push((from_m, probability));
             }
             HorizonPart::Grades {
@@ -68,7 +66,7 @@ fn told(parts: &[NumberedPart]) -> (Vec<(f32, f32)>, Vec<Told>) {
 
 /// Returns the same of a whole horizon.
 fn whole(map: PackedMap<'_>, place: &MapPlace) -> (Vec<(f32, f32)>, Vec<Told>) {
-    let horizon = Horizon::new(map, place, LENGTH_M).expect("a horizon");
+    let horizon = Horizon::new(map, place, PART_LENGTH_M).expect("a horizon");
     let mut grades = Vec::new();
     for (number, branch) in horizon.branches().iter().enumerate() {
         let points = horizon.points(branch, PART_STEP_M);
@@ -136,7 +134,7 @@ fn the_parts_of_a_horizon_are_the_horizon() {
         }
     }
     println!("{horizons} horizons, {forks} branches that leave them, {ended} ended");
-    assert!(horizons > 200 && forks > horizons && ended > 0);
+    assert!(horizons > 100 && forks > horizons && ended > 0);
 }
 
 #[test]
@@ -154,7 +152,8 @@ fn the_next_grade_comes_nearer_and_a_horizon_follows_another() {
         // As a program does it at 90 km/h: five frames in 100 ms.
         for _ in 0..5 {
             if let Some(part) = parts.next_part(&on_map, &live) {
-                sequences.push((part.sequence, part.cell));
+                let way = on_map.trusted_place().map(|place| place.way);
+                sequences.push((part.sequence, part.cell, way));
                 assert!(
                     cell as u32 - part.cell < 100,
                     "a horizon takes at most ten seconds"
@@ -171,11 +170,12 @@ fn the_next_grade_comes_nearer_and_a_horizon_follows_another() {
         }
         before = next.map(|next| (cell as u32, next));
     }
-    sequences.dedup();
-    assert!(sequences.len() > 15, "{} horizons", sequences.len());
+    sequences.dedup_by_key(|told| (told.0, told.1));
+    assert!(sequences.len() > 10, "{} horizons", sequences.len());
     for pair in sequences.windows(2) {
         assert_eq!(pair[1].0, (pair[0].0 + 1) % 15);
-        assert!(pair[1].1 >= pair[0].1 + 10, "25 m from one to the next");
+        let is_later = pair[1].1 >= pair[0].1 + 80;
+        assert!(is_later || pair[1].2 != pair[0].2, "200 m, or another way");
     }
     assert!(nearer > 100);
 }
