@@ -140,6 +140,7 @@ pub fn committed_file() -> PathBuf {
 /// An image cannot be built or run.
 pub fn measure() -> Result<Budgets> {
     let mut budgets = Budgets::default();
+    let map = drive_map();
     let vehicles = [("", truck()), (" effects", truck_with_every_effect())];
     for board in BOARDS {
         let images = build(&root().join("firmware"), board.target, "release")?;
@@ -149,7 +150,7 @@ pub fn measure() -> Result<Budgets> {
             .map(|scalar| read_off(&images, scalar))
             .collect::<Result<_>>()?;
         for (suffix, vehicle) in &vehicles {
-            let counted = counted(&board, &images, vehicle)?;
+            let counted = counted(&board, &images, vehicle, &map)?;
             for ((scalar, mut column), linked) in counted.into_iter().zip(&linked) {
                 column.extend(linked.clone());
                 let name = format!("{} {scalar}{suffix}", board.target);
@@ -160,18 +161,29 @@ pub fn measure() -> Result<Budgets> {
     Ok(budgets)
 }
 
+/// Returns the counts of a board in its first scalar type, with another map.
+///
+/// # Errors
+/// An image cannot be built or run.
+pub fn counts_with_map(board: &BoardTarget, map: &[u8]) -> Result<BTreeMap<String, u32>> {
+    let images = build(&root().join("firmware"), board.target, "release")?;
+    let columns = counted(board, &images, &truck(), map)?;
+    Ok(columns.into_iter().next().unwrap_or_default().1)
+}
+
 /// Returns the counts of the board, by scalar type.
 fn counted(
     board: &BoardTarget,
     images: &Path,
     model: &Model,
+    map: &[u8],
 ) -> Result<Vec<(String, BudgetColumn)>> {
     let image = images.join("budget");
     let printed = count(
         board.machine,
         &image,
         &drive_file(model, &drive()),
-        Some(&drive_map()),
+        Some(map),
     )?;
     let printed = String::from_utf8_lossy(&printed);
     let mut columns: Vec<(String, BudgetColumn)> = Vec::new();

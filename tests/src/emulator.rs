@@ -23,7 +23,7 @@ const IMAGE: &str = "mps2_an386";
 /// File of the map beside the drive, and where the emulator loads it: the region `MAP` of the linker
 /// scripts.
 const MAP_FILE: &str = "map.grade";
-const MAP_ADDRESS: u32 = 0x0020_0000;
+const MAP_ADDRESS: u32 = 0x2100_0000;
 
 /// Timeout for an image that hangs. A fault of the processor ends in a loop.
 const LONGEST_RUN: Duration = Duration::from_secs(120);

@@ -10,6 +10,7 @@ pub mod emulator;
 pub mod fault_page;
 pub mod faults;
 pub mod image;
+pub mod large_map;
 pub mod manoeuvres;
 pub mod peers;
 pub mod planted;

@@ -11,7 +11,7 @@ use firmware::exchange::on_map::ON_MAP_BYTES;
 use firmware::exchange::vehicle::VEHICLE_BYTES;
 
 /// Returns whether the board cannot be emulated here, and reports it.
-fn board_is_missing() -> bool {
+pub fn board_is_missing() -> bool {
     let missing = missing();
     if let Some(what) = &missing {
         eprintln!("SKIPPED: the firmware was not run: {what}");
