@@ -19,7 +19,7 @@ pub(super) fn stage(path: &Path, log: &Path, run: &mut dyn RunRows) -> Result<St
     let mut cells = 0;
     run.each(&mut |row| {
         cells += 1;
-        on_map.extend(OnMapCell::of(&row));
+        on_map.extend(OnMapCell::of(row));
         let position = row.latitude_deg.zip(row.longitude_deg);
         rows.extend(position.map(|(latitude_deg, longitude_deg)| MapRow {
             distance_m: row.distance_m,

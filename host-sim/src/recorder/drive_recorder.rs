@@ -3,6 +3,7 @@
 use super::long_run::{LongRun, Rows, SmoothedRun, no_room};
 use super::placed_samples::PlacedSamples;
 use super::plausibility::Plausibility;
+use super::roadway_grade::RoadwayGrade;
 use crate::error::Result;
 use crate::files::run::RunRow;
 use crate::files::spool::Spool;
@@ -53,6 +54,7 @@ pub struct Recorder<S> {
     map: Option<MapLive<'static>>,
     map_grades: Spool<Option<MapGrades>, MAP_GRADES_SLOT>,
     plausibility: Plausibility,
+    roadway_grade: RoadwayGrade,
     /// The cells that the last input finished.
     new_cells: Vec<Cell>,
     /// The error of the first sample or cell that could not be stored.
@@ -128,6 +130,8 @@ impl<S: Scalar> Recorder<S> {
     /// Takes one frame.
     pub fn on_frame(&mut self, timed: &TimedFrame) {
         self.start.get_or_insert(timed.time);
+        let estimator = &self.estimator;
+        self.roadway_grade.frame(&timed.frame, || estimator.live());
         self.estimator.on_frame(timed.time, &timed.frame);
         let (vehicle, tuning) = (&self.estimator.model().vehicle, self.estimator.tuning());
         self.plausibility
@@ -138,6 +142,8 @@ impl<S: Scalar> Recorder<S> {
     /// Processes one reading of a signal table.
     pub fn on_reading(&mut self, time: Instant, reading: Reading) {
         self.start.get_or_insert(time);
+        let estimator = &self.estimator;
+        self.roadway_grade.reading(reading, || estimator.live());
         // A signal that is left out is not judged either.
         if self.estimator.on_reading(time, reading) != Outcome::Ignored {
             let vehicle = &self.estimator.model().vehicle;
@@ -298,6 +304,7 @@ impl<S: Scalar> Recorder<S> {
             disagreements,
             start_utc: self.start.and_then(utc_of),
             map: self.map.as_ref().map(|map| *map.counters()),
+            roadway_grade: self.roadway_grade.comparison(),
             warnings: self.plausibility.judge(&self.estimator.model().vehicle),
         })
     }
@@ -314,6 +321,7 @@ impl<S> From<Estimator<S>> for Recorder<S> {
             map: None,
             map_grades: Spool::default(),
             plausibility: Plausibility::default(),
+            roadway_grade: RoadwayGrade::default(),
             new_cells: Vec::new(),
             trouble: None,
         }

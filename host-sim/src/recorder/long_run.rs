@@ -1,6 +1,7 @@
 //! The result of a drive.
 
 use super::plausibility::Warning;
+use super::roadway_grade::RoadwayComparison;
 use crate::error::{Error, Result};
 use crate::files::run::{RunRow, RunRows};
 use crate::files::spool::{Spool, blocks};
@@ -40,6 +41,8 @@ pub struct LongRun {
     pub counters: Counters,
     /// What happened on the map; `None` without one.
     pub map: Option<MapCounters>,
+    /// The grade of another device against ours; `None` without one.
+    pub roadway_grade: Option<RoadwayComparison>,
     /// State for the next drive; `None` if this one was too short.
     pub persistent_state: Option<PersistentState>,
     /// Where signals disagree.

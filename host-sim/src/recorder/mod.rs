@@ -12,6 +12,7 @@ mod missing;
 mod placed_samples;
 mod plausibility;
 mod replaced;
+mod roadway_grade;
 mod summary;
 pub mod verdict;
 
@@ -22,4 +23,5 @@ pub use long_run::{LongRun, Rows, SmoothedRun};
 pub use missing::missing;
 pub use plausibility::Warning;
 pub use replaced::{ReplacedParameter, replaced};
+pub use roadway_grade::RoadwayComparison;
 pub use summary::RunSummary;

@@ -2,6 +2,7 @@
 
 use super::long_run::LongRun;
 use super::plausibility::Warning;
+use super::roadway_grade::RoadwayComparison;
 use super::verdict::{DisagreementStretch, stretches, verdict};
 use crate::error::Result;
 use crate::files::run::RunRows;
@@ -43,6 +44,8 @@ pub struct RunSummary {
     damage: Damage,
     #[serde(skip_serializing_if = "Option::is_none")]
     map: Option<MapSummary>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    roadway_grade: Option<RoadwayComparison>,
     #[serde(serialize_with = "by_key")]
     events: Vec<CountedEvent>,
 }
@@ -87,6 +90,7 @@ impl RunSummary {
             events: events(&run.counters),
             damage: run.log.damage.clone(),
             map: run.map.map(MapSummary::from),
+            roadway_grade: run.roadway_grade,
             ..Self::default()
         };
         let (mut first_m, mut last_m) = (None, None);
@@ -137,6 +141,9 @@ impl RunSummary {
         if let Some(map) = &self.map {
             line("on the map", format!("{:.3}", map.on_map_km), "km");
             line("map left out", format!("{:.3}", map.left_out_km), "km");
+        }
+        if let Some(other) = &self.roadway_grade {
+            line("PCC1 less live grade", other.words(), "%");
         }
         line("climb", format!("{:.1}", self.climb_m), "m");
         let grade = "% grade";

@@ -34,7 +34,7 @@ pub fn on_map_section(on_map: &[OnMapCell], cells: usize) -> Section {
     let part = 100.0 * on_map.len() as f64 / cells.max(1) as f64;
     let words = format!(
         "The map counted in {:.1} km, {part:.0} % of the drive. The live grade there is combined with \
-         the map's. The smoothed grade never contains the map, so it is a judge of both.",
+         the map's. The smoothed grade never contains the map.",
         on_map.len() as f64 * GRID_M * 1e-3
     );
     type Value = fn(&OnMapCell) -> (f64, Option<f64>);
@@ -56,7 +56,7 @@ pub fn on_map_section(on_map: &[OnMapCell], cells: usize) -> Section {
             colour::GREEN,
             points(|c| (c.live.0, None)),
         );
-    let mut differences = Plot::profile("difference from the smoothed grade (%)", "road")
+    let mut differences = Plot::profile("difference (%)", "road")
         .with_profile(
             "map",
             colour::ORANGE,

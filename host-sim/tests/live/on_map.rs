@@ -9,8 +9,9 @@ use host_sim::live::panel::{header, json, line, panel};
 use host_sim::live::road_view::{Fork, RoadState, RoadView};
 use host_sim::live::view::LiveView;
 use host_sim::map::{MapRow, WayRows, packed_map};
-use host_sim::recorder::Recorder;
+use host_sim::recorder::{LongRun, Recorder, RunSummary};
 use host_sim::simulator::SimulatedRun;
+use host_sim::source::can_frame::{CanFrame, TimedFrame};
 use host_sim::source::socketcan::{Received, ReceivedItem};
 use test_kit::simulated::{A, MILD, run};
 
@@ -93,6 +94,46 @@ fn the_view_has_the_map_and_the_road_ahead() {
     let words: Vec<&str> = line.split_whitespace().rev().take(2).collect();
     assert_eq!(words, [format!("{:+.3}", map_percent.value).as_str(), "on"]);
     assert_eq!(line.len(), header().len());
+}
+
+/// PCC1 of another device is compared with our grade, and does not change it.
+#[test]
+fn the_grade_of_another_device_is_compared() {
+    let drive = run(&[MILD, A]);
+    let finish = |pcc1: Option<[u8; 8]>| {
+        let mut recorder = recorder(&drive);
+        for (number, timed) in drive.frames.iter().enumerate() {
+            recorder.on_frame(timed);
+            if let Some(data) = pcc1.filter(|_| number % 100 == 0) {
+                let frame = CanFrame::extended(0x18F0_D32A, &data).unwrap();
+                let time = timed.time;
+                recorder.on_frame(&TimedFrame { time, frame });
+            }
+        }
+        recorder.end().unwrap()
+    };
+    let summary = |mut run: LongRun| {
+        let summary = RunSummary::new(&mut run).unwrap();
+        (
+            serde_json::to_value(&summary).unwrap(),
+            summary.table().to_string(),
+        )
+    };
+    let rows = |run: LongRun| run.in_memory().unwrap().rows;
+    let with = |raw: u8| Some([0xFF, 0xFF, 0xFF, raw, 0xFF, 0xFF, 0xFF, 0xFF]);
+    let (alone, text) = summary(finish(None));
+    assert!(alone["roadway_grade"].is_null() && !text.contains("PCC1"));
+    // "Not available" is nothing to compare with.
+    assert!(summary(finish(with(0xFF))).0["roadway_grade"].is_null());
+    let (value, text) = summary(finish(with(152)));
+    assert!(text.contains("PCC1 less live grade"), "{text}");
+    let found = &value["roadway_grade"];
+    assert!(found["readings"].as_u64().unwrap() > 500);
+    let mean_percent = found["mean_difference_percent"].as_f64().unwrap();
+    // Always 3 %, on a road that has 0 % in the mean.
+    assert!((mean_percent - 3.0).abs() < 0.5, "{mean_percent}");
+    assert!(found["rms_difference_percent"].as_f64().unwrap() > mean_percent);
+    assert_eq!(rows(finish(with(152))), rows(finish(None)));
 }
 
 #[test]
