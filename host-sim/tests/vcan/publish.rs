@@ -155,6 +155,8 @@ fn with_a_map_the_road_ahead_is_sent() {
         payloads(&recording, AHEAD).len() >= 20
     });
     drop(candump);
+    // `tests/vcan/decode.py` decodes this with the layout file.
+    print!("{}", fs::read_to_string(&recording).unwrap());
     let ahead = payloads(&recording, AHEAD);
     // A branch begins, and its grades follow.
     assert_eq!(ahead[0][0] & 0xF, 0);
