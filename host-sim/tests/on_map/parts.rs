@@ -83,10 +83,10 @@ fn whole(map: PackedMap<'_>, place: &MapPlace) -> (Vec<(f32, f32)>, Vec<Told>) {
 
 /// Returns the next grade of the first branch.
 fn next_grade(grades: &[Told]) -> Option<NextGrade> {
-    let first = grades.iter().filter(|grade| grade.0 == 0);
+    let mut first = grades.iter().filter(|grade| grade.0 == 0);
     let present = first.clone().next()?.2.value;
     let differs = |grade: &&Told| (grade.2.value - present).abs() >= 0.5;
-    let next = first.clone().find(differs).or(first.last())?;
+    let next = first.clone().find(differs).or(first.next_back())?;
     Some(NextGrade {
         ahead_m: next.1,
         grade_percent: next.2.value,

@@ -39,9 +39,8 @@ fn a_drive_on_100_000_km_is_matched_as_on_its_own_map() {
     // As many blocks are found in each tile of the road, and none between the copies.
     let blocks = |map: &PackedMap<'_>, north: i32, east: i32| {
         let tile = Tile::of(557_000_000 + north, 131_000_000 + east);
-        map.blocks_in(tile)
-            .map(|block| block.expect("a sound page"))
-            .count()
+        let found = map.blocks_in(tile).collect::<Result<Vec<_>, _>>();
+        found.expect("sound pages").len()
     };
     for north in (0..400_000).step_by(65_536) {
         assert_eq!(blocks(&large, north, 0), blocks(&small, north, 0));
