@@ -1,15 +1,55 @@
-//! The estimator in an image with nearly nothing else. The linked images of `src/bin/alone_*.rs`
-//! show how much flash and static memory it adds, and whether it can panic.
+//! The estimator in an image with nearly nothing else, without a map and with one. The linked images
+//! of `src/bin/alone_*.rs` show how much flash and static memory it adds, and whether it can panic.
 
 use crate::exchange::frame::RecordedFrame;
+use crate::on_map::OnMap;
+use core::cell::RefCell;
 use core::hint::black_box;
 use estimator_core::effect::CATALOGUE;
-use estimator_core::{AdoptedEffect, Estimator, Instant, Model, PersistentState, Scalar, Tuning};
+use estimator_core::roadmap::PackedMap;
+use estimator_core::{
+    AdoptedEffect, Cell, Estimator, Instant, Live, Model, PersistentState, Scalar, Tuning,
+};
 use static_cell::StaticCell;
 
 /// Uses all of the estimator, with every effect of the catalogue. Returns `None` when an input is
 /// missing or refused.
 pub fn run<S: Scalar>(place: &'static StaticCell<Estimator<S>>) -> Option<()> {
+    drive(place, |_| {}, |_| {})
+}
+
+/// Does the same with a map, and uses all of the map.
+pub fn run_on_map<S: Scalar>(
+    place: &'static StaticCell<Estimator<S>>,
+    map_place: &'static StaticCell<OnMap<'static>>,
+) -> Option<()> {
+    let map: &'static [u8] = input()?;
+    let map = PackedMap::open(map).ok()?;
+    let on_map = RefCell::new(map_place.try_init(OnMap::new(map))?);
+    let step = |live: &Live| {
+        if let Ok(mut on_map) = on_map.try_borrow_mut() {
+            on_map.advance(live);
+            black_box(on_map.map().applied(live));
+            let frame: Option<RecordedFrame> = on_map.pcc1(live, 0);
+            black_box(frame);
+            for frame in on_map.ahead_frames::<RecordedFrame>(live, 0) {
+                black_box(frame);
+            }
+        }
+    };
+    let finish = |cell: &Cell| {
+        if let Ok(mut on_map) = on_map.try_borrow_mut() {
+            on_map.finish(cell);
+        }
+    };
+    drive(place, step, finish)
+}
+
+fn drive<S: Scalar>(
+    place: &'static StaticCell<Estimator<S>>,
+    on_step: impl Fn(&Live),
+    on_cell: impl Fn(&Cell),
+) -> Option<()> {
     let mut model: Model = input()?;
     for effect in CATALOGUE {
         if let Some((amount, sigma)) = input() {
@@ -31,7 +71,11 @@ pub fn run<S: Scalar>(place: &'static StaticCell<Estimator<S>>) -> Option<()> {
         black_box(estimator.on_frame(now, &frame));
         while let Some(step) = estimator.step() {
             black_box(step);
+            if let Some(live) = estimator.live() {
+                on_step(&live);
+            }
             while let Some(cell) = estimator.next_cell() {
+                on_cell(&cell);
                 black_box(cell);
             }
         }

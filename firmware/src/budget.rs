@@ -1,14 +1,17 @@
 //! The cost of the estimator on the board: instructions and stack for a recorded drive.
 //!
-//! The drive runs twice: through the estimator, with the calls that a program makes, and through
-//! its parts, so that the filter and the smoother are counted separately.
+//! The drive runs three times: through the estimator, with the calls that a program makes; through
+//! its parts, so that the filter and the smoother are counted separately; and with the map in flash.
 
+use crate::map_region;
 use crate::meter::{CountTally, InstructionMeter, Uncountable, depth};
+use crate::on_map::OnMap;
 use crate::recorded::{Recorded, Unusable};
 use core::fmt;
 use estimator_core::filter::{Filter, SensorNoiseRatios};
+use estimator_core::roadmap::MapError;
 use estimator_core::smoother::fixed_lag::{BLOCK_CELLS, FixedLag, LAG_CELLS};
-use estimator_core::{Context, Estimator, Instant, Intake, Sampler, Scalar, Tuning};
+use estimator_core::{Context, Estimator, Instant, Intake, Sampler, Scalar, Step, Tuning};
 
 /// Number of steps until the lag is full and each new block of cells finishes another block.
 const FILLING_STEPS: u32 = (LAG_CELLS + BLOCK_CELLS) as u32;
@@ -32,6 +35,14 @@ pub struct Budget {
     lag: CountTally,
     /// The live estimate.
     live: CountTally,
+    on_map_bytes: usize,
+    map_stack_bytes: usize,
+    /// Place on the map and grade with it, after a step.
+    map_step: CountTally,
+    /// A finished cell against the map.
+    map_finish: CountTally,
+    /// A part of the road ahead.
+    ahead: CountTally,
 }
 
 /// Why nothing was counted.
@@ -41,6 +52,8 @@ pub enum BudgetError {
     Drive(Unusable),
     /// Instructions cannot be counted.
     Count(Uncountable),
+    /// There is no usable map in flash.
+    Map(MapError),
 }
 
 impl From<Uncountable> for BudgetError {
@@ -62,18 +75,28 @@ impl From<Unusable> for BudgetError {
 pub fn run<S: Scalar>(meter: &mut InstructionMeter) -> Result<Budget, BudgetError> {
     let mut budget = Budget {
         estimator_bytes: size_of::<Estimator<S>>(),
+        on_map_bytes: size_of::<OnMap<'_>>(),
         ..Budget::default()
     };
-    budget.through_estimator::<S>(meter)?;
+    budget.through_estimator::<S>(meter, None)?;
     budget.through_parts::<S>(meter)?;
+    let mut on_map = OnMap::new(map_region::open().map_err(BudgetError::Map)?);
+    let mut with_map = Budget::default();
+    with_map.through_estimator::<S>(meter, Some(&mut on_map))?;
+    budget.map_stack_bytes = with_map.stack_bytes;
+    budget.map_step = with_map.map_step;
+    budget.map_finish = with_map.map_finish;
+    budget.ahead = with_map.ahead;
     Ok(budget)
 }
 
 impl Budget {
-    /// Counts the calls of a program that uses the estimator.
+    /// Counts the calls of a program that uses the estimator, with a map or without. In one function:
+    /// only so does the compiler build the estimator in its place.
     fn through_estimator<S: Scalar>(
         &mut self,
         meter: &mut InstructionMeter,
+        mut on_map: Option<&mut OnMap<'_>>,
     ) -> Result<(), BudgetError> {
         let (model, mut drive) = Recorded::open()?;
         let (estimator, start_stack_bytes) =
@@ -88,7 +111,13 @@ impl Budget {
             let (done, stack_bytes) = depth(|| {
                 for frame in block {
                     let (time, frame) = frame?;
-                    self.frame(meter, &mut estimator, time, &frame)?;
+                    match on_map.as_deref_mut() {
+                        None => self.frame(meter, &mut estimator, time, &frame)?,
+                        Some(on_map) => {
+                            estimator.on_frame(time, &frame);
+                            while self.step_on_map(meter, &mut estimator, on_map)? {}
+                        }
+                    }
                 }
                 Ok::<(), BudgetError>(())
             });
@@ -124,6 +153,29 @@ impl Budget {
             let (_, count) = meter.count(|| estimator.live())?;
             self.live.add(count);
         }
+    }
+
+    /// Counts what the map adds to a step, and to the cells that it finishes.
+    fn step_on_map<S: Scalar>(
+        &mut self,
+        meter: &mut InstructionMeter,
+        estimator: &mut Estimator<S>,
+        on_map: &mut OnMap<'_>,
+    ) -> Result<bool, BudgetError> {
+        let Some(step) = estimator.step() else {
+            return Ok(false);
+        };
+        if let (Step::Moved(_), Some(live)) = (step, estimator.live()) {
+            let (_, count) = meter.count(|| on_map.advance(&live))?;
+            self.map_step.add(count);
+            let (_, count) = meter.count(|| on_map.next_part(&live))?;
+            self.ahead.add(count);
+        }
+        while let Some(cell) = estimator.next_cell() {
+            let (_, count) = meter.count(|| on_map.finish(&cell))?;
+            self.map_finish.add(count);
+        }
+        Ok(true)
     }
 
     /// Counts the filter and the smoother separately, on the same drive.
@@ -183,7 +235,12 @@ impl fmt::Display for Budget {
         writeln!(f, "estimator_bytes {}", self.estimator_bytes)?;
         writeln!(f, "start_stack_bytes {}", self.start_stack_bytes)?;
         writeln!(f, "stack_bytes {}", self.stack_bytes)?;
+        writeln!(f, "on_map_bytes {}", self.on_map_bytes)?;
+        writeln!(f, "map_stack_bytes {}", self.map_stack_bytes)?;
         for (name, tally) in [
+            ("map_step", &self.map_step),
+            ("map_finish", &self.map_finish),
+            ("ahead", &self.ahead),
             ("ignored_frame", &self.ignored_frame),
             ("relevant_frame", &self.relevant_frame),
             ("full_step", &self.full_step),
@@ -204,6 +261,7 @@ impl fmt::Display for BudgetError {
         match self {
             Self::Drive(unusable) => write!(f, "{unusable}"),
             Self::Count(uncountable) => write!(f, "{uncountable}"),
+            Self::Map(error) => write!(f, "the map in flash: {error}"),
         }
     }
 }

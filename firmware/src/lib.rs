@@ -1,8 +1,10 @@
 //! The code that the images of several boards share. It has no estimator logic of its own.
 //!
-//! * [`exchange`]: the files that an emulated board and a host exchange; builds for every target;
+//! * [`on_map`]: the map beside the estimator; builds for every target, as do
+//! * [`exchange`]: the files that an emulated board and a host exchange;
 //! * `recorded` reads a drive from such a file, `replay` runs it through the estimator, `budget`
 //!   counts the cost with `meter`; only on emulated boards;
+//! * `map_region` is where a map lies in flash;
 //! * `alone`: the estimator and nearly nothing else, to measure what it adds to an image;
 //! * [`ending!`]: the end of an image, on a board and on a host.
 
@@ -15,7 +17,10 @@ pub mod alone;
 pub mod budget;
 pub mod exchange;
 #[cfg(target_os = "none")]
+pub mod map_region;
+#[cfg(target_os = "none")]
 pub mod meter;
+pub mod on_map;
 #[cfg(target_os = "none")]
 pub mod recorded;
 #[cfg(target_os = "none")]

@@ -1,8 +1,11 @@
 //! Runs a recorded drive through the estimator. Its files are read and written by semihosting.
 
-use crate::exchange::CELLS_FILE;
-use crate::exchange::cell;
+use crate::exchange::frame::RecordedFrame;
+use crate::exchange::{CELLS_FILE, ON_MAP_FILE, cell, on_map};
+use crate::map_region;
+use crate::on_map::OnMap;
 use crate::recorded::{Recorded, Unusable};
+use core::ffi::CStr;
 use core::fmt;
 use estimator_core::vehicle::ParameterError;
 use estimator_core::{Cell, Estimator, Step, Tuning, Uncertain};
@@ -12,6 +15,7 @@ use static_cell::StaticCell;
 
 /// Static, since it is too large for a controller's stack. Its size can be read from the image.
 static ESTIMATOR: StaticCell<Result<Estimator<f32>, ParameterError>> = StaticCell::new();
+static ON_MAP: StaticCell<OnMap<'static>> = StaticCell::new();
 
 /// Number of cells from one log of the estimate to the next.
 const CELLS_PER_KM: u32 = 400;
@@ -21,8 +25,8 @@ const CELLS_PER_KM: u32 = 400;
 pub enum ReplayError {
     /// The drive cannot be used.
     Drive(Unusable),
-    /// The cells cannot be written.
-    Write(io::Error),
+    /// A file cannot be written.
+    Write(&'static CStr, io::Error),
 }
 
 impl From<Unusable> for ReplayError {
@@ -32,10 +36,10 @@ impl From<Unusable> for ReplayError {
 }
 
 /// Feeds every frame of the recorded drive to the estimator and writes the cells to [`CELLS_FILE`].
-/// Logs the estimate each kilometre, and the events of the altitude gate.
+/// With a map in flash, writes its part of each step to [`ON_MAP_FILE`]. Logs the estimate each kilometre, and the events of the altitude gate.
 ///
 /// # Errors
-/// The drive is unusable, or the cells cannot be written.
+/// The drive is unusable, or a file cannot be written.
 ///
 /// # Panics
 /// Panics when called twice: there is one estimator.
@@ -47,8 +51,9 @@ pub fn run() -> Result<(), ReplayError> {
         .as_mut()
         .map_err(|problem| Unusable::Vehicle(*problem))?;
 
+    let mut road = Road::open()?;
     let mut cells = Cells {
-        file: File::create(CELLS_FILE).map_err(ReplayError::Write)?,
+        file: create(CELLS_FILE)?,
         count: 0,
         last_grade_percent: Uncertain::default(),
     };
@@ -62,8 +67,14 @@ pub fn run() -> Result<(), ReplayError> {
             estimator.on_frame(time, &frame);
             while let Some(step) = estimator.step() {
                 log_estimate(estimator, step);
+                if let (Some(road), Step::Moved(_)) = (&mut road, step) {
+                    road.advance(estimator)?;
+                }
                 while let Some(cell) = estimator.next_cell() {
                     cells.write(&cell)?;
+                    if let Some(road) = &mut road {
+                        road.on_map.finish(&cell);
+                    }
                 }
             }
         }
@@ -72,6 +83,9 @@ pub fn run() -> Result<(), ReplayError> {
         cells.write(&cell)?;
     }
     defmt::info!("{}", estimator.counters());
+    if let Some(road) = &road {
+        defmt::info!("{}", road.on_map.map().counters());
+    }
     let grade = cells.last_grade_percent;
     defmt::info!(
         "{} frames, {} cells, last grade {} ± {} %",
@@ -107,15 +121,49 @@ impl Cells {
         self.count += 1;
         self.last_grade_percent = cell.lagged_grade_percent;
         let record = cell::encode(cell);
-        self.file.write_all(&record).map_err(ReplayError::Write)
+        let written = self.file.write_all(&record);
+        written.map_err(|error| ReplayError::Write(CELLS_FILE, error))
     }
+}
+
+/// The map, and the writer of [`ON_MAP_FILE`].
+struct Road {
+    on_map: &'static mut OnMap<'static>,
+    file: File,
+}
+
+impl Road {
+    /// Opens the map in flash; `None` if there is none.
+    fn open() -> Result<Option<Self>, ReplayError> {
+        let Ok(map) = map_region::open() else {
+            return Ok(None);
+        };
+        defmt::info!("a map of {} bytes", map.len());
+        let on_map = ON_MAP.init_with(|| OnMap::new(map));
+        let file = create(ON_MAP_FILE)?;
+        Ok(Some(Self { on_map, file }))
+    }
+
+    fn advance(&mut self, estimator: &Estimator<f32>) -> Result<(), ReplayError> {
+        let Some(live) = estimator.live() else {
+            return Ok(());
+        };
+        self.on_map.advance(&live);
+        let record = on_map::encode::<RecordedFrame>(self.on_map, &live);
+        let written = self.file.write_all(&record);
+        written.map_err(|error| ReplayError::Write(ON_MAP_FILE, error))
+    }
+}
+
+fn create(name: &'static CStr) -> Result<File, ReplayError> {
+    File::create(name).map_err(|error| ReplayError::Write(name, error))
 }
 
 impl fmt::Display for ReplayError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Drive(unusable) => write!(f, "{unusable}"),
-            Self::Write(error) => write!(f, "{CELLS_FILE:?}: {error}"),
+            Self::Write(name, error) => write!(f, "{name:?}: {error}"),
         }
     }
 }

@@ -55,7 +55,7 @@ fn run(args: &Args) -> Result<()> {
         let problem = "no frames in it; expected a candump log";
         return Err(Error::content(&args.log, problem.to_owned()));
     }
-    let ended = replay(Some(&drive_file(&vehicle.model, &frames)));
+    let ended = replay(Some(&drive_file(&vehicle.model, &frames)), None);
     for line in &ended.log {
         println!("{line}");
     }

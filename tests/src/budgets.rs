@@ -4,6 +4,7 @@
 //! count that grows fails the check.
 
 use crate::drive::{drive, truck, truck_with_every_effect};
+use crate::drive_map::drive_map;
 use crate::emulator::{count, drive_file};
 use crate::image::{Image, build, root};
 use estimator_core::Model;
@@ -53,7 +54,7 @@ const fn figure(name: &'static str, words: &'static str, bar: Option<u32>) -> Bu
     BudgetRow { name, words, bar }
 }
 
-const FIGURES: [BudgetRow; 22] = [
+const FIGURES: [BudgetRow; 33] = [
     figure("flash_bytes", "flash of the estimator, bytes", Some(64_000)),
     figure("image_flash_bytes", "flash of its whole image", None),
     figure("estimator_bytes", "RAM of the estimator", Some(40_000)),
@@ -79,6 +80,25 @@ const FIGURES: [BudgetRow; 22] = [
     figure("cell_worst", "worst", None),
     figure("live_mean", "the live estimate", None),
     figure("live_worst", "worst", None),
+    figure(
+        "map_flash_bytes",
+        "flash of estimator and map reader",
+        Some(110_000),
+    ),
+    figure(
+        "map_ram_bytes",
+        "static RAM of the image with a map",
+        Some(52_000),
+    ),
+    figure("on_map_bytes", "RAM of what follows the map", None),
+    figure("map_stack_bytes", "deepest stack with a map", Some(4_000)),
+    figure("map_panics", "panicking functions with a map", Some(0)),
+    figure("map_step_mean", "the map's part of a cell", Some(1_500)),
+    figure("map_step_worst", "worst", None),
+    figure("map_finish_mean", "a finished cell against the map", None),
+    figure("map_finish_worst", "worst", None),
+    figure("ahead_mean", "a part of the road ahead", None),
+    figure("ahead_worst", "worst", Some(20_000)),
     figure(FULL_BUS, "full bus, millionths of 168 MHz", Some(10_000)),
 ];
 const FULL_BUS: &str = "full_bus_millionths";
@@ -120,6 +140,7 @@ pub fn committed_file() -> PathBuf {
 /// An image cannot be built or run.
 pub fn measure() -> Result<Budgets> {
     let mut budgets = Budgets::default();
+    let map = drive_map();
     let vehicles = [("", truck()), (" effects", truck_with_every_effect())];
     for board in BOARDS {
         let images = build(&root().join("firmware"), board.target, "release")?;
@@ -129,7 +150,7 @@ pub fn measure() -> Result<Budgets> {
             .map(|scalar| read_off(&images, scalar))
             .collect::<Result<_>>()?;
         for (suffix, vehicle) in &vehicles {
-            let counted = counted(&board, &images, vehicle)?;
+            let counted = counted(&board, &images, vehicle, &map)?;
             for ((scalar, mut column), linked) in counted.into_iter().zip(&linked) {
                 column.extend(linked.clone());
                 let name = format!("{} {scalar}{suffix}", board.target);
@@ -140,14 +161,30 @@ pub fn measure() -> Result<Budgets> {
     Ok(budgets)
 }
 
+/// Returns the counts of a board in its first scalar type, with another map.
+///
+/// # Errors
+/// An image cannot be built or run.
+pub fn counts_with_map(board: &BoardTarget, map: &[u8]) -> Result<BTreeMap<String, u32>> {
+    let images = build(&root().join("firmware"), board.target, "release")?;
+    let columns = counted(board, &images, &truck(), map)?;
+    Ok(columns.into_iter().next().unwrap_or_default().1)
+}
+
 /// Returns the counts of the board, by scalar type.
 fn counted(
     board: &BoardTarget,
     images: &Path,
     model: &Model,
+    map: &[u8],
 ) -> Result<Vec<(String, BudgetColumn)>> {
     let image = images.join("budget");
-    let printed = count(board.machine, &image, &drive_file(model, &drive()))?;
+    let printed = count(
+        board.machine,
+        &image,
+        &drive_file(model, &drive()),
+        Some(map),
+    )?;
     let printed = String::from_utf8_lossy(&printed);
     let mut columns: Vec<(String, BudgetColumn)> = Vec::new();
     for line in printed.lines() {
@@ -186,7 +223,18 @@ fn read_off(images: &Path, scalar: &str) -> Result<BudgetColumn> {
     for panic in &image.panics {
         eprintln!("{}: may call {panic}", alone.display());
     }
+    let with_map = images.join(format!("alone_{scalar}_map"));
+    let map_image = Image::read(&with_map)?;
+    for panic in &map_image.panics {
+        eprintln!("{}: may call {panic}", with_map.display());
+    }
     let figures = [
+        (
+            "map_flash_bytes",
+            map_image.flash_bytes - nothing.flash_bytes,
+        ),
+        ("map_ram_bytes", map_image.ram_bytes),
+        ("map_panics", map_image.panics.len() as u32),
         ("flash_bytes", image.flash_bytes - nothing.flash_bytes),
         ("image_flash_bytes", image.flash_bytes),
         ("image_ram_bytes", image.ram_bytes),

@@ -4,8 +4,11 @@ use crate::image::{root, target_folder};
 use assert_cmd::Command;
 use defmt_decoder::Table;
 use estimator_core::packed_vehicle;
-use estimator_core::{Cell, Estimator, Model, Tuning};
-use firmware::exchange::{CELLS_FILE, DRIVE_FILE, frame};
+use estimator_core::roadmap::PackedMap;
+use estimator_core::{Cell, Estimator, Model, Step, Tuning};
+use firmware::exchange::frame::RecordedFrame;
+use firmware::exchange::{CELLS_FILE, DRIVE_FILE, ON_MAP_FILE, frame, on_map};
+use firmware::on_map::OnMap;
 use host_sim::error::{Error, Result};
 use host_sim::source::can_frame::TimedFrame;
 use std::ffi::CStr;
@@ -17,6 +20,11 @@ use std::{env, fs, process};
 const TARGET: &str = "thumbv7em-none-eabihf";
 const QEMU: &str = "qemu-system-arm";
 const IMAGE: &str = "mps2_an386";
+
+/// File of the map beside the drive, and where the emulator loads it: the region `MAP` of the linker
+/// scripts.
+const MAP_FILE: &str = "map.grade";
+const MAP_ADDRESS: u32 = 0x2100_0000;
 
 /// Timeout for an image that hangs. A fault of the processor ends in a loop.
 const LONGEST_RUN: Duration = Duration::from_secs(120);
@@ -32,6 +40,8 @@ pub struct EmulatorRun {
     pub stderr: String,
     /// The file of cells, if it was written.
     pub cells: Option<Vec<u8>>,
+    /// The file of the map's part of each step, if it was written.
+    pub on_map: Option<Vec<u8>>,
 }
 
 /// Returns what this machine lacks to build and run the image; `None` if it lacks nothing.
@@ -63,20 +73,24 @@ pub fn drive_file(model: &Model, frames: &[TimedFrame]) -> Vec<u8> {
     bytes
 }
 
-/// Builds the image and runs it on the board, with `drive` or without a file of a drive.
+/// Builds the image and runs it on the board, with `drive` or without a file of a drive, and with a
+/// map in flash or without.
 ///
 /// It uses `cargo run` and the runner of `.cargo/config.toml`, as a user does.
 ///
 /// # Panics
 /// Panics if a temporary folder cannot be used or the image cannot be built.
 #[must_use]
-pub fn replay(drive: Option<&[u8]>) -> EmulatorRun {
+pub fn replay(drive: Option<&[u8]>, map: Option<&[u8]>) -> EmulatorRun {
     let folder = tempfile::tempdir().expect("a temporary folder");
     if let Some(drive) = drive {
         fs::write(inside(folder.path(), DRIVE_FILE), drive).expect("the drive can be written");
     }
     cargo("build", folder.path()).assert().success();
+    let loader = map.map(|map| loader(folder.path(), map).expect("the map can be written"));
     let output = cargo("run", folder.path())
+        .arg("--")
+        .args(loader.iter().flatten())
         .timeout(LONGEST_RUN)
         .output()
         .expect("cargo runs");
@@ -85,7 +99,16 @@ pub fn replay(drive: Option<&[u8]>) -> EmulatorRun {
         log: logged(&output.stdout),
         stderr: String::from_utf8_lossy(&output.stderr).into_owned(),
         cells: fs::read(inside(folder.path(), CELLS_FILE)).ok(),
+        on_map: fs::read(inside(folder.path(), ON_MAP_FILE)).ok(),
     }
+}
+
+/// Writes a map to a folder. Returns the options with which QEMU loads it into flash.
+fn loader(folder: &Path, map: &[u8]) -> Result<[String; 2]> {
+    let path = folder.join(MAP_FILE);
+    fs::write(&path, map).map_err(Error::io(&path))?;
+    let device = format!("loader,file={MAP_FILE},addr={MAP_ADDRESS:#x},force-raw=on");
+    Ok(["-device".to_owned(), device])
 }
 
 /// Returns the lines of a defmt log. Their text is in the image.
@@ -123,20 +146,48 @@ pub fn on_host(model: &Model, frames: &[TimedFrame]) -> Vec<Cell> {
     cells
 }
 
+/// Returns what this machine computes with a map for each step of the same drive, as the board writes
+/// it.
+///
+/// # Panics
+/// Panics if the vehicle is impossible.
+#[must_use]
+pub fn on_host_with_map(model: &Model, frames: &[TimedFrame], map: PackedMap<'_>) -> Vec<u8> {
+    let mut estimator =
+        Estimator::<f32>::new(model.clone(), Tuning::default()).expect("a vehicle that can be");
+    let mut on_map = OnMap::new(map);
+    let mut bytes = Vec::new();
+    for timed in frames {
+        estimator.on_frame(timed.time, &timed.frame);
+        while let Some(step) = estimator.step() {
+            if let (Step::Moved(_), Some(live)) = (step, estimator.live()) {
+                on_map.advance(&live);
+                bytes.extend(on_map::encode::<RecordedFrame>(&mut on_map, &live));
+            }
+            while let Some(cell) = estimator.next_cell() {
+                on_map.finish(&cell);
+            }
+        }
+    }
+    bytes
+}
+
 /// Starts an image on a machine that counts instructions (`firmware::meter`), with a file of
-/// `drive` beside it. Returns its output.
+/// `drive` beside it and, if given, a map in flash. Returns its output.
 ///
 /// # Errors
 /// QEMU cannot be started, or the image fails.
-pub fn count(machine: &str, image: &Path, drive: &[u8]) -> Result<Vec<u8>> {
+pub fn count(machine: &str, image: &Path, drive: &[u8], map: Option<&[u8]>) -> Result<Vec<u8>> {
     let folder = tempfile::tempdir().map_err(Error::io(Path::new("temporary folder")))?;
     let drive_file = inside(folder.path(), DRIVE_FILE);
     fs::write(&drive_file, drive).map_err(Error::io(&drive_file))?;
+    let loader = map.map(|map| loader(folder.path(), map)).transpose()?;
     let output = Command::new(QEMU)
         .args(["-machine", machine, "-icount", "shift=6", "-nographic"])
         .args(["-semihosting-config", "enable=on,target=native"])
         .arg("-kernel")
         .arg(image)
+        .args(loader.iter().flatten())
         .current_dir(folder.path())
         .timeout(LONGEST_RUN)
         .output()

@@ -91,7 +91,7 @@ fn names(folder: &Path) -> Result<Vec<String>> {
 
 impl Peer {
     fn run(path: &Path) -> Result<Self> {
-        let printed = count(CORTEX_M4F.machine, path, &[])?;
+        let printed = count(CORTEX_M4F.machine, path, &[], None)?;
         let (words, _) = printed.as_chunks();
         let words: Vec<u32> = words.iter().map(|word| u32::from_le_bytes(*word)).collect();
         let [instructions, _worst, stack_bytes, filter_bytes, state @ ..] = &*words else {

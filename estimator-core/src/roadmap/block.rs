@@ -2,7 +2,6 @@
 
 use super::map_error::MapError;
 use super::record::{Numbers, sized_content, sized_record};
-use libm::exp2f;
 
 /// Bytes before the points.
 pub const HEADER: usize = 22;
@@ -20,6 +19,28 @@ pub const ALTITUDE_UNITS_PER_CM: i32 = 160;
 pub const SIGMA_UNIT_PERCENT: f32 = 0.001;
 /// Codes in which the sigma doubles.
 pub const SIGMA_CODES_PER_OCTAVE: f32 = 16.0;
+
+/// Powers of two, of the sixteenths of an octave. A general power takes double precision, which a
+/// controller has to emulate.
+#[allow(clippy::excessive_precision)]
+const SIXTEENTHS: [f32; 16] = [
+    1.0,
+    1.044_273_73,
+    1.090_507_75,
+    1.138_788_58,
+    1.189_207_08,
+    1.241_857_77,
+    1.296_839_59,
+    1.354_255_56,
+    1.414_213_54,
+    1.476_826_19,
+    1.542_210_82,
+    1.610_490_32,
+    1.681_792_86,
+    1.756_252_17,
+    1.834_008_10,
+    1.915_206_55,
+];
 
 /// Altitude units of one metre.
 const ALTITUDE_UNITS_PER_M: f32 = 16_000.0;
@@ -142,6 +163,22 @@ impl<'m> Block<'m> {
     /// # Errors
     /// Returns an error if the content cannot be.
     pub fn cells(&self) -> Result<Cells<'m>, MapError> {
+        let (altitudes, grades) = self.parts()?;
+        let altitude = if self.has_altitude {
+            Some(Altitudes::read(altitudes, self.count.into())?)
+        } else {
+            None
+        };
+        Ok(Cells { grades, altitude })
+    }
+
+    /// Returns the grades of its cells: a fraction of the work for [`cells`](Self::cells).
+    pub(super) fn grades(&self) -> Result<Grades<'m>, MapError> {
+        self.parts().map(|(_, grades)| grades)
+    }
+
+    /// Returns where the altitudes begin, and the grades.
+    fn parts(&self) -> Result<(Numbers<'m>, Grades<'m>), MapError> {
         let mut numbers = self.body;
         for _ in 0..self.points {
             skip_point(&mut numbers)?;
@@ -160,26 +197,21 @@ impl<'m> Block<'m> {
             covered += usize::from(numbers.varint::<u16>()?.max(1));
         }
         let sigmas = numbers.bytes(count.div_ceil(SIGMA_CELLS))?;
-        let altitude = if self.has_altitude {
-            Some(Altitudes::read(altitudes, count)?)
-        } else {
-            None
-        };
-        Ok(Cells {
+        let grades = Grades {
             first_cell: self.first_cell,
             count,
             done: 0,
             grade: 0,
             difference: 0,
-            grades: numbers,
+            numbers,
             sigmas,
             runs: Runs {
                 runs: 0,
                 left: 0,
                 numbers: runs,
             },
-            altitude,
-        })
+        };
+        Ok((altitudes, grades))
     }
 }
 
@@ -243,17 +275,47 @@ fn skip_point(numbers: &mut Numbers<'_>) -> Result<(u16, i32, i32), MapError> {
     Ok((numbers.varint()?, numbers.varint()?, numbers.varint()?))
 }
 
-/// Cells of a block. Ends early where the content cannot be.
+/// Grade of a cell.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CellGrade {
+    /// Number of the cell.
+    pub(super) cell: i32,
+    /// Grade, in the unit of the file.
+    units: i32,
+    sigma_code: u8,
+    /// Number of runs.
+    pub(super) runs: u32,
+}
+
+impl CellGrade {
+    /// Returns the grade, %.
+    pub(super) fn grade_percent(&self) -> f32 {
+        self.units as f32 / GRADE_UNITS_PER_PERCENT
+    }
+
+    /// Returns its standard deviation, %.
+    pub(super) fn sigma_percent(&self) -> f32 {
+        SIGMA_UNIT_PERCENT * power_of_two(self.sigma_code)
+    }
+}
+
+/// Grades of the cells of a block. Ends early where the content cannot be.
 #[derive(Clone, Debug)]
-pub struct Cells<'m> {
+pub(super) struct Grades<'m> {
     first_cell: i32,
     count: usize,
     done: usize,
     grade: i32,
     difference: i32,
-    grades: Numbers<'m>,
+    numbers: Numbers<'m>,
     sigmas: &'m [u8],
     runs: Runs<'m>,
+}
+
+/// Cells of a block. Ends early where the content cannot be.
+#[derive(Clone, Debug)]
+pub struct Cells<'m> {
+    grades: Grades<'m>,
     altitude: Option<Altitudes<'m>>,
 }
 
@@ -261,33 +323,45 @@ impl Iterator for Cells<'_> {
     type Item = MapCell;
 
     fn next(&mut self) -> Option<MapCell> {
-        if self.done >= self.count {
-            return None;
-        }
-        let before = self.grade;
-        self.advance_grade()?;
-        let index = self.done;
-        self.done += 1;
-        let climb = before.checked_add(self.grade)?;
+        let (index, before) = (self.grades.done, self.grades.grade);
+        let grade = self.grades.next()?;
+        let climb = before.checked_add(grade.units)?;
         let altitude_m = match &mut self.altitude {
             Some(altitude) => Some(altitude.at(index, climb)?),
             None => None,
         };
-        let code = *self.sigmas.get(index / SIGMA_CELLS)?;
         Some(MapCell {
-            cell: self.first_cell.checked_add(i32::try_from(index).ok()?)?,
-            grade_percent: self.grade as f32 / GRADE_UNITS_PER_PERCENT,
-            grade_sigma_percent: SIGMA_UNIT_PERCENT
-                * exp2f(f32::from(code) / SIGMA_CODES_PER_OCTAVE),
+            cell: grade.cell,
+            grade_percent: grade.grade_percent(),
+            grade_sigma_percent: grade.sigma_percent(),
             altitude_m,
+            runs: grade.runs,
+        })
+    }
+}
+
+impl Iterator for Grades<'_> {
+    type Item = CellGrade;
+
+    fn next(&mut self) -> Option<CellGrade> {
+        if self.done >= self.count {
+            return None;
+        }
+        self.advance()?;
+        let index = self.done;
+        self.done += 1;
+        Some(CellGrade {
+            cell: self.first_cell.checked_add(i32::try_from(index).ok()?)?,
+            units: self.grade,
+            sigma_code: *self.sigmas.get(index / SIGMA_CELLS)?,
             runs: self.runs.next()?,
         })
     }
 }
 
-impl Cells<'_> {
-    fn advance_grade(&mut self) -> Option<()> {
-        let number: i32 = self.grades.varint().ok()?;
+impl Grades<'_> {
+    fn advance(&mut self) -> Option<()> {
+        let number: i32 = self.numbers.varint().ok()?;
         match self.done {
             0 => self.grade = number,
             _ => {
@@ -361,10 +435,30 @@ impl<'m> Altitudes<'m> {
             }
             let length = ALTITUDE_CELLS.min(self.count - (index - in_stretch));
             self.climbed = self.climbed.checked_add(climb)?;
-            let part = i64::from(self.correction) * i64::try_from(in_stretch + 1).ok()?;
-            let part = part.div_euclid(i64::try_from(length).ok()?);
-            altitude = self.climbed.checked_add(i32::try_from(part).ok()?)?;
+            let part = i32::try_from(in_stretch + 1).ok()?;
+            let part = self.correction.checked_mul(part)?;
+            let part = part.checked_div_euclid(i32::try_from(length).ok()?)?;
+            altitude = self.climbed.checked_add(part)?;
         }
         Some(altitude as f32 / ALTITUDE_UNITS_PER_M)
+    }
+}
+
+/// Returns 2 to the power of a sixteenth of the code.
+fn power_of_two(code: u8) -> f32 {
+    let octaves = 1_u32 << (code / 16);
+    SIXTEENTHS[usize::from(code % 16)] * octaves as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{SIGMA_CODES_PER_OCTAVE, power_of_two};
+
+    #[test]
+    fn a_power_of_two_is_that_of_the_library() {
+        for code in 0..=u8::MAX {
+            let expected = libm::exp2f(f32::from(code) / SIGMA_CODES_PER_OCTAVE);
+            assert_eq!(power_of_two(code), expected, "{code}");
+        }
     }
 }

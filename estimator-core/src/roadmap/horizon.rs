@@ -46,6 +46,8 @@ pub struct Horizon<'m> {
     sigma_m: f32,
     length_m: f32,
     branches: Vec<Branch, MOST_BRANCHES>,
+    /// What leaves the first branch: where, and with which probability.
+    forks: Vec<(Stretch, f32), MOST_BRANCHES>,
 }
 
 /// A place ahead.
@@ -57,39 +59,72 @@ pub struct HorizonPoint {
     pub grade_percent: Option<Uncertain>,
 }
 
+/// Reads the grades of a branch, one after the other.
+#[derive(Clone, Debug)]
+pub(super) struct GradeReader<'m> {
+    step_m: f32,
+    /// Number of the next point, and that behind the last one.
+    next: u32,
+    end: u32,
+    stretches_begun: usize,
+    here: Option<(Stretch, Option<Profile<'m>>)>,
+}
+
 impl<'m> Horizon<'m> {
     /// Returns the paths ahead of a place. The first one is the most probable.
     ///
     /// # Errors
     /// Returns an error if the map is damaged here.
     pub fn new(map: PackedMap<'m>, place: &MapPlace, length_m: f32) -> Result<Self, MapError> {
-        let mut horizon = Self {
-            map,
-            sigma_m: place.sigma_m,
-            length_m,
-            branches: Vec::new(),
-        };
+        let mut horizon = Self::begin(map, place, length_m);
+        while horizon.extend()? {}
+        Ok(horizon)
+    }
+
+    /// Begins at a place. [`extend`](Self::extend) then follows the paths.
+    pub(super) fn begin(map: PackedMap<'m>, place: &MapPlace, length_m: f32) -> Self {
         let start = Stretch {
             block: place.block,
             cell: place.cell,
             from_m: 0.0,
         };
-        let mut forks: Vec<(Stretch, f32), MOST_BRANCHES> = Vec::new();
-        let first = horizon.path(start, 0.0, place.probability, |stretch, probability| {
-            let _ = forks.push((stretch, probability));
-        })?;
-        let _ = horizon.branches.push(first);
-        for (stretch, probability) in forks {
-            let branch = horizon.path(stretch, stretch.from_m, probability, |_, _| {})?;
-            let _ = horizon.branches.push(branch);
+        let mut horizon = Self {
+            map,
+            sigma_m: place.sigma_m,
+            length_m,
+            branches: Vec::new(),
+            forks: Vec::new(),
+        };
+        horizon.begin_branch(start, place.probability);
+        horizon
+    }
+
+    /// Follows a path to the end of a way: the work of a step is bounded. Returns false when all
+    /// paths are followed.
+    ///
+    /// # Errors
+    /// Returns an error if the map is damaged here.
+    pub(super) fn extend(&mut self) -> Result<bool, MapError> {
+        if self.follow()? {
+            return Ok(true);
         }
-        Ok(horizon)
+        let Some((stretch, probability)) = self.forks.get(self.branches.len().saturating_sub(1))
+        else {
+            return Ok(false);
+        };
+        let (stretch, probability) = (*stretch, *probability);
+        Ok(self.begin_branch(stretch, probability))
     }
 
     /// Returns the branches.
     #[must_use]
     pub fn branches(&self) -> &[Branch] {
         &self.branches
+    }
+
+    /// Returns the length, m.
+    pub(super) const fn length_m(&self) -> f32 {
+        self.length_m
     }
 
     /// Returns the grades of a branch, every `step_m` metres of distance from the vehicle, from where
@@ -99,97 +134,146 @@ impl<'m> Horizon<'m> {
         branch: &'h Branch,
         step_m: f32,
     ) -> impl Iterator<Item = HorizonPoint> + use<'h, 'm> {
-        let first = libm::ceilf(branch.from_m / step_m) as u32;
-        let last = libm::floorf(self.length_m / step_m) as u32;
-        let mut stretches = branch.stretches.iter().peekable();
-        let mut here: Option<(Stretch, Option<Profile<'m>>)> = None;
-        (first..=last).map(move |number| {
-            let ahead_m = number as f32 * step_m;
-            while let Some(next) = stretches.next_if(|next| next.from_m <= ahead_m) {
-                here = Some((*next, Profile::new(self.map, next.block, next.cell)));
-            }
-            let grade_percent = here.as_mut().and_then(|(stretch, profile)| {
-                let profile = profile.as_mut()?;
-                let cell = stretch.cell + (ahead_m - stretch.from_m) / CELL_LENGTH_M;
-                profile
-                    .seek(cell)
-                    .then(|| profile.grade_percent(cell, self.sigma_m))
-                    .flatten()
-            });
-            HorizonPoint {
-                ahead_m,
-                grade_percent,
-            }
+        let mut reader = self.reader(branch, step_m);
+        core::iter::from_fn(move || self.next_point(branch, &mut reader))
+    }
+
+    /// Returns a reader of the grades of a branch, every `step_m` metres.
+    pub(super) fn reader(&self, branch: &Branch, step_m: f32) -> GradeReader<'m> {
+        GradeReader {
+            step_m,
+            next: libm::ceilf(branch.from_m / step_m) as u32,
+            end: libm::floorf(self.length_m / step_m) as u32 + 1,
+            stretches_begun: 0,
+            here: None,
+        }
+    }
+
+    /// Reads the next point of a branch; `None` behind the last one.
+    pub(super) fn next_point(
+        &self,
+        branch: &Branch,
+        reader: &mut GradeReader<'m>,
+    ) -> Option<HorizonPoint> {
+        if reader.next >= reader.end {
+            return None;
+        }
+        let ahead_m = reader.next as f32 * reader.step_m;
+        reader.next += 1;
+        let behind = branch.stretches.iter().skip(reader.stretches_begun);
+        let begun = behind.take_while(|stretch| stretch.from_m <= ahead_m);
+        let (count, newest) = begun.fold((0, None), |(count, _), begun| (count + 1, Some(*begun)));
+        reader.stretches_begun += count;
+        if let Some(stretch) = newest {
+            let profile = Profile::new(self.map, stretch.block, stretch.cell);
+            reader.here = Some((stretch, profile));
+        }
+        let grade_percent = reader.here.as_mut().and_then(|(stretch, profile)| {
+            let profile = profile.as_mut()?;
+            let cell = stretch.cell + (ahead_m - stretch.from_m) / CELL_LENGTH_M;
+            profile
+                .seek(cell)
+                .then(|| profile.grade_percent(cell, self.sigma_m))
+                .flatten()
+        });
+        Some(HorizonPoint {
+            ahead_m,
+            grade_percent,
         })
     }
 
-    /// Follows the most probable path from a place. Calls `fork` with what leaves it.
-    fn path(
-        &self,
-        start: Stretch,
-        from_m: f32,
-        probability: f32,
-        mut fork: impl FnMut(Stretch, f32),
-    ) -> Result<Branch, MapError> {
-        let mut branch = Branch {
-            from_m,
+    /// Begins a branch. Returns false if there are as many as there can be.
+    fn begin_branch(&mut self, stretch: Stretch, probability: f32) -> bool {
+        let mut stretches = Vec::new();
+        let _ = stretches.push(stretch);
+        let branch = Branch {
+            from_m: stretch.from_m,
             probability,
-            stretches: Vec::new(),
+            stretches,
         };
-        let mut here = start;
-        let mut left = probability;
-        while branch.stretches.push(here).is_ok() {
-            let way = self.map.way(self.map.block(here.block)?.way)?;
-            let ahead_m = |cell: i32| here.from_m + (cell as f32 - here.cell) * CELL_LENGTH_M;
-            let mut best: Option<(Join, f32)> = None;
-            let mut at_end: Vec<(Join, f32), MOST_BRANCHES> = Vec::new();
-            for join in self.map.joins_from(&way, here.cell) {
-                let join = join?;
-                let join_m = ahead_m(join.at_cell);
-                if join_m > self.length_m {
-                    break;
-                }
-                if join.at_cell < way.last_cell - AT_END_CELLS {
-                    fork(stretch(&join, join_m), left * (1.0 - STAYS));
-                    left *= STAYS;
-                    continue;
-                }
-                let cosine = self.cosine(&way, here.block, &join).unwrap_or(-1.0);
-                let _ = at_end.push((join, cosine));
-                if best.is_none_or(|(_, most)| cosine > most) {
-                    best = Some((join, cosine));
-                }
+        self.branches.push(branch).is_ok()
+    }
+
+    /// Follows the newest branch along its way, to the most probable way behind it. Notes what leaves
+    /// the first branch. Returns false if the branch ends.
+    fn follow(&mut self) -> Result<bool, MapError> {
+        let is_first = self.branches.len() == 1;
+        let Some((here, mut left)) = self.branches.last().and_then(|branch| {
+            let here = branch.stretches.last()?;
+            Some((*here, branch.probability))
+        }) else {
+            return Ok(false);
+        };
+        let way = self.map.way(self.map.block(here.block)?.way)?;
+        let ahead_m = |cell: i32| here.from_m + (cell as f32 - here.cell) * CELL_LENGTH_M;
+        let mut at_end: Vec<Join, MOST_BRANCHES> = Vec::new();
+        let mut fork = |join: &Join, probability: f32| {
+            if is_first {
+                let fork = stretch(join, ahead_m(join.at_cell));
+                let _ = self.forks.push((fork, probability));
             }
-            let Some((straight, _)) = best else { break };
-            let others = at_end.iter().filter(|(join, _)| *join != straight);
+        };
+        for join in self.map.joins_from(&way, here.cell) {
+            let join = join?;
+            if ahead_m(join.at_cell) > self.length_m {
+                break;
+            }
+            if join.at_cell < way.last_cell - AT_END_CELLS {
+                fork(&join, left * (1.0 - STAYS));
+                left *= STAYS;
+            } else {
+                let _ = at_end.push(join);
+            }
+        }
+        let straight = straightest(&self.map, &way, here.block, &at_end);
+        if let Some(straight) = straight {
+            let others = at_end.iter().filter(|join| **join != straight);
             let count = others.clone().count() as f32;
-            for (join, _) in others {
-                fork(
-                    stretch(join, ahead_m(join.at_cell)),
-                    left * (1.0 - STAYS) / count,
-                );
+            for join in others {
+                fork(join, left * (1.0 - STAYS) / count);
             }
             if count > 0.0 {
                 left *= STAYS;
             }
-            here = stretch(&straight, ahead_m(straight.at_cell));
-            if here.from_m > self.length_m {
-                break;
-            }
         }
+        let next = straight.map(|join| stretch(&join, ahead_m(join.at_cell)));
+        let Some(branch) = self.branches.last_mut() else {
+            return Ok(false);
+        };
         branch.probability = left;
-        Ok(branch)
+        Ok(next.is_some_and(|next| branch.stretches.push(next).is_ok()))
     }
+}
 
-    /// Returns the cosine of the turn at a join at the end of a way, which is driven in a block near
-    /// its end.
-    fn cosine(&self, way: &MapWay<'m>, block: u32, join: &Join) -> Option<f32> {
-        let last = self.map.blocks_from(way, block).last()?.ok()?;
-        let entered = self.map.block(join.to_block).ok()?;
-        let out = Lines::of(&last)?.last()?;
-        let on = Lines::of(&entered)?.next()?;
-        Some(dot(out.direction, on.direction))
+/// Returns the join that leads straight on, of those at the end of a way. The way is driven in a
+/// block near its end.
+fn straightest(map: &PackedMap<'_>, way: &MapWay<'_>, block: u32, joins: &[Join]) -> Option<Join> {
+    let [first, others @ ..] = joins else {
+        return None;
+    };
+    if others.is_empty() {
+        return Some(*first);
     }
+    let out = end_direction(map, way, block);
+    let cosine = |join: &Join| {
+        let entered = map.block(join.to_block).ok()?;
+        let on = Lines::of(&entered)?.next()?;
+        Some(dot(out?, on.direction))
+    };
+    let mut best = (*first, cosine(first).unwrap_or(-1.0));
+    for join in others {
+        let cosine = cosine(join).unwrap_or(-1.0);
+        if cosine > best.1 {
+            best = (*join, cosine);
+        }
+    }
+    Some(best.0)
+}
+
+/// Returns the direction in which a way ends.
+fn end_direction(map: &PackedMap<'_>, way: &MapWay<'_>, block: u32) -> Option<[f32; 2]> {
+    let last = map.blocks_from(way, block).last()?.ok()?;
+    Some(Lines::of(&last)?.last()?.direction)
 }
 
 /// Returns the stretch that a join leads to.

@@ -70,6 +70,25 @@ impl<'m> MapLive<'m> {
         self.combined_percent
     }
 
+    /// Returns the live estimate with the combined grade in place of its own, where there is one.
+    #[must_use]
+    pub fn applied(&self, live: &Live) -> Live {
+        let mut live = *live;
+        if let Some(combined) = self.combined_percent {
+            live.estimate.grade_percent = combined;
+        }
+        live
+    }
+
+    /// Returns the place on the map; `None` where it is not known or the map is left out.
+    #[must_use]
+    pub fn trusted_place(&self) -> Option<MapPlace> {
+        match self.matcher.place() {
+            MapMatch::On(place) if !self.is_left_out() => Some(place),
+            _ => None,
+        }
+    }
+
     /// Returns the grade of the map where the vehicle is, %, with the error of the place.
     #[must_use]
     pub const fn map_grade_percent(&self) -> Option<Uncertain> {
@@ -106,13 +125,12 @@ impl<'m> MapLive<'m> {
     fn grade_at(&mut self, place: &MapPlace) -> Option<Uncertain> {
         let follows =
             |profile: &Profile<'m>| profile.way() == place.way && profile.is_before(place.cell);
-        let mut profile = match self.profile.take().filter(follows) {
-            Some(profile) => profile,
-            None => Profile::new(*self.matcher.map(), place.block, place.cell)?,
-        };
-        let is_on = profile.seek(place.cell);
-        let profile = self.profile.insert(profile);
-        is_on
+        if !self.profile.as_ref().is_some_and(follows) {
+            self.profile = Profile::new(*self.matcher.map(), place.block, place.cell);
+        }
+        let profile = self.profile.as_mut()?;
+        profile
+            .seek(place.cell)
             .then(|| profile.grade_percent(place.cell, place.sigma_m))
             .flatten()
     }

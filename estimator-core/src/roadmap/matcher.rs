@@ -214,6 +214,9 @@ impl<'m> Matcher<'m> {
 
     /// Returns the probability of a hypothesis among all.
     fn probability(&self, path: &Path<'m>) -> f32 {
+        if self.paths.len() == 1 {
+            return 1.0;
+        }
         let weight = |other: &Path<'m>| {
             expf((0.5 * INDEPENDENT * (path.misfit - other.misfit)).clamp(-80.0, 80.0))
         };
@@ -239,8 +242,9 @@ impl<'m> Matcher<'m> {
             });
             moved == Moved::On
         });
-        for fork in forks {
-            self.add(fork);
+        // By reference: the iterator of the vector itself can panic, as far as the compiler knows.
+        for fork in &forks {
+            self.add(fork.clone());
         }
     }
 
@@ -310,15 +314,15 @@ impl<'m> Matcher<'m> {
     /// Drops hypotheses that have come to the place of a better one.
     fn merge(&mut self) {
         let mut kept: Vec<Path<'m>, MOST_PATHS> = Vec::new();
-        for path in core::mem::take(&mut self.paths) {
+        for path in &self.paths {
             match kept
                 .iter_mut()
-                .find(|known| known.is_at(&path, 0.5 * SAME_CELLS))
+                .find(|known| known.is_at(path, 0.5 * SAME_CELLS))
             {
-                Some(known) if path.misfit < known.misfit => *known = path,
+                Some(known) if path.misfit < known.misfit => *known = path.clone(),
                 Some(_) => {}
                 None => {
-                    let _ = kept.push(path);
+                    let _ = kept.push(path.clone());
                 }
             }
         }
@@ -363,6 +367,10 @@ impl<'m> Matcher<'m> {
                     }
                 }
             };
+            if self.paths.iter().any(|path| path.block.offset == offset) {
+                // The hypothesis there is followed.
+                continue;
+            }
             let Ok(block) = self.map.block(offset) else {
                 continue;
             };

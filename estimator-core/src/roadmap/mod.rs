@@ -29,6 +29,7 @@ mod along;
 mod block;
 mod combination;
 mod horizon;
+mod horizon_parts;
 mod joins;
 mod map_error;
 mod map_judge;
@@ -47,6 +48,9 @@ mod tile_index;
 pub use block::{Block, Cells, MapCell, MapPoint, Points};
 pub use combination::{RoadGrade, combined_with_roads};
 pub use horizon::{Branch, Horizon, HorizonPoint, MOST_BRANCHES};
+pub use horizon_parts::{
+    HorizonPart, HorizonParts, NextGrade, NumberedPart, PART_GRADES, PART_LENGTH_M, PART_STEP_M,
+};
 pub use joins::{Join, Joins};
 pub use map_error::MapError;
 pub use map_judge::MapCounters;

@@ -1,18 +1,29 @@
 //! East and north of a place, m, and the lines of a plan view.
 
 use super::block::{Block, MapPoint, Points};
-use libm::{cosf, sqrtf};
+use crate::angle::cos_deg;
+use libm::sqrtf;
 
 /// Length of 10⁻⁷ degrees of latitude, m.
 const METRES_PER_E7: f32 = 0.011_12;
-/// 10⁻⁷ degrees in radians.
-const RADIANS_PER_E7: f32 = 1.745_329_3e-9;
+/// 10⁻⁷ degrees in degrees.
+const DEGREES_PER_E7: f32 = 1e-7;
 /// A turn, 10⁻⁷ degrees.
 const TURN_E7: i64 = 3_600_000_000;
 
 /// Returns the distance east and north from one place to another, m. Both are 10⁻⁷ degrees of
 /// latitude and longitude, and near each other.
 pub(super) fn metres_between(from: (i32, i32), to: (i32, i32)) -> [f32; 2] {
+    metres_from(from, cosine_at(from), to)
+}
+
+/// Returns the cosine of the latitude of a place.
+fn cosine_at(place: (i32, i32)) -> f32 {
+    cos_deg(place.0 as f32 * DEGREES_PER_E7)
+}
+
+/// Returns the same as [`metres_between`], with the cosine of the latitude of the first place.
+fn metres_from(from: (i32, i32), cosine: f32, to: (i32, i32)) -> [f32; 2] {
     let mut east = i64::from(to.1) - i64::from(from.1);
     if east > TURN_E7 / 2 {
         east -= TURN_E7;
@@ -20,7 +31,6 @@ pub(super) fn metres_between(from: (i32, i32), to: (i32, i32)) -> [f32; 2] {
         east += TURN_E7;
     }
     let north = (i64::from(to.0) - i64::from(from.0)) as f32 * METRES_PER_E7;
-    let cosine = cosf(from.0 as f32 * RADIANS_PER_E7);
     [east as f32 * METRES_PER_E7 * cosine, north]
 }
 
@@ -100,6 +110,8 @@ impl Line {
 pub(super) struct Lines<'m> {
     first_cell: i32,
     origin: (i32, i32),
+    /// Cosine of the latitude of the origin.
+    cosine: f32,
     points: Points<'m>,
     from: (f32, [f32; 2]),
 }
@@ -111,6 +123,7 @@ impl<'m> Lines<'m> {
         Some(Self {
             first_cell: block.first_cell,
             origin,
+            cosine: cosine_at(origin),
             points,
             from: (0.0, [0.0; 2]),
         })
@@ -118,7 +131,7 @@ impl<'m> Lines<'m> {
 
     /// Returns a position as m from the first cell of the block.
     pub(super) fn metres(&self, position_e7: (i32, i32)) -> [f32; 2] {
-        metres_between(self.origin, position_e7)
+        metres_from(self.origin, self.cosine, position_e7)
     }
 }
 
@@ -129,7 +142,7 @@ impl Iterator for Lines<'_> {
         loop {
             let point = self.points.next()?;
             let (from_cells, from_m) = self.from;
-            let to_m = metres_between(self.origin, place(&point));
+            let to_m = metres_from(self.origin, self.cosine, place(&point));
             let to_cells = (point.cell - self.first_cell) as f32;
             self.from = (to_cells, to_m);
             let chord_m = [to_m[0] - from_m[0], to_m[1] - from_m[1]];

@@ -1,6 +1,6 @@
 //! The grade profile of a way from a place on.
 
-use super::block::{Block, Cells, MapCell};
+use super::block::{Block, CellGrade, Grades};
 use super::packed_map::PackedMap;
 use crate::cell::{CELL_LENGTH_M, Uncertain};
 use libm::sqrtf;
@@ -11,9 +11,9 @@ pub(super) struct Profile<'m> {
     map: PackedMap<'m>,
     block: Block<'m>,
     blocks_end: u32,
-    cells: Cells<'m>,
-    before: MapCell,
-    here: MapCell,
+    grades: Grades<'m>,
+    before: CellGrade,
+    here: CellGrade,
 }
 
 impl<'m> Profile<'m> {
@@ -21,13 +21,13 @@ impl<'m> Profile<'m> {
     pub(super) fn new(map: PackedMap<'m>, block: u32, cell: f32) -> Option<Self> {
         let block = map.block(block).ok()?;
         let blocks_end = map.way(block.way).ok()?.blocks_end;
-        let mut cells = block.cells().ok()?;
-        let here = cells.next()?;
+        let mut grades = block.grades().ok()?;
+        let here = grades.next()?;
         let mut profile = Self {
             map,
             block,
             blocks_end,
-            cells,
+            grades,
             before: here,
             here,
         };
@@ -56,18 +56,18 @@ impl<'m> Profile<'m> {
 
     /// Returns the standard deviation of the grade of the last cell, %, without the error of the place,
     /// and its number of runs.
-    pub(super) const fn own_sigma(&self) -> (f32, u32) {
-        (self.here.grade_sigma_percent, self.here.runs)
+    pub(super) fn own_sigma(&self) -> (f32, u32) {
+        (self.here.sigma_percent(), self.here.runs)
     }
 
     fn step(&mut self) -> bool {
-        let next = self.cells.next().or_else(|| {
+        let next = self.grades.next().or_else(|| {
             if self.block.next >= self.blocks_end {
                 return None;
             }
             self.block = self.map.block(self.block.next).ok()?;
-            self.cells = self.block.cells().ok()?;
-            self.cells.next()
+            self.grades = self.block.grades().ok()?;
+            self.grades.next()
         });
         match next {
             Some(next) => {
@@ -92,11 +92,11 @@ impl<'m> Profile<'m> {
         if cells > 1 || !(-0.5..=1.5).contains(&part) {
             return None;
         }
-        let change = b.grade_percent - a.grade_percent;
+        let change = b.grade_percent() - a.grade_percent();
         let moved = change * sigma_m / CELL_LENGTH_M;
-        let sigma = b.grade_sigma_percent;
+        let sigma = b.sigma_percent();
         Some(Uncertain {
-            value: a.grade_percent + part * change,
+            value: a.grade_percent() + part * change,
             sigma: sqrtf(sigma * sigma + moved * moved),
         })
     }

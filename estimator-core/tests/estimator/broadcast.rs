@@ -20,7 +20,7 @@ fn layout(pgn: u32) -> Message {
 }
 
 /// A signal by its name; `None` if its bits are all ones.
-fn read(frame: &TestFrame, pgn: u32, name: &str) -> Option<f64> {
+pub fn read(frame: &TestFrame, pgn: u32, name: &str) -> Option<f64> {
     let message = layout(pgn);
     let Id::Extended(id) = frame.id() else {
         panic!("a J1939 identifier has 29 bits");
@@ -34,7 +34,7 @@ fn read(frame: &TestFrame, pgn: u32, name: &str) -> Option<f64> {
     (raw != mask).then_some(value)
 }
 
-fn uncertain(value: f32, sigma: f32) -> Uncertain {
+pub fn uncertain(value: f32, sigma: f32) -> Uncertain {
     Uncertain { value, sigma }
 }
 
@@ -54,7 +54,7 @@ fn live(grade: f32, sigma: f32, bias: f32, scale: f32, condition: Condition) -> 
     }
 }
 
-fn near(read: Option<f64>, wanted: f32, step: f64) -> bool {
+pub fn near(read: Option<f64>, wanted: f32, step: f64) -> bool {
     read.is_some_and(|read| (read - f64::from(wanted)).abs() <= 0.51 * step)
 }
 

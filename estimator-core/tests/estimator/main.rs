@@ -1,6 +1,7 @@
 //! The facade: frames in, cells and frames out.
 
 mod accelerometers;
+mod ahead;
 mod broadcast;
 mod engine_configuration;
 mod facade;

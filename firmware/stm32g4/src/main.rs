@@ -8,7 +8,8 @@
 //!
 //! An interrupt puts the frames of the controllers into a queue ([`bus`]). The estimator reads them
 //! in thread mode ([`work`]). It sends its estimate ten times a second, and stores the persistent
-//! state in flash when the vehicle stands ([`store`]). The watchdog resets the board if a turn of
+//! state in flash when the vehicle stands ([`store`]). With a map in flash, the
+//! estimate is combined with it, and the road ahead is sent as PCC1 and as a profile. The watchdog resets the board if a turn of
 //! this loop takes more than half a second.
 
 #![no_std]
@@ -70,6 +71,7 @@ async fn main(_spawner: Spawner) {
     let watchdog = IndependentWatchdog::new(p.IWDG, WATCHDOG_US);
     let mut store = store::FlashStore::new(p.FLASH);
     let estimator = work::estimator(&mut store).await;
+    let on_map = work::on_map();
 
     let (sender, receiver) = inbox::open();
     interrupt::UART4.set_priority(Priority::P6);
@@ -91,7 +93,16 @@ async fn main(_spawner: Spawner) {
         receiving.spawn(defmt::unwrap!(gnss::receive(defmt::unwrap!(line), sender)));
     }
 
-    work::run(estimator, receiver, outgoing, vehicle_bus, store, watchdog).await
+    work::run(
+        estimator,
+        on_map,
+        receiver,
+        outgoing,
+        vehicle_bus,
+        store,
+        watchdog,
+    )
+    .await
 }
 
 /// Returns a clock of 170 MHz from the crystal of the board. The internal oscillator is not

@@ -6,7 +6,8 @@
 //! | 0x7_D000 | 12 KB  | the persistent state, written in turns to all pages for even wear        |
 //!
 //! The data are in the second bank of the flash and the image is in the first, so that the image
-//! runs while a page is erased.
+//! runs while a page is erased. A map before the data is read between two erasures: the loop that
+//! reads it waits for them.
 
 use embassy_embedded_hal::adapter::BlockingAsync;
 use embassy_stm32::Peri;

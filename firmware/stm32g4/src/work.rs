@@ -8,6 +8,8 @@ use embassy_stm32::peripherals::IWDG;
 use embassy_stm32::wdg::IndependentWatchdog;
 use embassy_time::{Duration, Ticker, with_timeout};
 use estimator_core::{Cell, Disagreement, Estimator, Live, Step, Tuning, broadcast};
+use firmware::map_region;
+use firmware::on_map::OnMap;
 use static_cell::StaticCell;
 
 /// J1939 source address of this controller: free for any use on the vehicle.
@@ -25,6 +27,7 @@ const WORTH_CELLS: u32 = 400;
 
 /// Static, since it is too large for a stack. Its size can be read from the image.
 static ESTIMATOR: StaticCell<Estimator<f32>> = StaticCell::new();
+static ON_MAP: StaticCell<OnMap<'static>> = StaticCell::new();
 
 /// Creates the estimator of the flashed vehicle, with the persistent state of the last drive.
 /// Returns `None` and logs the reason if there is no possible vehicle.
@@ -52,9 +55,25 @@ pub async fn estimator(store: &mut FlashStore) -> Option<&'static mut Estimator<
     }
 }
 
+/// Opens the flashed map. Returns `None` and logs the reason if there is none.
+pub fn on_map() -> Option<&'static mut OnMap<'static>> {
+    match map_region::open() {
+        Ok(map) => {
+            defmt::info!("a map of {} bytes", map.len());
+            Some(ON_MAP.init_with(|| OnMap::new(map)))
+        }
+        Err(error) => {
+            let error = defmt::Display2Format(&error);
+            defmt::info!("no map is flashed ({}): the road ahead is not told", error);
+            None
+        }
+    }
+}
+
 /// Runs the loop, forever.
 pub async fn run(
     mut estimator: Option<&'static mut Estimator<f32>>,
+    mut on_map: Option<&'static mut OnMap<'static>>,
     mut inbox: InboxReceiver,
     mut sender: CanTx<'static>,
     bus: Properties,
@@ -71,8 +90,11 @@ pub async fn run(
         let woken = select(ticker.next(), inbox.arrived()).await;
         while let Some(input) = inbox.take() {
             if let Some(estimator) = estimator.as_deref_mut() {
-                take(estimator, &input);
+                take(estimator, on_map.as_deref_mut(), &input);
                 while let Some(cell) = estimator.next_cell() {
+                    if let Some(on_map) = on_map.as_deref_mut() {
+                        on_map.finish(&cell);
+                    }
                     send(&mut sender, broadcast::cell(&cell, SOURCE)).await;
                     newest = Some(cell);
                 }
@@ -83,7 +105,17 @@ pub async fn run(
         }
         watchdog.pet();
         let live = estimator.as_deref().and_then(Estimator::live);
+        let live = match (&on_map, live) {
+            (Some(on_map), Some(live)) => Some(on_map.map().applied(&live)),
+            (_, live) => live,
+        };
         send(&mut sender, broadcast::live(live.as_ref(), SOURCE)).await;
+        if let (Some(on_map), Some(live)) = (on_map.as_deref_mut(), &live) {
+            send(&mut sender, on_map.pcc1(live, SOURCE)).await;
+            for frame in on_map.ahead_frames(live, SOURCE) {
+                send(&mut sender, Some(frame)).await;
+            }
+        }
         if status.is_due(live.as_ref(), newest.as_ref()) {
             let suspect = estimator
                 .as_deref()
@@ -102,18 +134,29 @@ pub async fn run(
             let stored = store.save(&state).await;
             defmt::info!("state saved: {}, bus {}", stored, bus.bus_error_mode());
             defmt::info!("{}", estimator.counters());
+            if let Some(on_map) = on_map.as_deref() {
+                defmt::info!("{}", on_map.map().counters());
+            }
         }
     }
 }
 
-fn take(estimator: &mut Estimator<f32>, input: &InboxItem) {
+fn take(
+    estimator: &mut Estimator<f32>,
+    mut on_map: Option<&mut OnMap<'static>>,
+    input: &InboxItem,
+) {
     match input {
         InboxItem::Frame(time, frame) => estimator.on_frame(*time, frame),
         InboxItem::Reading(time, reading) => estimator.on_reading(*time, *reading),
     };
     while let Some(step) = estimator.step() {
-        if let Step::Moved(Some(event)) = step {
+        let Step::Moved(event) = step else { continue };
+        if let Some(event) = event {
             defmt::info!("{}", event);
+        }
+        if let (Some(on_map), Some(live)) = (on_map.as_deref_mut(), estimator.live()) {
+            on_map.advance(&live);
         }
     }
 }

@@ -8,6 +8,7 @@ use crate::files::output::Staged;
 use crate::files::run::Origin;
 use crate::files::vehicle::VehicleFile;
 use crate::live::{EndedDrive, ListenRequest, Listening};
+use crate::map::open_packed_map;
 use crate::recorder::{self, LongRun, RunSummary};
 use crate::terminal::print::{alert, note, print};
 use serde_json::json;
@@ -29,7 +30,9 @@ The kernel filters and time-stamps the frames. It passes only the messages that 
 
 --log-time belongs to `roadgrade replay --log-time`. Frames then have the time stamps of the replayed log. At any replay speed the cells equal those of the file to the last digit. The drive ends with the log.
 
---publish sends the estimate ten times per second, each finished cell, and once per second the status (GradeStatus: what disagrees, gross mass), on the first interface. The layout is estimator-core/dbc/grade.dbc. The command does not claim an address (J1939-81), so choose a free one. With --address 254 the identifiers are exactly those of the file, for tools without J1939 addressing.
+--publish sends the estimate ten times per second, each finished cell, and once per second the status (GradeStatus: what disagrees, gross mass), on the first interface. The layout is estimator-core/dbc/grade.dbc. The command does not claim an address (J1939-81), so choose a free one. With --map it also sends PCC1 (the grade, the next grade and its distance) and GradeAhead, the grade of the next 2 km. With --address 254 the identifiers are exactly those of the file, for tools without J1939 addressing.
+
+--map MAP.grade combines the live grade with that of a map, as `roadgrade pack` writes it, and shows the road ahead: its climb over 2 km, the mean grades of each 250 m, and where another way leaves it. Lagged and smoothed grades never contain the map.
 
 Try it without a truck:
   ip link add dev vcan0 type vcan && ip link set vcan0 up
@@ -56,6 +59,9 @@ pub struct Args {
     tuning: TuningOption,
     #[command(flatten)]
     own: OwnOptions,
+    /// Packed map: the live grade is combined with the map's, and the road ahead is shown.
+    #[arg(long, value_name = "MAP.grade")]
+    map: Option<PathBuf>,
     /// File for the received frames, as a candump log.
     #[arg(long, value_name = "FILE.log")]
     log: Option<PathBuf>,
@@ -93,6 +99,7 @@ impl Args {
             state_file: self.kept.as_deref(),
             tuning: self.tuning.read()?,
             log: self.log.as_deref(),
+            map: self.map.as_deref().map(open_packed_map).transpose()?,
             address: self.publish.then_some(self.address),
             log_time: self.log_time,
             end_after_silence: self.end_after_silence,
@@ -112,6 +119,7 @@ pub fn run(args: &Args) -> Result<()> {
     outputs::check(
         [&*args.vehicle]
             .into_iter()
+            .chain(args.map.as_deref())
             .chain(args.tuning.file())
             .chain(args.own.files()),
         outputs.into_iter().filter_map(|path| path.as_deref()),

@@ -5,16 +5,21 @@ use crate::files::output::Staged;
 use crate::files::run::RunRows;
 use crate::map::{GRID_M, MapRow, WayRows};
 use crate::report::map_page;
+use crate::report::on_map::{OnMapCell, on_map_section};
 use std::path::Path;
 
 /// Writes the page of a run of this log to a file that appears when it is committed. Cells without a
-/// position are not drawn.
+/// position are not drawn. A drive on a map has a section of it.
 ///
 /// # Errors
 /// Returns the error of the file system, or an error for a run without positions.
 pub(super) fn stage(path: &Path, log: &Path, run: &mut dyn RunRows) -> Result<Staged> {
     let mut rows: Vec<MapRow> = Vec::new();
+    let mut on_map: Vec<OnMapCell> = Vec::new();
+    let mut cells = 0;
     run.each(&mut |row| {
+        cells += 1;
+        on_map.extend(OnMapCell::of(row));
         let position = row.latitude_deg.zip(row.longitude_deg);
         rows.extend(position.map(|(latitude_deg, longitude_deg)| MapRow {
             distance_m: row.distance_m,
@@ -34,5 +39,9 @@ pub(super) fn stage(path: &Path, log: &Path, run: &mut dyn RunRows) -> Result<St
         );
         return Err(Error::content(path, problem));
     }
-    map_page::page(log, &[WayRows { name: None, rows }]).stage_alone(path)
+    let mut page = map_page::page(log, &[WayRows { name: None, rows }]);
+    if !on_map.is_empty() {
+        page = page.with(on_map_section(&on_map, cells));
+    }
+    page.stage_alone(path)
 }

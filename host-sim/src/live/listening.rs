@@ -14,6 +14,7 @@ use crate::source::log_time;
 use crate::source::own_signals::OwnSignals;
 use crate::source::socketcan::{BusEvent, FrameReceiver, Received, of_frames, of_group, wanted};
 use estimator_core::Tuning;
+use estimator_core::roadmap::PackedMap;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
@@ -44,6 +45,8 @@ pub struct ListenRequest<'a> {
     pub end_after_silence: Option<Duration>,
     /// Signals of the user's own messages.
     pub own: Option<Arc<OwnSignals>>,
+    /// Map for the live grade and the road ahead.
+    pub map: Option<PackedMap<'static>>,
     /// Print JSON instead of lines and panel.
     pub json: bool,
 }
@@ -87,7 +90,8 @@ impl<'a> Listening<'a> {
         let recorder = Recorder::resume(&vehicle.model, &request.tuning, last.as_ref())
             .map_err(|e| Error::content(request.vehicle_file, e.to_string()))?;
         let session = Session::begin(recorder, request.interfaces, request.log_time, request.log)?
-            .with_own_signals(request.own.clone());
+            .with_own_signals(request.own.clone())
+            .with_map(request.map);
         let mut filters = wanted();
         let own = request.own.iter().flat_map(|own| own.frames());
         filters.extend(own.map(of_frames));
@@ -140,7 +144,8 @@ impl<'a> Listening<'a> {
             let cells = self.session.fetch_cells();
             if let Some(publisher) = &mut self.publisher {
                 let cells_suspect = self.session.cells_suspect();
-                publisher.publish(self.session.live().as_ref(), &cells, cells_suspect);
+                let (live, map) = (self.session.live(), self.session.map());
+                publisher.publish(live.as_ref(), &cells, cells_suspect, map);
             }
             if is_over {
                 return Ok(());

@@ -5,6 +5,8 @@ pub mod panel;
 mod publisher;
 mod rate;
 pub mod replay;
+mod road_picture;
+pub mod road_view;
 mod session;
 mod show;
 pub mod status_timing;

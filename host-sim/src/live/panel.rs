@@ -1,13 +1,16 @@
 //! The live view as text: a panel, lines, or JSON.
 
+use super::road_picture::road_lines;
+use super::road_view::{RoadView, STEP_M};
 use super::view::{InterfaceView, LiveView};
 use crate::terminal::counters::events;
 use crate::terminal::disagreements::words_of;
+use estimator_core::Uncertain;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 
 /// Columns of [`line`]: name, width, and decimals of its number.
-const COLUMNS: [(&str, usize); 14] = [
+const COLUMNS: [(&str, usize); 16] = [
     ("time_s", 9),
     ("distance_m", 11),
     ("speed_mps", 9),
@@ -22,6 +25,8 @@ const COLUMNS: [(&str, usize); 14] = [
     ("events", 6),
     ("mass_kg", 7),
     ("consistent", 10),
+    ("map", 8),
+    ("map_percent", 11),
 ];
 /// Placeholder for an unknown value.
 const UNKNOWN: &str = "-";
@@ -36,7 +41,7 @@ pub fn header() -> String {
 /// unknown value.
 #[must_use]
 pub fn line(view: &LiveView) -> String {
-    let live = view.live.as_ref();
+    let (live, road) = (view.live.as_ref(), view.road.as_ref());
     let number = |value: Option<f32>, decimals: usize, signed: bool| match value {
         Some(value) if signed => format!("{value:+.decimals$}"),
         Some(value) => format!("{value:.decimals$}"),
@@ -63,6 +68,12 @@ pub fn line(view: &LiveView) -> String {
         live.map_or(UNKNOWN.to_owned(), |live| {
             u8::from(live.disagreement.is_none()).to_string()
         }),
+        road.map_or(UNKNOWN, |road| road.state.word()).to_owned(),
+        number(
+            road.and_then(|road| road.map_percent).map(|map| map.value),
+            3,
+            true,
+        ),
     ])
 }
 
@@ -79,8 +90,6 @@ fn joined(cells: &[String; COLUMNS.len()]) -> String {
 #[must_use]
 pub fn json(view: &LiveView) -> Value {
     let live = view.live.as_ref();
-    let uncertain =
-        |value: estimator_core::Uncertain| json!({ "value": value.value, "sigma": value.sigma });
     json!({
         "time_s": view.time_s,
         "mode": view.mode(),
@@ -93,9 +102,33 @@ pub fn json(view: &LiveView) -> Value {
         "mass_kg": live.map(|live| uncertain(live.estimate.mass_kg)),
         "consistent": live.map(|live| live.disagreement.is_none()),
         "disagreements": live.map(|live| words_of(live.disagreement)),
+        "map": view.road.as_ref().map(road_json),
         "cells": view.cells_finished,
         "interfaces": view.interfaces,
         "events": counts(view),
+    })
+}
+
+fn uncertain(value: Uncertain) -> Value {
+    json!({ "value": value.value, "sigma": value.sigma })
+}
+
+fn road_json(road: &RoadView) -> Value {
+    let ahead = road.ahead_percent.iter().enumerate();
+    let ahead: Vec<Value> = ahead
+        .filter_map(|(index, grade)| {
+            let ahead_m = STEP_M * index as f32;
+            grade.map(|grade| json!({ "ahead_m": ahead_m, "grade_percent": uncertain(grade) }))
+        })
+        .collect();
+    json!({
+        "state": road.state,
+        "grade_percent": road.map_percent.map(uncertain),
+        "own_grade_percent": road.own_percent.map(uncertain),
+        "cells": road.counters.cells_on_map,
+        "times_left_out": road.counters.times_left_out,
+        "ahead": ahead,
+        "forks": road.forks,
     })
 }
 
@@ -158,6 +191,9 @@ pub fn panel(view: &LiveView) -> String {
             };
             let _ = writeln!(out, "signals   {verdict}");
         }
+    }
+    if let Some(road) = &view.road {
+        out.push_str(&road_lines(road));
     }
     let newest = view
         .newest_cell_percent

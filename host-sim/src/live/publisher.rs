@@ -5,11 +5,17 @@ use crate::error::Result;
 use crate::source::can_frame::CanFrame;
 use crate::source::log_time::LogTime;
 use crate::source::socketcan::FrameSender;
+use estimator_core::roadmap::{HorizonParts, MapLive};
 use estimator_core::{Cell, Live, broadcast};
 use std::time::{Duration, Instant as Monotonic};
 
 /// Period of the published estimate.
 const PERIOD: Duration = Duration::from_millis(100);
+/// Frames of the road ahead within a period: a horizon of one branch takes a second, and 7 % of a bus of
+/// 250 kbit/s.
+const AHEAD_FRAMES: usize = 5;
+/// Steps of work within a period that may give none.
+const AHEAD_STEPS: usize = 20;
 /// Time between two attempts to reopen a lost interface.
 const RETRY: Duration = Duration::from_millis(500);
 
@@ -25,6 +31,7 @@ pub struct Publisher {
     next: Monotonic,
     status: StatusTiming,
     newest_cell: Option<Cell>,
+    ahead: HorizonParts<'static>,
     unsent: u64,
 }
 
@@ -44,13 +51,20 @@ impl Publisher {
             next: now,
             status: StatusTiming::default(),
             newest_cell: None,
+            ahead: HorizonParts::new(),
             unsent: 0,
         })
     }
 
-    /// Sends these cells, and the estimate and the status if they are due. `cells_suspect` is the
-    /// core's counter.
-    pub fn publish(&mut self, live: Option<&Live>, cells: &[Cell], cells_suspect: u32) {
+    /// Sends these cells, and what is due of estimate, status, and, with a map, of PCC1 and the road
+    /// ahead. `cells_suspect` is the core's counter.
+    pub fn publish(
+        &mut self,
+        live: Option<&Live>,
+        cells: &[Cell],
+        cells_suspect: u32,
+        map: Option<&MapLive<'static>>,
+    ) {
         let Some(address) = self.address else {
             return;
         };
@@ -62,6 +76,9 @@ impl Publisher {
             // After a delay the period starts again from now; missed estimates are not sent.
             self.next = now.max(self.next + PERIOD);
             self.send(broadcast::live(live, address));
+            if let (Some(map), Some(live)) = (map, live) {
+                self.send_ahead(map, live, address);
+            }
         }
         self.newest_cell = cells.last().copied().or(self.newest_cell);
         let newest = self.newest_cell;
@@ -69,6 +86,22 @@ impl Publisher {
             let frame = broadcast::status(live, newest.as_ref(), cells_suspect, address);
             self.send(frame);
         }
+    }
+
+    fn send_ahead(&mut self, map: &MapLive<'static>, live: &Live, address: u8) {
+        let mut sent = 0;
+        for _ in 0..AHEAD_STEPS {
+            if let Some(part) = self.ahead.next_part(map, live) {
+                self.send(broadcast::ahead(&part, address));
+                sent += 1;
+            }
+            if sent == AHEAD_FRAMES {
+                break;
+            }
+        }
+        let grade = live.estimate.grade_percent.value;
+        let next = self.ahead.next_grade(live);
+        self.send(broadcast::pcc1(Some(grade), next, address));
     }
 
     /// Returns the time until the next estimate is due; `None` if publishing is off.

@@ -1,6 +1,7 @@
 //! One live drive: received frames become an estimate, a log and counts.
 
 use super::rate::EventRate;
+use super::road_view::RoadView;
 use super::view::{InterfaceView, LiveView};
 use crate::error::{Error, Result};
 use crate::files::output::{Staged, Writing};
@@ -12,7 +13,8 @@ use crate::source::log_time::LogTime;
 use crate::source::own_signals::OwnSignals;
 use crate::source::read_options::ReadOptions;
 use crate::source::socketcan::{BusEvent, Received, ReceivedItem};
-use estimator_core::{Cell, Instant};
+use estimator_core::roadmap::{MapLive, PackedMap};
+use estimator_core::{Cell, Instant, Live};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant as Monotonic};
@@ -112,6 +114,15 @@ impl Session {
         self
     }
 
+    /// Combines the live grade with that of a map.
+    #[must_use]
+    pub fn with_map(mut self, map: Option<PackedMap<'static>>) -> Self {
+        if let Some(map) = map {
+            self.recorder.follow(map);
+        }
+        self
+    }
+
     /// Processes a received item.
     ///
     /// # Errors
@@ -195,7 +206,11 @@ impl Session {
         let start = self.start.unwrap_or(self.newest);
         LiveView {
             time_s: self.newest.since(start).as_secs_f64(),
-            live: estimator.live(),
+            live: self.live(),
+            road: self.recorder.map().map(|map| {
+                let own = estimator.live().map(|live| live.estimate.grade_percent);
+                RoadView::of(map, own)
+            }),
             is_silent: now.duration_since(self.last_frame) > SILENCE,
             cells_finished: self.recorder.cells_finished(),
             newest_cell_percent: self.newest_cell.map(|cell| {
@@ -237,9 +252,16 @@ impl Session {
         self.recorder.estimator().counters().cells_suspect
     }
 
-    /// Returns the current estimate; `None` before the first speed.
+    /// Returns the current estimate, with the map where it counts; `None` before the first speed.
     #[must_use]
-    pub fn live(&self) -> Option<estimator_core::Live> {
-        self.recorder.estimator().live()
+    pub fn live(&self) -> Option<Live> {
+        let live = self.recorder.estimator().live()?;
+        Some(self.map().map_or(live, |map| map.applied(&live)))
+    }
+
+    /// Returns the place on the map; `None` without a map.
+    #[must_use]
+    pub const fn map(&self) -> Option<&MapLive<'static>> {
+        self.recorder.map()
     }
 }

@@ -1,5 +1,6 @@
 //! The view of a live estimate.
 
+use super::road_view::RoadView;
 use crate::source::socketcan::BusEvent;
 use estimator_core::{Condition, Counters, Live};
 use serde::{Serialize, Serializer};
@@ -10,8 +11,10 @@ use std::collections::BTreeMap;
 pub struct LiveView {
     /// Time of the newest frame since the first frame, s.
     pub time_s: f64,
-    /// The estimate, once there is one.
+    /// The estimate, once there is one; with the map where it counts.
     pub live: Option<Live>,
+    /// The map and the road ahead; `None` without a map.
+    pub road: Option<RoadView>,
     /// True if no frame has arrived for two seconds.
     pub is_silent: bool,
     /// Number of finished cells (those with their full lag).

@@ -4,6 +4,7 @@ use super::long_run::{LongRun, Rows, SmoothedRun, no_room};
 use super::placed_samples::PlacedSamples;
 use super::plausibility::Plausibility;
 use super::roads::Roads;
+use super::roadway_grade::RoadwayGrade;
 use crate::error::Result;
 use crate::files::flash_image::RoadMemoryFile;
 use crate::files::run::RunRow;
@@ -43,6 +44,7 @@ pub struct Recorder<S> {
     grades: Spool<OnlineGrades, GRADES_SLOT>,
     roads: Roads,
     plausibility: Plausibility,
+    roadway_grade: RoadwayGrade,
     /// The cells that the last input finished.
     new_cells: Vec<Cell>,
     /// The error of the first sample or cell that could not be stored.
@@ -123,6 +125,8 @@ impl<S: Scalar> Recorder<S> {
     /// Takes one frame.
     pub fn on_frame(&mut self, timed: &TimedFrame) {
         self.start.get_or_insert(timed.time);
+        let estimator = &self.estimator;
+        self.roadway_grade.frame(&timed.frame, || estimator.live());
         self.estimator.on_frame(timed.time, &timed.frame);
         let (vehicle, tuning) = (&self.estimator.model().vehicle, self.estimator.tuning());
         self.plausibility
@@ -133,6 +137,8 @@ impl<S: Scalar> Recorder<S> {
     /// Processes one reading of a signal table.
     pub fn on_reading(&mut self, time: Instant, reading: Reading) {
         self.start.get_or_insert(time);
+        let estimator = &self.estimator;
+        self.roadway_grade.reading(reading, || estimator.live());
         // A signal that is left out is not judged either.
         if self.estimator.on_reading(time, reading) != Outcome::Ignored {
             let vehicle = &self.estimator.model().vehicle;
@@ -288,6 +294,7 @@ impl<S: Scalar> Recorder<S> {
             start_utc: self.start.and_then(utc_of),
             map: self.roads.map.as_ref().map(|map| *map.counters()),
             memory: None,
+            roadway_grade: self.roadway_grade.comparison(),
             warnings: self.plausibility.judge(&self.estimator.model().vehicle),
         })
     }
@@ -303,6 +310,7 @@ impl<S> From<Estimator<S>> for Recorder<S> {
             grades: Spool::default(),
             roads: Roads::default(),
             plausibility: Plausibility::default(),
+            roadway_grade: RoadwayGrade::default(),
             new_cells: Vec::new(),
             trouble: None,
         }

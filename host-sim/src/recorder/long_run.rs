@@ -2,6 +2,7 @@
 
 use super::plausibility::Warning;
 use super::roads::LearnedRoads;
+use super::roadway_grade::RoadwayComparison;
 use crate::error::{Error, Result};
 use crate::files::run::{RunRow, RunRows};
 use crate::files::spool::{Spool, blocks};
@@ -43,6 +44,8 @@ pub struct LongRun {
     pub map: Option<MapCounters>,
     /// The road memory after the drive; `None` without one.
     pub memory: Option<LearnedRoads>,
+    /// The grade of another device against ours; `None` without one.
+    pub roadway_grade: Option<RoadwayComparison>,
     /// State for the next drive; `None` if this one was too short.
     pub persistent_state: Option<PersistentState>,
     /// Where signals disagree.

@@ -13,6 +13,7 @@ mod placed_samples;
 mod plausibility;
 mod replaced;
 mod roads;
+mod roadway_grade;
 mod summary;
 pub mod verdict;
 
@@ -24,4 +25,5 @@ pub use missing::missing;
 pub use plausibility::Warning;
 pub use replaced::{ReplacedParameter, replaced};
 pub use roads::LearnedRoads;
+pub use roadway_grade::RoadwayComparison;
 pub use summary::RunSummary;

@@ -3,6 +3,7 @@
 use super::long_run::LongRun;
 use super::plausibility::Warning;
 use super::roads::LearnedRoads;
+use super::roadway_grade::RoadwayComparison;
 use super::verdict::{DisagreementStretch, stretches, verdict};
 use crate::error::Result;
 use crate::files::run::RunRows;
@@ -46,6 +47,7 @@ pub struct RunSummary {
     map: Option<MapSummary>,
     #[serde(skip_serializing_if = "Option::is_none")]
     memory: Option<MemorySummary>,
+    roadway_grade: Option<RoadwayComparison>,
     #[serde(serialize_with = "by_key")]
     events: Vec<CountedEvent>,
 }
@@ -121,6 +123,7 @@ impl RunSummary {
             damage: run.log.damage.clone(),
             map: run.map.map(MapSummary::from),
             memory: run.memory.as_ref().map(MemorySummary::from),
+            roadway_grade: run.roadway_grade,
             ..Self::default()
         };
         let (mut first_m, mut last_m) = (None, None);
@@ -183,6 +186,9 @@ impl RunSummary {
             line("learned again", format!("{:.3}", memory.known_km), "km");
             line("learned newly", format!("{:.3}", memory.new_km), "km");
             line("not learned", format!("{:.3}", memory.not_learned_km), "km");
+        }
+        if let Some(other) = &self.roadway_grade {
+            line("PCC1 less live grade", other.words(), "%");
         }
         line("climb", format!("{:.1}", self.climb_m), "m");
         let grade = "% grade";

@@ -59,6 +59,7 @@ pub mod demo_page;
 pub mod figure;
 pub mod logs_page;
 pub mod map_page;
+pub mod on_map;
 pub mod page;
 pub mod plan;
 pub mod plot;

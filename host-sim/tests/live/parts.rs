@@ -153,6 +153,7 @@ fn view(live: Option<Live>) -> LiveView {
     LiveView {
         time_s: 3_725.25,
         live,
+        road: None,
         is_silent: false,
         cells_finished: 812,
         newest_cell_percent: Some((-1.25, 0.06)),
@@ -211,14 +212,15 @@ fn lines_have_the_columns_of_their_header() {
         words(&valid),
         [
             "3725.2", "2500.0", "20.00", "-2.345", "0.123", "valid", "+0.050", "1.012", "812",
-            "422", "3", "3", "38538", "1"
+            "422", "3", "3", "38538", "1", "-", "-"
         ]
     );
     let waiting = line(&view(None));
     assert_eq!(
         words(&waiting),
         [
-            "3725.2", "-", "-", "-", "-", "waiting", "-", "-", "812", "422", "3", "3", "-", "-"
+            "3725.2", "-", "-", "-", "-", "waiting", "-", "-", "812", "422", "3", "3", "-", "-",
+            "-", "-"
         ]
     );
     for text in [&valid, &waiting] {
@@ -296,7 +298,7 @@ fn the_views_say_what_disagrees() {
     suspect.disagreement.speed = true;
     suspect.disagreement.gear = true;
     let view = view(Some(suspect));
-    assert!(line(&view).ends_with(" 0"));
+    assert_eq!(words(&line(&view))[13], "0");
     let words = [
         "wheel speed against GNSS speed",
         "reported gear against engine and wheel speed",

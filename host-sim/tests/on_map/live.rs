@@ -135,6 +135,26 @@ fn a_map_makes_the_live_grade_better_and_changes_nothing_else() {
 }
 
 #[test]
+fn the_page_of_a_drive_shows_its_map() {
+    let folder = prepared();
+    let page = |map: &[&str]| {
+        let options = [map, &["--page", "page.html"]].concat();
+        estimate(folder.path(), &options, "run.csv");
+        std::fs::read_to_string(folder.path().join("page.html")).expect("a page")
+    };
+    assert!(!page(&[]).contains("With the map"));
+    let page = page(&["--map", "map.grade"]);
+    for words in [
+        "With the map",
+        "The map counted in",
+        "live, with the map",
+        "with_map_differences",
+    ] {
+        assert!(page.contains(words), "{words}");
+    }
+}
+
+#[test]
 fn a_wrong_map_is_left_out() {
     let folder = prepared();
     let truth: Vec<Truth> = rows(&folder.path().join("second.truth.csv"));

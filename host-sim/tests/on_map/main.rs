@@ -3,4 +3,5 @@
 mod live;
 mod memory;
 mod network_drives;
+mod parts;
 mod places;

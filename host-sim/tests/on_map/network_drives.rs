@@ -127,7 +127,8 @@ fn circle_point(centre: Point, other: Point) -> Point {
     towards(centre, other, ROUNDABOUT_M)
 }
 
-fn grid() -> Network {
+/// Returns a network of crossings, bridges with ramps, and roundabouts.
+pub fn grid() -> Network {
     let mut ways = Vec::new();
     for k in 0..SIDE {
         let row: Vec<_> = (0..SIDE).map(|i| (i, k)).collect();
@@ -195,8 +196,8 @@ fn grid() -> Network {
     network(&ways)
 }
 
-/// Returns the map of a network whose grades do not matter.
-fn map_of(network: &Network) -> Vec<u8> {
+/// Returns the map of a network with rolling hills.
+pub fn map_of(network: &Network) -> Vec<u8> {
     let ways: Vec<WayRows> = network
         .ways()
         .iter()
@@ -211,7 +212,7 @@ fn map_of(network: &Network) -> Vec<u8> {
                     latitude_deg: point.latitude_deg,
                     longitude_deg: point.longitude_deg,
                     altitude_m: Some(400.0),
-                    grade_percent: 0.0,
+                    grade_percent: 2.0 * (point.distance_m / 150.0).sin(),
                     grade_sigma_percent: 0.1,
                     runs: 1,
                 })
@@ -223,9 +224,9 @@ fn map_of(network: &Network) -> Vec<u8> {
 
 /// A cell of a drive: the way and its place.
 #[derive(Clone, Copy)]
-struct Driven {
+pub struct Driven {
     way: u32,
-    position_e7: (i32, i32),
+    pub position_e7: (i32, i32),
 }
 
 /// Returns whether a join turns by more than 100 degrees from this direction.
@@ -251,7 +252,7 @@ fn is_sharp(map: &PackedMap<'_>, from: [MapPoint; 2], join: &Join) -> bool {
 }
 
 /// Drives a distance over the map, turning at random.
-fn drive(map: &PackedMap<'_>, cells: usize, random: &mut ChaCha8Rng) -> Vec<Driven> {
+pub fn drive(map: &PackedMap<'_>, cells: usize, random: &mut ChaCha8Rng) -> Vec<Driven> {
     let ways: Vec<_> = map.ways().map(|way| way.expect("a way")).collect();
     let mut way = ways[random.random_range(0..ways.len())];
     let mut cell = way.first_cell;

@@ -5,14 +5,18 @@ use crate::drive::{VcanDrive, replay};
 use crate::listener::Listener;
 use crate::peers::candump;
 use host_sim::files::run::{self, RunRow};
+use host_sim::map::{MapRow, WayRows, packed_map};
 use std::fs;
 use std::path::Path;
 
-/// Filter of candump: the three messages of `grade.dbc`, from address 254.
+/// Filter of candump: the estimate in `grade.dbc`, from address 254.
 const FILTER: &str = ",18FF46FE:1FFFFEFF,18FF49FE:1FFFFFFF";
 const LIVE: &str = "18FF46FE";
 const CELL: &str = "18FF47FE";
 const STATUS: &str = "18FF49FE";
+
+const PCC1: &str = "18F0D3FE";
+const AHEAD: &str = "18FF4AFE";
 
 /// Returns the payloads of one message in a recording.
 fn payloads(recording: &Path, id: &str) -> Vec<[u8; 8]> {
@@ -107,4 +111,64 @@ fn the_estimate_is_sent_with_each_finished_cell_and_not_read_back() {
     );
     // `tests/vcan/decode.py` decodes this with the layout file.
     print!("{}", fs::read_to_string(&recording).unwrap());
+}
+
+/// Writes the map of the drive, made of its own run.
+fn write_map(drive: &VcanDrive) {
+    drive.estimate(&drive.log());
+    let rows = run::read(&drive.file("estimated.csv")).unwrap();
+    let rows = rows.iter().filter_map(|row| {
+        Some(MapRow {
+            distance_m: row.distance_m,
+            latitude_deg: row.latitude_deg?,
+            longitude_deg: row.longitude_deg?,
+            altitude_m: row.altitude_m,
+            grade_percent: row.grade_percent,
+            grade_sigma_percent: 0.04,
+            runs: 1,
+        })
+    });
+    let way = WayRows {
+        name: None,
+        rows: rows.collect(),
+    };
+    fs::write(drive.file("map.grade"), packed_map(&[way]).unwrap()).unwrap();
+}
+
+#[test]
+#[ignore = "needs a CAN interface: tests/run vcan"]
+fn with_a_map_the_road_ahead_is_sent() {
+    let vcan = Vcan::new("rgahead");
+    let drive = VcanDrive::new("A", 1_200.0);
+    write_map(&drive);
+    let recording = drive.file("candump.log");
+    let candump = candump(&vcan, ",18F0D3FE:1FFFFFFF,18FF4AFE:1FFFFFFF", &recording);
+    let map = drive.file("map.grade");
+    let map = map.to_str().unwrap();
+    let options = ["--log-time", "--map", map, "--publish", "--address", "254"];
+    let listener = Listener::start(&drive, &[vcan.0], &options);
+    replay(vcan.0, &drive.log(), &["--log-time", "--speed", "20"]);
+    let output = listener.finish();
+    assert_eq!(output.frames(0), drive.frames.len() as u64);
+    assert!(output.lines.iter().any(|line| line["map"]["state"] == "on"));
+    wait_until("candump has some", || {
+        payloads(&recording, AHEAD).len() >= 20
+    });
+    drop(candump);
+    // `tests/vcan/decode.py` decodes this with the layout file.
+    print!("{}", fs::read_to_string(&recording).unwrap());
+    let ahead = payloads(&recording, AHEAD);
+    // A branch begins, and its grades follow.
+    assert_eq!(ahead[0][0] & 0xF, 0);
+    let grades = ahead.iter().filter(|data| data[0] & 3 == 1);
+    assert!(grades.clone().count() > 10);
+    for data in grades {
+        let grade = word(data, 2) * 0.002 - 64.0;
+        assert!(data[2..4] == [0xFF; 2] || grade.abs() < 10.0, "{grade} %");
+    }
+    let next = payloads(&recording, PCC1);
+    assert!(
+        next.iter()
+            .any(|data| data[3] != 0xFF && data[4] != 0xFF && data[6] != 0xFF)
+    );
 }

@@ -1,11 +1,17 @@
 //! The estimate as CAN frames, for other nodes of the bus.
 //!
-//! Three messages of the range that J1939-21 leaves to manufacturers. `dbc/grade.dbc` has their layout.
-//! They are coded as in J1939-71: steps and offsets, all ones for "not available", and the ends of
-//! the range for values beyond it.
+//! Messages of the range that J1939-21 leaves to manufacturers, and PCC1, the form that J1939-71 has for
+//! a grade of the road. `dbc/grade.dbc` has their layout. They are coded as in J1939-71: steps and
+//! offsets, all ones for "not available", and the ends of the range for values beyond it.
+
+mod ahead;
+mod coding;
+
+pub use ahead::{AHEAD_PGN, PCC1_PGN, ahead, pcc1};
 
 use crate::cell::{Cell, Condition, Disagreement, Live, Uncertain};
-use embedded_can::{ExtendedId, Frame, Id};
+use coding::{Coding, GRADE_PERCENT, frame};
+use embedded_can::Frame;
 
 /// Parameter group of the live estimate. Ten frames a second are a good rate.
 pub const LIVE_PGN: u32 = 0xFF46;
@@ -14,23 +20,9 @@ pub const CELL_PGN: u32 = 0xFF47;
 /// Parameter group of the status. One frame a second and one at each change of its switches are a
 /// good rate. The group between is that of the host's log time.
 pub const STATUS_PGN: u32 = 0xFF49;
-/// The default of J1939-21 for information.
-const PRIORITY: u32 = 6;
-
-/// Largest raw values that are no code (J1939-71, table 1).
-const LARGEST_BYTE: f32 = 250.0;
-const LARGEST_WORD: f32 = 64_255.0;
 /// State of a switch that is not known.
 const NOT_AVAILABLE: u8 = 3;
 
-/// Step and offset of a coding.
-#[derive(Clone, Copy)]
-struct Coding {
-    step: f32,
-    offset: f32,
-}
-
-const GRADE_PERCENT: Coding = Coding::new(0.002, -64.0);
 const GRADE_SIGMA_PERCENT: Coding = Coding::new(0.02, 0.0);
 const SCALE: Coding = Coding::new(0.0001, 0.0);
 const ALTITUDE_M: Coding = Coding::new(0.125, -2_500.0);
@@ -118,11 +110,6 @@ fn status_switches(disagreement: Disagreement, newest: Option<&Cell>) -> [u8; 2]
     ]
 }
 
-fn frame<F: Frame>(pgn: u32, source: u8, data: &[u8; 8]) -> Option<F> {
-    let id = ExtendedId::new(PRIORITY << 26 | pgn << 8 | u32::from(source))?;
-    F::new(Id::Extended(id), data)
-}
-
 /// Returns two bits for each condition.
 fn conditions(condition: Condition) -> u8 {
     let Condition {
@@ -141,26 +128,4 @@ fn switches(states: [u8; 4]) -> u8 {
         .into_iter()
         .rev()
         .fold(0, |bits, state| bits << 2 | state)
-}
-
-impl Coding {
-    const fn new(step: f32, offset: f32) -> Self {
-        Self { step, offset }
-    }
-
-    /// Returns the rounded raw value, limited to the range; `None` for NaN.
-    fn steps(self, value: f32, largest: f32) -> Option<f32> {
-        let steps = (value - self.offset) / self.step + 0.5;
-        (!steps.is_nan()).then(|| steps.max(0.0).min(largest))
-    }
-
-    fn byte(self, value: f32) -> u8 {
-        self.steps(value, LARGEST_BYTE)
-            .map_or(u8::MAX, |steps| steps as u8)
-    }
-
-    fn word(self, value: f32) -> [u8; 2] {
-        let steps = self.steps(value, LARGEST_WORD);
-        steps.map_or(u16::MAX, |steps| steps as u16).to_le_bytes()
-    }
 }
