@@ -2,7 +2,7 @@
 
 use crate::cell::{Cell, CellEnd, Disagreement, Live};
 use crate::context::Context;
-use crate::counters::{Counters, count};
+use crate::counters::{Counters, count, count_by};
 use crate::filter::{AltitudeEvent, Filter, ModelMass, SensorNoiseRatios, SlowStates};
 use crate::intake::{Intake, Outcome};
 use crate::model::Model;
@@ -151,9 +151,8 @@ impl<S: Scalar> Estimator<S> {
         };
         self.end = record.end;
         self.disagreement = record.disagreement;
-        let lost = self.lag.push(&record, state) as u32;
-        let counter = &mut self.context.counters.cells_lost;
-        *counter = counter.saturating_add(lost);
+        let lost = self.lag.push(&record, state);
+        count_by(&mut self.context.counters.cells_lost, lost);
         Some(Step::Moved(record.event))
     }
 
@@ -175,8 +174,19 @@ impl<S: Scalar> Estimator<S> {
         self.check_cell(cell)
     }
 
-    /// Returns the next of the last cells of a drive, which are smoothed by less than the full lag.
-    /// For the end of a drive: what comes after it starts a new chain of cells.
+    /// Does a share of the work at the end of a drive, as long as that of [`step`](Self::step).
+    /// Returns false when all cells are finished. Fetch them with [`next_cell`](Self::next_cell)
+    /// after each share; the last ones are smoothed by less than the full lag. What comes after the
+    /// end of a drive starts a new chain of cells.
+    pub fn drain_step(&mut self) -> bool {
+        let lost = self.lag.drain_step();
+        count_by(&mut self.context.counters.cells_lost, lost.unwrap_or(0));
+        lost.is_some()
+    }
+
+    /// Returns the next of the last cells of a drive. It does all work of
+    /// [`drain_step`](Self::drain_step) that the cell needs at once: for callers that are not pressed
+    /// for time.
     pub fn drain_cell(&mut self) -> Option<Cell> {
         let cell = self.lag.drain_cell();
         self.check_cell(cell)
