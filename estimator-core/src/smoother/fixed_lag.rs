@@ -33,11 +33,14 @@ const BLOCKS: usize = LAG_BLOCKS + 1;
 
 /// Number of cells that one share of work goes back over.
 const CELLS_A_SHARE: usize = 2;
-/// Number of blocks that one share of work goes back over. It costs as much as that of the cells.
+/// Number of blocks that one share of work goes back over.
 const BLOCKS_A_SHARE: usize = 2;
+/// Number of cells that one share of work finishes.
+const FINISHED_A_SHARE: usize = 10;
 /// Number of cells from the end of a block until the cells that it finishes can be fetched.
-pub const SHARES: usize =
-    BLOCK_CELLS.div_ceil(CELLS_A_SHARE) + LAG_BLOCKS.div_ceil(BLOCKS_A_SHARE) + 1;
+pub const SHARES: usize = BLOCK_CELLS.div_ceil(CELLS_A_SHARE)
+    + LAG_BLOCKS.div_ceil(BLOCKS_A_SHARE)
+    + BLOCK_CELLS.div_ceil(FINISHED_A_SHARE);
 const _: () = assert!(
     SHARES <= BLOCK_CELLS,
     "a block is done before the next one is full"
@@ -69,7 +72,7 @@ enum Stage {
     Close,
     /// Going back over the blocks after the oldest one. This many are left.
     Retreat(usize),
-    /// Finishing the cells of the oldest block.
+    /// Finishing the cells of the oldest block, the last one first.
     Finish,
 }
 
@@ -130,6 +133,10 @@ impl<S: Scalar> FixedLag<S> {
 
     /// Returns the next finished cell.
     pub fn next_cell(&mut self) -> Option<Cell> {
+        // The first cell of a block is finished last.
+        if self.stage == Stage::Finish {
+            return None;
+        }
         self.finished.pop_front()
     }
 
@@ -152,8 +159,12 @@ impl<S: Scalar> FixedLag<S> {
     /// Returns the next cell at the end of a drive, smoothed by what follows it. Its work is not
     /// bounded by that of a share.
     pub fn drain_cell(&mut self) -> Option<Cell> {
-        while self.finished.is_empty() && self.drain_step().is_some() {}
-        self.finished.pop_front()
+        loop {
+            let cell = self.next_cell();
+            if cell.is_some() || self.drain_step().is_none() {
+                return cell;
+            }
+        }
     }
 
     fn is_idle(&self) -> bool {
@@ -164,8 +175,8 @@ impl<S: Scalar> FixedLag<S> {
     fn work(&mut self) -> usize {
         match self.stage {
             Stage::Close => self.close(),
-            Stage::Retreat(left) => self.retreat(left),
-            Stage::Finish => return self.finish(),
+            Stage::Retreat(left) => return self.retreat(left),
+            Stage::Finish => self.finish(),
         }
         0
     }
@@ -192,7 +203,7 @@ impl<S: Scalar> FixedLag<S> {
         };
         for _ in 0..CELLS_A_SHARE {
             let Some(cell) = self.filtered.last() else {
-                return;
+                break;
             };
             let smoother = &mut block.smoother;
             let altitude = smoother.within().smooth(&cell.altitude);
@@ -217,43 +228,51 @@ impl<S: Scalar> FixedLag<S> {
         self.stage = Stage::Retreat(self.blocks.len().saturating_sub(1));
     }
 
-    /// Goes back over some more blocks after the oldest one.
+    /// Goes back over some more blocks after the oldest one. Returns the number of finished cells that
+    /// the oldest one overwrites.
     #[inline(never)] // As close().
-    fn retreat(&mut self, left: usize) {
+    fn retreat(&mut self, left: usize) -> usize {
         let next = left.saturating_sub(BLOCKS_A_SHARE);
         for later in (next + 1..=left).rev() {
             if let Some(block) = self.blocks.get(later) {
                 block.smoother.retreat_through(&mut self.pass);
             }
         }
-        self.stage = if next == 0 {
-            Stage::Finish
-        } else {
-            Stage::Retreat(next)
-        };
-    }
-
-    /// Finishes the cells of the oldest block. Returns the number of finished cells that it
-    /// overwrites.
-    #[inline(never)] // As close().
-    fn finish(&mut self) -> usize {
-        self.stage = Stage::Close;
-        let cells = self.blocks.pop_front().map_or(0, |block| block.cells);
-        let later = self.blocks.iter().map(|block| block.disagreeing_since);
-        let disagreeing_since = later.min().unwrap_or(u32::MAX);
+        self.stage = Stage::Retreat(next);
+        if next > 0 {
+            return 0;
+        }
+        self.stage = Stage::Finish;
         let lost = self.finished.len();
         self.finished.clear();
+        lost
+    }
+
+    /// Finishes some more cells of the oldest block.
+    #[inline(never)] // As close().
+    fn finish(&mut self) {
+        let later = self.blocks.iter().skip(1);
+        let since = later.map(|block| block.disagreeing_since);
+        let disagreeing_since = since.min().unwrap_or(u32::MAX);
+        let Some(oldest) = self.blocks.front_mut() else {
+            return;
+        };
+        let cells = FINISHED_A_SHARE.min(oldest.cells);
+        oldest.cells -= cells;
         for _ in 0..cells {
             let Some(cell) = self.pending.pop_front() else {
                 break;
             };
             let grade = self.pass.smooth(cell.slope()).grade();
-            // There is room: at most a block, and the queue is empty.
+            // There is room: at most a block, and the queue was empty.
             let _ = self
                 .finished
                 .push_front(cell.finish(grade, disagreeing_since));
         }
-        lost
+        if oldest.cells == 0 {
+            self.blocks.pop_front();
+            self.stage = Stage::Close;
+        }
     }
 }
 

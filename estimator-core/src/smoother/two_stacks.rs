@@ -35,13 +35,15 @@ impl<T: Copy, const N: usize> TwoStacks<T, N> {
 
     /// Puts an item on the stack that is filled. Returns false if there is no room.
     pub fn push(&mut self, item: T) -> bool {
-        let has_room = self.filled + self.left < N;
-        let at = Self::place(self.filled, self.fills_from_end);
-        if has_room && let Some(slot) = self.slots.get_mut(at) {
-            *slot = Some(item);
-            self.filled += 1;
+        if self.filled + self.left >= N {
+            return false;
         }
-        has_room
+        let at = Self::place(self.filled, self.fills_from_end);
+        if let Some(slot) = self.slots.get_mut(at) {
+            *slot = Some(item);
+        }
+        self.filled += 1;
+        true
     }
 
     /// Returns the newest item of the stack that is emptied.
@@ -100,12 +102,10 @@ mod tests {
         }
         stacks.turn();
         stacks.push(4);
-        let mut taken = Vec::new();
-        while let Some(last) = stacks.last().copied() {
-            taken.push(last);
+        for item in [3, 2, 1] {
+            assert_eq!(stacks.last(), Some(&item));
             stacks.drop_last();
         }
-        assert_eq!(taken, [3, 2, 1]);
         // The other one is not emptied before it is its turn.
         assert_eq!((stacks.filled(), stacks.left()), (1, 0));
         stacks.turn();
