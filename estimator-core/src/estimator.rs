@@ -1,12 +1,14 @@
 //! The facade: frames and time stamps in, cells and a live estimate out.
 
+mod creation;
+
 use crate::cell::{Cell, CellEnd, Disagreement, Live};
 use crate::context::Context;
 use crate::counters::{Counters, count, count_by};
 use crate::filter::{AltitudeEvent, Filter, ModelMass, SensorNoiseRatios, SlowStates};
 use crate::intake::{Intake, Outcome};
 use crate::model::Model;
-use crate::persistent_state::{PersistentState, PersistentStateError, fingerprint};
+use crate::persistent_state::PersistentState;
 use crate::sample::Sample;
 use crate::sampler::Sampler;
 use crate::scalar::Scalar;
@@ -14,7 +16,6 @@ use crate::signal::{Reading, Signal};
 use crate::smoother::FixedLag;
 use crate::time::{Duration, Instant};
 use crate::tuning::Tuning;
-use crate::vehicle::ParameterError;
 use embedded_can::Frame;
 
 /// What a step did.
@@ -75,47 +76,6 @@ pub struct Estimator<S> {
 }
 
 impl<S: Scalar> Estimator<S> {
-    /// Creates an estimator for a vehicle. The model is made of its parameters alone, or of its
-    /// parameters and adopted effects ([`Model`]).
-    ///
-    /// # Errors
-    /// The first parameter that no vehicle can have.
-    pub fn new(model: impl Into<Model>, tuning: Tuning) -> Result<Self, ParameterError> {
-        let context = Context::new(model, tuning)?;
-        let intake = Intake::new(&context.tuning);
-        let filter = Filter::new(&context.tuning, &SensorNoiseRatios::default(), None);
-        Ok(Self {
-            fingerprint: fingerprint(&context.model),
-            context,
-            intake,
-            sampler: Sampler::new(),
-            filter,
-            lag: FixedLag::new(),
-            end: CellEnd::default(),
-            disagreement: Disagreement::default(),
-            sample: None,
-        })
-    }
-
-    /// Creates an estimator that starts with what an earlier drive left.
-    ///
-    /// # Errors
-    /// [`PersistentStateError::Parameter`] for a parameter that no vehicle can have,
-    /// [`PersistentStateError::Vehicle`] if the drive was that of another vehicle, or was estimated
-    /// with other parameters.
-    pub fn restore(
-        model: impl Into<Model>,
-        tuning: Tuning,
-        state: &PersistentState,
-    ) -> Result<Self, PersistentStateError> {
-        let mut estimator = Self::new(model, tuning)?;
-        state.check_model(estimator.model())?;
-        let tuning = estimator.tuning();
-        let noise = state.noise(&tuning.measurement_noise);
-        estimator.filter = Filter::new(tuning, &noise, Some(*state.slow_states()));
-        Ok(estimator)
-    }
-
     /// Reserves a signal for [`on_reading`](Self::on_reading), for a caller that decodes messages of
     /// its own ([`own_message`](crate::signal::own_message)). The built-in messages no longer give
     /// it; what they say of it counts as that of another source.

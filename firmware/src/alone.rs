@@ -22,11 +22,10 @@ pub fn run<S: Scalar>(place: &'static StaticCell<Estimator<S>>) -> Option<()> {
     let tuning = Tuning::default();
     let stored: Option<[u8; PersistentState::LEN]> = input();
     let kept = stored.and_then(|bytes| PersistentState::from_bytes(&bytes).ok());
-    let estimator = match kept {
-        Some(kept) => Estimator::restore(model, tuning, &kept).ok()?,
-        None => Estimator::new(model, tuning).ok()?,
-    };
-    let estimator = place.try_init(estimator)?;
+    let estimator = Estimator::new_in(place.try_uninit()?, model, tuning).ok()?;
+    if let Some(kept) = kept {
+        estimator.resume(&kept).ok()?;
+    }
     while let Some((now, frame)) = input::<(Instant, RecordedFrame)>() {
         black_box(estimator.on_frame(now, &frame));
         while let Some(step) = estimator.step() {
@@ -39,8 +38,10 @@ pub fn run<S: Scalar>(place: &'static StaticCell<Estimator<S>>) -> Option<()> {
         black_box(estimator.counters());
         black_box(estimator.persistent_state().map(|kept| kept.to_bytes()));
     }
-    while let Some(cell) = estimator.drain_cell() {
-        black_box(cell);
+    while estimator.drain_step() {
+        while let Some(cell) = estimator.next_cell() {
+            black_box(cell);
+        }
     }
     Some(())
 }

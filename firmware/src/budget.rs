@@ -9,6 +9,7 @@ use core::fmt;
 use estimator_core::filter::{Filter, SensorNoiseRatios};
 use estimator_core::smoother::fixed_lag::{BLOCK_CELLS, FixedLag, LAG_CELLS};
 use estimator_core::{Context, Estimator, Instant, Intake, Sampler, Scalar, Tuning};
+use static_cell::StaticCell;
 
 /// Number of steps until the lag is full and each new block of cells finishes another block.
 const FILLING_STEPS: u32 = (LAG_CELLS + BLOCK_CELLS) as u32;
@@ -17,7 +18,7 @@ const FILLING_STEPS: u32 = (LAG_CELLS + BLOCK_CELLS) as u32;
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Budget {
     estimator_bytes: usize,
-    /// Without the estimator itself, which may be created in place.
+    /// Of its creation in its place.
     start_stack_bytes: usize,
     stack_bytes: usize,
     ignored_frame: CountTally,
@@ -32,6 +33,10 @@ pub struct Budget {
     lag: CountTally,
     /// The live estimate.
     live: CountTally,
+    /// What the drive leaves for the next one, as bytes.
+    persistent_state: CountTally,
+    /// A share of the work at the end of the drive, and the cells fetched after it.
+    drain: CountTally,
 }
 
 /// Why nothing was counted.
@@ -59,12 +64,18 @@ impl From<Unusable> for BudgetError {
 ///
 /// # Errors
 /// The drive is unusable, or a call is too long to count.
-pub fn run<S: Scalar>(meter: &mut InstructionMeter) -> Result<Budget, BudgetError> {
+///
+/// # Panics
+/// Panics if the place is taken.
+pub fn run<S: Scalar>(
+    meter: &mut InstructionMeter,
+    place: &'static StaticCell<Estimator<S>>,
+) -> Result<Budget, BudgetError> {
     let mut budget = Budget {
         estimator_bytes: size_of::<Estimator<S>>(),
         ..Budget::default()
     };
-    budget.through_estimator::<S>(meter)?;
+    budget.through_estimator(meter, place)?;
     budget.through_parts::<S>(meter)?;
     Ok(budget)
 }
@@ -74,26 +85,55 @@ impl Budget {
     fn through_estimator<S: Scalar>(
         &mut self,
         meter: &mut InstructionMeter,
+        place: &'static StaticCell<Estimator<S>>,
     ) -> Result<(), BudgetError> {
         let (model, mut drive) = Recorded::open()?;
-        let (estimator, start_stack_bytes) =
-            depth(|| Estimator::<S>::new(model, Tuning::default()));
-        let mut estimator = estimator.map_err(Unusable::Vehicle)?;
-        self.start_stack_bytes = start_stack_bytes;
+        let place = place.uninit();
+        let (estimator, bytes) = depth(|| Estimator::new_in(place, model, tuning()));
+        let estimator = estimator.map_err(Unusable::Vehicle)?;
+        self.start_stack_bytes = bytes;
         loop {
             let block = drive.next_block()?;
-            if block.len() == 0 {
-                return Ok(());
-            }
-            let (done, stack_bytes) = depth(|| {
+            let is_end = block.len() == 0;
+            let (done, bytes) = depth(|| {
                 for frame in block {
                     let (time, frame) = frame?;
-                    self.frame(meter, &mut estimator, time, &frame)?;
+                    self.frame(meter, estimator, time, &frame)?;
+                }
+                if is_end {
+                    self.end(meter, estimator)?;
                 }
                 Ok::<(), BudgetError>(())
             });
             done?;
-            self.stack_bytes = self.stack_bytes.max(stack_bytes);
+            self.stack_bytes = self.stack_bytes.max(bytes);
+            if is_end {
+                return Ok(());
+            }
+        }
+    }
+
+    /// Counts the calls at the end of a drive.
+    fn end<S: Scalar>(
+        &mut self,
+        meter: &mut InstructionMeter,
+        estimator: &mut Estimator<S>,
+    ) -> Result<(), BudgetError> {
+        let (_, count) = meter.count(|| {
+            let state = estimator.persistent_state();
+            state.map(|state| state.to_bytes())
+        })?;
+        self.persistent_state.add(count);
+        loop {
+            let (moved, count) = meter.count(|| {
+                let moved = estimator.drain_step();
+                while estimator.next_cell().is_some() {}
+                moved
+            })?;
+            self.drain.add(count);
+            if !moved {
+                return Ok(());
+            }
         }
     }
 
@@ -126,13 +166,26 @@ impl Budget {
         }
     }
 
+    /// Returns the largest count of a call that a program makes during a drive and at its end.
+    fn worst_call(&self) -> u32 {
+        let calls = [
+            &self.ignored_frame,
+            &self.relevant_frame,
+            &self.cell,
+            &self.live,
+            &self.persistent_state,
+            &self.drain,
+        ];
+        calls.map(CountTally::worst).into_iter().max().unwrap_or(0)
+    }
+
     /// Counts the filter and the smoother separately, on the same drive.
     fn through_parts<S: Scalar>(
         &mut self,
         meter: &mut InstructionMeter,
     ) -> Result<(), BudgetError> {
         let (model, mut drive) = Recorded::open()?;
-        let mut context = Context::new(model, Tuning::default()).map_err(Unusable::Vehicle)?;
+        let mut context = Context::new(model, tuning()).map_err(Unusable::Vehicle)?;
         let mut intake = Intake::new(&context.tuning);
         let mut sampler = Sampler::new();
         let mut filter = Filter::<S>::new(&context.tuning, &SensorNoiseRatios::default(), None);
@@ -177,6 +230,14 @@ impl Budget {
     }
 }
 
+/// Returns the tuning of the counts: the drive is too short to leave a state without it.
+fn tuning() -> Tuning {
+    let mut tuning = Tuning::default();
+    tuning.detection.persist_cells = 100;
+    tuning.detection.persist_altitudes = 10;
+    tuning
+}
+
 /// Prints one figure a line, name and number.
 impl fmt::Display for Budget {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -195,7 +256,9 @@ impl fmt::Display for Budget {
             writeln!(f, "{name}_mean {}", tally.mean())?;
             writeln!(f, "{name}_worst {}", tally.worst())?;
         }
-        Ok(())
+        writeln!(f, "persistent_state {}", self.persistent_state.worst())?;
+        writeln!(f, "drain_worst {}", self.drain.worst())?;
+        writeln!(f, "call_worst {}", self.worst_call())
     }
 }
 

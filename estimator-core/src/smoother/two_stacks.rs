@@ -1,31 +1,31 @@
 //! Two stacks in the memory of one.
 
-/// Two stacks in one array, one from each end: one is filled while the other one, which was filled
-/// before, is emptied. As long as it is emptied at least as fast, there is room.
+use heapless::Deque;
+
+/// Two stacks back to back: one is filled while the other one, which was filled before, is emptied.
+/// As long as it is emptied at least as fast, there is room.
 #[derive(Clone, Debug)]
 pub(super) struct TwoStacks<T, const N: usize> {
-    slots: [Option<T>; N],
-    /// Number of items of the stack that is filled.
-    filled: usize,
+    /// The newest items of the two stacks are at the two ends.
+    items: Deque<T, N>,
     /// Number of items of the stack that is emptied.
     left: usize,
-    fills_from_end: bool,
+    fills_back: bool,
 }
 
-impl<T: Copy, const N: usize> TwoStacks<T, N> {
+impl<T, const N: usize> TwoStacks<T, N> {
     /// Creates two empty stacks.
     pub const fn new() -> Self {
         Self {
-            slots: [const { None }; N],
-            filled: 0,
+            items: Deque::new(),
             left: 0,
-            fills_from_end: false,
+            fills_back: true,
         }
     }
 
     /// Returns the number of items of the stack that is filled.
     pub const fn filled(&self) -> usize {
-        self.filled
+        self.items.len().saturating_sub(self.left)
     }
 
     /// Returns the number of items of the stack that is emptied.
@@ -34,41 +34,46 @@ impl<T: Copy, const N: usize> TwoStacks<T, N> {
     }
 
     /// Puts an item on the stack that is filled. Returns false if there is no room.
+    #[inline]
     pub fn push(&mut self, item: T) -> bool {
-        if self.filled + self.left >= N {
-            return false;
-        }
-        let at = Self::place(self.filled, self.fills_from_end);
-        if let Some(slot) = self.slots.get_mut(at) {
-            *slot = Some(item);
-        }
-        self.filled += 1;
-        true
+        let pushed = if self.fills_back {
+            self.items.push_back(item)
+        } else {
+            self.items.push_front(item)
+        };
+        pushed.is_ok()
     }
 
     /// Returns the newest item of the stack that is emptied.
     pub fn last(&self) -> Option<&T> {
-        let newest = self.left.checked_sub(1)?;
-        let at = Self::place(newest, !self.fills_from_end);
-        self.slots.get(at)?.as_ref()
+        if self.left == 0 {
+            None
+        } else if self.fills_back {
+            self.items.front()
+        } else {
+            self.items.back()
+        }
     }
 
     /// Takes the newest item off the stack that is emptied.
     pub fn drop_last(&mut self) {
-        self.left = self.left.saturating_sub(1);
+        if self.left == 0 {
+            return;
+        }
+        self.left -= 1;
+        if self.fills_back {
+            self.items.pop_front();
+        } else {
+            self.items.pop_back();
+        }
     }
 
     /// Swaps the stacks, if one of them is empty: the other one is to be emptied from now on.
     pub fn turn(&mut self) {
         if self.left == 0 {
-            self.left = core::mem::take(&mut self.filled);
-            self.fills_from_end = !self.fills_from_end;
+            self.left = self.items.len();
+            self.fills_back = !self.fills_back;
         }
-    }
-
-    /// Returns the place of the `n`-th item from an end.
-    const fn place(n: usize, from_end: bool) -> usize {
-        if from_end { N - 1 - n } else { n }
     }
 }
 

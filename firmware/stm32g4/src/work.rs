@@ -37,19 +37,19 @@ pub async fn estimator(store: &mut FlashStore) -> Option<&'static mut Estimator<
             return None;
         }
     };
-    if let Some(state) = store.persistent_state().await {
-        match Estimator::restore(model.clone(), Tuning::default(), &state) {
-            Ok(estimator) => return Some(ESTIMATOR.init(estimator)),
-            Err(problem) => defmt::warn!("the state of the last drive is not used: {}", problem),
-        }
-    }
-    match Estimator::new(model, Tuning::default()) {
-        Ok(estimator) => Some(ESTIMATOR.init(estimator)),
+    let estimator = match Estimator::new_in(ESTIMATOR.uninit(), model, Tuning::default()) {
+        Ok(estimator) => estimator,
         Err(problem) => {
             defmt::error!("no such vehicle: {}", problem);
-            None
+            return None;
         }
+    };
+    if let Some(state) = store.persistent_state().await
+        && let Err(problem) = estimator.resume(&state)
+    {
+        defmt::warn!("the state of the last drive is not used: {}", problem);
     }
+    Some(estimator)
 }
 
 /// Runs the loop, forever.

@@ -67,6 +67,7 @@ impl ModelMotion {
 
 impl Accelerometer {
     /// Creates it before its first reading.
+    #[inline(always)] // See Estimator::new_in().
     pub(super) fn new(tuning: &Tuning) -> Self {
         let tuning = &tuning.inertial;
         Self {
