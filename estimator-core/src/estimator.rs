@@ -61,6 +61,9 @@ pub enum Step {
 /// # assert!(estimator.live().is_some());
 /// # Ok::<(), estimator_core::ParameterError>(())
 /// ```
+// In this order: the fields are written one by one where they stay (`creation`), and the compiler
+// takes neighbours together over the stack if one is copied and the other one has nothing to write.
+#[repr(C)]
 #[derive(Clone, Debug)]
 pub struct Estimator<S> {
     context: Context,

@@ -22,7 +22,7 @@ pub fn run<S: Scalar>(place: &'static StaticCell<Estimator<S>>) -> Option<()> {
     let tuning = Tuning::default();
     let stored: Option<[u8; PersistentState::LEN]> = input();
     let kept = stored.and_then(|bytes| PersistentState::from_bytes(&bytes).ok());
-    let estimator = Estimator::new_in(place.try_uninit()?, model, tuning).ok()?;
+    let estimator = Estimator::new_in(place.try_uninit()?, &model, &tuning).ok()?;
     if let Some(kept) = kept {
         estimator.resume(&kept).ok()?;
     }

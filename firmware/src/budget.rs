@@ -6,9 +6,12 @@
 use crate::meter::{CountTally, InstructionMeter, Uncountable, depth};
 use crate::recorded::{Recorded, Unusable};
 use core::fmt;
+use core::mem::MaybeUninit;
 use estimator_core::filter::{Filter, SensorNoiseRatios};
 use estimator_core::smoother::fixed_lag::{BLOCK_CELLS, FixedLag, LAG_CELLS};
-use estimator_core::{Context, Estimator, Instant, Intake, Sampler, Scalar, Tuning};
+use estimator_core::{
+    Context, Estimator, Instant, Intake, Model, ParameterError, Sampler, Scalar, Tuning,
+};
 use static_cell::StaticCell;
 
 /// Number of steps until the lag is full and each new block of cells finishes another block.
@@ -89,7 +92,7 @@ impl Budget {
     ) -> Result<(), BudgetError> {
         let (model, mut drive) = Recorded::open()?;
         let place = place.uninit();
-        let (estimator, bytes) = depth(|| Estimator::new_in(place, model, tuning()));
+        let (estimator, bytes) = depth(|| create(place, &model));
         let estimator = estimator.map_err(Unusable::Vehicle)?;
         self.start_stack_bytes = bytes;
         loop {
@@ -236,6 +239,15 @@ fn tuning() -> Tuning {
     tuning.detection.persist_cells = 100;
     tuning.detection.persist_altitudes = 10;
     tuning
+}
+
+/// Creates the estimator in its place. Not inlined, so that all of the stack counts that it needs.
+#[inline(never)]
+fn create<'a, S: Scalar>(
+    place: &'a mut MaybeUninit<Estimator<S>>,
+    model: &Model,
+) -> Result<&'a mut Estimator<S>, ParameterError> {
+    Estimator::new_in(place, model, &tuning())
 }
 
 /// Prints one figure a line, name and number.

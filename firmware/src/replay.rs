@@ -41,7 +41,7 @@ impl From<Unusable> for ReplayError {
 pub fn run() -> Result<(), ReplayError> {
     let (vehicle, mut drive) = Recorded::open()?;
     // In its place: the stack is smaller than the estimator.
-    let estimator = Estimator::new_in(ESTIMATOR.uninit(), vehicle, Tuning::default())
+    let estimator = Estimator::new_in(ESTIMATOR.uninit(), &vehicle, &Tuning::default())
         .map_err(Unusable::Vehicle)?;
 
     let mut cells = Cells {

@@ -11,7 +11,7 @@ use crate::sampler::Sampler;
 use crate::scalar::Scalar;
 use crate::smoother::FixedLag;
 use crate::tuning::Tuning;
-use crate::vehicle::ParameterError;
+use crate::vehicle::{ParameterError, Traction, VehicleParameters};
 use core::mem::MaybeUninit;
 
 impl<S: Scalar> Estimator<S> {
@@ -23,8 +23,10 @@ impl<S: Scalar> Estimator<S> {
     /// # Errors
     /// The first parameter that no vehicle can have.
     pub fn new(model: impl Into<Model>, tuning: Tuning) -> Result<Self, ParameterError> {
-        let mut estimator = Context::new(model, tuning).map(Self::of)?;
-        estimator.fingerprint = fingerprint(&estimator.context.model);
+        let model = model.into();
+        model.check()?;
+        let mut estimator = Self::of(&tuning);
+        estimator.drive_as(&model);
         Ok(estimator)
     }
 
@@ -44,20 +46,22 @@ impl<S: Scalar> Estimator<S> {
     /// # };
     /// // In an image: `static PLACE: StaticCell<Estimator<f32>>`, and `PLACE.uninit()`.
     /// let mut place = MaybeUninit::<Estimator<f32>>::uninit();
-    /// let estimator = Estimator::new_in(&mut place, vehicle, Tuning::default())?;
+    /// let estimator = Estimator::new_in(&mut place, &vehicle.into(), &Tuning::default())?;
     /// assert!(estimator.live().is_none());
     /// # Ok::<(), estimator_core::ParameterError>(())
     /// ```
     ///
     /// # Errors
     /// The first parameter that no vehicle can have.
-    pub fn new_in(
-        place: &mut MaybeUninit<Self>,
-        model: impl Into<Model>,
-        tuning: Tuning,
-    ) -> Result<&mut Self, ParameterError> {
-        let context = Context::new(model, tuning)?;
-        Ok(Self::write(place, context))
+    pub fn new_in<'a>(
+        place: &'a mut MaybeUninit<Self>,
+        model: &Model,
+        tuning: &Tuning,
+    ) -> Result<&'a mut Self, ParameterError> {
+        model.check()?;
+        let estimator = Self::write(place, tuning);
+        estimator.drive_as(model);
+        Ok(estimator)
     }
 
     /// Creates an estimator that starts with what an earlier drive left.
@@ -89,28 +93,39 @@ impl<S: Scalar> Estimator<S> {
         Ok(())
     }
 
-    /// Not inlined: the stack that it needs, if any, depends on nothing else.
-    #[inline(never)]
-    fn write(place: &mut MaybeUninit<Self>, context: Context) -> &mut Self {
-        let estimator = place.write(Self::of(context));
-        estimator.fingerprint = fingerprint(&estimator.context.model);
-        estimator
+    #[inline(never)] // So that its stack and that of drive_as() are not in use at once.
+    fn write<'a>(place: &'a mut MaybeUninit<Self>, tuning: &Tuning) -> &'a mut Self {
+        place.write(Self::of(tuning))
     }
 
+    /// Creates the estimator without a vehicle.
     #[inline(always)] // So that each field is written where it stays.
-    fn of(context: Context) -> Self {
-        let intake = Intake::new(&context.tuning);
-        let filter = Filter::new(&context.tuning, &SensorNoiseRatios::default(), None);
+    fn of(tuning: &Tuning) -> Self {
+        let no_vehicle = VehicleParameters {
+            mass_kg: 0.0,
+            drag_area_m2: 0.0,
+            rolling_resistance: 0.0,
+            wheel_radius_m: 0.0,
+            wheel_inertia_kgm2: 0.0,
+            traction: Traction::Force,
+        };
         Self {
-            context,
+            context: Context::of(no_vehicle.into(), tuning.clone()),
             fingerprint: 0,
-            intake,
+            intake: Intake::new(tuning),
             sampler: Sampler::new(),
-            filter,
+            filter: Filter::new(tuning, &SensorNoiseRatios::default(), None),
             lag: FixedLag::new(),
             end: CellEnd::default(),
             disagreement: Disagreement::default(),
             sample: None,
         }
+    }
+
+    /// Sets the vehicle.
+    #[inline(never)] // As write().
+    fn drive_as(&mut self, model: &Model) {
+        self.context.model = model.clone();
+        self.fingerprint = fingerprint(model);
     }
 }

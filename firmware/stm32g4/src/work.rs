@@ -30,14 +30,14 @@ static ESTIMATOR: StaticCell<Estimator<f32>> = StaticCell::new();
 /// Returns `None` and logs the reason if there is no possible vehicle.
 pub async fn estimator(store: &mut FlashStore) -> Option<&'static mut Estimator<f32>> {
     let model = match store.model() {
-        Ok(model) => model.clone(),
+        Ok(model) => model,
         Err(error) => {
             let error = defmt::Display2Format(&error);
             defmt::error!("no usable vehicle is flashed ({}): no estimate", error);
             return None;
         }
     };
-    let estimator = match Estimator::new_in(ESTIMATOR.uninit(), model, Tuning::default()) {
+    let estimator = match Estimator::new_in(ESTIMATOR.uninit(), model, &Tuning::default()) {
         Ok(estimator) => estimator,
         Err(problem) => {
             defmt::error!("no such vehicle: {}", problem);
