@@ -22,6 +22,10 @@ impl<S: Scalar> Estimator<S> {
     ///
     /// # Errors
     /// The first parameter that no vehicle can have.
+    #[allow(
+        clippy::needless_pass_by_value,
+        reason = "most callers have no further use for it"
+    )]
     pub fn new(model: impl Into<Model>, tuning: Tuning) -> Result<Self, ParameterError> {
         let model = model.into();
         model.check()?;
