@@ -26,10 +26,16 @@ impl Context {
     pub fn new(model: impl Into<Model>, tuning: Tuning) -> Result<Self, ParameterError> {
         let model = model.into();
         model.check()?;
-        Ok(Self {
+        Ok(Self::of(model, tuning))
+    }
+
+    /// Creates the context of a model that is checked.
+    #[inline(always)] // So that it is written where it stays.
+    pub(crate) fn of(model: Model, tuning: Tuning) -> Self {
+        Self {
             model,
             tuning,
             counters: Counters::default(),
-        })
+        }
     }
 }

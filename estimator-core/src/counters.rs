@@ -110,3 +110,9 @@ pub struct Counters {
 pub(crate) fn count(counter: &mut u32) {
     *counter = counter.saturating_add(1);
 }
+
+/// Adds a number to a counter, which stays at its largest value.
+#[inline]
+pub(crate) fn count_by(counter: &mut u32, number: usize) {
+    *counter = counter.saturating_add(number as u32);
+}

@@ -1,12 +1,14 @@
 //! The facade: frames and time stamps in, cells and a live estimate out.
 
+mod creation;
+
 use crate::cell::{Cell, CellEnd, Disagreement, Live};
 use crate::context::Context;
-use crate::counters::{Counters, count};
+use crate::counters::{Counters, count, count_by};
 use crate::filter::{AltitudeEvent, Filter, ModelMass, SensorNoiseRatios, SlowStates};
 use crate::intake::{Intake, Outcome};
 use crate::model::Model;
-use crate::persistent_state::{PersistentState, PersistentStateError, fingerprint};
+use crate::persistent_state::PersistentState;
 use crate::sample::Sample;
 use crate::sampler::Sampler;
 use crate::scalar::Scalar;
@@ -14,7 +16,6 @@ use crate::signal::{Reading, Signal};
 use crate::smoother::FixedLag;
 use crate::time::{Duration, Instant};
 use crate::tuning::Tuning;
-use crate::vehicle::ParameterError;
 use embedded_can::Frame;
 
 /// What a step did.
@@ -60,6 +61,9 @@ pub enum Step {
 /// # assert!(estimator.live().is_some());
 /// # Ok::<(), estimator_core::ParameterError>(())
 /// ```
+// In this order: the fields are written one by one where they stay (`creation`), and the compiler
+// takes neighbours together over the stack if one is copied and the other one has nothing to write.
+#[repr(C)]
 #[derive(Clone, Debug)]
 pub struct Estimator<S> {
     context: Context,
@@ -75,47 +79,6 @@ pub struct Estimator<S> {
 }
 
 impl<S: Scalar> Estimator<S> {
-    /// Creates an estimator for a vehicle. The model is made of its parameters alone, or of its
-    /// parameters and adopted effects ([`Model`]).
-    ///
-    /// # Errors
-    /// The first parameter that no vehicle can have.
-    pub fn new(model: impl Into<Model>, tuning: Tuning) -> Result<Self, ParameterError> {
-        let context = Context::new(model, tuning)?;
-        let intake = Intake::new(&context.tuning);
-        let filter = Filter::new(&context.tuning, &SensorNoiseRatios::default(), None);
-        Ok(Self {
-            fingerprint: fingerprint(&context.model),
-            context,
-            intake,
-            sampler: Sampler::new(),
-            filter,
-            lag: FixedLag::new(),
-            end: CellEnd::default(),
-            disagreement: Disagreement::default(),
-            sample: None,
-        })
-    }
-
-    /// Creates an estimator that starts with what an earlier drive left.
-    ///
-    /// # Errors
-    /// [`PersistentStateError::Parameter`] for a parameter that no vehicle can have,
-    /// [`PersistentStateError::Vehicle`] if the drive was that of another vehicle, or was estimated
-    /// with other parameters.
-    pub fn restore(
-        model: impl Into<Model>,
-        tuning: Tuning,
-        state: &PersistentState,
-    ) -> Result<Self, PersistentStateError> {
-        let mut estimator = Self::new(model, tuning)?;
-        state.check_model(estimator.model())?;
-        let tuning = estimator.tuning();
-        let noise = state.noise(&tuning.measurement_noise);
-        estimator.filter = Filter::new(tuning, &noise, Some(*state.slow_states()));
-        Ok(estimator)
-    }
-
     /// Reserves a signal for [`on_reading`](Self::on_reading), for a caller that decodes messages of
     /// its own ([`own_message`](crate::signal::own_message)). The built-in messages no longer give
     /// it; what they say of it counts as that of another source.
@@ -151,9 +114,8 @@ impl<S: Scalar> Estimator<S> {
         };
         self.end = record.end;
         self.disagreement = record.disagreement;
-        let lost = self.lag.push(&record, state) as u32;
-        let counter = &mut self.context.counters.cells_lost;
-        *counter = counter.saturating_add(lost);
+        let lost = self.lag.push(&record, state);
+        count_by(&mut self.context.counters.cells_lost, lost);
         Some(Step::Moved(record.event))
     }
 
@@ -175,8 +137,19 @@ impl<S: Scalar> Estimator<S> {
         self.check_cell(cell)
     }
 
-    /// Returns the next of the last cells of a drive, which are smoothed by less than the full lag.
-    /// For the end of a drive: what comes after it starts a new chain of cells.
+    /// Does a share of the work at the end of a drive, as long as that of [`step`](Self::step).
+    /// Returns false when all cells are finished. Fetch them with [`next_cell`](Self::next_cell)
+    /// after each share; the last ones are smoothed by less than the full lag. What comes after the
+    /// end of a drive starts a new chain of cells.
+    pub fn drain_step(&mut self) -> bool {
+        let lost = self.lag.drain_step();
+        count_by(&mut self.context.counters.cells_lost, lost.unwrap_or(0));
+        lost.is_some()
+    }
+
+    /// Returns the next of the last cells of a drive. It does all work of
+    /// [`drain_step`](Self::drain_step) that the cell needs at once: for callers that are not pressed
+    /// for time.
     pub fn drain_cell(&mut self) -> Option<Cell> {
         let cell = self.lag.drain_cell();
         self.check_cell(cell)

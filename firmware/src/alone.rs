@@ -62,11 +62,10 @@ fn drive<S: Scalar>(
     let tuning = Tuning::default();
     let stored: Option<[u8; PersistentState::LEN]> = input();
     let kept = stored.and_then(|bytes| PersistentState::from_bytes(&bytes).ok());
-    let estimator = match kept {
-        Some(kept) => Estimator::restore(model, tuning, &kept).ok()?,
-        None => Estimator::new(model, tuning).ok()?,
-    };
-    let estimator = place.try_init(estimator)?;
+    let estimator = Estimator::new_in(place.try_uninit()?, &model, &tuning).ok()?;
+    if let Some(kept) = kept {
+        estimator.resume(&kept).ok()?;
+    }
     while let Some((now, frame)) = input::<(Instant, RecordedFrame)>() {
         black_box(estimator.on_frame(now, &frame));
         while let Some(step) = estimator.step() {
@@ -83,8 +82,10 @@ fn drive<S: Scalar>(
         black_box(estimator.counters());
         black_box(estimator.persistent_state().map(|kept| kept.to_bytes()));
     }
-    while let Some(cell) = estimator.drain_cell() {
-        black_box(cell);
+    while estimator.drain_step() {
+        while let Some(cell) = estimator.next_cell() {
+            black_box(cell);
+        }
     }
     Some(())
 }

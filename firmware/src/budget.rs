@@ -8,10 +8,14 @@ use crate::meter::{CountTally, InstructionMeter, Uncountable, depth};
 use crate::on_map::OnMap;
 use crate::recorded::{Recorded, Unusable};
 use core::fmt;
+use core::mem::MaybeUninit;
 use estimator_core::filter::{Filter, SensorNoiseRatios};
 use estimator_core::roadmap::MapError;
 use estimator_core::smoother::fixed_lag::{BLOCK_CELLS, FixedLag, LAG_CELLS};
-use estimator_core::{Context, Estimator, Instant, Intake, Sampler, Scalar, Step, Tuning};
+use estimator_core::{
+    Context, Estimator, Instant, Intake, Model, ParameterError, Sampler, Scalar, Step, Tuning,
+};
+use static_cell::StaticCell;
 
 /// Number of steps until the lag is full and each new block of cells finishes another block.
 const FILLING_STEPS: u32 = (LAG_CELLS + BLOCK_CELLS) as u32;
@@ -20,7 +24,7 @@ const FILLING_STEPS: u32 = (LAG_CELLS + BLOCK_CELLS) as u32;
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Budget {
     estimator_bytes: usize,
-    /// Without the estimator itself, which may be created in place.
+    /// Of its creation in its place.
     start_stack_bytes: usize,
     stack_bytes: usize,
     ignored_frame: CountTally,
@@ -43,6 +47,10 @@ pub struct Budget {
     map_finish: CountTally,
     /// A part of the road ahead.
     ahead: CountTally,
+    /// What the drive leaves for the next one, as bytes.
+    persistent_state: CountTally,
+    /// A share of the work at the end of the drive, and the cells fetched after it.
+    drain: CountTally,
 }
 
 /// Why nothing was counted.
@@ -72,17 +80,24 @@ impl From<Unusable> for BudgetError {
 ///
 /// # Errors
 /// The drive is unusable, or a call is too long to count.
-pub fn run<S: Scalar>(meter: &mut InstructionMeter) -> Result<Budget, BudgetError> {
+///
+/// # Panics
+/// Panics if the place is taken.
+pub fn run<S: Scalar>(
+    meter: &mut InstructionMeter,
+    place: &'static StaticCell<Estimator<S>>,
+) -> Result<Budget, BudgetError> {
     let mut budget = Budget {
         estimator_bytes: size_of::<Estimator<S>>(),
         on_map_bytes: size_of::<OnMap<'_>>(),
         ..Budget::default()
     };
-    budget.through_estimator::<S>(meter, None)?;
+    let place = place.uninit();
+    budget.through_estimator(meter, place, None)?;
     budget.through_parts::<S>(meter)?;
     let mut on_map = OnMap::new(map_region::open().map_err(BudgetError::Map)?);
     let mut with_map = Budget::default();
-    with_map.through_estimator::<S>(meter, Some(&mut on_map))?;
+    with_map.through_estimator(meter, place, Some(&mut on_map))?;
     budget.map_stack_bytes = with_map.stack_bytes;
     budget.map_step = with_map.map_step;
     budget.map_finish = with_map.map_finish;
@@ -91,38 +106,65 @@ pub fn run<S: Scalar>(meter: &mut InstructionMeter) -> Result<Budget, BudgetErro
 }
 
 impl Budget {
-    /// Counts the calls of a program that uses the estimator, with a map or without. In one function:
-    /// only so does the compiler build the estimator in its place.
+    /// Counts the calls of a program that uses the estimator, with a map or without.
     fn through_estimator<S: Scalar>(
         &mut self,
         meter: &mut InstructionMeter,
+        place: &mut MaybeUninit<Estimator<S>>,
         mut on_map: Option<&mut OnMap<'_>>,
     ) -> Result<(), BudgetError> {
         let (model, mut drive) = Recorded::open()?;
-        let (estimator, start_stack_bytes) =
-            depth(|| Estimator::<S>::new(model, Tuning::default()));
-        let mut estimator = estimator.map_err(Unusable::Vehicle)?;
-        self.start_stack_bytes = start_stack_bytes;
+        let (estimator, bytes) = depth(|| create(place, &model));
+        let estimator = estimator.map_err(Unusable::Vehicle)?;
+        self.start_stack_bytes = bytes;
         loop {
             let block = drive.next_block()?;
-            if block.len() == 0 {
-                return Ok(());
-            }
-            let (done, stack_bytes) = depth(|| {
+            let is_end = block.len() == 0;
+            let (done, bytes) = depth(|| {
                 for frame in block {
                     let (time, frame) = frame?;
                     match on_map.as_deref_mut() {
-                        None => self.frame(meter, &mut estimator, time, &frame)?,
+                        None => self.frame(meter, estimator, time, &frame)?,
                         Some(on_map) => {
                             estimator.on_frame(time, &frame);
-                            while self.step_on_map(meter, &mut estimator, on_map)? {}
+                            while self.step_on_map(meter, estimator, on_map)? {}
                         }
                     }
+                }
+                if is_end && on_map.is_none() {
+                    self.end(meter, estimator)?;
                 }
                 Ok::<(), BudgetError>(())
             });
             done?;
-            self.stack_bytes = self.stack_bytes.max(stack_bytes);
+            self.stack_bytes = self.stack_bytes.max(bytes);
+            if is_end {
+                return Ok(());
+            }
+        }
+    }
+
+    /// Counts the calls at the end of a drive.
+    fn end<S: Scalar>(
+        &mut self,
+        meter: &mut InstructionMeter,
+        estimator: &mut Estimator<S>,
+    ) -> Result<(), BudgetError> {
+        let (_, count) = meter.count(|| {
+            let state = estimator.persistent_state();
+            state.map(|state| state.to_bytes())
+        })?;
+        self.persistent_state.add(count);
+        loop {
+            let (moved, count) = meter.count(|| {
+                let moved = estimator.drain_step();
+                while estimator.next_cell().is_some() {}
+                moved
+            })?;
+            self.drain.add(count);
+            if !moved {
+                return Ok(());
+            }
         }
     }
 
@@ -178,13 +220,26 @@ impl Budget {
         Ok(true)
     }
 
+    /// Returns the largest count of a call that a program makes during a drive and at its end.
+    fn worst_call(&self) -> u32 {
+        let calls = [
+            &self.ignored_frame,
+            &self.relevant_frame,
+            &self.cell,
+            &self.live,
+            &self.persistent_state,
+            &self.drain,
+        ];
+        calls.map(CountTally::worst).into_iter().max().unwrap_or(0)
+    }
+
     /// Counts the filter and the smoother separately, on the same drive.
     fn through_parts<S: Scalar>(
         &mut self,
         meter: &mut InstructionMeter,
     ) -> Result<(), BudgetError> {
         let (model, mut drive) = Recorded::open()?;
-        let mut context = Context::new(model, Tuning::default()).map_err(Unusable::Vehicle)?;
+        let mut context = Context::new(model, tuning()).map_err(Unusable::Vehicle)?;
         let mut intake = Intake::new(&context.tuning);
         let mut sampler = Sampler::new();
         let mut filter = Filter::<S>::new(&context.tuning, &SensorNoiseRatios::default(), None);
@@ -229,6 +284,23 @@ impl Budget {
     }
 }
 
+/// Returns the tuning of the counts: the drive is too short to leave a state without it.
+fn tuning() -> Tuning {
+    let mut tuning = Tuning::default();
+    tuning.detection.persist_cells = 100;
+    tuning.detection.persist_altitudes = 10;
+    tuning
+}
+
+/// Creates the estimator in its place. Not inlined, so that all of the stack counts that it needs.
+#[inline(never)]
+fn create<'a, S: Scalar>(
+    place: &'a mut MaybeUninit<Estimator<S>>,
+    model: &Model,
+) -> Result<&'a mut Estimator<S>, ParameterError> {
+    Estimator::new_in(place, model, &tuning())
+}
+
 /// Prints one figure a line, name and number.
 impl fmt::Display for Budget {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -252,7 +324,9 @@ impl fmt::Display for Budget {
             writeln!(f, "{name}_mean {}", tally.mean())?;
             writeln!(f, "{name}_worst {}", tally.worst())?;
         }
-        Ok(())
+        writeln!(f, "persistent_state {}", self.persistent_state.worst())?;
+        writeln!(f, "drain_worst {}", self.drain.worst())?;
+        writeln!(f, "call_worst {}", self.worst_call())
     }
 }
 

@@ -7,14 +7,13 @@ use crate::on_map::OnMap;
 use crate::recorded::{Recorded, Unusable};
 use core::ffi::CStr;
 use core::fmt;
-use estimator_core::vehicle::ParameterError;
 use estimator_core::{Cell, Estimator, Step, Tuning, Uncertain};
 use semihosting::fs::File;
 use semihosting::io::{self, Write};
 use static_cell::StaticCell;
 
 /// Static, since it is too large for a controller's stack. Its size can be read from the image.
-static ESTIMATOR: StaticCell<Result<Estimator<f32>, ParameterError>> = StaticCell::new();
+static ESTIMATOR: StaticCell<Estimator<f32>> = StaticCell::new();
 static ON_MAP: StaticCell<OnMap<'static>> = StaticCell::new();
 
 /// Number of cells from one log of the estimate to the next.
@@ -46,10 +45,8 @@ impl From<Unusable> for ReplayError {
 pub fn run() -> Result<(), ReplayError> {
     let (vehicle, mut drive) = Recorded::open()?;
     // In its place: the stack is smaller than the estimator.
-    let estimator = ESTIMATOR
-        .init_with(|| Estimator::new(vehicle, Tuning::default()))
-        .as_mut()
-        .map_err(|problem| Unusable::Vehicle(*problem))?;
+    let estimator = Estimator::new_in(ESTIMATOR.uninit(), &vehicle, &Tuning::default())
+        .map_err(Unusable::Vehicle)?;
 
     let mut road = Road::open()?;
     let mut cells = Cells {
@@ -79,8 +76,10 @@ pub fn run() -> Result<(), ReplayError> {
             }
         }
     }
-    while let Some(cell) = estimator.drain_cell() {
-        cells.write(&cell)?;
+    while estimator.drain_step() {
+        while let Some(cell) = estimator.next_cell() {
+            cells.write(&cell)?;
+        }
     }
     defmt::info!("{}", estimator.counters());
     if let Some(road) = &road {

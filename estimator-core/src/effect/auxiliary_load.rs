@@ -1,6 +1,6 @@
 //! Power that does not get to the wheels.
 
-use super::definition::{Acts, Bounds, Effect, EffectParameter, Physics, Search, Varies};
+use super::definition::{Acts, Bounds, Description, Effect, EffectParameter, Physics, Search, Varies};
 use crate::maybe::Maybe;
 
 /// Speed below which the force of a power grows no more, m/s: torque is limited.
@@ -11,8 +11,6 @@ pub static EFFECT: Effect = Effect {
     number: 6,
     name: "auxiliary_load",
     unit: "W",
-    about: "Fan, compressor, alternator, steering or cooling take this power from the driveline, all the time or with the fan.",
-    source: "VECTO long haul: 4 to 6 kW all in all; a fan engaged takes 15 to 30 kW",
     typical: 10_000.0,
     range: Bounds::new(-50_000.0, 200_000.0, "-50000 to 200000 W"),
     parameters: &[EffectParameter {
@@ -34,6 +32,12 @@ pub static EFFECT: Effect = Effect {
         };
         part / sample.end.speed_mps.max(SLOWEST_MPS)
     }),
+};
+
+/// Its physics and their source.
+pub static DESCRIPTION: Description = Description {
+    about: "Fan, compressor, alternator, steering or cooling take this power from the driveline, all the time or with the fan.",
+    source: "VECTO long haul: 4 to 6 kW all in all; a fan engaged takes 15 to 30 kW",
 };
 
 /// How a search varies it.

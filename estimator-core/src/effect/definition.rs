@@ -21,10 +21,6 @@ pub struct Effect {
     pub name: &'static str,
     /// Unit of the amount; "1" if it has none.
     pub unit: &'static str,
-    /// Its physics in a sentence.
-    pub about: &'static str,
-    /// Source of its physics and of the usual amounts.
-    pub source: &'static str,
     /// Standard deviation of the amounts that vehicles and roads have, in the effect's unit.
     pub typical: f32,
     /// Amounts that are possible.
@@ -91,6 +87,15 @@ pub enum Acts {
     /// As a scale factor 1 + amount on the wheel radius: speed and distance grow, the force of a
     /// torque shrinks.
     WheelRadius,
+}
+
+/// What an effect is, in words. It is a static of its own, so that it takes no flash on a target.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Description {
+    /// Its physics in a sentence.
+    pub about: &'static str,
+    /// Source of its physics and of the usual amounts.
+    pub source: &'static str,
 }
 
 /// How the diagnosis on a host searches for an effect. It is a static of its own, so that it takes

@@ -1,14 +1,12 @@
 //! A driveline that loses more than its efficiency says.
 
-use super::definition::{Acts, Bounds, Effect, Physics, Search, Varies};
+use super::definition::{Acts, Bounds, Description, Effect, Physics, Search, Varies};
 
 /// F = a |traction|, driving and driven.
 pub static EFFECT: Effect = Effect {
     number: 5,
     name: "driveline_loss",
     unit: "1",
-    about: "Gearbox, shafts and axle lose this part of the traction force besides the losses that are known, in either direction.",
-    source: "thesis eq. 2 to 4; cold oil takes 0.03 to 0.12 (Transport Canada 1994)",
     typical: 0.04,
     range: Bounds::new(-0.3, 0.5, "-0.3 to 0.5"),
     parameters: &[],
@@ -20,6 +18,12 @@ pub static EFFECT: Effect = Effect {
             0.0
         }
     }),
+};
+
+/// Its physics and their source.
+pub static DESCRIPTION: Description = Description {
+    about: "Gearbox, shafts and axle lose this part of the traction force besides the losses that are known, in either direction.",
+    source: "thesis eq. 2 to 4; cold oil takes 0.03 to 0.12 (Transport Canada 1994)",
 };
 
 /// How a search varies it.

@@ -1,6 +1,6 @@
 //! Wind along the road.
 
-use super::definition::{Acts, Bounds, Effect, EffectParameter, Physics, Search, Varies};
+use super::definition::{Acts, Bounds, Description, Effect, EffectParameter, Physics, Search, Varies};
 use crate::angle::cos_deg;
 use crate::maybe::Maybe;
 
@@ -9,8 +9,6 @@ pub static EFFECT: Effect = Effect {
     number: 3,
     name: "headwind",
     unit: "m/s",
-    about: "Wind of this speed adds to the air that meets the vehicle: from ahead it resists, from behind it pushes.",
-    source: "thesis eq. 5 with the air's own speed",
     typical: 3.0,
     range: Bounds::new(-40.0, 40.0, "-40 to 40 m/s"),
     parameters: &[EffectParameter {
@@ -30,6 +28,12 @@ pub static EFFECT: Effect = Effect {
         sample.forces.drag_n(vehicle.drag_area_m2, air_mps)
             - vehicle.drag_n(&sample.forces, sample.end.speed_mps)
     }),
+};
+
+/// Its physics and their source.
+pub static DESCRIPTION: Description = Description {
+    about: "Wind of this speed adds to the air that meets the vehicle: from ahead it resists, from behind it pushes.",
+    source: "thesis eq. 5 with the air's own speed",
 };
 
 /// How a search varies it.

@@ -1,6 +1,6 @@
 //! Another mass than the model takes.
 
-use super::definition::{Acts, Bounds, Effect, Physics, Search, Varies};
+use super::definition::{Acts, Bounds, Description, Effect, Physics, Search, Varies};
 
 /// m → m (1 + a). Without it the road reads as steeper by a of all that the mass takes: what is
 /// left of traction after air resistance.
@@ -8,8 +8,6 @@ pub static EFFECT: Effect = Effect {
     number: 7,
     name: "mass",
     unit: "1",
-    about: "The vehicle is heavier by this part of the mass that the parameter or the bus reports.",
-    source: "thesis eq. 9",
     typical: 0.1,
     range: Bounds::new(-0.6, 3.0, "-0.6 to 3"),
     parameters: &[],
@@ -17,6 +15,12 @@ pub static EFFECT: Effect = Effect {
     physics: Physics::PerUnit(|vehicle, sample, _| {
         sample.forces.traction_n - vehicle.drag_n(&sample.forces, sample.end.speed_mps)
     }),
+};
+
+/// Its physics and their source.
+pub static DESCRIPTION: Description = Description {
+    about: "The vehicle is heavier by this part of the mass that the parameter or the bus reports.",
+    source: "thesis eq. 9",
 };
 
 /// How a search varies it.

@@ -16,7 +16,7 @@
 //! `wet_road.rs`:
 //!
 //! ```
-//! use estimator_core::effect::{Acts, Bounds, Effect, Physics, Search, Varies};
+//! use estimator_core::effect::{Acts, Bounds, Description, Effect, Physics, Search, Varies};
 //! // in the folder: use super::definition::{…}
 //!
 //! /// F = a m g between 0 and 5 °C.
@@ -24,8 +24,6 @@
 //!     number: 200, // the next free one; it never changes
 //!     name: "wet_road",
 //!     unit: "1",
-//!     about: "Near freezing roads are wet: the coefficient of rolling resistance is larger by the amount.",
-//!     source: "wet roads add 10 to 20 % of it",
 //!     typical: 0.001,
 //!     range: Bounds::new(0.0, 0.01, "0 to 0.01"),
 //!     parameters: &[],
@@ -42,6 +40,12 @@
 //!     }),
 //! };
 //!
+//! /// Its physics and their source.
+//! pub static DESCRIPTION: Description = Description {
+//!     about: "Near freezing roads are wet: the coefficient of rolling resistance is larger by the amount.",
+//!     source: "wet roads add 10 to 20 % of it",
+//! };
+//!
 //! /// How a search varies it.
 //! pub static SEARCH: Search = Search {
 //!     varies: Varies::Amount,
@@ -56,8 +60,8 @@
 pub mod definition;
 
 pub use definition::{
-    Acts, Bounds, Effect, EffectParameter, Force, MAX_EFFECT_PARAMETERS, ParameterValues, Physics,
-    Search, Varies,
+    Acts, Bounds, Description, Effect, EffectParameter, Force, MAX_EFFECT_PARAMETERS,
+    ParameterValues, Physics, Search, Varies,
 };
 
 macro_rules! catalogue {
@@ -69,6 +73,9 @@ macro_rules! catalogue {
 
         /// Every effect.
         pub static CATALOGUE: [&Effect; MAX_EFFECTS] = [$(&$name::EFFECT),*];
+
+        /// What each effect is, in the order of [`CATALOGUE`].
+        static DESCRIPTIONS: [&Description; MAX_EFFECTS] = [$(&$name::DESCRIPTION),*];
 
         /// How a search varies each effect, in the order of [`CATALOGUE`].
         static SEARCHES: [&Search; MAX_EFFECTS] = [$(&$name::SEARCH),*];
@@ -106,11 +113,20 @@ pub fn numbered(number: u32) -> Option<&'static Effect> {
         .find(|effect| u32::from(effect.number) == number)
 }
 
+/// Returns what an effect is, in words; `None` for one outside the catalogue.
+#[must_use]
+pub fn description_of(effect: &Effect) -> Option<&'static Description> {
+    beside(effect, DESCRIPTIONS)
+}
+
 /// Returns how the diagnosis on a host searches for an effect; `None` for one outside the catalogue.
 #[must_use]
 pub fn search_of(effect: &Effect) -> Option<&'static Search> {
-    let mut searches = CATALOGUE.into_iter().zip(SEARCHES);
-    searches
-        .find(|(known, _)| *known == effect)
-        .map(|(_, search)| search)
+    beside(effect, SEARCHES)
+}
+
+fn beside<T>(effect: &Effect, list: [&'static T; MAX_EFFECTS]) -> Option<&'static T> {
+    let mut pairs = CATALOGUE.into_iter().zip(list);
+    let found = pairs.find(|(known, _)| *known == effect);
+    found.map(|(_, one)| one)
 }

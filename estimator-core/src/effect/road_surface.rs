@@ -1,6 +1,6 @@
 //! A rough stretch of road.
 
-use super::definition::{Acts, Bounds, Effect, EffectParameter, Physics, Search, Varies};
+use super::definition::{Acts, Bounds, Description, Effect, EffectParameter, Physics, Search, Varies};
 use crate::angle::cos_deg;
 use crate::maybe::Maybe;
 
@@ -12,8 +12,6 @@ pub static EFFECT: Effect = Effect {
     number: 11,
     name: "road_surface",
     unit: "1",
-    about: "On a stretch of road the coefficient of rolling resistance is larger by the amount: gravel, coarse or broken surface.",
-    source: "rough texture adds 0.001 to 0.0017 a mm of mean profile depth",
     typical: 0.0015,
     range: Bounds::new(-0.02, 0.1, "-0.02 to 0.1"),
     parameters: &[
@@ -64,6 +62,12 @@ pub static EFFECT: Effect = Effect {
             0.0
         }
     }),
+};
+
+/// Its physics and their source.
+pub static DESCRIPTION: Description = Description {
+    about: "On a stretch of road the coefficient of rolling resistance is larger by the amount: gravel, coarse or broken surface.",
+    source: "rough texture adds 0.001 to 0.0017 a mm of mean profile depth",
 };
 
 /// How a search varies it.

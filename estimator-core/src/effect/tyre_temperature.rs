@@ -1,6 +1,6 @@
 //! Tyres that roll harder in cold air.
 
-use super::definition::{Acts, Bounds, Effect, Physics, Search, Varies};
+use super::definition::{Acts, Bounds, Description, Effect, Physics, Search, Varies};
 
 /// Air temperature that coefficients of rolling resistance refer to, °C (ISO 28580).
 const REFERENCE_CELSIUS: f32 = 25.0;
@@ -10,8 +10,6 @@ pub static EFFECT: Effect = Effect {
     number: 12,
     name: "tyre_temperature",
     unit: "1/K",
-    about: "Each kelvin that the air is colder than 25 °C adds the amount of the rolling resistance; where no temperature is known, nothing.",
-    source: "ISO 28580 corrects to 25 °C with 0.006 a kelvin for large truck tyres, 0.008 for cars; Hyttinen et al. 2022 find more in the cold",
     typical: 0.006,
     range: Bounds::new(-0.05, 0.1, "-0.05 to 0.1 a kelvin"),
     parameters: &[],
@@ -22,6 +20,12 @@ pub static EFFECT: Effect = Effect {
         };
         vehicle.rolling_resistance * sample.forces.weight_n() * (REFERENCE_CELSIUS - celsius)
     }),
+};
+
+/// Its physics and their source.
+pub static DESCRIPTION: Description = Description {
+    about: "Each kelvin that the air is colder than 25 °C adds the amount of the rolling resistance; where no temperature is known, nothing.",
+    source: "ISO 28580 corrects to 25 °C with 0.006 a kelvin for large truck tyres, 0.008 for cars; Hyttinen et al. 2022 find more in the cold",
 };
 
 /// How a search varies it.

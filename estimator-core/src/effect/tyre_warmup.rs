@@ -1,6 +1,6 @@
 //! Tyres that are cold where a drive begins.
 
-use super::definition::{Acts, Bounds, Effect, EffectParameter, Physics, Search, Varies};
+use super::definition::{Acts, Bounds, Description, Effect, EffectParameter, Physics, Search, Varies};
 use crate::maybe::Maybe;
 
 /// F = a c_r m g exp(−t/τ), t the time in motion.
@@ -8,8 +8,6 @@ pub static EFFECT: Effect = Effect {
     number: 1,
     name: "tyre_warmup",
     unit: "1",
-    about: "Cold tyres add the amount of the rolling resistance at the start of a drive, and less as they warm up.",
-    source: "thesis section 7.2 (drift of morning drives); Hyttinen et al. 2022; 0.3 to 0.8 of it, over 15 to 40 min",
     typical: 0.5,
     range: Bounds::new(-1.0, 5.0, "-1 to 5"),
     parameters: &[EffectParameter {
@@ -26,6 +24,12 @@ pub static EFFECT: Effect = Effect {
         let left = libm::expf(-sample.effect_inputs.driven_s / time_s);
         vehicle.rolling_resistance * sample.forces.weight_n() * left
     }),
+};
+
+/// Its physics and their source.
+pub static DESCRIPTION: Description = Description {
+    about: "Cold tyres add the amount of the rolling resistance at the start of a drive, and less as they warm up.",
+    source: "thesis section 7.2 (drift of morning drives); Hyttinen et al. 2022; 0.3 to 0.8 of it, over 15 to 40 min",
 };
 
 /// How a search varies it.

@@ -53,6 +53,7 @@ pub(super) struct Gated<S> {
 
 impl AltitudeUpdate {
     /// Creates the memory with the noise known so far.
+    #[inline(always)] // See Estimator::new_in().
     pub(super) fn new(noise: &SensorNoiseRatios, tuning: &Tuning) -> Self {
         Self {
             gate: AltitudeGate::new(noise, tuning),

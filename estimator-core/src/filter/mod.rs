@@ -108,6 +108,7 @@ impl<S: Scalar> Filter<S> {
     /// Creates a filter before its first sample, with the sensor noise known so far and, from an
     /// earlier drive, the slow states.
     #[must_use]
+    #[inline(always)] // See Estimator::new_in().
     pub fn new(tuning: &Tuning, noise: &SensorNoiseRatios, prior: Option<SlowStates>) -> Self {
         Self {
             state: None,
@@ -123,6 +124,14 @@ impl<S: Scalar> Filter<S> {
             accelerometer: Accelerometer::new(tuning),
             invalid_m: 0.0,
         }
+    }
+
+    /// Starts with the sensor noise and the slow states of an earlier drive, before the first sample.
+    pub fn resume(&mut self, tuning: &Tuning, noise: &SensorNoiseRatios, slow: SlowStates) {
+        self.state = None;
+        self.prior = Some(slow);
+        self.speed = SpeedUpdate::new(noise, tuning);
+        self.altitude = AltitudeUpdate::new(noise, tuning);
     }
 
     /// Returns a filter for a second pass over the same drive. It starts with the same slow states,

@@ -55,6 +55,7 @@ impl Intake {
     /// Creates an intake that has received nothing. A later change of `clock_far_ahead` in the tuning
     /// has no effect on it.
     #[must_use]
+    #[inline(always)] // See Estimator::new_in().
     pub fn new(tuning: &Tuning) -> Self {
         Self {
             decoder: Decoder::new(),

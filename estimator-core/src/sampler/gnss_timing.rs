@@ -11,6 +11,7 @@ use crate::lagged_differences::LaggedDifferences;
 use crate::scalar::Scalar;
 use crate::time::{Duration, Instant};
 use crate::tuning::Detection;
+use heapless::Deque;
 
 /// Number of lags, and time between two of them.
 const LAGS: usize = 32;
@@ -22,9 +23,9 @@ const AT_ONCE: u8 = 4;
 #[derive(Clone, Debug)]
 pub(super) struct GnssTiming {
     /// Wheel speeds, m/s, the newest first, and the time of the newest.
-    wheels_mps: [f32; LAGS + 1],
+    // A queue: to move an array takes one and a half kilobytes of flash, for `memmove`.
+    wheels_mps: Deque<f32, { LAGS + 1 }>,
     newest: Option<Instant>,
-    filled: u8,
     /// Speeds over ground less wheel speeds.
     differences: LaggedDifferences<LAGS>,
     /// Mean wheel speed, m/s.
@@ -37,9 +38,8 @@ pub(super) struct GnssTiming {
 impl Default for GnssTiming {
     fn default() -> Self {
         Self {
-            wheels_mps: [0.0; LAGS + 1],
+            wheels_mps: Deque::new(),
             newest: None,
-            filled: 0,
             differences: LaggedDifferences::new(),
             mean_wheels_mps: 0.0,
             latency: None,
@@ -68,16 +68,17 @@ impl GnssTiming {
     /// Returns the way since a fix that arrives now was taken, m; `None` unless a long latency was
     /// learned and the speeds since then are known.
     pub(super) fn way_m(&self, now: Instant) -> Option<f32> {
-        if usize::from(self.filled) <= LAGS || self.latency.is_none() {
+        if !self.wheels_mps.is_full() || self.latency.is_none() {
             return None;
         }
         let latency_s = self.learned()?.seconds();
         let newest_s = Scalar::min(now.since(self.newest?).seconds(), latency_s);
         let mut left_s = latency_s - newest_s;
-        let mut way_m = newest_s * self.wheels_mps[0];
-        for pair in self.wheels_mps.windows(2) {
+        let mut way_m = newest_s * self.wheels_mps.front()?;
+        let earlier = self.wheels_mps.iter().skip(1);
+        for (later, earlier) in self.wheels_mps.iter().zip(earlier) {
             let piece_s = Scalar::min(left_s, STEP.seconds());
-            way_m += piece_s * 0.5 * (pair[0] + pair[1]);
+            way_m += piece_s * 0.5 * (later + earlier);
             left_s -= piece_s;
         }
         Some(way_m * self.factor)
@@ -119,15 +120,16 @@ impl GnssTiming {
         match self.newest {
             Some(newest) if speed.time < newest + STEP => {}
             Some(newest) if speed.time.since(newest).micros() < 2 * STEP.micros() => {
-                self.wheels_mps.copy_within(0..LAGS, 1);
-                self.wheels_mps[0] = speed.value;
+                if self.wheels_mps.is_full() {
+                    self.wheels_mps.pop_back();
+                }
+                let _ = self.wheels_mps.push_front(speed.value);
                 self.newest = Some(newest + STEP);
-                self.filled = self.filled.saturating_add(1).min(LAGS as u8 + 1);
             }
             _ => {
-                self.wheels_mps[0] = speed.value;
+                self.wheels_mps.clear();
+                let _ = self.wheels_mps.push_front(speed.value);
                 self.newest = Some(speed.time);
-                self.filled = 1;
             }
         }
     }
@@ -142,7 +144,7 @@ impl GnssTiming {
     ) {
         self.fine.ground(now, speed_mps, tuning);
         let Some(newest) = self.newest else { return };
-        if usize::from(self.filled) <= LAGS || speed_mps < tuning.turn_mps {
+        if !self.wheels_mps.is_full() || speed_mps < tuning.turn_mps {
             return;
         }
         let after = now.since(newest).seconds() / STEP.seconds();
@@ -192,7 +194,7 @@ impl GnssTiming {
         let best = self.differences.best();
         self.scale(best, tuning);
         let variance = |lag: usize| self.differences.variance(lag);
-        let usual = (assumed.micros() / STEP.micros()) as usize;
+        let usual = (assumed.short_micros() / STEP.short_micros()) as usize;
         let at_usual = Scalar::min(variance(usual), variance(usual + 1));
         // What was learned stays until the advantage is half as large.
         let part = match self.latency {

@@ -74,6 +74,7 @@ pub struct Sampler {
 impl Sampler {
     /// Creates a sampler before the first reading.
     #[must_use]
+    #[inline(always)] // See Estimator::new_in().
     pub fn new() -> Self {
         Self {
             odometer: Odometer::default(),

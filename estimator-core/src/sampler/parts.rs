@@ -67,6 +67,7 @@ impl AirSignals {
 
 impl Parts {
     /// Creates the parts before the first reading.
+    #[inline(always)] // See Estimator::new_in().
     pub(super) fn new() -> Self {
         Self {
             driveline: DrivelineSignals::default(),

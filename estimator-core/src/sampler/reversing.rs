@@ -99,9 +99,11 @@ impl Reversing {
     }
 }
 
-/// Returns the angle between two directions, from 0 to 180 °.
+/// Returns the angle between two directions that differ by less than two turns, from 0 to 180 °.
 fn turned_deg(a_deg: f32, b_deg: f32) -> f32 {
-    let turned = (a_deg - b_deg).abs() % 360.0;
+    let apart = (a_deg - b_deg).abs();
+    // Not `%`: the library's function takes a kilobyte of flash.
+    let turned = if apart < 360.0 { apart } else { apart - 360.0 };
     if turned > 180.0 {
         360.0 - turned
     } else {

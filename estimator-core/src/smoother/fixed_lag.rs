@@ -1,9 +1,13 @@
-//! Fixed-lag smoothing in fixed memory. It goes back over each step once.
+//! Fixed-lag smoothing in fixed memory and in small shares of work. It goes back over each step
+//! once.
 //!
 //! When a block of steps is full, one backward pass over it smooths its cells by the rest of the
 //! block, and leaves its [`BlockSmoother`]: what it says of anything before it. A cell is finished
 //! [`LAG_CELLS`] later, by going back over the block smoothers since. The result is that of a pass
 //! over all steps of the lag, with a tenth of the work and a third of the memory.
+//!
+//! The work that a full block asks for is as much as that of twenty steps of the filter. It is
+//! spread over the following cells, and done before the next block is full ([`Stage`]).
 //!
 //! This file has the queues of cells and blocks. The recursion over one step is in
 //! [`backward_pass`](super::backward_pass), the one over a block in
@@ -11,10 +15,12 @@
 
 use super::backward_pass::BackwardPass;
 use super::block_smoother::BlockSmoother;
-use crate::cell::{Cell, CellEnd, Uncertain};
-use crate::filter::{Quantity, QuantityEstimate, SmootherInput, State, StepRecord};
+use super::lagged_cell::{FilteredCell, PendingCell, WithinBlock};
+use super::two_stacks::TwoStacks;
+use crate::cell::Cell;
+use crate::filter::{Quantity, State, StepRecord};
 use crate::scalar::Scalar;
-use heapless::{Deque, Vec};
+use heapless::Deque;
 
 /// Number of cells in a block.
 pub const BLOCK_CELLS: usize = 20;
@@ -25,6 +31,21 @@ pub const LAG_CELLS: usize = LAG_BLOCKS * BLOCK_CELLS;
 /// Number of blocks in memory: one more, which is being finished.
 const BLOCKS: usize = LAG_BLOCKS + 1;
 
+/// Number of cells that one share of work goes back over.
+const CELLS_A_SHARE: usize = 2;
+/// Number of blocks that one share of work goes back over.
+const BLOCKS_A_SHARE: usize = 2;
+/// Number of cells that one share of work finishes.
+const FINISHED_A_SHARE: usize = 10;
+/// Number of cells from the end of a block until the cells that it finishes can be fetched.
+pub const SHARES: usize = BLOCK_CELLS.div_ceil(CELLS_A_SHARE)
+    + LAG_BLOCKS.div_ceil(BLOCKS_A_SHARE)
+    + BLOCK_CELLS.div_ceil(FINISHED_A_SHARE);
+const _: () = assert!(
+    SHARES <= BLOCK_CELLS,
+    "a block is done before the next one is full"
+);
+
 /// Returns the memory that a lag of this many blocks takes, bytes.
 #[must_use]
 pub const fn bytes<S>(lag_blocks: usize) -> usize {
@@ -34,45 +55,40 @@ pub const fn bytes<S>(lag_blocks: usize) -> usize {
     filling + (lag_blocks + 1) * block + finished
 }
 
-/// A cell of the block that is being filled.
-#[derive(Clone, Copy, Debug)]
-struct FilteredCell<S> {
-    end: CellEnd,
-    smoother_input: SmootherInput<S>,
-    slope: QuantityEstimate<S>,
-    altitude: QuantityEstimate<S>,
-    origin_m: Option<f32>,
-    consistent: bool,
-}
-
-/// A cell that was smoothed by its block and waits for later blocks.
-#[derive(Clone, Copy, Debug)]
-struct PendingCell<S> {
-    end: CellEnd,
-    live_grade_percent: Uncertain,
-    altitude_m: Option<Uncertain>,
-    /// Its covariance is with the states at the end of the block.
-    slope: QuantityEstimate<S>,
-    live_consistent: bool,
-    lagged_consistent: bool,
-}
-
-/// A full block, and the number of its cells.
+/// A block that is closed, or being closed.
 #[derive(Clone, Debug)]
 struct Block<S> {
     smoother: BlockSmoother<S>,
+    /// Number of its cells that the smoother has gone back over.
     cells: usize,
+    /// First cell of a disagreement that was noticed in the block.
+    disagreeing_since: u32,
+}
+
+/// What the next share of work is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Stage {
+    /// Going back over the cells of the newest block, if any are left.
+    Close,
+    /// Going back over the blocks after the oldest one. This many are left.
+    Retreat(usize),
+    /// Finishing the cells of the oldest block, the last one first.
+    Finish,
 }
 
 /// A fixed-lag smoother: the blocks of the lag, and the finished cells that wait to be fetched.
 #[derive(Clone, Debug)]
 pub struct FixedLag<S> {
-    filtered: Vec<FilteredCell<S>, BLOCK_CELLS>,
+    /// The steps of the block that is filled, and those of the one that is being closed.
+    filtered: TwoStacks<FilteredCell<S>, BLOCK_CELLS>,
     blocks: Deque<Block<S>, BLOCKS>,
     /// The cells of these blocks, the oldest block first, but within each block the last cell first.
     pending: Deque<PendingCell<S>, { BLOCKS * BLOCK_CELLS }>,
     finished: Deque<Cell, BLOCK_CELLS>,
-    /// First cell of the newest disagreement that pending cells are not marked with.
+    stage: Stage,
+    /// The pass over the blocks after the oldest one.
+    pass: BackwardPass<S>,
+    /// First cell of the newest disagreement that no block knows.
     disagreeing_since: Option<u32>,
 }
 
@@ -81,19 +97,22 @@ impl<S: Scalar> FixedLag<S> {
     #[must_use]
     pub const fn new() -> Self {
         Self {
-            filtered: Vec::new(),
+            filtered: TwoStacks::new(),
             blocks: Deque::new(),
             pending: Deque::new(),
             finished: Deque::new(),
+            stage: Stage::Close,
+            pass: BackwardPass::new(),
             disagreeing_since: None,
         }
     }
 
-    /// Takes the newest step and the state after it. Returns the number of finished cells that were
-    /// overwritten because they were not fetched.
+    /// Does a share of work, and takes the newest step and the state after it. Returns the number of
+    /// finished cells that were overwritten because they were not fetched.
     pub fn push(&mut self, step: &StepRecord<S>, state: &State<S>) -> usize {
-        // There is room: close_block() empties a full block.
-        let _ = self.filtered.push(FilteredCell {
+        let lost = self.work();
+        // There is room: a block is closed faster than the next one is filled.
+        self.filtered.push(FilteredCell {
             end: step.end,
             smoother_input: step.smoother_input,
             slope: state.quantity(Quantity::Slope),
@@ -106,31 +125,60 @@ impl<S: Scalar> FixedLag<S> {
             let before = self.disagreeing_since.unwrap_or(since);
             self.disagreeing_since = Some(before.min(since));
         }
-        if !self.filtered.is_full() {
-            return 0;
+        if self.filtered.filled() == BLOCK_CELLS {
+            self.open_block();
         }
-        self.close_block();
-        if self.blocks.is_full() {
-            self.finish()
-        } else {
-            0
-        }
+        lost
     }
 
     /// Returns the next finished cell.
     pub fn next_cell(&mut self) -> Option<Cell> {
+        // The first cell of a block is finished last.
+        if self.stage == Stage::Finish {
+            return None;
+        }
         self.finished.pop_front()
     }
 
-    /// Returns the next cell at the end of a drive, smoothed by what follows it.
+    /// Does a share of the work at the end of a drive, after which all cells are finished, smoothed
+    /// by what follows them. Returns the number of finished cells that were overwritten because they
+    /// were not fetched after the share before; `None` when nothing is left to do.
+    pub fn drain_step(&mut self) -> Option<usize> {
+        if self.is_idle() {
+            if self.filtered.filled() > 0 {
+                self.open_block();
+            } else if self.blocks.is_empty() {
+                return None;
+            } else {
+                self.start_finishing();
+            }
+        }
+        Some(self.work())
+    }
+
+    /// Returns the next cell at the end of a drive, smoothed by what follows it. Its work is not
+    /// bounded by that of a share.
     pub fn drain_cell(&mut self) -> Option<Cell> {
-        if !self.filtered.is_empty() {
-            self.close_block();
+        loop {
+            let cell = self.next_cell();
+            if cell.is_some() || self.drain_step().is_none() {
+                return cell;
+            }
         }
-        if self.finished.is_empty() {
-            self.finish();
+    }
+
+    fn is_idle(&self) -> bool {
+        self.stage == Stage::Close && self.filtered.left() == 0
+    }
+
+    /// Does one share of the work. Returns the number of finished cells that it overwrites.
+    fn work(&mut self) -> usize {
+        match self.stage {
+            Stage::Close => self.close(),
+            Stage::Retreat(left) => return self.retreat(left),
+            Stage::Finish => self.finish(),
         }
-        self.finished.pop_front()
+        0
     }
 
     /// Appends an empty block. It is filled in the queue: on the stack it would be the largest
@@ -139,70 +187,92 @@ impl<S: Scalar> FixedLag<S> {
     fn open_block(&mut self) {
         let block = Block {
             smoother: BlockSmoother::new(),
-            cells: self.filtered.len(),
+            cells: 0,
+            disagreeing_since: self.disagreeing_since.take().unwrap_or(u32::MAX),
         };
-        // There is room: finish() keeps that of one block free.
-        if self.blocks.push_back(block).is_err() {
-            self.filtered.clear();
-        }
+        // There is room: finish() has removed the oldest block.
+        let _ = self.blocks.push_back(block);
+        self.filtered.turn();
     }
 
-    /// Makes a block of the steps since the last one.
-    #[inline(never)] // So that its stack and that of finish() are not in use at once.
-    fn close_block(&mut self) {
-        self.open_block();
-        let Some(Block { smoother, .. }) = self.blocks.back_mut() else {
+    /// Goes back over some more cells of the newest block.
+    #[inline(never)] // So that its stack and those of the other stages are not in use at once.
+    fn close(&mut self) {
+        let Some(block) = self.blocks.back_mut() else {
             return;
         };
-        let disagreeing_since = self.disagreeing_since.take().unwrap_or(u32::MAX);
-        for cell in &mut self.pending {
-            cell.lagged_consistent &= cell.end.cell < disagreeing_since;
-        }
-        while let Some(cell) = self.filtered.pop() {
-            // There is room, as for the block.
-            let _ = self.pending.push_back(PendingCell {
-                // Field by field: a copy as a whole needs memmove, a kilobyte of flash.
-                end: CellEnd { ..cell.end },
-                live_grade_percent: cell.slope.grade(),
-                altitude_m: smoother
-                    .within()
-                    .smooth(&cell.altitude)
-                    .altitude(cell.origin_m),
+        for _ in 0..CELLS_A_SHARE {
+            let Some(cell) = self.filtered.last() else {
+                break;
+            };
+            let smoother = &mut block.smoother;
+            let altitude = smoother.within().smooth(&cell.altitude);
+            let within = WithinBlock {
                 slope: smoother.smooth(&cell.slope),
-                live_consistent: cell.consistent,
-                lagged_consistent: cell.consistent && cell.end.cell < disagreeing_since,
-            });
+                altitude_m: altitude.altitude(cell.origin_m),
+                consistent: cell.consistent && cell.end.cell < block.disagreeing_since,
+            };
+            // There is room, as for the block.
+            let _ = self.pending.push_back(PendingCell::new(cell, &within));
             smoother.retreat(&cell.smoother_input);
+            block.cells += 1;
+            self.filtered.drop_last();
+        }
+        if self.filtered.left() == 0 && self.blocks.is_full() {
+            self.start_finishing();
         }
     }
 
-    /// Finishes the oldest block. Returns the number of finished cells that it overwrites.
-    #[inline(never)] // As close_block().
-    fn finish(&mut self) -> usize {
-        let mut pass = BackwardPass::new();
-        for later in self.blocks.iter().skip(1).rev() {
-            later.smoother.retreat_through(&mut pass);
+    fn start_finishing(&mut self) {
+        self.pass = BackwardPass::new();
+        self.stage = Stage::Retreat(self.blocks.len().saturating_sub(1));
+    }
+
+    /// Goes back over some more blocks after the oldest one. Returns the number of finished cells that
+    /// the oldest one overwrites.
+    #[inline(never)] // As close().
+    fn retreat(&mut self, left: usize) -> usize {
+        let next = left.saturating_sub(BLOCKS_A_SHARE);
+        for later in (next + 1..=left).rev() {
+            if let Some(block) = self.blocks.get(later) {
+                block.smoother.retreat_through(&mut self.pass);
+            }
         }
-        let Some(block) = self.blocks.pop_front() else {
+        self.stage = Stage::Retreat(next);
+        if next > 0 {
             return 0;
-        };
+        }
+        self.stage = Stage::Finish;
         let lost = self.finished.len();
         self.finished.clear();
-        for _ in 0..block.cells {
+        lost
+    }
+
+    /// Finishes some more cells of the oldest block.
+    #[inline(never)] // As close().
+    fn finish(&mut self) {
+        let later = self.blocks.iter().skip(1);
+        let since = later.map(|block| block.disagreeing_since);
+        let disagreeing_since = since.min().unwrap_or(u32::MAX);
+        let Some(oldest) = self.blocks.front_mut() else {
+            return;
+        };
+        let cells = FINISHED_A_SHARE.min(oldest.cells);
+        oldest.cells -= cells;
+        for _ in 0..cells {
             let Some(cell) = self.pending.pop_front() else {
                 break;
             };
-            // There is room: at most a block, and the queue is empty.
-            let _ = self.finished.push_front(Cell {
-                end: cell.end,
-                live_grade_percent: cell.live_grade_percent,
-                lagged_grade_percent: pass.smooth(&cell.slope).grade(),
-                altitude_m: cell.altitude_m,
-                live_consistent: cell.live_consistent,
-                lagged_consistent: cell.lagged_consistent,
-            });
+            let grade = self.pass.smooth(cell.slope()).grade();
+            // There is room: at most a block, and the queue was empty.
+            let _ = self
+                .finished
+                .push_front(cell.finish(grade, disagreeing_since));
         }
-        lost
+        if oldest.cells == 0 {
+            self.blocks.pop_front();
+            self.stage = Stage::Close;
+        }
     }
 }
 

@@ -134,7 +134,9 @@ fn names_are_unique_and_found() {
         assert_eq!(effect::named(effect.name), Some(effect));
         assert!(effect.parameters.len() <= MAX_EFFECT_PARAMETERS);
         assert!(effect.typical > 0.0 && holds(&effect.range, effect.typical));
-        for text in [effect.unit, effect.about, effect.source, effect.range.words] {
+        let description = effect::description_of(effect).unwrap();
+        let (about, source) = (description.about, description.source);
+        for text in [effect.unit, about, source, effect.range.words] {
             assert!(!text.is_empty(), "{}", effect.name);
         }
         for parameter in effect.parameters {

@@ -1,12 +1,12 @@
 //! Fixed-lag smoothing against a backward pass over all of its records.
 
-use estimator_core::Tuning;
-use estimator_core::filter::ModelMass;
+use estimator_core::filter::{ModelMass, Quantity};
 use estimator_core::sample::{AltitudeContinuity, Sample};
-use estimator_core::smoother::fixed_lag::{BLOCK_CELLS, LAG_CELLS};
-use estimator_core::smoother::{BackwardPass, FixedLag};
+use estimator_core::smoother::fixed_lag::{BLOCK_CELLS, LAG_CELLS, SHARES};
+use estimator_core::smoother::{BackwardPass, BlockSmoother, FixedLag};
+use estimator_core::{Cell, Tuning, Uncertain};
 use std::iter::from_fn;
-use test_kit::{Noise, altitude, cells, run, sample, speed};
+use test_kit::{FilteredStep, Noise, altitude, cells, run, sample, speed};
 
 /// Returns a drive with all interruptions of a chain of cells: a gap, a new datum, a step of the
 /// GNSS error, missing speeds and altitudes.
@@ -92,4 +92,106 @@ fn cells_that_are_not_fetched_are_reported() {
     let drained = from_fn(|| lag.drain_cell()).count();
     assert!(lost > 0);
     assert_eq!(lost + drained, filtered.len());
+}
+
+/// Returns grade and altitude of each cell, each block smoothed and finished at once.
+fn blockwise(filtered: &[FilteredStep<f32>]) -> Vec<(Uncertain, Option<Uncertain>)> {
+    let mut smoothers = Vec::new();
+    let mut pending = Vec::new();
+    for block in filtered.chunks(BLOCK_CELLS) {
+        let mut smoother = BlockSmoother::new();
+        let mut cells = Vec::new();
+        for step in block.iter().rev() {
+            let altitude = step.state.quantity(Quantity::Altitude);
+            let altitude = smoother.within().smooth(&altitude);
+            let slope = smoother.smooth(&step.state.quantity(Quantity::Slope));
+            cells.push((slope, altitude.altitude(step.state.origin_m)));
+            smoother.retreat(&step.record.smoother_input);
+        }
+        smoothers.push(smoother);
+        pending.push(cells);
+    }
+    let mut finished = Vec::new();
+    for (n, cells) in pending.iter().enumerate() {
+        let last = (n + LAG_CELLS / BLOCK_CELLS).min(smoothers.len() - 1);
+        let mut pass = BackwardPass::new();
+        for later in smoothers[n + 1..=last].iter().rev() {
+            later.retreat_through(&mut pass);
+        }
+        let cells = cells.iter().rev();
+        finished.extend(cells.map(|(slope, altitude)| (pass.smooth(slope).grade(), *altitude)));
+    }
+    finished
+}
+
+#[test]
+fn shares_of_work_give_the_numbers_of_whole_blocks() {
+    let filtered = run::<f32>(&drive(), &Tuning::default());
+    let whole = blockwise(&filtered);
+    // The end of the drive at each stage of the work.
+    for steps in 640..=filtered.len() {
+        let cells = cells(&filtered[..steps]);
+        let expected = if steps == filtered.len() {
+            whole.clone()
+        } else {
+            blockwise(&filtered[..steps])
+        };
+        assert_eq!(cells.len(), steps);
+        for (cell, (grade, altitude)) in cells.iter().zip(expected) {
+            assert_eq!(cell.lagged_grade_percent, grade);
+            assert_eq!(cell.altitude_m, altitude);
+        }
+    }
+}
+
+#[test]
+fn cells_come_at_most_a_block_after_their_lag() {
+    let filtered = run::<f32>(&drive(), &Tuning::default());
+    let mut lag = FixedLag::new();
+    let mut finished = 0;
+    for (step, cell) in (1..).zip(&filtered) {
+        assert_eq!(lag.push(&cell.record, &cell.state), 0);
+        let cells = from_fn(|| lag.next_cell()).count();
+        finished += cells;
+        assert!(cells == 0 || step >= LAG_CELLS + BLOCK_CELLS + SHARES);
+        // All blocks whose lag was over a block ago.
+        let due = (step - SHARES.min(step)) / BLOCK_CELLS * BLOCK_CELLS;
+        assert_eq!(finished, due.saturating_sub(LAG_CELLS), "after {step}");
+    }
+}
+
+#[test]
+fn a_drive_ends_in_shares_of_work() {
+    let filtered = run::<f32>(&drive(), &Tuning::default());
+    for steps in [1, 19, 20, 21, 231, 333, 700] {
+        let at_once = cells(&filtered[..steps]);
+        let mut lag = FixedLag::new();
+        let mut fetched: Vec<Cell> = Vec::new();
+        for step in &filtered[..steps] {
+            lag.push(&step.record, &step.state);
+            fetched.extend(from_fn(|| lag.next_cell()));
+        }
+        while let Some(lost) = lag.drain_step() {
+            assert_eq!(lost, 0);
+            fetched.extend(from_fn(|| lag.next_cell()));
+        }
+        assert_eq!(fetched, at_once);
+    }
+}
+
+#[test]
+fn what_follows_the_end_of_a_drive_is_smoothed_as_a_drive_of_its_own() {
+    let filtered = run::<f32>(&drive(), &Tuning::default());
+    let (first, second) = filtered.split_at(313);
+    let mut lag = FixedLag::new();
+    let mut fetched: Vec<Cell> = Vec::new();
+    for drive in [first, second] {
+        for step in drive {
+            lag.push(&step.record, &step.state);
+            fetched.extend(from_fn(|| lag.next_cell()));
+        }
+        fetched.extend(from_fn(|| lag.drain_cell()));
+    }
+    let expected = [cells(first), cells(second)].concat();
+    assert_eq!(fetched, expected);
 }

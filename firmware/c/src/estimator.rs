@@ -7,10 +7,10 @@ use crate::slot::Slot;
 use crate::status::{Status, status};
 use crate::vehicle::Vehicle;
 use core::ffi::{c_char, c_void};
+use core::mem::MaybeUninit;
 use estimator_core::packed_vehicle;
 use estimator_core::{
-    Counters, Instant, Model, PersistentState, PersistentStateError, Reading, Signal, Step, Tuning,
-    Value,
+    Counters, Instant, Model, PersistentState, Reading, Signal, Step, Tuning, Value,
 };
 
 /// Memory for an estimator, bytes. It is enough on every target; `grade_estimator_bytes` tells the
@@ -196,16 +196,12 @@ unsafe fn create(
     out: *mut *mut Estimator,
 ) -> Result<(), Status> {
     check_out(out)?;
-    let make = || {
-        let (model, tuning) = (model()?, Tuning::default());
+    let make = |place: &mut MaybeUninit<estimator_core::Estimator<f32>>| {
+        let created = estimator_core::Estimator::new_in(place, &model()?, &Tuning::default());
+        let estimator = created.map_err(|_| Status::Vehicle)?;
         match state {
-            None => estimator_core::Estimator::new(model, tuning).map_err(|_| Status::Vehicle),
-            Some(state) => {
-                estimator_core::Estimator::restore(model, tuning, state).map_err(|e| match e {
-                    PersistentStateError::Parameter(_) => Status::Vehicle,
-                    _ => Status::OtherVehicle,
-                })
-            }
+            None => Ok(()),
+            Some(state) => estimator.resume(state).map_err(|_| Status::OtherVehicle),
         }
     };
     // SAFETY: the caller's promise.

@@ -6,6 +6,7 @@ use crate::pointer::{check_out, slice, write};
 use crate::slot::Slot;
 use crate::status::{Status, status};
 use core::ffi::c_void;
+use core::mem::MaybeUninit;
 use estimator_core::Uncertain;
 use estimator_core::roadmap::{Horizon, MapLive, MapMatch, PackedMap};
 
@@ -97,9 +98,10 @@ pub unsafe extern "C" fn grade_map_create(
         }
         // SAFETY: the caller's promise.
         let packed: &'static [u8] = unsafe { slice(packed, length) }?;
-        let make = || {
+        let make = |place: &mut MaybeUninit<MapLive<'static>>| {
             let map = PackedMap::open(packed).map_err(|_| Status::Map)?;
-            Ok(MapLive::new(map))
+            place.write(MapLive::new(map));
+            Ok(())
         };
         // SAFETY: the caller's promise.
         let slot = unsafe { Slot::create(memory, bytes, make) }?;

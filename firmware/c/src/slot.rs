@@ -70,7 +70,7 @@ impl<T> Slot<T> {
         Ok(unsafe { &*pointer })
     }
 
-    /// Creates a value in `bytes` bytes of memory. Returns the slot.
+    /// Creates a value in `bytes` bytes of memory; `make` writes it where it stays. Returns the slot.
     ///
     /// # Safety
     /// As for [`Slot::at`]; and the memory has `bytes` bytes.
@@ -78,7 +78,7 @@ impl<T> Slot<T> {
     pub(crate) unsafe fn create(
         memory: *mut c_void,
         bytes: usize,
-        make: impl FnOnce() -> Result<T, Status>,
+        make: impl FnOnce(&mut MaybeUninit<T>) -> Result<(), Status>,
     ) -> Result<*mut Self, Status> {
         let pointer = memory.cast::<Self>();
         crate::pointer::check_out(pointer)?;
@@ -99,9 +99,8 @@ impl<T> Slot<T> {
             state: &slot.state,
             afterwards: 0,
         };
-        let value = make()?;
         // SAFETY: the claim keeps every other call away from the value.
-        unsafe { (*slot.value.get()).write(value) };
+        make(unsafe { &mut *slot.value.get() })?;
         claim.afterwards = slot.mixed(READY);
         Ok(pointer)
     }

@@ -3,7 +3,6 @@
 #![allow(unsafe_code, reason = "the functions are those of C")]
 
 use core::ffi::c_void;
-use core::mem::MaybeUninit;
 use core::ptr::null_mut;
 use estimator_core::Counters;
 use road_grade::estimate::LiveEstimate;
@@ -19,12 +18,7 @@ use road_grade::vehicle::{GRADE_MEASURED_FORCE, Vehicle};
 struct Memory([u8; GRADE_ESTIMATOR_BYTES]);
 
 fn memory() -> Box<Memory> {
-    // SAFETY: all zeros are an array of bytes.
-    unsafe {
-        Box::<MaybeUninit<Memory>>::new_zeroed()
-            .assume_init()
-            .assume_init()
-    }
+    Box::new(Memory([0; GRADE_ESTIMATOR_BYTES]))
 }
 
 fn truck() -> Vehicle {

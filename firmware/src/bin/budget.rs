@@ -26,13 +26,16 @@ fn main() -> ! {
 /// Prints the figures of each scalar type under its name.
 #[cfg(target_os = "none")]
 fn count() -> Result<(), firmware::budget::BudgetError> {
-    use estimator_core::FixedPoint;
+    use estimator_core::{Estimator, FixedPoint};
     use firmware::budget::run;
     use firmware::meter::InstructionMeter;
+    use static_cell::StaticCell;
 
+    static SINGLE: StaticCell<Estimator<f32>> = StaticCell::new();
+    static FIXED: StaticCell<Estimator<FixedPoint>> = StaticCell::new();
     let mut meter = InstructionMeter::new()?;
-    semihosting::print!("[f32]\n{}", run::<f32>(&mut meter)?);
-    semihosting::print!("[fixed]\n{}", run::<FixedPoint>(&mut meter)?);
+    semihosting::print!("[f32]\n{}", run(&mut meter, &SINGLE)?);
+    semihosting::print!("[fixed]\n{}", run(&mut meter, &FIXED)?);
     Ok(())
 }
 

@@ -33,26 +33,26 @@ static ON_MAP: StaticCell<OnMap<'static>> = StaticCell::new();
 /// Returns `None` and logs the reason if there is no possible vehicle.
 pub async fn estimator(store: &mut FlashStore) -> Option<&'static mut Estimator<f32>> {
     let model = match store.model() {
-        Ok(model) => model.clone(),
+        Ok(model) => model,
         Err(error) => {
             let error = defmt::Display2Format(&error);
             defmt::error!("no usable vehicle is flashed ({}): no estimate", error);
             return None;
         }
     };
-    if let Some(state) = store.persistent_state().await {
-        match Estimator::restore(model.clone(), Tuning::default(), &state) {
-            Ok(estimator) => return Some(ESTIMATOR.init(estimator)),
-            Err(problem) => defmt::warn!("the state of the last drive is not used: {}", problem),
-        }
-    }
-    match Estimator::new(model, Tuning::default()) {
-        Ok(estimator) => Some(ESTIMATOR.init(estimator)),
+    let estimator = match Estimator::new_in(ESTIMATOR.uninit(), model, &Tuning::default()) {
+        Ok(estimator) => estimator,
         Err(problem) => {
             defmt::error!("no such vehicle: {}", problem);
-            None
+            return None;
         }
+    };
+    if let Some(state) = store.persistent_state().await
+        && let Err(problem) = estimator.resume(&state)
+    {
+        defmt::warn!("the state of the last drive is not used: {}", problem);
     }
+    Some(estimator)
 }
 
 /// Opens the flashed map. Returns `None` and logs the reason if there is none.

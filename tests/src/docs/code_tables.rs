@@ -1,7 +1,7 @@
 //! Tables of what the core declares: tuning, effects, signals.
 
 use super::pipe_table::pipe_table;
-use estimator_core::effect::CATALOGUE;
+use estimator_core::effect::{CATALOGUE, description_of};
 use estimator_core::signal::messages;
 use estimator_core::{Signal, Tuning};
 use host_sim::error::Result;
@@ -29,13 +29,16 @@ pub fn tuning(group: &str) -> Result<Option<String>> {
 
 /// Makes the table of the catalogue of effects.
 pub fn effects() -> Result<Option<String>> {
-    let rows = CATALOGUE.iter().map(|effect| {
+    let described = CATALOGUE
+        .iter()
+        .filter_map(|effect| Some((effect, description_of(effect)?)));
+    let rows = described.map(|(effect, description)| {
         [
             effect.number.to_string(),
             format!("`{}`", effect.name),
             in_unit(&number(effect.typical), effect.unit),
-            effect.about.to_owned(),
-            effect.source.to_owned(),
+            description.about.to_owned(),
+            description.source.to_owned(),
         ]
     });
     Ok(Some(pipe_table(

@@ -115,6 +115,7 @@ pub(super) struct AltitudeInnovation<S> {
 
 impl AltitudeGate {
     /// Creates the gate with the noise known so far.
+    #[inline(always)] // See Estimator::new_in().
     pub(super) fn new(noise: &SensorNoiseRatios, tuning: &Tuning) -> Self {
         let MeasurementNoise {
             altitude_ratio_low,

@@ -5,7 +5,7 @@ use crate::filter::gauss_markov::GaussMarkov;
 use crate::scalar::Scalar;
 
 /// The filter, and its log-likelihood.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Hypothesis {
     mean: Mean,
     covariance: Covariance,
@@ -16,7 +16,7 @@ pub(super) struct Hypothesis {
 }
 
 /// Altitude a, bias b, wind w, receiver error r, and its rate q.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 struct Mean {
     a: f32,
     b: f32,
@@ -26,7 +26,7 @@ struct Mean {
 }
 
 /// Covariance of these.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 struct Covariance {
     aa: f32,
     ab: f32,
@@ -94,7 +94,42 @@ impl Receiver {
     }
 }
 
+impl Hypothesis {
+    /// Before its start.
+    pub(super) const EMPTY: Self = Self {
+        mean: Mean {
+            a: 0.0,
+            b: 0.0,
+            w: 0.0,
+            r: 0.0,
+            q: 0.0,
+        },
+        covariance: Covariance::ZERO,
+        receiver_ratio: 0.0,
+        log_likelihood: 0.0,
+        is_started: false,
+    };
+}
+
 impl Covariance {
+    const ZERO: Self = Self {
+        aa: 0.0,
+        ab: 0.0,
+        aw: 0.0,
+        ar: 0.0,
+        aq: 0.0,
+        bb: 0.0,
+        bw: 0.0,
+        br: 0.0,
+        bq: 0.0,
+        ww: 0.0,
+        wr: 0.0,
+        wq: 0.0,
+        rr: 0.0,
+        rq: 0.0,
+        qq: 0.0,
+    };
+
     /// Adds the climb over a knot that bias and wind make: a' = a + l (b + w).
     fn climb(&mut self, l: f32) {
         let before = self.ab + self.aw;
@@ -156,7 +191,7 @@ impl Hypothesis {
         Self {
             receiver_ratio: self.receiver_ratio,
             log_likelihood: self.log_likelihood,
-            ..Self::default()
+            ..Self::EMPTY
         }
     }
 
@@ -175,7 +210,7 @@ impl Hypothesis {
                 ww: wind,
                 rr: receiver,
                 qq: step.rate_variance(),
-                ..Covariance::default()
+                ..Covariance::ZERO
             };
         }
         x.a = knot.altitude_m - x.r;

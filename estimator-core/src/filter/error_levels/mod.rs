@@ -18,6 +18,7 @@ mod knot;
 use super::gauss_markov::GaussMarkov;
 use crate::scalar::Scalar;
 use crate::tuning::{MeasurementNoise, ProcessNoise};
+use heapless::Vec;
 use hypothesis::{Hypothesis, Receiver, SmoothError};
 pub(super) use knot::LevelCell;
 use knot::{Knot, OpenKnot};
@@ -108,7 +109,8 @@ impl Levels {
 /// The levels, and the bank that finds them.
 #[derive(Clone, Debug)]
 pub(super) struct ErrorLevels {
-    bank: [[Hypothesis; RECEIVER_LEVELS]; GROUPS.len()],
+    /// The groups of [`GROUPS`] up to the newest that has taken a knot.
+    bank: Vec<[Hypothesis; RECEIVER_LEVELS], { GROUPS.len() }>,
     open: OpenKnot,
     knot: Option<Knot>,
     /// Next hypothesis to take over the knot.
@@ -132,10 +134,11 @@ struct Sums {
 }
 
 impl ErrorLevels {
-    /// Creates the bank, with the assumed levels in use. All zeros are cheap to set.
+    /// Creates the bank, with the assumed levels in use.
+    #[inline(always)] // See Estimator::new_in().
     pub(super) fn new() -> Self {
         Self {
-            bank: [[Hypothesis::default(); RECEIVER_LEVELS]; GROUPS.len()],
+            bank: Vec::new(),
             open: OpenKnot::default(),
             knot: None,
             next: 0,
@@ -196,6 +199,10 @@ impl ErrorLevels {
     fn take(&mut self, knot: &Knot, process: &ProcessNoise, measurement: &MeasurementNoise) {
         let index = usize::from(self.next);
         let (number, which) = (index / RECEIVER_LEVELS, index % RECEIVER_LEVELS);
+        if number == self.bank.len() {
+            // There is room for all groups.
+            let _ = self.bank.push([Hypothesis::EMPTY; RECEIVER_LEVELS]);
+        }
         let (Some(members), Some(group)) = (self.bank.get_mut(number), GROUPS.get(number)) else {
             return;
         };

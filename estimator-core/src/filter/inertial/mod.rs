@@ -62,6 +62,7 @@ pub(super) struct Accelerometer {
 
 impl Accelerometer {
     /// Creates it before its first reading.
+    #[inline(always)] // See Estimator::new_in().
     pub(super) fn new(tuning: &Tuning) -> Self {
         let tuning = &tuning.inertial;
         Self {

@@ -5,6 +5,7 @@ use crate::diagnose::findings::Diagnosis;
 use crate::diagnose::judgement::{Judgement, WINDOW_M};
 use crate::report::page::{Figure, Section, Table};
 use crate::report::plot::{Mark, Plot, Series, colour};
+use estimator_core::effect::description_of;
 
 pub(super) fn residual_section(diagnosis: &Diagnosis) -> Section {
     let series = |judgement: &Judgement, name: &str, colour| {
@@ -113,10 +114,9 @@ pub(super) fn candidates_section(diagnosis: &Diagnosis) -> Section {
 pub(super) fn adopted_section(diagnosis: &Diagnosis) -> Section {
     let mut words = vec![in_a_sentence(diagnosis)];
     for finding in &diagnosis.findings {
-        words.push(format!(
-            "{}: {}",
-            finding.adopted.effect.name, finding.adopted.effect.about
-        ));
+        let effect = finding.adopted.effect;
+        let about = description_of(effect).map_or("", |description| description.about);
+        words.push(format!("{}: {about}", effect.name));
         for name in &finding.group {
             if let Some(data) = separated_by(name) {
                 words.push(format!("Data that would separate {name} from it: {data}."));
