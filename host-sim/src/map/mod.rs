@@ -43,6 +43,9 @@ pub use io::session_name::check_session_name;
 pub use io::store::{MapStore, read as read_store, stage as stage_store};
 pub use io::store_row::StoredWay;
 pub use io::ways_csv::write as write_ways_csv;
-pub use matching::placing::{Coverage, PlacedCell, PlacedRun, place, road_distances};
+pub use matching::placing::{
+    Coverage, PlacedCell, PlacedRun, place, place_every_cell, road_distances,
+};
 pub use matching::track::{road_of_run, track_of_run};
-pub use matching::viterbi::{MatchedPlace, TrackPoint, match_track};
+pub use matching::track_point::TrackPoint;
+pub use matching::viterbi::{MatchedPlace, match_track};

@@ -3,6 +3,7 @@
 mod end_to_end;
 mod export;
 mod fleet;
+mod knots;
 mod known_roads;
 mod network;
 mod network_files;
