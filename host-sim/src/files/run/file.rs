@@ -83,7 +83,7 @@ pub fn read_cells(path: &Path) -> Result<(Vec<RunCell>, RunIdentity)> {
     let mut cells = Vec::new();
     let mut keep = |cell| limits::push(&mut cells, cell, most, path);
     let identity = if is_parquet(path) {
-        parquet::each_cell(path, most, &mut keep)?
+        parquet::each_cell(path, most, keep)?
     } else {
         each_cell_of_csv(path, &mut keep)?
     };

@@ -8,6 +8,7 @@ use crate::files::limits;
 use crate::files::output::Staged;
 use crate::files::parquet::VERTICAL_DATUM;
 use crate::files::parquet::{Opened, ParquetColumn, TableWriter, open};
+use crate::files::parquet_column::NumberColumn;
 use crate::files::row_check::Flaw;
 use std::path::Path;
 
@@ -259,45 +260,85 @@ pub fn read(path: &Path) -> Result<Vec<RunRow>> {
 pub fn each_cell(
     path: &Path,
     most_rows: usize,
-    take: &mut dyn FnMut(RunCell) -> Result<()>,
+    mut take: impl FnMut(RunCell) -> Result<()>,
 ) -> Result<RunIdentity> {
     let file = open_run(path)?.with_most_rows(most_rows);
     let promised = file.metadata("identity").map(str::to_owned);
-    let mut hash = RunHash::default();
-    let mut density = Density::default();
-    let mut before: Option<RunCell> = None;
-    let mut number = 0;
-    file.read_newer(CELL_COLUMNS, [CONSISTENT], |values, [consistent]| {
-        number += 1;
+    let mut reader = CellReader {
+        path,
+        number: 0,
+        before: None,
+        density: Density::default(),
+        hash: RunHash::default(),
+    };
+    file.read_batches(CELL_COLUMNS, [CONSISTENT], |rows, columns, [consistent]| {
+        let plain = columns.each_ref().map(NumberColumn::plain);
+        if let [
+            Some(a),
+            Some(b),
+            Some(c),
+            Some(d),
+            Some(e),
+            Some(f),
+            Some(g),
+        ] = plain
+        {
+            // The usual batch, without a test of each number.
+            let plain = [a, b, c, d, e, f, g].map(|numbers| &numbers[..rows]);
+            (0..rows).try_for_each(|row| {
+                let values = plain.map(|numbers| Some(numbers[row]));
+                take(reader.cell(values, consistent.at(row))?)
+            })
+        } else {
+            (0..rows).try_for_each(|row| {
+                let values = columns.each_ref().map(|column| column.at(row));
+                take(reader.cell(values, consistent.at(row))?)
+            })
+        }
+    })?;
+    check_whole(path, promised.as_deref(), &reader.hash, reader.number == 0)
+}
+
+/// Checks the cells of a file, one after the other.
+struct CellReader<'a> {
+    path: &'a Path,
+    /// Number of the row.
+    number: u64,
+    before: Option<RunCell>,
+    density: Density,
+    hash: RunHash,
+}
+
+impl CellReader<'_> {
+    /// Returns the cell of the next row: its columns in the order of [`CELL_COLUMNS`].
+    #[inline]
+    fn cell(&mut self, values: [Option<f64>; 7], consistent: Option<f64>) -> Result<RunCell> {
+        self.number += 1;
+        let (path, number) = (self.path, self.number);
         let needed = |i: usize| values[i].ok_or_else(|| missing(path, number, CELL_COLUMNS[i]));
+        let flag = |flag: f64| {
+            let flag = columns::CONSISTENT.flag(flag);
+            flag.map_err(wrong(path, number))
+        };
         let cell = RunCell {
             distance_m: needed(0)?,
             position: values[1].zip(values[2]),
             altitude: values[3].zip(values[4]),
             grade_percent: needed(5)?,
             grade_sigma_percent: needed(6)?,
-            is_consistent: match consistent {
-                Some(flag) => {
-                    columns::CONSISTENT
-                        .flag(flag)
-                        .map_err(wrong(path, number))?
-                        == 1
-                }
-                None => true,
-            },
+            is_consistent: consistent.map_or(Ok(1), flag)? == 1,
         };
         if values[1].is_some() != values[2].is_some() {
             let expected = "both latitude_deg and longitude_deg, or neither";
             return Err(Error::line(path, number, "incomplete position", expected));
         }
-        cell.check(before.as_ref())
-            .and_then(|()| density.check(cell.distance_m))
+        cell.check(self.before.as_ref())
+            .and_then(|()| self.density.check(cell.distance_m))
             .map_err(wrong(path, number))?;
-        before = Some(cell);
-        hash.add(&cell);
-        take(cell)
-    })?;
-    check_whole(path, promised.as_deref(), &hash, number == 0)
+        self.before = Some(cell);
+        self.hash.add(&cell);
+        Ok(cell)
+    }
 }
 
 /// Returns the error of a flaw of a row.
