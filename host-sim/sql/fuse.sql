@@ -1,7 +1,8 @@
 -- The map of `roadgrade fuse` as one statement, for engines that read Parquet.
 --
--- It reads the view `placed`: runs on their roads, as `roadgrade fuse --placed DIR` writes them
--- (road, session, cell, grade_percent, grade_variance_percent2, altitude_m, altitude_variance_m2).
+-- It reads the view `placed`: runs on their roads, as `roadgrade place` and `fuse --placed` write them
+-- (road, session, way, direction, cell, grade_percent, grade_variance_percent2, altitude_m,
+-- altitude_variance_m2). A road is a single one, whose way and direction are null, or a network.
 -- That a run is matched to its road is not for SQL; all that comes behind it is here. The view:
 --
 --   DuckDB:  CREATE VIEW placed AS SELECT * FROM
@@ -16,7 +17,7 @@ WITH
 -- One estimate of one cell: weights are 1/variance (limits: cell_sums.rs).
 estimates AS (
     SELECT
-        road, session, cell, grade_percent,
+        road, session, way, direction, cell, grade_percent,
         1e0 / LEAST(GREATEST(grade_variance_percent2, 1e-10), 1e6) AS weight,
         COALESCE(1e0 / altitude_variance_m2, 0e0) AS altitude_weight,
         COALESCE(altitude_m / altitude_variance_m2, 0e0) AS altitude_sum
@@ -25,7 +26,7 @@ estimates AS (
 -- Runs of each session that has a name, cell by cell.
 session_cells AS (
     SELECT
-        road, session, cell,
+        road, session, way, direction, cell,
         COUNT(*) AS runs,
         SUM(weight) AS weight,
         SUM(weight * weight) AS weight_square,
@@ -35,7 +36,7 @@ session_cells AS (
         SUM(altitude_sum) AS altitude_sum
     FROM estimates
     WHERE session IS NOT NULL
-    GROUP BY road, session, cell
+    GROUP BY road, session, way, direction, cell
 ),
 -- How far they disagree; 10 degrees of freedom expect a fifth of the variance to be common, and
 -- 1000 m of cells are one observation (2.5e-3).
@@ -63,7 +64,7 @@ session_shares AS (
 -- Each session as one estimate, and runs without a session as they are.
 sessions AS (
     SELECT
-        c.road, c.cell, c.runs,
+        c.road, c.way, c.direction, c.cell, c.runs,
         c.grade_sum / c.weight AS grade_percent,
         1e0 / LEAST(GREATEST(
             GREATEST(s.chi_squared / (s.freedom - s.share * s.shared_freedom), 1e0)
@@ -73,13 +74,14 @@ sessions AS (
     FROM session_cells AS c
     JOIN session_shares AS s ON s.road = c.road AND s.session = c.session
     UNION ALL
-    SELECT road, cell, 1 AS runs, grade_percent, weight, altitude_weight, altitude_sum
+    SELECT
+        road, way, direction, cell, 1 AS runs, grade_percent, weight, altitude_weight, altitude_sum
     FROM estimates
     WHERE session IS NULL
 ),
 road_cells AS (
     SELECT
-        road, cell,
+        road, way, direction, cell,
         SUM(runs) AS runs,
         COUNT(*) AS sessions,
         SUM(weight) AS weight,
@@ -89,7 +91,7 @@ road_cells AS (
         SUM(altitude_weight) AS altitude_weight,
         SUM(altitude_sum) AS altitude_sum
     FROM sessions
-    GROUP BY road, cell
+    GROUP BY road, way, direction, cell
 ),
 -- As within sessions; of different vehicles and days a tenth is expected to be common.
 road_seen AS (
@@ -115,6 +117,8 @@ road_shares AS (
 )
 SELECT
     c.road,
+    c.way,
+    c.direction,
     c.cell * 2.5e0 AS distance_m,
     CASE WHEN c.altitude_weight > 0e0 THEN c.altitude_sum / c.altitude_weight END AS altitude_m,
     c.grade_sum / c.weight AS grade_percent,
@@ -125,4 +129,4 @@ SELECT
     c.runs
 FROM road_cells AS c
 JOIN road_shares AS s ON s.road = c.road
-ORDER BY c.road, distance_m
+ORDER BY c.road, c.way, c.direction, distance_m

@@ -35,7 +35,7 @@ pub fn geojson(road: &[FleetSpot]) -> Value {
                 "bridge",
                 number,
                 "yes",
-                across((first + last) / 2 + 3, 60.0),
+                &across((first + last) / 2 + 3, 60.0),
             ),
         ]
     });

@@ -33,9 +33,9 @@ pub use io::map_file::{
 pub use io::map_geojson::{segments as map_segments, stage as stage_map_geojson};
 pub use io::map_gpx::stage as stage_map_gpx;
 pub use io::map_kml::stage as stage_map_kml;
-pub use io::map_parquet::stage_placed;
 pub use io::network_file::{is_geojson, read as read_network, road_through};
 pub use io::packed::{open as open_packed_map, pack as packed_map, stage as stage_packed_map};
+pub use io::placed_file::PlacedFolder;
 pub use io::road_file::read as read_road;
 pub use io::road_row::RoadRow;
 pub use io::run_list::RunList;

@@ -9,6 +9,7 @@ mod network;
 mod network_files;
 mod packed;
 mod parquet;
+mod placed;
 mod road_line;
 mod sessions;
 mod store;

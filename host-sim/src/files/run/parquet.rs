@@ -163,6 +163,15 @@ pub fn outline(path: &Path) -> Result<(Option<String>, usize)> {
     Ok((file.metadata("session").map(str::to_owned), file.rows()))
 }
 
+/// Returns the identity that the file names.
+///
+/// # Errors
+/// Returns an error if the file cannot be opened.
+pub fn identity(path: &Path) -> Result<Option<RunIdentity>> {
+    let file = open_run(path)?;
+    Ok(file.metadata("identity").and_then(|text| text.parse().ok()))
+}
+
 /// Returns the session that the file names.
 ///
 /// # Errors

@@ -15,6 +15,15 @@ use walkdir::WalkDir;
 /// Fewest bytes of a row of RUN.csv, about.
 const BYTES_A_ROW: usize = 40;
 
+/// Runs of one vehicle in one named session.
+#[derive(Clone, Debug)]
+pub struct NamedSession {
+    /// Name of the session.
+    pub name: String,
+    /// Run files, or folders of them.
+    pub runs: Vec<PathBuf>,
+}
+
 /// One run to fuse.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct RunInput {
@@ -45,9 +54,24 @@ pub(crate) struct Inputs {
 }
 
 impl Inputs {
+    /// Returns these runs, each a session of its own unless it names one, and those of sessions.
+    pub(crate) fn of(runs: &[PathBuf], sessions: &[NamedSession]) -> Result<Self> {
+        let mut inputs = Self::default();
+        for path in runs {
+            inputs.add(path, None)?;
+        }
+        for session in sessions {
+            for path in &session.runs {
+                inputs.add(path, Some(&session.name))?;
+            }
+        }
+        inputs.sort();
+        Ok(inputs)
+    }
+
     /// Adds a run, or all runs in a folder and its subfolders, in the order of their names.
     /// `session` takes precedence over the session that a file names.
-    pub(crate) fn add(&mut self, path: &Path, session: Option<&str>) -> Result<()> {
+    fn add(&mut self, path: &Path, session: Option<&str>) -> Result<()> {
         if !path.is_dir() {
             if path.metadata().is_ok_and(|found| !found.is_file()) {
                 let problem = "a pipe or a device; expected a file, which is read more than once";
@@ -88,7 +112,7 @@ impl Inputs {
     }
 
     /// Sorts the runs.
-    pub(crate) fn sort(&mut self) {
+    fn sort(&mut self) {
         self.runs.sort_by(|a, b| a.session.cmp(&b.session));
     }
 

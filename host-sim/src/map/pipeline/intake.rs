@@ -4,18 +4,18 @@ use super::in_order::{Item, in_order};
 use super::inputs::{Inputs, RunInput};
 use super::words::describe;
 use crate::error::{Error, Result, on_one_line};
+use crate::files::output::Staged;
 use crate::files::run::{self, RunIdentity};
 use crate::map::fusion::grade_map::GradeMap;
-use crate::map::io::map_parquet::stage_placed;
+use crate::map::io::placed_file::PlacedFolder;
 use crate::map::io::run_list::RunList;
 use crate::map::io::store;
 use crate::map::io::store_file::StoreFile;
 use crate::map::matching::placing::{PlacedRun, place};
 use crate::terminal::print::{alert, note};
-use std::path::PathBuf;
 
 /// Rows of runs that are in memory at the same time: read, placed, or waiting to be added.
-const ROWS_IN_FLIGHT: usize = 1_000_000;
+pub(super) const ROWS_IN_FLIGHT: usize = 1_000_000;
 /// A store is written after this many cells, or after as many as it holds if that is more. An
 /// interruption then costs seconds of work, and writing takes no longer than adding.
 const CELLS_A_SAVE: usize = 10_000_000;
@@ -26,8 +26,7 @@ pub(crate) struct RunIntake<'a, 'r> {
     pub(crate) runs: RunList,
     /// The store, written from time to time. Without a store, complete sessions are closed.
     pub(crate) store: Option<&'a mut StoreFile>,
-    /// Folder of the placed runs.
-    pub(crate) placed: Option<PathBuf>,
+    pub(crate) placed: Option<PlacedFolder>,
     pub(crate) tally: RunTally,
     open_session: Option<String>,
     cells_since_save: usize,
@@ -54,6 +53,8 @@ struct Arrival {
     identity: RunIdentity,
     /// `None` for a run that is already in the map.
     placed: Option<PlacedRun>,
+    /// Its file among the placed runs.
+    staged: Option<Staged>,
 }
 
 impl<'a, 'r> RunIntake<'a, 'r> {
@@ -61,7 +62,7 @@ impl<'a, 'r> RunIntake<'a, 'r> {
         sums: GradeMap<'r>,
         runs: RunList,
         store: Option<&'a mut StoreFile>,
-        placed: Option<PathBuf>,
+        placed: Option<PlacedFolder>,
     ) -> Self {
         Self {
             sums,
@@ -83,10 +84,19 @@ impl<'a, 'r> RunIntake<'a, 'r> {
         let runs = inputs.runs;
         // Runs that were in the map at the start need not be placed.
         let (road, known) = (self.sums.network(), self.runs.clone());
+        let folder = self.placed.clone();
         let arrive = |input: &RunInput| {
             let (cells, identity) = run::read_cells(&input.path)?;
             let placed = (!known.contains(identity)).then(|| place(road, &cells));
-            Ok(Arrival { identity, placed })
+            let covering = placed.as_ref().filter(|placed| !placed.cells.is_empty());
+            let staged = folder.as_ref().zip(covering).map(|(folder, placed)| {
+                folder.stage(identity, input.session.as_deref(), road, &placed.cells)
+            });
+            Ok(Arrival {
+                identity,
+                placed,
+                staged: staged.transpose()?,
+            })
         };
         in_order(&runs, ROWS_IN_FLIGHT, arrive, |input, arrival| {
             self.add_arrival(input, arrival, strict)
@@ -107,16 +117,20 @@ impl<'a, 'r> RunIntake<'a, 'r> {
             self.open_session.clone_from(&input.session);
         }
         match arrival {
-            Ok(arrival) => self.take(input, &arrival)?,
+            Ok(arrival) => self.take(input, arrival)?,
             Err(e) => self.leave_out(e, strict || !input.found)?,
         }
         self.save_now_and_then()
     }
 
-    fn take(&mut self, input: &RunInput, arrival: &Arrival) -> Result<()> {
-        let Arrival { identity, placed } = arrival;
+    fn take(&mut self, input: &RunInput, arrival: Arrival) -> Result<()> {
+        let Arrival {
+            identity,
+            placed,
+            staged,
+        } = arrival;
         let path = on_one_line(&input.path);
-        let Some(placed) = placed.as_ref().filter(|_| self.runs.insert(*identity)) else {
+        let Some(placed) = placed.filter(|_| self.runs.insert(identity)) else {
             note(format_args!(
                 "{path}: already in the map, not counted again"
             ));
@@ -129,12 +143,10 @@ impl<'a, 'r> RunIntake<'a, 'r> {
         } else {
             alert(words);
         }
-        let session = input.session.as_deref();
-        if let (Some(folder), false) = (&self.placed, placed.cells.is_empty()) {
-            let path = folder.join(format!("{identity}.parquet"));
-            stage_placed(&path, session, &placed.cells)?.commit()?;
+        if let Some(staged) = staged {
+            staged.commit()?;
         }
-        self.sums.add_placed(session, placed);
+        self.sums.add_placed(input.session.as_deref(), &placed);
         self.cells_since_save += placed.cells.len();
         self.tally.added += 1;
         self.tally.unmatched += usize::from(placed.coverage.matched == 0);

@@ -2,8 +2,9 @@
 
 pub mod fuse_files;
 mod in_order;
-mod inputs;
+pub mod inputs;
 mod intake;
+pub mod place_files;
 mod road;
 pub mod roads_of_runs;
 pub mod words;
