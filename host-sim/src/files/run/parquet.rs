@@ -1,6 +1,6 @@
 //! RUN.parquet: the columns of RUN.csv, with the same decimals.
 
-use super::cell::{Density, RunCell, RunHash, RunIdentity};
+use super::cell::{Density, RunCell, RunHash, RunIdentity, are_within};
 use super::row::{RunRow, RunRows};
 use crate::error::{Error, Result};
 use crate::files::columns::{self, Column};
@@ -276,36 +276,35 @@ pub fn each_cell(
     let mut reader = CellReader {
         path,
         number: 0,
-        before: None,
+        before_m: None,
         density: Density::default(),
         hash: RunHash::default(),
     };
     file.read_batches(CELL_COLUMNS, [CONSISTENT], |rows, columns, [consistent]| {
-        let plain = columns.each_ref().map(NumberColumn::plain);
-        if let [
-            Some(a),
-            Some(b),
-            Some(c),
-            Some(d),
-            Some(e),
-            Some(f),
-            Some(g),
-        ] = plain
-        {
-            // The usual batch, without a test of each number.
-            let plain = [a, b, c, d, e, f, g].map(|numbers| &numbers[..rows]);
-            (0..rows).try_for_each(|row| {
-                let values = plain.map(|numbers| Some(numbers[row]));
-                take(reader.cell(values, consistent.at(row))?)
-            })
-        } else {
-            (0..rows).try_for_each(|row| {
-                let values = columns.each_ref().map(|column| column.at(row));
-                take(reader.cell(values, consistent.at(row))?)
-            })
+        if let Some(plain) = plain(columns, rows) {
+            // The usual batch: its numbers are checked all at once.
+            if are_within(plain) && reader.density.takes_all(plain[0]) {
+                return (0..rows).try_for_each(|row| {
+                    let values = plain.map(|numbers| numbers[row]);
+                    take(reader.checked(values, consistent.at(row))?)
+                });
+            }
         }
+        (0..rows).try_for_each(|row| {
+            let values = columns.each_ref().map(|column| column.at(row));
+            take(reader.cell(values, consistent.at(row))?)
+        })
     })?;
     check_whole(path, promised.as_deref(), &reader.hash, reader.number == 0)
+}
+
+/// Returns these columns as doubles if none is missing.
+fn plain<'a>(columns: &[NumberColumn<'a>; 7], rows: usize) -> Option<[&'a [f64]; 7]> {
+    let mut plain: [&[f64]; 7] = [&[]; 7];
+    for (numbers, column) in plain.iter_mut().zip(columns) {
+        *numbers = &column.plain()?[..rows];
+    }
+    Some(plain)
 }
 
 /// Checks the cells of a file, one after the other.
@@ -313,7 +312,8 @@ struct CellReader<'a> {
     path: &'a Path,
     /// Number of the row.
     number: u64,
-    before: Option<RunCell>,
+    /// Distance of the row before, m.
+    before_m: Option<f64>,
     density: Density,
     hash: RunHash,
 }
@@ -325,28 +325,48 @@ impl CellReader<'_> {
         self.number += 1;
         let (path, number) = (self.path, self.number);
         let needed = |i: usize| values[i].ok_or_else(|| missing(path, number, CELL_COLUMNS[i]));
-        let flag = |flag: f64| {
-            let flag = columns::CONSISTENT.flag(flag);
-            flag.map_err(wrong(path, number))
-        };
         let cell = RunCell {
             distance_m: needed(0)?,
             position: values[1].zip(values[2]),
             altitude: values[3].zip(values[4]),
             grade_percent: needed(5)?,
             grade_sigma_percent: needed(6)?,
-            is_consistent: consistent.map_or(Ok(1), flag)? == 1,
+            is_consistent: self.is_consistent(consistent)?,
         };
         if values[1].is_some() != values[2].is_some() {
             let expected = "both latitude_deg and longitude_deg, or neither";
             return Err(Error::line(path, number, "incomplete position", expected));
         }
-        cell.check(self.before.as_ref())
+        cell.check(self.before_m)
             .and_then(|()| self.density.check(cell.distance_m))
             .map_err(wrong(path, number))?;
-        self.before = Some(cell);
+        self.before_m = Some(cell.distance_m);
         self.hash.add(&cell);
         Ok(cell)
+    }
+
+    /// Returns the cell of the next row, whose numbers were checked with those of its batch.
+    #[inline]
+    fn checked(&mut self, values: [f64; 7], consistent: Option<f64>) -> Result<RunCell> {
+        self.number += 1;
+        let cell = RunCell {
+            distance_m: values[0],
+            position: Some((values[1], values[2])),
+            altitude: Some((values[3], values[4])),
+            grade_percent: values[5],
+            grade_sigma_percent: values[6],
+            is_consistent: self.is_consistent(consistent)?,
+        };
+        self.before_m = Some(cell.distance_m);
+        self.hash.add(&cell);
+        Ok(cell)
+    }
+
+    /// Returns the flag of a cell; nothing is known to disagree in an older file.
+    #[inline]
+    fn is_consistent(&self, flag: Option<f64>) -> Result<bool> {
+        let flag = flag.map_or(Ok(1), |flag| columns::CONSISTENT.flag(flag));
+        Ok(flag.map_err(wrong(self.path, self.number))? == 1)
     }
 }
 

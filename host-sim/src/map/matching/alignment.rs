@@ -130,20 +130,21 @@ fn smoothed(
     let (first, last) = (&knots[on[0].0], &knots[on[on.len() - 1].0]);
     let range = first.cells.start..last.cells.end;
     let mut after = 0;
+    // Between knots, and without positions, the offset is interpolated.
+    let mut slope = 0.0;
     let distance_m = cells[range.clone()]
         .iter()
         .map(|cell| {
             let here_m = cell.distance_m;
             while after + 1 < odometer_m.len() && odometer_m[after] < here_m {
                 after += 1;
+                let apart_m = odometer_m[after] - odometer_m[after - 1];
+                slope = (offset_m[after] - offset_m[after - 1]) / apart_m.max(f64::MIN_POSITIVE);
             }
             if after == 0 || odometer_m[after] <= here_m {
                 return here_m + offset_m[after];
             }
-            // Between knots, and without positions, the offset is interpolated.
-            let (from_m, to_m) = (odometer_m[after - 1], odometer_m[after]);
-            let part = (here_m - from_m) / (to_m - from_m).max(f64::MIN_POSITIVE);
-            here_m + offset_m[after - 1] + part * (offset_m[after] - offset_m[after - 1])
+            here_m + offset_m[after - 1] + slope * (here_m - odometer_m[after - 1])
         })
         .collect();
     MatchedSegment {

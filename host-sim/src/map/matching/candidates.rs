@@ -93,11 +93,11 @@ fn nearest_only(along: &mut Vec<WayCandidate>, begin: usize) {
     if passes.len() <= MOST_PASSES {
         return;
     }
-    let mut offsets: Vec<f64> = passes.iter().map(|pass| pass.foot.lateral_m).collect();
+    let mut offsets: Vec<f64> = passes.iter().map(|pass| pass.foot.lateral_m2).collect();
     offsets.sort_by(f64::total_cmp);
-    let farthest_m = offsets[MOST_PASSES - 1];
+    let farthest_m2 = offsets[MOST_PASSES - 1];
     let mut kept: Vec<WayCandidate> = along.drain(begin..).collect();
-    kept.retain(|pass| pass.foot.lateral_m <= farthest_m);
+    kept.retain(|pass| pass.foot.lateral_m2 <= farthest_m2);
     kept.truncate(MOST_PASSES);
     along.append(&mut kept);
 }

@@ -125,14 +125,18 @@ fn place_segment(
         loop {
             let following = legs.as_slice().first();
             let until_m = following.map_or(f64::INFINITY, |leg| leg.begins_m);
-            let begin = (((from_m - leg.offset_m) / GRID_M).ceil() as i64).max(next);
-            let end = ((to_m.min(until_m) - leg.offset_m) / GRID_M).floor() as i64;
-            for number in begin..=end.min(*numbers(leg).end()) {
-                let here_m = number as f64 * GRID_M + leg.offset_m;
-                let part = (here_m - from_m) / (to_m - from_m);
-                placed.push(between((leg.way, number), &pair[0], &pair[1], part));
+            let at_cell = |number: i64| number as f64 * GRID_M + leg.offset_m;
+            // The next cell is almost always between these two.
+            if at_cell(next) < from_m {
+                next = next.max(((from_m - leg.offset_m) / GRID_M).ceil() as i64);
             }
-            next = next.max(end + 1);
+            let end_m = to_m.min(until_m);
+            let last = *numbers(leg).end();
+            while next <= last && at_cell(next) <= end_m {
+                let part = (at_cell(next) - from_m) / (to_m - from_m);
+                placed.push(between((leg.way, next), &pair[0], &pair[1], part));
+                next += 1;
+            }
             let Some(following) = following.filter(|_| to_m > until_m) else {
                 break;
             };

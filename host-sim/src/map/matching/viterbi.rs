@@ -168,7 +168,7 @@ fn stay_price(place: Option<&WayCandidate>) -> f64 {
         } else {
             0.0
         };
-        (candidate.foot.lateral_m / LATERAL_LIMIT_M).powi(2) + turning
+        candidate.foot.lateral_m2 / (LATERAL_LIMIT_M * LATERAL_LIMIT_M) + turning
     })
 }
 
