@@ -96,15 +96,15 @@ pub(crate) fn step(
     to: (usize, f64),
     driven_m: f64,
 ) -> (f64, Vec<Join>) {
+    if let Some(direct) = direct_price(from, to, driven_m) {
+        return (direct, Vec::new());
+    }
     let slip_m = SLIP_M + SLIP_RATIO * driven_m;
     let direct = if from.0 == to.0 {
         ((to.1 - from.1 - driven_m) / slip_m).powi(2)
     } else {
         f64::INFINITY
     };
-    if direct <= 1.0 {
-        return (direct, Vec::new());
-    }
     // A longer one costs more than leaving the road and returning.
     let limit_m = driven_m + slip_m * (2.0 * SWITCH_PRICE).sqrt();
     let route = network.joins().route(from, to, driven_m, limit_m);
@@ -172,8 +172,8 @@ fn stay_price(place: Option<&WayCandidate>) -> f64 {
     })
 }
 
-/// Returns the least cost to reach a place, or "off", and the previous state. "Off" can always be
-/// reached and left, so a path always exists.
+/// Returns the least cost to reach a place, or "off", and the previous state: the first of those
+/// with this cost. "Off" can always be reached and left, so a path always exists.
 fn cheapest(
     network: &Network,
     states: &[LatticeState],
@@ -182,17 +182,41 @@ fn cheapest(
     driven_m: f64,
 ) -> (f64, usize) {
     let mut best = (f64::INFINITY, 0);
+    let mut take = |cost: f64, state: usize| {
+        if cost < best.0 || (cost == best.0 && state < best.1) {
+            best = (cost, state);
+        }
+        best.0
+    };
+    // First the steps that need no route. They almost always cost less than all others do already.
+    let mut least = f64::INFINITY;
     for (state, from) in states.iter().enumerate() {
-        let step = match (before.get(state), place) {
-            (None, None) => 0.0,
-            (Some(a), Some(b)) => step(network, place_of(a), place_of(b), driven_m).0,
-            _ => SWITCH_PRICE,
+        let price = match (before.get(state), place) {
+            (None, None) => Some(0.0),
+            (Some(a), Some(b)) => direct_price(place_of(a), place_of(b), driven_m),
+            _ => Some(SWITCH_PRICE),
         };
-        if from.cost + step < best.0 {
-            best = (from.cost + step, state);
+        if let Some(price) = price {
+            least = take(from.cost + price, state);
+        }
+    }
+    let Some(b) = place else {
+        return best;
+    };
+    for (state, (from, a)) in states.iter().zip(before).enumerate() {
+        let (a, b) = (place_of(a), place_of(b));
+        if from.cost <= least && direct_price(a, b, driven_m).is_none() {
+            least = take(from.cost + step(network, a, b, driven_m).0, state);
         }
     }
     best
+}
+
+/// Returns the cost of a step along one way if no route can cost less.
+fn direct_price(from: (usize, f64), to: (usize, f64), driven_m: f64) -> Option<f64> {
+    let slip_m = SLIP_M + SLIP_RATIO * driven_m;
+    let price = ((to.1 - from.1 - driven_m) / slip_m).powi(2);
+    (from.0 == to.0 && price <= 1.0).then_some(price)
 }
 
 fn place_of(candidate: &WayCandidate) -> (usize, f64) {
