@@ -11,6 +11,7 @@
 //! its own and slow, as fusion expects it. What fusion does not read is the same in all cells: it
 //! takes no time, and no room on the disk.
 
+#[path = "fleet/network.rs"]
 mod network;
 
 use host_sim::files::csv::write_csv;
