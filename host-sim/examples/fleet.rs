@@ -3,12 +3,16 @@
 //! ```text
 //! cargo run --release -p host-sim --example fleet -- FOLDER CELLS [SEED [KM]]
 //! roadgrade fuse --out map.parquet --road FOLDER/road.csv FOLDER/runs
+//! roadgrade fuse --out map.parquet --road FOLDER/network.geojson FOLDER/runs
 //! ```
 //!
 //! The road winds over 100 km (or KM), 40,001 cells. A truck drives it ten times a day, once without saying
 //! that it is the same session; of the error of a run a part is its truck's on that day, the rest
 //! its own and slow, as fusion expects it. What fusion does not read is the same in all cells: it
 //! takes no time, and no room on the disk.
+
+#[path = "fleet/network.rs"]
+mod network;
 
 use host_sim::files::csv::write_csv;
 use host_sim::files::data_set;
@@ -46,6 +50,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let folder = Path::new(folder);
     let road = road(km * CELLS_A_KM + 1);
     write_csv(&folder.join("road.csv"), road.iter())?;
+    let network = network::geojson(&road).to_string();
+    std::fs::write(folder.join("network.geojson"), network)?;
     let runs = cells.parse::<usize>()?.div_ceil(road.len());
     (0..runs).into_par_iter().try_for_each(|number| {
         let (truck, day) = (number / RUNS_A_SESSION, number / RUNS_A_SESSION % DAYS + 1);

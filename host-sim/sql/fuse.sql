@@ -1,7 +1,8 @@
 -- The map of `roadgrade fuse` as one statement, for engines that read Parquet.
 --
--- It reads the view `placed`: runs on their roads, as `roadgrade fuse --placed DIR` writes them
--- (road, session, cell, grade_percent, grade_variance_percent2, altitude_m, altitude_variance_m2).
+-- It reads the view `placed`: runs on their roads, as `roadgrade place` and `fuse --placed` write them
+-- (road, session, way, direction, cell, grade_percent, grade_variance_percent2, altitude_m,
+-- altitude_variance_m2). A road is a single one, whose way and direction are null, or a network.
 -- That a run is matched to its road is not for SQL; all that comes behind it is here. The view:
 --
 --   DuckDB:  CREATE VIEW placed AS SELECT * FROM
@@ -16,7 +17,7 @@ WITH
 -- One estimate of one cell: weights are 1/variance (limits: cell_sums.rs).
 estimates AS (
     SELECT
-        road, session, cell, grade_percent,
+        road, session, way, direction, cell, grade_percent,
         1e0 / LEAST(GREATEST(grade_variance_percent2, 1e-10), 1e6) AS weight,
         COALESCE(1e0 / altitude_variance_m2, 0e0) AS altitude_weight,
         COALESCE(altitude_m / altitude_variance_m2, 0e0) AS altitude_sum
@@ -25,7 +26,7 @@ estimates AS (
 -- Runs of each session that has a name, cell by cell.
 session_cells AS (
     SELECT
-        road, session, cell,
+        road, session, way, direction, cell,
         COUNT(*) AS runs,
         SUM(weight) AS weight,
         SUM(weight * weight) AS weight_square,
@@ -35,7 +36,7 @@ session_cells AS (
         SUM(altitude_sum) AS altitude_sum
     FROM estimates
     WHERE session IS NOT NULL
-    GROUP BY road, session, cell
+    GROUP BY road, session, way, direction, cell
 ),
 -- How far they disagree; 10 degrees of freedom expect a fifth of the variance to be common, and
 -- 1000 m of cells are one observation (2.5e-3).
@@ -63,7 +64,7 @@ session_shares AS (
 -- Each session as one estimate, and runs without a session as they are.
 sessions AS (
     SELECT
-        c.road, c.cell, c.runs,
+        c.road, c.way, c.direction, c.cell, c.runs,
         c.grade_sum / c.weight AS grade_percent,
         1e0 / LEAST(GREATEST(
             GREATEST(s.chi_squared / (s.freedom - s.share * s.shared_freedom), 1e0)
@@ -73,13 +74,14 @@ sessions AS (
     FROM session_cells AS c
     JOIN session_shares AS s ON s.road = c.road AND s.session = c.session
     UNION ALL
-    SELECT road, cell, 1 AS runs, grade_percent, weight, altitude_weight, altitude_sum
+    SELECT
+        road, way, direction, cell, 1 AS runs, grade_percent, weight, altitude_weight, altitude_sum
     FROM estimates
     WHERE session IS NULL
 ),
 road_cells AS (
     SELECT
-        road, cell,
+        road, way, direction, cell,
         SUM(runs) AS runs,
         COUNT(*) AS sessions,
         SUM(weight) AS weight,
@@ -89,7 +91,7 @@ road_cells AS (
         SUM(altitude_weight) AS altitude_weight,
         SUM(altitude_sum) AS altitude_sum
     FROM sessions
-    GROUP BY road, cell
+    GROUP BY road, way, direction, cell
 ),
 -- As within sessions; of different vehicles and days a tenth is expected to be common.
 road_seen AS (
@@ -115,7 +117,7 @@ road_shares AS (
 ),
 fused AS (
     SELECT
-        c.road, c.cell, c.runs, c.altitude_weight,
+        c.road, c.way, c.direction, c.cell, c.runs, c.altitude_weight,
         CASE WHEN c.altitude_weight > 0e0 THEN c.altitude_sum / c.altitude_weight END AS altitude_m,
         c.grade_sum / c.weight AS grade_percent,
         GREATEST(s.chi_squared / (s.freedom - s.share * s.shared_freedom), 1e0)
@@ -127,13 +129,13 @@ fused AS (
 around AS (
     SELECT
         *,
-        LAG(cell, 1) OVER (PARTITION BY road ORDER BY cell) AS cell_1,
-        LAG(altitude_m, 1) OVER (PARTITION BY road ORDER BY cell) AS altitude_1,
-        LAG(grade_percent, 1) OVER (PARTITION BY road ORDER BY cell) AS grade_1,
-        LAG(cell, 4) OVER (PARTITION BY road ORDER BY cell) AS cell_before,
-        LAG(grade_percent, 4) OVER (PARTITION BY road ORDER BY cell) AS grade_before,
-        LEAD(cell, 4) OVER (PARTITION BY road ORDER BY cell) AS cell_after,
-        LEAD(grade_percent, 4) OVER (PARTITION BY road ORDER BY cell) AS grade_after
+        LAG(cell, 1) OVER (PARTITION BY road, way, direction ORDER BY cell) AS cell_1,
+        LAG(altitude_m, 1) OVER (PARTITION BY road, way, direction ORDER BY cell) AS altitude_1,
+        LAG(grade_percent, 1) OVER (PARTITION BY road, way, direction ORDER BY cell) AS grade_1,
+        LAG(cell, 4) OVER (PARTITION BY road, way, direction ORDER BY cell) AS cell_before,
+        LAG(grade_percent, 4) OVER (PARTITION BY road, way, direction ORDER BY cell) AS grade_before,
+        LEAD(cell, 4) OVER (PARTITION BY road, way, direction ORDER BY cell) AS cell_after,
+        LEAD(grade_percent, 4) OVER (PARTITION BY road, way, direction ORDER BY cell) AS grade_after
     FROM fused
 ),
 -- Steps of the altitude beyond the climb by the grade, and the change of the grade, % per m.
@@ -159,23 +161,25 @@ shifted AS (
     SELECT
         *,
         -SUM(step_m) OVER (
-            PARTITION BY road ORDER BY cell ROWS BETWEEN UNBOUNDED PRECEDING AND CURRENT ROW
+            PARTITION BY road, way, direction ORDER BY cell ROWS BETWEEN UNBOUNDED PRECEDING AND CURRENT ROW
         ) AS shift_m
     FROM changes
 ),
 levelled AS (
     SELECT
         *,
-        SUM(altitude_weight * shift_m) OVER (PARTITION BY road)
-        / NULLIF(SUM(altitude_weight) OVER (PARTITION BY road), 0e0) AS mean_shift_m
+        SUM(altitude_weight * shift_m) OVER (PARTITION BY road, way, direction)
+        / NULLIF(SUM(altitude_weight) OVER (PARTITION BY road, way, direction), 0e0) AS mean_shift_m
     FROM shifted
 )
 SELECT
     road,
+    way,
+    direction,
     cell * 2.5e0 AS distance_m,
     altitude_m + shift_m - mean_shift_m AS altitude_m,
     grade_percent,
     SQRT(variance + (1.6e-1 + 2.25e0 / runs) * change_per_m * change_per_m) AS grade_sigma_percent,
     runs
 FROM levelled
-ORDER BY road, distance_m
+ORDER BY road, way, direction, distance_m

@@ -11,6 +11,14 @@ check_sql() {
     "$target/debug/examples/fleet" "$runs" 480000
     "${fuse[@]}" --out "$runs/all.parquet" --road "$runs/road.csv" "$runs/runs"
     "${fuse[@]}" --out "$runs/second.parquet" "$runs"/runs/*/day=2026-11-02
+    # The network around the road. Its runs are placed by a process for each of two partitions.
+    "$target/debug/roadgrade" fuse --out "$runs/network.parquet" --road "$runs/network.geojson" \
+        "$runs/runs"
+    local day
+    for day in 1 2; do
+        "$target/debug/roadgrade" place --road "$runs/network.geojson" --out "$runs/placed" \
+            "$runs"/runs/*/day=2026-11-0$day
+    done
     await_setup
     compare_sql duckdb duckdb || status=1
     if has_program java; then
@@ -27,5 +35,5 @@ compare_sql() {
     local engine=$1 package=$2
     want_python_package "$package" "the fusion on $engine" || return 0
     "$python" tests/sql/compare.py "$engine" host-sim/sql/fuse.sql "$runs/placed" \
-        "$runs/all.parquet" "$runs/second.parquet"
+        "$runs/all.parquet" "$runs/second.parquet" "$runs/network.parquet"
 }

@@ -12,7 +12,13 @@ import sys
 import time
 
 LIMIT = 1e-9
-COLUMNS = ["distance_m", "altitude_m", "grade_percent", "grade_sigma_percent", "runs"]
+PLACE = ["way", "direction", "distance_m"]
+COLUMNS = [*PLACE, "altitude_m", "grade_percent", "grade_sigma_percent", "runs"]
+
+
+def selected(names):
+    """Returns the columns of a map for a SELECT; the map of a single road has no ways."""
+    return [name if name in names else f"NULL AS {name}" for name in COLUMNS]
 
 
 class DuckDb:
@@ -39,7 +45,8 @@ class DuckDb:
         self.connection.close()
 
     def map(self, path):
-        return self.rows(f"SELECT {', '.join(COLUMNS)} FROM '{path}' ORDER BY distance_m")
+        names = [row[0] for row in self.rows(f"DESCRIBE SELECT * FROM '{path}'")]
+        return self.rows(f"SELECT {', '.join(selected(names))} FROM '{path}'")
 
 
 class Spark:
@@ -71,17 +78,24 @@ class Spark:
         self.session.stop()
 
     def map(self, path):
-        table = self.session.read.parquet(str(path)).select(*COLUMNS).orderBy("distance_m")
-        return [tuple(row) for row in table.collect()]
+        table = self.session.read.parquet(str(path))
+        rows = table.selectExpr(*selected(table.columns)).collect()
+        return [tuple(row) for row in rows]
 
 
 def difference(ours, theirs):
     """Returns the largest difference over rows, which must be of the same cells."""
-    if [row[0] for row in ours] != [row[0] for row in theirs]:
+
+    def place(row):
+        return (row[0] or "", row[1] or "", row[2])
+
+    ours, theirs = sorted(ours, key=place), sorted(theirs, key=place)
+    if [place(row) for row in ours] != [place(row) for row in theirs]:
         raise SystemExit(f"{len(theirs)} cells of the statement; fuse has {len(ours)}, or others")
     worst = 0.0
     for a, b in zip(ours, theirs):
-        if (a[1] is None) != (b[1] is None) or int(a[4]) != int(b[4]):
+        a, b = a[len(PLACE) :], b[len(PLACE) :]
+        if (a[0] is None) != (b[0] is None) or int(a[3]) != int(b[3]):
             raise SystemExit(f"{b} of the statement; fuse has {a}")
         pairs = [(x, y) for x, y in zip(a, b) if x is not None]
         worst = max(worst, max(abs(x - y) for x, y in pairs))

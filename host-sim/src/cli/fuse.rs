@@ -2,7 +2,8 @@
 
 use super::outputs;
 use crate::error::{Error, Result};
-use crate::map::pipeline::fuse_files::{FuseRequest, NamedSession, fuse_files};
+use crate::map::pipeline::fuse_files::{FuseRequest, fuse_files};
+use crate::map::pipeline::inputs::NamedSession;
 use crate::map::pipeline::words;
 use crate::map::{GRID_M, check_session_name};
 use crate::terminal::print::print;
@@ -116,7 +117,7 @@ pub fn run(args: &Args) -> Result<()> {
 }
 
 /// Parses NAME=RUN.csv,RUN.csv.
-fn session(argument: &str) -> std::result::Result<NamedSession, String> {
+pub(super) fn session(argument: &str) -> std::result::Result<NamedSession, String> {
     let expected = "expected NAME=RUN.csv,RUN.csv";
     let (name, runs) = argument.split_once('=').ok_or(expected)?;
     check_session_name(name)

@@ -20,6 +20,7 @@ mod log_options;
 mod map;
 mod outputs;
 mod pack;
+mod place;
 #[cfg(target_os = "linux")]
 mod replay;
 mod run_page;
@@ -74,6 +75,8 @@ enum Command {
     Map(map::Args),
     /// Fuse runs over the same road into one map.
     Fuse(fuse::Args),
+    /// Place runs on their road, for an engine to sum.
+    Place(place::Args),
     /// Convert a map to CSV or Parquet, GeoJSON, KML or GPX, to one CSV file per way, or to an HTML
     /// page.
     Export(export::Args),
@@ -117,6 +120,7 @@ impl Cli {
             Command::Listen(args) => listen::run(args),
             Command::Map(args) => map::run(args),
             Command::Fuse(args) => fuse::run(args),
+            Command::Place(args) => place::run(args),
             Command::Export(args) => export::run(args),
             Command::Pack(args) => pack::run(args),
             Command::Horizon(args) => horizon::run(args),

@@ -15,12 +15,19 @@ pub struct Column {
 }
 
 impl Column {
+    /// Returns true if a number is one of this column.
+    #[inline]
+    #[must_use]
+    pub fn holds(&self, value: f64) -> bool {
+        (value >= self.least) & (value <= self.most)
+    }
+
     /// Checks a number of this column.
     ///
     /// # Errors
     /// Names the column, the number and the range.
     pub fn check(&self, value: f64) -> Result<(), Flaw> {
-        if (self.least..=self.most).contains(&value) {
+        if self.holds(value) {
             return Ok(());
         }
         Err(self.flaw(value))

@@ -15,6 +15,7 @@ pub mod nearest;
 pub mod oracle;
 pub mod output;
 pub mod parquet;
+pub mod parquet_column;
 mod parquet_pages;
 pub mod row_check;
 pub mod run;

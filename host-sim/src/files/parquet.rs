@@ -2,12 +2,11 @@
 
 use super::limits;
 use super::output::{Staged, Writing};
+use super::parquet_column::NumberColumn;
 use super::parquet_pages;
 use crate::error::{Error, Result, out_of_files};
-use arrow_array::types::{ArrowPrimitiveType, Float32Type, Float64Type, Int32Type, Int64Type};
-use arrow_array::{
-    Array, ArrayRef, BinaryArray, BooleanArray, PrimitiveArray, RecordBatch, StringArray,
-};
+use arrow_array::types::{Float64Type, Int64Type};
+use arrow_array::{Array, ArrayRef, BinaryArray, PrimitiveArray, RecordBatch, StringArray};
 use arrow_schema::{Field, Schema};
 use parquet::arrow::arrow_reader::{ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder};
 use parquet::arrow::{ArrowWriter, ProjectionMask};
@@ -329,8 +328,38 @@ impl Opened<'_> {
         newer: [&str; M],
         mut take: impl FnMut([Option<f64>; N], [Option<f64>; M]) -> Result<()>,
     ) -> Result<()> {
-        let take = |numbers, newer, []: [Option<&str>; 0]| take(numbers, newer);
-        guarded(self.path, || self.decode(names, newer, [], take))
+        self.read_batches(names, newer, |rows, numbers, newer| {
+            (0..rows).try_for_each(|row| {
+                take(
+                    numbers.each_ref().map(|column| column.at(row)),
+                    newer.each_ref().map(|column| column.at(row)),
+                )
+            })
+        })
+    }
+
+    /// Reads columns as [`Self::read_newer`] does, and passes `take` the number of rows of each
+    /// batch and its columns.
+    ///
+    /// # Errors
+    /// Returns the errors of [`Self::read`].
+    pub fn read_batches<const N: usize, const M: usize>(
+        self,
+        names: [&str; N],
+        newer: [&str; M],
+        mut take: impl FnMut(usize, &[NumberColumn; N], &[NumberColumn; M]) -> Result<()>,
+    ) -> Result<()> {
+        let wanted = names.into_iter().chain(newer).collect();
+        guarded(self.path, || {
+            self.decode(&names, wanted, |path, batch| {
+                let numbers = number_columns(path, batch, names)?;
+                take(
+                    batch.num_rows(),
+                    &numbers,
+                    &number_columns(path, batch, newer)?,
+                )
+            })
+        })
     }
 
     /// Reads columns as [`Self::read`] does, with text columns. A text column that the file lacks
@@ -344,21 +373,37 @@ impl Opened<'_> {
         texts: [&str; M],
         mut take: impl FnMut([Option<f64>; N], [Option<&str>; M]) -> Result<()>,
     ) -> Result<()> {
-        let take = |numbers, []: [Option<f64>; 0], texts: [Option<&str>; M]| take(numbers, texts);
-        guarded(self.path, || self.decode(names, [], texts, take))
+        let wanted = names.into_iter().chain(texts).collect();
+        guarded(self.path, || {
+            self.decode(&names, wanted, |path, batch| {
+                let numbers = number_columns(path, batch, names)?;
+                let words = text_columns(path, batch, texts)?;
+                (0..batch.num_rows()).try_for_each(|row| {
+                    let text = |i: usize| {
+                        let known = words[i].filter(|values| !values.is_null(row));
+                        known.map(|values| values.value(row))
+                    };
+                    take(
+                        numbers.each_ref().map(|column| column.at(row)),
+                        std::array::from_fn(text),
+                    )
+                })
+            })
+        })
     }
 
-    fn decode<const N: usize, const K: usize, const M: usize>(
+    /// Passes the `wanted` columns of the file to `take`, batch by batch. It must have those that
+    /// are `needed`.
+    fn decode(
         self,
-        names: [&str; N],
-        newer: [&str; K],
-        texts: [&str; M],
-        mut take: impl FnMut([Option<f64>; N], [Option<f64>; K], [Option<&str>; M]) -> Result<()>,
+        needed: &[&str],
+        wanted: Vec<&str>,
+        mut take: impl FnMut(&Path, &RecordBatch) -> Result<()>,
     ) -> Result<()> {
         if self.rows() > self.most_rows {
             return Err(limits::too_many_rows(self.path, self.most_rows));
         }
-        if let Some(name) = names.iter().find(|name| !self.has_column(name)) {
+        if let Some(name) = needed.iter().find(|name| !self.has_column(name)) {
             let problem = format!("no column {name}; expected the columns of docs/formats.md");
             return Err(Error::content(self.path, problem));
         }
@@ -367,7 +412,6 @@ impl Opened<'_> {
             most_rows,
             builder,
         } = self;
-        let wanted: Vec<&str> = names.into_iter().chain(newer).chain(texts).collect();
         let file = File::open(path).map_err(Error::io(path))?;
         parquet_pages::check(&file, builder.metadata(), &wanted)
             .map_err(|problem| damaged(path, &problem))?;
@@ -384,42 +428,48 @@ impl Opened<'_> {
             if rows > most_rows {
                 return Err(limits::too_many_rows(path, most_rows));
             }
-            let mut columns: Vec<Option<Values>> = Vec::with_capacity(N + K);
-            for name in names.into_iter().chain(newer) {
-                let values = batch.column_by_name(name).map(|values| {
-                    Values::of(values).ok_or_else(|| {
-                        let problem = format!("column {name} is not of numbers; expected doubles");
-                        Error::content(path, problem)
-                    })
-                });
-                columns.push(values.transpose()?);
-            }
-            let mut words: Vec<Option<&StringArray>> = Vec::with_capacity(M);
-            for name in texts {
-                let values = batch.column_by_name(name);
-                let strings = values.map(|values| {
-                    values.as_any().downcast_ref().ok_or_else(|| {
-                        let problem = format!("column {name} is not of texts; expected strings");
-                        Error::content(path, problem)
-                    })
-                });
-                words.push(strings.transpose()?);
-            }
-            for row in 0..batch.num_rows() {
-                let text = |i: usize| {
-                    let known = words[i].filter(|values| !values.is_null(row));
-                    known.map(|values| values.value(row))
-                };
-                let number = |i: usize| columns[i].as_ref().and_then(|values| values.at(row));
-                take(
-                    std::array::from_fn(number),
-                    std::array::from_fn(|i| number(N + i)),
-                    std::array::from_fn(text),
-                )?;
-            }
+            take(path, &batch)?;
         }
         Ok(())
     }
+}
+
+/// Returns these columns of a batch; one that the file lacks is absent.
+fn number_columns<'b, const N: usize>(
+    path: &Path,
+    batch: &'b RecordBatch,
+    names: [&str; N],
+) -> Result<[NumberColumn<'b>; N]> {
+    let mut columns = std::array::from_fn(|_| NumberColumn::absent());
+    for (column, name) in columns.iter_mut().zip(names) {
+        if let Some(values) = batch.column_by_name(name) {
+            *column = NumberColumn::of(values).ok_or_else(|| {
+                let problem = format!("column {name} is not of numbers; expected doubles");
+                Error::content(path, problem)
+            })?;
+        }
+    }
+    Ok(columns)
+}
+
+/// Returns these columns of a batch; `None` for one that the file lacks.
+fn text_columns<'b, const N: usize>(
+    path: &Path,
+    batch: &'b RecordBatch,
+    names: [&str; N],
+) -> Result<[Option<&'b StringArray>; N]> {
+    let mut columns = [None; N];
+    for (column, name) in columns.iter_mut().zip(names) {
+        let values = batch.column_by_name(name);
+        let strings = values.map(|values| {
+            values.as_any().downcast_ref().ok_or_else(|| {
+                let problem = format!("column {name} is not of texts; expected strings");
+                Error::content(path, problem)
+            })
+        });
+        *column = strings.transpose()?;
+    }
+    Ok(columns)
 }
 
 impl Opened<'_> {
@@ -491,7 +541,7 @@ impl NumberBatches {
             };
             let batch = batch.map_err(|e| damaged(path, &e.to_string()))?;
             let column = |name: &String| {
-                let values = batch.column_by_name(name).and_then(Values::of);
+                let values = batch.column_by_name(name).and_then(NumberColumn::of);
                 let values = values.ok_or_else(|| {
                     let problem = format!("column {name} is not of numbers; expected doubles");
                     Error::content(path, problem)
@@ -500,42 +550,5 @@ impl NumberBatches {
             };
             names.iter().map(column).collect::<Result<_>>().map(Some)
         })
-    }
-}
-
-/// Numeric column of any type.
-enum Values<'a> {
-    Float(&'a PrimitiveArray<Float64Type>),
-    Single(&'a PrimitiveArray<Float32Type>),
-    Whole(&'a PrimitiveArray<Int64Type>),
-    Short(&'a PrimitiveArray<Int32Type>),
-    Switch(&'a BooleanArray),
-}
-
-impl<'a> Values<'a> {
-    fn of(values: &'a ArrayRef) -> Option<Self> {
-        let any = values.as_any();
-        let float = any.downcast_ref().map(Self::Float);
-        float
-            .or_else(|| any.downcast_ref().map(Self::Single))
-            .or_else(|| any.downcast_ref().map(Self::Whole))
-            .or_else(|| any.downcast_ref().map(Self::Short))
-            .or_else(|| any.downcast_ref().map(Self::Switch))
-    }
-
-    fn at(&self, row: usize) -> Option<f64> {
-        fn present<T: ArrowPrimitiveType>(
-            array: &PrimitiveArray<T>,
-            row: usize,
-        ) -> Option<T::Native> {
-            (!array.is_null(row)).then(|| array.value(row))
-        }
-        match self {
-            Self::Float(array) => present(array, row),
-            Self::Single(array) => present(array, row).map(f64::from),
-            Self::Whole(array) => present(array, row).map(|value| value as f64),
-            Self::Short(array) => present(array, row).map(f64::from),
-            Self::Switch(array) => (!array.is_null(row)).then(|| f64::from(array.value(row))),
-        }
     }
 }

@@ -34,9 +34,9 @@ pub use io::map_file::{
 pub use io::map_geojson::{segments as map_segments, stage as stage_map_geojson};
 pub use io::map_gpx::stage as stage_map_gpx;
 pub use io::map_kml::stage as stage_map_kml;
-pub use io::map_parquet::stage_placed;
 pub use io::network_file::{is_geojson, read as read_network, road_through};
 pub use io::packed::{open as open_packed_map, pack as packed_map, stage as stage_packed_map};
+pub use io::placed_file::PlacedFolder;
 pub use io::road_file::read as read_road;
 pub use io::road_row::RoadRow;
 pub use io::run_list::RunList;
@@ -44,6 +44,9 @@ pub use io::session_name::check_session_name;
 pub use io::store::{MapStore, read as read_store, stage as stage_store};
 pub use io::store_row::StoredWay;
 pub use io::ways_csv::write as write_ways_csv;
-pub use matching::placing::{Coverage, PlacedCell, PlacedRun, place, road_distances};
+pub use matching::placing::{
+    Coverage, PlacedCell, PlacedRun, place, place_every_cell, road_distances,
+};
 pub use matching::track::{road_of_run, track_of_run};
-pub use matching::viterbi::{MatchedPlace, TrackPoint, match_track};
+pub use matching::track_point::TrackPoint;
+pub use matching::viterbi::{MatchedPlace, match_track};

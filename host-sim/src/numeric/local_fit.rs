@@ -5,6 +5,25 @@
 /// reproduced exactly, also at the ends and beside gaps, where a moving average has a bias. With
 /// too few points for the degree the value is their weighted mean.
 pub fn smooth<const N: usize>(x: &[f64], y: &[f64], half_width: f64) -> Vec<f64> {
+    fit::<N>(x, y, |_| 1.0, half_width)
+}
+
+/// Returns what [`smooth`] does for points of which each counts with its weight.
+pub fn smooth_weighted<const N: usize>(
+    x: &[f64],
+    y: &[f64],
+    weight: &[f64],
+    half_width: f64,
+) -> Vec<f64> {
+    fit::<N>(x, y, |i| weight[i], half_width)
+}
+
+fn fit<const N: usize>(
+    x: &[f64],
+    y: &[f64],
+    weight_of: impl Fn(usize) -> f64,
+    half_width: f64,
+) -> Vec<f64> {
     let mut first = 0;
     let mut end = 0;
     let scale = 1.0 / half_width;
@@ -18,9 +37,10 @@ pub fn smooth<const N: usize>(x: &[f64], y: &[f64], half_width: f64) -> Vec<f64>
             }
             let mut normal = [[0.0; N]; N];
             let mut right = [0.0; N];
-            for (x, y) in x[first..end].iter().zip(&y[first..end]) {
+            for i in first..end {
+                let (x, y) = (x[i], y[i]);
                 let u = (x - centre) * scale;
-                let weight = 1.0 - u.abs();
+                let weight = weight_of(i) * (1.0 - u.abs());
                 let mut powers = [1.0; N];
                 for k in 1..N {
                     powers[k] = powers[k - 1] * u;

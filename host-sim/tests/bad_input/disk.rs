@@ -13,9 +13,10 @@ use std::thread;
 use std::time::Duration;
 
 /// Commands over the good files of the generated inputs; what they write is in `out`.
-const COMMANDS: [&str; 14] = [
+const COMMANDS: [&str; 15] = [
     "fuse --out out/m.csv --store out/s.csv run.csv",
     "fuse --out out/m.parquet --placed out/placed run.csv",
+    "place --road line.csv --out out run.csv",
     "score --truth a.truth.csv --out out/s.csv a.csv",
     "export map.csv --out out/m.geojson",
     "export map.csv --out out/m.html",

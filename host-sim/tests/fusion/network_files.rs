@@ -268,30 +268,6 @@ fn a_store_of_a_network_grows_run_by_run() {
 }
 
 #[test]
-fn placed_runs_are_for_a_single_road() {
-    let folder = folder();
-    let at = folder.path();
-    drives(at);
-    save(&at.join("net.geojson"), &three(&hills()));
-    fuse(
-        at,
-        &[
-            "--out",
-            "no.csv",
-            "--road",
-            "net.geojson",
-            "--placed",
-            "placed",
-            "0.csv",
-        ],
-    )
-    .failure()
-    .code(1)
-    .stderr(contains("expected a single road with --placed"));
-    assert!(!at.join("no.csv").exists() && !at.join("placed").exists());
-}
-
-#[test]
 fn a_map_of_ways_is_no_single_road() {
     let folder = folder();
     let at = folder.path();

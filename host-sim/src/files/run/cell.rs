@@ -1,7 +1,7 @@
 //! The columns of a run that fusion needs, and the identity of a run.
 
 use super::row::RunRow;
-use crate::files::columns;
+use crate::files::columns::{self, Column};
 use crate::files::row_check::{self, Flaw};
 use std::collections::VecDeque;
 use std::fmt;
@@ -45,11 +45,11 @@ impl From<&Self> for RunCell {
 }
 
 impl RunCell {
-    /// Checks that the cell can follow `before` in a run.
+    /// Checks that the cell can follow one at this distance in a run.
     ///
     /// # Errors
     /// Returns an error that names the problem of the cell.
-    pub(crate) fn check(&self, before: Option<&Self>) -> Result<(), Flaw> {
+    pub(crate) fn check(&self, before_m: Option<f64>) -> Result<(), Flaw> {
         row_check::within(&[
             (columns::DRIVEN_M, self.distance_m),
             (columns::GRADE_PERCENT, self.grade_percent),
@@ -64,15 +64,39 @@ impl RunCell {
                 self.altitude.map(|known| known.1),
             ),
         ])?;
-        before.map_or(Ok(()), |before| {
-            row_check::forwards("distance_m", before.distance_m, self.distance_m, true)
+        before_m.map_or(Ok(()), |before_m| {
+            row_check::forwards("distance_m", before_m, self.distance_m, true)
         })
     }
+}
+
+/// Returns true if all cells of these columns have numbers within their ranges, all known: distance,
+/// latitude, longitude, altitude and its sigma, grade and its sigma.
+pub(super) fn are_within(columns: [&[f64]; 7]) -> bool {
+    let ranges = [
+        columns::DRIVEN_M,
+        columns::LATITUDE_DEG,
+        columns::LONGITUDE_DEG,
+        columns::ALTITUDE_M,
+        columns::ALTITUDE_SIGMA_M,
+        columns::GRADE_PERCENT,
+        columns::GRADE_SIGMA_PERCENT,
+    ];
+    // All numbers, without a branch for each: several at once.
+    let is_within = |(numbers, range): (&[f64], Column)| {
+        numbers
+            .iter()
+            .fold(true, |all, &number| all & range.holds(number))
+    };
+    columns.into_iter().zip(ranges).all(is_within)
 }
 
 /// Rows of a run in which it must advance by [`DENSE_M`]. Cells are 2.5 m long.
 const DENSE_ROWS: usize = 1_000;
 const DENSE_M: f64 = 500.0;
+
+/// Steps of this length and longer are not too dense, m.
+const STEADY_M: f64 = DENSE_M / (DENSE_ROWS - 1) as f64 + 1e-6;
 
 /// Check that the rows of a run are not too close together. Windows of a run are cut by distance,
 /// not by rows.
@@ -80,9 +104,31 @@ const DENSE_M: f64 = 500.0;
 pub(super) struct Density {
     /// Distances of the last rows, m.
     last_m: VecDeque<f64>,
+    /// True if a step was shorter than [`STEADY_M`].
+    is_uneven: bool,
 }
 
 impl Density {
+    /// Takes the distances of many rows if all steps so far are long. Otherwise returns `false`, and
+    /// they are to be checked one by one.
+    pub(super) fn takes_all(&mut self, distances_m: &[f64]) -> bool {
+        let is_long = |from_m: f64, to_m: f64| to_m - from_m >= STEADY_M;
+        let follows = |first: &f64| self.last_m.back().is_none_or(|&last| is_long(last, *first));
+        let steps = distances_m.windows(2);
+        let is_steady = !self.is_uneven
+            && distances_m.first().is_none_or(follows)
+            && steps.fold(true, |all, step| all & is_long(step[0], step[1]));
+        if !is_steady {
+            self.is_uneven = true;
+            return false;
+        }
+        let tail = distances_m.len().saturating_sub(DENSE_ROWS - 1);
+        self.last_m.extend(&distances_m[tail..]);
+        let surplus = self.last_m.len().saturating_sub(DENSE_ROWS - 1);
+        self.last_m.drain(..surplus);
+        true
+    }
+
     /// Takes the distance of the next row.
     ///
     /// # Errors
@@ -121,9 +167,16 @@ impl RunIdentity {
 /// What the hash takes after a cell that is not consistent.
 const SUSPECT: &[u8; 8] = b"suspect\0";
 
+/// Bytes that the hash takes at once: far fewer calls than one a cell.
+const HASH_BYTES: usize = 4096;
+
 /// Hash of a run, cell by cell.
-#[derive(Default)]
-pub struct RunHash(Xxh3);
+#[derive(Clone, Default)]
+pub struct RunHash {
+    hash: Xxh3,
+    /// Bytes that the hash has yet to take.
+    waiting: Vec<u8>,
+}
 
 impl RunHash {
     /// Takes the next cell.
@@ -145,17 +198,23 @@ impl RunHash {
             // Not every text writer distinguishes minus zero from zero.
             bytes.copy_from_slice(&(value + 0.0).to_le_bytes());
         }
-        self.0.update(&bytes);
+        self.waiting.extend_from_slice(&bytes);
         // Only then, so that runs without a mark keep the identity that they always had.
         if !cell.is_consistent {
-            self.0.update(SUSPECT);
+            self.waiting.extend_from_slice(SUSPECT);
+        }
+        if self.waiting.len() >= HASH_BYTES {
+            self.hash.update(&self.waiting);
+            self.waiting.clear();
         }
     }
 
     /// Returns the identity of the cells so far.
     #[must_use]
     pub fn identity(&self) -> RunIdentity {
-        RunIdentity(self.0.digest128())
+        let mut hash = self.hash.clone();
+        hash.update(&self.waiting);
+        RunIdentity(hash.digest128())
     }
 }
 

@@ -78,11 +78,23 @@ pub fn read_cells(path: &Path) -> Result<(Vec<RunCell>, RunIdentity)> {
     let mut cells = Vec::new();
     let mut keep = |cell| limits::push(&mut cells, cell, most, path);
     let identity = if is_parquet(path) {
-        parquet::each_cell(path, most, &mut keep)?
+        parquet::each_cell(path, most, keep)?
     } else {
         each_cell_of_csv(path, &mut keep)?
     };
     Ok((cells, identity))
+}
+
+/// Returns the identity that a run as Parquet names; `None` for a run as CSV, which must be read.
+///
+/// # Errors
+/// Returns an error if the file cannot be opened.
+pub fn identity(path: &Path) -> Result<Option<RunIdentity>> {
+    if is_parquet(path) {
+        parquet::identity(path)
+    } else {
+        Ok(None)
+    }
 }
 
 /// Passes the cells of a run, as [`read_cells`] reads them, to `take`. None is kept, so the run may

@@ -1,6 +1,6 @@
 //! RUN.parquet: the columns of RUN.csv, with the same decimals.
 
-use super::cell::{Density, RunCell, RunHash, RunIdentity};
+use super::cell::{Density, RunCell, RunHash, RunIdentity, are_within};
 use super::row::{RunRow, RunRows};
 use crate::error::{Error, Result};
 use crate::files::columns::{self, Column};
@@ -8,6 +8,7 @@ use crate::files::limits;
 use crate::files::output::Staged;
 use crate::files::parquet::VERTICAL_DATUM;
 use crate::files::parquet::{Opened, ParquetColumn, TableWriter, open};
+use crate::files::parquet_column::NumberColumn;
 use crate::files::row_check::Flaw;
 use std::path::Path;
 
@@ -162,6 +163,15 @@ pub fn outline(path: &Path) -> Result<(Option<String>, usize)> {
     Ok((file.metadata("session").map(str::to_owned), file.rows()))
 }
 
+/// Returns the identity that the file names.
+///
+/// # Errors
+/// Returns an error if the file cannot be opened.
+pub fn identity(path: &Path) -> Result<Option<RunIdentity>> {
+    let file = open_run(path)?;
+    Ok(file.metadata("identity").and_then(|text| text.parse().ok()))
+}
+
 /// Returns the session that the file names.
 ///
 /// # Errors
@@ -259,16 +269,61 @@ pub fn read(path: &Path) -> Result<Vec<RunRow>> {
 pub fn each_cell(
     path: &Path,
     most_rows: usize,
-    take: &mut dyn FnMut(RunCell) -> Result<()>,
+    mut take: impl FnMut(RunCell) -> Result<()>,
 ) -> Result<RunIdentity> {
     let file = open_run(path)?.with_most_rows(most_rows);
     let promised = file.metadata("identity").map(str::to_owned);
-    let mut hash = RunHash::default();
-    let mut density = Density::default();
-    let mut before: Option<RunCell> = None;
-    let mut number = 0;
-    file.read_newer(CELL_COLUMNS, [CONSISTENT], |values, [consistent]| {
-        number += 1;
+    let mut reader = CellReader {
+        path,
+        number: 0,
+        before_m: None,
+        density: Density::default(),
+        hash: RunHash::default(),
+    };
+    file.read_batches(CELL_COLUMNS, [CONSISTENT], |rows, columns, [consistent]| {
+        if let Some(plain) = plain(columns, rows) {
+            // The usual batch: its numbers are checked all at once.
+            if are_within(plain) && reader.density.takes_all(plain[0]) {
+                return (0..rows).try_for_each(|row| {
+                    let values = plain.map(|numbers| numbers[row]);
+                    take(reader.checked(values, consistent.at(row))?)
+                });
+            }
+        }
+        (0..rows).try_for_each(|row| {
+            let values = columns.each_ref().map(|column| column.at(row));
+            take(reader.cell(values, consistent.at(row))?)
+        })
+    })?;
+    check_whole(path, promised.as_deref(), &reader.hash, reader.number == 0)
+}
+
+/// Returns these columns as doubles if none is missing.
+fn plain<'a>(columns: &[NumberColumn<'a>; 7], rows: usize) -> Option<[&'a [f64]; 7]> {
+    let mut plain: [&[f64]; 7] = [&[]; 7];
+    for (numbers, column) in plain.iter_mut().zip(columns) {
+        *numbers = &column.plain()?[..rows];
+    }
+    Some(plain)
+}
+
+/// Checks the cells of a file, one after the other.
+struct CellReader<'a> {
+    path: &'a Path,
+    /// Number of the row.
+    number: u64,
+    /// Distance of the row before, m.
+    before_m: Option<f64>,
+    density: Density,
+    hash: RunHash,
+}
+
+impl CellReader<'_> {
+    /// Returns the cell of the next row: its columns in the order of [`CELL_COLUMNS`].
+    #[inline]
+    fn cell(&mut self, values: [Option<f64>; 7], consistent: Option<f64>) -> Result<RunCell> {
+        self.number += 1;
+        let (path, number) = (self.path, self.number);
         let needed = |i: usize| values[i].ok_or_else(|| missing(path, number, CELL_COLUMNS[i]));
         let cell = RunCell {
             distance_m: needed(0)?,
@@ -276,28 +331,43 @@ pub fn each_cell(
             altitude: values[3].zip(values[4]),
             grade_percent: needed(5)?,
             grade_sigma_percent: needed(6)?,
-            is_consistent: match consistent {
-                Some(flag) => {
-                    columns::CONSISTENT
-                        .flag(flag)
-                        .map_err(wrong(path, number))?
-                        == 1
-                }
-                None => true,
-            },
+            is_consistent: self.is_consistent(consistent)?,
         };
         if values[1].is_some() != values[2].is_some() {
             let expected = "both latitude_deg and longitude_deg, or neither";
             return Err(Error::line(path, number, "incomplete position", expected));
         }
-        cell.check(before.as_ref())
-            .and_then(|()| density.check(cell.distance_m))
+        cell.check(self.before_m)
+            .and_then(|()| self.density.check(cell.distance_m))
             .map_err(wrong(path, number))?;
-        before = Some(cell);
-        hash.add(&cell);
-        take(cell)
-    })?;
-    check_whole(path, promised.as_deref(), &hash, number == 0)
+        self.before_m = Some(cell.distance_m);
+        self.hash.add(&cell);
+        Ok(cell)
+    }
+
+    /// Returns the cell of the next row, whose numbers were checked with those of its batch.
+    #[inline]
+    fn checked(&mut self, values: [f64; 7], consistent: Option<f64>) -> Result<RunCell> {
+        self.number += 1;
+        let cell = RunCell {
+            distance_m: values[0],
+            position: Some((values[1], values[2])),
+            altitude: Some((values[3], values[4])),
+            grade_percent: values[5],
+            grade_sigma_percent: values[6],
+            is_consistent: self.is_consistent(consistent)?,
+        };
+        self.before_m = Some(cell.distance_m);
+        self.hash.add(&cell);
+        Ok(cell)
+    }
+
+    /// Returns the flag of a cell; nothing is known to disagree in an older file.
+    #[inline]
+    fn is_consistent(&self, flag: Option<f64>) -> Result<bool> {
+        let flag = flag.map_or(Ok(1), |flag| columns::CONSISTENT.flag(flag));
+        Ok(flag.map_err(wrong(self.path, self.number))? == 1)
+    }
 }
 
 /// Returns the error of a flaw of a row.

@@ -88,7 +88,7 @@ fn ends(ways: &WayIndex, is_joined: impl Fn(usize, f64) -> bool) -> Vec<Join> {
             for near in nearby {
                 let is_itself =
                     near.way == way && (near.foot.distance_m - at_m).abs() < SHORTEST_LOOP_M;
-                if is_itself || near.foot.lateral_m > END_REACH_M {
+                if is_itself || near.foot.lateral_m2 > END_REACH_M * END_REACH_M {
                     continue;
                 }
                 // A way has no joins beyond its ends. It is not left at its start, or entered at

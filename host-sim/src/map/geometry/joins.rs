@@ -2,10 +2,15 @@
 
 use pathfinding::prelude::dijkstra_reach;
 use std::ops::Range;
+use std::sync::OnceLock;
 
 /// Tolerance along the road, m: a position may be this far behind a join before the way is left
 /// there, or before the join as the next way is entered.
 const BACK_M: f64 = 10.0;
+/// Routes up to this length between their first and their last join are known by the ways that they
+/// lead to, m. Those of cells without a gap are shorter.
+const NEAR_M: f64 = 200.0;
+
 /// A join, from a point of one way to a point of another.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Join {
@@ -24,6 +29,8 @@ pub(crate) struct Joins {
     leaving: Vec<Vec<Join>>,
     /// Distances at which each way is left or entered.
     places: Vec<Vec<f64>>,
+    /// The ways that routes of [`NEAR_M`] from each way lead to, in order; found when first asked for.
+    near: Vec<OnceLock<Box<[usize]>>>,
 }
 
 /// A join in a route: its way, and its index among those that leave it.
@@ -50,7 +57,11 @@ impl Joins {
             leaving.sort_by(|a, b| a.at_m.total_cmp(&b.at_m).then(a.to_way.cmp(&b.to_way)));
             places.sort_by(f64::total_cmp);
         }
-        Self { leaving, places }
+        Self {
+            leaving,
+            places,
+            near: vec![OnceLock::new(); count],
+        }
     }
 
     /// Returns the joins that leave each way, in order of distance.
@@ -75,6 +86,7 @@ impl Joins {
         // One of these is almost always the result.
         if self.ahead(from.0, from.1 - BACK_M, limit_m).is_empty()
             || !self.has_place(to.0, to.1 - limit_m..to.1 + BACK_M)
+            || (limit_m <= NEAR_M && self.ways_near(from.0).binary_search(&to.0).is_err())
         {
             return None;
         }
@@ -121,6 +133,32 @@ impl Joins {
             }
         }
         best
+    }
+
+    /// Returns the ways that routes of up to [`NEAR_M`] behind their first join lead to, in order.
+    fn ways_near(&self, way: usize) -> &[usize] {
+        self.near[way].get_or_init(|| {
+            let next = |&(way, k): &Taken| {
+                let from = &self.leaving[way][k];
+                let ahead = self.ahead(from.to_way, from.to_m - BACK_M, NEAR_M);
+                ahead.map(move |k| {
+                    let length_m = (self.leaving[from.to_way][k].at_m - from.to_m).max(0.0);
+                    ((from.to_way, k), whole_um(length_m))
+                })
+            };
+            let mut ways = Vec::new();
+            for k in 0..self.leaving[way].len() {
+                let reached = dijkstra_reach(&(way, k), next);
+                let within = reached.take_while(|node| node.total_cost <= whole_um(NEAR_M));
+                ways.extend(within.map(|node| {
+                    let (way, k) = node.node;
+                    self.leaving[way][k].to_way
+                }));
+            }
+            ways.sort_unstable();
+            ways.dedup();
+            ways.into()
+        })
     }
 
     /// Returns the joins up to a node, that of the node included.

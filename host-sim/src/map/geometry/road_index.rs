@@ -13,7 +13,7 @@ const PIECE: usize = 8;
 /// contain much that is not near.
 const PIECE_M: f64 = 100.0;
 /// Distance of positions from the last query before the index is queried again, m.
-const SURROUNDINGS_M: f64 = 50.0;
+const SURROUNDINGS_M: f64 = 100.0;
 /// Radius of the Earth, m.
 const RADIUS_M: f64 = 6.37e6;
 

@@ -176,25 +176,32 @@ impl RoadLine {
         let to = [point[0] - a[0], point[1] - a[1]];
         let ahead = to[0] * along[0] + to[1] * along[1];
         let squared = along[0] * along[0] + along[1] * along[1];
-        // The nearest point of most segments is an end; that test needs no division. The tangent
-        // continues beyond the ends of the road, so that cells do not accumulate at the end.
-        let part = if squared == 0.0 || (ahead <= 0.0 && i > 0) {
-            0.0
-        } else if ahead >= squared && i + 2 < self.plan.len() {
-            1.0
-        } else {
-            ahead / squared
-        };
         let beside = |part: f64| [to[0] - part * along[0], to[1] - part * along[1]];
         let squared_length = |[x, y]: [f64; 2]| x * x + y * y;
-        if squared_length(beside(part.clamp(0.0, 1.0))) > LATERAL_LIMIT_M * LATERAL_LIMIT_M {
+        // The nearest point of most segments is an end; that test needs no division. The tangent
+        // continues beyond the ends of the road, so that cells do not accumulate at the end.
+        let (part, nearest) = if squared == 0.0 || (ahead <= 0.0 && i > 0) {
+            (0.0, to)
+        } else if ahead >= squared && i + 2 < self.plan.len() {
+            (1.0, beside(1.0))
+        } else {
+            let part = ahead / squared;
+            (part, beside(part.clamp(0.0, 1.0)))
+        };
+        let nearest_square = squared_length(nearest);
+        if nearest_square > LATERAL_LIMIT_M * LATERAL_LIMIT_M {
             return None;
         }
         let from_m = self.points[i].distance_m;
         let length_m = self.points[i + 1].distance_m - from_m;
+        let is_beyond = !(0.0..=1.0).contains(&part);
         Some(Foot {
             distance_m: from_m + part * length_m,
-            lateral_m: squared_length(beside(part)).sqrt(),
+            lateral_m2: if is_beyond {
+                squared_length(beside(part))
+            } else {
+                nearest_square
+            },
             segment: i,
             part,
         })
@@ -247,8 +254,8 @@ impl RoadLine {
 pub(crate) struct Foot {
     /// Distance along the road, m. Beyond the ends it continues along the tangent.
     pub distance_m: f64,
-    /// Lateral offset, m, without sign.
-    pub lateral_m: f64,
+    /// Square of the lateral offset, m²: roots of all offsets would take longer than the rest.
+    pub lateral_m2: f64,
     segment: usize,
     /// The part of the segment before the projection.
     part: f64,

@@ -95,7 +95,7 @@ impl WayIndex {
         let beyond_m = foot.distance_m - within_m;
         if beyond_m != 0.0 && joins.is_near(way, within_m, COURSE_REACH_M) {
             foot.distance_m = within_m;
-            foot.lateral_m = foot.lateral_m.hypot(beyond_m);
+            foot.lateral_m2 += beyond_m * beyond_m;
         }
         foot
     }
@@ -154,7 +154,7 @@ impl WayIndex {
                 last = Some((piece.way, i));
                 match along.last_mut() {
                     Some(best) if same_pass => {
-                        if foot.lateral_m < best.foot.lateral_m {
+                        if foot.lateral_m2 < best.foot.lateral_m2 {
                             *best = candidate;
                         }
                     }

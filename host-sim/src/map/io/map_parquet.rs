@@ -1,5 +1,4 @@
-//! MAP.parquet: the columns of MAP.csv, not rounded. Also placed runs, from which SQL computes the
-//! same map (`host-sim/sql/fuse.sql`).
+//! MAP.parquet: the columns of MAP.csv, not rounded.
 
 use super::road_row::RoadRow;
 use super::way_file::{self, DIRECTION, Grouping, WAY};
@@ -11,12 +10,10 @@ use crate::files::parquet::{GEO, ParquetColumn, VERTICAL_DATUM, open, stage as s
 use crate::files::row_check::Flaw;
 use crate::map::fusion::map_row::{MapRow, WayRows};
 use crate::map::geometry::way_name::WayName;
-use crate::map::matching::placing::PlacedCell;
 use std::path::Path;
 
-/// Versions of the columns, in the metadata of the files.
+/// Version of the columns, in the metadata of the files.
 const MAP_SCHEMA: &str = "map 1";
-const PLACED_SCHEMA: &str = "placed 1";
 
 /// Writes a map to a file that appears when it is committed.
 ///
@@ -140,26 +137,4 @@ fn read_ways<T, const N: usize>(
             .map_err(|flaw| Error::line(path, number, flaw.problem, flaw.expected))
     })?;
     Ok(grouping.done())
-}
-
-/// Writes the cells of a run on a road to a file that appears when it is committed: `session` (null
-/// for a run without one), `cell` (distance along the road over 2.5 m), grade and altitude with
-/// their variances.
-///
-/// # Errors
-/// Returns the error of the file system.
-pub fn stage_placed(path: &Path, session: Option<&str>, cells: &[PlacedCell]) -> Result<Staged> {
-    let altitude = |of: fn((f64, f64)) -> f64| cells.iter().map(move |cell| cell.altitude.map(of));
-    let columns = vec![
-        ParquetColumn::text("session", session, cells.len()),
-        ParquetColumn::whole("cell", cells.iter().map(|cell| cell.number)),
-        ParquetColumn::numbers("grade_percent", cells.iter().map(|cell| cell.grade_percent)),
-        ParquetColumn::numbers(
-            "grade_variance_percent2",
-            cells.iter().map(|cell| cell.grade_variance),
-        ),
-        ParquetColumn::optional("altitude_m", altitude(|known| known.0)),
-        ParquetColumn::optional("altitude_variance_m2", altitude(|known| known.1)),
-    ];
-    stage_parquet(path, columns, &[("schema", PLACED_SCHEMA.to_owned())])
 }

@@ -10,6 +10,7 @@ mod map_lines;
 pub mod map_parquet;
 pub mod network_file;
 pub mod packed;
+pub mod placed_file;
 pub mod road_file;
 pub mod road_row;
 pub mod run_list;

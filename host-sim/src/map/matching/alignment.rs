@@ -1,6 +1,9 @@
 //! From matched points to smooth distances along the ways.
 
-use super::viterbi::{self, MatchedPlace, TrackPoint};
+use super::knots::Knot;
+use super::match_run::MatchedRun;
+use super::viterbi;
+use crate::files::run::RunCell;
 use crate::map::geometry::network::Network;
 use crate::numeric::local_fit;
 use std::ops::Range;
@@ -9,12 +12,12 @@ use std::ops::Range;
 /// 2-3 m is uneven over this; an odometer 1 % wrong shifts the offset by 1 m, evenly.
 const OFFSET_REACH_M: f64 = 100.0;
 
-/// Points of a run that follow the network without a gap.
+/// Cells of a run that follow the network without a gap.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MatchedSegment {
-    /// Range of points of the run.
-    pub points: Range<usize>,
-    /// Distance of each point along the legs, m; on the first leg that along its way.
+    /// Range of cells of the run.
+    pub cells: Range<usize>,
+    /// Distance of each cell along the legs, m; on the first leg that along its way.
     pub distance_m: Vec<f64>,
     /// The ways of the segment, in order.
     pub legs: Vec<Leg>,
@@ -36,39 +39,37 @@ pub struct Leg {
 struct Open {
     /// The last place on a way, and the odometer there.
     last: (usize, f64, f64),
-    /// Matched points with their raw distance along the legs.
+    /// Matched knots with their raw distance along the legs.
     on: Vec<(usize, f64)>,
     legs: Vec<Leg>,
 }
 
-/// Returns the matched segments of a run. Points without a position belong to a segment if it
+/// Returns the matched segments of a run. Cells without a position belong to a segment if it
 /// continues after them (matching has compared it with the odometer).
-pub fn matched_segments(
+pub(crate) fn matched_segments(
     network: &Network,
-    track: &[TrackPoint],
-    places: &[MatchedPlace],
+    cells: &[RunCell],
+    run: &MatchedRun,
 ) -> Vec<MatchedSegment> {
     let mut found = Vec::new();
     let mut open: Option<Open> = None;
-    for (i, place) in places.iter().enumerate() {
-        match *place {
-            MatchedPlace::OnRoad { way, distance_m } => {
-                let here = (way, distance_m, track[i].odometer_m);
-                let goes_on = open
-                    .as_mut()
-                    .is_some_and(|open| open.take(network, i, here));
-                if !goes_on {
-                    found.extend(open.replace(Open::at(i, here)));
-                }
-            }
-            MatchedPlace::NoPosition => {}
-            MatchedPlace::OffRoad | MatchedPlace::Opposite => found.extend(open.take()),
+    for (i, (knot, place)) in run.knots.iter().zip(&run.places).enumerate() {
+        let Some((way, distance_m)) = place.on_road() else {
+            found.extend(open.take());
+            continue;
+        };
+        let here = (way, distance_m, knot.odometer_m);
+        let goes_on = open
+            .as_mut()
+            .is_some_and(|open| open.take(network, i, here));
+        if !goes_on {
+            found.extend(open.replace(Open::at(i, here)));
         }
     }
     found.extend(open);
     found
         .into_iter()
-        .map(|open| smoothed(track, &open.on, open.legs))
+        .map(|open| smoothed(cells, &run.knots, &open.on, open.legs))
         .collect()
 }
 
@@ -110,35 +111,44 @@ impl Open {
     }
 }
 
-/// Returns the segment through the matched points `on`, with their raw distances along the legs.
-fn smoothed(track: &[TrackPoint], on: &[(usize, f64)], legs: Vec<Leg>) -> MatchedSegment {
-    let odometer_m: Vec<f64> = on.iter().map(|&(i, _)| track[i].odometer_m).collect();
+/// Returns the segment through the matched knots `on`, with their raw distances along the legs.
+fn smoothed(
+    cells: &[RunCell],
+    knots: &[Knot],
+    on: &[(usize, f64)],
+    legs: Vec<Leg>,
+) -> MatchedSegment {
+    let of_knots = || on.iter().map(|&(i, _)| &knots[i]);
+    let odometer_m: Vec<f64> = of_knots().map(|knot| knot.odometer_m).collect();
+    let weight: Vec<f64> = of_knots().map(Knot::weight).collect();
     let offset_m: Vec<f64> = on
         .iter()
         .zip(&odometer_m)
         .map(|(&(_, distance_m), odometer_m)| distance_m - odometer_m)
         .collect();
-    let offset_m = local_fit::smooth::<2>(&odometer_m, &offset_m, OFFSET_REACH_M);
-    let points = on[0].0..on[on.len() - 1].0 + 1;
+    let offset_m = local_fit::smooth_weighted::<2>(&odometer_m, &offset_m, &weight, OFFSET_REACH_M);
+    let (first, last) = (&knots[on[0].0], &knots[on[on.len() - 1].0]);
+    let range = first.cells.start..last.cells.end;
     let mut after = 0;
-    let distance_m = points
-        .clone()
-        .map(|i| {
-            let here_m = track[i].odometer_m;
-            while on[after].0 < i {
+    // Between knots, and without positions, the offset is interpolated.
+    let mut slope = 0.0;
+    let distance_m = cells[range.clone()]
+        .iter()
+        .map(|cell| {
+            let here_m = cell.distance_m;
+            while after + 1 < odometer_m.len() && odometer_m[after] < here_m {
                 after += 1;
+                let apart_m = odometer_m[after] - odometer_m[after - 1];
+                slope = (offset_m[after] - offset_m[after - 1]) / apart_m.max(f64::MIN_POSITIVE);
             }
-            if on[after].0 == i {
+            if after == 0 || odometer_m[after] <= here_m {
                 return here_m + offset_m[after];
             }
-            // Without a position the offset is interpolated between the known ones.
-            let (from_m, to_m) = (odometer_m[after - 1], odometer_m[after]);
-            let part = (here_m - from_m) / (to_m - from_m).max(f64::MIN_POSITIVE);
-            here_m + offset_m[after - 1] + part * (offset_m[after] - offset_m[after - 1])
+            here_m + offset_m[after - 1] + slope * (here_m - odometer_m[after - 1])
         })
         .collect();
     MatchedSegment {
-        points,
+        cells: range,
         distance_m,
         legs,
     }

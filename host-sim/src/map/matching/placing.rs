@@ -1,14 +1,12 @@
 //! The cells of a run on the grid of each way.
 
 use super::alignment::{Leg, MatchedSegment, matched_segments};
-use super::track::track_of_run;
-use super::viterbi::{MatchedPlace, match_track};
+use super::knots::JOIN_LIMIT_M;
+use super::match_run::{MatchedRun, match_every_cell, match_run};
+use super::viterbi::MatchedPlace;
 use crate::files::run::RunCell;
 use crate::map::geometry::grid::GRID_M;
 use crate::map::geometry::network::Network;
-
-/// Cells of a run farther apart than this are not joined, m: rows of the file are missing.
-const JOIN_LIMIT_M: f64 = 8.0;
 
 /// Factor on the sigmas of a cell in which signals disagree. With it such a cell has a sixteenth of
 /// the weight of a consistent one with the same sigma: it moves a mean little, and a road that is
@@ -56,9 +54,20 @@ pub struct PlacedRun {
 
 /// Places a run on a network.
 pub fn place(network: &Network, cells: &[RunCell]) -> PlacedRun {
-    let track = track_of_run(cells);
-    let places = match_track(network, &track);
-    let count = |wanted: MatchedPlace| places.iter().filter(|&&place| place == wanted).count();
+    place_matched(network, cells, &match_run(network, cells))
+}
+
+/// Places a run on a network as [`place`] does, but matches each cell: slower, to compare with.
+pub fn place_every_cell(network: &Network, cells: &[RunCell]) -> PlacedRun {
+    place_matched(network, cells, &match_every_cell(network, cells))
+}
+
+fn place_matched(network: &Network, cells: &[RunCell], run: &MatchedRun) -> PlacedRun {
+    let count = |wanted: MatchedPlace| {
+        let knots = run.knots.iter().zip(&run.places);
+        let wanted = knots.filter(|(_, place)| **place == wanted);
+        wanted.map(|(knot, _)| knot.cells.len()).sum()
+    };
     let mut coverage = Coverage {
         cells: cells.len(),
         off_road: count(MatchedPlace::OffRoad),
@@ -66,8 +75,8 @@ pub fn place(network: &Network, cells: &[RunCell]) -> PlacedRun {
         ..Coverage::default()
     };
     let mut placed = Vec::with_capacity(cells.len());
-    for segment in matched_segments(network, &track, &places) {
-        coverage.matched += segment.points.len();
+    for segment in matched_segments(network, cells, run) {
+        coverage.matched += segment.cells.len();
         place_segment(&mut placed, network, cells, &segment);
     }
     coverage.no_position =
@@ -82,11 +91,10 @@ pub fn place(network: &Network, cells: &[RunCell]) -> PlacedRun {
 /// the run is not on the road.
 #[must_use]
 pub fn road_distances(road: &Network, cells: &[RunCell]) -> Vec<Option<f64>> {
-    let track = track_of_run(cells);
     let mut distances = vec![None; cells.len()];
-    for segment in matched_segments(road, &track, &match_track(road, &track)) {
+    for segment in matched_segments(road, cells, &match_run(road, cells)) {
         let offset_m = segment.legs.first().map_or(0.0, |leg| leg.offset_m);
-        for (index, along_m) in segment.points.zip(segment.distance_m) {
+        for (index, along_m) in segment.cells.zip(segment.distance_m) {
             distances[index] = Some(along_m - offset_m);
         }
     }
@@ -101,7 +109,7 @@ fn place_segment(
     cells: &[RunCell],
     segment: &MatchedSegment,
 ) {
-    let cells = &cells[segment.points.clone()];
+    let cells = &cells[segment.cells.clone()];
     let mut legs = segment.legs.iter();
     let Some(mut leg) = legs.next() else {
         return;
@@ -117,14 +125,18 @@ fn place_segment(
         loop {
             let following = legs.as_slice().first();
             let until_m = following.map_or(f64::INFINITY, |leg| leg.begins_m);
-            let begin = (((from_m - leg.offset_m) / GRID_M).ceil() as i64).max(next);
-            let end = ((to_m.min(until_m) - leg.offset_m) / GRID_M).floor() as i64;
-            for number in begin..=end.min(*numbers(leg).end()) {
-                let here_m = number as f64 * GRID_M + leg.offset_m;
-                let part = (here_m - from_m) / (to_m - from_m);
-                placed.push(between((leg.way, number), &pair[0], &pair[1], part));
+            let at_cell = |number: i64| number as f64 * GRID_M + leg.offset_m;
+            // The next cell is almost always between these two.
+            if at_cell(next) < from_m {
+                next = next.max(((from_m - leg.offset_m) / GRID_M).ceil() as i64);
             }
-            next = next.max(end + 1);
+            let end_m = to_m.min(until_m);
+            let last = *numbers(leg).end();
+            while next <= last && at_cell(next) <= end_m {
+                let part = (at_cell(next) - from_m) / (to_m - from_m);
+                placed.push(between((leg.way, next), &pair[0], &pair[1], part));
+                next += 1;
+            }
             let Some(following) = following.filter(|_| to_m > until_m) else {
                 break;
             };

@@ -1,6 +1,6 @@
 //! The track of a run, as points to match and as a road for other runs.
 
-use super::viterbi::TrackPoint;
+use super::track_point::TrackPoint;
 use crate::files::run::RunCell;
 use crate::map::geometry::plane::chord_m;
 use crate::map::geometry::road_line::RoadPoint;

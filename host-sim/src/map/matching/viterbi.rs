@@ -7,11 +7,12 @@
 //! therefore stays on its own pass where a road comes near itself or crosses itself, and does not
 //! enter crossing or parallel streets.
 
+use super::candidates::Candidates;
+use super::knots::{Knot, single_knots};
+use super::track_point::TrackPoint;
 use crate::map::geometry::joins::Join;
 use crate::map::geometry::network::Network;
-use crate::map::geometry::plane::{LocalPlane, earth_centred};
-use crate::map::geometry::road_index::Surroundings;
-use crate::map::geometry::road_line::{COURSE_REACH_M, LATERAL_LIMIT_M};
+use crate::map::geometry::road_line::LATERAL_LIMIT_M;
 use crate::map::geometry::way_index::WayCandidate;
 
 /// Cost of leaving or entering the road, in positions off the road. A segment on the road must be
@@ -29,22 +30,6 @@ const SLIP_RATIO: f64 = 0.05;
 const TURN_PRICE: f64 = 1.0;
 /// Cost of a position whose course only fits a turning vehicle.
 const TURNING_PRICE: f64 = 0.5;
-/// Positions farther apart than this by odometer give no course, m.
-const COURSE_GAP_M: f64 = 30.0;
-/// Minimum distance of the positions for a course, m.
-const COURSE_SPAN_M: f64 = 10.0;
-
-/// Most passes of roads near a position. Junctions have about ten.
-const MOST_PASSES: usize = 64;
-
-/// One point of a run.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TrackPoint {
-    /// Driven distance, m; does not decrease.
-    pub odometer_m: f64,
-    /// Latitude and longitude, deg.
-    pub position: Option<(f64, f64)>,
-}
 
 /// The match of one point of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -64,135 +49,43 @@ pub enum MatchedPlace {
     NoPosition,
 }
 
+impl MatchedPlace {
+    /// Returns the way and the distance along it, m; `None` off the road.
+    pub(crate) const fn on_road(self) -> Option<(usize, f64)> {
+        match self {
+            Self::OnRoad { way, distance_m } => Some((way, distance_m)),
+            Self::Opposite | Self::OffRoad | Self::NoPosition => None,
+        }
+    }
+}
+
 /// Matches each point of a run to the network.
 pub fn match_track(network: &Network, track: &[TrackPoint]) -> Vec<MatchedPlace> {
     let mut places = vec![MatchedPlace::NoPosition; track.len()];
-    let fixes: Vec<PositionedPoint> = track
-        .iter()
-        .enumerate()
-        .filter_map(|(index, point)| {
-            let (latitude_deg, longitude_deg) = point.position?;
-            Some(PositionedPoint {
-                index,
-                odometer_m: point.odometer_m,
-                place_m: earth_centred(latitude_deg, longitude_deg),
-            })
-        })
-        .collect();
-    let mut surroundings = Surroundings::default();
-    let mut nearby = Nearby::with_room(fixes.len());
-    for (fix, chord) in fixes.iter().zip(chords(&fixes)) {
-        let along = &mut nearby.along;
-        let course = |plane: &LocalPlane| course(chord, plane);
-        let before = along.len();
-        let opposite = network.nearby(&mut surroundings, fix.place_m, course, along);
-        nearest_only(along, before);
-        nearby.opposite.push(opposite);
-        nearby.ends.push(along.len());
-    }
-    let states = best_states(network, &fixes, &nearby);
-    for (i, state) in states.into_iter().enumerate() {
-        places[fixes[i].index] = match nearby.along(i).get(state) {
-            Some(candidate) => MatchedPlace::OnRoad {
-                way: candidate.way,
-                distance_m: candidate.foot.distance_m,
-            },
-            None if nearby.opposite[i] => MatchedPlace::Opposite,
-            None => MatchedPlace::OffRoad,
-        };
+    let knots = single_knots(track);
+    let found = match_knots(network, &knots, &Candidates::of(network, &knots));
+    for (knot, place) in knots.iter().zip(found) {
+        places[knot.cells.start] = place;
     }
     places
 }
 
-/// Keeps the nearest passes from `begin` on, in their order. Their number enters the cost of a step
-/// squared.
-fn nearest_only(along: &mut Vec<WayCandidate>, begin: usize) {
-    let passes = &along[begin..];
-    if passes.len() <= MOST_PASSES {
-        return;
-    }
-    let mut offsets: Vec<f64> = passes.iter().map(|pass| pass.foot.lateral_m).collect();
-    offsets.sort_by(f64::total_cmp);
-    let farthest_m = offsets[MOST_PASSES - 1];
-    let mut kept: Vec<WayCandidate> = along.drain(begin..).collect();
-    kept.retain(|pass| pass.foot.lateral_m <= farthest_m);
-    kept.truncate(MOST_PASSES);
-    along.append(&mut kept);
-}
-
-/// A point of the run that has a position.
-struct PositionedPoint {
-    index: usize,
-    odometer_m: f64,
-    /// Earth-centred position, m.
-    place_m: [f64; 3],
-}
-
-/// Passes of ways near each position.
-struct Nearby {
-    /// Passes in the same direction, position by position.
-    along: Vec<WayCandidate>,
-    /// End of the passes of each position.
-    ends: Vec<usize>,
-    /// True if a way has the opposite direction there.
-    opposite: Vec<bool>,
-}
-
-impl Nearby {
-    /// Reserves memory for one way per position.
-    fn with_room(positions: usize) -> Self {
-        Self {
-            along: Vec::with_capacity(positions),
-            ends: Vec::with_capacity(positions),
-            opposite: Vec::with_capacity(positions),
-        }
-    }
-
-    fn along(&self, i: usize) -> &[WayCandidate] {
-        &self.along[self.begin(i)..self.ends[i]]
-    }
-
-    fn begin(&self, i: usize) -> usize {
-        i.checked_sub(1).map_or(0, |before| self.ends[before])
-    }
-}
-
-/// Returns, for each position, the positions from about 20 m before it to 20 m after it, without a
-/// gap.
-fn chords(fixes: &[PositionedPoint]) -> impl Iterator<Item = &[PositionedPoint]> {
-    let apart_m = |a: usize, b: usize| fixes[b].odometer_m - fixes[a].odometer_m;
-    let (mut from, mut to) = (0, 0);
-    (0..fixes.len()).map(move |i| {
-        if i > 0 && apart_m(i - 1, i) > COURSE_GAP_M {
-            from = i;
-        }
-        while from < i && apart_m(from + 1, i) >= COURSE_REACH_M {
-            from += 1;
-        }
-        to = to.max(i);
-        while to + 1 < fixes.len()
-            && apart_m(i, to) < COURSE_REACH_M
-            && apart_m(to, to + 1) <= COURSE_GAP_M
-        {
-            to += 1;
-        }
-        &fixes[from..=to]
-    })
-}
-
-/// Returns the direction of the run from the first to the last of these positions, in a plane;
-/// `None` if they do not define one.
-fn course(fixes: &[PositionedPoint], plane: &LocalPlane) -> Option<[f64; 2]> {
-    let (first, last) = (fixes.first()?, fixes.last()?);
-    let span_m = last.odometer_m - first.odometer_m;
-    if span_m < COURSE_SPAN_M {
-        return None;
-    }
-    let (a, b) = (plane.point(first.place_m)?, plane.point(last.place_m)?);
-    let chord = [b[0] - a[0], b[1] - a[1]];
-    // A chord far shorter than the driven distance is a turn on the spot or a receiver at
-    // standstill.
-    (chord[0].hypot(chord[1]) >= 0.5 * span_m).then_some(chord)
+/// Matches each knot of a run to the network.
+pub(super) fn match_knots(
+    network: &Network,
+    knots: &[Knot],
+    candidates: &Candidates,
+) -> Vec<MatchedPlace> {
+    let states = best_states(network, knots, candidates);
+    let place = |(i, state): (usize, usize)| match candidates.along(i).get(state) {
+        Some(candidate) => MatchedPlace::OnRoad {
+            way: candidate.way,
+            distance_m: candidate.foot.distance_m,
+        },
+        None if candidates.is_opposite(i) => MatchedPlace::Opposite,
+        None => MatchedPlace::OffRoad,
+    };
+    states.into_iter().enumerate().map(place).collect()
 }
 
 /// Returns the cost of a transition between two places over this distance by odometer, and the
@@ -203,15 +96,15 @@ pub(crate) fn step(
     to: (usize, f64),
     driven_m: f64,
 ) -> (f64, Vec<Join>) {
+    if let Some(direct) = direct_price(from, to, driven_m) {
+        return (direct, Vec::new());
+    }
     let slip_m = SLIP_M + SLIP_RATIO * driven_m;
     let direct = if from.0 == to.0 {
         ((to.1 - from.1 - driven_m) / slip_m).powi(2)
     } else {
         f64::INFINITY
     };
-    if direct <= 1.0 {
-        return (direct, Vec::new());
-    }
     // A longer one costs more than leaving the road and returning.
     let limit_m = driven_m + slip_m * (2.0 * SWITCH_PRICE).sqrt();
     let route = network.joins().route(from, to, driven_m, limit_m);
@@ -232,33 +125,32 @@ struct LatticeState {
     before: usize,
 }
 
-/// Returns the best state of each position: the index of a pass in `along`, or their number for
-/// "off".
-fn best_states(network: &Network, fixes: &[PositionedPoint], nearby: &Nearby) -> Vec<usize> {
-    // The states of all positions, in order; each position has one more than passes.
-    let mut lattice: Vec<LatticeState> = Vec::with_capacity(2 * fixes.len());
-    let begin = |i: usize| nearby.begin(i) + i;
-    for i in 0..fixes.len() {
-        let near = nearby.along(i);
+/// Returns the best state of each knot: the index of a pass in `along`, or their number for "off".
+fn best_states(network: &Network, knots: &[Knot], candidates: &Candidates) -> Vec<usize> {
+    // The states of all knots, in order; each has one more than passes.
+    let mut lattice: Vec<LatticeState> = Vec::with_capacity(2 * knots.len());
+    let begin = |i: usize| candidates.begin(i) + i;
+    for (i, knot) in knots.iter().enumerate() {
+        let near = candidates.along(i);
         for state in 0..=near.len() {
             let (cost, before) = match i.checked_sub(1) {
                 None => (0.0, 0),
                 Some(previous) => cheapest(
                     network,
                     &lattice[begin(previous)..begin(i)],
-                    nearby.along(previous),
+                    candidates.along(previous),
                     near.get(state),
-                    fixes[i].odometer_m - fixes[previous].odometer_m,
+                    knot.odometer_m - knots[previous].odometer_m,
                 ),
             };
             lattice.push(LatticeState {
-                cost: cost + stay_price(near.get(state)),
+                cost: cost + knot.weight() * stay_price(near.get(state)),
                 before,
             });
         }
     }
-    let mut chosen = vec![0; fixes.len()];
-    let last = fixes.len().saturating_sub(1);
+    let mut chosen = vec![0; knots.len()];
+    let last = knots.len().saturating_sub(1);
     let mut state = index_of_least(&lattice[begin(last)..]);
     for i in (0..chosen.len()).rev() {
         chosen[i] = state;
@@ -267,8 +159,8 @@ fn best_states(network: &Network, fixes: &[PositionedPoint], nearby: &Nearby) ->
     chosen
 }
 
-/// Returns the cost of the lateral offset, which grows with its square up to that of being off the
-/// road.
+/// Returns the cost of the lateral offset of one position, which grows with its square up to that of
+/// being off the road.
 fn stay_price(place: Option<&WayCandidate>) -> f64 {
     place.map_or(1.0, |candidate| {
         let turning = if candidate.turning {
@@ -276,12 +168,12 @@ fn stay_price(place: Option<&WayCandidate>) -> f64 {
         } else {
             0.0
         };
-        (candidate.foot.lateral_m / LATERAL_LIMIT_M).powi(2) + turning
+        candidate.foot.lateral_m2 / (LATERAL_LIMIT_M * LATERAL_LIMIT_M) + turning
     })
 }
 
-/// Returns the least cost to reach a place, or "off", and the previous state. "Off" can always be
-/// reached and left, so a path always exists.
+/// Returns the least cost to reach a place, or "off", and the previous state: the first of those
+/// with this cost. "Off" can always be reached and left, so a path always exists.
 fn cheapest(
     network: &Network,
     states: &[LatticeState],
@@ -290,17 +182,41 @@ fn cheapest(
     driven_m: f64,
 ) -> (f64, usize) {
     let mut best = (f64::INFINITY, 0);
+    let mut take = |cost: f64, state: usize| {
+        if cost < best.0 || (cost == best.0 && state < best.1) {
+            best = (cost, state);
+        }
+        best.0
+    };
+    // First the steps that need no route. They almost always cost less than all others do already.
+    let mut least = f64::INFINITY;
     for (state, from) in states.iter().enumerate() {
-        let step = match (before.get(state), place) {
-            (None, None) => 0.0,
-            (Some(a), Some(b)) => step(network, place_of(a), place_of(b), driven_m).0,
-            _ => SWITCH_PRICE,
+        let price = match (before.get(state), place) {
+            (None, None) => Some(0.0),
+            (Some(a), Some(b)) => direct_price(place_of(a), place_of(b), driven_m),
+            _ => Some(SWITCH_PRICE),
         };
-        if from.cost + step < best.0 {
-            best = (from.cost + step, state);
+        if let Some(price) = price {
+            least = take(from.cost + price, state);
+        }
+    }
+    let Some(b) = place else {
+        return best;
+    };
+    for (state, (from, a)) in states.iter().zip(before).enumerate() {
+        let (a, b) = (place_of(a), place_of(b));
+        if from.cost <= least && direct_price(a, b, driven_m).is_none() {
+            least = take(from.cost + step(network, a, b, driven_m).0, state);
         }
     }
     best
+}
+
+/// Returns the cost of a step along one way if no route can cost less.
+fn direct_price(from: (usize, f64), to: (usize, f64), driven_m: f64) -> Option<f64> {
+    let slip_m = SLIP_M + SLIP_RATIO * driven_m;
+    let price = ((to.1 - from.1 - driven_m) / slip_m).powi(2);
+    (from.0 == to.0 && price <= 1.0).then_some(price)
 }
 
 fn place_of(candidate: &WayCandidate) -> (usize, f64) {

@@ -1,25 +1,17 @@
 //! Fusion of run files into a map file.
 
-use super::inputs::Inputs;
+use super::inputs::{Inputs, NamedSession};
 use super::intake::RunIntake;
 use super::road::{Stored, road};
 use crate::error::{Error, Result, on_one_line};
 use crate::files::same::handle;
 use crate::map::fusion::grade_map::{FusedMap, GradeMap};
-use crate::map::geometry::way_index::Way;
+use crate::map::geometry::network::Network;
+use crate::map::io::placed_file::PlacedFolder;
 use crate::map::io::run_list::RunList;
 use crate::map::io::store_file::StoreFile;
 use crate::map::io::{map_file, store};
 use std::path::{Path, PathBuf};
-
-/// Runs of one vehicle in one named session.
-#[derive(Clone, Debug)]
-pub struct NamedSession {
-    /// Name of the session.
-    pub name: String,
-    /// Run files, or folders of them.
-    pub runs: Vec<PathBuf>,
-}
 
 /// Options of a fusion.
 #[derive(Clone, Copy, Debug)]
@@ -46,7 +38,7 @@ pub struct FuseRequest<'a> {
 /// Returns an error if a file cannot be read or used, or if the map has no cell. Nothing is then
 /// written, except sums of runs that were added before.
 pub fn fuse_files(request: &FuseRequest) -> Result<FusedMap> {
-    let mut inputs = request.inputs()?;
+    let mut inputs = Inputs::of(request.runs, request.sessions)?;
     request.check_outputs(&inputs)?;
     if inputs.runs.is_empty() && !inputs.damaged.is_empty() {
         return Err(inputs.damaged.swap_remove(0));
@@ -54,18 +46,12 @@ pub fn fuse_files(request: &FuseRequest) -> Result<FusedMap> {
     let (mut file, stored) = request.stored(inputs.runs.is_empty())?.unzip();
     let stored = stored.flatten();
     let road = road(request.road, &inputs, stored.as_ref())?;
-    if let (Some(_), Some(path), [Way { name: Some(_), .. }, ..]) =
-        (request.placed, request.road, road.ways())
-    {
-        let problem = "a network; expected a single road with --placed";
-        return Err(Error::content(path, problem));
-    }
     let (sums, runs) = match &stored {
         Some(Stored { store, .. }) => (store.resume(&road), store.runs.clone()),
         None => (GradeMap::new(&road), RunList::default()),
     };
     let first = inputs.runs.first().map(|input| input.path.clone());
-    let mut intake = RunIntake::new(sums, runs, file.as_mut(), request.placed_folder());
+    let mut intake = RunIntake::new(sums, runs, file.as_mut(), request.placed_folder(&road));
     intake.add(inputs, request.strict)?;
     let fused = intake.sums.fused();
     if fused.ways.is_empty() {
@@ -121,25 +107,10 @@ impl<'a> FuseRequest<'a> {
         }
     }
 
-    fn inputs(&self) -> Result<Inputs> {
-        let mut inputs = Inputs::default();
-        for path in self.runs {
-            inputs.add(path, None)?;
-        }
-        for session in self.sessions {
-            for path in &session.runs {
-                inputs.add(path, Some(&session.name))?;
-            }
-        }
-        inputs.sort();
-        Ok(inputs)
-    }
-
-    /// Returns the folder of the placed runs in Hive's layout: the road is a column with its value
-    /// in the folder's name.
-    fn placed_folder(&self) -> Option<PathBuf> {
+    /// Returns the folder of the placed runs, named by the map.
+    fn placed_folder(&self, network: &Network) -> Option<PlacedFolder> {
         let road = self.out.file_stem().unwrap_or_default().to_string_lossy();
-        Some(self.placed?.join(format!("road={road}")))
+        Some(PlacedFolder::new(self.placed?, &road, network))
     }
 
     /// Opens the file of the sums and reads it. If there are no runs to add, it must exist.

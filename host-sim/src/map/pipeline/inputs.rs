@@ -8,13 +8,21 @@ use crate::files::run;
 use crate::files::temporary::is_temporary;
 use crate::map::io::session_name::check_session_name;
 use crate::terminal::print::note;
+use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use walkdir::WalkDir;
 
 /// Fewest bytes of a row of RUN.csv, about.
 const BYTES_A_ROW: usize = 40;
-/// Rows of runs that are read at the same time.
-const ROWS_IN_FLIGHT: usize = 1_000_000;
+
+/// Runs of one vehicle in one named session.
+#[derive(Clone, Debug)]
+pub struct NamedSession {
+    /// Name of the session.
+    pub name: String,
+    /// Run files, or folders of them.
+    pub runs: Vec<PathBuf>,
+}
 
 /// One run to fuse.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -46,9 +54,24 @@ pub(crate) struct Inputs {
 }
 
 impl Inputs {
+    /// Returns these runs, each a session of its own unless it names one, and those of sessions.
+    pub(crate) fn of(runs: &[PathBuf], sessions: &[NamedSession]) -> Result<Self> {
+        let mut inputs = Self::default();
+        for path in runs {
+            inputs.add(path, None)?;
+        }
+        for session in sessions {
+            for path in &session.runs {
+                inputs.add(path, Some(&session.name))?;
+            }
+        }
+        inputs.sort();
+        Ok(inputs)
+    }
+
     /// Adds a run, or all runs in a folder and its subfolders, in the order of their names.
     /// `session` takes precedence over the session that a file names.
-    pub(crate) fn add(&mut self, path: &Path, session: Option<&str>) -> Result<()> {
+    fn add(&mut self, path: &Path, session: Option<&str>) -> Result<()> {
         if !path.is_dir() {
             if path.metadata().is_ok_and(|found| !found.is_file()) {
                 let problem = "a pipe or a device; expected a file, which is read more than once";
@@ -60,19 +83,26 @@ impl Inputs {
                 found: false,
                 rows: 0,
             };
-            return self.push(input);
+            let outline = outline(&input);
+            return self.push(input, outline);
         }
         let before = self.runs.len() + self.damaged.len();
         let found = files_below(path)?;
         found.tell_hidden(path);
         self.damaged.extend(found.unreadable);
-        for path in found.files {
-            self.push(RunInput {
-                session: session.map(str::to_owned),
-                path,
-                found: true,
-                rows: 0,
-            })?;
+        let input = |path| RunInput {
+            session: session.map(str::to_owned),
+            path,
+            found: true,
+            rows: 0,
+        };
+        let outlined = found.files.into_par_iter().map(|path| {
+            let input = input(path);
+            let outline = outline(&input);
+            (input, outline)
+        });
+        for (input, outline) in outlined.collect::<Vec<_>>() {
+            self.push(input, outline)?;
         }
         if self.runs.len() + self.damaged.len() == before {
             let problem = "no runs in this folder; expected .parquet or .csv files";
@@ -82,12 +112,12 @@ impl Inputs {
     }
 
     /// Sorts the runs.
-    pub(crate) fn sort(&mut self) {
+    fn sort(&mut self) {
         self.runs.sort_by(|a, b| a.session.cmp(&b.session));
     }
 
-    fn push(&mut self, mut input: RunInput) -> Result<()> {
-        match outline(&input) {
+    fn push(&mut self, mut input: RunInput, outline: Result<Outline>) -> Result<()> {
+        match outline {
             Ok((session, rows)) => {
                 input.session = input.session.or(session);
                 input.rows = rows;
@@ -103,9 +133,12 @@ impl Inputs {
     }
 }
 
+/// The session that a file names, and its rows.
+type Outline = (Option<String>, usize);
+
 /// Returns the session that a file names, if the command line names none, and about how many rows it
 /// has.
-fn outline(input: &RunInput) -> Result<(Option<String>, usize)> {
+fn outline(input: &RunInput) -> Result<Outline> {
     let path = &input.path;
     if !is_parquet(path) {
         let bytes = path.metadata().map_or(0, |file| file.len());
@@ -125,27 +158,6 @@ fn outline(input: &RunInput) -> Result<(Option<String>, usize)> {
         })?;
     }
     Ok((session, rows))
-}
-
-/// Splits the runs of each session, in their order, into groups of at most `most` runs and, unless
-/// it is a single run, [`ROWS_IN_FLIGHT`] rows.
-pub(crate) fn groups(runs: &[RunInput], most: usize) -> impl Iterator<Item = &[RunInput]> {
-    let mut rest = runs;
-    std::iter::from_fn(move || {
-        let first = rest.first()?;
-        let mut rows = 0_usize;
-        let count = rest
-            .iter()
-            .take(most)
-            .take_while(|input| {
-                rows = rows.saturating_add(input.rows);
-                input.session == first.session && rows <= ROWS_IN_FLIGHT
-            })
-            .count();
-        let (group, others) = rest.split_at(count.max(1));
-        rest = others;
-        Some(group)
-    })
 }
 
 /// What a folder and its subfolders have.

@@ -1,22 +1,21 @@
 //! Adds runs to a map, a few in memory at a time.
 
-use super::inputs::{Inputs, RunInput, groups};
+use super::in_order::{Item, in_order};
+use super::inputs::{Inputs, RunInput};
 use super::words::describe;
 use crate::error::{Error, Result, on_one_line};
+use crate::files::output::Staged;
 use crate::files::run::{self, RunIdentity};
 use crate::map::fusion::grade_map::GradeMap;
-use crate::map::geometry::network::Network;
-use crate::map::io::map_parquet::stage_placed;
+use crate::map::io::placed_file::PlacedFolder;
 use crate::map::io::run_list::RunList;
 use crate::map::io::store;
 use crate::map::io::store_file::StoreFile;
 use crate::map::matching::placing::{PlacedRun, place};
 use crate::terminal::print::{alert, note};
-use rayon::prelude::*;
-use std::path::PathBuf;
 
-/// Number of runs per thread that are placed at once; as many wait to be added.
-const RUNS_A_THREAD: usize = 8;
+/// Rows of runs that are in memory at the same time: read, placed, or waiting to be added.
+pub(super) const ROWS_IN_FLIGHT: usize = 1_000_000;
 /// A store is written after this many cells, or after as many as it holds if that is more. An
 /// interruption then costs seconds of work, and writing takes no longer than adding.
 const CELLS_A_SAVE: usize = 10_000_000;
@@ -27,8 +26,7 @@ pub(crate) struct RunIntake<'a, 'r> {
     pub(crate) runs: RunList,
     /// The store, written from time to time. Without a store, complete sessions are closed.
     pub(crate) store: Option<&'a mut StoreFile>,
-    /// Folder of the placed runs.
-    pub(crate) placed: Option<PathBuf>,
+    pub(crate) placed: Option<PlacedFolder>,
     pub(crate) tally: RunTally,
     open_session: Option<String>,
     cells_since_save: usize,
@@ -43,18 +41,20 @@ pub(crate) struct RunTally {
     pub(crate) damaged: usize,
 }
 
+impl Item for RunInput {
+    fn cost(&self) -> usize {
+        // A file without rows takes some memory too.
+        self.rows.max(1)
+    }
+}
+
 /// A run that was read and placed.
 struct Arrival {
     identity: RunIdentity,
     /// `None` for a run that is already in the map.
     placed: Option<PlacedRun>,
-}
-
-/// Runs of one session.
-struct Batch<'i> {
-    inputs: &'i [RunInput],
-    /// In order, so that the reported error does not depend on threads.
-    arrivals: Vec<Result<Arrival>>,
+    /// Its file among the placed runs.
+    staged: Option<Staged>,
 }
 
 impl<'a, 'r> RunIntake<'a, 'r> {
@@ -62,7 +62,7 @@ impl<'a, 'r> RunIntake<'a, 'r> {
         sums: GradeMap<'r>,
         runs: RunList,
         store: Option<&'a mut StoreFile>,
-        placed: Option<PathBuf>,
+        placed: Option<PlacedFolder>,
     ) -> Self {
         Self {
             sums,
@@ -82,48 +82,55 @@ impl<'a, 'r> RunIntake<'a, 'r> {
             self.leave_out(e, strict)?;
         }
         let runs = inputs.runs;
-        let in_flight = RUNS_A_THREAD * rayon::current_num_threads();
         // Runs that were in the map at the start need not be placed.
         let (road, known) = (self.sums.network(), self.runs.clone());
-        let batches = groups(&runs, in_flight);
-        // While one batch is added, the next is read and placed.
-        let mut placed: Option<Batch> = None;
-        for batch in batches.map(Some).chain([None]) {
-            let before = placed.take();
-            let (next, added) = rayon::join(
-                || batch.map(|inputs| Batch::place(inputs, road, &known)),
-                || before.map_or(Ok(()), |batch| self.add_batch(batch, strict)),
-            );
-            added?;
-            placed = next;
-        }
+        let folder = self.placed.clone();
+        let arrive = |input: &RunInput| {
+            let (cells, identity) = run::read_cells(&input.path)?;
+            let placed = (!known.contains(identity)).then(|| place(road, &cells));
+            let covering = placed.as_ref().filter(|placed| !placed.cells.is_empty());
+            let staged = folder.as_ref().zip(covering).map(|(folder, placed)| {
+                folder.stage(identity, input.session.as_deref(), road, &placed.cells)
+            });
+            Ok(Arrival {
+                identity,
+                placed,
+                staged: staged.transpose()?,
+            })
+        };
+        in_order(&runs, ROWS_IN_FLIGHT, arrive, |input, arrival| {
+            self.add_arrival(input, arrival, strict)
+        })?;
         self.judge(&runs)
     }
 
-    fn add_batch(&mut self, batch: Batch, strict: bool) -> Result<()> {
-        let session = batch
-            .inputs
-            .first()
-            .and_then(|input| input.session.as_ref());
-        if session != self.open_session.as_ref() {
+    fn add_arrival(
+        &mut self,
+        input: &RunInput,
+        arrival: Result<Arrival>,
+        strict: bool,
+    ) -> Result<()> {
+        if input.session != self.open_session {
             if let (Some(complete), None) = (&self.open_session, &self.store) {
                 self.sums.close_session(complete);
             }
-            self.open_session = session.cloned();
+            self.open_session.clone_from(&input.session);
         }
-        for (input, arrival) in batch.inputs.iter().zip(batch.arrivals) {
-            match arrival {
-                Ok(arrival) => self.take(input, &arrival)?,
-                Err(e) => self.leave_out(e, strict || !input.found)?,
-            }
+        match arrival {
+            Ok(arrival) => self.take(input, arrival)?,
+            Err(e) => self.leave_out(e, strict || !input.found)?,
         }
         self.save_now_and_then()
     }
 
-    fn take(&mut self, input: &RunInput, arrival: &Arrival) -> Result<()> {
-        let Arrival { identity, placed } = arrival;
+    fn take(&mut self, input: &RunInput, arrival: Arrival) -> Result<()> {
+        let Arrival {
+            identity,
+            placed,
+            staged,
+        } = arrival;
         let path = on_one_line(&input.path);
-        let Some(placed) = placed.as_ref().filter(|_| self.runs.insert(*identity)) else {
+        let Some(placed) = placed.filter(|_| self.runs.insert(identity)) else {
             note(format_args!(
                 "{path}: already in the map, not counted again"
             ));
@@ -136,12 +143,10 @@ impl<'a, 'r> RunIntake<'a, 'r> {
         } else {
             alert(words);
         }
-        let session = input.session.as_deref();
-        if let (Some(folder), false) = (&self.placed, placed.cells.is_empty()) {
-            let path = folder.join(format!("{identity}.parquet"));
-            stage_placed(&path, session, &placed.cells)?.commit()?;
+        if let Some(staged) = staged {
+            staged.commit()?;
         }
-        self.sums.add_placed(session, placed);
+        self.sums.add_placed(input.session.as_deref(), &placed);
         self.cells_since_save += placed.cells.len();
         self.tally.added += 1;
         self.tally.unmatched += usize::from(placed.coverage.matched == 0);
@@ -213,19 +218,5 @@ impl<'a, 'r> RunIntake<'a, 'r> {
             ));
         }
         Ok(())
-    }
-}
-
-impl<'i> Batch<'i> {
-    fn place(inputs: &'i [RunInput], road: &Network, known: &RunList) -> Self {
-        let arrive = |input: &RunInput| {
-            let (cells, identity) = run::read_cells(&input.path)?;
-            let placed = (!known.contains(identity)).then(|| place(road, &cells));
-            Ok(Arrival { identity, placed })
-        };
-        Self {
-            inputs,
-            arrivals: inputs.par_iter().map(arrive).collect(),
-        }
     }
 }

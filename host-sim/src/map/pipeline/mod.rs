@@ -1,8 +1,10 @@
 //! From run files to a map file, a few runs in memory at a time.
 
 pub mod fuse_files;
-mod inputs;
+mod in_order;
+pub mod inputs;
 mod intake;
+pub mod place_files;
 mod road;
 pub mod roads_of_runs;
 pub mod words;

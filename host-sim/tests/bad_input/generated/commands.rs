@@ -12,6 +12,8 @@ pub const COMMANDS: &[&str] = &[
     "fuse --out out.csv --road net.geojson --session a=run.csv,run.parquet",
     "fuse --out out.parquet --road net.csv run.csv",
     "fuse --out out.parquet --placed placed run.csv",
+    "place --road net.geojson --out placed --json run.csv",
+    "place --road line.csv --out placed runs",
     "fuse --out out.csv --store new.csv run.csv run.parquet",
     "fuse --out out.csv run.parquet",
     "fuse --out out.csv --session a=run.parquet,run.csv",

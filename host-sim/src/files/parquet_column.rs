@@ -1,0 +1,77 @@
+//! A column of numbers in a batch of rows of a Parquet file, of any numeric type.
+
+use arrow_array::types::{ArrowPrimitiveType, Float32Type, Float64Type, Int32Type, Int64Type};
+use arrow_array::{Array, ArrayRef, BooleanArray, PrimitiveArray};
+
+/// A column of numbers. Switches are 0 and 1.
+pub struct NumberColumn<'a>(Values<'a>);
+
+enum Values<'a> {
+    /// The file lacks the column.
+    Absent,
+    /// Doubles, none of which is missing.
+    Plain(&'a [f64]),
+    Float(&'a PrimitiveArray<Float64Type>),
+    Single(&'a PrimitiveArray<Float32Type>),
+    Whole(&'a PrimitiveArray<Int64Type>),
+    Short(&'a PrimitiveArray<Int32Type>),
+    Switch(&'a BooleanArray),
+}
+
+impl<'a> NumberColumn<'a> {
+    /// Returns the column of these values; `None` if they are not numbers.
+    pub(super) fn of(values: &'a ArrayRef) -> Option<Self> {
+        let any = values.as_any();
+        let float = any.downcast_ref().map(Values::float);
+        float
+            .or_else(|| any.downcast_ref().map(Values::Single))
+            .or_else(|| any.downcast_ref().map(Values::Whole))
+            .or_else(|| any.downcast_ref().map(Values::Short))
+            .or_else(|| any.downcast_ref().map(Values::Switch))
+            .map(Self)
+    }
+
+    /// Returns a column in which all numbers are missing.
+    pub(super) const fn absent() -> Self {
+        Self(Values::Absent)
+    }
+
+    /// Returns the number of a row; `None` if it is missing.
+    #[must_use]
+    pub fn at(&self, row: usize) -> Option<f64> {
+        fn present<T: ArrowPrimitiveType>(
+            array: &PrimitiveArray<T>,
+            row: usize,
+        ) -> Option<T::Native> {
+            (!array.is_null(row)).then(|| array.value(row))
+        }
+        match self.0 {
+            Values::Absent => None,
+            Values::Plain(numbers) => Some(numbers[row]),
+            Values::Float(array) => present(array, row),
+            Values::Single(array) => present(array, row).map(f64::from),
+            Values::Whole(array) => present(array, row).map(|value| value as f64),
+            Values::Short(array) => present(array, row).map(f64::from),
+            Values::Switch(array) => (!array.is_null(row)).then(|| f64::from(array.value(row))),
+        }
+    }
+
+    /// Returns the numbers of all rows if they are doubles and none is missing, as is usual.
+    #[must_use]
+    pub const fn plain(&self) -> Option<&'a [f64]> {
+        match self.0 {
+            Values::Plain(numbers) => Some(numbers),
+            _ => None,
+        }
+    }
+}
+
+impl<'a> Values<'a> {
+    fn float(array: &'a PrimitiveArray<Float64Type>) -> Self {
+        if array.null_count() == 0 {
+            Self::Plain(array.values())
+        } else {
+            Self::Float(array)
+        }
+    }
+}
