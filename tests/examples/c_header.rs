@@ -7,7 +7,14 @@ fn main() -> ExitCode {
     let folder = root().join("firmware/c");
     let path = folder.join("include/road_grade.h");
     let mut made = Vec::new();
-    match cbindgen::generate(&folder) {
+    // The plain structures of the core that C sees as they are.
+    let core = root().join("estimator-core/src");
+    let builder = cbindgen::Builder::new()
+        .with_config(cbindgen::Config::from_root_or_default(&folder))
+        .with_crate(&folder)
+        .with_src(core.join("cell.rs"))
+        .with_src(core.join("counters.rs"));
+    match builder.generate() {
         Ok(bindings) => bindings.write(&mut made),
         Err(error) => {
             eprintln!("{error}");

@@ -7,7 +7,7 @@
 //! over all steps of the lag, with a tenth of the work and a third of the memory.
 //!
 //! The work that a full block asks for is as much as that of twenty steps of the filter. It is
-//! spread over the following cells, and done before the next block is full ([`Stage`]).
+//! spread over the following cells, and done before the next block is full (`Stage`).
 //!
 //! This file has the queues of cells and blocks. The recursion over one step is in
 //! [`backward_pass`](super::backward_pass), the one over a block in

@@ -16,6 +16,11 @@
 #include <stdint.h>
 
 /**
+ * Length of a cell, m; the step of the thesis.
+ */
+#define GRADE_CELL_LENGTH_M 2.5
+
+/**
  * Memory for an estimator, bytes. It is enough on every target; `grade_estimator_bytes` tells the
  * exact number.
  */
@@ -56,11 +61,6 @@
  * Value of `gear_count` for a measured traction force: the powertrain is left out.
  */
 #define GRADE_MEASURED_FORCE UINT32_MAX
-
-/**
- * Length of the stored form, bytes.
- */
-#define PersistentState_LEN 52
 
 /**
  * What became of a call. All but `OK` leave the caller's objects as they are.
@@ -659,10 +659,6 @@ typedef struct GradePlaceAhead {
      */
     struct GradeUncertain grade_percent;
 } GradePlaceAhead;
-
-
-
-
 
 #ifdef __cplusplus
 extern "C" {

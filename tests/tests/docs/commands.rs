@@ -64,8 +64,11 @@ fn check(words: &[String]) -> Result<(), String> {
                 Some(package) => package,
                 None => return Err("expected the package of the example".to_owned()),
             };
-            let file = root().join(format!("{folder}/examples/{example}.rs"));
-            let source = std::fs::read_to_string(&file).map_err(|_| "no such example")?;
+            let source = [".rs", "/main.rs"].into_iter().find_map(|ending| {
+                let file = root().join(format!("{folder}/examples/{example}{ending}"));
+                std::fs::read_to_string(file).ok()
+            });
+            let source = source.ok_or("no such example")?;
             let options = arguments.iter().filter_map(|word| word.strip_prefix("--"));
             for option in options {
                 // As a field of the options, or read by hand.

@@ -9,8 +9,8 @@ use cross_tests::large_map::repeated;
 use estimator_core::roadmap::{PackedMap, Tile};
 use firmware::exchange::on_map::ON_MAP_BYTES;
 
-/// Length of the ways of two maps of the drive, km.
-const OF_TWO_KM: u32 = 15;
+/// Least length of the ways of two maps of the drive, km.
+const OF_TWO_KM: u32 = 14;
 /// Memory of the emulated board for a map, bytes.
 const BOARD_BYTES: usize = 16 << 20;
 
