@@ -1,7 +1,7 @@
 # shellcheck shell=bash disable=SC2154 # Variables of tests/run.
 # The packages that others build: complete, and without anything beside them.
 
-readonly packages=(estimator-core host-sim)
+readonly published=(estimator-core host-sim)
 
 check_packages() {
     cargo publish --workspace --dry-run --no-verify --allow-dirty
@@ -10,10 +10,10 @@ check_packages() {
 # Installs the tool from the unpacked packages alone. It builds all dependencies anew.
 check_long_packages() {
     local name version folder=$work/unpacked patches=()
-    cargo package "${packages[@]/#/-p}" --no-verify --allow-dirty --target-dir "$target"
+    cargo package "${published[@]/#/-p}" --no-verify --allow-dirty --target-dir "$target"
     version=$(sed -n 's/^version = "\(.*\)"/\1/p' Cargo.toml | head -n 1)
     mkdir -p "$folder"
-    for name in "${packages[@]}"; do
+    for name in "${published[@]}"; do
         tar -xf "$target/package/$name-$version.crate" -C "$folder"
         patches+=(--config "patch.crates-io.$name.path='$folder/$name-$version'")
     done
