@@ -12,7 +12,9 @@ use crate::files::vehicle::VehicleFile;
 use crate::recorder::{LongRun, Recorder};
 use crate::source::log_time;
 use crate::source::own_signals::OwnSignals;
-use crate::source::socketcan::{BusEvent, FrameReceiver, Received, of_frames, of_group, wanted};
+use crate::source::socketcan::{
+    BusEvent, FrameReceiver, Received, ReceivedItem, of_frames, of_group, wanted,
+};
 use estimator_core::Tuning;
 use estimator_core::roadmap::PackedMap;
 use std::collections::BTreeMap;
@@ -190,6 +192,11 @@ impl<'a> Listening<'a> {
 
     /// Processes a received item. Returns true if the replayed log is over.
     fn take(&mut self, received: &Received) -> Result<bool> {
+        if let (ReceivedItem::Frame(frame), Some(publisher)) = (&received.item, &self.publisher)
+            && publisher.has_sent(frame)
+        {
+            return Ok(false);
+        }
         let reaction = self.session.take(received)?;
         match reaction {
             Reaction::None => {}

@@ -5,6 +5,7 @@ use crate::error::Result;
 use crate::source::can_frame::CanFrame;
 use crate::source::log_time::LogTime;
 use crate::source::socketcan::FrameSender;
+use embedded_can::{Frame, Id};
 use estimator_core::roadmap::{HorizonParts, MapLive};
 use estimator_core::{Cell, Live, broadcast};
 use std::time::{Duration, Instant as Monotonic};
@@ -33,6 +34,8 @@ pub struct Publisher {
     newest_cell: Option<Cell>,
     ahead: HorizonParts<'static>,
     unsent: u64,
+    /// Identifier of the published PCC1. Of what is published, it alone is also read.
+    pcc1: Option<Id>,
 }
 
 impl Publisher {
@@ -53,6 +56,7 @@ impl Publisher {
             newest_cell: None,
             ahead: HorizonParts::new(),
             unsent: 0,
+            pcc1: None,
         })
     }
 
@@ -101,7 +105,15 @@ impl Publisher {
         }
         let grade = live.estimate.grade_percent.value;
         let next = self.ahead.next_grade(live);
-        self.send(broadcast::pcc1(Some(grade), next, address));
+        let frame: Option<CanFrame> = broadcast::pcc1(Some(grade), next, address);
+        self.pcc1 = frame.map(|frame| frame.id());
+        self.send(frame);
+    }
+
+    /// Returns whether a received frame is one of these: the kernel hands them to other sockets.
+    #[must_use]
+    pub fn has_sent(&self, frame: &CanFrame) -> bool {
+        self.pcc1.is_some_and(|id| frame.id() == id)
     }
 
     /// Returns the time until the next estimate is due; `None` if publishing is off.
