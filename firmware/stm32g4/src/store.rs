@@ -13,8 +13,8 @@ use embassy_embedded_hal::adapter::BlockingAsync;
 use embassy_stm32::Peri;
 use embassy_stm32::flash::{Blocking, Flash};
 use embassy_stm32::peripherals::FLASH;
-use estimator_core::{Model, PersistentState};
 use estimator_core::packed_vehicle::{self, PackedVehicleError, VEHICLE_BYTES};
+use estimator_core::{Model, PersistentState};
 use sequential_storage::cache::{Cache, Uncached};
 use sequential_storage::map::{MapConfig, MapStorage};
 
