@@ -1,6 +1,8 @@
 //! Power that does not get to the wheels.
 
-use super::definition::{Acts, Bounds, Description, Effect, EffectParameter, Physics, Search, Varies};
+use super::definition::{
+    Acts, Bounds, Description, Effect, EffectParameter, Physics, Search, Varies,
+};
 use crate::maybe::Maybe;
 
 /// Speed below which the force of a power grows no more, m/s: torque is limited.

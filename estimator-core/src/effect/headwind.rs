@@ -1,6 +1,8 @@
 //! Wind along the road.
 
-use super::definition::{Acts, Bounds, Description, Effect, EffectParameter, Physics, Search, Varies};
+use super::definition::{
+    Acts, Bounds, Description, Effect, EffectParameter, Physics, Search, Varies,
+};
 use crate::angle::cos_deg;
 use crate::maybe::Maybe;
 

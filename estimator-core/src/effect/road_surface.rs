@@ -1,6 +1,8 @@
 //! A rough stretch of road.
 
-use super::definition::{Acts, Bounds, Description, Effect, EffectParameter, Physics, Search, Varies};
+use super::definition::{
+    Acts, Bounds, Description, Effect, EffectParameter, Physics, Search, Varies,
+};
 use crate::angle::cos_deg;
 use crate::maybe::Maybe;
 

@@ -1,6 +1,8 @@
 //! Tyres that are cold where a drive begins.
 
-use super::definition::{Acts, Bounds, Description, Effect, EffectParameter, Physics, Search, Varies};
+use super::definition::{
+    Acts, Bounds, Description, Effect, EffectParameter, Physics, Search, Varies,
+};
 use crate::maybe::Maybe;
 
 /// F = a c_r m g exp(−t/τ), t the time in motion.
