@@ -47,6 +47,7 @@ compile_examples() {
 
 compile_for_board() {
     local board_folder=$c_folder/examples/board library=$target/$board/release/libroad_grade.a
+    # shellcheck disable=SC2054 # The comma belongs to the option.
     local options=(-mcpu=cortex-m4 -mthumb -mfloat-abi=hard -mfpu=fpv4-sp-d16 -O2 -std=gnu99
         "${c_warnings[@]}" -nostartfiles -Wl,--gc-sections -z noexecstack --specs=rdimon.specs -T "$board_folder/board.ld"
         "$board_folder/startup.c" "$c_folder/examples/replay.c")
