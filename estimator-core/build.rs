@@ -10,6 +10,7 @@ mod own_messages;
 
 use can_dbc::{ByteOrder, Dbc, Message, MessageId, Signal, ValueType};
 use std::fmt::Write as _;
+use std::mem::replace;
 use std::path::{Path, PathBuf};
 use std::{env, fs};
 
@@ -44,50 +45,85 @@ fn main() {
     }
     messages.sort_by_key(|(pgn, ..)| *pgn);
 
-    let mut code = String::new();
-    writeln!(
-        code,
-        "pub(super) static MESSAGES: [Message; {}] = [",
-        messages.len()
-    )
-    .unwrap();
-    for (pgn, convention, message) in &messages {
-        writeln!(
-            code,
-            "Message {{ pgn: {pgn}, name: \"{}\", priority: {}, length: {}, framing: Framing::{}, end_bit: {}, check: PayloadCheck::{}, convention: Convention::{convention}, fields: &[",
-            message.name,
-            priority(message),
-            message.size,
-            framing(message, convention),
-            end_bit(message),
-            payload_check(message)
-        )
-        .unwrap();
-        let fields = message.signals.iter().filter(|s| s.name != MERIT);
-        let (read, unread): (Vec<_>, Vec<_>) = fields.partition(|s| is_read(s));
-        for signal in read.iter().chain(&unread) {
-            writeln!(code, "    {},", field(message, convention, signal)).unwrap();
-        }
-        writeln!(code, "], read: {} }},", read.len()).unwrap();
-    }
-    writeln!(code, "];\n").unwrap();
-    writeln!(
-        code,
-        "pub(super) const fn index_of(pgn: u32) -> Option<usize> {{ match pgn {{"
-    )
-    .unwrap();
-    for (index, (pgn, ..)) in messages.iter().enumerate() {
-        writeln!(code, "    {pgn} => Some({index}),").unwrap();
-    }
-    // Behind the last message: only what is neither ignored nor a message has to look at it.
-    let [data, management] = TRANSPORT;
-    let behind = messages.len();
-    writeln!(code, "    {data} | {management} => Some({behind}),").unwrap();
-    writeln!(code, "    _ => None,\n}} }}").unwrap();
+    let mut code = tables(&messages);
+    let numbers: Vec<u32> = messages.iter().map(|(pgn, ..)| *pgn).collect();
+    code += &index_table(&numbers);
 
     let out = PathBuf::from(env::var("OUT_DIR").unwrap()).join("layout_tables.rs");
     fs::write(out, code).expect("the build folder takes the generated tables");
     write_own_dbc_example();
+}
+
+/// Returns the tables of the messages: what the estimator reads, and what only tools need.
+fn tables(messages: &[(u32, &str, Message)]) -> String {
+    let count = messages.len();
+    let mut read_table = format!("pub(super) static MESSAGES: [Message; {count}] = [\n");
+    let mut tool_table = format!("pub(super) static DESCRIPTIONS: [Description; {count}] = [\n");
+    for (pgn, convention, message) in messages {
+        let fields = message.signals.iter().filter(|s| s.name != MERIT);
+        let (read, unread): (Vec<_>, Vec<_>) = fields.partition(|s| is_read(s));
+        let lines = |signals: Vec<&Signal>| -> String {
+            let lines = signals.into_iter().map(|s| field(message, convention, s));
+            lines.map(|line| format!("    {line},\n")).collect()
+        };
+        writeln!(
+            read_table,
+            "Message {{ pgn: {pgn}, framing: Framing::{}, end_bit: {}, check: PayloadCheck::{}, fields: &[\n{}] }},",
+            framing(message, convention),
+            end_bit(message),
+            payload_check(message),
+            lines(read)
+        )
+        .unwrap();
+        writeln!(
+            tool_table,
+            "Description {{ name: \"{}\", priority: {}, length: {}, convention: Convention::{convention}, unread: &[\n{}] }},",
+            message.name,
+            priority(message),
+            message.size,
+            lines(unread)
+        )
+        .unwrap();
+    }
+    format!("{read_table}];\n\n{tool_table}];\n\n")
+}
+
+/// Returns the table that leads from a PGN to its message: a perfect hash by multiplication, since a
+/// controller asks it for every frame. The transport protocol's own PGNs have the index behind the last
+/// message, as have the slots that are left.
+fn index_table(pgns: &[u32]) -> String {
+    let behind = u8::try_from(pgns.len()).expect("at most 255 messages");
+    let indices: Vec<(u32, u8)> = pgns
+        .iter()
+        .copied()
+        .zip(0..)
+        .chain(TRANSPORT.map(|pgn| (pgn, behind)))
+        .collect();
+    let (multiplier, bits) = (6..=16)
+        .flat_map(|bits| {
+            (0..1_000_000_u32).map(move |k| (0x9e37_79b1_u32.wrapping_add(2 * k), bits))
+        })
+        .find(|(multiplier, bits)| {
+            let mut taken = vec![false; 1 << bits];
+            indices
+                .iter()
+                .all(|(pgn, _)| !replace(&mut taken[slot(*pgn, *multiplier, *bits)], true))
+        })
+        .expect("some multiplier keeps a few hundred numbers apart");
+    let mut slots = vec![behind; 1 << bits];
+    for (pgn, index) in indices {
+        slots[slot(pgn, multiplier, bits)] = index;
+    }
+    format!(
+        "const MULTIPLIER: u32 = {multiplier};\nconst SLOT_BITS: u32 = {bits};\n\
+         const TRANSPORT_PGNS: [u32; 2] = {TRANSPORT:?};\n\
+         static SLOTS: [u8; 1 << SLOT_BITS] = {slots:?};\n"
+    )
+}
+
+/// The slot of a PGN: the upper bits of the product.
+fn slot(pgn: u32, multiplier: u32, bits: u32) -> usize {
+    (pgn.wrapping_mul(multiplier) >> (32 - bits)) as usize
 }
 
 /// Writes the table of `examples/own_dbc`, as the build script of a firmware would.
@@ -187,7 +223,7 @@ fn field(message: &Message, convention: &str, signal: &Signal) -> String {
     let scaling = if matches!(signal.name.as_str(), "Latitude" | "Longitude") {
         let per_e7 = 1e-7 / signal.factor;
         format!(
-            "Scaling::DegreesE7 {{ divisor: {{ static BY: Divisor = Divisor::new({}); &BY }}, offset: {} }}",
+            "Scaling::DegreesE7({{ static ANGLE: AngleScaling = AngleScaling {{ divisor: Divisor::new({}), offset: {} }}; &ANGLE }})",
             per_e7.round() as i64,
             (signal.offset * 1e7).round() as i64
         )

@@ -4,12 +4,19 @@
 //! kilobytes of flash. Degrees reduce without an error: 360 is a number, 2π is none.
 
 /// Cosine of an angle in degrees, to 2e-7.
+#[inline(never)] // Several places call it.
 #[must_use]
 pub(crate) fn cos_deg(angle_deg: f32) -> f32 {
     let turns = (angle_deg / 360.0) as i32;
     let within_turn_deg = (angle_deg - 360.0 * turns as f32).abs();
     // cos x = cos(360° − x) = sin(90° − x): an angle from −90° to 90°.
-    let x = (90.0 - within_turn_deg.min(360.0 - within_turn_deg)).to_radians();
+    let other_way_deg = 360.0 - within_turn_deg;
+    let short_way_deg = if other_way_deg < within_turn_deg {
+        other_way_deg
+    } else {
+        within_turn_deg
+    };
+    let x = (90.0 - short_way_deg).to_radians();
     let y = x * x;
     // Taylor's series; the next term is (π/2)¹³/13!, 6e-8.
     let series = [

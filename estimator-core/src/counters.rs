@@ -106,7 +106,7 @@ pub struct Counters {
 }
 
 /// Adds one to a counter, which stays at its largest value.
-#[inline]
+#[inline(never)] // Rare, each in many places.
 pub(crate) fn count(counter: &mut u32) {
     *counter = counter.saturating_add(1);
 }

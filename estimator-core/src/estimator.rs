@@ -132,6 +132,7 @@ impl<S: Scalar> Estimator<S> {
     }
 
     /// Returns the next finished cell, whose lag is over.
+    #[inline(never)] // Called from several places.
     pub fn next_cell(&mut self) -> Option<Cell> {
         let cell = self.lag.next_cell();
         self.check_cell(cell)
@@ -243,7 +244,7 @@ mod tests {
     use crate::vehicle::{Traction, VehicleParameters};
 
     #[test]
-    fn finished_cells_in_which_signals_disagree_are_counted() {
+    fn finished_cells_in_which_signals_disagree_and_unsound_ones_are_counted() {
         let vehicle = VehicleParameters {
             mass_kg: 19_000.0,
             drag_area_m2: 5.2,
@@ -267,5 +268,13 @@ mod tests {
         estimator.check_cell(None);
         assert_eq!(estimator.counters().cells_suspect, 2);
         assert_eq!(estimator.counters().cells_unsound, 0);
+        let unsound = |value, sigma| Cell {
+            lagged_grade_percent: Uncertain { value, sigma },
+            ..cell(true)
+        };
+        for (value, sigma) in [(f32::NAN, 0.1), (1.0, f32::INFINITY)] {
+            estimator.check_cell(Some(unsound(value, sigma)));
+        }
+        assert_eq!(estimator.counters().cells_unsound, 2);
     }
 }

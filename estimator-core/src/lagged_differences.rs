@@ -58,14 +58,13 @@ impl<const LAGS: usize> LaggedDifferences<LAGS> {
         for _ in 0..count {
             let lag = usize::from(self.next);
             self.next = (self.next + 1) % LAGS as u8;
-            let Some((mean, variance)) = self.mean_and_variance.get_mut(lag) else {
+            let Some(mean_and_variance) = self.mean_and_variance.get_mut(lag) else {
                 return;
             };
-            let Some(apart) = deviation(lag, *mean) else {
+            let Some(apart) = deviation(lag, mean_and_variance.0) else {
                 return;
             };
-            *mean += gain * apart;
-            *variance = (1.0 - gain) * (*variance + gain * apart * apart);
+            add_deviation(mean_and_variance, gain, apart);
         }
     }
 
@@ -84,12 +83,26 @@ impl<const LAGS: usize> LaggedDifferences<LAGS> {
 
     /// Returns the lag of the least variance, the first one of equals.
     pub(crate) fn best(&self) -> usize {
-        let mut best = 0;
-        for lag in 1..LAGS {
-            if self.variance(lag) < self.variance(best) {
-                best = lag;
-            }
-        }
-        best
+        least_variance(&self.mean_and_variance)
     }
+}
+
+/// Updates a mean and a variance with a deviation from the mean.
+#[inline(never)] // Compilers do not unroll a loop with a call.
+fn add_deviation((mean, variance): &mut (f32, f32), gain: f32, apart: f32) {
+    *mean += gain * apart;
+    *variance = (1.0 - gain) * (*variance + gain * apart * apart);
+}
+
+/// Returns the index of the least variance, the first one of equals.
+#[inline(never)] // Of any length, so that no compiler unrolls it.
+fn least_variance(mean_and_variance: &[(f32, f32)]) -> usize {
+    let first = mean_and_variance.first();
+    let mut best = (0, first.map_or(f32::INFINITY, |(_, variance)| *variance));
+    for (lag, (_, variance)) in mean_and_variance.iter().enumerate() {
+        if *variance < best.1 {
+            best = (lag, *variance);
+        }
+    }
+    best.0
 }

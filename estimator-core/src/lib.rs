@@ -70,6 +70,7 @@ pub mod roadmap;
 pub mod sample;
 pub mod sampler;
 pub mod scalar;
+mod shift_in;
 pub mod signal;
 pub mod smoother;
 pub mod time;

@@ -59,7 +59,7 @@ use crate::model::Model;
 use crate::scalar::Scalar;
 use crate::tuning::{MeasurementNoise, Prior};
 use crate::vehicle::{ParameterError, Traction};
-use crc::{CRC_32_ISO_HDLC, Crc, Digest, NoTable};
+use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
 
 /// First bytes of the stored form.
 const MAGIC: u32 = u32::from_le_bytes(*b"rgk\x1a");
@@ -248,7 +248,7 @@ impl PersistentState {
             place.copy_from_slice(&word.to_le_bytes());
         }
         let (content, checksum) = bytes.split_at_mut(CHECKED);
-        checksum.copy_from_slice(&CHECKSUM.checksum(content).to_le_bytes());
+        checksum.copy_from_slice(&Checksum::of(content).to_le_bytes());
         bytes
     }
 
@@ -288,7 +288,7 @@ impl PersistentState {
             return Err(PersistentStateError::Length(bytes.len()));
         };
         let checked = bytes.get(..CHECKED).unwrap_or_default();
-        if CHECKSUM.checksum(checked) != word(&checksum) {
+        if Checksum::of(checked) != word(&checksum) {
             return Err(PersistentStateError::Checksum);
         }
         let number = f32::from_le_bytes;
@@ -316,6 +316,7 @@ impl PersistentState {
     }
 
     /// Returns whether a drive can leave it. Ranges do not contain NaN.
+    #[inline(never)] // Rare, and called from two places.
     fn is_possible(&self) -> bool {
         let Self { slow, sensors, .. } = self;
         let correlation =
@@ -336,8 +337,8 @@ impl PersistentState {
 /// parameters in a fixed order, effects with their names.
 pub(crate) fn fingerprint(model: &Model) -> u32 {
     let vehicle = &model.vehicle;
-    let mut digest = CHECKSUM.digest();
-    let mut add = |number: f32| add_bytes(&mut digest, &number.to_le_bytes());
+    let mut sum = Checksum::NEW;
+    let mut add = |number: f32| sum.add(&number.to_le_bytes());
     add(vehicle.mass_kg);
     add(vehicle.drag_area_m2);
     add(vehicle.rolling_resistance);
@@ -359,17 +360,45 @@ pub(crate) fn fingerprint(model: &Model) -> u32 {
             ("amount", adopted.amount),
             ("amount_sigma", adopted.amount_sigma),
         ];
-        add_bytes(&mut digest, adopted.effect.name.as_bytes());
+        sum.add(adopted.effect.name.as_bytes());
         for (key, value) in amount.into_iter().chain(adopted.given_parameters()) {
-            add_bytes(&mut digest, key.as_bytes());
-            add_bytes(&mut digest, &value.to_le_bytes());
+            sum.add(key.as_bytes());
+            sum.add(&value.to_le_bytes());
         }
     }
-    digest.finalize()
+    sum.finish()
 }
 
-/// Not inlined: a checksum without a table is a loop over bits, of which one copy is enough.
-#[inline(never)]
-fn add_bytes(digest: &mut Digest<'_, u32, NoTable>, bytes: &[u8]) {
-    digest.update(bytes);
+/// A CRC-32 over bytes in several parts.
+///
+/// It holds the register alone, not the library's digest: the algorithm is a constant then, and the
+/// code for other algorithms falls away.
+struct Checksum(u32);
+
+impl Checksum {
+    /// Of no bytes.
+    const NEW: Self = Self(u32::MAX);
+
+    fn of(bytes: &[u8]) -> u32 {
+        let mut sum = Self::NEW;
+        sum.add(bytes);
+        sum.finish()
+    }
+
+    #[inline(never)] // Called from a dozen places.
+    fn add(&mut self, bytes: &[u8]) {
+        bytes.iter().for_each(|byte| self.add_byte(*byte));
+    }
+
+    #[inline(never)] // A loop over bits, of which one copy is enough.
+    fn add_byte(&mut self, byte: u8) {
+        // The library begins with the register's bits in reverse, and ends with their complement.
+        let mut digest = CHECKSUM.digest_with_initial(self.0.reverse_bits());
+        digest.update(&[byte]);
+        self.0 = !digest.finalize();
+    }
+
+    const fn finish(self) -> u32 {
+        !self.0
+    }
 }

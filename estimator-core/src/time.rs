@@ -42,6 +42,14 @@ impl Instant {
     }
 }
 
+impl Instant {
+    /// Seconds from `earlier` to `self`, in f32; zero if `earlier` is the later one.
+    #[inline(never)] // Of 64-bit numbers, in many places.
+    pub(crate) fn seconds_since(self, earlier: Self) -> f32 {
+        self.since(earlier).seconds()
+    }
+}
+
 impl Duration {
     /// From microseconds.
     #[must_use]

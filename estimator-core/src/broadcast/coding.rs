@@ -1,6 +1,7 @@
 //! The coding of J1939-71: steps and offsets, all ones for "not available", and the ends of the range
 //! for values beyond it.
 
+use crate::scalar::Scalar;
 use embedded_can::{ExtendedId, Frame, Id};
 
 /// The default of J1939-21 for information.
@@ -27,14 +28,16 @@ impl Coding {
     /// Returns the rounded raw value, limited to the range; `None` for NaN.
     fn steps(self, value: f32, largest: f32) -> Option<f32> {
         let steps = (value - self.offset) / self.step + 0.5;
-        (!steps.is_nan()).then(|| steps.max(0.0).min(largest))
+        (!steps.is_nan()).then(|| Scalar::min(largest, Scalar::max(0.0, steps)))
     }
 
+    #[inline(never)] // Frames have many bytes.
     pub(super) fn byte(self, value: f32) -> u8 {
         self.steps(value, LARGEST_BYTE)
             .map_or(u8::MAX, |steps| steps as u8)
     }
 
+    #[inline(never)] // As byte().
     pub(super) fn word(self, value: f32) -> [u8; 2] {
         let steps = self.steps(value, LARGEST_WORD);
         steps.map_or(u16::MAX, |steps| steps as u16).to_le_bytes()

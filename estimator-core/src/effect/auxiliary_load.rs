@@ -4,6 +4,7 @@ use super::definition::{
     Acts, Bounds, Description, Effect, EffectParameter, Physics, Search, Varies,
 };
 use crate::maybe::Maybe;
+use crate::scalar::Scalar;
 
 /// Speed below which the force of a power grows no more, m/s: torque is limited.
 const SLOWEST_MPS: f32 = 2.0;
@@ -32,7 +33,7 @@ pub static EFFECT: Effect = Effect {
             None if with_fan => 0.0,
             _ => 1.0,
         };
-        part / sample.end.speed_mps.max(SLOWEST_MPS)
+        part / Scalar::max(SLOWEST_MPS, sample.end.speed_mps)
     }),
 };
 

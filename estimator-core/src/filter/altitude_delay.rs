@@ -6,6 +6,7 @@
 
 use crate::lagged_differences::LaggedDifferences;
 use crate::scalar::Scalar;
+use crate::shift_in::shift_in;
 use crate::tuning::MeasurementNoise;
 
 /// Number of lags, each a second.
@@ -95,8 +96,7 @@ impl AltitudeDelay {
             return;
         }
         let (climb_m, seconds) = core::mem::take(&mut self.open);
-        self.vertical_mps.copy_within(0..LAGS + 1, 1);
-        self.vertical_mps[0] = climb_m / seconds;
+        shift_in(&mut self.vertical_mps, climb_m / seconds);
         self.open = (0.0, 0.0);
         self.filled = self.filled.saturating_add(1).min(LAGS as u8 + 2);
     }
@@ -141,8 +141,9 @@ impl AltitudeDelay {
         let at_now = Scalar::min(variance(0), variance(1));
         let is_late = best > 1 && variance(best) < tuning.delay_part * at_now;
         let delay_s = if is_late { best as u8 } else { 0 };
-        // A second more or less is no change: each one sets the altitude anew.
-        if delay_s.abs_diff(self.delay_s) > 1 || (delay_s == 0) != (self.delay_s == 0) {
+        // A second more or less is no change: each one sets the altitude anew. From none it is two
+        // seconds at least.
+        if delay_s.abs_diff(self.delay_s) > 1 {
             self.delay_s = delay_s;
             self.has_changed = true;
         }

@@ -311,6 +311,7 @@ impl AltitudeUpdate {
     }
 
     /// Sets the altitude to the fix less the GNSS error, so that the two share the fix's error.
+    #[inline(never)] // Rare, and called from several places.
     fn set_altitude<S: Scalar>(&mut self, state: &mut State<S>, fix: &mut Fix<S>) {
         fix.altitude_m += self.datum_m;
         self.datum_m = 0.0;

@@ -98,5 +98,8 @@ fn combined((a, a_variance): (f32, f32), (b, b_variance): (f32, f32)) -> (f32, f
     let sum = a_variance + b_variance;
     let mean = (a * b_variance + b * a_variance) / sum;
     let chi_squared = (a - b) * (a - b) / sum;
-    (mean, a_variance * b_variance / sum * chi_squared.max(1.0))
+    (
+        mean,
+        a_variance * b_variance / sum * Scalar::max(1.0, chi_squared),
+    )
 }

@@ -416,7 +416,7 @@ fn start_after_gap<S: Scalar>(state: &mut State<S>, tuning: &Tuning, speed: Spee
     state.mean[StateIndex::KineticEnergy] = S::from_f32(0.5 * mps * mps);
     // The speed itself follows as a measurement. What is set here only has to be wider.
     for (index, sigma) in [
-        (StateIndex::KineticEnergy, mps.max(1.0)),
+        (StateIndex::KineticEnergy, Scalar::max(1.0, mps)),
         (StateIndex::Slope, tuning.prior.slope_sigma_percent),
         (StateIndex::SlopeRate, tuning.process_noise.slope_rate_sigma),
     ] {

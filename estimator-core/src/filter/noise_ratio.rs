@@ -48,7 +48,7 @@ impl NoiseRatio {
     /// Creates the ratio with its limits. `gain` is the part of an innovation by which it follows.
     pub(super) fn new(ratio: f32, low: f32, high: f32, gain: f32) -> Self {
         Self {
-            ratio: ratio.max(low).min(high),
+            ratio: Scalar::min(high, Scalar::max(low, ratio)),
             low,
             high,
             gain,
@@ -61,6 +61,7 @@ impl NoiseRatio {
     }
 
     /// Learns from a normalised squared innovation, which counts as `largest` at most.
+    #[inline(never)] // Called from several places.
     pub(super) fn learn(&mut self, normalised: f32, largest: f32) {
         let factor = 1.0 + self.gain * (Scalar::min(largest, normalised) - 1.0);
         // Not `clamp`: its panic message brings the formatting of floats into an image.

@@ -140,7 +140,7 @@ pub(super) fn reopen_after_load_change<S: Scalar>(
         (Scale, scale * scale + effect_scale),
     ] {
         let known = state.covariance.variance(index).to_f32();
-        let lacking = (variance - known).max(0.0);
+        let lacking = Scalar::max(0.0, variance - known);
         state.covariance.add_variance(index, S::from_f32(lacking));
     }
 }
@@ -149,7 +149,7 @@ pub(super) fn reopen_after_load_change<S: Scalar>(
 pub(super) fn reopen_bias<S: Scalar>(state: &mut State<S>, context: &Context, sample: &Sample) {
     let load_factor = 1.0 + state.mean[Scale].to_f32();
     let known = state.covariance.variance(Bias).to_f32();
-    let lacking = (bias_variance(context, sample, load_factor) - known).max(0.0);
+    let lacking = Scalar::max(0.0, bias_variance(context, sample, load_factor) - known);
     state.covariance.add_variance(Bias, S::from_f32(lacking));
 }
 

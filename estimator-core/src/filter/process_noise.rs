@@ -122,6 +122,7 @@ pub(super) fn process_noise<S: Scalar>(
 ///
 /// Wind and auxiliaries are forces, which weigh less on a heavy vehicle. Errors of tyres and shape
 /// are proportional to their resistance.
+#[inline(never)] // Several places call it.
 pub(super) fn bias_variance(context: &Context, sample: &Sample, load_factor: f32) -> f32 {
     let tuning = &context.tuning.process_noise;
     let vehicle = &context.model.vehicle;

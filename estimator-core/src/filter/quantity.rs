@@ -66,6 +66,7 @@ impl<S: Scalar> QuantityEstimate<S> {
     }
 
     /// Returns the grade of a slope, %: 100 tan of the angle from the sine in %.
+    #[inline(never)] // Called from several places.
     #[must_use]
     pub fn grade(&self) -> Uncertain {
         let slope = self.uncertain();

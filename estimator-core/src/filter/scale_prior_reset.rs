@@ -52,6 +52,7 @@ impl ScalePriorReset {
     }
 
     /// Starts with what a state holds as the prior of the scale.
+    #[inline(never)] // Rare, and called from several places.
     pub(super) fn start<S: Scalar>(&mut self, state: &State<S>, tuning: &Prior) {
         self.since_cell = None;
         self.prior = state.mean[StateIndex::Scale].to_f32();

@@ -8,7 +8,7 @@ use crate::signal::MESSAGE_COUNT;
 use crate::time::Instant;
 
 /// Messages in a group. Messages that wait for the bus, or in a gateway, come in bunches.
-const GROUP: u8 = 8;
+const GROUP: u32 = 8;
 
 /// The rate of one message.
 #[derive(Clone, Copy, Debug)]
@@ -19,7 +19,8 @@ struct Rate {
     usual_us: u32,
     /// Duration of the last group that differed, µs.
     unusual_us: u32,
-    count: u8,
+    /// Messages since then. Without padding behind it, an image clears the table at once.
+    count: u32,
 }
 
 /// Learned rates of all messages.

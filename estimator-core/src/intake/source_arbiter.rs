@@ -40,29 +40,41 @@ pub enum Admission {
 }
 
 /// The source of a signal: an address, and the message it is sent in.
+///
+/// It is stored as its complement, so that no sender is zero: an image then clears the table of
+/// owners instead of writing out each entry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sender(u16);
 
 impl Sender {
     /// No sender: there are not so many messages.
-    const NONE: Self = Self(u16::MAX);
+    const NONE: Self = Self::of(u16::MAX);
     /// The caller of the estimator, which gives the readings of a reserved signal itself.
-    const CALLER: Self = Self(u16::MAX - 2);
+    const CALLER: Self = Self::of(u16::MAX - 2);
     /// The owner of a signal that is left out: there are not so many messages.
-    const NOBODY: Self = Self(u16::MAX - 1);
+    const NOBODY: Self = Self::of(u16::MAX - 1);
+
+    const fn of(number: u16) -> Self {
+        Self(!number)
+    }
+
+    /// Returns the message and, in the low byte, the address.
+    const fn number(self) -> u16 {
+        !self.0
+    }
 
     const fn address(self) -> u8 {
-        self.0 as u8
+        self.number() as u8
     }
 
     const fn message(self) -> u8 {
-        (self.0 >> 8) as u8
+        (self.number() >> 8) as u8
     }
 
     /// Creates the sender with this address, in the message with this index.
     #[must_use]
     pub const fn new(message: usize, address: u8) -> Self {
-        Self(((message as u16) << 8) | address as u16)
+        Self::of(((message as u16) << 8) | address as u16)
     }
 }
 
@@ -193,7 +205,7 @@ impl SourceArbiter {
             Signal::EngineReferenceTorque | Signal::EngineInertia => Admission::Refused,
             _ => {
                 let owner = ownership.owner;
-                let is_finer = signal == Signal::AirPressure && sender.0 < owner.0;
+                let is_finer = signal == Signal::AirPressure && sender.number() < owner.number();
                 let precedes = match signal {
                     Signal::LongitudinalAcceleration if sender.message() != owner.message() => {
                         sender.message() > owner.message()

@@ -67,6 +67,7 @@ impl AdoptedEffect {
     }
 
     /// Returns [`Effect::force`] of its amount.
+    #[inline(never)] // Called from several places.
     #[must_use]
     pub fn force(&self, vehicle: &VehicleParameters, sample: &Sample) -> Force {
         self.effect
@@ -105,19 +106,31 @@ impl AdoptedEffects {
     /// Returns the effect if there is no room, which is so only for effects outside the catalogue.
     pub fn adopt(&mut self, adopted: AdoptedEffect) -> Result<(), AdoptedEffect> {
         self.insert(adopted)?;
-        let factor = |acts| -> f32 {
-            self.acting(acts)
-                .map(|adopted| 1.0 + adopted.amount)
-                .product()
-        };
-        let factors = [Acts::Mass, Acts::Traction, Acts::WheelRadius].map(factor);
-        [self.mass, self.traction, self.wheel_radius] = factors;
-        let parts = self.acting(Acts::Mass).map(|adopted| {
-            let part = adopted.amount_sigma / (1.0 + adopted.amount);
-            part * part
-        });
-        self.mass_variance = parts.sum();
+        self.multiply();
         Ok(())
+    }
+
+    /// Computes the scale factors.
+    fn multiply(&mut self) {
+        let [mut mass, mut traction, mut wheel_radius] = [1.0; 3];
+        let mut mass_variance = 0.0;
+        for adopted in &self.adopted {
+            let factor = 1.0 + adopted.amount;
+            match adopted.effect.acts {
+                Acts::Resists => {}
+                Acts::Mass => {
+                    let part = adopted.amount_sigma / factor;
+                    mass *= factor;
+                    mass_variance += part * part;
+                }
+                Acts::Traction => traction *= factor,
+                Acts::WheelRadius => wheel_radius *= factor,
+            }
+        }
+        self.mass = mass;
+        self.traction = traction;
+        self.wheel_radius = wheel_radius;
+        self.mass_variance = mass_variance;
     }
 
     fn insert(&mut self, mut adopted: AdoptedEffect) -> Result<(), AdoptedEffect> {

@@ -44,6 +44,14 @@ impl Alignment {
         }
     }
 
+    /// Forgets everything. In place: the grades are long.
+    pub(super) fn clear(&mut self) {
+        self.grades.fill(None);
+        self.newest = 0;
+        (self.information, self.product) = (0.0, 0.0);
+        self.is_displaced = false;
+    }
+
     /// Holds the grade of the map at a cell, %.
     pub(super) fn hold(&mut self, cell: u32, grade_percent: Option<f32>) {
         let first = self.newest.max(cell.saturating_sub(HELD as u32 - 1));
@@ -85,25 +93,38 @@ impl Alignment {
         let forget = 1.0 - CELL_LENGTH_M / MEMORY_M;
         self.information = forget * self.information + change * change / variance;
         self.product = forget * self.product + change * (value - here) / variance;
-        let shift = self.shift_m();
+        self.judge();
+    }
+
+    fn judge(&mut self) {
         let limits = &self.limits;
-        if shift.value.abs()
-            > limits
-                .displaced_m
-                .max(limits.displaced_sigmas * shift.sigma)
+        let information = self.shift_information();
+        let shift_m = self.shift_value_m(information).abs();
+        // The sigma, a square root, only where it counts.
+        if shift_m > limits.displaced_m
+            && shift_m > limits.displaced_sigmas * shift_sigma_m(information)
         {
             self.is_displaced = true;
-        } else if shift.value.abs() < limits.aligned_m {
+        } else if shift_m < limits.aligned_m {
             self.is_displaced = false;
         }
     }
 
+    /// Returns the inverse of the variance of the shift, 1/m².
+    fn shift_information(&self) -> f32 {
+        self.information / CORRELATED_CELLS + 1.0 / (PRIOR_M * PRIOR_M)
+    }
+
+    fn shift_value_m(&self, information: f32) -> f32 {
+        self.product / CORRELATED_CELLS / information
+    }
+
     /// Returns how far the vehicle is ahead of its place on the map, m.
     pub(super) fn shift_m(&self) -> Uncertain {
-        let information = self.information / CORRELATED_CELLS + 1.0 / (PRIOR_M * PRIOR_M);
+        let information = self.shift_information();
         Uncertain {
-            value: self.product / CORRELATED_CELLS / information,
-            sigma: sqrtf(1.0 / information),
+            value: self.shift_value_m(information),
+            sigma: shift_sigma_m(information),
         }
     }
 
@@ -111,4 +132,8 @@ impl Alignment {
     pub(super) const fn is_displaced(&self) -> bool {
         self.is_displaced
     }
+}
+
+fn shift_sigma_m(information: f32) -> f32 {
+    sqrtf(1.0 / information)
 }

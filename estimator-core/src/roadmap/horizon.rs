@@ -1,6 +1,6 @@
 //! The grade ahead.
 
-use super::joins::Join;
+use super::join::Join;
 use super::map_error::MapError;
 use super::matcher::MapPlace;
 use super::packed_map::{MapWay, PackedMap};
@@ -258,7 +258,7 @@ fn straightest(map: &PackedMap<'_>, way: &MapWay<'_>, block: u32, joins: &[Join]
     let cosine = |join: &Join| {
         let entered = map.block(join.to_block).ok()?;
         let on = Lines::of(&entered)?.next()?;
-        Some(dot(out?, on.direction))
+        Some(dot(out?, on.directed().direction))
     };
     let mut best = (*first, cosine(first).unwrap_or(-1.0));
     for join in others {
@@ -273,7 +273,7 @@ fn straightest(map: &PackedMap<'_>, way: &MapWay<'_>, block: u32, joins: &[Join]
 /// Returns the direction in which a way ends.
 fn end_direction(map: &PackedMap<'_>, way: &MapWay<'_>, block: u32) -> Option<[f32; 2]> {
     let last = map.blocks_from(way, block).last()?.ok()?;
-    Some(Lines::of(&last)?.last()?.direction)
+    Some(Lines::of(&last)?.last()?.directed().direction)
 }
 
 /// Returns the stretch that a join leads to.

@@ -15,13 +15,17 @@ pub const PART_GRADES: usize = 2;
 const RENEWED_CELLS: u32 = 80;
 /// A grade that differs by this from that under the wheels is the next one, %: four steps of PCC1.
 const NEXT_DIFFERS_PERCENT: f32 = 0.5;
+/// Parts in 100 ms: a horizon of one branch takes a second, and 7 % of a bus of 250 kbit/s.
+const DUE_PARTS: usize = 5;
+/// Steps of work in 100 ms that may give no part.
+const DUE_STEPS: usize = 20;
 /// Horizons are numbered from 0 to this.
 const LAST_SEQUENCE: u8 = 14;
 
 /// A part of a horizon.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum HorizonPart {
-    /// The place on the map is not known, or the map is left out: nothing told before holds.
+    /// The place on the map is not known, or the map is left out: earlier parts no longer hold.
     Unknown,
     /// A branch begins. Its grades follow; those that do not follow are not known.
     Branch {
@@ -66,9 +70,9 @@ pub struct NextGrade {
     pub grade_percent: f32,
 }
 
-/// A horizon that is being told.
+/// A horizon whose parts are handed out.
 #[derive(Clone, Debug)]
-struct Telling<'m> {
+struct Begun<'m> {
     horizon: Horizon<'m>,
     /// Whether all paths are followed.
     is_whole: bool,
@@ -82,12 +86,12 @@ struct Telling<'m> {
     is_next_found: bool,
 }
 
-/// Tells the road ahead in parts, one horizon after the other.
+/// Divides the road ahead into parts, one horizon after the other.
 #[derive(Clone, Debug, Default)]
 pub struct HorizonParts<'m> {
-    telling: Option<Telling<'m>>,
+    begun: Option<Begun<'m>>,
     sequence: u8,
-    /// Where the horizon began, if one was told since the place is known, and on which way.
+    /// Where the horizon began, if one did since the place is known, and on which way.
     cell: Option<u32>,
     way: u32,
     /// The next grade, with its distance from the end of a cell.
@@ -101,49 +105,61 @@ impl<'m> HorizonParts<'m> {
         Self::default()
     }
 
-    /// Does a bounded part of the work at the live estimate. Returns what is to be told; `None` if
-    /// there is nothing yet: then the next call goes on.
+    /// Does a bounded part of the work at the live estimate. Returns a part; `None` if there is
+    /// none yet: then the next call goes on.
     pub fn next_part(&mut self, map: &MapLive<'m>, live: &Live) -> Option<NumberedPart> {
         let Some(place) = map.trusted_place() else {
-            self.telling = None;
+            self.begun = None;
             self.next = None;
             let cell = self.cell.take()?;
             return Some(self.numbered(cell, HorizonPart::Unknown));
         };
-        let Some(telling) = &mut self.telling else {
+        let Some(begun) = &mut self.begun else {
             self.begin(map, &place, live.end.cell);
             return None;
         };
-        if !telling.is_whole {
-            match telling.horizon.extend() {
-                Ok(more) => telling.is_whole = !more,
-                Err(_) => self.telling = None,
+        if !begun.is_whole {
+            match begun.horizon.extend() {
+                Ok(more) => begun.is_whole = !more,
+                Err(_) => self.begun = None,
             }
             return None;
         }
         let cell = self.cell?;
-        let part = telling.next_part();
-        if telling.is_next_found {
-            self.next = telling.next.map(|next| (cell, next));
+        let part = begun.next_part();
+        if begun.is_next_found {
+            self.next = begun.next.map(|next| (cell, next));
         }
-        if telling.branch >= telling.horizon.branches().len() {
-            self.telling = None;
+        if begun.branch >= begun.horizon.branches().len() {
+            self.begun = None;
         }
         Some(self.numbered(cell, part?))
+    }
+
+    /// Returns the parts that are due in 100 ms, at most five. Each takes bounded work.
+    pub fn due_parts<'a>(
+        &'a mut self,
+        map: &'a MapLive<'m>,
+        live: &'a Live,
+    ) -> impl Iterator<Item = NumberedPart> + 'a {
+        let parts = (0..DUE_STEPS).filter_map(|_| self.next_part(map, live));
+        parts.take(DUE_PARTS)
     }
 
     /// Returns the next grade, seen from the live estimate.
     #[must_use]
     pub fn next_grade(&self, live: &Live) -> Option<NextGrade> {
         let (cell, next) = self.next?;
-        let driven_m = live.end.cell.saturating_sub(cell) as f32 * CELL_LENGTH_M;
+        let driven_m = live.end.cell.checked_sub(cell)? as f32 * CELL_LENGTH_M;
         let ahead_m = next.ahead_m - driven_m;
         (ahead_m >= 0.0).then_some(NextGrade { ahead_m, ..next })
     }
 
     fn begin(&mut self, map: &MapLive<'m>, place: &MapPlace, cell: u32) {
-        let is_due =
-            |begun: u32| place.way != self.way || cell.saturating_sub(begun) >= RENEWED_CELLS;
+        let is_due = |begun: u32| {
+            // The cells of the next drive are numbered from the start.
+            place.way != self.way || cell < begun || cell - begun >= RENEWED_CELLS
+        };
         if !self.cell.is_none_or(is_due) {
             return;
         }
@@ -154,7 +170,7 @@ impl<'m> HorizonParts<'m> {
         };
         self.cell = Some(cell);
         self.way = place.way;
-        self.telling = Some(Telling {
+        self.begun = Some(Begun {
             horizon: Horizon::begin(*map.matcher().map(), place, PART_LENGTH_M),
             is_whole: false,
             branch: 0,
@@ -174,7 +190,7 @@ impl<'m> HorizonParts<'m> {
     }
 }
 
-impl Telling<'_> {
+impl Begun<'_> {
     fn next_part(&mut self) -> Option<HorizonPart> {
         let branch = self.horizon.branches().get(self.branch)?;
         let number = self.branch as u8;

@@ -1,25 +1,12 @@
 //! The joins of a packed map.
 
+use super::join::Join;
 use super::map_error::MapError;
-use super::memory::MemoryView;
 use super::packed_map::{MapWay, PackedMap};
 use super::record::{Numbers, record};
 
 /// Bytes of a join.
 pub const JOIN: usize = 20;
-
-/// A place where one way can be left for another.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Join {
-    /// Cell of the way at which it is left.
-    pub at_cell: i32,
-    /// Offset of the way that is entered.
-    pub to_way: u32,
-    /// Cell at which it is entered.
-    pub to_cell: i32,
-    /// Offset of the first block that ends at or behind this cell.
-    pub to_block: u32,
-}
 
 impl<'m> PackedMap<'m> {
     /// Returns the joins at which a way is left, in the order of their cells. After an error there
@@ -60,6 +47,26 @@ pub struct Joins<'m> {
     count: u32,
 }
 
+/// The joins at which a way is left, without their map.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ParkedJoins {
+    first: u32,
+    next: u32,
+    count: u32,
+}
+
+impl ParkedJoins {
+    /// Comes back to the map, which has not changed.
+    pub(super) const fn resume<'m>(&self, map: &PackedMap<'m>) -> Joins<'m> {
+        Joins {
+            map: *map,
+            first: self.first,
+            next: self.next,
+            count: self.count,
+        }
+    }
+}
+
 impl Iterator for Joins<'_> {
     type Item = Result<Join, MapError>;
 
@@ -82,9 +89,18 @@ impl Iterator for Joins<'_> {
 }
 
 impl Joins<'_> {
+    /// Leaves the map.
+    pub(super) const fn park(&self) -> ParkedJoins {
+        ParkedJoins {
+            first: self.first,
+            next: self.next,
+            count: self.count,
+        }
+    }
+
     fn at(&self, index: u32) -> Result<Join, MapError> {
         if let Some(memory) = &self.map.memory {
-            return join_in(memory, self.first + index);
+            return memory.join(self.first + index);
         }
         let offset = u32::try_from(JOIN)
             .ok()
@@ -98,16 +114,4 @@ impl Joins<'_> {
             to_block: numbers.u32()?,
         })
     }
-}
-
-/// Returns a join of a memory by its address.
-fn join_in(memory: &MemoryView<'_>, address: u32) -> Result<Join, MapError> {
-    let join = memory.join(address).ok_or(MapError::Content)?;
-    let to_block = memory.block_at(join.to_way, join.to_cell);
-    Ok(Join {
-        at_cell: join.at_cell,
-        to_way: join.to_way,
-        to_cell: join.to_cell,
-        to_block: to_block.ok_or(MapError::Content)?,
-    })
 }

@@ -3,6 +3,7 @@
 use super::alignment::Alignment;
 use super::map_limits::MapLimits;
 use crate::cell::{CELL_LENGTH_M, Cell, Live, Uncertain};
+use crate::scalar::Scalar;
 
 /// Distance over which the map is compared with the estimate, m.
 const COMPARED_M: f32 = 150.0;
@@ -46,6 +47,13 @@ impl MapJudge {
                 times_left_out: 0,
             },
         }
+    }
+
+    /// Begins the next drive. The counters go on.
+    pub(super) fn begin_drive(&mut self) {
+        self.difference = 1.0;
+        self.is_left_out = false;
+        self.alignment.clear();
     }
 
     /// Takes the grade of the map at the end of the newest cell, %. Returns whether it counts.
@@ -92,7 +100,7 @@ impl MapJudge {
             return;
         }
         let was_left_out = self.is_left_out();
-        let squared = (difference * difference / variance).min(100.0);
+        let squared = Scalar::min(100.0, difference * difference / variance);
         self.difference += (squared - self.difference) * CELL_LENGTH_M / COMPARED_M;
         if self.difference > self.limits.left_out {
             self.is_left_out = true;

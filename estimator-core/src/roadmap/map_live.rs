@@ -38,6 +38,11 @@ impl<'m> MapLive<'m> {
 
     /// Moves on to the live estimate at the end of a cell.
     pub fn advance(&mut self, live: &Live) {
+        if self.matcher.state.is_next_drive(&live.end) {
+            self.matcher.forget();
+            self.profile = None;
+            self.judge.begin_drive();
+        }
         self.matcher.advance(&live.end);
         let place = self.matcher.place();
         let map = match &place {
@@ -129,9 +134,11 @@ impl<'m> MapLive<'m> {
             self.profile = Profile::new(*self.matcher.map(), place.block, place.cell);
         }
         let profile = self.profile.as_mut()?;
-        profile
-            .seek(place.cell)
-            .then(|| profile.grade_percent(place.cell, place.sigma_m))
-            .flatten()
+        if !profile.seek(place.cell) {
+            // It does not pass a damaged block. The next one begins in the block of its place.
+            self.profile = None;
+            return None;
+        }
+        profile.grade_percent(place.cell, place.sigma_m)
     }
 }

@@ -11,9 +11,10 @@ use super::block::Block;
 use super::packed_map::PackedMap;
 use super::path::{Moved, Path, cells_of, nearest_place};
 use super::plane::{Foot, direction, dot, metres_between};
-use super::tile::Tile;
-use super::tile_index::TileBlocks;
+use super::search::{Search, WORK_AT_ONCE};
+use super::tile::Looked;
 use crate::cell::{CELL_LENGTH_M, CellEnd};
+use crate::scalar::Scalar;
 use heapless::Vec;
 use libm::expf;
 
@@ -53,10 +54,10 @@ const SAME_CELLS: f32 = 12.0;
 const REACH_M: f32 = 30.0;
 /// Least cosine between the course and the way of a new hypothesis.
 const COURSE_COSINE: f32 = 0.8;
+/// Farther away than the reach by the rounding of a distance, m.
+const BEYOND_REACH_M: f32 = REACH_M + 1.0;
 /// Distance between two searches of the index while a place is known, m.
 const SEARCH_M: f32 = 100.0;
-/// Blocks of the index that are looked at for one position.
-const BLOCKS_AT_ONCE: usize = 2;
 /// Without a comparison for this distance, the place is no longer known, m.
 const BLIND_M: f32 = 20_000.0;
 /// Most cells in one advance. After a longer gap nothing is known.
@@ -88,32 +89,45 @@ pub enum MapMatch {
     Off,
 }
 
-/// The search of the index around a position.
-#[derive(Clone, Debug)]
-pub(super) struct Search<'m> {
-    pub(super) blocks: TileBlocks<'m>,
-    /// Corners of the tiles that are still to be looked at.
-    pub(super) corners_left: u8,
-    pub(super) position_e7: (i32, i32),
-    pub(super) course: [f32; 2],
-    /// Driven cells when the position was taken.
-    pub(super) cell: u32,
-}
-
 /// Follows the vehicle on a map.
 #[derive(Clone, Debug)]
 pub struct Matcher<'m> {
     pub(super) map: PackedMap<'m>,
     pub(super) paths: Vec<Path<'m>, MOST_PATHS>,
-    pub(super) along: Along,
-    pub(super) cell: Option<u32>,
-    pub(super) updated_cell: u32,
-    /// The positions of the last two comparisons, the older one first.
-    pub(super) recent_e7: [Option<(i32, i32)>; 2],
-    pub(super) course: Option<[f32; 2]>,
     pub(super) search: Option<Search<'m>>,
-    pub(super) searched_m: f32,
-    pub(super) blind_m: f32,
+    pub(super) state: MatcherState,
+}
+
+/// What a matcher knows beside its map.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct MatcherState {
+    pub(super) along: Along,
+    cell: Option<u32>,
+    updated_cell: u32,
+    /// The positions of the last two comparisons, the older one first.
+    recent_e7: [Option<(i32, i32)>; 2],
+    course: Option<[f32; 2]>,
+    searched_m: f32,
+    blind_m: f32,
+}
+
+impl MatcherState {
+    pub(super) fn new() -> Self {
+        Self {
+            along: Along::new(),
+            cell: None,
+            updated_cell: 0,
+            recent_e7: [None; 2],
+            course: None,
+            searched_m: f32::INFINITY,
+            blind_m: 0.0,
+        }
+    }
+
+    /// Returns whether a cell lies before the newest: another estimator has begun the next drive.
+    pub(super) fn is_next_drive(&self, end: &CellEnd) -> bool {
+        self.cell.is_some_and(|cell| end.cell < cell)
+    }
 }
 
 impl<'m> Matcher<'m> {
@@ -123,14 +137,8 @@ impl<'m> Matcher<'m> {
         Self {
             map,
             paths: Vec::new(),
-            along: Along::new(),
-            cell: None,
-            updated_cell: 0,
-            recent_e7: [None; 2],
-            course: None,
             search: None,
-            searched_m: f32::INFINITY,
-            blind_m: 0.0,
+            state: MatcherState::new(),
         }
     }
 
@@ -140,33 +148,43 @@ impl<'m> Matcher<'m> {
         &self.map
     }
 
+    /// Forgets where the vehicle is.
+    pub(super) fn forget(&mut self) {
+        self.paths.clear();
+        self.search = None;
+        self.state = MatcherState::new();
+    }
+
     /// Moves on to the end of a cell.
     pub fn advance(&mut self, end: &CellEnd) {
-        let cells = self.cell.map_or(1, |cell| end.cell.saturating_sub(cell));
-        self.cell = Some(end.cell);
+        let cells = self
+            .state
+            .cell
+            .map_or(1, |cell| end.cell.saturating_sub(cell));
+        self.state.cell = Some(end.cell);
         if cells > MOST_CELLS {
             self.paths.clear();
         }
         let metres = CELL_LENGTH_M * cells as f32;
         self.move_paths(cells as f32);
-        self.along.advance(metres);
-        self.blind_m += metres;
-        self.searched_m += metres;
-        if self.blind_m > BLIND_M {
+        self.state.along.advance(metres);
+        self.state.blind_m += metres;
+        self.state.searched_m += metres;
+        if self.state.blind_m > BLIND_M {
             self.paths.clear();
         }
-        if end.cell.saturating_sub(self.updated_cell) < UPDATE_CELLS {
+        if end.cell.saturating_sub(self.state.updated_cell) < UPDATE_CELLS {
             return;
         }
         let Some(position_e7) = end.position_e7 else {
-            self.recent_e7 = [None; 2];
+            self.state.recent_e7 = [None; 2];
             return;
         };
-        let between_m = CELL_LENGTH_M * end.cell.saturating_sub(self.updated_cell) as f32;
-        self.updated_cell = end.cell;
+        let between_m = CELL_LENGTH_M * end.cell.saturating_sub(self.state.updated_cell) as f32;
+        self.state.updated_cell = end.cell;
         self.measure_course(position_e7);
-        if let Some(course) = self.course {
-            self.compare(position_e7, course, between_m.min(MEMORY_M));
+        if let Some(course) = self.state.course {
+            self.compare(position_e7, course, Scalar::min(MEMORY_M, between_m));
             self.look_around(position_e7, course, end.cell);
         }
     }
@@ -174,19 +192,24 @@ impl<'m> Matcher<'m> {
     /// Returns where the vehicle is.
     #[must_use]
     pub fn place(&self) -> MapMatch {
-        let Some(best) = self.best() else {
-            return MapMatch::Off;
-        };
-        let probability = self.probability(best);
-        let is_known = best.matched_m >= KNOWN_M
-            && best.misfit <= KNOWN_MISFIT
-            && probability >= KNOWN_PROBABILITY
-            && (best.compared >= KNOWN_COMPARISONS || self.paths.len() == 1);
-        if is_known {
-            MapMatch::On(self.place_of(best, probability))
-        } else {
-            MapMatch::Unclear
+        match self.known() {
+            Some((path, probability)) => MapMatch::On(self.place_of(path, probability)),
+            None if self.paths.is_empty() => MapMatch::Off,
+            None => MapMatch::Unclear,
         }
+    }
+
+    /// Returns the hypothesis that is surely right, with its probability.
+    fn known(&self) -> Option<(&Path<'m>, f32)> {
+        let best = self.best()?;
+        let is_tried = best.fit.matched_m >= KNOWN_M
+            && best.fit.misfit <= KNOWN_MISFIT
+            && (best.fit.compared >= KNOWN_COMPARISONS || self.paths.len() == 1);
+        if !is_tried {
+            return None;
+        }
+        let probability = self.probability(best);
+        (probability >= KNOWN_PROBABILITY).then_some((best, probability))
     }
 
     /// Returns the hypotheses, with their probabilities.
@@ -201,7 +224,7 @@ impl<'m> Matcher<'m> {
             way: path.block.way,
             block: path.block.offset,
             cell: path.cell(),
-            sigma_m: self.along.sigma_m(),
+            sigma_m: self.state.along.sigma_m(),
             probability,
         }
     }
@@ -209,7 +232,7 @@ impl<'m> Matcher<'m> {
     fn best(&self) -> Option<&Path<'m>> {
         self.paths
             .iter()
-            .min_by(|a, b| a.misfit.total_cmp(&b.misfit))
+            .min_by(|a, b| a.fit.misfit.total_cmp(&b.fit.misfit))
     }
 
     /// Returns the probability of a hypothesis among all.
@@ -218,25 +241,30 @@ impl<'m> Matcher<'m> {
             return 1.0;
         }
         let weight = |other: &Path<'m>| {
-            expf((0.5 * INDEPENDENT * (path.misfit - other.misfit)).clamp(-80.0, 80.0))
+            let better = path.fit.misfit - other.fit.misfit;
+            // That of the hypothesis itself: an exponential costs more than all of the rest.
+            if better == 0.0 {
+                return 1.0;
+            }
+            expf((0.5 * INDEPENDENT * better).clamp(-80.0, 80.0))
         };
-        1.0 / self.paths.iter().map(weight).sum::<f32>().max(1.0)
+        1.0 / Scalar::max(1.0, self.paths.iter().map(weight).sum())
     }
 
     /// Moves all hypotheses, and splits them at joins.
     fn move_paths(&mut self, cells: f32) {
-        let cells = cells * (1.0 + self.along.scale);
+        let cells = cells * (1.0 + self.state.along.scale);
         let map = self.map;
         let mut forks: Vec<Path<'m>, MOST_PATHS> = Vec::new();
         self.paths.retain_mut(|path| {
-            let (misfit, matched_m) = (path.misfit, path.matched_m);
-            let directions = path.directions;
+            let (misfit, matched_m) = (path.fit.misfit, path.fit.matched_m);
+            let directions = path.fit.directions;
             let moved = path.advance(&map, cells, |join, beyond| {
                 let cell = join.to_cell as f32 + beyond;
                 if let Ok(mut fork) = Path::new(&map, join.to_way, join.to_block, cell) {
-                    fork.misfit = misfit;
-                    fork.matched_m = matched_m;
-                    fork.directions = directions;
+                    fork.fit.misfit = misfit;
+                    fork.fit.matched_m = matched_m;
+                    fork.fit.directions = directions;
                     let _ = forks.push(fork);
                 }
             });
@@ -249,6 +277,7 @@ impl<'m> Matcher<'m> {
     }
 
     /// Adds a hypothesis unless there is one at its place. The poorest one makes room.
+    #[inline(never)] // Rare, and called from two places.
     fn add(&mut self, path: Path<'m>) {
         if self
             .paths
@@ -261,8 +290,8 @@ impl<'m> Matcher<'m> {
             && let Some(poorest) = self
                 .paths
                 .iter_mut()
-                .max_by(|a, b| a.misfit.total_cmp(&b.misfit))
-            && poorest.misfit > path.misfit
+                .max_by(|a, b| a.fit.misfit.total_cmp(&b.fit.misfit))
+            && poorest.fit.misfit > path.fit.misfit
         {
             *poorest = path;
         }
@@ -270,42 +299,44 @@ impl<'m> Matcher<'m> {
 
     /// Measures the course from the position before the last one.
     fn measure_course(&mut self, position_e7: (i32, i32)) {
-        let [from, last] = self.recent_e7;
-        self.recent_e7 = [last, Some(position_e7)];
+        let [from, last] = self.state.recent_e7;
+        self.state.recent_e7 = [last, Some(position_e7)];
         let Some(from) = from else {
             return;
         };
         if let Some(course) = direction(metres_between(from, position_e7), COURSE_M) {
-            self.course = Some(course);
+            self.state.course = Some(course);
         }
     }
 
     /// Compares all hypotheses with a position, and drops the poor ones.
     fn compare(&mut self, position_e7: (i32, i32), course: [f32; 2], metres: f32) {
-        let gain = self.along.update();
+        let gain = self.state.along.update();
         let mut best: Option<(f32, f32)> = None;
         for path in &mut self.paths {
             let Some(foot) = path.foot(position_e7) else {
                 continue;
             };
             let chord = path.chord(foot.direction);
-            let now = misfit(&foot, chord, course).min(WORST);
-            let memory_m = (path.matched_m + metres).min(MEMORY_M);
-            path.misfit += (now - path.misfit) * metres / memory_m.max(metres);
-            path.matched_m = (path.matched_m + metres).min(1e6);
-            path.compared = path.compared.saturating_add(1);
+            // Not `f32::min`, which a controller calls as a function.
+            let now = Scalar::min(WORST, misfit(&foot, chord, course));
+            let matched_m = path.fit.matched_m + metres;
+            let memory_m = Scalar::max(metres, Scalar::min(MEMORY_M, matched_m));
+            path.fit.misfit += (now - path.fit.misfit) * metres / memory_m;
+            path.fit.matched_m = Scalar::min(1e6, matched_m);
+            path.fit.compared = path.fit.compared.saturating_add(1);
             let ahead_m = foot.ahead_m.clamp(-AHEAD_SIGMA_M, AHEAD_SIGMA_M);
             path.at_cells += cells_of(gain.place * ahead_m);
-            if best.is_none_or(|(misfit, _)| path.misfit < misfit) {
-                best = Some((path.misfit, ahead_m));
+            if best.is_none_or(|(misfit, _)| path.fit.misfit < misfit) {
+                best = Some((path.fit.misfit, ahead_m));
             }
         }
         if let Some((least, ahead_m)) = best {
-            self.blind_m = 0.0;
-            self.along.learn(gain, ahead_m);
+            self.state.blind_m = 0.0;
+            self.state.along.learn(gain, ahead_m);
             self.paths.retain(|path| {
-                path.matched_m < TRIED_M
-                    || (path.misfit < DROPPED && path.misfit < least + DROPPED_BESIDE)
+                path.fit.matched_m < TRIED_M
+                    || (path.fit.misfit < DROPPED && path.fit.misfit < least + DROPPED_BESIDE)
             });
         }
         self.merge();
@@ -313,13 +344,16 @@ impl<'m> Matcher<'m> {
 
     /// Drops hypotheses that have come to the place of a better one.
     fn merge(&mut self) {
+        if self.paths.len() < 2 {
+            return;
+        }
         let mut kept: Vec<Path<'m>, MOST_PATHS> = Vec::new();
         for path in &self.paths {
             match kept
                 .iter_mut()
                 .find(|known| known.is_at(path, 0.5 * SAME_CELLS))
             {
-                Some(known) if path.misfit < known.misfit => *known = path.clone(),
+                Some(known) if path.fit.misfit < known.fit.misfit => *known = path.clone(),
                 Some(_) => {}
                 None => {
                     let _ = kept.push(path.clone());
@@ -331,52 +365,40 @@ impl<'m> Matcher<'m> {
 
     /// Looks for other ways near the position, a few blocks at once.
     fn look_around(&mut self, position_e7: (i32, i32), course: [f32; 2], cell: u32) {
-        let is_known = matches!(self.place(), MapMatch::On(_));
+        if self.search.is_none() && self.state.searched_m < SEARCH_M && self.known().is_some() {
+            return;
+        }
         let search = match &mut self.search {
             Some(search) => search,
-            None if is_known && self.searched_m < SEARCH_M => return,
             None => {
-                self.searched_m = 0.0;
-                self.search.insert(Search {
-                    blocks: self.map.blocks_in(corner(position_e7, 0)),
-                    corners_left: 3,
-                    position_e7,
-                    course,
-                    cell,
-                })
+                self.state.searched_m = 0.0;
+                self.search
+                    .insert(Search::begin(&self.map, position_e7, course, cell))
             }
         };
-        for _ in 0..BLOCKS_AT_ONCE {
-            let Some(offset) = search.blocks.next().and_then(Result::ok) else {
-                // The next tile that is not one of those before.
-                let next = (0..search.corners_left)
-                    .rev()
-                    .map(|left| (left, corner(search.position_e7, 3 - left)))
-                    .find(|(left, tile)| {
-                        (0..3 - left).all(|before| corner(search.position_e7, before) != *tile)
-                    });
-                match next {
-                    Some((left, tile)) => {
-                        search.corners_left = left;
-                        search.blocks = self.map.blocks_in(tile);
-                        continue;
-                    }
-                    None => {
-                        self.search = None;
-                        return;
-                    }
+        let mut work = WORK_AT_ONCE;
+        while work > 0 {
+            let (looked, cost) = search.look();
+            work = work.saturating_sub(cost);
+            let offset = match looked {
+                Looked::Block(offset) => offset,
+                Looked::NotYet => continue,
+                Looked::End => {
+                    self.search = None;
+                    return;
                 }
             };
             if self.paths.iter().any(|path| path.block.offset == offset) {
                 // The hypothesis there is followed.
                 continue;
             }
-            let Ok(block) = self.map.block(offset) else {
+            // It is checked if it is near.
+            let Ok(block) = self.map.block_again(offset) else {
                 continue;
             };
             if let Some(path) = candidate(&self.map, &block, search, cell) {
                 if self.paths.is_empty() {
-                    self.along.restart();
+                    self.state.along.restart();
                 }
                 self.add(path);
                 return;
@@ -392,14 +414,21 @@ fn candidate<'m>(
     search: &Search<'m>,
     cell: u32,
 ) -> Option<Path<'m>> {
-    let (at_cells, foot) = nearest_place(block, search.position_e7, search.course, COURSE_COSINE)?;
+    let (at_cells, foot) = nearest_place(
+        block,
+        search.around.position_e7,
+        search.around.course,
+        COURSE_COSINE,
+        BEYOND_REACH_M,
+    )?;
     if foot.distance_m() > REACH_M {
         return None;
     }
+    let block = map.block(block.offset).ok()?;
     let way = map.way(block.way).ok()?;
-    let driven = cell.saturating_sub(search.cell) as f32;
-    let mut path = Path::in_block(map, &way, *block, at_cells + driven).ok()?;
-    path.misfit = misfit(&foot, foot.direction, search.course);
+    let driven = cell.saturating_sub(search.around.cell) as f32;
+    let mut path = Path::in_block(map, &way, block, at_cells + driven).ok()?;
+    path.fit.misfit = misfit(&foot, foot.direction, search.around.course);
     Some(path)
 }
 
@@ -411,17 +440,4 @@ fn misfit(foot: &Foot, direction: [f32; 2], course: [f32; 2]) -> f32 {
     square(foot.left_m / ACROSS_SIGMA_M)
         + square(foot.ahead_m / AHEAD_SIGMA_M)
         + COURSE_COST * (1.0 - cosine)
-}
-
-/// Returns the tile at one of the four corners around a position.
-fn corner(position_e7: (i32, i32), index: u8) -> Tile {
-    /// More than the reach in latitude, and in longitude up to 70 degrees of it, 10⁻⁷ degrees.
-    const ASIDE_E7: i32 = 8_000;
-    let aside = |angle: i32, is_more: bool| {
-        angle.saturating_add(if is_more { ASIDE_E7 } else { -ASIDE_E7 })
-    };
-    Tile::of(
-        aside(position_e7.0, index & 1 != 0),
-        aside(position_e7.1, index & 2 != 0),
-    )
 }

@@ -27,9 +27,11 @@
 mod alignment;
 mod along;
 mod block;
+mod block_cells;
 mod combination;
 mod horizon;
 mod horizon_parts;
+mod join;
 mod joins;
 mod map_error;
 mod map_judge;
@@ -42,16 +44,20 @@ mod path;
 mod plane;
 mod profile;
 mod record;
+mod search;
+mod stored_roads;
 mod tile;
 mod tile_index;
 
-pub use block::{Block, Cells, MapCell, MapPoint, Points};
+pub use block::{Block, MapPoint, Points};
+pub use block_cells::{Cells, MapCell};
 pub use combination::{RoadGrade, combined_with_roads};
 pub use horizon::{Branch, Horizon, HorizonPoint, MOST_BRANCHES};
 pub use horizon_parts::{
     HorizonPart, HorizonParts, NextGrade, NumberedPart, PART_GRADES, PART_LENGTH_M, PART_STEP_M,
 };
-pub use joins::{Join, Joins};
+pub use join::Join;
+pub use joins::Joins;
 pub use map_error::MapError;
 pub use map_judge::MapCounters;
 pub use map_live::MapLive;
@@ -62,9 +68,10 @@ pub use tile_index::TileBlocks;
 
 /// Constants of the format, for those who write it: `docs/map-grade.md`.
 pub mod format {
-    pub use super::block::{
-        ALTITUDE_CELLS, ALTITUDE_UNITS_PER_CM, GRADE_UNITS_PER_PERCENT, HEADER as BLOCK_HEADER,
-        MOST_CELLS, SIGMA_CELLS, SIGMA_CODES_PER_OCTAVE, SIGMA_UNIT_PERCENT,
+    pub use super::block::{HEADER as BLOCK_HEADER, MOST_CELLS};
+    pub use super::block_cells::{
+        ALTITUDE_CELLS, ALTITUDE_UNITS_PER_CM, GRADE_UNITS_PER_PERCENT, SIGMA_CELLS,
+        SIGMA_CODES_PER_OCTAVE, SIGMA_UNIT_PERCENT,
     };
     pub use super::joins::JOIN;
     pub use super::packed_map::{HEADER, MAGIC, VERSION, WAY_HEADER};

@@ -4,6 +4,7 @@ use super::block::Block;
 use super::map_error::MapError;
 use super::memory::{MemoryView, StoredWay};
 use super::record::{Numbers, record, sized_record};
+use super::stored_roads::StoredRoads;
 
 /// First bytes of a packed map.
 pub const MAGIC: [u8; 4] = *b"rgm\x1a";
@@ -28,7 +29,7 @@ pub struct PackedMap<'m> {
     pub(super) first_page: u32,
     pub(super) pages: u32,
     /// The road memory that is read instead of the bytes.
-    pub(super) memory: Option<MemoryView<'m>>,
+    pub(super) memory: Option<StoredRoads<'m>>,
 }
 
 /// Direction in which a way is driven.
@@ -47,8 +48,7 @@ pub enum WayDirection {
 pub struct MapWay<'m> {
     /// Offset of its record, by which blocks and joins name it.
     pub offset: u32,
-    /// Its name, not necessarily unique: both directions have the same.
-    pub name: &'m str,
+    name: &'m [u8],
     /// Direction in which it is driven.
     pub direction: WayDirection,
     /// Number of its first cell.
@@ -112,7 +112,7 @@ impl<'m> PackedMap<'m> {
             blocks_end: 0,
             first_page: 0,
             pages: 0,
-            memory: Some(memory),
+            memory: Some(StoredRoads::new(memory)),
         }
     }
 
@@ -165,8 +165,7 @@ impl<'m> PackedMap<'m> {
             blocks_end: numbers.u32()?,
             first_join: numbers.u32()?,
             joins: numbers.u32()?,
-            name: core::str::from_utf8(numbers.bytes(name_bytes.into())?)
-                .map_err(|_| MapError::Content)?,
+            name: numbers.bytes(name_bytes.into())?,
             next: offset.checked_add(length.into()).ok_or(MapError::Content)?,
         })
     }
@@ -214,7 +213,7 @@ impl<'m> MapWay<'m> {
     const fn of_memory(way: StoredWay) -> Self {
         Self {
             offset: way.address,
-            name: "",
+            name: &[],
             direction: WayDirection::Forward,
             first_cell: way.first_cell,
             last_cell: way.last_cell,
@@ -223,6 +222,18 @@ impl<'m> MapWay<'m> {
             first_join: way.first_join,
             joins: way.joins,
             next: way.blocks_end,
+        }
+    }
+
+    /// Returns its name, not necessarily unique: both directions have the same.
+    ///
+    /// # Errors
+    /// Returns an error if it is no text.
+    pub const fn name(&self) -> Result<&'m str, MapError> {
+        // Not in `PackedMap::way`: a vehicle follows ways without their names.
+        match core::str::from_utf8(self.name) {
+            Ok(name) => Ok(name),
+            Err(_) => Err(MapError::Content),
         }
     }
 

@@ -1,10 +1,11 @@
 //! A place that moves along the ways of a map: one hypothesis of where the vehicle is.
 
 use super::block::Block;
-use super::joins::{Join, Joins};
+use super::join::Join;
+use super::joins::{Joins, ParkedJoins};
 use super::map_error::MapError;
 use super::packed_map::{MapWay, PackedMap};
-use super::plane::{Foot, Lines, direction, dot};
+use super::plane::{Foot, Line, Lines, direction, dot};
 use crate::cell::CELL_LENGTH_M;
 
 /// A place on a way, with how well positions have fitted it.
@@ -14,6 +15,15 @@ pub(super) struct Path<'m> {
     pub(super) block: Block<'m>,
     /// Cells from the first cell of the block on; negative in a gap before it.
     pub(super) at_cells: f32,
+    pub(super) fit: Fit,
+    blocks_end: u32,
+    joins: Joins<'m>,
+    next_join: Option<Join>,
+}
+
+/// How well positions have fitted a path.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Fit {
     /// Mean squared misfit of the last positions, in their standard deviations.
     pub(super) misfit: f32,
     /// Distance over which positions have been compared, m.
@@ -22,9 +32,6 @@ pub(super) struct Path<'m> {
     pub(super) compared: u8,
     /// Directions of the way at the last two comparisons.
     pub(super) directions: [[f32; 2]; 2],
-    blocks_end: u32,
-    joins: Joins<'m>,
-    next_join: Option<Join>,
 }
 
 /// A path without its map: what it is while the map changes.
@@ -32,10 +39,10 @@ pub(super) struct Path<'m> {
 pub(super) struct ParkedPath {
     block: u32,
     at_cells: f32,
-    misfit: f32,
-    matched_m: f32,
-    compared: u8,
-    directions: [[f32; 2]; 2],
+    fit: Fit,
+    blocks_end: u32,
+    joins: ParkedJoins,
+    next_join: Option<Join>,
 }
 
 /// What became of a path.
@@ -72,10 +79,7 @@ impl<'m> Path<'m> {
         let mut path = Self {
             block,
             at_cells,
-            misfit: 0.0,
-            matched_m: 0.0,
-            compared: 0,
-            directions: [[0.0; 2]; 2],
+            fit: Fit::default(),
             blocks_end: way.blocks_end,
             joins: map.joins_from(way, block.first_cell as f32 + at_cells),
             next_join: None,
@@ -89,25 +93,35 @@ impl<'m> Path<'m> {
         ParkedPath {
             block: self.block.offset,
             at_cells: self.at_cells,
-            misfit: self.misfit,
-            matched_m: self.matched_m,
-            compared: self.compared,
-            directions: self.directions,
+            fit: self.fit,
+            blocks_end: self.blocks_end,
+            joins: self.joins.park(),
+            next_join: self.next_join,
         }
     }
 
-    /// Comes back to the map, in the same place; `None` if the map has it no more.
-    pub(super) fn resume(map: &PackedMap<'m>, parked: &ParkedPath) -> Option<Self> {
+    /// Comes back to the map, in the same place; `None` if the map has it no more. If the map has not
+    /// changed, its ways need not be read again.
+    pub(super) fn resume(
+        map: &PackedMap<'m>,
+        parked: &ParkedPath,
+        has_changed: bool,
+    ) -> Option<Self> {
         let block = map.block_again(parked.block).ok()?;
+        if !has_changed {
+            return Some(Self {
+                block,
+                at_cells: parked.at_cells,
+                fit: parked.fit,
+                blocks_end: parked.blocks_end,
+                joins: parked.joins.resume(map),
+                next_join: parked.next_join,
+            });
+        }
         let way = map.way(block.way).ok()?;
-        let path = Self::in_block(map, &way, block, parked.at_cells).ok()?;
-        Some(Self {
-            misfit: parked.misfit,
-            matched_m: parked.matched_m,
-            compared: parked.compared,
-            directions: parked.directions,
-            ..path
-        })
+        let mut path = Self::in_block(map, &way, block, parked.at_cells).ok()?;
+        path.fit = parked.fit;
+        Some(path)
     }
 
     /// Returns where it is: the number of a cell, and a part of one.
@@ -147,28 +161,14 @@ impl<'m> Path<'m> {
 
     /// Returns a position beside the place; `None` in a gap of the map.
     pub(super) fn foot(&self, position_e7: (i32, i32)) -> Option<Foot> {
-        let at = self.at_cells;
-        let mut lines = Lines::of(&self.block)?;
-        let position_m = lines.metres(position_e7);
-        let mut line = lines.next()?;
-        for next in lines {
-            if line.to_cells >= at {
-                break;
-            }
-            line = next;
-        }
-        if at < -1.0 || at > line.to_cells + 1.0 {
-            return None;
-        }
-        let part = (at - line.from_cells) / (line.to_cells - line.from_cells);
-        Some(line.foot(part, position_m))
+        foot_at(&self.block, self.at_cells, position_e7)
     }
 
     /// Returns the direction of the chord of the way over the last two comparisons, and takes that of
     /// this one.
     pub(super) fn chord(&mut self, now: [f32; 2]) -> [f32; 2] {
-        let [a, b] = self.directions;
-        self.directions = [b, now];
+        let [a, b] = self.fit.directions;
+        self.fit.directions = [b, now];
         let sum = [0, 1].map(|i| 0.5 * a[i] + b[i] + 0.5 * now[i]);
         direction(sum, 0.5).unwrap_or(now)
     }
@@ -183,23 +183,49 @@ impl<'m> Path<'m> {
     }
 }
 
+/// Returns a position beside a place on a block, given as cells from its first cell; `None` in a gap of
+/// the map.
+pub(super) fn foot_at(block: &Block<'_>, at: f32, position_e7: (i32, i32)) -> Option<Foot> {
+    let mut lines = Lines::of(block)?;
+    let position_m = lines.metres(position_e7);
+    let mut line = lines.next()?;
+    for next in lines {
+        if line.to_cells >= at {
+            break;
+        }
+        line = next;
+    }
+    if at < -1.0 || at > line.to_cells + 1.0 {
+        return None;
+    }
+    let part = (at - line.from_cells) / (line.to_cells - line.from_cells);
+    Some(line.directed().foot(part, position_m))
+}
+
 /// Returns the place on a block that is nearest to a position, as cells from its first cell, and the
-/// position beside it. Lines that do not lead in the direction of travel do not count.
+/// position beside it. Lines that do not lead in the direction of travel do not count, nor do those
+/// farther away than `reach_m`.
 pub(super) fn nearest_place(
     block: &Block<'_>,
     position_e7: (i32, i32),
     course: [f32; 2],
     least_cosine: f32,
+    reach_m: f32,
 ) -> Option<(f32, Foot)> {
     let lines = Lines::of(block)?;
     let position_m = lines.metres(position_e7);
-    lines
+    let nearest = lines
+        // Most are far away. The direction of a line takes a square root.
+        .filter(|line| line.is_near(position_m, reach_m))
+        .map(Line::directed)
         .filter(|line| dot(line.direction, course) >= least_cosine)
         .map(|line| {
             let part = line.nearest_part(position_m);
-            (line.cells(part), line.foot(part, position_m))
+            let foot = line.foot(part, position_m);
+            (foot.distance_m(), line.cells(part), foot)
         })
-        .min_by(|a, b| a.1.distance_m().total_cmp(&b.1.distance_m()))
+        .min_by(|a, b| a.0.total_cmp(&b.0));
+    nearest.map(|(_, at_cells, foot)| (at_cells, foot))
 }
 
 /// Returns the cells of a distance.

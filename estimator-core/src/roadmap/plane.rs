@@ -23,6 +23,7 @@ fn cosine_at(place: (i32, i32)) -> f32 {
 }
 
 /// Returns the same as [`metres_between`], with the cosine of the latitude of the first place.
+#[inline(never)] // Several places call it.
 fn metres_from(from: (i32, i32), cosine: f32, to: (i32, i32)) -> [f32; 2] {
     let mut east = i64::from(to.1) - i64::from(from.1);
     if east > TURN_E7 / 2 {
@@ -30,8 +31,12 @@ fn metres_from(from: (i32, i32), cosine: f32, to: (i32, i32)) -> [f32; 2] {
     } else if east < -TURN_E7 / 2 {
         east += TURN_E7;
     }
-    let north = (i64::from(to.0) - i64::from(from.0)) as f32 * METRES_PER_E7;
-    [east as f32 * METRES_PER_E7 * cosine, north]
+    // Both fit into 32 bits now, from which a float unit converts.
+    let (east, north) = (east as i32, to.0.saturating_sub(from.0));
+    [
+        east as f32 * METRES_PER_E7 * cosine,
+        north as f32 * METRES_PER_E7,
+    ]
 }
 
 /// Returns the sum of the products of the parts.
@@ -59,6 +64,13 @@ pub(super) struct Line {
     /// Place of the first end, m from that of the first cell, and the way to the other end.
     from_m: [f32; 2],
     chord_m: [f32; 2],
+}
+
+/// A line with its direction, which takes a square root.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct DirectedLine {
+    line: Line,
+    length_m: f32,
     /// Its direction.
     pub(super) direction: [f32; 2],
 }
@@ -82,10 +94,33 @@ impl Foot {
 }
 
 impl Line {
+    /// Returns false if a position is farther away than this in the direction of an axis.
+    pub(super) fn is_near(&self, position_m: [f32; 2], reach_m: f32) -> bool {
+        [0, 1].into_iter().all(|i| {
+            let from_m = self.from_m[i] - position_m[i];
+            let to_m = from_m + self.chord_m[i];
+            !(from_m > reach_m && to_m > reach_m || from_m < -reach_m && to_m < -reach_m)
+        })
+    }
+
+    pub(super) fn directed(self) -> DirectedLine {
+        let length_m = length(self.chord_m);
+        DirectedLine {
+            line: self,
+            length_m,
+            direction: self.chord_m.map(|part| part / length_m),
+        }
+    }
+}
+
+impl DirectedLine {
     /// Returns a position, m from the first cell of the block, beside the place at this part of the
     /// line.
     pub(super) fn foot(&self, part: f32, position_m: [f32; 2]) -> Foot {
-        let off = [0, 1].map(|i| position_m[i] - (self.from_m[i] + part * self.chord_m[i]));
+        let Line {
+            from_m, chord_m, ..
+        } = self.line;
+        let off = [0, 1].map(|i| position_m[i] - (from_m[i] + part * chord_m[i]));
         Foot {
             ahead_m: dot(off, self.direction),
             left_m: off[1] * self.direction[0] - off[0] * self.direction[1],
@@ -96,12 +131,17 @@ impl Line {
     /// Returns the part of the line that is nearest to a position.
     pub(super) fn nearest_part(&self, position_m: [f32; 2]) -> f32 {
         let ahead_m = self.foot(0.0, position_m).ahead_m;
-        (ahead_m / length(self.chord_m)).clamp(0.0, 1.0)
+        (ahead_m / self.length_m).clamp(0.0, 1.0)
     }
 
     /// Returns the cells at this part of the line.
     pub(super) fn cells(&self, part: f32) -> f32 {
-        self.from_cells + part * (self.to_cells - self.from_cells)
+        let Line {
+            from_cells,
+            to_cells,
+            ..
+        } = self.line;
+        from_cells + part * (to_cells - from_cells)
     }
 }
 
@@ -146,13 +186,12 @@ impl Iterator for Lines<'_> {
             let to_cells = (point.cell - self.first_cell) as f32;
             self.from = (to_cells, to_m);
             let chord_m = [to_m[0] - from_m[0], to_m[1] - from_m[1]];
-            if let Some(direction) = direction(chord_m, 0.0) {
+            if dot(chord_m, chord_m) > 0.0 {
                 return Some(Line {
                     from_cells,
                     to_cells,
                     from_m,
                     chord_m,
-                    direction,
                 });
             }
         }

@@ -1,6 +1,7 @@
 //! The grade profile of a way from a place on.
 
-use super::block::{Block, CellGrade, Grades};
+use super::block::Block;
+use super::block_cells::{CellGrade, Grades, ParkedGrades};
 use super::packed_map::PackedMap;
 use crate::cell::{CELL_LENGTH_M, Uncertain};
 use libm::sqrtf;
@@ -16,10 +17,58 @@ pub(super) struct Profile<'m> {
     here: CellGrade,
 }
 
+/// A profile without its map.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ParkedProfile {
+    block: u32,
+    grades: ParkedGrades,
+    before: CellGrade,
+    here: CellGrade,
+}
+
+impl ParkedProfile {
+    /// Returns whether it leads to a cell of a block as a profile does that begins anew.
+    pub(super) fn leads_to(&self, block: u32, cell: f32) -> bool {
+        let is_begin = self.before.cell == self.here.cell;
+        self.block == block && (is_begin || (self.before.cell as f32) < cell)
+    }
+}
+
 impl<'m> Profile<'m> {
+    /// Leaves the map.
+    pub(super) const fn park(&self) -> ParkedProfile {
+        ParkedProfile {
+            block: self.block.offset,
+            grades: self.grades.park(),
+            before: self.before,
+            here: self.here,
+        }
+    }
+
+    /// Comes back to the map, whose block has not changed. The profile ends with the block.
+    pub(super) fn resume(map: PackedMap<'m>, parked: &ParkedProfile) -> Option<Self> {
+        let block = map.block_again(parked.block).ok()?;
+        Some(Self {
+            map,
+            block,
+            blocks_end: block.next,
+            grades: block.grades_from(&parked.grades)?,
+            before: parked.before,
+            here: parked.here,
+        })
+    }
+
     /// Begins at a cell in a block of a way, or at the first cell behind it.
     pub(super) fn new(map: PackedMap<'m>, block: u32, cell: f32) -> Option<Self> {
-        let block = map.block(block).ok()?;
+        Self::in_block(map, map.block(block).ok()?, cell)
+    }
+
+    /// Begins at a cell in a block that was read before.
+    pub(super) fn again(map: PackedMap<'m>, block: u32, cell: f32) -> Option<Self> {
+        Self::in_block(map, map.block_again(block).ok()?, cell)
+    }
+
+    fn in_block(map: PackedMap<'m>, block: Block<'m>, cell: f32) -> Option<Self> {
         let blocks_end = map.way(block.way).ok()?.blocks_end;
         let mut grades = block.grades().ok()?;
         let here = grades.next()?;

@@ -10,6 +10,7 @@ const CHECKSUM_BYTES: usize = 4;
 static CHECKSUM: Crc<u32> = Crc::<u32>::new(&CRC_32_ISO_HDLC);
 
 /// Returns the CRC-32 (ISO-HDLC) with which a record of these bytes ends.
+#[inline(never)] // Each kind of record checks one.
 #[must_use]
 pub fn checksum(bytes: &[u8]) -> u32 {
     CHECKSUM.checksum(bytes)
@@ -46,12 +47,11 @@ pub(super) fn sized_content(bytes: &[u8]) -> Result<&[u8], MapError> {
     content.map(|(content, _)| content).ok_or(MapError::CutOff)
 }
 
-/// Returns the checksum of bytes in several parts.
-pub(super) fn checksum_of(parts: &[&[u8]]) -> u32 {
-    let mut digest = CHECKSUM.digest();
-    for part in parts {
-        digest.update(part);
-    }
+/// Returns the checksum of bytes with these behind them. That of no bytes is 0.
+pub(super) fn checksum_after(sum: u32, bytes: &[u8]) -> u32 {
+    // The register is the inverted checksum; the digest takes it in the order of the polynomial's bits.
+    let mut digest = CHECKSUM.digest_with_initial((!sum).reverse_bits());
+    digest.update(bytes);
     digest.finalize()
 }
 
@@ -95,10 +95,31 @@ impl<'m> Numbers<'m> {
         Ok(first)
     }
 
+    /// Returns the last `count` bytes.
+    pub(super) fn last(&self, count: u16) -> Option<Self> {
+        let start = self.0.len().checked_sub(count.into())?;
+        self.0.get(start..).map(Self)
+    }
+
     /// Takes the next number of postcard's form.
     pub(super) fn varint<T: Deserialize<'m>>(&mut self) -> Result<T, MapError> {
         let (value, rest) = postcard::take_from_bytes(self.0).map_err(|_| MapError::Content)?;
         self.0 = rest;
         Ok(value)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{checksum, checksum_after};
+
+    #[test]
+    fn a_checksum_in_shares_is_that_of_all_bytes() {
+        let bytes: [u8; 64] = core::array::from_fn(|i| (i * 37) as u8);
+        for cut in 0..=bytes.len() {
+            let (first, rest) = bytes.split_at(cut);
+            let sum = checksum_after(checksum_after(0, first), rest);
+            assert_eq!(sum, checksum(&bytes), "cut at {cut}");
+        }
     }
 }

@@ -11,6 +11,11 @@ impl Tile {
         Self((rank(latitude_e7) << 16) | rank(longitude_e7))
     }
 
+    /// Returns its row, counted from the south.
+    pub(super) const fn row(self) -> u16 {
+        (self.0 >> 16) as u16
+    }
+
     /// Returns the number that stands for it in a file.
     #[must_use]
     pub const fn key(self) -> u32 {
@@ -70,4 +75,15 @@ impl TileBounds {
 /// before east.
 const fn rank(angle_e7: i32) -> u32 {
     (angle_e7.cast_unsigned() ^ (1 << 31)) >> 16
+}
+
+/// What a short look for the next block with a cell in a tile gives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Looked {
+    /// A block with a cell in the tile, by its offset.
+    Block(u32),
+    /// None so far.
+    NotYet,
+    /// There are no more.
+    End,
 }

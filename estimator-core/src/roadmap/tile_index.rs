@@ -3,7 +3,7 @@
 use super::map_error::MapError;
 use super::packed_map::PackedMap;
 use super::record::{Numbers, record};
-use super::tile::Tile;
+use super::tile::{Looked, Tile};
 
 /// Bytes of a page of the index.
 pub const INDEX_PAGE: usize = 256;
@@ -76,20 +76,22 @@ pub struct TileBlocks<'m> {
     /// Page of the index, or slot of the memory.
     pub(super) page: u32,
     pub(super) entry: usize,
-    /// The page, checked.
-    content: Option<&'m [u8]>,
+    /// The last page that was read, by its number: checking one costs more than reading it.
+    content: Option<(u32, &'m [u8])>,
 }
 
 impl Iterator for TileBlocks<'_> {
     type Item = Result<u32, MapError>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        if let Some(memory) = &self.map.memory {
-            let number = u8::try_from(self.entry).ok()?;
-            let (slot, number, address) = memory.block_in(self.tile, self.page, number)?;
-            self.page = slot;
-            self.entry = usize::from(number) + 1;
-            return Some(Ok(address));
+        if self.map.memory.is_some() {
+            return loop {
+                match self.look() {
+                    Looked::Block(address) => break Some(Ok(address)),
+                    Looked::NotYet => {}
+                    Looked::End => break None,
+                }
+            };
         }
         let entry = self.next_entry();
         if !matches!(entry, Ok(Some(_))) {
@@ -100,15 +102,40 @@ impl Iterator for TileBlocks<'_> {
 }
 
 impl TileBlocks<'_> {
+    /// Looks for the next block with bounded work: a memory has no index.
+    pub(super) fn look(&mut self) -> Looked {
+        let Some(memory) = &self.map.memory else {
+            return match self.next() {
+                Some(Ok(offset)) => Looked::Block(offset),
+                _ => Looked::End,
+            };
+        };
+        let Ok(number) = u8::try_from(self.entry) else {
+            return Looked::End;
+        };
+        let (looked, slot, number) = memory.look(self.tile, self.page, number);
+        self.page = slot;
+        self.entry = number.into();
+        looked
+    }
+
+    /// Goes on with the blocks of another tile.
+    pub(super) fn look_in(&mut self, tile: Tile) {
+        *self = Self {
+            content: self.content,
+            ..self.map.blocks_in(tile)
+        };
+    }
+
     fn next_entry(&mut self) -> Result<Option<u32>, MapError> {
         while self.page < self.map.pages {
             let content = match self.content {
-                Some(content) => content,
-                None => {
+                Some((page, content)) if page == self.page => content,
+                _ => {
                     let offset = self.map.page_offset(self.page).ok_or(MapError::Content)?;
-                    *self
-                        .content
-                        .insert(record(self.map.bytes, offset, INDEX_PAGE)?)
+                    let content = record(self.map.bytes, offset, INDEX_PAGE)?;
+                    self.content = Some((self.page, content));
+                    content
                 }
             };
             let entries = Numbers::from(content, INDEX_ENTRIES * INDEX_ENTRY)?.u32()?;
@@ -126,7 +153,6 @@ impl TileBlocks<'_> {
             }
             self.page += 1;
             self.entry = 0;
-            self.content = None;
         }
         Ok(None)
     }

@@ -50,12 +50,14 @@ impl BrakeDetector {
         let slope_percent =
             (balance.traction - balance.drag * energy - balance.rolling - gained) / balance.gravity;
         self.cells = self.cells.saturating_add(1);
-        let weight = |cells: f32| 1.0 / f32::from(self.cells).min(cells);
+        let weight = |cells: f32| 1.0 / Scalar::min(cells, f32::from(self.cells));
         let moment_weight = weight(tuning.undeclared_brake_moment_cells);
         self.moment_percent += moment_weight * (slope_percent - self.moment_percent);
         let excess_percent = self.moment_percent - self.road_percent;
-        let limit_percent = (tuning.undeclared_brake_sigmas * Scalar::sqrt(self.variance))
-            .max(tuning.undeclared_brake_percent);
+        let limit_percent = Scalar::max(
+            tuning.undeclared_brake_percent,
+            tuning.undeclared_brake_sigmas * Scalar::sqrt(self.variance),
+        );
         // Drivers do not brake and drive at once.
         let rolls = forces.traction_n <= 0.0;
         self.braked_cells = match self.braked_cells {
@@ -70,7 +72,10 @@ impl BrakeDetector {
         if self.braked_cells.is_none() {
             let road_weight = weight(tuning.undeclared_brake_road_cells);
             self.road_percent += road_weight * (slope_percent - self.road_percent);
-            let square = (excess_percent * excess_percent).min(limit_percent * limit_percent);
+            let square = Scalar::min(
+                limit_percent * limit_percent,
+                excess_percent * excess_percent,
+            );
             let variance_weight = weight(tuning.undeclared_brake_sigma_cells);
             self.variance += variance_weight * (square - self.variance);
         }

@@ -4,6 +4,7 @@ use super::accepted_ranges::ALTITUDES_M;
 use super::latest::Latest;
 use crate::cell::CELL_LENGTH_M;
 use crate::sample::{AltitudeContinuity, AltitudeMeasurement};
+use crate::scalar::Scalar;
 use crate::signal::{Signal, Value};
 use crate::time::Instant;
 use crate::tuning::Tuning;
@@ -31,7 +32,7 @@ const STEP_RATIO: f32 = 2.0;
 impl PositionFix {
     /// Returns whether a vehicle can have come here from an earlier fix.
     fn follows(&self, earlier: &Self) -> bool {
-        let reach_m = STEP_SLACK_M + STEP_RATIO * (self.at_m - earlier.since_m).max(0.0);
+        let reach_m = STEP_SLACK_M + STEP_RATIO * Scalar::max(0.0, self.at_m - earlier.since_m);
         // Wrapping: the date line.
         let north = self.latitude_e7.wrapping_sub(earlier.latitude_e7) as f32;
         let east = self.longitude_e7.abs_diff(earlier.longitude_e7);
@@ -162,12 +163,16 @@ impl Gnss {
         let noise = &tuning.measurement_noise;
         let dilution = quality(&self.vdop).or(quality(&self.hdop)).unwrap_or(1.0);
         let few = satellites.map_or(1.0, |count| {
-            1.0 + noise.dilution_per_missing_satellite * (noise.many_satellites - count).max(0.0)
+            1.0 + noise.dilution_per_missing_satellite
+                * Scalar::max(0.0, noise.many_satellites - count)
         });
         let measurement = AltitudeMeasurement {
             altitude_m,
             behind_m: 0.0,
-            dilution: dilution.max(few).max(1.0).min(noise.largest_dilution),
+            dilution: Scalar::min(
+                noise.largest_dilution,
+                Scalar::max(1.0, Scalar::max(few, dilution)),
+            ),
             continuity,
         };
         self.altitude = Some((measurement, at_m));
@@ -233,6 +238,7 @@ impl Gnss {
     }
 
     /// Puts all fixes back by a distance.
+    #[inline(never)] // Called from several places.
     pub(super) fn put_back(&mut self, metres: f32) {
         let fixes = [&mut self.fix, &mut self.earlier_fix, &mut self.doubted_fix];
         for fix in fixes.into_iter().flatten() {

@@ -56,6 +56,7 @@ impl GnssTiming {
     }
 
     /// Returns the latency that the speeds show: where both comparisons agree, the finer one.
+    #[inline(never)] // Several places ask.
     fn learned(&self) -> Option<Duration> {
         let fine = self.fine.learned();
         let Some(coarse) = self.latency else {
@@ -72,7 +73,7 @@ impl GnssTiming {
             return None;
         }
         let latency_s = self.learned()?.seconds();
-        let newest_s = Scalar::min(now.since(self.newest?).seconds(), latency_s);
+        let newest_s = Scalar::min(now.seconds_since(self.newest?), latency_s);
         let mut left_s = latency_s - newest_s;
         let mut way_m = newest_s * self.wheels_mps.front()?;
         let earlier = self.wheels_mps.iter().skip(1);
@@ -147,7 +148,7 @@ impl GnssTiming {
         if !self.wheels_mps.is_full() || speed_mps < tuning.turn_mps {
             return;
         }
-        let after = now.since(newest).seconds() / STEP.seconds();
+        let after = now.seconds_since(newest) / STEP.seconds();
         if after > 1.5 {
             return;
         }

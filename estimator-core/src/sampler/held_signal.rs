@@ -19,6 +19,7 @@ pub(super) struct HeldSignal {
 
 impl HeldSignal {
     /// Takes a value. Returns whether it is a new one, and not the last one held.
+    #[inline(never)] // Called from two places.
     pub(super) fn is_new(&mut self, value: f32, now: Instant, tuning: &Detection) -> bool {
         let Some((last, since)) = self.last else {
             self.last = Some((value, now));

@@ -111,7 +111,7 @@ impl Sums {
         if aa <= 1e-3 * self.aa || self.count < 10.0 {
             return None;
         }
-        let left = (dd - ad * ad / aa).max(0.0) / self.count;
+        let left = Scalar::max(0.0, dd - ad * ad / aa) / self.count;
         // Errors of successive slots that are alike count as fewer.
         let alike = Scalar::min(self.successive / self.dd, MOST_ALIKE);
         let fewer = if alike > 0.0 {

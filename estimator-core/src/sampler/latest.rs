@@ -52,6 +52,7 @@ impl Latest {
     }
 
     /// Returns whether a switch is on, by a value no older than `age`.
+    #[inline(never)] // Called from several places.
     pub(super) fn is_on(&self, now: Instant, age: Duration) -> bool {
         self.within(now, age).is_some_and(|value| value > 0.5)
     }

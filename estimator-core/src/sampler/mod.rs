@@ -221,11 +221,11 @@ impl Sampler {
     /// cell, m.
     fn fix_distance_m(&self, context: &Context, now: Instant) -> f32 {
         let longest = context.tuning.hold_times.speed_timeout;
-        if let Some(way_m) = self.parts.gnss_timing.way_m(now) {
-            return self.odometer.distance_m(now, Duration::default(), longest) - way_m;
-        }
-        let latency = self.gnss_latency(&context.tuning);
-        self.odometer.distance_m(now, latency, longest)
+        let (latency, way_m) = match self.parts.gnss_timing.way_m(now) {
+            Some(way_m) => (Duration::default(), way_m),
+            None => (self.gnss_latency(&context.tuning), 0.0),
+        };
+        self.odometer.distance_m(now, latency, longest) - way_m
     }
 
     /// Compares a speed over ground with that of the wheels. If this shows another latency, the last
@@ -268,6 +268,7 @@ impl Sampler {
         }
     }
 
+    #[inline(never)] // Called from two places.
     fn altitude(
         &mut self,
         context: &mut Context,

@@ -125,7 +125,7 @@ impl Odometer {
     /// cell does not follow the last one.
     pub(super) fn stand(&mut self, speed: TimedValue) {
         let before = self.last_speed.replace(speed);
-        let seconds = before.map_or(0.0, |last| speed.time.since(last.time).seconds());
+        let seconds = before.map_or(0.0, |last| speed.time.seconds_since(last.time));
         self.open = OpenCell {
             length_m: self.open.length_m,
             duration_s: self.open.duration_s + seconds,

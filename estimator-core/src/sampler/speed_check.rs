@@ -83,7 +83,7 @@ impl SpeedCheck {
 impl TimedValue {
     /// Returns whether a vehicle may come from this speed to another.
     fn leads_to(&self, other: &Self, tuning: &Detection) -> bool {
-        let seconds = other.time.since(self.time).seconds();
+        let seconds = other.time.seconds_since(self.time);
         let most_mps = tuning.speed_step_mps + tuning.speed_hardest_mps2 * seconds;
         (other.value - self.value).abs() <= most_mps
     }

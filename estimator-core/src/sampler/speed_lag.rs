@@ -12,6 +12,7 @@ use super::accepted_ranges::SPEEDS_MPS;
 use super::lag_regression::{Pair, Sums};
 use super::latest::TimedValue;
 use crate::scalar::Scalar;
+use crate::shift_in::shift_in;
 use crate::time::{Duration, Instant};
 use crate::tuning::Detection;
 
@@ -94,9 +95,10 @@ impl SpeedLag {
     }
 
     /// Returns the delay, if it is surely another one than assumed.
+    #[inline(never)] // Several places ask.
     pub(super) fn learned(&self) -> Option<Duration> {
         let learned_s = self.learned_s?;
-        Some(Duration::from_micros((learned_s * 1e6) as u64))
+        Some(Duration::from_micros(u64::from((learned_s * 1e6) as u32)))
     }
 
     /// Takes the mean force since the last wheel speed, N.
@@ -123,7 +125,7 @@ impl SpeedLag {
         // At most five slots and a part: LONGEST.
         while from.time < speed.time {
             let to = self.slot_end.min(speed.time);
-            let seconds = to.since(from.time).seconds();
+            let seconds = to.seconds_since(from.time);
             let value = from.value + slope * seconds;
             self.way_m += 0.5 * (from.value + value) * seconds;
             from = TimedValue { value, time: to };
@@ -152,7 +154,7 @@ impl SpeedLag {
         let mean = if is_next { next } else { open };
         mean.count = mean.count.saturating_add(1);
         mean.sum_mps += speed_mps;
-        mean.before_end_s += end.since(now).seconds();
+        mean.before_end_s += end.seconds_since(now);
     }
 
     /// Notes that the wheel speeds after here do not follow from those before.
@@ -164,16 +166,15 @@ impl SpeedLag {
     }
 
     fn close(&mut self, assumed: Duration, tuning: &Detection) {
-        self.slots.copy_within(0..SLOTS - 1, 1);
-        self.slots[0] = Slot {
+        let slot = Slot {
             wheels_mps: self.way_m / SLOT_S,
             force: self.force,
         };
+        shift_in(&mut self.slots, slot);
         self.way_m = 0.0;
         self.slot_end = self.slot_end + SLOT;
         self.filled = self.filled.saturating_add(1).min(SLOTS as u8);
-        self.ground.copy_within(0..SIDE + 2, 1);
-        self.ground[0] = GroundMean::default();
+        shift_in(&mut self.ground, GroundMean::default());
         if usize::from(self.filled) < SLOTS {
             return;
         }

@@ -210,6 +210,7 @@ impl TractionInput {
 
     /// Returns the net torque, % of the reference torque: that of the shaft, else SPN 513 + 4154 −
     /// 514. SPN 513 is indicated torque, which includes friction.
+    #[inline(never)] // Called from several places.
     pub(super) fn net_torque_percent(&self, context: &Context, now: Instant) -> Option<f32> {
         let timeout = context.tuning.hold_times.torque_timeout;
         if let Some(shaft) = self.shaft_percent(context, now) {
@@ -262,7 +263,7 @@ impl ForceIntegral {
 
     fn extend(&mut self, mean_n: f32, now: Instant) {
         if let Some(last) = self.last {
-            let seconds = now.since(last.time).seconds();
+            let seconds = now.seconds_since(last.time);
             self.newton_seconds += mean_n * seconds;
             self.seconds += seconds;
         }

@@ -202,13 +202,8 @@ const fn reciprocal(of: u64) -> u64 {
     // The bit is set: the compiler then knows that this is not zero.
     let first = (u32::MAX / ((of >> 48) as u32 | 0x8000)) as u64;
     let rest = (1_u64 << 49).wrapping_sub(high * first) >> 17;
+    // Two over one half would be one more than 32 bits hold, but there `first` is rounded down.
     let second = (first * rest) >> 16;
-    // Two over one half is one more than 32 bits hold.
-    let second = if second > u32::MAX as u64 {
-        u32::MAX as u64
-    } else {
-        second
-    };
     let rest = (high * second + (((of & 0xffff_ffff) * second) >> 32)).wrapping_neg();
     (rest >> 32) * second + (((rest & 0xffff_ffff) * second) >> 32)
 }

@@ -163,6 +163,7 @@ macro_rules! float_scalar {
 ///
 /// The float unit of a controller has an instruction for it, but `core` does not offer that yet;
 /// libm's function, to the last digit always, takes five times as long.
+#[inline(never)] // Roots are taken in two dozen places.
 fn heron(square: f32) -> f32 {
     if square == f32::INFINITY {
         return square;

@@ -2,7 +2,7 @@
 
 use super::fast_packet::{FastPackets, Unfinished};
 use super::frame_outcome::{FrameOutcome, Pgn, Rejection};
-use super::layout::{Framing, MESSAGES, Message, index_of};
+use super::layout::{DESCRIPTIONS, Field, Framing, MESSAGES, Message, index_of};
 use super::reading::Reading;
 use super::transport::TransportSessions;
 use crate::time::Instant;
@@ -91,11 +91,17 @@ impl Decoder {
             source: pgn.source,
         };
         let (payload, fields) = message.checked(payload, only_read);
-        for field in fields {
-            if let Some(value) = field.read(payload) {
-                let signal = field.signal;
-                sink(index, pgn, Reading { signal, value });
+        let mut read = |fields: &[Field]| {
+            for field in fields {
+                if let Some(value) = field.read(payload) {
+                    let signal = field.signal;
+                    sink(index, pgn, Reading { signal, value });
+                }
             }
+        };
+        read(fields);
+        if !only_read {
+            read(DESCRIPTIONS.get(index).map_or(&[], |of| of.unread));
         }
         FrameOutcome::Decoded {
             message: index,

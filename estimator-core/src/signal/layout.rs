@@ -1,4 +1,4 @@
-//! The layout of the messages: decoding and encoding of their fields.
+//! The layout of the messages, and the decoding of their fields.
 
 use super::reading::{Signal, Value};
 use crate::division::Divisor;
@@ -28,11 +28,15 @@ pub enum Framing {
 pub(super) enum Scaling {
     /// `raw * scale + offset`.
     Real { scale: f32, offset: f32 },
-    /// `raw / divisor + offset`, in 1e-7 degrees.
-    DegreesE7 {
-        divisor: &'static Divisor,
-        offset: i64,
-    },
+    /// An angle in 1e-7 degrees.
+    DegreesE7(&'static AngleScaling),
+}
+
+/// Conversion of a raw number to 1e-7 degrees: `raw / divisor + offset`.
+#[derive(Debug)]
+pub(super) struct AngleScaling {
+    pub divisor: Divisor,
+    pub offset: i64,
 }
 
 /// One signal in one message.
@@ -40,15 +44,15 @@ pub(super) enum Scaling {
 pub(super) struct Field {
     pub signal: Signal,
     /// First byte, and first bit in it.
-    first_byte: u8,
-    shift: u8,
-    bits: u8,
-    signed: bool,
+    pub first_byte: u8,
+    pub shift: u8,
+    /// Number of bits, negative for a signed number: in one byte, so that the table is small.
+    width: i8,
     /// Smallest raw numbers of the codes "error" and "not available". The codes go up to the largest
     /// raw number, which for a signed field is half as large. Not used beyond four bytes.
     error_from: u32,
     not_available_from: u32,
-    scaling: Scaling,
+    pub scaling: Scaling,
 }
 
 impl Field {
@@ -73,12 +77,19 @@ impl Field {
             signal,
             first_byte: (start_bit / 8) as u8,
             shift: (start_bit % 8) as u8,
-            bits,
-            signed,
+            width: if signed { -(bits as i8) } else { bits as i8 },
             error_from,
             not_available_from,
             scaling,
         }
+    }
+
+    pub(super) const fn bits(&self) -> u32 {
+        self.width.unsigned_abs() as u32
+    }
+
+    pub(super) const fn is_signed(&self) -> bool {
+        self.width < 0
     }
 }
 
@@ -97,20 +108,16 @@ pub(super) enum PayloadCheck {
 const ERRORS: [u8; 8] = [0xfe; 8];
 
 impl Message {
-    /// Returns payload and fields to decode: all, or those that the estimator reads. Where the sender
-    /// calls its signals degraded (01) or faulty (10), the payload is one of error codes.
+    /// Returns payload and fields to decode. Where the sender calls its signals degraded (01) or faulty
+    /// (10), the payload is one of error codes. An optional field is left out where it is not in the
+    /// payload or, if the estimator alone reads, not available.
     #[inline]
     pub(super) fn checked<'a>(
         &'static self,
         payload: &'a [u8],
         only_read: bool,
     ) -> (&'a [u8], &'static [Field]) {
-        let count = if only_read {
-            self.read
-        } else {
-            self.fields.len()
-        };
-        let fields = self.fields.get(..count).unwrap_or_default();
+        let fields = self.fields;
         match self.check {
             PayloadCheck::None => (payload, fields),
             PayloadCheck::Merit(bit) => match payload.get(usize::from(bit / 8)) {
@@ -126,69 +133,55 @@ impl Message {
     }
 }
 
-/// One message: a parameter group with the fields of interest.
+impl AngleScaling {
+    /// Returns the angle of a raw number.
+    #[inline(never)] // Of 64-bit numbers, and called from several places.
+    fn degrees_e7(&self, number: i64) -> Value {
+        let half = self.divisor.by() / 2;
+        let angle = self.divisor.divide(number.unsigned_abs() + half) as i64;
+        let angle = if number < 0 { -angle } else { angle };
+        match i32::try_from(angle + self.offset) {
+            Ok(angle) => Value::DegreesE7(angle),
+            Err(_) => Value::Error,
+        }
+    }
+}
+
+/// One message: a parameter group with the fields that the estimator reads.
 #[derive(Debug)]
 pub(super) struct Message {
     pub pgn: u32,
-    pub name: &'static str,
-    pub priority: u8,
-    pub length: u8,
     pub framing: Framing,
     /// End of the last field, bit.
     pub end_bit: u16,
     pub check: PayloadCheck,
-    pub convention: Convention,
     pub fields: &'static [Field],
-    /// Number of fields that the estimator reads: the first ones. The others are for tools.
-    pub read: usize,
+}
+
+/// What only tools need of a message, in a table of its own that a controller leaves out.
+#[derive(Debug)]
+pub(super) struct Description {
+    pub name: &'static str,
+    pub priority: u8,
+    pub length: u8,
+    pub convention: Convention,
+    /// Fields that the estimator does not read.
+    pub unread: &'static [Field],
 }
 
 include!(concat!(env!("OUT_DIR"), "/layout_tables.rs"));
 
-/// A message that the decoder knows.
-#[derive(Clone, Copy, Debug)]
-pub struct MessageInfo(&'static Message);
-
-impl MessageInfo {
-    /// Returns the parameter group number.
-    #[must_use]
-    pub const fn pgn(self) -> u32 {
-        self.0.pgn
-    }
-
-    /// Returns the acronym.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        self.0.name
-    }
-
-    /// Returns the default priority.
-    #[must_use]
-    pub const fn priority(self) -> u8 {
-        self.0.priority
-    }
-
-    /// Returns the length of the payload, bytes. Above 8 it takes several frames ([`Self::framing`]).
-    #[must_use]
-    pub const fn length(self) -> usize {
-        self.0.length as usize
-    }
-
-    /// Returns how frames carry it.
-    #[must_use]
-    pub const fn framing(self) -> Framing {
-        self.0.framing
-    }
-
-    /// Returns its signals.
-    pub fn signals(self) -> impl Iterator<Item = Signal> {
-        self.0.fields.iter().map(|field| field.signal)
-    }
-}
-
-/// Returns every message that the decoder knows, by ascending PGN.
-pub fn messages() -> impl Iterator<Item = MessageInfo> {
-    MESSAGES.iter().map(MessageInfo)
+/// Returns the index of a message. That behind the last one is for the frames of the transport
+/// protocol: only what is no message has to look at it.
+#[inline(never)] // Called from two places.
+pub(super) fn index_of(pgn: u32) -> Option<usize> {
+    let slot = pgn.wrapping_mul(MULTIPLIER) >> (u32::BITS - SLOT_BITS);
+    let index = usize::from(*SLOTS.get(slot as usize)?);
+    let is_known = match MESSAGES.get(index) {
+        Some(message) => message.pgn == pgn,
+        None => TRANSPORT_PGNS.contains(&pgn),
+    };
+    is_known.then_some(index)
 }
 
 impl Field {
@@ -196,7 +189,7 @@ impl Field {
     #[inline(always)] // In the one loop over fields.
     pub(super) fn read(&self, payload: &[u8]) -> Option<Value> {
         let rest = payload.get(usize::from(self.first_byte)..)?;
-        if self.bits > 32 {
+        if self.bits() > 32 {
             return rest
                 .first_chunk()
                 .map(|bytes| self.wide(i64::from_le_bytes(*bytes)));
@@ -209,10 +202,10 @@ impl Field {
                 .rev()
                 .fold(0, |word, byte| (word << 8) | u32::from(*byte)),
         };
-        let unused = 32 - u32::from(self.bits);
+        let unused = 32 - self.bits();
         let raw = (word >> self.shift) << unused >> unused;
         let number = ((raw << unused) as i32) >> unused;
-        Some(if self.signed && number < 0 {
+        Some(if self.is_signed() && number < 0 {
             self.physical(number as f32, || number.into())
         } else if raw < self.error_from {
             self.physical(raw as f32, || raw.into())
@@ -236,89 +229,7 @@ impl Field {
     fn physical(&self, nearest: f32, exact: impl FnOnce() -> i64) -> Value {
         match self.scaling {
             Scaling::Real { scale, offset } => Value::Real(nearest * scale + offset),
-            Scaling::DegreesE7 { divisor, offset } => {
-                let number = exact();
-                let half = divisor.by() / 2;
-                let angle = divisor.divide(number.unsigned_abs() + half) as i64;
-                let angle = if number < 0 { -angle } else { angle };
-                match i32::try_from(angle + offset) {
-                    Ok(angle) => Value::DegreesE7(angle),
-                    Err(_) => Value::Error,
-                }
-            }
+            Scaling::DegreesE7(angle) => angle.degrees_e7(exact()),
         }
     }
-
-    const fn mask(&self) -> u64 {
-        u64::MAX >> (64 - self.bits as u32)
-    }
-
-    /// Writes `value` into `payload`, as the nearest raw number that is a measurement.
-    fn write(&self, convention: Convention, value: Value, payload: &mut [u8]) {
-        let mask = self.mask();
-        let raw = match value {
-            Value::Real(value) => match self.scaling {
-                Scaling::Real { scale, offset } => {
-                    let raw = (f64::from(value) - f64::from(offset)) / f64::from(scale);
-                    self.clamp(convention, libm::round(raw) as i64)
-                }
-                Scaling::DegreesE7 { .. } => mask,
-            },
-            Value::DegreesE7(angle) => match self.scaling {
-                Scaling::DegreesE7 { divisor, offset } => self.clamp(
-                    convention,
-                    (i64::from(angle) - offset) * divisor.by() as i64,
-                ),
-                Scaling::Real { .. } => mask,
-            },
-            Value::NotAvailable if convention == Convention::Nmea2000 && self.signed => mask >> 1,
-            Value::NotAvailable => mask,
-            Value::Error if self.bits == 2 => 2,
-            Value::Error if convention == Convention::J1939 && self.bits >= 8 => {
-                0xfe << (self.bits - 8)
-            }
-            Value::Error if self.signed => (mask >> 1) - 1,
-            Value::Error => mask - 1,
-        };
-        let first = usize::from(self.first_byte);
-        let shift = u32::from(self.shift);
-        let bytes = (usize::from(self.bits) + shift as usize).div_ceil(8);
-        for (k, byte) in payload.iter_mut().skip(first).take(bytes).enumerate() {
-            let place = 8 * k as u32;
-            let keep = !((mask << shift) >> place) as u8;
-            *byte = (*byte & keep) | ((raw & mask) << shift >> place) as u8;
-        }
-    }
-
-    /// Limits a raw number to the range of measurements.
-    fn clamp(&self, convention: Convention, raw: i64) -> u64 {
-        let mask = self.mask();
-        let (low, high) = match (convention, self.bits, self.signed) {
-            (_, _, true) => (-((mask >> 1) as i64), (mask >> 1) as i64 - 3),
-            (Convention::J1939, 2, _) => (0, 1),
-            (_, bits, _) if bits < 8 => (0, mask as i64 - 2),
-            (Convention::J1939, bits, _) => (0, ((0xfb_u64 << (bits - 8)) - 1) as i64),
-            (Convention::Nmea2000, ..) => (0, mask as i64 - 3),
-        };
-        raw.clamp(low, high) as u64 & mask
-    }
-}
-
-/// Writes the payload of a message: the inverse of the decoder, for simulators and tests.
-///
-/// `value_of` returns the value of each signal. Fields without a signal are "not available" (all
-/// ones). Returns the payload's length in bytes, or `None` if the PGN is unknown or `payload` is too
-/// short. The caller splits messages of more than 8 bytes into packets.
-pub fn encode(
-    pgn: u32,
-    payload: &mut [u8],
-    mut value_of: impl FnMut(Signal) -> Value,
-) -> Option<usize> {
-    let message = MESSAGES.get(index_of(pgn)?)?;
-    let payload = payload.get_mut(..usize::from(message.length))?;
-    payload.fill(0xff);
-    for field in message.fields {
-        field.write(message.convention, value_of(field.signal), payload);
-    }
-    Some(payload.len())
 }

@@ -8,6 +8,7 @@ mod decoder;
 mod fast_packet;
 mod frame_outcome;
 mod layout;
+mod message_info;
 pub mod own_message;
 pub mod raw_field;
 mod reading;
@@ -15,7 +16,8 @@ mod transport;
 
 pub use decoder::Decoder;
 pub use frame_outcome::{FrameOutcome, Pgn, Rejection};
-pub use layout::{Framing, MessageInfo, encode, messages};
+pub use layout::Framing;
+pub use message_info::{MessageInfo, encode, messages};
 pub use reading::{Reading, Signal, Value};
 
 /// The J1939 messages that are read, as a `.dbc` file.

@@ -32,6 +32,7 @@ impl<S: Scalar> BackwardPass<S> {
     }
 
     /// Returns the smoothed estimate of a quantity, given the filter's.
+    #[inline(never)] // Called from several places.
     #[must_use]
     pub fn smooth(&self, filtered: &QuantityEstimate<S>) -> QuantityEstimate<S> {
         let spread = self.information.times(&filtered.cross);

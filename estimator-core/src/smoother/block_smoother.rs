@@ -51,8 +51,12 @@ impl<S: Scalar> BlockSmoother<S> {
     /// with the states at the end of the block, not with those before it.
     #[must_use]
     pub fn smooth(&self, filtered: &QuantityEstimate<S>) -> QuantityEstimate<S> {
+        let mut cross = StateVector::ZERO;
+        for (element, column) in cross.0.iter_mut().zip(&self.columns) {
+            *element = filtered.cross.dot(column);
+        }
         QuantityEstimate {
-            cross: StateVector(self.columns.map(|column| filtered.cross.dot(&column))),
+            cross,
             ..self.within.smooth(filtered)
         }
     }

@@ -41,10 +41,51 @@ impl ParameterError {
     }
 }
 
+/// The range of a parameter.
+pub(crate) struct Limits {
+    /// Key in the vehicle file.
+    pub key: &'static str,
+    /// Smallest value.
+    pub low: f32,
+    /// Largest value.
+    pub high: f32,
+    /// What is expected, with its unit.
+    pub expected: &'static str,
+}
+
+impl Limits {
+    pub(crate) const fn new(
+        key: &'static str,
+        low: f32,
+        high: f32,
+        expected: &'static str,
+    ) -> Self {
+        Self {
+            key,
+            low,
+            high,
+            expected,
+        }
+    }
+}
+
+/// Checks values, each by its limits.
+///
+/// # Errors
+/// The first parameter that is not finite or beyond its limits.
+#[inline(never)] // Only for a vehicle's creation.
+pub(crate) fn check_all(limits: &[Limits], values: &[f32]) -> Result<(), ParameterError> {
+    for (of, value) in limits.iter().zip(values) {
+        check(of.key, *value, of.low, of.high, of.expected)?;
+    }
+    Ok(())
+}
+
 /// Checks that a value is finite and from `low` to `high`.
 ///
 /// # Errors
 /// The parameter with its value and what is expected, if it is not.
+#[inline(never)] // Only for a vehicle's creation.
 pub(crate) fn check(
     key: &'static str,
     value: f32,

@@ -1,7 +1,21 @@
 //! Parameters of a vehicle, as a vehicle file holds them.
 
-use super::parameter_check::{ParameterError, check};
+use super::parameter_check::{Limits, ParameterError, check_all};
 use super::powertrain::Traction;
+
+/// What road vehicles have.
+const LIMITS: [Limits; 5] = [
+    Limits::new("vehicle.mass_kg", 500.0, 200_000.0, "500 to 200000 kg"),
+    Limits::new("vehicle.drag_area_m2", 0.0, 30.0, "0 to 30 m²"),
+    Limits::new("vehicle.rolling_resistance", 0.0, 0.1, "0 to 0.1"),
+    Limits::new("vehicle.wheel_radius_m", 0.1, 2.0, "0.1 to 2 m"),
+    Limits::new(
+        "vehicle.wheel_inertia_kgm2",
+        0.0,
+        10_000.0,
+        "0 to 10000 kg m²",
+    ),
+];
 
 /// Parameters of a vehicle without effects (thesis eq. 1 to 9). SI units.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,41 +40,14 @@ impl VehicleParameters {
     /// # Errors
     /// The first parameter that is not finite or outside what road vehicles have.
     pub fn check(&self) -> Result<(), ParameterError> {
-        check(
-            "vehicle.mass_kg",
+        let values = [
             self.mass_kg,
-            500.0,
-            200_000.0,
-            "500 to 200000 kg",
-        )?;
-        check(
-            "vehicle.drag_area_m2",
             self.drag_area_m2,
-            0.0,
-            30.0,
-            "0 to 30 m²",
-        )?;
-        check(
-            "vehicle.rolling_resistance",
             self.rolling_resistance,
-            0.0,
-            0.1,
-            "0 to 0.1",
-        )?;
-        check(
-            "vehicle.wheel_radius_m",
             self.wheel_radius_m,
-            0.1,
-            2.0,
-            "0.1 to 2 m",
-        )?;
-        check(
-            "vehicle.wheel_inertia_kgm2",
             self.wheel_inertia_kgm2,
-            0.0,
-            10_000.0,
-            "0 to 10000 kg m²",
-        )?;
+        ];
+        check_all(&LIMITS, &values)?;
         match &self.traction {
             Traction::Powertrain(powertrain) => powertrain.check(),
             Traction::Force => Ok(()),

@@ -1,10 +1,34 @@
 //! Engine, gearbox and final drive, and which gear is engaged (thesis eq. 1-4).
 
-use super::parameter_check::{ParameterError, check};
+use super::parameter_check::{Limits, ParameterError, check_all};
+use crate::scalar::Scalar;
 use heapless::Vec;
 
 /// Largest number of gears.
 pub const MAX_GEARS: usize = 24;
+
+const EFFICIENCY: &str = "above 0.5, at most 1";
+/// What road vehicles have.
+const LIMITS: [Limits; 4] = [
+    Limits::new(
+        "powertrain.engine_inertia_kgm2",
+        0.0,
+        100.0,
+        "0 to 100 kg m²",
+    ),
+    Limits::new(
+        "powertrain.reference_torque_nm",
+        10.0,
+        64_255.0,
+        "10 to 64255 Nm",
+    ),
+    Limits::new("powertrain.final_drive_ratio", 0.5, 20.0, "0.5 to 20"),
+    Limits::new("powertrain.final_drive_efficiency", 0.5, 1.0, EFFICIENCY),
+];
+const GEAR_LIMITS: [Limits; 2] = [
+    Limits::new("powertrain.gears.ratio", 0.1, 50.0, "0.1 to 50"),
+    Limits::new("powertrain.gears.efficiency", 0.5, 1.0, EFFICIENCY),
+];
 
 /// Where the traction force comes from.
 #[allow(
@@ -69,35 +93,13 @@ impl Driveline {
 
 impl Powertrain {
     pub(super) fn check(&self) -> Result<(), ParameterError> {
-        let efficiency = "above 0.5, at most 1";
-        check(
-            "powertrain.engine_inertia_kgm2",
+        let values = [
             self.engine_inertia_kgm2,
-            0.0,
-            100.0,
-            "0 to 100 kg m²",
-        )?;
-        check(
-            "powertrain.reference_torque_nm",
             self.reference_torque_nm,
-            10.0,
-            64_255.0,
-            "10 to 64255 Nm",
-        )?;
-        check(
-            "powertrain.final_drive_ratio",
             self.final_drive_ratio,
-            0.5,
-            20.0,
-            "0.5 to 20",
-        )?;
-        check(
-            "powertrain.final_drive_efficiency",
             self.final_drive_efficiency,
-            0.5,
-            1.0,
-            efficiency,
-        )?;
+        ];
+        check_all(&LIMITS, &values)?;
         if self.gears.is_empty() {
             return Err(ParameterError {
                 effect: None,
@@ -107,14 +109,7 @@ impl Powertrain {
             });
         }
         for gear in &self.gears {
-            check("powertrain.gears.ratio", gear.ratio, 0.1, 50.0, "0.1 to 50")?;
-            check(
-                "powertrain.gears.efficiency",
-                gear.efficiency,
-                0.5,
-                1.0,
-                efficiency,
-            )?;
+            check_all(&GEAR_LIMITS, &[gear.ratio, gear.efficiency])?;
         }
         Ok(())
     }
@@ -143,15 +138,18 @@ impl Powertrain {
     #[must_use]
     pub fn gear_of_ratio(&self, ratio: f32, tolerance: f32) -> Option<Gear> {
         let distance = |gear: &Gear| (gear.ratio - ratio).abs();
-        let nearest = self
-            .gears
-            .iter()
-            .reduce(|a, b| if distance(b) < distance(a) { b } else { a })?;
-        if distance(nearest) <= tolerance * nearest.ratio {
-            return Some(*nearest);
+        let mut nearest = *self.gears.first()?;
+        let (mut smallest, mut largest) = (nearest.ratio, nearest.ratio);
+        for gear in &self.gears {
+            if distance(gear) < distance(&nearest) {
+                nearest = *gear;
+            }
+            smallest = Scalar::min(smallest, gear.ratio);
+            largest = Scalar::max(largest, gear.ratio);
         }
-        let largest = self.gears.iter().fold(0.0_f32, |m, g| m.max(g.ratio));
-        let smallest = self.gears.iter().fold(largest, |m, g| m.min(g.ratio));
+        if distance(&nearest) <= tolerance * nearest.ratio {
+            return Some(nearest);
+        }
         (ratio > 0.9 * smallest && ratio < 1.1 * largest).then_some(Gear {
             ratio,
             efficiency: nearest.efficiency,

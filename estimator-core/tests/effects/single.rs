@@ -1,7 +1,7 @@
 //! Each effect by itself: its force at known values, its derivative, its sign, its force where
 //! inputs are unknown, and refused amounts.
 
-use estimator_core::effect::{self, Acts, Bounds, CATALOGUE, MAX_EFFECT_PARAMETERS};
+use estimator_core::effect::{self, Acts, Bounds, CATALOGUE, MAX_EFFECT_PARAMETERS, Physics};
 use estimator_core::sample::{EffectInputs, ForceInputs, Sample};
 use estimator_core::vehicle::GRAVITY;
 use estimator_core::{AdoptedEffect, CellEnd, Effect, Maybe, Model, VehicleParameters};
@@ -133,7 +133,7 @@ fn names_are_unique_and_found() {
     for effect in CATALOGUE {
         assert_eq!(effect::named(effect.name), Some(effect));
         assert!(effect.parameters.len() <= MAX_EFFECT_PARAMETERS);
-        assert!(effect.typical > 0.0 && holds(&effect.range, effect.typical));
+        assert!(effect.typical > 0.0 && effect.range.holds(effect.typical));
         let description = effect::description_of(effect).unwrap();
         let (about, source) = (description.about, description.source);
         for text in [effect.unit, about, source, effect.range.words] {
@@ -141,14 +141,25 @@ fn names_are_unique_and_found() {
         }
         for parameter in effect.parameters {
             let default = parameter.default.get();
-            assert!(default.is_none_or(|value| holds(&parameter.range, value)));
+            assert!(default.is_none_or(|value| parameter.range.holds(value)));
         }
     }
     assert_eq!(effect::named("hysteresis"), None);
 }
 
-fn holds(bounds: &Bounds, value: f32) -> bool {
-    (bounds.low..=bounds.high).contains(&value)
+#[test]
+fn a_range_holds_its_ends_and_no_nan() {
+    let bounds = Bounds::new(-0.5, 2.0, "-0.5 to 2");
+    for (value, is_within) in [
+        (-0.5, true),
+        (2.0, true),
+        (-0.501, false),
+        (2.001, false),
+        (f32::NAN, false),
+        (f32::INFINITY, false),
+    ] {
+        assert_eq!(bounds.holds(value), is_within, "{value}");
+    }
 }
 
 #[test]
@@ -217,6 +228,19 @@ fn unknown_inputs_make_no_force() {
         let adopted = adopted(name, amount, parameters);
         assert!(adopted.force_n(&vehicle, &known) > 100.0, "{name}");
         assert_eq!(adopted.force_n(&vehicle, &blind), 0.0, "{name}");
+    }
+    // A stretch without a place is everywhere, also where no position is known.
+    let everywhere = adopted("road_surface", 0.001, &[]);
+    assert_eq!(
+        everywhere.force_n(&vehicle, &blind),
+        everywhere.force_n(&vehicle, &known)
+    );
+    // Without the parameter that it cannot do without, an effect has no force.
+    for name in ["road_surface", "tyre_warmup"] {
+        let mut adopted = adopted(name, 0.01, &[]);
+        assert!(adopted.force_n(&vehicle, &known) > 0.0, "{name}");
+        adopted.parameters = [Maybe::NONE; MAX_EFFECT_PARAMETERS];
+        assert_eq!(adopted.force_n(&vehicle, &known), 0.0, "{name}");
     }
     // Non-finite inputs make no non-finite force.
     for value in [f32::NAN, f32::INFINITY] {
@@ -367,6 +391,53 @@ fn impossible_amounts_are_refused_by_name() {
         }
         assert!(!AdoptedEffect::new(effect, 0.0, 0.0).set("speed_kmh", 1.0));
     }
+}
+
+#[test]
+fn adopted_forces_add_up_and_factors_are_no_forces() {
+    let vehicle = heavy();
+    let sample = cruise(&vehicle, 1.0);
+    let mut effects = Model::from(heavy()).effects;
+    let [air, tyres, mass] = [("air_drag", 0.6), ("tyre_warmup", 0.3), ("mass", 0.1)]
+        .map(|(name, amount)| adopted(name, amount, &[]));
+    for each in [air, tyres, mass] {
+        effects.adopt(each).unwrap();
+    }
+    let expected_n = air.force_n(&vehicle, &sample) + tyres.force_n(&vehicle, &sample);
+    let found_n = effects.force_n(&vehicle, &sample);
+    assert!(
+        (found_n / expected_n - 1.0).abs() < 1e-6,
+        "{found_n} {expected_n}"
+    );
+    assert_eq!(effects.factor(Acts::Mass), 1.1);
+    assert_eq!(effects.factor(Acts::Resists), 1.0);
+}
+
+#[test]
+fn an_effect_beyond_the_catalogue_is_refused_where_there_is_no_room() {
+    static OWN: Effect = Effect {
+        number: 250,
+        name: "own",
+        unit: "N",
+        typical: 100.0,
+        range: Bounds::new(0.0, 1_000.0, "0 to 1000 N"),
+        parameters: &[],
+        acts: Acts::Resists,
+        physics: Physics::PerUnit(|_, _, _| 1.0),
+    };
+    let own = AdoptedEffect::new(&OWN, 100.0, 0.0);
+    let mut effects = Model::from(heavy()).effects;
+    for effect in &CATALOGUE[1..] {
+        effects.adopt(AdoptedEffect::new(effect, 0.1, 0.0)).unwrap();
+    }
+    let mut with_own = effects.clone();
+    assert_eq!(with_own.adopt(own), Ok(()));
+    effects
+        .adopt(AdoptedEffect::new(CATALOGUE[0], 0.1, 0.0))
+        .unwrap();
+    let full = effects.clone();
+    assert_eq!(effects.adopt(own), Err(own));
+    assert_eq!(effects, full);
 }
 
 #[test]

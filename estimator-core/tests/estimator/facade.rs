@@ -258,7 +258,10 @@ fn impossible_vehicles_are_refused_by_name() {
         change(&mut vehicle);
         Estimator::<f32>::new(vehicle, Tuning::default()).unwrap_err()
     };
-    assert_eq!(refused(&|v| v.mass_kg = -1.0).key, "vehicle.mass_kg");
+    let mass = refused(&|v| v.mass_kg = -1.0);
+    assert_eq!(mass.key, "vehicle.mass_kg");
+    let words = format!("vehicle.mass_kg = -1: expected {}", mass.expected);
+    assert_eq!(mass.to_string(), words);
     assert_eq!(refused(&|v| v.mass_kg = f32::NAN).key, "vehicle.mass_kg");
     assert_eq!(
         refused(&|v| v.wheel_radius_m = 0.0).key,

@@ -1,5 +1,6 @@
 //! Inputs with a wrong time or speed, inputs that come too often, and inputs of another source.
 
+use estimator_core::intake::RateMonitor;
 use estimator_core::signal::{FrameOutcome, Rejection, encode};
 use estimator_core::{Counters, Decoder, Estimator, Instant, Outcome, Signal, Tuning, Value};
 use test_kit::{TestFrame, frames_of, truck};
@@ -306,4 +307,33 @@ fn a_packet_that_never_ends_is_counted() {
         .filter(|outcome| **outcome == cut_off)
         .count();
     assert_eq!(count, 2, "{outcomes:?}");
+}
+
+#[test]
+fn a_session_with_a_hole_is_counted_as_broken() {
+    let mut frames = frames_of(65_251, 0, 0, &[0x55; 39]);
+    frames.remove(3);
+    let mut estimator = Estimator::<f32>::new(truck(), Tuning::default()).unwrap();
+    let mut broken = Vec::new();
+    for (k, frame) in (0..).zip(&frames) {
+        let now = Instant::from_micros(50_000 * k);
+        if let Outcome::Rejected(rejection) = estimator.on_frame(now, frame) {
+            broken.push(rejection);
+        }
+    }
+    assert_eq!(broken, [Rejection::TransportOrder]);
+    let counters = estimator.counters();
+    assert_eq!(
+        (counters.sessions_broken, counters.frames_malformed),
+        (1, 0)
+    );
+}
+
+#[test]
+fn a_message_that_the_monitor_does_not_know_has_no_rate() {
+    let mut monitor = RateMonitor::new();
+    for millis in 0..1_000 {
+        let now = Instant::from_micros(1_000 * millis);
+        assert!(!monitor.exceeds(usize::MAX, now));
+    }
 }

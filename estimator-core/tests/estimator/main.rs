@@ -7,3 +7,4 @@ mod engine_configuration;
 mod facade;
 mod input_faults;
 mod newer_messages;
+mod whole_interface;

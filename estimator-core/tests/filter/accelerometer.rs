@@ -136,14 +136,121 @@ fn one_that_sticks_is_rejected() {
     assert!(with < 0.1, "{with}");
 }
 
+/// Keeps the traction of the cell before in some cells.
+fn stuck(mut samples: Vec<Sample>, cells: core::ops::Range<usize>) -> Vec<Sample> {
+    let stuck_n = samples[cells.start - 1].forces.traction_n;
+    for sample in &mut samples[cells] {
+        sample.forces.traction_n = stuck_n;
+    }
+    samples
+}
+
+/// Returns the number of the first cell whose torque is marked, and of the last one.
+fn marked(samples: &[Sample]) -> Option<(usize, usize)> {
+    let mut run = FilterRun::<f32>::new(truck(), Tuning::default());
+    let marks: Vec<_> = samples
+        .iter()
+        .map(|sample| {
+            run.step(sample)
+                .expect("a speed")
+                .record
+                .disagreement
+                .torque
+        })
+        .collect();
+    let first = marks.iter().position(|is_marked| *is_marked)?;
+    Some((first, marks.iter().rposition(|is_marked| *is_marked)?))
+}
+
+#[test]
+fn one_that_falls_silent_leaves_the_force_as_it_is_and_stands_in_again() {
+    let silent = 2_000..2_100;
+    let missing = 2_500..3_000;
+    let mut samples = without_traction(drive(right), missing.clone());
+    for sample in &mut samples[silent.clone()] {
+        sample.inertial = None;
+    }
+    let (with, rejected) = slopes(&samples);
+    assert_eq!(rejected, 0);
+    let (of_silence, of_missing) = (rmse(&with, silent), rmse(&with, missing));
+    assert!(
+        of_silence < 0.1 && of_missing < 0.2,
+        "{of_silence} {of_missing}"
+    );
+}
+
+#[test]
+fn a_force_counts_again_where_the_accelerometer_that_doubts_it_falls_silent() {
+    let samples = stuck(drive(right), 2_000..2_300);
+    let (first, last) = marked(&samples).expect("a mark");
+    assert!(last > first + 100, "{first} {last}");
+    let mut silent = samples;
+    for sample in &mut silent[first + 20..2_400] {
+        sample.inertial = None;
+    }
+    assert_eq!(marked(&silent), Some((first, first + 19)));
+}
+
+#[test]
+fn a_single_wild_reading_is_not_learned() {
+    let wild = |felt_mps2: f32, cell: u32| {
+        let is_wild = cell == 300 || cell > 1_500 && cell.is_multiple_of(300);
+        right(felt_mps2, cell) + if is_wild { 4.0 } else { 0.0 }
+    };
+    let missing = 4_000..4_100;
+    let of = |reading: &dyn Fn(f32, u32) -> f32| {
+        let samples = without_traction(drive(reading), missing.clone());
+        let (slopes, rejected) = slopes(&samples);
+        assert_eq!(rejected, 0);
+        rmse(&slopes, missing.clone())
+    };
+    let (with, clean) = (of(&wild), of(&right));
+    assert!(with < clean + 0.05, "{with} {clean}");
+}
+
+#[test]
+fn a_wild_reading_before_anything_is_known_is_forgotten() {
+    let wild = |felt_mps2: f32, cell: u32| {
+        let wild_mps2 = if cell == 20 { 25.0 } else { 0.0 };
+        right(felt_mps2, cell) + wild_mps2
+    };
+    let missing = 4_000..4_100;
+    let samples = without_traction(drive(wild), missing.clone());
+    let with = rmse(&slopes(&samples).0, missing.clone());
+    let blind = rmse(&slopes(&without(samples)).0, missing);
+    assert!(with < 0.3 && with < blind, "{with} {blind}");
+}
+
+#[test]
+fn a_torque_that_is_stuck_for_long_is_not_believed_where_the_road_is_the_same_again() {
+    // Half a wave later the road has the slope that the torque is stuck at: a small one, uphill.
+    let cells = 2_290..2_990;
+    let samples = stuck(drive(right), cells.clone());
+    let (first, last) = marked(&samples).expect("a mark");
+    assert!(first < 2_440 && last > 2_890, "{first} {last}");
+    let (with, _) = slopes(&samples);
+    let with = rmse(&with, cells);
+    assert!(with < 0.5, "{with}");
+}
+
+#[test]
+fn a_stuck_traction_is_found_also_where_the_mass_of_the_engine_is_not_known() {
+    let mut samples = stuck(drive(right), 2_000..2_300);
+    for sample in &mut samples {
+        // That of the wheels alone.
+        sample.forces.rotating_kg = 400.0;
+    }
+    let (first, last) = marked(&samples).expect("a mark");
+    assert!(
+        (2_000..2_130).contains(&first) && last < 2_600,
+        "{first} {last}"
+    );
+}
+
 #[test]
 fn a_stuck_traction_is_marked_and_not_followed() {
     let cells = 2_000..2_300;
-    let mut samples = drive(right);
-    let stuck_n = samples[1_999].forces.traction_n;
-    for sample in &mut samples[cells.clone()] {
-        sample.forces.traction_n = stuck_n;
-    }
+    let samples = stuck(drive(right), cells.clone());
     let mut run = FilterRun::<f32>::new(truck(), Tuning::default());
     let records: Vec<_> = samples
         .iter()

@@ -1,7 +1,7 @@
 //! GNSS altitudes that are wrong: outliers, steps, drifts, silence, other sources, a stuck receiver.
 
 use estimator_core::filter::{AltitudeEvent, ModelMass};
-use estimator_core::sample::AltitudeContinuity;
+use estimator_core::sample::{AltitudeContinuity, Sample};
 use estimator_core::{Counters, Signal, Tuning};
 use test_kit::by_force;
 use test_kit::readings_drive::ReadingsDrive;
@@ -16,6 +16,15 @@ fn level_drive(fault: impl Fn(u32) -> f32) -> (Vec<FilteredStep<f64>>, Counters)
 fn drive_with_fixes(
     length: u32,
     fix: impl Fn(u32, f32) -> Option<f32>,
+) -> (Vec<FilteredStep<f64>>, Counters) {
+    changed_drive(length, fix, |_, _| ())
+}
+
+/// Simulates the same drive with samples that `change` changes.
+fn changed_drive(
+    length: u32,
+    fix: impl Fn(u32, f32) -> Option<f32>,
+    change: impl Fn(u32, &mut Sample),
 ) -> (Vec<FilteredStep<f64>>, Counters) {
     let vehicle = truck();
     let weight_n = vehicle.mass_kg * 9.806_65;
@@ -32,6 +41,7 @@ fn drive_with_fixes(
             if k % 8 == 0 {
                 s.altitude = fix(k, 100.0 + 0.3 * noise.draw()).and_then(altitude);
             }
+            change(k, &mut s);
             run.step(&s).expect("every sample has a speed")
         })
         .collect();
@@ -138,6 +148,45 @@ fn a_drift_is_detected_and_rejected_until_it_ends() {
             .unwrap();
         assert!((after.value - 100.0).abs() < 6.0, "{after:?}");
     }
+}
+
+#[test]
+fn a_stop_in_a_drift_does_not_end_it() {
+    let drift = ramp(1_500, 1_900, 1.0);
+    let (cells, counters) = changed_drive(
+        4_000,
+        |k, altitude_m| Some(altitude_m + drift(k)),
+        |k, sample| sample.after_stop = k == 1_800,
+    );
+    assert_eq!(counters.altitude_drifts, 1);
+    let events = events(&cells);
+    let [(_, AltitudeEvent::SetAnew), (found, _), (ended, last)] = events[..] else {
+        panic!("{events:?}");
+    };
+    assert!(found < 1_700 && (1_900..2_150).contains(&ended));
+    assert!(matches!(last, AltitudeEvent::DriftEnded(_)), "{last:?}");
+    assert!(worst_grade(&cells) < 0.25, "{}", worst_grade(&cells));
+}
+
+#[test]
+fn a_receiver_that_drifted_while_the_vehicle_stood_moves_its_datum_only() {
+    let jump_m = |k: u32| if k < 1_000 { 0.0 } else { 12.0 };
+    let (cells, counters) = changed_drive(
+        2_000,
+        |k, altitude_m| Some(altitude_m + jump_m(k)),
+        |k, sample| {
+            if let Some(altitude) = sample.altitude.as_mut().filter(|_| k == 1_000) {
+                altitude.continuity = AltitudeContinuity::Drifted;
+            }
+        },
+    );
+    assert_eq!((counters.altitude_resets, counters.altitude_steps), (1, 0));
+    assert_eq!(counters.altitudes_rejected, 0);
+    assert_eq!(events(&cells).len(), 1, "the first fix only");
+    unmoved(&cells[995], &cells[1_010]);
+    let estimate = cells[1_990].state.estimate(&ModelMass::default());
+    let altitude_m = estimate.altitude_m.unwrap().value;
+    assert!((altitude_m - 100.0).abs() < 4.0, "{altitude_m}");
 }
 
 #[test]

@@ -172,3 +172,21 @@ fn the_load_of_a_drive_that_begins_in_motion_is_found_within_10_km() {
         }
     }
 }
+
+#[test]
+fn a_load_that_nothing_tells_is_taken_for_that_of_before_after_twenty_kilometres() {
+    // At a steady speed on a level road every load fits.
+    let force_n = air_n(400.0) + f64::from(truck().rolling_resistance) * FILE_KG * GRAVITY;
+    let samples: Vec<_> = (1..=9_000)
+        .map(|cell| {
+            let mut sample = sample(cell, force_n as f32, 20.0);
+            sample.speed = speed(20.0);
+            sample
+        })
+        .collect();
+    let steps = driven(&samples, FILE_KG, &Tuning::default());
+    let sigma = |cell: usize| steps[cell].0.state.sigma(StateIndex::Scale);
+    // 20 km are 8,000 cells.
+    assert!(sigma(7_990) > 0.2, "{}", sigma(7_990));
+    assert!(sigma(8_010) < 0.5 * sigma(7_990), "{}", sigma(8_010));
+}

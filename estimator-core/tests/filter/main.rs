@@ -1,6 +1,7 @@
 //! The filter: its states, its solution, its statistics, its gates.
 
 mod accelerometer;
+mod altitude_delay;
 mod altitude_gate;
 mod batch;
 #[cfg(feature = "fixed")]
@@ -8,6 +9,7 @@ mod fixed_point_drive;
 mod gross_mass;
 mod independent_solutions;
 mod loads;
+mod prediction;
 mod scale_bounds;
 mod states;
 mod statistics;

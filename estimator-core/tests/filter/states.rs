@@ -5,7 +5,7 @@ use estimator_core::FixedPoint;
 use estimator_core::filter::{Covariance, STATES, State, StateIndex, StateVector};
 use estimator_core::{Scalar, Tuning};
 use nalgebra::{SMatrix, SVector};
-use test_kit::{altitude, run, sample, speed};
+use test_kit::{FilterRun, altitude, run, sample, speed, truck};
 
 #[test]
 fn all_states_are_in_the_order_of_their_numbers() {
@@ -47,6 +47,7 @@ fn covariance<S: Scalar + nalgebra::Scalar>(
 fn assert_round_trip<S: Scalar + nalgebra::Scalar>(mean: &StateVector<S>, matrix: &Covariance<S>) {
     let (dense_mean, dense) = (mean.to_nalgebra(), matrix.to_nalgebra());
     assert_eq!(vector(&dense_mean), *mean);
+    assert_eq!(mean.as_array(), dense_mean.as_slice());
     for upper in [true, false] {
         assert_eq!(covariance(&dense, upper), *matrix);
     }
@@ -109,8 +110,41 @@ fn single_precision_survives_the_dense_form() {
     assert_round_trips::<f32>();
 }
 
+#[test]
+fn a_state_in_another_number_type_is_the_nearest_one() {
+    let wide: State<f64> = driven();
+    let narrow: State<f32> = wide.cast();
+    assert_eq!(narrow.origin_m, wide.origin_m);
+    assert_eq!(narrow.net_traction, wide.net_traction as f32);
+    for i in StateIndex::ALL {
+        assert_eq!(narrow.mean[i], wide.mean[i] as f32, "{i:?}");
+        for j in StateIndex::ALL {
+            let element = wide.covariance.get(i, j) as f32;
+            assert_eq!(narrow.covariance.get(i, j), element, "{i:?} {j:?}");
+        }
+    }
+    // What is narrow already does not change.
+    let back: State<f32> = narrow.cast::<f64>().cast();
+    assert_eq!(back, narrow);
+}
+
 #[cfg(feature = "fixed")]
 #[test]
 fn fixed_point_survives_the_dense_form() {
     assert_round_trips::<FixedPoint>();
+}
+
+#[test]
+fn before_the_first_speed_there_is_no_state() {
+    let mut run = FilterRun::<f64>::new(truck(), Tuning::default());
+    for cell in 1..=300 {
+        let mut sample = sample(cell, 9_000.0, 20.0);
+        // A brake over half a kilometre, and then none.
+        sample.end.condition.braking = cell <= 200;
+        assert_eq!(run.step(&sample), None, "{cell}");
+    }
+    let mut first = sample(301, 9_000.0, 20.0);
+    first.speed = speed(20.0);
+    assert!(run.step(&first).is_some());
+    assert_eq!(run.context.counters.restarts, 0);
 }

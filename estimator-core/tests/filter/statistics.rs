@@ -10,7 +10,7 @@ use test_kit::dense::{
     ALTITUDE, BIAS, ENERGY, GNSS_ERROR, LearnedByThen, Motion, SCALE, SLOPE, dense_model,
     net_tractions,
 };
-use test_kit::{Noise, altitude, run, sample, speed, truck};
+use test_kit::{FilterRun, Noise, altitude, run, sample, speed, truck};
 
 /// Returns a drive drawn from the model of the filter.
 fn drawn(cells: u32, seed: u64, tuning: &Tuning) -> Vec<Sample> {
@@ -174,4 +174,23 @@ fn halving_the_step_changes_almost_nothing() {
         .iter()
         .fold(0.0_f32, |most, grade| most.max(grade.abs()));
     assert!(spread > 2.0, "{spread}");
+}
+
+#[test]
+fn what_crawls_shows_nothing_of_the_noise_of_the_speed() {
+    let ratio = |crawling: bool| {
+        let mut run = FilterRun::<f64>::new(truck(), Tuning::default());
+        let mut noise = Noise(4);
+        for cell in 1..=2_000 {
+            let is_noisy = cell > 1_000;
+            let mut sample = sample(cell, 3_926.0, 20.0);
+            sample.speed = speed(20.0 + if is_noisy { 0.2 } else { 0.013 } * noise.draw());
+            sample.end.condition.crawling = is_noisy && crawling;
+            run.step(&sample).expect("a speed");
+        }
+        run.filter.noise().speed
+    };
+    let (crawling, driving) = (ratio(true), ratio(false));
+    assert!((0.3..2.0).contains(&crawling), "{crawling}");
+    assert!(driving > 3.0 * crawling, "{driving}");
 }

@@ -127,3 +127,19 @@ proptest! {
         prop_assert!(close(&sum, &(base.to_nalgebra() + a * other.to_nalgebra() * a.transpose())));
     }
 }
+
+#[test]
+fn a_covariance_is_sound_with_finite_variances_that_are_not_negative() {
+    let mut sound = Covariance::<f64>::ZERO;
+    for state in StateIndex::ALL {
+        sound.set(state, state, 2.0);
+    }
+    assert!(sound.is_sound());
+    for state in StateIndex::ALL {
+        for wrong in [-1.0, f64::NAN, f64::INFINITY] {
+            let mut unsound = sound;
+            unsound.set(state, state, wrong);
+            assert!(!unsound.is_sound(), "{state:?} {wrong}");
+        }
+    }
+}

@@ -1,6 +1,6 @@
 //! Damaged flash, and flash of another release.
 
-use super::flash::TestFlash;
+use super::flash::{InPieces, TestFlash};
 use super::tracks::{Drive, Road, check_right, driven, known};
 use estimator_core::roadmap::memory::{MAGIC, RoadMemory, SECTOR_BYTES, Sector};
 use proptest::prelude::*;
@@ -69,9 +69,11 @@ fn pages_of_another_release_are_kept_and_not_read() {
     };
     let foreign = (0..16).filter(|sector| other.bytes[sector * SECTOR_BYTES..].starts_with(&MAGIC));
     assert!(foreign.clone().count() > 1 && foreign.clone().all(is_kept));
-    // Then they make room.
-    let (after, _) = driven(after, Drive::over(Road::new(3, 20_000), 6));
-    assert!(known(&after.open()).len() > 12_000);
+    // Then they make room, before any road does.
+    let (after, _) = driven(after, Drive::over(Road::new(3, 34_000), 6));
+    let memory = after.open();
+    assert_eq!(memory.opened().other_version, 0);
+    assert!(known(&memory).len() > 20_000);
 }
 
 #[test]
@@ -93,6 +95,13 @@ fn other_sizes_are_refused() {
         let flash = TestFlash::blank(sectors);
         assert!(RoadMemory::open(flash, vec![Sector::default(); ram]).is_err());
     }
+    // Sectors are erased one by one, and written 256 bytes at once.
+    let sectors = || vec![Sector::default(); 16];
+    let flash = || TestFlash::blank(16);
+    assert!(RoadMemory::open(InPieces::<4_096, 256>(flash()), sectors()).is_ok());
+    assert!(RoadMemory::open(InPieces::<1_024, 4>(flash()), sectors()).is_ok());
+    assert!(RoadMemory::open(InPieces::<8_192, 256>(flash()), sectors()).is_err());
+    assert!(RoadMemory::open(InPieces::<4_096, 512>(flash()), sectors()).is_err());
 }
 
 proptest! {

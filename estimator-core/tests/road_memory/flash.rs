@@ -105,3 +105,42 @@ impl MappedFlash for TestFlash {
         &self.bytes
     }
 }
+
+/// A flash memory that erases and writes in other pieces.
+#[derive(Clone, Debug)]
+pub struct InPieces<const ERASE: usize, const WRITE: usize>(pub TestFlash);
+
+impl<const ERASE: usize, const WRITE: usize> ErrorType for InPieces<ERASE, WRITE> {
+    type Error = NorFlashErrorKind;
+}
+
+impl<const ERASE: usize, const WRITE: usize> ReadNorFlash for InPieces<ERASE, WRITE> {
+    const READ_SIZE: usize = 1;
+
+    fn read(&mut self, offset: u32, bytes: &mut [u8]) -> Result<(), Self::Error> {
+        self.0.read(offset, bytes)
+    }
+
+    fn capacity(&self) -> usize {
+        self.0.capacity()
+    }
+}
+
+impl<const ERASE: usize, const WRITE: usize> NorFlash for InPieces<ERASE, WRITE> {
+    const WRITE_SIZE: usize = WRITE;
+    const ERASE_SIZE: usize = ERASE;
+
+    fn erase(&mut self, from: u32, to: u32) -> Result<(), Self::Error> {
+        self.0.erase(from, to)
+    }
+
+    fn write(&mut self, offset: u32, bytes: &[u8]) -> Result<(), Self::Error> {
+        self.0.write(offset, bytes)
+    }
+}
+
+impl<const ERASE: usize, const WRITE: usize> MappedFlash for InPieces<ERASE, WRITE> {
+    fn bytes(&self) -> &[u8] {
+        self.0.bytes()
+    }
+}

@@ -45,8 +45,8 @@ fn all_sectors_are_written_alike() {
 
 #[test]
 fn the_ram_is_what_the_documentation_says() {
-    // 24 kB, the flash memory of the test and the list of its sectors apart.
+    // 27 kB, the flash memory of the test and the list of its sectors apart.
     let own = size_of::<Memory>() - size_of::<TestFlash>() - size_of::<Vec<Sector>>();
-    assert!((20_000..=24_576).contains(&own), "{own} bytes");
+    assert!((20_000..=27_648).contains(&own), "{own} bytes");
     assert_eq!(size_of::<Sector>(), 24);
 }

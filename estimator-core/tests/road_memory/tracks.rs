@@ -14,6 +14,8 @@ const METRES_PER_E7: f64 = 0.011_12;
 /// Microseconds from one cell to the next: 25 m/s. A minute has 600 cells.
 const CELL_MICROS: u64 = 100_000;
 pub const MINUTE_CELLS: u32 = 600;
+/// Cells within which all pages of a write are written: one or a few, in shares.
+const WRITE_CELLS: u32 = 30;
 /// Standard deviation of an estimate, %.
 pub const SIGMA: f32 = 0.08;
 
@@ -85,8 +87,10 @@ pub struct Driven {
     pub errors: Vec<(f32, f32)>,
     /// Finished cells until the flash memory failed.
     pub finished: u32,
-    /// Times of the writes, in cells.
+    /// When the writes began, in cells.
     pub writes: Vec<u32>,
+    /// Most operations of the flash memory for one finished cell.
+    pub most_operations: usize,
     pub has_failed: bool,
 }
 
@@ -138,7 +142,7 @@ impl Drive {
         }
     }
 
-    fn true_percent(&self, cell: u32) -> f32 {
+    pub fn true_percent(&self, cell: u32) -> f32 {
         let grade = self.road.grade_percent(self.place(cell));
         if self.is_reversed { -grade } else { grade }
     }
@@ -186,14 +190,20 @@ impl Drive {
             let Some(finished) = cell.checked_sub(LAG) else {
                 continue;
             };
+            let operations = memory.flash().operations;
             if memory.finish(&self.finished(finished)).is_err() {
                 driven.has_failed = true;
                 return driven;
             }
+            let operations = memory.flash().operations - operations;
+            driven.most_operations = driven.most_operations.max(operations);
             driven.finished = finished + 1;
             let now: u32 = memory.erases().sum();
             if now != erased {
-                driven.writes.push(finished);
+                let before = driven.writes.last();
+                if before.is_none_or(|begun| finished - begun >= WRITE_CELLS) {
+                    driven.writes.push(finished);
+                }
                 erased = now;
             }
         }
@@ -201,7 +211,7 @@ impl Drive {
         driven
     }
 
-    fn live(&self, cell: u32) -> Live {
+    pub fn live(&self, cell: u32) -> Live {
         Live {
             end: self.end(cell),
             estimate: Estimate {
@@ -212,7 +222,7 @@ impl Drive {
         }
     }
 
-    fn finished(&self, cell: u32) -> Cell {
+    pub fn finished(&self, cell: u32) -> Cell {
         Cell {
             end: self.end(cell),
             live_grade_percent: self.grade(cell),

@@ -125,3 +125,15 @@ fn values_that_are_not_available_change_nothing() {
         assert!(with.iter().all(|of| of.acceleration_mps2 == 1.0));
     }
 }
+
+#[test]
+fn more_readings_than_the_counter_holds_leave_the_mean_of_those_it_counted() {
+    let mut drive = ReadingsDrive::of(truck());
+    drive.on(5.0, &tenth(&[1.0], 20.0));
+    let mut flood = vec![1.0; usize::from(u16::MAX)];
+    flood.extend([3.0; 1_000]);
+    let during = measured(&drive.on(0.2, &tenth(&flood, 20.0)));
+    assert!(!during.is_empty());
+    assert!(during.iter().all(|of| of.acceleration_mps2 == 1.0));
+    assert_eq!(during[0].count, u8::MAX);
+}

@@ -4,6 +4,7 @@ mod accelerometer;
 mod effect_inputs;
 mod measured_ratio;
 mod model_validity;
+mod positions;
 mod receiver_timing;
 mod reversing;
 mod shaft_torque;

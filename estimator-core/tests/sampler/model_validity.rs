@@ -283,17 +283,77 @@ fn a_gearbox_that_falls_silent_leaves_no_traction() {
     assert_eq!(last.forces.traction_n, 0.0);
 }
 
+/// Returns the readings of an overrun: the engine brakes with no more than its friction of 7 % in the
+/// direct gear.
+fn overrun(mps: f32) -> Vec<(Signal, f32)> {
+    cruising(&[
+        (Signal::DrivelineEngaged, 1.0),
+        (Signal::EngineTorque, 0.0),
+        (Signal::EngineSpeed, RPM * mps / 20.0),
+        (Signal::WheelSpeed, mps),
+    ])
+}
+
+/// Slows down from a speed, and returns the samples.
+fn slow_down(drive: &mut ReadingsDrive, mps: &mut f32, mps2: f32, tenths: u32) -> Vec<Sample> {
+    let before = drive.samples.len();
+    for _ in 0..tenths {
+        *mps -= 0.1 * mps2;
+        drive.on(0.1, &overrun(*mps));
+    }
+    drive.samples[before..].to_vec()
+}
+
+#[test]
+fn a_deceleration_that_lasts_for_half_a_kilometre_was_a_slope() {
+    let mut drive = ReadingsDrive::of(truck());
+    let mut mps = 32.0;
+    let level = slow_down(&mut drive, &mut mps, 0.02, 300);
+    assert_eq!(valid(&level), level.len());
+    let uphill = slow_down(&mut drive, &mut mps, 0.45, 350);
+    assert!(uphill.len() > 300, "{} cells", uphill.len());
+    let first = uphill.iter().position(|of| of.end.condition.braking);
+    let last = uphill.iter().rposition(|of| of.end.condition.braking);
+    let (first, last) = (first.unwrap(), last.unwrap());
+    assert!(first < 20, "{first}");
+    // 200 cells, with those of the hold time.
+    assert!((200..=225).contains(&(last - first)), "{first} {last}");
+}
+
+#[test]
+fn a_brake_that_is_released_is_over_at_once() {
+    let mut drive = ReadingsDrive::of(truck());
+    let mut mps = 25.0;
+    slow_down(&mut drive, &mut mps, 0.02, 300);
+    let braked = slow_down(&mut drive, &mut mps, 1.0, 50);
+    assert!(braked.last().unwrap().end.condition.braking);
+    let released = slow_down(&mut drive, &mut mps, 0.02, 50);
+    is_between(seconds_invalid(&released), 0.2, 2.5);
+}
+
+#[test]
+fn a_vehicle_that_is_driven_again_does_not_brake() {
+    let mut drive = ReadingsDrive::of(truck());
+    let mut mps = 25.0;
+    for tenth in 0..330 {
+        mps -= if tenth < 300 { 0.002 } else { 0.1 };
+        drive.on(0.1, &overrun(mps));
+    }
+    assert!(drive.samples.last().unwrap().end.condition.braking);
+    // The speed still falls, but the engine pulls.
+    let mut pulling = Vec::new();
+    for _ in 0..30 {
+        mps -= 0.1;
+        let mut readings = at_rpm(&cruising(&[(Signal::WheelSpeed, mps)]), RPM * mps / 20.0);
+        readings.insert(0, (Signal::DrivelineEngaged, 1.0));
+        pulling.extend(drive.on(0.1, &readings));
+    }
+    assert!(!pulling.last().unwrap().end.condition.braking);
+    is_between(seconds_invalid(&pulling), 0.0, 1.5);
+}
+
 #[test]
 fn brakes_without_a_signal_are_detected_from_the_deceleration() {
-    // The engine brakes with no more than its friction of 7 % in the direct gear.
-    let overrun = |mps: f32| {
-        cruising(&[
-            (Signal::DrivelineEngaged, 1.0),
-            (Signal::EngineTorque, 0.0),
-            (Signal::EngineSpeed, RPM * mps / 20.0),
-            (Signal::WheelSpeed, mps),
-        ])
-    };
     let braked = |reported: bool, deceleration: f32| {
         let mut drive = ReadingsDrive::of(truck());
         let mut mps = 22.0;
@@ -329,4 +389,37 @@ fn brakes_without_a_signal_are_detected_from_the_deceleration() {
     for reported in [false, true] {
         assert_eq!(braked(reported, 0.2), (0, 0), "a slope may do that");
     }
+}
+
+#[test]
+fn signals_that_tell_nothing_of_the_motion_change_no_sample() {
+    let driven = |more: &[(Signal, f32)]| {
+        let mut drive = ReadingsDrive::of(truck());
+        drive.on(10.0, &cruising(more))
+    };
+    let unread = [
+        Signal::RetarderReferenceTorque,
+        Signal::RoadwayGrade,
+        Signal::EngineTorqueMode,
+        Signal::ParasiticTorque,
+        Signal::OutputShaftSpeed,
+        Signal::SelectedGear,
+        Signal::Passengers,
+        Signal::Pitch,
+        Signal::PitchRate,
+        Signal::VerticalSpeed,
+    ];
+    assert_eq!(driven(&unread.map(|signal| (signal, 3.0))), driven(&[]));
+}
+
+#[test]
+fn a_gear_ratio_says_nothing_of_a_vehicle_that_is_known_by_its_force() {
+    let driven = |ratio: Option<f32>| {
+        let mut drive = ReadingsDrive::of(test_kit::by_force());
+        let ratio = ratio.map(|ratio| (Signal::GearRatio, ratio));
+        let rest = [(Signal::TractionForce, 4_000.0), (Signal::WheelSpeed, 20.0)];
+        let readings: Vec<_> = ratio.into_iter().chain(rest).collect();
+        drive.on(10.0, &readings)
+    };
+    assert_eq!(driven(Some(1.0)), driven(None));
 }

@@ -46,6 +46,17 @@ impl Wave {
 /// altitude is a tenth of the place at which it was taken. Returns, for the last 50 s, how much too
 /// far the sampler places the fixes, m, and the driven over the true distance.
 fn driven(wave: Wave, late_s: f32, wheels: f32, noise_mps: f32) -> (Vec<f32>, f32) {
+    driven_with_pauses(wave, late_s, wheels, noise_mps, |_| false)
+}
+
+/// Returns the same of a drive without wheel speed in the tenths of a second that `pauses` names.
+fn driven_with_pauses(
+    wave: Wave,
+    late_s: f32,
+    wheels: f32,
+    noise_mps: f32,
+    pauses: impl Fn(u16) -> bool,
+) -> (Vec<f32>, f32) {
     let mut drive = ReadingsDrive::of(by_force());
     let mut noise = Noise(7);
     let (mut fixes, mut at_150_s) = (Vec::new(), 0.0);
@@ -55,8 +66,10 @@ fn driven(wave: Wave, late_s: f32, wheels: f32, noise_mps: f32) -> (Vec<f32>, f3
         let mut readings = vec![
             (Signal::GnssSpeed, then_mps + noise_mps * noise.draw()),
             (Signal::TractionForce, 4_000.0),
-            (Signal::WheelSpeed, wheels * wave.at(seconds).0),
         ];
+        if !pauses(tick) {
+            readings.push((Signal::WheelSpeed, wheels * wave.at(seconds).0));
+        }
         if tick % 10 == 3 {
             readings.push((Signal::Satellites, 9.0));
             readings.push((Signal::Altitude, 0.1 * then_m));
@@ -112,16 +125,99 @@ fn a_wheel_speed_that_is_far_off_is_scaled_and_worn_tyres_are_not() {
     }
 }
 
+#[test]
+fn pauses_of_the_wheel_speed_show_no_latency() {
+    // A second without a speed in each ten, which the sampler bridges.
+    let (fixes, ratio) = driven_with_pauses(ROLLING, 0.15, 1.0, 0.1, |tick| tick % 100 >= 90);
+    let worst_m = fixes
+        .iter()
+        .fold(0.0, |worst, off_m| off_m.abs().max(worst));
+    // What is bridged in a straight line is off by as much as the speed bends.
+    assert!(worst_m < 2.0, "{worst_m} m");
+    assert!((ratio - 1.0).abs() < 0.01, "{ratio}");
+}
+
+#[test]
+fn a_receiver_that_is_later_than_can_be_found_is_taken_for_the_latest_that_can() {
+    let (fixes, _) = driven(ROLLING, 7.9, 1.0, 0.0);
+    for off_m in fixes {
+        // At the latency as assumed it is 7.75 s, or 80 m and more.
+        assert!(off_m.abs() < 30.0, "{off_m} m");
+    }
+}
+
+#[test]
+fn a_wheel_speed_that_is_no_speed_of_the_vehicle_is_not_scaled() {
+    // A tenth of the truth: another unit. What is learned from it would be no ratio of wheels.
+    let (_, ratio) = driven(ROLLING, 0.15, 0.1, 0.1);
+    assert!((ratio / 0.1 - 1.0).abs() < 0.03, "{ratio}");
+}
+
+#[test]
+fn at_a_steady_speed_nothing_is_learned_of_the_latency() {
+    let steady = Wave {
+        mean_mps: 20.0,
+        swing_mps: 0.0,
+        per_s: 1.0,
+    };
+    let (fixes, ratio) = driven(steady, 0.15, 1.0, 0.0);
+    for off_m in fixes {
+        assert!(off_m.abs() < 0.2, "{off_m} m");
+    }
+    assert!((ratio - 1.0).abs() < 1e-3, "{ratio}");
+}
+
+#[test]
+fn wheels_that_are_right_again_are_no_longer_scaled() {
+    let mut drive = ReadingsDrive::of(by_force());
+    let mut noise = Noise(7);
+    let mut driven_over = |drive: &mut ReadingsDrive, from_tick: u16, wheels: f32| {
+        let before_m = drive.samples.last().map_or(0.0, |of| of.end.distance_m());
+        for tick in from_tick..from_tick + 3_000 {
+            let (mps, _) = ROLLING.at(0.1 * f32::from(tick));
+            let readings = [
+                (Signal::GnssSpeed, mps + 0.1 * noise.draw()),
+                (Signal::TractionForce, 4_000.0),
+                (Signal::WheelSpeed, wheels * mps),
+            ];
+            drive.on(0.1, &readings);
+        }
+        let from_s = 0.1 * f32::from(from_tick);
+        let true_m = ROLLING.at(from_s + 300.0).1 - ROLLING.at(from_s).1;
+        (drive.samples.last().unwrap().end.distance_m() - before_m) as f32 / true_m
+    };
+    driven_over(&mut drive, 0, 1.1);
+    let wrong = driven_over(&mut drive, 3_000, 1.1);
+    assert!((wrong - 1.0).abs() < 0.01, "scaled: {wrong}");
+    // What is known is forgotten over five minutes, four times as long for the last percent.
+    for from_tick in (6_000..24_000).step_by(3_000) {
+        driven_over(&mut drive, from_tick, 1.0);
+    }
+    let right = driven_over(&mut drive, 24_000, 1.0);
+    assert!((right - 1.0).abs() < 1e-3, "{right}");
+}
+
 /// Drives so long with a receiver that is so late, on wheels that slip by 1 % at 20 kN. The force
 /// accelerates the vehicle, as do hills. Returns how much too far the sampler places the fixes in the
 /// last 50 s, m.
 fn finely_driven(wave: Wave, late_s: f32, seconds: u16, slip: f32) -> f32 {
     let mut drive = ReadingsDrive::of(by_force());
+    finely_driven_on(&mut drive, wave, |_| late_s, seconds, slip)
+}
+
+/// The same of a drive whose receiver is another one from a second on.
+fn finely_driven_on(
+    drive: &mut ReadingsDrive,
+    wave: Wave,
+    late_s: impl Fn(f32) -> f32,
+    seconds: u16,
+    slip: f32,
+) -> f32 {
     let mut noise = Noise(7);
     let mut off_m = Vec::new();
     for tick in 0..10 * seconds {
         let now_s = 0.1 * f32::from(tick);
-        let (then_mps, then_m) = wave.at((now_s - late_s).max(0.0));
+        let (then_mps, then_m) = wave.at((now_s - late_s(now_s)).max(0.0));
         // Half of the acceleration is that of the force, with hills of another length beside.
         let mps2 = wave.swing_mps * wave.per_s * (wave.per_s * now_s).cos();
         let force_n = 12_000.0 + 20_000.0 * mps2 + 8_000.0 * (0.23 * now_s).sin();
@@ -172,4 +268,14 @@ fn slip_is_no_latency() {
         let mean_m = finely_driven(MOTORWAY, late_s, 1_200, 0.01);
         assert!(mean_m.abs() < 0.6, "{late_s} s late: {mean_m} m");
     }
+}
+
+#[test]
+fn a_latency_that_is_the_assumed_one_again_is_no_longer_carried() {
+    let mut drive = ReadingsDrive::of(by_force());
+    // A memory of five minutes instead of two hours.
+    drive.context.tuning.detection.lag_slots = 1_200;
+    let late_s = |now_s: f32| if now_s < 900.0 { 0.4 } else { 0.15 };
+    let mean_m = finely_driven_on(&mut drive, MOTORWAY, late_s, 2_700, 0.0);
+    assert!(mean_m.abs() < 0.4, "{mean_m} m");
 }

@@ -68,8 +68,7 @@ fn altitudes_and_speeds_in_reverse_leave_nothing_behind() {
 
 #[test]
 fn without_a_gear_the_course_shows_it() {
-    for north_deg in [0.0, 90.0, 350.0_f32] {
-        let back_deg = (north_deg + 180.0) % 360.0;
+    for (north_deg, back_deg) in [(0.0, 180.0), (90.0, 270.0), (350.0, 165.0), (10.0, 195.0)] {
         let (mut drive, last) = before(None, Some(north_deg));
         let back = drive.on(30.0, &at(1.5, None, Some(back_deg)));
         // At most what is driven until a new course comes.
@@ -98,5 +97,34 @@ fn a_course_that_turns_while_driving_or_is_held_is_no_reversing() {
         drive.on(0.5, &at(0.0, None, Some(f32::from(step) * 77.0 % 360.0)));
     }
     assert!(drive.on(10.0, &at(5.0, None, Some(270.0))).len() > 15);
+    assert_eq!(drive.context.counters.reversals, 0);
+}
+
+#[test]
+fn a_vehicle_that_stops_in_reverse_goes_on_reversing() {
+    let (mut drive, _) = before(None, Some(170.0));
+    drive.on(20.0, &at(1.5, None, Some(350.0)));
+    drive.on(5.0, &at(0.0, None, Some(350.0)));
+    // Its heading is that of the course turned round, so more than a turn away from this one.
+    assert_eq!(drive.on(20.0, &at(1.5, None, Some(10.0))), []);
+    drive.on(5.0, &at(0.0, None, Some(10.0)));
+    assert!(drive.on(20.0, &at(5.0, None, Some(175.0))).len() > 30);
+    assert_eq!(drive.context.counters.reversals, 1);
+}
+
+#[test]
+fn a_vehicle_whose_gearbox_falls_silent_in_reverse_goes_on_reversing() {
+    let (mut drive, _) = before(None, Some(170.0));
+    drive.on(20.0, &at(4.0, Some(-1.0), Some(350.0)));
+    // The gear is stale after five seconds.
+    drive.on(10.0, &at(0.0, None, Some(350.0)));
+    assert_eq!(drive.on(20.0, &at(1.5, None, Some(10.0))), []);
+    assert_eq!(drive.context.counters.reversals, 1);
+}
+
+#[test]
+fn the_course_of_a_vehicle_that_creeps_shows_nothing() {
+    let (mut drive, _) = before(None, Some(0.0));
+    assert!(drive.on(20.0, &at(0.6, None, Some(180.0))).len() > 3);
     assert_eq!(drive.context.counters.reversals, 0);
 }

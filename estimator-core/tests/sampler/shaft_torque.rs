@@ -1,7 +1,7 @@
 //! Torques that are reported in Nm, and powertrains with a single reduction.
 
-use estimator_core::Signal;
 use estimator_core::sample::Sample;
+use estimator_core::{Signal, Value};
 use test_kit::readings_drive::ReadingsDrive;
 use test_kit::{truck, truck_with};
 
@@ -140,4 +140,75 @@ fn a_measured_force_is_not_touched_by_torques() {
     let mut drive = ReadingsDrive::of(test_kit::by_force());
     let readings = [(Signal::MotorTorque, 100.0), (Signal::TractionForce, 5e3)];
     assert_eq!(last(&mut drive, &readings).forces.traction_n, 5e3);
+}
+
+#[test]
+fn a_force_counts_where_the_vehicle_is_known_by_it_and_only_with_a_value() {
+    let force = [(Signal::TractionForce, 5e3)];
+    let torque = [(Signal::MotorTorque, 100.0), force[0]];
+    let mut by_torque = electric();
+    assert_force(&last(&mut by_torque, &torque), 100.0);
+    let mut without = electric();
+    assert_force(&last(&mut without, &torque[..1]), 100.0);
+    let used = |drive: &ReadingsDrive| drive.context.counters.tractions_used;
+    assert_eq!(used(&by_torque), used(&without));
+
+    let mut by_force = ReadingsDrive::of(test_kit::by_force());
+    let nothing = [
+        (Signal::TractionForce, Value::NotAvailable),
+        (Signal::WheelSpeed, Value::Real(20.0)),
+    ];
+    let blind = *by_force.on_values(10.0, &nothing).last().unwrap();
+    assert!(blind.end.condition.no_traction, "{blind:?}");
+    assert_eq!(used(&by_force), 0);
+    assert_eq!(last(&mut by_force, &force).forces.traction_n, 5e3);
+    assert_eq!(used(&by_force), 100);
+}
+
+#[test]
+fn a_torque_in_nm_that_is_not_available_is_none() {
+    let mut drive = electric();
+    assert_force(&last(&mut drive, &[(Signal::MotorTorque, 100.0)]), 100.0);
+    let nothing = [
+        (Signal::MotorTorque, Value::NotAvailable),
+        (Signal::WheelSpeed, Value::Real(20.0)),
+    ];
+    let blind = *drive.on_values(10.0, &nothing).last().unwrap();
+    assert!(blind.end.condition.no_traction, "{blind:?}");
+}
+
+#[test]
+fn a_single_reduction_has_the_ratio_that_is_measured_and_is_open_in_reverse() {
+    let ratio = (Signal::GearRatio, REDUCTION);
+    let sample = last(&mut electric(), &[ratio, (Signal::MotorTorque, 100.0)]);
+    assert_force(&sample, 100.0);
+    let reverse = (Signal::CurrentGear, -1.0);
+    let mut drive = electric();
+    drive.on(
+        10.0,
+        &[(Signal::MotorTorque, 100.0), (Signal::WheelSpeed, 20.0)],
+    );
+    let readings = [
+        reverse,
+        (Signal::MotorTorque, 100.0),
+        (Signal::WheelSpeed, 3.0),
+    ];
+    assert_eq!(drive.on(10.0, &readings), [], "it reverses");
+}
+
+#[test]
+fn a_torque_that_its_sender_holds_counts_when_it_is_new() {
+    for signal in [Signal::EngineTorque, Signal::MotorTorque] {
+        let mut drive = electric();
+        let mut counted = Vec::new();
+        for second in 0..60_u8 {
+            let before = drive.context.counters.tractions_used;
+            let torque = 40.0 + f32::from(second % 2) * 15.0;
+            drive.on(1.0, &[(signal, torque), (Signal::WheelSpeed, 20.0)]);
+            counted.push(drive.context.counters.tractions_used - before);
+        }
+        // Ten a second, until it has shown that it rests between changes. Then one.
+        assert_eq!(counted[1..5], [10; 4], "{signal:?}");
+        assert_eq!(counted[50..], [1; 10], "{signal:?}");
+    }
 }

@@ -124,6 +124,20 @@ fn a_cell_in_which_the_vehicle_stood_long_is_measured_where_it_is() {
     assert!(after[0].duration_s > 300.0);
 }
 
+#[test]
+fn a_cell_counts_no_more_speeds_than_its_counter_holds() {
+    let mut drive = ReadingsDrive::of(by_force());
+    drive.on(10.0, &at(2.0, None));
+    // 5 cm/s: fifty seconds a cell, with five hundred readings.
+    let crept = drive.on(200.0, &at(0.05, None));
+    assert!((3..=5).contains(&crept.len()), "{}", crept.len());
+    for sample in &crept[1..] {
+        let speed = sample.speed.unwrap();
+        assert_eq!(speed.count, u8::MAX);
+        assert!((speed.mean_mps - 0.05).abs() < 1e-3, "{speed:?}");
+    }
+}
+
 /// Drives hills of 2 % and 2 km at a steady speed; `change` is applied to each sample. Returns sigma
 /// of scale and bias, the scale's error, and how often a load change reopened them.
 fn hills(change: impl Fn(u16, &mut Sample)) -> ([f64; 3], u32) {

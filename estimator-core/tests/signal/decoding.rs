@@ -1,6 +1,6 @@
 //! Frames to readings: values worked out by hand, codes, broken frames.
 
-use estimator_core::signal::{FrameOutcome, Pgn, Rejection, encode, messages};
+use estimator_core::signal::{FrameOutcome, Framing, Pgn, Rejection, encode, messages};
 use estimator_core::{Decoder, Reading, Signal, Value};
 use proptest::prelude::*;
 use test_kit::{TestFrame, frames_of};
@@ -64,6 +64,69 @@ fn every_group_of_the_contract_is_known() {
     ];
     assert_eq!(pgns, contract);
     assert_eq!(pgns.len(), MESSAGES);
+}
+
+#[test]
+fn frames_of_other_groups_are_ignored() {
+    let known: Vec<_> = messages().map(|message| message.pgn()).collect();
+    let transport = [60_160, 60_416];
+    let mut decoder = Decoder::new();
+    // All groups of both data pages: those below F000 have a destination in their last byte.
+    let groups = (0..0x2_0000).filter(|pgn| pgn & 0xff00 >= 0xf000 || pgn & 0xff == 0);
+    let others = groups.filter(|pgn| !known.contains(pgn) && !transport.contains(pgn));
+    let mut count = 0;
+    for pgn in others {
+        let frame = TestFrame::of_pgn(pgn, 3, &[0x11; 8]);
+        let outcome = decoder.decode(&frame, |_, _, reading| panic!("{pgn}: {reading:?}"));
+        assert_eq!(outcome, FrameOutcome::Ignored, "{pgn}");
+        count += 1;
+    }
+    assert!(count > 8_000, "{count}");
+}
+
+#[test]
+fn tools_are_told_how_each_message_is_sent() {
+    let of = |pgn: u32| messages().find(|message| message.pgn() == pgn).unwrap();
+    for (pgn, name, priority, length, framing) in [
+        (61_444, "EEC1", 3, 8, Framing::Single),
+        (65_251, "EC1", 6, 39, Framing::Transport),
+        (129_029, "GnssPosition", 3, 43, Framing::FastPacket),
+    ] {
+        let message = of(pgn);
+        assert_eq!((message.name(), message.priority()), (name, priority));
+        assert_eq!((message.length(), message.framing()), (length, framing));
+    }
+}
+
+#[test]
+fn a_value_of_another_kind_is_sent_as_not_available() {
+    for (pgn, wrong) in [
+        (129_025, Value::Real(47.5)),
+        (61_444, Value::DegreesE7(475_000_000)),
+    ] {
+        let mut payload = [0; 8];
+        encode(pgn, &mut payload, |_| wrong).unwrap();
+        let (readings, _) = decode(&[TestFrame::of_pgn(pgn, 0, &payload)]);
+        assert!(readings.len() >= 2);
+        for reading in readings {
+            assert_eq!(reading.value, Value::NotAvailable, "{reading:?}");
+        }
+    }
+}
+
+#[test]
+fn a_fast_packet_longer_than_any_message_is_read_from_its_begin() {
+    let mut payload = vec![0xff; 43];
+    payload[7..15].copy_from_slice(&(47_i64 * 10_i64.pow(16)).to_le_bytes());
+    let (expected, _) = decode(&frames_of(129_029, 0x23, 1, &payload));
+    let latitude = value(&expected, Signal::Latitude);
+    assert_eq!(latitude, Value::DegreesE7(470_000_000));
+    // As many bytes as a fast packet can have.
+    payload.resize(223, 0x11);
+    let (readings, outcomes) = decode(&frames_of(129_029, 0x23, 2, &payload));
+    assert_eq!(readings, expected);
+    assert_eq!(outcomes.len(), 32);
+    assert!(matches!(outcomes[31], FrameOutcome::Decoded { .. }));
 }
 
 #[test]

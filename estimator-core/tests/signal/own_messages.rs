@@ -140,6 +140,23 @@ fn codes_and_values_of_raw_numbers_go_before_the_scale() {
 }
 
 #[test]
+fn codes_of_signed_and_floating_point_numbers_are_compared_as_such() {
+    for (kind, minus_one, one) in [
+        (Signed, (-1_i32).to_le_bytes(), 1_i32.to_le_bytes()),
+        (Float32, (-1.0_f32).to_le_bytes(), 1.0_f32.to_le_bytes()),
+    ] {
+        let raw = field(0, 32, Intel, kind);
+        assert_eq!(raw.kind(), kind);
+        let altitude = OwnSignal {
+            invalid: &[-1],
+            ..own(Signal::Altitude, raw, 2.0, 0.0)
+        };
+        assert_eq!(altitude.read(&minus_one), Some(Value::NotAvailable));
+        assert_eq!(altitude.read(&one), Some(Value::Real(2.0)));
+    }
+}
+
+#[test]
 fn numbers_that_no_signal_has_are_errors() {
     let speed = own(Signal::WheelSpeed, field(0, 32, Intel, Float32), 1.0, 0.0);
     for (number, value) in [
@@ -156,6 +173,14 @@ fn numbers_that_no_signal_has_are_errors() {
         (900_000_001, Value::Error),
     ] {
         assert_eq!(latitude.read(&raw.to_le_bytes()), Some(value), "{raw}");
+    }
+    let longitude = own(Signal::Longitude, field(0, 32, Intel, Signed), 1e-7, 0.0);
+    for (raw, value) in [
+        (-1_800_000_000_i32, Value::DegreesE7(-1_800_000_000)),
+        (900_000_001, Value::DegreesE7(900_000_001)),
+        (1_800_000_001, Value::Error),
+    ] {
+        assert_eq!(longitude.read(&raw.to_le_bytes()), Some(value), "{raw}");
     }
 }
 
@@ -206,6 +231,13 @@ fn a_multiplexer_selects_signals() {
     ] {
         assert_eq!(altitude.read(&[switch, 1, 1]), value, "{switch}");
     }
+    assert!(switch.selects(&[1]) && !switch.selects(&[]));
+    // A number with a sign is no switch.
+    let signed = Multiplexer {
+        field: field(0, 8, Intel, Signed),
+        ..switch
+    };
+    assert!(!signed.selects(&[1]));
 }
 
 const SPEED: u16 = 0x1a0;
@@ -246,6 +278,8 @@ fn frames_are_matched_by_identifier_or_group() {
     assert_eq!(readings(&shorter), (true, vec![]));
     let other = standard(SPEED + 1, &[0x07, 0xd0]);
     assert_eq!(readings(&other), (false, vec![]));
+    let remote = TestFrame::new_remote(frame.id(), 2).unwrap();
+    assert_eq!(readings(&remote), (false, vec![]));
     let wide = ExtendedId::new(SPEED.into()).unwrap();
     let wide = TestFrame::new(wide, &[0x07, 0xd0]).unwrap();
     assert_eq!(readings(&wide), (false, vec![]));

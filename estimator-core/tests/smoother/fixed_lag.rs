@@ -2,7 +2,7 @@
 
 use estimator_core::filter::{ModelMass, Quantity};
 use estimator_core::sample::{AltitudeContinuity, Sample};
-use estimator_core::smoother::fixed_lag::{BLOCK_CELLS, LAG_CELLS, SHARES};
+use estimator_core::smoother::fixed_lag::{BLOCK_CELLS, LAG_CELLS, SHARES, bytes};
 use estimator_core::smoother::{BackwardPass, BlockSmoother, FixedLag};
 use estimator_core::{Cell, Tuning, Uncertain};
 use std::iter::from_fn;
@@ -194,4 +194,17 @@ fn what_follows_the_end_of_a_drive_is_smoothed_as_a_drive_of_its_own() {
     }
     let expected = [cells(first), cells(second)].concat();
     assert_eq!(fetched, expected);
+}
+
+#[test]
+fn the_memory_of_a_lag_is_what_it_is_said_to_be() {
+    fn check<S>() {
+        let lag_blocks = LAG_CELLS / BLOCK_CELLS;
+        let (said, taken) = (bytes::<S>(lag_blocks), size_of::<FixedLag<S>>());
+        // The queues beside, with the work that is under way: less than a block of it.
+        assert!(said <= taken && taken < said + said / 20, "{said} {taken}");
+        assert!(bytes::<S>(lag_blocks + 1) > said);
+    }
+    check::<f32>();
+    check::<f64>();
 }

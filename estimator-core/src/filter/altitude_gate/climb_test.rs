@@ -194,11 +194,12 @@ impl ClimbTest {
     /// Keeps a fix as a reference, if the last one lies a segment behind. Otherwise starts to
     /// compare it with the references over `distance_m`. Does neither while a comparison is under
     /// way.
+    #[inline(never)] // Called from two places.
     pub(super) fn add(
         &mut self,
         cell: u32,
         fix: &TestedFix,
-        model_error: impl FnOnce() -> ModelError,
+        model_error: &dyn Fn() -> ModelError,
         distance_m: f32,
         tuning: &Gates,
     ) {
@@ -215,7 +216,7 @@ impl ClimbTest {
         &mut self,
         cell: u32,
         fix: &TestedFix,
-        model_error: impl FnOnce() -> ModelError,
+        model_error: &dyn Fn() -> ModelError,
         tuning: &Gates,
     ) -> bool {
         let last = self.references.back();

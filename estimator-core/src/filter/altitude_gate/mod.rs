@@ -255,7 +255,7 @@ impl AltitudeGate {
         }
         let model_error = || ModelError::of(state);
         self.climb_test
-            .add(fix.cell, &fix.fix, model_error, f32::INFINITY, gates);
+            .add(fix.cell, &fix.fix, &model_error, f32::INFINITY, gates);
         self.gnss_error.learn(offset_m, variance, measurement_noise);
         (GateDecision::Fuse, None)
     }
@@ -346,8 +346,13 @@ impl AltitudeGate {
                 Some(event),
             )
         } else {
-            self.climb_test
-                .add(fix.cell, &fix.fix, || model_error, gates.drift_end_m, gates);
+            self.climb_test.add(
+                fix.cell,
+                &fix.fix,
+                &|| model_error,
+                gates.drift_end_m,
+                gates,
+            );
             (GateDecision::Reject, None)
         }
     }

@@ -164,6 +164,7 @@ impl ErrorLevels {
     }
 
     /// Notes that altitudes after here do not follow from those before.
+    #[inline(never)] // Rare, and called from two places.
     pub(super) fn interrupt(&mut self) {
         self.open = OpenKnot::default();
         self.knot = None;

@@ -20,3 +20,9 @@ pub trait MappedFlash: NorFlash {
     /// Returns all bytes, as they are now.
     fn bytes(&self) -> &[u8];
 }
+
+/// Returns the bytes of a sector; `None` beyond the last one.
+pub(super) fn sector_bytes(flash: &[u8], sector: u16) -> Option<&[u8]> {
+    let start = usize::from(sector) * SECTOR_BYTES;
+    flash.get(start..start + SECTOR_BYTES)
+}

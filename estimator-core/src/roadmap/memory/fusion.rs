@@ -6,7 +6,7 @@
 //! n, both parts follow; nothing else is stored.
 
 use crate::cell::Uncertain;
-use crate::roadmap::block::MapCell;
+use crate::roadmap::block_cells::MapCell;
 use libm::sqrtf;
 
 /// Share of the variance that all drives of a vehicle have in common: the usual share of sessions in

@@ -35,11 +35,23 @@ impl History {
         }
     }
 
+    /// Forgets all places.
+    pub(super) fn clear(&mut self) {
+        self.places.fill(Was::Off);
+        self.end = 0;
+    }
+
     /// Takes the place at the end of a cell. `scale` is the cells on the way for each driven cell.
     ///
     /// A place becomes known some hundred metres after the vehicle has come to the way. Then those
-    /// before follow, back to `first_cell`, the begin of the way.
-    pub(super) fn push(&mut self, cell: u32, found: MapMatch, scale: f32, first_cell: i32) {
+    /// before follow, back to `first_cell`, the begin of the way. It is asked for only then.
+    pub(super) fn push(
+        &mut self,
+        cell: u32,
+        found: MapMatch,
+        scale: f32,
+        first_cell: impl FnOnce(u32) -> i32,
+    ) {
         let first = self.end.max(cell.saturating_sub(HELD as u32 - 1));
         for skipped in first..cell {
             self.places[skipped as usize % HELD] = Was::Off;
@@ -51,8 +63,11 @@ impl History {
             MapMatch::Off => Was::Off,
         };
         self.places[cell as usize % HELD] = place;
-        if let Was::On(way, at) = place {
-            self.follow_back(cell, way, at, scale, first_cell as f32);
+        let before = cell
+            .checked_sub(1)
+            .map(|before| self.places[before as usize % HELD]);
+        if let (Was::On(way, at), Some(Was::Unclear | Was::Off)) = (place, before) {
+            self.follow_back(cell, way, at, scale, first_cell(way) as f32);
         }
     }
 

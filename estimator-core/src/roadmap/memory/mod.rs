@@ -7,9 +7,12 @@
 //! new one is whole. `docs/road-memory.md` specifies the form.
 //!
 //! Data flow in one direction: a finished cell goes to the place that [`RoadMemory::advance`] found
-//! for it, there into a block, with it into a page in RAM, and with that into flash.
+//! for it, there into a block, with it into a page in RAM, and with that into flash. No call does more
+//! than a share of that: finished cells wait for their turn while a block or a page is read or written.
 
 mod address;
+mod block_writer;
+mod finished;
 mod flash;
 mod fusion;
 mod history;
@@ -32,6 +35,6 @@ pub use flash::{FEWEST_SECTORS, MOST_SECTORS, MappedFlash, SECTOR_BYTES};
 pub use memory_counters::MemoryCounters;
 pub use page::{MAGIC, Page, PageHeader, StoredJoin, VERSION};
 pub use road_memory::{MemoryGrade, RoadMemory};
-pub use sectors::Sector;
+pub use sectors::{Sector, SectorTable};
 pub use store::{MemoryError, Opened};
 pub use view::{MemoryView, StoredWay};

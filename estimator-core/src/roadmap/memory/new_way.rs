@@ -3,10 +3,11 @@
 use super::flash::MappedFlash;
 use super::fusion::Known;
 use super::pages::{Pages, WayCell};
-use super::sectors::Sector;
+use super::sectors::SectorTable;
 use super::store::Store;
 use super::work_block::WorkBlock;
 use crate::time::Instant;
+use core::task::{Poll, ready};
 
 /// Fewest cells of a way: 40 m. Less is a lane of a junction, or a position beside the road.
 const FEWEST_CELLS: usize = 16;
@@ -24,6 +25,8 @@ pub(super) struct NewWay {
     next: u32,
     /// When the first cell came that is not in a page.
     since: Option<Instant>,
+    /// Since when the block waits that is on its way to its page.
+    being_put: Option<Instant>,
     /// From where the vehicle came.
     from: Option<WayCell>,
 }
@@ -42,58 +45,66 @@ impl NewWay {
         (number, now): (u32, Instant),
         (known, position_e7): (Known, Option<(i32, i32)>),
         from: Option<WayCell>,
-    ) -> bool
+    ) -> Poll<bool>
     where
         F: MappedFlash,
-        R: AsRef<[Sector]> + AsMut<[Sector]>,
+        R: SectorTable,
     {
-        if self.is_begun() && number != self.next {
-            self.end(store, pages);
+        // A full block has this cell already, and is on its way to its page.
+        if !self.block.cells.is_full() {
+            if self.is_begun() && number != self.next {
+                ready!(self.end(store, pages));
+            }
+            if !self.is_begun() {
+                self.from = from;
+                self.block.begin(0, 0, 0);
+            }
+            if self.block.cells.is_empty() && position_e7.is_none() {
+                // A block begins with a place.
+                return self.end(store, pages).map(|_| true);
+            }
+            self.next = number.saturating_add(1);
+            self.since.get_or_insert(now);
+            if !self.block.push(known, position_e7) {
+                return Poll::Ready(true);
+            }
         }
-        if !self.is_begun() {
-            self.from = from;
-            self.block.begin(0, 0, 0);
-        }
-        if self.block.cells.is_empty() && position_e7.is_none() {
-            // A block begins with a place.
-            self.end(store, pages);
-            return true;
-        }
-        self.next = number.saturating_add(1);
-        self.since.get_or_insert(now);
-        if !self.block.push(known, position_e7) {
-            return true;
-        }
-        let is_kept = self.keep(store, pages);
+        let is_kept = ready!(self.keep(store, pages));
         let (way, next) = (self.block.way, self.block.end());
         self.block.begin(way, 0, next);
         self.is_placed = false;
-        is_kept
+        Poll::Ready(is_kept)
     }
 
-    /// Puts the cells so far into a page. Returns false if there is no room.
-    pub(super) fn keep<F, R>(&mut self, store: &mut Store<F, R>, pages: &mut Pages) -> bool
+    /// Puts the cells so far into a page, in shares. Returns false if there is no room.
+    pub(super) fn keep<F, R>(&mut self, store: &mut Store<F, R>, pages: &mut Pages) -> Poll<bool>
     where
         F: MappedFlash,
-        R: AsRef<[Sector]> + AsMut<[Sector]>,
+        R: SectorTable,
     {
-        let is_short = self.way.is_none() && self.block.cells.len() < FEWEST_CELLS;
-        if is_short || !self.block.is_changed {
-            return true;
-        }
-        let now = self.since.take().unwrap_or_default();
-        if !self.is_placed && !self.find_page(store, pages, now) {
-            return false;
-        }
+        let Some(now) = self.being_put else {
+            let is_short = self.way.is_none() && self.block.cells.len() < FEWEST_CELLS;
+            if is_short || !self.block.is_changed {
+                return Poll::Ready(true);
+            }
+            let now = self.since.take().unwrap_or_default();
+            if !self.is_placed && !self.find_page(store, pages, now) {
+                return Poll::Ready(false);
+            }
+            self.being_put = Some(now);
+            return Poll::Pending;
+        };
+        let is_put = ready!(pages.put(store, &self.block, now));
+        self.being_put = None;
         self.block.is_changed = false;
-        pages.put(store, &self.block, now)
+        Poll::Ready(is_put)
     }
 
     /// Finds the page of a new block. A way ends with its page; a join leads on.
     fn find_page<F, R>(&mut self, store: &mut Store<F, R>, pages: &mut Pages, now: Instant) -> bool
     where
         F: MappedFlash,
-        R: AsRef<[Sector]> + AsMut<[Sector]>,
+        R: SectorTable,
     {
         let drive = store.drive;
         let Some(page) = pages.page_with_room(store) else {
@@ -133,17 +144,17 @@ impl NewWay {
         &mut self,
         store: &mut Store<F, R>,
         pages: &mut Pages,
-    ) -> Option<(WayCell, u32)>
+    ) -> Poll<Option<(WayCell, u32)>>
     where
         F: MappedFlash,
-        R: AsRef<[Sector]> + AsMut<[Sector]>,
+        R: SectorTable,
     {
-        self.keep(store, pages);
+        ready!(self.keep(store, pages));
         let way = self.way.take();
         let cell = self.block.end() - 1;
         self.block.begin(0, 0, 0);
         self.is_placed = false;
         self.since = None;
-        way.map(|way| (WayCell { way, cell }, self.next.saturating_sub(1)))
+        Poll::Ready(way.map(|way| (WayCell { way, cell }, self.next.saturating_sub(1))))
     }
 }

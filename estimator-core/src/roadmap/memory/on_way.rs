@@ -3,8 +3,7 @@
 use super::history::{History, Was};
 use super::view::MemoryView;
 use crate::cell::Cell;
-use crate::roadmap::packed_map::PackedMap;
-use crate::roadmap::path::Path;
+use crate::roadmap::path::foot_at;
 
 /// Largest distance of a position from the way that the vehicle is on, m. Both have errors of 3 m.
 const ASIDE_M: f32 = 12.0;
@@ -17,8 +16,8 @@ pub(super) fn verified(history: &History, roads: MemoryView<'_>, cell: &Cell) ->
         return was;
     };
     let foot = roads.block_at(way, at as i32).and_then(|block| {
-        let path = Path::new(&PackedMap::of_memory(roads), way, block, at).ok()?;
-        path.foot(position_e7)
+        let block = roads.block(block, false).ok()?;
+        foot_at(&block, at - block.first_cell as f32, position_e7)
     });
     match foot {
         Some(foot) if foot.left_m.abs() < ASIDE_M => was,

@@ -5,7 +5,7 @@ use super::flash::SECTOR_BYTES;
 use crate::roadmap::block::Block;
 use crate::roadmap::map_error::MapError;
 use crate::roadmap::record::{Numbers, checksum};
-use crate::roadmap::tile::{Tile, TileBounds};
+use crate::roadmap::tile::{Looked, Tile, TileBounds};
 use heapless::Vec;
 
 /// First bytes of a page.
@@ -20,6 +20,8 @@ pub const STORED_JOIN: usize = 16;
 pub const MOST_JOINS: usize = 16;
 /// Most blocks of a page.
 pub const MOST_BLOCKS: u8 = 64;
+/// Rows of tiles that a block can reach from its first cell: it is shorter than a row is high.
+const ROWS_OF_BLOCK: u16 = 1;
 /// Bytes for joins and blocks.
 pub(super) const BODY_BYTES: usize = SECTOR_BYTES - PAGE_HEADER - 4;
 
@@ -161,6 +163,52 @@ impl<'m> Page<'m> {
         block_in(self.blocks, number, address, is_checked)
     }
 
+    /// Looks for a block with a cell in a tile, from a block on, until one has to be read. Returns what
+    /// it found, and the block to go on from.
+    pub(super) fn look(&self, tile: Tile, first: u8) -> (Looked, u8) {
+        let heads = heads_of_blocks(self.blocks, first);
+        for head in heads.take_while(|head| head.number < self.header.blocks) {
+            let number = head.number;
+            let start = Tile::of(head.start_e7.0, head.start_e7.1);
+            let found = Looked::Block(self.header.key.block(number));
+            let next = number + 1;
+            if start == tile {
+                return (found, next);
+            }
+            if start.row().abs_diff(tile.row()) <= ROWS_OF_BLOCK {
+                return match self.block(number, false) {
+                    Ok(block) if bounds_of(&block).contains(tile) => (found, next),
+                    Ok(_) => (Looked::NotYet, next),
+                    Err(_) => (Looked::End, next),
+                };
+            }
+        }
+        (Looked::End, 0)
+    }
+
+    /// Goes over the blocks of a way, given by its first one.
+    pub(super) fn heads_of_way(
+        &self,
+        first: u8,
+        way: u32,
+    ) -> impl Iterator<Item = BlockHead> + use<'m> {
+        let blocks = self.header.blocks;
+        heads_of_blocks(self.blocks, first)
+            .take_while(move |head| head.number < blocks && head.way == way)
+    }
+
+    /// Returns the last block of a way, given by its first one.
+    pub(super) fn last_of_way(&self, first: u8, way: u32) -> Option<Block<'m>> {
+        let last = self.heads_of_way(first, way).last()?;
+        self.block(last.number, false).ok()
+    }
+
+    /// Returns the number of the first block of the way that each join leaves.
+    pub(super) fn ways_of_joins(&self) -> impl Iterator<Item = u8> + use<'m> {
+        let (joins, _) = self.joins.as_chunks::<STORED_JOIN>();
+        joins.iter().map(|join| join[0])
+    }
+
     /// Returns its blocks.
     pub fn blocks(&self) -> impl Iterator<Item = Block<'m>> + use<'m> {
         let page = *self;
@@ -174,6 +222,51 @@ pub(super) fn block_start(blocks: &[u8], number: u8) -> Option<usize> {
         let length = blocks.get(start..)?.first_chunk::<2>()?;
         let length = u16::from_le_bytes(*length).max(1);
         Some(start + usize::from(length))
+    })
+}
+
+/// The first fields of a block. They decide whether the rest is read.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct BlockHead {
+    /// Its number within the page.
+    pub(super) number: u8,
+    /// Address of its way.
+    pub(super) way: u32,
+    pub(super) first_cell: i32,
+    count: u8,
+    /// Latitude and longitude of its first cell.
+    start_e7: (i32, i32),
+}
+
+impl BlockHead {
+    fn read(number: u8, bytes: &[u8]) -> Option<Self> {
+        // As words: a page has many.
+        let (words, _) = bytes.first_chunk::<20>()?.as_chunks::<4>();
+        let [kind, way, first_cell, latitude, longitude] = *words.first_chunk()?;
+        Some(Self {
+            number,
+            count: kind[2],
+            way: u32::from_le_bytes(way),
+            first_cell: i32::from_le_bytes(first_cell),
+            start_e7: (i32::from_le_bytes(latitude), i32::from_le_bytes(longitude)),
+        })
+    }
+
+    /// Returns the number of its last cell.
+    pub(super) const fn last_cell(&self) -> i32 {
+        self.first_cell.saturating_add(self.count as i32 - 1)
+    }
+}
+
+/// Goes over the blocks in the bytes of all blocks of a page from one on, without reading them whole.
+pub(super) fn heads_of_blocks(blocks: &[u8], first: u8) -> impl Iterator<Item = BlockHead> {
+    let start = block_start(blocks, first);
+    let mut rest = start.and_then(|start| blocks.get(start..));
+    (first..MOST_BLOCKS).map_while(move |number| {
+        let bytes = rest?;
+        let length = u16::from_le_bytes(*bytes.first_chunk()?).max(1);
+        rest = bytes.get(length.into()..);
+        BlockHead::read(number, bytes)
     })
 }
 
@@ -232,8 +325,20 @@ pub(super) fn head_bytes(
 /// Returns the tiles that a block lies in.
 pub(super) fn bounds_of(block: &Block<'_>) -> TileBounds {
     let mut bounds = TileBounds::default();
-    for point in block.points() {
-        bounds.include(Tile::of(point.latitude_e7, point.longitude_e7));
+    let mut points = block
+        .points()
+        .map(|point| (point.latitude_e7, point.longitude_e7));
+    if let Some(first) = points.next() {
+        let ends = points.fold((first, first), |(least, most), (latitude, longitude)| {
+            (
+                (latitude.min(least.0), longitude.min(least.1)),
+                (latitude.max(most.0), longitude.max(most.1)),
+            )
+        });
+        // Tiles are in the order of their places.
+        for (latitude, longitude) in [ends.0, ends.1] {
+            bounds.include(Tile::of(latitude, longitude));
+        }
     }
     bounds
 }

@@ -1,13 +1,12 @@
 //! A page in RAM, while it is changed.
 
-use super::address::PageKey;
+use super::address::{PageKey, block_number};
 use super::page::{
     BODY_BYTES, MOST_BLOCKS, MOST_JOINS, PAGE_HEADER, Page, PageHeader, STORED_JOIN, StoredJoin,
-    block_in, block_start, bounds_of, head_bytes,
+    block_in, block_start, bounds_of, head_bytes, heads_of_blocks,
 };
 use crate::roadmap::block::Block;
 use crate::roadmap::map_error::MapError;
-use crate::roadmap::record::checksum_of;
 use crate::time::Instant;
 use heapless::Vec;
 
@@ -27,8 +26,14 @@ pub(super) struct PageBuffer {
 impl PageBuffer {
     /// Becomes an empty page.
     pub(super) fn begin(&mut self, key: PageKey) {
-        *self = Self::default();
-        self.header.key = key;
+        // In place: an empty page would pass over the stack, with all of its room.
+        self.header = PageHeader {
+            key,
+            ..PageHeader::default()
+        };
+        self.joins.clear();
+        self.blocks.clear();
+        self.changed = None;
     }
 
     /// Becomes a copy of a page.
@@ -67,6 +72,14 @@ impl PageBuffer {
         block_in(&self.blocks, number, self.key().block(number), false)
     }
 
+    /// Returns the number of the block of a way that has a cell.
+    pub(super) fn block_with(&self, way: u32, cell: i32) -> Option<u8> {
+        heads_of_blocks(&self.blocks, block_number(way))
+            .take_while(|head| head.number < self.header.blocks && head.way == way)
+            .find(|head| (head.first_cell..=head.last_cell()).contains(&cell))
+            .map(|head| head.number)
+    }
+
     /// Notes that this drive changes the page.
     pub(super) fn touch(&mut self, drive: u32, now: Instant) {
         if self.header.last_drive != drive {
@@ -76,9 +89,9 @@ impl PageBuffer {
         self.changed.get_or_insert(now);
     }
 
-    /// Puts a block in place of the one with this number, or behind the last one. Returns false, and
-    /// changes nothing, if there is no room.
-    pub(super) fn put(&mut self, number: u8, block: &[u8]) -> bool {
+    /// Makes room for a block in place of the one with this number, or behind the last one: moves those
+    /// behind it. Returns false, and changes nothing, if there is no room. [`put`](Self::put) follows.
+    pub(super) fn make_room(&mut self, number: u8, length: usize) -> bool {
         let older = block_start(&self.blocks, number).zip(block_start(&self.blocks, number + 1));
         let (start, end) = match older {
             Some(range) if number < self.header.blocks => range,
@@ -87,7 +100,7 @@ impl PageBuffer {
             }
             _ => return false,
         };
-        let (was, now) = (end - start, block.len());
+        let (was, now) = (end - start, length);
         if now > was && now - was > self.room() {
             return false;
         }
@@ -97,7 +110,13 @@ impl PageBuffer {
         }
         self.blocks.copy_within(end..length, start + now);
         self.blocks.truncate(length + now - was);
-        if let Some(place) = self.blocks.get_mut(start..start + now) {
+        true
+    }
+
+    /// Puts a block where there is room for it now.
+    pub(super) fn put(&mut self, number: u8, block: &[u8]) {
+        let start = block_start(&self.blocks, number).unwrap_or(self.blocks.len());
+        if let Some(place) = self.blocks.get_mut(start..start + block.len()) {
             place.copy_from_slice(block);
         }
         self.header.blocks = self.header.blocks.max(number + 1);
@@ -105,7 +124,6 @@ impl PageBuffer {
             let bounds = bounds_of(&block);
             self.header.bounds.unite(&bounds);
         }
-        true
     }
 
     /// Adds a join unless it is known. The first one makes room. Returns whether it was added.
@@ -131,24 +149,39 @@ impl PageBuffer {
             .is_ok()
     }
 
-    /// Passes the page as bytes to `write`, in parts, for a sector that has been erased so often.
-    pub(super) fn sealed<T>(
-        &self,
-        erases: u32,
-        sequence: u32,
-        write: impl FnOnce(&PageHeader, [&[u8]; 3]) -> T,
-    ) -> Option<T> {
+    /// Returns the header of the page in a sector that has been erased so often.
+    pub(super) fn header(&self, erases: u32, sequence: u32) -> Option<PageHeader> {
         let joins = self.joins.len();
         let length = PAGE_HEADER + joins * STORED_JOIN + self.blocks.len();
-        let header = PageHeader {
+        Some(PageHeader {
             erases,
             sequence,
             joins: u8::try_from(joins).ok()?,
             length: u16::try_from(length).ok()?,
             ..self.header
-        };
-        let head = head_bytes(&header, &self.joins)?;
-        let sum = checksum_of(&[&head, &self.blocks]).to_le_bytes();
-        Some(write(&header, [&head, &self.blocks, &sum]))
+        })
+    }
+
+    /// Copies what lies in a chunk of the sector, from this byte of it on: all but the checksum.
+    pub(super) fn copy_to(&self, chunk: &mut [u8], at: usize, header: &PageHeader) -> Option<()> {
+        let head_length = PAGE_HEADER + self.joins.len() * STORED_JOIN;
+        if at < head_length {
+            overlay(chunk, at, &head_bytes(header, &self.joins)?, 0);
+        }
+        overlay(chunk, at, &self.blocks, head_length);
+        Some(())
+    }
+}
+
+/// Copies a part of a page to a chunk of it, as far as the part lies in the chunk. Both are given with
+/// their offset in the page.
+pub(super) fn overlay(chunk: &mut [u8], chunk_at: usize, part: &[u8], part_at: usize) {
+    let to = chunk.get_mut(part_at.saturating_sub(chunk_at)..);
+    let from = part.get(chunk_at.saturating_sub(part_at)..);
+    if let Some((to, from)) = to.zip(from) {
+        let length = to.len().min(from.len());
+        if let Some((to, from)) = to.get_mut(..length).zip(from.get(..length)) {
+            to.copy_from_slice(from);
+        }
     }
 }

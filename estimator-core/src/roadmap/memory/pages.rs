@@ -1,13 +1,15 @@
 //! The pages that are being changed, and when they are written.
 
 use super::address::{PageKey, block_number};
+use super::block_writer::BlockWriter;
 use super::flash::MappedFlash;
 use super::page::{MOST_BLOCKS, StoredJoin};
 use super::page_buffer::PageBuffer;
-use super::sectors::Sector;
-use super::store::{MemoryError, Store};
+use super::sectors::SectorTable;
+use super::store::{MemoryError, PageWrite, Store};
 use super::work_block::WorkBlock;
 use crate::time::{Duration, Instant};
+use core::task::{Poll, ready};
 
 /// Pages that are changed at the same time. A drive changes one, and another around its ends.
 const PAGES: usize = 3;
@@ -23,13 +25,27 @@ pub(super) struct WayCell {
     pub(super) cell: i32,
 }
 
+/// Pages on their way to flash.
+#[derive(Clone, Copy, Debug)]
+struct Writing {
+    /// Since when.
+    now: Instant,
+    /// The page that is being written, by its buffer; `None` between two.
+    page: Option<(usize, PageWrite)>,
+}
+
 /// The pages that are being changed.
 #[derive(Clone, Debug)]
 pub(super) struct Pages {
     buffers: [PageBuffer; PAGES],
+    /// A changed block on its way to its page.
+    writer: BlockWriter,
+    /// Whether its page has room for it now.
+    has_room: bool,
     /// The page that new ways go to.
     open: Option<PageKey>,
     written: Option<Instant>,
+    writing: Option<Writing>,
     pub(super) writes: u32,
     pub(super) failures: u32,
 }
@@ -38,8 +54,11 @@ impl Pages {
     pub(super) fn new() -> Self {
         Self {
             buffers: Default::default(),
+            writer: BlockWriter::default(),
+            has_room: false,
             open: None,
             written: None,
+            writing: None,
             writes: 0,
             failures: 0,
         }
@@ -54,19 +73,28 @@ impl Pages {
     ) -> Option<&mut PageBuffer>
     where
         F: MappedFlash,
-        R: AsRef<[Sector]> + AsMut<[Sector]>,
+        R: SectorTable,
     {
-        let index = match self.index(key) {
-            Some(index) => index,
-            None if self.is_held(key.slot) => return None,
-            None => {
-                let page = store.view().page(key)?;
-                let index = self.clean()?;
-                self.buffers[index].load(&page);
-                index
-            }
-        };
+        let index = self.loaded(store, key)?;
         self.buffers.get_mut(index)
+    }
+
+    /// Returns the buffer of a page, which it loads if need be.
+    fn loaded<F: MappedFlash, R: SectorTable>(
+        &mut self,
+        store: &Store<F, R>,
+        key: PageKey,
+    ) -> Option<usize> {
+        if let Some(index) = self.index(key) {
+            return Some(index);
+        }
+        if self.is_held(key.slot) {
+            return None;
+        }
+        let page = store.view().page(key)?;
+        let index = self.clean()?;
+        self.buffers.get_mut(index)?.load(&page);
+        Some(index)
     }
 
     /// Returns the page that a new block goes to; `None` if there is no room.
@@ -76,7 +104,7 @@ impl Pages {
     ) -> Option<&mut PageBuffer>
     where
         F: MappedFlash,
-        R: AsRef<[Sector]> + AsMut<[Sector]>,
+        R: SectorTable,
     {
         let open = self.open.or_else(|| store.newest());
         let has_room = open
@@ -84,29 +112,51 @@ impl Pages {
             .is_some_and(|page| page.room() >= BLOCK_ROOM && page.blocks() < MOST_BLOCKS);
         if !has_room {
             let index = self.clean()?;
-            self.buffers[index].begin(PageKey::default());
+            self.buffers.get_mut(index)?.begin(PageKey::default());
             let key = store.new_page(|slot| self.is_held(slot))?;
-            self.buffers[index].begin(key);
+            let buffer = self.buffers.get_mut(index)?;
+            buffer.begin(key);
             self.open = Some(key);
-            return self.buffers.get_mut(index);
+            return Some(buffer);
         }
         self.open = open;
         self.page(store, open?)
     }
 
-    /// Puts a changed block into its page. Returns false if there is no room.
-    pub(super) fn put<F, R>(&mut self, store: &Store<F, R>, block: &WorkBlock, now: Instant) -> bool
+    /// Puts a changed block into its page, in shares. Returns false if there is no room.
+    pub(super) fn put<F, R>(
+        &mut self,
+        store: &Store<F, R>,
+        block: &WorkBlock,
+        now: Instant,
+    ) -> Poll<bool>
     where
         F: MappedFlash,
-        R: AsRef<[Sector]> + AsMut<[Sector]>,
+        R: SectorTable,
     {
-        let drive = store.drive;
-        let page = self.page(store, PageKey::of(block.way));
-        let Some((page, bytes)) = page.zip(block.bytes()) else {
-            return false;
+        let index = self.loaded(store, PageKey::of(block.way));
+        let Some(page) = index.and_then(|index| self.buffers.get_mut(index)) else {
+            self.writer.begin();
+            self.has_room = false;
+            return Poll::Ready(false);
         };
-        page.touch(drive, now);
-        page.put(block.number, &bytes)
+        let Some(bytes) = ready!(self.writer.write(block)) else {
+            return Poll::Ready(false);
+        };
+        let has_room = self.has_room;
+        self.has_room = !has_room;
+        if has_room {
+            page.put(block.number, bytes);
+            self.writer.begin();
+            return Poll::Ready(true);
+        }
+        page.touch(store.drive, now);
+        if page.make_room(block.number, bytes.len()) {
+            return Poll::Pending;
+        }
+        self.has_room = false;
+        self.writer.begin();
+        Poll::Ready(false)
     }
 
     /// Notes that one place can be left for another.
@@ -118,7 +168,7 @@ impl Pages {
         now: Instant,
     ) where
         F: MappedFlash,
-        R: AsRef<[Sector]> + AsMut<[Sector]>,
+        R: SectorTable,
     {
         let drive = store.drive;
         let join = StoredJoin {
@@ -134,37 +184,85 @@ impl Pages {
         }
     }
 
-    /// Returns whether a page may be written now: the last write is a minute ago.
+    /// Returns whether pages may be written now: the last write is a minute ago.
     pub(super) fn is_due(&mut self, now: Instant) -> bool {
         now.since(*self.written.get_or_insert(now)) >= WRITE_INTERVAL
     }
 
-    /// Writes the page whose changes have waited longest. Returns whether there was one.
-    pub(super) fn write<F, R>(
+    /// Begins to write all pages that wait, mostly one: two around the change from one to the next. If
+    /// one of them waited for the next minute, a loss of power would take two minutes of it. Returns
+    /// whether there is one.
+    pub(super) fn begin_writing(&mut self, now: Instant) -> bool {
+        let waits = self.buffers.iter().any(|page| page.changed.is_some());
+        self.writing = waits.then_some(Writing { now, page: None });
+        waits
+    }
+
+    /// Returns whether pages are being written. Until all are, they stay as they are.
+    pub(super) const fn is_writing(&self) -> bool {
+        self.writing.is_some()
+    }
+
+    /// Writes a share of the pages that wait.
+    pub(super) fn write_share<F, R>(
         &mut self,
         store: &mut Store<F, R>,
-        now: Instant,
-    ) -> Result<bool, MemoryError<F::Error>>
+    ) -> Result<(), MemoryError<F::Error>>
     where
         F: MappedFlash,
-        R: AsRef<[Sector]> + AsMut<[Sector]>,
+        R: SectorTable,
     {
-        let waiting = self.buffers.iter_mut();
-        let waiting = waiting.filter_map(|page| page.changed.map(|since| (since, page)));
-        let Some((_, page)) = waiting.min_by_key(|(since, _)| *since) else {
-            return Ok(false);
+        // Taken, so that an error ends it.
+        let Some(writing) = self.writing.take() else {
+            return Ok(());
         };
-        self.written = Some(now);
-        page.changed = None;
-        match store.write(page) {
-            Ok(()) => self.writes = self.writes.saturating_add(1),
-            Err(error) => {
-                self.failures = self.failures.saturating_add(1);
-                page.changed = Some(now);
-                return Err(error);
+        let now = writing.now;
+        let (index, mut write) = match writing.page {
+            Some(page) => page,
+            None => {
+                let Some(index) = self.longest_waiting() else {
+                    return Ok(());
+                };
+                self.written = Some(now);
+                let begun = self.buffers.get(index).map(|page| store.begin_write(page));
+                let write = begun.unwrap_or(Err(MemoryError::Size));
+                let write = write.inspect_err(|_| self.count_failure(index, now))?;
+                let page = Some((index, write));
+                self.writing = Some(Writing { now, page });
+                return Ok(());
+            }
+        };
+        let Some(page) = self.buffers.get_mut(index) else {
+            return Ok(());
+        };
+        let is_whole = store.write(&mut write, page);
+        let is_whole = is_whole.inspect_err(|_| self.count_failure(index, now))?;
+        let page = (!is_whole).then_some((index, write));
+        self.writing = Some(Writing { now, page });
+        if is_whole {
+            self.writes = self.writes.saturating_add(1);
+            if let Some(page) = self.buffers.get_mut(index) {
+                page.changed = None;
             }
         }
-        Ok(true)
+        Ok(())
+    }
+
+    /// Returns the buffer whose changes have waited longest.
+    fn longest_waiting(&self) -> Option<usize> {
+        let waiting = self.buffers.iter().enumerate();
+        let waiting = waiting.filter_map(|(index, page)| Some((page.changed?, index)));
+        waiting
+            .min_by_key(|(since, _)| *since)
+            .map(|(_, index)| index)
+    }
+
+    /// Counts a failure. The page is tried again a minute later.
+    fn count_failure(&mut self, index: usize, now: Instant) {
+        self.failures = self.failures.saturating_add(1);
+        if let Some(page) = self.buffers.get_mut(index) {
+            page.changed = Some(now);
+        }
     }
 
     /// Returns a buffer whose page need not be written.

@@ -5,15 +5,15 @@ use super::fusion::Parts;
 use super::learner::Learner;
 use super::memory_counters::MemoryCounters;
 use super::parked::ParkedMatcher;
-use super::sectors::Sector;
+use super::sectors::SectorTable;
 use super::store::{MemoryError, Opened, Store};
 use super::view::MemoryView;
 use crate::cell::{Cell, Live, Uncertain};
 use crate::roadmap::map_judge::{MapCounters, MapJudge};
 use crate::roadmap::map_limits::MapLimits;
-use crate::roadmap::matcher::{MapMatch, MapPlace};
+use crate::roadmap::matcher::{MapMatch, MapPlace, Matcher};
 use crate::roadmap::packed_map::PackedMap;
-use crate::roadmap::profile::Profile;
+use crate::roadmap::profile::{ParkedProfile, Profile};
 
 /// The grade of the memory where the vehicle is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,7 +28,7 @@ pub struct MemoryGrade {
 ///
 /// It stands beside the estimator as a map does: [`advance`](Self::advance) takes the live estimate
 /// after each step, [`finish`](Self::finish) each finished cell. `F` is the flash memory, `R` the RAM
-/// for what is known of its sectors: as many [`Sector`]s as the flash memory has.
+/// for what is known of its sectors: as many [`Sector`](super::Sector)s as the flash memory has.
 #[derive(Clone, Debug)]
 pub struct RoadMemory<F, R> {
     store: Store<F, R>,
@@ -37,10 +37,12 @@ pub struct RoadMemory<F, R> {
     learner: Learner,
     place: MapMatch,
     grade: Option<MemoryGrade>,
+    /// Where the grade was read, and how often the roads had changed then.
+    profile: Option<(u32, ParkedProfile)>,
     counts: bool,
 }
 
-impl<F: MappedFlash, R: AsRef<[Sector]> + AsMut<[Sector]>> RoadMemory<F, R> {
+impl<F: MappedFlash, R: SectorTable> RoadMemory<F, R> {
     /// Opens the memory at the begin of a drive. What is damaged is left out.
     ///
     /// # Errors
@@ -54,6 +56,7 @@ impl<F: MappedFlash, R: AsRef<[Sector]> + AsMut<[Sector]>> RoadMemory<F, R> {
             learner: Learner::new(),
             place: MapMatch::Off,
             grade: None,
+            profile: None,
             counts: false,
         })
     }
@@ -72,27 +75,39 @@ impl<F: MappedFlash, R: AsRef<[Sector]> + AsMut<[Sector]>> RoadMemory<F, R> {
 
     /// Moves on to the live estimate at the end of a cell.
     pub fn advance(&mut self, live: &Live) {
+        if self.matcher.is_next_drive(&live.end) {
+            self.matcher.forget();
+            self.judge.begin_drive();
+            self.learner.begin_drive(&mut self.store);
+        }
+        let changes = self.store.changes();
         let map = PackedMap::of_memory(self.store.view());
-        let mut matcher = self.matcher.resume(map);
+        let mut matcher = Matcher::new(map);
+        self.matcher.resume(&mut matcher, changes);
         matcher.advance(&live.end);
         self.place = matcher.place();
-        let mut first_cell = 0;
+        let parked = self.profile.take();
         self.grade = None;
         if let MapMatch::On(place) = &self.place {
-            first_cell = map.way(place.way).map_or(i32::MAX, |way| way.first_cell);
-            self.grade = grade_at(map, place);
+            let parked = parked.filter(|(at, _)| *at == changes);
+            let profile = profile_at(map, place, parked.map(|(_, parked)| parked));
+            self.profile = profile.as_ref().map(|profile| (changes, profile.park()));
+            self.grade = profile.and_then(|profile| grade_at(&profile, place));
         }
-        let scale = 1.0 + matcher.along.scale;
-        self.matcher = ParkedMatcher::park(&matcher);
+        let scale = 1.0 + matcher.state.along.scale;
+        self.matcher.park(&matcher, changes);
         self.learner
             .history
-            .push(live.end.cell, self.place, scale, first_cell);
+            .push(live.end.cell, self.place, scale, |way| {
+                map.way(way).map_or(i32::MAX, |way| way.first_cell)
+            });
         let is_on = matches!(self.place, MapMatch::On(_));
         let grade = self.grade.map(|grade| grade.grade_percent);
         self.counts = self.judge.advance(live, is_on, grade);
     }
 
-    /// Takes a finished cell. Once a minute it writes to the flash memory.
+    /// Takes a finished cell, and does a share of the work that waits: once a minute it writes to the
+    /// flash memory, one erase or three writes of 256 bytes in a call.
     ///
     /// # Errors
     /// Returns the error of the flash memory. What could not be written is tried again.
@@ -175,8 +190,25 @@ impl<F: MappedFlash, R: AsRef<[Sector]> + AsMut<[Sector]>> RoadMemory<F, R> {
     }
 }
 
-fn grade_at(map: PackedMap<'_>, place: &MapPlace) -> Option<MemoryGrade> {
-    let profile = Profile::new(map, place.block, place.cell)?;
+/// Returns the profile at a place. It goes on from the cell before: to read a block from its begin
+/// takes longer than all else.
+#[inline(never)] // Its room on the stack is not that of the search.
+fn profile_at<'m>(
+    map: PackedMap<'m>,
+    place: &MapPlace,
+    parked: Option<ParkedProfile>,
+) -> Option<Profile<'m>> {
+    let parked = parked.filter(|parked| parked.leads_to(place.block, place.cell));
+    if let Some(mut profile) = parked.and_then(|parked| Profile::resume(map, &parked))
+        && profile.seek(place.cell)
+    {
+        return Some(profile);
+    }
+    // The matcher is in this block.
+    Profile::again(map, place.block, place.cell)
+}
+
+fn grade_at(profile: &Profile<'_>, place: &MapPlace) -> Option<MemoryGrade> {
     let grade_percent = profile.grade_percent(place.cell, place.sigma_m)?;
     let (sigma, runs) = profile.own_sigma();
     let runs = runs.min(u16::MAX.into()) as u16;

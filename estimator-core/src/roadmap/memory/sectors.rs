@@ -27,6 +27,11 @@ pub struct Sector {
     pub(super) bounds: TileBounds,
 }
 
+/// What is known of all sectors, in RAM that the caller gives: an array, a slice or a vector.
+pub trait SectorTable: AsRef<[Sector]> + AsMut<[Sector]> {}
+
+impl<T: AsRef<[Sector]> + AsMut<[Sector]>> SectorTable for T {}
+
 impl Default for Sector {
     /// Returns a sector that is free, and a slot without a page.
     fn default() -> Self {

@@ -2,17 +2,22 @@
 //! and counts if the power is lost.
 
 use super::address::PageKey;
-use super::flash::{CHUNK_BYTES, FEWEST_SECTORS, MOST_SECTORS, MappedFlash, SECTOR_BYTES};
+use super::flash::{
+    CHUNK_BYTES, FEWEST_SECTORS, MOST_SECTORS, MappedFlash, SECTOR_BYTES, sector_bytes,
+};
 use super::page::{NoPage, Page, PageHeader};
-use super::page_buffer::PageBuffer;
-use super::sectors::{Sector, hold, least_useful};
+use super::page_buffer::{PageBuffer, overlay};
+use super::sectors::{Sector, SectorTable, hold, least_useful};
 use super::view::MemoryView;
+use crate::roadmap::record::checksum_after;
 use core::fmt;
 
 /// Sectors that stay free.
 const SPARE: usize = 2;
 /// Difference of erase counts from which a page moves to a worn sector.
 const UNEVEN_ERASES: u32 = 16;
+/// Chunks of a page that are written in one call.
+const CHUNKS_AT_ONCE: usize = 3;
 /// Erase count of a sector that could not be written: it is used last.
 const WORN_OUT: u32 = u32::MAX / 2;
 
@@ -56,12 +61,15 @@ pub(super) struct Store<F, R> {
     flash: F,
     sectors: R,
     sequence: u32,
+    changes: u32,
+    /// The page that was written last.
+    newest: Option<PageKey>,
     /// Number of this drive.
     pub(super) drive: u32,
     opened: Opened,
 }
 
-impl<F: MappedFlash, R: AsRef<[Sector]> + AsMut<[Sector]>> Store<F, R> {
+impl<F: MappedFlash, R: SectorTable> Store<F, R> {
     /// Reads what a flash memory holds.
     pub(super) fn open(flash: F, sectors: R) -> Result<Self, MemoryError<F::Error>> {
         let count = flash.bytes().len() / SECTOR_BYTES;
@@ -76,6 +84,8 @@ impl<F: MappedFlash, R: AsRef<[Sector]> + AsMut<[Sector]>> Store<F, R> {
             flash,
             sectors,
             sequence: 0,
+            changes: 0,
+            newest: None,
             drive: 1,
             opened: Opened::default(),
         };
@@ -87,8 +97,7 @@ impl<F: MappedFlash, R: AsRef<[Sector]> + AsMut<[Sector]>> Store<F, R> {
         self.sectors.as_mut().fill(Sector::default());
         let (mut known, mut sum) = (0_u32, 0_u64);
         for number in 0..self.sectors.as_ref().len() {
-            let start = number * SECTOR_BYTES;
-            let bytes = self.flash.bytes().get(start..start + SECTOR_BYTES);
+            let bytes = sector_bytes(self.flash.bytes(), number as u16);
             let page = bytes.map_or(Err(NoPage::Damaged), Page::check);
             match page.map(|page| page.header) {
                 Ok(header) if usize::from(header.key.slot) < self.sectors.as_ref().len() => {
@@ -118,7 +127,10 @@ impl<F: MappedFlash, R: AsRef<[Sector]> + AsMut<[Sector]>> Store<F, R> {
 
     /// Takes the page of a sector, unless there is a newer copy of it.
     fn take(&mut self, sector: u16, header: &PageHeader) {
-        self.sequence = self.sequence.max(header.sequence);
+        if header.sequence >= self.sequence {
+            self.sequence = header.sequence;
+            self.newest = Some(header.key);
+        }
         self.drive = self.drive.max(header.last_drive.saturating_add(1));
         let rival = self.view().page_of_slot(header.key.slot);
         if rival.is_none_or(|rival| rival.header.sequence < header.sequence) {
@@ -145,6 +157,11 @@ impl<F: MappedFlash, R: AsRef<[Sector]> + AsMut<[Sector]>> Store<F, R> {
         self.flash
     }
 
+    /// Returns how often the roads have changed: with each page that counts from then on.
+    pub(super) const fn changes(&self) -> u32 {
+        self.changes
+    }
+
     /// Returns the roads as they are now.
     pub(super) fn view(&self) -> MemoryView<'_> {
         MemoryView::new(self.flash.bytes(), self.sectors.as_ref())
@@ -156,10 +173,8 @@ impl<F: MappedFlash, R: AsRef<[Sector]> + AsMut<[Sector]>> Store<F, R> {
     }
 
     /// Returns the page that was written last.
-    pub(super) fn newest(&self) -> Option<PageKey> {
-        let pages = self.view().pages();
-        let newest = pages.max_by_key(|page| page.header.sequence)?;
-        Some(newest.header.key)
+    pub(super) const fn newest(&self) -> Option<PageKey> {
+        self.newest
     }
 
     fn pages(&self) -> u32 {
@@ -192,13 +207,14 @@ impl<F: MappedFlash, R: AsRef<[Sector]> + AsMut<[Sector]>> Store<F, R> {
         Some(PageKey { slot, generation }.next())
     }
 
-    /// Writes a page to the free sector that was erased least often.
-    pub(super) fn write(&mut self, page: &PageBuffer) -> Result<(), MemoryError<F::Error>> {
+    /// Begins to write a page to the free sector that was erased least often: erases it.
+    pub(super) fn begin_write(
+        &mut self,
+        page: &PageBuffer,
+    ) -> Result<PageWrite, MemoryError<F::Error>> {
         let free = self.free_sectors().min_by_key(|(_, erases)| *erases);
-        match free {
-            Some((sector, _)) => self.write_to(sector, page),
-            None => Err(MemoryError::Size),
-        }
+        let (sector, _) = free.ok_or(MemoryError::Size)?;
+        self.begin_write_to(sector, page)
     }
 
     /// Moves the page that has been longest in its place to a worn sector, if sectors are worn
@@ -219,13 +235,14 @@ impl<F: MappedFlash, R: AsRef<[Sector]> + AsMut<[Sector]>> Store<F, R> {
         if most < least.saturating_add(UNEVEN_ERASES) {
             return Ok(false);
         }
-        let start = usize::from(rested) * SECTOR_BYTES;
-        let bytes = self.flash.bytes().get(start..start + SECTOR_BYTES);
+        let bytes = sector_bytes(self.flash.bytes(), rested);
         let Some(Ok(page)) = bytes.map(Page::check) else {
             return Ok(false);
         };
         buffer.load(&page);
-        self.write_to(worn, buffer).map(|()| true)
+        let mut write = self.begin_write_to(worn, buffer)?;
+        while !self.write(&mut write, buffer)? {}
+        Ok(true)
     }
 
     fn free_sectors(&self) -> impl Iterator<Item = (u16, u32)> {
@@ -235,54 +252,101 @@ impl<F: MappedFlash, R: AsRef<[Sector]> + AsMut<[Sector]>> Store<F, R> {
             .map(|(number, sector)| (number, sector.erases))
     }
 
-    fn write_to(&mut self, sector: u16, page: &PageBuffer) -> Result<(), MemoryError<F::Error>> {
-        let place = usize::from(sector);
-        let erases = self.sectors.as_ref()[place].erases.saturating_add(1);
-        let sequence = self.sequence.saturating_add(1);
-        let start = u32::from(sector) * SECTOR_BYTES as u32;
-        let flash = &mut self.flash;
-        let written = page.sealed(erases, sequence, |header, parts| {
-            flash.erase(start, start + SECTOR_BYTES as u32)?;
-            write_parts(flash, start, &parts).map(|()| *header)
-        });
-        self.sectors.as_mut()[place].erases = erases;
-        self.sequence = sequence;
-        let header = written
-            .ok_or(MemoryError::Size)?
-            .map_err(MemoryError::Flash)?;
-        let start = place * SECTOR_BYTES;
-        let bytes = self.flash.bytes().get(start..start + SECTOR_BYTES);
-        if bytes.is_some_and(|bytes| is_page(bytes, &header)) {
-            hold(self.sectors.as_mut(), sector, &header);
-            Ok(())
-        } else {
-            self.sectors.as_mut()[place].erases = WORN_OUT;
-            Err(MemoryError::Worn)
+    fn begin_write_to(
+        &mut self,
+        sector: u16,
+        page: &PageBuffer,
+    ) -> Result<PageWrite, MemoryError<F::Error>> {
+        let of_sector = self.sectors.as_mut().get_mut(usize::from(sector));
+        let of_sector = of_sector.ok_or(MemoryError::Size)?;
+        of_sector.erases = of_sector.erases.saturating_add(1);
+        self.sequence = self.sequence.saturating_add(1);
+        let header = page.header(of_sector.erases, self.sequence);
+        let write = PageWrite {
+            sector,
+            header: header.ok_or(MemoryError::Size)?,
+            written: 0,
+            sum: 0,
+        };
+        let start = write.start();
+        let erased = self.flash.erase(start, start + SECTOR_BYTES as u32);
+        erased.map(|()| write).map_err(MemoryError::Flash)
+    }
+
+    /// Writes a share of a page, which stays as it is until the last one. Returns whether that was it:
+    /// then the page counts.
+    pub(super) fn write(
+        &mut self,
+        write: &mut PageWrite,
+        page: &PageBuffer,
+    ) -> Result<bool, MemoryError<F::Error>> {
+        for _ in 0..CHUNKS_AT_ONCE {
+            let at = write.start() + write.written as u32;
+            let mut chunk = Chunk([0xff; CHUNK_BYTES]);
+            let is_last = write.fill(&mut chunk.0, page).ok_or(MemoryError::Size)?;
+            self.flash.write(at, &chunk.0).map_err(MemoryError::Flash)?;
+            let there = self.flash.bytes().get(at as usize..);
+            if !there.is_some_and(|there| chunk.is_at_begin_of(there)) {
+                self.wear_out(write.sector);
+                return Err(MemoryError::Worn);
+            }
+            if is_last {
+                hold(self.sectors.as_mut(), write.sector, &write.header);
+                self.newest = Some(write.header.key);
+                self.changes = self.changes.wrapping_add(1);
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+
+    fn wear_out(&mut self, sector: u16) {
+        if let Some(sector) = self.sectors.as_mut().get_mut(usize::from(sector)) {
+            sector.erases = WORN_OUT;
         }
     }
 }
 
-/// Returns whether a sector holds the page with this header.
-fn is_page(sector: &[u8], header: &PageHeader) -> bool {
-    Page::check(sector).is_ok_and(|page| page.header == *header)
+/// A part of a page. Aligned words are copied several times as fast.
+#[repr(align(4))]
+struct Chunk([u8; CHUNK_BYTES]);
+
+impl Chunk {
+    /// Returns whether bytes begin with these, compared word by word.
+    fn is_at_begin_of(&self, bytes: &[u8]) -> bool {
+        let (own, _) = self.0.as_chunks::<4>();
+        let (there, _) = bytes.as_chunks::<4>();
+        let word = |bytes: &[u8; 4]| u32::from_ne_bytes(*bytes);
+        there.len() >= own.len() && own.iter().zip(there).all(|(a, b)| word(a) == word(b))
+    }
 }
 
-/// Writes parts one after the other, in chunks.
-fn write_parts<F: MappedFlash>(flash: &mut F, start: u32, parts: &[&[u8]]) -> Result<(), F::Error> {
-    let mut chunk = [0xff; CHUNK_BYTES];
-    let (mut filled, mut at) = (0, start);
-    for byte in parts.iter().copied().flatten() {
-        chunk[filled] = *byte;
-        filled += 1;
-        if filled == CHUNK_BYTES {
-            flash.write(at, &chunk)?;
-            at += CHUNK_BYTES as u32;
-            filled = 0;
+/// A page on its way to a sector.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PageWrite {
+    sector: u16,
+    header: PageHeader,
+    /// Bytes that are written, and the checksum of their content.
+    written: usize,
+    sum: u32,
+}
+
+impl PageWrite {
+    fn start(&self) -> u32 {
+        u32::from(self.sector) * SECTOR_BYTES as u32
+    }
+
+    /// Fills the next chunk, which is of ones, with what is written there. The checksum follows the
+    /// content. Returns whether it is the last one.
+    fn fill(&mut self, chunk: &mut [u8; CHUNK_BYTES], page: &PageBuffer) -> Option<bool> {
+        let (at, length) = (self.written, usize::from(self.header.length));
+        page.copy_to(chunk, at, &self.header)?;
+        let content = length.saturating_sub(at).min(CHUNK_BYTES);
+        self.sum = checksum_after(self.sum, chunk.get(..content)?);
+        self.written += CHUNK_BYTES;
+        if self.written >= length {
+            overlay(chunk, at, &self.sum.to_le_bytes(), length);
         }
+        Some(self.written >= length + size_of::<u32>())
     }
-    if filled > 0 {
-        chunk[filled..].fill(0xff);
-        flash.write(at, &chunk)?;
-    }
-    Ok(())
 }

@@ -1,12 +1,15 @@
 //! The roads of a memory as the matcher reads them.
 
 use super::address::{PageKey, block_number};
-use super::flash::SECTOR_BYTES;
-use super::page::{Page, StoredJoin, bounds_of};
+use super::flash::sector_bytes;
+use super::page::{Page, StoredJoin};
 use super::sectors::Sector;
 use crate::roadmap::block::Block;
 use crate::roadmap::map_error::MapError;
-use crate::roadmap::tile::Tile;
+use crate::roadmap::tile::{Looked, Tile};
+
+/// Slots that are gone over in one look for a block.
+const SLOTS_AT_ONCE: u32 = 128;
 
 /// The roads of a memory as they are now.
 #[derive(Clone, Copy, Debug)]
@@ -41,8 +44,7 @@ impl<'m> MemoryView<'m> {
     #[must_use]
     pub fn page_of_slot(&self, slot: u16) -> Option<Page<'m>> {
         let sector = self.sectors.get(usize::from(slot))?.page_sector()?;
-        let start = usize::from(sector) * SECTOR_BYTES;
-        Page::open(self.flash.get(start..start + SECTOR_BYTES)?).ok()
+        Page::open(sector_bytes(self.flash, sector)?).ok()
     }
 
     /// Returns all pages, by slot.
@@ -104,30 +106,36 @@ impl<'m> MemoryView<'m> {
     #[must_use]
     pub fn block_at(&self, way: u32, cell: i32) -> Option<u32> {
         let page = self.page(PageKey::of(way))?;
-        (block_number(way)..page.header.blocks)
-            .map_while(|number| page.block(number, false).ok())
-            .take_while(|block| block.way == way)
-            .find(|block| block.last_cell() >= cell)
-            .map(|block| block.offset)
+        page.heads_of_way(block_number(way), way)
+            .find(|head| head.last_cell() >= cell)
+            .map(|head| page.header.key.block(head.number))
     }
 
-    /// Returns the first block with a cell in a tile, from a block of a slot on: its slot, its number
-    /// and its address.
-    #[must_use]
-    pub fn block_in(&self, tile: Tile, slot: u32, number: u8) -> Option<(u32, u8, u32)> {
-        let slots = u32::try_from(self.sectors.len()).ok()?;
-        (slot..slots).find_map(|here| {
-            let sector = self.sectors.get(usize::try_from(here).ok()?)?;
-            if !sector.bounds.contains(tile) {
-                return None;
+    /// Looks for a block with a cell in a tile, from a block of a slot on, with bounded work. Returns
+    /// what it found, and the slot and the block to go on from.
+    pub(in crate::roadmap) fn look(&self, tile: Tile, slot: u32, number: u8) -> (Looked, u32, u8) {
+        let slots = self.sectors.len() as u32;
+        let last = slots.min(slot.saturating_add(SLOTS_AT_ONCE));
+        for here in slot..last {
+            let sector = usize::try_from(here).ok().and_then(|i| self.sectors.get(i));
+            if !sector.is_some_and(|sector| sector.bounds.contains(tile)) {
+                continue;
             }
-            let page = self.page_of_slot(here as u16)?;
+            let Some(page) = self.page_of_slot(here as u16) else {
+                continue;
+            };
             let first = if here == slot { number } else { 0 };
-            (first..page.header.blocks)
-                .map_while(|number| page.block(number, false).ok())
-                .find(|block| bounds_of(block).contains(tile))
-                .map(|block| (here, block_number(block.offset), block.offset))
-        })
+            return match page.look(tile, first) {
+                (Looked::End, _) => (Looked::NotYet, here + 1, 0),
+                (looked, next) => (looked, here, next),
+            };
+        }
+        let looked = if last < slots {
+            Looked::NotYet
+        } else {
+            Looked::End
+        };
+        (looked, last, 0)
     }
 }
 
@@ -139,19 +147,18 @@ fn way_in(page: &Page<'_>, first: u8) -> Option<StoredWay> {
     if start.way != address {
         return None;
     }
-    let last = (first..page.header.blocks)
-        .map_while(|number| page.block(number, false).ok())
-        .take_while(|block| block.way == address)
-        .last()?;
-    let joins = || (0..page.header.joins).filter_map(|i| page.join(i));
-    let before = joins().take_while(|join| join.at_way < first).count();
-    let own = joins().filter(|join| join.at_way == first).count();
+    let last = page.last_of_way(first, address)?;
+    let (mut before, mut own) = (0_u8, 0_u8);
+    for at_way in page.ways_of_joins() {
+        before += u8::from(at_way < first);
+        own += u8::from(at_way == first);
+    }
     Some(StoredWay {
         address,
         blocks_end: last.next,
         first_cell: start.first_cell,
         last_cell: last.last_cell(),
-        first_join: key.block(u8::try_from(before).ok()?),
-        joins: u32::try_from(own).ok()?,
+        first_join: key.block(before),
+        joins: own.into(),
     })
 }
