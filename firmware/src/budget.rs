@@ -2,19 +2,19 @@
 //!
 //! The drive runs three times: through the estimator, with the calls that a program makes; through
 //! its parts, so that the filter and the smoother are counted separately; and with the map in flash.
+//! [`memory_budget`](crate::memory_budget) adds the road memory.
 
+use crate::counted::{BudgetError, create, tuning};
 use crate::map_region;
-use crate::meter::{CountTally, InstructionMeter, Uncountable, depth};
+use crate::memory_budget::{FLASH_BYTES, MemoryBudget};
+use crate::meter::{CountTally, InstructionMeter, depth};
 use crate::on_map::OnMap;
 use crate::recorded::{Recorded, Unusable};
 use core::fmt;
 use core::mem::MaybeUninit;
 use estimator_core::filter::{Filter, SensorNoiseRatios};
-use estimator_core::roadmap::MapError;
 use estimator_core::smoother::fixed_lag::{BLOCK_CELLS, FixedLag, LAG_CELLS};
-use estimator_core::{
-    Context, Estimator, Instant, Intake, Model, ParameterError, Sampler, Scalar, Step, Tuning,
-};
+use estimator_core::{Context, Estimator, Instant, Intake, Sampler, Scalar, Step};
 use static_cell::StaticCell;
 
 /// Number of steps until the lag is full and each new block of cells finishes another block.
@@ -51,29 +51,7 @@ pub struct Budget {
     persistent_state: CountTally,
     /// A share of the work at the end of the drive, and the cells fetched after it.
     drain: CountTally,
-}
-
-/// Why nothing was counted.
-#[derive(Debug)]
-pub enum BudgetError {
-    /// The drive cannot be used.
-    Drive(Unusable),
-    /// Instructions cannot be counted.
-    Count(Uncountable),
-    /// There is no usable map in flash.
-    Map(MapError),
-}
-
-impl From<Uncountable> for BudgetError {
-    fn from(uncountable: Uncountable) -> Self {
-        Self::Count(uncountable)
-    }
-}
-
-impl From<Unusable> for BudgetError {
-    fn from(unusable: Unusable) -> Self {
-        Self::Drive(unusable)
-    }
+    memory: MemoryBudget,
 }
 
 /// Counts in this scalar type.
@@ -86,6 +64,7 @@ impl From<Unusable> for BudgetError {
 pub fn run<S: Scalar>(
     meter: &mut InstructionMeter,
     place: &'static StaticCell<Estimator<S>>,
+    flash: &mut [u8; FLASH_BYTES],
 ) -> Result<Budget, BudgetError> {
     let mut budget = Budget {
         estimator_bytes: size_of::<Estimator<S>>(),
@@ -102,6 +81,7 @@ pub fn run<S: Scalar>(
     budget.map_step = with_map.map_step;
     budget.map_finish = with_map.map_finish;
     budget.ahead = with_map.ahead;
+    budget.memory = MemoryBudget::run(meter, place, flash)?;
     Ok(budget)
 }
 
@@ -284,23 +264,6 @@ impl Budget {
     }
 }
 
-/// Returns the tuning of the counts: the drive is too short to leave a state without it.
-fn tuning() -> Tuning {
-    let mut tuning = Tuning::default();
-    tuning.detection.persist_cells = 100;
-    tuning.detection.persist_altitudes = 10;
-    tuning
-}
-
-/// Creates the estimator in its place. Not inlined, so that all of the stack counts that it needs.
-#[inline(never)]
-fn create<'a, S: Scalar>(
-    place: &'a mut MaybeUninit<Estimator<S>>,
-    model: &Model,
-) -> Result<&'a mut Estimator<S>, ParameterError> {
-    Estimator::new_in(place, model, &tuning())
-}
-
 /// Prints one figure a line, name and number.
 impl fmt::Display for Budget {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -326,7 +289,8 @@ impl fmt::Display for Budget {
         }
         writeln!(f, "persistent_state {}", self.persistent_state.worst())?;
         writeln!(f, "drain_worst {}", self.drain.worst())?;
-        writeln!(f, "call_worst {}", self.worst_call())
+        writeln!(f, "call_worst {}", self.worst_call())?;
+        self.memory.fmt(f)
     }
 }
 
@@ -336,6 +300,7 @@ impl fmt::Display for BudgetError {
             Self::Drive(unusable) => write!(f, "{unusable}"),
             Self::Count(uncountable) => write!(f, "{uncountable}"),
             Self::Map(error) => write!(f, "the map in flash: {error}"),
+            Self::Memory(error) => write!(f, "the road memory: {error}"),
         }
     }
 }

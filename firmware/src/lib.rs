@@ -2,10 +2,11 @@
 //!
 //! * [`on_map`]: the map beside the estimator; builds for every target, as do
 //! * [`exchange`]: the files that an emulated board and a host exchange;
-//! * `recorded` reads a drive from such a file, `replay` runs it through the estimator, `budget`
-//!   counts the cost with `meter`; only on emulated boards;
+//! * `recorded` reads a drive from such a file, `replay` runs it through the estimator, `budget` and
+//!   `memory_budget` count the cost with `meter`; only on emulated boards;
 //! * `map_region` is where a map lies in flash;
 //! * `alone`: the estimator and nearly nothing else, to measure what it adds to an image;
+//! * `calls`: each call of the estimator as a function of its own, for the analysis of its call graph;
 //! * [`ending!`]: the end of an image, on a board and on a host.
 
 #![no_std]
@@ -15,9 +16,15 @@
 pub mod alone;
 #[cfg(target_os = "none")]
 pub mod budget;
+#[cfg(target_os = "none")]
+pub mod calls;
+#[cfg(target_os = "none")]
+pub mod counted;
 pub mod exchange;
 #[cfg(target_os = "none")]
 pub mod map_region;
+#[cfg(target_os = "none")]
+pub mod memory_budget;
 #[cfg(target_os = "none")]
 pub mod meter;
 pub mod on_map;

@@ -4,12 +4,6 @@ use estimator_core::broadcast;
 use estimator_core::roadmap::{HorizonParts, MapLive, NextGrade, NumberedPart, PackedMap};
 use estimator_core::{Cell, Live};
 
-/// Frames of the road ahead in 100 ms: a horizon of one branch takes a second, and 7 % of a bus of
-/// 250 kbit/s.
-pub const AHEAD_FRAMES: usize = 5;
-/// Steps of work in 100 ms that may give no frame.
-const AHEAD_STEPS: usize = 20;
-
 /// The live grade with a map, and the road ahead.
 #[derive(Clone, Debug)]
 pub struct OnMap<'m> {
@@ -55,15 +49,13 @@ impl<'m> OnMap<'m> {
     }
 
     /// Returns the frames of the road ahead that are due in 100 ms. Each takes bounded work.
-    pub fn ahead_frames<F: embedded_can::Frame>(
-        &mut self,
-        live: &Live,
+    pub fn ahead_frames<'a, F: embedded_can::Frame>(
+        &'a mut self,
+        live: &'a Live,
         source: u8,
-    ) -> impl Iterator<Item = F> {
-        let parts = (0..AHEAD_STEPS).filter_map(|_| self.next_part(live));
-        parts
-            .take(AHEAD_FRAMES)
-            .filter_map(move |part| broadcast::ahead(&part, source))
+    ) -> impl Iterator<Item = F> + use<'a, 'm, F> {
+        let parts = self.parts.due_parts(&self.map, live);
+        parts.filter_map(move |part| broadcast::ahead(&part, source))
     }
 
     /// Returns PCC1: the live grade, which the caller has combined with the map

@@ -25,17 +25,20 @@ fn main() -> ! {
 
 /// Prints the figures of each scalar type under its name.
 #[cfg(target_os = "none")]
-fn count() -> Result<(), firmware::budget::BudgetError> {
+fn count() -> Result<(), firmware::counted::BudgetError> {
     use estimator_core::{Estimator, FixedPoint};
     use firmware::budget::run;
+    use firmware::memory_budget::FLASH_BYTES;
     use firmware::meter::InstructionMeter;
     use static_cell::StaticCell;
 
     static SINGLE: StaticCell<Estimator<f32>> = StaticCell::new();
     static FIXED: StaticCell<Estimator<FixedPoint>> = StaticCell::new();
+    static FLASH: StaticCell<[u8; FLASH_BYTES]> = StaticCell::new();
+    let flash = FLASH.init([0; FLASH_BYTES]);
     let mut meter = InstructionMeter::new()?;
-    semihosting::print!("[f32]\n{}", run(&mut meter, &SINGLE)?);
-    semihosting::print!("[fixed]\n{}", run(&mut meter, &FIXED)?);
+    semihosting::print!("[f32]\n{}", run(&mut meter, &SINGLE, flash)?);
+    semihosting::print!("[fixed]\n{}", run(&mut meter, &FIXED, flash)?);
     Ok(())
 }
 
