@@ -1,0 +1,100 @@
+# shellcheck shell=bash disable=SC2154 # Variables of tests/run.
+# The evidence in docs/evidence: requirements and tests, bounds from the linked image, coverage.
+
+# Requirements name their tests, and tests of the core their requirements. This package needs little,
+# so that it is built alone.
+check_evidence() {
+    cargo test -q -p evidence
+    cargo run -q -p evidence -- requirements
+}
+
+# The stack of each call, recursion, indirect calls and panics, from the linked image.
+check_evidence_image() {
+    need_target "$board"
+    cargo build -q -p firmware --release --target "$board"
+    cargo run -q -p evidence -- calls "$target/$board/release/alone_calls"
+}
+
+# Lines and branches of the core that its own tests reach. Branches need the nightly toolchain.
+check_long_coverage() {
+    rustup component add llvm-tools --toolchain nightly ||
+        not_run coverage.csv "there is no nightly toolchain with llvm-tools"
+    local tools name objects=() status=0 folder=$target/coverage
+    tools=$(dirname "$(rustc +nightly --print target-libdir)")/bin
+    rm -rf "$folder/profiles"
+    mkdir -p "$folder/profiles"
+    while read -r name; do
+        objects+=(--object "$name")
+    done < <(covered_tests "$folder")
+    grep -q '^test result: ok' "$work/log" && ! grep -q '^test result: FAILED' "$work/log"
+    "$tools/llvm-profdata" merge -sparse "$folder/profiles"/*.profraw -o "$folder/core.profdata"
+    "$tools/llvm-cov" export --format=lcov --instr-profile="$folder/core.profdata" "${objects[@]}" \
+        >"$folder/core.lcov"
+    cargo run -q -p evidence -- coverage "$folder/core.lcov" >"$work/coverage" || status=$?
+    write_result coverage.csv "the core by its own tests" <"$work/coverage"
+    return "$status"
+}
+
+# Runs the tests of the core with counters in it. Prints the paths of their programs.
+covered_tests() {
+    RUSTFLAGS="-C instrument-coverage -Z coverage-options=branch" CARGO_TARGET_DIR=$1 \
+        LLVM_PROFILE_FILE=$1/profiles/%p-%m.profraw \
+        cargo +nightly test -p estimator-core --features fixed,serde --lib --tests 2>&1 |
+        tee "$work/log" >&2
+    sed -n 's/^ *Running .*(\(.*\))$/\1/p' "$work/log"
+}
+
+# Changes the lines of the core that differ from MUTANTS_BASE: a test of the core must fail, or the
+# mutant has a reason. By default that is where the branch left main, or the commit before. Of many
+# mutants it takes MUTANTS_MOST at most, in turns, and says so.
+check_mutants_changed() {
+    local base total shards most=${MUTANTS_MOST:-20} diff=$work/core.diff out=$target/mutants-changed
+    base=${MUTANTS_BASE:-}
+    # A forge gives zeros where there was no commit before.
+    [[ -n $base ]] && git cat-file -e "$base^{commit}" 2>/dev/null || base=$(branch_base) ||
+        skip "there is no commit to compare with"
+    git diff "$base" -- estimator-core/src >"$diff"
+    if [[ ! -s $diff ]]; then
+        echo "the core is as in $base"
+        return
+    fi
+    has_mutants || skip "cargo-mutants could not be installed"
+    total=$(cargo mutants "${mutants_of_core[@]}" --list --in-diff "$diff" | wc -l)
+    shards=$(((total + most - 1) / most))
+    echo "$total mutants of the lines that differ from $base"
+    ((total > 0)) || return 0
+    ((shards == 1)) || note "mutants_changed: $((total / shards)) of $total mutants were run (MUTANTS_MOST=$most)"
+    mutate "$out" --in-diff "$diff" --shard "0/$shards" --sharding round-robin
+    cargo run -q -p evidence -- mutants "$out/mutants.out/missed.txt"
+}
+
+# Prints the commit at which this branch left main; on main, the commit before.
+branch_base() {
+    local head base
+    head=$(git rev-parse HEAD)
+    base=$(git merge-base HEAD origin/main 2>/dev/null || git merge-base HEAD main 2>/dev/null || echo "$head")
+    if [[ $base == "$head" ]]; then
+        git rev-parse HEAD~1
+    else
+        echo "$base"
+    fi
+}
+
+readonly mutants_of_core=(--package estimator-core --features "fixed,serde")
+
+has_mutants() {
+    has_program cargo-mutants || cargo install --locked cargo-mutants
+}
+
+# Runs mutants of the core; their outcomes are in the folder $1/mutants.out. The variable is unset, so
+# that the temporary copies do not share the target folder.
+mutate() {
+    local out=$1 status=0
+    shift
+    rm -rf "$out"
+    mkdir -p "$out"
+    env -u CARGO_TARGET_DIR cargo mutants "${mutants_of_core[@]}" "$@" --output "$out" --timeout 120 --no-times \
+        --colors never -- --lib --tests || status=$?
+    # 2: some mutants were not caught, 3: some took too long.
+    ((status == 0 || status == 2 || status == 3))
+}
