@@ -17,7 +17,7 @@ use host_sim::source::frame_log::FrameLog;
 use host_sim::source::log_time::{self, LogTime};
 use host_sim::source::own_signals::OwnSignals;
 use host_sim::source::socketcan::{
-    BusEvent, Received, ReceivedItem, SteadyClock, accepts, of_error_frame, of_frames, of_group,
+    BusEvent, ClockReading, Received, ReceivedItem, SteadyClock, accepts, of_error_frame, of_frames, of_group,
     wanted,
 };
 use proptest::prelude::*;
@@ -126,22 +126,34 @@ fn error_frames_are_distinguished() {
 fn a_clock_that_is_set_does_not_move_the_time_of_frames() {
     let second = Duration::from_secs(1);
     let (start, day) = (Monotonic::now(), SystemTime::UNIX_EPOCH + 1_000 * second);
-    let mut clock = SteadyClock::new(start, day);
+    let reading = |steady: Duration, of_day: Duration| ClockReading {
+        monotonic: start + steady,
+        of_day: day + of_day,
+        apart: Duration::ZERO,
+    };
+    let mut clock = SteadyClock::new(reading(Duration::ZERO, Duration::ZERO));
     let micros = |clock: &SteadyClock, stamp, now| clock.time(stamp, now).micros();
     assert_eq!(micros(&clock, day, start), 1_000_000_000);
     // Microseconds between reading both clocks are no change.
-    assert!(!clock.check(start + second, day + second + Duration::from_micros(900)));
+    assert!(!clock.check(reading(second, second + Duration::from_micros(900))));
+    // Nor is the time for which the thread waited for the processor between the two readings.
+    let late = Duration::from_millis(80);
+    assert!(!clock.check(ClockReading {
+        apart: late,
+        ..reading(second, second + late)
+    }));
+    assert!(clock.clone().check(reading(second, second + late)));
 
     // Set forward by fifty years.
     let leap = 50 * 365 * 86_400 * second;
-    assert!(clock.check(start + 2 * second, day + 2 * second + leap));
-    assert!(!clock.check(start + 3 * second, day + 3 * second + leap));
+    assert!(clock.check(reading(2 * second, 2 * second + leap)));
+    assert!(!clock.check(reading(3 * second, 3 * second + leap)));
     let stamp = day + 3 * second + leap;
     assert_eq!(micros(&clock, stamp, start + 3 * second), 1_003_000_000);
 
     // And back by an hour.
     let back = 3_600 * second;
-    assert!(clock.check(start + 4 * second, day + 4 * second + leap - back));
+    assert!(clock.check(reading(4 * second, 4 * second + leap - back)));
     let stamp = day + 5 * second + leap - back;
     assert_eq!(micros(&clock, stamp, start + 5 * second), 1_005_000_000);
     // A time stamp from before the change that is read after it: its time is not in the future.
@@ -154,6 +166,7 @@ fn view(live: Option<Live>) -> LiveView {
         time_s: 3_725.25,
         live,
         road: None,
+        memory: None,
         is_silent: false,
         cells_finished: 812,
         newest_cell_percent: Some((-1.25, 0.06)),

@@ -3,9 +3,12 @@
 use crate::bus::Vcan;
 use crate::drive::{VcanDrive, replay};
 use crate::listener::Listener;
-use host_sim::files::run;
+use estimator_core::Instant;
+use host_sim::source::can_frame::TimedFrame;
+use host_sim::source::frame_log::FrameLog;
 use nix::sys::time::TimeSpec;
 use nix::time::{ClockId, clock_settime};
+use std::path::Path;
 use std::thread;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
@@ -20,6 +23,9 @@ const STEPS_MS: [i64; 7] = [
     -1_500_000_000_000,
     1_500_000_000_000,
 ];
+
+/// Largest shift of a time stamp beyond the lateness of the replay, ms. Below the smallest step.
+const ALLOWED_MS: f64 = 200.0;
 
 /// Moves the system clock.
 fn step_by(millis: i64) {
@@ -41,20 +47,19 @@ fn steps_of_the_system_clock_do_not_reach_the_estimate() {
     let drive = VcanDrive::new("A", 800.0);
     let options = ["--out", "live.csv", "--log", "output.log"];
     let listener = Listener::start(&drive, &[vcan.0], &options);
-    thread::scope(|scope| {
+    let replayed = thread::scope(|scope| {
         let sending = scope.spawn(|| replay(vcan.0, &drive.log(), &["--speed", "1"]));
         for step in STEPS_MS {
             thread::sleep(Duration::from_secs(3));
             step_by(step);
         }
-        sending.join().unwrap();
+        sending.join().unwrap()
     });
     listener.signal("INT");
     let output = listener.finish();
-    let steps = STEPS_MS.len();
     assert_eq!(
         output.event(0, "clock_set"),
-        steps as u64,
+        STEPS_MS.len() as u64,
         "{:?}",
         output.said
     );
@@ -65,14 +70,23 @@ fn steps_of_the_system_clock_do_not_reach_the_estimate() {
         drive.estimate(&drive.file("output.log")),
         drive.read("live.csv")
     );
-    drive.estimate(&drive.log());
-    let read = |name: &str| run::read(&drive.file(name)).unwrap();
-    let (live, alone) = (read("live.csv"), read("estimated.csv"));
-    assert!(live.len().abs_diff(alone.len()) <= 2);
-    let off = live.iter().zip(&alone).map(|(live, alone)| {
-        (live.grade_percent - alone.grade_percent).abs() / alone.grade_sigma_percent
+    // The replay itself is late where the machine is busy; this is no step of the clock.
+    let late_ms = replayed["latest_ms"].as_f64().unwrap();
+    let off_ms = largest_shift_ms(&drive.frames, &drive.file("output.log"));
+    println!("time stamps off by {off_ms:.1} ms at most, the replay by {late_ms:.1} ms");
+    assert!(off_ms < late_ms + ALLOWED_MS, "{off_ms} ms");
+}
+
+/// Returns the largest difference between the times of the recorded log and those of the drive,
+/// each counted from the first frame, ms.
+fn largest_shift_ms(drive: &[TimedFrame], recorded: &Path) -> f64 {
+    let recorded: Vec<_> = FrameLog::open_candump(recorded)
+        .unwrap()
+        .map(|timed| timed.unwrap().time)
+        .collect();
+    let shifts = recorded.iter().zip(drive).map(|(time, sent)| {
+        let since = |time: Instant, first: Instant| time.since(first).as_secs_f64();
+        (since(*time, recorded[0]) - since(sent.time, drive[0].time)).abs()
     });
-    let worst = off.fold(0.0, f64::max);
-    println!("{steps} steps of the clock: cells off by {worst:.3} sigma at most");
-    assert!(worst < 1.0, "{worst} sigma");
+    1e3 * shifts.fold(0.0, f64::max)
 }

@@ -18,4 +18,4 @@ pub use filter::{accepts, of_frames, of_group, wanted};
 pub use interface::open_error;
 pub use receiver::{FrameReceiver, Received, ReceivedItem};
 pub use sender::FrameSender;
-pub use steady_clock::SteadyClock;
+pub use steady_clock::{ClockReading, SteadyClock};

@@ -2,7 +2,7 @@
 
 use super::bus_event::BusEvent;
 use super::interface::{Interface, Read};
-use super::steady_clock::SteadyClock;
+use super::steady_clock::{ClockReading, SteadyClock};
 use crate::error::{Error, Result};
 use crate::source::can_frame::{CanFrame, TimedFrame};
 use estimator_core::{Duration as Span, Instant};
@@ -78,7 +78,7 @@ impl FrameReceiver {
         let (sink, batches) = sync_channel(WAITING);
         let reading = ReceiveThread {
             interfaces,
-            clock: SteadyClock::new(Monotonic::now(), SystemTime::now()),
+            clock: SteadyClock::new(ClockReading::now()),
             held: Vec::new(),
             newest: Instant::ZERO,
         };
@@ -146,11 +146,10 @@ impl ReceiveThread {
 
     /// Reads all frames that are available. Returns the time up to which no frame is missing.
     fn read(&mut self) -> Instant {
-        let begun = Monotonic::now();
-        let time_of_day = SystemTime::now();
-        let now = self.clock.time(time_of_day, begun);
+        let clocks = ClockReading::now();
+        let now = self.clock.time(clocks.of_day, clocks.monotonic);
         let mut complete_to = now;
-        if self.clock.check(begun, time_of_day) {
+        if self.clock.check(clocks) {
             let event = ReceivedItem::Event(BusEvent::ClockSet);
             self.held
                 .extend((0..self.interfaces.len()).map(|interface| Received {
@@ -168,7 +167,7 @@ impl ReceiveThread {
                     item,
                 });
             };
-            if let Some(event) = interface.try_reopen(begun) {
+            if let Some(event) = interface.try_reopen(clocks.monotonic) {
                 push(now, ReceivedItem::Event(event));
             }
             let mut left = BATCH;

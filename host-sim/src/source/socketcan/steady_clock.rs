@@ -7,9 +7,34 @@
 use estimator_core::Instant;
 use std::time::{Duration, Instant as Monotonic, SystemTime, UNIX_EPOCH};
 
-/// Smallest clock change that counts. Reading both clocks takes microseconds; a longer delay
-/// between the two readings is avoided by reading again.
+/// Smallest clock change that counts. Reading both clocks takes microseconds.
 const LEAST_CHANGE: Duration = Duration::from_millis(20);
+
+/// Both clocks, read one after the other.
+#[derive(Clone, Copy, Debug)]
+pub struct ClockReading {
+    /// The clock that is never set, read first.
+    pub monotonic: Monotonic,
+    /// The system clock.
+    pub of_day: SystemTime,
+    /// Longest time between the two readings. The thread may have to wait for the processor
+    /// between them.
+    pub apart: Duration,
+}
+
+impl ClockReading {
+    /// Reads both clocks.
+    #[must_use]
+    pub fn now() -> Self {
+        let monotonic = Monotonic::now();
+        let of_day = SystemTime::now();
+        Self {
+            monotonic,
+            of_day,
+            apart: monotonic.elapsed(),
+        }
+    }
+}
 
 /// Converts time stamps of the system clock to times without steps.
 #[derive(Clone, Debug)]
@@ -23,19 +48,21 @@ pub struct SteadyClock {
 impl SteadyClock {
     /// Starts with the current clock.
     #[must_use]
-    pub fn new(now: Monotonic, time_of_day: SystemTime) -> Self {
+    pub fn new(now: ClockReading) -> Self {
         Self {
-            start: now,
-            start_of_day: time_of_day,
+            start: now.monotonic,
+            start_of_day: now.of_day,
             set_by_micros: 0,
         }
     }
 
-    /// Compares both clocks. Returns true if the system clock was set since the last call.
-    pub fn check(&mut self, now: Monotonic, time_of_day: SystemTime) -> bool {
-        let expected = self.start_of_day + now.duration_since(self.start);
-        let set_by = micros_between(expected, time_of_day);
-        let is_set = set_by.abs_diff(self.set_by_micros) > LEAST_CHANGE.as_micros() as u64;
+    /// Compares both clocks. Returns true if the system clock was set since the last call. A change
+    /// no larger than the time between the two readings is left to the next call.
+    pub fn check(&mut self, now: ClockReading) -> bool {
+        let expected = self.start_of_day + now.monotonic.duration_since(self.start);
+        let set_by = micros_between(expected, now.of_day);
+        let least = LEAST_CHANGE + now.apart;
+        let is_set = set_by.abs_diff(self.set_by_micros) > least.as_micros() as u64;
         if is_set {
             self.set_by_micros = set_by;
         }
