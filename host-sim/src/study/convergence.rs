@@ -120,7 +120,9 @@ impl Conditions {
         .expect("the preset has an engine and a gearbox")
     }
 
-    fn disturbed_drive(&self, index: usize) -> DistanceDrive {
+    /// Returns a run with its own false parameters and errors.
+    #[must_use]
+    pub fn disturbed_drive(&self, index: usize) -> DistanceDrive {
         let mut rng = stream(self.seed, index, Purpose::Parameters);
         let mut factor =
             || (1.0 + PARAMETER_SIGMA * normal(&mut rng)).clamp(FACTOR_LIMITS.0, FACTOR_LIMITS.1);

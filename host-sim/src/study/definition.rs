@@ -7,7 +7,8 @@ use std::path::PathBuf;
 /// Settings of a study.
 #[derive(Clone, Debug)]
 pub struct Setting {
-    /// Folder of the measured data: `ztbus/*.csv`, `srtm/*.hgt` and `i3/Trip*.csv.gz`.
+    /// Folder of the measured data: `ztbus/*.csv`, `srtm/*.hgt`, `i3/Trip*.csv.gz` and
+    /// `e4/road.csv`.
     pub data: PathBuf,
     /// Seed of every random number.
     pub seed: u64,

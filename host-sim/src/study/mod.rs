@@ -6,15 +6,18 @@
 
 pub mod accuracy;
 pub mod alignment;
+pub mod bridges;
 pub mod convergence;
 mod definition;
 pub mod distance_drive;
 pub mod drift;
 mod drive_errors;
+pub mod e4;
 pub mod experiments;
 pub mod fleet;
 pub mod gps;
 pub mod i3;
+pub mod known_road;
 pub mod sensitivity;
 pub mod sensors;
 pub mod windows;
@@ -32,10 +35,12 @@ pub const STUDIES: &[Study] = &[
     experiments::tuning::STUDY,
     experiments::modified::STUDY,
     experiments::campaigns::STUDY,
+    e4::STUDY,
     accuracy::STUDY,
     sensors::STUDY,
     fleet::STUDY,
     alignment::STUDY,
+    bridges::STUDY,
     ztbus::STUDY,
     i3::STUDY,
 ];

@@ -62,13 +62,13 @@ struct Findings {
 
 /// Profiles of the passes in one direction, on one road.
 #[derive(Debug)]
-struct DirectionProfiles {
+pub(super) struct DirectionProfiles {
     /// Direction in words.
-    direction: &'static str,
+    pub(super) direction: &'static str,
     /// Terrain altitude, m, over distance, m.
-    terrain: Vec<(f64, f64)>,
+    pub(super) terrain: Vec<(f64, f64)>,
     /// Pass number, and its grade on the distances of the road.
-    passes: Vec<(usize, Vec<MapRow>)>,
+    pub(super) passes: Vec<(usize, Vec<MapRow>)>,
 }
 
 fn run(setting: &Setting) -> Result<StudyOutcome> {
@@ -80,6 +80,12 @@ fn run(setting: &Setting) -> Result<StudyOutcome> {
     };
     let found = find(&mission, &setting.data.join("srtm"))?;
     Ok(StudyOutcome::Done(section(&found)))
+}
+
+/// Returns the profiles of the first mission of the data folder; `None` without one.
+pub(super) fn profiles(data: &Path) -> Result<Option<Vec<DirectionProfiles>>> {
+    let found = mission_file(data).map(|mission| find(&mission, &data.join("srtm")));
+    Ok(found.transpose()?.map(|found| found.profiles))
 }
 
 /// Returns the first mission of the data folder, by name.

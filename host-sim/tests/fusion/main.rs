@@ -1,6 +1,7 @@
 //! Runs become maps: roads, networks, stores, and `roadgrade fuse` and `export`.
 
 mod alignment;
+mod altitude_datum;
 mod end_to_end;
 mod export;
 mod fleet;
@@ -8,13 +9,16 @@ mod knots;
 mod known_roads;
 mod network;
 mod network_files;
+mod osm_networks;
 mod packed;
 mod parquet;
 mod placed;
 mod road_line;
 mod sessions;
+mod slopes;
 mod store;
 mod suspect_cells;
+mod tunnels;
 
 use host_sim::map::{WayRows, stage_map_ways};
 use std::path::Path;

@@ -92,7 +92,10 @@ fn the_index_finds_every_cell_and_joins_lead_on() {
     assert_eq!(map.blocks_in(Tile::of(0, 0)).count(), 0);
 
     let first = map.way(offsets[0]).expect("a way");
-    assert_eq!((first.name, first.direction), ("a", WayDirection::Forward));
+    assert_eq!(
+        (first.name().expect("a name"), first.direction),
+        ("a", WayDirection::Forward)
+    );
     let last = ways[0].rows.last().expect("rows");
     let joins: Vec<_> = map
         .joins(&first)
@@ -103,7 +106,7 @@ fn the_index_finds_every_cell_and_joins_lead_on() {
     };
     let entered = map.way(join.to_way).expect("a way");
     assert_eq!(
-        (entered.name, entered.direction),
+        (entered.name().expect("a name"), entered.direction),
         ("way/7", WayDirection::Forward)
     );
     assert_eq!(f64::from(join.at_cell) * GRID_M, last.distance_m);
@@ -119,9 +122,10 @@ fn damage_is_found_where_it_is_read() {
         let mut cells = Vec::new();
         for way in map.ways() {
             let way = way?;
+            let name = way.name()?;
             for block in map.blocks(&way) {
                 let block = block?;
-                cells.extend(block.cells()?.map(|cell| (way.name.to_owned(), cell)));
+                cells.extend(block.cells()?.map(|cell| (name.to_owned(), cell)));
                 cells.extend(block.points().map(|point| {
                     let cell = block.cells().ok().and_then(|mut cells| cells.next());
                     (format!("{point:?}"), cell.expect("a cell"))

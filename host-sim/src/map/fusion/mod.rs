@@ -1,6 +1,6 @@
 //! Inverse-variance weighted fusion of the cells of many runs.
 
-mod altitude_datum;
+pub mod altitude_datum;
 pub mod cell_sums;
 pub mod dependence;
 pub mod grade_map;

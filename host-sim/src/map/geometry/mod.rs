@@ -9,5 +9,6 @@ pub mod network_size;
 pub mod plane;
 pub mod road_index;
 pub mod road_line;
+pub mod structure;
 pub mod way_index;
 pub mod way_name;

@@ -6,8 +6,10 @@ use super::joins::Joins;
 use super::plane::LocalPlane;
 use super::road_index::Surroundings;
 use super::road_line::RoadLine;
+use super::structure::Structure;
 use super::way_index::{Way, WayCandidate, WayIndex};
 use super::way_name::WayName;
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 /// Ways and their joins.
@@ -15,6 +17,8 @@ use std::ops::Range;
 pub struct Network {
     ways: WayIndex,
     joins: Joins,
+    /// Structures of ways, by name.
+    structures: BTreeMap<String, Structure>,
 }
 
 impl From<RoadLine> for Network {
@@ -23,6 +27,7 @@ impl From<RoadLine> for Network {
         Self {
             ways: WayIndex::new(vec![(None, line)]),
             joins: Joins::default(),
+            structures: BTreeMap::new(),
         }
     }
 }
@@ -37,7 +42,21 @@ impl Network {
         Self {
             joins: find_joins(&ways),
             ways,
+            structures: BTreeMap::new(),
         }
+    }
+
+    /// Sets the structures that carry its ways, by name of the way.
+    #[must_use]
+    pub fn with_structures(self, structures: BTreeMap<String, Structure>) -> Self {
+        Self { structures, ..self }
+    }
+
+    /// Returns the structure that carries a way; `None` on the ground, or where the file of the
+    /// network tells none.
+    #[must_use]
+    pub fn structure(&self, way: &str) -> Option<Structure> {
+        self.structures.get(way).copied()
     }
 
     /// Returns its ways, in the order of their names.
@@ -74,7 +93,7 @@ impl Network {
         course: impl Fn(&LocalPlane) -> Option<[f64; 2]>,
         along: &mut Vec<WayCandidate>,
     ) -> bool {
-        let Self { ways, joins } = self;
+        let Self { ways, joins, .. } = self;
         ways.nearby(joins, surroundings, place_m, course, along)
     }
 }

@@ -6,10 +6,13 @@ use crate::error::{Error, Result};
 use crate::files::geo_parquet;
 use crate::files::limits::{MAP_ROWS, ROAD_ROWS};
 use crate::files::output::Staged;
-use crate::files::parquet::{GEO, ParquetColumn, VERTICAL_DATUM, open, stage as stage_parquet};
+use crate::files::parquet::{
+    GEO, ParquetColumn, VERTICAL_DATUM, in_memory, open, stage as stage_parquet,
+};
 use crate::files::row_check::Flaw;
 use crate::map::fusion::map_row::{MapRow, WayRows};
 use crate::map::geometry::way_name::WayName;
+use arrow_array::RecordBatch;
 use std::path::Path;
 
 /// Version of the columns, in the metadata of the files.
@@ -20,6 +23,16 @@ const MAP_SCHEMA: &str = "map 1";
 /// # Errors
 /// Returns the error of the file system.
 pub fn stage(path: &Path, ways: &[WayRows]) -> Result<Staged> {
+    stage_parquet(path, columns(ways), &metadata(ways))
+}
+
+/// Returns a map as a table in memory.
+#[must_use]
+pub fn table(ways: &[WayRows]) -> RecordBatch {
+    in_memory(columns(ways), &metadata(ways))
+}
+
+fn columns(ways: &[WayRows]) -> Vec<ParquetColumn> {
     let rows = || ways.iter().flat_map(|way| &way.rows);
     let numbers = |name, value: fn(&MapRow) -> f64| ParquetColumn::numbers(name, rows().map(value));
     let mut columns = Vec::new();
@@ -45,13 +58,17 @@ pub fn stage(path: &Path, ways: &[WayRows]) -> Result<Staged> {
         ParquetColumn::whole("runs", rows().map(|row| row.runs.into())),
         geo_parquet::points(rows().map(|row| (row.longitude_deg, row.latitude_deg))),
     ]);
-    let extent = geo_parquet::extent(rows().map(|row| (row.longitude_deg, row.latitude_deg)));
-    let metadata = [
+    columns
+}
+
+fn metadata(ways: &[WayRows]) -> [(&'static str, String); 3] {
+    let rows = ways.iter().flat_map(|way| &way.rows);
+    let extent = geo_parquet::extent(rows.map(|row| (row.longitude_deg, row.latitude_deg)));
+    [
         ("schema", MAP_SCHEMA.to_owned()),
         ("vertical_datum", VERTICAL_DATUM.to_owned()),
         (GEO, geo_parquet::metadata(extent)),
-    ];
-    stage_parquet(path, columns, &metadata)
+    ]
 }
 
 /// Reads a map.

@@ -1,6 +1,9 @@
 //! Files of maps, roads, networks and sums.
 
 mod checksum;
+pub mod edges_csv;
+pub mod elevation_tiles;
+pub mod inclines_file;
 pub mod learned_roads;
 pub mod map_file;
 pub mod map_geojson;
@@ -8,7 +11,10 @@ pub mod map_gpx;
 pub mod map_kml;
 mod map_lines;
 pub mod map_parquet;
+mod network_draft;
 pub mod network_file;
+pub mod network_geojson;
+pub mod osm;
 pub mod packed;
 pub mod placed_file;
 pub mod road_file;

@@ -3,6 +3,7 @@
 
 use super::way_file::{DIRECTION, WAY};
 use crate::error::Result;
+use crate::files::object_storage;
 use crate::files::output::Staged;
 use crate::files::parquet::{ParquetColumn, open, stage as stage_parquet};
 use crate::files::run::RunIdentity;
@@ -37,10 +38,14 @@ impl PlacedFolder {
     }
 
     /// Returns true if the run is there, placed on this very road.
-    #[must_use]
-    pub fn has(&self, run: RunIdentity) -> bool {
+    ///
+    /// # Errors
+    /// Returns the error of object storage.
+    pub fn has(&self, run: RunIdentity) -> Result<bool> {
         let path = self.path_of(run);
-        path.exists() && open(&path).is_ok_and(|file| file.metadata(ROAD) == Some(&self.mark))
+        object_storage::bring(&path)?;
+        let is_of_road = || open(&path).is_ok_and(|file| file.metadata(ROAD) == Some(&self.mark));
+        Ok(path.exists() && is_of_road())
     }
 
     /// Writes the cells of a run to a file that appears when it is committed: `session` (null for a

@@ -23,9 +23,9 @@ use crate::files::output::Staged;
 use crate::files::row_check::Flaw;
 use crate::map::geometry::plane::chord_m;
 use crate::map::geometry::road_line::RoadPoint;
+use crate::platform::file_number;
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read, Write};
-use std::os::unix::fs::MetadataExt;
 use std::path::Path;
 
 /// Prefix of a file of this kind; the number is its version.
@@ -183,7 +183,7 @@ pub fn read(path: &Path) -> Result<MapStore> {
 
 /// Returns what tells a file from the one that replaces it.
 fn number_of_file(path: &Path) -> Option<u64> {
-    path.metadata().ok().map(|found| found.ino())
+    path.metadata().ok().as_ref().and_then(file_number)
 }
 
 fn read_once(path: &Path) -> Result<MapStore> {

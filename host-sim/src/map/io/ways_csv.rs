@@ -2,6 +2,7 @@
 
 use super::map_file;
 use crate::error::{Error, Result};
+use crate::files::object_storage;
 use crate::files::temporary::TemporaryFolder;
 use crate::map::fusion::map_row::WayRows;
 use crate::map::geometry::way_name::{WayDirection, WayName};
@@ -10,7 +11,8 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
-/// Writes the files into a folder, all or none. The file of a single road has the name of the map.
+/// Writes the files into a folder, all or none; of objects, those before an error. The file of a
+/// single road has the name of the map.
 pub fn write(folder: &Path, map: &Path, ways: &[WayRows]) -> Result<()> {
     fs::create_dir_all(folder).map_err(Error::io(folder))?;
     // Staged within the folder: a folder beside it may be on another file system, and a file cannot
@@ -31,6 +33,7 @@ pub fn write(folder: &Path, map: &Path, ways: &[WayRows]) -> Result<()> {
     for name in &names {
         let path = folder.join(name);
         fs::rename(complete.path().join(name), &path).map_err(Error::io(&path))?;
+        object_storage::send(&path)?;
     }
     Ok(())
 }

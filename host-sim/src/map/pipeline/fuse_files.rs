@@ -4,7 +4,9 @@ use super::inputs::{Inputs, NamedSession};
 use super::intake::RunIntake;
 use super::road::{Stored, road};
 use crate::error::{Error, Result, on_one_line};
+use crate::files::output::Staged;
 use crate::files::same::handle;
+use crate::files::stop::Stop;
 use crate::map::fusion::grade_map::{FusedMap, GradeMap};
 use crate::map::geometry::network::Network;
 use crate::map::io::placed_file::PlacedFolder;
@@ -26,10 +28,12 @@ pub struct FuseRequest<'a> {
     pub store: Option<&'a Path>,
     /// Folder for the placed runs.
     pub placed: Option<&'a Path>,
-    /// File of the map.
-    pub out: &'a Path,
+    /// File of the map; without one it is only returned.
+    pub out: Option<&'a Path>,
     /// True if a damaged file in a folder is an error.
     pub strict: bool,
+    /// Stops the fusion.
+    pub stop: &'a Stop,
 }
 
 /// Fuses runs into a map; writes the map and its sums.
@@ -52,14 +56,18 @@ pub fn fuse_files(request: &FuseRequest) -> Result<FusedMap> {
     };
     let first = inputs.runs.first().map(|input| input.path.clone());
     let mut intake = RunIntake::new(sums, runs, file.as_mut(), request.placed_folder(&road));
-    intake.add(inputs, request.strict)?;
+    intake.add(inputs, request.strict, request.stop)?;
     let fused = intake.sums.fused();
     if fused.ways.is_empty() {
-        let path = first.as_deref().or(request.store).unwrap_or(request.out);
+        let path = first.as_deref().or(request.store).or(request.out);
+        let path = path.unwrap_or(Path::new(""));
         let problem = "no cell of the road is covered; expected runs on it, in its direction";
         return Err(Error::content(path, problem));
     }
-    let map = map_file::stage_ways(request.out, &fused.ways)?;
+    let map = request
+        .out
+        .map(|out| map_file::stage_ways(out, &fused.ways))
+        .transpose()?;
     let RunIntake {
         sums,
         runs,
@@ -71,7 +79,7 @@ pub fn fuse_files(request: &FuseRequest) -> Result<FusedMap> {
         Some(file) if tally.added > 0 => Some((store::stage(file.path(), &sums, &runs)?, file)),
         _ => None,
     };
-    map.commit()?;
+    map.map_or(Ok(()), Staged::commit)?;
     if let Some((staged, file)) = staged {
         // Last: if it fails, the runs are not in the store and can be added again.
         file.replace(staged)?;
@@ -88,7 +96,7 @@ impl<'a> FuseRequest<'a> {
             let problem = format!("is {what} too ({path}); expected another file for the output");
             Err(Error::content(out, problem))
         };
-        for out in [Some(self.out), self.store].into_iter().flatten() {
+        for out in [self.out, self.store].into_iter().flatten() {
             let Some(own) = handle(out) else {
                 continue;
             };
@@ -99,9 +107,9 @@ impl<'a> FuseRequest<'a> {
                 return refuse(out, "a run", &input.path);
             }
         }
-        match self.store {
-            Some(store) if handle(store).is_some_and(|own| Some(own) == handle(self.out)) => {
-                refuse(self.out, "the store", store)
+        match self.store.zip(self.out) {
+            Some((store, out)) if handle(store).is_some_and(|own| Some(own) == handle(out)) => {
+                refuse(out, "the store", store)
             }
             _ => Ok(()),
         }
@@ -109,7 +117,8 @@ impl<'a> FuseRequest<'a> {
 
     /// Returns the folder of the placed runs, named by the map.
     fn placed_folder(&self, network: &Network) -> Option<PlacedFolder> {
-        let road = self.out.file_stem().unwrap_or_default().to_string_lossy();
+        let road = self.out.and_then(Path::file_stem).unwrap_or_default();
+        let road = road.to_string_lossy();
         Some(PlacedFolder::new(self.placed?, &road, network))
     }
 

@@ -2,10 +2,11 @@
 
 use super::in_order::{Item, in_order};
 use super::inputs::{Inputs, RunInput};
-use super::words::describe;
+use super::words::{report_coverage, report_left_out};
 use crate::error::{Error, Result, on_one_line};
 use crate::files::output::Staged;
 use crate::files::run::{self, RunIdentity};
+use crate::files::stop::Stop;
 use crate::map::fusion::grade_map::GradeMap;
 use crate::map::io::placed_file::PlacedFolder;
 use crate::map::io::run_list::RunList;
@@ -77,7 +78,7 @@ impl<'a, 'r> RunIntake<'a, 'r> {
 
     /// Adds runs. Damaged files found in a folder are reported and left out. A damaged file of the
     /// command line is an error, and so is any damaged file if `strict`.
-    pub(crate) fn add(&mut self, inputs: Inputs, strict: bool) -> Result<()> {
+    pub(crate) fn add(&mut self, inputs: Inputs, strict: bool, stop: &Stop) -> Result<()> {
         for e in inputs.damaged {
             self.leave_out(e, strict)?;
         }
@@ -86,6 +87,7 @@ impl<'a, 'r> RunIntake<'a, 'r> {
         let (road, known) = (self.sums.network(), self.runs.clone());
         let folder = self.placed.clone();
         let arrive = |input: &RunInput| {
+            stop.check()?;
             let (cells, identity) = run::read_cells(&input.path)?;
             let placed = (!known.contains(identity)).then(|| place(road, &cells));
             let covering = placed.as_ref().filter(|placed| !placed.cells.is_empty());
@@ -99,6 +101,7 @@ impl<'a, 'r> RunIntake<'a, 'r> {
             })
         };
         in_order(&runs, ROWS_IN_FLIGHT, arrive, |input, arrival| {
+            stop.check()?;
             self.add_arrival(input, arrival, strict)
         })?;
         self.judge(&runs)
@@ -137,12 +140,7 @@ impl<'a, 'r> RunIntake<'a, 'r> {
             self.tally.repeated += 1;
             return Ok(());
         };
-        let words = describe(&input.path, &placed.coverage);
-        if placed.coverage.matched > 0 {
-            note(words);
-        } else {
-            alert(words);
-        }
+        report_coverage(&input.path, &placed.coverage);
         if let Some(staged) = staged {
             staged.commit()?;
         }
@@ -154,11 +152,7 @@ impl<'a, 'r> RunIntake<'a, 'r> {
     }
 
     fn leave_out(&mut self, e: Error, strict: bool) -> Result<()> {
-        // An error of the machine is no damage of the file.
-        if strict || e.is_of_the_machine() {
-            return Err(e);
-        }
-        alert(format_args!("{e}: left out"));
+        report_left_out(e, strict)?;
         self.tally.damaged += 1;
         Ok(())
     }

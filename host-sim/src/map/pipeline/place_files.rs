@@ -6,7 +6,7 @@
 use super::in_order::in_order;
 use super::inputs::{Inputs, NamedSession, RunInput};
 use super::intake::ROWS_IN_FLIGHT;
-use super::words::describe;
+use super::words::{report_coverage, report_left_out};
 use crate::error::{Error, Result, on_one_line};
 use crate::files::output::Staged;
 use crate::files::run;
@@ -14,7 +14,7 @@ use crate::map::geometry::network::Network;
 use crate::map::io::network_file;
 use crate::map::io::placed_file::PlacedFolder;
 use crate::map::matching::placing::{Coverage, place};
-use crate::terminal::print::{alert, note};
+use crate::terminal::print::note;
 use std::path::{Path, PathBuf};
 
 /// Options of placing.
@@ -83,7 +83,8 @@ pub fn place_files(request: &PlaceRequest) -> Result<PlaceTally> {
 fn outcome(input: &RunInput, network: &Network, folder: &PlacedFolder) -> Result<Outcome> {
     let path = &input.path;
     // A run as Parquet names its identity; one as CSV must be read.
-    if run::identity(path)?.is_some_and(|run| folder.has(run)) {
+    let known = run::identity(path)?.map(|run| folder.has(run));
+    if known.transpose()? == Some(true) {
         return Ok(Outcome::There);
     }
     let (cells, identity) = run::read_cells(path)?;
@@ -108,12 +109,7 @@ impl PlaceTally {
             }
             Outcome::Placed(coverage, cells, staged) => (coverage, cells, staged),
         };
-        let words = describe(path, &coverage);
-        if coverage.matched > 0 {
-            note(words);
-        } else {
-            alert(words);
-        }
+        report_coverage(path, &coverage);
         match staged {
             Some(staged) => {
                 staged.commit()?;
@@ -126,10 +122,7 @@ impl PlaceTally {
     }
 
     fn leave_out(&mut self, e: Error, is_error: bool) -> Result<()> {
-        if is_error || e.is_of_the_machine() {
-            return Err(e);
-        }
-        alert(format_args!("{e}: left out"));
+        report_left_out(e, is_error)?;
         self.damaged += 1;
         Ok(())
     }

@@ -1,10 +1,10 @@
 //! Messages of a fusion.
 
-use crate::error::on_one_line;
+use crate::error::{Error, Result, on_one_line};
 use crate::map::fusion::grade_map::{Agreement, FusedMap};
 use crate::map::geometry::grid::GRID_M;
 use crate::map::matching::placing::Coverage;
-use crate::terminal::print::note;
+use crate::terminal::print::{alert, note};
 use std::path::Path;
 
 /// Prints a summary of the fusion.
@@ -50,8 +50,8 @@ fn report_agreement(who: &str, agreement: &Agreement) {
     ));
 }
 
-/// Returns the coverage of the road by a run as text.
-pub fn describe(path: &Path, coverage: &Coverage) -> String {
+/// Prints the coverage of the road by a run; one that covers nothing is a warning.
+pub fn report_coverage(path: &Path, coverage: &Coverage) {
     let Coverage {
         cells,
         matched,
@@ -59,16 +59,30 @@ pub fn describe(path: &Path, coverage: &Coverage) -> String {
         opposite,
         no_position,
     } = coverage;
-    let warning = if *matched > 0 {
-        ""
-    } else if opposite > off_road {
-        "; warning: opposite direction; fuse it with runs of its own direction"
-    } else {
-        "; warning: never on the road"
-    };
-    format!(
+    let words = format!(
         "{}: {cells} cells: {matched} matched, {off_road} off the road, {opposite} in the \
-         opposite direction, {no_position} without position{warning}",
+         opposite direction, {no_position} without position",
         on_one_line(path)
-    )
+    );
+    if *matched > 0 {
+        note(words);
+    } else if opposite > off_road {
+        alert(format_args!(
+            "{words}; warning: opposite direction; fuse it with runs of its own direction"
+        ));
+    } else {
+        alert(format_args!("{words}; warning: never on the road"));
+    }
+}
+
+/// Reports a damaged file that is left out.
+///
+/// # Errors
+/// Returns the error if it counts as one here, or if it is one of the machine and not of the file.
+pub fn report_left_out(e: Error, is_error: bool) -> Result<()> {
+    if is_error || e.is_of_the_machine() {
+        return Err(e);
+    }
+    alert(format_args!("{e}: left out"));
+    Ok(())
 }

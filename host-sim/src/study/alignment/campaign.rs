@@ -3,16 +3,16 @@
 
 use crate::error::{Error, Result};
 use crate::files::run::{RunCell, RunRow};
-use crate::map::{MapRow, Network, RoadLine, RoadPoint, RoadProblem, SessionRun, road_distances};
+use crate::map::{MapRow, RoadProblem, SessionRun, road_distances};
 use crate::numeric::series::linear;
 use crate::numeric::statistics::mean;
 use crate::recorder::Recorder;
 use crate::score::{END_CUT_M, ScoreRow, Unscorable, score_map};
 use crate::simulator::Recording;
 use crate::simulator::random::{Purpose, stream};
-use crate::simulator::road::Node;
 use crate::simulator::scenario::Scenario;
 use crate::simulator::truck::Preset;
+use crate::study::known_road::KnownRoad;
 use estimator_core::Tuning;
 use rand::RngExt;
 use rayon::prelude::*;
@@ -67,9 +67,7 @@ pub struct CampaignRun {
 pub struct Campaign {
     seed: u64,
     stretch: Stretch,
-    network: Network,
-    /// Distance, m, and true grade, %.
-    truth: Vec<(f64, f64)>,
+    road: KnownRoad,
 }
 
 impl Campaign {
@@ -79,19 +77,9 @@ impl Campaign {
     /// Returns an error if the road cannot be read.
     pub fn new(seed: u64, stretch: Stretch) -> Result<Self> {
         let road = scenario(seed, &stretch, "[[runs]]\nname = \"x\"\ntruck = \"A\"\n")?.road;
-        let nodes = || road.nodes().map(|(node, _)| node);
-        let point = |node: Node| RoadPoint {
-            distance_m: node.distance_m,
-            latitude_deg: node.position.latitude_deg,
-            longitude_deg: node.position.longitude_deg,
-        };
-        let line = RoadLine::new(nodes().map(point).collect());
         Ok(Self {
             seed,
-            network: line.map_err(|e: RoadProblem| problem(&e))?.into(),
-            truth: nodes()
-                .map(|node| (node.distance_m, 100.0 * node.grade))
-                .collect(),
+            road: KnownRoad::new(&road).map_err(|e: RoadProblem| problem(&e))?,
             stretch,
         })
     }
@@ -186,7 +174,7 @@ impl Campaign {
                 rows: &run.rows,
             })
             .collect();
-        crate::map::fuse(&self.network, &sessions)
+        crate::map::fuse(&self.road.network, &sessions)
             .map
             .fused()
             .rows()
@@ -197,7 +185,7 @@ impl Campaign {
     /// # Errors
     /// Returns an error if the map has no cell far enough from its ends.
     pub fn score(&self, map: &[MapRow]) -> Result<ScoreRow> {
-        score_map(map, &self.truth).map_err(|e: Unscorable| problem(&e))
+        self.road.score(map).map_err(|e: Unscorable| problem(&e))
     }
 
     /// Returns the score of a map that is moved along the road as a whole, by the distance at which
@@ -210,6 +198,7 @@ impl Campaign {
         for step in -80..=80_i32 {
             let moved_m = 0.1 * f64::from(step);
             let moved: Vec<(f64, f64)> = self
+                .road
                 .truth
                 .iter()
                 .map(|(at_m, grade)| (at_m + moved_m, *grade))
@@ -235,7 +224,7 @@ impl Campaign {
     /// Returns the run with true positions.
     #[must_use]
     pub fn truly_placed(&self, run: &CampaignRun) -> CampaignRun {
-        let line = &self.network.ways()[0].line;
+        let line = &self.road.network.ways()[0].line;
         let rows = run.rows.iter().zip(self.true_m(run)).map(|(row, true_m)| {
             let position = true_m.map(|true_m| line.position_at(true_m));
             RunRow {
@@ -255,7 +244,7 @@ impl Campaign {
     #[must_use]
     pub fn misplaced_m(&self, run: &CampaignRun) -> (f64, f64) {
         let cells: Vec<RunCell> = run.rows.iter().map(RunCell::from).collect();
-        let placed = road_distances(&self.network, &cells);
+        let placed = road_distances(&self.road.network, &cells);
         let (from_m, to_m) = (
             self.stretch.from_m + END_CUT_M,
             self.stretch.from_m + self.stretch.length_m - END_CUT_M,

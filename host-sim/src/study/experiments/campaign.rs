@@ -61,6 +61,17 @@ impl Campaign {
         }
     }
 
+    /// Creates a campaign on one road, southbound in the order of its points and northbound against
+    /// it. `southbound` has the true grade every 2.5 m, %.
+    #[must_use]
+    pub fn on(southbound: Vec<f64>, seed: u64) -> Self {
+        Self {
+            seed,
+            north: southbound.iter().rev().map(|grade| -grade).collect(),
+            south: southbound,
+        }
+    }
+
     /// Returns the true grade in a direction, %.
     #[must_use]
     pub fn road(&self, heading: Heading) -> &[f64] {

@@ -23,16 +23,42 @@ pub const STUDY: Study = Study {
 };
 
 fn run(setting: &Setting) -> Result<StudyOutcome> {
-    let all: Vec<[Vec<Estimated>; 3]> = (1..=CAMPAIGNS)
+    let all = estimated(setting.seed, Campaign::new);
+    Ok(StudyOutcome::Done(Section {
+        heading: "The ten runs over ten campaigns".to_owned(),
+        words: vec![format!(
+            "One campaign is one draw of roads, GPS errors and wind. {}",
+            words(&all)
+        )],
+        tables: tables(&all),
+        ..Section::default()
+    }))
+}
+
+/// Returns the ten runs of each campaign, estimated by each method. `campaign` makes the campaign of
+/// a seed.
+#[must_use]
+pub fn estimated(seed: u64, campaign: impl Fn(u64) -> Campaign + Sync) -> Vec<[Vec<Estimated>; 3]> {
+    (1..=CAMPAIGNS)
         .into_par_iter()
         .map(|number| {
-            let seed = setting.seed.wrapping_add(APART * number);
-            let runs = Campaign::new(seed).replicas();
+            let runs = campaign(seed.wrapping_add(APART * number)).replicas();
             ThesisMethod::ALL.map(|method| method.apply(&runs))
         })
-        .collect();
+        .collect()
+}
+
+/// Returns the tables of runs and of maps over campaigns.
+#[must_use]
+pub fn tables(all: &[[Vec<Estimated>; 3]]) -> Vec<Table> {
+    vec![runs_table(all), maps_table(all)]
+}
+
+/// Returns in how many runs ours is better, in words.
+#[must_use]
+pub fn words(all: &[[Vec<Estimated>; 3]]) -> String {
     let experiments = Experiment::all().len();
-    let each = || (0..experiments).map(|k| pairs(&all, k));
+    let each = || (0..experiments).map(|k| pairs(all, k));
     let runs = all.len() * experiments;
     let better: usize = each().map(|pairs| count_better(&pairs)).sum();
     let better_on_average = each()
@@ -41,16 +67,11 @@ fn run(setting: &Setting) -> Result<StudyOutcome> {
             sum(|pair| pair.1.errors.rmse_valid) < sum(|pair| pair.0.errors.rmse_valid)
         })
         .count();
-    Ok(StudyOutcome::Done(Section {
-        heading: "The ten runs over ten campaigns".to_owned(),
-        words: vec![format!(
-            "One campaign is one draw of roads, GPS errors and wind. Over {CAMPAIGNS} of them our \
-             estimator is better than the modified method in {better} of {runs} runs (RMSE(v)), and in \
-             the mean over campaigns in {better_on_average} of the {experiments} experiments."
-        )],
-        tables: vec![runs_table(&all), maps_table(&all)],
-        ..Section::default()
-    }))
+    format!(
+        "Over {CAMPAIGNS} of them our estimator is better than the modified method in {better} of {runs} \
+         runs (RMSE(v)), and in the mean over campaigns in {better_on_average} of the {experiments} \
+         experiments."
+    )
 }
 
 /// Returns the estimates of one run in each campaign, by the modified method and by ours.

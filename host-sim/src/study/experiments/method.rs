@@ -4,7 +4,7 @@ use super::experiment::Experiment;
 use super::measure::{RunErrors, errors, merged, nees, rmse};
 use super::replica::Replica;
 use super::{ours, thesis};
-use crate::comparison::{self, Profile};
+use crate::comparison::{self, MeasuredDrive, Profile};
 use rayon::prelude::*;
 
 /// A grade estimation method that uses the whole drive.
@@ -73,10 +73,16 @@ impl ThesisMethod {
     /// Estimates the grade of a run.
     #[must_use]
     pub fn estimate(self, run: &Replica) -> Profile {
+        self.estimate_drive(&run.drive)
+    }
+
+    /// Estimates the grade of a drive.
+    #[must_use]
+    pub fn estimate_drive(self, drive: &MeasuredDrive) -> Profile {
         match self {
-            Self::Original => comparison::ComparisonMethod::Original.estimate(&run.drive),
-            Self::Modified => comparison::ComparisonMethod::Modified.estimate(&run.drive),
-            Self::Ours => ours::estimate(&run.drive).smoothed,
+            Self::Original => comparison::ComparisonMethod::Original.estimate(drive),
+            Self::Modified => comparison::ComparisonMethod::Modified.estimate(drive),
+            Self::Ours => ours::estimate(drive).smoothed,
         }
     }
 

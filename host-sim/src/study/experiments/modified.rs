@@ -28,16 +28,8 @@ fn run(setting: &Setting) -> Result<StudyOutcome> {
     let campaign = Campaign::new(setting.seed);
     let runs = campaign.replicas();
     let all = ThesisMethod::ALL.map(|method| method.apply(&runs));
-    let [original, modified, ours] = &all;
-    let table = |number, method, heading, found| table(number, method, heading, found, ours);
-    let mut tables = vec![
-        table(5, ThesisMethod::Modified, Heading::South, modified),
-        table(6, ThesisMethod::Modified, Heading::North, modified),
-        table(7, ThesisMethod::Original, Heading::South, original),
-        table(8, ThesisMethod::Original, Heading::North, original),
-        beside::each_run(&runs, &all),
-        beside::maps(&all),
-    ];
+    let [original, modified, _] = &all;
+    let mut tables = tables(&runs, &all);
     let compared = summary(original, modified);
     tables.push(compared.table());
     tables.push(made_of(&campaign, &runs));
@@ -53,6 +45,21 @@ fn run(setting: &Setting) -> Result<StudyOutcome> {
         figures,
         ..Section::default()
     }))
+}
+
+/// Returns tables 5-8, and the methods beside each other.
+#[must_use]
+pub fn tables(runs: &[Replica], all: &[Vec<Estimated>; 3]) -> Vec<Table> {
+    let [original, modified, ours] = all;
+    let table = |number, method, heading, found| table(number, method, heading, found, ours);
+    vec![
+        table(5, ThesisMethod::Modified, Heading::South, modified),
+        table(6, ThesisMethod::Modified, Heading::North, modified),
+        table(7, ThesisMethod::Original, Heading::South, original),
+        table(8, ThesisMethod::Original, Heading::North, original),
+        beside::each_run(runs, all),
+        beside::maps(all),
+    ]
 }
 
 fn words() -> Vec<String> {

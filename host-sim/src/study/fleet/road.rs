@@ -4,16 +4,15 @@
 use crate::error::{Error, Result};
 use crate::files::run::RunCell;
 use crate::map::{
-    CellSums, Dependence, FusedMap, GRID_M, GradeMap, MapRow, Network, PlacedRun, RoadLine,
-    RoadPoint, RoadProblem, place,
+    CellSums, Dependence, FusedMap, GRID_M, GradeMap, MapRow, PlacedRun, RoadProblem, place,
 };
 use crate::recorder::Recorder;
-use crate::score::{ScoreRow, Unscorable, score_map};
+use crate::score::{ScoreRow, Unscorable};
 use crate::simulator::random::{Purpose, normal, stream};
-use crate::simulator::road::Node;
 use crate::simulator::scenario::Scenario;
 use crate::simulator::simulate;
 use crate::simulator::truck::Preset;
+use crate::study::known_road::KnownRoad;
 use estimator_core::Tuning;
 use rand::RngExt;
 use std::collections::BTreeMap;
@@ -39,9 +38,7 @@ const INDEPENDENT: Dependence = Dependence {
 #[derive(Debug)]
 pub struct FleetRoad {
     seed: u64,
-    network: Network,
-    /// Distance, m, and true grade, %.
-    truth: Vec<(f64, f64)>,
+    road: KnownRoad,
 }
 
 impl FleetRoad {
@@ -51,19 +48,9 @@ impl FleetRoad {
     /// Returns an error if the seed is outside the range of a scenario.
     pub fn new(seed: u64) -> Result<Self> {
         let road = scenario(seed, "[[runs]]\nname = \"x\"\ntruck = \"A\"\n")?.road;
-        let nodes = || road.nodes().map(|(node, _)| node);
-        let point = |node: Node| RoadPoint {
-            distance_m: node.distance_m,
-            latitude_deg: node.position.latitude_deg,
-            longitude_deg: node.position.longitude_deg,
-        };
-        let line = RoadLine::new(nodes().map(point).collect());
         Ok(Self {
             seed,
-            network: line.map_err(|e: RoadProblem| problem(&e))?.into(),
-            truth: nodes()
-                .map(|node| (node.distance_m, 100.0 * node.grade))
-                .collect(),
+            road: KnownRoad::new(&road).map_err(|e: RoadProblem| problem(&e))?,
         })
     }
 
@@ -112,12 +99,12 @@ impl FleetRoad {
             recorder.on_frame(frame);
         }
         let cells: Vec<RunCell> = recorder.finish()?.rows.iter().map(RunCell::from).collect();
-        Ok(place(&self.network, &cells))
+        Ok(place(&self.road.network, &cells))
     }
 
     /// Returns the map of the runs; each day is a session.
     pub fn map(&self, days: &[&[PlacedRun]]) -> FusedMap {
-        let mut map = GradeMap::new(&self.network);
+        let mut map = GradeMap::new(&self.road.network);
         for (number, runs) in days.iter().enumerate() {
             for run in *runs {
                 map.add_placed(Some(&number.to_string()), run);
@@ -131,7 +118,7 @@ impl FleetRoad {
     /// # Errors
     /// Returns an error if the map has no cell far enough from its ends.
     pub fn score(&self, map: &[MapRow]) -> Result<ScoreRow> {
-        score_map(map, &self.truth).map_err(|e: Unscorable| problem(&e))
+        self.road.score(map).map_err(|e: Unscorable| problem(&e))
     }
 }
 

@@ -41,9 +41,10 @@ fn ways(bytes: &[u8]) -> std::result::Result<Vec<WayRows>, MapError> {
             for block in map.blocks(&way) {
                 rows.extend(block_rows(&block?)?);
             }
+            let text = way.name()?;
             let named = |direction| {
                 Some(WayName {
-                    way: way.name.to_owned(),
+                    way: text.to_owned(),
                     direction,
                 })
             };

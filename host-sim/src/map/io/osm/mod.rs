@@ -1,0 +1,7 @@
+//! OpenStreetMap: which ways are roads, in which directions, on which structures.
+
+pub mod extract;
+pub mod node_altitudes;
+mod pbf;
+pub mod tags;
+pub(super) mod xml;
