@@ -1,5 +1,5 @@
 # shellcheck shell=bash disable=SC2154 # Variables of tests/run.
-# Fuzzing: arbitrary input, steered by coverage.
+# Fuzzing: arbitrary input, steered by coverage. The test `damaged_seeds` runs the same targets without.
 
 # The flags of cargo-fuzz for coverage, so that the stable toolchain without cargo-fuzz suffices.
 readonly coverage="--cfg fuzzing -Cpasses=sancov-module \
@@ -8,21 +8,6 @@ readonly coverage="--cfg fuzzing -Cpasses=sancov-module \
 -Cllvm-args=-sanitizer-coverage-pc-table \
 -Cllvm-args=-sanitizer-coverage-trace-compares \
 -Cllvm-args=-sanitizer-coverage-stack-depth"
-
-# Starts from the committed seeds and is the same each time. `long_fuzz` takes an hour a target.
-check_fuzz() {
-    build_fuzz
-    local name runs
-    while read -r name; do
-        runs=20000
-        [[ $name != estimator ]] || runs=1000
-        mkdir "$work/$name"
-        echo "$name"
-        "$(fuzz_program "$name")" "$work/$name" "tests/fuzz/corpus/$name" \
-            -runs="$runs" -seed=20110301 -max_len=4096 -timeout=60 -verbosity=0 2>&1 |
-            sed '/^"/d; /dictionary/d' || return 1 # A crash exits as a skipped check does: 77.
-    done < <(fuzz_names)
-}
 
 fuzz_names() {
     local path
@@ -33,7 +18,7 @@ fuzz_names() {
 }
 
 fuzz_program() {
-    echo "$target/fuzz/$(host_triple)/release/$1"
+    echo "$target/fuzz/$(host_triple)/debug/$1"
 }
 
 host_triple() {
@@ -42,6 +27,6 @@ host_triple() {
 
 # The target is named, so that build scripts are built without coverage.
 build_fuzz() {
-    RUSTFLAGS=$coverage cargo build --release --manifest-path tests/fuzz/Cargo.toml --bins \
+    RUSTFLAGS=$coverage cargo build -p fuzz-targets --features libfuzzer --bins \
         --target "$(host_triple)" --target-dir "$target/fuzz"
 }

@@ -1,7 +1,7 @@
 //! Writes the seeds of the fuzz targets that are not text:
 //!
 //! ```text
-//! cargo run --manifest-path tests/fuzz/Cargo.toml --example seeds
+//! cargo run -p fuzz-targets --example seeds
 //! ```
 //!
 //! The names of the seeds say what they are. Seeds of the text readers are written by hand.
@@ -10,12 +10,14 @@ use arbitrary::{Arbitrary, Unstructured};
 use estimator_core::{Estimator, Signal, Tuning};
 use flate2::write::ZlibEncoder;
 use flate2::{Compression, GzBuilder};
+use fuzz_targets::bus::{Event, EventBus};
 use fuzz_targets::sessions::Packet;
-use fuzz_targets::{Event, EventBus, truck};
+use fuzz_targets::truck;
 use std::io::Write;
 use std::path::Path;
 use std::{fs, io};
 use test_kit::mdf::{MDF_FORMS, MdfFrame, mdf};
+use test_kit::osm::{OsmNode, OsmWay, Packing, pbf};
 
 type Events = Vec<Event>;
 
@@ -47,7 +49,35 @@ fn main() -> io::Result<()> {
     for (name, method) in [("plain", 0), ("zlib", 2)] {
         write(&corpus, "blf", name, &blf(&few_frames(), method)?)?;
     }
+    for (name, packing) in [("raw", Packing::Raw), ("zlib", Packing::Zlib)] {
+        write(&corpus, "osm_pbf", name, &extract(packing))?;
+    }
     Ok(())
+}
+
+/// Returns a bridge between two roads, with a tag on a node.
+fn extract(packing: Packing) -> Vec<u8> {
+    let node = |id: i64| -> OsmNode<'_> { (id, 474_000_000 + 10_000 * id, 85_000_000, &[]) };
+    let mut nodes: Vec<OsmNode> = (1..=6).map(node).collect();
+    nodes[2].3 = &[("highway", "crossing")];
+    let ways: [OsmWay; 3] = [
+        (
+            1,
+            vec![1, 2, 3],
+            &[("highway", "primary"), ("oneway", "yes")],
+        ),
+        (
+            2,
+            vec![3, 4],
+            &[("highway", "primary_link"), ("bridge", "yes")],
+        ),
+        (
+            3,
+            vec![4, 5, 6],
+            &[("highway", "service"), ("junction", "roundabout")],
+        ),
+    ];
+    pbf(&["OsmSchema-V0.6", "DenseNodes"], &nodes, &ways, packing)
 }
 
 fn write(corpus: &Path, target: &str, name: &str, bytes: &[u8]) -> io::Result<()> {

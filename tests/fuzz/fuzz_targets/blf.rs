@@ -1,8 +1,3 @@
-//! Vector BLF logs: frames in the order of time, or an error that names the file.
-
 #![no_main]
 
-use fuzz_targets::check_log;
-use libfuzzer_sys::fuzz_target;
-
-fuzz_target!(|bytes: &[u8]| check_log(b"LOGG", bytes));
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| fuzz_targets::targets::logs::blf(bytes));

@@ -1,0 +1,80 @@
+//! Logs of frames: frames in the order of time, or an error that names the file.
+
+use crate::as_file;
+use host_sim::error::Result;
+use host_sim::source::frame_log::FrameLog;
+use host_sim::source::log::Log;
+use host_sim::source::read_options::ReadOptions;
+use std::path::Path;
+
+/// Checks candump logs, plain or gzip.
+pub fn candump(bytes: &[u8]) {
+    check_frames(bytes, |path| {
+        Ok(FrameLog::open_candump(path).expect("there is such a file"))
+    });
+}
+
+/// Checks Vector ASC logs.
+pub fn asc(bytes: &[u8]) {
+    check(b"base hex", bytes);
+}
+
+/// Checks PEAK TRC logs.
+pub fn trc(bytes: &[u8]) {
+    check(b";$FILEVERSION=", bytes);
+}
+
+/// Checks Vector BLF logs.
+pub fn blf(bytes: &[u8]) {
+    check(b"LOGG", bytes);
+}
+
+/// Checks ASAM MDF 4 logs.
+pub fn mdf(bytes: &[u8]) {
+    check(b"MDF     4", bytes);
+}
+
+/// Checks CSV logs of SavvyCAN.
+pub fn savvy_can(bytes: &[u8]) {
+    check(b"Time Stamp,ID,Extended,", bytes);
+}
+
+/// Checks CSV logs of python-can.
+pub fn python_can(bytes: &[u8]) {
+    check(b"timestamp,arbitration_id,", bytes);
+}
+
+/// Checks the frames of a log that begins with these letters. Bytes that do not begin so get them in
+/// front, so that all are of the format.
+fn check(letters: &[u8], bytes: &[u8]) {
+    let head = if bytes.starts_with(letters) || bytes.starts_with(b"UnFinMF 4") {
+        &[]
+    } else {
+        letters
+    };
+    check_frames(&[head, bytes].concat(), |path| {
+        match Log::open(path, &ReadOptions::default())? {
+            Log::Frames(log) => Ok(*log),
+            Log::Table(_) | Log::Parquet(_) => panic!("a log of frames is no table"),
+        }
+    });
+}
+
+/// Reads a log to its end: its frames are in the order of time, or the error names the file.
+fn check_frames(bytes: &[u8], open: impl FnOnce(&Path) -> Result<FrameLog>) {
+    as_file(".log", bytes, |path| {
+        if let Err(error) = open(path).and_then(drain) {
+            assert!(error.to_string().contains(&path.display().to_string()));
+        }
+    });
+}
+
+fn drain(mut log: FrameLog) -> Result<()> {
+    let mut newest = None;
+    while let Some(timed) = log.next_frame()? {
+        assert!(newest.is_none_or(|newest| newest <= timed.time));
+        newest = Some(timed.time);
+    }
+    assert!(newest.is_some(), "a log without a frame is an error");
+    Ok(())
+}
