@@ -1,6 +1,6 @@
 //! Errors of inputs, with what was expected.
 
-use nix::errno::Errno;
+use crate::platform::{IS_FOLDER, OUT_OF_FILES};
 use std::fmt::Write;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -45,9 +45,20 @@ pub enum Error {
         /// What is missing or wrong, and what was expected.
         problem: String,
     },
+    /// An object cannot be read or written.
+    #[error("{}: {problem}", without_controls(url, &[]))]
+    Storage {
+        /// Its address, s3://BUCKET/KEY.
+        url: String,
+        /// What is wrong, and what was expected.
+        problem: String,
+    },
     /// Options of the command line contradict each other.
     #[error("{0}")]
     Usage(String),
+    /// Another thread asked the work to stop.
+    #[error("stopped before the end")]
+    Stopped,
 }
 
 impl Error {
@@ -59,9 +70,12 @@ impl Error {
         }
     }
 
-    /// Returns true if the machine is at a limit, so that the error says nothing about the file.
+    /// Returns true if the machine is at a limit, or object storage fails, so that the error says nothing about the file.
     #[must_use]
     pub fn is_of_the_machine(&self) -> bool {
+        if matches!(self, Self::Storage { .. }) {
+            return true;
+        }
         let Self::Io { source, .. } = self else {
             return false;
         };
@@ -81,7 +95,7 @@ impl Error {
             Self::Key { problem, .. } | Self::Content { problem, .. } => {
                 *problem += &format!(" ({note})");
             }
-            Self::Io { .. } | Self::Usage(_) => {}
+            Self::Io { .. } | Self::Storage { .. } | Self::Usage(_) | Self::Stopped => {}
         }
         self
     }
@@ -138,7 +152,7 @@ fn words_of(error: &std::io::Error) -> String {
             "{error}; not a fault of the file: allow more open files (ulimit -n 4096) and run again"
         );
     }
-    if has_code(error, &[Errno::EISDIR]) {
+    if has_code(error, &[IS_FOLDER]) {
         return "is a folder; expected a file".to_owned();
     }
     error.to_string()
@@ -147,15 +161,15 @@ fn words_of(error: &std::io::Error) -> String {
 /// Returns true if the process or the machine has too many open files.
 fn is_out_of_files(error: &std::io::Error) -> bool {
     // tempfile gives no access to the code, only to its words.
-    has_code(error, &[Errno::EMFILE, Errno::ENFILE]) || out_of_files(&error.to_string()).is_some()
+    has_code(error, &OUT_OF_FILES) || out_of_files(&error.to_string()).is_some()
 }
 
 /// Returns true if the error of the system is one of these. Crates wrap it.
-fn has_code(error: &std::io::Error, known: &[Errno]) -> bool {
+fn has_code(error: &std::io::Error, known: &[i32]) -> bool {
     let mut cause: Option<&(dyn std::error::Error + 'static)> = Some(error);
     while let Some(error) = cause {
         let code = error.downcast_ref().and_then(std::io::Error::raw_os_error);
-        if code.is_some_and(|code| known.contains(&Errno::from_raw(code))) {
+        if code.is_some_and(|code| known.contains(&code)) {
             return true;
         }
         cause = error.source();
@@ -166,8 +180,7 @@ fn has_code(error: &std::io::Error, known: &[Errno]) -> bool {
 /// Returns the error of too many open files if these words of a crate mean it.
 #[must_use]
 pub fn out_of_files(words: &str) -> Option<std::io::Error> {
-    let known = [Errno::EMFILE, Errno::ENFILE].map(|code| code as i32);
-    let meant = known
+    let meant = OUT_OF_FILES
         .into_iter()
         .find(|code| words.contains(&format!("(os error {code})")));
     meant.map(std::io::Error::from_raw_os_error)

@@ -17,6 +17,7 @@ pub mod live;
 pub mod logs_to_map;
 pub mod map;
 pub mod numeric;
+pub mod platform;
 pub mod recorder;
 pub mod report;
 pub mod score;

@@ -210,6 +210,16 @@ impl MadeMap {
         self.identified.as_ref()
     }
 
+    /// Returns the summary of each run, and why other logs have none.
+    #[must_use]
+    pub fn to_json(&self) -> serde_json::Value {
+        let runs = self.runs.iter();
+        let runs: Vec<_> = runs
+            .map(|run| serde_json::json!({ "run": run.name, "summary": run.summary }))
+            .collect();
+        serde_json::json!({ "runs": runs, "left_out": self.left_out })
+    }
+
     /// Writes `vehicle.toml`, `map.csv`, `index.html` and `runs/NAME.csv`.
     ///
     /// # Errors

@@ -1,6 +1,5 @@
 //! The binary `roadgrade`.
 
-use clap::Parser;
 use host_sim::cli::Cli;
 use host_sim::error::Error;
 use host_sim::terminal::print::alert;
@@ -8,7 +7,7 @@ use std::process::ExitCode;
 
 fn main() -> ExitCode {
     // Wrong usage ends inside parse() with exit code 2.
-    match Cli::parse().run() {
+    match Cli::run_arguments(std::env::args_os()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(Error::Usage(problem)) => Cli::end_with_usage(&problem),
         Err(error) => {

@@ -11,6 +11,7 @@ use crate::files::truth;
 use crate::files::vehicle::VehicleFile;
 use crate::logs_to_map::{Job, drives, make};
 use crate::map::{self, GradeMap, MapRow, Network, RoadLine, RoadRow, SessionRun};
+use crate::recorder::check_inputs;
 use crate::report::demo_page::{Demo, DemoDrive, demo_page};
 use crate::score::{self, ScoreRow, Unscorable, rivals};
 use crate::simulator::scenario::Scenario;
@@ -177,7 +178,7 @@ fn drive(
     let options = ReadOptions::default();
     let roads = KnownRoads::default();
     let estimated = estimate::drive::<f32>(&vehicle, tuning, None, roads, &log, &options)?;
-    estimate::check(&log, &vehicle, &estimated, &options)?;
+    check_inputs(&log, &vehicle, &estimated, &options)?;
     let rows = estimated.in_memory()?.rows;
     run::write(&file("csv"), &rows)?;
     let truth = truth::read(&file("truth.csv"))?;

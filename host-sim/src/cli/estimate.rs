@@ -1,10 +1,12 @@
 //! `roadgrade estimate`: estimates a run from a recorded drive.
 
 use super::log_options::LogOptions;
+use super::memory_option::MemoryOption;
 use super::tuning_option::TuningOption;
 use super::{conclusion, log_notes, outputs, run_page};
-use crate::error::{Error, Result, on_one_line};
-use crate::files::flash_image::{self, RoadMemoryFile};
+use crate::error::{Error, Result};
+use crate::files::flash_image::RoadMemoryFile;
+use crate::files::object_storage;
 use crate::files::output::Staged;
 use crate::files::run::{self, Origin};
 use crate::files::vehicle::VehicleFile;
@@ -13,10 +15,9 @@ use crate::map::open_packed_map;
 use crate::recorder::{self, LongRun, Recorder, RunSummary};
 use crate::smooth::held_bytes;
 use crate::source::read_options::ReadOptions;
-use crate::terminal::print::{alert, note, print};
+use crate::terminal::print::{note, print};
 use crate::terminal::progress;
 use estimator_core::roadmap::PackedMap;
-use estimator_core::roadmap::memory::Opened;
 use estimator_core::{PersistentState, Scalar, Tuning};
 use std::path::{Path, PathBuf};
 use std::time::Instant as Clock;
@@ -63,13 +64,8 @@ pub struct Args {
     /// grades are not.
     #[arg(long, value_name = "MAP.grade")]
     map: Option<PathBuf>,
-    /// Road memory of the vehicle: the roads that it has driven. The live grade is combined with what
-    /// it knows, and it learns this drive. Read before the drive, written after it.
-    #[arg(long, value_name = "FILE")]
-    memory: Option<PathBuf>,
-    /// Size of a new road memory, bytes: 32768 to 16777216, a multiple of 4096 [default: 1048576].
-    #[arg(long, value_name = "N", requires = "memory", value_parser = flash_image::parse_bytes)]
-    memory_bytes: Option<usize>,
+    #[command(flatten)]
+    memory: MemoryOption,
     /// Persistent state of the vehicle: read before the drive, written after it.
     #[arg(long, value_name = "FILE")]
     kept: Option<PathBuf>,
@@ -96,7 +92,7 @@ impl Args {
         let inputs = inputs.chain(self.map.as_deref());
         let others = [
             self.kept.as_deref(),
-            self.memory.as_deref(),
+            self.memory.path(),
             self.page.as_deref(),
         ];
         outputs::check(inputs, out.into_iter().chain(others.into_iter().flatten()))
@@ -110,7 +106,7 @@ impl Args {
         if let Some(page) = &self.page {
             outputs::check_file(page, &["html", "htm"])?;
         }
-        let kept = [self.kept.as_deref(), self.memory.as_deref()];
+        let kept = [self.kept.as_deref(), self.memory.path()];
         kept.into_iter()
             .flatten()
             .try_for_each(outputs::check_folder)
@@ -119,15 +115,9 @@ impl Args {
     /// Opens what is known of the roads.
     fn roads(&self) -> Result<KnownRoads> {
         let map = self.map.as_deref().map(open_packed_map).transpose()?;
-        let memory = self.memory.as_deref();
-        let memory = memory.map(|path| {
-            let memory = flash_image::open(path, self.memory_bytes)?;
-            note_opened(path, memory.opened());
-            Ok(memory)
-        });
         Ok(KnownRoads {
             map,
-            memory: memory.transpose()?,
+            memory: self.memory.open()?,
         })
     }
 
@@ -137,6 +127,7 @@ impl Args {
         };
         let name = data_set::run_name(&self.log);
         let path = data_set::run_path(folder, &mut run.rows, day, &name)?;
+        object_storage::bring(&path)?;
         // The same drive may be estimated again, but logs of two trucks may have the same name.
         if path.exists() && run::session(&path)? != origin.session() {
             let problem = "already holds a run of another vehicle or day; give the log another \
@@ -170,7 +161,7 @@ pub fn run(args: &Args) -> Result<()> {
     let seconds = started.elapsed().as_secs_f64();
     log_notes::note_report(&args.log, &run.log);
     conclusion::warn(&run.warnings);
-    check(&args.log, &vehicle, &run, &options)?;
+    recorder::check_inputs(&args.log, &vehicle, &run, &options)?;
     conclusion::note_replaced(&vehicle.model, &run);
     let origin = Origin {
         vehicle: Some(vehicle.name),
@@ -182,9 +173,7 @@ pub fn run(args: &Args) -> Result<()> {
     let page = args.page.as_deref();
     let page = page.map(|path| run_page::stage(path, &args.log, &mut run.rows));
     let page = page.transpose()?;
-    let memory = args.memory.as_deref().zip(run.memory.as_ref());
-    let memory = memory.map(|(path, learned)| flash_image::stage(path, &learned.memory));
-    let memory = memory.transpose()?;
+    let memory = args.memory.stage(&run)?;
     conclusion::write(&mut run, Some(&out), &origin, file)?;
     memory.map_or(Ok(()), Staged::commit)?;
     page.map_or(Ok(()), Staged::commit)?;
@@ -213,23 +202,6 @@ fn print_summary(args: &Args, run: &mut LongRun, seconds: f64) -> Result<()> {
         held_bytes(run.rows.count()) / 1000
     ));
     Ok(())
-}
-
-/// Says what of a road memory is not read.
-fn note_opened(path: &Path, opened: &Opened) {
-    let path = on_one_line(path);
-    if opened.other_version > 0 {
-        let count = opened.other_version;
-        alert(format_args!(
-            "{path}: {count} pages of another release are not read; they are kept while there is room"
-        ));
-    }
-    if opened.damaged > 0 {
-        let count = opened.damaged;
-        alert(format_args!(
-            "{path}: {count} damaged sectors are left out; their roads are learned again"
-        ));
-    }
 }
 
 /// What is known of the roads before a drive.
@@ -261,17 +233,4 @@ pub(super) fn drive<S: Scalar>(
     let run = recorder::record_log(recorder, log, options, progress);
     bar.finish_and_clear();
     run
-}
-
-/// Returns an error that names the missing input if the log is not sufficient for an estimate.
-pub(super) fn check(
-    log: &Path,
-    vehicle: &VehicleFile,
-    run: &LongRun,
-    options: &ReadOptions,
-) -> Result<()> {
-    match recorder::missing(vehicle, run, &options.ignore) {
-        Some(problem) => Err(Error::content(log, problem)),
-        None => Ok(()),
-    }
 }

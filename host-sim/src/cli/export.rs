@@ -1,5 +1,6 @@
 //! `roadgrade export`.
 
+use super::export_slopes::{SlopeArgs, export_edges, export_inclines, export_nodes, export_tiles};
 use super::outputs;
 use crate::error::{Error, Result, on_one_line};
 use crate::files::flash_image::is_memory;
@@ -27,20 +28,32 @@ use std::path::PathBuf;
     no times and speeds.\n\n\
     Page: one HTML file. It shows the map in plan view, coloured by grade and by sigma, and along \
     each way the grade with two sigmas, the sigma and the number of runs.\n\n\
+    Slopes need --road, the network of the map. Edges: a CSV file with the mean grade, the steepest 25 m up and \
+    down and the sigma of each edge between junctions, in each direction. Inclines: proposals of the tag \
+    incline of OpenStreetMap for a person to review, as GeoJSON, or as .osm for JOSM, which then refuses \
+    to upload it: sections of 100 m and more of a similar grade of 2 % and more, where no 25 m has more \
+    than --sigma-limit. Nothing is uploaded.\n\n\
+    Routers: a folder of elevation tiles (--format hgt) for Valhalla and GraphHopper, in whole metres; \
+    --terrain fills the ground beside the roads. For openrouteservice an osmChange (.osc) with ele of the \
+    nodes of an .osm.pbf, for `osmium apply-changes`.\n\n\
     Examples:\n  \
     roadgrade export map.parquet --out map.geojson --pieces 50\n  \
     roadgrade export map.parquet --out map.kml --pieces 100\n  \
     roadgrade export map.parquet --out map.html\n  \
     roadgrade export map.grade --out map.csv\n  \
     roadgrade export map.csv --out ways\n  \
+    roadgrade export map.csv --road city.osm.pbf --format edges --out edges.csv\n  \
+    roadgrade export map.csv --road city.osm.pbf --format inclines --out inclines.geojson\n  \
+    roadgrade export map.csv --format hgt --terrain srtm --out elevation\n  \
+    roadgrade export map.csv --road city.osm.pbf --out ele.osc\n  \
     roadgrade export roads.memory --out run.csv"
 )]
 pub struct Args {
     /// A map that `fuse`, `map` or `pack` wrote, or the road memory of `estimate --memory`.
     #[arg(value_name = "MAP")]
     map: PathBuf,
-    /// Output: NAME.csv, NAME.parquet, NAME.geojson, NAME.kml, NAME.gpx, NAME.html, or a folder for
-    /// one CSV file per way.
+    /// Output: NAME.csv, NAME.parquet, NAME.geojson, NAME.kml, NAME.gpx, NAME.html, NAME.osm, NAME.osc,
+    /// or a folder for one CSV file per way.
     #[arg(long, value_name = "FILE|DIR")]
     out: PathBuf,
     /// Output format [default: by the extension of --out].
@@ -49,6 +62,8 @@ pub struct Args {
     /// Length of the lines of GeoJSON or KML, m, at least 2.5 (one line per cell).
     #[arg(long, value_name = "METRES", value_parser = metres)]
     pieces: Option<f64>,
+    #[command(flatten)]
+    slopes: SlopeArgs,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -61,6 +76,14 @@ enum Format {
     /// The whole map: Parquet if the name ends in .parquet, else CSV.
     Map,
     Page,
+    /// Slopes of the edges between junctions, as CSV.
+    Edges,
+    /// Proposals of OpenStreetMap inclines: GeoJSON, or for JOSM if the name ends in .osm.
+    Inclines,
+    /// A folder of elevation tiles, DIR/N47/N47E008.hgt, for Valhalla and GraphHopper.
+    Hgt,
+    /// An osmChange with ele of nodes, for openrouteservice.
+    Ele,
 }
 
 /// Runs the command.
@@ -72,8 +95,14 @@ pub fn run(args: &Args) -> Result<()> {
                        NAME.kml";
         return Err(Error::Usage(problem.to_owned()));
     }
-    outputs::check([&*args.map], [&*args.out])?;
-    if format != Format::Csv {
+    args.check_slopes(format)?;
+    let inputs = std::iter::once(&*args.map).chain(args.slopes.inputs());
+    outputs::check(inputs, [&*args.out])?;
+    if format == Format::Hgt && is_written_through(&args.out) {
+        let problem = "elevation tiles are several files; expected a folder as --out";
+        return Err(Error::Usage(problem.to_owned()));
+    }
+    if ![Format::Csv, Format::Hgt].contains(&format) {
         outputs::check_folder(&args.out)?;
     }
     if is_memory(&args.map) {
@@ -89,6 +118,10 @@ pub fn run(args: &Args) -> Result<()> {
         Format::Page => map_page::page(&args.map, &ways)
             .stage_alone(&args.out)?
             .commit()?,
+        Format::Edges => return export_edges(&args.slopes, &args.map, &args.out, &ways),
+        Format::Inclines => return export_inclines(&args.slopes, &args.map, &args.out, &ways),
+        Format::Hgt => return export_tiles(&args.slopes, &args.out, &ways),
+        Format::Ele => return export_nodes(&args.slopes, &args.map, &args.out, &ways),
     }
     let cells: usize = ways.iter().map(|way| way.rows.len()).sum();
     note(format_args!(
@@ -117,6 +150,36 @@ fn export_memory(args: &Args, format: Format) -> Result<()> {
 }
 
 impl Args {
+    /// Refuses options that the format does not use.
+    fn check_slopes(&self, format: Format) -> Result<()> {
+        let SlopeArgs {
+            road,
+            sigma_limit,
+            terrain,
+        } = &self.slopes;
+        let by_way = [Format::Edges, Format::Inclines, Format::Ele];
+        let unused = [
+            (
+                road.is_some() && !by_way.contains(&format),
+                "--road applies to --format edges, inclines and ele",
+            ),
+            (
+                sigma_limit.is_some() && format != Format::Inclines,
+                "--sigma-limit applies to --format inclines",
+            ),
+            (
+                terrain.is_some() && format != Format::Hgt,
+                "--terrain applies to --format hgt",
+            ),
+        ];
+        match unused.into_iter().find(|(is_unused, _)| *is_unused) {
+            Some((_, problem)) => Err(Error::Usage(format!(
+                "{problem} only; expected one of them"
+            ))),
+            None => Ok(()),
+        }
+    }
+
     fn format(&self) -> Result<Format> {
         if let Some(format) = self.format {
             return Ok(format);
@@ -127,14 +190,16 @@ impl Args {
             "kml" => Ok(Format::Kml),
             "gpx" => Ok(Format::Gpx),
             "html" | "htm" => Ok(Format::Page),
+            "osm" => Ok(Format::Inclines),
+            "osc" => Ok(Format::Ele),
             _ if self.out.is_dir() => Ok(Format::Csv),
             "csv" | "parquet" => Ok(Format::Map),
             "" if is_written_through(&self.out) => Err(Error::Usage(
-                "--out has no ending; expected --format map, geojson, kml, gpx or page".to_owned(),
+                "--out has no ending; expected --format map, geojson, kml, gpx, page, edges, inclines or ele".to_owned(),
             )),
             "" => Ok(Format::Csv),
             other => Err(Error::Usage(format!(
-                "--out ends in .{other}; expected .csv, .parquet, .geojson, .kml, .gpx, .html, a folder, or --format"
+                "--out ends in .{other}; expected .csv, .parquet, .geojson, .kml, .gpx, .html, .osm, .osc, a folder, or --format"
             ))),
         }
     }

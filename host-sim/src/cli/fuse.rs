@@ -2,6 +2,7 @@
 
 use super::outputs;
 use crate::error::{Error, Result};
+use crate::files::stop::Stop;
 use crate::map::pipeline::fuse_files::{FuseRequest, fuse_files};
 use crate::map::pipeline::inputs::NamedSession;
 use crate::map::pipeline::words;
@@ -24,7 +25,8 @@ use std::path::PathBuf;
     too. Both common parts are estimated from the disagreement of the runs. If runs disagree more \
     than their sigmas allow, the sigmas of the map increase.\n\n\
     A network has many ways, each in one direction of travel. They are lines of a GeoJSON file with \
-    a property \"way\" (else @id, id, osm_id, or the id of the feature). A way has both directions \
+    a property \"way\" (else @id, id, osm_id, or the id of the feature), or the roads for vehicles of an \
+    OpenStreetMap extract (.osm.pbf), named way/ID. A way has both directions \
     unless \"oneway\" is yes, or -1 (against its points); roundabouts and motorways are one-way by \
     default. A run can change ways where they share a point, or where one ends at another. It \
     does not enter a parallel road or a bridge above. The map then has the columns way and \
@@ -55,9 +57,9 @@ pub struct Args {
     out: PathBuf,
     /// Road or network. A road has the columns distance_m, latitude_deg and longitude_deg, one row
     /// per point in the direction of travel; a map is accepted too. A network has a column way in
-    /// addition, or is a GeoJSON file of LineStrings [default: the road of the store, else the
-    /// track of the first run].
-    #[arg(long, value_name = "ROAD.csv|NET.geojson")]
+    /// addition, or is a GeoJSON file of LineStrings, or an OpenStreetMap extract [default: the
+    /// road of the store, else the track of the first run].
+    #[arg(long, value_name = "ROAD.csv|NET.geojson|NET.osm.pbf")]
     road: Option<PathBuf>,
     /// Runs of one vehicle in one named session. Repeat the option for other sessions, or for more
     /// runs of the same session.
@@ -99,8 +101,9 @@ pub fn run(args: &Args) -> Result<()> {
         road: args.road.as_deref(),
         store: args.store.as_deref(),
         placed: args.placed.as_deref(),
-        out: &args.out,
+        out: Some(&args.out),
         strict: args.strict,
+        stop: &Stop::default(),
     })?;
     words::report(&args.out, &fused);
     if !args.json {

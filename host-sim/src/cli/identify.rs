@@ -83,7 +83,7 @@ fn shown(request: &Request) -> Result<Identified> {
     Ok(found)
 }
 
-/// Says what the logs do not tell.
+/// Says what cannot be known from the logs.
 pub(super) fn tell_unknown(found: &Identified) {
     for unknown in &found.unknown {
         note(format_args!(

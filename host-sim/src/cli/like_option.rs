@@ -1,8 +1,7 @@
 //! The option `--like`, the same in every command that identifies a vehicle.
 
-use crate::error::{Error, Result, on_one_line};
-use crate::files::vehicle::VehicleFile;
-use crate::identify::{Like, class};
+use crate::error::{Error, Result};
+use crate::identify::Like;
 use std::path::Path;
 
 /// The option `--like`.
@@ -25,21 +24,10 @@ impl LikeOption {
     /// # Errors
     /// Returns a usage error that names the classes, or the error of the vehicle file.
     pub fn read(&self) -> Result<Option<Like>> {
-        let Some(name) = self.like.as_deref() else {
-            return Ok(None);
-        };
-        if let Some(class) = class::named(name) {
-            return Ok(Some(Like::Class(class)));
-        }
-        if let Some(path) = self.file() {
-            let file = VehicleFile::read(path)?;
-            return Ok(Some(Like::File(Box::new(file))));
-        }
-        let names: Vec<String> = class::all().into_iter().map(|class| class.name).collect();
-        Err(Error::Usage(format!(
-            "--like {}: is neither a class nor a file; expected a vehicle file, or one of {}",
-            on_one_line(Path::new(name)),
-            names.join(", ")
-        )))
+        let like = self.like.as_deref().map(Like::named).transpose();
+        like.map_err(|error| match error {
+            Error::Usage(problem) => Error::Usage(format!("--like {problem}")),
+            error => error,
+        })
     }
 }

@@ -1,6 +1,7 @@
 //! `roadgrade listen`: estimates a run from a live bus.
 
 use super::log_options::OwnOptions;
+use super::memory_option::MemoryOption;
 use super::tuning_option::TuningOption;
 use super::{conclusion, outputs};
 use crate::error::{Error, Result, on_one_line};
@@ -34,6 +35,8 @@ The kernel filters and time-stamps the frames. It passes only the messages that 
 
 --map MAP.grade combines the live grade with that of a map, as `roadgrade pack` writes it, and shows the road ahead: its climb over 2 km, the mean grades of each 250 m, and where another way leaves it. Lagged and smoothed grades never contain the map.
 
+--memory FILE is the road memory of the vehicle: the roads that it has driven, as `estimate --memory` keeps it. It is written once a minute, and at the end of the drive.
+
 Try it without a truck:
   ip link add dev vcan0 type vcan && ip link set vcan0 up
   roadgrade simulate --scenario host-sim/scenarios/demo.toml --out sim
@@ -62,6 +65,8 @@ pub struct Args {
     /// Packed map: the live grade is combined with the map's, and the road ahead is shown.
     #[arg(long, value_name = "MAP.grade")]
     map: Option<PathBuf>,
+    #[command(flatten)]
+    memory: MemoryOption,
     /// File for the received frames, as a candump log.
     #[arg(long, value_name = "FILE.log")]
     log: Option<PathBuf>,
@@ -100,6 +105,7 @@ impl Args {
             tuning: self.tuning.read()?,
             log: self.log.as_deref(),
             map: self.map.as_deref().map(open_packed_map).transpose()?,
+            memory: self.memory.path().zip(self.memory.open()?),
             address: self.publish.then_some(self.address),
             log_time: self.log_time,
             end_after_silence: self.end_after_silence,
@@ -115,14 +121,16 @@ pub fn run(args: &Args) -> Result<()> {
     if let Some(out) = &args.out {
         outputs::check_file(out, &["csv", "parquet"])?;
     }
+    args.memory.path().map_or(Ok(()), outputs::check_folder)?;
     let outputs = [&args.out, &args.log, &args.kept];
+    let outputs = outputs.into_iter().filter_map(|path| path.as_deref());
     outputs::check(
         [&*args.vehicle]
             .into_iter()
             .chain(args.map.as_deref())
             .chain(args.tuning.file())
             .chain(args.own.files()),
-        outputs.into_iter().filter_map(|path| path.as_deref()),
+        outputs.chain(args.memory.path()),
     )?;
     let vehicle = VehicleFile::read(&args.vehicle)?;
     let mut listening = Listening::begin(args.request()?, &vehicle)?;
@@ -185,5 +193,7 @@ fn conclude(args: &Args, vehicle: &VehicleFile, run: &mut LongRun) -> Result<()>
         day: None,
         start_utc: run.start_utc.clone(),
     };
-    conclusion::write(run, args.out.as_deref(), &origin, args.kept.as_deref())
+    let memory = args.memory.stage(run)?;
+    conclusion::write(run, args.out.as_deref(), &origin, args.kept.as_deref())?;
+    memory.map_or(Ok(()), Staged::commit)
 }

@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::source::own_signals::OwnSignals;
-use crate::source::read_options::ReadOptions;
+use crate::source::read_options::{ReadOptions, signal_named};
 use estimator_core::Signal;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -24,7 +24,7 @@ pub struct LogOptions {
     #[command(flatten)]
     frames: FrameOptions,
     /// Leave out a signal, as if the bus did not have it; may be repeated.
-    #[arg(long, value_name = "SIGNAL", value_parser = signal)]
+    #[arg(long, value_name = "SIGNAL", value_parser = signal_named)]
     ignore: Vec<Signal>,
     #[command(flatten)]
     own: OwnOptions,
@@ -121,15 +121,4 @@ impl LogOptions {
             ..self.frames.read_options()
         }
     }
-}
-
-fn signal(name: &str) -> std::result::Result<Signal, String> {
-    // Words that begin alike: `fan` means `fan_percent`.
-    let likeness = |signal: &Signal| strsim::jaro_winkler(name, signal.column());
-    Signal::from_column(name).ok_or_else(|| {
-        let mut known = Signal::ALL.to_vec();
-        known.sort_by(|a, b| likeness(b).total_cmp(&likeness(a)));
-        let nearest = known.first().map_or("", |signal| signal.column());
-        format!("no such signal; did you mean `{nearest}`?")
-    })
 }

@@ -38,7 +38,7 @@ pub struct Args {
     #[command(flatten)]
     like: LikeOption,
     /// Road or network, as `fuse` takes it. Default: the tracks of the runs.
-    #[arg(long, value_name = "ROAD.csv|NET.geojson")]
+    #[arg(long, value_name = "ROAD.csv|NET.geojson|NET.osm.pbf")]
     road: Option<PathBuf>,
     /// The logs are consecutive parts of one drive, in this order.
     #[arg(long)]
@@ -121,13 +121,7 @@ fn tell(made: &MadeMap) {
 
 fn conclude(args: &Args, made: &MadeMap) -> Result<()> {
     if args.json {
-        let runs: Vec<_> = made
-            .runs
-            .iter()
-            .map(|run| serde_json::json!({ "run": run.name, "summary": run.summary }))
-            .collect();
-        let json = serde_json::json!({ "runs": runs, "left_out": made.left_out });
-        print(&format!("{json}\n"))?;
+        print(&format!("{}\n", made.to_json()))?;
     } else {
         let rows: Vec<Vec<String>> = made.runs.iter().map(LogRun::line).collect();
         print(&format!("{}\n", text_table(&LogRun::HEADER, &rows, 1)))?;

@@ -6,6 +6,7 @@ mod demo;
 mod diagnose;
 mod estimate;
 mod export;
+mod export_slopes;
 mod fuse;
 mod horizon;
 mod identify;
@@ -18,6 +19,8 @@ mod log_files;
 mod log_notes;
 mod log_options;
 mod map;
+mod memory_option;
+mod objects;
 mod outputs;
 mod pack;
 mod place;
@@ -38,13 +41,21 @@ use without_can as replay;
 
 use crate::error::Result;
 use crate::files::signals;
-use crate::terminal::print::be_quiet;
+use crate::terminal::print::{be_quiet, printable};
 use clap::error::ErrorKind;
 use clap::{CommandFactory, Parser, Subcommand};
+use objects::Objects;
+use std::ffi::OsString;
 
 /// Road-grade estimation for heavy vehicles: from bus traffic to a grade map.
 #[derive(Debug, Parser)]
-#[command(name = "roadgrade", version, propagate_version = true)]
+#[command(
+    name = "roadgrade",
+    version,
+    propagate_version = true,
+    after_help = "Inputs and outputs may be objects of S3 and its like: s3://BUCKET/KEY; credentials and endpoint are \
+    in AWS_ACCESS_KEY_ID, AWS_SECRET_ACCESS_KEY, AWS_REGION, AWS_ENDPOINT_URL. docs/usage.md says which commands."
+)]
 pub struct Cli {
     /// Print no messages and no progress: only results, warnings and errors.
     #[arg(long, short, global = true)]
@@ -100,6 +111,23 @@ enum Command {
 }
 
 impl Cli {
+    /// Runs the subcommand of a command line, with objects as files. Wrong usage ends the program
+    /// with exit code 2.
+    ///
+    /// # Errors
+    /// Returns the error of the subcommand, or of an object.
+    pub fn run_arguments(arguments: impl IntoIterator<Item = OsString>) -> Result<()> {
+        let arguments: Vec<OsString> = arguments.into_iter().collect();
+        let cli = Self::parse_from(&arguments);
+        if cli.quiet {
+            be_quiet();
+        }
+        match Objects::of(&Self::command(), &arguments)? {
+            None => cli.run(),
+            Some(objects) => Self::parse_from(&objects.arguments).run(),
+        }
+    }
+
     /// Runs the subcommand.
     ///
     /// # Errors
@@ -136,7 +164,7 @@ impl Cli {
     /// Ends the program as wrong options do: the problem, the usage, and exit code 2.
     pub fn end_with_usage(problem: &str) -> ! {
         Self::command()
-            .error(ErrorKind::ArgumentConflict, problem)
+            .error(ErrorKind::ArgumentConflict, printable(problem))
             .exit()
     }
 }

@@ -25,7 +25,7 @@ use std::path::PathBuf;
 )]
 pub struct Args {
     /// Road or network, as `fuse` takes it.
-    #[arg(long, value_name = "ROAD.csv|NET.geojson")]
+    #[arg(long, value_name = "ROAD.csv|NET.geojson|NET.osm.pbf")]
     road: PathBuf,
     /// Folder for the placed runs.
     #[arg(long, value_name = "DIR")]

@@ -31,7 +31,7 @@ pub struct Args {
     /// Folder for the tables (CSV), the figures (SVG, and CSV of their data) and report.html.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Folder with the measured data: ztbus/*.csv, srtm/*.hgt and i3/Trip*.csv.gz.
+    /// Folder with the measured data: ztbus/*.csv, srtm/*.hgt, i3/Trip*.csv.gz and e4/road.csv.
     #[arg(long, value_name = "DIR", default_value = "../shared/data")]
     data: PathBuf,
     /// Seed of all random numbers.
@@ -45,7 +45,7 @@ pub struct Args {
 impl Args {
     /// Returns the files of the measured data.
     fn inputs(&self) -> Vec<PathBuf> {
-        let folders = ["ztbus", "srtm", "i3"].map(|name| self.data.join(name));
+        let folders = ["ztbus", "srtm", "i3", "e4"].map(|name| self.data.join(name));
         let entries = folders.iter().filter_map(|folder| folder.read_dir().ok());
         let paths = entries.flatten().flatten().map(|entry| entry.path());
         paths.collect()

@@ -48,6 +48,10 @@ pub enum Kind {
     PackedMap,
     /// Roads that a vehicle has driven.
     RoadMemory,
+    /// An extract of OpenStreetMap.
+    OsmPbf,
+    /// The same as text.
+    OsmXml,
     /// JSON of any content.
     Json,
     /// Parquet of any content.
@@ -77,6 +81,8 @@ impl fmt::Display for Kind {
             Self::Tuning => "a tuning file",
             Self::PackedMap => "a packed map (of `roadgrade pack`)",
             Self::RoadMemory => "a road memory (of `roadgrade estimate --memory`)",
+            Self::OsmPbf => "an OpenStreetMap extract (.osm.pbf)",
+            Self::OsmXml => "OpenStreetMap XML (`osmium cat` makes an extract, .osm.pbf, of it)",
             Self::Json => "a JSON file",
             Self::Parquet => "a Parquet file",
         })
@@ -100,6 +106,13 @@ pub fn of(path: &Path) -> Option<Kind> {
     if head.starts_with(PARQUET_MAGIC) {
         return Some(Kind::Parquet);
     }
+    // The length and the type of the first block.
+    if head
+        .get(4..15)
+        .is_some_and(|name| name == b"\x0a\x09OSMHeader")
+    {
+        return Some(Kind::OsmPbf);
+    }
     if let Some(format) = format_of(&head) {
         return Some(Kind::FrameLog(format));
     }
@@ -107,6 +120,8 @@ pub fn of(path: &Path) -> Option<Kind> {
     let text = text.trim_start_matches('\u{feff}').trim_start();
     if text.starts_with("# roadgrade sums") {
         Some(Kind::Sums)
+    } else if text.starts_with('<') && text.contains("<osm") {
+        Some(Kind::OsmXml)
     } else if text.starts_with('{') {
         Some(Kind::Json)
     } else if text.starts_with('(') {

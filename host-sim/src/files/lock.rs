@@ -2,9 +2,9 @@
 
 use super::signals;
 use crate::error::{Error, Result};
+use crate::platform::file_number;
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::ErrorKind;
-use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 
 /// The lock of a file, until it is dropped.
@@ -46,7 +46,7 @@ impl FileLock {
             }
             // The one before may have removed the file that it had locked.
             let own = file.metadata().map_err(Error::io(&path))?;
-            if fs::metadata(&path).is_ok_and(|named| named.ino() == own.ino()) {
+            if fs::metadata(&path).is_ok_and(|named| file_number(&named) == file_number(&own)) {
                 let own = || Ok(Self { path, _file: file });
                 return signals::removed_at_end(own, |lock| &lock.path);
             }

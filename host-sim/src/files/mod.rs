@@ -12,16 +12,24 @@ pub mod limits;
 pub mod lock;
 pub mod log_format;
 pub mod nearest;
+#[cfg(all(unix, feature = "s3"))]
+pub mod object_storage;
+#[cfg(not(all(unix, feature = "s3")))]
+#[path = "without_object_storage.rs"]
+pub mod object_storage;
 pub mod oracle;
 pub mod output;
 pub mod parquet;
-pub mod parquet_column;
-mod parquet_pages;
 pub mod row_check;
 pub mod run;
 pub(crate) mod same;
+#[cfg(unix)]
+pub mod signals;
+#[cfg(not(unix))]
+#[path = "without_signals.rs"]
 pub mod signals;
 pub mod spool;
+pub mod stop;
 pub mod temporary;
 pub mod truth;
 pub mod tuning;

@@ -1,6 +1,7 @@
 //! Output files that appear whole or not at all. A device or a pipe is written through when the
 //! file is complete, and never replaced; a symbolic link stays one. `-` is standard output.
 
+use super::object_storage;
 use super::temporary::Temporary;
 use crate::error::{Error, Result};
 use std::fs::{self, File, OpenOptions};
@@ -66,10 +67,11 @@ enum Content {
 }
 
 impl Staged {
-    /// Moves the file to its path, in place of an earlier file.
+    /// Moves the file to its path, in place of an earlier file. A file that stands for an object is
+    /// sent.
     ///
     /// # Errors
-    /// Returns the error of the file system; `path` is then unchanged.
+    /// Returns the error of the file system, or of object storage; `path` is then unchanged.
     pub fn commit(self) -> Result<()> {
         let Self {
             path,
@@ -77,10 +79,12 @@ impl Staged {
             content,
         } = self;
         match content {
-            Content::Beside(file) => file.persist(&target),
-            Content::Aside(file) => copy_to(&path, file),
+            Content::Beside(file) => {
+                file.persist(&target).map_err(Error::io(&path))?;
+                object_storage::send(&target)
+            }
+            Content::Aside(file) => copy_to(&path, file).map_err(Error::io(&path)),
         }
-        .map_err(Error::io(&path))
     }
 
     /// Moves the file to its path as [`commit`](Self::commit) does, forced to the disk, and keeps
@@ -110,7 +114,7 @@ impl Staged {
         file.persist(&target).map_err(Error::io(&path))?;
         // The file has its name; whether the name is on the disk yet is not worth an error.
         let _ = File::open(folder_of(&target)).and_then(|folder| folder.sync_all());
-        Ok(())
+        object_storage::send(&target)
     }
 }
 

@@ -9,12 +9,16 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, Once, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, Once, OnceLock, PoisonError};
 
 /// Paths to remove if a signal ends the program.
 static PATHS: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 /// True if the first signal is an orderly end, and the second one ends the program.
 static IS_ORDERLY: AtomicBool = AtomicBool::new(false);
+/// What is done before a signal ends the program, after the files are removed.
+static LAST_WORK: OnceLock<fn()> = OnceLock::new();
+/// True if another program has this library in it, and handles the signals itself.
+static IS_GUEST: AtomicBool = AtomicBool::new(false);
 
 /// Makes a file or folder, which is removed if SIGINT or SIGTERM ends the program.
 ///
@@ -37,6 +41,12 @@ pub(super) fn forget(path: &Path) {
     paths().remove(path);
 }
 
+/// Lets a signal call `work` before it ends the program. Only the first call counts.
+#[cfg(feature = "s3")]
+pub(super) fn before_end(work: fn()) {
+    let _ = LAST_WORK.set(work);
+}
+
 /// Returns a flag that SIGINT and SIGTERM set. A second signal ends the program at once.
 ///
 /// # Errors
@@ -55,10 +65,19 @@ fn paths() -> MutexGuard<'static, BTreeSet<PathBuf>> {
     PATHS.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
+/// Leaves all signals to the program that has this library in it, from now on. It ends the work by
+/// itself, and temporary files are removed when they are dropped.
+pub fn leave_signals() {
+    IS_GUEST.store(true, Ordering::SeqCst);
+}
+
 /// Starts the thread that waits for signals, and makes a file that is too large an error of the
 /// write. Without it a signal ends the program as usual.
 pub fn watch() {
     static WATCH: Once = Once::new();
+    if IS_GUEST.load(Ordering::SeqCst) {
+        return;
+    }
     WATCH.call_once(|| {
         // A file that grows beyond a limit is then an error of the write, not the end.
         let _ = register(SIGXFSZ, Arc::new(AtomicBool::new(false)));
@@ -80,6 +99,9 @@ pub fn watch() {
                 let mut paths = paths();
                 for path in std::mem::take(&mut *paths) {
                     let _ = fs::remove_file(&path).or_else(|_| fs::remove_dir_all(&path));
+                }
+                if let Some(work) = LAST_WORK.get() {
+                    work();
                 }
                 if is_orderly {
                     // Shells report 128 + signal for a program that a signal ended.

@@ -5,10 +5,10 @@
 //! locked any more, and are removed by the next program that writes into the folder.
 
 use super::signals;
+use crate::platform::{file_number, readable_by_all};
 use std::collections::BTreeSet;
-use std::fs::{self, File, Permissions, TryLockError};
+use std::fs::{self, File, TryLockError};
 use std::io::{self, Write};
-use std::os::unix::fs::{MetadataExt, PermissionsExt};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use tempfile::{Builder, NamedTempFile, TempDir};
@@ -28,12 +28,7 @@ impl Temporary {
     pub fn create_in(folder: &Path) -> io::Result<Self> {
         sweep_once(folder);
         loop {
-            // Readable as any other new file; temporary files are private to their owner.
-            let make = || {
-                builder()
-                    .permissions(Permissions::from_mode(0o666))
-                    .tempfile_in(folder)
-            };
+            let make = || readable_by_all(&mut builder()).tempfile_in(folder);
             let file = signals::removed_at_end(make, NamedTempFile::path)?;
             let made = Self(Some(file));
             if made.is_ours()? {
@@ -53,7 +48,7 @@ impl Temporary {
             Err(TryLockError::WouldBlock) => return Ok(false),
         }
         let own = file.as_file().metadata()?;
-        Ok(fs::metadata(file.path()).is_ok_and(|named| named.ino() == own.ino()))
+        Ok(fs::metadata(file.path()).is_ok_and(|named| file_number(&named) == file_number(&own)))
     }
 
     /// Returns its path.

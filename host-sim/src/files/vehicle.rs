@@ -86,7 +86,7 @@ impl VehicleFile {
     ///
     /// # Errors
     /// Returns the errors of [`read`](Self::read).
-    pub(crate) fn from_table(table: toml::Table, path: &Path) -> Result<Self> {
+    pub fn from_table(table: toml::Table, path: &Path) -> Result<Self> {
         Self::checked(table.try_into(), path)
     }
 

@@ -14,7 +14,7 @@ use crate::numeric::statistics;
 use crate::source::read_options::ReadOptions;
 use estimator_core::{Model, Signal, Tuning};
 use rayon::prelude::*;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Most drives that are fitted: their samples are in memory. The others still show gears.
 const MOST_DRIVES: usize = 24;
@@ -45,6 +45,28 @@ pub enum Like {
     Class(Class),
     /// Another vehicle.
     File(Box<VehicleFile>),
+}
+
+impl Like {
+    /// Returns the class of this name, or the vehicle of the file at this path.
+    ///
+    /// # Errors
+    /// Returns a usage error that names the classes, or the error of the vehicle file.
+    pub fn named(name: &str) -> Result<Self> {
+        if let Some(class) = class::named(name) {
+            return Ok(Self::Class(class));
+        }
+        let path = Path::new(name);
+        if path.is_file() {
+            return Ok(Self::File(Box::new(VehicleFile::read(path)?)));
+        }
+        let names: Vec<String> = class::all().into_iter().map(|class| class.name).collect();
+        Err(Error::Usage(format!(
+            "{}: is neither a class nor a file; expected a vehicle file, or one of {}",
+            on_one_line(path),
+            names.join(", ")
+        )))
+    }
 }
 
 /// What is asked.

@@ -1,11 +1,13 @@
 //! A drive on a live bus, from the first frame to the last.
 
 use super::publisher::Publisher;
+use super::saved_memory::SavedMemory;
 use super::session::{Reaction, Session};
 use super::show::Show;
 use super::stop_flag::stop_flag;
 use super::view::LiveView;
 use crate::error::{Error, Result};
+use crate::files::flash_image::RoadMemoryFile;
 use crate::files::kept;
 use crate::files::output::Staged;
 use crate::files::vehicle::VehicleFile;
@@ -27,7 +29,7 @@ use std::time::{Duration, Instant as Monotonic};
 const REPORT_INTERVAL: Duration = Duration::from_secs(1);
 
 /// Options of a live drive.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct ListenRequest<'a> {
     /// CAN interfaces, each once.
     pub interfaces: &'a [String],
@@ -49,6 +51,8 @@ pub struct ListenRequest<'a> {
     pub own: Option<Arc<OwnSignals>>,
     /// Map for the live grade and the road ahead.
     pub map: Option<PackedMap<'static>>,
+    /// Road memory, and its file.
+    pub memory: Option<(&'a Path, RoadMemoryFile)>,
     /// Print JSON instead of lines and panel.
     pub json: bool,
 }
@@ -62,6 +66,8 @@ pub struct Listening<'a> {
     show: Show,
     stop: Arc<AtomicBool>,
     reported: BTreeMap<(usize, BusEvent), Monotonic>,
+    /// The file of the road memory; `None` without one.
+    saved: Option<SavedMemory<'a>>,
 }
 
 /// The result of a finished live drive.
@@ -84,16 +90,18 @@ impl<'a> Listening<'a> {
     /// # Errors
     /// Returns an error for invalid vehicle parameters, for a persistent state of another vehicle,
     /// and for an interface or a file that cannot be opened.
-    pub fn begin(request: ListenRequest<'a>, vehicle: &VehicleFile) -> Result<Self> {
+    pub fn begin(mut request: ListenRequest<'a>, vehicle: &VehicleFile) -> Result<Self> {
         let last = match request.state_file {
             Some(file) => kept::read(file, &vehicle.model)?,
             None => None,
         };
         let recorder = Recorder::resume(&vehicle.model, &request.tuning, last.as_ref())
             .map_err(|e| Error::content(request.vehicle_file, e.to_string()))?;
+        let (memory_file, memory) = request.memory.take().unzip();
         let session = Session::begin(recorder, request.interfaces, request.log_time, request.log)?
             .with_own_signals(request.own.clone())
-            .with_map(request.map);
+            .with_map(request.map)
+            .with_memory(memory);
         let mut filters = wanted();
         let own = request.own.iter().flat_map(|own| own.frames());
         filters.extend(own.map(of_frames));
@@ -122,6 +130,7 @@ impl<'a> Listening<'a> {
             show,
             stop,
             reported: BTreeMap::new(),
+            saved: memory_file.map(SavedMemory::new),
         })
     }
 
@@ -152,6 +161,7 @@ impl<'a> Listening<'a> {
             if is_over {
                 return Ok(());
             }
+            self.save_memory();
             if self.show.due_in().is_zero() {
                 let unsent = self.publisher.as_ref().and_then(Publisher::unsent);
                 let view = self.session.view(unsent);
@@ -166,6 +176,15 @@ impl<'a> Listening<'a> {
                 // The receiver returns the frames that it still holds, then ends.
                 self.stop.store(true, Ordering::Relaxed);
             }
+        }
+    }
+
+    /// Writes the road memory if that is due. A failure does not end the drive.
+    fn save_memory(&mut self) {
+        if let (Some(saved), Some(memory)) = (&mut self.saved, self.session.memory())
+            && let Err(e) = saved.save_if_due(memory)
+        {
+            self.show.say(&e.to_string());
         }
     }
 

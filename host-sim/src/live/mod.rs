@@ -7,6 +7,7 @@ mod rate;
 pub mod replay;
 mod road_picture;
 pub mod road_view;
+mod saved_memory;
 mod session;
 mod show;
 pub mod status_timing;

@@ -2,10 +2,11 @@
 
 use super::road_picture::road_lines;
 use super::road_view::{RoadView, STEP_M};
-use super::view::{InterfaceView, LiveView};
+use super::view::{InterfaceView, LiveView, MemoryView};
 use crate::terminal::counters::events;
 use crate::terminal::disagreements::words_of;
 use estimator_core::Uncertain;
+use estimator_core::cell::CELL_LENGTH_M;
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 
@@ -103,6 +104,7 @@ pub fn json(view: &LiveView) -> Value {
         "consistent": live.map(|live| live.disagreement.is_none()),
         "disagreements": live.map(|live| words_of(live.disagreement)),
         "map": view.road.as_ref().map(road_json),
+        "memory": view.memory.as_ref().map(memory_json),
         "cells": view.cells_finished,
         "interfaces": view.interfaces,
         "events": counts(view),
@@ -130,6 +132,31 @@ fn road_json(road: &RoadView) -> Value {
         "ahead": ahead,
         "forks": road.forks,
     })
+}
+
+fn memory_json(memory: &MemoryView) -> Value {
+    json!({
+        "grade_percent": memory.grade_percent.map(uncertain),
+        "known_km": km(memory.counters.cells_fused),
+        "new_km": km(memory.counters.cells_new),
+    })
+}
+
+fn memory_line(memory: &MemoryView) -> String {
+    let grade = memory
+        .grade_percent
+        .map_or("not known here".to_owned(), |grade| {
+            format!("{:+.2} % ± {:.2}", grade.value, grade.sigma)
+        });
+    let (known_km, new_km) = (
+        km(memory.counters.cells_fused),
+        km(memory.counters.cells_new),
+    );
+    format!("memory    {grade}   {known_km:.1} km known before, {new_km:.1} km new\n")
+}
+
+fn km(cells: u32) -> f32 {
+    cells as f32 * CELL_LENGTH_M * 1e-3
 }
 
 /// Returns the counters of the core and of this program, by their keys.
@@ -194,6 +221,9 @@ pub fn panel(view: &LiveView) -> String {
     }
     if let Some(road) = &view.road {
         out.push_str(&road_lines(road));
+    }
+    if let Some(memory) = &view.memory {
+        out.push_str(&memory_line(memory));
     }
     let newest = view
         .newest_cell_percent

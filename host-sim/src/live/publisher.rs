@@ -6,17 +6,12 @@ use crate::source::can_frame::CanFrame;
 use crate::source::log_time::LogTime;
 use crate::source::socketcan::FrameSender;
 use embedded_can::{Frame, Id};
-use estimator_core::roadmap::{HorizonParts, MapLive};
+use estimator_core::roadmap::{HorizonParts, MapLive, NumberedPart};
 use estimator_core::{Cell, Live, broadcast};
 use std::time::{Duration, Instant as Monotonic};
 
 /// Period of the published estimate.
 const PERIOD: Duration = Duration::from_millis(100);
-/// Frames of the road ahead within a period: a horizon of one branch takes a second, and 7 % of a bus of
-/// 250 kbit/s.
-const AHEAD_FRAMES: usize = 5;
-/// Steps of work within a period that may give none.
-const AHEAD_STEPS: usize = 20;
 /// Time between two attempts to reopen a lost interface.
 const RETRY: Duration = Duration::from_millis(500);
 
@@ -93,15 +88,9 @@ impl Publisher {
     }
 
     fn send_ahead(&mut self, map: &MapLive<'static>, live: &Live, address: u8) {
-        let mut sent = 0;
-        for _ in 0..AHEAD_STEPS {
-            if let Some(part) = self.ahead.next_part(map, live) {
-                self.send(broadcast::ahead(&part, address));
-                sent += 1;
-            }
-            if sent == AHEAD_FRAMES {
-                break;
-            }
+        let parts: Vec<NumberedPart> = self.ahead.due_parts(map, live).collect();
+        for part in parts {
+            self.send(broadcast::ahead(&part, address));
         }
         let grade = live.estimate.grade_percent.value;
         let next = self.ahead.next_grade(live);

@@ -2,8 +2,9 @@
 
 use super::rate::EventRate;
 use super::road_view::RoadView;
-use super::view::{InterfaceView, LiveView};
+use super::view::{InterfaceView, LiveView, MemoryView};
 use crate::error::{Error, Result};
+use crate::files::flash_image::RoadMemoryFile;
 use crate::files::output::{Staged, Writing};
 use crate::recorder::{LongRun, Recorder};
 use crate::source::can_frame::TimedFrame;
@@ -31,7 +32,7 @@ enum Timing {
     Log(Option<Instant>),
 }
 
-/// ReceivedItem is to be done about something received.
+/// What is to be done about something received.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reaction {
     /// Nothing.
@@ -123,6 +124,21 @@ impl Session {
         self
     }
 
+    /// Combines the live grade with the roads that the vehicle knows, and learns this drive.
+    #[must_use]
+    pub fn with_memory(mut self, memory: Option<RoadMemoryFile>) -> Self {
+        if let Some(memory) = memory {
+            self.recorder.remember(memory);
+        }
+        self
+    }
+
+    /// Returns the road memory as it is now; `None` without one.
+    #[must_use]
+    pub const fn memory(&self) -> Option<&RoadMemoryFile> {
+        self.recorder.memory()
+    }
+
     /// Processes a received item.
     ///
     /// # Errors
@@ -196,7 +212,7 @@ impl Session {
         self.cells.extend_from_slice(cells);
     }
 
-    /// ReceivedItem there is to see.
+    /// What the user sees now.
     pub fn view(&mut self, unpublished: Option<u64>) -> LiveView {
         let now = Monotonic::now();
         for (view, rate) in &mut self.interfaces {
@@ -207,6 +223,7 @@ impl Session {
         LiveView {
             time_s: self.newest.since(start).as_secs_f64(),
             live: self.live(),
+            memory: self.recorder.memory().map(MemoryView::of),
             road: self.recorder.map().map(|map| {
                 let own = estimator.live().map(|live| live.estimate.grade_percent);
                 RoadView::of(map, own)
@@ -252,11 +269,11 @@ impl Session {
         self.recorder.estimator().counters().cells_suspect
     }
 
-    /// Returns the current estimate, with the map where it counts; `None` before the first speed.
+    /// Returns the current estimate, with what is known of the road where that
+    /// counts; `None` before the first speed.
     #[must_use]
     pub fn live(&self) -> Option<Live> {
-        let live = self.recorder.estimator().live()?;
-        Some(self.map().map_or(live, |map| map.applied(&live)))
+        self.recorder.live()
     }
 
     /// Returns the place on the map; `None` without a map.

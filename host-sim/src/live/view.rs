@@ -1,8 +1,10 @@
 //! The view of a live estimate.
 
 use super::road_view::RoadView;
+use crate::files::flash_image::RoadMemoryFile;
 use crate::source::socketcan::BusEvent;
-use estimator_core::{Condition, Counters, Live};
+use estimator_core::roadmap::memory::MemoryCounters;
+use estimator_core::{Condition, Counters, Live, Uncertain};
 use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
 
@@ -15,6 +17,8 @@ pub struct LiveView {
     pub live: Option<Live>,
     /// The map and the road ahead; `None` without a map.
     pub road: Option<RoadView>,
+    /// The roads that the vehicle has learned; `None` without a road memory.
+    pub memory: Option<MemoryView>,
     /// True if no frame has arrived for two seconds.
     pub is_silent: bool,
     /// Number of finished cells (those with their full lag).
@@ -29,6 +33,26 @@ pub struct LiveView {
     pub unpublished: Option<u64>,
     /// Number of frames without a log time stamp, with `--log-time`.
     pub untimed: u64,
+}
+
+/// What the road memory knows and learns.
+#[derive(Clone, Copy, Debug)]
+pub struct MemoryView {
+    /// Its grade under the wheels, %, where it counts.
+    pub grade_percent: Option<Uncertain>,
+    /// What the drive gave.
+    pub counters: MemoryCounters,
+}
+
+impl MemoryView {
+    /// Returns what there is to see.
+    #[must_use]
+    pub fn of(memory: &RoadMemoryFile) -> Self {
+        Self {
+            grade_percent: memory.grade().map(|grade| grade.grade_percent),
+            counters: memory.counters(),
+        }
+    }
 }
 
 /// One interface.

@@ -18,7 +18,7 @@ use crate::source::read_options::ReadOptions;
 use estimator_core::roadmap::{MapLive, PackedMap};
 use estimator_core::sample::Sample;
 use estimator_core::{
-    Cell, Estimator, Instant, Model, Outcome, ParameterError, PersistentState,
+    Cell, Estimator, Instant, Live, Model, Outcome, ParameterError, PersistentState,
     PersistentStateError, Reading, Scalar, Signal, Step, Tuning, Uncertain,
 };
 use serde::{Deserialize, Serialize};
@@ -120,6 +120,18 @@ impl<S: Scalar> Recorder<S> {
     /// Returns the place on the map and the grade with it; `None` without a map.
     pub const fn map(&self) -> Option<&MapLive<'static>> {
         self.roads.map.as_ref()
+    }
+
+    /// Returns the road memory; `None` without one.
+    pub const fn memory(&self) -> Option<&RoadMemoryFile> {
+        self.roads.memory.as_ref()
+    }
+
+    /// Returns the live estimate, with what is known of the road where that counts; `None` before the
+    /// first speed.
+    pub fn live(&self) -> Option<Live> {
+        let live = self.estimator.live()?;
+        Some(self.roads.applied(&live))
     }
 
     /// Takes one frame.

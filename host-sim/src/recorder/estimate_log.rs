@@ -62,8 +62,20 @@ pub fn estimate_logs<S: Scalar>(
     options: &ReadOptions,
 ) -> Result<(LongRun, Vec<(PathBuf, LogReport)>)> {
     let first = logs.first().map_or(Path::new(""), PathBuf::as_path);
-    let mut recorder = Recorder::<S>::resume(model, tuning, None)
+    let recorder = Recorder::<S>::resume(model, tuning, None)
         .map_err(|e| Error::content(first, e.to_string()))?;
+    record_logs(recorder, logs, options)
+}
+
+/// Passes logs that are consecutive parts of one drive to a recorder, and ends the drive.
+///
+/// # Errors
+/// Returns the errors of [`record_log`].
+pub fn record_logs<S: Scalar>(
+    mut recorder: Recorder<S>,
+    logs: &[PathBuf],
+    options: &ReadOptions,
+) -> Result<(LongRun, Vec<(PathBuf, LogReport)>)> {
     recorder.read_as(options);
     let mut reports = Vec::new();
     let mut end = Instant::default();

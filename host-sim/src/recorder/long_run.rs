@@ -115,5 +115,5 @@ impl RunRows for Rows {
 
 /// Returns the error for a temporary file that cannot be written or read back.
 pub(super) fn no_room(error: io::Error) -> Error {
-    Error::io(&std::env::temp_dir())(error)
+    Error::io(&tempfile::env::temp_dir())(error)
 }

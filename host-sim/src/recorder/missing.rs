@@ -1,8 +1,27 @@
 //! Inputs that a drive lacks for an estimate.
 
 use super::long_run::LongRun;
+use crate::error::{Error, Result};
 use crate::files::vehicle::VehicleFile;
+use crate::source::read_options::ReadOptions;
 use estimator_core::{Signal, Traction};
+use std::path::Path;
+
+/// Checks that a log was sufficient for an estimate.
+///
+/// # Errors
+/// Returns an error that names the missing input.
+pub fn check_inputs(
+    log: &Path,
+    vehicle: &VehicleFile,
+    run: &LongRun,
+    options: &ReadOptions,
+) -> Result<()> {
+    match missing(vehicle, run, &options.ignore) {
+        Some(problem) => Err(Error::content(log, problem)),
+        None => Ok(()),
+    }
+}
 
 /// Returns the input that a drive lacks for an estimate; `None` if none is missing. Who ignores the
 /// altitude does not miss it: the force balance alone gives a grade, with a large sigma.

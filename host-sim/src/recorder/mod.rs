@@ -6,10 +6,10 @@
 mod drive_recorder;
 mod estimate_log;
 mod horizon_log;
-mod latencies;
+pub mod latencies;
 mod long_run;
 mod missing;
-mod placed_samples;
+pub mod placed_samples;
 mod plausibility;
 mod replaced;
 mod roads;
@@ -18,10 +18,10 @@ mod summary;
 pub mod verdict;
 
 pub use drive_recorder::Recorder;
-pub use estimate_log::{estimate_log, estimate_logs, record_log};
+pub use estimate_log::{estimate_log, estimate_logs, record_log, record_logs};
 pub use horizon_log::{HorizonRow, horizons_of_log};
 pub use long_run::{LongRun, Rows, SmoothedRun};
-pub use missing::missing;
+pub use missing::{check_inputs, missing};
 pub use plausibility::Warning;
 pub use replaced::{ReplacedParameter, replaced};
 pub use roads::LearnedRoads;

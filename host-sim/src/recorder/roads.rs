@@ -60,16 +60,29 @@ impl Roads {
         if self.map.is_none() && self.memory.is_none() {
             return Ok(());
         }
-        let map = self.map.as_mut().and_then(|map| {
+        if let Some(map) = &mut self.map {
             map.advance(live);
-            map.counted_percent()
-        });
-        let memory = self.memory.as_mut().and_then(|memory| {
+        }
+        if let Some(memory) = &mut self.memory {
             memory.advance(live);
-            memory.grade()
-        });
-        let grades = combined_with_roads(live.estimate.grade_percent, map, memory);
-        self.grades.push(&grades.map(RoadGrades::from))
+        }
+        self.grades.push(&self.combined(live).map(RoadGrades::from))
+    }
+
+    /// Returns the live grade combined with what is known of the road; `None` if nothing is.
+    fn combined(&self, live: &Live) -> Option<RoadGrade> {
+        let map = self.map.as_ref().and_then(MapLive::counted_percent);
+        let memory = self.memory.as_ref().and_then(RoadMemoryFile::grade);
+        combined_with_roads(live.estimate.grade_percent, map, memory)
+    }
+
+    /// Returns the live estimate with what is known of the road, where that counts.
+    pub(super) fn applied(&self, live: &Live) -> Live {
+        let mut applied = *live;
+        if let Some(grade) = self.combined(live) {
+            applied.estimate.grade_percent = grade.combined_percent;
+        }
+        applied
     }
 
     /// Takes a finished cell.

@@ -52,7 +52,7 @@
 //! ```
 
 mod assets;
-mod chart_data;
+pub mod chart_data;
 pub mod colour;
 mod colouring;
 pub mod demo_page;
@@ -67,4 +67,4 @@ pub mod profile;
 pub mod section;
 mod svg;
 pub mod table;
-mod thin;
+pub mod thin;

@@ -76,27 +76,3 @@ fn with_gaps(points: Vec<ProfilePoint>) -> Vec<ProfilePoint> {
     }
     all
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::report::plot::colour;
-
-    #[test]
-    fn gaps_of_the_road_are_gaps_of_the_curve() {
-        let at = |distance_m| ProfilePoint {
-            distance_m,
-            value: 1.0,
-            sigma: Some(0.1),
-        };
-        let points = [0.0, 2.5, 5.0, 50.0, 52.5].map(at);
-        let plot = Plot::profile("grade (%)", "road").with_profile("map", colour::BLUE, points);
-        let [band, line] = &plot.series[..] else {
-            panic!("{plot:?}");
-        };
-        assert_eq!((line.points.len(), band.points.len()), (6, 6));
-        assert!(line.points[3].1.is_nan() && band.points[3].1.is_nan());
-        assert_eq!(line.points[4], (0.05, 1.0));
-        assert!(!plot.to_csv().contains("NaN"));
-    }
-}

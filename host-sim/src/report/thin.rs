@@ -5,7 +5,7 @@ use std::ops::Range;
 
 /// Points of a series and, for a band, its lower edge at the same points.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Points {
+pub struct Points {
     /// (x, y); y is not finite where the series has a gap.
     pub points: Vec<(f64, f64)>,
     /// Lower edge; empty if the series is no band.
@@ -14,7 +14,7 @@ pub(super) struct Points {
 
 /// Returns the series with at most about `most` points. Of each group of neighbours the least and
 /// the greatest stay; of a band, its widest extent. Gaps stay.
-pub(super) fn thinned(series: &Points, most: usize) -> Points {
+pub fn thinned(series: &Points, most: usize) -> Points {
     let all = series.points.len();
     if all <= most.max(2) {
         return series.clone();
@@ -37,7 +37,7 @@ pub(super) fn thinned(series: &Points, most: usize) -> Points {
 }
 
 /// Returns the ranges of points between gaps.
-pub(super) fn runs(points: &[(f64, f64)]) -> Vec<Range<usize>> {
+pub fn runs(points: &[(f64, f64)]) -> Vec<Range<usize>> {
     let mut found: Vec<Range<usize>> = Vec::new();
     for (i, _) in points.iter().enumerate().filter(|(_, p)| p.1.is_finite()) {
         match found.last_mut() {
@@ -50,7 +50,7 @@ pub(super) fn runs(points: &[(f64, f64)]) -> Vec<Range<usize>> {
 
 impl Points {
     /// Returns the points of a series.
-    pub(super) fn of(series: &Series) -> Self {
+    pub fn of(series: &Series) -> Self {
         Self {
             points: series.points.clone(),
             lower: match &series.mark {
@@ -88,43 +88,5 @@ impl Points {
         if group.len() > 1 {
             self.push((group[group.len() - 1].0, group[high].1), Some(bottom));
         }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn extremes_and_gaps_stay() {
-        let wave = |i: usize| if i == 500 { 9.0 } else { (i % 7) as f64 };
-        let mut points: Vec<(f64, f64)> = (0..1000).map(|i| (i as f64, wave(i))).collect();
-        points[300].1 = f64::NAN;
-        let lower: Vec<f64> = points.iter().map(|p| p.1 - 1.0).collect();
-        let line = thinned(
-            &Points {
-                points: points.clone(),
-                lower: Vec::new(),
-            },
-            100,
-        );
-        assert!(line.points.len() <= 110, "{}", line.points.len());
-        assert!(line.points.contains(&(500.0, 9.0)));
-        assert_eq!(runs(&line.points).len(), 2);
-        assert!(line.points.windows(2).all(|pair| pair[0].0 <= pair[1].0));
-        let band = thinned(&Points { points, lower }, 100);
-        assert_eq!(band.points.len(), band.lower.len());
-        assert!(band.lower.contains(&-1.0) && band.points.iter().any(|p| p.1 == 9.0));
-    }
-
-    #[test]
-    fn short_series_stay_as_they_are() {
-        let series = Points {
-            points: vec![(0.0, 1.0), (1.0, f64::NAN)],
-            lower: Vec::new(),
-        };
-        let same = thinned(&series, 2);
-        assert_eq!(same.points[0], (0.0, 1.0));
-        assert!(same.points[1].1.is_nan());
     }
 }

@@ -80,15 +80,15 @@ pub fn for_each_input(
 ) -> Result<LogReport> {
     let mut log = Log::open(log, options)?;
     let mut unseen_signals = Vec::new();
+    let mut pace = Pace::default();
     match &mut log {
         Log::Frames(reader) => {
             let mut own = OwnReadings::of(options.signals.as_deref());
-            let mut frames = 0_u32;
             while let Some(frame) = reader.next_frame()? {
                 take(LogInput::Frame(frame));
                 own.pass_on(&frame, &mut take);
-                frames = frames.wrapping_add(1);
-                if frames.is_multiple_of(8192) {
+                if pace.is_due() {
+                    options.stop.check()?;
                     progress(reader.file().bytes_read());
                 }
             }
@@ -98,11 +98,17 @@ pub fn for_each_input(
         Log::Parquet(reader) => {
             while let Some(row) = reader.next_row()? {
                 pass_on(&row, &mut take);
+                if pace.is_due() {
+                    options.stop.check()?;
+                }
             }
         }
         Log::Table(reader) => {
             while let Some(row) = reader.next_row()? {
                 pass_on(&row, &mut take);
+                if pace.is_due() {
+                    options.stop.check()?;
+                }
             }
         }
     }
@@ -110,6 +116,18 @@ pub fn for_each_input(
         unseen_signals,
         ..log.report()
     })
+}
+
+/// Tells when to look up from the reading: once in some thousand frames or rows.
+#[derive(Debug, Default)]
+pub struct Pace(u32);
+
+impl Pace {
+    /// Counts a frame or a row, and returns whether it is time to look up.
+    pub const fn is_due(&mut self) -> bool {
+        self.0 = self.0.wrapping_add(1);
+        self.0.is_multiple_of(8_192)
+    }
 }
 
 fn pass_on(row: &SignalRow, take: &mut impl FnMut(LogInput)) {

@@ -156,7 +156,7 @@ impl LogFile {
         if is_plain {
             return File::open(&self.path).map_err(Error::io(&self.path));
         }
-        let folder = std::env::temp_dir();
+        let folder = tempfile::env::temp_dir();
         let mut copy = tempfile::tempfile().map_err(Error::io(&folder))?;
         let mut buffer = vec![0; 1 << 16];
         loop {

@@ -1,6 +1,7 @@
 //! What a user asks of the reading of a log.
 
 use super::own_signals::OwnSignals;
+use crate::files::stop::Stop;
 use estimator_core::Signal;
 use std::sync::Arc;
 
@@ -15,4 +16,21 @@ pub struct ReadOptions {
     pub ignore: Vec<Signal>,
     /// Signals of the user's own messages. The built-in messages do not give these.
     pub signals: Option<Arc<OwnSignals>>,
+    /// Stops the reading.
+    pub stop: Stop,
+}
+
+/// Returns the signal of a column.
+///
+/// # Errors
+/// Returns words that name the nearest signal.
+pub fn signal_named(name: &str) -> Result<Signal, String> {
+    // Words that begin alike: `fan` means `fan_percent`.
+    let likeness = |signal: &Signal| strsim::jaro_winkler(name, signal.column());
+    Signal::from_column(name).ok_or_else(|| {
+        let mut known = Signal::ALL.to_vec();
+        known.sort_by(|a, b| likeness(b).total_cmp(&likeness(a)));
+        let nearest = known.first().map_or("", |signal| signal.column());
+        format!("no such signal; did you mean `{nearest}`?")
+    })
 }

@@ -7,6 +7,7 @@ mod kill;
 mod machine;
 mod memory;
 mod mistakes;
+mod objects;
 mod outputs;
 mod ranges;
 mod shell;

@@ -1,5 +1,6 @@
 //! Estimates of recorded and simulated drives, and `roadgrade estimate`.
 
+mod cell_ranges;
 mod changed_resistance;
 mod consistency;
 mod end_to_end;
@@ -7,9 +8,11 @@ mod engine_configuration;
 mod faulty_drive;
 mod gnss_faults;
 mod late_receiver;
+mod latencies;
 mod motor_torque;
 mod own_signals;
 mod persistent_state;
+mod placed_samples;
 mod receiver_filters;
 mod reversing;
 mod smoothing;

@@ -4,6 +4,7 @@
 
 use estimator_core::roadmap::{MapCounters, PackedMap};
 use estimator_core::{Tuning, Uncertain};
+use host_sim::files::flash_image;
 use host_sim::live::Session;
 use host_sim::live::panel::{header, json, line, panel};
 use host_sim::live::road_view::{Fork, RoadState, RoadView};
@@ -47,8 +48,15 @@ fn recorder(drive: &SimulatedRun) -> Recorder<f32> {
 
 /// Returns the view after this part of the drive.
 fn view_at(drive: &SimulatedRun, map: Option<PackedMap<'static>>, part: f64) -> LiveView {
-    let session = Session::begin(recorder(drive), &["can0".to_owned()], false, None);
-    let mut session = session.unwrap().with_map(map);
+    driven(session(drive).with_map(map), drive, part).view(None)
+}
+
+fn session(drive: &SimulatedRun) -> Session {
+    Session::begin(recorder(drive), &["can0".to_owned()], false, None).unwrap()
+}
+
+/// Returns a session after this part of the drive.
+fn driven(mut session: Session, drive: &SimulatedRun, part: f64) -> Session {
     let frames = (drive.frames.len() as f64 * part) as usize;
     for timed in &drive.frames[..frames] {
         let item = ReceivedItem::Frame(timed.frame);
@@ -59,7 +67,7 @@ fn view_at(drive: &SimulatedRun, map: Option<PackedMap<'static>>, part: f64) -> 
         };
         session.take(&received).unwrap();
     }
-    session.view(None)
+    session
 }
 
 #[test]
@@ -94,6 +102,47 @@ fn the_view_has_the_map_and_the_road_ahead() {
     let words: Vec<&str> = line.split_whitespace().rev().take(2).collect();
     assert_eq!(words, [format!("{:+.3}", map_percent.value).as_str(), "on"]);
     assert_eq!(line.len(), header().len());
+}
+
+#[test]
+fn a_road_memory_learns_a_drive_and_knows_the_next() {
+    let drive = run(&[MILD, A]);
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("roads.memory");
+    let memory = flash_image::open(&file, None).unwrap();
+    let first = driven(session(&drive).with_memory(Some(memory)), &drive, 1.0);
+    let (run, _) = first.finish();
+    let learned = run.unwrap().memory.expect("a memory").memory;
+    flash_image::stage(&file, &learned)
+        .unwrap()
+        .commit()
+        .unwrap();
+
+    let without = driven(session(&drive), &drive, 0.5).view(None);
+    // The controller of the vehicle may have been off between the drives, or not.
+    let opened = flash_image::open(&file, None).unwrap();
+    let [mut second, _] = [opened, learned].map(|memory| {
+        let second = driven(session(&drive).with_memory(Some(memory)), &drive, 0.5);
+        let known = second.memory().unwrap().counters().cells_fused;
+        assert!(known > 400, "{known} cells");
+        second
+    });
+    let view = second.view(None);
+    let known = view.memory.unwrap().grade_percent.expect("a known road");
+    let [with, without] = [&view, &without].map(|view| view.live.unwrap().estimate.grade_percent);
+    assert!(with.sigma < without.sigma);
+    let value = json(&view);
+    assert_eq!(
+        value["memory"]["grade_percent"]["value"],
+        serde_json::json!(known.value)
+    );
+    assert!(value["memory"]["new_km"].as_f64().unwrap() < 0.1);
+    assert!(value["memory"]["known_km"].as_f64().unwrap() > 1.0);
+    assert_eq!(
+        value["grade_percent"]["value"],
+        serde_json::json!(with.value)
+    );
+    assert!(panel(&view).contains("km known before, 0.0 km new"));
 }
 
 /// PCC1 of another device is compared with our grade, and does not change it.

@@ -1,17 +1,11 @@
 //! `estimate --map` and `horizon`, from logs to files.
 
+use crate::drives::{Truth, assert_only_live_changes, json, rows, truth_at};
 use host_sim::files::run::{RunRow, read};
 use host_sim::map::{MapRow, write_map};
 use serde::Deserialize;
 use std::path::Path;
 use test_kit::command::{folder, roadgrade};
-
-/// Truth of a simulated drive, and of the road under it.
-#[derive(Deserialize)]
-struct Truth {
-    distance_m: f64,
-    grade_percent: f64,
-}
 
 #[derive(Deserialize)]
 struct Ahead {
@@ -21,19 +15,6 @@ struct Ahead {
     ahead_m: f64,
     grade_percent: Option<f64>,
     grade_sigma_percent: Option<f64>,
-}
-
-fn rows<T: for<'a> Deserialize<'a>>(path: &Path) -> Vec<T> {
-    let mut reader = csv::Reader::from_path(path).expect("a table");
-    reader
-        .deserialize()
-        .map(|row| row.expect("a row"))
-        .collect()
-}
-
-fn truth_at(truth: &[Truth], distance_m: f64) -> Option<f64> {
-    let next = truth.partition_point(|row| row.distance_m < distance_m);
-    truth.get(next).map(|row| row.grade_percent)
 }
 
 fn root_mean_square(errors: &[f64]) -> f64 {
@@ -96,25 +77,12 @@ fn a_map_makes_the_live_grade_better_and_changes_nothing_else() {
     let truth: Vec<Truth> = rows(&folder.path().join("second.truth.csv"));
     let without = estimate(folder.path(), &[], "without.csv");
     let with = estimate(folder.path(), &["--map", "map.grade"], "with.parquet");
-    assert_eq!(without.len(), with.len());
-    let mut on_map = 0;
-    for (without, with) in without.iter().zip(&with) {
-        assert_eq!(without.map_grade_percent, None);
-        assert_eq!(without.smoothed(), with.smoothed());
-        assert_eq!(without.lagged(), with.lagged());
-        match with.map_grade_percent {
-            None => assert_eq!(without.live(), with.live()),
-            Some(_) => {
-                on_map += 1;
-                assert!(with.live().1 < without.live().1);
-            }
-        }
-    }
+    let on_map = assert_only_live_changes(&with, &without);
     assert!(on_map > without.len() * 9 / 10);
     let [without, with] = [without, with].map(|rows| live_error(&rows, &truth));
     assert!(with < 0.7 * without, "{with} of {without} %");
 
-    let json = roadgrade(
+    let json = json(
         folder.path(),
         &[
             "estimate",
@@ -124,12 +92,9 @@ fn a_map_makes_the_live_grade_better_and_changes_nothing_else() {
             "j.csv",
             "--map",
             "map.grade",
-            "--json",
             "second.log",
         ],
     );
-    let json = json.success().get_output().stdout.clone();
-    let json: serde_json::Value = serde_json::from_slice(&json).expect("JSON");
     assert!(json["map"]["on_map_km"].as_f64().expect("a number") > 10.0);
     assert_eq!(json["map"]["left_out"], 0);
 }

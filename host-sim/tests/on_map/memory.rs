@@ -1,25 +1,10 @@
 //! `estimate --memory`: roads that the vehicle has learned itself.
 
+use crate::drives::{Truth, assert_only_live_changes, json, rows, truth_at};
 use host_sim::files::run::{RunRow, read};
 use host_sim::map::MapRow;
-use serde::Deserialize;
 use std::path::Path;
 use test_kit::command::{folder, roadgrade};
-
-/// Truth of a simulated drive.
-#[derive(Deserialize)]
-struct Truth {
-    distance_m: f64,
-    grade_percent: f64,
-}
-
-fn rows<T: for<'a> Deserialize<'a>>(path: &Path) -> Vec<T> {
-    let mut reader = csv::Reader::from_path(path).expect("a table");
-    reader
-        .deserialize()
-        .map(|row| row.expect("a row"))
-        .collect()
-}
 
 /// Sums of the errors of live grades.
 #[derive(Clone, Copy, Default)]
@@ -35,12 +20,11 @@ impl Errors {
         let truth: Vec<Truth> = rows(&folder.join(format!("{name}.truth.csv")));
         let end_m = run.last().expect("cells").distance_m - 500.0;
         for row in run {
-            let next = truth.partition_point(|truth| truth.distance_m < row.distance_m);
-            let Some(truth) = truth.get(next) else {
+            let Some(truth_percent) = truth_at(&truth, row.distance_m) else {
                 continue;
             };
             if (500.0..end_m).contains(&row.distance_m) {
-                let error = row.live_grade_percent - truth.grade_percent;
+                let error = row.live_grade_percent - truth_percent;
                 self.squares += error * error;
                 self.normalised += (error / row.live_grade_sigma_percent).powi(2);
                 self.count += 1.0;
@@ -100,16 +84,8 @@ fn the_second_time_the_live_grade_is_better_and_nothing_else_changes() {
     assert_eq!(size, 262_144);
     let without = estimate(path, "second", &[]);
     let with = estimate(path, "second", &memory[..2]);
-    assert_eq!(with.len(), without.len());
-    for (with, without) in with.iter().zip(&without) {
-        assert_eq!(with.smoothed(), without.smoothed());
-        assert_eq!(with.lagged(), without.lagged());
-        match with.map_grade_percent {
-            None => assert_eq!(with.live(), without.live()),
-            Some(_) => assert!(with.live().1 < without.live().1),
-        }
-    }
-    assert!(known(&with) > with.len() * 95 / 100);
+    let on_map = assert_only_live_changes(&with, &without);
+    assert!(on_map > with.len() * 95 / 100);
     let error = |run| {
         let mut errors = Errors::default();
         errors.add(path, "second", run);
@@ -118,7 +94,7 @@ fn the_second_time_the_live_grade_is_better_and_nothing_else_changes() {
     assert!(error(&with) < 0.75 * error(&without));
 
     // The same drive with the same memory gives the same: each of these files is written once.
-    let json = roadgrade(
+    let json = json(
         path,
         &[
             "estimate",
@@ -128,12 +104,9 @@ fn the_second_time_the_live_grade_is_better_and_nothing_else_changes() {
             "j.csv",
             "--memory",
             "roads.memory",
-            "--json",
             "second.log",
         ],
     );
-    let json = json.success().get_output().stdout.clone();
-    let json: serde_json::Value = serde_json::from_slice(&json).expect("JSON");
     assert!(json["memory"]["known_km"].as_f64().expect("a number") > 11.0);
     assert_eq!(json["memory"]["left_out"], 0);
 }
@@ -196,8 +169,7 @@ fn a_memory_leaves_the_truck_as_a_run() {
     let truth: Vec<Truth> = rows(&path.join("first.truth.csv"));
     assert!(map.len() > 4_600);
     for row in &map[200..4_500] {
-        let next = truth.partition_point(|truth| truth.distance_m < row.distance_m);
-        let error = row.grade_percent - truth[next].grade_percent;
+        let error = row.grade_percent - truth_at(&truth, row.distance_m).expect("truth");
         assert!(error.abs() < 0.6, "{error} % at {} m", row.distance_m);
     }
     roadgrade(path, &["export", "roads.memory", "--out", "learned.kml"]).code(2);

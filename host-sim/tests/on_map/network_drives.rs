@@ -338,7 +338,7 @@ fn no_road_is_entered_that_was_not_driven() {
                 if !ways.contains(&place.way) {
                     let way = |offset| {
                         let way = map.way(offset).expect("a way");
-                        format!("{} {:?}", way.name, way.direction)
+                        format!("{} {:?}", way.name().expect("text"), way.direction)
                     };
                     entered.push((seed, number, way(place.way), way(driven.way)));
                 }

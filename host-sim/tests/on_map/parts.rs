@@ -187,3 +187,29 @@ fn the_next_grade_comes_nearer_and_a_horizon_follows_another() {
     }
     assert!(nearer > 100);
 }
+
+/// A controller that stays on may begin the next drive with a new estimator and the same map.
+#[test]
+fn the_next_drive_begins_anew_on_the_same_map() {
+    let bytes = map_of(&grid());
+    let map = PackedMap::open(&bytes).expect("a map");
+    let driven = drive(&map, 1_000, &mut ChaCha8Rng::seed_from_u64(2));
+    let (mut on_map, mut parts) = (MapLive::new(map), HorizonParts::new());
+    let mut drives = Vec::new();
+    for _ in 0..2 {
+        let mut places = Vec::new();
+        for (cell, driven) in driven.iter().enumerate() {
+            let live = live_at(cell as u32, Some(driven.position_e7));
+            on_map.advance(&live);
+            places.push(on_map.trusted_place());
+            if let Some(part) = parts.next_part(&on_map, &live) {
+                assert!(part.cell <= cell as u32 || part.part == HorizonPart::Unknown);
+            }
+        }
+        drives.push(places);
+    }
+    let known = drives[0].iter().flatten().count();
+    assert!(known > 500, "{known} cells");
+    assert_eq!(drives[0], drives[1]);
+    assert_eq!(on_map.counters().cells_on_map as usize, 2 * known);
+}

@@ -50,7 +50,11 @@ fn places(bytes: &[u8], spots: &[Spot], conditions: Conditions) -> Vec<MapMatch>
 /// Returns the name of the way of a place.
 fn name_of(bytes: &[u8], place: &MapPlace) -> String {
     let map = PackedMap::open(bytes).expect("a map");
-    map.way(place.way).expect("a way").name.to_owned()
+    map.way(place.way)
+        .expect("a way")
+        .name()
+        .expect("a name")
+        .to_owned()
 }
 
 fn metres(place: &MapPlace) -> f64 {

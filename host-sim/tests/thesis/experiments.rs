@@ -16,6 +16,7 @@ use host_sim::study::experiments::replica::{Replica, Sources};
 use host_sim::study::experiments::{ours, tuning};
 use host_sim::study::{STUDIES, Setting, StudyOutcome};
 use std::path::PathBuf;
+use std::sync::LazyLock;
 
 const SEED: u64 = 2011;
 
@@ -150,7 +151,7 @@ fn ours_is_better_than_the_modified_method() {
 
 #[test]
 fn over_campaigns_ours_is_better_on_average() {
-    let section = section("campaigns", 2);
+    let section = &*CAMPAIGNS;
     let tables: Vec<&str> = section.tables.iter().map(|t| t.name.as_str()).collect();
     assert_eq!(tables, ["campaigns", "campaigns_maps"]);
     let number = |text: &String| text.parse::<f64>().unwrap();
@@ -306,6 +307,10 @@ fn the_noise_in_use_is_the_best_on_the_training_runs() {
     );
 }
 
+// Several tests read these, and each takes a while.
+static CAMPAIGNS: LazyLock<Section> = LazyLock::new(|| section("campaigns", 2));
+static MODIFIED: LazyLock<Section> = LazyLock::new(|| section("modified", 2));
+
 fn section(name: &str, threads: usize) -> Section {
     let study = STUDIES.iter().find(|study| study.name == name).unwrap();
     let setting = Setting {
@@ -324,8 +329,13 @@ fn section(name: &str, threads: usize) -> Section {
 
 #[test]
 fn studies_are_the_same_on_one_and_on_two_threads() {
-    for name in ["pointwise", "model_errors", "modified", "campaigns"] {
-        let [one, two] = [1, 2].map(|threads| section(name, threads));
+    for (name, two) in [
+        ("pointwise", &section("pointwise", 2)),
+        ("model_errors", &section("model_errors", 2)),
+        ("modified", &*MODIFIED),
+        ("campaigns", &*CAMPAIGNS),
+    ] {
+        let one = section(name, 1);
         assert_eq!(format!("{one:?}"), format!("{two:?}"), "{name}");
         assert!(!one.tables.is_empty() && !one.words.is_empty());
         assert_eq!(one.figures.is_empty(), name == "campaigns");
@@ -342,7 +352,7 @@ fn studies_are_the_same_on_one_and_on_two_threads() {
 
 #[test]
 fn figures_mark_braking_and_gear_shifts() {
-    let section = section("modified", 2);
+    let section = &*MODIFIED;
     let names: Vec<&str> = section.figures.iter().map(|f| f.name.as_str()).collect();
     for number in 15..=18 {
         for method in ["original", "modified", "ours"] {
@@ -391,4 +401,17 @@ fn ticks_stand_on_the_axis_and_bars_from_zero() {
     let boxes = |plot: &Plot| plot.to_svg().matches("<rect").count();
     assert_eq!(boxes(&bars), boxes(&line) + 3);
     assert_eq!(bars.to_csv(), line.to_csv());
+}
+
+#[test]
+fn a_campaign_on_one_road_drives_it_both_ways() {
+    let grades: Vec<f64> = (0..18_800)
+        .map(|k| f64::from(k % 700) * 0.005 - 1.7)
+        .collect();
+    let campaign = Campaign::on(grades.clone(), SEED);
+    assert_eq!(campaign.road(Heading::South), grades);
+    let north = campaign.road(Heading::North);
+    assert_eq!(north.len(), grades.len());
+    assert_eq!(north[0], -grades[grades.len() - 1]);
+    assert_eq!(north[18_799], -grades[0]);
 }

@@ -118,3 +118,23 @@ fn without_a_car_its_study_says_what_it_lacks() {
         .stderr(predicate::str::contains("no i3/Trip*.csv.gz"));
     assert!(!out.exists());
 }
+
+#[test]
+fn without_its_road_the_study_of_the_road_says_what_it_lacks() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    study("e4", &out, folder.path())
+        .code(1)
+        .stderr(predicate::str::contains("e4/road.csv is missing; expected"));
+    assert!(!out.exists());
+    // A road that is too short for the thesis's.
+    fs::create_dir(folder.path().join("e4")).unwrap();
+    let road = "distance_m,latitude_deg,longitude_deg,altitude_m,grade_percent\n\
+                0,59.0,17.0,35,1\n100,59.0009,17.0,36,1\n";
+    fs::write(folder.path().join("e4/road.csv"), road).unwrap();
+    study("e4", &out, folder.path())
+        .code(1)
+        .stderr(predicate::str::contains(
+            "0.1 km long; expected at least 47 km",
+        ));
+}

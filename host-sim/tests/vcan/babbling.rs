@@ -1,6 +1,6 @@
 //! A node that floods the bus.
 
-use crate::bus::Vcan;
+use crate::bus::{PATIENCE, Vcan};
 use crate::drive::{VcanDrive, replay};
 use crate::listener::Listener;
 use host_sim::source::can_frame::CanFrame;
@@ -21,6 +21,10 @@ struct Babbled {
 }
 
 const REFUSED: &str = "values of other senders";
+/// Each second takes 10 s of the drive: a listener on a slow machine loses nothing.
+const FASTER: [&str; 3] = ["--log-time", "--speed", "10"];
+/// Frames of the drive before the node fails: each of its messages has come.
+const BEFORE: usize = 1_000;
 
 /// Listens to a drive beside a node that sends `frame` again and again, `burst` times a
 /// millisecond. Checks that the cells are those from the file.
@@ -29,27 +33,31 @@ fn beside(name: &'static str, frame: CanFrame, burst: usize) -> Babbled {
     let drive = VcanDrive::new("A", 1_000.0);
     let options = ["--log-time", "--out", "live.csv"];
     let undisturbed = Listener::start(&drive, &[vcan.0], &options);
-    replay(vcan.0, &drive.log(), &["--log-time", "--speed", "max"]);
+    replay(vcan.0, &drive.log(), &FASTER);
     let undisturbed = undisturbed.finish();
+    assert_eq!(undisturbed.lost(0), 0);
     let from_file = drive.estimate(&drive.log());
     let is_over = AtomicBool::new(false);
     let sent = AtomicU64::new(0);
+    let node = FrameSender::open(name, &[(0, 0)]).unwrap();
     let output = thread::scope(|scope| {
         let listener = Listener::start(&drive, &[vcan.0], &options);
         scope.spawn(|| {
-            let sender = FrameSender::open(name, &[]).unwrap();
             // The senders of the drive come first, as on a truck on which a node fails later.
-            thread::sleep(Duration::from_millis(500));
+            for _ in 0..BEFORE {
+                node.receive(PATIENCE)
+                    .unwrap()
+                    .expect("a frame of the drive");
+            }
             while !is_over.load(Ordering::Relaxed) {
                 for _ in 0..burst {
-                    sender.send(&frame).unwrap();
+                    node.send(&frame).unwrap();
                     sent.fetch_add(1, Ordering::Relaxed);
                 }
                 thread::sleep(Duration::from_millis(1));
             }
         });
-        // Each second takes 20 s of the drive.
-        replay(vcan.0, &drive.log(), &["--log-time", "--speed", "20"]);
+        replay(vcan.0, &drive.log(), &FASTER);
         is_over.store(true, Ordering::Relaxed);
         listener.finish()
     });

@@ -51,12 +51,18 @@ impl VcanDrive {
 
     /// Runs `roadgrade estimate` on a log and returns the text of the run file.
     pub fn estimate(&self, log: &Path) -> String {
+        self.estimate_with(log, &[])
+    }
+
+    /// Does the same with more options.
+    pub fn estimate_with(&self, log: &Path, options: &[&str]) -> String {
         let out = self.file("estimated.csv");
         roadgrade()
             .args(["estimate", "--vehicle"])
             .arg(self.vehicle())
             .arg("--out")
             .arg(&out)
+            .args(options)
             .arg(log)
             .assert()
             .success();

@@ -8,6 +8,7 @@ use crate::files::csv::{CsvTable, read_records};
 use crate::files::kind::{self, Kind};
 use crate::files::limits;
 use crate::files::parquet::is_parquet;
+use arrow_array::RecordBatch;
 use std::path::Path;
 
 /// Writes a run: as Parquet if the name ends in .parquet, else as CSV.
@@ -37,6 +38,14 @@ pub fn write_rows(path: &Path, rows: &mut dyn RunRows, origin: &Origin) -> Resul
     let mut table = CsvTable::begin(path)?;
     Rounded(rows).each(&mut |row| table.push(row))?;
     table.finish()?.commit()
+}
+
+/// Returns a run as a table in memory: columns, values and metadata of RUN.parquet.
+///
+/// # Errors
+/// Returns the error of the rows.
+pub fn table(rows: &mut dyn RunRows, origin: &Origin) -> Result<RecordBatch> {
+    parquet::in_memory(&mut Rounded(rows), origin)
 }
 
 /// Rows rounded as files have them.

@@ -6,6 +6,6 @@ mod parquet;
 mod row;
 
 pub use cell::{RunCell, RunHash, RunIdentity};
-pub use file::{each_cell, identity, read, read_cells, write, write_from, write_rows};
+pub use file::{each_cell, identity, read, read_cells, table, write, write_from, write_rows};
 pub use parquet::{Origin, outline, session};
 pub use row::{RunRow, RunRows};

@@ -6,10 +6,11 @@ use crate::error::{Error, Result};
 use crate::files::columns::{self, Column};
 use crate::files::limits;
 use crate::files::output::Staged;
-use crate::files::parquet::VERTICAL_DATUM;
-use crate::files::parquet::{Opened, ParquetColumn, TableWriter, open};
-use crate::files::parquet_column::NumberColumn;
+use crate::files::parquet::{
+    self, NumberColumn, Opened, ParquetColumn, TableWriter, VERTICAL_DATUM, open,
+};
 use crate::files::row_check::Flaw;
+use arrow_array::RecordBatch;
 use std::path::Path;
 
 /// Version of the columns, in the metadata of the file.
@@ -67,6 +68,37 @@ const BATCH_ROWS: usize = 8192;
 /// # Errors
 /// Returns the error of the file system or of the rows.
 pub fn stage(path: &Path, rows: &mut dyn RunRows, origin: &Origin) -> Result<Staged> {
+    let metadata = metadata(rows, origin)?;
+    let mut table = TableWriter::begin(path, &columns(&[]), &metadata)?;
+    let mut batch = Vec::with_capacity(BATCH_ROWS);
+    rows.each(&mut |row| {
+        batch.push(*row);
+        if batch.len() == BATCH_ROWS {
+            table.write(columns(&batch))?;
+            batch.clear();
+        }
+        Ok(())
+    })?;
+    table.write(columns(&batch))?;
+    table.finish()
+}
+
+/// Returns a run as a table in memory, rounded as in files.
+///
+/// # Errors
+/// Returns the error of the rows.
+pub fn in_memory(rows: &mut dyn RunRows, origin: &Origin) -> Result<RecordBatch> {
+    let mut all = Vec::new();
+    rows.each(&mut |row| {
+        all.push(*row);
+        Ok(())
+    })?;
+    let metadata = metadata(&mut &*all, origin)?;
+    Ok(parquet::in_memory(columns(&all), &metadata))
+}
+
+/// Returns the metadata of a file with these rows.
+fn metadata(rows: &mut dyn RunRows, origin: &Origin) -> Result<Vec<(&'static str, String)>> {
     let mut hash = RunHash::default();
     rows.each(&mut |row| {
         hash.add(&row.into());
@@ -88,18 +120,7 @@ pub fn stage(path: &Path, rows: &mut dyn RunRows, origin: &Origin) -> Result<Sta
             .into_iter()
             .filter_map(|(key, value)| Some((key, value?))),
     );
-    let mut table = TableWriter::begin(path, &columns(&[]), &metadata)?;
-    let mut batch = Vec::with_capacity(BATCH_ROWS);
-    rows.each(&mut |row| {
-        batch.push(*row);
-        if batch.len() == BATCH_ROWS {
-            table.write(columns(&batch))?;
-            batch.clear();
-        }
-        Ok(())
-    })?;
-    table.write(columns(&batch))?;
-    table.finish()
+    Ok(metadata)
 }
 
 fn columns(rows: &[RunRow]) -> Vec<ParquetColumn> {

@@ -3,6 +3,7 @@
 use rand::{Rng, RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use std::path::{Path, PathBuf};
+use test_kit::damage::{WORDS, pick};
 
 /// Commands over the good files. A name of a good file, or of a folder of them, is an input; `out`,
 /// `out.…` and `placed` are written.
@@ -11,6 +12,7 @@ pub const COMMANDS: &[&str] = &[
     "fuse --out out.csv --road line.csv run.csv run.parquet",
     "fuse --out out.csv --road net.geojson --session a=run.csv,run.parquet",
     "fuse --out out.parquet --road net.csv run.csv",
+    "fuse --out out.csv --road net.osm.pbf run.csv",
     "fuse --out out.parquet --placed placed run.csv",
     "place --road net.geojson --out placed --json run.csv",
     "place --road line.csv --out placed runs",
@@ -35,6 +37,9 @@ pub const COMMANDS: &[&str] = &[
     "export map.csv --out out",
     "export map_net.csv --out out.geojson",
     "export map_net.csv --out out",
+    "export map_net.csv --road net.geojson --format edges --out out.csv",
+    "export map_net.csv --road net.geojson --format inclines --out out.geojson",
+    "export map_osm.csv --road net.osm.pbf --out out.osc",
     "export map_net.parquet --out out.html",
     "export map.parquet --out out.geojson",
     "simulate --scenario scenario.toml --out out",
@@ -70,26 +75,6 @@ const SLOW_COMMANDS: &[&str] = &[
     "study gps --data data --out out --seed 5",
 ];
 const SLOW_EVERY: u32 = 2_000;
-
-/// Numbers and words that do not belong where they are put.
-pub const WORDS: [&str; 16] = [
-    "1e308",
-    "-1e308",
-    "NaN",
-    "inf",
-    "-inf",
-    "1e-320",
-    "-0",
-    "",
-    "9223372036854775808",
-    "-1",
-    "0x10",
-    "1e9",
-    "\"",
-    "\u{1b}[2J",
-    "1,1",
-    "99999999",
-];
 
 /// Names that are no files of the kind that is expected.
 const NO_FILES: [&str; 5] = [".", "no_such_file", "/dev/null", "runs", ""];
@@ -137,10 +122,6 @@ impl Case {
             random,
         }
     }
-}
-
-pub fn pick<'a, T>(from: &'a [T], random: &mut impl Rng) -> &'a T {
-    &from[random.random_range(0..from.len())]
 }
 
 /// Returns the names in a word of a command line, such as those of `a=run.csv,run.parquet`.

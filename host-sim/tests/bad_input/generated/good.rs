@@ -7,6 +7,7 @@ use std::fs;
 use std::io::Write as _;
 use tempfile::TempDir;
 use test_kit::command::roadgrade;
+use test_kit::osm::{Packing, pbf};
 use test_kit::roads::{hills, network};
 
 const VEHICLE: &str = "[vehicle]\nname = \"A\"\nmass_kg = 39000.0\ndrag_area_m2 = 6.0\n\
@@ -100,6 +101,8 @@ pub fn files() -> TempDir {
     );
     done("fuse --out map_net.csv --store store_net.csv --road net.geojson run.csv");
     done("fuse --out map_net.parquet --road net.geojson run.csv");
+    write("net.osm.pbf", &extract());
+    done("fuse --out map_osm.csv --road net.osm.pbf run.csv");
     fs::copy(at.join("map_net.csv"), at.join("net.csv")).unwrap();
     fs::create_dir(at.join("runs")).unwrap();
     for name in ["run.csv", "run.parquet"] {
@@ -143,4 +146,19 @@ pub fn files() -> TempDir {
         let _ = fs::remove_dir_all(&path).or_else(|_| fs::remove_file(&path));
     }
     folder
+}
+
+/// Returns a road as an OpenStreetMap extract.
+fn extract() -> Vec<u8> {
+    let (nodes, of_ways) = network::osm_nodes(&[network::way("w", "yes", &hills()[..60])]);
+    let ways: Vec<_> = of_ways
+        .into_iter()
+        .map(|nodes| (1, nodes, &[("highway", "primary"), ("oneway", "yes")][..]))
+        .collect();
+    pbf(
+        &["OsmSchema-V0.6", "DenseNodes"],
+        &nodes,
+        &ways,
+        Packing::Zlib,
+    )
 }
