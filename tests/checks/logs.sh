@@ -6,11 +6,9 @@ check_logs() {
     local roadgrade=$target/debug/roadgrade runs=$work/logs log status=0
     want_python_package python-can "logs of other programs" || return 0
     want_python_package asammdf "logs of other programs" || return 0
-    # All packages: these alone would be rebuilt with other features.
-    cargo build --bins --examples
+    build_roadgrade
     mkdir -p "$runs/formats"
-    printf '[road]\nlength_m = 3000.0\n[[runs]]\nname = "a"\ntruck = "A"\n' >"$runs/scenario.toml"
-    "$roadgrade" simulate --scenario "$runs/scenario.toml" --out "$runs"
+    simulated_drives "$runs" 3000 a
     "$python" tests/logs/write_logs.py "$runs/a.log" "$runs/formats"
     cells_of_log "$runs/formats/grid.log" "$runs/expected.csv"
     for log in "$runs"/formats/*; do

@@ -16,7 +16,7 @@ readonly manoeuvres_seed=${MANOEUVRES_SEED:-$(date -u +%Y%m%d)}
 # no aim: lower it as the rate falls.
 readonly most_lying_percent=27
 readonly long_results=(
-    soak.csv seeds.csv diagnosis.txt fuzz.csv mutants.csv bad_input.csv bus.csv manoeuvres.csv
+    soak.csv seeds.csv diagnosis.txt fuzz.csv mutants.csv bad_input.csv bus.csv manoeuvres.csv coverage.csv
 )
 
 # One estimator on a truck that drives for SOAK_DAYS days without a stop.
@@ -137,18 +137,9 @@ check_long_bus() {
 
 # Changes lines of the core. A test of the core must fail.
 check_long_mutants() {
-    has_program cargo-mutants || cargo install --locked cargo-mutants ||
-        not_run mutants.csv "cargo-mutants could not be installed"
-    local out=$target/mutants status=0
-    rm -rf "$out"
-    mkdir -p "$out"
-    # The variable is unset, so that the temporary copies do not share the target folder.
-    env -u CARGO_TARGET_DIR cargo mutants --package estimator-core --shard "$mutants_shard" \
-        --output "$out" --timeout 120 --no-times --colors never \
-        -- --lib --tests || status=$?
-    # 2: some mutants were not caught, 3: some took too long.
-    ((status == 0 || status == 2 || status == 3)) || return "$status"
-    local outcome path=$out/mutants.out
+    has_mutants || not_run mutants.csv "cargo-mutants could not be installed"
+    local outcome path=$target/mutants/mutants.out
+    mutate "$target/mutants" --shard "$mutants_shard" --sharding round-robin
     {
         echo "outcome,count"
         for outcome in caught missed timeout unviable; do
@@ -156,6 +147,7 @@ check_long_mutants() {
         done
         sed 's/^/# missed: /' "$path/missed.txt"
     } | write_result mutants.csv "shard $mutants_shard of the mutants of the core"
+    cargo run -q -p evidence -- mutants "$path/missed.txt"
 }
 
 # --- results ---------------------------------------------------------------------------------------

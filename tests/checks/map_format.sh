@@ -4,11 +4,8 @@
 check_map_format() {
     need_program python3
     local roadgrade=$target/debug/roadgrade maps=$work/maps
-    # All packages: these alone would be rebuilt with other features.
-    cargo build --bins
-    mkdir -p "$maps"
-    printf '[road]\nlength_m = 5000.0\n[[runs]]\nname = "a"\ntruck = "A"\n' >"$maps/scenario.toml"
-    "$roadgrade" simulate --scenario "$maps/scenario.toml" --out "$maps"
+    build_roadgrade
+    simulated_drives "$maps" 5000 a
     "$roadgrade" map --out "$maps/map" --vehicle "$maps/a.vehicle.toml" "$maps/a.log" >/dev/null
     "$roadgrade" pack "$maps/map/map.csv" --out "$maps/map.grade"
     "$roadgrade" export "$maps/map.grade" --out "$maps/back.csv"

@@ -8,11 +8,12 @@ declare -rA package_of=(
     [ip]=iproute2 [candump]=can-utils
     [java]=default-jre-headless
     [gcc]=gcc [clang]=clang
+    [chromium]=chromium
     [arm-none-eabi-gcc]='gcc-arm-none-eabi libnewlib-arm-none-eabi'
 )
 readonly board=thumbv7em-none-eabihf # Cortex-M4F
 readonly small=thumbv6m-none-eabi    # Cortex-M0: no float unit, no compare-and-swap
-readonly python_packages=(cantools duckdb pyspark)
+readonly python_packages=(cantools duckdb pyspark 'moto[server]')
 readonly python=$target/python/bin/python
 
 check_setup() {
@@ -95,7 +96,8 @@ as_root() {
 # --- packages of PyPI, in an environment of their own ---------------------------------------------
 
 has_python_package() {
-    "$python" -c "import $1" 2>/dev/null
+    # Without what is wanted of it: package[part].
+    "$python" -c "import ${1%%[*}" 2>/dev/null
 }
 
 install_python_packages() {
@@ -160,4 +162,24 @@ join_by() {
     local separator=$1 joined=$2
     shift 2
     printf '%s' "$joined" "${@/#/$separator}"
+}
+
+# Builds the program, and `fleet`, which simulates runs for some checks. With an example among them,
+# dependencies have the features that tests need: otherwise, all would be built a second time.
+build_roadgrade() {
+    cargo build --bins --example fleet
+}
+
+# Simulates drives of one truck over a road of this length, m.
+simulated_drives() {
+    local folder=$1 length_m=$2 name
+    shift 2
+    mkdir -p "$folder"
+    {
+        printf '[road]\nlength_m = %s.0\n' "$length_m"
+        for name in "$@"; do
+            printf '[[runs]]\nname = "%s"\ntruck = "A"\n' "$name"
+        done
+    } >"$folder/scenario.toml"
+    "$roadgrade" --quiet simulate --scenario "$folder/scenario.toml" --out "$folder"
 }

@@ -22,13 +22,19 @@ check_long_packages() {
     "$work/installed/bin/roadgrade" demo --out "$work/demo"
 }
 
-# Builds what users install, and runs the tool from the Debian package where nothing else is.
+# Builds what users install, runs the tool from the Debian package where nothing else is, and imports the
+# wheel in a new environment.
 check_long_release() {
     local bare=$work/bare
     need_program dpkg-deb
+    need_program clang
     packaging/release x86_64-unknown-linux-musl
     dpkg-deb --extract "$target"/dist/roadgrade_*_amd64.deb "$bare"
     mkdir "$bare/tmp"
     as_root chroot "$bare" /usr/bin/roadgrade demo --out /demo
+    packaging/wheel
+    python3 -m venv "$work/fresh"
+    "$work/fresh/bin/python" -m pip install -q --disable-pip-version-check --no-index "$target"/dist/*.whl
+    "$work/fresh/bin/python" -c 'import roadgrade; print(roadgrade.__version__)'
     (cd "$target/dist" && sha256sum --check SHA256SUMS)
 }

@@ -5,8 +5,7 @@ check_sql() {
     need_program python3
     local runs=$work/sql status=0
     local fuse=("$target/debug/roadgrade" fuse --placed "$runs/placed")
-    # All packages: these alone would be rebuilt with other features.
-    cargo build --bins --examples
+    build_roadgrade
     # Twelve runs of two trucks, one without a session. Those of the second truck are another road.
     "$target/debug/examples/fleet" "$runs" 480000
     "${fuse[@]}" --out "$runs/all.parquet" --road "$runs/road.csv" "$runs/runs"
@@ -23,11 +22,29 @@ check_sql() {
     compare_sql duckdb duckdb || status=1
     if has_program java; then
         # Only this machine needs to reach it.
-        SPARK_LOCAL_IP=127.0.0.1 compare_sql spark pyspark || status=1
+        export SPARK_LOCAL_IP=127.0.0.1
+        compare_sql spark pyspark || status=1
+        place_on_spark || status=1
     else
         note "SKIPPED the fusion on Spark: there is no java"
     fi
     return "$status"
+}
+
+# Places the runs on the network once more, by tasks of Spark that are killed ten times.
+place_on_spark() {
+    local again=$runs/again marks=$runs/interruptions
+    has_python_package pyspark || return 0
+    mkdir -p "$again" "$marks"
+    PATH=$(dirname "$python"):$PATH PYSPARK_PYTHON=$python \
+        ROADGRADE=$target/debug/roadgrade INTERRUPTIONS=$marks \
+        spark-submit --master 'local-cluster[2,1,1024]' \
+        --conf spark.task.maxFailures=30 --conf spark.ui.enabled=false \
+        host-sim/sql/place_on_spark.py --program "$PWD/tests/sql/interrupted.py" --files-a-task 3 \
+        --road "$runs/network.geojson" --out "$again" "$runs/runs" 2>"$work/spark.log" ||
+        { tail -n 40 "$work/spark.log" && return 1; }
+    echo "interruptions: $(find "$marks" -type f | wc -l)"
+    "$python" tests/sql/compare.py duckdb host-sim/sql/fuse.sql "$again" "$runs/network.parquet"
 }
 
 # Runs the comparison on an engine, which is a package of PyPI.

@@ -68,7 +68,7 @@ const fn limited(name: &'static str, words: &'static str, most: u32) -> BudgetRo
     }
 }
 
-const FIGURES: [BudgetRow; 36] = [
+const FIGURES: [BudgetRow; 43] = [
     figure("flash_bytes", "flash of the estimator, bytes", Some(80_000)),
     figure("image_flash_bytes", "flash of its whole image", None),
     limited("estimator_bytes", "RAM of the estimator", 46_000),
@@ -115,6 +115,25 @@ const FIGURES: [BudgetRow; 36] = [
     figure("ahead_worst", "worst", Some(20_000)),
     figure("persistent_state", "what a drive leaves, as bytes", None),
     figure("drain_worst", "a share of the end of a drive", None),
+    figure("memory_bytes", "RAM of a road memory of 64 kB", None),
+    figure(
+        "memory_stack_bytes",
+        "deepest stack with a road memory",
+        Some(4_000),
+    ),
+    figure(
+        "memory_step_mean",
+        "the memory's part of a cell",
+        Some(1_500),
+    ),
+    figure("memory_step_worst", "worst", Some(20_000)),
+    figure("memory_finish_mean", "a finished cell learned", None),
+    figure("memory_finish_worst", "worst", Some(20_000)),
+    figure(
+        "memory_write_worst",
+        "a finished cell with a write, into RAM",
+        None,
+    ),
     limited("call_worst", "the worst call of all", 20_000),
     figure(FULL_BUS, "full bus, millionths of 168 MHz", Some(10_000)),
 ];

@@ -27,7 +27,7 @@ const MAP_FILE: &str = "map.grade";
 const MAP_ADDRESS: u32 = 0x2100_0000;
 
 /// Timeout for an image that hangs. A fault of the processor ends in a loop.
-const LONGEST_RUN: Duration = Duration::from_secs(120);
+const LONGEST_RUN: Duration = Duration::from_secs(300);
 
 /// The results of a run on the board.
 #[derive(Debug)]

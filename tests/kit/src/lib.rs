@@ -2,6 +2,8 @@
 
 #[cfg(feature = "host")]
 pub mod command;
+#[cfg(feature = "host")]
+pub mod damage;
 pub mod dense;
 pub mod effect_drive;
 pub mod electric_car;
@@ -11,6 +13,8 @@ pub mod hilly_drive;
 #[cfg(feature = "mdf")]
 pub mod mdf;
 mod noise;
+#[cfg(feature = "mdf")]
+pub mod osm;
 pub mod readings_drive;
 #[cfg(feature = "host")]
 pub mod roads;
@@ -20,6 +24,7 @@ pub mod simulated;
 #[cfg(feature = "host")]
 pub mod tables;
 mod trucks;
+pub mod varint;
 
 pub use filter_runs::{FilterRun, FilteredStep, cells, run, run_counted, smooth};
 pub use frames::{TO_ALL, TRANSPORT_DATA, TRANSPORT_MANAGEMENT, TestFrame, frames_of, session_of};

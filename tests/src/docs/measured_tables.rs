@@ -44,7 +44,7 @@ fn score<'a>(scores: &'a [Score], run: &str, estimate: &str) -> Result<&'a Score
         .ok_or_else(|| unexpected(&format!("no {estimate} of {run} in the scores")))
 }
 
-fn unexpected(problem: &str) -> Error {
+pub(super) fn unexpected(problem: &str) -> Error {
     Error::content(Path::new("the documentation's tables"), problem)
 }
 
@@ -356,7 +356,7 @@ pub fn bus() -> Result<Option<String>> {
 }
 
 /// Makes the text of one table of a study, with another header and each of its rows made over.
-fn of_rows<const N: usize>(
+pub(super) fn of_rows<const N: usize>(
     study: &str,
     name: &str,
     header: [&str; N],

@@ -14,6 +14,7 @@ mod counter_table;
 mod diagnosis_table;
 mod measured_tables;
 mod pipe_table;
+mod road_tables;
 
 use crate::image::root;
 use host_sim::error::{Error, Result};
@@ -56,6 +57,8 @@ const ACCURACY: &str = "roadgrade study accuracy";
 const FLEET: &str = "roadgrade study fleet";
 const SENSORS: &str = "roadgrade study sensors";
 const THESIS: &str = "roadgrade study modified";
+const E4: &str = "roadgrade study e4";
+const BRIDGES: &str = "roadgrade study bridges";
 const ZTBUS: &str = "roadgrade study ztbus";
 const DIAGNOSE: &str = "roadgrade diagnose";
 
@@ -94,6 +97,10 @@ blocks! {
     "docs/results.md" "accuracy" ACCURACY Minute measured_tables::accuracy();
     "docs/results.md" "fleet" FLEET Minute measured_tables::fleet();
     "docs/results.md" "thesis" THESIS Minute measured_tables::thesis();
+    "docs/results.md" "e4 runs" E4 Minute road_tables::e4_runs();
+    "docs/results.md" "e4 convergence" E4 Minute road_tables::e4_convergence();
+    "docs/results.md" "bridges" BRIDGES Minute road_tables::bridges();
+    "docs/results.md" "bridges bus" BRIDGES Minute road_tables::bridges_bus();
     "docs/results.md" "bus" ZTBUS Minute measured_tables::bus();
     "docs/results.md" "bus diagnosis" DIAGNOSE Seconds diagnosis_table::bus();
     "README.md" "accuracy" ACCURACY Minute measured_tables::accuracy_in_short();

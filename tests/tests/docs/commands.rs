@@ -1,6 +1,7 @@
 //! Commands in pages exist, with their options.
 
 use super::{pages, place, root};
+use cargo_metadata::MetadataCommand;
 use clap::{Command, CommandFactory};
 use host_sim::cli::Cli;
 
@@ -29,6 +30,24 @@ fn commands_and_their_options_exist() {
     }
     assert!(count > 60, "{count} commands");
     assert!(problems.is_empty(), "{}", problems.join("\n"));
+}
+
+/// Where there are two programs, `cargo run -- COMMAND` at the root does not know which one is meant.
+#[test]
+fn cargo_run_at_the_root_finds_the_one_program() {
+    let metadata = MetadataCommand::new()
+        .manifest_path(root().join("Cargo.toml"))
+        .no_deps()
+        .exec()
+        .unwrap();
+    let programs: Vec<&str> = metadata
+        .workspace_default_packages()
+        .into_iter()
+        .flat_map(|package| &package.targets)
+        .filter(|target| target.is_bin())
+        .map(|target| target.name.as_str())
+        .collect();
+    assert_eq!(programs, ["roadgrade"]);
 }
 
 /// Returns this project's commands in a line of shell, as words.

@@ -1,6 +1,7 @@
 //! Networks of ways along the spots of drives.
 
 use super::Spot;
+use crate::osm::OsmNode;
 use host_sim::files::run::RunRow;
 use host_sim::map::{Network, WayRows, fuse, read_network};
 use serde_json::{Value, json};
@@ -22,6 +23,35 @@ pub fn way(name: &str, oneway: &str, spots: &[Spot]) -> Value {
         "properties": {"way": name, "oneway": oneway},
         "geometry": {"type": "LineString", "coordinates": points.collect::<Vec<_>>()},
     })
+}
+
+/// Returns the coordinates of a GeoJSON way in 1e-7 degrees, latitude first.
+fn coordinates(way: &Value) -> Vec<(i64, i64)> {
+    let points = way["geometry"]["coordinates"].as_array().expect("points");
+    let steps = |angle: &Value| (angle.as_f64().expect("a number") * 1e7).round() as i64;
+    points
+        .iter()
+        .map(|p| (steps(&p[1]), steps(&p[0])))
+        .collect()
+}
+
+/// Returns the nodes and, for each way, their identifiers. Equal places are one node.
+pub fn osm_nodes(ways: &[Value]) -> (Vec<OsmNode<'static>>, Vec<Vec<i64>>) {
+    let mut nodes: Vec<OsmNode> = Vec::new();
+    let mut of_ways = Vec::new();
+    for way in ways {
+        let mut of_way = Vec::new();
+        for (latitude, longitude) in coordinates(way) {
+            let known = nodes.iter().find(|n| (n.1, n.2) == (latitude, longitude));
+            let id = known.map_or(9_000_000_000 - nodes.len() as i64 * 7, |node| node.0);
+            if known.is_none() {
+                nodes.push((id, latitude, longitude, &[]));
+            }
+            of_way.push(id);
+        }
+        of_ways.push(of_way);
+    }
+    (nodes, of_ways)
 }
 
 pub fn collection(ways: &[Value]) -> String {
