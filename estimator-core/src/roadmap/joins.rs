@@ -15,9 +15,11 @@ impl<'m> PackedMap<'m> {
     pub const fn joins(&self, way: &MapWay<'m>) -> Joins<'m> {
         Joins {
             map: *self,
-            first: way.first_join,
-            next: 0,
-            count: way.joins,
+            cursor: JoinCursor {
+                first: way.first_join,
+                next: 0,
+                count: way.joins,
+            },
         }
     }
 
@@ -28,13 +30,31 @@ impl<'m> PackedMap<'m> {
         let (mut low, mut high) = (0, way.joins);
         while low < high {
             let middle = low + (high - low) / 2;
-            match joins.at(middle) {
+            match self.join(way.first_join, middle) {
                 Ok(join) if (join.at_cell as f32) < cell => low = middle + 1,
                 _ => high = middle,
             }
         }
-        joins.next = low;
+        joins.cursor.next = low;
         joins
+    }
+
+    /// Returns a join of a way, given by the first one of the way.
+    fn join(&self, first: u32, index: u32) -> Result<Join, MapError> {
+        if let Some(memory) = &self.memory {
+            return memory.join(first + index);
+        }
+        let offset = u32::try_from(JOIN)
+            .ok()
+            .and_then(|length| first.checked_add(index.checked_mul(length)?))
+            .ok_or(MapError::Content)?;
+        let mut numbers = Numbers(record(self.bytes, offset, JOIN)?);
+        Ok(Join {
+            at_cell: numbers.i32()?,
+            to_way: numbers.u32()?,
+            to_cell: numbers.i32()?,
+            to_block: numbers.u32()?,
+        })
     }
 }
 
@@ -42,76 +62,45 @@ impl<'m> PackedMap<'m> {
 #[derive(Clone, Debug)]
 pub struct Joins<'m> {
     map: PackedMap<'m>,
-    first: u32,
-    next: u32,
-    count: u32,
-}
-
-/// The joins at which a way is left, without their map.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct ParkedJoins {
-    first: u32,
-    next: u32,
-    count: u32,
-}
-
-impl ParkedJoins {
-    /// Comes back to the map, which has not changed.
-    pub(super) const fn resume<'m>(&self, map: &PackedMap<'m>) -> Joins<'m> {
-        Joins {
-            map: *map,
-            first: self.first,
-            next: self.next,
-            count: self.count,
-        }
-    }
+    /// Where it is among them.
+    pub(super) cursor: JoinCursor,
 }
 
 impl Iterator for Joins<'_> {
     type Item = Result<Join, MapError>;
 
     fn next(&mut self) -> Option<Self::Item> {
+        self.cursor.next(&self.map)
+    }
+}
+
+/// A position among the joins of a way, without their map.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct JoinCursor {
+    first: u32,
+    next: u32,
+    count: u32,
+}
+
+impl JoinCursor {
+    /// Returns the next join. After an error there are no more.
+    pub(super) fn next(&mut self, map: &PackedMap<'_>) -> Option<Result<Join, MapError>> {
         // A way of a memory may have made room since.
-        while self.map.memory.is_some() && self.next < self.count && self.at(self.next).is_err() {
+        while map.memory.is_some()
+            && self.next < self.count
+            && map.join(self.first, self.next).is_err()
+        {
             self.next += 1;
         }
         if self.next >= self.count {
             return None;
         }
-        let join = self.at(self.next);
+        let join = map.join(self.first, self.next);
         self.next = if join.is_ok() {
             self.next + 1
         } else {
             self.count
         };
         Some(join)
-    }
-}
-
-impl Joins<'_> {
-    /// Leaves the map.
-    pub(super) const fn park(&self) -> ParkedJoins {
-        ParkedJoins {
-            first: self.first,
-            next: self.next,
-            count: self.count,
-        }
-    }
-
-    fn at(&self, index: u32) -> Result<Join, MapError> {
-        if let Some(memory) = &self.map.memory {
-            return memory.join(self.first + index);
-        }
-        let offset = u32::try_from(JOIN)
-            .ok()
-            .and_then(|length| self.first.checked_add(index.checked_mul(length)?))
-            .ok_or(MapError::Content)?;
-        let mut numbers = Numbers(record(self.map.bytes, offset, JOIN)?);
-        Ok(Join {
-            at_cell: numbers.i32()?,
-            to_way: numbers.u32()?,
-            to_cell: numbers.i32()?,
-            to_block: numbers.u32()?,
-        })
     }
 }

@@ -4,7 +4,8 @@
 //! A hypothesis is a place on a way. At each join it splits: one part stays on the way, one takes
 //! the join. Positions tell which fits. In a tunnel, all go on with the odometer. Away from the map,
 //! or where all hypotheses are poor, the index gives new ones near the position. The work per cell
-//! is bounded: positions are compared every 10 m, and the index is searched tile by tile.
+//! is bounded: positions are compared every 10 m, and the index is searched tile by tile, in the
+//! cells after a comparison.
 
 use super::along::Along;
 use super::block::Block;
@@ -104,6 +105,8 @@ pub(super) struct MatcherState {
     pub(super) along: Along,
     cell: Option<u32>,
     updated_cell: u32,
+    /// The index is searched next: not in the call of a comparison.
+    looks: bool,
     /// The positions of the last two comparisons, the older one first.
     recent_e7: [Option<(i32, i32)>; 2],
     course: Option<[f32; 2]>,
@@ -117,6 +120,7 @@ impl MatcherState {
             along: Along::new(),
             cell: None,
             updated_cell: 0,
+            looks: false,
             recent_e7: [None; 2],
             course: None,
             searched_m: f32::INFINITY,
@@ -173,6 +177,10 @@ impl<'m> Matcher<'m> {
         if self.state.blind_m > BLIND_M {
             self.paths.clear();
         }
+        if core::mem::take(&mut self.state.looks) {
+            self.look_around(end.cell);
+            return;
+        }
         if end.cell.saturating_sub(self.state.updated_cell) < UPDATE_CELLS {
             return;
         }
@@ -185,7 +193,7 @@ impl<'m> Matcher<'m> {
         self.measure_course(position_e7);
         if let Some(course) = self.state.course {
             self.compare(position_e7, course, Scalar::min(MEMORY_M, between_m));
-            self.look_around(position_e7, course, end.cell);
+            self.state.looks = true;
         }
     }
 
@@ -310,6 +318,7 @@ impl<'m> Matcher<'m> {
     }
 
     /// Compares all hypotheses with a position, and drops the poor ones.
+    #[inline(never)] // Its room on the stack is not that of a search.
     fn compare(&mut self, position_e7: (i32, i32), course: [f32; 2], metres: f32) {
         let gain = self.state.along.update();
         let mut best: Option<(f32, f32)> = None;
@@ -363,18 +372,21 @@ impl<'m> Matcher<'m> {
         self.paths = kept;
     }
 
-    /// Looks for other ways near the position, a few blocks at once.
-    fn look_around(&mut self, position_e7: (i32, i32), course: [f32; 2], cell: u32) {
+    /// Looks for other ways near the last position, a few blocks at once.
+    #[inline(never)] // Its room on the stack is not that of a comparison.
+    fn look_around(&mut self, cell: u32) {
         if self.search.is_none() && self.state.searched_m < SEARCH_M && self.known().is_some() {
             return;
         }
-        let search = match &mut self.search {
-            Some(search) => search,
-            None => {
+        let search = match (&mut self.search, self.state.recent_e7[1], self.state.course) {
+            (Some(search), _, _) => search,
+            (None, Some(position_e7), Some(course)) => {
                 self.state.searched_m = 0.0;
+                let from = self.state.updated_cell;
                 self.search
-                    .insert(Search::begin(&self.map, position_e7, course, cell))
+                    .insert(Search::begin(&self.map, position_e7, course, from))
             }
+            _ => return,
         };
         let mut work = WORK_AT_ONCE;
         while work > 0 {

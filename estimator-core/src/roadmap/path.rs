@@ -2,7 +2,7 @@
 
 use super::block::Block;
 use super::join::Join;
-use super::joins::{Joins, ParkedJoins};
+use super::joins::JoinCursor;
 use super::map_error::MapError;
 use super::packed_map::{MapWay, PackedMap};
 use super::plane::{Foot, Line, Lines, direction, dot};
@@ -17,7 +17,7 @@ pub(super) struct Path<'m> {
     pub(super) at_cells: f32,
     pub(super) fit: Fit,
     blocks_end: u32,
-    joins: Joins<'m>,
+    joins: JoinCursor,
     next_join: Option<Join>,
 }
 
@@ -41,7 +41,7 @@ pub(super) struct ParkedPath {
     at_cells: f32,
     fit: Fit,
     blocks_end: u32,
-    joins: ParkedJoins,
+    joins: JoinCursor,
     next_join: Option<Join>,
 }
 
@@ -81,10 +81,12 @@ impl<'m> Path<'m> {
             at_cells,
             fit: Fit::default(),
             blocks_end: way.blocks_end,
-            joins: map.joins_from(way, block.first_cell as f32 + at_cells),
+            joins: map
+                .joins_from(way, block.first_cell as f32 + at_cells)
+                .cursor,
             next_join: None,
         };
-        path.take_join();
+        path.take_join(map);
         Ok(path)
     }
 
@@ -95,7 +97,7 @@ impl<'m> Path<'m> {
             at_cells: self.at_cells,
             fit: self.fit,
             blocks_end: self.blocks_end,
-            joins: self.joins.park(),
+            joins: self.joins,
             next_join: self.next_join,
         }
     }
@@ -114,7 +116,7 @@ impl<'m> Path<'m> {
                 at_cells: parked.at_cells,
                 fit: parked.fit,
                 blocks_end: parked.blocks_end,
-                joins: parked.joins.resume(map),
+                joins: parked.joins,
                 next_join: parked.next_join,
             });
         }
@@ -140,7 +142,7 @@ impl<'m> Path<'m> {
         let here = self.cell();
         while let Some(join) = self.next_join.filter(|join| (join.at_cell as f32) <= here) {
             fork(&join, here - join.at_cell as f32);
-            self.take_join();
+            self.take_join(map);
         }
         while self.at_cells > f32::from(self.block.count - 1) {
             if self.block.next >= self.blocks_end {
@@ -178,8 +180,8 @@ impl<'m> Path<'m> {
         self.block.way == other.block.way && (self.cell() - other.cell()).abs() < cells
     }
 
-    fn take_join(&mut self) {
-        self.next_join = self.joins.next().and_then(Result::ok);
+    fn take_join(&mut self, map: &PackedMap<'m>) {
+        self.next_join = self.joins.next(map).and_then(Result::ok);
     }
 }
 

@@ -17,8 +17,8 @@ use host_sim::source::frame_log::FrameLog;
 use host_sim::source::log_time::{self, LogTime};
 use host_sim::source::own_signals::OwnSignals;
 use host_sim::source::socketcan::{
-    BusEvent, ClockReading, Received, ReceivedItem, SteadyClock, accepts, of_error_frame, of_frames, of_group,
-    wanted,
+    BusEvent, ClockReading, Received, ReceivedItem, SteadyClock, accepts, of_error_frame,
+    of_frames, of_group, wanted,
 };
 use proptest::prelude::*;
 use socketcan::CanErrorFrame;
