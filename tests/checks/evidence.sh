@@ -19,29 +19,32 @@ check_evidence_image() {
 check_long_coverage() {
     rustup component add llvm-tools --toolchain nightly ||
         not_run coverage.csv "there is no nightly toolchain with llvm-tools"
-    local tools name objects=() status=0 folder=$target/coverage
-    tools=$(dirname "$(rustc +nightly --print target-libdir)")/bin
-    rm -rf "$folder/profiles"
-    mkdir -p "$folder/profiles"
-    while read -r name; do
-        objects+=(--object "$name")
+    local program status=0 folder=$target/coverage
+    mkdir -p "$folder"
+    : >"$folder/core.lcov"
+    while read -r program; do
+        coverage_of "$program" >>"$folder/core.lcov"
     done < <(covered_tests "$folder")
-    grep -q '^test result: ok' "$work/log" && ! grep -q '^test result: FAILED' "$work/log"
-    "$tools/llvm-profdata" merge -sparse "$folder/profiles"/*.profraw -o "$folder/core.profdata"
-    "$tools/llvm-cov" export --format=lcov --instr-profile="$folder/core.profdata" "${objects[@]}" \
-        >"$folder/core.lcov"
     cargo run -q -p evidence -- coverage "$folder/core.lcov" >"$work/coverage" || status=$?
     write_result coverage.csv "the core by its own tests" <"$work/coverage"
     return "$status"
 }
 
-# Runs the tests of the core with counters in it. Prints the paths of their programs.
+# Builds the tests of the core with counters in them. Prints the paths of their programs.
 covered_tests() {
     RUSTFLAGS="-C instrument-coverage -Z coverage-options=branch" CARGO_TARGET_DIR=$1 \
-        LLVM_PROFILE_FILE=$1/profiles/%p-%m.profraw \
-        cargo +nightly test -p estimator-core --features fixed,serde --lib --tests 2>&1 |
-        tee "$work/log" >&2
-    sed -n 's/^ *Running .*(\(.*\))$/\1/p' "$work/log"
+        cargo +nightly test -p estimator-core --features fixed,serde --lib --tests --no-run \
+        --message-format=json | sed -n 's/.*"executable":"\([^"]*\)".*/\1/p'
+}
+
+# Runs a test program and prints what it reached. Each one by itself: the programs have functions of
+# the same name and not of the same counters, of which llvm-cov would leave out all but one.
+coverage_of() {
+    local program=$1 tools
+    tools=$(dirname "$(rustc +nightly --print target-libdir)")/bin
+    (cd estimator-core && LLVM_PROFILE_FILE=$work/one.profraw "$program" --quiet) >&2
+    "$tools/llvm-profdata" merge -sparse "$work/one.profraw" -o "$work/one.profdata"
+    "$tools/llvm-cov" export --format=lcov --instr-profile="$work/one.profdata" "$program"
 }
 
 # Changes the lines of the core that differ from MUTANTS_BASE: a test of the core must fail, or the

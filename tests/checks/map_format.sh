@@ -2,7 +2,7 @@
 # The reader of packed maps that docs/map-grade.md shows: it prints what the program packed.
 
 check_map_format() {
-    need_program python3
+    want_python_package numpy "the reader of packed maps" || skip "NumPy is not installed"
     local roadgrade=$target/debug/roadgrade maps=$work/maps
     build_roadgrade
     simulated_drives "$maps" 5000 a
@@ -11,6 +11,6 @@ check_map_format() {
     "$roadgrade" export "$maps/map.grade" --out "$maps/back.csv"
     # The one block of Python on the page.
     awk '/^`+python$/ { inside = 1; next } /^`+$/ { inside = 0 } inside' docs/map-grade.md >"$maps/read.py"
-    python3 "$maps/read.py" "$maps/map.grade" >"$maps/read.csv"
-    python3 tests/map_format/compare.py "$maps/back.csv" "$maps/read.csv"
+    "$python" "$maps/read.py" "$maps/map.grade" >"$maps/read.csv"
+    "$python" tests/map_format/compare.py "$maps/back.csv" "$maps/read.csv"
 }

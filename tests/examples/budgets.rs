@@ -1,11 +1,12 @@
 //! Counts what the estimator costs on each target and in each scalar, on the emulated board:
 //!
 //! ```text
-//! cargo run -p cross-tests --release --example budgets [-- --check | --write | --peers]
+//! cargo run -p cross-tests --release --example budgets [-- --check | --write | --peers | --seconds 920]
 //! ```
 
 use clap::Parser;
-use cross_tests::budgets::{Budgets, committed_file, measure};
+use cross_tests::budgets::{Budgets, CORTEX_M4F, committed_file, measure, measure_on};
+use cross_tests::drive::drive_for;
 use cross_tests::{emulator, exit_code, peers};
 use host_sim::error::{Error, Result};
 use host_sim::files::output::write_whole;
@@ -24,6 +25,9 @@ struct Options {
     /// Count other Kalman filters instead.
     #[arg(long, conflicts_with_all = ["check", "write"])]
     peers: bool,
+    /// Count on a drive of this duration, on a Cortex-M4F: 920 are 20 km.
+    #[arg(long, conflicts_with_all = ["check", "write", "peers"])]
+    seconds: Option<u32>,
 }
 
 fn main() -> ExitCode {
@@ -37,7 +41,10 @@ fn run(options: &Options) -> Result<()> {
     if options.peers {
         return print(&(peers::table()? + "\n"));
     }
-    let budgets = measure()?;
+    let budgets = match options.seconds {
+        Some(seconds) => measure_on([CORTEX_M4F], &drive_for(f64::from(seconds)))?,
+        None => measure()?,
+    };
     print(&(budgets.to_text() + "\n"))?;
     let path = committed_file();
     if options.write {

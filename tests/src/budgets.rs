@@ -9,6 +9,7 @@ use crate::emulator::{count, drive_file};
 use crate::image::{Image, build, root};
 use estimator_core::Model;
 use host_sim::error::{Error, Result};
+use host_sim::source::can_frame::TimedFrame;
 use host_sim::terminal::table::text_table;
 use std::collections::BTreeMap;
 use std::fs;
@@ -170,15 +171,26 @@ pub fn committed_file() -> PathBuf {
     root().join("firmware/budgets.csv")
 }
 
-/// Builds the images and counts.
+/// Builds the images and counts, on each board.
 ///
 /// # Errors
 /// An image cannot be built or run.
 pub fn measure() -> Result<Budgets> {
+    measure_on(BOARDS, &drive())
+}
+
+/// Builds the images and counts, on these boards and with this drive.
+///
+/// # Errors
+/// An image cannot be built or run.
+pub fn measure_on(
+    boards: impl IntoIterator<Item = BoardTarget>,
+    drive: &[TimedFrame],
+) -> Result<Budgets> {
     let mut budgets = Budgets::default();
     let map = drive_map();
     let vehicles = [("", truck()), (" effects", truck_with_every_effect())];
-    for board in BOARDS {
+    for board in boards {
         let images = build(&root().join("firmware"), board.target, "release")?;
         let linked: Vec<BudgetColumn> = board
             .scalars
@@ -186,7 +198,7 @@ pub fn measure() -> Result<Budgets> {
             .map(|scalar| read_off(&images, scalar))
             .collect::<Result<_>>()?;
         for (suffix, vehicle) in &vehicles {
-            let counted = counted(&board, &images, vehicle, &map)?;
+            let counted = counted(&board, &images, vehicle, drive, &map)?;
             for ((scalar, mut column), linked) in counted.into_iter().zip(&linked) {
                 column.extend(linked.clone());
                 let name = format!("{} {scalar}{suffix}", board.target);
@@ -203,7 +215,7 @@ pub fn measure() -> Result<Budgets> {
 /// An image cannot be built or run.
 pub fn counts_with_map(board: &BoardTarget, map: &[u8]) -> Result<BTreeMap<String, u32>> {
     let images = build(&root().join("firmware"), board.target, "release")?;
-    let columns = counted(board, &images, &truck(), map)?;
+    let columns = counted(board, &images, &truck(), &drive(), map)?;
     Ok(columns.into_iter().next().unwrap_or_default().1)
 }
 
@@ -212,15 +224,11 @@ fn counted(
     board: &BoardTarget,
     images: &Path,
     model: &Model,
+    drive: &[TimedFrame],
     map: &[u8],
 ) -> Result<Vec<(String, BudgetColumn)>> {
     let image = images.join("budget");
-    let printed = count(
-        board.machine,
-        &image,
-        &drive_file(model, &drive()),
-        Some(map),
-    )?;
+    let printed = count(board.machine, &image, &drive_file(model, drive), Some(map))?;
     let printed = String::from_utf8_lossy(&printed);
     let mut columns: Vec<(String, BudgetColumn)> = Vec::new();
     for line in printed.lines() {

@@ -61,8 +61,14 @@ pub fn truck_with_every_effect() -> Model {
 /// without speed, frames that are ignored and one frame that is too late.
 #[must_use]
 pub fn drive() -> Vec<TimedFrame> {
+    drive_for(DURATION_S)
+}
+
+/// Returns the same drive over the same hills, which goes on for longer.
+#[must_use]
+pub fn drive_for(seconds: f64) -> Vec<TimedFrame> {
     let mut bus = BusLog::default();
-    for ms in (0..(DURATION_S * 1e3) as u64).step_by(50) {
+    for ms in (0..(seconds * 1e3) as u64).step_by(50) {
         let now = TruckMoment::at(ms as f64 * 1e-3);
         bus.now = Instant::from_micros(ms * 1000);
         bus.send(EEC1, |signal| now.engine(signal));

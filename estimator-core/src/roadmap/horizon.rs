@@ -74,7 +74,7 @@ impl<'m> Horizon<'m> {
     /// Returns the paths ahead of a place. The first one is the most probable.
     ///
     /// # Errors
-    /// Returns an error if the map is damaged here.
+    /// Returns an error if the map is damaged here. Where it is damaged ahead, a branch ends.
     pub fn new(map: PackedMap<'m>, place: &MapPlace, length_m: f32) -> Result<Self, MapError> {
         let mut horizon = Self::begin(map, place, length_m);
         while horizon.extend()? {}
@@ -103,10 +103,13 @@ impl<'m> Horizon<'m> {
     /// paths are followed.
     ///
     /// # Errors
-    /// Returns an error if the map is damaged here.
+    /// Returns an error if the map is damaged on the way of the vehicle.
     pub(super) fn extend(&mut self) -> Result<bool, MapError> {
-        if self.follow()? {
-            return Ok(true);
+        match self.follow() {
+            Ok(true) => return Ok(true),
+            // What lies ahead of the damage is not known, what leaves the road before it is.
+            Err(error) if self.is_begun() => return Err(error),
+            Ok(false) | Err(_) => {}
         }
         let Some((stretch, probability)) = self.forks.get(self.branches.len().saturating_sub(1))
         else {
@@ -114,6 +117,11 @@ impl<'m> Horizon<'m> {
         };
         let (stretch, probability) = (*stretch, *probability);
         Ok(self.begin_branch(stretch, probability))
+    }
+
+    /// Returns whether it is still on the way of the vehicle.
+    fn is_begun(&self) -> bool {
+        matches!(self.branches.as_slice(), [first] if first.stretches.len() == 1)
     }
 
     /// Returns the branches.

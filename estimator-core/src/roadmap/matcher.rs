@@ -4,18 +4,19 @@
 //! A hypothesis is a place on a way. At each join it splits: one part stays on the way, one takes
 //! the join. Positions tell which fits. In a tunnel, all go on with the odometer. Away from the map,
 //! or where all hypotheses are poor, the index gives new ones near the position. The work per cell
-//! is bounded: positions are compared every 10 m, and the index is searched tile by tile, in the
-//! cells after a comparison.
+//! is bounded: positions are compared every 10 m, and the index is searched tile by tile. Each waits
+//! for a call in which no block is read and the other has no turn.
 
 use super::along::Along;
 use super::block::Block;
 use super::packed_map::PackedMap;
 use super::path::{Moved, Path, cells_of, nearest_place};
 use super::plane::{Foot, direction, dot, metres_between};
-use super::search::{Search, WORK_AT_ONCE};
+use super::search::{BLOCK_WORK, Search, WORK_AT_ONCE};
 use super::tile::Looked;
 use crate::cell::{CELL_LENGTH_M, CellEnd};
 use crate::scalar::Scalar;
+use core::mem;
 use heapless::Vec;
 use libm::expf;
 
@@ -23,6 +24,8 @@ use libm::expf;
 pub(super) const MOST_PATHS: usize = 6;
 /// Cells from one comparison with a position to the next.
 const UPDATE_CELLS: u32 = 4;
+/// Most cells for which a comparison or a search waits until no block is read.
+const LATEST_CELLS: u32 = 8;
 /// A course is the chord of the last two comparisons. It is at least so long, m.
 const COURSE_M: f32 = 10.0;
 /// Distance over which misfits are averaged, m.
@@ -47,6 +50,8 @@ const KNOWN_MISFIT: f32 = 4.0;
 const KNOWN_PROBABILITY: f32 = 0.9;
 /// Comparisons after a fork before one of several ways is the place.
 const KNOWN_COMPARISONS: u8 = 2;
+/// Distance over which a new hypothesis is compared before it makes an older one unclear, m.
+const COUNTED_M: f32 = 20.0;
 /// Independent positions within the memory.
 const INDEPENDENT: f32 = 3.0;
 /// Hypotheses within this distance on one way are one, cells.
@@ -96,6 +101,8 @@ pub struct Matcher<'m> {
     pub(super) map: PackedMap<'m>,
     pub(super) paths: Vec<Path<'m>, MOST_PATHS>,
     pub(super) search: Option<Search<'m>>,
+    /// Blocks were read since the last advance.
+    pub(super) has_read: bool,
     pub(super) state: MatcherState,
 }
 
@@ -105,8 +112,11 @@ pub(super) struct MatcherState {
     pub(super) along: Along,
     cell: Option<u32>,
     updated_cell: u32,
-    /// The index is searched next: not in the call of a comparison.
+    /// The index is searched, in calls without a comparison.
     looks: bool,
+    /// The last call with either was a comparison. A search comes next, even if the calls are as rare
+    /// as comparisons.
+    has_compared: bool,
     /// The positions of the last two comparisons, the older one first.
     recent_e7: [Option<(i32, i32)>; 2],
     course: Option<[f32; 2]>,
@@ -121,6 +131,7 @@ impl MatcherState {
             cell: None,
             updated_cell: 0,
             looks: false,
+            has_compared: false,
             recent_e7: [None; 2],
             course: None,
             searched_m: f32::INFINITY,
@@ -142,6 +153,7 @@ impl<'m> Matcher<'m> {
             map,
             paths: Vec::new(),
             search: None,
+            has_read: false,
             state: MatcherState::new(),
         }
     }
@@ -170,25 +182,34 @@ impl<'m> Matcher<'m> {
             self.paths.clear();
         }
         let metres = CELL_LENGTH_M * cells as f32;
-        self.move_paths(cells as f32);
+        self.has_read |= self.move_paths(cells as f32);
         self.state.along.advance(metres);
         self.state.blind_m += metres;
         self.state.searched_m += metres;
         if self.state.blind_m > BLIND_M {
             self.paths.clear();
         }
-        if core::mem::take(&mut self.state.looks) {
-            self.look_around(end.cell);
+        let since = end.cell.saturating_sub(self.state.updated_cell);
+        if mem::take(&mut self.has_read) && since < LATEST_CELLS {
             return;
         }
-        if end.cell.saturating_sub(self.state.updated_cell) < UPDATE_CELLS {
-            return;
+        let is_due = since >= UPDATE_CELLS;
+        if self.state.looks && (!is_due || self.state.has_compared) {
+            self.state.looks = self.look_around(end.cell);
+            self.state.has_compared = false;
+        } else if is_due {
+            self.take_position(end, since);
+            self.state.has_compared = true;
         }
+    }
+
+    /// Takes a position, cells after the last one.
+    fn take_position(&mut self, end: &CellEnd, since: u32) {
         let Some(position_e7) = end.position_e7 else {
             self.state.recent_e7 = [None; 2];
             return;
         };
-        let between_m = CELL_LENGTH_M * end.cell.saturating_sub(self.state.updated_cell) as f32;
+        let between_m = CELL_LENGTH_M * since as f32;
         self.state.updated_cell = end.cell;
         self.measure_course(position_e7);
         if let Some(course) = self.state.course {
@@ -212,7 +233,7 @@ impl<'m> Matcher<'m> {
         let best = self.best()?;
         let is_tried = best.fit.matched_m >= KNOWN_M
             && best.fit.misfit <= KNOWN_MISFIT
-            && (best.fit.compared >= KNOWN_COMPARISONS || self.paths.len() == 1);
+            && best.fit.compared >= KNOWN_COMPARISONS;
         if !is_tried {
             return None;
         }
@@ -256,17 +277,21 @@ impl<'m> Matcher<'m> {
             }
             expf((0.5 * INDEPENDENT * better).clamp(-80.0, 80.0))
         };
-        1.0 / Scalar::max(1.0, self.paths.iter().map(weight).sum())
+        let count =
+            |other: &&Path<'m>| other.fit.matched_m >= Scalar::min(COUNTED_M, path.fit.matched_m);
+        1.0 / Scalar::max(1.0, self.paths.iter().filter(count).map(weight).sum())
     }
 
-    /// Moves all hypotheses, and splits them at joins.
-    fn move_paths(&mut self, cells: f32) {
+    /// Moves all hypotheses, and splits them at joins. Returns whether blocks were read for it.
+    fn move_paths(&mut self, cells: f32) -> bool {
         let cells = cells * (1.0 + self.state.along.scale);
         let map = self.map;
         let mut forks: Vec<Path<'m>, MOST_PATHS> = Vec::new();
+        let mut has_read = false;
         self.paths.retain_mut(|path| {
             let (misfit, matched_m) = (path.fit.misfit, path.fit.matched_m);
             let directions = path.fit.directions;
+            let block = path.block.offset;
             let moved = path.advance(&map, cells, |join, beyond| {
                 let cell = join.to_cell as f32 + beyond;
                 if let Ok(mut fork) = Path::new(&map, join.to_way, join.to_block, cell) {
@@ -276,12 +301,18 @@ impl<'m> Matcher<'m> {
                     let _ = forks.push(fork);
                 }
             });
+            has_read |= path.block.offset != block;
             moved == Moved::On
         });
         // By reference: the iterator of the vector itself can panic, as far as the compiler knows.
         for fork in &forks {
             self.add(fork.clone());
         }
+        if let [only] = self.paths.as_mut_slice() {
+            // There is nothing to tell it apart from.
+            only.fit.compared = only.fit.compared.max(KNOWN_COMPARISONS);
+        }
+        has_read || !forks.is_empty()
     }
 
     /// Adds a hypothesis unless there is one at its place. The poorest one makes room.
@@ -372,11 +403,12 @@ impl<'m> Matcher<'m> {
         self.paths = kept;
     }
 
-    /// Looks for other ways near the last position, a few blocks at once.
+    /// Looks for other ways near the last position, a few blocks at once. Returns whether there is
+    /// more to look at.
     #[inline(never)] // Its room on the stack is not that of a comparison.
-    fn look_around(&mut self, cell: u32) {
+    fn look_around(&mut self, cell: u32) -> bool {
         if self.search.is_none() && self.state.searched_m < SEARCH_M && self.known().is_some() {
-            return;
+            return false;
         }
         let search = match (&mut self.search, self.state.recent_e7[1], self.state.course) {
             (Some(search), _, _) => search,
@@ -386,10 +418,10 @@ impl<'m> Matcher<'m> {
                 self.search
                     .insert(Search::begin(&self.map, position_e7, course, from))
             }
-            _ => return,
+            _ => return false,
         };
         let mut work = WORK_AT_ONCE;
-        while work > 0 {
+        while work >= BLOCK_WORK {
             let (looked, cost) = search.look();
             work = work.saturating_sub(cost);
             let offset = match looked {
@@ -397,7 +429,7 @@ impl<'m> Matcher<'m> {
                 Looked::NotYet => continue,
                 Looked::End => {
                     self.search = None;
-                    return;
+                    return false;
                 }
             };
             if self.paths.iter().any(|path| path.block.offset == offset) {
@@ -413,9 +445,10 @@ impl<'m> Matcher<'m> {
                     self.state.along.restart();
                 }
                 self.add(path);
-                return;
+                return true;
             }
         }
+        true
     }
 }
 

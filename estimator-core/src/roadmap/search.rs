@@ -4,8 +4,10 @@ use super::packed_map::PackedMap;
 use super::tile::{Looked, Tile};
 use super::tile_index::TileBlocks;
 
-/// Work of the search for one position: what [`Search::look`] returns adds up to this.
+/// Work of the search in one call: what [`Search::look`] returns adds up to this at most.
 pub(super) const WORK_AT_ONCE: u8 = 3;
+/// Share of a block that is compared with the position. The search goes on while it has so much.
+pub(super) const BLOCK_WORK: u8 = 2;
 
 /// The search of the index around a position.
 #[derive(Clone, Debug)]
@@ -45,12 +47,12 @@ impl<'m> Search<'m> {
     }
 
     /// Looks for the next block. Returns what it found, and its share of [`WORK_AT_ONCE`]: one for a
-    /// block that is left out, two for one that is compared with the position.
+    /// block that is left out, [`BLOCK_WORK`] for one that is compared with the position.
     pub(super) fn look(&mut self) -> (Looked, u8) {
         match self.blocks.look() {
             Looked::NotYet => (Looked::NotYet, 1),
-            Looked::End if self.next_tile() => (Looked::NotYet, 2),
-            looked => (looked, 2),
+            Looked::End if self.next_tile() => (Looked::NotYet, BLOCK_WORK),
+            looked => (looked, BLOCK_WORK),
         }
     }
 

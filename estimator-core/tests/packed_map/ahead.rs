@@ -5,7 +5,7 @@ use super::{WAYS, before_the_exit, live};
 use estimator_core::roadmap::{
     Horizon, HorizonPart, HorizonParts, MapError, MapLive, MapMatch, PackedMap,
 };
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Returns the horizon of 2 km before the exit, as the place in cells and its branches' begins and
 /// probabilities.
@@ -128,16 +128,30 @@ fn a_damaged_block_ahead_is_a_gap_in_the_parts() {
 }
 
 #[test]
-fn a_branch_that_is_damaged_at_its_begin_leaves_nothing_to_tell() {
+fn a_branch_that_is_damaged_at_its_begin_has_no_grades() {
     let bytes = packed(&WAYS);
     let map = PackedMap::open(&bytes).unwrap();
-    let exit = map.ways().nth(1).unwrap().unwrap().first_block as usize;
-    let mut damaged = bytes.clone();
-    damaged[exit + 30] ^= 1;
-    assert_eq!(told(&damaged), (BTreeMap::new(), None));
-    let on_map = before_the_exit(&damaged);
+    let damaged_at = |way: usize| {
+        let block = map.ways().nth(way).unwrap().unwrap().first_block as usize;
+        let mut damaged = bytes.clone();
+        damaged[block + 30] ^= 1;
+        damaged
+    };
+    let (whole, next) = told(&bytes);
+    // Without the exit, the other branches are as before.
+    let (grades, next_without) = told(&damaged_at(1));
+    let branches = |grades: &BTreeMap<(u8, u32), f32>| {
+        let branches: BTreeSet<u8> = grades.keys().map(|(branch, _)| *branch).collect();
+        branches.len()
+    };
+    assert_eq!((branches(&whole), branches(&grades)), (3, 2));
+    assert!(grades.iter().all(|(at, grade)| whole[at] == *grade));
+    assert_eq!(next_without, next);
+    // Without the way of the vehicle, there is nothing.
+    let on_map = before_the_exit(&bytes);
     let place = on_map.trusted_place().unwrap();
-    let horizon = Horizon::new(*on_map.matcher().map(), &place, 2_000.0);
+    let damaged = damaged_at(0);
+    let horizon = Horizon::new(PackedMap::open(&damaged).unwrap(), &place, 2_000.0);
     assert_eq!(horizon.err(), Some(MapError::Checksum));
 }
 

@@ -77,6 +77,28 @@ fn pages_of_another_release_are_kept_and_not_read() {
 }
 
 #[test]
+fn a_flash_full_of_pages_of_another_release_is_used_again() {
+    let (mut full, _) = driven(TestFlash::blank(16), Drive::over(Road::new(1, 34_000), 1));
+    let (page, free) = {
+        let sectors = full.bytes.chunks(SECTOR_BYTES);
+        let (pages, free): (Vec<_>, Vec<_>) =
+            sectors.partition(|sector| sector.starts_with(&MAGIC));
+        (pages[0].to_vec(), free.len())
+    };
+    assert!(free <= 3, "{free}");
+    for sector in full.bytes.chunks_mut(SECTOR_BYTES) {
+        sector.copy_from_slice(&page);
+        sector[4] += 1;
+    }
+    assert_eq!(full.clone().open().opened().other_version, 16);
+    let (after, drive) = driven(full, Drive::over(ROAD, 1));
+    assert!(!drive.has_failed, "{:?}", drive.errors);
+    let memory = after.open();
+    assert!(memory.opened().other_version >= 12);
+    assert!(known(&memory).len() > 1_400);
+}
+
+#[test]
 fn a_worn_sector_is_left_alone() {
     let mut flash = TestFlash::blank(8);
     flash.worn = Some(0);

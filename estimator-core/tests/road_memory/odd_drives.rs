@@ -173,6 +173,23 @@ fn a_gap_of_the_drive_leaves_the_place_on_a_known_road() {
 }
 
 #[test]
+fn a_long_gap_of_the_drive_on_a_known_road_makes_no_second_road() {
+    let flash = with(16, &[ROAD]);
+    for gap in [60, 150, 300, 390] {
+        let mut memory = flash.clone().open();
+        let mut journey = Journey::new(&mut memory);
+        journey.over(&ROAD, 0..400);
+        journey.skip(gap);
+        journey.over(&ROAD, 400 + gap..1_400);
+        journey.finish();
+        memory.close().expect("a write");
+        let cells = known(&memory);
+        check_right(&cells, &[ROAD]);
+        assert!(cells.len() < 1_520, "{gap}: {}", cells.len());
+    }
+}
+
+#[test]
 fn a_road_along_the_date_line_is_learned() {
     // The road swings over it, 40 m to each side: to the east and back to the west.
     let there = |cell: u32| {
@@ -341,6 +358,25 @@ fn a_memory_of_another_slope_is_left_out_and_counted() {
     let counters = journey.memory.map_counters();
     assert_eq!(counters.times_left_out, 1);
     assert!(counters.cells_left_out > 200, "{counters:?}");
+}
+
+#[test]
+fn a_place_that_moves_back_counts_no_cell_twice() {
+    let mut memory = with(16, &[ROAD]).open();
+    let mut journey = Journey::new(&mut memory);
+    for cell in 0..1_400 {
+        // The receiver is ahead by up to 40 m, and comes back while the vehicle goes on.
+        let ahead = if cell < 700 { 16 } else { 0 };
+        journey.step(&Seen {
+            position_e7: ROAD.place_e7(cell + ahead, 0.0),
+            ..Seen::on(&ROAD, cell)
+        });
+    }
+    journey.finish();
+    memory.close().expect("a write");
+    let cells = known(&memory);
+    let most = cells.values().map(|known| known.runs).max();
+    assert_eq!(most, Some(2), "{:?}", memory.counters());
 }
 
 #[test]

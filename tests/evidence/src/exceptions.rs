@@ -89,10 +89,13 @@ pub struct Measured {
     /// Number of directions of branches, and of those that were taken.
     pub branches: (usize, usize),
     /// Lines that did not run, by file and number.
-    missed_lines: BTreeSet<(String, usize)>,
+    missed_lines: Missed,
     /// Lines with a direction that was not taken.
-    missed_branches: BTreeSet<(String, usize)>,
+    missed_branches: Missed,
 }
+
+/// Files and numbers of lines.
+type Missed = BTreeSet<(String, usize)>;
 
 /// Counts by file, number of the line, and numbers of the branch. What several test programs contain is
 /// recorded several times.
@@ -136,7 +139,7 @@ fn reached(counts: &Counts) -> (usize, usize) {
     (counts.len(), reached.count())
 }
 
-fn missed(counts: &Counts) -> BTreeSet<(String, usize)> {
+fn missed(counts: &Counts) -> Missed {
     let missed = counts.iter().filter(|(_, count)| **count == 0);
     missed
         .filter_map(|((file, place), _)| Some((file.clone(), *place.first()?)))
@@ -193,25 +196,61 @@ impl Coverage {
     /// A file cannot be read.
     pub fn beyond(&self, measured: &Measured) -> Result<Vec<String>> {
         let mut beyond = Vec::new();
-        for (kind, known, missed) in [
-            ("line", &self.line, &measured.missed_lines),
-            ("branch", &self.branch, &measured.missed_branches),
-        ] {
-            for (file, number) in missed {
-                let text = source(file)?;
-                let text: Vec<&str> = text.lines().collect();
-                let name = name_of(&text, *number).unwrap_or_default();
-                let of_file = known.iter().filter(|places| places.file == *file);
-                if !of_file
-                    .flat_map(|places| &places.lines)
-                    .any(|line| *line == name)
-                {
+        for (kind, known, missed) in self.beside(measured) {
+            let known = names(known);
+            for (file, number, name) in named(missed)? {
+                if !known.contains(&(file.clone(), name.clone())) {
                     beyond.push(format!("{kind} {file}:{number}: {name}"));
                 }
             }
         }
         Ok(beyond)
     }
+
+    /// Returns the exceptions that a measurement did not miss: a line each.
+    ///
+    /// # Errors
+    /// A file cannot be read.
+    pub fn needless(&self, measured: &Measured) -> Result<Vec<String>> {
+        let mut needless = Vec::new();
+        for (kind, known, missed) in self.beside(measured) {
+            let missed = named(missed)?.into_iter();
+            let missed: Names = missed.map(|(file, _, name)| (file, name)).collect();
+            let known = names(known);
+            let reached = known.difference(&missed);
+            needless.extend(reached.map(|(file, name)| format!("{kind} {file}: {name}")));
+        }
+        Ok(needless)
+    }
+
+    /// Returns the exceptions and what was missed, by kind.
+    fn beside<'a>(&'a self, measured: &'a Measured) -> [(&'a str, &'a [Places], &'a Missed); 2] {
+        [
+            ("line", &self.line, &measured.missed_lines),
+            ("branch", &self.branch, &measured.missed_branches),
+        ]
+    }
+}
+
+/// Files and names of lines.
+type Names = BTreeSet<(String, String)>;
+
+fn names(places: &[Places]) -> Names {
+    let names = places
+        .iter()
+        .flat_map(|of| of.lines.iter().map(|name| (of.file.clone(), name.clone())));
+    names.collect()
+}
+
+/// Returns the file, the number and the name of each line.
+fn named(missed: &Missed) -> Result<Vec<(String, usize, String)>> {
+    let name = |(file, number): &(String, usize)| {
+        let text = source(file)?;
+        let text: Vec<&str> = text.lines().collect();
+        let name = name_of(&text, *number).unwrap_or_default();
+        Ok((file.clone(), *number, name))
+    };
+    missed.iter().map(name).collect()
 }
 
 impl Mutants {

@@ -145,13 +145,19 @@ fn coverage(path: &Path) -> Result<()> {
         let ExceptionCount { argued, open } = exceptions;
         println!("{what},{all},{covered},{argued},{open}");
     }
-    if beyond.is_empty() {
+    let needless = exceptions.needless(&measured)?;
+    let problems: Vec<String> = [
+        (beyond, "places without a test or a reason"),
+        (needless, "exceptions that a test reaches"),
+    ]
+    .into_iter()
+    .filter(|(places, _)| !places.is_empty())
+    .map(|(places, what)| format!("{} {what}:\n{}", places.len(), places.join("\n")))
+    .collect();
+    if problems.is_empty() {
         return Ok(());
     }
-    let (count, places) = (beyond.len(), beyond.join("\n"));
-    Err(format!(
-        "{count} places without a test or a reason:\n{places}"
-    ))
+    Err(problems.join("\n"))
 }
 
 fn mutants(path: &Path) -> Result<()> {

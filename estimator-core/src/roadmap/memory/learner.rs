@@ -25,6 +25,8 @@ const WORST: f32 = 100.0;
 /// Cells that are put in their places in one call. One is finished in a call: those that wait become
 /// fewer.
 const CELLS_AT_ONCE: usize = 2;
+/// A place that moves back by less is corrected, not driven again, cells.
+const BACK_CELLS: f32 = 40.0;
 /// Driven cells between two ways that follow each other.
 const JOIN_CELLS: u32 = 40;
 
@@ -250,7 +252,8 @@ impl Learner {
         let left = ready!(self.end_new(store)).or_else(|| self.left());
         let before = self.before.filter(|before| before.way == here.way);
         match before {
-            Some(before) if here.at < before.at && before.at - here.at < 2.0 => {
+            // The place has moved back: these cells are in the memory already.
+            Some(before) if here.at < before.at && before.at - here.at < BACK_CELLS => {
                 return Poll::Ready(());
             }
             Some(before) if follows(before.at, here.at) => {

@@ -71,6 +71,7 @@ impl ParkedMatcher {
             }
         }
         matcher.search = self.search.as_ref().map(|search| search.resume(&map));
+        matcher.has_read = has_changed;
         matcher.state = self.state;
     }
 }

@@ -186,16 +186,18 @@ impl<F: MappedFlash, R: SectorTable> Store<F, R> {
     /// makes room, of those that are not needed.
     pub(super) fn new_page(&mut self, is_needed: impl Fn(u16) -> bool) -> Option<PageKey> {
         let sectors = self.sectors.as_mut();
-        let free = sectors.iter().filter(|sector| sector.is_free()).count();
+        let mut free = sectors.iter().filter(|sector| sector.is_free()).count();
         // New pages that are not written yet have no sector. They need one.
         let begun = (0_u16..)
             .zip(sectors.iter())
             .filter(|(slot, of_slot)| of_slot.page_sector().is_none() && is_needed(*slot));
-        let mut has_room = free > SPARE + begun.count();
-        if !has_room && let Some(foreign) = sectors.iter_mut().find(|sector| sector.is_foreign()) {
-            foreign.set_foreign(false);
-            has_room = true;
+        let wanted = SPARE + begun.count() + 1;
+        let foreign = sectors.iter_mut().filter(|sector| sector.is_foreign());
+        for sector in foreign.take(wanted.saturating_sub(free)) {
+            sector.set_foreign(false);
+            free += 1;
         }
+        let has_room = free >= wanted;
         let empty = (0_u16..)
             .zip(sectors.iter())
             .find(|(slot, of_slot)| of_slot.page_sector().is_none() && !is_needed(*slot));
