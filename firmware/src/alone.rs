@@ -1,12 +1,14 @@
-//! The estimator in an image with nearly nothing else, without a map and with one. The linked images
+//! The estimator in an image with nearly nothing else; with a map; with a road memory. The linked images
 //! of `src/bin/alone_*.rs` show how much flash and static memory it adds, and whether it can panic.
 
 use crate::exchange::frame::RecordedFrame;
+use crate::memory_budget::{FLASH_BYTES, RamFlash, SECTORS};
 use crate::on_map::OnMap;
 use core::cell::RefCell;
 use core::hint::black_box;
 use estimator_core::effect::CATALOGUE;
 use estimator_core::roadmap::PackedMap;
+use estimator_core::roadmap::memory::{RoadMemory, Sector};
 use estimator_core::{
     AdoptedEffect, Cell, Estimator, Instant, Live, Model, PersistentState, Scalar, Tuning,
 };
@@ -43,6 +45,35 @@ pub fn run_on_map<S: Scalar>(
         }
     };
     drive(place, step, finish)
+}
+
+/// A road memory of 64 kB.
+pub type AloneMemory = RoadMemory<RamFlash<'static>, [Sector; SECTORS]>;
+
+/// Does the same with a road memory, and uses all of it.
+pub fn run_with_memory<S: Scalar>(
+    place: &'static StaticCell<Estimator<S>>,
+    memory_place: &'static StaticCell<AloneMemory>,
+) -> Option<()> {
+    let flash: &'static mut [u8; FLASH_BYTES] = input()?;
+    let memory = AloneMemory::open(RamFlash(flash), [Sector::default(); SECTORS]).ok()?;
+    let memory = RefCell::new(memory_place.try_init(memory)?);
+    let step = |live: &Live| {
+        if let Ok(mut memory) = memory.try_borrow_mut() {
+            memory.advance(live);
+            black_box((memory.grade(), memory.place(), memory.is_left_out()));
+        }
+    };
+    let finish = |cell: &Cell| {
+        if let Ok(mut memory) = memory.try_borrow_mut() {
+            black_box(memory.finish(cell).is_ok());
+        }
+    };
+    drive(place, step, finish)?;
+    let mut memory = memory.try_borrow_mut().ok()?;
+    black_box((memory.close().is_ok(), memory.level().is_ok()));
+    black_box((memory.opened(), memory.counters(), memory.map_counters()));
+    Some(())
 }
 
 fn drive<S: Scalar>(

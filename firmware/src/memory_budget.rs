@@ -16,7 +16,8 @@ use estimator_core::{Estimator, Scalar, Step};
 
 /// Bytes of the flash memory: the fewest that a road memory is meant for.
 pub const FLASH_BYTES: usize = 65_536;
-const SECTORS: usize = FLASH_BYTES / SECTOR_BYTES;
+/// Its sectors.
+pub const SECTORS: usize = FLASH_BYTES / SECTOR_BYTES;
 
 type Memory<'a> = RoadMemory<RamFlash<'a>, [Sector; SECTORS]>;
 
@@ -33,7 +34,7 @@ pub struct MemoryBudget {
 }
 
 /// A flash memory in RAM.
-struct RamFlash<'a>(&'a mut [u8; FLASH_BYTES]);
+pub struct RamFlash<'a>(pub &'a mut [u8; FLASH_BYTES]);
 
 impl MemoryBudget {
     /// Counts both drives.

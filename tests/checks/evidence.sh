@@ -21,10 +21,10 @@ check_long_coverage() {
         not_run coverage.csv "there is no nightly toolchain with llvm-tools"
     local program status=0 folder=$target/coverage
     mkdir -p "$folder"
-    : >"$folder/core.lcov"
+    covered_tests "$folder" >"$work/programs"
     while read -r program; do
-        coverage_of "$program" >>"$folder/core.lcov"
-    done < <(covered_tests "$folder")
+        coverage_of "$program"
+    done <"$work/programs" >"$folder/core.lcov"
     cargo run -q -p evidence -- coverage "$folder/core.lcov" >"$work/coverage" || status=$?
     write_result coverage.csv "the core by its own tests" <"$work/coverage"
     return "$status"

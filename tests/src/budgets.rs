@@ -69,7 +69,7 @@ const fn limited(name: &'static str, words: &'static str, most: u32) -> BudgetRo
     }
 }
 
-const FIGURES: [BudgetRow; 43] = [
+const FIGURES: [BudgetRow; 46] = [
     figure("flash_bytes", "flash of the estimator, bytes", Some(80_000)),
     figure("image_flash_bytes", "flash of its whole image", None),
     limited("estimator_bytes", "RAM of the estimator", 46_000),
@@ -116,7 +116,22 @@ const FIGURES: [BudgetRow; 43] = [
     figure("ahead_worst", "worst", Some(20_000)),
     figure("persistent_state", "what a drive leaves, as bytes", None),
     figure("drain_worst", "a share of the end of a drive", None),
+    figure(
+        "memory_flash_bytes",
+        "flash of estimator and road memory",
+        None,
+    ),
+    figure(
+        "memory_ram_bytes",
+        "static RAM of the image with one of 64 kB",
+        None,
+    ),
     figure("memory_bytes", "RAM of a road memory of 64 kB", None),
+    figure(
+        "memory_panics",
+        "panicking functions with a road memory",
+        Some(0),
+    ),
     figure(
         "memory_stack_bytes",
         "deepest stack with a road memory",
@@ -261,32 +276,33 @@ fn counted(
 
 /// Returns the figures that are read from the linked images.
 fn read_off(images: &Path, scalar: &str) -> Result<BudgetColumn> {
+    let read = |name: &str| {
+        let path = images.join(name);
+        let image = Image::read(&path)?;
+        for panic in &image.panics {
+            eprintln!("{}: may call {panic}", path.display());
+        }
+        Ok::<Image, Error>(image)
+    };
     let nothing = Image::read(&images.join("alone_nothing"))?;
-    let alone = images.join(format!("alone_{scalar}"));
-    let image = Image::read(&alone)?;
-    for panic in &image.panics {
-        eprintln!("{}: may call {panic}", alone.display());
+    let image = read(&format!("alone_{scalar}"))?;
+    let mut figures = BudgetColumn::from([
+        ("image_flash_bytes".to_owned(), image.flash_bytes),
+        ("image_ram_bytes".to_owned(), image.ram_bytes),
+    ]);
+    for (prefix, image) in [
+        ("", image),
+        ("map_", read(&format!("alone_{scalar}_map"))?),
+        ("memory_", read(&format!("alone_{scalar}_memory"))?),
+    ] {
+        let mut put = |name: &str, figure| figures.insert(format!("{prefix}{name}"), figure);
+        put("flash_bytes", image.flash_bytes - nothing.flash_bytes);
+        put("panics", image.panics.len() as u32);
+        if !prefix.is_empty() {
+            put("ram_bytes", image.ram_bytes);
+        }
     }
-    let with_map = images.join(format!("alone_{scalar}_map"));
-    let map_image = Image::read(&with_map)?;
-    for panic in &map_image.panics {
-        eprintln!("{}: may call {panic}", with_map.display());
-    }
-    let figures = [
-        (
-            "map_flash_bytes",
-            map_image.flash_bytes - nothing.flash_bytes,
-        ),
-        ("map_ram_bytes", map_image.ram_bytes),
-        ("map_panics", map_image.panics.len() as u32),
-        ("flash_bytes", image.flash_bytes - nothing.flash_bytes),
-        ("image_flash_bytes", image.flash_bytes),
-        ("image_ram_bytes", image.ram_bytes),
-        ("panics", image.panics.len() as u32),
-    ];
-    Ok(figures
-        .map(|(name, figure)| (name.to_owned(), figure))
-        .into())
+    Ok(figures)
 }
 
 impl Budgets {

@@ -222,7 +222,8 @@ impl<'m> Horizon<'m> {
             }
         };
         for join in self.map.joins_from(&way, here.cell) {
-            let join = join?;
+            // Behind a damaged join, the way goes on, and no other leaves it.
+            let Ok(join) = join else { break };
             if ahead_m(join.at_cell) > self.length_m {
                 break;
             }
@@ -253,8 +254,8 @@ impl<'m> Horizon<'m> {
     }
 }
 
-/// Returns the join that leads straight on, of those at the end of a way. The way is driven in a
-/// block near its end.
+/// Returns the join that leads straight on, of those at the end of a way; `None` if one of them leads
+/// to a damaged way, which may be it. The way is driven in a block near its end.
 fn straightest(map: &PackedMap<'_>, way: &MapWay<'_>, block: u32, joins: &[Join]) -> Option<Join> {
     let [first, others @ ..] = joins else {
         return None;
@@ -268,9 +269,9 @@ fn straightest(map: &PackedMap<'_>, way: &MapWay<'_>, block: u32, joins: &[Join]
         let on = Lines::of(&entered)?.next()?;
         Some(dot(out?, on.directed().direction))
     };
-    let mut best = (*first, cosine(first).unwrap_or(-1.0));
+    let mut best = (*first, cosine(first)?);
     for join in others {
-        let cosine = cosine(join).unwrap_or(-1.0);
+        let cosine = cosine(join)?;
         if cosine > best.1 {
             best = (*join, cosine);
         }

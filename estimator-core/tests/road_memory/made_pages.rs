@@ -14,6 +14,7 @@ const ERASES: usize = 8;
 const SEQUENCE: usize = 12;
 const SLOT: usize = 16;
 const BLOCKS: usize = 27;
+const FIRST: usize = 40;
 /// Step to the north from one cell to the next: 2.5 m in 10⁻⁷ degrees.
 const CELL_E7: i32 = 225;
 const CELLS: u32 = 128;
@@ -131,6 +132,38 @@ fn a_page_with_fewer_blocks_than_bytes_ends_with_its_blocks() {
     let way = map.ways().next().expect("a way").expect("a way");
     assert_eq!(memory.view().block_at(way.offset, way.last_cell + 1), None);
     assert!(memory.view().block_at(way.offset, way.last_cell).is_some());
+}
+
+#[test]
+fn blocks_of_any_length_are_no_panic() {
+    let mut source = image();
+    let page = pages(&mut source).next().expect("a page").to_vec();
+    let joins = usize::from(page[BLOCKS - 1]);
+    let mut at = FIRST + 16 * joins;
+    for _ in 0..page[BLOCKS] {
+        let length = u16::from_le_bytes([page[at], page[at + 1]]);
+        for wrong in [0, 1, length - 1, length + 1, 2_000, u16::MAX] {
+            let mut flash = image();
+            for page in pages(&mut flash) {
+                change(page, at, &wrong.to_le_bytes());
+            }
+            let mut memory = flash.open();
+            Drive::over(ROAD, 4).with(&mut memory);
+        }
+        at += usize::from(length);
+    }
+}
+
+#[test]
+fn a_page_that_is_damaged_under_the_vehicle_is_passed_over() {
+    let mut memory = image().open();
+    let mut journey = Journey::new(&mut memory);
+    journey.over(&ROAD, 0..20);
+    for page in pages(journey.memory.flash_mut()) {
+        page[LENGTH + 1] = 0xff;
+    }
+    journey.over(&ROAD, 20..500);
+    assert_eq!(journey.memory.place(), MapMatch::Off);
 }
 
 #[test]

@@ -4,7 +4,7 @@
 use super::flash::{Memory, TestFlash};
 use super::journey::{Journey, Seen};
 use super::tracks::{Drive, Road, check_right, driven, known};
-use estimator_core::roadmap::{MapMatch, PackedMap};
+use estimator_core::roadmap::{Block, MapMatch, PackedMap, Tile};
 
 const ROAD: Road = Road::new(1, 1_500);
 
@@ -377,6 +377,40 @@ fn a_place_that_moves_back_counts_no_cell_twice() {
     let cells = known(&memory);
     let most = cells.values().map(|known| known.runs).max();
     assert_eq!(most, Some(2), "{:?}", memory.counters());
+}
+
+#[test]
+fn many_drives_without_a_finished_cell_have_room() {
+    let mut memory = with(16, &[ROAD]).open();
+    let drive = Drive::over(ROAD, 1);
+    // Each time another estimator begins, and finishes nothing.
+    for _ in 0..100 {
+        memory.advance(&drive.live(1));
+        memory.advance(&drive.live(0));
+    }
+    assert!(!drive.with(&mut memory).has_failed);
+    check_right(&known(&memory), &[ROAD]);
+}
+
+#[test]
+fn a_memory_gives_the_blocks_of_a_tile() {
+    let memory = with(16, &[ROAD]).open();
+    let map = PackedMap::of_memory(memory.view());
+    let ways = map.ways().map(|way| way.expect("a way"));
+    let blocks: Vec<_> = ways
+        .flat_map(|way| map.blocks(&way).map(|block| block.expect("a block")))
+        .collect();
+    let tile_of = |block: &Block<'_>| {
+        let point = block.points().next().expect("a point");
+        Tile::of(point.latitude_e7, point.longitude_e7)
+    };
+    assert!(blocks.len() > 5);
+    for block in &blocks {
+        let mut found = map.blocks_in(tile_of(block));
+        assert!(found.any(|found| found == Ok(block.offset)));
+    }
+    let elsewhere = Tile::of(-300_000_000, -300_000_000);
+    assert_eq!(map.blocks_in(elsewhere).count(), 0);
 }
 
 #[test]

@@ -50,3 +50,15 @@ fn the_ram_is_what_the_documentation_says() {
     assert!((20_000..=27_648).contains(&own), "{own} bytes");
     assert_eq!(size_of::<Sector>(), 24);
 }
+
+#[test]
+fn a_road_is_found_among_many_sectors() {
+    // More than a call goes over.
+    let road = Road::new(1, 1_500);
+    for sectors in [100, 140, 500] {
+        let (flash, _) = driven(TestFlash::blank(sectors), Drive::over(road, 1));
+        let mut memory = flash.open();
+        let again = Drive::over(road, 2).with(&mut memory);
+        assert!(again.errors.len() > 1_300, "{sectors}");
+    }
+}

@@ -98,9 +98,14 @@ impl BlockWriter {
     fn write_grades(&mut self, block: &WorkBlock) -> Option<()> {
         let cells = block.cells.get(..self.count)?;
         let out = &mut self.bytes;
-        for same in cells.chunk_by(|a, b| a.runs == b.runs) {
-            put(out, same.first()?.runs.into())?;
-            put(out, same.len() as u32)?;
+        // Not `chunk_by`, which can panic, as far as the compiler knows.
+        let mut rest = cells;
+        while let Some(first) = rest.first() {
+            let same = rest.iter().take_while(|cell| cell.runs == first.runs);
+            let count = same.count();
+            put(out, first.runs.into())?;
+            put(out, count as u32)?;
+            rest = rest.get(count..)?;
         }
         for group in cells.chunks(SIGMA_CELLS) {
             append(out, &[sigma_code(group)])?;

@@ -100,17 +100,29 @@ impl PageBuffer {
             }
             _ => return false,
         };
-        let (was, now) = (end - start, length);
-        if now > was && now - was > self.room() {
+        let was = end - start;
+        if length > was && length - was > self.room() {
             return false;
         }
-        let length = self.blocks.len();
-        if now > was && self.blocks.resize(length + now - was, 0).is_err() {
-            return false;
+        self.move_from(end, start + length).is_some()
+    }
+
+    /// Moves the bytes from one offset on to another one. Returns `None` if they do not fit.
+    fn move_from(&mut self, from: usize, to: usize) -> Option<()> {
+        // In the form in which the compiler sees that `copy_within` does not panic.
+        if let Some(by) = to.checked_sub(from) {
+            self.blocks.resize(self.blocks.len() + by, 0).ok()?;
+            let behind = self.blocks.get_mut(from..)?;
+            let count = behind.len().checked_sub(by)?;
+            behind.copy_within(..count, by);
+        } else {
+            let behind = self.blocks.get_mut(to..)?;
+            let by = from - to;
+            let count = behind.len().checked_sub(by)?;
+            behind.copy_within(by.., 0);
+            self.blocks.truncate(to + count);
         }
-        self.blocks.copy_within(end..length, start + now);
-        self.blocks.truncate(length + now - was);
-        true
+        Some(())
     }
 
     /// Puts a block where there is room for it now.

@@ -99,21 +99,26 @@ impl<F: MappedFlash, R: SectorTable> Store<F, R> {
         for number in 0..self.sectors.as_ref().len() {
             let bytes = sector_bytes(self.flash.bytes(), number as u16);
             let page = bytes.map_or(Err(NoPage::Damaged), Page::check);
-            match page.map(|page| page.header) {
-                Ok(header) if usize::from(header.key.slot) < self.sectors.as_ref().len() => {
+            let page = page.map(|page| page.header);
+            let count = self.sectors.as_ref().len();
+            let Some(sector) = self.sectors.as_mut().get_mut(number) else {
+                return;
+            };
+            match page {
+                Ok(header) if usize::from(header.key.slot) < count => {
                     known += 1;
                     sum += u64::from(header.erases);
-                    self.sectors.as_mut()[number].erases = header.erases;
+                    sector.erases = header.erases;
                     self.take(number as u16, &header);
                 }
                 Err(NoPage::Blank) => {}
                 Err(NoPage::OtherVersion) => {
                     self.opened.other_version += 1;
-                    self.sectors.as_mut()[number].set_foreign(true);
+                    sector.set_foreign(true);
                 }
                 Ok(_) | Err(NoPage::Damaged) => {
                     self.opened.damaged += 1;
-                    self.sectors.as_mut()[number].erases = u32::MAX;
+                    sector.erases = u32::MAX;
                 }
             }
         }
@@ -205,7 +210,7 @@ impl<F: MappedFlash, R: SectorTable> Store<F, R> {
             Some((slot, _)) if has_room => slot,
             _ => least_useful(sectors, is_needed)?,
         };
-        let generation = sectors[usize::from(slot)].generation;
+        let generation = sectors.get(usize::from(slot))?.generation;
         Some(PageKey { slot, generation }.next())
     }
 
