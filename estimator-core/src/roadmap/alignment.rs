@@ -14,6 +14,8 @@ const UNIT_PERCENT: f32 = 0.001;
 const MEMORY_M: f32 = 1_000.0;
 /// Cells whose differences count as one: errors of a lagged grade last some 50 m.
 const CORRELATED_CELLS: f32 = 20.0;
+/// A shift larger than so many of its standard deviations is seen.
+const SEEN_SIGMAS: f32 = 1.0;
 /// Standard deviation of a shift before anything is known, m.
 const PRIOR_M: f32 = 5.0;
 
@@ -28,6 +30,8 @@ pub(super) struct Alignment {
     /// Sum of squared changes over their variances, 1/m², and that of differences times changes, 1/m.
     information: f32,
     product: f32,
+    /// The square of the shift, if it is seen.
+    shift_squared_m2: f32,
     is_displaced: bool,
     limits: MapLimits,
 }
@@ -39,6 +43,7 @@ impl Alignment {
             newest: 0,
             information: 0.0,
             product: 0.0,
+            shift_squared_m2: 0.0,
             is_displaced: false,
             limits,
         }
@@ -49,6 +54,7 @@ impl Alignment {
         self.grades.fill(None);
         self.newest = 0;
         (self.information, self.product) = (0.0, 0.0);
+        self.shift_squared_m2 = 0.0;
         self.is_displaced = false;
     }
 
@@ -97,15 +103,23 @@ impl Alignment {
     }
 
     fn judge(&mut self) {
+        let square = |x: f32| x * x;
         let limits = &self.limits;
         let information = self.shift_information();
-        let shift_m = self.shift_value_m(information).abs();
-        // The sigma, a square root, only where it counts.
-        if shift_m > limits.displaced_m
-            && shift_m > limits.displaced_sigmas * shift_sigma_m(information)
+        let shift_squared_m2 = square(self.shift_value_m(information));
+        // What the shift does to the grade, in standard deviations of the estimate.
+        let harm_squared = shift_squared_m2 * self.information * (CELL_LENGTH_M / MEMORY_M);
+        let significance = shift_squared_m2 * information;
+        self.shift_squared_m2 = if significance > square(SEEN_SIGMAS) {
+            shift_squared_m2
+        } else {
+            0.0
+        };
+        if significance > square(limits.displaced_sigmas)
+            && harm_squared > square(limits.displaced_harm)
         {
             self.is_displaced = true;
-        } else if shift_m < limits.aligned_m {
+        } else if harm_squared < square(limits.aligned_harm) {
             self.is_displaced = false;
         }
     }
@@ -125,6 +139,15 @@ impl Alignment {
         Uncertain {
             value: self.shift_value_m(information),
             sigma: shift_sigma_m(information),
+        }
+    }
+
+    /// Returns the standard deviation of a place along the road, m, with a shift that is seen.
+    pub(super) fn with_shift(&self, sigma_m: f32) -> f32 {
+        if self.shift_squared_m2 > 0.0 {
+            sqrtf(sigma_m * sigma_m + self.shift_squared_m2)
+        } else {
+            sigma_m
         }
     }
 

@@ -3,11 +3,12 @@
 /// From what difference on a map does not count, and below which it counts again.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MapLimits {
-    /// A shift along the road that makes a map useless, m and standard deviations.
-    pub(super) displaced_m: f32,
+    /// The error of grade by a shift along the road that makes a map useless, in standard deviations of
+    /// the lagged grade; and the shift itself, in its own.
+    pub(super) displaced_harm: f32,
     pub(super) displaced_sigmas: f32,
-    /// A shift that does no harm, m.
-    pub(super) aligned_m: f32,
+    /// The error of grade by a shift that does no harm.
+    pub(super) aligned_harm: f32,
     /// Mean normalised squared differences from the estimate.
     pub(super) left_out: f32,
     pub(super) counts_again: f32,
@@ -17,9 +18,9 @@ impl MapLimits {
     /// Those of a map from outside. The differences are 2.4 standard deviations over the whole distance,
     /// and 1.4.
     pub(super) const MAP: Self = Self {
-        displaced_m: 8.0,
+        displaced_harm: 0.7,
         displaced_sigmas: 3.0,
-        aligned_m: 5.0,
+        aligned_harm: 0.4,
         left_out: 6.0,
         counts_again: 2.0,
     };
@@ -27,9 +28,9 @@ impl MapLimits {
     /// few drives, so that its errors are larger where those of the live grade are. A road that was
     /// rebuilt by 1 % differs by 60.
     pub(super) const MEMORY: Self = Self {
-        displaced_m: 20.0,
+        displaced_harm: 1.2,
         displaced_sigmas: 4.0,
-        aligned_m: 10.0,
+        aligned_harm: 0.6,
         left_out: 10.0,
         counts_again: 3.0,
     };

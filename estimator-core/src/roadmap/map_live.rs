@@ -89,7 +89,10 @@ impl<'m> MapLive<'m> {
     #[must_use]
     pub fn trusted_place(&self) -> Option<MapPlace> {
         match self.matcher.place() {
-            MapMatch::On(place) if !self.is_left_out() => Some(place),
+            MapMatch::On(place) if !self.is_left_out() => Some(MapPlace {
+                sigma_m: self.judge.alignment().with_shift(place.sigma_m),
+                ..place
+            }),
             _ => None,
         }
     }
@@ -139,6 +142,7 @@ impl<'m> MapLive<'m> {
             self.profile = None;
             return None;
         }
-        profile.grade_percent(place.cell, place.sigma_m)
+        let sigma_m = self.judge.alignment().with_shift(place.sigma_m);
+        profile.grade_percent(place.cell, sigma_m)
     }
 }

@@ -2,6 +2,7 @@
 
 mod drives;
 mod live;
+mod measured_road;
 mod memory;
 mod network_drives;
 mod parts;

@@ -1,45 +1,10 @@
 //! `estimate --memory`: roads that the vehicle has learned itself.
 
-use crate::drives::{Truth, assert_only_live_changes, json, rows, truth_at};
+use crate::drives::{Errors, Truth, assert_only_live_changes, json, measured_road, rows, truth_at};
 use host_sim::files::run::{RunRow, read};
 use host_sim::map::MapRow;
 use std::path::Path;
 use test_kit::command::{folder, roadgrade};
-
-/// Sums of the errors of live grades.
-#[derive(Clone, Copy, Default)]
-struct Errors {
-    squares: f64,
-    normalised: f64,
-    count: f64,
-}
-
-impl Errors {
-    /// Adds a drive without its first and last 500 m.
-    fn add(&mut self, folder: &Path, name: &str, run: &[RunRow]) {
-        let truth: Vec<Truth> = rows(&folder.join(format!("{name}.truth.csv")));
-        let end_m = run.last().expect("cells").distance_m - 500.0;
-        for row in run {
-            let Some(truth_percent) = truth_at(&truth, row.distance_m) else {
-                continue;
-            };
-            if (500.0..end_m).contains(&row.distance_m) {
-                let error = row.live_grade_percent - truth_percent;
-                self.squares += error * error;
-                self.normalised += (error / row.live_grade_sigma_percent).powi(2);
-                self.count += 1.0;
-            }
-        }
-    }
-
-    fn rms(&self) -> f64 {
-        (self.squares / self.count).sqrt()
-    }
-
-    fn normalised(&self) -> f64 {
-        self.normalised / self.count
-    }
-}
 
 /// Simulates drives of 12 km by one truck with wrong parameters.
 fn simulated(names: &[&str]) -> tempfile::TempDir {
@@ -88,7 +53,7 @@ fn the_second_time_the_live_grade_is_better_and_nothing_else_changes() {
     assert!(on_map > with.len() * 95 / 100);
     let error = |run| {
         let mut errors = Errors::default();
-        errors.add(path, "second", run);
+        errors.add_drive(path, "second", run);
         errors.rms()
     };
     assert!(error(&with) < 0.75 * error(&without));
@@ -245,7 +210,7 @@ fn five_drives(road: &Path, truck: &str, seeds: &[u32]) -> [Errors; 5] {
         for (drive, errors) in errors.iter_mut().enumerate() {
             let name = drive.to_string();
             let run = estimate(folder.path(), &name, &["--memory", "roads.memory"]);
-            errors.add(folder.path(), &name, &run);
+            errors.add_drive(folder.path(), &name, &run);
         }
     }
     errors
@@ -253,11 +218,9 @@ fn five_drives(road: &Path, truck: &str, seeds: &[u32]) -> [Errors; 5] {
 
 #[test]
 fn the_fifth_time_a_road_is_nearly_as_good_as_a_map() {
-    let road = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/data/e4/road.csv");
-    if !road.exists() {
-        eprintln!("SKIPPED: no measured profile at ../shared/data/e4");
+    let Some(road) = measured_road() else {
         return;
-    }
+    };
     for (truck, second, fifth) in [("A", 0.07, 0.05), ("B", 0.08, 0.055)] {
         let errors = five_drives(&road, truck, &[7, 8]);
         for drive in &errors {

@@ -92,7 +92,8 @@ impl<F: MappedFlash, R: SectorTable> RoadMemory<F, R> {
             let parked = parked.filter(|(at, _)| *at == changes);
             let profile = profile_at(map, place, parked.map(|(_, parked)| parked));
             self.profile = profile.as_ref().map(|profile| (changes, profile.park()));
-            self.grade = profile.and_then(|profile| grade_at(&profile, place));
+            let sigma_m = self.judge.alignment().with_shift(place.sigma_m);
+            self.grade = profile.and_then(|profile| grade_at(&profile, place.cell, sigma_m));
         }
         let scale = 1.0 + matcher.state.along.scale;
         self.matcher.park(&matcher, changes);
@@ -208,8 +209,8 @@ fn profile_at<'m>(
     Profile::again(map, place.block, place.cell)
 }
 
-fn grade_at(profile: &Profile<'_>, place: &MapPlace) -> Option<MemoryGrade> {
-    let grade_percent = profile.grade_percent(place.cell, place.sigma_m)?;
+fn grade_at(profile: &Profile<'_>, cell: f32, sigma_m: f32) -> Option<MemoryGrade> {
+    let grade_percent = profile.grade_percent(cell, sigma_m)?;
     let (sigma, runs) = profile.own_sigma();
     let runs = runs.min(u16::MAX.into()) as u16;
     Some(MemoryGrade {
