@@ -1,6 +1,6 @@
 //! What tests of the program on simulated drives share: truth, tables, and runs with and without a map.
 
-use host_sim::files::run::RunRow;
+use host_sim::files::run::{RunRow, read};
 use serde::Deserialize;
 use serde_json::Value;
 use std::fmt;
@@ -13,6 +13,17 @@ use test_kit::command::roadgrade;
 pub struct Truth {
     pub distance_m: f64,
     pub grade_percent: f64,
+}
+
+/// A row of the road ahead.
+#[derive(Deserialize)]
+pub struct Ahead {
+    pub distance_m: f64,
+    pub branch: u32,
+    pub probability: f64,
+    pub ahead_m: f64,
+    pub grade_percent: Option<f64>,
+    pub grade_sigma_percent: Option<f64>,
 }
 
 /// Reads a table.
@@ -111,6 +122,18 @@ pub fn assert_only_live_changes(with: &[RunRow], without: &[RunRow]) -> usize {
         }
     }
     on_map
+}
+
+/// Estimates a simulated drive.
+pub fn estimate(folder: &Path, name: &str, options: &[&str]) -> Vec<RunRow> {
+    let (vehicle, out, log) = (
+        format!("{name}.vehicle.toml"),
+        format!("{name}.csv"),
+        format!("{name}.log"),
+    );
+    let arguments = ["estimate", "--vehicle", &vehicle, "--out", &out, &log];
+    roadgrade(folder, &[&arguments[..], options].concat()).success();
+    read(&folder.join(out)).expect("a run")
 }
 
 /// Runs the program with `--json`, and returns what it prints.

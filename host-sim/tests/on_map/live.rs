@@ -1,21 +1,10 @@
 //! `estimate --map` and `horizon`, from logs to files.
 
-use crate::drives::{Truth, assert_only_live_changes, json, rows, truth_at};
+use crate::drives::{Ahead, Truth, assert_only_live_changes, json, rows, truth_at};
 use host_sim::files::run::{RunRow, read};
 use host_sim::map::{MapRow, write_map};
-use serde::Deserialize;
 use std::path::Path;
 use test_kit::command::{folder, roadgrade};
-
-#[derive(Deserialize)]
-struct Ahead {
-    distance_m: f64,
-    branch: u32,
-    probability: f64,
-    ahead_m: f64,
-    grade_percent: Option<f64>,
-    grade_sigma_percent: Option<f64>,
-}
 
 fn root_mean_square(errors: &[f64]) -> f64 {
     (errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64).sqrt()

@@ -1,9 +1,7 @@
 //! Live grade and road ahead with a map of three runs by others, on the profile of the thesis's road.
 
-use crate::drives::{Errors, Truth, measured_road, rows, truth_at};
-use host_sim::files::run::{RunRow, read};
+use crate::drives::{Ahead, Errors, Truth, estimate, measured_road, rows, truth_at};
 use host_sim::map::{MapRow, write_map};
-use serde::Deserialize;
 use std::path::Path;
 use test_kit::command::{folder, roadgrade};
 
@@ -12,22 +10,6 @@ const ERRORS: &str = "mass_factor = 1.1\ndrag_factor = 0.9\nrolling_factor = 1.1
                       torque_factor = 0.96\n";
 /// The tunnel, as distances on the road.
 const TUNNEL_M: std::ops::Range<f64> = 20_000.0..23_000.0;
-
-#[derive(Deserialize)]
-struct Ahead {
-    distance_m: f64,
-    branch: u32,
-    ahead_m: f64,
-    grade_percent: Option<f64>,
-    grade_sigma_percent: Option<f64>,
-}
-
-#[derive(Deserialize)]
-struct OfMap {
-    distance_m: f64,
-    grade_percent: f64,
-    grade_sigma_percent: f64,
-}
 
 fn run(folder: &Path, arguments: &[&str]) {
     roadgrade(folder, arguments).success();
@@ -46,17 +28,6 @@ fn simulate(folder: &Path, seed: u32, gnss: &str, drives: &[(&str, &str)]) {
     let file = format!("{seed}.toml");
     std::fs::write(folder.join(&file), scenario).expect("written");
     run(folder, &["simulate", "--scenario", &file, "--out", "."]);
-}
-
-fn estimate(folder: &Path, name: &str, options: &[&str]) -> Vec<RunRow> {
-    let (vehicle, out, log) = (
-        format!("{name}.vehicle.toml"),
-        format!("{name}.csv"),
-        format!("{name}.log"),
-    );
-    let arguments = ["estimate", "--vehicle", &vehicle, "--out", &out, &log];
-    run(folder, &[&arguments[..], options].concat());
-    read(&folder.join(out)).expect("a run")
 }
 
 /// Returns the errors of the road ahead.
@@ -100,7 +71,7 @@ fn make_map(folder: &Path, seed: u32) -> Errors {
     run(folder, &["pack", "map.csv", "--out", "map.grade"]);
     let profile: Vec<Truth> = rows(&folder.join("road.csv"));
     let mut errors = Errors::default();
-    for row in rows::<OfMap>(&folder.join("map.csv")) {
+    for row in rows::<MapRow>(&folder.join("map.csv")) {
         if (500.0..39_500.0).contains(&row.distance_m) {
             let error = row.grade_percent - between(&profile, row.distance_m);
             errors.add(error, row.grade_sigma_percent);

@@ -1,6 +1,8 @@
 //! `estimate --memory`: roads that the vehicle has learned itself.
 
-use crate::drives::{Errors, Truth, assert_only_live_changes, json, measured_road, rows, truth_at};
+use crate::drives::{
+    Errors, Truth, assert_only_live_changes, estimate, json, measured_road, rows, truth_at,
+};
 use host_sim::files::run::{RunRow, read};
 use host_sim::map::MapRow;
 use std::path::Path;
@@ -21,17 +23,6 @@ fn simulated(names: &[&str]) -> tempfile::TempDir {
     )
     .success();
     folder
-}
-
-fn estimate(folder: &Path, name: &str, options: &[&str]) -> Vec<RunRow> {
-    let (vehicle, out, log) = (
-        format!("{name}.vehicle.toml"),
-        format!("{name}.csv"),
-        format!("{name}.log"),
-    );
-    let arguments = ["estimate", "--vehicle", &vehicle, "--out", &out, &log];
-    roadgrade(folder, &[&arguments[..], options].concat()).success();
-    read(&folder.join(out)).expect("a run")
 }
 
 fn known(rows: &[RunRow]) -> usize {
