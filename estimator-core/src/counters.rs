@@ -77,6 +77,11 @@ pub struct Counters {
     /// Times that the accelerometer was found wrong, or that a wrong force explains the same; it is
     /// used again once it agrees.
     pub accelerometers_rejected: u32,
+    /// Directly measured slopes used: vertical speed, pitch.
+    pub slopes_used: u32,
+    /// Directly measured slopes that were not used, because they or their sensor disagree with the
+    /// estimate.
+    pub slopes_rejected: u32,
     /// Cells in which the brake detector found a brake, without any brake signal.
     pub brakes_guessed: u32,
     /// Stops after which the variances of scale and bias were widened.

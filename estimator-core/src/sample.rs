@@ -28,6 +28,9 @@ pub struct Sample {
     /// Mean of the readings of an accelerometer in the cell, if there are any.
     #[cfg_attr(feature = "serde", serde(default))]
     pub inertial: Option<InertialMeasurement>,
+    /// Slope that a sensor measures directly, if there is one.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub slope: Option<SlopeMeasurement>,
     /// The vehicle stood before this cell, for long or to be loaded. What was learned of its bias
     /// and scale may be wrong.
     pub after_load_change: bool,
@@ -77,6 +80,26 @@ pub struct InertialMeasurement {
     pub count: u8,
     /// Resolution of the readings, m/s²: the smallest change so far.
     pub resolution_mps2: f32,
+}
+
+/// A slope that a sensor measures directly.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct SlopeMeasurement {
+    /// Sine of the slope angle, %.
+    pub slope_percent: f32,
+    /// What measured it.
+    pub sensor: SlopeSensor,
+}
+
+/// A sensor that measures the slope directly.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum SlopeSensor {
+    /// The vertical speed of a GNSS receiver, over the speed along the road.
+    VerticalSpeed,
+    /// The pitch of the body.
+    Pitch,
 }
 
 /// How an altitude follows from the one before it.

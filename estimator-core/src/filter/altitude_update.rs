@@ -347,12 +347,15 @@ impl<S: Scalar> Gated<S> {
 impl<S: Scalar> Fix<S> {
     fn innovation(&self, state: &State<S>) -> S {
         let origin_m = state.origin_m.unwrap_or(self.altitude_m);
-        S::from_f32(self.altitude_m - origin_m) - Observation::Altitude.of(&state.mean)
+        S::from_f32(self.altitude_m - origin_m)
+            - Observation::Altitude.of(&state.mean, state.net_traction)
     }
 
     fn innovation_variance(&self, state: &State<S>) -> S {
         let observation = Observation::Altitude;
-        observation.of(&observation.cross(&state.covariance)) + self.variance
+        let net_traction = state.net_traction;
+        let cross = observation.cross(&state.covariance, net_traction);
+        observation.of(&cross, net_traction) + self.variance
     }
 }
 

@@ -272,6 +272,17 @@ impl<S: Scalar> Covariance<S> {
         }
     }
 
+    /// Adds `f h' h - h' b - b' h` for a row h of any numbers.
+    #[inline(never)] // Rare.
+    pub(super) fn add_row_products(&mut self, row: &StateVector<S>, b: &StateVector<S>, factor: S) {
+        for (i, (row_i, b_i)) in row.0.iter().zip(&b.0).enumerate() {
+            for (j, (row_j, b_j)) in row.0.iter().zip(&b.0).enumerate().skip(i) {
+                let change = *row_i * (factor * *row_j - *b_j) - *b_i * *row_j;
+                self.set_element(i, j, self.element(i, j) + change);
+            }
+        }
+    }
+
     /// Returns all rows.
     #[allow(
         clippy::needless_range_loop,

@@ -2,7 +2,9 @@
 
 use super::covariance::Covariance;
 use super::state::State;
-use super::state_index::StateIndex::{Altitude, GnssError, KineticEnergy, Scale};
+use super::state_index::StateIndex::{
+    Altitude, Bias, GnssError, KineticEnergy, Scale, Slope, Wind,
+};
 use super::state_index::StateVector;
 use crate::scalar::Scalar;
 
@@ -15,6 +17,11 @@ pub enum Observation {
     Altitude,
     /// The scale as it was before a stop: h x = κ.
     Scale,
+    /// The slope of the road, from a sensor that measures it directly: h x = s − b − w + κ times net
+    /// traction.
+    RoadSlope,
+    /// The slope that the vehicle model reads, from a sensor whose offset is relative to it: h x = s.
+    ModelSlope,
 }
 
 /// A scalar measurement: its row, its innovation and its noise.
@@ -42,8 +49,13 @@ pub struct ScalarUpdate<S> {
 impl<S: Scalar> ScalarUpdate<S> {
     /// Applies v ← (I − K h)' v to an adjoint vector.
     #[inline]
-    pub(crate) fn transpose_vector(&self, observation: Observation, vector: &mut StateVector<S>) {
-        observation.add_to(vector, -self.gain.dot(vector));
+    pub(crate) fn transpose_vector(
+        &self,
+        observation: Observation,
+        net_traction: S,
+        vector: &mut StateVector<S>,
+    ) {
+        observation.add_to(vector, net_traction, -self.gain.dot(vector));
     }
 
     /// Returns the normalised squared innovation ν²/S.
@@ -55,36 +67,71 @@ impl<S: Scalar> ScalarUpdate<S> {
 }
 
 impl Observation {
-    /// Returns h x.
+    /// Returns h of a measurement that is rare: of all but energy and altitude, which have their own
+    /// code wherever h is used.
+    #[inline(never)] // Rare, and used in a dozen places.
+    fn row<S: Scalar>(self, net_traction: S) -> StateVector<S> {
+        let mut row = StateVector::ZERO;
+        match self {
+            Self::Energy => row[KineticEnergy] = S::ONE,
+            Self::Altitude => {
+                row[Altitude] = S::ONE;
+                row[GnssError] = S::ONE;
+            }
+            Self::Scale => row[Scale] = S::ONE,
+            Self::ModelSlope => row[Slope] = S::ONE,
+            Self::RoadSlope => {
+                row[Slope] = S::ONE;
+                row[Bias] = -S::ONE;
+                row[Wind] = -S::ONE;
+                row[Scale] = net_traction;
+            }
+        }
+        row
+    }
+
+    /// Returns h x, where the net traction is this, %.
     #[inline(always)]
     #[must_use]
-    pub fn of<S: Scalar>(self, x: &StateVector<S>) -> S {
+    pub fn of<S: Scalar>(self, x: &StateVector<S>, net_traction: S) -> S {
         match self {
             Self::Energy => x[KineticEnergy],
             Self::Altitude => x[Altitude] + x[GnssError],
-            Self::Scale => x[Scale],
+            rare => rare.of_rare(x, net_traction),
         }
+    }
+
+    #[inline(never)] // Rare.
+    fn of_rare<S: Scalar>(self, x: &StateVector<S>, net_traction: S) -> S {
+        self.row(net_traction).dot(x)
     }
 
     /// Applies `v += factor * h'`.
     #[inline(always)]
-    pub(crate) fn add_to<S: Scalar>(self, vector: &mut StateVector<S>, factor: S) {
+    pub(crate) fn add_to<S: Scalar>(self, vector: &mut StateVector<S>, net_traction: S, factor: S) {
         match self {
             Self::Energy => vector[KineticEnergy] += factor,
             Self::Altitude => {
                 vector[Altitude] += factor;
                 vector[GnssError] += factor;
             }
-            Self::Scale => vector[Scale] += factor,
+            rare => rare.add_rare(vector, net_traction, factor),
+        }
+    }
+
+    #[inline(never)] // Rare.
+    fn add_rare<S: Scalar>(self, vector: &mut StateVector<S>, net_traction: S, factor: S) {
+        let row = self.row(net_traction);
+        for (element, h) in vector.0.iter_mut().zip(&row.0) {
+            *element += factor * *h;
         }
     }
 
     /// Returns P h'.
     #[inline(always)]
-    pub(super) fn cross<S: Scalar>(self, p: &Covariance<S>) -> StateVector<S> {
+    pub(super) fn cross<S: Scalar>(self, p: &Covariance<S>, net_traction: S) -> StateVector<S> {
         match self {
             Self::Energy => p.row(KineticEnergy),
-            Self::Scale => p.row(Scale),
             Self::Altitude => {
                 let mut sum = p.row(Altitude);
                 for (k, element) in sum.0.iter_mut().enumerate() {
@@ -92,6 +139,7 @@ impl Observation {
                 }
                 sum
             }
+            rare => p.times(&rare.row(net_traction)),
         }
     }
 
@@ -100,14 +148,25 @@ impl Observation {
     pub(crate) fn add_products<S: Scalar>(
         self,
         matrix: &mut Covariance<S>,
+        net_traction: S,
         b: &StateVector<S>,
         factor: S,
     ) {
         match self {
             Self::Energy => matrix.add_observation_products([KineticEnergy], b, factor),
             Self::Altitude => matrix.add_observation_products([Altitude, GnssError], b, factor),
-            Self::Scale => matrix.add_observation_products([Scale], b, factor),
+            rare => matrix.add_row_products(&rare.row(net_traction), b, factor),
         }
+    }
+}
+
+impl<S: Scalar> State<S> {
+    /// Returns mean and variance of what a measurement observes.
+    pub(super) fn observed(&self, observation: Observation) -> (f32, f32) {
+        let cross = observation.cross(&self.covariance, self.net_traction);
+        let mean = observation.of(&self.mean, self.net_traction);
+        let variance = observation.of(&cross, self.net_traction);
+        (mean.to_f32(), variance.to_f32())
     }
 }
 
@@ -115,8 +174,9 @@ impl<S: Scalar> ScalarMeasurement<S> {
     /// Updates the state with the measurement.
     #[inline]
     pub fn apply(&self, state: &mut State<S>) -> ScalarUpdate<S> {
-        let cross = self.observation.cross(&state.covariance);
-        let innovation_variance = self.observation.of(&cross) + self.variance;
+        let net_traction = state.net_traction;
+        let cross = self.observation.cross(&state.covariance, net_traction);
+        let innovation_variance = self.observation.of(&cross, net_traction) + self.variance;
         let per_variance = S::ONE / innovation_variance;
         let gain = StateVector(cross.0.map(|element| element * per_variance));
         for (x, gain) in state.mean.0.iter_mut().zip(&gain.0) {

@@ -10,7 +10,7 @@
 //! | `state_index`, [`state`], [`covariance`] | the states; their mean and covariance |
 //! | [`quantity`] | what is linear in the states: slope of the road, altitude, bias, scale |
 //! | [`dynamics`], `process_noise`, [`predict`] | F, Q, and the prediction with them |
-//! | [`measurement`], `speed_update`, `altitude_update` | h and the scalar update; R of each sensor |
+//! | [`measurement`], `speed_update`, `altitude_update`, `slope_update` | h and the scalar update; R of each sensor |
 //! | `altitude_gate` | which altitudes to use; the climb test |
 //! | `noise_ratio` | measurement noise learned from innovations |
 //! | `inertial` | the accelerometer as a second measurement of the force |
@@ -40,6 +40,7 @@ mod scale_bounds;
 mod scale_prior_reset;
 mod silent_brake;
 mod slope_step;
+mod slope_update;
 mod speed_update;
 pub mod state;
 pub mod state_index;
@@ -76,6 +77,7 @@ use scale_bounds::{KeptScale, ScaleBounds};
 use scale_prior_reset::ScalePriorReset;
 use silent_brake::SilentBrake;
 use slope_step::{allow_kink, allow_step};
+use slope_update::SlopeUpdate;
 use speed_update::SpeedUpdate;
 
 /// The filter: a state that samples move.
@@ -85,6 +87,7 @@ pub struct Filter<S> {
     prior: Option<SlowStates>,
     speed: SpeedUpdate,
     altitude: AltitudeUpdate,
+    slope: SlopeUpdate,
     effects: EffectUncertainty,
     scale_reset: ScalePriorReset,
     scale_bounds: ScaleBounds,
@@ -115,6 +118,7 @@ impl<S: Scalar> Filter<S> {
             prior,
             speed: SpeedUpdate::new(noise, tuning),
             altitude: AltitudeUpdate::new(noise, tuning),
+            slope: SlopeUpdate::new(),
             effects: EffectUncertainty::new(),
             scale_reset: ScalePriorReset::new(),
             scale_bounds: ScaleBounds::default(),
@@ -144,6 +148,7 @@ impl<S: Scalar> Filter<S> {
             levels: self.levels.restarted(),
             speed: self.speed.second_pass(&self.noise(), tuning),
             altitude: self.altitude.second_pass(&self.noise(), tuning),
+            slope: self.slope.second_pass(),
             brake: self.brake.second_pass(),
             accelerometer: self.accelerometer.second_pass(tuning),
             ..Filter::new(tuning, &self.noise(), self.prior)
@@ -230,6 +235,7 @@ impl<S: Scalar> Filter<S> {
             prior,
             speed,
             altitude,
+            slope,
             scale_reset,
             scale_bounds,
             levels,
@@ -308,13 +314,15 @@ impl<S: Scalar> Filter<S> {
                     reopen_bias(state, context, sample);
                     scale_reset.start(state, &context.tuning.prior);
                 }
-                if let Some(fix) = gated.accepted {
+                let is_overdue = slope.take(sample);
+                if let Some(fix) = gated.accepted.filter(|_| !is_overdue) {
                     let update = altitude.apply(context, sample, state, scale_reset, fix);
                     Some((Observation::Altitude, update))
                 } else {
-                    accelerometer
-                        .weigh(sample, state, &context.tuning)
-                        .map(|measured| (Observation::Scale, measured.apply(state)))
+                    slope
+                        .measurement(context, sample, state, energy_before)
+                        .or_else(|| accelerometer.weigh(sample, state, &context.tuning))
+                        .map(|measured| (measured.observation, measured.apply(state)))
                 }
             }
         };

@@ -50,7 +50,7 @@ pub struct SmootherInput<S> {
     pub reset: Reset,
     /// The update with the speed, if there was one.
     pub speed: Option<ScalarUpdate<S>>,
-    /// The update after it, if there was one: with the altitude or with the scale.
+    /// The update after it, if there was one: with the altitude, a slope, or the scale.
     pub second: Option<(Observation, ScalarUpdate<S>)>,
     /// Whether the scale was set anew after the measurements. What follows says nothing of the one
     /// before.
@@ -78,9 +78,10 @@ impl<S: Scalar> SmootherInput<S> {
         if self.reset.sets_altitude() {
             error[Altitude] = -error[GnssError];
         }
+        let net_traction = self.dynamics.net_traction;
         let mut update = |update: &Option<ScalarUpdate<S>>, observation: Observation| {
             update.as_ref().map(|update| {
-                let observed = observation.of(error);
+                let observed = observation.of(error, net_traction);
                 for (error, gain) in error.0.iter_mut().zip(&update.gain.0) {
                     *error -= *gain * observed;
                 }

@@ -10,6 +10,10 @@ pub(super) const ALTITUDES_M: Range<f32> = -1_000.0..10_000.0;
 pub(super) const YAW_RATES_RADPS: RangeInclusive<f32> = -2.0..=2.0;
 /// Longitudinal accelerations of road vehicles on any slope, m/s².
 pub(super) const ACCELERATIONS_MPS2: RangeInclusive<f32> = -20.0..=20.0;
+/// Vertical speeds of road vehicles, m/s.
+pub(super) const VERTICAL_SPEEDS_MPS: RangeInclusive<f32> = -20.0..=20.0;
+/// Pitches of a body on any road, with the tilt of its sensor, °.
+pub(super) const PITCHES_DEG: RangeInclusive<f32> = -45.0..=45.0;
 /// Courses over ground, °.
 pub(super) const COURSES_DEG: RangeInclusive<f32> = 0.0..=360.0;
 /// Reference torques of engines (SPN 544), Nm.

@@ -148,18 +148,15 @@ impl Gnss {
         let Some(altitude_m) = value.filter(|altitude_m| ALTITUDES_M.contains(altitude_m)) else {
             return AltitudeOutcome::Taken;
         };
-        let timeout = tuning.hold_times.state_timeout;
-        let quality = |latest: &Latest| latest.within(now, timeout);
-        let satellites = quality(&self.satellites);
-        let no_fix = quality(&self.method).is_some_and(|method| method < 0.5);
-        let fewest = tuning.detection.fewest_satellites;
-        let too_few = satellites.is_some_and(|count| count < fewest);
-        if no_fix || too_few {
+        if self.is_poor(tuning, now) {
             return AltitudeOutcome::Poor;
         }
         if self.is_frozen(tuning, altitude_m, at_m) {
             return AltitudeOutcome::Frozen;
         }
+        let timeout = tuning.hold_times.state_timeout;
+        let quality = |latest: &Latest| latest.within(now, timeout);
+        let satellites = quality(&self.satellites);
         let noise = &tuning.measurement_noise;
         let dilution = quality(&self.vdop).or(quality(&self.hdop)).unwrap_or(1.0);
         let few = satellites.map_or(1.0, |count| {
@@ -177,6 +174,16 @@ impl Gnss {
         };
         self.altitude = Some((measurement, at_m));
         AltitudeOutcome::Taken
+    }
+
+    /// Returns whether there is no fix, or one of too few satellites.
+    #[inline(never)] // Called from two places.
+    pub(super) fn is_poor(&self, tuning: &Tuning, now: Instant) -> bool {
+        let timeout = tuning.hold_times.state_timeout;
+        let method = self.method.within(now, timeout);
+        let satellites = self.satellites.within(now, timeout);
+        let fewest = tuning.detection.fewest_satellites;
+        method.is_some_and(|method| method < 0.5) || satellites.is_some_and(|count| count < fewest)
     }
 
     /// Returns whether an altitude has been repeated for so long that the receiver is stuck.

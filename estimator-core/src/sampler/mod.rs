@@ -14,6 +14,7 @@
 //! | `gnss_timing`, `speed_lag`, `lag_regression` | age of a fix; scale of the wheel speed |
 //! | `stops`, `reversing` | standstills, weighings, load changes; direction of motion |
 //! | `inertial` | the accelerometer: one mean a cell |
+//! | `slope_sensors` | vertical speed and pitch: the slope directly |
 //! | `effect_inputs` | what effects depend on |
 //! | `parts` | what these collect, and the sample of a cell |
 //! | `latest`, `held_signal`, `accepted_ranges` | newest values, their age and rests; ranges of readings |
@@ -38,6 +39,7 @@ mod odometer;
 mod parts;
 mod resolution;
 mod reversing;
+mod slope_sensors;
 mod speed_check;
 mod speed_lag;
 mod stops;
@@ -58,6 +60,7 @@ use latest::TimedValue;
 use odometer::{Interval, Odometer};
 use parts::Parts;
 use reversing::DirectionSignals;
+use slope_sensors::SlopeSensors;
 use speed_check::SpeedCheck;
 
 /// Number of samples that may wait for the filter.
@@ -176,6 +179,8 @@ impl Sampler {
                 }
             }
             Signal::LongitudinalAcceleration => parts.accelerometer.record(now, value),
+            Signal::VerticalSpeed => parts.record_vertical_speed(context, now, value),
+            Signal::Pitch => parts.slope_sensors.pitch(value),
             Signal::EngineReferenceTorque | Signal::EngineInertia => {
                 parts.record_configuration(context, reading.signal, value);
             }
@@ -186,9 +191,7 @@ impl Sampler {
             | Signal::OutputShaftSpeed
             | Signal::SelectedGear
             | Signal::Passengers
-            | Signal::Pitch
-            | Signal::PitchRate
-            | Signal::VerticalSpeed => {}
+            | Signal::PitchRate => {}
             Signal::Fan | Signal::YawRate | Signal::Course | Signal::GnssSpeed => {
                 let speed_mps = odometer.speed_mps();
                 let signals = &mut parts.effect_signals;
@@ -340,6 +343,7 @@ impl Sampler {
             }
             parts.traction.take_mean_n(now);
             parts.accelerometer.take(now);
+            parts.slope_sensors = SlopeSensors::default();
             parts.gnss.clear();
             parts.brake_detector.restart();
             odometer.stand(speed);
@@ -365,6 +369,7 @@ impl Sampler {
             }
         });
         if !bridged {
+            parts.slope_sensors = SlopeSensors::default();
             parts.gnss.clear();
             parts.brake_detector.restart();
             count(&mut context.counters.gaps);

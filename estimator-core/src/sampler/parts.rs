@@ -13,6 +13,7 @@ use super::inertial::Accelerometer;
 use super::latest::Latest;
 use super::odometer::DrivenCell;
 use super::reversing::Reversing;
+use super::slope_sensors::SlopeSensors;
 use super::speed_check::{Plausibility, SpeedCheck};
 use super::stops::Stops;
 use super::traction::TractionInput;
@@ -35,6 +36,7 @@ pub(super) struct Parts {
     pub traction: TractionInput,
     engine_configuration: EngineConfiguration,
     pub accelerometer: Accelerometer,
+    pub slope_sensors: SlopeSensors,
     pub brakes: Brakes,
     pub brake_detector: BrakeDetector,
     pub stops: Stops,
@@ -76,6 +78,7 @@ impl Parts {
             traction: TractionInput::new(),
             engine_configuration: EngineConfiguration::default(),
             accelerometer: Accelerometer::default(),
+            slope_sensors: SlopeSensors::default(),
             brakes: Brakes::default(),
             brake_detector: BrakeDetector::default(),
             stops: Stops::default(),
@@ -140,6 +143,18 @@ impl Parts {
         if self.engine_configuration.record(context, signal, value) {
             self.stops.scale_changed();
         }
+    }
+
+    /// Takes a vertical speed, which is worth as much as the fixes.
+    #[inline(never)] // See Sampler::record().
+    pub(super) fn record_vertical_speed(
+        &mut self,
+        context: &Context,
+        now: Instant,
+        value: Option<f32>,
+    ) {
+        let value = value.filter(|_| !self.gnss.is_poor(&context.tuning, now));
+        self.slope_sensors.vertical_speed(value);
     }
 
     fn hold_shift(&mut self, context: &Context, now: Instant) {
@@ -271,6 +286,7 @@ impl Parts {
             speed: driven.speed,
             altitude: self.gnss.altitude_before(CELL_LENGTH_M),
             inertial: self.accelerometer.measurement(&driven.acceleration),
+            slope: self.slope_sensors.take(driven.speed_mps),
             after_load_change: self.stops.take_load_change(context),
             after_stop: self.stops.take_stop(),
             mass_is_reported: self.stops.has_reported_mass(),

@@ -75,7 +75,7 @@ impl<S: Scalar> BackwardPass<S> {
         }
         // In the reverse order of the filter's updates.
         for (observation, update) in step.updates() {
-            self.undo(observation, update);
+            self.undo(observation, step.dynamics.net_traction, update);
         }
         if step.reset.sets_altitude() {
             self.information.shear(GnssError, Altitude, -S::ONE);
@@ -91,13 +91,15 @@ impl<S: Scalar> BackwardPass<S> {
 
     /// Applies λ ← (I − K h)' λ − h' ν/S and Λ ← (I − K h)' Λ (I − K h) + h' h/S. Only the states
     /// that the measurement observes change.
-    fn undo(&mut self, observation: Observation, update: &ScalarUpdate<S>) {
+    fn undo(&mut self, observation: Observation, net_traction: S, update: &ScalarUpdate<S>) {
         let per_variance = S::ONE / update.innovation_variance;
         let spread = self.information.times(&update.gain);
         let within = update.gain.dot(&spread);
-        update.transpose_vector(observation, &mut self.lambda);
-        observation.add_to(&mut self.lambda, -(update.innovation * per_variance));
-        observation.add_products(&mut self.information, &spread, within + per_variance);
+        update.transpose_vector(observation, net_traction, &mut self.lambda);
+        let factor = -(update.innovation * per_variance);
+        observation.add_to(&mut self.lambda, net_traction, factor);
+        let factor = within + per_variance;
+        observation.add_products(&mut self.information, net_traction, &spread, factor);
     }
 }
 

@@ -35,7 +35,7 @@ impl<S: Scalar> BlockSmoother<S> {
         for column in &mut self.columns {
             step.transpose_scale(column);
             for (observation, update) in step.updates() {
-                update.transpose_vector(observation, column);
+                update.transpose_vector(observation, step.dynamics.net_traction, column);
             }
             step.transpose_prediction(column);
         }

@@ -138,6 +138,31 @@ pub fn batch(samples: &[Sample], cells: &[FilteredStep<f64>], tuning: &Tuning) -
                 measured_variance(&used, GNSS_ALTITUDE),
             );
         }
+        // A slope: its value is what the update made of the state.
+        let slope_row = match cells[k].record.smoother_input.second {
+            Some((Observation::RoadSlope, used)) => {
+                Some((used, [1.0, -1.0, -1.0, motions[k].net_traction]))
+            }
+            Some((Observation::ModelSlope, used)) => Some((used, [1.0, 0.0, 0.0, 0.0])),
+            _ => None,
+        };
+        if let Some((used, row)) = slope_row {
+            let states = [SLOPE, BIAS, WIND, SCALE];
+            let of = |values: &[f64; STATES]| -> f64 {
+                states
+                    .iter()
+                    .zip(row)
+                    .map(|(i, factor)| factor * values[*i])
+                    .sum()
+            };
+            let known = of(used.gain.as_array());
+            let value = of(cells[k].state.mean.as_array()) + (1.0 - known) * used.innovation;
+            let mut h = DVector::zeros(size);
+            for (i, factor) in states.into_iter().zip(row) {
+                h[k * STATES + i] = factor;
+            }
+            rows.push((h, value, used.innovation_variance * (1.0 - known)));
+        }
     }
     let h = DMatrix::from_fn(rows.len(), size, |i, j| rows[i].0[j]);
     let y = DVector::from_fn(rows.len(), |i, _| rows[i].1);

@@ -11,5 +11,6 @@ mod independent_solutions;
 mod loads;
 mod prediction;
 mod scale_bounds;
+mod slopes;
 mod states;
 mod statistics;

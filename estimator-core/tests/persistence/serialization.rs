@@ -2,7 +2,7 @@
 
 use estimator_core::sample::{
     AltitudeContinuity, AltitudeMeasurement, EffectInputs, ForceInputs, InertialMeasurement,
-    Sample, SpeedMeasurement,
+    Sample, SlopeMeasurement, SlopeSensor, SpeedMeasurement,
 };
 use estimator_core::{Cell, CellEnd, Condition, Disagreement, Instant, Maybe, Uncertain};
 use proptest::prelude::*;
@@ -92,6 +92,10 @@ fn sample() -> impl Strategy<Value = Sample> {
                 speed,
                 altitude,
                 inertial,
+                slope: flag.then_some(SlopeMeasurement {
+                    slope_percent: number / 23.0,
+                    sensor: SlopeSensor::Pitch,
+                }),
                 after_load_change: !flag,
                 after_stop: flag,
                 mass_is_reported: flag,

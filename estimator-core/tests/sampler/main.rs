@@ -8,4 +8,5 @@ mod positions;
 mod receiver_timing;
 mod reversing;
 mod shaft_torque;
+mod slope_sensors;
 mod stops;

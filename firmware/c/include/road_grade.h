@@ -555,6 +555,15 @@ typedef struct GradeCounters {
      */
     uint32_t accelerometers_rejected;
     /**
+     * Directly measured slopes used: vertical speed, pitch.
+     */
+    uint32_t slopes_used;
+    /**
+     * Directly measured slopes that were not used, because they or their sensor disagree with the
+     * estimate.
+     */
+    uint32_t slopes_rejected;
+    /**
      * Cells in which the brake detector found a brake, without any brake signal.
      */
     uint32_t brakes_guessed;

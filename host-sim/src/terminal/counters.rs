@@ -75,6 +75,8 @@ pub fn events(c: &Counters) -> Vec<CountedEvent> {
         ("speeds that were frozen", c.frozen_speeds.into()),
         ("steps of the speed", c.speed_steps.into()),
         ("accelerometers rejected", c.accelerometers_rejected.into()),
+        ("slopes measured and used", c.slopes_used.into()),
+        ("slopes measured and rejected", c.slopes_rejected.into()),
         ("poor fixes", c.poor_fixes.into()),
         ("gaps in speed", c.gaps.into()),
         (

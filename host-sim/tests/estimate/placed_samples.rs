@@ -37,6 +37,7 @@ fn kept(cell: u32, used: Duration, true_s: f64) -> (Sample, Duration) {
             continuity: AltitudeContinuity::Followed,
         }),
         inertial: None,
+        slope: None,
         after_load_change: false,
         after_stop: false,
         mass_is_reported: false,

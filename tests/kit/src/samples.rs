@@ -29,6 +29,7 @@ pub fn sample(cell: u32, traction_n: f32, speed_mps: f32) -> Sample {
         speed: None,
         altitude: None,
         inertial: None,
+        slope: None,
         after_load_change: false,
         after_stop: false,
         mass_is_reported: false,

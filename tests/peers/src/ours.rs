@@ -43,6 +43,7 @@ pub fn ours(meter: &mut impl FilterMeter) {
         speed: None,
         altitude: None,
         inertial: None,
+        slope: None,
         after_load_change: false,
         after_stop: false,
         mass_is_reported: false,

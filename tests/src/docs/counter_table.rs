@@ -26,7 +26,7 @@ counters! {
     speed_leaps frozen_speeds speeds_used tractions_used poor_fixes frozen_fixes reversals gaps
     samples_lost cells_lost cells_unsound cells_suspect steps invalid_steps
     altitudes_used altitudes_rejected altitude_outliers speed_steps accelerometers_rejected
-    brakes_guessed
+    slopes_used slopes_rejected brakes_guessed
     loads_reopened loads_changed scales_reopened scales_out_of_bounds
     altitude_gaps altitude_steps altitude_drifts altitude_drifts_believed altitude_resets
     climbs_contradicted slope_steps restarts

@@ -6,9 +6,12 @@ use cross_tests::faults::{Frames, seconds};
 use estimator_core::filter::gross_mass::ModelMass;
 use estimator_core::filter::{Filter, SensorNoiseRatios};
 use estimator_core::{
-    Condition, Context, Counters, Disagreement, Instant, Intake, Sampler, Signal, Tuning, Value,
+    Condition, Context, Counters, Disagreement, Instant, Intake, Reading, Sampler, Signal, Tuning,
+    Value,
 };
+use host_sim::numeric::slope::sine;
 use host_sim::simulator::Recording;
+use host_sim::simulator::random::{OrnsteinUhlenbeck, Purpose, normal, stream};
 use host_sim::simulator::scenario::Scenario;
 use std::path::Path;
 
@@ -70,6 +73,21 @@ pub fn scenario(truck: &str, seed: u64, more: &str) -> String {
 
 /// Drives a scenario with a fault of the torque, with or without an accelerometer.
 pub fn live(text: &str, fault: Fault) -> LiveDrive {
+    live_with(text, fault, None)
+}
+
+/// A GNSS receiver that gives its vertical speed with each fix.
+#[derive(Clone, Copy, Debug)]
+pub struct VerticalSpeed {
+    /// Fast error, 1 sigma, m/s, and the slow one, which keeps its value for half a minute.
+    pub fast_mps: f64,
+    pub slow_mps: f64,
+    /// Factor on the reading.
+    pub factor: f64,
+}
+
+/// As [`live`], with a vertical speed each second.
+pub fn live_with(text: &str, fault: Fault, vertical: Option<VerticalSpeed>) -> LiveDrive {
     let scenario = Scenario::parse(text, Path::new("inertial")).unwrap();
     let recording = Recording::new(&scenario, 0).unwrap();
     let drive = recording.drive();
@@ -79,8 +97,25 @@ pub fn live(text: &str, fault: Fault) -> LiveDrive {
     let mut sampler = Sampler::new();
     let mut filter = Filter::<f32>::new(&context.tuning, &SensorNoiseRatios::default(), None);
     let mut cells = Vec::new();
+    let mut rng = stream(scenario.seed, 0, Purpose::Inertial);
+    let mut slow_error = OrnsteinUhlenbeck::new(1.0, 30.0, &mut rng);
+    let mut next_s = 30.0;
     for timed in fault.received(Box::new(recording.frames())) {
         intake.on_frame(&mut context, timed.time, &timed.frame, &mut sampler);
+        let now_s = timed.time.micros() as f64 * 1e-6;
+        if let Some(sensor) = vertical.filter(|_| now_s >= next_s) {
+            next_s = now_s + 1.0;
+            let at = drive.at(now_s - 0.2);
+            let error_mps = sensor.fast_mps * normal(&mut rng)
+                + sensor.slow_mps * slow_error.advance(1.0, &mut rng);
+            let climb_mps = at.speed_mps * sine(drive.road.grade(at.distance_m));
+            let mps = sensor.factor * (climb_mps + error_mps);
+            let reading = Reading {
+                signal: Signal::VerticalSpeed,
+                value: Value::Real(mps as f32),
+            };
+            intake.on_reading(&mut context, timed.time, reading, &mut sampler);
+        }
         while let Some(sample) = sampler.next_sample() {
             let Some(record) = filter.step(&mut context, &sample) else {
                 continue;

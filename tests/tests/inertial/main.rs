@@ -6,7 +6,7 @@
 
 mod drive;
 
-use drive::{Errors, Fault, LiveCell, LiveDrive, errors, live, scenario};
+use drive::{Errors, Fault, LiveCell, LiveDrive, VerticalSpeed, errors, live, live_with, scenario};
 
 /// Trucks and seeds of their roads.
 const DRIVES: [(&str, u64); 6] = [("A", 1), ("A", 2), ("A", 3), ("B", 1), ("B", 2), ("B", 3)];
@@ -57,11 +57,14 @@ fn shifts_and_brakes_cost_less() {
 
 #[test]
 fn torque_may_be_missing_for_two_minutes() {
-    let during = |c: &LiveCell| c.time_s > START_S && c.time_s < START_S + 122.0;
     let fault = Fault::TorqueMissing(START_S, START_S + 120.0);
     for (truck, seed) in DRIVES {
-        let [without, soft, rough] = ["", SOFT, ROUGH]
-            .map(|sensor| errors(&live(&scenario(truck, seed, sensor), fault).cells, during));
+        let [without, soft, rough] = ["", SOFT, ROUGH].map(|sensor| {
+            errors(
+                &live(&scenario(truck, seed, sensor), fault).cells,
+                during_fault,
+            )
+        });
         println!("{truck}{seed} without {without:.3?} soft {soft:.3?} rough {rough:.3?}");
         assert!(without.rmse_percent > 0.5);
         assert!(soft.rmse_percent < 0.25 && soft.nees < 2.0);
@@ -109,5 +112,92 @@ fn altitude_keeps_its_sigma_through_ten_kilometres_without_gnss() {
             end.altitude_sigma_m
         );
         assert!(error_m.abs() < 1.5 * end.altitude_sigma_m);
+    }
+}
+
+/// A good receiver (0.05 m/s), a usual one, a poor one: fast and slow error, m/s.
+const RECEIVERS: [(f64, f64); 3] = [(0.05, 0.01), (0.1, 0.03), (0.3, 0.1)];
+
+fn during_fault(cell: &LiveCell) -> bool {
+    cell.time_s > START_S && cell.time_s < START_S + 122.0
+}
+
+#[test]
+fn a_vertical_speed_serves_everywhere() {
+    let missing = Fault::TorqueMissing(START_S, START_S + 120.0);
+    let mut of_receivers = [const { (Vec::new(), Vec::new()) }; 4];
+    for (truck, seed) in DRIVES {
+        let text = scenario(truck, seed, "");
+        let sensors = RECEIVERS.map(|(fast_mps, slow_mps)| {
+            Some(VerticalSpeed {
+                fast_mps,
+                slow_mps,
+                factor: 1.0,
+            })
+        });
+        for (sensor, sums) in [None].into_iter().chain(sensors).zip(&mut of_receivers) {
+            let drive = live_with(&text, Fault::None, sensor);
+            let all = errors(&drive.cells, judged);
+            let drive = live_with(&text, missing, sensor);
+            let fault = errors(&drive.cells, during_fault);
+            println!("{truck}{seed} {sensor:?} all {all:.3?} without torque {fault:.3?}");
+            assert!(all.nees < 1.5 && fault.nees < 2.0);
+            sums.0.push(all);
+            sums.1.push(fault);
+        }
+    }
+    let [blind, good, usual, poor] =
+        of_receivers.map(|(all, fault)| [pooled(&all), pooled(&fault)]);
+    println!("all, without torque: {blind:.3?} {good:.3?} {usual:.3?} {poor:.3?}");
+    assert!(good[0] < 0.8 * blind[0] && good[1] < 0.35 * blind[1]);
+    assert!(usual[0] < 0.9 * blind[0] && usual[1] < 0.5 * blind[1]);
+    assert!(poor[0] < blind[0] && poor[1] < blind[1]);
+}
+
+#[test]
+fn a_vertical_speed_of_another_sign_or_unit_changes_nothing() {
+    let text = scenario("B", 3, "");
+    let missing = Fault::TorqueMissing(START_S, START_S + 120.0);
+    let blind = errors(&live(&text, missing).cells, judged);
+    for factor in [-1.0, 3.6, 1.0 / 3.6, 0.01] {
+        let sensor = VerticalSpeed {
+            fast_mps: 0.1,
+            slow_mps: 0.03,
+            factor,
+        };
+        let drive = live_with(&text, missing, Some(sensor));
+        let seeing = errors(&drive.cells, judged);
+        println!("{factor}: {} used", drive.counters.slopes_used);
+        assert_eq!(seeing.rmse_percent, blind.rmse_percent);
+        assert_eq!(drive.counters.slopes_used, 0);
+    }
+}
+
+#[test]
+fn a_pitch_stands_in_for_a_missing_torque() {
+    let missing = Fault::TorqueMissing(START_S, START_S + 120.0);
+    let bodies = [
+        ("", [0.8, 2.2]),
+        ("[pitch]\n", [0.2, 1.5]),
+        ("[pitch]\nbody_pitch_deg_per_mps2 = 0.6\n", [0.25, 2.2]),
+        (
+            "[pitch]\nnoise_sigma_deg = 1.0\noffset_deg = 2.0\n",
+            [0.3, 1.5],
+        ),
+    ];
+    for (truck, seed) in DRIVES {
+        let blind = live(&scenario(truck, seed, ""), Fault::None);
+        let blind = errors(&blind.cells, |c| judged(c) && c.condition.is_valid());
+        for (body, [most_percent, most_nees]) in bodies {
+            let text = scenario(truck, seed, body);
+            let drive = live(&text, Fault::None);
+            let valid = errors(&drive.cells, |c| judged(c) && c.condition.is_valid());
+            let invalid = errors(&drive.cells, |c| judged(c) && !c.condition.is_valid());
+            let fault = errors(&live(&text, missing).cells, during_fault);
+            println!("{truck}{seed} {body:?} {valid:.3?} {invalid:.3?} {fault:.3?}");
+            assert!(valid.rmse_percent < 1.03 * blind.rmse_percent);
+            assert!(fault.rmse_percent < most_percent);
+            assert!(fault.nees < most_nees && invalid.nees < 3.0);
+        }
     }
 }

@@ -127,6 +127,7 @@ fn samples(drive: &MeasuredDrive) -> Vec<Sample> {
             }),
             altitude,
             inertial: None,
+            slope: None,
             after_load_change: false,
             after_stop: false,
             // The thesis takes the mass that the vehicle knows.

@@ -34,7 +34,8 @@ impl CallGraph {
 struct Image<'a> {
     /// Address and content of each section with code.
     code: Vec<(u32, &'a [u8])>,
-    /// Content of each section with constants.
+    /// Content of each section with constants, and of each table in code. Instructions are none: by
+    /// chance they may read as the address of a function.
     constants: Vec<&'a [u8]>,
     /// Names and sizes of functions by address.
     symbols: BTreeMap<u32, (String, u32)>,
@@ -50,22 +51,24 @@ impl<'a> Image<'a> {
                 .filter(move |section| wanted(section.kind()));
             sections.filter(|section| section.name() != Ok(VECTORS))
         };
-        let code = sections(|kind| kind == SectionKind::Text);
-        let constants = sections(|kind| {
-            matches!(
-                kind,
-                SectionKind::Text | SectionKind::ReadOnlyData | SectionKind::Data
-            )
+        let code: Vec<_> = sections(|kind| kind == SectionKind::Text)
+            .filter_map(|section| Some((section.address() as u32, section.data().ok()?)))
+            .collect();
+        let constants =
+            sections(|kind| matches!(kind, SectionKind::ReadOnlyData | SectionKind::Data))
+                .filter_map(|section| section.data().ok());
+        let tables = tables(file);
+        let in_code = code.iter().flat_map(|(begin, bytes)| {
+            tables.iter().filter_map(|(from, to)| {
+                let from = from.checked_sub(*begin)? as usize;
+                bytes.get(from..to.checked_sub(*begin)? as usize)
+            })
         });
         Self {
-            code: code
-                .filter_map(|section| Some((section.address() as u32, section.data().ok()?)))
-                .collect(),
-            constants: constants
-                .filter_map(|section| section.data().ok())
-                .collect(),
+            constants: constants.chain(in_code).collect(),
+            code,
             symbols: symbols(file),
-            tables: tables(file),
+            tables,
         }
     }
 
