@@ -1,0 +1,337 @@
+//! The drives of the indicator: what is on board, what happens, and what is wrong.
+
+use crate::drive::{Moment, value_of};
+use estimator_core::{Signal, Value};
+
+/// What becomes of a reading; `None` if it does not come at all.
+pub type Faults = fn(&Moment, Signal, f32) -> Option<Value>;
+
+/// A drive.
+#[derive(Clone, Copy)]
+pub struct Scenario {
+    pub name: &'static str,
+    pub seed: u64,
+    pub seconds: u32,
+    pub by_force: bool,
+    /// Whether all effects are adopted.
+    pub effects: bool,
+    /// Signals besides those that every vehicle has.
+    pub more: &'static [Signal],
+    /// Ticks of 100 ms from one fix to the next.
+    pub fix_ticks: u32,
+    /// True over assumed values.
+    pub mass_factor: f32,
+    pub rolling_factor: f32,
+    pub headwind_mps: f32,
+    pub gusts: f32,
+    pub retarder: bool,
+    pub begin_mps: f32,
+    /// Where it stops, for how long, and what the load changes by there.
+    pub stops_m: &'static [f32],
+    pub stands_s: f32,
+    pub load_factor: f32,
+    pub faults: Faults,
+}
+
+const PLAIN: Scenario = Scenario {
+    name: "plain",
+    seed: 1,
+    seconds: 500,
+    by_force: false,
+    effects: false,
+    more: &[],
+    fix_ticks: 10,
+    mass_factor: 1.0,
+    rolling_factor: 1.0,
+    headwind_mps: 0.0,
+    gusts: 0.0,
+    retarder: false,
+    begin_mps: 20.0,
+    stops_m: &[],
+    stands_s: 30.0,
+    load_factor: 1.0,
+    faults: |_, signal, value| Some(value_of(signal, value)),
+};
+
+const OPTIONAL: &[Signal] = &[
+    Signal::LongitudinalAcceleration,
+    Signal::Pitch,
+    Signal::VerticalSpeed,
+    Signal::YawRate,
+    Signal::Mass,
+    Signal::Fan,
+];
+
+impl Scenario {
+    /// Returns whether a signal is there.
+    pub fn has(&self, signal: Signal) -> bool {
+        !OPTIONAL.contains(&signal) || self.more.contains(&signal)
+    }
+}
+
+fn given(signal: Signal, value: f32) -> Option<Value> {
+    Some(value_of(signal, value))
+}
+
+fn is_torque(signal: Signal) -> bool {
+    matches!(signal, Signal::EngineTorque | Signal::FrictionTorque)
+}
+
+fn is_of_receiver(signal: Signal) -> bool {
+    matches!(
+        signal,
+        Signal::FixMethod
+            | Signal::Satellites
+            | Signal::Hdop
+            | Signal::Course
+            | Signal::GnssSpeed
+            | Signal::VerticalSpeed
+            | Signal::Latitude
+            | Signal::Longitude
+            | Signal::Altitude
+    )
+}
+
+fn during(moment: &Moment, from_s: f32, to_s: f32) -> bool {
+    (from_s..to_s).contains(&moment.time_s)
+}
+
+/// The drives.
+pub fn all() -> Vec<Scenario> {
+    let mut all = of_a_day();
+    all.extend(of_sensors());
+    all.extend(of_faults());
+    all
+}
+
+fn of_a_day() -> Vec<Scenario> {
+    vec![
+        PLAIN,
+        Scenario {
+            name: "by force, heavy, wind",
+            seed: 2,
+            by_force: true,
+            mass_factor: 1.15,
+            headwind_mps: 3.0,
+            gusts: 1.0,
+            ..PLAIN
+        },
+        Scenario {
+            name: "retarder, cold tyres, GNSS ten times a second",
+            seed: 3,
+            retarder: true,
+            rolling_factor: 1.3,
+            fix_ticks: 1,
+            ..PLAIN
+        },
+        Scenario {
+            name: "half the load from a stop on, not told",
+            seed: 4,
+            seconds: 900,
+            stops_m: &[3_000.0, 7_000.0, 11_000.0],
+            load_factor: 0.55,
+            ..PLAIN
+        },
+        Scenario {
+            name: "the load is told",
+            seed: 5,
+            seconds: 700,
+            more: &[Signal::Mass],
+            mass_factor: 0.5,
+            stops_m: &[2_000.0, 6_000.0],
+            stands_s: 400.0,
+            load_factor: 1.6,
+            ..PLAIN
+        },
+        Scenario {
+            name: "empty, with the file of a full one",
+            seed: 6,
+            seconds: 900,
+            mass_factor: 0.35,
+            begin_mps: 0.0,
+            ..PLAIN
+        },
+        Scenario {
+            name: "all effects",
+            seed: 8,
+            effects: true,
+            more: &[Signal::YawRate, Signal::Fan],
+            headwind_mps: 2.0,
+            ..PLAIN
+        },
+        Scenario {
+            name: "stop and go",
+            seed: 7,
+            stops_m: &[200.0, 350.0, 600.0, 900.0, 1_300.0, 1_350.0, 2_000.0],
+            stands_s: 8.0,
+            begin_mps: 0.0,
+            more: &[Signal::YawRate, Signal::Fan],
+            ..PLAIN
+        },
+    ]
+}
+
+fn of_sensors() -> Vec<Scenario> {
+    const TORQUE_GOES: Faults = |moment, signal, value| {
+        if is_torque(signal) && during(moment, 300.0, 380.0) {
+            return Some(Value::NotAvailable);
+        }
+        given(signal, value)
+    };
+    let sensors: [(&'static str, &'static [Signal]); 4] = [
+        (
+            "accelerometer, torque goes",
+            &[Signal::LongitudinalAcceleration],
+        ),
+        ("pitch, torque goes", &[Signal::Pitch]),
+        ("vertical speed, torque goes", &[Signal::VerticalSpeed]),
+        ("every signal, torque goes", OPTIONAL),
+    ];
+    let with = |(k, (name, more)): (usize, (&'static str, &'static [Signal]))| Scenario {
+        name,
+        seed: 20 + k as u64,
+        seconds: 600,
+        more,
+        mass_factor: 1.08,
+        gusts: 0.3,
+        faults: TORQUE_GOES,
+        ..PLAIN
+    };
+    let mut all: Vec<Scenario> = sensors.into_iter().enumerate().map(with).collect();
+    all.push(Scenario {
+        name: "accelerometer, torque sticks",
+        seed: 24,
+        seconds: 700,
+        more: &[Signal::LongitudinalAcceleration],
+        faults: |moment, signal, value| {
+            if is_torque(signal) && during(moment, 400.0, 470.0) {
+                return Some(Value::Real(if signal == Signal::EngineTorque {
+                    45.0
+                } else {
+                    8.0
+                }));
+            }
+            given(signal, value)
+        },
+        ..PLAIN
+    });
+    all
+}
+
+fn of_faults() -> Vec<Scenario> {
+    let faults: [(&'static str, Faults); 12] = [
+        ("GNSS is lost", |moment, signal, value| {
+            let is_lost = is_of_receiver(signal) && during(moment, 200.0, 350.0);
+            (!is_lost).then(|| value_of(signal, value))
+        }),
+        ("altitude drifts", |moment, signal, value| {
+            let drift_m = 0.15 * (moment.time_s - 250.0).clamp(0.0, 120.0);
+            given(
+                signal,
+                if signal == Signal::Altitude {
+                    value + drift_m
+                } else {
+                    value
+                },
+            )
+        }),
+        ("altitude steps, and back", |moment, signal, value| {
+            let step_m = if during(moment, 200.0, 330.0) {
+                25.0
+            } else {
+                0.0
+            };
+            given(
+                signal,
+                if signal == Signal::Altitude {
+                    value + step_m
+                } else {
+                    value
+                },
+            )
+        }),
+        ("single altitudes are off", |moment, signal, value| {
+            let is_off = (moment.time_s as u32).is_multiple_of(37);
+            let off_m = if is_off { 40.0 } else { 0.0 };
+            given(
+                signal,
+                if signal == Signal::Altitude {
+                    value + off_m
+                } else {
+                    value
+                },
+            )
+        }),
+        ("a frozen receiver", |moment, signal, value| {
+            let is_frozen = during(moment, 200.0, 300.0);
+            let value = match signal {
+                Signal::Altitude if is_frozen => 140.0,
+                _ => value,
+            };
+            given(signal, value)
+        }),
+        ("few satellites", |moment, signal, value| {
+            let few = 4.0 + libm::sinf(moment.time_s / 60.0) * 2.0;
+            given(
+                signal,
+                if signal == Signal::Satellites {
+                    few
+                } else {
+                    value
+                },
+            )
+        }),
+        ("brakes are not told", |_, signal, value| {
+            given(
+                signal,
+                if signal == Signal::BrakeSwitch {
+                    0.0
+                } else {
+                    value
+                },
+            )
+        }),
+        (
+            "the wheel speed sticks and leaps",
+            |moment, signal, value| {
+                if signal != Signal::WheelSpeed {
+                    return given(signal, value);
+                }
+                let value = match moment.time_s {
+                    s if (200.0..215.0).contains(&s) => 20.0,
+                    s if (300.0..300.3).contains(&s) => value + 20.0,
+                    s if (350.0..420.0).contains(&s) => 1.04 * value,
+                    _ => value,
+                };
+                given(signal, value)
+            },
+        ),
+        ("a silence, then another clock", |moment, signal, value| {
+            (!during(moment, 200.0, 215.0) && !during(moment, 350.0, 352.0))
+                .then(|| value_of(signal, value))
+        }),
+        ("the gear is a wrong one", |moment, signal, value| {
+            let wrong = signal == Signal::CurrentGear && during(moment, 200.0, 320.0);
+            given(signal, if wrong { value - 1.0 } else { value })
+        }),
+        (
+            "no gear is told, torque in steps of 5 %",
+            |_, signal, value| match signal {
+                Signal::CurrentGear | Signal::ShiftInProcess => None,
+                Signal::EngineTorque => given(signal, 5.0 * (value / 5.0).round()),
+                _ => given(signal, value),
+            },
+        ),
+        ("torque is held for two seconds", |moment, signal, value| {
+            let is_held = signal == Signal::EngineTorque && moment.time_s % 2.0 > 0.15;
+            (!is_held).then(|| value_of(signal, value))
+        }),
+    ];
+    let with = |(k, (name, faults)): (usize, (&'static str, Faults))| Scenario {
+        name,
+        seed: 40 + k as u64,
+        faults,
+        ..PLAIN
+    };
+    faults.into_iter().enumerate().map(with).collect()
+}
