@@ -123,6 +123,10 @@ const NAMES: &[(Signal, &[&str])] = &[
             "accelx",
         ],
     ),
+    (
+        Signal::VerticalSpeed,
+        &["verticalspeed", "verticalvelocity", "climbrate"],
+    ),
     (Signal::PitchRate, &["pitchrate"]),
     (Signal::Pitch, &["pitchangle", "pitch"]),
     (Signal::YawRate, &["yawrate", "yaw"]),

@@ -307,7 +307,9 @@ impl<S: Scalar> Recorder<S> {
             map: self.roads.map.as_ref().map(|map| *map.counters()),
             memory: None,
             roadway_grade: self.roadway_grade.comparison(),
-            warnings: self.plausibility.judge(&self.estimator.model().vehicle),
+            warnings: self
+                .plausibility
+                .judge(&self.estimator.model().vehicle, self.estimator.counters()),
         })
     }
 }

@@ -231,10 +231,15 @@ fn yaw_rate_in_degrees_per_second() {
 /// Returns the drive with an accelerometer, in this message, whose readings are changed.
 fn with_accelerometer(message: &str, change: impl Fn(f64) -> f64) -> Table {
     let sensor = format!("[accelerometer]\nmessage = \"{message}\"\n");
+    with_sensor(&sensor, Signal::LongitudinalAcceleration, change)
+}
+
+/// Returns the drive with a sensor more, whose readings are changed.
+fn with_sensor(sensor: &str, signal: Signal, change: impl Fn(f64) -> f64) -> Table {
     let (seed, rest) = DRIVE.split_once('\n').unwrap();
-    let mut table = table_of(&run(&[seed, "\n", &sensor, rest]));
+    let mut table = table_of(&run(&[seed, "\n", sensor, rest]));
     for (_, row) in &mut table {
-        if let Some(value) = row.get_mut(&Signal::LongitudinalAcceleration) {
+        if let Some(value) = row.get_mut(&signal) {
             *value = change(*value);
         }
     }
@@ -252,6 +257,15 @@ fn an_accelerometer_upside_down_or_in_another_unit() {
         estimate(&in_g).warns(&["accelerometer_unit"], "", "it looks like g");
         let in_centimetres = with_accelerometer(message, |mps2| 10.0 * mps2);
         estimate(&in_centimetres).warns(&["accelerometer_unit"], "", "in m/s²");
+    }
+}
+
+#[test]
+fn a_pitch_nose_down_or_in_another_unit() {
+    let with_pitch = |factor| with_sensor("[pitch]\n", Signal::Pitch, move |deg| factor * deg);
+    assert_eq!(estimate(&with_pitch(1.0)).codes, [""; 0]);
+    for factor in [-1.0, 0.01745, 57.3] {
+        estimate(&with_pitch(factor)).warns(&["slope_sensor"], "", "positive nose up");
     }
 }
 

@@ -99,13 +99,19 @@ pub(super) struct Sensor {
 }
 
 /// What a sensor reads for a slope of 1 %: sums of a weighted regression on the slope of the estimate.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 struct Factor {
     weight: f32,
     product: f32,
 }
 
 impl Factor {
+    /// One, give or take a thousand.
+    const UNKNOWN: Self = Self {
+        weight: 1e-6,
+        product: 1e-6,
+    };
+
     /// Takes a reading less offset and gain, beside the slope of the estimate, with the variance of
     /// their difference.
     fn learn(&mut self, read: f32, known: f32, variance: f32) {
@@ -113,11 +119,15 @@ impl Factor {
         self.product = FACTOR_KEEP * self.product + known * read / variance;
     }
 
-    /// Returns whether it is known to be one.
-    fn is_one(&self) -> bool {
-        let sigma = 1.0 / libm::sqrtf(self.weight);
+    /// Returns its sigma.
+    fn sigma(&self) -> f32 {
+        1.0 / libm::sqrtf(self.weight)
+    }
+
+    /// Returns whether it may be one.
+    fn may_be_one(&self) -> bool {
         let error = self.product / self.weight - 1.0;
-        sigma < FACTOR_SIGMA && error.abs() < FACTOR_ERROR + 3.0 * sigma
+        error.abs() < FACTOR_ERROR + 3.0 * self.sigma()
     }
 }
 
@@ -130,7 +140,7 @@ impl Sensor {
             offset_variance: assumed.offset_sigma_percent * assumed.offset_sigma_percent,
             gain_variance: assumed.gain_sigma * assumed.gain_sigma,
             covariance: 0.0,
-            factor: Factor::default(),
+            factor: Factor::UNKNOWN,
             learned_s: 0.0,
             last_time: Instant::ZERO,
             last_percent: f32::NAN,
@@ -198,7 +208,11 @@ impl Sensor {
         }
         if self.learned_s < LEARNING_S {
             Verdict::Learn
-        } else if !self.is_right(assumed) || normalised > tuning.largest_innovation {
+        } else if !self.may_be_right(assumed) {
+            Verdict::Reject
+        } else if self.factor.sigma() > FACTOR_SIGMA {
+            Verdict::Learn
+        } else if normalised > tuning.largest_innovation {
             Verdict::Reject
         } else {
             Verdict::Use(Innovation {
@@ -211,11 +225,11 @@ impl Sensor {
         }
     }
 
-    /// Returns whether unit, sign and axis are those of a slope. At a steady speed the gain explains any
+    /// Returns whether unit, sign and axis may be those of a slope. At a steady speed the gain explains any
     /// unit, so that it has to be one that a body can have.
-    fn is_right(&self, assumed: &Assumed) -> bool {
+    fn may_be_right(&self, assumed: &Assumed) -> bool {
         let gain = self.gain - assumed.gain;
-        self.factor.is_one() && gain.abs() <= 3.0 * assumed.gain_sigma
+        self.factor.may_be_one() && gain.abs() <= 3.0 * assumed.gain_sigma
     }
 
     /// Returns whether the readings have been the same to the last digit for long.

@@ -14,7 +14,7 @@
 //! | `climb` | altitude |
 //! | `accelerometer` | longitudinal acceleration |
 //! | `surroundings` | air, yaw rate, reported mass |
-//! | `model_fit` | gears that never match, scale |
+//! | `model_fit` | gears that never match, scale, measured slopes |
 //! | `tap` | readings of frames |
 //! | `distribution` | quantiles in fixed memory |
 
@@ -39,10 +39,10 @@ use accelerometer::Accelerometer;
 use brakes::Brakes;
 use climb::Climb;
 use estimator_core::{
-    Instant, Reading, Sample, Signal, Traction, Tuning, Value, VehicleParameters,
+    Counters, Instant, Reading, Sample, Signal, Traction, Tuning, Value, VehicleParameters,
 };
 use forces::Forces;
-use model_fit::ModelFit;
+use model_fit::{ModelFit, slopes_left_out};
 use surroundings::Surroundings;
 use tap::Tap;
 use way::Way;
@@ -96,8 +96,8 @@ impl Plausibility {
     }
 
     /// Returns what is not plausible, causes first.
-    pub(super) fn judge(&self, vehicle: &VehicleParameters) -> Vec<Warning> {
-        self.seen.judge(vehicle)
+    pub(super) fn judge(&self, vehicle: &VehicleParameters, counters: &Counters) -> Vec<Warning> {
+        self.seen.judge(vehicle, counters)
     }
 }
 
@@ -154,7 +154,7 @@ impl Seen {
         }
     }
 
-    fn judge(&self, vehicle: &VehicleParameters) -> Vec<Warning> {
+    fn judge(&self, vehicle: &VehicleParameters, counters: &Counters) -> Vec<Warning> {
         let mut found = Vec::new();
         let way_m = self.way.wheels_m();
         self.way.judge(&mut found);
@@ -164,6 +164,7 @@ impl Seen {
         if !spoils(&found) {
             self.brakes.judge(&mut found);
             found.extend(self.accelerometer.judge());
+            found.extend(slopes_left_out(counters));
         }
         found.extend(self.climb.judge_changes(way_m));
         if !spoils(&found) {
