@@ -7,6 +7,19 @@ check_packages() {
     cargo publish --workspace --dry-run --no-verify --allow-dirty
 }
 
+# Compares the public interface with that of the last release: the version says whether a user's code may
+# have to change. SEMVER_BASE is a commit to compare with instead.
+check_semver() {
+    local base=${SEMVER_BASE:-} package
+    [[ -n $base ]] || base=$(git describe --tags --match 'v[0-9]*' --abbrev=0 2>/dev/null) ||
+        skip "there is no release to compare with (no tag v…), and SEMVER_BASE is not set"
+    has_program cargo-semver-checks || cargo install --locked cargo-semver-checks ||
+        skip "cargo-semver-checks could not be installed"
+    for package in "${published[@]}"; do
+        cargo semver-checks -p "$package" --baseline-rev "$base"
+    done
+}
+
 # Installs the tool from the unpacked packages alone. It builds all dependencies anew.
 check_long_packages() {
     local name version folder=$work/unpacked patches=()

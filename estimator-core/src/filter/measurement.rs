@@ -73,11 +73,7 @@ impl Observation {
     fn row<S: Scalar>(self, net_traction: S) -> StateVector<S> {
         let mut row = StateVector::ZERO;
         match self {
-            Self::Energy => row[KineticEnergy] = S::ONE,
-            Self::Altitude => {
-                row[Altitude] = S::ONE;
-                row[GnssError] = S::ONE;
-            }
+            Self::Energy | Self::Altitude => {}
             Self::Scale => row[Scale] = S::ONE,
             Self::ModelSlope => row[Slope] = S::ONE,
             Self::RoadSlope => {

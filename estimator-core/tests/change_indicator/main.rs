@@ -12,6 +12,7 @@ use drive::Drive;
 #[cfg(feature = "fixed")]
 use estimator_core::FixedPoint;
 use estimator_core::effect::CATALOGUE;
+use estimator_core::filter::StateVector;
 use estimator_core::{
     AdoptedEffect, AdoptedEffects, Cell, Context, Estimator, Instant, Live, Model, Sample, Scalar,
     Tuning, Uncertain,
@@ -156,6 +157,12 @@ impl Account {
         for estimate in smooth(&steps) {
             self.digest.uncertain(estimate.grade_percent);
             self.digest.uncertain(estimate.mass_kg);
+        }
+        // A part of the climb that the model lacks, through all steps.
+        let mut error = StateVector::ZERO;
+        for step in &steps {
+            let innovation = step.record.smoother_input.carry_error(&mut error, 0.01);
+            self.digest.number(innovation.unwrap_or_default() as f32);
         }
     }
 

@@ -152,6 +152,40 @@ fn a_pitch_stands_in_for_a_missing_torque_and_only_there() {
 }
 
 #[test]
+fn a_flat_road_does_not_show_what_a_sensor_reads() {
+    let mut samples = drive(6_000, 0.0, VERTICAL, |_, cell| noisy(0.0, cell));
+    let level_n = samples[0].forces.traction_n;
+    for sample in &mut samples {
+        sample.forces.traction_n = level_n;
+    }
+    let mut run = FilterRun::<f32>::new(truck(), Tuning::default());
+    samples.iter().for_each(|sample| {
+        run.step(sample);
+    });
+    let counters = run.context.counters;
+    assert_eq!((counters.slopes_used, counters.slopes_rejected), (0, 0));
+}
+
+#[test]
+fn another_load_may_tilt_the_body() {
+    let tilted = |after_percent: f32| {
+        move |slope: f32, cell: u32| {
+            let offset = if cell < 3_000 { 1.0 } else { after_percent };
+            offset + slope + 0.4 * (noisy(slope, cell) - slope)
+        }
+    };
+    let stopping = |after_percent| {
+        let mut samples = drive(3_600, 0.0, PITCH, tilted(after_percent));
+        samples[2_999].after_load_change = true;
+        let (rmse, counters) = live_error(&without_torque(samples, 3_200), 3_200);
+        assert!(counters.slopes_used > 100, "{}", counters.slopes_used);
+        rmse
+    };
+    let [same, another] = [1.0, 1.5].map(stopping);
+    assert!(another < 1.5 * same + 0.1, "{another} {same}");
+}
+
+#[test]
 fn altitudes_in_each_cell_do_not_keep_a_slope_waiting() {
     let mut samples = drive(6_000, 0.0, VERTICAL, noisy);
     for sample in &mut samples {

@@ -69,6 +69,18 @@ fn a_reading_counts_in_one_cell() {
 }
 
 #[test]
+fn more_pitches_than_are_counted_leave_the_mean() {
+    let mut readings = vec![(Signal::Pitch, 1.0); 70_000];
+    readings.push((Signal::WheelSpeed, SPEED_MPS));
+    let samples = ReadingsDrive::of(truck()).on(1.0, &readings);
+    let measured = slopes(&samples);
+    assert!(!measured.is_empty());
+    for slope in measured {
+        assert!((slope.slope_percent - 1.745).abs() < 0.01, "{slope:?}");
+    }
+}
+
+#[test]
 fn what_no_vehicle_does_is_no_slope() {
     for reading in [
         (Signal::VerticalSpeed, 25.0),
