@@ -82,6 +82,8 @@ pub struct VerticalSpeed {
     /// Fast error, 1 sigma, m/s, and the slow one, which keeps its value for half a minute.
     pub fast_mps: f64,
     pub slow_mps: f64,
+    /// Age of what it reads, s: receivers filter.
+    pub late_s: f64,
     /// Factor on the reading.
     pub factor: f64,
 }
@@ -105,7 +107,7 @@ pub fn live_with(text: &str, fault: Fault, vertical: Option<VerticalSpeed>) -> L
         let now_s = timed.time.micros() as f64 * 1e-6;
         if let Some(sensor) = vertical.filter(|_| now_s >= next_s) {
             next_s = now_s + 1.0;
-            let at = drive.at(now_s - 0.2);
+            let at = drive.at(now_s - sensor.late_s);
             let error_mps = sensor.fast_mps * normal(&mut rng)
                 + sensor.slow_mps * slow_error.advance(1.0, &mut rng);
             let climb_mps = at.speed_mps * sine(drive.road.grade(at.distance_m));

@@ -115,8 +115,14 @@ fn altitude_keeps_its_sigma_through_ten_kilometres_without_gnss() {
     }
 }
 
-/// A good receiver (0.05 m/s), a usual one, a poor one: fast and slow error, m/s.
-const RECEIVERS: [(f64, f64); 3] = [(0.05, 0.01), (0.1, 0.03), (0.3, 0.1)];
+/// A good receiver (0.05 m/s), a usual one, a poor one, a good one that is late: fast and slow error,
+/// m/s, and age, s.
+const RECEIVERS: [(f64, f64, f64); 4] = [
+    (0.05, 0.01, 0.2),
+    (0.1, 0.03, 0.2),
+    (0.3, 0.1, 0.2),
+    (0.05, 0.01, 1.2),
+];
 
 fn during_fault(cell: &LiveCell) -> bool {
     cell.time_s > START_S && cell.time_s < START_S + 122.0
@@ -125,13 +131,14 @@ fn during_fault(cell: &LiveCell) -> bool {
 #[test]
 fn a_vertical_speed_serves_everywhere() {
     let missing = Fault::TorqueMissing(START_S, START_S + 120.0);
-    let mut of_receivers = [const { (Vec::new(), Vec::new()) }; 4];
+    let mut of_receivers = [const { (Vec::new(), Vec::new()) }; 5];
     for (truck, seed) in DRIVES {
         let text = scenario(truck, seed, "");
-        let sensors = RECEIVERS.map(|(fast_mps, slow_mps)| {
+        let sensors = RECEIVERS.map(|(fast_mps, slow_mps, late_s)| {
             Some(VerticalSpeed {
                 fast_mps,
                 slow_mps,
+                late_s,
                 factor: 1.0,
             })
         });
@@ -146,12 +153,13 @@ fn a_vertical_speed_serves_everywhere() {
             sums.1.push(fault);
         }
     }
-    let [blind, good, usual, poor] =
+    let [blind, good, usual, poor, late] =
         of_receivers.map(|(all, fault)| [pooled(&all), pooled(&fault)]);
-    println!("all, without torque: {blind:.3?} {good:.3?} {usual:.3?} {poor:.3?}");
+    println!("all, without torque: {blind:.3?} {good:.3?} {usual:.3?} {poor:.3?} {late:.3?}");
     assert!(good[0] < 0.8 * blind[0] && good[1] < 0.35 * blind[1]);
     assert!(usual[0] < 0.9 * blind[0] && usual[1] < 0.5 * blind[1]);
     assert!(poor[0] < blind[0] && poor[1] < blind[1]);
+    assert!(late[0] < 0.9 * blind[0] && late[1] < 0.5 * blind[1]);
 }
 
 #[test]
@@ -163,6 +171,7 @@ fn a_vertical_speed_of_another_sign_or_unit_changes_nothing() {
         let sensor = VerticalSpeed {
             fast_mps: 0.1,
             slow_mps: 0.03,
+            late_s: 0.2,
             factor,
         };
         let drive = live_with(&text, missing, Some(sensor));

@@ -16,7 +16,7 @@ mod sensor;
 
 use super::measurement::{Observation, ScalarMeasurement};
 use super::state::State;
-use super::state_index::StateIndex::{KineticEnergy, Scale};
+use super::state_index::StateIndex::{KineticEnergy, Scale, SlopeRate};
 use crate::context::Context;
 use crate::counters::count;
 use crate::sample::{Sample, SlopeMeasurement, SlopeSensor};
@@ -31,6 +31,8 @@ const VERTICAL_SPEED_SIGMA_MPS: f32 = 0.1;
 /// it keeps its value, s.
 const SLOW_PART: f32 = 0.3;
 const SLOW_ERROR_S: f32 = 30.0;
+/// Time by which it may be later than the position of its fix, s: a receiver filters it.
+const LATE_S: f32 = 0.5;
 /// A vertical speed has no offset.
 const VERTICAL_SPEED: Assumed = Assumed {
     offset_sigma_percent: 0.0,
@@ -159,7 +161,9 @@ impl SlopeUpdate {
             }
         };
         let variance = match measured.sensor {
-            SlopeSensor::VerticalSpeed => vertical_speed_variance(&reading, &seen),
+            SlopeSensor::VerticalSpeed => {
+                vertical_speed_variance(&reading, &seen, late_variance(sample, state))
+            }
             // The force model is better where it holds.
             SlopeSensor::Pitch if reading.holds => return None,
             SlopeSensor::Pitch => bounded_variance(
@@ -237,12 +241,22 @@ fn walk(sample: &Sample) -> f32 {
     PITCH_WALK * sample.length_m + load
 }
 
-/// Returns the variance of a vertical speed as a measurement, %².
+/// Returns the variance by which the slope changes over the way for which a vertical speed may be late,
+/// %².
+fn late_variance<S: Scalar>(sample: &Sample, state: &State<S>) -> f32 {
+    let late_m = LATE_S * sample.end.speed_mps;
+    let rate = state.mean[SlopeRate].to_f32();
+    let variance = state.covariance.variance(SlopeRate).to_f32();
+    late_m * late_m * (rate * rate + variance)
+}
+
+/// Returns the variance of a vertical speed as a measurement, %². `late` is that of being late, which
+/// is alike in readings that follow each other, and averages out as hills do.
 ///
 /// In the long run its slow error averages out as white noise of the same power does. For a while it
 /// keeps its value. Either bound holds, so the smaller variance counts.
-fn vertical_speed_variance(reading: &Reading, seen: &Innovation) -> f32 {
-    let slow = SLOW_PART * SLOW_PART * seen.ratio * reading.fast_variance;
+fn vertical_speed_variance(reading: &Reading, seen: &Innovation, late: f32) -> f32 {
+    let slow = SLOW_PART * SLOW_PART * seen.ratio * reading.fast_variance + late;
     let in_the_long_run = seen.fast_variance + slow * 2.0 * SLOW_ERROR_S / seen.spaced_s;
     let for_a_while = bounded_variance(reading.known_variance, seen.fast_variance, slow);
     Scalar::min(in_the_long_run, for_a_while)
