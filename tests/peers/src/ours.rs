@@ -73,7 +73,7 @@ pub fn ours(meter: &mut impl FilterMeter) {
             variance: 4.0,
         }
         .apply(&mut state);
-        let predicted_m = Observation::Altitude.of(&state.mean);
+        let predicted_m = Observation::Altitude.of(&state.mean, state.net_traction);
         let _ = ScalarMeasurement {
             observation: Observation::Altitude,
             innovation: altitude_m - predicted_m,
