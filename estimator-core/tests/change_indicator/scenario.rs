@@ -73,6 +73,14 @@ fn given(signal: Signal, value: f32) -> Option<Value> {
     Some(value_of(signal, value))
 }
 
+/// Returns a reading whose altitude is higher by some metres.
+fn raised(signal: Signal, value: f32, metres: f32) -> Option<Value> {
+    match signal {
+        Signal::Altitude => given(signal, value + metres),
+        _ => given(signal, value),
+    }
+}
+
 fn is_torque(signal: Signal) -> bool {
     matches!(signal, Signal::EngineTorque | Signal::FrictionTorque)
 }
@@ -226,14 +234,7 @@ fn of_faults() -> Vec<Scenario> {
         }),
         ("altitude drifts", |moment, signal, value| {
             let drift_m = 0.15 * (moment.time_s - 250.0).clamp(0.0, 120.0);
-            given(
-                signal,
-                if signal == Signal::Altitude {
-                    value + drift_m
-                } else {
-                    value
-                },
-            )
+            raised(signal, value, drift_m)
         }),
         ("altitude steps, and back", |moment, signal, value| {
             let step_m = if during(moment, 200.0, 330.0) {
@@ -241,26 +242,12 @@ fn of_faults() -> Vec<Scenario> {
             } else {
                 0.0
             };
-            given(
-                signal,
-                if signal == Signal::Altitude {
-                    value + step_m
-                } else {
-                    value
-                },
-            )
+            raised(signal, value, step_m)
         }),
         ("single altitudes are off", |moment, signal, value| {
             let is_off = (moment.time_s as u32).is_multiple_of(37);
             let off_m = if is_off { 40.0 } else { 0.0 };
-            given(
-                signal,
-                if signal == Signal::Altitude {
-                    value + off_m
-                } else {
-                    value
-                },
-            )
+            raised(signal, value, off_m)
         }),
         ("a frozen receiver", |moment, signal, value| {
             let is_frozen = during(moment, 200.0, 300.0);

@@ -5,8 +5,8 @@
 //! its springs give way. Both errors are relative to the model, so that a pitch serves only where the
 //! model does not hold.
 //!
-//! No state of the filter describes the slow errors of these sensors. Instead they bound what a
-//! measurement may tell ([`bounded_variance`]).
+//! No state of the filter describes the slow errors of these sensors. They limit the information of a
+//! measurement instead ([`bounded_variance`]).
 //!
 //! | file | content |
 //! |---|---|
@@ -60,7 +60,7 @@ const PITCH: Assumed = Assumed {
 
 /// Longest way for which a measurement waits, in cells: the road does not bend over it.
 const LONGEST_WAIT: f32 = 2.5;
-/// A measurement of a larger variance tells nothing, %².
+/// Largest variance of a measurement that is used, %².
 const LARGEST_VARIANCE: f32 = 1e3;
 
 /// What the filter remembers for the slope updates.

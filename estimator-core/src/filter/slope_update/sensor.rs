@@ -1,5 +1,5 @@
-//! A sensor that measures the slope directly: its noise, its offset, and what it gives way under the
-//! specific force. They are learned where the model holds.
+//! A sensor that measures the slope directly: its noise, its offset, and its gain on the specific force.
+//! They are learned where the model holds.
 
 use super::super::noise_ratio::NoiseRatio;
 use crate::scalar::Scalar;
@@ -45,7 +45,8 @@ pub(super) struct Reading {
     /// Variance of its fast error as it is assumed, %².
     pub fast_variance: f32,
     pub time: Instant,
-    /// Slope of the road by the filter, %, and its variance, %².
+    /// Slope that the sensor observes (of the road, or as the model reads it) by the filter, %, and its
+    /// variance, %².
     pub known_percent: f32,
     pub known_variance: f32,
     /// Specific force along the vehicle, m/s².

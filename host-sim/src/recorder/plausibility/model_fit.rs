@@ -6,7 +6,7 @@ use estimator_core::{Counters, Sample};
 
 /// Least number of cells from which anything is concluded: 1 km.
 const CELLS: u32 = 400;
-/// Fewest slopes that are left out before that is told.
+/// Most slopes that may be left out without a warning.
 const LEFT_OUT: u32 = 100;
 /// Part of the cells that is as good as all of them.
 const ALL: f64 = 0.95;
