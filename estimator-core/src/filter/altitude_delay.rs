@@ -1,50 +1,94 @@
 //! Delay of GNSS altitudes: receivers that smooth them are late by many seconds.
 //!
-//! The climb by the forces and the climb of the altitudes are the same, but for the delay. The lag
-//! at which both fit best is the delay. The altitude is then carried on by the climb since. The
-//! variances of the difference at a row of lags are means that forget, and each fix updates a few.
+//! A receiver that smooths altitudes is a low-pass of first order: `τ ẏ + y = h`. What it reports
+//! climbs as the forces do behind the same low-pass. A bank of time constants shows which one fits.
+//! Noise of the forces also fits better behind a low-pass, though nothing is late. Behind an
+//! all-pass it does not: whether the altitude is late is decided there, and by how much in the bank.
 
-use crate::lagged_differences::LaggedDifferences;
+use super::low_pass_bank::{LowPassBank, low_pass_gain};
 use crate::scalar::Scalar;
-use crate::shift_in::shift_in;
 use crate::tuning::MeasurementNoise;
 
-/// Number of lags, each a second.
-const LAGS: usize = 48;
-/// Lags that one fix updates.
-const AT_ONCE: u8 = 16;
+/// Least time between two altitudes that are restored, and that are compared, s: a little less than
+/// one and two seconds.
+const RESTORED_APART_S: f32 = 0.9;
+const COMPARED_APART_S: f32 = 1.9;
+/// Largest one, s: beyond, the vehicle stood, or nearly, or altitudes are missing.
+const FAR_APART_S: f32 = 4.0;
 /// Difference of vertical speeds that counts at most, m/s: beyond is an outlier.
 const FASTEST_MPS: f32 = 1.0;
-/// Time between two fixes that are compared, s.
-const APART_S: f32 = 2.0;
+/// Faster changes do not count, s: they are noise of altitudes.
+const FAST_S: f32 = 4.0;
+/// Slower changes do not count, s: they are errors of the forces.
+const SLOW_S: f32 = 60.0;
+/// Readings before the first decision, and from one to the next.
+const FEWEST_READINGS: f32 = 45.0;
+const DECISION_READINGS: u8 = 4;
+/// Evidence that altitudes are late. Readings next to each other are alike, and some five count as one.
+const LATE: f32 = 60.0;
+/// Evidence that suffices where low-passes explain so much, evidence a reading.
+const LATE_AND_EXPLAINED: (f32, f32) = (30.0, 0.9);
+/// Evidence a reading below which altitudes are no longer late.
+const NO_LONGER_LATE: f32 = 0.05;
+/// Evidence for another time constant, and the ratio to the old one from which on it is another.
+const ANOTHER: (f32, f32) = (15.0, 1.25);
+
+/// An altitude, and what came since.
+#[derive(Clone, Copy, Debug)]
+struct Since {
+    altitude_m: f32,
+    /// Climb by the forces, m.
+    climb_m: f32,
+    duration_s: f32,
+}
+
+/// A vertical speed by altitudes, and by forces, m/s.
+#[derive(Clone, Copy, Debug)]
+struct VerticalSpeeds {
+    altitudes_mps: f32,
+    forces_mps: f32,
+}
+
+/// What was smoothed away is put back.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Restored {
+    pub altitude_m: f32,
+    /// Variance of what the time constant may be off, m².
+    pub variance: f32,
+}
 
 /// The comparison of both climbs.
 #[derive(Clone, Debug)]
 pub(super) struct AltitudeDelay {
-    /// Vertical speed by the forces in each of the last seconds, m/s, the newest first.
-    vertical_mps: [f32; LAGS + 2],
-    /// Climb, m, and time, s, since the newest.
-    open: (f32, f32),
-    filled: u8,
-    /// The last fix that was compared, m, and the time since, s.
-    fix: Option<(f32, f32)>,
-    /// Vertical speed of the altitudes, m/s.
-    measured_mps: Option<f32>,
-    differences: LaggedDifferences<LAGS>,
-    delay_s: u8,
+    /// The last altitude that was restored.
+    restored: Option<Since>,
+    /// The last altitude that was compared.
+    compared: Option<Since>,
+    /// The speeds behind a low-pass of `FAST_S`, and of `SLOW_S` besides.
+    smooth: Option<(VerticalSpeeds, VerticalSpeeds)>,
+    bank: LowPassBank,
+    readings_to_decision: u8,
+    /// Time constant of the receiver, s, and its sigma.
+    delay_s: f32,
+    sigma_s: f32,
+    /// The time constant when altitudes were last set anew, s, and its output of the bank.
+    set_s: f32,
+    set_output: u8,
     has_changed: bool,
 }
 
 impl AltitudeDelay {
-    pub(super) const fn new() -> Self {
+    pub(super) fn new() -> Self {
         Self {
-            vertical_mps: [0.0; LAGS + 2],
-            open: (0.0, 0.0),
-            filled: 0,
-            fix: None,
-            measured_mps: None,
-            differences: LaggedDifferences::new(),
-            delay_s: 0,
+            restored: None,
+            compared: None,
+            smooth: None,
+            bank: LowPassBank::new(),
+            readings_to_decision: DECISION_READINGS,
+            delay_s: 0.0,
+            sigma_s: 0.0,
+            set_s: 0.0,
+            set_output: 0,
             has_changed: false,
         }
     }
@@ -52,27 +96,25 @@ impl AltitudeDelay {
     /// Returns the comparison before its start, with the delay found so far.
     pub(super) fn restarted(&self) -> Self {
         Self {
-            differences: self.differences.restarted(),
+            bank: self.bank.clone(),
             delay_s: self.delay_s,
+            sigma_s: self.sigma_s,
+            set_s: self.delay_s,
+            set_output: self.set_output,
             ..Self::new()
         }
     }
 
     /// Notes that altitudes after here do not follow from those before.
     pub(super) fn interrupt(&mut self) {
-        self.fix = None;
-        self.measured_mps = None;
-        self.filled = 0;
-        self.open = (0.0, 0.0);
+        self.restored = None;
+        self.compared = None;
+        self.smooth = None;
     }
 
-    /// Returns the climb since an altitude was true, m; `None` as long as that is not known.
-    pub(super) fn climb_since_m(&self) -> Option<f32> {
-        let delay = usize::from(self.delay_s);
-        if delay == 0 {
-            return Some(0.0);
-        }
-        self.measured_mps.map(|mps| mps * f32::from(self.delay_s))
+    /// Returns whether the delay changed, and altitudes were not set anew since.
+    pub(super) const fn has_changed(&self) -> bool {
+        self.has_changed
     }
 
     /// Returns whether the delay changed since the last call.
@@ -80,72 +122,131 @@ impl AltitudeDelay {
         core::mem::take(&mut self.has_changed)
     }
 
-    /// Advances over a cell.
-    pub(super) fn advance(&mut self, climb_m: f32, duration_s: f32) {
-        self.open.0 += climb_m;
-        self.open.1 += duration_s;
-        if let Some((_, since_s)) = &mut self.fix {
-            *since_s += duration_s;
+    /// Advances over a cell. Decisions are made here, where no altitude is worked on: no cell takes
+    /// long.
+    pub(super) fn advance(&mut self, climb_m: f32, duration_s: f32, tuning: &MeasurementNoise) {
+        for since in [&mut self.restored, &mut self.compared]
+            .into_iter()
+            .flatten()
+        {
+            since.climb_m += climb_m;
+            since.duration_s += duration_s;
         }
-        if self.open.1 < 1.0 {
-            return;
+        if self.readings_to_decision == 0 {
+            self.readings_to_decision = DECISION_READINGS;
+            self.decide(tuning);
         }
-        if self.open.1 > 3.0 {
-            // It stands, or nearly.
-            self.interrupt();
-            return;
+    }
+
+    /// Returns the altitude that the receiver smoothed to a reported one; `None` as long as that is
+    /// not known.
+    ///
+    /// The low-pass is undone in the middle between two altitudes. From there on the forces climb.
+    pub(super) fn restored(&mut self, altitude_m: f32) -> Option<Restored> {
+        if self.delay_s == 0.0 {
+            return Some(Restored {
+                altitude_m,
+                variance: 0.0,
+            });
         }
-        let (climb_m, seconds) = core::mem::take(&mut self.open);
-        shift_in(&mut self.vertical_mps, climb_m / seconds);
-        self.open = (0.0, 0.0);
-        self.filled = self.filled.saturating_add(1).min(LAGS as u8 + 2);
+        let since = replace(&mut self.restored, altitude_m, RESTORED_APART_S)?;
+        let rise_m = altitude_m - since.altitude_m;
+        let smoothed_away_m = self.delay_s * rise_m / since.duration_s;
+        // An error that lasts as long as the low-pass counts as that of so many altitudes.
+        let altitudes = self.delay_s / since.duration_s;
+        let variance = self.sigma_s * self.sigma_s * self.bank.follower_variance();
+        (since.duration_s <= FAR_APART_S).then_some(Restored {
+            altitude_m: altitude_m + smoothed_away_m + 0.5 * (since.climb_m - rise_m),
+            variance: altitudes * variance,
+        })
     }
 
     /// Takes an altitude as it was received, m.
     pub(super) fn fix(&mut self, altitude_m: f32, tuning: &MeasurementNoise) {
-        let Some((before_m, since_s)) = self.fix else {
-            self.fix = Some((altitude_m, 0.0));
+        let Some(since) = replace(&mut self.compared, altitude_m, COMPARED_APART_S) else {
             return;
         };
-        if since_s < APART_S {
+        let forces_mps = since.climb_m / since.duration_s;
+        let apart_mps = (altitude_m - since.altitude_m) / since.duration_s - forces_mps;
+        let now = VerticalSpeeds {
+            altitudes_mps: forces_mps
+                + Scalar::min(FASTEST_MPS, Scalar::max(-FASTEST_MPS, apart_mps)),
+            forces_mps,
+        };
+        let Some((fast, slow)) = &mut self.smooth else {
+            self.smooth = Some((now, now));
+            self.bank.settle();
             return;
+        };
+        fast.follow(now, low_pass_gain(FAST_S, since.duration_s));
+        slow.follow(*fast, low_pass_gain(SLOW_S, since.duration_s));
+        self.bank
+            .advance(fast.forces_mps - slow.forces_mps, since.duration_s);
+        if since.duration_s <= FAR_APART_S {
+            self.bank.compare(
+                fast.altitudes_mps - slow.altitudes_mps,
+                tuning.delay_readings,
+            );
+            self.readings_to_decision = self.readings_to_decision.saturating_sub(1);
         }
-        self.fix = Some((altitude_m, 0.0));
-        if since_s > 2.0 * APART_S {
-            return;
-        }
-        let measured_mps = (altitude_m - before_m) / since_s;
-        self.measured_mps = Some(measured_mps);
-        if usize::from(self.filled) < LAGS + 2 {
-            return;
-        }
-        let gain = self.differences.gain(tuning.delay_readings);
-        if self.differences.begins_round() {
-            self.decide(tuning);
-        }
-        let vertical_mps = &self.vertical_mps;
-        self.differences.update(AT_ONCE, gain, |lag, mean_mps| {
-            let [newer, older] = vertical_mps.get(lag..lag + 2)?.try_into().ok()?;
-            let by_forces_mps: f32 = 0.5 * (newer + older);
-            let apart = measured_mps - by_forces_mps - mean_mps;
-            Some(Scalar::min(FASTEST_MPS, Scalar::max(-FASTEST_MPS, apart)))
-        });
     }
 
+    #[inline(never)] // Rare.
     fn decide(&mut self, tuning: &MeasurementNoise) {
-        if self.differences.rounds() < tuning.delay_readings / 4 {
+        let memory = tuning.delay_readings;
+        let readings = self.bank.readings(memory);
+        if readings < FEWEST_READINGS {
             return;
         }
-        let best = self.differences.best();
-        let variance = |lag: usize| self.differences.variance(lag);
-        let at_now = Scalar::min(variance(0), variance(1));
-        let is_late = best > 1 && variance(best) < tuning.delay_part * at_now;
-        let delay_s = if is_late { best as u8 } else { 0 };
-        // A second more or less is no change: each one sets the altitude anew. From none it is two
-        // seconds at least.
-        if delay_s.abs_diff(self.delay_s) > 1 {
-            self.delay_s = delay_s;
+        let late = self.bank.evidence_of_delay(memory);
+        let best = self.bank.best(self.set_output, memory);
+        let was_late = self.delay_s > 0.0;
+        let is_late = if was_late {
+            late > NO_LONGER_LATE * readings
+        } else {
+            let (suffices, explained) = LATE_AND_EXPLAINED;
+            (late > LATE && late > self.bank.evidence(1.0, tuning.delay_part, memory))
+                || (late > suffices && best.evidence > explained * readings)
+        };
+        if !is_late {
+            self.has_changed |= was_late;
+            self.delay_s = 0.0;
+            self.set_s = 0.0;
+            self.set_output = 0;
+            return;
+        }
+        // A little more or less is no change: what was learned of the forces stays.
+        let (evidence, ratio) = ANOTHER;
+        let is_another =
+            best.time_constant_s > ratio * self.set_s || self.set_s > ratio * best.time_constant_s;
+        if is_another && best.evidence > evidence {
+            self.set_s = best.time_constant_s;
+            self.set_output = best.output;
             self.has_changed = true;
+            self.bank.forget(FEWEST_READINGS as u16);
+        }
+        if self.set_s > 0.0 {
+            self.delay_s = best.time_constant_s;
+            self.sigma_s = best.sigma_s;
         }
     }
+}
+
+impl VerticalSpeeds {
+    fn follow(&mut self, other: Self, gain: f32) {
+        self.altitudes_mps += gain * (other.altitudes_mps - self.altitudes_mps);
+        self.forces_mps += gain * (other.forces_mps - self.forces_mps);
+    }
+}
+
+/// Puts an altitude in the place of one that is long enough ago. Returns the old one.
+fn replace(last: &mut Option<Since>, altitude_m: f32, apart_s: f32) -> Option<Since> {
+    if last.is_some_and(|since| since.duration_s < apart_s) {
+        return None;
+    }
+    last.replace(Since {
+        altitude_m,
+        climb_m: 0.0,
+        duration_s: 0.0,
+    })
 }

@@ -1,12 +1,13 @@
 //! The update with the GNSS altitude: what the gate decides of it, and the measurement.
 
-use super::altitude_delay::AltitudeDelay;
+use super::altitude_delay::{AltitudeDelay, Restored};
 use super::altitude_gate::{
     AltitudeEvent, AltitudeGate, AltitudeInnovation, GateDecision, ModelError, Segment, TestedFix,
 };
 use super::dynamics::Dynamics;
 use super::measurement::{Observation, ScalarMeasurement, ScalarUpdate};
 use super::noise_ratio::SensorNoiseRatios;
+use super::prior::reopen_bias_and_scale;
 use super::process_noise::wind_variance;
 use super::scale_prior_reset::ScalePriorReset;
 use super::state::State;
@@ -26,6 +27,15 @@ pub(super) struct AltitudeUpdate {
     /// Steps of the receiver since the altitude was set from it, m.
     datum_m: f32,
     delay: AltitudeDelay,
+    /// The altitude at the cell's end, if there is one.
+    received: Option<ReceivedAltitude>,
+}
+
+/// An altitude as the receiver reports it, and as it was before the receiver smoothed it, m.
+#[derive(Clone, Copy, Debug)]
+struct ReceivedAltitude {
+    reported_m: f32,
+    restored: Option<Restored>,
 }
 
 /// A GNSS altitude at the cell's end.
@@ -59,6 +69,7 @@ impl AltitudeUpdate {
             gate: AltitudeGate::new(noise, tuning),
             datum_m: 0.0,
             delay: AltitudeDelay::new(),
+            received: None,
         }
     }
 
@@ -115,6 +126,13 @@ impl AltitudeUpdate {
             ..segment(state, dynamics, sample)
         };
         self.gate.advance(segment, sample.duration_s);
+        self.received = sample.altitude.as_ref().map(|altitude| {
+            let reported_m = altitude_at_end(state, altitude);
+            ReceivedAltitude {
+                reported_m,
+                restored: self.delay.restored(reported_m),
+            }
+        });
     }
 
     /// Returns the altitude of a sample, its innovation, m, and its variance; `None` without an
@@ -127,10 +145,13 @@ impl AltitudeUpdate {
         state: &State<S>,
     ) -> Option<(f32, f32, f32)> {
         let altitude = sample.altitude.as_ref()?;
-        if state.origin_m.is_none() || altitude.continuity != AltitudeContinuity::Followed {
+        if state.origin_m.is_none()
+            || altitude.continuity != AltitudeContinuity::Followed
+            || self.delay.has_changed()
+        {
             return None;
         }
-        let fix = self.fix(tuning, altitude, state);
+        let fix = self.fix(tuning, altitude)?;
         Some((
             fix.altitude_m,
             fix.innovation(state).to_f32(),
@@ -154,22 +175,29 @@ impl AltitudeUpdate {
                 sets_altitude: false,
             };
         };
-        let received_m = altitude_at_end(state, altitude);
-        if self.delay.climb_since_m().is_none() {
-            // It shows how fast altitudes change, and the next one can be carried on.
+        let reported_m = self
+            .received
+            .map_or(altitude.altitude_m, |received| received.reported_m);
+        let Some(mut fix) = self.fix(&context.tuning, altitude) else {
+            // It shows how fast altitudes change, and the next one can be restored.
             self.delay
-                .fix(received_m, &context.tuning.measurement_noise);
+                .fix(reported_m, &context.tuning.measurement_noise);
             return Gated {
                 accepted: None,
                 event: None,
                 sets_altitude: false,
             };
+        };
+        let delay_changed = self.delay.take_change();
+        if delay_changed {
+            // What altitudes taught so far was of another place.
+            self.gate.unlearn(&context.tuning);
+            reopen_bias_and_scale(state, context, sample);
         }
-        let mut fix = self.fix(&context.tuning, altitude, state);
         if self.gate.silent_s() > context.tuning.gates.altitude_gap_s {
             count(&mut context.counters.altitude_gaps);
         }
-        let (decision, event) = self.decide(context, sample, state, &fix);
+        let (decision, event) = self.decide(context, sample, state, &fix, delay_changed);
         let mut gated = Gated {
             accepted: None,
             event,
@@ -178,7 +206,7 @@ impl AltitudeUpdate {
         match decision {
             GateDecision::Fuse => {
                 self.delay
-                    .fix(received_m, &context.tuning.measurement_noise);
+                    .fix(reported_m, &context.tuning.measurement_noise);
                 gated.accepted = Some(AcceptedFix(fix));
             }
             GateDecision::MoveDatum => {
@@ -245,19 +273,14 @@ impl AltitudeUpdate {
     }
 
     /// Returns the fix at the cell's end, with the variance of its white noise.
-    fn fix<S: Scalar>(
-        &self,
-        tuning: &Tuning,
-        altitude: &AltitudeMeasurement,
-        state: &State<S>,
-    ) -> Fix<S> {
+    fn fix<S: Scalar>(&self, tuning: &Tuning, altitude: &AltitudeMeasurement) -> Option<Fix<S>> {
         let sigma = tuning.measurement_noise.altitude_sigma_m * altitude.dilution;
-        Fix {
-            altitude_m: altitude_at_end(state, altitude) - self.datum_m
-                + self.delay.climb_since_m().unwrap_or(0.0),
-            variance: S::from_f32(self.gate.noise_ratio() * sigma * sigma),
+        let restored = self.received?.restored?;
+        Some(Fix {
+            altitude_m: restored.altitude_m - self.datum_m,
+            variance: S::from_f32(self.gate.noise_ratio() * sigma * sigma + restored.variance),
             continuity: altitude.continuity,
-        }
+        })
     }
 
     /// Decides what to do with a fix, given the state before the measurements.
@@ -267,11 +290,11 @@ impl AltitudeUpdate {
         sample: &Sample,
         state: &State<S>,
         fix: &Fix<S>,
+        delay_changed: bool,
     ) -> (GateDecision, Option<AltitudeEvent>) {
         let tuning = &context.tuning;
-        let is_other = self.delay.take_change();
         if state.origin_m.is_none()
-            || is_other
+            || delay_changed
             || fix.continuity == AltitudeContinuity::Switched
             || self.gate.silent_s() >= tuning.gates.gnss_silence.seconds()
         {

@@ -12,6 +12,7 @@
 //! | [`dynamics`], `process_noise`, [`predict`] | F, Q, and the prediction with them |
 //! | [`measurement`], `speed_update`, `altitude_update`, `slope_update` | h and the scalar update; R of each sensor |
 //! | `altitude_gate` | which altitudes to use; the climb test |
+//! | `altitude_delay`, `low_pass_bank` | receivers that smooth their altitudes |
 //! | `noise_ratio` | measurement noise learned from innovations |
 //! | `inertial` | the accelerometer as a second measurement of the force |
 //! | `effect_uncertainty` | force and uncertainty of the adopted effects |
@@ -30,6 +31,7 @@ mod gauss_markov;
 pub mod gross_mass;
 mod inertial;
 mod load_test;
+mod low_pass_bank;
 pub mod measurement;
 mod noise_ratio;
 pub mod predict;
@@ -71,7 +73,7 @@ use inertial::Accelerometer;
 use load_test::{LoadDecision, LoadTest, Opened};
 use measurement::Observation;
 use predict::Prediction;
-use prior::{initial_state, reopen_after_load_change, reopen_bias};
+use prior::{initial_state, reopen_bias, reopen_bias_and_scale};
 use process_noise::{LearnedNoise, bias_variance, wind_variance};
 use scale_bounds::{KeptScale, ScaleBounds};
 use scale_prior_reset::ScalePriorReset;
@@ -294,7 +296,11 @@ impl<S: Scalar> Filter<S> {
             altitude.delay_mut().interrupt();
         }
         let cell = level_cell(context, sample, state, learned.load_factor);
-        altitude.delay_mut().advance(cell.climb_m, cell.duration_s);
+        altitude.delay_mut().advance(
+            cell.climb_m,
+            cell.duration_s,
+            &context.tuning.measurement_noise,
+        );
         brake.drive(state, cell.length_m, cell.climb_m);
         levels.advance(
             &cell,
@@ -356,7 +362,7 @@ impl<S: Scalar> Filter<S> {
         if let Some(state) = &mut self.state
             && sample.after_load_change
         {
-            reopen_after_load_change(state, context, sample);
+            reopen_bias_and_scale(state, context, sample);
             self.accelerometer.open_scale(&context.tuning);
             self.scale_reset.start(state, &context.tuning.prior);
             count(&mut context.counters.loads_reopened);

@@ -5,9 +5,9 @@
 //! difference at a row of lags are means that forget, and each reading updates a few of them. They
 //! find delays of half a second and more; [`SpeedLag`] finds shorter ones, and finds them finer.
 
+use super::lagged_differences::LaggedDifferences;
 use super::latest::TimedValue;
 use super::speed_lag::SpeedLag;
-use crate::lagged_differences::LaggedDifferences;
 use crate::scalar::Scalar;
 use crate::time::{Duration, Instant};
 use crate::tuning::Detection;

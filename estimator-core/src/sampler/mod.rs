@@ -11,7 +11,7 @@
 //! | `brakes`, `brake_detector` | brakes that signals report; brakes that none reports |
 //! | `odometer`, `speed_check` | distance and cells; plausibility of speed readings |
 //! | `gnss` | positions and altitudes along the driven distance |
-//! | `gnss_timing`, `speed_lag`, `lag_regression` | age of a fix; scale of the wheel speed |
+//! | `gnss_timing`, `lagged_differences`, `speed_lag`, `lag_regression` | age of a fix; scale of the wheel speed |
 //! | `stops`, `reversing` | standstills, weighings, load changes; direction of motion |
 //! | `inertial` | the accelerometer: one mean a cell |
 //! | `slope_sensors` | vertical speed and pitch: the slope directly |
@@ -34,6 +34,7 @@ mod gnss_timing;
 mod held_signal;
 mod inertial;
 mod lag_regression;
+mod lagged_differences;
 mod latest;
 mod odometer;
 mod parts;

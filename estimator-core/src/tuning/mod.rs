@@ -34,7 +34,7 @@ tuning! {
         altitude_ratio_gain: f32 = 0.03, 0.0..=1.0, "1", "part of a normalised squared innovation by which the ratio follows", "Mehra 1970; a memory of 30 fixes";
         gnss_error_sigma_m: f32 = 3.0, 0.01..=100.0, "m", "coloured error of GNSS altitude, 1 sigma", "Ornstein-Uhlenbeck model, Sensors 20:6050";
         gnss_error_time_s: f32 = 200.0, 1.0..=1e5, "s", "correlation time of the coloured error", "Ornstein-Uhlenbeck model, Sensors 20:6050: 100 to 300 s";
-        delay_readings: u16 = 150, 10.0..=65_535.0, "fixes", "fixes at each lag over which climbs are compared to find a delay of altitudes", "chosen: forty minutes";
+        delay_readings: u16 = 450, 10.0..=65_535.0, "readings", "readings, one in two seconds, over which climbs by altitudes and by forces are compared to find a delay of altitudes", "chosen: a quarter of an hour";
         delay_part: f32 = 0.7, 0.0..=1.0, "1", "part of the variance without delay below which a delay counts", "chosen";
         gnss_error_sum_s: f32 = 16.0, 1.0..=1000.0, "s", "time over which innovations are summed to learn the coloured error", "long beside white noise, short beside `gnss_error_time_s`";
         gnss_error_ratio_low: f32 = 0.01, 1e-4..=1.0, "1", "smallest learned over assumed variance of the coloured error", "a tenth of the assumed sigma";

@@ -42,7 +42,7 @@ const CORE: [&str; 26] = [
     "tuning",
     "counters",
     "cell",
-    "lagged_differences",
+    "mean_and_variance",
     "shift_in",
     "scalar",
     "time",
