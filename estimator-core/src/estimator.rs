@@ -113,7 +113,7 @@ impl<S: Scalar> Estimator<S> {
             return Some(Step::Skipped);
         };
         self.end = record.end;
-        self.disagreement = record.disagreement;
+        self.disagreement = record.live_disagreement();
         let lost = self.lag.push(&record, state);
         count_by(&mut self.context.counters.cells_lost, lost);
         Some(Step::Moved(record.event))

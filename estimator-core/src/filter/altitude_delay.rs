@@ -6,7 +6,6 @@
 //! all-pass it does not: whether the altitude is late is decided there, and by how much in the bank.
 
 use super::low_pass_bank::{LowPassBank, low_pass_gain};
-use crate::scalar::Scalar;
 use crate::tuning::MeasurementNoise;
 
 /// Least time between two altitudes that are restored, and that are compared, s: a little less than
@@ -15,7 +14,7 @@ const RESTORED_APART_S: f32 = 0.9;
 const COMPARED_APART_S: f32 = 1.9;
 /// Largest one, s: beyond, the vehicle stood, or nearly, or altitudes are missing.
 const FAR_APART_S: f32 = 4.0;
-/// Difference of vertical speeds that counts at most, m/s: beyond is an outlier.
+/// Largest difference of vertical speeds, m/s: beyond, one of them is an outlier.
 const FASTEST_MPS: f32 = 1.0;
 /// Faster changes do not count, s: they are noise of altitudes.
 const FAST_S: f32 = 4.0;
@@ -30,8 +29,9 @@ const LATE: f32 = 60.0;
 const LATE_AND_EXPLAINED: (f32, f32) = (30.0, 0.9);
 /// Evidence a reading below which altitudes are no longer late.
 const NO_LONGER_LATE: f32 = 0.05;
-/// Evidence for another time constant, and the ratio to the old one from which on it is another.
-const ANOTHER: (f32, f32) = (15.0, 1.25);
+/// Evidence for another time constant, the ratio to the old one from which on it is another, and its
+/// sigma at most, as a part of it.
+const ANOTHER: (f32, f32, f32) = (15.0, 1.25, 0.9);
 
 /// An altitude, and what came since.
 #[derive(Clone, Copy, Debug)]
@@ -166,13 +166,14 @@ impl AltitudeDelay {
         let Some(since) = replace(&mut self.compared, altitude_m, COMPARED_APART_S) else {
             return;
         };
-        let forces_mps = since.climb_m / since.duration_s;
-        let apart_mps = (altitude_m - since.altitude_m) / since.duration_s - forces_mps;
         let now = VerticalSpeeds {
-            altitudes_mps: forces_mps
-                + Scalar::min(FASTEST_MPS, Scalar::max(-FASTEST_MPS, apart_mps)),
-            forces_mps,
+            altitudes_mps: (altitude_m - since.altitude_m) / since.duration_s,
+            forces_mps: since.climb_m / since.duration_s,
         };
+        if (now.altitudes_mps - now.forces_mps).abs() > FASTEST_MPS {
+            self.smooth = None;
+            return;
+        }
         let Some((fast, slow)) = &mut self.smooth else {
             self.smooth = Some((now, now));
             self.bank.settle();
@@ -216,10 +217,11 @@ impl AltitudeDelay {
             return;
         }
         // A little more or less is no change: what was learned of the forces stays.
-        let (evidence, ratio) = ANOTHER;
+        let (evidence, ratio, largest_sigma) = ANOTHER;
         let is_another =
             best.time_constant_s > ratio * self.set_s || self.set_s > ratio * best.time_constant_s;
-        if is_another && best.evidence > evidence {
+        let is_known = best.sigma_s < largest_sigma * best.time_constant_s;
+        if is_another && is_known && best.evidence > evidence {
             self.set_s = best.time_constant_s;
             self.set_output = best.output;
             self.has_changed = true;

@@ -46,6 +46,9 @@ struct Fix<S> {
     continuity: AltitudeContinuity,
 }
 
+/// Error of the slope, in sigmas, from which on the cells are marked in which it was made.
+const WRONG_SIGMAS: f32 = 2.0;
+
 /// A fix that passed the gate.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct AcceptedFix<S>(Fix<S>);
@@ -59,6 +62,9 @@ pub(super) struct Gated<S> {
     pub event: Option<AltitudeEvent>,
     /// Whether the altitude was set from the fix.
     pub sets_altitude: bool,
+    /// Whether what the altitudes taught since a drift began is undone, and was wrong by more than
+    /// its sigma says.
+    pub undoes_error: bool,
 }
 
 impl AltitudeUpdate {
@@ -89,11 +95,6 @@ impl AltitudeUpdate {
     /// Notes that the model's error is another one from here on.
     pub(super) fn model_changed(&mut self) {
         self.gate.restart_climb_test();
-    }
-
-    /// Returns the first cell of a drift of the receiver that is under way.
-    pub(super) const fn drifts_since(&self) -> Option<u32> {
-        self.gate.drifts_since()
     }
 
     /// Returns learned over assumed variance of a single fix.
@@ -169,11 +170,7 @@ impl AltitudeUpdate {
         state: &mut State<S>,
     ) -> Gated<S> {
         let Some(altitude) = &sample.altitude else {
-            return Gated {
-                accepted: None,
-                event: None,
-                sets_altitude: false,
-            };
+            return Gated::NONE;
         };
         let reported_m = self
             .received
@@ -182,11 +179,7 @@ impl AltitudeUpdate {
             // It shows how fast altitudes change, and the next one can be restored.
             self.delay
                 .fix(reported_m, &context.tuning.measurement_noise);
-            return Gated {
-                accepted: None,
-                event: None,
-                sets_altitude: false,
-            };
+            return Gated::NONE;
         };
         let delay_changed = self.delay.take_change();
         if delay_changed {
@@ -199,9 +192,8 @@ impl AltitudeUpdate {
         }
         let (decision, event) = self.decide(context, sample, state, &fix, delay_changed);
         let mut gated = Gated {
-            accepted: None,
             event,
-            sets_altitude: false,
+            ..Gated::NONE
         };
         match decision {
             GateDecision::Fuse => {
@@ -231,7 +223,9 @@ impl AltitudeUpdate {
             }
             GateDecision::Reject => context.counters.altitudes_rejected += 1,
             GateDecision::RejectAndUndo(model_error, slope_percent) => {
-                undo_drift(state, &model_error);
+                let sigma = state.sigma(Slope).to_f32();
+                let undone_percent = undo_drift(state, &model_error);
+                gated.undoes_error = undone_percent.abs() > WRONG_SIGMAS * sigma;
                 // Receiver or model: which of them is off, the fixes that follow show. Only a receiver
                 // is off by more than resistances are.
                 if slope_percent.abs() < context.tuning.gates.drift_model_most_percent {
@@ -357,6 +351,27 @@ impl<S: Scalar> AcceptedFix<S> {
 }
 
 impl<S: Scalar> Gated<S> {
+    /// Without an altitude.
+    const NONE: Self = Self {
+        accepted: None,
+        event: None,
+        sets_altitude: false,
+        undoes_error: false,
+    };
+
+    /// Returns the number of cells up to this one whose estimates came from altitudes, or a model,
+    /// that are found to be wrong. What comes after a drift began is not among them: its altitudes
+    /// are left out, and the model is as uncertain as it then may be.
+    pub(super) const fn disagreeing_cells(&self, cell: u32) -> Option<u32> {
+        match self.event {
+            Some(AltitudeEvent::DriftBegan(since)) if self.undoes_error => {
+                Some(cell.saturating_sub(since) + 1)
+            }
+            Some(AltitudeEvent::Contradicted { cells }) => Some(cells),
+            _ => None,
+        }
+    }
+
     /// Returns the reset of the step with what the gate did.
     pub(super) const fn reset(&self, before: Reset) -> Reset {
         if self.sets_altitude {
@@ -407,8 +422,13 @@ fn segment<S: Scalar>(state: &State<S>, dynamics: &Dynamics<S>, sample: &Sample)
 }
 
 /// Returns to the model error that was known before a drift. What the drift moved it by becomes
-/// variance.
-fn undo_drift<S: Scalar>(state: &mut State<S>, known: &ModelError) {
+/// variance. Returns by how much the slope was off, %.
+fn undo_drift<S: Scalar>(state: &mut State<S>, known: &ModelError) -> f32 {
+    let of_road = |state: &State<S>| {
+        let x = |index| state.mean[index];
+        state.net_traction * x(Scale) - x(Bias) - x(Wind)
+    };
+    let before = of_road(state);
     for (index, before) in [
         (Bias, known.bias_percent),
         (Wind, known.wind_percent),
@@ -419,6 +439,7 @@ fn undo_drift<S: Scalar>(state: &mut State<S>, known: &ModelError) {
         state.mean[index] = before;
         state.covariance.add_variance(index, moved * moved);
     }
+    (of_road(state) - before).to_f32()
 }
 
 fn count_event(counters: &mut Counters, event: AltitudeEvent) {

@@ -22,11 +22,17 @@ const LEAST_BEND: f32 = 0.1;
 #[derive(Clone, Copy, Debug)]
 struct Output {
     value: f32,
+    low_pass: Passed,
+    /// Behind the all-pass of the same delay.
+    all_pass: Passed,
+}
+
+/// A passed signal beside the follower.
+#[derive(Clone, Copy, Debug)]
+struct Passed {
     moments: MeanAndVariance,
     /// Covariance with the follower.
     covariance: f32,
-    /// The follower less the all-pass of the same delay.
-    behind_all_pass: MeanAndVariance,
 }
 
 /// The low-passes.
@@ -54,9 +60,8 @@ impl LowPassBank {
     pub(super) fn new() -> Self {
         let output = Output {
             value: 0.0,
-            moments: MeanAndVariance::NONE,
-            covariance: 0.0,
-            behind_all_pass: MeanAndVariance::NONE,
+            low_pass: Passed::NONE,
+            all_pass: Passed::NONE,
         };
         Self {
             outputs: Vec::from_array([output; OUTPUTS]),
@@ -113,20 +118,16 @@ impl LowPassBank {
             let [half, next] = before;
             before = [next, output.value];
             // An all-pass is twice the low-pass of half its time constant, less the signal.
-            let behind = follower - (2.0 * half - signal);
-            let of_output = output.value - output.moments.mean;
-            output.covariance = (1.0 - gain) * (output.covariance + gain * of_follower * of_output);
-            output.moments.add(of_output, gain);
-            let apart = behind - output.behind_all_pass.mean;
-            output.behind_all_pass.add(apart, gain);
+            output.low_pass.add(output.value, of_follower, gain);
+            output.all_pass.add(2.0 * half - signal, of_follower, gain);
         }
     }
 
     /// Returns the evidence that the follower is late, by all-passes.
     pub(super) fn evidence_of_delay(&self, memory: u16) -> f32 {
-        let variance = |output: &Output| output.behind_all_pass.variance;
-        let itself = self.outputs.first().map_or(0.0, variance);
-        let least = self.outputs.iter().map(variance).fold(itself, Scalar::min);
+        let misfit = |output: &Output| output.all_pass.misfit(self.follower.variance);
+        let itself = self.outputs.first().map_or(0.0, misfit);
+        let least = self.outputs.iter().map(misfit).fold(itself, Scalar::min);
         self.evidence(itself, least, memory)
     }
 
@@ -159,16 +160,13 @@ impl LowPassBank {
         }
     }
 
-    /// Returns the variance of the follower that an output does not explain, whatever its gain: the
-    /// signal may be off by a scale.
+    /// Returns the variance of the follower that a low-pass does not explain.
     #[inline(never)]
     fn misfit(&self, index: usize) -> f32 {
-        let Some(output) = self.outputs.get(index) else {
-            return f32::INFINITY;
-        };
-        let explained = output.covariance * output.covariance / output.moments.variance;
-        // Not a number without a signal.
-        Scalar::max(0.0, self.follower.variance - Scalar::max(0.0, explained))
+        let output = self.outputs.get(index);
+        output.map_or(f32::INFINITY, |output| {
+            output.low_pass.misfit(self.follower.variance)
+        })
     }
 
     /// Returns readings times the logarithm of the ratio of two variances; zero where the second one
@@ -180,6 +178,28 @@ impl LowPassBank {
         } else {
             0.0
         }
+    }
+}
+
+impl Passed {
+    const NONE: Self = Self {
+        moments: MeanAndVariance::NONE,
+        covariance: 0.0,
+    };
+
+    fn add(&mut self, value: f32, of_follower: f32, gain: f32) {
+        let apart = value - self.moments.mean;
+        self.covariance = (1.0 - gain) * (self.covariance + gain * of_follower * apart);
+        self.moments.add(apart, gain);
+    }
+
+    /// Returns the variance of the follower that is not explained, whatever the gain: the signal may
+    /// be off by a scale.
+    fn misfit(&self, of_follower: f32) -> f32 {
+        let covariance = Scalar::max(0.0, self.covariance);
+        let explained = covariance * covariance / self.moments.variance;
+        // Not a number without a signal.
+        Scalar::max(0.0, of_follower - Scalar::max(0.0, explained))
     }
 }
 

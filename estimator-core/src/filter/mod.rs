@@ -266,6 +266,7 @@ impl<S: Scalar> Filter<S> {
         };
         altitude.advance(sample, state, prediction.dynamics(), hidden_slope_percent);
         let mut disagreement = sample.disagreement;
+        let mut is_undone = false;
         let mut disagreeing_cells = u32::from(!disagreement.is_none());
         if let Some(cells) = disagreeing_force {
             disagreement.torque = true;
@@ -279,12 +280,8 @@ impl<S: Scalar> Filter<S> {
             disagreeing_cells = cells;
         }
         let gated = altitude.gate(context, sample, state);
-        if let Some(since) = altitude.drifts_since() {
-            disagreement.climb = true;
-            let cells = sample.end.cell.saturating_sub(since) + 1;
-            disagreeing_cells = disagreeing_cells.max(cells);
-        }
-        if let Some(AltitudeEvent::Contradicted { cells }) = gated.event {
+        if let Some(cells) = gated.disagreeing_cells(sample.end.cell) {
+            is_undone = gated.undoes_error && disagreement.is_none();
             disagreement.climb = true;
             disagreeing_cells = disagreeing_cells.max(cells);
         }
@@ -354,6 +351,7 @@ impl<S: Scalar> Filter<S> {
             event: gated.event,
             disagreement,
             disagreeing_cells,
+            is_undone,
         })
     }
 

@@ -17,6 +17,11 @@ use crate::sample::Sample;
 use crate::scalar::Scalar;
 use crate::vehicle::Traction;
 
+/// Fall of an altitude, in sigmas beyond that of the steepest road, that is a step of the receiver; and
+/// how low an altitude is at most where the step is over.
+const JUMP_SIGMAS: f32 = 3.0;
+const BACK_SIGMAS: f32 = 2.0;
+
 /// Whether the vehicle brakes without a report.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct SilentBrake {
@@ -32,6 +37,12 @@ pub(super) struct SilentBrake {
     /// Error of the model when the engine last drove, %, and cells since it is larger.
     error_before: f32,
     larger_cells: u32,
+    /// How low the last altitude was, m, and whether one fell by more than a road does since the
+    /// altitudes were right.
+    last_low_m: f32,
+    /// Distance since then, m.
+    since_fix_m: f32,
+    has_jumped: bool,
     is_on: bool,
     /// Brakes found on this drive that were not reported.
     found: u8,
@@ -98,6 +109,7 @@ impl SilentBrake {
     #[inline]
     pub(super) fn drive<S: Scalar>(&mut self, state: &State<S>, length_m: f32, climb_m: f32) {
         self.length_m += length_m;
+        self.since_fix_m += length_m;
         self.climb_m += climb_m - 0.01 * length_m * model_error(state);
     }
 
@@ -114,7 +126,19 @@ impl SilentBrake {
             return None;
         }
         let detection = &context.tuning.detection;
-        let low = -innovation_m / libm::sqrtf(variance);
+        let sigma_m = libm::sqrtf(variance);
+        let low = -innovation_m / sigma_m;
+        let steepest_m = 0.01 * detection.silent_brake_steepest_percent * self.since_fix_m;
+        let fell_m = -innovation_m - self.last_low_m;
+        self.last_low_m = -innovation_m;
+        self.since_fix_m = 0.0;
+        // The receiver stepped. Its gate moves the datum.
+        self.has_jumped =
+            fell_m > steepest_m + JUMP_SIGMAS * sigma_m || (self.has_jumped && low > BACK_SIGMAS);
+        if self.has_jumped {
+            self.low_sum = 0.0;
+            return None;
+        }
         // A single one may be an outlier.
         let counted = Scalar::min(
             low - detection.silent_brake_slack,

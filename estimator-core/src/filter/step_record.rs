@@ -153,4 +153,18 @@ pub struct StepRecord<S> {
     pub disagreement: Disagreement,
     /// Number of cells up to this one in which it disagrees. More than one if it is noticed late.
     pub disagreeing_cells: u32,
+    /// True if what disagreed is undone at the cell's end: the cells before are wrong, and the live
+    /// estimate is not.
+    pub is_undone: bool,
+}
+
+impl<S> StepRecord<S> {
+    /// Returns what disagrees with the live estimate.
+    pub(crate) fn live_disagreement(&self) -> Disagreement {
+        if self.is_undone {
+            Disagreement::default()
+        } else {
+            self.disagreement
+        }
+    }
 }

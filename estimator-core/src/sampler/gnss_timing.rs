@@ -148,6 +148,10 @@ impl GnssTiming {
         if !self.wheels_mps.is_full() || speed_mps < tuning.turn_mps {
             return;
         }
+        // Something carries the vehicle: a ferry, or a train.
+        if self.wheels_mps.iter().all(|mps| *mps < tuning.standing_mps) {
+            return;
+        }
         let after = now.seconds_since(newest) / STEP.seconds();
         if after > 1.5 {
             return;

@@ -66,6 +66,8 @@ use speed_check::SpeedCheck;
 
 /// Number of samples that may wait for the filter.
 const QUEUE: usize = 24;
+/// Number of samples that may wait for a course: a receiver reports one within ten metres.
+const WAITING: u8 = 4;
 
 /// Collects readings and divides the drive into samples.
 #[derive(Clone, Debug)]
@@ -73,6 +75,8 @@ pub struct Sampler {
     odometer: Odometer,
     parts: Parts,
     samples: Deque<Sample, QUEUE>,
+    /// Number of the newest samples whose direction is not known yet.
+    waiting: u8,
 }
 
 impl Sampler {
@@ -84,12 +88,18 @@ impl Sampler {
             odometer: Odometer::default(),
             parts: Parts::new(),
             samples: Deque::new(),
+            waiting: 0,
         }
     }
 
     /// Returns the next sample that is ready.
     pub fn next_sample(&mut self) -> Option<Sample> {
-        self.samples.pop_front()
+        let is_ready = self.samples.len() > usize::from(self.waiting);
+        if is_ready {
+            self.samples.pop_front()
+        } else {
+            None
+        }
     }
 
     /// Returns the age of a fix when it arrives: that which the speeds show, or the assumed one.
@@ -300,6 +310,7 @@ impl Sampler {
             odometer,
             parts,
             samples,
+            waiting,
         } = self;
         let rolled_mps = reported_mps * context.model.effects.factor(Acts::WheelRadius);
         let rolled = TimedValue {
@@ -338,9 +349,15 @@ impl Sampler {
             course: parts.effect_signals.fresh_course(&context.tuning, now),
         };
         let was_reversing = parts.reversing.is_on();
+        // What ends at a standstill was driven before it.
+        let has_stood = parts.reversing.waits_for_course(direction.gear);
         if parts.reversing.follow(&context.tuning, now, &direction) {
             if !was_reversing {
                 count(&mut context.counters.reversals);
+            }
+            for _ in 0..core::mem::take(waiting) {
+                samples.pop_back();
+                odometer.take_back();
             }
             parts.traction.take_mean_n(now);
             parts.accelerometer.take(now);
@@ -363,12 +380,21 @@ impl Sampler {
         };
         let detects_brakes = context.model.vehicle.traction != Traction::Force;
         let longest = context.tuning.hold_times.speed_timeout;
+        let waits = has_stood && parts.reversing.waits_for_course(direction.gear);
         let bridged = odometer.drive(speed, interval, longest, |driven| {
             let sample = parts.sample(context, &driven, detects_brakes);
             if samples.push_back(sample).is_err() {
                 count(&mut context.counters.samples_lost);
+            } else if waits {
+                *waiting += 1;
             }
         });
+        if *waiting >= WAITING {
+            parts.reversing.give_up();
+        }
+        if !parts.reversing.waits_for_course(direction.gear) {
+            *waiting = 0;
+        }
         if !bridged {
             parts.slope_sensors = SlopeSensors::default();
             parts.gnss.clear();

@@ -121,6 +121,11 @@ impl Odometer {
         self.open.gap_cells = self.open.gap_cells.max(1);
     }
 
+    /// Takes back the newest cell: it was driven backwards.
+    pub(super) fn take_back(&mut self) {
+        self.cell = self.cell.saturating_sub(1);
+    }
+
     /// Takes a speed that moves the vehicle, but not forward: the distance stands still, and the next
     /// cell does not follow the last one.
     pub(super) fn stand(&mut self, speed: TimedValue) {

@@ -1,7 +1,8 @@
 //! Reversing: wheel speeds have no sign, so other signals must show the direction.
 //!
 //! A reported reverse gear shows it. Where no gear is reported, the course does: a vehicle changes
-//! its direction only at a stop, and then its course over ground turns round within metres.
+//! its direction only at a stop, and then its course over ground turns round within metres. Until
+//! then the cells since the stop wait, and there are none of them if the vehicle reverses.
 
 use crate::time::Instant;
 use crate::tuning::Tuning;
@@ -14,6 +15,8 @@ pub(super) struct Reversing {
     heading_deg: Option<f32>,
     /// Time of the last standstill, while the direction since then is not known.
     stood: Option<Instant>,
+    /// Whether cells since then wait for a course.
+    waits: bool,
 }
 
 /// What shows the direction at a speed reading.
@@ -33,6 +36,17 @@ impl Reversing {
         self.is_reversing
     }
 
+    /// Returns whether the vehicle moves since a stop and its course will show which way. `gear` is
+    /// the reported one, which would have shown it.
+    pub(super) fn waits_for_course(&self, gear: Option<f32>) -> bool {
+        self.waits && gear.is_none() && self.stood.is_some() && self.heading_deg.is_some()
+    }
+
+    /// Gives up waiting until the next stop.
+    pub(super) const fn give_up(&mut self) {
+        self.waits = false;
+    }
+
     /// Follows the direction at a speed reading. Returns whether the vehicle reverses.
     pub(super) fn follow(
         &mut self,
@@ -42,6 +56,7 @@ impl Reversing {
     ) -> bool {
         if signals.speed_mps < tuning.detection.standing_mps {
             self.stood = Some(now);
+            self.waits = true;
         }
         match signals.gear {
             Some(gear) if gear < -0.5 => self.is_reversing = true,

@@ -29,6 +29,8 @@ const LONGEST: Duration = Duration::from_micros(1_250_000);
 const LONGEST_LAG_S: f32 = 1.5;
 /// Unit of the force, N, so that all sums are of similar size.
 const FORCE_UNIT_N: f32 = 1e4;
+/// Speed below which a vehicle stands.
+const STANDING_MPS: f32 = 0.1;
 /// Slots between two decisions: 10 s.
 const DECIDE_EVERY: u8 = 40;
 /// Delay from that of the comparison, s, at which the comparison moves to it.
@@ -195,6 +197,10 @@ impl SpeedLag {
         let before_s = SIDE as f32 * SLOT_S + ground.before_end_s / count + compared_s;
         let centre = (before_s / SLOT_S + 0.5) as usize;
         let around = self.slots.get(centre.checked_sub(SIDE)?..centre + SIDE)?;
+        // Something carries the vehicle: a ferry, or a train.
+        if around.iter().all(|slot| slot.wheels_mps < STANDING_MPS) {
+            return None;
+        }
         let (newer, older) = around.split_at_checked(SIDE)?;
         let mean = |slots: &[Slot]| {
             let sum: f32 = slots.iter().map(|slot| slot.wheels_mps).sum();

@@ -279,3 +279,35 @@ fn a_latency_that_is_the_assumed_one_again_is_no_longer_carried() {
     let mean_m = finely_driven_on(&mut drive, MOTORWAY, late_s, 2_700, 0.0);
     assert!(mean_m.abs() < 0.4, "{mean_m} m");
 }
+
+#[test]
+fn a_ferry_shows_nothing_of_the_wheels() {
+    let mut drive = ReadingsDrive::of(by_force());
+    let mut noise = Noise(7);
+    let mut driven_m = |drive: &mut ReadingsDrive, seconds: u16, is_carried: bool| {
+        let before_m = drive.samples.last().map_or(0.0, |of| of.end.distance_m());
+        for tick in 0..10 * seconds {
+            let mps = if is_carried {
+                0.0
+            } else {
+                ROLLING.at(0.1 * f32::from(tick)).0
+            };
+            let ground_mps = if is_carried { 7.0 } else { mps };
+            let readings = [
+                (Signal::GnssSpeed, ground_mps + 0.1 * noise.draw()),
+                (Signal::TractionForce, 4_000.0),
+                (Signal::WheelSpeed, mps),
+            ];
+            drive.on(0.1, &readings);
+        }
+        (drive.samples.last().unwrap().end.distance_m() - before_m) as f32
+    };
+    driven_m(&mut drive, 200, false);
+    let carried_m = driven_m(&mut drive, 900, true);
+    assert!(carried_m < 15.0, "{carried_m} m");
+    let after_m = driven_m(&mut drive, 200, false);
+    assert!(
+        (after_m / ROLLING.at(200.0).1 - 1.0).abs() < 0.01,
+        "{after_m} m"
+    );
+}

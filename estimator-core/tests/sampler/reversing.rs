@@ -71,14 +71,40 @@ fn without_a_gear_the_course_shows_it() {
     for (north_deg, back_deg) in [(0.0, 180.0), (90.0, 270.0), (350.0, 165.0), (10.0, 195.0)] {
         let (mut drive, last) = before(None, Some(north_deg));
         let back = drive.on(30.0, &at(1.5, None, Some(back_deg)));
-        // At most what is driven until a new course comes.
-        assert!(back.len() <= 1, "{}", back.len());
+        assert_eq!(back, []);
         assert_eq!(drive.context.counters.reversals, 1);
         drive.on(5.0, &at(0.0, None, Some(back_deg)));
         let forward = drive.on(20.0, &at(10.0, None, Some(north_deg)));
+        assert_eq!(forward[0].end.cell, last.end.cell + 1);
         let driven_m = forward[forward.len() - 1].end.distance_m() - last.end.distance_m();
         assert!((190.0..=205.0).contains(&driven_m), "{driven_m} m");
     }
+}
+
+#[test]
+fn cells_since_a_stop_wait_for_a_course() {
+    // The receiver holds its course for some seconds.
+    for (course_deg, is_back) in [(180.0, true), (0.0, false)] {
+        let (mut drive, last) = before(None, Some(0.0));
+        assert_eq!(drive.on(5.0, &at(1.5, None, None)), []);
+        let moved = drive.on(20.0, &at(1.5, None, Some(course_deg)));
+        assert_eq!(moved.is_empty(), is_back);
+        drive.on(5.0, &at(0.0, None, Some(course_deg)));
+        let forward = drive.on(20.0, &at(10.0, None, Some(0.0)));
+        let before_m = if is_back { 0.0 } else { 25.0 * 1.5 };
+        let driven_m = forward[forward.len() - 1].end.distance_m() - last.end.distance_m();
+        assert!(
+            (before_m + 190.0..=before_m + 205.0).contains(&driven_m),
+            "{driven_m} m"
+        );
+    }
+}
+
+#[test]
+fn a_receiver_that_never_says_a_course_again_holds_nothing_up() {
+    let (mut drive, _) = before(None, Some(0.0));
+    let moved = drive.on(20.0, &at(1.5, None, None));
+    assert!(moved.len() > 10, "{}", moved.len());
 }
 
 #[test]

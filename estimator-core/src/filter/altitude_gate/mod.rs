@@ -198,14 +198,6 @@ impl AltitudeGate {
         }
     }
 
-    /// Returns the first cell of a drift that is under way.
-    pub(super) const fn drifts_since(&self) -> Option<u32> {
-        match self.drift {
-            Drift::Since { cell, .. } => Some(cell),
-            Drift::None { .. } | Drift::Believed { .. } => None,
-        }
-    }
-
     fn forget_rejected(&mut self) {
         self.rejected = 0;
         self.offset_m = 0.0;
