@@ -15,7 +15,7 @@
 
 use super::backward_pass::BackwardPass;
 use super::block_smoother::BlockSmoother;
-use super::lagged_cell::{FilteredCell, PendingCell, WithinBlock};
+use super::lagged_cell::{FilteredCell, FinishedCell, PendingCell, WithinBlock};
 use super::two_stacks::TwoStacks;
 use crate::cell::Cell;
 use crate::filter::{Quantity, State, StepRecord};
@@ -50,7 +50,7 @@ const _: () = assert!(
 #[must_use]
 pub const fn bytes<S>(lag_blocks: usize) -> usize {
     let filling = BLOCK_CELLS * size_of::<FilteredCell<S>>();
-    let finished = BLOCK_CELLS * size_of::<Cell>();
+    let finished = BLOCK_CELLS * size_of::<FinishedCell>();
     let block = size_of::<Block<S>>() + BLOCK_CELLS * size_of::<PendingCell<S>>();
     filling + (lag_blocks + 1) * block + finished
 }
@@ -84,7 +84,7 @@ pub struct FixedLag<S> {
     blocks: Deque<Block<S>, BLOCKS>,
     /// The cells of these blocks, the oldest block first, but within each block the last cell first.
     pending: Deque<PendingCell<S>, { BLOCKS * BLOCK_CELLS }>,
-    finished: Deque<Cell, BLOCK_CELLS>,
+    finished: Deque<FinishedCell, BLOCK_CELLS>,
     stage: Stage,
     /// The pass over the blocks after the oldest one.
     pass: BackwardPass<S>,
@@ -137,7 +137,7 @@ impl<S: Scalar> FixedLag<S> {
         if self.stage == Stage::Finish {
             return None;
         }
-        self.finished.pop_front()
+        self.finished.pop_front().map(|cell| cell.unpack())
     }
 
     /// Does a share of the work at the end of a drive, after which all cells are finished, smoothed
