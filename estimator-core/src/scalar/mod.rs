@@ -176,6 +176,12 @@ fn heron(square: f32) -> f32 {
     root
 }
 
+/// Returns the natural logarithm.
+#[inline(never)] // Long, and called from several places.
+pub(crate) fn ln(number: f32) -> f32 {
+    libm::logf(number)
+}
+
 float_scalar!(f32, heron);
 float_scalar!(f64, libm::sqrt);
 
