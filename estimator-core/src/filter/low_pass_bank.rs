@@ -3,7 +3,7 @@
 //! Means and variances forget. All are of readings that come about every two seconds.
 
 use crate::mean_and_variance::MeanAndVariance;
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, ln};
 use heapless::Vec;
 
 /// Number of outputs: the signal itself, and its low-passes.
@@ -176,7 +176,7 @@ impl LowPassBank {
     #[inline(never)]
     pub(super) fn evidence(&self, more: f32, less: f32, memory: u16) -> f32 {
         if more > less && less > 0.0 {
-            self.readings(memory) * libm::logf(more / less)
+            self.readings(memory) * ln(more / less)
         } else {
             0.0
         }
