@@ -124,10 +124,19 @@ impl LowPassBank {
 
     /// Returns the evidence that the follower is late, by all-passes.
     pub(super) fn evidence_of_delay(&self, memory: u16) -> f32 {
-        let variance = |output: &Output| output.behind_all_pass.variance;
-        let itself = self.outputs.first().map_or(0.0, variance);
-        let least = self.outputs.iter().map(variance).fold(itself, Scalar::min);
+        let itself = self.variance_behind(0);
+        let mut least = itself;
+        for index in 1..self.outputs.len() {
+            least = Scalar::min(least, self.variance_behind(index));
+        }
         self.evidence(itself, least, memory)
+    }
+
+    /// Returns the variance of the follower behind an all-pass.
+    #[inline(never)] // So that no compiler unrolls the loop.
+    fn variance_behind(&self, index: usize) -> f32 {
+        let output = self.outputs.get(index);
+        output.map_or(0.0, |output| output.behind_all_pass.variance)
     }
 
     /// Returns the low-pass that the follower fits best, and the evidence against another output.
