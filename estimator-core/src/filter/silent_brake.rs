@@ -114,7 +114,7 @@ impl SilentBrake {
             return None;
         }
         let detection = &context.tuning.detection;
-        let low = -innovation_m / libm::sqrtf(variance);
+        let low = -innovation_m / Scalar::sqrt(variance);
         // A single one may be an outlier.
         let counted = Scalar::min(
             low - detection.silent_brake_slack,
