@@ -107,7 +107,7 @@ impl<S: Scalar> Estimator<S> {
 
     /// Moves the filter over one cell. Returns `None` if no cell is ready; call it until then.
     pub fn step(&mut self) -> Option<Step> {
-        let sample = self.sample.insert(self.sampler.next_sample()?);
+        let sample = self.sampler.move_next_to(&mut self.sample)?;
         let record = self.filter.step(&mut self.context, sample);
         let (Some(record), Some(state)) = (record, self.filter.state()) else {
             return Some(Step::Skipped);

@@ -57,6 +57,14 @@ pub(super) struct Restored {
     pub variance: f32,
 }
 
+/// What is to be compared: the speed by forces, that by altitudes, and the time since the last ones.
+#[derive(Clone, Copy, Debug)]
+struct Reading {
+    signal_mps: f32,
+    follower_mps: f32,
+    duration_s: f32,
+}
+
 /// The comparison of both climbs.
 #[derive(Clone, Debug)]
 pub(super) struct AltitudeDelay {
@@ -67,6 +75,8 @@ pub(super) struct AltitudeDelay {
     /// The speeds behind a low-pass of `FAST_S`, and of `SLOW_S` besides.
     smooth: Option<(VerticalSpeeds, VerticalSpeeds)>,
     bank: LowPassBank,
+    /// The newest reading, which the bank has not seen.
+    reading: Option<Reading>,
     readings_to_decision: u8,
     /// Time constant of the receiver, s, and its sigma.
     delay_s: f32,
@@ -84,6 +94,7 @@ impl AltitudeDelay {
             compared: None,
             smooth: None,
             bank: LowPassBank::new(),
+            reading: None,
             readings_to_decision: DECISION_READINGS,
             delay_s: 0.0,
             sigma_s: 0.0,
@@ -94,13 +105,15 @@ impl AltitudeDelay {
     }
 
     /// Returns the comparison before its start, with the delay found so far.
-    pub(super) fn restarted(&self) -> Self {
+    pub(super) fn restarted(&self, tuning: &MeasurementNoise) -> Self {
+        let mut done = self.clone();
+        done.work(tuning);
         Self {
-            bank: self.bank.clone(),
-            delay_s: self.delay_s,
-            sigma_s: self.sigma_s,
-            set_s: self.delay_s,
-            set_output: self.set_output,
+            set_s: done.delay_s,
+            bank: done.bank,
+            delay_s: done.delay_s,
+            sigma_s: done.sigma_s,
+            set_output: done.set_output,
             ..Self::new()
         }
     }
@@ -122,15 +135,37 @@ impl AltitudeDelay {
         core::mem::take(&mut self.has_changed)
     }
 
-    /// Advances over a cell. Decisions are made here, where no altitude is worked on: no cell takes
-    /// long.
-    pub(super) fn advance(&mut self, climb_m: f32, duration_s: f32, tuning: &MeasurementNoise) {
+    /// Advances over a cell.
+    pub(super) fn advance(&mut self, climb_m: f32, duration_s: f32) {
         for since in [&mut self.restored, &mut self.compared]
             .into_iter()
             .flatten()
         {
             since.climb_m += climb_m;
             since.duration_s += duration_s;
+        }
+    }
+
+    /// Does what the altitude of the last cell left to do: the bank takes the reading, and a decision
+    /// may be due. A cell with an altitude has enough to do, so it is done one cell later.
+    #[inline]
+    pub(super) fn work(&mut self, tuning: &MeasurementNoise) {
+        if let Some(reading) = self.reading.take() {
+            self.compare(&reading, tuning);
+        }
+    }
+
+    #[inline(never)] // Not in every cell.
+    fn compare(&mut self, reading: &Reading, tuning: &MeasurementNoise) {
+        let Reading {
+            signal_mps,
+            follower_mps,
+            duration_s,
+        } = *reading;
+        self.bank.advance(signal_mps, duration_s);
+        if duration_s <= FAR_APART_S {
+            self.bank.compare(follower_mps, tuning.delay_readings);
+            self.readings_to_decision = self.readings_to_decision.saturating_sub(1);
         }
         if self.readings_to_decision == 0 {
             self.readings_to_decision = DECISION_READINGS;
@@ -162,7 +197,7 @@ impl AltitudeDelay {
     }
 
     /// Takes an altitude as it was received, m.
-    pub(super) fn fix(&mut self, altitude_m: f32, tuning: &MeasurementNoise) {
+    pub(super) fn fix(&mut self, altitude_m: f32) {
         let Some(since) = replace(&mut self.compared, altitude_m, COMPARED_APART_S) else {
             return;
         };
@@ -181,15 +216,11 @@ impl AltitudeDelay {
         };
         fast.follow(now, low_pass_gain(FAST_S, since.duration_s));
         slow.follow(*fast, low_pass_gain(SLOW_S, since.duration_s));
-        self.bank
-            .advance(fast.forces_mps - slow.forces_mps, since.duration_s);
-        if since.duration_s <= FAR_APART_S {
-            self.bank.compare(
-                fast.altitudes_mps - slow.altitudes_mps,
-                tuning.delay_readings,
-            );
-            self.readings_to_decision = self.readings_to_decision.saturating_sub(1);
-        }
+        self.reading = Some(Reading {
+            signal_mps: fast.forces_mps - slow.forces_mps,
+            follower_mps: fast.altitudes_mps - slow.altitudes_mps,
+            duration_s: since.duration_s,
+        });
     }
 
     #[inline(never)] // Rare.

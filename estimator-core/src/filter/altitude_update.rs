@@ -79,10 +79,15 @@ impl AltitudeUpdate {
         }
     }
 
+    /// Starts with the noise known from an earlier drive, before the first sample.
+    pub(super) fn resume(&mut self, noise: &SensorNoiseRatios, tuning: &Tuning) {
+        self.gate.start_with(noise, tuning);
+    }
+
     /// Returns the memory for a second pass over the same drive.
     pub(super) fn second_pass(&self, noise: &SensorNoiseRatios, tuning: &Tuning) -> Self {
         Self {
-            delay: self.delay.restarted(),
+            delay: self.delay.restarted(&tuning.measurement_noise),
             ..Self::new(noise, tuning)
         }
     }
@@ -117,11 +122,13 @@ impl AltitudeUpdate {
     #[inline]
     pub(super) fn advance<S: Scalar>(
         &mut self,
+        tuning: &Tuning,
         sample: &Sample,
         state: &State<S>,
         dynamics: &Dynamics<S>,
         hidden_slope_percent: f32,
     ) {
+        self.delay.work(&tuning.measurement_noise);
         let segment = Segment {
             hidden_descent_m: 0.01 * hidden_slope_percent * sample.length_m,
             ..segment(state, dynamics, sample)
@@ -177,8 +184,7 @@ impl AltitudeUpdate {
             .map_or(altitude.altitude_m, |received| received.reported_m);
         let Some(mut fix) = self.fix(&context.tuning, altitude) else {
             // It shows how fast altitudes change, and the next one can be restored.
-            self.delay
-                .fix(reported_m, &context.tuning.measurement_noise);
+            self.delay.fix(reported_m);
             return Gated::NONE;
         };
         let delay_changed = self.delay.take_change();
@@ -197,8 +203,7 @@ impl AltitudeUpdate {
         };
         match decision {
             GateDecision::Fuse => {
-                self.delay
-                    .fix(reported_m, &context.tuning.measurement_noise);
+                self.delay.fix(reported_m);
                 gated.accepted = Some(AcceptedFix(fix));
             }
             GateDecision::MoveDatum => {

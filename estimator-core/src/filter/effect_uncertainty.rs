@@ -70,6 +70,7 @@ impl EffectUncertainty {
 /// Returns the variances of bias, %², and scale, 1, that the amounts make where a drive begins.
 ///
 /// An error of mass or torque is one of the scale, which has its own state.
+#[inline(never)] // Rare, and called from several places.
 pub(super) fn initial_variances(context: &Context, sample: &Sample) -> (f32, f32) {
     let model = &context.model;
     let (mut bias, mut scale) = (0.0, 0.0);

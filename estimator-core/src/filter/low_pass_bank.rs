@@ -3,7 +3,7 @@
 //! Means and variances forget. All are of readings that come about every two seconds.
 
 use crate::mean_and_variance::MeanAndVariance;
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, ln};
 use heapless::Vec;
 
 /// Number of outputs: the signal itself, and its low-passes.
@@ -117,18 +117,27 @@ impl LowPassBank {
         for output in &mut self.outputs {
             let [half, next] = before;
             before = [next, output.value];
-            // An all-pass is twice the low-pass of half its time constant, less the signal.
             output.low_pass.add(output.value, of_follower, gain);
+            // An all-pass is twice the low-pass of half its time constant, less the signal.
             output.all_pass.add(2.0 * half - signal, of_follower, gain);
         }
     }
 
     /// Returns the evidence that the follower is late, by all-passes.
     pub(super) fn evidence_of_delay(&self, memory: u16) -> f32 {
-        let misfit = |output: &Output| output.all_pass.misfit(self.follower.variance);
-        let itself = self.outputs.first().map_or(0.0, misfit);
-        let least = self.outputs.iter().map(misfit).fold(itself, Scalar::min);
+        let itself = self.misfit_behind(0);
+        let mut least = itself;
+        for index in 1..self.outputs.len() {
+            least = Scalar::min(least, self.misfit_behind(index));
+        }
         self.evidence(itself, least, memory)
+    }
+
+    /// Returns the variance of the follower that an all-pass does not explain.
+    #[inline(never)] // So that no compiler unrolls the loop.
+    fn misfit_behind(&self, index: usize) -> f32 {
+        let output = self.outputs.get(index);
+        output.map_or(0.0, |output| output.all_pass.misfit(self.follower.variance))
     }
 
     /// Returns the low-pass that the follower fits best, and the evidence against another output.
@@ -174,7 +183,7 @@ impl LowPassBank {
     #[inline(never)]
     pub(super) fn evidence(&self, more: f32, less: f32, memory: u16) -> f32 {
         if more > less && less > 0.0 {
-            self.readings(memory) * libm::logf(more / less)
+            self.readings(memory) * ln(more / less)
         } else {
             0.0
         }
@@ -187,6 +196,7 @@ impl Passed {
         covariance: 0.0,
     };
 
+    #[inline(never)] // Called twice, in a loop.
     fn add(&mut self, value: f32, of_follower: f32, gain: f32) {
         let apart = value - self.moments.mean;
         self.covariance = (1.0 - gain) * (self.covariance + gain * of_follower * apart);
@@ -195,6 +205,7 @@ impl Passed {
 
     /// Returns the variance of the follower that is not explained, whatever the gain: the signal may
     /// be off by a scale.
+    #[inline(never)] // Called from two places.
     fn misfit(&self, of_follower: f32) -> f32 {
         let covariance = Scalar::max(0.0, self.covariance);
         let explained = covariance * covariance / self.moments.variance;

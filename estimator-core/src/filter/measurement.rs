@@ -9,6 +9,8 @@ use super::state_index::StateVector;
 use crate::scalar::Scalar;
 
 /// The row h of a measurement: a sum of states.
+// As wide as the numbers beside it: else copies of records are split in the middle of a word.
+#[repr(u32)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Observation {
     /// v²/2 of the wheel speed: h x = e.
@@ -48,7 +50,7 @@ pub struct ScalarUpdate<S> {
 
 impl<S: Scalar> ScalarUpdate<S> {
     /// Applies v ← (I − K h)' v to an adjoint vector.
-    #[inline]
+    #[inline(never)] // As StateVector::dot().
     pub(crate) fn transpose_vector(
         &self,
         observation: Observation,

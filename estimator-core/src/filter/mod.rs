@@ -67,7 +67,7 @@ use crate::tuning::{Prior, Tuning};
 use crate::vehicle::Traction;
 use altitude_update::AltitudeUpdate;
 use effect_uncertainty::EffectUncertainty;
-use error_levels::{ErrorLevels, LevelCell};
+use error_levels::{ErrorLevels, LevelCell, SlowVariances};
 use gross_mass::possible_scale;
 use inertial::Accelerometer;
 use load_test::{LoadDecision, LoadTest, Opened};
@@ -137,7 +137,7 @@ impl<S: Scalar> Filter<S> {
         self.state = None;
         self.prior = Some(slow);
         self.speed = SpeedUpdate::new(noise, tuning);
-        self.altitude = AltitudeUpdate::new(noise, tuning);
+        self.altitude.resume(noise, tuning);
     }
 
     /// Returns a filter for a second pass over the same drive. It starts with the same slow states,
@@ -264,7 +264,13 @@ impl<S: Scalar> Filter<S> {
         } else {
             0.0
         };
-        altitude.advance(sample, state, prediction.dynamics(), hidden_slope_percent);
+        altitude.advance(
+            &context.tuning,
+            sample,
+            state,
+            prediction.dynamics(),
+            hidden_slope_percent,
+        );
         let mut disagreement = sample.disagreement;
         let mut is_undone = false;
         let mut disagreeing_cells = u32::from(!disagreement.is_none());
@@ -292,13 +298,12 @@ impl<S: Scalar> Filter<S> {
         if reset.is_gap() {
             altitude.delay_mut().interrupt();
         }
-        let cell = level_cell(context, sample, state, learned.load_factor);
-        altitude.delay_mut().advance(
-            cell.climb_m,
-            cell.duration_s,
-            &context.tuning.measurement_noise,
-        );
+        let cell = level_cell(sample, state);
+        altitude.delay_mut().advance(cell.climb_m, cell.duration_s);
         brake.drive(state, cell.length_m, cell.climb_m);
+        if levels.knot_is_full(&context.tuning.process_noise) {
+            levels.close_knot(&slow_variances(context, sample, state, learned.load_factor));
+        }
         levels.advance(
             &cell,
             &context.tuning.process_noise,
@@ -441,17 +446,23 @@ fn mass_is_told(context: &Context, sample: &Sample) -> bool {
     sample.mass_is_reported || context.model.effects.mass_variance() > 0.0
 }
 
-fn level_cell<S: Scalar>(
-    context: &Context,
-    sample: &Sample,
-    state: &State<S>,
-    load_factor: f32,
-) -> LevelCell {
+fn level_cell<S: Scalar>(sample: &Sample, state: &State<S>) -> LevelCell {
     let slope = state.mean[StateIndex::Slope] + state.net_traction * state.mean[StateIndex::Scale];
     LevelCell {
         length_m: sample.length_m,
         duration_s: sample.duration_s,
         climb_m: 0.01 * sample.length_m * slope.to_f32(),
+    }
+}
+
+#[inline(never)] // Once a knot.
+fn slow_variances<S: Scalar>(
+    context: &Context,
+    sample: &Sample,
+    state: &State<S>,
+    load_factor: f32,
+) -> SlowVariances {
+    SlowVariances {
         bias_variance: bias_variance(context, sample, load_factor),
         wind_variance: wind_variance(context, sample, load_factor),
         known_bias_variance: state.covariance.variance(StateIndex::Bias).to_f32(),

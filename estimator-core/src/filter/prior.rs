@@ -126,6 +126,7 @@ pub(super) fn initial_state<S: Scalar>(
 
 /// Widens bias and scale after a stop that may have changed the load. The means stay: there are no
 /// better ones, and noise that is added leaves the smoothing as it is.
+#[inline(never)] // Rare, and called from two places.
 pub(super) fn reopen_bias_and_scale<S: Scalar>(
     state: &mut State<S>,
     context: &Context,

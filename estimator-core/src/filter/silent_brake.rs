@@ -130,7 +130,7 @@ impl SilentBrake {
             return None;
         }
         let detection = &context.tuning.detection;
-        let sigma_m = libm::sqrtf(variance);
+        let sigma_m = Scalar::sqrt(variance);
         let low = -innovation_m / sigma_m;
         let steepest_m = 0.01 * detection.silent_brake_steepest_percent * self.since_fix_m;
         let fell_m = -innovation_m - self.last_low_m;

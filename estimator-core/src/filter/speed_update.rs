@@ -72,7 +72,7 @@ impl SpeedUpdate {
     fn learn_force(&mut self, innovation: f32, tuning: &MeasurementNoise) {
         let product = innovation * self.innovations_before;
         let keep = tuning.force_memory;
-        let new = libm::sqrtf(1.0 - keep * keep) * innovation;
+        let new = Scalar::sqrt(1.0 - keep * keep) * innovation;
         self.innovations_before = keep * self.innovations_before + new;
         let bounded = Scalar::min(3.0, Scalar::max(-3.0, product));
         let factor = 1.0 + tuning.force_ratio_gain * (bounded - tuning.force_correlation);

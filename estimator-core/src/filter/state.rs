@@ -47,7 +47,7 @@ impl<S: Scalar> State<S> {
     }
 
     /// Returns the estimate of a quantity, with its covariance with the states.
-    #[inline(always)]
+    #[inline(never)] // Long, and called from several places.
     #[must_use]
     pub fn quantity(&self, quantity: Quantity) -> QuantityEstimate<S> {
         let cross = quantity.cross(self.net_traction, &self.covariance);

@@ -115,7 +115,7 @@ impl<S: Scalar> StateVector<S> {
     }
 
     /// Returns the scalar product with another vector.
-    #[inline(always)]
+    #[inline(never)] // Long: every product is written out, in a dozen places of the smoother.
     #[must_use]
     pub(crate) fn dot(&self, other: &Self) -> S {
         S::dot(&self.0, &other.0)

@@ -125,7 +125,7 @@ impl<S: Scalar> SmootherInput<S> {
     }
 
     /// Takes an adjoint vector back over reset and dynamics, behind the updates.
-    #[inline]
+    #[inline(never)] // Long, and called from several places of the smoother.
     pub(crate) fn transpose_prediction(&self, vector: &mut StateVector<S>) {
         if self.reset.sets_altitude() {
             let step = -vector[Altitude];

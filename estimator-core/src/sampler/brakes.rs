@@ -70,11 +70,7 @@ impl Brakes {
 
     fn service_brakes(&self, tuning: &Tuning, now: Instant) -> bool {
         let timeout = tuning.hold_times.state_timeout;
-        let above = |latest: &Latest, limit| {
-            latest
-                .within(now, timeout)
-                .is_some_and(|value| value > limit)
-        };
+        let above = |latest: &Latest, limit| latest.passes(now, timeout, |value| value > limit);
         self.switch.is_on(now, timeout)
             || self.foundation.is_on(now, timeout)
             || self.parking_brake.is_on(now, timeout)
@@ -83,9 +79,10 @@ impl Brakes {
     }
 
     fn retards(&self, tuning: &Tuning, now: Instant) -> bool {
+        let timeout = tuning.hold_times.state_timeout;
+        let least = tuning.detection.retarder_percent;
         self.retarder
-            .within(now, tuning.hold_times.state_timeout)
-            .is_some_and(|percent| percent < tuning.detection.retarder_percent)
+            .passes(now, timeout, |percent| percent < least)
     }
 
     /// Returns whether a brake, or its hold time, is on.

@@ -97,7 +97,7 @@ impl DrivelineSignals {
             return false;
         }
         let timeout = context.tuning.hold_times.state_timeout;
-        let changed = latest.within(now, timeout) != value;
+        let changed = latest.within_inlined(now, timeout) != value;
         latest.set(value, now);
         if changed && signal == Signal::GearRatio {
             self.gear_of_ratio = match &context.model.vehicle.traction {

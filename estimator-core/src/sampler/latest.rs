@@ -40,8 +40,14 @@ impl Latest {
     }
 
     /// Returns the value if it is no older than `age`.
-    #[inline]
+    #[inline(never)] // Of 64-bit numbers, in dozens of places.
     pub(super) fn within(&self, now: Instant, age: Duration) -> Option<f32> {
+        self.within_inlined(now, age)
+    }
+
+    /// Does the same where frame after frame asks.
+    #[inline(always)]
+    pub(super) fn within_inlined(&self, now: Instant, age: Duration) -> Option<f32> {
         // Not by its own age: the oldest time is the same for all signals that are read at once.
         self.value.get().filter(|_| self.time >= now - age)
     }
@@ -54,6 +60,13 @@ impl Latest {
     /// Returns whether a switch is on, by a value no older than `age`.
     #[inline(never)] // Called from several places.
     pub(super) fn is_on(&self, now: Instant, age: Duration) -> bool {
-        self.within(now, age).is_some_and(|value| value > 0.5)
+        self.passes(now, age, |value| value > 0.5)
+    }
+
+    /// Returns whether a value no older than `age` passes a test.
+    #[inline(always)]
+    pub(super) fn passes(&self, now: Instant, age: Duration, test: impl Fn(f32) -> bool) -> bool {
+        // The age last: most values fail the test, and times have 64 bits.
+        self.value.get().is_some_and(test) && self.time >= now - age
     }
 }

@@ -102,6 +102,15 @@ impl Sampler {
         }
     }
 
+    /// Moves the next sample that is ready to where it is used, and returns it. Without one, the place
+    /// stays as it is.
+    #[inline]
+    pub(crate) fn move_next_to<'a>(&mut self, place: &'a mut Option<Sample>) -> Option<&'a Sample> {
+        let sample = place.insert(*self.samples.front()?);
+        self.samples.pop_front();
+        Some(sample)
+    }
+
     /// Returns the age of a fix when it arrives: that which the speeds show, or the assumed one.
     #[must_use]
     pub fn gnss_latency(&self, tuning: &Tuning) -> Duration {

@@ -216,8 +216,8 @@ impl TractionInput {
         if let Some(shaft) = self.shaft_percent(context, now) {
             return Some(shaft);
         }
-        let torque = self.torque.within(now, timeout)?;
-        let fraction = self.fraction.within(now, timeout).unwrap_or(0.0);
+        let torque = self.torque.within_inlined(now, timeout)?;
+        let fraction = self.fraction.within_inlined(now, timeout).unwrap_or(0.0);
         let friction = self.friction.last().unwrap_or(0.0);
         Some(torque + fraction - friction)
     }

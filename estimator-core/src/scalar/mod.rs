@@ -133,7 +133,7 @@ macro_rules! float_scalar {
 
             #[inline]
             fn sqrt(self) -> Self {
-                if self > 0.0 { $sqrt(self) } else { 0.0 }
+                $sqrt(self)
             }
 
             #[inline]
@@ -159,7 +159,7 @@ macro_rules! float_scalar {
     };
 }
 
-/// Square root of a positive number by Heron's rule, to the last digit or the one before.
+/// Square root by Heron's rule, to the last digit or the one before; zero of a number that has none.
 ///
 /// The float unit of a controller has an instruction for it, but `core` does not offer that yet;
 /// libm's function, to the last digit always, takes five times as long.
@@ -167,6 +167,9 @@ macro_rules! float_scalar {
 fn heron(square: f32) -> f32 {
     if square == f32::INFINITY {
         return square;
+    }
+    if square <= 0.0 || square.is_nan() {
+        return 0.0;
     }
     // Half the exponent: off by 4 % at most, which each turn squares, and halves.
     let mut root = f32::from_bits((square.to_bits() >> 1) + 0x1fbd_1df5);
@@ -176,8 +179,24 @@ fn heron(square: f32) -> f32 {
     root
 }
 
+/// Square root; of a number that has none, zero.
+#[inline]
+fn root(square: f64) -> f64 {
+    if square > 0.0 {
+        libm::sqrt(square)
+    } else {
+        0.0
+    }
+}
+
+/// Returns the natural logarithm.
+#[inline(never)] // Long, and called from several places.
+pub(crate) fn ln(number: f32) -> f32 {
+    libm::logf(number)
+}
+
 float_scalar!(f32, heron);
-float_scalar!(f64, libm::sqrt);
+float_scalar!(f64, root);
 
 #[cfg(test)]
 mod tests {

@@ -14,6 +14,10 @@ use crate::filter::{
 };
 use crate::scalar::Scalar;
 
+/// Least part of a variance that later steps leave: a two-hundredth of its sigma. Single precision
+/// knows the difference of two variances no better, and none is known exactly.
+const LEAST_PART: f32 = 25e-6;
+
 /// What later steps say about earlier ones: λ and Λ.
 #[derive(Clone, Copy, Debug)]
 pub struct BackwardPass<S> {
@@ -37,9 +41,10 @@ impl<S: Scalar> BackwardPass<S> {
     pub fn smooth(&self, filtered: &QuantityEstimate<S>) -> QuantityEstimate<S> {
         let spread = self.information.times(&filtered.cross);
         let reduction = filtered.cross.dot(&spread);
+        let least = filtered.variance * S::from_f32(LEAST_PART);
         QuantityEstimate {
             mean: filtered.mean - filtered.cross.dot(&self.lambda),
-            variance: (filtered.variance - reduction).max(S::ZERO),
+            variance: (filtered.variance - reduction).max(least),
             cross: filtered.cross,
         }
     }

@@ -15,7 +15,7 @@
 
 use super::backward_pass::BackwardPass;
 use super::block_smoother::BlockSmoother;
-use super::lagged_cell::{FilteredCell, PendingCell, WithinBlock};
+use super::lagged_cell::{FilteredCell, FinishedCell, PendingCell, WithinBlock};
 use super::two_stacks::TwoStacks;
 use crate::cell::Cell;
 use crate::filter::{Quantity, State, StepRecord};
@@ -50,7 +50,7 @@ const _: () = assert!(
 #[must_use]
 pub const fn bytes<S>(lag_blocks: usize) -> usize {
     let filling = BLOCK_CELLS * size_of::<FilteredCell<S>>();
-    let finished = BLOCK_CELLS * size_of::<Cell>();
+    let finished = BLOCK_CELLS * size_of::<FinishedCell>();
     let block = size_of::<Block<S>>() + BLOCK_CELLS * size_of::<PendingCell<S>>();
     filling + (lag_blocks + 1) * block + finished
 }
@@ -84,10 +84,12 @@ pub struct FixedLag<S> {
     blocks: Deque<Block<S>, BLOCKS>,
     /// The cells of these blocks, the oldest block first, but within each block the last cell first.
     pending: Deque<PendingCell<S>, { BLOCKS * BLOCK_CELLS }>,
-    finished: Deque<Cell, BLOCK_CELLS>,
+    finished: Deque<FinishedCell, BLOCK_CELLS>,
     stage: Stage,
     /// The pass over the blocks after the oldest one.
     pass: BackwardPass<S>,
+    /// First cell of a disagreement that was noticed in one of the blocks of this pass.
+    disagreeing_in_pass: u32,
     /// First cell of the newest disagreement that no block knows.
     disagreeing_since: Option<u32>,
 }
@@ -103,6 +105,7 @@ impl<S: Scalar> FixedLag<S> {
             finished: Deque::new(),
             stage: Stage::Close,
             pass: BackwardPass::new(),
+            disagreeing_in_pass: u32::MAX,
             disagreeing_since: None,
         }
     }
@@ -137,7 +140,7 @@ impl<S: Scalar> FixedLag<S> {
         if self.stage == Stage::Finish {
             return None;
         }
-        self.finished.pop_front()
+        self.finished.pop_front().map(|cell| cell.unpack())
     }
 
     /// Does a share of the work at the end of a drive, after which all cells are finished, smoothed
@@ -225,6 +228,7 @@ impl<S: Scalar> FixedLag<S> {
 
     fn start_finishing(&mut self) {
         self.pass = BackwardPass::new();
+        self.disagreeing_in_pass = u32::MAX;
         self.stage = Stage::Retreat(self.blocks.len().saturating_sub(1));
     }
 
@@ -236,6 +240,8 @@ impl<S: Scalar> FixedLag<S> {
         for later in (next + 1..=left).rev() {
             if let Some(block) = self.blocks.get(later) {
                 block.smoother.retreat_through(&mut self.pass);
+                let since = block.disagreeing_since;
+                self.disagreeing_in_pass = self.disagreeing_in_pass.min(since);
             }
         }
         self.stage = Stage::Retreat(next);
@@ -251,9 +257,6 @@ impl<S: Scalar> FixedLag<S> {
     /// Finishes some more cells of the oldest block.
     #[inline(never)] // As close().
     fn finish(&mut self) {
-        let later = self.blocks.iter().skip(1);
-        let since = later.map(|block| block.disagreeing_since);
-        let disagreeing_since = since.min().unwrap_or(u32::MAX);
         let Some(oldest) = self.blocks.front_mut() else {
             return;
         };
@@ -267,7 +270,7 @@ impl<S: Scalar> FixedLag<S> {
             // There is room: at most a block, and the queue was empty.
             let _ = self
                 .finished
-                .push_front(cell.finish(grade, disagreeing_since));
+                .push_front(cell.finish(grade, self.disagreeing_in_pass));
         }
         if oldest.cells == 0 {
             self.blocks.pop_front();

@@ -34,7 +34,7 @@ impl<T, const N: usize> TwoStacks<T, N> {
     }
 
     /// Puts an item on the stack that is filled. Returns false if there is no room.
-    #[inline]
+    #[inline(never)] // Else the item is written out twice, for either end.
     pub fn push(&mut self, item: T) -> bool {
         let pushed = if self.fills_back {
             self.items.push_back(item)

@@ -137,7 +137,7 @@ impl Powertrain {
     /// beyond the range.
     #[must_use]
     pub fn gear_of_ratio(&self, ratio: f32, tolerance: f32) -> Option<Gear> {
-        let distance = |gear: &Gear| (gear.ratio - ratio).abs();
+        let distance = |gear: &Gear| off(gear, ratio);
         let mut nearest = *self.gears.first()?;
         let (mut smallest, mut largest) = (nearest.ratio, nearest.ratio);
         for gear in &self.gears {
@@ -187,4 +187,9 @@ impl Powertrain {
     fn shaft_rpm(&self, speed_mps: f32, wheel_radius_m: f32) -> f32 {
         speed_mps / wheel_radius_m * self.final_drive_ratio * (30.0 / core::f32::consts::PI)
     }
+}
+/// Returns the difference of a gear's ratio from another one.
+#[inline(never)] // So that no compiler unrolls a loop that is rarely run.
+fn off(gear: &Gear, ratio: f32) -> f32 {
+    (gear.ratio - ratio).abs()
 }

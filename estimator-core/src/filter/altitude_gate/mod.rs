@@ -178,7 +178,13 @@ impl AltitudeGate {
 
     /// Forgets what was learned of the receiver.
     pub(super) fn unlearn(&mut self, tuning: &Tuning) {
-        *self = Self::new(&SensorNoiseRatios::default(), tuning);
+        self.start_with(&SensorNoiseRatios::default(), tuning);
+    }
+
+    /// Starts anew with the noise known from elsewhere.
+    #[inline(never)] // Rare, and called from two places.
+    pub(super) fn start_with(&mut self, noise: &SensorNoiseRatios, tuning: &Tuning) {
+        *self = Self::new(noise, tuning);
     }
 
     /// Starts anew, but keeps the learned noise: what comes does not follow from what was.

@@ -2,7 +2,7 @@
 
 use super::knot::Knot;
 use crate::filter::gauss_markov::GaussMarkov;
-use crate::scalar::Scalar;
+use crate::scalar::{Scalar, ln};
 
 /// The filter, and its log-likelihood.
 #[derive(Clone, Copy, Debug)]
@@ -12,7 +12,6 @@ pub(super) struct Hypothesis {
     /// Variance of the receiver's coloured error over the assumed one, 1. Zero before the start.
     pub receiver_ratio: f32,
     pub log_likelihood: f32,
-    pub is_started: bool,
 }
 
 /// Altitude a, bias b, wind w, receiver error r, and its rate q.
@@ -107,7 +106,6 @@ impl Hypothesis {
         covariance: Covariance::ZERO,
         receiver_ratio: 0.0,
         log_likelihood: 0.0,
-        is_started: false,
     };
 }
 
@@ -216,7 +214,6 @@ impl Hypothesis {
         x.a = knot.altitude_m - x.r;
         (p.ab, p.aw, p.ar, p.aq) = (-p.br, -p.wr, -p.rr, -p.rq);
         p.aa = p.rr + knot.variance;
-        self.is_started = true;
     }
 
     /// Takes the filter over a knot. Returns twice its negative log-likelihood.
@@ -292,7 +289,7 @@ impl Hypothesis {
         p.rr -= gain * r;
         p.rq -= gain * q;
         p.qq -= q * per_variance * q;
-        Scalar::min(innovation * moved, LARGEST_INNOVATION) + libm::logf(variance)
+        Scalar::min(innovation * moved, LARGEST_INNOVATION) + ln(variance)
     }
 }
 

@@ -9,6 +9,11 @@ pub(in crate::filter) struct LevelCell {
     pub duration_s: f32,
     /// Climb by the forces, with the scale known so far, m.
     pub climb_m: f32,
+}
+
+/// Variances of the slow errors where a knot ends.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::filter) struct SlowVariances {
     /// Variances of bias and wind as they are assumed, %².
     pub bias_variance: f32,
     pub wind_variance: f32,
@@ -56,11 +61,13 @@ impl OpenKnot {
         self.climb_m += cell.climb_m;
     }
 
-    /// Returns the knot if it is long enough and has a fix, and begins a new one. `cell` is the next.
-    pub(super) fn close(&mut self, cell: &LevelCell, least_m: f32) -> Option<Knot> {
-        if self.length_m < least_m || self.fixes == 0.0 {
-            return None;
-        }
+    /// Returns whether the knot is long enough and has a fix.
+    pub(super) fn is_full(&self, least_m: f32) -> bool {
+        !(self.length_m < least_m || self.fixes == 0.0)
+    }
+
+    /// Returns the knot, and begins a new one. The variances are those of the next cell.
+    pub(super) fn close(&mut self, variances: &SlowVariances) -> Knot {
         let Self {
             length_m,
             duration_s,
@@ -69,15 +76,15 @@ impl OpenKnot {
             variance_sum,
             fixes,
         } = core::mem::take(self);
-        Some(Knot {
+        Knot {
             length_m,
             duration_s,
             climb_m,
             altitude_m: altitude_sum_m / fixes + climb_m,
             variance: variance_sum / (fixes * fixes),
-            bias_variance: cell.bias_variance,
-            wind_variance: cell.wind_variance,
-            known_bias_variance: cell.known_bias_variance,
-        })
+            bias_variance: variances.bias_variance,
+            wind_variance: variances.wind_variance,
+            known_bias_variance: variances.known_bias_variance,
+        }
     }
 }

@@ -20,8 +20,8 @@ use crate::scalar::Scalar;
 use crate::tuning::{MeasurementNoise, ProcessNoise};
 use heapless::Vec;
 use hypothesis::{Hypothesis, Receiver, SmoothError};
-pub(super) use knot::LevelCell;
 use knot::{Knot, OpenKnot};
+pub(super) use knot::{LevelCell, SlowVariances};
 
 /// Ratios of a group of hypotheses to what is assumed.
 #[derive(Clone, Copy)]
@@ -115,6 +115,8 @@ pub(super) struct ErrorLevels {
     knot: Option<Knot>,
     /// Next hypothesis to take over the knot.
     next: u8,
+    /// Number of hypotheses that have started since the last interruption: the first ones.
+    started: u8,
     /// Best log-likelihood of the last round, and sums over the round under way.
     best: f32,
     sums: Sums,
@@ -142,6 +144,7 @@ impl ErrorLevels {
             open: OpenKnot::default(),
             knot: None,
             next: 0,
+            started: 0,
             best: 0.0,
             sums: Sums::default(),
             levels: Levels::ASSUMED,
@@ -169,15 +172,23 @@ impl ErrorLevels {
         self.open = OpenKnot::default();
         self.knot = None;
         self.next = 0;
+        self.started = 0;
         self.sums = Sums::default();
-        for hypothesis in self.bank.iter_mut().flatten() {
-            hypothesis.is_started = false;
-        }
     }
 
     /// Takes a fix at the end of the newest cell, above any fixed altitude, m.
     pub(super) fn fix(&mut self, altitude_m: f32, variance: f32) {
         self.open.fix(altitude_m, variance);
+    }
+
+    /// Returns whether the open knot is full, and the hypotheses are done with the one before.
+    pub(super) fn knot_is_full(&self, process: &ProcessNoise) -> bool {
+        self.knot.is_none() && self.open.is_full(process.level_knot_m)
+    }
+
+    /// Closes the open knot before the next cell, whose variances these are.
+    pub(super) fn close_knot(&mut self, variances: &SlowVariances) {
+        self.knot = Some(self.open.close(variances));
     }
 
     /// Advances over a cell.
@@ -187,9 +198,6 @@ impl ErrorLevels {
         process: &ProcessNoise,
         measurement: &MeasurementNoise,
     ) {
-        if self.knot.is_none() {
-            self.knot = self.open.close(cell, process.level_knot_m);
-        }
         self.open.advance(cell);
         if let Some(knot) = self.knot {
             self.take(&knot, process, measurement);
@@ -207,7 +215,18 @@ impl ErrorLevels {
         let (Some(members), Some(group)) = (self.bank.get_mut(number), GROUPS.get(number)) else {
             return;
         };
-        group.step(&mut members[which], which, knot, process, measurement);
+        let is_started = self.next < self.started;
+        if !is_started {
+            self.started = self.next + 1;
+        }
+        group.step(
+            &mut members[which],
+            which,
+            is_started,
+            knot,
+            process,
+            measurement,
+        );
         if which == RECEIVER_LEVELS - 1 {
             let (likelihood, receiver_ratio) = settle(members, measurement);
             // A level as assumed needs no evidence.
@@ -244,6 +263,7 @@ impl Group {
         &self,
         hypothesis: &mut Hypothesis,
         which: usize,
+        is_started: bool,
         knot: &Knot,
         process: &ProcessNoise,
         measurement: &MeasurementNoise,
@@ -265,7 +285,7 @@ impl Group {
             Receiver::Coloured(GaussMarkov::step(times, receiver_variance))
         };
         let wind_variance = self.wind * knot.wind_variance;
-        if !hypothesis.is_started {
+        if !is_started {
             hypothesis.start(knot, wind_variance, receiver_variance, &receiver);
             return;
         }

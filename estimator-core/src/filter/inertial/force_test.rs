@@ -81,7 +81,7 @@ impl Block {
     fn normalised(&self) -> f32 {
         let cells = f32::from(self.cells);
         let variance = self.white_variance + cells * self.expected_variance;
-        self.innovation_mps2 / libm::sqrtf(variance)
+        self.innovation_mps2 / Scalar::sqrt(variance)
     }
 }
 
@@ -178,7 +178,7 @@ impl ForceTest {
             return Finding::Nothing;
         }
         let block = core::mem::take(&mut self.block);
-        let sigmas = block.normalised() / libm::sqrtf(self.usual);
+        let sigmas = block.normalised() / Scalar::sqrt(self.usual);
         if self.disagrees {
             return self.wait_for_agreement(sigmas, tuning);
         }
@@ -239,7 +239,7 @@ impl ForceTest {
         if self.agreed_blocks < enough {
             return Finding::Nothing;
         }
-        let mean = self.agreed_sum / libm::sqrtf(f32::from(self.agreed_blocks));
+        let mean = self.agreed_sum / Scalar::sqrt(f32::from(self.agreed_blocks));
         self.agreed_blocks = 0;
         self.agreed_sum = 0.0;
         if mean.abs() > tuning.agreed_sigmas {

@@ -122,7 +122,7 @@ impl Factor {
 
     /// Returns its sigma.
     fn sigma(&self) -> f32 {
-        1.0 / libm::sqrtf(self.weight)
+        1.0 / Scalar::sqrt(self.weight)
     }
 
     /// Returns whether it may be one.
