@@ -16,6 +16,8 @@ pub mod log_report;
 mod log_stream;
 pub mod log_time;
 pub mod own_signals;
+mod packed_bytes;
+mod packed_members;
 pub mod parquet_table;
 pub mod read_options;
 pub mod signal_range;
