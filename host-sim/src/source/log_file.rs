@@ -1,6 +1,7 @@
 //! A log on disk or from a pipe, plain or packed, as a stream of bytes.
 
-use super::log_stream::{Joint, Packing, RawState, unpacked};
+use super::log_stream::unpacked;
+use super::packing::{Joint, Packing, RawState};
 use crate::error::{Error, Result};
 use crate::files::limits::is_over_budget;
 use encoding_rs_io::DecodeReaderBytes;

@@ -18,6 +18,7 @@ pub mod log_time;
 pub mod own_signals;
 mod packed_bytes;
 mod packed_members;
+mod packing;
 pub mod parquet_table;
 pub mod read_options;
 pub mod signal_range;

@@ -1,6 +1,6 @@
 //! The packed bytes of a log, with a look ahead and a search for the next member.
 
-use super::log_stream::Packing;
+use super::packing::Packing;
 use memchr::memchr;
 use std::io::{self, BufRead, ErrorKind, Read};
 

@@ -4,8 +4,8 @@
 //! What follows damage within a member cannot be unpacked. What is before it is used, and reading goes
 //! on at the next member, as rotating loggers write them.
 
-use super::log_stream::{Joint, Packing, RawState};
 use super::packed_bytes::PackedBytes;
+use super::packing::{Joint, Packing, RawState};
 use flate2::bufread::GzDecoder;
 use ruzstd::decoding::{BlockDecodingStrategy, FrameDecoder};
 use std::io::{self, ErrorKind, Read};

@@ -4,7 +4,7 @@
 use super::damage::{Damage, DamageCheck};
 use super::frame_log::Seconds;
 use super::log_file::LogFile;
-use super::log_stream::Joint;
+use super::packing::Joint;
 use crate::error::{Error, Result};
 use crate::files::kind::{self, Kind};
 use crate::files::limits::{self, Budget};

@@ -9,7 +9,7 @@ use super::blf_object::{Recorded, recorded};
 use super::frame_reader::{FrameReader, LogNotes, LoggedFrame};
 use crate::error::{Error, Result};
 use crate::source::log_file::LogFile;
-use crate::source::log_stream::Joint;
+use crate::source::packing::Joint;
 
 /// Reader of the frames of a BLF file. A file that is cut off ends there.
 pub(super) struct BlfReader {

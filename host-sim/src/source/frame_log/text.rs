@@ -7,7 +7,7 @@ use crate::source::can_frame::CanFrame;
 use crate::source::interfaces::{InterfaceIndex, Interfaces};
 use crate::source::lines::Lines;
 use crate::source::log_file::LogFile;
-use crate::source::log_stream::Joint;
+use crate::source::packing::Joint;
 
 /// The content of a line.
 pub(super) enum TextLine {
