@@ -4,17 +4,21 @@ use crate::error::{Error, Result};
 use crate::files::data_set::run_name;
 use crate::files::output::{Staged, stage_text};
 use crate::files::run::{self, RunCell, RunIdentity};
+use crate::files::utc::unix_seconds;
 use crate::files::vehicle::VehicleFile;
 use crate::identify::{Identified, Like, Request, annotated, identify};
 use crate::map::pipeline::roads_of_runs::roads_of_runs;
 use crate::map::{GradeMap, Network, PlacedRun, WayRows, place, stage_map_ways};
-use crate::recorder::{RunSummary, estimate_logs, missing};
+use crate::recorder::{RunSummary, Warning, estimate_logs, missing};
 use crate::report::logs_page::{LogRun, LogsMap, logs_page};
 use crate::source::read_options::ReadOptions;
 use estimator_core::Tuning;
 use rayon::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
+
+/// Drives of one vehicle that overlap by less are consecutive, s.
+const LEAST_OVERLAP_S: f64 = 5.0;
 
 /// What a map is made of.
 pub struct Job {
@@ -53,6 +57,8 @@ pub struct MadeMap {
     pub runs: Vec<LogRun>,
     /// Why logs were left out, a line each.
     pub left_out: Vec<String>,
+    /// What is not plausible about the drives beside each other.
+    pub warnings: Vec<Warning>,
 }
 
 /// Returns the drives of these logs: one each, or a single one of consecutive parts. Logs of the
@@ -114,6 +120,7 @@ pub fn make(job: Job, progress: impl Fn(&str) + Sync) -> Result<MadeMap> {
     })?;
     let placed: Vec<PlacedRun> = cells.iter().map(|run| place(&network, run)).collect();
     let ways = fuse(&network, &placed, &vehicle.name);
+    let warnings = overlaps(&runs);
     if ways.is_empty() {
         let problem = "no cell of the road is covered; expected runs on it, in its direction";
         return Err(Error::content(&first, problem));
@@ -126,7 +133,34 @@ pub fn make(job: Job, progress: impl Fn(&str) + Sync) -> Result<MadeMap> {
         ways,
         runs,
         left_out,
+        warnings,
     })
+}
+
+/// Returns a warning for each pair of drives that overlap in time, where the logs have absolute times.
+fn overlaps(runs: &[LogRun]) -> Vec<Warning> {
+    let times = |run: &LogRun| {
+        let start = run.reports.first()?.1.start_utc.as_deref()?;
+        let start_s = unix_seconds(start)?;
+        let end_s = start_s + run.rows.last()?.time_s;
+        Some((run.name.clone(), start_s, end_s))
+    };
+    let mut times: Vec<(String, f64, f64)> = runs.iter().filter_map(times).collect();
+    times.sort_by(|a, b| a.1.total_cmp(&b.1));
+    let pairs = times.iter().zip(times.iter().skip(1));
+    pairs
+        .filter_map(|((first, _, end_s), (second, start_s, other_end_s))| {
+            let seconds = end_s.min(*other_end_s) - start_s;
+            (seconds > LEAST_OVERLAP_S).then(|| {
+                Warning::minor(
+                    "overlap",
+                    format!("{first} and {second} overlap by {seconds:.0} s, so that this part counts twice"),
+                    "leave one of both out, or cut it; if they are of two vehicles, map one vehicle at \
+                     a time",
+                )
+            })
+        })
+        .collect()
 }
 
 fn vehicle(job: &Job, progress: &impl Fn(&str)) -> Result<(VehicleFile, Option<Identified>)> {
@@ -217,7 +251,11 @@ impl MadeMap {
         let runs: Vec<_> = runs
             .map(|run| serde_json::json!({ "run": run.name, "summary": run.summary }))
             .collect();
-        serde_json::json!({ "runs": runs, "left_out": self.left_out })
+        serde_json::json!({
+            "runs": runs,
+            "left_out": self.left_out,
+            "warnings": self.warnings,
+        })
     }
 
     /// Writes `vehicle.toml`, `map.csv`, `index.html` and `runs/NAME.csv`.
@@ -233,6 +271,7 @@ impl MadeMap {
             vehicle: &self.vehicle.name,
             identified: self.identified.as_ref(),
             left_out: &self.left_out,
+            warnings: &self.warnings,
         });
         let text = self
             .identified

@@ -13,6 +13,7 @@ from pathlib import Path
 import can
 import numpy
 from asammdf import MDF, Signal, Source
+from asammdf.blocks import mdf_v4
 
 
 def read(path):
@@ -71,7 +72,7 @@ def write_screen(frames, path, stamps):
             log.write(f" ({stamp:010.6f})  can0  {name}   [{frame.dlc}]  {data}\n")
 
 
-def write_mdf(frames, path, compression):
+def write_mdf(frames, path, compression, version="4.10"):
     """Writes bus events as asammdf does for bus loggers."""
     data = numpy.zeros((len(frames), 8), dtype="u1")
     for row, frame in zip(data, frames):
@@ -96,10 +97,24 @@ def write_mdf(frames, path, compression):
     times = numpy.array([frame.timestamp for frame in frames])
     source = Source("CAN", "CAN", "", Source.SOURCE_BUS, Source.BUS_TYPE_CAN)
     signal = Signal(rows, times, name="CAN_DataFrame", source=source)
-    with MDF(version="4.10") as file:
+    with MDF(version=version) as file:
         file.configure(write_fragment_size=1 << 16)
         file.append([signal], acq_source=source, comment="frames")
         file.save(path, overwrite=True, compression=compression)
+
+
+def write_mdf_4_3(frames, path, compression, method):
+    """Writes the same in MDF 4.3, with Zstandard (2) or LZ4 (4) in place of deflate."""
+    plain = mdf_v4.DataZippedBlock
+
+    def block(**arguments):
+        return plain(**{**arguments, "zip_type": arguments["zip_type"] + method})
+
+    mdf_v4.DataZippedBlock = block
+    try:
+        write_mdf(frames, path, compression, "4.30")
+    finally:
+        mdf_v4.DataZippedBlock = plain
 
 
 def main():
@@ -113,6 +128,8 @@ def main():
     write_screen(frames, folder / "screen_d.log", "d")
     for compression in (0, 1, 2):
         write_mdf(frames, folder / f"asammdf_{compression}.mf4", compression)
+    for compression in (1, 2):
+        write_mdf_4_3(frames, folder / f"asammdf_zstd_{compression}.mf4", compression, 2)
     text = (folder / "grid.log").read_text()
     (folder / "grid.log.gz").write_bytes(gzip.compress(text.encode()))
     (folder / "utf16.log").write_bytes(text.encode("utf-16"))

@@ -60,7 +60,9 @@ pub fn run(args: &Args) -> Result<()> {
     let out = &args.out;
     args.check_outputs(&written(&scenario, out))?;
     note("1  simulate trucks; their true parameters differ from their files");
-    write_runs(&scenario, out)?;
+    for run in write_runs(&scenario, out)? {
+        note(format_args!("{run}"));
+    }
     note("2  estimate each drive from its bus log");
     let road = TrueRoad::read(out)?;
     let drives = (0..scenario.runs.len())

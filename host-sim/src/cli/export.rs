@@ -2,13 +2,14 @@
 
 use super::export_slopes::{SlopeArgs, export_edges, export_inclines, export_nodes, export_tiles};
 use super::outputs;
-use crate::error::{Error, Result, on_one_line};
+use super::told::Told;
+use crate::error::{Error, Result};
 use crate::files::flash_image::is_memory;
 use crate::files::output::is_written_through;
 use crate::files::run;
 use crate::map;
 use crate::report::map_page;
-use crate::terminal::print::note;
+use serde_json::json;
 use std::path::PathBuf;
 
 /// Arguments of `export`.
@@ -64,6 +65,9 @@ pub struct Args {
     pieces: Option<f64>,
     #[command(flatten)]
     slopes: SlopeArgs,
+    /// Print what was written as JSON.
+    #[arg(long)]
+    json: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -105,9 +109,15 @@ pub fn run(args: &Args) -> Result<()> {
     if ![Format::Csv, Format::Hgt].contains(&format) {
         outputs::check_folder(&args.out)?;
     }
-    if is_memory(&args.map) {
-        return export_memory(args, format);
-    }
+    let told = if is_memory(&args.map) {
+        export_memory(args, format)?
+    } else {
+        export_map(args, format)?
+    };
+    told.tell(&args.out, args.json)
+}
+
+fn export_map(args: &Args, format: Format) -> Result<Told> {
     let ways = map::read_map_ways(&args.map)?;
     match format {
         Format::Geojson => map::stage_map_geojson(&args.out, &ways, args.pieces)?.commit()?,
@@ -124,29 +134,26 @@ pub fn run(args: &Args) -> Result<()> {
         Format::Ele => return export_nodes(&args.slopes, &args.map, &args.out, &ways),
     }
     let cells: usize = ways.iter().map(|way| way.rows.len()).sum();
-    note(format_args!(
-        "{}: {cells} cells, ways: {}",
-        on_one_line(&args.out),
-        ways.len()
-    ));
-    Ok(())
+    let count = ways.len();
+    Ok(Told {
+        words: format!("{cells} cells, ways: {count}"),
+        json: json!({ "cells": cells, "ways": count }),
+    })
 }
 
 /// Writes the roads of a road memory as a run.
-fn export_memory(args: &Args, format: Format) -> Result<()> {
+fn export_memory(args: &Args, format: Format) -> Result<Told> {
     if format != Format::Map {
         let problem = "a road memory becomes a run; expected --out NAME.csv or NAME.parquet";
         return Err(Error::Usage(problem.to_owned()));
     }
     let learned = map::read_learned_run(&args.map)?;
     run::write(&args.out, &learned.rows)?;
-    note(format_args!(
-        "{}: {} cells, roads: {}",
-        on_one_line(&args.out),
-        learned.rows.len(),
-        learned.roads
-    ));
-    Ok(())
+    let (cells, roads) = (learned.rows.len(), learned.roads);
+    Ok(Told {
+        words: format!("{cells} cells, roads: {roads}"),
+        json: json!({ "cells": cells, "roads": roads }),
+    })
 }
 
 impl Args {

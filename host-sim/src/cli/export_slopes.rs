@@ -1,12 +1,13 @@
 //! `roadgrade export` of slopes: for routers, and as proposals for OpenStreetMap.
 
-use crate::error::{Error, Result, on_one_line};
+use super::told::Told;
+use crate::error::{Error, Result};
 use crate::map::slopes::edges::edges;
 use crate::map::slopes::inclines::inclines;
 use crate::map::slopes::profile::{WayProfile, profiles};
 use crate::map::{self, Network, TileCount, WayRows};
 use crate::source::terrain::Terrain;
-use crate::terminal::print::note;
+use serde_json::json;
 use std::path::{Path, PathBuf};
 
 /// Largest sigma of a proposed incline without the option, %: nine in ten of the whole percents are
@@ -50,18 +51,16 @@ pub(super) fn export_edges(
     map: &Path,
     out: &Path,
     ways: &[WayRows],
-) -> Result<()> {
+) -> Result<Told> {
     let (_, network) = args.network()?;
     let profiles = of_map(&network, map, ways)?;
     let edges = edges(&profiles);
     map::stage_edges_csv(out, &edges)?.commit()?;
     let known = edges.iter().filter(|edge| edge.slopes.is_some()).count();
-    note(format_args!(
-        "{}: {} edges, {known} with slopes",
-        on_one_line(out),
-        edges.len()
-    ));
-    Ok(())
+    Ok(Told {
+        words: format!("{} edges, {known} with slopes", edges.len()),
+        json: json!({ "edges": edges.len(), "edges_with_slopes": known }),
+    })
 }
 
 /// Writes proposals of inclines.
@@ -70,7 +69,7 @@ pub(super) fn export_inclines(
     map: &Path,
     out: &Path,
     ways: &[WayRows],
-) -> Result<()> {
+) -> Result<Told> {
     let (_, network) = args.network()?;
     let limit_percent = args.sigma_limit.unwrap_or(SIGMA_LIMIT_PERCENT);
     let found: Vec<_> = of_map(&network, map, ways)?
@@ -83,16 +82,15 @@ pub(super) fn export_inclines(
         .map(|i| i.range_m.end - i.range_m.start)
         .sum::<f64>()
         / 1000.0;
-    note(format_args!(
-        "{}: {} proposals, {km:.1} km; for a person to review, not for an upload",
-        on_one_line(out),
-        found.len()
-    ));
-    Ok(())
+    let count = found.len();
+    Ok(Told {
+        words: format!("{count} proposals, {km:.1} km; for a person to review, not for an upload"),
+        json: json!({ "proposals": count, "length_km": km }),
+    })
 }
 
 /// Writes elevation tiles.
-pub(super) fn export_tiles(args: &SlopeArgs, out: &Path, ways: &[WayRows]) -> Result<()> {
+pub(super) fn export_tiles(args: &SlopeArgs, out: &Path, ways: &[WayRows]) -> Result<Told> {
     let mut terrain = args.terrain.as_deref().map(Terrain::new);
     let count = map::write_elevation_tiles(out, ways, |latitude_deg, longitude_deg| {
         terrain.as_mut().map_or(Ok(None), |terrain| {
@@ -104,11 +102,13 @@ pub(super) fn export_tiles(args: &SlopeArgs, out: &Path, ways: &[WayRows]) -> Re
         posts,
         shared,
     } = count;
-    note(format_args!(
-        "{}: {tiles} tiles, {posts} posts with a road, {shared} of them shared by roads at different levels",
-        on_one_line(out)
-    ));
-    Ok(())
+    Ok(Told {
+        words: format!(
+            "{tiles} tiles, {posts} posts with a road, {shared} of them shared by roads at different \
+             levels"
+        ),
+        json: json!({ "tiles": tiles, "posts": posts, "shared_posts": shared }),
+    })
 }
 
 /// Writes the altitudes of nodes.
@@ -117,18 +117,17 @@ pub(super) fn export_nodes(
     map: &Path,
     out: &Path,
     ways: &[WayRows],
-) -> Result<()> {
+) -> Result<Told> {
     let (path, network) = args.network()?;
     let extract = map::read_osm_extract(path)?;
     let profiles = of_map(&network, map, ways)?;
     let (staged, count) = map::stage_node_altitudes(out, path, &extract, &profiles)?;
     staged.commit()?;
-    note(format_args!(
-        "{}: ele of {count} nodes of {} on roads",
-        on_one_line(out),
-        extract.positions.len()
-    ));
-    Ok(())
+    let nodes = extract.positions.len();
+    Ok(Told {
+        words: format!("ele of {count} nodes of {nodes} on roads"),
+        json: json!({ "nodes_with_ele": count, "nodes": nodes }),
+    })
 }
 
 fn of_map<'n>(network: &'n Network, map: &Path, ways: &[WayRows]) -> Result<Vec<WayProfile<'n>>> {

@@ -2,12 +2,14 @@
 
 use super::log_options::LogOptions;
 use super::outputs;
+use super::told::Told;
 use crate::error::{Error, Result};
 use crate::files::csv::CsvTable;
 use crate::files::vehicle::VehicleFile;
 use crate::map::open_packed_map;
 use crate::recorder::horizons_of_log;
 use crate::terminal::progress;
+use serde_json::json;
 use std::path::PathBuf;
 
 /// Arguments of `horizon`.
@@ -35,6 +37,9 @@ pub struct Args {
     length: f32,
     #[command(flatten)]
     reading: LogOptions,
+    /// Print what was written as JSON.
+    #[arg(long)]
+    json: bool,
     /// Log of frames or signal table, as for `estimate`.
     log: PathBuf,
 }
@@ -50,7 +55,7 @@ pub fn run(args: &Args) -> Result<()> {
     let options = args.reading.read_options()?;
     let bar = progress::bytes(args.log.metadata().map_or(0, |file| file.len()));
     let mut table = CsvTable::begin(&args.out)?;
-    let mut is_empty = true;
+    let (mut rows, mut seconds, mut newest_s) = (0_u64, 0_u64, None);
     let read = horizons_of_log(
         &vehicle.model,
         map,
@@ -59,17 +64,23 @@ pub fn run(args: &Args) -> Result<()> {
         &options,
         |read| bar.set_position(read),
         |row| {
-            is_empty = false;
+            rows += 1;
+            seconds += u64::from(newest_s.replace(row.time_s) != Some(row.time_s));
             table.push(row)
         },
     );
     bar.finish_and_clear();
     read?;
-    if is_empty {
+    if rows == 0 {
         let problem = "is never on the map; expected a drive over its ways";
         return Err(Error::content(&args.log, problem));
     }
-    table.finish()?.commit()
+    table.finish()?.commit()?;
+    let told = Told {
+        words: format!("the grade ahead at {seconds} times, {rows} rows"),
+        json: json!({ "times": seconds, "rows": rows }),
+    };
+    told.tell(&args.out, args.json)
 }
 
 fn length(argument: &str) -> std::result::Result<f32, String> {

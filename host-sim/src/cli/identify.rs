@@ -9,7 +9,7 @@ use crate::error::Result;
 use crate::files::output::write_whole;
 use crate::identify::annotated::{self, comment};
 use crate::identify::{Identified, Request, class, identify};
-use crate::terminal::print::{note, print};
+use crate::terminal::print::{alert, note, print};
 use crate::terminal::progress;
 use crate::terminal::table::text_table;
 use std::path::PathBuf;
@@ -79,6 +79,9 @@ fn shown(request: &Request) -> Result<Identified> {
     let wait = progress::spinner("reading the logs");
     let found = identify(request, |step| wait.set_message(step.to_owned()))?;
     wait.finish_and_clear();
+    for problem in &found.left_out {
+        alert(format_args!("warning: left out: {problem}"));
+    }
     tell_unknown(&found);
     Ok(found)
 }

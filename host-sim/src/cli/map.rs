@@ -111,6 +111,7 @@ fn tell(made: &MadeMap) {
     for problem in &made.left_out {
         alert(format_args!("warning: left out: {problem}"));
     }
+    conclusion::warn(&made.warnings);
     for run in &made.runs {
         for (log, report) in &run.reports {
             log_notes::note_report(log, report);

@@ -31,6 +31,7 @@ mod score;
 mod shell;
 mod simulate;
 mod study;
+mod told;
 mod tuning_option;
 #[cfg(not(target_os = "linux"))]
 mod without_can;

@@ -4,6 +4,7 @@ use super::outputs;
 use crate::error::Result;
 use crate::simulator::scenario::Scenario;
 use crate::simulator::{files_of, write_runs};
+use crate::terminal::print::{note, print};
 use std::path::PathBuf;
 
 /// Arguments of `simulate`.
@@ -17,6 +18,9 @@ pub struct Args {
     /// gets road.csv, and vehicle.toml if all runs share one vehicle.
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
+    /// Print each run as JSON: run, vehicle, distance_km, duration_s, frames.
+    #[arg(long)]
+    json: bool,
 }
 
 /// Runs the command.
@@ -31,5 +35,13 @@ pub fn run(args: &Args) -> Result<()> {
         inputs.chain([&*args.scenario]),
         written.iter().map(PathBuf::as_path),
     )?;
-    write_runs(&scenario, &args.out)
+    let runs = write_runs(&scenario, &args.out)?;
+    if args.json {
+        let json = serde_json::to_string_pretty(&runs).expect("numbers are JSON");
+        return print(&format!("{json}\n"));
+    }
+    for run in runs {
+        note(format_args!("{run}"));
+    }
+    Ok(())
 }

@@ -22,3 +22,10 @@ pub fn utc_text(unix_micros: u64) -> Option<String> {
     let utc = DateTime::from_timestamp_micros(i64::try_from(unix_micros).ok()?)?;
     Some(format!("{utc:?}"))
 }
+
+/// Returns the seconds since 1970 of a time as RFC 3339 writes it.
+#[must_use]
+pub fn unix_seconds(utc: &str) -> Option<f64> {
+    let time = DateTime::parse_from_rfc3339(utc).ok()?;
+    Some(time.timestamp_micros() as f64 * 1e-6)
+}

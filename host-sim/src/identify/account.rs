@@ -48,6 +48,7 @@ pub fn identified(found: &Findings<'_>) -> Identified {
         class: found.class.to_owned(),
         unknown: unknown(found),
         values,
+        left_out: Vec::new(),
     }
 }
 

@@ -6,8 +6,12 @@ use crate::diagnose::drive::LoggedDrive;
 use crate::diagnose::evidence::{Evidence, ForceColumn, WINDS_MPS, judging_tuning, segments};
 use crate::diagnose::regression::{Basis, Fit, Regression};
 use estimator_core::effect::{Effect, air_drag, mass, rolling_resistance, torque_scale};
-use estimator_core::{Model, Tuning};
+use estimator_core::{Model, Sample, Traction, Tuning, VehicleParameters};
 use rayon::prelude::*;
+use std::f64::consts::PI;
+
+/// Engine speed below which no gear is engaged for long, rpm.
+const IDLE_RPM: f64 = 700.0;
 
 /// A drive with the model that it was read with.
 pub struct FittedDrive {
@@ -93,6 +97,23 @@ pub fn fit(drives: &[FittedDrive], priors: &Priors, tuning: &Tuning) -> Option<A
     })
 }
 
+/// Returns the speed at which the engine idles in the lowest gear of the file, m/s. Below, the vehicle is
+/// in a gear that the file does not have.
+fn slowest_mps(vehicle: &VehicleParameters) -> f64 {
+    let Traction::Powertrain(powertrain) = &vehicle.traction else {
+        return 0.0;
+    };
+    let lowest = powertrain.gears.iter().map(|gear| f64::from(gear.ratio));
+    let lowest = lowest.fold(0.0, f64::max);
+    let turns_per_m =
+        lowest * f64::from(powertrain.final_drive_ratio) / f64::from(vehicle.wheel_radius_m);
+    if turns_per_m > 0.0 {
+        IDLE_RPM * PI / 30.0 / turns_per_m
+    } else {
+        0.0
+    }
+}
+
 fn basis(drives: usize, priors: &Priors) -> Basis {
     let common = [
         priors.rolling_resistance,
@@ -110,8 +131,17 @@ fn basis(drives: usize, priors: &Priors) -> Basis {
 /// Returns the forces of all columns on one drive, N.
 fn columns(drives: &[FittedDrive], number: usize) -> Vec<ForceColumn> {
     let FittedDrive { model, logged } = &drives[number];
+    let slowest_mps = slowest_mps(&model.vehicle);
     let of = |effect: &Effect| -> ForceColumn {
-        let force = |sample| effect.derivative_n(&model.vehicle, sample, &Default::default(), 0.0);
+        // In a gear that the file does not have, and without traction, acceleration says nothing about
+        // the mass.
+        let force = |sample: &Sample| {
+            let end = &sample.end;
+            if end.condition.no_traction || f64::from(end.speed_mps) < slowest_mps {
+                return 0.0;
+            }
+            effect.derivative_n(&model.vehicle, sample, &Default::default(), 0.0)
+        };
         logged.samples.iter().map(force).collect()
     };
     let masses = (0..drives.len()).map(|other| {

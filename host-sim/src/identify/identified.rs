@@ -61,6 +61,8 @@ pub struct Identified {
     pub values: Vec<IdentifiedValue>,
     /// What remains unknown.
     pub unknown: Vec<Unknown>,
+    /// Why logs were left out, a line each.
+    pub left_out: Vec<String>,
 }
 
 impl Estimate {

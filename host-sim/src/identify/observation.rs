@@ -27,6 +27,8 @@ const FAST_MPS: f64 = 8.0;
 /// ... and how little it changes, m/s, for so long, s.
 const STEADY_MPS: f64 = 0.4;
 const STEADY_SPEED_S: f32 = 3.0;
+/// Longest time between two speeds over which a way counts, s.
+const LONGEST_S: f64 = 5.0;
 /// What the bus tells of the vehicle.
 const TOLD: [Signal; 3] = [
     Signal::Mass,
@@ -51,6 +53,8 @@ pub struct Observation {
     pub ground: RatioHistogram,
     /// Fastest turns of the engine, rpm.
     pub fastest_rpm: f64,
+    /// Way of the wheels, m.
+    pub distance_m: f64,
     /// Values that the bus tells of the vehicle.
     told: BTreeMap<Signal, Told>,
     /// Number of measurements of each signal.
@@ -122,6 +126,7 @@ impl Observation {
         self.turns.merge(&other.turns);
         self.ground.merge(&other.ground);
         self.fastest_rpm = self.fastest_rpm.max(other.fastest_rpm);
+        self.distance_m += other.distance_m;
         for (gear, turns) in &other.by_gear {
             self.by_gear.entry(*gear).or_default().merge(turns);
         }
@@ -202,6 +207,10 @@ impl Observation {
     }
 
     fn take_speed(&mut self, newest: &mut Newest, time: Instant, speed_mps: f64) {
+        if let Some((last, mps)) = newest.speeds.back() {
+            let seconds = time.since(*last).as_secs_f64();
+            self.distance_m += 0.5 * (mps + speed_mps) * seconds.min(LONGEST_S);
+        }
         newest.take_speed(time, speed_mps);
         let Some(turns) = newest.turns_per_metre(time, speed_mps) else {
             newest.recent.clear();

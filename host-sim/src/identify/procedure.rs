@@ -16,8 +16,12 @@ use estimator_core::{Model, Signal, Tuning};
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 
-/// Most drives that are fitted: their samples are in memory. The others still show gears.
+/// Most drives that are fitted, and the most way of all of them, m: their samples are in memory. The
+/// others still show gears.
 const MOST_DRIVES: usize = 24;
+const MOST_FITTED_M: f64 = 1_500_000.0;
+/// Way from which a drive shows a mass, m.
+const LEAST_FITTED_M: f64 = 500.0;
 /// Most times that the drives are read until the masses agree, ...
 const ROUNDS: usize = 4;
 /// ... which is within this part.
@@ -82,32 +86,77 @@ pub struct Request {
     pub options: ReadOptions,
 }
 
-/// Identifies the vehicle of the logs. `progress` gets one line for each step.
+/// Identifies the vehicle of the logs. `progress` gets one line for each step. Logs that cannot be read
+/// are left out, unless none can, a file is missing, or reading is strict.
 ///
 /// # Errors
 /// Returns an error, with file and line, if a log cannot be read; and one that names the missing
 /// signal if no log has what an estimate needs.
 pub fn identify(request: &Request, progress: impl Fn(&str)) -> Result<Identified> {
     progress("reading the logs");
-    let observed: Vec<Observation> = request
+    let results: Vec<Result<Observation>> = request
         .logs
         .par_iter()
         .map(|log| Observation::of(log, &request.options))
-        .collect::<Result<_>>()?;
+        .collect();
+    let (mut logs, mut observed, mut problems) = (Vec::new(), Vec::new(), Vec::new());
+    for (log, result) in request.logs.iter().zip(results) {
+        match result {
+            Ok(observation) => {
+                logs.push(log.clone());
+                observed.push(observation);
+            }
+            Err(problem) if request.options.strict || !is_of_content(&problem) => {
+                return Err(problem);
+            }
+            Err(problem) => problems.push(problem),
+        }
+    }
+    if logs.is_empty() {
+        return Err(problems.swap_remove(0));
+    }
     let mut observation = Observation::default();
     for one in &observed {
         observation.merge(one);
     }
-    let mut search = Search::new(request, observation)?;
-    search.read_until_masses_agree(&observed, &progress)?;
+    let fitted = fitted(&observed);
+    let drives: Vec<(&PathBuf, &Observation)> = fitted
+        .iter()
+        .map(|number| (&logs[*number], &observed[*number]))
+        .collect();
+    let mut search = Search::new(request, observation, &logs[0])?;
+    search.read_until_masses_agree(&drives, &progress)?;
     progress("fitting resistance, drag and traction");
     search.fit();
     search.measure_radius();
     let mut found = account::identified(&search.findings());
-    found
-        .unknown
-        .extend(other_vehicle(&request.logs, &observed));
+    found.unknown.extend(other_vehicle(&logs, &observed));
+    found.left_out = problems.iter().map(ToString::to_string).collect();
     Ok(found)
+}
+
+/// Returns whether a problem is in the content of a log.
+const fn is_of_content(problem: &Error) -> bool {
+    matches!(problem, Error::Line { .. } | Error::Content { .. })
+}
+
+/// Returns the drives to fit: all that are long enough, or every second, third and so on, so that they
+/// fit into memory.
+fn fitted(observed: &[Observation]) -> Vec<usize> {
+    let long = |number: &usize| observed[*number].distance_m >= LEAST_FITTED_M;
+    let mut candidates: Vec<usize> = (0..observed.len()).filter(long).collect();
+    if candidates.is_empty() {
+        candidates = (0..observed.len()).collect();
+    }
+    for step in 1..candidates.len() {
+        let some: Vec<usize> = candidates.iter().copied().step_by(step).collect();
+        let way_m: f64 = some.iter().map(|number| observed[*number].distance_m).sum();
+        if some.len() <= MOST_DRIVES && way_m <= MOST_FITTED_M {
+            return some;
+        }
+    }
+    candidates.truncate(1);
+    candidates
 }
 
 /// Returns a doubt if the axles of two logs are not those of one vehicle.
@@ -145,8 +194,8 @@ struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    fn new(request: &'a Request, observation: Observation) -> Result<Self> {
-        check_signals(request, &observation)?;
+    fn new(request: &'a Request, observation: Observation, first: &Path) -> Result<Self> {
+        check_signals(first, &observation)?;
         let class = match &request.like {
             Some(Like::Class(class)) => class.clone(),
             Some(Like::File(file)) => like_file(file),
@@ -161,7 +210,7 @@ impl<'a> Search<'a> {
         if by_torque && gears.is_empty() {
             let problem = "no gear is ever engaged for a second of steady travel: expected a drive \
                            with engine speed (EEC1) and wheel speed (CCVS1)";
-            return Err(Error::content(&request.logs[0], problem));
+            return Err(Error::content(first, problem));
         }
         let draft = Draft::new(&class.usual, &class.name, &observation, &gears);
         Ok(Self {
@@ -178,18 +227,18 @@ impl<'a> Search<'a> {
 
     fn read_until_masses_agree(
         &mut self,
-        observed: &[Observation],
+        drives: &[(&PathBuf, &Observation)],
         progress: &impl Fn(&str),
     ) -> Result<()> {
-        let logs = &self.request.logs[..self.request.logs.len().min(MOST_DRIVES)];
-        let told = |number: usize| observed.get(number)?.told(Signal::Mass);
+        let logs: Vec<&PathBuf> = drives.iter().map(|(log, _)| *log).collect();
+        let told = |number: usize| drives.get(number)?.1.told(Signal::Mass);
         let mass_kg = self.draft.mass_kg.value();
         self.masses_kg = (0..logs.len())
             .map(|number| told(number).map_or(mass_kg, |(mean, _)| mean))
             .collect();
         for round in 1..=ROUNDS {
             progress(&format!("estimating the drives, pass {round}"));
-            self.read_drives(logs)?;
+            self.read_drives(&logs)?;
             let mut agree = true;
             for (number, drive) in self.drives.iter().enumerate() {
                 let last = drive
@@ -211,11 +260,11 @@ impl<'a> Search<'a> {
                 break;
             }
         }
-        self.read_drives(logs)
+        self.read_drives(&logs)
     }
 
     /// Reads the drives with the vehicle as it is now, unless they were.
-    fn read_drives(&mut self, logs: &[PathBuf]) -> Result<()> {
+    fn read_drives(&mut self, logs: &[&PathBuf]) -> Result<()> {
         let model = self.draft.model();
         let with_mass = |mass_kg: &f64| {
             let mut model = model.clone();
@@ -226,7 +275,7 @@ impl<'a> Search<'a> {
         if self.drives.iter().map(|drive| &drive.model).eq(&models) {
             return Ok(());
         }
-        let of = |(log, model): (&PathBuf, Model)| {
+        let of = |(log, model): (&&PathBuf, Model)| {
             let logged =
                 LoggedDrive::read(log, &model, &self.request.tuning, &self.request.options)?;
             Ok(FittedDrive { model, logged })
@@ -391,7 +440,7 @@ impl<'a> Search<'a> {
 }
 
 /// Returns an error for logs without a signal that an estimate needs.
-fn check_signals(request: &Request, observation: &Observation) -> Result<()> {
+fn check_signals(first: &Path, observation: &Observation) -> Result<()> {
     let has = |signals: &[Signal]| signals.iter().any(|signal| observation.has(*signal));
     let missing = if !has(&[Signal::WheelSpeed, Signal::FrontAxleSpeed]) {
         "no speed: expected wheel-based speed (CCVS1, PGN 65265; column wheel_speed_mps)"
@@ -405,7 +454,7 @@ fn check_signals(request: &Request, observation: &Observation) -> Result<()> {
     } else {
         return Ok(());
     };
-    Err(Error::content(&request.logs[0], missing))
+    Err(Error::content(first, missing))
 }
 
 fn first_guess(observation: &Observation) -> Class {

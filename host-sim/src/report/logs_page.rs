@@ -46,6 +46,8 @@ pub struct LogsMap<'a> {
     pub identified: Option<&'a Identified>,
     /// Why logs were left out, a line each.
     pub left_out: &'a [String],
+    /// What is not plausible about the drives beside each other.
+    pub warnings: &'a [Warning],
 }
 
 impl LogRun {
@@ -159,6 +161,9 @@ fn input_section(map: &LogsMap) -> Section {
             format!("Left out: {problem}."),
             "The map is made of the other logs.",
         ));
+    }
+    for warning in map.warnings {
+        section = section.note(Note::warning(&warning.message, warning.advice));
     }
     for run in map.runs {
         for (log, report) in &run.reports {

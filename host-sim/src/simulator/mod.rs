@@ -38,4 +38,4 @@ mod write_runs;
 
 pub use recording::{Recording, SimulatedRun, simulate};
 pub use unmodelled::Unmodelled;
-pub use write_runs::{files_of, write_runs};
+pub use write_runs::{WrittenRun, files_of, write_runs};

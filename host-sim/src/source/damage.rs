@@ -105,6 +105,19 @@ impl DamageCheck {
         self.keep(problem)
     }
 
+    /// Leaves out so many bytes of packed data, whose damage explains that of lines: it is told first.
+    ///
+    /// # Errors
+    /// Returns `problem` if the check is strict.
+    pub(super) fn packed(&mut self, problem: Error, bytes: u64) -> Result<()> {
+        self.found.first.insert(0, problem.to_string());
+        self.found.first.truncate(FIRST_PROBLEMS - 1);
+        let told = self.found.first.clone();
+        self.block(problem, bytes)?;
+        self.found.first = told;
+        Ok(())
+    }
+
     /// Adds bytes to the block that was left out last.
     pub(super) const fn more_of_block(&mut self, bytes: u64) {
         self.found.bytes += bytes;

@@ -94,6 +94,13 @@ impl Lines {
         }
     }
 
+    /// Leaves out the rest of a member of packed data: its lines are damaged.
+    pub(super) fn skip_member(&mut self) {
+        if let Some(left_out) = self.file.skip_member(self.waiting.len()) {
+            self.waiting.start = (self.waiting.start + left_out).min(self.waiting.end);
+        }
+    }
+
     fn hand_out(&mut self, length: usize, has_end: bool) {
         let start = self.waiting.start;
         let end = start + length;

@@ -37,7 +37,7 @@ impl Log {
         let mut file = LogFile::open(path)?;
         let head = file.look_at_head();
         if head.starts_with(PARQUET_MAGIC) {
-            let table = ParquetTable::open(path, &options.ignore)?;
+            let table = ParquetTable::open(path, &options.ignore, options.strict)?;
             return Ok(Self::Parquet(Box::new(table)));
         }
         if let Some(advice) = foreign(head) {
@@ -65,6 +65,7 @@ impl Log {
                 ..LogReport::default()
             },
             Self::Parquet(table) => LogReport {
+                damage: table.damage().clone(),
                 ignored_columns: table.ignored_columns().to_vec(),
                 ..LogReport::default()
             },

@@ -1,6 +1,7 @@
 //! A log on disk or from a pipe, plain or packed, as a stream of bytes.
 
-use super::log_stream::{Packing, RawState, unpacked};
+use super::log_stream::unpacked;
+use super::packing::{Joint, Packing, RawState};
 use crate::error::{Error, Result};
 use crate::files::limits::is_over_budget;
 use encoding_rs_io::DecodeReaderBytes;
@@ -19,13 +20,12 @@ const HEAD_BYTES: u64 = 4 << 10;
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 /// Marks of UTF-16.
 const WIDE_MARKS: [&[u8]; 2] = [b"\xff\xfe", b"\xfe\xff"];
-/// What flate2 says of bytes that are not gzip, behind a gzip member.
-const NO_GZIP: &str = "invalid gzip header";
 /// The name of standard input.
 const STANDARD_INPUT: &str = "-";
 
 /// An open log. Its first bytes, not its name, decide how it is packed. One that is cut off ends
-/// there.
+/// there. One whose packed data are damaged ends there too, or goes on at the next member, if
+/// [`join`](LogFile::join) said how.
 pub struct LogFile {
     path: PathBuf,
     content: Box<dyn Read + Send>,
@@ -40,6 +40,7 @@ pub struct LogFile {
     head_error: Option<io::Error>,
     newest_byte: Option<u8>,
     is_cut_off: bool,
+    is_wide: bool,
 }
 
 /// Returns true if this path means standard input.
@@ -76,6 +77,7 @@ impl LogFile {
             head_error: None,
             newest_byte: None,
             is_cut_off: false,
+            is_wide: false,
         })
     }
 
@@ -87,6 +89,7 @@ impl LogFile {
         }
         self.read_head();
         if WIDE_MARKS.iter().any(|mark| self.head.starts_with(mark)) {
+            self.is_wide = true;
             let head = Cursor::new(std::mem::take(&mut self.head));
             let rest = std::mem::replace(&mut self.content, Box::new(io::empty()));
             self.content = Box::new(DecodeReaderBytes::new(head.chain(rest)));
@@ -133,6 +136,45 @@ impl LogFile {
     /// Returns true if the packed data ended before their time.
     pub(super) const fn is_cut_off(&self) -> bool {
         self.is_cut_off
+    }
+
+    /// Says how to go on behind damage of packed data. In UTF-16, half a character may be lost, so
+    /// that the log ends at the damage.
+    pub(super) fn join(&self, joint: Joint) {
+        if !self.is_wide {
+            self.raw.set_joint(joint);
+        }
+    }
+
+    /// Asks to leave out the rest of the member of packed data whose content is damaged, `ahead` bytes
+    /// before the newest one. Returns how many of these are to be left out: those that are not of a later
+    /// member. `None` if the log is not packed.
+    pub(super) fn skip_member(&self, ahead: usize) -> Option<usize> {
+        if self.packing == Packing::Plain || self.raw.joint() != Joint::Lines {
+            return None;
+        }
+        let start = self.raw.member_start();
+        let here = self.bytes_expanded.saturating_sub(ahead as u64);
+        if start > here {
+            // The newest bytes are of a later member already.
+            return Some((start - here) as usize);
+        }
+        self.raw.ask_to_skip();
+        Some(ahead)
+    }
+
+    /// Returns the damage within packed data: what is wrong, and how many bytes are left out.
+    pub(super) fn packed_damage(&self) -> Vec<(Error, u64)> {
+        let name = self.packing.name();
+        let damage = self.raw.packed_damage(self.bytes_total).into_iter();
+        let error = |at, problem| {
+            let problem = format!("the {name} data are damaged at byte {at} ({problem})");
+            let problem = format!("{problem}; expected a complete {name} file");
+            Error::content(&self.path, problem)
+        };
+        damage
+            .map(|found| (error(found.at, found.problem), found.bytes))
+            .collect()
     }
 
     /// Returns the last byte that was read.
@@ -206,17 +248,7 @@ impl LogFile {
     /// Returns true if this error means that the packed data end too early, or that what stands
     /// behind them is not packed: blocks of a disk that were never written.
     fn is_end(&self, error: &io::Error) -> bool {
-        match self.packing {
-            Packing::Plain => false,
-            Packing::Gzip => {
-                let is_behind = self.bytes_expanded > 0 && error.to_string() == NO_GZIP;
-                is_behind || error.kind() == ErrorKind::UnexpectedEof
-            }
-            Packing::Zstd => {
-                error.kind() == ErrorKind::UnexpectedEof
-                    || (self.raw.is_over() && error.kind() != ErrorKind::FileTooLarge)
-            }
-        }
+        self.packing != Packing::Plain && error.kind() == ErrorKind::UnexpectedEof
     }
 
     fn read_content(&mut self, buffer: &mut [u8]) -> io::Result<usize> {

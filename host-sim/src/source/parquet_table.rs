@@ -1,5 +1,6 @@
 //! Signal tables as Parquet: `time_s` and one column per signal; null and NaN are missing.
 
+use super::damage::{Damage, DamageCheck};
 use super::signal_table::{LATEST_S, SignalRow, TIME, checked};
 use crate::error::{Error, Result};
 use crate::files::parquet::{NumberBatches, open};
@@ -15,9 +16,11 @@ pub struct ParquetTable {
     /// The time, then the signals.
     batch: Vec<Vec<Option<f64>>>,
     next: usize,
+    /// Rows so far, with the damaged ones.
     row: u64,
     newest: Instant,
     readings: Vec<Reading>,
+    damage: DamageCheck,
 }
 
 impl ParquetTable {
@@ -25,7 +28,7 @@ impl ParquetTable {
     ///
     /// # Errors
     /// Returns an error if the file is damaged, or has no time or no signal.
-    pub fn open(path: &Path, left_out: &[Signal]) -> Result<Self> {
+    pub fn open(path: &Path, left_out: &[Signal], is_strict: bool) -> Result<Self> {
         let opened = open(path)?;
         let names: Vec<String> = opened.column_names().map(str::to_owned).collect();
         if !names.iter().any(|name| name == TIME) {
@@ -57,6 +60,7 @@ impl ParquetTable {
             row: 0,
             newest: Instant::ZERO,
             readings: Vec::new(),
+            damage: DamageCheck::new(is_strict),
         })
     }
 
@@ -71,25 +75,52 @@ impl ParquetTable {
         &self.ignored
     }
 
-    /// Reads the next row; `None` at the end.
+    /// Returns what was left out so far.
+    #[must_use]
+    pub const fn damage(&self) -> &Damage {
+        self.damage.found()
+    }
+
+    /// Reads the next row; `None` at the end. Rows with a time that is missing or runs backwards, or
+    /// with a number beyond its range, are left out.
     ///
     /// # Errors
-    /// Returns an error, with row, column and expected value, for a time that is missing or runs
-    /// backwards, and for a number beyond its range; and for a damaged file or one without rows.
+    /// Returns an error, with row, column and expected value, for a table with too much damage or
+    /// without rows, and for a damaged file.
     pub fn next_row(&mut self) -> Result<Option<SignalRow<'_>>> {
-        while self
-            .batch
-            .first()
-            .is_none_or(|times| self.next >= times.len())
-        {
-            let Some(batch) = self.batches.next_batch()? else {
-                return self.end();
-            };
-            (self.batch, self.next) = (batch, 0);
+        loop {
+            if self
+                .batch
+                .first()
+                .is_none_or(|times| self.next >= times.len())
+            {
+                let Some(batch) = self.batches.next_batch()? else {
+                    return self.end().map(|()| None);
+                };
+                (self.batch, self.next) = (batch, 0);
+                continue;
+            }
+            self.row += 1;
+            let row = self.next;
+            self.next += 1;
+            match self.parse(row) {
+                Ok(time) => {
+                    self.newest = time;
+                    return Ok(Some(SignalRow {
+                        time,
+                        readings: &self.readings,
+                    }));
+                }
+                Err(problem) => {
+                    let good = self.row - 1 - self.damage.found().lines;
+                    self.damage.line(problem, good)?;
+                }
+            }
         }
-        self.row += 1;
-        let row = self.next;
-        self.next += 1;
+    }
+
+    /// Reads the values of a row of the batch.
+    fn parse(&mut self, row: usize) -> Result<Instant> {
         let finite = |values: &Vec<Option<f64>>| values[row].filter(|value| value.is_finite());
         let seconds = self.batch.first().and_then(finite);
         let seconds = seconds.filter(|seconds| (0.0..LATEST_S).contains(seconds));
@@ -103,7 +134,6 @@ impl ParquetTable {
                 "times that do not decrease",
             ));
         }
-        self.newest = time;
         self.readings.clear();
         for (signal, values) in self.signals.iter().zip(&self.batch[1..]) {
             let number = values[row].filter(|value| !value.is_nan());
@@ -116,18 +146,17 @@ impl ParquetTable {
                 });
             }
         }
-        Ok(Some(SignalRow {
-            time,
-            readings: &self.readings,
-        }))
+        Ok(time)
     }
 
-    fn end(&self) -> Result<Option<SignalRow<'_>>> {
-        if self.row == 0 {
-            let problem = "no rows; expected at least one";
-            return Err(Error::content(self.batches.path(), problem));
+    fn end(&mut self) -> Result<()> {
+        let good = self.row - self.damage.found().lines;
+        if good > 0 {
+            return self.damage.end(self.row, 0);
         }
-        Ok(None)
+        let problem = "no rows; expected at least one";
+        let empty = Error::content(self.batches.path(), problem);
+        Err(self.damage.take_first().unwrap_or(empty))
     }
 
     fn error(&self, what: &str, expected: &str) -> Error {

@@ -4,6 +4,7 @@
 use super::damage::{Damage, DamageCheck};
 use super::frame_log::Seconds;
 use super::log_file::LogFile;
+use super::packing::Joint;
 use crate::error::{Error, Result};
 use crate::files::kind::{self, Kind};
 use crate::files::limits::{self, Budget};
@@ -75,6 +76,7 @@ impl SignalTableReader {
     /// As [`open`](Self::open).
     pub fn new(file: LogFile, is_strict: bool) -> Result<Self> {
         let path = &file.path().to_owned();
+        file.join(Joint::Lines);
         let mut csv = csv::ReaderBuilder::new()
             .trim(csv::Trim::All)
             .has_headers(false)
@@ -210,6 +212,9 @@ impl SignalTableReader {
         if self.file().is_cut_off() {
             let problem = self.file().cut_off_error();
             self.damage.cut_off(problem)?;
+        }
+        for (problem, bytes) in self.file().packed_damage() {
+            self.damage.packed(problem, bytes)?;
         }
         if self.rows > 0 {
             let bytes = self.file().bytes_read();

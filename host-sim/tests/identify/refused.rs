@@ -76,6 +76,71 @@ fn a_log_that_cannot_be_estimated_is_left_out_of_the_map() {
 }
 
 #[test]
+fn a_log_that_cannot_be_read_is_left_out_of_the_identification_too() {
+    let folder = folder();
+    let path = folder.path();
+    simulate(path, &[&LIGHT], 6_000.0, false);
+    fs::write(path.join("empty.log"), "").unwrap();
+    fs::write(path.join("noise.log"), [0x9c; 3000]).unwrap();
+    let text = fs::read_to_string(path.join("light.log")).unwrap();
+    let stands: Vec<&str> = text.lines().take(300).collect();
+    fs::write(path.join("stands.log"), stands.join("\n") + "\n").unwrap();
+    let logs = ["empty.log", "noise.log", "stands.log", "light.log"];
+    let identify = ["identify", "--out", "v.toml"];
+    roadgrade(path, &[&identify[..], &logs].concat())
+        .success()
+        .stderr(contains("warning: left out: empty.log: the file is empty"))
+        .stderr(contains(
+            "warning: left out: noise.log:1: no time in brackets",
+        ));
+    let map = ["map", "--out", "out"];
+    roadgrade(path, &[&map[..], &logs].concat())
+        .success()
+        .stderr(contains("warning: left out: empty.log: the file is empty"))
+        .stderr(contains("warning: left out: stands.log: "));
+    // A missing file is a mistake of the command, and so is any damage if it is strict.
+    let missing = [&identify[..], &["light.log", "no.log"]].concat();
+    roadgrade(path, &missing)
+        .code(1)
+        .stderr(contains("no.log: "));
+    let strict = [&identify[..], &["--strict"], &logs].concat();
+    roadgrade(path, &strict).code(1);
+    let none = [&identify[..], &["empty.log", "noise.log"]].concat();
+    roadgrade(path, &none)
+        .code(1)
+        .stderr(contains("empty.log: "));
+}
+
+#[test]
+fn drives_that_overlap_in_time_are_told() {
+    let folder = folder();
+    let path = folder.path();
+    simulate(path, &[&LIGHT], 6_000.0, false);
+    let text = fs::read_to_string(path.join("light.log")).unwrap();
+    let absolute = |line: &str| {
+        let (seconds, rest) = line[1..].split_once('.').unwrap();
+        let seconds: u64 = seconds.parse().unwrap();
+        format!("({}.{rest}", 1_700_000_000 + seconds)
+    };
+    let lines: Vec<String> = text.lines().map(absolute).collect();
+    let part = |lines: &[String]| lines.join("\n") + "\n";
+    let third = lines.len() / 3;
+    fs::write(path.join("one.log"), part(&lines[..2 * third])).unwrap();
+    fs::write(path.join("two.log"), part(&lines[third..])).unwrap();
+    fs::write(path.join("rest.log"), part(&lines[2 * third..])).unwrap();
+    let map = |logs: &[&str]| {
+        let arguments = ["map", "--out", "out", "--vehicle", "light.toml"];
+        roadgrade(path, &[&arguments[..], logs].concat()).success()
+    };
+    map(&["one.log", "two.log"]).stderr(contains("warning: one and two overlap by "));
+    let page = fs::read_to_string(path.join("out/index.html")).unwrap();
+    assert!(page.contains("one and two overlap by "));
+    let apart = map(&["one.log", "rest.log"]);
+    let told = String::from_utf8_lossy(&apart.get_output().stderr).into_owned();
+    assert!(!told.contains("overlap"), "{told}");
+}
+
+#[test]
 fn a_drive_that_is_given_twice_counts_once() {
     let folder = folder();
     let path = folder.path();

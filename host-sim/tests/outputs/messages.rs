@@ -68,3 +68,48 @@ fn completions_and_man_pages_know_every_command() {
     }
     assert!(!at.join("man/roadgrade-man.1").exists());
 }
+
+#[test]
+fn every_command_that_computes_prints_json() {
+    let folder = test_kit::command::folder();
+    let path = folder.path();
+    let scenario = "[road]\nlength_m = 4000.0\n[[runs]]\nname = \"a\"\ntruck = \"A\"\n";
+    fs::write(path.join("s.toml"), scenario).unwrap();
+    let json = |arguments: &[&str]| {
+        let done = test_kit::command::roadgrade(path, arguments).success();
+        let output = done.get_output().stdout.clone();
+        serde_json::from_slice::<Json>(&output).unwrap_or_else(|e| panic!("{arguments:?}: {e}"))
+    };
+    let runs = json(&["simulate", "--json", "--scenario", "s.toml", "--out", "."]);
+    assert_eq!(
+        (&runs[0]["run"], &runs[0]["distance_km"]),
+        (&"a".into(), &4.0.into())
+    );
+    let vehicle = ["--vehicle", "a.vehicle.toml"];
+    json(
+        &[
+            &["estimate", "--json", "--out", "a.csv"][..],
+            &vehicle,
+            &["a.log"],
+        ]
+        .concat(),
+    );
+    json(&["fuse", "--json", "--out", "map.csv", "a.csv"]);
+    let exported = json(&["export", "--json", "--out", "map.kml", "map.csv"]);
+    assert_eq!(
+        (&exported["ways"], &exported["out"]),
+        (&1.into(), &"map.kml".into())
+    );
+    assert!(exported["cells"].as_u64().unwrap() > 1_000);
+    json(&["pack", "--json", "--out", "map.grade", "map.csv"]);
+    let horizon = [
+        "horizon",
+        "--json",
+        "--map",
+        "map.grade",
+        "--out",
+        "ahead.csv",
+    ];
+    let ahead = json(&[&horizon[..], &vehicle, &["a.log"]].concat());
+    assert!(ahead["times"].as_u64().unwrap() > 50, "{ahead}");
+}

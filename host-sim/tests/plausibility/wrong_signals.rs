@@ -287,3 +287,67 @@ fn a_brake_switch_that_is_always_on() {
         "switches are 1 where a brake is on",
     );
 }
+
+#[test]
+fn engine_speed_in_degrees_per_second_or_raw() {
+    for factor in [6.0, 8.0] {
+        let printed = estimate(&with(Signal::EngineSpeed, |rpm| factor * rpm));
+        printed.warns(
+            &["engine_speed_unit"],
+            "the engine speed is not in rpm",
+            "turns faster than engines do",
+        );
+    }
+}
+
+#[test]
+fn torque_of_the_wrong_sign() {
+    let printed = estimate(&with(Signal::EngineTorque, |percent| -percent));
+    let verdict = "the engine torque has the wrong sign";
+    printed.warns(&["torque_sign"], verdict, "would only brake");
+}
+
+#[test]
+fn altitude_of_the_wrong_sign() {
+    let printed = estimate(&with(Signal::Altitude, |metres| -metres));
+    let verdict = "the altitude is not in m";
+    printed.warns(&["altitude_unit"], verdict, "their sign is wrong");
+}
+
+#[test]
+fn wheel_speed_of_the_wrong_sign() {
+    let printed = estimate(&with(Signal::WheelSpeed, |mps| -mps));
+    assert_eq!(printed.code, 1);
+    printed.tells("the speed is below zero");
+}
+
+#[test]
+fn clock_in_milliseconds_is_told_first() {
+    let printed = estimate(&at_times(|seconds| 1e3 * seconds));
+    let first = printed.stderr.lines().next().unwrap_or_default();
+    assert!(
+        first.contains("the time looks like milliseconds"),
+        "{first}"
+    );
+}
+
+#[test]
+fn driveline_switch_the_other_way_round() {
+    let printed = estimate(&with(Signal::DrivelineEngaged, |engaged| 1.0 - engaged));
+    let verdict = "the driveline is reported open nearly always";
+    printed.warns(&["driveline_open"], verdict, "1 is engaged");
+}
+
+#[test]
+fn gears_that_are_raw_numbers_or_not_those_of_the_file() {
+    for (offset, code) in [(1.0, "gear_number"), (125.0, "no_gear")] {
+        let table = with(Signal::CurrentGear, |gear| gear + offset);
+        let table = without(table, &[Signal::GearRatio]);
+        let printed = estimate(&table);
+        assert_eq!(printed.codes, [code], "{printed:?}");
+    }
+    for change in [|ratio: f64| 100.0 * ratio, |ratio: f64| ratio + 1.0] {
+        let printed = estimate(&with(Signal::GearRatio, change));
+        assert_eq!(printed.codes, ["gear_ratio_unit"], "{printed:?}");
+    }
+}

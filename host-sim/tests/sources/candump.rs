@@ -283,7 +283,7 @@ fn a_log_that_is_cut_off_is_used_up_to_where_data_could_be_missing() {
 }
 
 #[test]
-fn gzip_data_that_are_cut_off_are_used_up_to_there_and_damaged_ones_refused() {
+fn gzip_data_that_are_cut_off_are_used_up_to_there_and_a_wrong_checksum_is_told() {
     let text: String = (0..5_000)
         .map(|k| {
             format!(
@@ -311,9 +311,30 @@ fn gzip_data_that_are_cut_off_are_used_up_to_there_and_damaged_ones_refused() {
     let mut damaged = packed.clone();
     let checksum = damaged.len() - 8;
     damaged[checksum] ^= 1;
-    let message = error(&damaged);
+    let (frames, damage) = read_damaged(&damaged);
+    assert_eq!(
+        (frames.len(), damage.blocks, damage.cut_off),
+        (5000, 1, false)
+    );
+    let told = &damage.first[0];
     assert!(
-        message.starts_with("drive.log:5001: the gzip data are truncated or damaged"),
+        told.contains("the gzip data are damaged at byte "),
+        "{told}"
+    );
+}
+
+#[test]
+fn a_log_whose_clock_begins_again_is_told_to_be_cut() {
+    let drive: String = (0..500)
+        .map(|k| format!("({k}.000000) can0 123#01\n"))
+        .collect();
+    let message = error(format!("{drive}{drive}").as_bytes());
+    assert!(
+        message.starts_with("drive.log:501: time runs backwards, from 499.000000 s to 0.000000 s"),
+        "{message}"
+    );
+    assert!(
+        message.contains("cut the log into one for each drive"),
         "{message}"
     );
 }

@@ -20,7 +20,7 @@ fn write(path: &Path, times: &[f64], speeds: &[Option<f64>]) {
 type Row = (u64, Vec<(Signal, Value)>);
 
 fn rows(path: &Path) -> Result<Vec<Row>, String> {
-    let mut table = ParquetTable::open(path, &[]).map_err(|e| e.to_string())?;
+    let mut table = ParquetTable::open(path, &[], false).map_err(|e| e.to_string())?;
     let mut rows = Vec::new();
     while let Some(row) = table.next_row().map_err(|e| e.to_string())? {
         let readings = row.readings.iter().map(|r| (r.signal, r.value)).collect();
@@ -47,7 +47,7 @@ fn rows_are_those_of_the_file_in_the_order_of_signals() {
             (2_000_000, others.to_vec()),
         ]
     );
-    let table = ParquetTable::open(&path, &[]).unwrap();
+    let table = ParquetTable::open(&path, &[], false).unwrap();
     assert_eq!(table.ignored_columns(), ["driver"]);
 }
 
@@ -89,6 +89,41 @@ fn wrong_tables_are_refused() {
         rows(&path)
             .unwrap_err()
             .contains("damaged, or not a Parquet file")
+    );
+}
+
+#[test]
+fn a_few_wrong_rows_are_left_out_and_counted() {
+    let folder = folder();
+    let path = folder.path().join("table.parquet");
+    let mut times: Vec<f64> = (0..400).map(f64::from).collect();
+    let mut speeds = vec![Some(20.0); times.len()];
+    times[200] = 3.0;
+    times[300] = f64::NAN;
+    speeds[350] = Some(1e5);
+    write(&path, &times, &speeds);
+    let mut table = ParquetTable::open(&path, &[], false).unwrap();
+    let mut rows = 0;
+    while table.next_row().unwrap().is_some() {
+        rows += 1;
+    }
+    assert_eq!((rows, table.damage().lines), (397, 3));
+    let first = &table.damage().first[0];
+    assert!(first.contains("row 201: time_s, which runs"), "{first}");
+    let strict = program()
+        .args(["inspect", "--strict"])
+        .arg(&path)
+        .assert()
+        .code(1);
+    strict.stderr(predicates::str::contains("row 201: time_s"));
+    for time in &mut times[100..104] {
+        *time = -1.0;
+    }
+    write(&path, &times, &speeds);
+    let message = self::rows(&path).unwrap_err();
+    assert!(
+        message.contains("7 of 400 lines are damaged, more than 1 %"),
+        "{message}"
     );
 }
 

@@ -13,6 +13,8 @@ use flate2::{Compression, GzBuilder};
 use fuzz_targets::bus::{Event, EventBus};
 use fuzz_targets::sessions::Packet;
 use fuzz_targets::truck;
+use host_sim::files::parquet::{ParquetColumn, stage};
+use ruzstd::encoding::{CompressionLevel, compress_to_vec};
 use std::io::Write;
 use std::path::Path;
 use std::{fs, io};
@@ -49,6 +51,13 @@ fn main() -> io::Result<()> {
     for (name, method) in [("plain", 0), ("zlib", 2)] {
         write(&corpus, "blf", name, &blf(&few_frames(), method)?)?;
     }
+    for (name, bytes) in packed(&fs::read(corpus.join("candump").join("short_form"))?)? {
+        write(&corpus, "packed", name, &bytes)?;
+    }
+    let folder = tempfile::tempdir()?;
+    let table = folder.path().join("table.parquet");
+    write_table(&table);
+    write(&corpus, "parquet_table", "some_columns", &fs::read(table)?)?;
     for (name, packing) in [("raw", Packing::Raw), ("zlib", Packing::Zlib)] {
         write(&corpus, "osm_pbf", name, &extract(packing))?;
     }
@@ -97,6 +106,38 @@ fn few_frames() -> Vec<MdfFrame> {
         data: k.to_le_bytes().to_vec(),
     };
     (1..9).map(frame).collect()
+}
+
+/// Returns a log in gzip and in Zstandard, in one and two members, with and without damage.
+fn packed(text: &[u8]) -> io::Result<[(&'static str, Vec<u8>); 4]> {
+    let gzip = compressed(text)?;
+    let zstd = compress_to_vec(text, CompressionLevel::Fastest);
+    let damaged = |member: &[u8]| {
+        let mut member = member.to_vec();
+        let middle = member.len() / 2;
+        member[middle..].fill(0xff);
+        member
+    };
+    Ok([
+        ("gzip_members", [&gzip[..], &gzip].concat()),
+        ("gzip_damaged", [&damaged(&gzip)[..], &gzip].concat()),
+        ("zstd_frames", [&zstd[..], &zstd].concat()),
+        ("zstd_damaged", [&damaged(&zstd)[..], &zstd].concat()),
+    ])
+}
+
+/// Writes a signal table.
+fn write_table(path: &Path) {
+    let numbers = |scale: f64| (0..20).map(move |k| scale * f64::from(k));
+    let columns = vec![
+        ParquetColumn::numbers("time_s", numbers(0.1)),
+        ParquetColumn::optional("wheel_speed_mps", numbers(0.3).map(Some)),
+        ParquetColumn::whole("gear", (0..20).map(|k| k / 4)),
+        ParquetColumn::numbers("altitude_m", numbers(-2.0)),
+        ParquetColumn::text("driver", Some("x"), 20),
+    ];
+    let staged = stage(path, columns, &[]).expect("a table");
+    staged.commit().expect("a table");
 }
 
 /// Returns a BLF file with one container, plain (0) or zlib (2).

@@ -2,6 +2,7 @@
 
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
+use ruzstd::encoding::{CompressionLevel, compress_to_vec};
 use std::io::Write;
 
 /// Bytes of the identification and of the header block.
@@ -45,6 +46,10 @@ pub enum MdfBlocks {
     Deflated,
     /// A list of compressed blocks, transposed.
     Transposed,
+    /// A list of blocks compressed by Zstandard (MDF 4.3).
+    Zstd,
+    /// The same, transposed.
+    ZstdTransposed,
 }
 
 /// Where the data of the frames are.
@@ -59,7 +64,7 @@ pub enum MdfData {
 }
 
 /// Every form.
-pub const MDF_FORMS: [(MdfBlocks, MdfData); 9] = [
+pub const MDF_FORMS: [(MdfBlocks, MdfData); 12] = [
     (MdfBlocks::Plain, MdfData::InRecord),
     (MdfBlocks::Plain, MdfData::SignalData),
     (MdfBlocks::Plain, MdfData::OtherGroup),
@@ -69,6 +74,9 @@ pub const MDF_FORMS: [(MdfBlocks, MdfData); 9] = [
     (MdfBlocks::Deflated, MdfData::InRecord),
     (MdfBlocks::Transposed, MdfData::InRecord),
     (MdfBlocks::Transposed, MdfData::SignalData),
+    (MdfBlocks::Zstd, MdfData::InRecord),
+    (MdfBlocks::ZstdTransposed, MdfData::InRecord),
+    (MdfBlocks::ZstdTransposed, MdfData::SignalData),
 ];
 
 struct Writer(Vec<u8>);
@@ -135,19 +143,24 @@ impl Writer {
     }
 
     fn packed(&mut self, id: &[u8; 4], part: &[u8], blocks: MdfBlocks, columns: usize) -> u64 {
-        let is_transposed = blocks == MdfBlocks::Transposed;
+        let is_transposed = matches!(blocks, MdfBlocks::Transposed | MdfBlocks::ZstdTransposed);
+        let is_zstd = matches!(blocks, MdfBlocks::Zstd | MdfBlocks::ZstdTransposed);
         let columns = if is_transposed { columns } else { 0 };
         let turned = if is_transposed {
             transposed(part, columns)
         } else {
             part.to_vec()
         };
-        let mut encoder = ZlibEncoder::new(Vec::new(), Compression::default());
-        encoder.write_all(&turned).expect("memory");
-        let content = encoder.finish().expect("memory");
+        let content = if is_zstd {
+            compress_to_vec(&turned[..], CompressionLevel::Fastest)
+        } else {
+            let mut encoder = ZlibEncoder::new(Vec::new(), Compression::default());
+            encoder.write_all(&turned).expect("memory");
+            encoder.finish().expect("memory")
+        };
         let head = [
             &id[2..],
-            &[u8::from(is_transposed), 0],
+            &[u8::from(is_transposed) + 2 * u8::from(is_zstd), 0],
             &(columns as u32).to_le_bytes(),
             &(part.len() as u64).to_le_bytes(),
             &(content.len() as u64).to_le_bytes(),

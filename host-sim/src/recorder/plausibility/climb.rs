@@ -22,6 +22,8 @@ const CONSTANT_M: f64 = 5_000.0;
 const LARGE: f64 = 1.7;
 /// Part of the climb by the forces that no receiver stays below.
 const SMALL: f64 = 0.04;
+/// Factor on the climb by the forces beyond which altitudes fall where the vehicle climbs.
+const TURNED: f64 = -0.4;
 /// Least scatter of the climb by the forces on a stretch, m: below, the road is flat.
 const HILLY_M: f64 = 0.5;
 
@@ -173,6 +175,9 @@ impl Fit {
         let variance = ((self.squares - solution.dot(&self.right)) / (count - 3.0)).max(0.0);
         let scale = solution[1];
         let sigma = (variance * inverse[(1, 1)]).sqrt();
+        if scale + 3.0 * sigma < TURNED && solution[0] < TURNED && modelled_m > HILLY_M {
+            return Some((scale, ": their sign is wrong"));
+        }
         let is_large = scale - 3.0 * sigma > LARGE && solution[0] > LARGE;
         let looks = if (scale - 3.28).abs() < 3.0 * sigma + 0.3 {
             ": they look like feet"

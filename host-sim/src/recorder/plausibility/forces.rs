@@ -12,6 +12,8 @@ const LEAST_M: f64 = 1_000.0;
 const LARGEST_PERCENT: f64 = 125.0;
 /// Torque that every driven vehicle exceeds, %.
 const SMALL_PERCENT: f64 = 2.0;
+/// Torque below zero that shows a sign, %.
+const TURNED_PERCENT: f64 = -10.0;
 /// Friction that every engine exceeds, %.
 const SMALL_FRICTION_PERCENT: f64 = 1.0;
 /// Step of torques on J1939, %.
@@ -24,6 +26,11 @@ const LARGE_FORCE: f64 = 1.5;
 const DRIVING_MPS: f64 = 5.0;
 /// Speed below which no engine runs under load, rpm.
 const IDLE_RPM: f64 = 400.0;
+/// Speed that J1939 can report, which only motors exceed, rpm; ...
+const LARGEST_RPM: f64 = 8_031.875;
+/// ... that of engines which turn slowly, and the least reference torque of these, Nm.
+const TRUCK_RPM: f64 = 3_500.0;
+const TRUCK_NM: f32 = 600.0;
 /// Speed below which an engine is off, rpm.
 const OFF_RPM: f64 = 5.0;
 /// Least number of engine speeds that are judged.
@@ -69,6 +76,7 @@ pub(super) struct Forces {
     force: Sizes,
     engine_speeds: u32,
     slow_engine_speeds: u32,
+    fast_engine_speeds: u32,
     /// Engine speed over that of the gearbox's output shaft.
     ratios: Distribution,
 }
@@ -103,6 +111,12 @@ impl Forces {
         self.engine_speeds = self.engine_speeds.saturating_add(1);
         let is_slow = rpm < IDLE_RPM && rpm < 0.5 * shaft_rpm * tallest;
         self.slow_engine_speeds += u32::from(is_slow);
+        let fastest = if powertrain.reference_torque_nm >= TRUCK_NM {
+            TRUCK_RPM
+        } else {
+            LARGEST_RPM
+        };
+        self.fast_engine_speeds += u32::from(rpm > fastest);
         self.ratios.add(rpm / shaft_rpm);
     }
 
@@ -146,6 +160,18 @@ impl Forces {
             ));
         }
         let (low, high) = torque.range?;
+        if low < TURNED_PERCENT && high <= SMALL_PERCENT {
+            return Some(Warning::major(
+                "torque_sign",
+                "the engine torque has the wrong sign",
+                format!(
+                    "the engine torque goes down to {low:.0} % and never above {high:.0} %, so that the \
+                     engine would only brake"
+                ),
+                "give the engine torque above zero where it drives (EEC1, SPN 513; column \
+                 engine_torque_percent)",
+            ));
+        }
         (low == high).then(|| {
             Warning::major(
                 "torque_constant",
@@ -195,20 +221,22 @@ impl Forces {
     }
 
     fn engine_speed_unit(&self) -> Option<Warning> {
-        self.has_slow_engine().then(|| {
-            Warning::major(
-                "engine_speed_unit",
-                "the engine speed is not in rpm",
-                "the engine turns slower than any gear and any engine allows: its speed looks like \
-                 rad/s or 1/s"
-                    .to_owned(),
-                "give the engine speed in rpm (column engine_speed_rpm): multiply rad/s by 9.5493",
-            )
-        })
-    }
-
-    fn has_slow_engine(&self) -> bool {
-        self.engine_speeds >= READINGS && self.slow_engine_speeds > self.engine_speeds / 2
+        let is_most = |count: u32| self.engine_speeds >= READINGS && count > self.engine_speeds / 2;
+        let message = if is_most(self.slow_engine_speeds) {
+            "the engine turns slower than any gear and any engine allows: its speed looks like \
+             rad/s or 1/s"
+        } else if is_most(self.fast_engine_speeds) {
+            "the engine turns faster than engines do: its speed looks like °/s or raw numbers of the \
+             bus"
+        } else {
+            return None;
+        };
+        Some(Warning::major(
+            "engine_speed_unit",
+            "the engine speed is not in rpm",
+            message.to_owned(),
+            "give the engine speed in rpm (column engine_speed_rpm): multiply rad/s by 9.5493",
+        ))
     }
 
     /// Returns words on the ratios at which the engine turns, where engine speeds are known.

@@ -10,6 +10,7 @@
 //! |---|---|
 //! | `way`, `positions`, `integral` | speed, clock, positions, course |
 //! | `forces` | torque, force, engine speed |
+//! | `gearbox` | gear, gear ratio, driveline |
 //! | `brakes` | brake pressure, retarder |
 //! | `climb` | altitude |
 //! | `accelerometer` | longitudinal acceleration |
@@ -23,6 +24,7 @@ mod brakes;
 mod climb;
 mod distribution;
 mod forces;
+mod gearbox;
 mod integral;
 mod model_fit;
 mod positions;
@@ -42,6 +44,7 @@ use estimator_core::{
     Counters, Instant, Reading, Sample, Signal, Traction, Tuning, Value, VehicleParameters,
 };
 use forces::Forces;
+use gearbox::Gearbox;
 use model_fit::{ModelFit, slopes_left_out};
 use surroundings::Surroundings;
 use tap::Tap;
@@ -106,6 +109,7 @@ impl Plausibility {
 struct Seen {
     way: Way,
     forces: Forces,
+    gearbox: Gearbox,
     brakes: Brakes,
     climb: Climb,
     accelerometer: Accelerometer,
@@ -130,6 +134,7 @@ impl Seen {
 
     fn number(&mut self, now: Instant, signal: Signal, value: f64, vehicle: &VehicleParameters) {
         let speed_mps = self.way.speed_mps().unwrap_or(0.0);
+        self.gearbox.reading(signal, value, speed_mps, vehicle);
         match signal {
             Signal::WheelSpeed | Signal::FrontAxleSpeed => {
                 self.way.wheels(now, signal, value);
@@ -173,6 +178,9 @@ impl Seen {
                 Traction::Force => None,
             };
             found.extend(self.fit.never_valid(gears));
+        }
+        if !spoils(&found) {
+            self.gearbox.judge(&mut found);
         }
         if !spoils(&found) {
             found.extend(self.climb.judge_scale());

@@ -18,7 +18,7 @@ pub struct Warning {
 
 impl Warning {
     /// Creates a warning about an input that the estimate can do without.
-    pub(super) fn minor(code: &'static str, message: String, advice: &'static str) -> Self {
+    pub(crate) fn minor(code: &'static str, message: String, advice: &'static str) -> Self {
         Self {
             code,
             message,

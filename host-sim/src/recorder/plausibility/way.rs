@@ -56,6 +56,9 @@ pub(super) struct Way {
     wheels: Integral,
     wheels_from: Option<Signal>,
     ground: Integral,
+    speeds: u32,
+    /// Of these, speeds below zero.
+    backward: u32,
     intervals_s: Distribution,
     change_from: Option<(Instant, f64)>,
     accelerations: Distribution,
@@ -72,6 +75,8 @@ impl Way {
         } else if self.wheels_from != Some(signal) {
             return;
         }
+        self.speeds = self.speeds.saturating_add(1);
+        self.backward += u32::from(mps < 0.0);
         if let Some(seconds) = self.wheels.add(now, mps) {
             self.intervals_s.add(seconds);
         }
@@ -169,6 +174,7 @@ impl Way {
         if let Some((as_given, if_swapped)) = agreements
             && as_given < 0.7
             && if_swapped > 0.9
+            && !self.course_is_in_radians()
         {
             return Some(warning(
                 "the positions move along the course only with latitude and longitude swapped"
@@ -200,11 +206,13 @@ impl Way {
             .filter(|ratio| is_implausible(*ratio))?;
         let ground = positions.ground.median_of(STRETCHES);
         // A wrong clock makes both ways wrong alike.
+        let looks_like_clock = nearest(&CLOCKS, ratio).is_some();
+        let is_no_speed = nearest(&SPEEDS[..5], ratio).is_none();
         let is_clock = match ground {
-            Some(ground) => {
-                !is_implausible(ratio / ground) && nearest(&SPEEDS[..5], ratio).is_none()
-            }
-            None => nearest(&CLOCKS, ratio).is_some(),
+            // Speeds so far apart say nothing about each other.
+            _ if self.speeds_apart_s().is_some() && looks_like_clock => is_no_speed,
+            Some(ground) => !is_implausible(ratio / ground) && is_no_speed,
+            None => looks_like_clock,
         };
         if ratio > 1e4 && nearest(&CLOCKS, ratio).is_none() {
             return Some(Warning::major(
@@ -223,6 +231,11 @@ impl Way {
         }
         let looks = nearest(&SPEEDS, ratio)
             .map_or_else(String::new, |unit| format!(": the speed looks like {unit}"));
+        let looks = if self.backward > self.speeds / 2 {
+            ": the speed is below zero".to_owned()
+        } else {
+            looks
+        };
         Some(Warning::major(
             "speed_unit",
             "the wheel speed is not in m/s",
@@ -232,10 +245,15 @@ impl Way {
         ))
     }
 
+    /// Returns the time between two speeds, s, if it is too long for an estimate.
+    fn speeds_apart_s(&self) -> Option<f64> {
+        let interval_s = self.intervals_s.median_of(20);
+        interval_s.filter(|seconds| *seconds > LONGEST_S)
+    }
+
     /// Returns what the times between speeds, and the accelerations, say about the clock.
     fn clock(&self) -> Option<Warning> {
-        let interval_s = self.intervals_s.median_of(20);
-        if let Some(interval_s) = interval_s.filter(|seconds| *seconds > LONGEST_S) {
+        if let Some(interval_s) = self.speeds_apart_s() {
             return Some(clock_warning(format!(
                 "wheel speeds are {interval_s:.1} s apart (median), too far for an estimate: the \
                  time looks like milliseconds, or speeds were left out"
@@ -266,15 +284,18 @@ impl Way {
         ))
     }
 
+    fn course_is_in_radians(&self) -> bool {
+        let if_radians = self.positions.course_if_radians.mean(STRETCHES);
+        self.positions.largest_course < 6.4 && if_radians.is_some_and(|cosine| cosine > 0.9)
+    }
+
     fn course_unit(&self) -> Option<Warning> {
         let positions = &self.positions;
         let as_given = positions.course.mean(STRETCHES)?;
         if as_given > 0.7 {
             return None;
         }
-        let if_radians = positions.course_if_radians.mean(STRETCHES);
-        let is_small = positions.largest_course < 6.4;
-        let looks = if is_small && if_radians.is_some_and(|cosine| cosine > 0.9) {
+        let looks = if self.course_is_in_radians() {
             ": it looks like radians"
         } else {
             ""

@@ -77,16 +77,36 @@ impl LineFormat for Asc {
     }
 }
 
-/// Names of months. Those of other languages are not known.
+/// Names of months, in English. Those of other languages than German are not known.
 const MONTHS: [&[u8]; 12] = [
     b"jan", b"feb", b"mar", b"apr", b"may", b"jun", b"jul", b"aug", b"sep", b"oct", b"nov", b"dec",
 ];
+/// German names that differ, and their number; umlauts in UTF-8 and Windows-1252.
+const GERMAN_MONTHS: [(&[u8], u64); 7] = [
+    (b"m\xc3\xa4r", 3),
+    (b"m\xe4r", 3),
+    (b"mrz", 3),
+    (b"mae", 3),
+    (b"mai", 5),
+    (b"okt", 10),
+    (b"dez", 12),
+];
+
+fn month(name: &[u8]) -> Option<u64> {
+    let name = name.to_ascii_lowercase();
+    let english = MONTHS.iter().position(|month| name.starts_with(month));
+    let german = GERMAN_MONTHS
+        .iter()
+        .find(|(month, _)| name.starts_with(month));
+    english
+        .map(|position| position as u64 + 1)
+        .or_else(|| german.map(|(_, month)| *month))
+}
 
 /// Reads `Sun Nov 22 10:00:00.000 am 2026`, with or without the fraction and `am`.
 fn date(words: &mut Words) -> Option<DateTime> {
     let _weekday = words.next()?;
-    let month = words.next()?.to_ascii_lowercase();
-    let month = MONTHS.iter().position(|name| month.starts_with(name))? as u64 + 1;
+    let month = month(words.next()?)?;
     let day = number(words.next()?, 10)?.into();
     let mut time = words.next()?.split(|byte| *byte == b':');
     let hour = u64::from(number(time.next()?, 10)?);

@@ -9,6 +9,7 @@ use super::blf_object::{Recorded, recorded};
 use super::frame_reader::{FrameReader, LogNotes, LoggedFrame};
 use crate::error::{Error, Result};
 use crate::source::log_file::LogFile;
+use crate::source::packing::Joint;
 
 /// Reader of the frames of a BLF file. A file that is cut off ends there.
 pub(super) struct BlfReader {
@@ -18,6 +19,7 @@ pub(super) struct BlfReader {
 
 impl BlfReader {
     pub(super) fn boxed(file: LogFile, is_strict: bool) -> Box<dyn FrameReader> {
+        file.join(Joint::Bytes);
         Box::new(Self {
             containers: Containers::new(file),
             notes: LogNotes::new(is_strict),

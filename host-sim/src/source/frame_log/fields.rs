@@ -26,10 +26,10 @@ impl<'a> Iterator for Words<'a> {
     }
 }
 
-/// Returns the value of `12.345678`, times 10 to the power of `places`; digits below that are cut.
+/// Returns the value of `12.345678`, or with a comma as the decimal point, times 10 to the power of `places`; digits below that are cut.
 /// `None` if it is not such a number.
 pub(super) fn fixed_point(word: &[u8], places: usize) -> Option<u64> {
-    let point = word.iter().position(|byte| *byte == b'.');
+    let point = word.iter().position(|byte| matches!(byte, b'.' | b','));
     let (whole, fraction) = match point {
         Some(at) => (word.get(..at)?, word.get(at + 1..)?),
         None => (word, &b""[..]),

@@ -49,6 +49,9 @@ use trc::Trc;
 /// Times after this are those since the Unix epoch: 2001-09-09. A measurement is shorter.
 const EPOCH_FROM: Instant = Instant::from_micros(1_000_000_000_000_000);
 
+/// What to do with a log whose times begin again.
+const RESTARTED: &str = "if the clock begins again there, cut the log into one for each drive";
+
 /// Reader of a recording of a bus.
 ///
 /// Frames come in the order of time, each message from one interface. Times are those of the log, in
@@ -62,6 +65,8 @@ pub struct FrameLog {
     interfaces: Vec<String>,
     selected: u64,
     first: Option<Instant>,
+    /// Frames that are older than those before them.
+    too_old: u64,
     is_over: bool,
 }
 
@@ -111,6 +116,7 @@ impl FrameLog {
             interfaces: options.interfaces.clone(),
             selected: 0,
             first: None,
+            too_old: 0,
             is_over: false,
         })
     }
@@ -169,7 +175,10 @@ impl FrameLog {
             .put(logged, |problem| reader.error(problem, IN_ORDER))
         {
             Placed::InOrder => return Ok(()),
-            Placed::TooOld(problem) => reader.error(&problem, IN_ORDER),
+            Placed::TooOld(problem) => {
+                self.too_old += 1;
+                reader.error(&problem, IN_ORDER)
+            }
             Placed::WasAhead(problem) => problem,
         };
         let notes = reader.notes_mut();
@@ -182,6 +191,9 @@ impl FrameLog {
             let error = self.file().cut_off_error();
             self.reader.notes_mut().damage.cut_off(error)?;
         }
+        for (problem, bytes) in self.file().packed_damage() {
+            self.reader.notes_mut().damage.packed(problem, bytes)?;
+        }
         let (lines, bytes) = (self.reader.lines(), self.file().bytes_read());
         let notes = self.reader.notes_mut();
         if notes.frames == 0 {
@@ -193,7 +205,14 @@ impl FrameLog {
         if self.selected == 0 {
             return Err(self.no_interface());
         }
-        notes.damage.end(lines, bytes)
+        let is_restarted = 2 * self.too_old > notes.damage.found().lines;
+        notes.damage.end(lines, bytes).map_err(|error| {
+            if is_restarted {
+                error.with_note(RESTARTED)
+            } else {
+                error
+            }
+        })
     }
 
     /// Returns the error, or one that says that another file may have taken the log's place.

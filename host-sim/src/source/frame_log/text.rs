@@ -7,6 +7,7 @@ use crate::source::can_frame::CanFrame;
 use crate::source::interfaces::{InterfaceIndex, Interfaces};
 use crate::source::lines::Lines;
 use crate::source::log_file::LogFile;
+use crate::source::packing::Joint;
 
 /// The content of a line.
 pub(super) enum TextLine {
@@ -43,14 +44,23 @@ pub(super) struct TextReader<F> {
     format: F,
     lines: Lines,
     notes: LogNotes,
+    /// Grows with damaged lines, and falls with good ones.
+    damage_score: u32,
 }
+
+/// What a damaged line adds to the score, and the score of packed data that unpack to nonsense: some
+/// ten damaged lines among a hundred.
+const DAMAGED: u32 = 10;
+const NONSENSE: u32 = 100;
 
 impl<F: LineFormat> TextReader<F> {
     pub(super) fn new(file: LogFile, format: F, is_strict: bool) -> Self {
+        file.join(Joint::Lines);
         Self {
             format,
             lines: Lines::new(file),
             notes: LogNotes::new(is_strict),
+            damage_score: 0,
         }
     }
 
@@ -111,6 +121,15 @@ impl<F: LineFormat> FrameReader for TextReader<F> {
         while self.lines.advance()? {
             let line = self.lines.line();
             let line = self.format.parse(line, &mut self.notes.interfaces);
+            if line.is_err() {
+                self.damage_score += DAMAGED;
+            } else {
+                self.damage_score = self.damage_score.saturating_sub(1);
+            }
+            if self.damage_score > NONSENSE {
+                self.damage_score = 0;
+                self.lines.skip_member();
+            }
             if let Some(frame) = self.take(line)? {
                 return Ok(Some(frame));
             }

@@ -1,8 +1,11 @@
-//! PEAK's text format (TRC), versions 1.1, 1.3, 2.0 and 2.1.
+//! PEAK's text format (TRC), versions 1.0 to 1.3, 2.0 and 2.1.
 //!
 //! ```text
+//!      1)         2  0CF00400  8  01 02 03 04 05 06 07 08
 //! ;$FILEVERSION=1.1
 //!      1)         2.3  Rx     0CF00400  8  01 02 03 04 05 06 07 08
+//! ;$FILEVERSION=1.2
+//!      1)         2.3 1  Rx     0CF00400  8  01 02 03 04 05 06 07 08
 //! ;$FILEVERSION=1.3
 //!      1)         2.3 1  Rx     0CF00400 -  8    01 02 03 04 05 06 07 08
 //! ;$FILEVERSION=2.1
@@ -10,6 +13,9 @@
 //!       1         2.300 DT 1  0CF00400 Rx -  8    01 02 03 04 05 06 07 08
 //! ```
 //!
+//! * Version 1.0 has no line `;$FILEVERSION`. Its errors of the bus have the identifier FFFFFFFF.
+//! * Messages of more than 8 bytes are those that a J1939 add-in has put together; their frames stand
+//!   in the file too.
 //! * Times are milliseconds since the start of the measurement.
 //! * An identifier of more than 4 digits has 29 bits, any other 11 bits. PEAK's programs write 8 and 4
 //!   digits, others leave out zeros.
@@ -38,8 +44,10 @@ enum Column {
     Type,
     /// `I`
     Identifier,
-    /// `l`, `L`
+    /// `L`
     Length,
+    /// `l`: 9 to 15 mean 8 bytes too.
+    LengthCode,
     /// `D`
     Data,
     /// `B`
@@ -57,9 +65,25 @@ enum Message {
     Status,
 }
 
+const COLUMNS_1_0: [Column; 5] = [
+    Column::Unused,
+    Column::Time,
+    Column::Identifier,
+    Column::Length,
+    Column::Data,
+];
 const COLUMNS_1_1: [Column; 6] = [
     Column::Unused,
     Column::Time,
+    Column::Type,
+    Column::Identifier,
+    Column::Length,
+    Column::Data,
+];
+const COLUMNS_1_2: [Column; 7] = [
+    Column::Unused,
+    Column::Time,
+    Column::Bus,
     Column::Type,
     Column::Identifier,
     Column::Length,
@@ -76,7 +100,9 @@ const COLUMNS_1_3: [Column; 8] = [
     Column::Data,
 ];
 
-const VERSIONS: &str = "1.1, 1.3, 2.0 or 2.1";
+const VERSIONS: &str = "1.0 to 1.3, 2.0 or 2.1";
+/// Identifier of an error of the bus in version 1.0.
+const BUS_ERROR: &[u8] = b"FFFFFFFF";
 const NO_FRAME: LineProblem = problem(
     "no frame",
     "number, time, type, identifier, length and data in the order of the header",
@@ -91,10 +117,12 @@ impl LineFormat for Trc {
         match line.trim_ascii() {
             [] => Ok(TextLine::Other),
             [b';', header @ ..] => self.header(header).map(|()| TextLine::Other),
-            _ if !self.has_version => Err(header_problem(
-                "TRC 1.0 (no `;$FILEVERSION=` above)",
-                VERSIONS,
-            )),
+            line if !self.has_version => {
+                // Version 1.0 does not tell its version.
+                self.columns = COLUMNS_1_0.to_vec();
+                self.has_version = true;
+                self.message(line, interfaces)
+            }
             _ if self.columns.is_empty() => Err(header_problem(
                 "no columns above",
                 "a line such as `;$COLUMNS=N,O,T,B,I,d,R,L,D`",
@@ -108,27 +136,26 @@ impl Trc {
     fn header(&mut self, header: &[u8]) -> Parsed<()> {
         if let Some(version) = header.strip_prefix(b"$FILEVERSION=") {
             self.columns = match version.trim_ascii() {
+                b"1.0" => COLUMNS_1_0.to_vec(),
                 b"1.1" => COLUMNS_1_1.to_vec(),
+                b"1.2" => COLUMNS_1_2.to_vec(),
                 b"1.3" => COLUMNS_1_3.to_vec(),
                 b"2.0" | b"2.1" => Vec::new(),
                 _ => return Err(header_problem("a version that is not read", VERSIONS)),
             };
             self.has_version = true;
         } else if let Some(days) = header.strip_prefix(b"$STARTTIME=") {
-            self.origin_us = start_time(days.trim_ascii());
+            // Some programs write a semicolon behind it.
+            let days = days.trim_ascii();
+            self.origin_us = start_time(days.strip_suffix(b";").unwrap_or(days));
         } else if let Some(names) = header.strip_prefix(b"$COLUMNS=") {
             let names = names.trim_ascii().split(|byte| *byte == b',');
             self.columns = names.map(column).collect();
             let has = |column| self.columns.contains(&column);
-            if ![
-                Column::Time,
-                Column::Type,
-                Column::Identifier,
-                Column::Length,
-                Column::Data,
-            ]
-            .into_iter()
-            .all(has)
+            if ![Column::Time, Column::Type, Column::Identifier, Column::Data]
+                .into_iter()
+                .all(has)
+                || !(has(Column::Length) || has(Column::LengthCode))
             {
                 return Err(header_problem(
                     "columns are missing",
@@ -142,7 +169,8 @@ impl Trc {
     fn message(&self, line: &[u8], interfaces: &mut Interfaces) -> Parsed<TextLine> {
         let mut words = Words(line);
         let mut micros = None;
-        let mut message = None;
+        let has_type = self.columns.contains(&Column::Type);
+        let mut message = (!has_type).then_some(Message::Data);
         let mut id = None;
         let mut length = None;
         let mut bus = 1;
@@ -150,9 +178,22 @@ impl Trc {
             match column {
                 Column::Data => break,
                 Column::Time => micros = Some(time(words.next())?),
-                Column::Identifier => id = Some(identifier_of(words.next())?),
+                Column::Identifier => {
+                    let word = words.next();
+                    if !has_type && word == Some(BUS_ERROR) {
+                        return Ok(TextLine::BusError);
+                    }
+                    id = Some(identifier_of(word)?);
+                }
                 Column::Bus => bus = bus_of(words.next())?,
-                Column::Length => length = Some(length_of(words.next(), 10)?),
+                Column::Length => {
+                    let word = words.next();
+                    if word.is_some_and(is_long) {
+                        return Ok(TextLine::Other);
+                    }
+                    length = Some(length_of(word, 10)?);
+                }
+                Column::LengthCode => length = Some(length_of(words.next(), 10)?),
                 Column::Type => {
                     message = match message_of(words.next())? {
                         // The other columns of these may be empty.
@@ -188,13 +229,20 @@ impl Trc {
     }
 }
 
+/// Returns true for the length of a message that is longer than a frame.
+fn is_long(word: &[u8]) -> bool {
+    const LONGEST: u32 = 1785;
+    number(word, 10).is_some_and(|bytes| (9..=LONGEST).contains(&bytes))
+}
+
 fn column(name: &[u8]) -> Column {
     match name.trim_ascii() {
         b"O" => Column::Time,
         b"B" => Column::Bus,
         b"T" => Column::Type,
         b"I" => Column::Identifier,
-        b"l" | b"L" => Column::Length,
+        b"L" => Column::Length,
+        b"l" => Column::LengthCode,
         b"D" => Column::Data,
         _ => Column::Unused,
     }
@@ -212,7 +260,8 @@ fn time(word: Option<&[u8]>) -> Parsed<u64> {
 /// Returns the microseconds since the Unix epoch for days since 1899-12-30, the start of OLE dates.
 fn start_time(days: &[u8]) -> Option<u64> {
     const EPOCH_DAYS: f64 = 25_569.0;
-    let days: f64 = str::from_utf8(days).ok()?.parse().ok()?;
+    let days = str::from_utf8(days).ok()?.replace(',', ".");
+    let days: f64 = days.parse().ok()?;
     let micros = ((days - EPOCH_DAYS) * 86_400e6).round();
     (0.0..1e18).contains(&micros).then_some(micros as u64)
 }

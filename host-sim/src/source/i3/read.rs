@@ -111,8 +111,12 @@ fn rows(path: &Path) -> Result<(Vec<TripRow>, Places)> {
         }
         limits::push(&mut rows, row, MOST_ROWS, path)?;
     }
-    if reader.get_ref().inner().is_cut_off() {
-        return Err(reader.get_ref().inner().cut_off_error());
+    let file = reader.get_ref().inner();
+    if file.is_cut_off() {
+        return Err(file.cut_off_error());
+    }
+    if let Some((problem, _)) = file.packed_damage().into_iter().next() {
+        return Err(problem);
     }
     if rows.iter().all(|row| row.speed_mps.is_none()) {
         let problem = "no row has a velocity; expected rows of a trip below the header";

@@ -63,7 +63,7 @@ fn an_mdf_file_has_the_frames_of_the_candump_log() {
     }
 }
 
-fn of_mdf(frames: &[TimedFrame]) -> Vec<MdfFrame> {
+pub fn of_mdf(frames: &[TimedFrame]) -> Vec<MdfFrame> {
     let of = |timed: &TimedFrame| {
         let (id, is_extended) = match timed.frame.id() {
             Id::Standard(id) => (id.as_raw().into(), false),

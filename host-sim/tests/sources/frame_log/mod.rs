@@ -4,6 +4,7 @@ mod damage;
 mod formats;
 mod interfaces;
 mod left_out;
+mod packed_damage;
 mod writers;
 
 use embedded_can::{Frame, StandardId};
@@ -164,8 +165,13 @@ fn what_is_not_a_frame_passes_by_in_trc() {
     let old = trc_header("1.1")
         + "     1)         1.0  Tx     0CF00400  1  01\n\
                 2)         1.2  Warng  FFFFFFFF  4  00 00 00 08  BUSHEAVY\n\
+                2)         1.3  Rx     18FEE300  9  01 02 03 04 05 06 07 08 09\n\
                 3)         2.0  Rx     0CF00400  1  02\n";
-    for (text, can_fd) in [(new, 2), (old, 0)] {
+    let first = trc_header("1.0")
+        + "     1)         1     0CF00400  1  01\n\
+                2)         1     FFFFFFFF  4  00 00 00 08\n\
+                3)         2     0CF00400  1  02\n";
+    for (text, can_fd) in [(new, 2), (old, 0), (first, 0)] {
         let (_, frames, skipped) = read(text.as_bytes()).expect("a log");
         assert_eq!(
             frames,
@@ -272,6 +278,34 @@ fn inspect_names_the_kind_of_a_log() {
                 .is_some_and(|head| head.contains(&format!(": {kind}, "))),
             "{text}"
         );
+    }
+}
+
+#[test]
+fn commas_and_names_of_other_countries_are_understood() {
+    let start = |content: &str| {
+        let folder = TempDir::new().expect("a temporary folder");
+        let path = folder.path().join("drive");
+        fs::write(&path, content).expect("a temporary file");
+        let log = Log::open(&path, &ReadOptions::default()).expect("a log");
+        let Log::Frames(mut log) = log else {
+            panic!("no frames");
+        };
+        let first = log.next_frame().expect("a log").expect("a frame");
+        while log.next_frame().expect("a log").is_some() {}
+        let start = log.report().start_utc.expect("a start");
+        (first.time.micros(), start)
+    };
+    let asc = "date Son Okt 4 10:00:00 2026\nbase hex  timestamps absolute\n   0,001500 1  \
+               CF00400x  Rx   d 1 01\n";
+    let expected = (1_500, "2026-10-04T10:00:00.001500Z".to_owned());
+    assert_eq!(start(asc), expected);
+    for header in ["46348.4166666667;", "46348,4166666667"] {
+        let trc = format!(
+            ";$FILEVERSION=1.1\n;$STARTTIME={header}\n     1)         1,5  Rx     0CF00400  1  01\n"
+        );
+        let expected = (1_500, "2026-11-22T10:00:00.001503Z".to_owned());
+        assert_eq!(start(&trc), expected);
     }
 }
 

@@ -15,12 +15,14 @@ pub const BLF_HEADER_BYTES: usize = 144;
 pub type Format = (&'static str, fn(&[TimedFrame]) -> Vec<u8>);
 
 /// All formats but candump.
-pub const FORMATS: [Format; 12] = [
+pub const FORMATS: [Format; 14] = [
     ("asc hex", |frames| asc(frames, 16, false)),
     ("asc dec", |frames| asc(frames, 10, false)),
     ("asc relative", |frames| asc(frames, 16, true)),
     ("asc dec relative", |frames| asc(frames, 10, true)),
+    ("trc 1.0", |frames| trc(frames, "1.0")),
     ("trc 1.1", |frames| trc(frames, "1.1")),
+    ("trc 1.2", |frames| trc(frames, "1.2")),
     ("trc 1.3", |frames| trc(frames, "1.3")),
     ("trc 2.0", |frames| trc(frames, "2.0")),
     ("trc 2.1", |frames| trc(frames, "2.1")),
@@ -113,6 +115,9 @@ pub fn trc_header(version: &str) -> String {
         "2.1" => ";$COLUMNS=N,O,T,B,I,d,R,L,D\n",
         _ => "",
     };
+    if version == "1.0" {
+        return ";\n;   drive.trc\n;\n".to_owned();
+    }
     format!(";$FILEVERSION={version}\n;$STARTTIME=46348.4166666667\n{columns};\n;   drive.trc\n;\n")
 }
 
@@ -136,6 +141,8 @@ fn trc(frames: &[TimedFrame], version: &str) -> Vec<u8> {
         let kind = if is_remote { "RR" } else { "DT" };
         let tenths = micros / 100;
         let line = match version {
+            "1.0" => format!("{number:6}) {ms:9} {id}  {dlc}  {data}"),
+            "1.2" => format!("{number:6}) {ms:9}.{micros:03} 1  Rx    {id}  {dlc}  {data}"),
             "1.1" => format!("{number:6}) {ms:9}.{tenths}  Rx     {id}  {dlc}  {data}"),
             "1.3" => format!("{number:6}) {ms:9}.{tenths} 1  Rx    {id} -  {dlc}    {data}"),
             "2.0" => format!("{number:7} {ms:9}.{micros:03} {kind} {id} Rx  {dlc}  {data}"),

@@ -1,9 +1,11 @@
 //! Logs of frames: frames in the order of time, or an error that names the file.
 
 use crate::as_file;
+use estimator_core::Instant;
 use host_sim::error::Result;
 use host_sim::source::frame_log::FrameLog;
 use host_sim::source::log::Log;
+use host_sim::source::parquet_table::ParquetTable;
 use host_sim::source::read_options::ReadOptions;
 use std::path::Path;
 
@@ -42,6 +44,34 @@ pub fn savvy_can(bytes: &[u8]) {
 /// Checks CSV logs of python-can.
 pub fn python_can(bytes: &[u8]) {
     check(b"timestamp,arbitration_id,", bytes);
+}
+
+/// Checks logs of lines in gzip or Zstandard. Bytes that are neither get the letters of gzip in front.
+pub fn packed(bytes: &[u8]) {
+    const GZIP: &[u8] = b"\x1f\x8b";
+    const ZSTD: &[u8] = b"\x28\xb5\x2f\xfd";
+    let is_packed = bytes.starts_with(GZIP) || bytes.starts_with(ZSTD);
+    let head = if is_packed { &[] } else { GZIP };
+    check_frames(&[head, bytes].concat(), |path| {
+        Ok(FrameLog::open_candump(path).expect("there is such a file"))
+    });
+}
+
+/// Checks signal tables in Parquet: rows in the order of time, or an error that names the file.
+pub fn parquet_table(bytes: &[u8]) {
+    as_file(".parquet", bytes, |path| {
+        let read = ParquetTable::open(path, &[], false).and_then(|mut table| {
+            let mut newest = Instant::ZERO;
+            while let Some(row) = table.next_row()? {
+                assert!(newest <= row.time);
+                newest = row.time;
+            }
+            Ok(())
+        });
+        if let Err(error) = read {
+            assert!(error.to_string().contains(&path.display().to_string()));
+        }
+    });
 }
 
 /// Checks the frames of a log that begins with these letters. Bytes that do not begin so get them in

@@ -16,7 +16,7 @@ use arbitrary::{Arbitrary, Unstructured};
 pub type Target = (&'static str, fn(&[u8]));
 
 /// All targets.
-pub const ALL: [Target; 15] = [
+pub const ALL: [Target; 17] = [
     ("asc", logs::asc),
     ("blf", logs::blf),
     ("candump", logs::candump),
@@ -25,6 +25,8 @@ pub const ALL: [Target; 15] = [
     ("mdf", logs::mdf),
     ("osm_pbf", osm_pbf::osm_pbf),
     ("own_signals", own_signals::own_signals),
+    ("packed", logs::packed),
+    ("parquet_table", logs::parquet_table),
     ("persistent_state", persistent_state::persistent_state),
     ("python_can", logs::python_can),
     ("savvy_can", logs::savvy_can),

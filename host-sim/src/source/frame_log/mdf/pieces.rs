@@ -3,8 +3,9 @@
 use super::mdf_file::{Block, HEADER_BYTES, MdfFile, u32_at, u64_at};
 use crate::error::{Error, Result};
 use flate2::read::ZlibDecoder;
+use ruzstd::decoding::StreamingDecoder;
 use std::collections::VecDeque;
-use std::io::Read;
+use std::io::{self, Read};
 
 /// Bytes of a plain block that are read at once.
 const STEP_BYTES: u64 = 1 << 18;
@@ -182,20 +183,25 @@ fn unpack(file: &mut MdfFile, block: &Block, bytes: &mut Vec<u8>) -> Result<Piec
         let expected = format!("at most {MOST_BYTES}");
         return lost(length, file.error(&problem, &expected));
     }
-    let is_transposed = match kind {
-        0 => false,
-        1 => true,
-        _ => {
-            let problem = format!("compression method {kind}");
-            let expected = "0 (deflate) or 1 (transposed)";
-            return lost(length, file.error(&problem, expected));
-        }
-    };
+    // Of two methods with the same packing, the second one is transposed.
+    let is_transposed = kind % 2 == 1;
     let content = packed
         .get(PACKED_HEADER_BYTES as usize..)
         .unwrap_or_default();
     bytes.clear();
-    let unpacked = ZlibDecoder::new(content).take(length).read_to_end(bytes);
+    let unpacked = match kind {
+        0 | 1 => ZlibDecoder::new(content).take(length).read_to_end(bytes),
+        2 | 3 => zstd(content).and_then(|zstd| zstd.take(length).read_to_end(bytes)),
+        _ => {
+            let name = match kind {
+                4 | 5 => " (LZ4)",
+                _ => "",
+            };
+            let problem = format!("compression method {kind}{name}, which is not read");
+            let expected = "deflate (0, 1) or Zstandard (2, 3)";
+            return lost(length, file.error(&problem, expected));
+        }
+    };
     let is_complete = unpacked.is_ok() && bytes.len() as u64 == length;
     if !is_complete {
         // What is transposed cannot be read without its end.
@@ -210,6 +216,12 @@ fn unpack(file: &mut MdfFile, block: &Block, bytes: &mut Vec<u8>) -> Result<Piec
         *bytes = untransposed(bytes, columns as usize);
     }
     Ok(Piece::Bytes)
+}
+
+/// Returns a reader of one Zstandard frame (MDF 4.3).
+fn zstd(content: &[u8]) -> io::Result<impl Read> {
+    let frame = StreamingDecoder::new_with_max_window_size(content, MOST_BYTES);
+    frame.map_err(|e| io::Error::new(io::ErrorKind::InvalidData, e.to_string()))
 }
 
 /// Returns the records of a transposed block: it has the first bytes of all records, then the second
