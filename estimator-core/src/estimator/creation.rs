@@ -18,7 +18,7 @@ impl<S: Scalar> Estimator<S> {
     /// Creates an estimator for a vehicle. The model is made of its parameters alone, or of its
     /// parameters and adopted effects ([`Model`]).
     ///
-    /// The estimator takes some 45 kB. Where the stack is small, use [`new_in`](Self::new_in).
+    /// The estimator takes some 44 kB. Where the stack is small, use [`new_in`](Self::new_in).
     ///
     /// # Errors
     /// The first parameter that no vehicle can have.
