@@ -38,8 +38,6 @@ pub struct Sample {
     pub after_stop: bool,
     /// Whether the mass of the forces is one that the bus reported, not the parameter.
     pub mass_is_reported: bool,
-    /// True if a signal reports a brake in this cell.
-    pub brake_is_reported: bool,
     /// Signals that disagree in this cell.
     pub disagreement: Disagreement,
 }

@@ -44,9 +44,8 @@ pub(super) struct SilentBrake {
     since_fix_m: f32,
     has_jumped: bool,
     is_on: bool,
-    /// Brakes found on this drive that were not reported, and whether any was reported.
+    /// Brakes found on this drive that were not reported.
     found: u8,
-    reports: bool,
 }
 
 impl SilentBrake {
@@ -55,15 +54,14 @@ impl SilentBrake {
     pub(super) fn second_pass(&self) -> Self {
         Self {
             found: self.found,
-            reports: self.reports,
             ..Self::default()
         }
     }
 
-    /// Returns whether brakes of this vehicle are known not to be reported. Where others are, a single
-    /// one may have been an error of altitudes.
+    /// Returns whether brakes of this vehicle are known not to be reported. A single one may have
+    /// been an error of altitudes.
     const fn is_known(&self) -> bool {
-        self.found > self.reports as u8
+        self.found > 1
     }
 
     /// Returns whether the engine drives nothing over the newest cell.
@@ -79,7 +77,6 @@ impl SilentBrake {
         sample: &Sample,
         state: Option<&State<S>>,
     ) -> Option<Sample> {
-        self.reports |= sample.brake_is_reported;
         let forces = &sample.forces;
         let most = 0.01 * context.tuning.detection.silent_brake_traction_percent;
         // The braking of motors is part of a measured force.
@@ -88,7 +85,6 @@ impl SilentBrake {
             *self = Self {
                 error_before: state.map_or(0.0, model_error),
                 found: self.found,
-                reports: self.reports,
                 ..Self::default()
             };
             return None;

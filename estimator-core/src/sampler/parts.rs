@@ -290,7 +290,6 @@ impl Parts {
             after_load_change: self.stops.take_load_change(context),
             after_stop: self.stops.take_stop(),
             mass_is_reported: self.stops.has_reported_mass(),
-            brake_is_reported: driven.condition.braking,
             disagreement: Disagreement::default(),
         };
         self.gnss.cell_closed();

@@ -99,7 +99,6 @@ fn sample() -> impl Strategy<Value = Sample> {
                 after_load_change: !flag,
                 after_stop: flag,
                 mass_is_reported: flag,
-                brake_is_reported: !flag,
                 disagreement: Disagreement {
                     climb: flag,
                     gear: !flag,

@@ -47,7 +47,6 @@ pub fn ours(meter: &mut impl FilterMeter) {
         after_load_change: false,
         after_stop: false,
         mass_is_reported: false,
-        brake_is_reported: false,
         disagreement: Disagreement::default(),
     };
     let no_effects = EffectContribution::default();

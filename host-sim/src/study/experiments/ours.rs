@@ -132,7 +132,6 @@ fn samples(drive: &MeasuredDrive) -> Vec<Sample> {
             after_stop: false,
             // The thesis takes the mass that the vehicle knows.
             mass_is_reported: true,
-            brake_is_reported: false,
             disagreement: Disagreement::default(),
         });
     }
