@@ -11,6 +11,7 @@ mod independent_solutions;
 mod loads;
 mod prediction;
 mod scale_bounds;
+mod silent_brake;
 mod slopes;
 mod states;
 mod statistics;
