@@ -184,7 +184,7 @@ fn lag_figure(curves: &[(Preset, &[DriveErrors]); 2]) -> Figure {
         ));
     }
     Figure::new(
-        "lag",
+        "lag_curve",
         &plot,
         "The first 50 m remove the errors of short waves. A longer lag improves only the estimate \
          of the model's slow error.",

@@ -5,7 +5,7 @@ use clap::Parser;
 use host_sim::cli::Cli;
 use host_sim::error::{Error, Result};
 use host_sim::numeric::statistics::mean;
-use host_sim::report::page::Table;
+use host_sim::report::page::{Page, Section, Table};
 use host_sim::study::{STUDIES, Setting, StudyOutcome};
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -410,9 +410,26 @@ fn run_study(name: &str) -> Result<Option<Vec<Table>>> {
         seed: 2011,
     };
     Ok(match (study.run)(&setting)? {
-        StudyOutcome::Done(section) => Some(section.tables),
+        StudyOutcome::Done(section) => Some(written_once(name, section)?.tables),
         StudyOutcome::Skipped(_) => None,
     })
+}
+
+/// Returns the section of a study, if `roadgrade study NAME --out DIR` writes each file once.
+fn written_once(name: &str, section: Section) -> Result<Section> {
+    let page = Page {
+        title: String::new(),
+        lead: String::new(),
+        sections: vec![section],
+    };
+    let mut files = page.files(Path::new(""));
+    files.sort();
+    if let Some([file, _]) = files.windows(2).find(|pair| pair[0] == pair[1]) {
+        let file = file.display();
+        return Err(unexpected(&format!("study {name} writes {file} twice")));
+    }
+    let mut sections = page.sections;
+    Ok(sections.remove(0))
 }
 
 /// Returns a cell by the first cell of its row and the name of its column.
