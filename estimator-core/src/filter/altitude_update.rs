@@ -428,6 +428,7 @@ fn segment<S: Scalar>(state: &State<S>, dynamics: &Dynamics<S>, sample: &Sample)
 
 /// Returns to the model error that was known before a drift. What the drift moved it by becomes
 /// variance. Returns by how much the slope was off, %.
+#[inline(never)] // Rare.
 fn undo_drift<S: Scalar>(state: &mut State<S>, known: &ModelError) -> f32 {
     let of_road = |state: &State<S>| {
         let x = |index| state.mean[index];

@@ -364,10 +364,7 @@ impl Sampler {
             if !was_reversing {
                 count(&mut context.counters.reversals);
             }
-            for _ in 0..core::mem::take(waiting) {
-                samples.pop_back();
-                odometer.take_back();
-            }
+            take_back(samples, odometer, core::mem::take(waiting));
             parts.traction.take_mean_n(now);
             parts.accelerometer.take(now);
             parts.slope_sensors = SlopeSensors::default();
@@ -411,6 +408,13 @@ impl Sampler {
             count(&mut context.counters.gaps);
         }
     }
+}
+
+/// Takes the newest cells back: they were driven backwards.
+#[inline(never)] // Rare.
+fn take_back(samples: &mut Deque<Sample, QUEUE>, odometer: &mut Odometer, count: u8) {
+    samples.truncate(samples.len().saturating_sub(count.into()));
+    odometer.take_back(count);
 }
 
 impl Default for Sampler {

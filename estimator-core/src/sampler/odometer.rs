@@ -121,9 +121,9 @@ impl Odometer {
         self.open.gap_cells = self.open.gap_cells.max(1);
     }
 
-    /// Takes back the newest cell: it was driven backwards.
-    pub(super) fn take_back(&mut self) {
-        self.cell = self.cell.saturating_sub(1);
+    /// Takes back so many cells: they were driven backwards.
+    pub(super) fn take_back(&mut self, cells: u8) {
+        self.cell = self.cell.saturating_sub(cells.into());
     }
 
     /// Takes a speed that moves the vehicle, but not forward: the distance stands still, and the next

@@ -121,7 +121,7 @@ impl<S: Scalar> FixedLag<S> {
             slope: state.quantity(Quantity::Slope),
             altitude: state.quantity(Quantity::Altitude),
             origin_m: state.origin_m,
-            consistent: step.live_disagreement().is_none(),
+            consistent: step.is_undone || step.disagreement.is_none(),
         });
         if !step.disagreement.is_none() {
             let since = (step.end.cell + 1).saturating_sub(step.disagreeing_cells);
