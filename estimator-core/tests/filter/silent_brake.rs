@@ -17,7 +17,7 @@ fn found_brakes(hidden_percent: f32, wrong_m: impl Fn(u32) -> f32) -> Vec<u32> {
     let mut run = FilterRun::<f64>::new(vehicle, Tuning::default());
     let mut noise = Noise(5);
     let mut true_m = 500.0;
-    let steps = (1..=4_000_u32).filter_map(|cell| {
+    let steps = (1..=4_000_u32).filter(|&cell| {
         let hidden = if cell >= 2_000 {
             0.01 * hidden_percent
         } else {
@@ -31,7 +31,7 @@ fn found_brakes(hidden_percent: f32, wrong_m: impl Fn(u32) -> f32) -> Vec<u32> {
             sample.altitude = altitude(true_m + wrong_m(cell) + 0.3 * noise.draw());
         }
         let step = run.step(&sample).expect("a speed");
-        step.record.disagreement.brake.then_some(cell)
+        step.record.disagreement.brake
     });
     steps.collect()
 }
