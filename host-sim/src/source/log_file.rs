@@ -25,7 +25,7 @@ const STANDARD_INPUT: &str = "-";
 
 /// An open log. Its first bytes, not its name, decide how it is packed. One that is cut off ends
 /// there. One whose packed data are damaged ends there too, or goes on at the next member, if
-/// [`join`](LogFile::join) said how.
+/// `join` said how.
 pub struct LogFile {
     path: PathBuf,
     content: Box<dyn Read + Send>,
