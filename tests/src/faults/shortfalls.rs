@@ -90,14 +90,7 @@ const ALL: &[(&str, Short, &str)] = &[
     ("speed 3 % high for 120 s", DISPLACED, WRONG_RADIUS),
     ("speed 3 % high from the start", DISPLACED, WRONG_RADIUS),
     ("drifts down by 10 m in 1 km", LASTING, FAST_DRIFT),
-    (
-        "drifts up by 10 m in 5 km",
-        Short {
-            lasting: true,
-            ..DISHONEST
-        },
-        SLOW_DRIFT,
-    ),
+    ("drifts up by 10 m in 5 km", DISHONEST, SLOW_DRIFT),
     ("jumps ahead by 60 s", DISPLACED, CLOCK_JUMP),
     ("jumps ahead by 1 h", DISPLACED, CLOCK_JUMP),
     (
