@@ -94,18 +94,17 @@ impl Sampler {
 
     /// Returns the next sample that is ready.
     pub fn next_sample(&mut self) -> Option<Sample> {
-        let is_ready = self.samples.len() > usize::from(self.waiting);
-        if is_ready {
-            self.samples.pop_front()
-        } else {
-            None
-        }
+        let mut place = None;
+        self.move_next_to(&mut place).copied()
     }
 
     /// Moves the next sample that is ready to where it is used, and returns it. Without one, the place
     /// stays as it is.
     #[inline]
     pub(crate) fn move_next_to<'a>(&mut self, place: &'a mut Option<Sample>) -> Option<&'a Sample> {
+        if self.samples.len() <= usize::from(self.waiting) {
+            return None;
+        }
         let sample = place.insert(*self.samples.front()?);
         self.samples.pop_front();
         Some(sample)
