@@ -430,11 +430,8 @@ fn segment<S: Scalar>(state: &State<S>, dynamics: &Dynamics<S>, sample: &Sample)
 /// variance. Returns by how much the slope was off, %.
 #[inline(never)] // Rare.
 fn undo_drift<S: Scalar>(state: &mut State<S>, known: &ModelError) -> f32 {
-    let of_road = |state: &State<S>| {
-        let x = |index| state.mean[index];
-        state.net_traction * x(Scale) - x(Bias) - x(Wind)
-    };
-    let before = of_road(state);
+    let slope = |state: &State<S>| Observation::RoadSlope.of(&state.mean, state.net_traction);
+    let wrong = slope(state);
     for (index, before) in [
         (Bias, known.bias_percent),
         (Wind, known.wind_percent),
@@ -445,7 +442,7 @@ fn undo_drift<S: Scalar>(state: &mut State<S>, known: &ModelError) -> f32 {
         state.mean[index] = before;
         state.covariance.add_variance(index, moved * moved);
     }
-    (of_road(state) - before).to_f32()
+    (slope(state) - wrong).to_f32()
 }
 
 fn count_event(counters: &mut Counters, event: AltitudeEvent) {

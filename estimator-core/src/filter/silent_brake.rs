@@ -37,11 +37,10 @@ pub(super) struct SilentBrake {
     /// Error of the model when the engine last drove, %, and cells since it is larger.
     error_before: f32,
     larger_cells: u32,
-    /// How low the last altitude was, m, and whether one fell by more than a road does since the
-    /// altitudes were right.
+    /// How low the last altitude was, m, and the distance since then, m.
     last_low_m: f32,
-    /// Distance since then, m.
     since_fix_m: f32,
+    /// Whether an altitude fell by more than a road does since altitudes were right.
     has_jumped: bool,
     is_on: bool,
     /// Brakes found on this drive that were not reported.
@@ -127,10 +126,11 @@ impl SilentBrake {
         }
         let detection = &context.tuning.detection;
         let sigma_m = Scalar::sqrt(variance);
-        let low = -innovation_m / sigma_m;
+        let low_m = -innovation_m;
+        let low = low_m / sigma_m;
         let steepest_m = 0.01 * detection.silent_brake_steepest_percent * self.since_fix_m;
-        let fell_m = -innovation_m - self.last_low_m;
-        self.last_low_m = -innovation_m;
+        let fell_m = low_m - self.last_low_m;
+        self.last_low_m = low_m;
         self.since_fix_m = 0.0;
         // The receiver stepped. Its gate moves the datum.
         self.has_jumped =

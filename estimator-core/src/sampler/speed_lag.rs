@@ -29,8 +29,6 @@ const LONGEST: Duration = Duration::from_micros(1_250_000);
 const LONGEST_LAG_S: f32 = 1.5;
 /// Unit of the force, N, so that all sums are of similar size.
 const FORCE_UNIT_N: f32 = 1e4;
-/// Speed below which a vehicle stands.
-const STANDING_MPS: f32 = 0.1;
 /// Slots between two decisions: 10 s.
 const DECIDE_EVERY: u8 = 40;
 /// Delay from that of the comparison, s, at which the comparison moves to it.
@@ -183,14 +181,14 @@ impl SpeedLag {
         let compared_s = *self
             .compared_s
             .get_or_insert(Scalar::min(assumed.seconds(), LONGEST_LAG_S));
-        if let Some(pair) = self.pair(compared_s) {
+        if let Some(pair) = self.pair(compared_s, tuning.standing_mps) {
             self.sums.add(&pair, 1.0 / f32::from(tuning.lag_slots));
             self.decide(compared_s, assumed, tuning);
         }
     }
 
     /// Returns difference, acceleration and force for the slot that is [`SIDE`] slots old.
-    fn pair(&self, compared_s: f32) -> Option<Pair> {
+    fn pair(&self, compared_s: f32, standing_mps: f32) -> Option<Pair> {
         let ground = self.ground.last().filter(|mean| mean.count > 0)?;
         let count = f32::from(ground.count);
         // Time before the end of the newest slot at which the speed was measured.
@@ -198,7 +196,7 @@ impl SpeedLag {
         let centre = (before_s / SLOT_S + 0.5) as usize;
         let around = self.slots.get(centre.checked_sub(SIDE)?..centre + SIDE)?;
         // Something carries the vehicle: a ferry, or a train.
-        if around.iter().all(|slot| slot.wheels_mps < STANDING_MPS) {
+        if around.iter().all(|slot| slot.wheels_mps < standing_mps) {
             return None;
         }
         let (newer, older) = around.split_at_checked(SIDE)?;

@@ -188,6 +188,7 @@ impl Powertrain {
         speed_mps / wheel_radius_m * self.final_drive_ratio * (30.0 / core::f32::consts::PI)
     }
 }
+
 /// Returns the difference of a gear's ratio from another one.
 #[inline(never)] // So that no compiler unrolls a loop that is rarely run.
 fn off(gear: &Gear, ratio: f32) -> f32 {

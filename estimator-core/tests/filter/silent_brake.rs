@@ -1,4 +1,4 @@
-//! Brakes that nobody reports, and errors of the receiver that are none.
+//! Unreported brakes, and errors of the receiver that are not brakes.
 
 use estimator_core::Tuning;
 use estimator_core::sample::Sample;

@@ -1,4 +1,4 @@
-//! What a command that writes a file tells at its end: a line, or JSON.
+//! The last words of a command that wrote a file: a line, or JSON.
 
 use crate::error::{Result, on_one_line};
 use crate::terminal::print::{note, print};

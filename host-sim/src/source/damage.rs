@@ -105,7 +105,7 @@ impl DamageCheck {
         self.keep(problem)
     }
 
-    /// Leaves out so many bytes of packed data, whose damage explains that of lines: it is told first.
+    /// Leaves out so many bytes of packed data. Their damage explains that of lines, so it is reported first.
     ///
     /// # Errors
     /// Returns `problem` if the check is strict.

@@ -118,7 +118,7 @@ impl LineFormat for Trc {
             [] => Ok(TextLine::Other),
             [b';', header @ ..] => self.header(header).map(|()| TextLine::Other),
             line if !self.has_version => {
-                // Version 1.0 does not tell its version.
+                // A log of version 1.0 names no version.
                 self.columns = COLUMNS_1_0.to_vec();
                 self.has_version = true;
                 self.message(line, interfaces)
