@@ -1,7 +1,7 @@
 //! Reversing: the distance stands still, no cells are made, and forward cells go on afterwards.
 
-use estimator_core::Signal;
 use estimator_core::sample::Sample;
+use estimator_core::{Estimator, Instant, Reading, Signal, Tuning, Value};
 use test_kit::by_force;
 use test_kit::readings_drive::ReadingsDrive;
 
@@ -153,4 +153,35 @@ fn the_course_of_a_vehicle_that_creeps_shows_nothing() {
     let (mut drive, _) = before(None, Some(0.0));
     assert!(drive.on(20.0, &at(0.6, None, Some(180.0))).len() > 3);
     assert_eq!(drive.context.counters.reversals, 0);
+}
+
+#[test]
+fn an_estimator_makes_no_cell_in_reverse_and_counts_none_twice() {
+    let mut estimator = Estimator::<f32>::new(by_force(), Tuning::default()).unwrap();
+    let mut tick = 0_u64;
+    let mut drive = |seconds: u64, mps: f32, course_deg: Option<f32>| {
+        let mut cells = Vec::new();
+        for _ in 0..10 * seconds {
+            tick += 1;
+            for (signal, value) in at(mps, None, course_deg) {
+                let value = Value::Real(value);
+                let now = Instant::from_micros(100_000 * tick);
+                estimator.on_reading(now, Reading { signal, value });
+                while estimator.step().is_some() {
+                    cells.extend(estimator.live().map(|live| live.end.cell));
+                }
+            }
+        }
+        cells
+    };
+    let before = drive(20, 10.0, Some(0.0));
+    drive(5, 0.0, Some(0.0));
+    // The receiver says no course for the first metres.
+    assert!(drive(4, 1.5, None).is_empty());
+    assert!(drive(20, 1.5, Some(180.0)).is_empty());
+    drive(5, 0.0, Some(180.0));
+    let after = drive(20, 10.0, Some(0.0));
+    let gap = after[0] - before[before.len() - 1];
+    assert!((1..=4).contains(&gap), "{gap} cells");
+    assert!(after.is_sorted_by(|a, b| a < b), "{after:?}");
 }
