@@ -30,7 +30,7 @@ const BEFORE: usize = 1_000;
 /// millisecond. Checks that the cells are those from the file.
 fn beside(name: &'static str, frame: CanFrame, burst: usize) -> Babbled {
     let vcan = Vcan::new(name);
-    let drive = VcanDrive::new("A", 1_000.0);
+    let drive = VcanDrive::new("A", 500.0);
     let options = ["--log-time", "--out", "live.csv"];
     let undisturbed = Listener::start(&drive, &[vcan.0], &options);
     replay(vcan.0, &drive.log(), &FASTER);
