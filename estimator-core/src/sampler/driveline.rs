@@ -3,10 +3,14 @@
 use super::latest::Latest;
 use crate::context::Context;
 use crate::model::Model;
+use crate::scalar::Scalar;
 use crate::signal::Signal;
 use crate::time::Instant;
 use crate::tuning::Tuning;
 use crate::vehicle::{Driveline, Gear, Powertrain, Traction};
+
+/// Speed below which a single reduction is taken to be in, m/s.
+const SLOW_MPS: f32 = 1.0;
 
 /// The signals of the driveline.
 #[derive(Clone, Debug, Default)]
@@ -20,6 +24,8 @@ pub(super) struct DrivelineSignals {
     gear_of_ratio: Option<Gear>,
     gear: Latest,
     engine_speed: Latest,
+    /// Whether the engine is a motor.
+    is_motor: bool,
     /// Readings in which the engine turned with the reported gear.
     agreed: u16,
     measured_ratio: MeasuredRatio,
@@ -90,7 +96,10 @@ impl DrivelineSignals {
             Signal::ClutchSwitch => (&mut self.clutch_pedal, true),
             Signal::GearRatio => (&mut self.gear_ratio, false),
             Signal::CurrentGear => (&mut self.gear, false),
-            Signal::EngineSpeed => (&mut self.engine_speed, false),
+            Signal::EngineSpeed | Signal::MotorSpeed => {
+                self.is_motor = signal == Signal::MotorSpeed;
+                (&mut self.engine_speed, false)
+            }
             _ => return false,
         };
         if keeps_last && value.is_none() {
@@ -199,12 +208,29 @@ impl DrivelineSignals {
         let ratio = self.gear_ratio.within(now, timeout);
         let number = self.gear.within(now, timeout);
         // A single reduction is in unless a signal says that it is open. Nothing else needs to report
-        // it, and the number of a forward gear may be that of a selector.
+        // it, and the number of a forward gear may be that of a selector. An engine that turns otherwise
+        // has a gearbox, of which the file has one gear only.
         if let Some(gear) = powertrain.only_gear()
             && ratio.is_none()
             && number.is_none_or(|number| number > 0.0)
         {
-            return (Driveline::Engaged(gear), false);
+            let turns_otherwise = !self.is_motor
+                && engine_rpm.zip(speed_mps).is_some_and(|(rpm, mps)| {
+                    // At launch, readings of different ages differ much: only a multiple counts.
+                    let (mps, tolerance) = if is_launch {
+                        (Scalar::max(mps, SLOW_MPS), 1.0)
+                    } else {
+                        (mps, detection.engine_tolerance)
+                    };
+                    let turned_rpm = powertrain.engine_rpm(gear, mps, model.wheel_radius_m());
+                    (rpm - turned_rpm).abs() > tolerance * turned_rpm
+                });
+            let driveline = if turns_otherwise {
+                Driveline::Unknown
+            } else {
+                Driveline::Engaged(gear)
+            };
+            return (driveline, !self.is_motor);
         }
         let reported = ratio
             .and(self.gear_of_ratio)

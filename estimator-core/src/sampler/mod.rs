@@ -165,8 +165,8 @@ impl Sampler {
             }
             Signal::MotorSpeed => {
                 // A motor turns as an engine does, and in reverse the other way.
-                let (signal, rpm) = (Signal::EngineSpeed, value.map(f32::abs));
-                parts.record_driveline(context, now, signal, rpm, odometer.speed_mps());
+                let rpm = value.map(f32::abs);
+                parts.record_driveline(context, now, reading.signal, rpm, odometer.speed_mps());
             }
             Signal::BrakeSwitch
             | Signal::BrakeLight

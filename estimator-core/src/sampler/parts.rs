@@ -108,7 +108,8 @@ impl Parts {
         speed_mps: Option<f32>,
     ) {
         let changed = self.driveline.record(context, now, signal, value);
-        let counts = signal != Signal::EngineSpeed || self.driveline_state.needs_engine_speed;
+        let counts = self.driveline_state.needs_engine_speed
+            || !matches!(signal, Signal::EngineSpeed | Signal::MotorSpeed);
         // Whether an open driveline coasts depends on the torque.
         if changed && counts || self.driveline_state.driveline == Driveline::Open {
             self.follow_driveline(context, now, speed_mps);

@@ -59,6 +59,30 @@ fn neither_a_motor_speed_nor_a_selector_opens_a_single_reduction() {
 }
 
 #[test]
+fn the_only_gear_of_a_file_is_not_in_while_the_engine_turns_otherwise() {
+    // A truck whose file has the gear of the motorway alone, in that gear and in another one, fast and
+    // at launch.
+    for (speed_mps, of_the_gear, is_in) in [
+        (20.0, 1.0, true),
+        (20.0, 1.3, false),
+        (3.0, 1.3, true),
+        (3.0, 4.0, false),
+    ] {
+        let turned_rpm = speed_mps / 0.5 * 2.92 * REDUCTION * 30.0 / std::f32::consts::PI;
+        let readings = [
+            (Signal::EngineSpeed, of_the_gear * turned_rpm),
+            (Signal::EngineTorque, 40.0),
+            (Signal::WheelSpeed, speed_mps),
+        ];
+        let sample = *electric().on(10.0, &readings).last().unwrap();
+        assert_eq!(
+            sample.end.condition.no_traction, !is_in,
+            "{speed_mps} m/s, {of_the_gear}"
+        );
+    }
+}
+
+#[test]
 fn a_single_reduction_is_open_where_a_signal_says_so() {
     for open in [
         (Signal::CurrentGear, 0.0),

@@ -10,10 +10,15 @@ use std::collections::BTreeMap;
 const LEAST_WEIGHT_S: f64 = 1.0;
 /// Least part of all steady travel that a gear has which no signal reports.
 const LEAST_PART: f64 = 0.003;
+/// Time under load, s, from which a ratio that lasts is a gear, whatever its part: gears of a launch are
+/// driven for a second or two.
+const LEAST_LOADED_S: f64 = 1.0;
 /// Fewest readings of a gear with its ratio.
 const LEAST_COUNT: u32 = 5;
 /// Systematic error of a ratio of speeds, relative: rounding, slip of the tyres.
 const FLOOR: f64 = 0.002;
+/// The same of a gear of a launch: the clutch still slips a little, and speeds are of different ages.
+const BRIEF_FLOOR: f64 = 0.005;
 /// Relative sigma of the ratio of a gear that was not driven.
 const UNSEEN: f64 = 0.1;
 
@@ -34,10 +39,10 @@ pub fn find(observation: &Observation) -> Vec<FoundGear> {
     let by_ratio = peaks(&observation.by_ratio);
     let by_gear = peaks(&observation.by_gear);
     let mut gears = if by_ratio.is_empty() && by_gear.is_empty() {
-        let peaks = observation.turns.peaks(LEAST_PART);
-        peaks.iter().map(|peak| measured(peak, None)).collect()
+        unreported(observation)
     } else if observation.ratio_of_gear.is_empty() && !by_ratio.is_empty() {
-        let reported = |(ratio, peak): (&i64, &Peak)| measured(peak, Some(thousandths(*ratio)));
+        let reported =
+            |(ratio, peak): (&i64, &Peak)| measured(peak, Some(thousandths(*ratio)), FLOOR);
         by_ratio.iter().rev().map(reported).collect()
     } else {
         let most_often = |(gear, ratios): (&i32, &BTreeMap<i64, u32>)| {
@@ -48,6 +53,23 @@ pub fn find(observation: &Observation) -> Vec<FoundGear> {
         numbered(&by_gear, &reported.collect())
     };
     gears.truncate(MAX_GEARS);
+    gears
+}
+
+/// Returns the gears of a bus that reports none: ratios that are driven for long, and those that last under
+/// load.
+fn unreported(observation: &Observation) -> Vec<FoundGear> {
+    let long = observation
+        .turns
+        .peaks(LEAST_PART * observation.turns.weight());
+    let mut brief = observation.loaded_turns.peaks(LEAST_LOADED_S);
+    brief.retain(|peak| !long.iter().any(|other| other.is_near(peak)));
+    brief.sort_by(|a, b| b.weight.total_cmp(&a.weight));
+    brief.truncate(MAX_GEARS.saturating_sub(long.len()));
+    let long = long.iter().map(|peak| measured(peak, None, FLOOR));
+    let brief = brief.iter().map(|peak| measured(peak, None, BRIEF_FLOOR));
+    let mut gears: Vec<FoundGear> = long.chain(brief).collect();
+    gears.sort_by(|a, b| b.turns_per_m.value.total_cmp(&a.turns_per_m.value));
     gears
 }
 
@@ -76,9 +98,9 @@ fn peaks<K: Copy + Ord>(turns: &BTreeMap<K, RatioHistogram>) -> BTreeMap<K, Peak
     turns.iter().filter_map(peak).collect()
 }
 
-fn measured(peak: &Peak, reported: Option<f64>) -> FoundGear {
+fn measured(peak: &Peak, reported: Option<f64>, floor: f64) -> FoundGear {
     FoundGear {
-        turns_per_m: Estimate::new(peak.ratio, peak.ratio * FLOOR.hypot(0.2 * peak.scatter)),
+        turns_per_m: Estimate::new(peak.ratio, peak.ratio * floor.hypot(0.2 * peak.scatter)),
         reported,
         origin: Origin::Measured,
     }
@@ -90,7 +112,12 @@ fn measured(peak: &Peak, reported: Option<f64>) -> FoundGear {
 fn numbered(driven: &BTreeMap<i32, Peak>, reported: &BTreeMap<i32, f64>) -> Vec<FoundGear> {
     let mut known: BTreeMap<i32, FoundGear> = driven
         .iter()
-        .map(|(number, peak)| (*number, measured(peak, reported.get(number).copied())))
+        .map(|(number, peak)| {
+            (
+                *number,
+                measured(peak, reported.get(number).copied(), FLOOR),
+            )
+        })
         .collect();
     // Turns to a metre of a gear of ratio one, from the gear that was driven for longest.
     let longest = driven

@@ -20,6 +20,9 @@ const STEADY: f64 = 0.025;
 /// Relative acceleration (1/s) at which a ratio has half its weight: engine speed and wheel speed
 /// are not of the same time.
 const HALF_WEIGHT_PER_S: f64 = 0.02;
+/// Net torque from which an engine is loaded, % of the reference torque: it drives the vehicle, and does not
+/// idle in neutral at a steady speed.
+const LOADED_PERCENT: f64 = 10.0;
 /// Clutch slip above which no ratio counts, %.
 const SLIP_PERCENT: f64 = 5.0;
 /// Slowest speed for a comparison with GNSS speed, m/s, ...
@@ -43,7 +46,9 @@ const RATIO_STEPS: f64 = 1000.0;
 pub struct Observation {
     /// Engine turns for one metre (rad/m) while a gear is engaged, whatever gear it is.
     pub turns: RatioHistogram,
-    /// The same for each reported gear number.
+    /// The same while the engine is loaded. A weight is a time, s, however much the vehicle accelerates.
+    pub loaded_turns: RatioHistogram,
+    /// Engine turns for one metre for each reported gear number.
     pub by_gear: BTreeMap<i32, RatioHistogram>,
     /// The same for each reported gear ratio, in thousandths.
     pub by_ratio: BTreeMap<i64, RatioHistogram>,
@@ -75,10 +80,22 @@ struct Newest {
     values: BTreeMap<Signal, (Instant, f64)>,
     /// Ratios, and speeds (m/s), of the last second.
     recent: VecDeque<(Instant, (f64, f64))>,
+    /// Whether the last ratio was steady.
+    was_steady: bool,
     /// Wheel speeds of the last seconds, m/s.
     speeds: VecDeque<(Instant, f64)>,
     /// The first source of each signal. Others are left out.
     sources: BTreeMap<Signal, u8>,
+}
+
+/// A ratio that has not changed over the last second.
+struct Steady {
+    /// Time since the last ratio, s, less where the vehicle accelerates.
+    weight: f64,
+    /// Time since the last ratio, s.
+    duration_s: f64,
+    /// Whether the last ratio was none.
+    is_new: bool,
 }
 
 impl Observation {
@@ -124,6 +141,7 @@ impl Observation {
     /// Adds what another log shows.
     pub fn merge(&mut self, other: &Self) {
         self.turns.merge(&other.turns);
+        self.loaded_turns.merge(&other.loaded_turns);
         self.ground.merge(&other.ground);
         self.fastest_rpm = self.fastest_rpm.max(other.fastest_rpm);
         self.distance_m += other.distance_m;
@@ -214,6 +232,7 @@ impl Observation {
         newest.take_speed(time, speed_mps);
         let Some(turns) = newest.turns_per_metre(time, speed_mps) else {
             newest.recent.clear();
+            newest.was_steady = false;
             return;
         };
         let value = |signal| newest.values.get(&signal).map(|(_, value)| *value);
@@ -224,10 +243,20 @@ impl Observation {
             let own = self.ratio_of_gear.entry(gear).or_default();
             *own.entry(ratio).or_default() += 1;
         }
-        let Some(weight) = newest.steadiness(time, turns, speed_mps) else {
+        let Some(Steady {
+            weight,
+            duration_s,
+            is_new,
+        }) = newest.steadiness(time, turns, speed_mps)
+        else {
             return;
         };
         self.turns.add(turns, weight);
+        if newest.is_loaded() {
+            // The time in which it turned out to be steady counts too.
+            let before_s = if is_new { f64::from(STEADY_S) } else { 0.0 };
+            self.loaded_turns.add(turns, before_s + duration_s);
+        }
         if let Some(gear) = gear {
             self.by_gear.entry(gear).or_default().add(turns, weight);
         }
@@ -266,7 +295,22 @@ impl Newest {
             .then(|| sum / self.speeds.len() as f64)
     }
 
-    /// Returns how far the engine turns for one metre, rad/m; `None` where no gear may be engaged.
+    /// Returns the acceleration between the last two wheel speeds, m/s²; 0 before them.
+    fn acceleration_mps2(&self) -> f64 {
+        let mut newest = self.speeds.iter().rev();
+        let (Some((now, mps)), Some((last, last_mps))) = (newest.next(), newest.next()) else {
+            return 0.0;
+        };
+        let seconds = now.since(*last).as_secs_f64();
+        if seconds > 0.0 {
+            (mps - last_mps) / seconds
+        } else {
+            0.0
+        }
+    }
+
+    /// Returns how far the engine turns for one metre, rad/m; `None` where no gear may be engaged. The
+    /// wheel speed is that of the time of the engine speed, which is the older one.
     fn turns_per_metre(&self, now: Instant, speed_mps: f64) -> Option<f64> {
         let value = |signal| self.values.get(&signal).map(|(_, value)| *value);
         let is_on = |signal| value(signal).is_some_and(|value| value > 0.5);
@@ -279,12 +323,21 @@ impl Newest {
         if is_open || speed_mps < SLOWEST_MPS || rpm <= 0.0 || now.since(at).seconds() > OLDEST_S {
             return None;
         }
-        Some(rpm * PI / 30.0 / speed_mps)
+        let age_s = now.since(at).as_secs_f64();
+        Some(rpm * PI / 30.0 / (speed_mps - self.acceleration_mps2() * age_s))
     }
 
-    /// Returns the weight of a ratio: the time to the last one, s, less where the vehicle
-    /// accelerates; `None` if the ratio has changed over the last second.
-    fn steadiness(&mut self, now: Instant, turns: f64, speed_mps: f64) -> Option<f64> {
+    /// Returns whether the engine drives the vehicle.
+    fn is_loaded(&self) -> bool {
+        let value = |signal| self.values.get(&signal).map(|(_, value)| *value);
+        value(Signal::EngineTorque).is_some_and(|torque| {
+            torque - value(Signal::FrictionTorque).unwrap_or(0.0) > LOADED_PERCENT
+        })
+    }
+
+    /// Takes a ratio. Returns its weight; `None` if the ratio has changed over the last second.
+    fn steadiness(&mut self, now: Instant, turns: f64, speed_mps: f64) -> Option<Steady> {
+        let was_steady = std::mem::take(&mut self.was_steady);
         let last = self.recent.back().map(|(at, ..)| *at);
         self.recent.push_back((now, (turns, speed_mps)));
         forget_older(&mut self.recent, now, STEADY_S);
@@ -300,8 +353,13 @@ impl Newest {
         if of(f64::max)? > of(f64::min)? * (1.0 + STEADY) {
             return None;
         }
+        self.was_steady = true;
         let per_s = (speed_mps / first_mps).ln() / f64::from(length_s);
-        let weight = 1.0 / (1.0 + (per_s / HALF_WEIGHT_PER_S).powi(2));
-        Some(weight * f64::from(now.since(last?).seconds()))
+        let duration_s = f64::from(now.since(last?).seconds());
+        Some(Steady {
+            weight: duration_s / (1.0 + (per_s / HALF_WEIGHT_PER_S).powi(2)),
+            duration_s,
+            is_new: !was_steady,
+        })
     }
 }

@@ -33,6 +33,14 @@ pub struct Peak {
     pub weight: f64,
 }
 
+impl Peak {
+    /// Returns whether both may be the same gear.
+    #[must_use]
+    pub fn is_near(&self, other: &Self) -> bool {
+        (other.ratio / self.ratio).ln().abs() < APART
+    }
+}
+
 impl RatioHistogram {
     /// Adds a ratio. Others than positive ones are left out.
     pub fn add(&mut self, ratio: f64, weight: f64) {
@@ -85,18 +93,17 @@ impl RatioHistogram {
         })
     }
 
-    /// Returns the peaks that have at least this part of all weight, largest ratio first.
+    /// Returns the peaks that have at least this weight, largest ratio first.
     #[must_use]
-    pub fn peaks(&self, least_part: f64) -> Vec<Peak> {
+    pub fn peaks(&self, least_weight: f64) -> Vec<Peak> {
         let mut rest = self.clone();
         let mut found: Vec<Peak> = Vec::new();
         while let Some(peak) = rest.highest() {
-            if peak.weight < least_part * self.weight {
+            if peak.weight < least_weight {
                 break;
             }
-            let near = |other: &Peak| (other.ratio / peak.ratio).ln().abs() < APART;
             // The flank of a peak is no peak of its own.
-            if !found.iter().any(near) {
+            if !found.iter().any(|other| other.is_near(&peak)) {
                 found.push(peak);
             }
             let (center, width) = ((peak.ratio.ln() / BIN).floor() as i32, (PEAK / BIN) as i32);

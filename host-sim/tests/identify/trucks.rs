@@ -43,6 +43,19 @@ pub const LIGHT: Truck = Truck {
     gears: 6,
 };
 
+/// It leaves most of its gears at once: each is driven for a second or two, at a launch.
+pub const QUICK: Truck = Truck {
+    name: "quick",
+    mass_kg: 16_600.0,
+    drag_area_m2: 5.0,
+    rolling_resistance: 0.006,
+    wheel_radius_m: 0.47,
+    reference_torque_nm: 1_600.0,
+    final_drive_ratio: 3.3,
+    ratios: (7.2, 1.0),
+    gears: 6,
+};
+
 impl Truck {
     pub fn parameters(&self) -> VehicleParameters {
         let (largest, smallest) = self.ratios;
