@@ -11,7 +11,7 @@ use std::fs;
 use std::path::Path;
 use test_kit::command::{folder, roadgrade};
 
-fn identify(folder: &Path, out: &str, arguments: &[&str]) -> Vec<Value> {
+pub fn identify(folder: &Path, out: &str, arguments: &[&str]) -> Vec<Value> {
     let mut all = vec!["identify", "--json", "--out", out];
     all.extend(arguments);
     let done = roadgrade(folder, &all).success();
@@ -39,14 +39,21 @@ fn turns_per_m(file: &VehicleFile) -> Vec<f32> {
         .collect()
 }
 
-/// RMSE and normalised squared error of the smoothed and of the live grade, %.
-fn scores(folder: &Path, vehicle: &str, log: &str, truth_of: &str) -> [(f64, f64); 2] {
+/// RMSE (%) and normalised squared error of the smoothed grade, and of the live one from a distance on.
+pub fn scores(
+    folder: &Path,
+    vehicle: &str,
+    log: &str,
+    truth_of: &str,
+    live_from_m: f64,
+) -> [(f64, f64); 2] {
     let arguments = ["estimate", "--vehicle", vehicle, "--out", "run.csv", log];
     roadgrade(folder, &arguments).success();
     let rows = run::read(&folder.join("run.csv")).unwrap();
     let truth = truth::read(&folder.join(format!("{truth_of}.truth.csv"))).unwrap();
-    let scored = score_run("run", &rows, &truth).unwrap().rows;
-    ["smoothed", "live"].map(|estimate| {
+    [("smoothed", 0.0), ("live", live_from_m)].map(|(estimate, from_m)| {
+        let first = rows.partition_point(|row| row.distance_m < from_m);
+        let scored = score_run("run", &rows[first..], &truth).unwrap().rows;
         let row = scored.iter().find(|row| row.estimate == estimate).unwrap();
         (row.rmse_percent, row.nees)
     })
@@ -68,8 +75,8 @@ fn estimates_with_the_identified_file_are_as_good_as_with_the_right_one() {
             without(path, &log, &part, left_out);
             let values = identify(path, "found.toml", &[&part]);
             assert!(values.iter().all(|of| of["sigma"].as_f64().unwrap() >= 0.0));
-            let right = scores(path, &format!("{name}.vehicle.toml"), &part, name);
-            let found = scores(path, "found.toml", &part, name);
+            let right = scores(path, &format!("{name}.vehicle.toml"), &part, name, 0.0);
+            let found = scores(path, "found.toml", &part, name, 0.0);
             let words = format!("{part}: {right:?}, {found:?}");
             assert!(found[0].0 <= 1.2 * right[0].0, "{words}");
             assert!(found[1].0 <= 1.3 * right[1].0, "{words}");
@@ -105,7 +112,7 @@ fn the_gears_of_a_launch_are_found_on_a_bus_that_reports_none() {
         );
     }
     // Without them, the slopes of the launch were off by several percent.
-    let of = |vehicle: &str| scores(path, vehicle, "bare.log", "quick");
+    let of = |vehicle: &str| scores(path, vehicle, "bare.log", "quick", 0.0);
     let (right, found) = (of("quick.vehicle.toml"), of("found.toml"));
     assert!(found[0].0 <= 1.2 * right[0].0, "{right:?}, {found:?}");
 }
