@@ -197,3 +197,24 @@ fn after_a_stop_smoothed_altitudes_wait_until_two_show_how_fast_they_change() {
     assert!((18..=20).contains(&(after - before)), "{before} {after}");
     assert!(off_m < 3.0, "{off_m}");
 }
+
+#[test]
+fn a_delay_counts_once_it_explains_much_of_what_differs() {
+    for (force_noise_n, cells, is_found) in [
+        (0.0, 4_000, true),
+        (2_250.0, 4_000, false),
+        (2_250.0, 24_000, true),
+    ] {
+        let drive = Drive {
+            force_noise_n,
+            ..Drive::default()
+        };
+        let (_, counters) = drive.driven(cells, &mut Late(Vec::new(), 5));
+        assert_eq!(
+            counters.altitude_resets > 1,
+            is_found,
+            "{force_noise_n} N, {cells} cells: {} resets",
+            counters.altitude_resets
+        );
+    }
+}

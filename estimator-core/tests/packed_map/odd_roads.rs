@@ -217,3 +217,47 @@ fn grades_that_are_no_numbers_say_nothing_of_the_map() {
     }
     assert!(known_cell(&on_map, "road").is_some());
 }
+
+#[test]
+fn a_lane_that_leaves_a_road_and_comes_back_is_followed() {
+    // 8 m beside the road. The vehicle is on the lane.
+    let road = TestWay {
+        name: "road",
+        cells: 200,
+        joins: &[(100, 1), (199, 2)],
+        ..LONG
+    };
+    let lane = TestWay {
+        name: "lane",
+        cells: 100,
+        begin_e7: [1_022_500, 20_000_700],
+        joins: &[(99, 2)],
+        ..LONG
+    };
+    let behind = TestWay {
+        name: "behind",
+        cells: 300,
+        begin_e7: [1_045_000, 20_000_450],
+        ..LONG
+    };
+    let bytes = packed(&[road, lane, behind]);
+    let mut on_map = MapLive::new(PackedMap::open(&bytes).unwrap());
+    let mut most = 0;
+    for number in 0..400 {
+        let (way, cell) = match number {
+            0..100 => (&road, number),
+            100..200 => (&lane, number - 100),
+            _ => (&behind, number - 200),
+        };
+        on_map.advance(&live(way, cell, number as u32));
+        let hypotheses = on_map.matcher().hypotheses().count();
+        if number < 200 {
+            most = most.max(hypotheses);
+        } else if number > 240 {
+            assert_eq!(hypotheses, 1, "{number}");
+        }
+    }
+    assert!(most > 1);
+    let known = known_cell(&on_map, "behind").expect("a place");
+    assert!((known - 199.0).abs() < 8.0, "{known}");
+}

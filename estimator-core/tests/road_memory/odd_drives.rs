@@ -434,3 +434,33 @@ fn a_place_that_moves_back_makes_no_second_road() {
         check_right(&cells, &[ROAD]);
     }
 }
+
+#[test]
+fn evening_out_the_wear_in_the_midst_of_a_drive_loses_nothing() {
+    let mut memory = TestFlash::blank(16).open();
+    let mut journey = Journey::new(&mut memory);
+    for cell in 0..ROAD.cells {
+        journey.step(&Seen::on(&ROAD, cell));
+        journey.memory.level().expect("a write");
+    }
+    journey.finish();
+    memory.close().expect("a write");
+    let cells = known(&memory);
+    assert!(cells.len() > 1_300, "{}", cells.len());
+    check_right(&cells, &[ROAD]);
+}
+
+#[test]
+fn a_vehicle_that_is_carried_back_spoils_a_few_cells_at_most() {
+    let mut memory = with(16, &[ROAD]).open();
+    let mut journey = Journey::new(&mut memory);
+    // By 500 m, without a gap in the cells: the next ones seem to follow until positions differ.
+    journey.over(&ROAD, 0..900);
+    journey.over(&ROAD, 700..1_400);
+    journey.finish();
+    memory.close().expect("a write");
+    let mut cells = known(&memory);
+    cells.retain(|(_, cell), _| !(900..910).contains(cell));
+    assert!(cells.len() > 1_400);
+    check_right(&cells, &[ROAD]);
+}
