@@ -50,7 +50,8 @@ pub fn find(observation: &Observation) -> Vec<FoundGear> {
             (*gear > 0 && *count >= LEAST_COUNT).then(|| (*gear, thousandths(*ratio)))
         };
         let reported = observation.ratio_of_gear.iter().filter_map(most_often);
-        numbered(&by_gear, &reported.collect())
+        let brief = peaks(&observation.loaded_by_gear);
+        numbered(&by_gear, &reported.collect(), &brief)
     };
     gears.truncate(MAX_GEARS);
     gears
@@ -107,11 +108,17 @@ fn measured(peak: &Peak, reported: Option<f64>, floor: f64) -> FoundGear {
 }
 
 /// Returns gears 1 to the highest one that was driven. A gear that was driven for too short a time
-/// has the ratio that the bus reports. Otherwise its ratio follows from its neighbours: the steps of
-/// a gearbox are nearly equal.
-fn numbered(driven: &BTreeMap<i32, Peak>, reported: &BTreeMap<i32, f64>) -> Vec<FoundGear> {
+/// has the ratio that the bus reports, else the one that it had under load. Otherwise its ratio follows
+/// from its neighbours: the steps of a gearbox are nearly equal.
+fn numbered(
+    driven: &BTreeMap<i32, Peak>,
+    reported: &BTreeMap<i32, f64>,
+    brief: &BTreeMap<i32, Peak>,
+) -> Vec<FoundGear> {
+    let is_forward = |(number, _): &(&i32, &Peak)| **number > 0;
     let mut known: BTreeMap<i32, FoundGear> = driven
         .iter()
+        .filter(is_forward)
         .map(|(number, peak)| {
             (
                 *number,
@@ -133,6 +140,10 @@ fn numbered(driven: &BTreeMap<i32, Peak>, reported: &BTreeMap<i32, f64>) -> Vec<
                 origin: Origin::Read,
             });
         }
+    }
+    for (number, peak) in brief.iter().filter(is_forward) {
+        let gear = || measured(peak, None, BRIEF_FLOOR);
+        known.entry(*number).or_insert_with(gear);
     }
     let Some(&highest) = known.keys().next_back() else {
         return Vec::new();

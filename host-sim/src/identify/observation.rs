@@ -50,6 +50,8 @@ pub struct Observation {
     pub loaded_turns: RatioHistogram,
     /// Engine turns for one metre for each reported gear number.
     pub by_gear: BTreeMap<i32, RatioHistogram>,
+    /// The same while the engine is loaded, weighted by the time, s.
+    pub loaded_by_gear: BTreeMap<i32, RatioHistogram>,
     /// The same for each reported gear ratio, in thousandths.
     pub by_ratio: BTreeMap<i64, RatioHistogram>,
     /// For each gear number, the gear ratios reported with it, in thousandths, and how often.
@@ -147,6 +149,9 @@ impl Observation {
         self.distance_m += other.distance_m;
         for (gear, turns) in &other.by_gear {
             self.by_gear.entry(*gear).or_default().merge(turns);
+        }
+        for (gear, turns) in &other.loaded_by_gear {
+            self.loaded_by_gear.entry(*gear).or_default().merge(turns);
         }
         for (ratio, turns) in &other.by_ratio {
             self.by_ratio.entry(*ratio).or_default().merge(turns);
@@ -255,7 +260,12 @@ impl Observation {
         if newest.is_loaded() {
             // The time in which it turned out to be steady counts too.
             let before_s = if is_new { f64::from(STEADY_S) } else { 0.0 };
-            self.loaded_turns.add(turns, before_s + duration_s);
+            let loaded_s = before_s + duration_s;
+            self.loaded_turns.add(turns, loaded_s);
+            if let Some(gear) = gear {
+                let of_gear = self.loaded_by_gear.entry(gear).or_default();
+                of_gear.add(turns, loaded_s);
+            }
         }
         if let Some(gear) = gear {
             self.by_gear.entry(gear).or_default().add(turns, weight);

@@ -123,3 +123,15 @@ pub fn without(folder: &Path, from: &str, to: &str, pgns: &[&str]) {
     let rest: Vec<&str> = text.lines().filter(has).collect();
     fs::write(folder.join(to), rest.join("\n") + "\n").unwrap();
 }
+
+/// Makes the gear ratio (SPN 526, bytes 2 and 3 of ETC2) not available.
+pub fn without_ratio(folder: &Path, from: &str, to: &str) {
+    let text = fs::read_to_string(folder.join(from)).unwrap();
+    let line = |line: &str| match line.split_once("F00503#") {
+        Some((start, data)) => format!("{start}F00503#{}FFFF{}\n", &data[..2], &data[6..]),
+        None => format!("{line}\n"),
+    };
+    let lines: String = text.lines().map(line).collect();
+    assert_ne!(lines, text);
+    fs::write(folder.join(to), lines).unwrap();
+}

@@ -1,6 +1,6 @@
 //! The vehicle files that logs ask for, and how good estimates with them are.
 
-use super::trucks::{HEAVY, LIGHT, QUICK, Truck, simulate, without};
+use super::trucks::{HEAVY, LIGHT, QUICK, Truck, simulate, without, without_ratio};
 use estimator_core::Traction;
 use host_sim::files::run;
 use host_sim::files::truth;
@@ -90,31 +90,34 @@ fn estimates_with_the_identified_file_are_as_good_as_with_the_right_one() {
 }
 
 #[test]
-fn the_gears_of_a_launch_are_found_on_a_bus_that_reports_none() {
+fn the_gears_of_a_launch_are_found_on_a_bus_that_reports_no_ratio() {
     let folder = folder();
     let path = folder.path();
     simulate(path, &[&QUICK], 12_000.0, false);
-    without(
-        path,
-        "quick.log",
-        "bare.log",
-        &["FE70", "ECFF", "EBFF", "F005", "FDC4"],
-    );
-    identify(path, "found.toml", &["bare.log"]);
-    let file = |name: &str| turns_per_m(&VehicleFile::read(&path.join(name)).unwrap());
-    let (right, found) = (file("quick.toml"), file("found.toml"));
-    assert!(found.len() >= 4, "{found:?} of {right:?}");
-    for ratio in &found {
-        let off = |right: &f32| (ratio / right - 1.0).abs();
+    let left_out = ["FE70", "ECFF", "EBFF", "FDC4", "F005"];
+    without(path, "quick.log", "no_gear.log", &left_out);
+    without(path, "quick.log", "part.log", &left_out[..4]);
+    without_ratio(path, "part.log", "no_ratio.log");
+    for log in ["no_gear.log", "no_ratio.log"] {
+        identify(path, "found.toml", &[log]);
+        let file = |name: &str| turns_per_m(&VehicleFile::read(&path.join(name)).unwrap());
+        let (right, found) = (file("quick.toml"), file("found.toml"));
+        assert!(found.len() >= 4, "{log}: {found:?} of {right:?}");
+        for ratio in &found {
+            let off = |right: &f32| (ratio / right - 1.0).abs();
+            assert!(
+                right.iter().any(|right| off(right) < 0.01),
+                "{log}: {ratio} is none of {right:?}"
+            );
+        }
+        // Without them, the slopes of the launch were off by several percent.
+        let of = |vehicle: &str| scores(path, vehicle, log, "quick", 0.0);
+        let (right, found) = (of("quick.vehicle.toml"), of("found.toml"));
         assert!(
-            right.iter().any(|right| off(right) < 0.01),
-            "{ratio} is none of {right:?}"
+            found[0].0 <= 1.2 * right[0].0,
+            "{log}: {right:?}, {found:?}"
         );
     }
-    // Without them, the slopes of the launch were off by several percent.
-    let of = |vehicle: &str| scores(path, vehicle, "bare.log", "quick", 0.0);
-    let (right, found) = (of("quick.vehicle.toml"), of("found.toml"));
-    assert!(found[0].0 <= 1.2 * right[0].0, "{right:?}, {found:?}");
 }
 
 fn check_read(truck: &Truck) {
