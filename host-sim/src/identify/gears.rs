@@ -6,13 +6,11 @@ use super::ratio_histogram::{Peak, RatioHistogram};
 use estimator_core::vehicle::MAX_GEARS;
 use std::collections::BTreeMap;
 
-/// Least weight of a gear, s of steady travel.
+/// Least weight of a gear, s of steady travel, or of a lasting ratio under load: gears of a launch are driven
+/// for a second or two.
 const LEAST_WEIGHT_S: f64 = 1.0;
 /// Least part of all steady travel that a gear has which no signal reports.
 const LEAST_PART: f64 = 0.003;
-/// Time under load, s, from which a ratio that lasts is a gear, whatever its part: gears of a launch are
-/// driven for a second or two.
-const LEAST_LOADED_S: f64 = 1.0;
 /// Fewest readings of a gear with its ratio.
 const LEAST_COUNT: u32 = 5;
 /// Systematic error of a ratio of speeds, relative: rounding, slip of the tyres.
@@ -63,7 +61,7 @@ fn unreported(observation: &Observation) -> Vec<FoundGear> {
     let long = observation
         .turns
         .peaks(LEAST_PART * observation.turns.weight());
-    let mut brief = observation.loaded_turns.peaks(LEAST_LOADED_S);
+    let mut brief = observation.loaded_turns.peaks(LEAST_WEIGHT_S);
     brief.retain(|peak| !long.iter().any(|other| other.is_near(peak)));
     brief.sort_by(|a, b| b.weight.total_cmp(&a.weight));
     brief.truncate(MAX_GEARS.saturating_sub(long.len()));
@@ -120,10 +118,8 @@ fn numbered(
         .iter()
         .filter(is_forward)
         .map(|(number, peak)| {
-            (
-                *number,
-                measured(peak, reported.get(number).copied(), FLOOR),
-            )
+            let ratio = reported.get(number).copied();
+            (*number, measured(peak, ratio, FLOOR))
         })
         .collect();
     // Turns to a metre of a gear of ratio one, from the gear that was driven for longest.

@@ -12,7 +12,7 @@ use std::path::Path;
 /// Slowest speed at which a ratio of speeds counts, m/s: wheel speeds are coarse below.
 const SLOWEST_MPS: f64 = 1.5;
 /// Oldest engine speed that counts, s.
-const OLDEST_S: f32 = 0.25;
+const OLDEST_S: f64 = 0.25;
 /// Time over which a ratio must not change, s.
 const STEADY_S: f32 = 1.0;
 /// Largest change of a ratio over that time, relative: a gear is engaged, and no clutch slips.
@@ -94,10 +94,9 @@ struct Newest {
 struct Steady {
     /// Time since the last ratio, s, less where the vehicle accelerates.
     weight: f64,
-    /// Time since the last ratio, s.
-    duration_s: f64,
-    /// Whether the last ratio was none.
-    is_new: bool,
+    /// Time since the last steady ratio, s: since the last one, or all of the second in which it turned out
+    /// to be steady.
+    time_s: f64,
 }
 
 impl Observation {
@@ -147,15 +146,9 @@ impl Observation {
         self.ground.merge(&other.ground);
         self.fastest_rpm = self.fastest_rpm.max(other.fastest_rpm);
         self.distance_m += other.distance_m;
-        for (gear, turns) in &other.by_gear {
-            self.by_gear.entry(*gear).or_default().merge(turns);
-        }
-        for (gear, turns) in &other.loaded_by_gear {
-            self.loaded_by_gear.entry(*gear).or_default().merge(turns);
-        }
-        for (ratio, turns) in &other.by_ratio {
-            self.by_ratio.entry(*ratio).or_default().merge(turns);
-        }
+        merge_each(&mut self.by_gear, &other.by_gear);
+        merge_each(&mut self.loaded_by_gear, &other.loaded_by_gear);
+        merge_each(&mut self.by_ratio, &other.by_ratio);
         for (gear, ratios) in &other.ratio_of_gear {
             let own = self.ratio_of_gear.entry(*gear).or_default();
             for (ratio, count) in ratios {
@@ -237,34 +230,28 @@ impl Observation {
         newest.take_speed(time, speed_mps);
         let Some(turns) = newest.turns_per_metre(time, speed_mps) else {
             newest.recent.clear();
-            newest.was_steady = false;
             return;
         };
-        let value = |signal| newest.values.get(&signal).map(|(_, value)| *value);
-        let gear = value(Signal::CurrentGear).map(|gear| gear.round() as i32);
-        let ratio = value(Signal::GearRatio).map(|ratio| (ratio * RATIO_STEPS).round() as i64);
+        let gear = newest
+            .value(Signal::CurrentGear)
+            .map(|gear| gear.round() as i32);
+        let ratio = newest
+            .value(Signal::GearRatio)
+            .map(|ratio| (ratio * RATIO_STEPS).round() as i64);
         let ratio = ratio.filter(|ratio| *ratio > 0);
         if let Some((gear, ratio)) = gear.zip(ratio) {
             let own = self.ratio_of_gear.entry(gear).or_default();
             *own.entry(ratio).or_default() += 1;
         }
-        let Some(Steady {
-            weight,
-            duration_s,
-            is_new,
-        }) = newest.steadiness(time, turns, speed_mps)
-        else {
+        let Some(Steady { weight, time_s }) = newest.steadiness(time, turns, speed_mps) else {
             return;
         };
         self.turns.add(turns, weight);
         if newest.is_loaded() {
-            // The time in which it turned out to be steady counts too.
-            let before_s = if is_new { f64::from(STEADY_S) } else { 0.0 };
-            let loaded_s = before_s + duration_s;
-            self.loaded_turns.add(turns, loaded_s);
+            self.loaded_turns.add(turns, time_s);
             if let Some(gear) = gear {
                 let of_gear = self.loaded_by_gear.entry(gear).or_default();
-                of_gear.add(turns, loaded_s);
+                of_gear.add(turns, time_s);
             }
         }
         if let Some(gear) = gear {
@@ -273,6 +260,16 @@ impl Observation {
         if let Some(ratio) = ratio {
             self.by_ratio.entry(ratio).or_default().add(turns, weight);
         }
+    }
+}
+
+/// Merges the histograms of another map into those of the same keys.
+fn merge_each<K: Copy + Ord>(
+    own: &mut BTreeMap<K, RatioHistogram>,
+    other: &BTreeMap<K, RatioHistogram>,
+) {
+    for (key, turns) in other {
+        own.entry(*key).or_default().merge(turns);
     }
 }
 
@@ -285,6 +282,10 @@ fn forget_older<T>(values: &mut VecDeque<(Instant, T)>, now: Instant, span_s: f3
 }
 
 impl Newest {
+    fn value(&self, signal: Signal) -> Option<f64> {
+        self.values.get(&signal).map(|(_, value)| *value)
+    }
+
     fn take_speed(&mut self, now: Instant, speed_mps: f64) {
         self.speeds.push_back((now, speed_mps));
         forget_older(&mut self.speeds, now, STEADY_SPEED_S);
@@ -322,30 +323,34 @@ impl Newest {
     /// Returns how far the engine turns for one metre, rad/m; `None` where no gear may be engaged. The
     /// wheel speed is that of the time of the engine speed, which is the older one.
     fn turns_per_metre(&self, now: Instant, speed_mps: f64) -> Option<f64> {
-        let value = |signal| self.values.get(&signal).map(|(_, value)| *value);
-        let is_on = |signal| value(signal).is_some_and(|value| value > 0.5);
+        let is_on = |signal| self.value(signal).is_some_and(|value| value > 0.5);
         let (at, rpm) = *self.values.get(&Signal::EngineSpeed)?;
-        let is_open = value(Signal::DrivelineEngaged).is_some_and(|engaged| engaged < 0.5)
+        let age_s = now.since(at).as_secs_f64();
+        let is_open = self
+            .value(Signal::DrivelineEngaged)
+            .is_some_and(|engaged| engaged < 0.5)
             || is_on(Signal::ShiftInProcess)
             || is_on(Signal::ClutchSwitch)
-            || value(Signal::ClutchSlip).is_some_and(|slip| slip > SLIP_PERCENT)
-            || value(Signal::CurrentGear).is_some_and(|gear| gear < 0.5);
-        if is_open || speed_mps < SLOWEST_MPS || rpm <= 0.0 || now.since(at).seconds() > OLDEST_S {
+            || self
+                .value(Signal::ClutchSlip)
+                .is_some_and(|slip| slip > SLIP_PERCENT)
+            || self
+                .value(Signal::CurrentGear)
+                .is_some_and(|gear| gear < 0.5);
+        if is_open || speed_mps < SLOWEST_MPS || rpm <= 0.0 || age_s > OLDEST_S {
             return None;
         }
-        let age_s = now.since(at).as_secs_f64();
         Some(rpm * PI / 30.0 / (speed_mps - self.acceleration_mps2() * age_s))
     }
 
     /// Returns whether the engine drives the vehicle.
     fn is_loaded(&self) -> bool {
-        let value = |signal| self.values.get(&signal).map(|(_, value)| *value);
-        value(Signal::EngineTorque).is_some_and(|torque| {
-            torque - value(Signal::FrictionTorque).unwrap_or(0.0) > LOADED_PERCENT
+        self.value(Signal::EngineTorque).is_some_and(|torque| {
+            torque - self.value(Signal::FrictionTorque).unwrap_or(0.0) > LOADED_PERCENT
         })
     }
 
-    /// Takes a ratio. Returns its weight; `None` if the ratio has changed over the last second.
+    /// Takes a ratio. Returns how much it counts; `None` if it has changed over the last second.
     fn steadiness(&mut self, now: Instant, turns: f64, speed_mps: f64) -> Option<Steady> {
         let was_steady = std::mem::take(&mut self.was_steady);
         let last = self.recent.back().map(|(at, ..)| *at);
@@ -366,10 +371,10 @@ impl Newest {
         self.was_steady = true;
         let per_s = (speed_mps / first_mps).ln() / f64::from(length_s);
         let duration_s = f64::from(now.since(last?).seconds());
+        let before_s = if was_steady { 0.0 } else { f64::from(STEADY_S) };
         Some(Steady {
             weight: duration_s / (1.0 + (per_s / HALF_WEIGHT_PER_S).powi(2)),
-            duration_s,
-            is_new: !was_steady,
+            time_s: before_s + duration_s,
         })
     }
 }
