@@ -214,21 +214,22 @@ impl DrivelineSignals {
             && ratio.is_none()
             && number.is_none_or(|number| number > 0.0)
         {
-            let turns_otherwise = !self.is_motor
-                && engine_rpm.zip(speed_mps).is_some_and(|(rpm, mps)| {
-                    // At launch, readings of different ages differ much: only a multiple counts.
-                    let (mps, tolerance) = if is_launch {
-                        (Scalar::max(mps, SLOW_MPS), 1.0)
-                    } else {
-                        (mps, detection.engine_tolerance)
-                    };
-                    let turned_rpm = powertrain.engine_rpm(gear, mps, model.wheel_radius_m());
-                    (rpm - turned_rpm).abs() > tolerance * turned_rpm
-                });
-            let driveline = if turns_otherwise {
-                Driveline::Unknown
+            // At launch, readings of different ages differ much: only a multiple counts.
+            let (slowest_mps, tolerance) = if is_launch {
+                (SLOW_MPS, 1.0)
             } else {
+                (0.0, detection.engine_tolerance)
+            };
+            let turns = |(rpm, mps)| {
+                let mps = Scalar::max(mps, slowest_mps);
+                let turned_rpm = powertrain.engine_rpm(gear, mps, model.wheel_radius_m());
+                is_near(rpm, turned_rpm, tolerance)
+            };
+            let is_in = self.is_motor || engine_rpm.zip(speed_mps).is_none_or(turns);
+            let driveline = if is_in {
                 Driveline::Engaged(gear)
+            } else {
+                Driveline::Unknown
             };
             return (driveline, !self.is_motor);
         }
@@ -252,7 +253,7 @@ impl DrivelineSignals {
                     detection.engine_tolerance
                 };
                 let turned_rpm = powertrain.engine_rpm(gear, mps, model.wheel_radius_m());
-                let turns = (rpm - turned_rpm).abs() <= tolerance * turned_rpm;
+                let turns = is_near(rpm, turned_rpm, tolerance);
                 if turns && !in_doubt {
                     self.agreed = self.agreed.saturating_add(1);
                 }
@@ -284,4 +285,9 @@ impl DrivelineSignals {
                     .is_some()
             })
     }
+}
+
+/// Returns whether an engine turns as it does in a gear, within a relative tolerance.
+fn is_near(rpm: f32, turned_rpm: f32, tolerance: f32) -> bool {
+    (rpm - turned_rpm).abs() <= tolerance * turned_rpm
 }
