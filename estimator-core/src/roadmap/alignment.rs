@@ -1,5 +1,6 @@
 //! How far a map is shifted along the road, from the grades alone.
 
+use super::combination::is_possible;
 use super::map_limits::MapLimits;
 use crate::cell::{CELL_LENGTH_M, Cell, Uncertain};
 use libm::sqrtf;
@@ -90,11 +91,11 @@ impl Alignment {
         ) else {
             return;
         };
-        let Uncertain { value, sigma } = cell.lagged_grade_percent;
-        let variance = sigma * sigma + map_sigma_percent * map_sigma_percent;
-        if variance <= 0.0 || !value.is_finite() {
+        if !is_possible(cell.lagged_grade_percent) {
             return;
         }
+        let Uncertain { value, sigma } = cell.lagged_grade_percent;
+        let variance = sigma * sigma + map_sigma_percent * map_sigma_percent;
         let change = (after - before) / (2.0 * ASIDE as f32 * CELL_LENGTH_M);
         let forget = 1.0 - CELL_LENGTH_M / MEMORY_M;
         self.information = forget * self.information + change * change / variance;

@@ -1,6 +1,7 @@
 //! Whether a map counts: how well its grade fits the estimates.
 
 use super::alignment::Alignment;
+use super::combination::is_possible;
 use super::map_limits::MapLimits;
 use crate::cell::{CELL_LENGTH_M, Cell, Live, Uncertain};
 use crate::scalar::Scalar;
@@ -94,11 +95,11 @@ impl MapJudge {
     }
 
     fn compare(&mut self, own: Uncertain, map: Uncertain) {
-        let difference = own.value - map.value;
-        let variance = own.sigma * own.sigma + map.sigma * map.sigma;
-        if variance <= 0.0 || !difference.is_finite() {
+        if !is_possible(own) {
             return;
         }
+        let difference = own.value - map.value;
+        let variance = own.sigma * own.sigma + map.sigma * map.sigma;
         let was_left_out = self.is_left_out();
         let squared = Scalar::min(100.0, difference * difference / variance);
         self.difference += (squared - self.difference) * CELL_LENGTH_M / COMPARED_M;

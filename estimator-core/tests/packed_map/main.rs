@@ -1,6 +1,7 @@
 //! The packed map: read as it is specified, refused where it is damaged, and driven on.
 
 mod ahead;
+mod change_indicator;
 mod file;
 mod odd_roads;
 mod refused;

@@ -259,3 +259,38 @@ fn the_grade_is_that_of_the_block_as_it_is_now() {
     assert!(count > 2_800, "{count} cells");
     assert!(memory.counters().writes > 3);
 }
+
+#[test]
+fn grades_that_no_road_has_do_not_move_the_map() {
+    let flash = learned();
+    let memory = flash.open();
+    let broken = [
+        (f32::NAN, 0.1),
+        (1e9, 0.1),
+        (1.0, f32::NAN),
+        (1.0, f32::INFINITY),
+        (-1.0, 0.0),
+    ];
+    let shift_m = |is_broken: bool| {
+        let mut map = MapLive::new(PackedMap::of_memory(memory.view()));
+        let drive = Drive::over(ROAD, 9);
+        for cell in 0..ROAD.cells {
+            let mut live = drive.live(cell);
+            let mut finished = cell.checked_sub(200).map(|lagged| drive.finished(lagged));
+            if is_broken && cell % 50 == 7 {
+                let (value, sigma) = broken[(cell / 50) as usize % broken.len()];
+                live.estimate.grade_percent = Uncertain { value, sigma };
+                if let Some(finished) = &mut finished {
+                    finished.lagged_grade_percent = Uncertain { value, sigma };
+                }
+            }
+            map.advance(&live);
+            if let Some(finished) = finished {
+                map.finish(&finished);
+            }
+        }
+        assert!(!map.is_left_out());
+        map.shift_m().value
+    };
+    assert!((shift_m(true) - shift_m(false)).abs() < 0.3);
+}

@@ -1,6 +1,7 @@
 //! The road memory: what it learns, and what it keeps whatever happens to its flash.
 
 mod as_map;
+mod change_indicator;
 mod damage;
 mod flash;
 mod journey;

@@ -5,6 +5,7 @@ pub mod command;
 #[cfg(feature = "host")]
 pub mod damage;
 pub mod dense;
+mod digests;
 pub mod effect_drive;
 pub mod electric_car;
 mod filter_runs;
@@ -13,6 +14,7 @@ pub mod hilly_drive;
 #[cfg(feature = "mdf")]
 pub mod mdf;
 mod noise;
+mod on_map;
 #[cfg(feature = "mdf")]
 pub mod osm;
 pub mod readings_drive;
@@ -26,8 +28,10 @@ pub mod tables;
 mod trucks;
 pub mod varint;
 
+pub use digests::{Digest, check_digests};
 pub use filter_runs::{FilterRun, FilteredStep, cells, run, run_counted, smooth};
 pub use frames::{TO_ALL, TRANSPORT_DATA, TRANSPORT_MANAGEMENT, TestFrame, frames_of, session_of};
 pub use noise::Noise;
+pub use on_map::line_on_map;
 pub use samples::{altitude, sample, speed};
 pub use trucks::{by_force, truck, truck_with};

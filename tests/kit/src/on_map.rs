@@ -1,0 +1,36 @@
+//! A drive on a map, as one line.
+
+use crate::digests::Digest;
+use estimator_core::roadmap::{HorizonParts, MapLive, PackedMap};
+use estimator_core::{Cell, Live};
+
+/// Drives cells, each with one that is finished at that time, on a map. Returns what a reader can
+/// follow, and the digest of all that the map told.
+pub fn line_on_map(map: PackedMap, name: &str, cells: &[(Live, Option<Cell>)]) -> String {
+    let mut digest = Digest::default();
+    let mut map = MapLive::new(map);
+    let mut parts = HorizonParts::new();
+    let (mut known, mut told) = (0, 0);
+    for (live, finished) in cells {
+        map.advance(live);
+        let combined = map.combined_percent();
+        known += u32::from(combined.is_some());
+        digest.debug(&(combined, map.map_grade_percent(), map.trusted_place()));
+        digest.debug(&map.matcher().hypotheses().collect::<Vec<_>>());
+        let due: Vec<_> = parts.due_parts(&map, live).collect();
+        told += due.len();
+        digest.debug(&(due, parts.next_grade(live)));
+        if let Some(finished) = finished {
+            map.finish(finished);
+            digest.debug(&map.shift_m());
+        }
+    }
+    digest.debug(map.counters());
+    let shift_m = map.shift_m();
+    format!(
+        "{name}: with the map in {known} cells, {told} parts, shift {:.1} ± {:.1} m, {:016x}",
+        shift_m.value,
+        shift_m.sigma,
+        digest.value()
+    )
+}
