@@ -6,6 +6,7 @@ use crate::scenario::Scenario;
 use estimator_core::{Reading, Signal, Traction, Value, VehicleParameters};
 // Not those of the platform: the digests are those of any.
 use libm::{asinf, cosf, sinf};
+use std::collections::VecDeque;
 use std::f32::consts::PI;
 use test_kit::Noise;
 
@@ -35,6 +36,7 @@ pub struct Moment {
     gear: usize,
     shift_left_s: f32,
     stands_s: f32,
+    back_left_m: f32,
 }
 
 /// The drive.
@@ -48,6 +50,15 @@ pub struct Drive<'a> {
     altitude_error_m: f32,
     gust_mps: f32,
     stops_left: Vec<f32>,
+    /// What the receiver has read and not said yet, by tick.
+    late: VecDeque<Vec<(Signal, f32)>>,
+    smooth_altitude_m: f32,
+    smooth_speed_mps: f32,
+}
+
+/// Moves a low-pass filter on by a tick.
+fn smoothed(before: f32, now: f32, time_constant_s: f32) -> f32 {
+    before + (now - before) * STEP_S / (time_constant_s + STEP_S)
 }
 
 /// Returns the sine of the slope angle of the road.
@@ -74,6 +85,9 @@ impl<'a> Drive<'a> {
             altitude_error_m: 1.0,
             gust_mps: 0.0,
             stops_left,
+            late: VecDeque::new(),
+            smooth_altitude_m: 120.0,
+            smooth_speed_mps: scenario.begin_mps,
         }
     }
 
@@ -115,6 +129,10 @@ impl<'a> Drive<'a> {
         self.altitude_error_m = keep * self.altitude_error_m + 0.08 * self.noise.draw();
         if self.moment.stands_s > 0.0 {
             self.stand();
+            return;
+        }
+        if self.moment.back_left_m > 0.0 {
+            self.reverse();
             return;
         }
         let resistance_n = self.resistance_n();
@@ -159,6 +177,29 @@ impl<'a> Drive<'a> {
         moment.stands_s -= STEP_S;
         if moment.stands_s <= 0.0 {
             self.mass_kg *= self.scenario.load_factor;
+            // Once at each stop.
+            moment.back_left_m = if moment.back_left_m < 0.0 {
+                0.0
+            } else {
+                self.scenario.reverses_m
+            };
+        }
+    }
+
+    /// Rolls back slowly, then stands again.
+    fn reverse(&mut self) {
+        let moment = &mut self.moment;
+        let back_m = 1.5 * STEP_S;
+        (moment.speed_mps, moment.acceleration_mps2) = (1.5, 0.0);
+        (moment.traction_n, moment.brake_n) = (-3_000.0, 0.0);
+        moment.altitude_m -= back_m * slope(moment.distance_m);
+        moment.distance_m -= back_m;
+        moment.north_m -= back_m * cosf(moment.heading_rad);
+        moment.east_m -= back_m * sinf(moment.heading_rad);
+        moment.back_left_m -= back_m;
+        if moment.back_left_m <= 0.0 {
+            (moment.speed_mps, moment.stands_s) = (0.0, 3.0);
+            moment.back_left_m = -1.0;
         }
     }
 
@@ -196,10 +237,32 @@ impl<'a> Drive<'a> {
     fn readings(&mut self) -> Vec<Reading> {
         let mut values = self.of_the_bus();
         let tick = (self.moment.time_s / STEP_S).round() as u32;
-        if tick % self.scenario.fix_ticks == 2 % self.scenario.fix_ticks {
-            values.extend(self.of_the_receiver());
+        let is_fix = tick % self.scenario.fix_ticks == 2 % self.scenario.fix_ticks;
+        self.smooth_altitude_m = smoothed(
+            self.smooth_altitude_m,
+            self.moment.altitude_m,
+            self.scenario.altitude_smoothed_s,
+        );
+        let fix = if is_fix {
+            self.of_the_receiver()
+        } else {
+            Vec::new()
+        };
+        self.late.push_back(fix);
+        if self.late.len() > self.scenario.late_ticks {
+            values.extend(self.late.pop_front().unwrap_or_default());
         }
-        let speed_mps = self.moment.speed_mps + 0.01 * self.noise.draw();
+        self.smooth_speed_mps = smoothed(
+            self.smooth_speed_mps,
+            self.moment.speed_mps,
+            self.scenario.speed_smoothed_s,
+        );
+        let told_mps = if self.scenario.speed_smoothed_s > 0.0 {
+            self.smooth_speed_mps
+        } else {
+            self.moment.speed_mps
+        };
+        let speed_mps = told_mps + 0.01 * self.noise.draw();
         values.push((Signal::WheelSpeed, speed_mps.max(0.0)));
         let faults = self.scenario.faults;
         let moment = self.moment;
@@ -225,13 +288,43 @@ impl<'a> Drive<'a> {
                     (Signal::EngineTorque, percent.max(0.0)),
                     (Signal::EngineSpeed, self.engine_rpm()),
                     (Signal::ShiftInProcess, f32::from(u8::from(shifting))),
-                    (Signal::CurrentGear, moment.gear as f32 + 1.0),
+                    (
+                        Signal::CurrentGear,
+                        if moment.back_left_m > 0.0 {
+                            -1.0
+                        } else {
+                            moment.gear as f32 + 1.0
+                        },
+                    ),
+                    (Signal::NetEngineTorque, torque_nm),
+                    (Signal::MotorTorque, torque_nm),
+                    (Signal::MotorSpeed, self.engine_rpm()),
+                    (Signal::ParasiticTorque, 1.5),
+                    (Signal::GearRatio, of.gears[moment.gear].ratio),
+                    (
+                        Signal::OutputShaftSpeed,
+                        self.engine_rpm() / of.gears[moment.gear].ratio,
+                    ),
                 ]
             }
         };
         let retarder = self.scenario.retarder && moment.speed_mps > 5.0;
         let braking = f32::from(u8::from(moment.brake_n > 100.0 && !retarder));
-        values.push((Signal::BrakeSwitch, braking));
+        let is_off = f32::from(u8::from(shifting));
+        values.extend([
+            (Signal::BrakeSwitch, braking),
+            (Signal::BrakeLight, braking),
+            (Signal::FoundationBrake, braking),
+            (Signal::BrakePedal, moment.brake_n / 1_000.0),
+            (Signal::BrakePressure, 8.0 * moment.brake_n),
+            (
+                Signal::ParkingBrake,
+                f32::from(u8::from(moment.stands_s > 5.0)),
+            ),
+            (Signal::DrivelineEngaged, 1.0 - is_off),
+            (Signal::ClutchSlip, 100.0 * is_off),
+            (Signal::ClutchSwitch, is_off),
+        ]);
         if self.scenario.retarder {
             let percent = if retarder {
                 -moment.brake_n / 500.0
@@ -269,15 +362,21 @@ impl<'a> Drive<'a> {
     fn of_the_receiver(&mut self) -> Vec<(Signal, f32)> {
         let moment = self.moment;
         let late_m = 0.2 * moment.speed_mps;
+        let turned_deg = if moment.back_left_m > 0.0 { 180.0 } else { 0.0 };
         let sine = slope(moment.distance_m);
-        let altitude_m = moment.altitude_m - late_m * sine + self.altitude_error_m;
+        let passed_m = if self.scenario.altitude_smoothed_s > 0.0 {
+            self.smooth_altitude_m
+        } else {
+            moment.altitude_m
+        };
+        let altitude_m = passed_m - late_m * sine + self.altitude_error_m;
         let mut values = vec![
             (Signal::FixMethod, 1.0),
             (Signal::Satellites, 9.0),
             (Signal::Hdop, 0.9),
             (
                 Signal::Course,
-                moment.heading_rad.to_degrees().rem_euclid(360.0),
+                (moment.heading_rad.to_degrees() + turned_deg).rem_euclid(360.0),
             ),
             (
                 Signal::GnssSpeed,

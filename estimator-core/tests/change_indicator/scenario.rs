@@ -30,6 +30,13 @@ pub struct Scenario {
     pub stops_m: &'static [f32],
     pub stands_s: f32,
     pub load_factor: f32,
+    /// How far it goes back after each stop.
+    pub reverses_m: f32,
+    /// Ticks by which what the receiver says is late.
+    pub late_ticks: usize,
+    /// Time constants of low-pass filters of the receiver's altitude and of the wheel speed.
+    pub altitude_smoothed_s: f32,
+    pub speed_smoothed_s: f32,
     pub faults: Faults,
 }
 
@@ -50,6 +57,10 @@ const PLAIN: Scenario = Scenario {
     stops_m: &[],
     stands_s: 30.0,
     load_factor: 1.0,
+    reverses_m: 0.0,
+    late_ticks: 0,
+    altitude_smoothed_s: 0.0,
+    speed_smoothed_s: 0.0,
     faults: |_, signal, value| Some(value_of(signal, value)),
 };
 
@@ -60,12 +71,39 @@ const OPTIONAL: &[Signal] = &[
     Signal::YawRate,
     Signal::Mass,
     Signal::Fan,
+    Signal::NetEngineTorque,
+    Signal::MotorTorque,
+    Signal::MotorSpeed,
+    Signal::ParasiticTorque,
+    Signal::DrivelineEngaged,
+    Signal::ClutchSlip,
+    Signal::ClutchSwitch,
+    Signal::GearRatio,
+    Signal::OutputShaftSpeed,
+    Signal::BrakeLight,
+    Signal::FoundationBrake,
+    Signal::BrakePedal,
+    Signal::BrakePressure,
+    Signal::ParkingBrake,
+];
+
+/// Signals of an engine that the torque of its shaft replaces, and of one that a motor replaces.
+const OF_PERCENT: &[Signal] = &[Signal::EngineTorque, Signal::FrictionTorque];
+const OF_AN_ENGINE: &[Signal] = &[
+    Signal::EngineTorque,
+    Signal::FrictionTorque,
+    Signal::EngineSpeed,
+    Signal::ShiftInProcess,
 ];
 
 impl Scenario {
     /// Returns whether a signal is there.
     pub fn has(&self, signal: Signal) -> bool {
-        !OPTIONAL.contains(&signal) || self.more.contains(&signal)
+        let replaced =
+            |by: Signal, what: &[Signal]| self.more.contains(&by) && what.contains(&signal);
+        (!OPTIONAL.contains(&signal) || self.more.contains(&signal))
+            && !replaced(Signal::NetEngineTorque, OF_PERCENT)
+            && !replaced(Signal::MotorTorque, OF_AN_ENGINE)
     }
 }
 
@@ -108,6 +146,8 @@ fn during(moment: &Moment, from_s: f32, to_s: f32) -> bool {
 pub fn all() -> Vec<Scenario> {
     let mut all = of_a_day();
     all.extend(of_sensors());
+    all.extend(of_signals());
+    all.extend(of_receivers());
     all.extend(of_faults());
     all
 }
@@ -193,7 +233,17 @@ fn of_sensors() -> Vec<Scenario> {
         ),
         ("pitch, torque goes", &[Signal::Pitch]),
         ("vertical speed, torque goes", &[Signal::VerticalSpeed]),
-        ("every signal, torque goes", OPTIONAL),
+        (
+            "four sensors, torque goes",
+            &[
+                Signal::LongitudinalAcceleration,
+                Signal::Pitch,
+                Signal::VerticalSpeed,
+                Signal::YawRate,
+                Signal::Mass,
+                Signal::Fan,
+            ],
+        ),
     ];
     let with = |(k, (name, more)): (usize, (&'static str, &'static [Signal]))| Scenario {
         name,
@@ -224,6 +274,129 @@ fn of_sensors() -> Vec<Scenario> {
         ..PLAIN
     });
     all
+}
+
+/// Other signals of the powertrain and of the brakes.
+fn of_signals() -> Vec<Scenario> {
+    const STOPS_M: &[f32] = &[500.0, 1_500.0, 4_000.0];
+    let signals: [(&'static str, &'static [Signal]); 4] = [
+        (
+            "torque of the shaft, the ratio is told",
+            &[
+                Signal::NetEngineTorque,
+                Signal::GearRatio,
+                Signal::DrivelineEngaged,
+            ],
+        ),
+        (
+            "a motor, a clutch",
+            &[
+                Signal::MotorTorque,
+                Signal::MotorSpeed,
+                Signal::ClutchSwitch,
+            ],
+        ),
+        (
+            "shaft speed, slip, torque of auxiliaries",
+            &[
+                Signal::OutputShaftSpeed,
+                Signal::ClutchSlip,
+                Signal::ParasiticTorque,
+            ],
+        ),
+        (
+            "every brake",
+            &[
+                Signal::BrakeLight,
+                Signal::FoundationBrake,
+                Signal::BrakePedal,
+                Signal::BrakePressure,
+                Signal::ParkingBrake,
+            ],
+        ),
+    ];
+    let with = |(k, (name, more)): (usize, (&'static str, &'static [Signal]))| Scenario {
+        name,
+        seed: 60 + k as u64,
+        more,
+        begin_mps: 0.0,
+        stops_m: STOPS_M,
+        retarder: k == 3,
+        faults: |_, signal, value| {
+            // Of these, only what is more than a switch counts where a switch is missing.
+            (signal != Signal::BrakeSwitch).then(|| value_of(signal, value))
+        },
+        ..PLAIN
+    };
+    signals.into_iter().enumerate().map(with).collect()
+}
+
+/// Receivers that are late or smooth what they say, and drives that go back.
+fn of_receivers() -> Vec<Scenario> {
+    vec![
+        Scenario {
+            name: "a receiver late by 1.5 s",
+            seed: 70,
+            seconds: 900,
+            late_ticks: 15,
+            fix_ticks: 2,
+            stops_m: &[900.0, 1_900.0, 2_900.0, 3_900.0, 5_500.0, 7_500.0],
+            stands_s: 10.0,
+            ..PLAIN
+        },
+        Scenario {
+            name: "altitudes smoothed over 15 s",
+            seed: 71,
+            seconds: 1_200,
+            altitude_smoothed_s: 15.0,
+            ..PLAIN
+        },
+        Scenario {
+            name: "altitudes smoothed over 6 s, ten times a second",
+            seed: 72,
+            seconds: 900,
+            fix_ticks: 1,
+            altitude_smoothed_s: 6.0,
+            ..PLAIN
+        },
+        Scenario {
+            name: "wheel speeds smoothed over 2 s",
+            seed: 73,
+            seconds: 900,
+            fix_ticks: 2,
+            speed_smoothed_s: 2.0,
+            stops_m: &[900.0, 1_900.0, 2_900.0, 3_900.0, 5_500.0, 7_500.0],
+            stands_s: 10.0,
+            ..PLAIN
+        },
+        Scenario {
+            name: "goes back at its stops, the gear is told",
+            seed: 74,
+            reverses_m: 40.0,
+            stops_m: &[800.0, 2_500.0, 5_000.0],
+            ..PLAIN
+        },
+        Scenario {
+            name: "goes back at its stops, no gear is told",
+            seed: 75,
+            reverses_m: 60.0,
+            stops_m: &[800.0, 2_500.0, 5_000.0],
+            faults: |_, signal, value| {
+                (signal != Signal::CurrentGear).then(|| value_of(signal, value))
+            },
+            ..PLAIN
+        },
+        Scenario {
+            name: "no brake is told in half an hour",
+            seed: 76,
+            seconds: 1_800,
+            mass_factor: 1.1,
+            faults: |_, signal, value| {
+                (signal != Signal::BrakeSwitch).then(|| value_of(signal, value))
+            },
+            ..PLAIN
+        },
+    ]
 }
 
 fn of_faults() -> Vec<Scenario> {

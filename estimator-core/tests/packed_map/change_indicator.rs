@@ -13,8 +13,9 @@ use test_kit::{Noise, check_digests, line_on_map};
 /// Cells by which a finished cell lies behind the live one.
 const LAG: usize = 200;
 
-/// A way beside the road, one that crosses it, and one that comes back from the exit.
-const MORE: [TestWay; 3] = [
+/// A way beside the road, one that crosses it, one that comes back from the exit, and one that is longer
+/// than a horizon.
+const MORE: [TestWay; 4] = [
     TestWay {
         name: "beside",
         cells: 500,
@@ -41,6 +42,15 @@ const MORE: [TestWay; 3] = [
         heading: [-7, -7],
         joins: &[(150, 0), (399, 1)],
         gap: None,
+    },
+    TestWay {
+        name: "long",
+        cells: 2_000,
+        grade: 320,
+        begin_e7: [900_000, 20_100_000],
+        heading: [9, -4],
+        joins: &[(500, 1), (850, 2), (1_400, 6)],
+        gap: Some((1_100, 1_104)),
     },
 ];
 
@@ -114,6 +124,11 @@ fn drives() -> Vec<Drive> {
             ..PLAIN
         },
         Drive {
+            name: "a long way",
+            legs: &[(7, 0, 2_000)],
+            ..PLAIN
+        },
+        Drive {
             name: "off the road and on",
             legs: &[(0, 0, 150), (5, 300, 60), (0, 200, 200), (3, 600, 200)],
             ..PLAIN
@@ -160,7 +175,9 @@ fn line(ways: &[TestWay], bytes: &[u8], seed: u64, drive: &Drive) -> String {
 
 #[test]
 fn every_drive_gives_what_is_committed() {
-    let ways = [&WAYS[..], &MORE].concat();
+    let mut ways = [&WAYS[..], &MORE].concat();
+    // Three ways lead on at its end.
+    ways[0].joins = &[(200, 1), (399, 2), (399, 3), (399, 5)];
     let bytes = packed(&ways);
     let drives = drives();
     let lines = (1..).zip(&drives);

@@ -107,7 +107,7 @@ fn altitudes_are_put_on_nodes_only_where_the_extract_has_them() {
 }
 
 #[test]
-fn bridges_and_tunnels_stay_with_their_ways() {
+fn structures_stay_with_their_ways() {
     let folder = folder();
     let path = file(folder.path(), &extract(Packing::Zlib));
     let network = read_network(&path).expect("a network");
@@ -129,6 +129,13 @@ fn bridges_and_tunnels_stay_with_their_ways() {
     let network = read_network(&path).expect("a network");
     assert_eq!(network.structure("way/11"), Some(Structure::Tunnel));
     assert_eq!(network.structure("way/12"), None);
+
+    ways[0]["properties"] = json!({"way": "way/11", "embankment": "left", "tunnel": ""});
+    ways[1]["properties"] = json!({"way": "way/12", "cutting": true, "embankment": "both"});
+    save(&path, &ways);
+    let network = read_network(&path).expect("a network");
+    assert_eq!(network.structure("way/11"), Some(Structure::Embankment));
+    assert_eq!(network.structure("way/12"), Some(Structure::Cutting));
 }
 
 #[test]

@@ -4,14 +4,14 @@ use crate::digests::Digest;
 use estimator_core::roadmap::{HorizonParts, MapLive, PackedMap};
 use estimator_core::{Cell, Live};
 
-/// Drives cells, each with one that is finished at that time, on a map. Returns what a reader can
+/// Drives cells, each with one that is finished at that time, on a map, and once more on another day. Returns what a reader can
 /// follow, and the digest of all that the map told.
 pub fn line_on_map(map: PackedMap, name: &str, cells: &[(Live, Option<Cell>)]) -> String {
     let mut digest = Digest::default();
     let mut map = MapLive::new(map);
     let mut parts = HorizonParts::new();
     let (mut known, mut told) = (0, 0);
-    for (live, finished) in cells {
+    for (live, finished) in cells.iter().chain(cells) {
         map.advance(live);
         let combined = map.combined_percent();
         known += u32::from(combined.is_some());

@@ -49,12 +49,10 @@ pub fn directions<'t>(
     }
 }
 
-/// Returns the structure that carries a way: any value of `bridge` or `tunnel` but `no`.
+/// Returns the structure of a way: any value of its key but `no`.
 pub fn structure<'t>(tag: impl Fn(&str) -> Option<Cow<'t, str>>) -> Option<Structure> {
-    [Structure::Bridge, Structure::Tunnel]
-        .into_iter()
-        .find(|structure| {
-            let value = tag(structure.word());
-            value.is_some_and(|value| !["", "no", "false"].contains(&&*value))
-        })
+    Structure::ALL.into_iter().find(|structure| {
+        let value = tag(structure.word());
+        value.is_some_and(|value| !["", "no", "false"].contains(&&*value))
+    })
 }
