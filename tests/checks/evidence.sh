@@ -95,23 +95,27 @@ has_mutants() {
 # mutant takes ten times as long as to build one of them, so the change indicators come first. All
 # tests are run for what these do not catch.
 mutate() {
-    local out=$1 outcome roads='estimator-core/src/roadmap/**'
+    local out=$1 outcome again=() roads='estimator-core/src/roadmap/**'
     shift
     rm -rf "$out"
     mkdir -p "$out/mutants.out"
     mutants_by "$out/roads" --file "$roads" "$@" -- --test=road_memory --test=packed_map
     mutants_by "$out/drives" --exclude "$roads" "$@" -- --test=change_indicator
     cat "$out"/{roads,drives}/mutants.out/missed.txt >"$out/missed.txt"
-    if [[ -s $out/missed.txt ]]; then
-        # Names are patterns here.
-        sed 's/[].[\*^$()+?{}|]/\\&/g; s/^/--re=^/; s/$/$/' "$out/missed.txt" >"$out/patterns"
-        mapfile -t patterns <"$out/patterns"
-        mutants_by "$out/missed" "${patterns[@]}" -- --lib --tests
-    fi
-    for outcome in caught timeout unviable; do
-        cat "$out"/{roads,drives,missed}/mutants.out/$outcome.txt 2>/dev/null >"$out/mutants.out/$outcome.txt" || true
+    # Names are patterns here.
+    sed 's/[].[\*^$()+?{}|]/\\&/g; s/^/--re=^/; s/$/$/' "$out/missed.txt" >"$out/again"
+    sed 's/:.*//; s/^/--file=/' "$out/missed.txt" | sort -u >>"$out/again"
+    mapfile -t again <"$out/again"
+    for outcome in caught missed timeout unviable; do
+        cat "$out"/{roads,drives}/mutants.out/$outcome.txt >"$out/mutants.out/$outcome.txt"
     done
-    cat "$out/missed/mutants.out/missed.txt" 2>/dev/null >"$out/mutants.out/missed.txt" || true
+    [[ -s $out/missed.txt ]] || return 0
+    mutants_by "$out/missed" "${again[@]}" -- --lib --tests
+    : >"$out/mutants.out/missed.txt"
+    # Options do not choose among fields that are left out: all of those in a file run once more.
+    for outcome in caught missed timeout unviable; do
+        grep -Fxf "$out/missed.txt" "$out/missed/mutants.out/$outcome.txt" >>"$out/mutants.out/$outcome.txt" || true
+    done
 }
 
 # Runs the mutants that the options choose by the tests named after `--`. The variable is unset, so that

@@ -61,9 +61,11 @@ fn smoothed(before: f32, now: f32, time_constant_s: f32) -> f32 {
     before + (now - before) * STEP_S / (time_constant_s + STEP_S)
 }
 
-/// Returns the sine of the slope angle of the road.
-fn slope(distance_m: f32) -> f32 {
-    0.016 * sinf(distance_m / 180.0) + 0.012 * sinf(distance_m / 53.0 + 1.0)
+/// Returns the sine of the slope angle of the road, with long descents of this slope.
+fn slope(distance_m: f32, descents: f32) -> f32 {
+    -descents * sinf(distance_m / 600.0).max(0.0)
+        + 0.016 * sinf(distance_m / 180.0)
+        + 0.012 * sinf(distance_m / 53.0 + 1.0)
         - 0.018 * cosf(distance_m / 700.0)
 }
 
@@ -119,7 +121,7 @@ impl<'a> Drive<'a> {
         let moment = &self.moment;
         let air_mps = moment.speed_mps + self.scenario.headwind_mps + self.gust_mps;
         let rolling = self.vehicle.rolling_resistance * self.scenario.rolling_factor;
-        self.mass_kg * GRAVITY * (rolling + slope(moment.distance_m))
+        self.mass_kg * GRAVITY * (rolling + slope(moment.distance_m, self.scenario.descents))
             + 0.5 * 1.2 * self.vehicle.drag_area_m2 * air_mps * air_mps.abs()
     }
 
@@ -192,7 +194,7 @@ impl<'a> Drive<'a> {
         let back_m = 1.5 * STEP_S;
         (moment.speed_mps, moment.acceleration_mps2) = (1.5, 0.0);
         (moment.traction_n, moment.brake_n) = (-3_000.0, 0.0);
-        moment.altitude_m -= back_m * slope(moment.distance_m);
+        moment.altitude_m -= back_m * slope(moment.distance_m, self.scenario.descents);
         moment.distance_m -= back_m;
         moment.north_m -= back_m * cosf(moment.heading_rad);
         moment.east_m -= back_m * sinf(moment.heading_rad);
@@ -209,7 +211,8 @@ impl<'a> Drive<'a> {
         moment.speed_mps = (before_mps + STEP_S * acceleration_mps2).max(0.0);
         moment.acceleration_mps2 = (moment.speed_mps - before_mps) / STEP_S;
         let driven_m = STEP_S * 0.5 * (before_mps + moment.speed_mps);
-        moment.altitude_m += driven_m * slope(moment.distance_m + 0.5 * driven_m);
+        moment.altitude_m +=
+            driven_m * slope(moment.distance_m + 0.5 * driven_m, self.scenario.descents);
         moment.distance_m += driven_m;
         moment.heading_rad = 0.8 * sinf(moment.distance_m / 400.0);
         moment.north_m += driven_m * cosf(moment.heading_rad);
@@ -333,7 +336,8 @@ impl<'a> Drive<'a> {
             };
             values.push((Signal::RetarderTorque, percent.max(-100.0)));
         }
-        let felt_mps2 = moment.acceleration_mps2 + GRAVITY * slope(moment.distance_m);
+        let felt_mps2 =
+            moment.acceleration_mps2 + GRAVITY * slope(moment.distance_m, self.scenario.descents);
         let noise = self.noise.draw();
         values.extend([
             (Signal::AmbientTemperature, 4.0),
@@ -345,7 +349,10 @@ impl<'a> Drive<'a> {
             ),
             (
                 Signal::Pitch,
-                asinf(slope(moment.distance_m)).to_degrees() + 0.3 * felt_mps2 - 0.4 + 0.1 * noise,
+                asinf(slope(moment.distance_m, self.scenario.descents)).to_degrees()
+                    + 0.3 * felt_mps2
+                    - 0.4
+                    + 0.1 * noise,
             ),
             (Signal::YawRate, self.turn_rate_radps()),
             (Signal::Mass, self.mass_kg),
@@ -363,7 +370,7 @@ impl<'a> Drive<'a> {
         let moment = self.moment;
         let late_m = 0.2 * moment.speed_mps;
         let turned_deg = if moment.back_left_m > 0.0 { 180.0 } else { 0.0 };
-        let sine = slope(moment.distance_m);
+        let sine = slope(moment.distance_m, self.scenario.descents);
         let passed_m = if self.scenario.altitude_smoothed_s > 0.0 {
             self.smooth_altitude_m
         } else {

@@ -32,6 +32,8 @@ pub struct Scenario {
     pub load_factor: f32,
     /// How far it goes back after each stop.
     pub reverses_m: f32,
+    /// Slope of the long descents.
+    pub descents: f32,
     /// Ticks by which what the receiver says is late.
     pub late_ticks: usize,
     /// Time constants of low-pass filters of the receiver's altitude and of the wheel speed.
@@ -58,6 +60,7 @@ const PLAIN: Scenario = Scenario {
     stands_s: 30.0,
     load_factor: 1.0,
     reverses_m: 0.0,
+    descents: 0.0,
     late_ticks: 0,
     altitude_smoothed_s: 0.0,
     speed_smoothed_s: 0.0,
@@ -387,10 +390,11 @@ fn of_receivers() -> Vec<Scenario> {
             ..PLAIN
         },
         Scenario {
-            name: "no brake is told in half an hour",
+            name: "descents, no brake is told",
             seed: 76,
             seconds: 1_800,
-            mass_factor: 1.1,
+            more: &[Signal::Mass],
+            descents: 0.06,
             faults: |_, signal, value| {
                 (signal != Signal::BrakeSwitch).then(|| value_of(signal, value))
             },
