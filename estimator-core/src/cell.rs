@@ -116,6 +116,11 @@ impl Uncertain {
             ..self
         }
     }
+
+    /// Returns whether it is the grade of a road, %, with a standard deviation that counts.
+    pub(crate) fn is_possible_grade(self) -> bool {
+        self.value.abs() < 100.0 && self.sigma > 0.0 && self.sigma.is_finite()
+    }
 }
 
 /// Where and when a cell ends, and whether the vehicle model holds in it.

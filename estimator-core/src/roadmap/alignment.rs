@@ -1,6 +1,5 @@
 //! How far a map is shifted along the road, from the grades alone.
 
-use super::combination::is_possible;
 use super::map_limits::MapLimits;
 use crate::cell::{CELL_LENGTH_M, Cell, Uncertain};
 use libm::sqrtf;
@@ -91,7 +90,7 @@ impl Alignment {
         ) else {
             return;
         };
-        if !is_possible(cell.lagged_grade_percent) {
+        if !cell.lagged_grade_percent.is_possible_grade() {
             return;
         }
         let Uncertain { value, sigma } = cell.lagged_grade_percent;

@@ -36,11 +36,6 @@ pub fn combined_with_roads(
     })
 }
 
-/// Returns whether a grade is one of a road, with a standard deviation that counts.
-pub(super) fn is_possible(grade: Uncertain) -> bool {
-    grade.value.abs() < 100.0 && grade.sigma > 0.0 && grade.sigma.is_finite()
-}
-
 /// Returns the mean of two independent estimates, weighted by the inverse of their variances.
 pub(super) fn combined(a: Uncertain, b: Uncertain) -> Uncertain {
     let (a_variance, b_variance) = (a.sigma * a.sigma, b.sigma * b.sigma);

@@ -1,7 +1,6 @@
 //! Whether a map counts: how well its grade fits the estimates.
 
 use super::alignment::Alignment;
-use super::combination::is_possible;
 use super::map_limits::MapLimits;
 use crate::cell::{CELL_LENGTH_M, Cell, Live, Uncertain};
 use crate::scalar::Scalar;
@@ -95,7 +94,7 @@ impl MapJudge {
     }
 
     fn compare(&mut self, own: Uncertain, map: Uncertain) {
-        if !is_possible(own) {
+        if !own.is_possible_grade() {
             return;
         }
         let difference = own.value - map.value;

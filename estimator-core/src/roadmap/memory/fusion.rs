@@ -7,7 +7,6 @@
 
 use crate::cell::Uncertain;
 use crate::roadmap::block_cells::MapCell;
-use crate::roadmap::combination::is_possible;
 use libm::sqrtf;
 
 /// Share of the variance that all drives of a vehicle have in common: the usual share of sessions in
@@ -68,7 +67,7 @@ impl Known {
 
     /// Returns what one drive says of a cell; `None` if that cannot be.
     pub(super) fn of_drive(grade: Uncertain, altitude_m: Option<f32>) -> Option<Self> {
-        is_possible(grade).then(|| Self {
+        grade.is_possible_grade().then(|| Self {
             grade_percent: grade.value,
             variance: (grade.sigma * grade.sigma).clamp(VARIANCE_LIMITS.0, VARIANCE_LIMITS.1),
             altitude_m: altitude_m.filter(|altitude| altitude.abs() < 1e4),
