@@ -99,8 +99,8 @@ mutate() {
     shift
     rm -rf "$out"
     mkdir -p "$out/mutants.out"
-    mutants_by "$out/roads" --file "$roads" "$@" -- --test=road_memory --test=packed_map
-    mutants_by "$out/drives" --exclude "$roads" "$@" -- --test=change_indicator
+    mutants_by "$out/roads" --timeout 60 --file "$roads" "$@" -- --test=road_memory --test=packed_map
+    mutants_by "$out/drives" --timeout 60 --exclude "$roads" "$@" -- --test=change_indicator
     cat "$out"/{roads,drives}/mutants.out/missed.txt >"$out/missed.txt"
     # Names are patterns here.
     sed 's/[].[\*^$()+?{}|]/\\&/g; s/^/--re=^/; s/$/$/' "$out/missed.txt" >"$out/again"
@@ -110,7 +110,8 @@ mutate() {
         cat "$out"/{roads,drives}/mutants.out/$outcome.txt >"$out/mutants.out/$outcome.txt"
     done
     [[ -s $out/missed.txt ]] || return 0
-    mutants_by "$out/missed" "${again[@]}" -- --lib --tests
+    # They take more than a minute where two are run at once.
+    mutants_by "$out/missed" --timeout 300 "${again[@]}" -- --lib --tests
     : >"$out/mutants.out/missed.txt"
     # Options do not choose among fields that are left out: all of those in a file run once more.
     for outcome in caught missed timeout unviable; do
@@ -133,7 +134,7 @@ mutants_by() {
     mkdir -p "$out/mutants.out"
     touch "$out"/mutants.out/{caught,missed,timeout,unviable}.txt
     env -u CARGO_TARGET_DIR cargo mutants "${mutants_of_core[@]}" "${options[@]}" "${tests[@]}" --output "$out" \
-        --jobs 2 --timeout 120 --no-times --colors never || status=$?
+        --jobs 2 --no-times --colors never || status=$?
     # 2: some mutants were not caught, 3: some took too long.
     ((status == 0 || status == 2 || status == 3))
 }
