@@ -99,8 +99,9 @@ mutate() {
     shift
     rm -rf "$out"
     mkdir -p "$out/mutants.out"
-    mutants_by "$out/roads" --timeout 60 --file "$roads" "$@" -- --test=road_memory --test=packed_map
-    mutants_by "$out/drives" --timeout 60 --exclude "$roads" "$@" -- --test=change_indicator
+    mutants_by "$out/roads" --timeout 60 --file "$roads" "$@" \
+        --cargo-arg=--test=road_memory --cargo-arg=--test=packed_map
+    mutants_by "$out/drives" --timeout 60 --exclude "$roads" "$@" --cargo-arg=--test=change_indicator
     cat "$out"/{roads,drives}/mutants.out/missed.txt >"$out/missed.txt"
     # Names are patterns here.
     sed 's/[].[\*^$()+?{}|]/\\&/g; s/^/--re=^/; s/$/$/' "$out/missed.txt" >"$out/again"
@@ -111,7 +112,7 @@ mutate() {
     done
     [[ -s $out/missed.txt ]] || return 0
     # They take more than a minute where two are run at once.
-    mutants_by "$out/missed" --timeout 300 "${again[@]}" -- --lib --tests
+    mutants_by "$out/missed" --timeout 300 "${again[@]}" --cargo-arg=--lib --cargo-arg=--tests
     : >"$out/mutants.out/missed.txt"
     # Options do not choose among fields that are left out: all of those in a file run once more.
     for outcome in caught missed timeout unviable; do
@@ -119,21 +120,13 @@ mutate() {
     done
 }
 
-# Runs the mutants that the options choose by the tests named after `--`. The variable is unset, so that
-# the temporary copies do not share the target folder.
+# Runs the mutants and the tests that the options choose. Tests are chosen by options of cargo, for its
+# build and for its run; what follows `--` is for its run alone, and all of them are built. The variable
+# is unset, so that the temporary copies do not share the target folder.
 mutants_by() {
-    local out=$1 status=0 options=() tests=()
+    local out=$1 status=0
     shift
-    while [[ $1 != -- ]]; do
-        options+=("$1")
-        shift
-    done
-    shift
-    # These options are for cargo's build and for its run; what follows `--` is for its run alone.
-    tests=("${@/#/--cargo-arg=}")
-    mkdir -p "$out/mutants.out"
-    touch "$out"/mutants.out/{caught,missed,timeout,unviable}.txt
-    env -u CARGO_TARGET_DIR cargo mutants "${mutants_of_core[@]}" "${options[@]}" "${tests[@]}" --output "$out" \
+    env -u CARGO_TARGET_DIR cargo mutants "${mutants_of_core[@]}" "$@" --output "$out" \
         --jobs 2 --no-times --colors never || status=$?
     # 2: some mutants were not caught, 3: some took too long.
     ((status == 0 || status == 2 || status == 3))

@@ -39,6 +39,13 @@ pub struct Moment {
     back_left_m: f32,
 }
 
+impl Moment {
+    /// Returns whether it goes back: it stood at its stop, and has not gone as far as it wants to.
+    fn goes_back(&self) -> bool {
+        self.stands_s <= 0.0 && self.back_left_m > 0.0
+    }
+}
+
 /// The drive.
 pub struct Drive<'a> {
     scenario: &'a Scenario,
@@ -56,8 +63,11 @@ pub struct Drive<'a> {
     smooth_speed_mps: f32,
 }
 
-/// Moves a low-pass filter on by a tick.
+/// Moves a low-pass filter on by a tick. Without a time constant, it passes everything.
 fn smoothed(before: f32, now: f32, time_constant_s: f32) -> f32 {
+    if time_constant_s <= 0.0 {
+        return now;
+    }
     before + (now - before) * STEP_S / (time_constant_s + STEP_S)
 }
 
@@ -133,7 +143,7 @@ impl<'a> Drive<'a> {
             self.stand();
             return;
         }
-        if self.moment.back_left_m > 0.0 {
+        if self.moment.goes_back() {
             self.reverse();
             return;
         }
@@ -168,6 +178,7 @@ impl<'a> Drive<'a> {
         if to_stop_m < 2.0 || (to_stop_m < 20.0 && self.moment.speed_mps < 0.3) {
             self.stops_left.pop();
             self.moment.stands_s = self.scenario.stands_s;
+            self.moment.back_left_m = self.scenario.reverses_m;
             self.moment.speed_mps = 0.0;
         }
     }
@@ -179,12 +190,6 @@ impl<'a> Drive<'a> {
         moment.stands_s -= STEP_S;
         if moment.stands_s <= 0.0 {
             self.mass_kg *= self.scenario.load_factor;
-            // Once at each stop.
-            moment.back_left_m = if moment.back_left_m < 0.0 {
-                0.0
-            } else {
-                self.scenario.reverses_m
-            };
         }
     }
 
@@ -201,7 +206,6 @@ impl<'a> Drive<'a> {
         moment.back_left_m -= back_m;
         if moment.back_left_m <= 0.0 {
             (moment.speed_mps, moment.stands_s) = (0.0, 3.0);
-            moment.back_left_m = -1.0;
         }
     }
 
@@ -260,12 +264,7 @@ impl<'a> Drive<'a> {
             self.moment.speed_mps,
             self.scenario.speed_smoothed_s,
         );
-        let told_mps = if self.scenario.speed_smoothed_s > 0.0 {
-            self.smooth_speed_mps
-        } else {
-            self.moment.speed_mps
-        };
-        let speed_mps = told_mps + 0.01 * self.noise.draw();
+        let speed_mps = self.smooth_speed_mps + 0.01 * self.noise.draw();
         values.push((Signal::WheelSpeed, speed_mps.max(0.0)));
         let faults = self.scenario.faults;
         let moment = self.moment;
@@ -293,7 +292,7 @@ impl<'a> Drive<'a> {
                     (Signal::ShiftInProcess, f32::from(u8::from(shifting))),
                     (
                         Signal::CurrentGear,
-                        if moment.back_left_m > 0.0 {
+                        if moment.goes_back() {
                             -1.0
                         } else {
                             moment.gear as f32 + 1.0
@@ -369,14 +368,9 @@ impl<'a> Drive<'a> {
     fn of_the_receiver(&mut self) -> Vec<(Signal, f32)> {
         let moment = self.moment;
         let late_m = 0.2 * moment.speed_mps;
-        let turned_deg = if moment.back_left_m > 0.0 { 180.0 } else { 0.0 };
+        let turned_deg = if moment.goes_back() { 180.0 } else { 0.0 };
         let sine = slope(moment.distance_m, self.scenario.descents);
-        let passed_m = if self.scenario.altitude_smoothed_s > 0.0 {
-            self.smooth_altitude_m
-        } else {
-            moment.altitude_m
-        };
-        let altitude_m = passed_m - late_m * sine + self.altitude_error_m;
+        let altitude_m = self.smooth_altitude_m - late_m * sine + self.altitude_error_m;
         let mut values = vec![
             (Signal::FixMethod, 1.0),
             (Signal::Satellites, 9.0),

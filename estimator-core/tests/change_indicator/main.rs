@@ -7,6 +7,7 @@
 
 mod drive;
 mod scenario;
+mod scenarios;
 
 use drive::Drive;
 #[cfg(feature = "fixed")]
@@ -195,7 +196,7 @@ fn fixed_point(scenario: &Scenario) -> String {
 /// Returns the lines of all drives, on two threads.
 fn found() -> Vec<String> {
     let lines = |scenarios: &[Scenario]| -> Vec<String> { scenarios.iter().map(line).collect() };
-    let all = scenario::all();
+    let all = scenarios::all();
     let (some, others) = all.split_at(all.len() / 2);
     std::thread::scope(|scope| {
         let others = scope.spawn(|| lines(others));

@@ -4,14 +4,9 @@
 //! `CHANGE_INDICATOR=write cargo test -p estimator-core --test packed_map change_indicator`.
 
 use super::file::{CELL_E7, TestWay, packed};
-use super::{WAYS, live};
-use estimator_core::Cell;
+use super::{WAYS, finished, live};
 use estimator_core::roadmap::PackedMap;
-use std::collections::VecDeque;
-use test_kit::{Noise, check_digests, line_on_map};
-
-/// Cells by which a finished cell lies behind the live one.
-const LAG: usize = 200;
+use test_kit::{Noise, check_digests, finished_late, line_on_map};
 
 /// A way beside the road, one that crosses it, one that comes back from the exit, and one that is longer
 /// than a horizon.
@@ -140,7 +135,6 @@ fn drives() -> Vec<Drive> {
 fn line(ways: &[TestWay], bytes: &[u8], seed: u64, drive: &Drive) -> String {
     let mut noise = Noise(seed);
     let mut aside = [0.0_f32; 2];
-    let mut waiting = VecDeque::new();
     let mut cells = Vec::new();
     let places = drive.legs.iter();
     let places = places.flat_map(|(way, from, count)| (*from..from + count).map(|at| (*way, at)));
@@ -158,19 +152,10 @@ fn line(ways: &[TestWay], bytes: &[u8], seed: u64, drive: &Drive) -> String {
             .map(|(latitude, longitude)| (latitude + north, longitude + east + beside));
         let grade = &mut live.estimate.grade_percent;
         grade.value += drive.error_percent + 0.1 * noise.draw();
-        waiting.push_back(Cell {
-            end: live.end,
-            live_grade_percent: *grade,
-            lagged_grade_percent: *grade,
-            altitude_m: None,
-            live_consistent: true,
-            lagged_consistent: true,
-        });
-        let due = (waiting.len() > LAG).then(|| waiting.pop_front()).flatten();
-        cells.push((live, due));
+        cells.push((live, finished(&live)));
     }
     let map = PackedMap::open(bytes).expect("a map");
-    line_on_map(map, drive.name, &cells)
+    line_on_map(map, drive.name, &finished_late(&cells))
 }
 
 #[test]

@@ -230,6 +230,18 @@ fn live(way: &TestWay, cell: i32, driven: u32) -> Live {
     }
 }
 
+/// Returns a cell as it is finished, with its live grade.
+const fn finished(live: &Live) -> Cell {
+    Cell {
+        end: live.end,
+        live_grade_percent: live.estimate.grade_percent,
+        lagged_grade_percent: live.estimate.grade_percent,
+        altitude_m: None,
+        live_consistent: true,
+        lagged_consistent: true,
+    }
+}
+
 #[test]
 fn the_horizon_has_the_exit_and_the_fork() {
     let bytes = packed(&WAYS);
@@ -286,15 +298,7 @@ fn a_vehicle_that_takes_the_exit_is_on_it() {
         for (driven, (way, cell)) in (0..).zip(cells.chain(behind)) {
             let live = live(way, cell, driven);
             on_map.advance(&live);
-            let finished = Cell {
-                end: live.end,
-                live_grade_percent: live.estimate.grade_percent,
-                lagged_grade_percent: live.estimate.grade_percent,
-                altitude_m: None,
-                live_consistent: true,
-                lagged_consistent: true,
-            };
-            on_map.finish(&finished);
+            on_map.finish(&finished(&live));
             most_hypotheses = most_hypotheses.max(on_map.matcher().hypotheses().count());
         }
         let MapMatch::On(place) = on_map.matcher().place() else {

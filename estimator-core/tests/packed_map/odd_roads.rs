@@ -1,7 +1,7 @@
 //! Roads that cross the date line, that have gaps, that lie beside others, and drives with gaps.
 
 use super::file::{TestWay, packed};
-use super::{WAYS, before_the_exit, known_cell, live};
+use super::{WAYS, before_the_exit, finished, known_cell, live};
 use estimator_core::roadmap::{Horizon, MapLive, MapMatch, PackedMap};
 use estimator_core::{Cell, Uncertain};
 
@@ -201,15 +201,11 @@ fn grades_that_are_no_numbers_say_nothing_of_the_map() {
         }
         on_map.advance(&live);
         on_map.finish(&Cell {
-            end: live.end,
-            live_grade_percent: live.estimate.grade_percent,
             lagged_grade_percent: Uncertain {
                 value: if is_broken { f32::INFINITY } else { 2.0 },
                 sigma: 0.1,
             },
-            altitude_m: None,
-            live_consistent: true,
-            lagged_consistent: true,
+            ..finished(&live)
         });
         assert!(!on_map.is_left_out(), "{cell}");
         let shift = on_map.shift_m();

@@ -9,13 +9,10 @@ use super::flash::TestFlash;
 use estimator_core::roadmap::{PackedMap, combined_with_roads};
 use estimator_core::{Cell, CellEnd, Condition, Disagreement, Estimate, Instant, Live, Uncertain};
 use libm::{cos, sin};
-use std::collections::VecDeque;
-use test_kit::{Digest, Noise, check_digests, line_on_map};
+use test_kit::{Digest, Noise, check_digests, finished_late, line_on_map};
 
 const CELL_M: f64 = 2.5;
 const LATITUDE_M_PER_DEG: f64 = 111_200.0;
-/// Cells by which a finished cell lies behind the live one.
-const LAG: usize = 200;
 
 /// A cell of a road.
 #[derive(Clone, Copy)]
@@ -190,22 +187,12 @@ impl<'a> Drive<'a> {
     /// Returns the cells of the drive, each with one that is finished at that time.
     fn cells(mut self) -> Vec<(Live, Option<Cell>)> {
         let (gap_begin, gap_cells) = self.manner.gap;
-        let mut waiting = VecDeque::new();
-        let mut cells = Vec::new();
-        for cell in 0..self.spots.len() as u32 {
-            let (live, finished) = self.cell(cell);
-            if cell >= gap_begin && cell < gap_begin + gap_cells {
-                continue;
-            }
-            waiting.push_back(finished);
-            let due = if waiting.len() > LAG {
-                waiting.pop_front()
-            } else {
-                None
-            };
-            cells.push((live, due));
-        }
-        cells
+        let is_driven = |cell: u32| cell < gap_begin || cell >= gap_begin + gap_cells;
+        let count = self.spots.len() as u32;
+        let all: Vec<_> = (0..count).map(|cell| self.cell(cell)).collect();
+        let driven = (0..).zip(all).filter(|(number, _)| is_driven(*number));
+        let cells: Vec<_> = driven.map(|(_, cell)| cell).collect();
+        finished_late(&cells)
     }
 }
 

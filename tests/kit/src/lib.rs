@@ -32,6 +32,6 @@ pub use digests::{Digest, check_digests};
 pub use filter_runs::{FilterRun, FilteredStep, cells, run, run_counted, smooth};
 pub use frames::{TO_ALL, TRANSPORT_DATA, TRANSPORT_MANAGEMENT, TestFrame, frames_of, session_of};
 pub use noise::Noise;
-pub use on_map::line_on_map;
+pub use on_map::{finished_late, line_on_map};
 pub use samples::{altitude, sample, speed};
 pub use trucks::{by_force, truck, truck_with};

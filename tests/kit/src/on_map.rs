@@ -1,11 +1,22 @@
-//! A drive on a map, as one line.
+//! Cells that are finished later, and a drive on a map as one line.
 
 use crate::digests::Digest;
 use estimator_core::roadmap::{HorizonParts, MapLive, PackedMap};
 use estimator_core::{Cell, Live};
 
-/// Drives cells, each with one that is finished at that time, on a map, and once more on another day. Returns what a reader can
-/// follow, and the digest of all that the map told.
+/// Cells by which a finished cell lies behind the live one: the same in an estimator.
+const LAG: usize = 200;
+
+/// Returns the cells of a drive, each with the one that is finished at that time. `cells` has each as it
+/// is live and as it is finished.
+pub fn finished_late(cells: &[(Live, Cell)]) -> Vec<(Live, Option<Cell>)> {
+    let finished = |at: usize| at.checked_sub(LAG).map(|before| cells[before].1);
+    let live = cells.iter().enumerate();
+    live.map(|(at, (live, _))| (*live, finished(at))).collect()
+}
+
+/// Drives on a map, and once more on another day. `cells` are those of [`finished_late`]. Returns how much
+/// of the drive was on the map, where the map is shifted, and a digest of everything that it told.
 pub fn line_on_map(map: PackedMap, name: &str, cells: &[(Live, Option<Cell>)]) -> String {
     let mut digest = Digest::default();
     let mut map = MapLive::new(map);
