@@ -1,11 +1,13 @@
 //! Runs every fault and every manoeuvre on simulated drives:
 //!
 //! ```text
-//! cargo run -p cross-tests --release --example faults [-- --check | --write]
+//! cargo run -p cross-tests --release --example faults [-- --check | --write | --only WORDS...]
 //! ```
 
 use clap::Parser;
 use cross_tests::exit_code;
+use cross_tests::faults::matrix::matrix;
+use cross_tests::faults::table::table;
 use cross_tests::fault_page::{FaultPage, committed_file, faults, manoeuvres};
 use host_sim::error::{Error, Result};
 use host_sim::files::output::write_whole;
@@ -15,6 +17,9 @@ use std::process::ExitCode;
 /// Puts faults and manoeuvres into simulated drives, and reports their errors and counters.
 #[derive(Parser)]
 struct Options {
+    /// Print only the faults whose names contain this; may be repeated.
+    #[arg(long, value_name = "WORDS", conflicts_with_all = ["check", "write"])]
+    only: Vec<String>,
     /// Fail if the tables are not those of tests/faults.md.
     #[arg(long)]
     check: bool,
@@ -28,6 +33,9 @@ fn main() -> ExitCode {
 }
 
 fn run(options: &Options) -> Result<()> {
+    if !options.only.is_empty() {
+        return print(&table(&matrix(&options.only)?));
+    }
     let path = committed_file();
     let committed = FaultPage::committed()?;
     let (faults, complaints) = faults()?;

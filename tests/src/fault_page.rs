@@ -53,7 +53,7 @@ impl FaultPage {
 /// # Errors
 /// Returns the errors of the simulator.
 pub fn faults() -> Result<(String, Vec<String>)> {
-    let rows = matrix()?;
+    let rows = matrix(&[])?;
     Ok((table(&rows), rows.iter().flat_map(named).collect()))
 }
 

@@ -17,6 +17,7 @@ pub struct Covariance<S> {
 }
 
 /// Returns the position of element (i, j) in the packed triangle.
+#[inline] // In other crates, whatever they optimize.
 const fn packed_index(i: usize, j: usize) -> usize {
     let (low, high) = if i < j { (i, j) } else { (j, i) };
     low * STATES - low * (low + 1) / 2 + high

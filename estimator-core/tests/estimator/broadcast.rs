@@ -5,18 +5,23 @@ use embedded_can::{Frame, Id};
 use estimator_core::broadcast::{self, CELL_PGN, LIVE_PGN, STATUS_PGN};
 use estimator_core::{Cell, CellEnd, Condition, Disagreement, Estimate, Live, Uncertain};
 use proptest::prelude::*;
+use std::sync::LazyLock;
 use test_kit::TestFrame;
 
 const SOURCE: u8 = 0xFE;
 
-fn layout(pgn: u32) -> Message {
+/// The messages of the layout file: to read it takes longer than a case of a property.
+static MESSAGES: LazyLock<Vec<Message>> = LazyLock::new(|| {
     let text = include_str!("../../dbc/grade.dbc");
-    let messages = Dbc::try_from(text).unwrap().messages;
-    let is_it = |message: &Message| match message.id {
+    Dbc::try_from(text).unwrap().messages
+});
+
+fn layout(pgn: u32) -> &'static Message {
+    let is_it = |message: &&Message| match message.id {
         MessageId::Extended(id) => id >> 8 & 0xFFFF == pgn,
         MessageId::Standard(_) => false,
     };
-    messages.into_iter().find(is_it).unwrap()
+    MESSAGES.iter().find(is_it).unwrap()
 }
 
 /// A signal by its name; `None` if its bits are all ones.

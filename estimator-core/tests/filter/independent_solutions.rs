@@ -29,7 +29,8 @@ fn equals_the_batch(
             .any(|cell| cell.record.smoother_input.scale_set)
     );
     prop_assume!(!cells.iter().any(|cell| cell.record.disagreement.brake));
-    // The core computes its coefficients in single precision: they agree to 1e-4 %, not more.
+    // The core computes its coefficients in single precision: they agree to 1e-4 %, not more, and to a
+    // small part of a sigma where little is known.
     let reference = batch(samples, &cells, tuning);
     for (k, (smoothed, (slope, sigma))) in smooth(&cells).iter().zip(&reference).enumerate() {
         let sine = 0.01 * slope;
@@ -37,7 +38,7 @@ fn equals_the_batch(
         let (grade, sigma) = (100.0 * sine / cosine, sigma / cosine.powi(3));
         let found = smoothed.grade_percent;
         prop_assert!(
-            (f64::from(found.value) - grade).abs() < 2e-4 * (1.0 + grade.abs()),
+            (f64::from(found.value) - grade).abs() < 2e-4 * (1.0 + grade.abs() + sigma),
             "cell {k}: {} against {grade}",
             found.value
         );
