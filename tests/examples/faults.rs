@@ -6,9 +6,9 @@
 
 use clap::Parser;
 use cross_tests::exit_code;
+use cross_tests::fault_page::{FaultPage, committed_file, faults, manoeuvres};
 use cross_tests::faults::matrix::matrix;
 use cross_tests::faults::table::table;
-use cross_tests::fault_page::{FaultPage, committed_file, faults, manoeuvres};
 use host_sim::error::{Error, Result};
 use host_sim::files::output::write_whole;
 use host_sim::terminal::print::print;
