@@ -83,15 +83,25 @@ pub fn read(path: &Path) -> Result<Vec<RunRow>> {
 /// # Errors
 /// Returns an error that names the file, the line and the expected value.
 pub fn read_cells(path: &Path) -> Result<(Vec<RunCell>, RunIdentity)> {
-    let most = limits::rows_in_memory::<RunCell>();
     let mut cells = Vec::new();
-    let mut keep = |cell| limits::push(&mut cells, cell, most, path);
-    let identity = if is_parquet(path) {
-        parquet::each_cell(path, most, keep)?
-    } else {
-        each_cell_of_csv(path, &mut keep)?
-    };
+    let identity = read_cells_into(&mut cells, path)?;
     Ok((cells, identity))
+}
+
+/// Reads as [`read_cells`] does, into the memory of cells that are of no more use. After an error
+/// the cells are some of the file's.
+///
+/// # Errors
+/// Returns an error that names the file, the line and the expected value.
+pub(crate) fn read_cells_into(cells: &mut Vec<RunCell>, path: &Path) -> Result<RunIdentity> {
+    cells.clear();
+    let most = limits::rows_in_memory::<RunCell>();
+    let mut keep = |cell| limits::push(cells, cell, most, path);
+    if is_parquet(path) {
+        parquet::each_cell(path, most, keep)
+    } else {
+        each_cell_of_csv(path, &mut keep)
+    }
 }
 
 /// Returns the identity that a run as Parquet names; `None` for a run as CSV, which must be read.

@@ -6,6 +6,7 @@ mod parquet;
 mod row;
 
 pub use cell::{RunCell, RunHash, RunIdentity};
+pub(crate) use file::read_cells_into;
 pub use file::{each_cell, identity, read, read_cells, table, write, write_from, write_rows};
 pub use parquet::{Origin, outline, session};
 pub use row::{RunRow, RunRows};

@@ -137,5 +137,6 @@ fn course(knots: &[Knot], plane: &LocalPlane) -> Option<[f64; 2]> {
     let chord = [b[0] - a[0], b[1] - a[1]];
     // A chord far shorter than the driven distance is a turn on the spot or a receiver at
     // standstill.
-    (chord[0].hypot(chord[1]) >= 0.5 * span_m).then_some(chord)
+    let squared_m2 = chord[0] * chord[0] + chord[1] * chord[1];
+    (squared_m2 >= 0.25 * span_m * span_m).then_some(chord)
 }

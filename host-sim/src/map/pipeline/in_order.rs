@@ -15,13 +15,14 @@ pub(super) trait Item: Sync {
 
 /// Passes the result of `make` for each item to `take`, in their order. As many results are in
 /// memory at once as cost `most` together, but at least one for each thread that finds it empty.
+/// Each thread has a scratch of its own, which `make` may use again for the next item.
 ///
 /// # Errors
 /// Returns the first error of `take`; later items are then not taken.
-pub(super) fn in_order<T: Item, R: Send>(
+pub(super) fn in_order<T: Item, S: Default, R: Send>(
     items: &[T],
     most: usize,
-    make: impl Fn(&T) -> R + Sync,
+    make: impl Fn(&T, &mut S) -> R + Sync,
     take: impl FnMut(&T, R) -> Result<()> + Send,
 ) -> Result<()> {
     let work = Work {
@@ -102,14 +103,15 @@ impl<T, R, F> Work<'_, T, R, F> {
 
 impl<T: Item, R, F: FnMut(&T, R) -> Result<()>> Work<'_, T, R, F> {
     /// Makes and takes results until all are taken.
-    fn join_in(&self, make: &impl Fn(&T) -> R) {
+    fn join_in<S: Default>(&self, make: &impl Fn(&T, &mut S) -> R) {
         let _guard = Guard(self);
+        let mut scratch = S::default();
         let mut state = self.lock();
         loop {
             match self.next_step(&mut state) {
                 Step::Make(i) => {
                     drop(state);
-                    let result = make(&self.items[i]);
+                    let result = make(&self.items[i], &mut scratch);
                     state = self.lock();
                     state.made.insert(i, result);
                 }

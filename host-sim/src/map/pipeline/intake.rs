@@ -1,11 +1,12 @@
 //! Adds runs to a map, a few in memory at a time.
 
+use super::cell_buffer::CellBuffer;
 use super::in_order::{Item, in_order};
 use super::inputs::{Inputs, RunInput};
 use super::words::{report_coverage, report_left_out};
 use crate::error::{Error, Result, on_one_line};
 use crate::files::output::Staged;
-use crate::files::run::{self, RunIdentity};
+use crate::files::run::RunIdentity;
 use crate::files::stop::Stop;
 use crate::map::fusion::grade_map::GradeMap;
 use crate::map::io::placed_file::PlacedFolder;
@@ -86,18 +87,19 @@ impl<'a, 'r> RunIntake<'a, 'r> {
         // Runs that were in the map at the start need not be placed.
         let (road, known) = (self.sums.network(), self.runs.clone());
         let folder = self.placed.clone();
-        let arrive = |input: &RunInput| {
+        let arrive = |input: &RunInput, buffer: &mut CellBuffer| {
             stop.check()?;
-            let (cells, identity) = run::read_cells(&input.path)?;
-            let placed = (!known.contains(identity)).then(|| place(road, &cells));
-            let covering = placed.as_ref().filter(|placed| !placed.cells.is_empty());
-            let staged = folder.as_ref().zip(covering).map(|(folder, placed)| {
-                folder.stage(identity, input.session.as_deref(), road, &placed.cells)
-            });
-            Ok(Arrival {
-                identity,
-                placed,
-                staged: staged.transpose()?,
+            buffer.read(&input.path, |cells, identity| {
+                let placed = (!known.contains(identity)).then(|| place(road, cells));
+                let covering = placed.as_ref().filter(|placed| !placed.cells.is_empty());
+                let staged = folder.as_ref().zip(covering).map(|(folder, placed)| {
+                    folder.stage(identity, input.session.as_deref(), road, &placed.cells)
+                });
+                Ok(Arrival {
+                    identity,
+                    placed,
+                    staged: staged.transpose()?,
+                })
             })
         };
         in_order(&runs, ROWS_IN_FLIGHT, arrive, |input, arrival| {

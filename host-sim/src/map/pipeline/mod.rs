@@ -1,5 +1,6 @@
 //! From run files to a map file, a few runs in memory at a time.
 
+mod cell_buffer;
 pub mod fuse_files;
 mod in_order;
 pub mod inputs;

@@ -3,6 +3,7 @@
 //! Each run is placed by itself, and its file has the run's name. So runs can be spread over
 //! processes and machines, and a process that was interrupted can be started again.
 
+use super::cell_buffer::CellBuffer;
 use super::in_order::in_order;
 use super::inputs::{Inputs, NamedSession, RunInput};
 use super::intake::ROWS_IN_FLIGHT;
@@ -66,7 +67,8 @@ pub fn place_files(request: &PlaceRequest) -> Result<PlaceTally> {
     for e in inputs.damaged {
         tally.leave_out(e, request.strict)?;
     }
-    let arrive = |input: &RunInput| outcome(input, &network, &folder);
+    let arrive =
+        |input: &RunInput, buffer: &mut CellBuffer| outcome(input, buffer, &network, &folder);
     in_order(
         &inputs.runs,
         ROWS_IN_FLIGHT,
@@ -80,23 +82,29 @@ pub fn place_files(request: &PlaceRequest) -> Result<PlaceTally> {
 }
 
 /// Places a run, unless it is there.
-fn outcome(input: &RunInput, network: &Network, folder: &PlacedFolder) -> Result<Outcome> {
+fn outcome(
+    input: &RunInput,
+    buffer: &mut CellBuffer,
+    network: &Network,
+    folder: &PlacedFolder,
+) -> Result<Outcome> {
     let path = &input.path;
     // A run as Parquet names its identity; one as CSV must be read.
     let known = run::identity(path)?.map(|run| folder.has(run));
     if known.transpose()? == Some(true) {
         return Ok(Outcome::There);
     }
-    let (cells, identity) = run::read_cells(path)?;
-    let placed = place(network, &cells);
-    let session = input.session.as_deref();
-    let is_empty = placed.cells.is_empty();
-    let staged = (!is_empty).then(|| folder.stage(identity, session, network, &placed.cells));
-    Ok(Outcome::Placed(
-        placed.coverage,
-        placed.cells.len(),
-        staged.transpose()?,
-    ))
+    buffer.read(path, |cells, identity| {
+        let placed = place(network, cells);
+        let session = input.session.as_deref();
+        let is_empty = placed.cells.is_empty();
+        let staged = (!is_empty).then(|| folder.stage(identity, session, network, &placed.cells));
+        Ok(Outcome::Placed(
+            placed.coverage,
+            placed.cells.len(),
+            staged.transpose()?,
+        ))
+    })
 }
 
 impl PlaceTally {
