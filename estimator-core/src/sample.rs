@@ -38,6 +38,9 @@ pub struct Sample {
     pub after_stop: bool,
     /// Whether the mass of the forces is one that the bus reported, not the parameter.
     pub mass_is_reported: bool,
+    /// Whether the torque of the powertrain stayed the same over the whole cell.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub torque_rests: bool,
     /// Signals that disagree in this cell.
     pub disagreement: Disagreement,
 }

@@ -174,6 +174,7 @@ impl AltitudeUpdate {
         &mut self,
         context: &mut Context,
         sample: &Sample,
+        resting_cells: u32,
         state: &mut State<S>,
     ) -> Gated<S> {
         let Some(altitude) = &sample.altitude else {
@@ -196,7 +197,8 @@ impl AltitudeUpdate {
         if self.gate.silent_s() > context.tuning.gates.altitude_gap_s {
             count(&mut context.counters.altitude_gaps);
         }
-        let (decision, event) = self.decide(context, sample, state, &fix, delay_changed);
+        let (decision, event) =
+            self.decide(context, sample, resting_cells, state, &fix, delay_changed);
         let mut gated = Gated {
             event,
             ..Gated::NONE
@@ -211,6 +213,13 @@ impl AltitudeUpdate {
                 gated.accepted = Some(AcceptedFix(fix));
             }
             GateDecision::SetAltitude => {
+                self.set_altitude(state, &mut fix);
+                gated.sets_altitude = true;
+            }
+            GateDecision::SetAltitudeAndUndo(model_error, sigma_percent) => {
+                undo_drift(state, &model_error);
+                let variance = S::from_f32(sigma_percent * sigma_percent);
+                state.covariance.add_variance(Slope, variance);
                 self.set_altitude(state, &mut fix);
                 gated.sets_altitude = true;
             }
@@ -287,6 +296,7 @@ impl AltitudeUpdate {
         &mut self,
         context: &Context,
         sample: &Sample,
+        resting_cells: u32,
         state: &State<S>,
         fix: &Fix<S>,
         delay_changed: bool,
@@ -318,6 +328,7 @@ impl AltitudeUpdate {
                 wind_variance: wind_variance(context, sample, 1.0),
                 per_wind_length: 1.0 / tuning.process_noise.wind_length_m,
             },
+            resting_cells,
         };
         self.gate.decide(&innovation, state, tuning)
     }
@@ -372,7 +383,9 @@ impl<S: Scalar> Gated<S> {
             Some(AltitudeEvent::DriftBegan(since)) if self.undoes_error => {
                 Some(cell.saturating_sub(since) + 1)
             }
-            Some(AltitudeEvent::Contradicted { cells }) => Some(cells),
+            Some(AltitudeEvent::Contradicted { cells } | AltitudeEvent::TorqueStuck { cells }) => {
+                Some(cells)
+            }
             _ => None,
         }
     }
@@ -453,6 +466,8 @@ fn count_event(counters: &mut Counters, event: AltitudeEvent) {
         AltitudeEvent::DriftEnded(_) => return,
         AltitudeEvent::DriftBelieved => &mut counters.altitude_drifts_believed,
         AltitudeEvent::SetAnew => &mut counters.altitude_resets,
-        AltitudeEvent::Contradicted { .. } => &mut counters.climbs_contradicted,
+        AltitudeEvent::Contradicted { .. } | AltitudeEvent::TorqueStuck { .. } => {
+            &mut counters.climbs_contradicted
+        }
     });
 }

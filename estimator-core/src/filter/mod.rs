@@ -47,6 +47,7 @@ mod speed_update;
 pub mod state;
 pub mod state_index;
 pub mod step_record;
+mod stuck_torque;
 
 pub use altitude_gate::AltitudeEvent;
 pub use covariance::Covariance;
@@ -59,6 +60,7 @@ pub use state::State;
 pub use state_index::{STATES, StateIndex, StateVector};
 pub use step_record::{Reset, SmootherInput, StepRecord};
 
+use crate::cell::CellEnd;
 use crate::context::Context;
 use crate::counters::count;
 use crate::sample::{Sample, SpeedMeasurement};
@@ -81,6 +83,7 @@ use silent_brake::SilentBrake;
 use slope_step::{allow_kink, allow_step};
 use slope_update::SlopeUpdate;
 use speed_update::SpeedUpdate;
+use stuck_torque::StuckTorque;
 
 /// The filter: a state that samples move.
 #[derive(Clone, Debug)]
@@ -96,6 +99,7 @@ pub struct Filter<S> {
     levels: ErrorLevels,
     load: LoadTest,
     brake: SilentBrake,
+    torque: StuckTorque,
     accelerometer: Accelerometer,
     /// Distance over which the model does not hold, up to the last cell, m.
     invalid_m: f32,
@@ -127,6 +131,7 @@ impl<S: Scalar> Filter<S> {
             levels: ErrorLevels::new(),
             load: LoadTest::default(),
             brake: SilentBrake::default(),
+            torque: StuckTorque::default(),
             accelerometer: Accelerometer::new(tuning),
             invalid_m: 0.0,
         }
@@ -196,8 +201,11 @@ impl<S: Scalar> Filter<S> {
         self.reopen(context, sample);
         let braked = self.brake.advance(context, sample, self.state.as_ref());
         let sample = braked.as_ref().unwrap_or(sample);
-        let reported = sample;
-        let doubted = self.accelerometer.without_force(sample);
+        let mut reported = sample.end.condition;
+        reported.no_traction |= self.torque.advance(sample);
+        let is_doubted = reported.no_traction || self.accelerometer.doubts_force(sample);
+        let doubted =
+            (is_doubted && !sample.end.condition.no_traction).then(|| without_traction(sample));
         let sample = doubted.as_ref().unwrap_or(sample);
         let is_first = self.state.is_none();
         let steps_count = context.model.vehicle.traction != Traction::Force;
@@ -228,7 +236,7 @@ impl<S: Scalar> Filter<S> {
         let disagreeing_force = self.accelerometer.advance(
             context,
             sample,
-            reported.end.condition,
+            reported,
             self.state.as_ref(),
             &mut prediction,
         );
@@ -243,6 +251,7 @@ impl<S: Scalar> Filter<S> {
             levels,
             load,
             brake,
+            torque,
             accelerometer,
             ..
         } = self;
@@ -285,10 +294,15 @@ impl<S: Scalar> Filter<S> {
             altitude.brake_found();
             disagreeing_cells = cells;
         }
-        let gated = altitude.gate(context, sample, state);
+        let gated = altitude.gate(context, sample, torque.resting_cells(), state);
         if let Some(cells) = gated.disagreeing_cells(sample.end.cell) {
             is_undone = gated.undoes_error && disagreement.is_none();
-            disagreement.climb = true;
+            if matches!(gated.event, Some(AltitudeEvent::TorqueStuck { .. })) {
+                torque.found();
+                disagreement.torque = true;
+            } else {
+                disagreement.climb = true;
+            }
             disagreeing_cells = disagreeing_cells.max(cells);
         }
         let reset = gated.reset(reset);
@@ -345,7 +359,10 @@ impl<S: Scalar> Filter<S> {
             return None;
         }
         Some(StepRecord {
-            end: reported.end,
+            end: CellEnd {
+                condition: reported,
+                ..sample.end
+            },
             smoother_input: SmootherInput {
                 dynamics: *prediction.dynamics(),
                 reset,
@@ -439,6 +456,14 @@ fn start_after_gap<S: Scalar>(state: &mut State<S>, tuning: &Tuning, speed: Spee
     ] {
         state.covariance.set(index, index, square(sigma));
     }
+}
+
+/// Returns the sample as one without a known traction.
+#[inline(never)] // Rare.
+fn without_traction(sample: &Sample) -> Sample {
+    let mut doubted = *sample;
+    doubted.end.condition.no_traction = true;
+    doubted
 }
 
 /// Returns whether the bus reports the mass, or an adopted effect knows it.

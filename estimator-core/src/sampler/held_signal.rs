@@ -15,6 +15,7 @@ pub(super) struct HeldSignal {
     last: Option<(f32, Instant)>,
     moved: f32,
     moved_after_rest: f32,
+    has_changed: bool,
 }
 
 impl HeldSignal {
@@ -23,12 +24,14 @@ impl HeldSignal {
     pub(super) fn is_new(&mut self, value: f32, now: Instant, tuning: &Detection) -> bool {
         let Some((last, since)) = self.last else {
             self.last = Some((value, now));
+            self.has_changed = true;
             return true;
         };
         if value == last {
             return !self.is_held(tuning);
         }
         self.last = Some((value, now));
+        self.has_changed = true;
         let change = (value - last).abs();
         let keep = 1.0 - Scalar::min(change / (10.0 * tuning.held_after_percent), 1.0);
         self.moved = keep * self.moved + change;
@@ -37,6 +40,11 @@ impl HeldSignal {
             self.moved_after_rest += change;
         }
         true
+    }
+
+    /// Returns whether the value has changed since the last call.
+    pub(super) fn take_change(&mut self) -> bool {
+        core::mem::take(&mut self.has_changed)
     }
 
     fn is_held(&self, tuning: &Detection) -> bool {

@@ -291,6 +291,7 @@ impl Parts {
             after_load_change: self.stops.take_load_change(context),
             after_stop: self.stops.take_stop(),
             mass_is_reported: self.stops.has_reported_mass(),
+            torque_rests: self.traction.take_rest(model),
             disagreement: Disagreement::default(),
         };
         self.gnss.cell_closed();

@@ -119,6 +119,12 @@ impl TractionInput {
         }
     }
 
+    /// Returns whether the torque stayed the same, to the last bit, since the last call. A measured
+    /// force is none.
+    pub(super) fn take_rest(&mut self, model: &Model) -> bool {
+        !self.held_torque.take_change() && model.vehicle.traction != Traction::Force
+    }
+
     /// Returns whether the driveline passes torque; true for a measured force.
     pub(super) fn is_engaged(&self, model: &Model) -> bool {
         match model.vehicle.traction {

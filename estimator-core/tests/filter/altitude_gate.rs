@@ -150,6 +150,59 @@ fn a_drift_is_detected_and_rejected_until_it_ends() {
     }
 }
 
+/// A road that climbs by 3 % over a kilometre, from cell 1,500 on, with the force of a level road.
+fn unseen_climb(rests: impl Fn(u32) -> bool) -> (Vec<FilteredStep<f64>>, Counters) {
+    changed_drive(
+        4_000,
+        |k, altitude_m| Some(altitude_m + 3.0 * ramp(1_500, 1_900, 1.0)(k)),
+        |k, sample| sample.torque_rests = rests(k),
+    )
+}
+
+#[test]
+fn a_torque_that_rests_where_altitudes_leave_its_climb_is_stuck_until_it_changes() {
+    let (cells, counters) = unseen_climb(|k| (1_480..1_900).contains(&k));
+    let events = events(&cells);
+    let [
+        (1..=8, AltitudeEvent::SetAnew),
+        (found, AltitudeEvent::TorqueStuck { cells: since }),
+    ] = events[..]
+    else {
+        panic!("{events:?}");
+    };
+    assert!((1_510..1_600).contains(&found), "{found}");
+    assert!((1_480..1_520).contains(&(found - since)), "{since}");
+    assert_eq!(
+        (counters.altitude_drifts, counters.climbs_contradicted),
+        (0, 1)
+    );
+    let at = |cell: u32| &cells[cell as usize - 1];
+    assert!(at(found).record.disagreement.torque);
+    assert_eq!(at(found).record.disagreeing_cells, since);
+    for cell in 1_400..2_000 {
+        let is_known = !at(cell).record.end.condition.no_traction;
+        assert_eq!(is_known, cell <= found || cell >= 1_900, "{cell}");
+    }
+    // The altitudes show the climb while the torque is not used.
+    for cell in (found + 100)..1_900 {
+        let grade = at(cell).state.estimate(&ModelMass::default()).grade_percent;
+        assert!(
+            (grade.value - 3.0).abs() < 3.0 * grade.sigma,
+            "{cell}: {grade:?}"
+        );
+        assert!(grade.sigma < 1.5, "{cell}: {grade:?}");
+    }
+}
+
+#[test]
+fn a_torque_that_moves_is_not_stuck() {
+    let (cells, counters) = unseen_climb(|k| k % 20 != 0);
+    assert!(counters.altitude_drifts > 0);
+    let is_stuck =
+        |(_, event): &(u32, AltitudeEvent)| matches!(event, AltitudeEvent::TorqueStuck { .. });
+    assert!(!events(&cells).iter().any(is_stuck));
+}
+
 #[test]
 fn a_stop_in_a_drift_does_not_end_it() {
     let drift = ramp(1_500, 1_900, 1.0);

@@ -99,6 +99,7 @@ fn sample() -> impl Strategy<Value = Sample> {
                 after_load_change: !flag,
                 after_stop: flag,
                 mass_is_reported: flag,
+                torque_rests: !flag,
                 disagreement: Disagreement {
                     climb: flag,
                     gear: !flag,

@@ -3,7 +3,7 @@
 use estimator_core::sample::Sample;
 use estimator_core::{Signal, Value};
 use test_kit::readings_drive::ReadingsDrive;
-use test_kit::{truck, truck_with};
+use test_kit::{by_force, truck, truck_with};
 
 /// Reference torque of the electric car, Nm, and the ratio of its only gear.
 const REFERENCE_NM: f32 = 250.0;
@@ -41,6 +41,30 @@ fn a_motor_through_a_single_reduction_needs_neither_gear_nor_speed() {
         assert!(sample.end.condition.is_valid());
         assert!(sample.effect_inputs.engaged);
     }
+}
+
+#[test]
+fn a_torque_rests_in_the_cells_in_which_it_does_not_change() {
+    for signal in [Signal::MotorTorque, Signal::EngineTorque] {
+        let mut drive = electric();
+        last(&mut drive, &[(signal, 40.0)]);
+        let same = drive.on(2.0, &[(signal, 40.0), (Signal::WheelSpeed, 20.0)]);
+        assert!(same.iter().all(|sample| sample.torque_rests));
+        let changed = drive.on(2.0, &[(signal, 41.0), (Signal::WheelSpeed, 20.0)]);
+        let moving: Vec<bool> = changed.iter().map(|sample| !sample.torque_rests).collect();
+        assert!(moving[0] && !moving[1..].contains(&true), "{moving:?}");
+    }
+}
+
+#[test]
+fn a_measured_force_is_no_torque_that_rests() {
+    let mut drive = ReadingsDrive::of(by_force());
+    let samples = drive.on(
+        5.0,
+        &[(Signal::TractionForce, 4_000.0), (Signal::WheelSpeed, 20.0)],
+    );
+    assert!(samples.len() > 20);
+    assert!(!samples.iter().any(|sample| sample.torque_rests));
 }
 
 #[test]
@@ -161,7 +185,7 @@ fn the_same_torque_in_nm_and_in_parts_gives_the_same_samples() {
 
 #[test]
 fn a_measured_force_is_not_touched_by_torques() {
-    let mut drive = ReadingsDrive::of(test_kit::by_force());
+    let mut drive = ReadingsDrive::of(by_force());
     let readings = [(Signal::MotorTorque, 100.0), (Signal::TractionForce, 5e3)];
     assert_eq!(last(&mut drive, &readings).forces.traction_n, 5e3);
 }
@@ -177,7 +201,7 @@ fn a_force_counts_where_the_vehicle_is_known_by_it_and_only_with_a_value() {
     let used = |drive: &ReadingsDrive| drive.context.counters.tractions_used;
     assert_eq!(used(&by_torque), used(&without));
 
-    let mut by_force = ReadingsDrive::of(test_kit::by_force());
+    let mut by_force = ReadingsDrive::of(by_force());
     let nothing = [
         (Signal::TractionForce, Value::NotAvailable),
         (Signal::WheelSpeed, Value::Real(20.0)),

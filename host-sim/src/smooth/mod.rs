@@ -5,6 +5,7 @@ mod disagreements;
 mod drifts;
 mod filtered_cell;
 mod samples;
+mod stuck_torques;
 mod whole_run;
 
 pub use cell_ranges::CellRanges;

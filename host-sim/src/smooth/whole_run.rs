@@ -16,6 +16,7 @@ use super::disagreements::Disagreements;
 use super::drifts::Drifts;
 use super::filtered_cell::ForwardCell;
 use super::samples::Samples;
+use super::stuck_torques::StuckTorques;
 use estimator_core::cell::CellEnd;
 use estimator_core::filter::{Filter, ModelMass, StepRecord};
 use estimator_core::sample::Sample;
@@ -41,6 +42,9 @@ pub struct SmoothedCell {
 
 /// Smooths a run. Returns one cell for each sample from the first speed on. `filter` is that of the
 /// second pass ([`Filter::second_pass`]).
+///
+/// When the filter finds that the torque is stuck, it has already used it for some hundred metres. It
+/// then runs over the drive once more, without that torque from where it came to rest.
 ///
 /// When the filter detects a drift of GNSS, it has already followed it for some hundred metres. The
 /// filter then runs over the drive twice more: without the fixes since the drift began, and with
@@ -82,6 +86,7 @@ pub fn smooth_segments<S: Scalar, M: Samples>(
         },
         samples,
         drifts: Drifts::default(),
+        stuck_torques: StuckTorques::default(),
         disagreements: Disagreements::default(),
         pass: BackwardPass::new(),
         take,
@@ -89,13 +94,20 @@ pub fn smooth_segments<S: Scalar, M: Samples>(
     let start = Checkpoint {
         filter: filter.clone(),
         has_drifted: false,
+        torque_is_stuck: false,
         cells: 0,
     };
+    let mut first = smoother.look(start.clone())?;
+    if !first.stuck_torques.is_empty() {
+        smoother.stuck_torques = core::mem::take(&mut first.stuck_torques);
+        first = smoother.look(start.clone())?;
+    }
     let FirstLook {
         negative_log_likelihood: mut least,
         drifts,
         disagreements,
-    } = smoother.look(start.clone())?;
+        ..
+    } = first;
     smoother.disagreements = disagreements;
     if !drifts.is_empty() {
         let mut believing = tuning.clone();
@@ -136,6 +148,8 @@ struct Checkpoint<S> {
     filter: Filter<S>,
     /// True if the last altitudes were rejected because of a drift.
     has_drifted: bool,
+    /// True if the torque of the last cell is left out because it is stuck.
+    torque_is_stuck: bool,
     /// Number of cells since the first speed.
     cells: usize,
 }
@@ -145,6 +159,7 @@ struct FirstLook {
     /// Mean over the altitudes, times two and but for a constant.
     negative_log_likelihood: f64,
     drifts: Drifts,
+    stuck_torques: StuckTorques,
     disagreements: Disagreements,
 }
 
@@ -153,6 +168,8 @@ struct Smoother<'a, S, M, T> {
     samples: &'a mut M,
     /// Drifts whose altitudes are not used.
     drifts: Drifts,
+    /// Torques that are not used.
+    stuck_torques: StuckTorques,
     /// Where signals disagree.
     disagreements: Disagreements,
     /// The estimate from the later cells.
@@ -170,6 +187,7 @@ where
     fn look(&mut self, mut from: Checkpoint<S>) -> Result<FirstLook, M::Error> {
         let (mut sum, mut altitudes) = (-0.0, 0_usize);
         let mut drifts = Drifts::default();
+        let mut stuck_torques = StuckTorques::default();
         let mut disagreements = Disagreements::default();
         let all = 0..self.samples.count();
         self.filter(all, &mut from, |record, _, _| {
@@ -179,11 +197,13 @@ where
                 altitudes += 1;
             }
             drifts.note(record.event, record.end.cell);
+            stuck_torques.note(record.event, record.end.cell);
             disagreements.note(&record);
         })?;
         Ok(FirstLook {
             negative_log_likelihood: sum / altitudes as f64,
             drifts,
+            stuck_torques,
             disagreements,
         })
     }
@@ -251,10 +271,14 @@ where
         mut note: impl FnMut(StepRecord<S>, &Filter<S>, ModelMass),
     ) -> Result<(), M::Error> {
         let Self {
-            context, drifts, ..
+            context,
+            drifts,
+            stuck_torques,
+            ..
         } = self;
         self.samples.each(part, |sample| {
-            let sample = drifts.without(sample, &mut checkpoint.has_drifted);
+            let sample = stuck_torques.without(sample, &mut checkpoint.torque_is_stuck);
+            let sample = drifts.without(&sample, &mut checkpoint.has_drifted);
             if let Some(record) = checkpoint.filter.step(context, &sample) {
                 checkpoint.cells += 1;
                 let mass = ModelMass::of(context, &sample);

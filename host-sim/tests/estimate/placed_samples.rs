@@ -41,6 +41,7 @@ fn kept(cell: u32, used: Duration, true_s: f64) -> (Sample, Duration) {
         after_load_change: false,
         after_stop: false,
         mass_is_reported: false,
+        torque_rests: false,
         disagreement: Disagreement::default(),
     };
     (sample, used)

@@ -47,6 +47,7 @@ pub fn ours(meter: &mut impl FilterMeter) {
         after_load_change: false,
         after_stop: false,
         mass_is_reported: false,
+        torque_rests: false,
         disagreement: Disagreement::default(),
     };
     let no_effects = EffectContribution::default();

@@ -47,9 +47,9 @@ const NO_DISTANCE: &str = "The distance of a long gap is its duration times the 
 const STUCK_SPEED: &str = "Detected only when the engine speed differs by 0.5 % from the reported wheel \
     speed. Until then, for some seconds, a constant speed is read as a slope. After that the front axle \
     speed is used. Without it cells are missing.";
-const STUCK_TORQUE: &str = "Not detected: full load and overrun are constant torques too, and the road \
-    may rise by the missing torque. The estimator takes the contradicting GNSS altitudes for a drift, for \
-    up to 2.5 km. A part of the cells is marked, but too few.";
+const STUCK_TORQUE: &str = "Detected where altitudes leave the climb of the forces while the torque does \
+    not change, after some hundred metres: full load and overrun are constant torques too. Until then the live \
+    grade is wrong. The lagged cells up to there are marked, and the smoothed ones are without the torque.";
 const WRONG_RADIUS: &str = "A step of the speed is counted if it occurs while driving. A speed that is \
     wrong from the start equals that of another wheel radius, such as worn tyres: the distance is wrong \
     by the same ratio, the grade by 3 % of itself. `diagnose` finds the error over several drives.";
@@ -81,7 +81,7 @@ const ALL: &[(&str, Short, &str)] = &[
         },
         STUCK_SPEED,
     ),
-    ("torque stuck", DISHONEST, STUCK_TORQUE),
+    ("torque stuck", MET, STUCK_TORQUE),
     (
         "one torque in 20 wrong by up to 50 %",
         UNSEEN,

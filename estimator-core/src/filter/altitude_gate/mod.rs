@@ -19,6 +19,7 @@ pub(super) use climb_test::{ModelError, Segment, TestedFix};
 
 use super::noise_ratio::{CorrelatedNoiseRatio, NoiseRatio, SensorNoiseRatios};
 use super::state::State;
+use super::stuck_torque::StuckTorque;
 use crate::cell::CELL_LENGTH_M;
 use crate::scalar::Scalar;
 use crate::tuning::{Gates, MeasurementNoise, Tuning};
@@ -47,6 +48,12 @@ pub enum AltitudeEvent {
         /// Number of cells.
         cells: u32,
     },
+    /// Altitudes leave the climb of the forces since so many cells, and the torque has not changed
+    /// for as long: it is stuck. The altitude is set from this fix.
+    TorqueStuck {
+        /// Number of cells.
+        cells: u32,
+    },
 }
 
 /// What to do with a fix.
@@ -63,6 +70,9 @@ pub(super) enum GateDecision {
     MoveDatum,
     /// Set the altitude from it.
     SetAltitude,
+    /// Set the altitude from it, return to the model error that was known before, and widen the slope
+    /// by this sigma, %.
+    SetAltitudeAndUndo(ModelError, f32),
     /// Set the altitude from it, and widen the wind by this sigma, %.
     SetAltitudeAndWidenWind(f32),
     /// Set the altitude from it, and widen the bias by this sigma, %.
@@ -111,6 +121,8 @@ pub(super) struct AltitudeInnovation<S> {
     pub cell: u32,
     /// The fix for the climb test.
     pub fix: TestedFix,
+    /// Cells up to this one over which the torque has not changed.
+    pub resting_cells: u32,
 }
 
 impl AltitudeGate {
@@ -188,6 +200,7 @@ impl AltitudeGate {
     }
 
     /// Starts anew, but keeps the learned noise: what comes does not follow from what was.
+    #[inline(never)] // Rare, and called from many places.
     pub(super) fn restart(&mut self) {
         self.forget_rejected();
         self.silent_s = 0.0;
@@ -239,6 +252,16 @@ impl AltitudeGate {
         }
         self.forget_rejected();
         if let Some((cell, model_error, slope_percent)) = self.find_drift(tuning) {
+            let cells = fix.cell.saturating_sub(cell);
+            if StuckTorque::covers(fix.resting_cells, cells, gates) {
+                self.restart();
+                return (
+                    GateDecision::SetAltitudeAndUndo(model_error, slope_percent),
+                    Some(AltitudeEvent::TorqueStuck {
+                        cells: Ord::min(cells, fix.resting_cells),
+                    }),
+                );
+            }
             self.drift = Drift::Since {
                 cell,
                 model_error,

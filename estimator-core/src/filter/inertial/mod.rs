@@ -95,19 +95,10 @@ impl Accelerometer {
         }
     }
 
-    /// Returns the sample as one without a known traction, if the accelerometer shows that its force
-    /// is wrong.
+    /// Returns whether the accelerometer shows that the force of a sample is wrong.
     #[inline]
-    pub(super) fn without_force(&self, sample: &Sample) -> Option<Sample> {
-        if !self.test.disagrees() || sample.inertial.is_none() {
-            return None;
-        }
-        let mut doubted = *sample;
-        doubted.end.condition = Condition {
-            no_traction: true,
-            ..sample.end.condition
-        };
-        Some(doubted)
+    pub(super) fn doubts_force(&self, sample: &Sample) -> bool {
+        self.test.disagrees() && sample.inertial.is_some()
     }
 
     /// Returns whether it stood in for the model up to the last cell.

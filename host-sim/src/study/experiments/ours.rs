@@ -132,6 +132,7 @@ fn samples(drive: &MeasuredDrive) -> Vec<Sample> {
             after_stop: false,
             // The thesis takes the mass that the vehicle knows.
             mass_is_reported: true,
+            torque_rests: false,
             disagreement: Disagreement::default(),
         });
     }
