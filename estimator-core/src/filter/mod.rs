@@ -294,7 +294,7 @@ impl<S: Scalar> Filter<S> {
             altitude.brake_found();
             disagreeing_cells = cells;
         }
-        let gated = altitude.gate(context, sample, torque.resting_cells(), state);
+        let gated = altitude.gate(context, sample, torque.resting_cells(sample), state);
         if let Some(cells) = gated.disagreeing_cells(sample.end.cell) {
             is_undone = gated.undoes_error && disagreement.is_none();
             if matches!(gated.event, Some(AltitudeEvent::TorqueStuck { .. })) {

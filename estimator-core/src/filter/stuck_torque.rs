@@ -24,12 +24,17 @@ impl StuckTorque {
             return false;
         }
         self.resting_cells = self.resting_cells.saturating_add(1);
-        self.is_found
+        self.is_found && sample.effect_inputs.engaged
     }
 
-    /// Returns the number of cells, up to this one, over which the torque rests.
-    pub(super) const fn resting_cells(&self) -> u32 {
-        self.resting_cells
+    /// Returns the number of cells, up to that of the sample, over which the torque rests; none if the
+    /// driveline is open there: the torque is then not what is off.
+    pub(super) const fn resting_cells(&self, sample: &Sample) -> u32 {
+        if sample.effect_inputs.engaged {
+            self.resting_cells
+        } else {
+            0
+        }
     }
 
     /// Notes that the torque is stuck.

@@ -155,7 +155,10 @@ fn unseen_climb(rests: impl Fn(u32) -> bool) -> (Vec<FilteredStep<f64>>, Counter
     changed_drive(
         4_000,
         |k, altitude_m| Some(altitude_m + 3.0 * ramp(1_500, 1_900, 1.0)(k)),
-        |k, sample| sample.torque_rests = rests(k),
+        |k, sample| {
+            sample.torque_rests = rests(k);
+            sample.effect_inputs.engaged = true;
+        },
     )
 }
 
@@ -192,6 +195,27 @@ fn a_torque_that_rests_where_altitudes_leave_its_climb_is_stuck_until_it_changes
         );
         assert!(grade.sigma < 1.5, "{cell}: {grade:?}");
     }
+}
+
+#[test]
+fn the_torque_of_an_open_driveline_is_not_stuck() {
+    let (cells, counters) = changed_drive(
+        4_000,
+        |k, altitude_m| Some(altitude_m + ramp(1_500, 1_900, 1.0)(k)),
+        |k, sample| {
+            sample.torque_rests = true;
+            sample.effect_inputs.engaged = k < 1_400;
+        },
+    );
+    assert_eq!(
+        (counters.altitude_drifts, counters.climbs_contradicted),
+        (1, 0)
+    );
+    assert!(
+        cells
+            .iter()
+            .all(|cell| !cell.record.end.condition.no_traction)
+    );
 }
 
 #[test]

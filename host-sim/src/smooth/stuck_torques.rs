@@ -25,7 +25,7 @@ impl StuckTorques {
     pub(super) fn without(&self, sample: &Sample, is_stuck: &mut bool) -> Sample {
         let mut sample = *sample;
         *is_stuck = self.0.contains(sample.end.cell) || (*is_stuck && sample.torque_rests);
-        sample.end.condition.no_traction |= *is_stuck;
+        sample.end.condition.no_traction |= *is_stuck && sample.effect_inputs.engaged;
         sample
     }
 }
