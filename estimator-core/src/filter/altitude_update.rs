@@ -223,15 +223,9 @@ impl AltitudeUpdate {
                 self.set_altitude(state, &mut fix);
                 gated.sets_altitude = true;
             }
-            GateDecision::SetAltitudeAndWidenWind(sigma_percent) => {
+            GateDecision::SetAltitudeAndWiden(index, sigma_percent) => {
                 let variance = S::from_f32(sigma_percent * sigma_percent);
-                state.covariance.add_variance(Wind, variance);
-                self.set_altitude(state, &mut fix);
-                gated.sets_altitude = true;
-            }
-            GateDecision::SetAltitudeAndWidenBias(sigma_percent) => {
-                let variance = S::from_f32(sigma_percent * sigma_percent);
-                state.covariance.add_variance(Bias, variance);
+                state.covariance.add_variance(index, variance);
                 self.set_altitude(state, &mut fix);
                 gated.sets_altitude = true;
             }

@@ -201,11 +201,11 @@ impl<S: Scalar> Filter<S> {
         self.reopen(context, sample);
         let braked = self.brake.advance(context, sample, self.state.as_ref());
         let sample = braked.as_ref().unwrap_or(sample);
+        let is_stuck = self.torque.advance(sample);
         let mut reported = sample.end.condition;
-        reported.no_traction |= self.torque.advance(sample);
-        let is_doubted = reported.no_traction || self.accelerometer.doubts_force(sample);
-        let doubted =
-            (is_doubted && !sample.end.condition.no_traction).then(|| without_traction(sample));
+        reported.no_traction |= is_stuck;
+        let is_doubted = is_stuck || self.accelerometer.doubts_force(sample);
+        let doubted = is_doubted.then(|| without_traction(sample));
         let sample = doubted.as_ref().unwrap_or(sample);
         let is_first = self.state.is_none();
         let steps_count = context.model.vehicle.traction != Traction::Force;

@@ -19,6 +19,7 @@ pub(super) use climb_test::{ModelError, Segment, TestedFix};
 
 use super::noise_ratio::{CorrelatedNoiseRatio, NoiseRatio, SensorNoiseRatios};
 use super::state::State;
+use super::state_index::StateIndex;
 use super::stuck_torque::StuckTorque;
 use crate::cell::CELL_LENGTH_M;
 use crate::scalar::Scalar;
@@ -73,10 +74,8 @@ pub(super) enum GateDecision {
     /// Set the altitude from it, return to the model error that was known before, and widen the slope
     /// by this sigma, %.
     SetAltitudeAndUndo(ModelError, f32),
-    /// Set the altitude from it, and widen the wind by this sigma, %.
-    SetAltitudeAndWidenWind(f32),
-    /// Set the altitude from it, and widen the bias by this sigma, %.
-    SetAltitudeAndWidenBias(f32),
+    /// Set the altitude from it, and widen this state by this sigma, %.
+    SetAltitudeAndWiden(StateIndex, f32),
 }
 
 /// The state of the drift test.
@@ -305,7 +304,7 @@ impl AltitudeGate {
             let cells = (self.unused_m / CELL_LENGTH_M) as u32 + 1;
             self.restart();
             return (
-                GateDecision::SetAltitudeAndWidenWind(sigma_percent),
+                GateDecision::SetAltitudeAndWiden(StateIndex::Wind, sigma_percent),
                 Some(AltitudeEvent::Contradicted { cells }),
             );
         }
@@ -363,7 +362,7 @@ impl AltitudeGate {
             let off_percent = 100.0 * fix.innovation.to_f32() / for_m;
             let event = AltitudeEvent::DriftBelieved;
             (
-                GateDecision::SetAltitudeAndWidenBias(off_percent),
+                GateDecision::SetAltitudeAndWiden(StateIndex::Bias, off_percent),
                 Some(event),
             )
         } else {
