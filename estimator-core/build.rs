@@ -85,7 +85,20 @@ fn tables(messages: &[(u32, &str, Message)]) -> String {
         )
         .unwrap();
     }
-    format!("{read_table}];\n\n{tool_table}];\n\n")
+    let wheel_speed = index_of_signal(messages, "WheelSpeed");
+    format!(
+        "{read_table}];\n\n{tool_table}];\n\n\
+         pub(crate) const WHEEL_SPEED_MESSAGE: usize = {wheel_speed};\n"
+    )
+}
+
+/// Returns the index of the one message with a signal of this name.
+fn index_of_signal(messages: &[(u32, &str, Message)], name: &str) -> usize {
+    let has = |message: &Message| message.signals.iter().any(|signal| signal.name == name);
+    let mut indices = (0..messages.len()).filter(|index| has(&messages[*index].2));
+    let index = indices.next().expect("a message has the signal");
+    assert!(indices.next().is_none(), "two messages have {name}");
+    index
 }
 
 /// Returns the table that leads from a PGN to its message: a perfect hash by multiplication, since a

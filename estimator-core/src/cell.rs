@@ -51,9 +51,9 @@ pub struct Disagreement {
     pub climb: bool,
     /// Descent by GNSS and a vehicle that gains no speed: a brake that no signal reports.
     pub brake: bool,
-    /// Torque and acceleration.
+    /// Torque and acceleration or climb, or torque that another sender than the engine gives.
     pub torque: bool,
-    /// Wheel speed and GNSS speed.
+    /// Wheel speed and engine speed, or wheel speeds of two senders.
     pub speed: bool,
     /// Reported gear, engine speed and wheel speed.
     pub gear: bool,

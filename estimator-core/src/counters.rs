@@ -38,7 +38,7 @@ pub struct Counters {
     pub source_switches: u32,
     /// Times that a message came far faster than before: two may send it from one address.
     pub rates_exceeded: u32,
-    /// Speeds that no vehicle can have reached from the one before.
+    /// Speeds that no vehicle can have reached from the one before, or that two senders seem to send.
     pub speed_leaps: u32,
     /// Speeds that stayed the same to the last digit while the engine speed changed.
     pub frozen_speeds: u32,

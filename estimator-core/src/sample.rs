@@ -43,6 +43,9 @@ pub struct Sample {
     pub torque_rests: bool,
     /// Signals that disagree in this cell.
     pub disagreement: Disagreement,
+    /// Number of cells, up to this one, in which they disagree as well; 0 without a disagreement.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub disagreeing_cells: u16,
 }
 
 /// Mean of the speed readings in a cell.

@@ -282,7 +282,7 @@ impl<S: Scalar> Filter<S> {
         );
         let mut disagreement = sample.disagreement;
         let mut is_undone = false;
-        let mut disagreeing_cells = u32::from(!disagreement.is_none());
+        let mut disagreeing_cells = u32::from(sample.disagreeing_cells);
         if let Some(cells) = disagreeing_force {
             disagreement.torque = true;
             disagreeing_cells = disagreeing_cells.max(cells);
@@ -292,7 +292,7 @@ impl<S: Scalar> Filter<S> {
         {
             disagreement.brake = true;
             altitude.brake_found();
-            disagreeing_cells = cells;
+            disagreeing_cells = disagreeing_cells.max(cells);
         }
         let gated = altitude.gate(context, sample, torque.resting_cells(sample), state);
         if let Some(cells) = gated.disagreeing_cells(sample.end.cell) {

@@ -8,13 +8,15 @@ mod clock;
 pub mod rate_monitor;
 pub mod source_arbiter;
 
-pub use rate_monitor::RateMonitor;
+pub use rate_monitor::{Rate, RateMonitor};
 pub use source_arbiter::{Admission, Sender, SourceArbiter};
 
 use crate::context::Context;
 use crate::counters::{Counters, count};
 use crate::sampler::Sampler;
-use crate::signal::{Decoder, FrameOutcome, Reading, Rejection, Signal, Value};
+use crate::signal::{
+    Decoder, FrameOutcome, Reading, Rejection, Signal, Value, WHEEL_SPEED_MESSAGE,
+};
 use crate::time::Instant;
 use crate::tuning::Tuning;
 use clock::{Clock, TimeCheck};
@@ -107,8 +109,9 @@ impl Intake {
                 sampler.start(now);
                 context.counters.frames_decoded += 1;
                 if used {
-                    if rates.exceeds(message, now) {
-                        count(&mut context.counters.rates_exceeded);
+                    let rate = rates.take(message, now);
+                    if rate != Rate::Usual {
+                        take_unusual(rate, message, context, sampler);
                     }
                     Outcome::Used
                 } else {
@@ -187,14 +190,17 @@ impl Checks {
         let mut switched = false;
         if let Some(sender) = sender {
             let hold_times = &context.tuning.hold_times;
-            match self
+            let admission = self
                 .sources
-                .admit(signal, sender, now, available, hold_times)
-            {
+                .admit(signal, sender, now, available, hold_times);
+            match admission {
                 Admission::Admitted => {}
-                Admission::Switched => {
+                Admission::Switched | Admission::StoodIn => {
                     switched = true;
                     count(&mut context.counters.source_switches);
+                    if signal == Signal::EngineTorque {
+                        sampler.doubt_torque(admission == Admission::StoodIn);
+                    }
                 }
                 Admission::Ignored => return false,
                 Admission::Refused => {
@@ -208,6 +214,17 @@ impl Checks {
         }
         sampler.record(context, now, Reading { signal, value }, switched);
         available
+    }
+}
+
+/// Takes the rate of a message that two senders may send.
+#[inline(never)] // Rare.
+fn take_unusual(rate: Rate, message: usize, context: &mut Context, sampler: &mut Sampler) {
+    if rate != Rate::UsualAgain {
+        count(&mut context.counters.rates_exceeded);
+    }
+    if rate != Rate::Exceeded && message == WHEEL_SPEED_MESSAGE {
+        sampler.doubt_speed(rate == Rate::LongExceeded);
     }
 }
 

@@ -9,15 +9,33 @@ use crate::time::Instant;
 
 /// Messages in a group. Messages that wait for the bus, or in a gateway, come in bunches.
 const GROUP: u32 = 8;
+/// Time for which groups in a row are too fast until no bunch explains it, µs.
+const LASTING_US: u32 = 1_000_000;
+/// The same until it is the usual rate, µs: some senders are slow until the engine runs.
+const USUAL_US: u32 = 120_000_000;
+
+/// How the rate of a message is to its usual one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rate {
+    /// It is the same, or it is lower or not known, or not eight messages have come.
+    Usual,
+    /// It is the same or lower again, after it was exceeded for long.
+    UsualAgain,
+    /// The last eight messages took less than three quarters of their usual time.
+    Exceeded,
+    /// So did those before, for a second and more.
+    LongExceeded,
+}
 
 /// The rate of one message.
 #[derive(Clone, Copy, Debug)]
-struct Rate {
+struct MessageRate {
     /// Start of the group: the low 32 bits of its time, µs.
     since_us: u32,
     /// Usual duration of a group, µs; 0 until it is known.
     usual_us: u32,
-    /// Duration of the last group that differed, µs.
+    /// Before the usual duration is known, that of the last group; then, that of all groups in a row
+    /// that were too fast. µs.
     unusual_us: u32,
     /// Messages since then. Without padding behind it, an image clears the table at once.
     count: u32,
@@ -26,14 +44,14 @@ struct Rate {
 /// Learned rates of all messages.
 #[derive(Clone, Debug)]
 pub struct RateMonitor {
-    rates: [Rate; MESSAGE_COUNT],
+    rates: [MessageRate; MESSAGE_COUNT],
 }
 
 impl RateMonitor {
     /// Creates the monitor before the first message.
     #[must_use]
     pub const fn new() -> Self {
-        let rate = Rate {
+        let rate = MessageRate {
             since_us: 0,
             usual_us: 0,
             unusual_us: 0,
@@ -44,14 +62,16 @@ impl RateMonitor {
         }
     }
 
-    /// Takes the message with this index. Returns true if the last eight took less than three
-    /// quarters of their usual time.
-    pub fn exceeds(&mut self, message: usize, now: Instant) -> bool {
+    /// Takes the message with this index. Returns its rate where eight messages end.
+    pub fn take(&mut self, message: usize, now: Instant) -> Rate {
         let Some(rate) = self.rates.get_mut(message) else {
-            return false;
+            return Rate::Usual;
         };
         rate.count += 1;
-        rate.count >= GROUP && rate.end_group(now.micros() as u32)
+        if rate.count < GROUP {
+            return Rate::Usual;
+        }
+        rate.end_group(now.micros() as u32)
     }
 }
 
@@ -61,9 +81,9 @@ impl Default for RateMonitor {
     }
 }
 
-impl Rate {
+impl MessageRate {
     #[inline(never)] // Not on the path of every frame.
-    fn end_group(&mut self, now_us: u32) -> bool {
+    fn end_group(&mut self, now_us: u32) -> Rate {
         let took_us = now_us.wrapping_sub(self.since_us);
         self.since_us = now_us;
         self.count = 0;
@@ -75,13 +95,30 @@ impl Rate {
                 self.usual_us = took_us;
             }
             self.unusual_us = took_us;
-            return false;
+            return Rate::Usual;
         }
-        if is_near(self.usual_us) {
-            // Clocks differ a little, and change with temperature.
-            self.usual_us = self.usual_us - self.usual_us / 8 + eighth;
-            return false;
+        if took_us >= self.usual_us - self.usual_us / 4 {
+            if is_near(self.usual_us) {
+                // Clocks differ a little, and change with temperature.
+                self.usual_us = self.usual_us - self.usual_us / 8 + eighth;
+            }
+            return self.usual_again();
         }
-        took_us < self.usual_us - self.usual_us / 4
+        self.unusual_us = self.unusual_us.saturating_add(took_us);
+        match self.unusual_us {
+            ..LASTING_US => Rate::Exceeded,
+            LASTING_US..USUAL_US => Rate::LongExceeded,
+            _ => {
+                self.usual_us = took_us;
+                self.usual_again()
+            }
+        }
+    }
+
+    fn usual_again(&mut self) -> Rate {
+        match core::mem::take(&mut self.unusual_us) {
+            ..LASTING_US => Rate::Usual,
+            _ => Rate::UsualAgain,
+        }
     }
 }

@@ -31,8 +31,10 @@ use crate::tuning::HoldTimes;
 pub enum Admission {
     /// It comes from the source in use.
     Admitted,
-    /// It comes from another source than the last one in use. Its offset may differ.
+    /// It comes from the owner, and the last one did not. Its offset may differ.
     Switched,
+    /// It comes from a source that stands in for the owner, and the last one did not.
+    StoodIn,
     /// Another source owns the signal.
     Refused,
     /// The signal is left out, whatever its source.
@@ -249,8 +251,10 @@ impl Ownership {
         self.seen(now);
         if is_free {
             Admission::Admitted
-        } else {
+        } else if sender == self.owner {
             Admission::Switched
+        } else {
+            Admission::StoodIn
         }
     }
 }

@@ -9,7 +9,7 @@
 //! | `driveline`, `traction` | gear and clutch; torque or force to mean traction force |
 //! | `engine_configuration` | reference torque and inertia that the engine reports |
 //! | `brakes`, `brake_detector` | brakes that signals report; brakes that none reports |
-//! | `odometer`, `speed_check` | distance and cells; plausibility of speed readings |
+//! | `odometer`, `speed_check`, `speed_returns` | distance and cells; plausibility of speed readings; those of two senders |
 //! | `gnss` | positions and altitudes along the driven distance |
 //! | `gnss_timing`, `lagged_differences`, `speed_lag`, `lag_regression` | age of a fix; scale of the wheel speed |
 //! | `stops`, `reversing` | standstills, weighings, load changes; direction of motion |
@@ -43,9 +43,11 @@ mod reversing;
 mod slope_sensors;
 mod speed_check;
 mod speed_lag;
+mod speed_returns;
 mod stops;
 mod traction;
 
+use crate::cell::CELL_LENGTH_M;
 use crate::context::Context;
 use crate::counters::count;
 use crate::effect::Acts;
@@ -193,7 +195,8 @@ impl Sampler {
                 self.record_fix(context, now, reading.signal, reading.value, source_switched);
             }
             Signal::WheelSpeed | Signal::FrontAxleSpeed | Signal::TachographSpeed => {
-                if let Some(mps) = parts.check_speed(context, now, reading.signal, value) {
+                let cell = odometer.cell();
+                if let Some(mps) = parts.check_speed(context, now, cell, reading.signal, value) {
                     self.speed(context, now, mps);
                 }
             }
@@ -237,6 +240,19 @@ impl Sampler {
         }
         self.odometer.interrupt();
         self.parts.brake_detector.restart();
+    }
+
+    /// Takes whether the engine's torque comes from another sender than the engine.
+    pub(crate) const fn doubt_torque(&mut self, is_doubted: bool) {
+        self.parts.is_torque_doubted = is_doubted;
+    }
+
+    /// Takes whether the wheel speed comes more often than it did, and has for a second.
+    pub(crate) fn doubt_speed(&mut self, comes_too_often: bool) {
+        let driven_m = self.odometer.speed_mps().unwrap_or_default();
+        let cells = (driven_m / CELL_LENGTH_M) as u32;
+        let cell = self.odometer.cell().saturating_sub(cells);
+        self.parts.doubt_speed(comes_too_often, cell);
     }
 
     /// Returns the distance at which a fix that arrives now was taken, from the start of the open

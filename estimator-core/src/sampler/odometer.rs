@@ -64,6 +64,11 @@ impl Odometer {
         }
     }
 
+    /// Returns the number of the last cell that was driven to its end.
+    pub(super) const fn cell(&self) -> u32 {
+        self.cell
+    }
+
     /// Returns the last speed, m/s.
     pub(super) fn speed_mps(&self) -> Option<f32> {
         self.last_speed.map(|last| last.value)

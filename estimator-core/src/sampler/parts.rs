@@ -10,7 +10,7 @@ use super::engine_configuration::EngineConfiguration;
 use super::gnss::Gnss;
 use super::gnss_timing::GnssTiming;
 use super::inertial::Accelerometer;
-use super::latest::Latest;
+use super::latest::{Latest, TimedValue};
 use super::odometer::DrivenCell;
 use super::reversing::Reversing;
 use super::slope_sensors::SlopeSensors;
@@ -50,6 +50,12 @@ pub(super) struct Parts {
     pub wheel_check: SpeedCheck,
     pub front_axle_check: SpeedCheck,
     pub tachograph_check: SpeedCheck,
+    /// Whether the engine's torque comes from another sender than the engine.
+    pub is_torque_doubted: bool,
+    /// Whether the wheel speed may come from two senders.
+    is_speed_doubted: bool,
+    /// Last cell before speeds that have been found to be wrong since the last sample.
+    right_until: Option<u32>,
     pub air: AirSignals,
     pub effect_signals: EffectSignals,
 }
@@ -91,6 +97,9 @@ impl Parts {
             wheel_check: SpeedCheck::default(),
             front_axle_check: SpeedCheck::default(),
             tachograph_check: SpeedCheck::default(),
+            is_torque_doubted: false,
+            is_speed_doubted: false,
+            right_until: None,
             air: AirSignals::default(),
             effect_signals: EffectSignals::default(),
         }
@@ -164,11 +173,13 @@ impl Parts {
     }
 
     /// Returns the speed of a reading if it counts, m/s. The front axle's speed replaces the
-    /// wheel-based speed where that is missing, and the tachograph's where both are.
+    /// wheel-based speed where that is missing, and the tachograph's where both are. `cell` is the
+    /// last one that was driven to its end.
     pub(super) fn check_speed(
         &mut self,
         context: &mut Context,
         now: Instant,
+        cell: u32,
         signal: Signal,
         value: Option<f32>,
     ) -> Option<f32> {
@@ -183,8 +194,10 @@ impl Parts {
             _ => &mut self.tachograph_check,
         };
         let reported_mps = value.filter(|mps| SPEEDS_MPS.contains(mps));
-        let checked =
-            reported_mps.map(|mps| (mps, sensor.check(now, mps, turns, &tuning.detection)));
+        let checked = reported_mps.map(|value| {
+            let reading = TimedValue { value, time: now };
+            (value, sensor.check(reading, cell, turns, &tuning.detection))
+        });
         let plausible_mps = match checked {
             None => None,
             Some((mps, Plausibility::Plausible)) => Some(mps),
@@ -192,8 +205,15 @@ impl Parts {
                 count(&mut counters.speed_leaps);
                 return None;
             }
-            Some((_, Plausibility::Frozen)) => {
+            Some((_, Plausibility::Contradicted)) => {
+                count(&mut counters.speed_leaps);
+                None
+            }
+            Some((_, stuck)) => {
                 count(&mut counters.frozen_speeds);
+                if let Plausibility::Wrong { right_until } = stuck {
+                    self.doubt_since(right_until);
+                }
                 None
             }
         };
@@ -211,6 +231,22 @@ impl Parts {
             _ => is_missing(&self.wheel_speed) && is_missing(&self.front_axle_speed),
         };
         plausible_mps.filter(|_| counts)
+    }
+
+    /// Takes whether the wheel speed comes more often than it did, since behind the cell with this
+    /// number. It may come from two senders then, if its readings go back and forth.
+    pub(super) fn doubt_speed(&mut self, comes_too_often: bool, cell: u32) {
+        let is_doubted = self.wheel_check.take_returns() && comes_too_often;
+        if is_doubted && !self.is_speed_doubted {
+            self.doubt_since(cell);
+        }
+        self.is_speed_doubted = is_doubted;
+    }
+
+    /// Notes that the speed may be wrong in the cells behind that with this number.
+    pub(super) fn doubt_since(&mut self, cell: u32) {
+        let before = self.right_until.unwrap_or(cell);
+        self.right_until = Some(before.min(cell));
     }
 
     /// Returns the resolution of the speed in use, m/s.
@@ -264,6 +300,13 @@ impl Parts {
             self.brake_detector.restart();
         }
         let model = &context.model;
+        let right_until = self.right_until.take().unwrap_or(driven.number);
+        let wrong_cells = driven.number.saturating_sub(right_until).min(0xffff) as u16;
+        let disagreement = Disagreement {
+            speed: self.is_speed_doubted || wrong_cells > 0,
+            torque: self.is_torque_doubted,
+            ..Disagreement::default()
+        };
         let sample = Sample {
             end: CellEnd {
                 cell: driven.number,
@@ -292,7 +335,8 @@ impl Parts {
             after_stop: self.stops.take_stop(),
             mass_is_reported: self.stops.has_reported_mass(),
             torque_rests: self.traction.take_rest(model),
-            disagreement: Disagreement::default(),
+            disagreement,
+            disagreeing_cells: wrong_cells.max(u16::from(!disagreement.is_none())),
         };
         self.gnss.cell_closed();
         sample

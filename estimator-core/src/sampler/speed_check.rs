@@ -2,6 +2,7 @@
 
 use super::latest::TimedValue;
 use super::resolution::Resolution;
+use super::speed_returns::Returns;
 use crate::scalar::Scalar;
 use crate::time::Instant;
 use crate::tuning::Detection;
@@ -13,8 +14,12 @@ pub(super) enum Plausibility {
     Plausible,
     /// No vehicle can have come from the last speed to this one.
     Jumped,
+    /// The last readings go back and forth as those of two senders do.
+    Contradicted,
     /// The sensor is stuck.
     Frozen,
+    /// It is, and was behind a cell: that is certain from now on.
+    Wrong { right_until: u32 },
 }
 
 /// The last readings of one sensor.
@@ -24,6 +29,7 @@ pub(super) struct SpeedCheck {
     /// Another speed, and the time since which it is reported.
     other: Option<(TimedValue, Instant)>,
     repeated: RepeatedSpeed,
+    returns: Returns,
 }
 
 /// A speed that is reported again and again.
@@ -33,8 +39,12 @@ struct RepeatedSpeed {
     /// Engine speed over the gear ratio when it was first reported, rpm.
     turns: Option<f32>,
     readings: u8,
+    /// Cell in which it was first reported.
+    cell: u32,
     /// Whether the sensor is stuck at it. It stays so while the engine happens to turn as at first.
     is_stuck: bool,
+    /// Whether the vehicle's speed is another by more than the steps of any sensor.
+    is_wrong: bool,
     /// Resolution, m/s.
     resolution: Resolution,
 }
@@ -46,36 +56,52 @@ impl SpeedCheck {
         self.repeated.resolution.within(tuning.speed_step_mps)
     }
 
-    /// Checks a reading. `turns` is the engine speed over the ratio of the engaged gear, rpm.
+    /// Returns whether any reading has returned to where the speed was before the last one since this
+    /// was asked.
+    pub(super) const fn take_returns(&mut self) -> bool {
+        self.returns.take_any()
+    }
+
+    /// Checks a reading in an open cell behind the one with number `cell`. `turns` is the engine speed
+    /// over the ratio of the engaged gear, rpm.
     pub(super) fn check(
         &mut self,
-        now: Instant,
-        mps: f32,
+        reading: TimedValue,
+        cell: u32,
         turns: Option<f32>,
         tuning: &Detection,
     ) -> Plausibility {
-        let reading = TimedValue {
-            value: mps,
-            time: now,
-        };
-        if let Some(last) = self.last
-            && !last.leads_to(&reading, tuning)
-        {
-            let since = match self.other {
-                Some((before, since)) if before.leads_to(&reading, tuning) => since,
-                _ => now,
-            };
-            if now.since(since) < tuning.speed_believed {
-                self.other = Some((reading, since));
-                return Plausibility::Jumped;
+        if let Some(last) = self.last {
+            let leads = last.leads_to(&reading, tuning);
+            if !leads {
+                let since = match self.other {
+                    Some((before, since)) if before.leads_to(&reading, tuning) => since,
+                    _ => reading.time,
+                };
+                if reading.time.since(since) < tuning.speed_believed {
+                    self.other = Some((reading, since));
+                    return Plausibility::Jumped;
+                }
             }
+            let has_left_out = leads && self.other.is_some();
+            let resolution_mps = self.resolution_mps(tuning);
+            self.returns
+                .take(last, &reading, has_left_out, resolution_mps, tuning);
         }
         self.other = None;
         self.last = Some(reading);
-        if self.repeated.is_stuck(mps, turns, tuning) {
-            Plausibility::Frozen
-        } else {
+        let was_wrong = self.repeated.is_wrong;
+        let is_stuck = self.repeated.is_stuck(reading.value, cell, turns, tuning);
+        if self.returns.are_many(tuning) {
+            Plausibility::Contradicted
+        } else if !is_stuck {
             Plausibility::Plausible
+        } else if self.repeated.is_wrong && !was_wrong {
+            Plausibility::Wrong {
+                right_until: self.repeated.cell,
+            }
+        } else {
+            Plausibility::Frozen
         }
     }
 }
@@ -90,7 +116,7 @@ impl TimedValue {
 }
 
 impl RepeatedSpeed {
-    fn is_stuck(&mut self, mps: f32, turns: Option<f32>, tuning: &Detection) -> bool {
+    fn is_stuck(&mut self, mps: f32, cell: u32, turns: Option<f32>, tuning: &Detection) -> bool {
         if mps != self.mps {
             let mut resolution = self.resolution;
             resolution.note(mps - self.mps);
@@ -98,7 +124,9 @@ impl RepeatedSpeed {
                 mps,
                 turns,
                 readings: 0,
+                cell,
                 is_stuck: false,
+                is_wrong: false,
                 resolution,
             };
             return false;
@@ -114,6 +142,7 @@ impl RepeatedSpeed {
         let relative = tuning.speed_frozen_change * mps;
         let allowed = Scalar::max(relative, tuning.speed_frozen_steps * step_mps) * first;
         self.is_stuck |= self.readings >= tuning.speed_frozen_readings && changed > allowed;
+        self.is_wrong |= self.is_stuck && changed > 2.0 * tuning.speed_step_mps * first;
         self.is_stuck
     }
 }

@@ -27,3 +27,5 @@ pub const NMEA2000_DBC: &str = include_str!("../../dbc/nmea2000.dbc");
 
 /// Number of messages that the decoder knows.
 pub(crate) const MESSAGE_COUNT: usize = layout::MESSAGES.len();
+/// Index of the message that gives the wheel speed.
+pub(crate) use layout::WHEEL_SPEED_MESSAGE;

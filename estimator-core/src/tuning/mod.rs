@@ -225,6 +225,8 @@ tuning! {
         speed_hardest_mps2: f32 = 10.0, 1.0..=100.0, "m/s²", "largest acceleration of a vehicle on tyres", "friction of 1";
         speed_step_mps: f32 = 0.3, 0.0..=10.0, "m/s", "difference of two speed readings besides that", "noise, and steps of 1 km/h";
         speed_believed: ms = 1_000, 0.0..=60_000.0, "ms", "time for which readings agree on another speed until it counts", "chosen";
+        speed_turned_mps2: f32 = 1.0, 0.0..=100.0, "m/s²", "acceleration by which a vehicle turns back a change of its speed from one reading to the next", "a gear shift takes longer";
+        speed_turned_part: f32 = 0.125, 0.0..=1.0, "1", "part of the last speed readings that turn back, beyond which two senders send them", "of 20 garbled readings one; two senders make one in six and more";
         speed_frozen_readings: u8 = 20, 1.0..=255.0, "readings", "equal speed readings in a row that may come from a stuck sensor", "chosen: 2 s at 10 Hz";
         speed_frozen_change: f32 = 0.005, 0.0..=1.0, "1", "relative change of engine speed over the gear that shows it", "chosen";
         speed_frozen_steps: f32 = 3.0, 0.0..=100.0, "steps", "the same in steps of the speed's resolution", "chosen";

@@ -1,6 +1,6 @@
 //! Inputs with a wrong time or speed, inputs that come too often, and inputs of another source.
 
-use estimator_core::intake::RateMonitor;
+use estimator_core::intake::{Rate, RateMonitor};
 use estimator_core::signal::{FrameOutcome, Rejection, encode};
 use estimator_core::{Counters, Decoder, Estimator, Instant, Outcome, Signal, Tuning, Value};
 use test_kit::{TestFrame, frames_of, truck};
@@ -18,6 +18,10 @@ const TORQUE_PERCENT: f32 = 57.0;
 struct Bus {
     estimator: Estimator<f32>,
     now_us: u64,
+    /// Whether signals disagree in the cells, live.
+    suspect: Vec<bool>,
+    /// Whether they do in the finished cells, lagged.
+    lagged_suspect: Vec<bool>,
 }
 
 /// What the bus reports at a moment.
@@ -56,15 +60,43 @@ impl Bus {
         Self {
             estimator: Estimator::new(truck(), Tuning::default()).unwrap(),
             now_us: 10_000_000_000,
+            suspect: Vec::new(),
+            lagged_suspect: Vec::new(),
         }
     }
 
     fn put(&mut self, pgn: u32, moment: Moment) -> Outcome {
         let now = Instant::from_micros(self.now_us);
         let outcome = self.estimator.on_frame(now, &frame(pgn, moment));
-        while self.estimator.step().is_some() {}
-        while self.estimator.next_cell().is_some() {}
+        while self.estimator.step().is_some() {
+            let live = self.estimator.live().unwrap();
+            self.suspect.push(!live.disagreement.is_none());
+        }
+        while let Some(cell) = self.estimator.next_cell() {
+            self.lagged_suspect.push(!cell.lagged_consistent);
+        }
         outcome
+    }
+
+    /// Drives on for some readings with a second sender of the wheel speed at the same address.
+    fn on_with_second(&mut self, readings: usize, second_mps: f32) {
+        for k in 0..readings {
+            for pgn in [EEC1, ETC2, EBC2, CCVS1] {
+                self.put(pgn, cruising(k));
+            }
+            self.now_us += 50_000;
+            self.put(CCVS1, at(second_mps + 0.004 * (k % 5) as f32));
+            self.now_us += 50_000;
+        }
+    }
+
+    /// Returns how many cells in a row are suspect at the end, live.
+    fn suspect_cells(&self) -> usize {
+        self.suspect
+            .iter()
+            .rev()
+            .take_while(|suspect| **suspect)
+            .count()
     }
 
     /// Drives on for some readings.
@@ -212,6 +244,14 @@ fn the_front_axle_replaces_a_stuck_wheel_speed() {
     assert!(bus.counters().frozen_speeds > 450);
     let driven_m = bus.distance_m() - before_m;
     assert!((driven_m - 875.0).abs() < 10.0, "{driven_m} m");
+    // It was wrong since it stuck: for some 60 m.
+    bus.on(600, |_| at(15.0));
+    let suspect = bus
+        .lagged_suspect
+        .iter()
+        .filter(|suspect| **suspect)
+        .count();
+    assert!((20..100).contains(&suspect), "{suspect} cells");
     // A speed that stays because the vehicle's does is no fault.
     let mut bus = Bus::new();
     bus.on(600, cruising);
@@ -240,6 +280,107 @@ fn a_second_sender_at_the_same_address_is_counted() {
         bus.put(CCVS1, cruising(k as usize));
     }
     assert_eq!(bus.counters().rates_exceeded, 0);
+}
+
+#[test]
+fn cells_of_a_wheel_speed_that_comes_too_often_are_suspect() {
+    let mut bus = Bus::new();
+    bus.on(600, cruising);
+    bus.on_with_second(100, 20.13);
+    assert!(bus.suspect_cells() > 60, "{}", bus.suspect_cells());
+    assert_eq!(bus.counters().speed_leaps, 0);
+    bus.on(20, cruising);
+    assert_eq!(bus.suspect_cells(), 0);
+    // After two minutes it is the usual rate.
+    bus.on_with_second(1_300, 20.13);
+    assert_eq!(bus.suspect_cells(), 0);
+    bus.on(600, cruising);
+    assert_eq!(bus.suspect_cells(), 0);
+    bus.on_with_second(100, 20.13);
+    assert_eq!(bus.suspect_cells(), 0);
+    // The same speed from both does no harm.
+    let mut bus = Bus::new();
+    bus.on(600, cruising);
+    bus.on_with_second(100, 20.0);
+    assert!(bus.counters().rates_exceeded > 20);
+    assert!(!bus.suspect.contains(&true));
+    // Jitter, and what waits for the bus, is no second sender.
+    let mut bus = Bus::new();
+    for k in 0..1_200_u64 {
+        bus.now_us = 10_000_000_000 + 100_000 * (k / 20 * 20) + 1_000 * (k % 20);
+        bus.put(CCVS1, cruising(k as usize));
+    }
+    assert!(!bus.suspect.contains(&true));
+}
+
+#[test]
+fn speeds_of_two_senders_do_not_count() {
+    for apart_mps in [0.25, 0.6, 5.0] {
+        let mut bus = Bus::new();
+        bus.on(600, cruising);
+        bus.on_with_second(300, 20.0 + apart_mps);
+        assert!(bus.counters().speed_leaps > 250, "{:?}", bus.counters());
+        let live = bus.estimator.live().unwrap();
+        // Neither the wheels' nor the axle's: that is one at least.
+        assert!(
+            (live.end.speed_mps - 20.0).abs() < 0.05,
+            "{}",
+            live.end.speed_mps
+        );
+        // The cells up to where that is known are suspect later on.
+        bus.on(1_200, cruising);
+        let suspect = bus
+            .lagged_suspect
+            .iter()
+            .filter(|suspect| **suspect)
+            .count();
+        assert!(
+            (10..400).contains(&suspect),
+            "{suspect} with {apart_mps} m/s"
+        );
+        assert_eq!(bus.suspect_cells(), 0);
+    }
+}
+
+#[test]
+fn garbled_speeds_are_not_those_of_two_senders() {
+    for every in [16, 20, 30] {
+        let mut bus = Bus::new();
+        bus.on(600, cruising);
+        bus.on(2_000, |k| Moment {
+            wheel_mps: cruising(k).wheel_mps + if k % every == 7 { 4.0 } else { 0.0 },
+            ..cruising(k)
+        });
+        assert!(!bus.suspect.contains(&true));
+        assert!((60..=130).contains(&bus.counters().speed_leaps));
+        assert_eq!(bus.counters().gaps, 0);
+    }
+}
+
+#[test]
+fn cells_with_the_torque_of_a_stranger_are_suspect() {
+    let stranger = |k: usize| Moment {
+        source: 0x80,
+        ..cruising(k)
+    };
+    let mut bus = Bus::new();
+    bus.on(600, cruising);
+    bus.on(200, stranger);
+    assert!(bus.suspect_cells() > 100, "{}", bus.suspect_cells());
+    bus.on(20, cruising);
+    assert_eq!(bus.suspect_cells(), 0);
+    // That of the wheel speed alone may be of a second sensor.
+    let mut bus = Bus::new();
+    bus.on(600, cruising);
+    for k in 0..200 {
+        bus.put(CCVS1, stranger(k));
+        for pgn in [EEC1, ETC2, EBC2] {
+            bus.put(pgn, cruising(k));
+        }
+        bus.now_us += 100_000;
+    }
+    assert!(bus.counters().source_switches > 0);
+    assert!(!bus.suspect.contains(&true));
 }
 
 #[test]
@@ -334,6 +475,6 @@ fn a_message_that_the_monitor_does_not_know_has_no_rate() {
     let mut monitor = RateMonitor::new();
     for millis in 0..1_000 {
         let now = Instant::from_micros(1_000 * millis);
-        assert!(!monitor.exceeds(usize::MAX, now));
+        assert_eq!(monitor.take(usize::MAX, now), Rate::Usual);
     }
 }

@@ -105,6 +105,7 @@ fn sample() -> impl Strategy<Value = Sample> {
                     gear: !flag,
                     ..Disagreement::default()
                 },
+                disagreeing_cells: number.abs() as u16,
             }
         },
     )

@@ -319,11 +319,11 @@ typedef struct GradeDisagreement {
      */
     bool brake;
     /**
-     * Torque and acceleration.
+     * Torque and acceleration or climb, or torque that another sender than the engine gives.
      */
     bool torque;
     /**
-     * Wheel speed and GNSS speed.
+     * Wheel speed and engine speed, or wheel speeds of two senders.
      */
     bool speed;
     /**
@@ -478,7 +478,7 @@ typedef struct GradeCounters {
      */
     uint32_t rates_exceeded;
     /**
-     * Speeds that no vehicle can have reached from the one before.
+     * Speeds that no vehicle can have reached from the one before, or that two senders seem to send.
      */
     uint32_t speed_leaps;
     /**

@@ -6,8 +6,8 @@ use estimator_core::Disagreement;
 pub const WORDS: [&str; Disagreement::KINDS] = [
     "climb by GNSS against climb by the forces",
     "a descent by GNSS without the speed that it should give: a brake that no signal reports",
-    "torque against acceleration",
-    "wheel speed against GNSS speed",
+    "torque against acceleration or climb, or not from the engine",
+    "wheel speed against engine speed, or from two senders",
     "reported gear against engine and wheel speed",
 ];
 

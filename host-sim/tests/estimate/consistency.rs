@@ -9,7 +9,7 @@ use host_sim::smooth::{Disagreements, SmoothedCell, smooth_segments};
 use test_kit::simulated::scenario;
 
 const CLIMB: &str = "climb by GNSS against climb by the forces";
-const SPEED: &str = "wheel speed against GNSS speed";
+const SPEED: &str = "wheel speed against engine speed, or from two senders";
 
 /// A drive of 3 km, with what disagrees in some cells, smoothed as a whole.
 fn smoothed(disagrees: impl Fn(u32) -> Disagreement) -> (Vec<SmoothedCell>, Disagreements) {

@@ -43,6 +43,7 @@ fn kept(cell: u32, used: Duration, true_s: f64) -> (Sample, Duration) {
         mass_is_reported: false,
         torque_rests: false,
         disagreement: Disagreement::default(),
+        disagreeing_cells: 0,
     };
     (sample, used)
 }

@@ -313,7 +313,7 @@ fn the_views_say_what_disagrees() {
     let view = view(Some(suspect));
     assert_eq!(words(&line(&view))[13], "0");
     let words = [
-        "wheel speed against GNSS speed",
+        "wheel speed against engine speed, or from two senders",
         "reported gear against engine and wheel speed",
     ];
     assert!(panel(&view).contains(&format!("signals   suspect: {}", words.join("; "))));

@@ -35,6 +35,7 @@ pub fn sample(cell: u32, traction_n: f32, speed_mps: f32) -> Sample {
         mass_is_reported: false,
         torque_rests: false,
         disagreement: Disagreement::default(),
+        disagreeing_cells: 0,
     }
 }
 

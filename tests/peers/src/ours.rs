@@ -49,6 +49,7 @@ pub fn ours(meter: &mut impl FilterMeter) {
         mass_is_reported: false,
         torque_rests: false,
         disagreement: Disagreement::default(),
+        disagreeing_cells: 0,
     };
     let no_effects = EffectContribution::default();
     let prediction = Prediction::of_first_cell(&context, &sample, no_effects);

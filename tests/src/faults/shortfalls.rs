@@ -45,8 +45,8 @@ const NOISE_OF_TORQUE: &str =
 const NO_DISTANCE: &str = "The distance of a long gap is its duration times the mean of the speeds \
     before and after it. Its cells are missing.";
 const STUCK_SPEED: &str = "Detected only when the engine speed differs by 0.5 % from the reported wheel \
-    speed. Until then, for some seconds, a constant speed is read as a slope. After that the front axle \
-    speed is used. Without it cells are missing.";
+    speed. Until then, for some seconds, a constant speed is read as a slope; those cells are marked. After \
+    that the front axle speed is used. Without it cells are missing.";
 const STUCK_TORQUE: &str = "Detected where altitudes leave the climb of the forces while the torque does \
     not change, after some hundred metres: full load and overrun are constant torques too. Until then the live \
     grade is wrong. The lagged cells up to there are marked, and the smoothed ones are without the torque.";
@@ -62,9 +62,11 @@ const CLOCK_JUMP: &str = "A clock that jumps ahead cannot be distinguished from 
 const FAST_DRIFT: &str = "Detected, and a part of its cells is marked, but the error stays larger on the rest of \
     the drive.";
 const ONLY_SENDER: &str = "Not defended: the only sender for more than 5 s is accepted, as a redundant \
-    controller must be. The switch is counted, and ends when the true sender is back.";
+    controller must be. The switch is counted, and ends when the true sender is back. Until then the cells are \
+    marked: no controller but the engine's measures its torque.";
 const ONE_ADDRESS: &str = "Not defended: two senders with one source address cannot be distinguished on a \
-    bus without authentication. The rate is counted.";
+    bus without authentication. The rate is counted, and the cells are marked. Speeds that go back and forth \
+    are not used; cells are then missing.";
 
 /// Shortfalls by the fault's name.
 const ALL: &[(&str, Short, &str)] = &[
@@ -77,7 +79,7 @@ const ALL: &[(&str, Short, &str)] = &[
         "both speeds stuck",
         Short {
             displaced: true,
-            ..DISHONEST
+            ..MET
         },
         STUCK_SPEED,
     ),
@@ -97,21 +99,18 @@ const ALL: &[(&str, Short, &str)] = &[
         "sends while the true senders pause for 15 s",
         Short {
             displaced: true,
-            ..DISHONEST
+            ..MET
         },
         ONLY_SENDER,
     ),
     (
         "replay from the true source addresses",
-        Short {
-            lasting: true,
-            ..DISHONEST
-        },
+        DISPLACED,
         ONE_ADDRESS,
     ),
     (
         "replay from the true source addresses, five times as fast",
-        DISHONEST,
+        DISPLACED,
         ONE_ADDRESS,
     ),
 ];

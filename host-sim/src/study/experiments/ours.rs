@@ -134,6 +134,7 @@ fn samples(drive: &MeasuredDrive) -> Vec<Sample> {
             mass_is_reported: true,
             torque_rests: false,
             disagreement: Disagreement::default(),
+            disagreeing_cells: 0,
         });
     }
     samples
