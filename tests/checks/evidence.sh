@@ -8,7 +8,7 @@ check_evidence() {
     cargo run -q -p evidence -- requirements
 }
 
-# The stack of each call, recursion, indirect calls and panics, from the linked image.
+# Stack and instructions of each call, recursion, indirect calls and panics, from the linked image.
 check_evidence_image() {
     need_target "$board"
     cargo build -q -p firmware --release --target "$board"

@@ -57,6 +57,7 @@ use crate::signal::{Reading, Signal, Value};
 use crate::time::{Duration, Instant};
 use crate::tuning::Tuning;
 use crate::vehicle::Traction;
+use accepted_ranges::SPEEDS_MPS;
 use gnss::AltitudeOutcome;
 use heapless::Deque;
 use latest::TimedValue;
@@ -358,7 +359,8 @@ impl Sampler {
             odometer.interrupt();
             parts.brake_detector.restart();
         }
-        let speed_mps = rolled_mps * factor;
+        // The range of readings bounds the cells of one: a factor may be any.
+        let speed_mps = Scalar::min(rolled_mps * factor, *SPEEDS_MPS.end());
         let speed = TimedValue {
             value: speed_mps,
             time: now,

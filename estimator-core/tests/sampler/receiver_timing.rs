@@ -197,6 +197,32 @@ fn wheels_that_are_right_again_are_no_longer_scaled() {
     assert!((right - 1.0).abs() < 1e-3, "{right}");
 }
 
+#[test]
+fn a_scaled_wheel_speed_is_that_of_a_vehicle() {
+    // Wheels of an unknown unit: a speed over ground of 18 times as much is believed.
+    let mut drive = ReadingsDrive::of(by_force());
+    let mut noise = Noise(7);
+    let mut reading = |wheels_mps: f32| {
+        [
+            (Signal::GnssSpeed, 63.0 + 0.1 * noise.draw()),
+            (Signal::TractionForce, 4_000.0),
+            (Signal::WheelSpeed, wheels_mps),
+        ]
+    };
+    for _ in 0..20_000 {
+        drive.on(0.1, &reading(3.5));
+    }
+    let scaled_mps = drive.samples.last().unwrap().end.speed_mps;
+    assert!((scaled_mps - 63.0).abs() < 1.0, "{scaled_mps} m/s");
+    // The work of a reading follows from the fastest vehicle.
+    for wheels_mps in [5.0, 20.0, 70.0, 70.0] {
+        let driven = drive.on(2.4, &reading(wheels_mps));
+        let fastest_mps = driven.iter().map(|of| of.end.speed_mps);
+        let fastest_mps = fastest_mps.fold(0.0, f32::max);
+        assert!(fastest_mps <= 70.0, "{fastest_mps} m/s");
+    }
+}
+
 /// Drives so long with a receiver that is so late, on wheels that slip by 1 % at 20 kN. The force
 /// accelerates the vehicle, as do hills. Returns how much too far the sampler places the fixes in the
 /// last 50 s, m.

@@ -1,7 +1,7 @@
-//! The stack of each call of the interface, from the linked image, as it is committed.
+//! Stack and instructions of each call of the interface, from the linked image, as they are committed.
 
-use crate::call_graph::{CallGraph, StackBound};
-use crate::files::{Result, problem, root, text};
+use crate::call_graph::{CallGraph, LoopBounds, StackBound};
+use crate::files::{Result, evidence, problem, root, text};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -46,18 +46,37 @@ const MEASURED: [(&str, &[&str]); 2] = [
 const PANICS: &str = "core::panicking::";
 /// Largest accepted stack of a call, bytes: the limit of the budgets.
 const MOST_STACK_BYTES: u32 = 4_000;
+/// Measured instructions, and the call that each was measured of.
+const MEASURED_INSTRUCTIONS: [(&str, &str); 5] = [
+    ("relevant_frame_worst", "on_frame"),
+    ("cell_worst", "step"),
+    ("drain_worst", "drain_step"),
+    ("live_worst", "live"),
+    ("persistent_state", "persistent_state"),
+];
 /// Largest accepted growth of a bound over the committed one, %.
-const SLACK_PERCENT: u32 = 3;
+const SLACK_PERCENT: u64 = 3;
+
+/// The bounds of a call.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct CallBound {
+    /// Stack, bytes.
+    pub stack_bytes: u32,
+    /// Instructions; `None` if a loop has no bound.
+    pub instructions: Option<u64>,
+}
 
 /// The bounds of an image.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct CallBounds {
-    /// Stack of each call, bytes, by its name.
-    pub stack_bytes: BTreeMap<String, u32>,
+    /// Those of each call, by its name.
+    pub calls: BTreeMap<String, CallBound>,
     /// Functions that the calls reach.
     pub functions: u32,
     /// Loops in them.
     pub loops: u32,
+    /// Functions with a loop that has no bound, with what their loops are. This is not committed.
+    pub without_bound: Vec<String>,
 }
 
 /// Returns the path of the committed bounds.
@@ -86,11 +105,25 @@ impl CallBounds {
             .filter_map(|(name, bound)| Some((name.strip_prefix(ROOTS)?.to_owned(), bound)))
             .filter(|(name, _)| name != CALLER)
             .collect();
+        let loops: LoopBounds = evidence("loops.toml")?;
+        let lacks: Vec<String> = [loops.unargued(), loops.needless(&graph)].concat();
+        if !lacks.is_empty() {
+            return Err(format!("loops.toml:\n{}", lacks.join("\n")));
+        }
+        let instructions = graph.instruction_bounds(ROOTS, &loops);
         let of = Self {
-            stack_bytes: bounds
+            calls: bounds
                 .iter()
-                .map(|(name, bound)| (name.clone(), bound.bytes))
+                .map(|(name, bound)| {
+                    let instructions = instructions.of.get(&format!("{ROOTS}{name}"));
+                    let bound = CallBound {
+                        stack_bytes: bound.bytes,
+                        instructions: instructions.copied(),
+                    };
+                    (name.clone(), bound)
+                })
                 .collect(),
+            without_bound: instructions.without_bound,
             functions: graph.len() as u32,
             loops: graph.loops() as u32,
         };
@@ -100,19 +133,30 @@ impl CallBounds {
     /// Reads committed bounds.
     ///
     /// # Errors
-    /// The file cannot be read, or a line is not a name and a number.
+    /// The file cannot be read, or a line is not a name with numbers.
     pub fn read(path: &Path) -> Result<Self> {
         let text = text(path)?;
         let mut bounds = Self::default();
         for (number, line) in (1..).zip(text.lines()).skip(1) {
-            let wrong = || problem(path, format!("line {number}: expected a name and a number"));
-            let (name, value) = line.split_once(',').ok_or_else(wrong)?;
-            let value = value.parse().map_err(|_| wrong())?;
+            let wrong = || problem(path, format!("line {number}: expected a name and numbers"));
+            let mut words = line.split(',');
+            let name = words.next().unwrap_or_default();
+            let value = words.next().and_then(|word| word.parse().ok());
+            let value = value.ok_or_else(wrong)?;
             match name {
                 "functions" => bounds.functions = value,
                 "loops" => bounds.loops = value,
                 _ => {
-                    let _ = bounds.stack_bytes.insert(name.to_owned(), value);
+                    let instructions = match words.next() {
+                        None => return Err(wrong()),
+                        Some("") => None,
+                        Some(word) => Some(word.parse().map_err(|_| wrong())?),
+                    };
+                    let bound = CallBound {
+                        stack_bytes: value,
+                        instructions,
+                    };
+                    let _ = bounds.calls.insert(name.to_owned(), bound);
                 }
             }
         }
@@ -122,32 +166,45 @@ impl CallBounds {
     /// Returns them as [`CallBounds::read`] reads them.
     #[must_use]
     pub fn to_csv(&self) -> String {
-        let calls = self
-            .stack_bytes
-            .iter()
-            .map(|(name, bytes)| format!("{name},{bytes}\n"));
+        let calls = self.calls.iter().map(|(name, bound)| {
+            let instructions = bound.instructions.map(|of| of.to_string());
+            let bytes = bound.stack_bytes;
+            format!("{name},{bytes},{}\n", instructions.unwrap_or_default())
+        });
         let counts = [("functions", self.functions), ("loops", self.loops)];
-        let counts = counts.map(|(name, count)| format!("{name},{count}\n"));
-        let header = "call,stack_bytes\n".to_owned();
+        let counts = counts.map(|(name, count)| format!("{name},{count},\n"));
+        let header = "call,stack_bytes,instructions\n".to_owned();
         std::iter::once(header).chain(calls).chain(counts).collect()
     }
 
-    /// Returns one line for each stack that was measured deeper than its bound: the analysis is wrong.
-    /// `budgets` is `firmware/budgets.csv`, whose stacks an emulated drive has painted.
+    /// Returns one line for each stack or number of instructions that was measured above its bound: the
+    /// analysis is wrong. `budgets` is `firmware/budgets.csv`, measured in an emulated drive.
     ///
     /// # Errors
     /// A figure is missing.
     pub fn below_measured(&self, budgets: &str) -> Result<Vec<String>> {
         let mut below = Vec::new();
-        for (figure, calls) in MEASURED {
+        let measured = |figure: &str| {
             let row = budgets
                 .lines()
                 .find_map(|line| line.strip_prefix(figure)?.strip_prefix(','));
             // The first column is that of the analysed image: `f32` on a Cortex-M4F.
-            let measured = row.and_then(|row| row.split(',').next()?.parse().ok());
-            let measured: u32 = measured.ok_or_else(|| format!("no figure {figure}"))?;
-            let bounds = calls.iter().filter_map(|call| self.stack_bytes.get(*call));
-            let bound = bounds.max().copied().unwrap_or(0);
+            let measured = row.and_then(|row| row.split(',').next()?.parse::<u32>().ok());
+            measured.ok_or_else(|| format!("no figure {figure}"))
+        };
+        for (figure, call) in MEASURED_INSTRUCTIONS {
+            let measured: u64 = measured(figure)?.into();
+            let bound = self.calls.get(call).and_then(|of| of.instructions);
+            if bound.is_some_and(|bound| measured > bound) {
+                below.push(format!(
+                    "{figure}: {measured} instructions measured, more than the bound of {call}"
+                ));
+            }
+        }
+        for (figure, calls) in MEASURED {
+            let measured = measured(figure)?;
+            let bounds = calls.iter().filter_map(|call| self.calls.get(*call));
+            let bound = bounds.map(|of| of.stack_bytes).max().unwrap_or(0);
             if measured > bound {
                 below.push(format!(
                     "{figure}: {measured} bytes measured, {bound} bound"
@@ -162,25 +219,42 @@ impl CallBounds {
     #[must_use]
     pub fn excesses(&self, committed: &Self) -> Vec<String> {
         let mut excesses = Vec::new();
-        for (name, bytes) in &self.stack_bytes {
-            if *bytes > MOST_STACK_BYTES {
+        for (name, bound) in &self.calls {
+            let bytes = bound.stack_bytes;
+            if bytes > MOST_STACK_BYTES {
                 excesses.push(format!(
                     "{name}: {bytes} bytes of stack, more than the limit {MOST_STACK_BYTES}"
                 ));
             }
-            match committed.stack_bytes.get(name) {
-                None => excesses.push(format!("{name}: not committed")),
-                Some(known) if *bytes > known + known * SLACK_PERCENT / 100 => {
-                    excesses.push(format!("{name}: {bytes} bytes of stack, {known} committed"));
+            let Some(known) = committed.calls.get(name) else {
+                excesses.push(format!("{name}: not committed"));
+                continue;
+            };
+            if exceeds(bytes.into(), known.stack_bytes.into()) {
+                let known = known.stack_bytes;
+                excesses.push(format!("{name}: {bytes} bytes of stack, {known} committed"));
+            }
+            match (bound.instructions, known.instructions) {
+                (None, Some(_)) => excesses.push(format!(
+                    "{name}: no bound of its instructions; see docs/evidence/loops.toml for\n{}",
+                    self.without_bound.join("\n")
+                )),
+                (Some(now), Some(known)) if exceeds(now, known) => {
+                    excesses.push(format!("{name}: {now} instructions, {known} committed"));
                 }
-                Some(_) => {}
+                _ => {}
             }
         }
-        let lost = committed.stack_bytes.keys();
-        let lost = lost.filter(|name| !self.stack_bytes.contains_key(*name));
+        let lost = committed.calls.keys();
+        let lost = lost.filter(|name| !self.calls.contains_key(*name));
         excesses.extend(lost.map(|name| format!("{name}: no such call in the image")));
         excesses
     }
+}
+
+/// Returns whether a bound grew over the committed one.
+fn exceeds(bound: u64, committed: u64) -> bool {
+    bound > committed + committed * SLACK_PERCENT / 100
 }
 
 /// Refuses an image in which a function that only a panic calls can be reached.

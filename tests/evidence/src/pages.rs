@@ -62,9 +62,13 @@ fn fill(page: &str, name: &str, from: &str, content: &str) -> Result<String> {
 }
 
 fn stacks(bounds: &CallBounds) -> String {
-    let mut table = "| call | stack, bytes, at most |\n|---|---|\n".to_owned();
-    for (call, bytes) in &bounds.stack_bytes {
-        table += &format!("| {} | {bytes} |\n", call.replace('_', " "));
+    let header = "| call | stack, bytes, at most | instructions, at most |\n|---|---|---|\n";
+    let mut table = header.to_owned();
+    for (call, bound) in &bounds.calls {
+        let instructions = bound.instructions.map(|of| of.to_string());
+        let instructions = instructions.as_deref().unwrap_or("—");
+        let (call, bytes) = (call.replace('_', " "), bound.stack_bytes);
+        table += &format!("| {call} | {bytes} | {instructions} |\n");
     }
     let (functions, loops) = (bounds.functions, bounds.loops);
     table + &format!("\nThe calls reach {functions} functions with {loops} loops.\n")

@@ -21,6 +21,19 @@ pub struct Call {
     pub stack_bytes: u32,
 }
 
+/// An instruction of a function.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Node {
+    /// Addresses of the instructions of the function that may follow.
+    pub next: Vec<u32>,
+    /// The function that it calls, or goes on in.
+    pub callee: Option<Callee>,
+    /// The registers that it writes.
+    pub writes: Vec<u16>,
+    /// A register and the constant that it writes to it.
+    pub constant: Option<(u16, u32)>,
+}
+
 /// A function.
 #[derive(Clone, Debug, Default)]
 pub struct Function {
@@ -30,10 +43,10 @@ pub struct Function {
     pub stack_bytes: u32,
     /// Its calls.
     pub calls: Vec<Call>,
-    /// Number of loops: instructions that a later one jumps back to.
-    pub loops: usize,
-    /// Number of its instructions.
-    pub instructions: usize,
+    /// Address of its first instruction.
+    pub address: u32,
+    /// Its instructions by address.
+    pub nodes: BTreeMap<u32, Node>,
     /// Constants that it loads in two halves; some are addresses.
     pub constants: BTreeSet<u32>,
 }
@@ -67,18 +80,17 @@ impl Code<'_> {
             code: self,
             depths: BTreeMap::new(),
             open: vec![(self.address, 0)],
-            heads: BTreeSet::new(),
+            conditional: BTreeSet::new(),
             halves: BTreeMap::new(),
             function: Function {
                 name: name.to_owned(),
+                address: self.address,
                 ..Function::default()
             },
         };
         while let Some((address, depth)) = paths.open.pop() {
             paths.follow(decoder, address, depth)?;
         }
-        paths.function.loops = paths.heads.len();
-        paths.function.instructions = paths.depths.len();
         Ok(paths.function)
     }
 
@@ -99,13 +111,22 @@ impl Code<'_> {
     }
 }
 
+/// Returns the length of a Thumb instruction, bytes: its first bits say whether it has two halves.
+fn instruction_length(code: &[u8]) -> u32 {
+    match code.get(1) {
+        Some(0b1110_1000..) => 4,
+        _ => 2,
+    }
+}
+
 /// The paths that were followed so far.
 struct Paths<'a> {
     code: &'a Code<'a>,
     /// The stack before each instruction, bytes.
     depths: BTreeMap<u32, i32>,
     open: Vec<(u32, i32)>,
-    heads: BTreeSet<u32>,
+    /// Instructions that an IT instruction makes conditional. The decoder sees one at a time.
+    conditional: BTreeSet<u32>,
     halves: BTreeMap<u16, u32>,
     function: Function,
 }
@@ -124,7 +145,13 @@ impl Paths<'_> {
             return Err(format!("{address:#x}: runs out of {}", self.function.name));
         }
         self.depths.insert(address, depth);
-        let read = decoder.read(self.code.at(address), address)?;
+        let is_conditional = self.conditional.contains(&address);
+        let read = decoder.read(self.code.at(address), address, is_conditional)?;
+        let mut behind = address + read.length;
+        for _ in 0..read.conditional {
+            self.conditional.insert(behind);
+            behind += instruction_length(self.code.at(behind));
+        }
         self.remember(read.half);
         let growth = read
             .stack_growth
@@ -132,6 +159,12 @@ impl Paths<'_> {
         let after = depth + growth;
         let deepest = u32::try_from(after.max(depth)).unwrap_or(0);
         self.function.stack_bytes = self.function.stack_bytes.max(deepest);
+        let node = Node {
+            writes: read.writes.clone(),
+            constant: read.constant,
+            ..Node::default()
+        };
+        self.function.nodes.insert(address, node);
         self.go_on(&read, address, depth, after)
     }
 
@@ -144,20 +177,20 @@ impl Paths<'_> {
     ) -> Result<(), String> {
         let next = address + read.length;
         match read.flow {
-            Flow::Next => self.open.push((next, after)),
+            Flow::Next => self.follow_later(address, next, after),
             Flow::Jump(target) => self.jump(address, target, after),
             Flow::Branch(target) => {
                 self.jump(address, target, after);
-                self.open.push((next, after));
+                self.follow_later(address, next, after);
             }
-            Flow::Call(target) => self.call(Callee::At(target), next, after),
-            Flow::IndirectCall => self.call(Callee::Indirect, next, after),
+            Flow::Call(target) => self.call(address, Callee::At(target), next, after),
+            Flow::IndirectCall => self.call(address, Callee::Indirect, next, after),
             Flow::Table(width) => {
                 for target in self.code.table_targets(next, width)? {
                     self.jump(address, target, after);
                 }
             }
-            Flow::Return { may_stay: true } => self.open.push((next, depth)),
+            Flow::Return { may_stay: true } => self.follow_later(address, next, depth),
             Flow::Return { may_stay: false } if after == 0 => {}
             Flow::Return { may_stay: false } => {
                 return Err(format!("{address:#x}: returns with {after} bytes of stack"));
@@ -170,25 +203,32 @@ impl Paths<'_> {
     /// Follows a jump. One that leaves the function is a call whose callee returns to the caller.
     fn jump(&mut self, from: u32, target: u32, depth: i32) {
         if !self.code.contains(target) || (target == self.code.address && depth == 0) {
-            self.add_call(Callee::At(target), depth);
+            self.add_call(from, Callee::At(target), depth);
             return;
         }
-        if target <= from {
-            self.heads.insert(target);
-        }
+        self.follow_later(from, target, depth);
+    }
+
+    fn follow_later(&mut self, from: u32, target: u32, depth: i32) {
+        self.node(from).next.push(target);
         self.open.push((target, depth));
     }
 
-    fn call(&mut self, callee: Callee, next: u32, depth: i32) {
-        self.add_call(callee, depth);
+    fn node(&mut self, address: u32) -> &mut Node {
+        self.function.nodes.entry(address).or_default()
+    }
+
+    fn call(&mut self, from: u32, callee: Callee, next: u32, depth: i32) {
+        self.add_call(from, callee, depth);
         // Behind the call of a function that never returns, a table or the next function begins.
         let is_code = self.code.contains(next) && !self.code.table_ends.contains_key(&next);
         if is_code {
-            self.open.push((next, depth));
+            self.follow_later(from, next, depth);
         }
     }
 
-    fn add_call(&mut self, callee: Callee, depth: i32) {
+    fn add_call(&mut self, from: u32, callee: Callee, depth: i32) {
+        self.node(from).callee = Some(callee);
         let stack_bytes = u32::try_from(depth).unwrap_or(0);
         self.function.calls.push(Call {
             callee,

@@ -50,6 +50,7 @@ impl CallGraph {
     /// Returns the number of loops in all functions.
     #[must_use]
     pub fn loops(&self) -> usize {
-        self.functions.values().map(|function| function.loops).sum()
+        let functions = self.functions.values();
+        functions.map(|function| function.loops().len()).sum()
     }
 }

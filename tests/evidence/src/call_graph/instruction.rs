@@ -36,12 +36,18 @@ pub enum Flow {
 pub struct Instruction {
     /// Its length, bytes.
     pub length: u32,
+    /// Number of the instructions behind it that it makes conditional (IT).
+    pub conditional: usize,
     /// Where the program goes on.
     pub flow: Flow,
     /// By how much the stack grows, bytes; `None` if that is not a constant.
     pub stack_growth: Option<i32>,
     /// Half of an address that it loads into a register.
     pub half: Option<Half>,
+    /// The registers that it writes.
+    pub writes: Vec<u16>,
+    /// A register and the constant that it writes to it.
+    pub constant: Option<(u16, u32)>,
     /// Its words in assembly, for messages.
     pub words: String,
 }
@@ -76,11 +82,17 @@ impl Decoder {
         capstone.map(Self).map_err(|error| error.to_string())
     }
 
-    /// Decodes the first instruction of `code`, which lies at `address`.
+    /// Decodes the first instruction of `code`, which lies at `address`. `is_conditional` is whether an
+    /// IT instruction before it makes it one.
     ///
     /// # Errors
     /// It is no instruction of a Cortex-M.
-    pub fn read(&self, code: &[u8], address: u32) -> Result<Instruction, String> {
+    pub fn read(
+        &self,
+        code: &[u8],
+        address: u32,
+        is_conditional: bool,
+    ) -> Result<Instruction, String> {
         let problem = |why: String| format!("{address:#x}: {why}");
         let read = self.0.disasm_count(code, u64::from(address), 1);
         let read = read.map_err(|error| problem(error.to_string()))?;
@@ -93,15 +105,23 @@ impl Decoder {
         let writes = |register| detail.regs_write().contains(&RegId(register as u16));
         let arch = detail.arch_detail();
         let arm = arch.arm().ok_or_else(|| problem("no details".to_owned()))?;
-        let parts = Parts::of(instruction, arm);
+        let mut parts = Parts::of(instruction, arm);
+        parts.is_conditional |= is_conditional;
         let flow = parts
             .flow(writes(ArmReg::ARM_REG_PC))
             .ok_or_else(|| problem(format!("unknown jump: {}", parts.words)))?;
         Ok(Instruction {
             length: instruction.bytes().len() as u32,
+            conditional: parts.conditional(),
             flow,
             stack_growth: parts.stack_growth(writes(ArmReg::ARM_REG_SP)),
             half: parts.half(),
+            writes: detail
+                .regs_write()
+                .iter()
+                .map(|register| register.0)
+                .collect(),
+            constant: parts.register_constant(),
             words: parts.words,
         })
     }
@@ -210,6 +230,25 @@ impl Parts {
         })
     }
 
+    /// IT is followed by one letter for each instruction but the first.
+    fn conditional(&self) -> usize {
+        let name = self.words.split(' ').next().unwrap_or_default();
+        if self.is(&[ArmInsn::ARM_INS_IT]) {
+            name.len() - 1
+        } else {
+            0
+        }
+    }
+
+    fn register_constant(&self) -> Option<(u16, u32)> {
+        use ArmInsn::*;
+        let moves = self.is(&[ARM_INS_MOV, ARM_INS_MOVS, ARM_INS_MOVW]) && !self.is_conditional;
+        let [ArmOperandType::Reg(register), ArmOperandType::Imm(constant)] = &*self.operands else {
+            return None;
+        };
+        moves.then_some((register.0, *constant as u32))
+    }
+
     fn half(&self) -> Option<Half> {
         let is_upper = self.is(&[ArmInsn::ARM_INS_MOVT]);
         if !is_upper && !self.is(&[ArmInsn::ARM_INS_MOVW]) {
@@ -228,7 +267,7 @@ mod tests {
     use super::*;
 
     fn read(code: &[u8]) -> Instruction {
-        Decoder::new().unwrap().read(code, 0x1000).unwrap()
+        Decoder::new().unwrap().read(code, 0x1000, false).unwrap()
     }
 
     #[test]
@@ -283,8 +322,19 @@ mod tests {
     }
 
     #[test]
+    fn what_follows_it_is_conditional() {
+        assert_eq!(read(&[0x08, 0xbf]).conditional, 1, "it eq");
+        assert_eq!(read(&[0x1e, 0xbf]).conditional, 3, "ittt ne");
+        assert_eq!(read(&[0x00, 0xbf]).conditional, 0, "nop");
+        // Decoded alone it looks like a return for good.
+        let decoder = Decoder::new().unwrap();
+        let returns = decoder.read(&[0x70, 0x47], 0x1000, true).unwrap();
+        assert_eq!(returns.flow, Flow::Return { may_stay: true }, "bxeq lr");
+    }
+
+    #[test]
     fn a_jump_that_is_not_understood_is_an_error() {
-        let problem = Decoder::new().unwrap().read(&[0x18, 0x47], 0x1000);
+        let problem = Decoder::new().unwrap().read(&[0x18, 0x47], 0x1000, false);
         assert_eq!(problem.unwrap_err(), "0x1000: unknown jump: bx r3");
     }
 }
