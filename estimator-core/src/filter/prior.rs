@@ -11,9 +11,9 @@ use super::state::State;
 use super::state_index::StateIndex::{self, Bias, Scale};
 use super::state_index::{PerState, StateVector};
 use crate::context::Context;
-use crate::sample::Sample;
+use crate::sample::{Sample, SpeedMeasurement};
 use crate::scalar::Scalar;
-use crate::tuning::Prior;
+use crate::tuning::{Prior, Tuning};
 
 /// The states that belong to the vehicle, as a drive knows them at its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -122,6 +122,28 @@ pub(super) fn initial_state<S: Scalar>(
         .covariance
         .add_variance(Bias, S::from_f32(cold * cold));
     state
+}
+
+/// Starts the states that a gap ends from a speed. The slow states stay as they are.
+pub(super) fn start_after_gap<S: Scalar>(
+    state: &mut State<S>,
+    tuning: &Tuning,
+    speed: SpeedMeasurement,
+) {
+    let square = |sigma: f32| S::from_f32(sigma * sigma);
+    state.mean.clear_after_gap();
+    state.covariance.clear_after_gap();
+    state.origin_m = None;
+    let mps = speed.mean_mps;
+    state.mean[StateIndex::KineticEnergy] = S::from_f32(0.5 * mps * mps);
+    // The speed itself follows as a measurement. What is set here only has to be wider.
+    for (index, sigma) in [
+        (StateIndex::KineticEnergy, Scalar::max(1.0, mps)),
+        (StateIndex::Slope, tuning.prior.slope_sigma_percent),
+        (StateIndex::SlopeRate, tuning.process_noise.slope_rate_sigma),
+    ] {
+        state.covariance.set(index, index, square(sigma));
+    }
 }
 
 /// Widens bias and scale after a stop that may have changed the load. The means stay: there are no
