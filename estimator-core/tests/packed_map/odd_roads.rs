@@ -257,3 +257,43 @@ fn a_lane_that_leaves_a_road_and_comes_back_is_followed() {
     let known = known_cell(&on_map, "behind").expect("a place");
     assert!((known - 199.0).abs() < 8.0, "{known}");
 }
+
+#[test]
+fn of_two_hypotheses_that_come_together_the_better_one_stays() {
+    // As before, but the map has the road meet the way behind too early. The vehicle is on the lane: the
+    // hypothesis of the road gets there first, is farther along, and fits worse.
+    for early in 4..24 {
+        let road = TestWay {
+            name: "road",
+            cells: 200 - early,
+            joins: Box::leak(Box::new([(100, 1), (199 - early, 2)])),
+            ..LONG
+        };
+        let lane = TestWay {
+            name: "lane",
+            cells: 100,
+            begin_e7: [1_022_500, 20_000_700],
+            joins: &[(99, 2)],
+            ..LONG
+        };
+        let behind = TestWay {
+            name: "behind",
+            cells: 300,
+            begin_e7: [1_045_000, 20_000_450],
+            ..LONG
+        };
+        let bytes = packed(&[road, lane, behind]);
+        let mut on_map = MapLive::new(PackedMap::open(&bytes).unwrap());
+        for number in 0..400 {
+            let (way, cell) = match number {
+                0..100 => (&road, number),
+                100..200 => (&lane, number - 100),
+                _ => (&behind, number - 200),
+            };
+            on_map.advance(&live(way, cell, number as u32));
+        }
+        assert_eq!(on_map.matcher().hypotheses().count(), 1);
+        let known = known_cell(&on_map, "behind").expect("a place");
+        assert!((known - 199.0).abs() < 8.0, "{early}: {known}");
+    }
+}
