@@ -52,7 +52,9 @@ pub(super) struct Parts {
     pub tachograph_check: SpeedCheck,
     /// Whether the engine's torque comes from another sender than the engine.
     pub is_torque_doubted: bool,
-    /// Whether the wheel speed may come from two senders.
+    /// Whether the wheel speed comes more often than it did.
+    comes_too_often: bool,
+    /// Whether it may come from two senders.
     is_speed_doubted: bool,
     /// Last cell before speeds that have been found to be wrong since the last sample.
     right_until: Option<u32>,
@@ -98,6 +100,7 @@ impl Parts {
             front_axle_check: SpeedCheck::default(),
             tachograph_check: SpeedCheck::default(),
             is_torque_doubted: false,
+            comes_too_often: false,
             is_speed_doubted: false,
             right_until: None,
             air: AirSignals::default(),
@@ -201,6 +204,8 @@ impl Parts {
         let plausible_mps = match checked {
             None => None,
             Some((mps, Plausibility::Plausible)) => Some(mps),
+            // Those of a noisy sensor go back and forth as well.
+            Some((mps, Plausibility::Contradicted)) if !self.comes_too_often => Some(mps),
             Some((_, Plausibility::Jumped)) => {
                 count(&mut counters.speed_leaps);
                 return None;
@@ -236,6 +241,7 @@ impl Parts {
     /// Takes whether the wheel speed comes more often than it did, since behind the cell with this
     /// number. It may come from two senders then, if its readings go back and forth.
     pub(super) fn doubt_speed(&mut self, comes_too_often: bool, cell: u32) {
+        self.comes_too_often = comes_too_often;
         let is_doubted = self.wheel_check.take_returns() && comes_too_often;
         if is_doubted && !self.is_speed_doubted {
             self.doubt_since(cell);

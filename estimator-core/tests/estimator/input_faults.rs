@@ -3,7 +3,7 @@
 use estimator_core::intake::{Rate, RateMonitor};
 use estimator_core::signal::{FrameOutcome, Rejection, encode};
 use estimator_core::{Counters, Decoder, Estimator, Instant, Outcome, Signal, Tuning, Value};
-use test_kit::{TestFrame, frames_of, truck};
+use test_kit::{Noise, TestFrame, frames_of, truck};
 
 const EEC1: u32 = 61_444;
 const CCVS1: u32 = 65_265;
@@ -339,6 +339,25 @@ fn speeds_of_two_senders_do_not_count() {
             "{suspect} with {apart_mps} m/s"
         );
         assert_eq!(bus.suspect_cells(), 0);
+    }
+}
+
+#[test]
+fn noisy_speeds_are_not_those_of_two_senders() {
+    let mut noise = Noise(7);
+    for sigma_mps in [0.1, 0.2, 0.3] {
+        let mut bus = Bus::new();
+        let noise: Vec<f32> = (0..3_000).map(|_| sigma_mps * noise.draw()).collect();
+        bus.on(3_000, |k| Moment {
+            wheel_mps: 20.0 + noise[k],
+            ..at(20.0)
+        });
+        assert!(!bus.suspect.contains(&true));
+        // Some are farther off than a vehicle can get.
+        assert!(bus.counters().speed_leaps < 30, "{sigma_mps} m/s");
+        assert_eq!(bus.counters().gaps, 0);
+        let driven_m = bus.distance_m();
+        assert!((driven_m - 6_000.0).abs() < 10.0, "{driven_m} m");
     }
 }
 
