@@ -7,7 +7,7 @@ use crate::tuning::Detection;
 /// Weight of a reading in the part of those that return: 1 over their number.
 const GAIN: f32 = 1.0 / 64.0;
 
-/// Readings that return to where the speed was before the last one. Noise makes few of them, and two
+/// Readings that return to where the speed was before the last one. Noise makes some of them, and two
 /// senders of one message many: at least as many as the slower one sends.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Returns {
