@@ -215,7 +215,7 @@ impl Parts {
         })
     }
 
-    /// Opens the load where a drive begins and nothing tells the mass.
+    /// Opens the test of the load at the start of a drive, unless the bus or an effect gives the mass.
     fn open_load<S: Scalar>(&mut self, state: &mut State<S>, context: &Context, sample: &Sample) {
         if sample.mass_is_reported || context.model.effects.mass_variance() > 0.0 {
             return;

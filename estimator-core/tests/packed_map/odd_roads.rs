@@ -3,7 +3,7 @@
 use super::file::{TestWay, packed};
 use super::{WAYS, before_the_exit, finished, known_cell, live};
 use estimator_core::roadmap::{Horizon, MapLive, MapMatch, PackedMap};
-use estimator_core::{Cell, Uncertain};
+use estimator_core::{Cell, Live, Uncertain};
 
 const LONG: TestWay = TestWay {
     name: "long",
@@ -214,13 +214,13 @@ fn grades_that_are_no_numbers_say_nothing_of_the_map() {
     assert!(known_cell(&on_map, "road").is_some());
 }
 
-#[test]
-fn a_lane_that_leaves_a_road_and_comes_back_is_followed() {
-    // 8 m beside the road. The vehicle is on the lane.
+/// A road, a lane that leaves it 250 m before its end, 8 m beside it, and the road behind both. By the map
+/// the road ends so many cells too early.
+fn lane_beside_a_road(early: i32) -> [TestWay; 3] {
     let road = TestWay {
         name: "road",
-        cells: 200,
-        joins: &[(100, 1), (199, 2)],
+        cells: 200 - early,
+        joins: Box::leak(Box::new([(100, 1), (199 - early, 2)])),
         ..LONG
     };
     let lane = TestWay {
@@ -236,16 +236,27 @@ fn a_lane_that_leaves_a_road_and_comes_back_is_followed() {
         begin_e7: [1_045_000, 20_000_450],
         ..LONG
     };
-    let bytes = packed(&[road, lane, behind]);
+    [road, lane, behind]
+}
+
+/// Returns the live estimate at a cell of a drive on the lane.
+fn on_the_lane([road, lane, behind]: &[TestWay; 3], number: i32) -> Live {
+    let (way, cell) = match number {
+        0..100 => (road, number),
+        100..200 => (lane, number - 100),
+        _ => (behind, number - 200),
+    };
+    live(way, cell, number as u32)
+}
+
+#[test]
+fn a_lane_that_leaves_a_road_and_comes_back_is_followed() {
+    let ways = lane_beside_a_road(0);
+    let bytes = packed(&ways);
     let mut on_map = MapLive::new(PackedMap::open(&bytes).unwrap());
     let mut most = 0;
     for number in 0..400 {
-        let (way, cell) = match number {
-            0..100 => (&road, number),
-            100..200 => (&lane, number - 100),
-            _ => (&behind, number - 200),
-        };
-        on_map.advance(&live(way, cell, number as u32));
+        on_map.advance(&on_the_lane(&ways, number));
         let hypotheses = on_map.matcher().hypotheses().count();
         if number < 200 {
             most = most.max(hypotheses);
@@ -260,38 +271,12 @@ fn a_lane_that_leaves_a_road_and_comes_back_is_followed() {
 
 #[test]
 fn of_two_hypotheses_that_come_together_the_better_one_stays() {
-    // As before, but the map has the road meet the way behind too early. The vehicle is on the lane: the
-    // hypothesis of the road gets there first, is farther along, and fits worse.
+    // The hypothesis of the road gets behind it first, is farther along, and fits worse.
     for early in 4..24 {
-        let road = TestWay {
-            name: "road",
-            cells: 200 - early,
-            joins: Box::leak(Box::new([(100, 1), (199 - early, 2)])),
-            ..LONG
-        };
-        let lane = TestWay {
-            name: "lane",
-            cells: 100,
-            begin_e7: [1_022_500, 20_000_700],
-            joins: &[(99, 2)],
-            ..LONG
-        };
-        let behind = TestWay {
-            name: "behind",
-            cells: 300,
-            begin_e7: [1_045_000, 20_000_450],
-            ..LONG
-        };
-        let bytes = packed(&[road, lane, behind]);
+        let ways = lane_beside_a_road(early);
+        let bytes = packed(&ways);
         let mut on_map = MapLive::new(PackedMap::open(&bytes).unwrap());
-        for number in 0..400 {
-            let (way, cell) = match number {
-                0..100 => (&road, number),
-                100..200 => (&lane, number - 100),
-                _ => (&behind, number - 200),
-            };
-            on_map.advance(&live(way, cell, number as u32));
-        }
+        (0..400).for_each(|number| on_map.advance(&on_the_lane(&ways, number)));
         assert_eq!(on_map.matcher().hypotheses().count(), 1);
         let known = known_cell(&on_map, "behind").expect("a place");
         assert!((known - 199.0).abs() < 8.0, "{early}: {known}");

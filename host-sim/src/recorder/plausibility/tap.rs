@@ -36,10 +36,7 @@ impl Tap {
             let sender = Sender::new(message, pgn.source);
             let is_available = reading.value.is_available();
             let admission = sources.admit(reading.signal, sender, now, is_available, tuning);
-            let counts = matches!(
-                admission,
-                Admission::Admitted | Admission::Switched | Admission::StoodIn
-            );
+            let counts = !matches!(admission, Admission::Refused | Admission::Ignored);
             if counts && is_available {
                 take(reading);
             }
