@@ -18,15 +18,16 @@ import time
 from pathlib import Path
 
 import boto3
-from gate import CUT, DOWN, HOLD, UP, Gate
+from gate import CUT, DEAF, DOWN, HOLD, UP, Gate
 from moto.server import ThreadedMotoServer
 
 BUCKET = "fleet"
 LONGEST_S = 60
 # More than what a request has besides an object, and less than each object that is cut.
 LITTLE = 20_000
-# Sent in two pieces.
+# Bytes of a memory that is sent at once, on a condition, and of sums that are sent in pieces.
 LARGE = "16777216"
+IN_PIECES = 70_000_000
 
 
 class Bench:
@@ -185,11 +186,32 @@ def killed_while_sending(bench):
     return "killed while sending: the object is absent or the old one, then the new one"
 
 
+def large_sums(bench):
+    """Writes sums that are sent in pieces: those of the bench, of many sessions."""
+    _, header, *rows = Path(bench.file("sums.csv")).read_text().splitlines()
+    lines = [row for row in rows if not row.startswith("#")]
+    cells = [cell for cell in (row.split(",") for row in lines) if cell[1]]
+    size = sum(len(line) for line in lines)
+    session = 0
+    while size < IN_PIECES:
+        for cell in cells:
+            lines.append(",".join([cell[0], f"s{session:06}", "", "", *cell[4:]]))
+            size += len(lines[-1])
+        session += 1
+    # Without a checksum, as an earlier release wrote it, and without runs: each is a new one.
+    first = f"# roadgrade sums 2, rows: {len(lines)}, runs: 0"
+    return "\n".join([first, header, *lines, ""]).encode()
+
+
 def killed_between_pieces(bench):
     """A large object is sent in pieces; they are taken back."""
-    memory = ("--memory", bench.object("large.memory"), "--memory-bytes", LARGE)
-    out = str(bench.work / "beside.csv")
-    command = (*estimate(bench, bench.file("in/b.log"), out), *memory)
+    sums = large_sums(bench)
+    path = Path(bench.file("large.csv"))
+    bench.s3.put_object(Bucket=BUCKET, Key="large.csv", Body=sums)
+    path.write_bytes(sums)
+
+    def command(at):
+        return "fuse", "--store", at("large.csv"), "--out", bench.file("x.csv"), bench.file("data")
 
     def begun():
         return len(bench.s3.list_multipart_uploads(Bucket=BUCKET).get("Uploads", []))
@@ -198,11 +220,22 @@ def killed_between_pieces(bench):
         assert begun() == 1, begun()
 
     bench.gate.shut(UP, LITTLE, HOLD)
-    bench.interrupt(signal.SIGTERM, *command, meanwhile=is_begun)
-    assert not bench.names("large.memory")
+    bench.interrupt(signal.SIGTERM, *command(bench.object), meanwhile=is_begun)
+    assert bench.content("large.csv") == sums
     assert begun() == 0, begun()
-    bench.run(*command)
-    assert bench.content("large.memory") == (bench.files / "roads.memory").read_bytes()
+    bench.run(*command(bench.object))
+    bench.run(*command(bench.file))
+    assert bench.content("large.csv") == path.read_bytes() != sums
+    # Another program replaces it while its pieces are on their way.
+    bench.s3.put_object(Bucket=BUCKET, Key="large.csv", Body=sums)
+    bench.gate.shut(UP, LITTLE, HOLD)
+    process = bench.start(*command(bench.object))
+    assert bench.gate.reached(LONGEST_S)
+    bench.s3.put_object(Bucket=BUCKET, Key="large.csv", Body=b"of another program")
+    bench.gate.open()
+    _, messages = process.communicate(timeout=LONGEST_S)
+    assert process.returncode == 1 and "changed by another program" in messages, messages
+    assert bench.content("large.csv") == b"of another program" and begun() == 0
     return "killed between pieces: none is left behind"
 
 
@@ -241,18 +274,71 @@ def cut_off(bench):
 
 
 def changed_meanwhile(bench):
-    """Sums that another program replaces during a fusion are not lost."""
+    """Sums that another program replaces are not lost: while they are read, and while they are sent."""
+    other = b"of another program"
+
+    def fuse(name, runs="runs"):
+        sums = bench.object(name)
+        return "fuse", "--store", sums, "--out", bench.object("all.csv"), bench.object(runs)
+
+    def refused(process, name):
+        bench.s3.put_object(Bucket=BUCKET, Key=name, Body=other)
+        bench.gate.open()
+        _, messages = process.communicate(timeout=LONGEST_S)
+        assert process.returncode == 1 and "changed by another program" in messages, messages
+        assert bench.content(name) == other
+
     bench.gate.shut(DOWN, LITTLE, HOLD)
-    sums = bench.object("shared.csv")
-    fuse = ("fuse", "--store", sums, "--out", bench.object("all.csv"), bench.object("runs"))
-    process = bench.start(*fuse)
+    process = bench.start(*fuse("shared.csv"))
     assert bench.gate.reached(LONGEST_S)
-    bench.s3.put_object(Bucket=BUCKET, Key="shared.csv", Body=b"of another program")
+    refused(process, "shared.csv")
+    # A first one that another program makes as well, ...
+    bench.gate.shut(UP, LITTLE, HOLD)
+    process = bench.start(*fuse("first.csv"))
+    assert bench.gate.reached(LONGEST_S)
+    refused(process, "first.csv")
+    # ... and one that was there: half of the new sums are on their way.
+    bench.run(*fuse("second.csv", "data"))
+    bench.gate.shut(UP, LITTLE, HOLD)
+    process = bench.start(*fuse("second.csv"))
+    assert bench.gate.reached(LONGEST_S)
+    refused(process, "second.csv")
+    return "sums that another program replaced are kept"
+
+
+def reply_lost(bench):
+    """A server that did what was asked, and whose reply got lost, is no error."""
+    sums = bench.object("lost.csv")
+    fuse = ("fuse", "--store", sums, "--out", bench.file("lost.csv"), bench.object("runs"))
+    bench.run(*fuse)
+    expected = bench.content("lost.csv")
+    bench.s3.delete_object(Bucket=BUCKET, Key="lost.csv")
+    bench.gate.shut(UP, LITTLE, DEAF)
+    bench.run(*fuse)
+    assert bench.gate.reached(0)
+    bench.gate.open()
+    assert bench.content("lost.csv") == expected
+    return "a lost reply: the object is there, and no error"
+
+
+def without_conditions(bench):
+    """A server without conditions is asked what is there before it is sent anything."""
+    bench.environment["AWS_CONDITIONAL_PUT"] = "disabled"
+    sums = bench.object("plain.csv")
+
+    def fuse(runs):
+        return "fuse", "--store", sums, "--out", bench.file("plain.csv"), bench.object(runs)
+
+    bench.run(*fuse("runs"))
+    bench.gate.shut(DOWN, LITTLE, HOLD)
+    process = bench.start(*fuse("data"))
+    assert bench.gate.reached(LONGEST_S)
+    bench.s3.put_object(Bucket=BUCKET, Key="plain.csv", Body=b"of another program")
     bench.gate.open()
     _, messages = process.communicate(timeout=LONGEST_S)
     assert process.returncode == 1 and "changed by another program" in messages, messages
-    assert bench.content("shared.csv") == b"of another program"
-    return "sums that another program replaced are kept"
+    del bench.environment["AWS_CONDITIONAL_PUT"]
+    return "a server without conditions is asked before"
 
 
 def refused(bench):
@@ -285,6 +371,8 @@ def main():
             killed_while_reading,
             cut_off,
             changed_meanwhile,
+            reply_lost,
+            without_conditions,
             refused,
         ):
             started = time.monotonic()

@@ -4,7 +4,7 @@ import socket
 import threading
 
 UP, DOWN = "up", "down"
-HOLD, CUT = "hold", "cut"
+HOLD, CUT, DEAF = "hold", "cut", "deaf"
 CHUNK = 4096
 
 
@@ -29,8 +29,8 @@ class Shutter:
 class Gate:
     """Passes bytes between clients and a server on this machine.
 
-    After `limit` bytes in one direction, a connection is held (nothing more passes) or cut. Without a
-    limit everything passes.
+    After `limit` bytes in one direction, a connection is held (nothing more passes), cut, or deaf: it
+    ends with the server's reply, which does not pass. Without a limit everything passes.
     """
 
     def __init__(self, server_port):
@@ -58,11 +58,12 @@ class Gate:
         while True:
             client, _ = self.listener.accept()
             server = socket.create_connection(("127.0.0.1", self.server_port))
+            deaf = threading.Event()
             for direction, source, sink in ((UP, client, server), (DOWN, server, client)):
-                arguments = (self.shutter, direction, source, sink)
+                arguments = (self.shutter, deaf, direction, source, sink)
                 threading.Thread(target=self._pass, args=arguments, daemon=True).start()
 
-    def _pass(self, shutter, direction, source, sink):
+    def _pass(self, shutter, deaf, direction, source, sink):
         passed = 0
         limit = shutter.limit if direction == shutter.direction else None
         try:
@@ -72,6 +73,10 @@ class Gate:
                     limit = None
                     if shutter.shuts():
                         break
+                    if shutter.action == DEAF:
+                        deaf.set()
+                if deaf.is_set() and direction == DOWN:
+                    break
                 sink.sendall(data)
         except OSError:
             pass

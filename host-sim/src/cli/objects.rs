@@ -5,6 +5,7 @@ use crate::files::object_storage::{Object, ObjectStorage, ObjectUrl, Wanted};
 use crate::terminal::print::show_instead;
 use crate::terminal::progress;
 use clap::{ArgMatches, Command};
+use indicatif::ProgressFinish;
 use std::cmp::Reverse;
 use std::ffi::{OsStr, OsString};
 use std::fs;
@@ -54,7 +55,7 @@ impl Objects {
         if named.is_empty() {
             return Ok(None);
         }
-        let storage = ObjectStorage::open()?;
+        let storage = ObjectStorage::open(sending)?;
         let folder = format!("{}/", storage.folder().display());
         show_instead(folder.clone(), "s3://".to_owned());
         prepare(&storage, &named)?;
@@ -135,6 +136,12 @@ fn prepare(storage: &ObjectStorage, named: &[Named]) -> Result<()> {
     let fetched = storage.fetch(&objects, &|bytes| bar.inc(bytes));
     bar.finish_and_clear();
     fetched
+}
+
+/// Shows how much of an object has been sent.
+fn sending(bytes: u64) -> Box<dyn Fn(u64)> {
+    let bar = progress::bytes(bytes).with_finish(ProgressFinish::AndClear);
+    Box::new(move |bytes| bar.inc(bytes))
 }
 
 fn make_folder(path: Option<&Path>) -> Result<()> {

@@ -25,6 +25,9 @@ pub struct Object {
     pub size: u64,
 }
 
+/// Shows how much of a large object has been sent.
+pub type Progress = fn(u64) -> Box<dyn Fn(u64)>;
+
 /// Object storage.
 #[derive(Debug)]
 pub enum ObjectStorage {}
@@ -57,7 +60,7 @@ impl ObjectStorage {
     ///
     /// # Errors
     /// Returns an error always.
-    pub fn open() -> Result<Self> {
+    pub fn open(_progress: Progress) -> Result<Self> {
         let problem = "this program is built without it".to_owned();
         let url = "object storage".to_owned();
         Err(Error::Storage { url, problem })

@@ -17,6 +17,12 @@ pub fn deviation(values: &[f64]) -> f64 {
     mean(&squares).sqrt()
 }
 
+/// Returns the standard error of the mean; NaN of fewer than two values.
+#[must_use]
+pub fn error_of_mean(values: &[f64]) -> f64 {
+    deviation(values) / (values.len() as f64 - 1.0).sqrt()
+}
+
 /// Returns the median; the mean of the two in the middle of an even number; NaN of an empty slice.
 #[must_use]
 pub fn median(values: &[f64]) -> f64 {

@@ -3,9 +3,10 @@
 
 pub mod campaign;
 
+use super::convergence::curve::floor_and_slope;
 use super::definition::{Setting, Study, StudyOutcome};
 use crate::error::Result;
-use crate::numeric::statistics::mean;
+use crate::numeric::statistics::{error_of_mean, mean};
 use crate::report::page::{Section, Table};
 use crate::simulator::truck::Preset;
 use crate::terminal::progress;
@@ -21,7 +22,7 @@ pub const STUDY: Study = Study {
 };
 
 /// Number of campaigns, each with other delays, parameters, winds and noise.
-const CAMPAIGNS: u64 = 3;
+const CAMPAIGNS: u64 = 9;
 /// The measured profile, in the folder of the data.
 const ROAD: &str = "e4/road.csv";
 /// The whole of it, m.
@@ -173,7 +174,7 @@ fn maps_table(campaigns: &[Vec<MapFigures>]) -> Table {
         let rmse = of(|map| map.rmse_percent);
         vec![
             (*words).to_owned(),
-            format!("{:.4}", mean(&rmse)),
+            format!("{:.4} ± {:.4}", mean(&rmse), error_of_mean(&rmse)),
             format!("{:.4}", rmse.iter().copied().fold(0.0, f64::max)),
             format!("{:.2}", mean(&of(|map| map.nees))),
             format!("{:.4}", mean(&of(|map| map.moved_rmse_percent))),
@@ -185,7 +186,7 @@ fn maps_table(campaigns: &[Vec<MapFigures>]) -> Table {
     });
     Table::new(
         "alignment_maps",
-        "Means over campaigns of RMSE of grade (%), its largest value, normalised squared errors \
+        "Means over campaigns of RMSE of grade (%) with its standard error, its largest value, normalised squared errors \
          (NEES), RMSE of the same map moved along the road by the best single distance, that \
          distance (m), RMSE if all positions were true, RMSE \
          if a latency of 150 ms is assumed, and the mean size of the runs' errors along the road (m).",
@@ -202,22 +203,6 @@ fn maps_table(campaigns: &[Vec<MapFigures>]) -> Table {
         ],
     )
     .with_rows(rows)
-}
-
-/// Returns `a` and `b` of `a + b / n`, fitted to mean squares of maps of so many runs.
-fn floor_and_slope(mean_squares: &[(f64, f64)]) -> (f64, f64) {
-    let each =
-        |value: fn(&(f64, f64)) -> f64| -> Vec<f64> { mean_squares.iter().map(value).collect() };
-    let (x, y) = (mean(&each(|(n, _)| 1.0 / n)), mean(&each(|(_, y)| *y)));
-    let about = |(n, square): &(f64, f64)| (1.0 / n - x, square - y);
-    let (mut xx, mut xy) = (0.0, 0.0);
-    for point in mean_squares {
-        let (dx, dy) = about(point);
-        xx += dx * dx;
-        xy += dx * dy;
-    }
-    let slope = xy / xx;
-    (y - slope * x, slope)
 }
 
 /// The error of maps of equally many runs of both trucks against their number, and its floor.

@@ -20,6 +20,7 @@ pub mod i3;
 pub mod known_road;
 pub mod sensitivity;
 pub mod sensors;
+pub mod shared_errors;
 pub mod windows;
 pub mod ztbus;
 
@@ -40,6 +41,7 @@ pub const STUDIES: &[Study] = &[
     sensors::STUDY,
     fleet::STUDY,
     alignment::STUDY,
+    shared_errors::STUDY,
     bridges::STUDY,
     ztbus::STUDY,
     i3::STUDY,

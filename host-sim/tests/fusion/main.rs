@@ -15,6 +15,7 @@ mod parquet;
 mod placed;
 mod road_line;
 mod sessions;
+mod shared_errors;
 mod slopes;
 mod store;
 mod suspect_cells;

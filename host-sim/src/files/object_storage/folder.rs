@@ -2,6 +2,7 @@
 
 use super::address::ObjectUrl;
 use super::client::Client;
+use super::expected::Expected;
 use super::problem::problem_of;
 use super::transfer;
 use crate::error::{Error, Result};
@@ -13,7 +14,7 @@ use object_store::{ObjectMeta, ObjectStore, ObjectStoreExt};
 use std::collections::BTreeMap;
 use std::env;
 use std::path::{Component, Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError, RwLock};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock};
 
 /// The storage that is open: commits of files find it here.
 static OPEN: RwLock<Option<Arc<Opened>>> = RwLock::new(None);
@@ -43,6 +44,9 @@ pub struct Object {
     e_tag: Option<String>,
 }
 
+/// Begins to show progress over so many bytes. What it returns gets the bytes of each piece.
+pub type Progress = fn(u64) -> Box<dyn Fn(u64)>;
+
 /// Object storage, open until it is dropped.
 #[derive(Debug)]
 pub struct ObjectStorage(Arc<Opened>);
@@ -51,21 +55,25 @@ pub struct ObjectStorage(Arc<Opened>);
 struct Opened {
     folder: TemporaryFolder,
     client: Client,
-    /// Tags of objects that are read and then replaced; none for one that did not exist.
-    read: Mutex<BTreeMap<ObjectUrl, Option<String>>>,
+    /// Objects that are read and then replaced.
+    read: Mutex<BTreeMap<ObjectUrl, Expected>>,
+    /// Shows how much of a large object has been sent.
+    progress: Progress,
 }
 
 impl ObjectStorage {
-    /// Opens it, with the credentials of the environment. Nothing is connected yet.
+    /// Opens it, with the credentials of the environment. Nothing is connected yet. `progress` shows
+    /// how much of a large object has been sent.
     ///
     /// # Errors
     /// Returns the error of the file system.
-    pub fn open() -> Result<Self> {
+    pub fn open(progress: Progress) -> Result<Self> {
         let near = env::temp_dir();
         let opened = Arc::new(Opened {
             folder: TemporaryFolder::create_in(&near).map_err(Error::io(&near))?,
             client: Client::new()?,
             read: Mutex::default(),
+            progress,
         });
         signals::before_end(transfer::take_back);
         *OPEN.write().unwrap_or_else(PoisonError::into_inner) = Some(Arc::clone(&opened));
@@ -195,7 +203,7 @@ impl Opened {
                     return Ok(Vec::new());
                 }
                 (Err(object_store::Error::NotFound { .. }), Wanted::ToReplace) => {
-                    self.remember(url, None);
+                    self.read().insert(url.clone(), Expected::Absent);
                     return Ok(Vec::new());
                 }
                 (Err(object_store::Error::NotFound { .. }), Wanted::Below(_)) => {}
@@ -227,31 +235,29 @@ impl Opened {
     /// Sends a file. One that was read before must not have been replaced by another program.
     fn send(&self, url: &ObjectUrl) -> Result<()> {
         let store = self.client.bucket(url)?;
-        let known = self.read().get(url).cloned();
-        let e_tag = self.client.wait(async {
-            if let Some(known) = known {
-                let now = match store.head(&url.key).await {
-                    Ok(now) => now.e_tag,
-                    Err(object_store::Error::NotFound { .. }) => None,
-                    Err(error) => return Err(problem_of(url, &error)),
-                };
-                if now != known {
-                    return Err(url.error("was changed by another program meanwhile; run again"));
-                }
+        let path = self.path_of(url);
+        let expected = self.read().get(url).cloned().unwrap_or(Expected::Anything);
+        let progress = transfer::size_if_large(&path).map(self.progress);
+        let arrived = |bytes| {
+            if let Some(progress) = &progress {
+                progress(bytes);
             }
-            transfer::send(&store, url, &self.path_of(url)).await
-        })?;
-        if let Some(known) = self.read().get_mut(url) {
-            *known = e_tag;
+        };
+        let sending = transfer::send(&store, url, &path, &expected, &arrived);
+        let e_tag = self.client.wait(sending)?;
+        if expected != Expected::Anything {
+            self.remember(url, e_tag);
         }
         Ok(())
     }
 
+    /// Remembers what is at the address of an object that will be replaced.
     fn remember(&self, url: &ObjectUrl, e_tag: Option<String>) {
-        self.read().insert(url.clone(), e_tag);
+        let expected = e_tag.map_or(Expected::Anything, Expected::Tag);
+        self.read().insert(url.clone(), expected);
     }
 
-    fn read(&self) -> std::sync::MutexGuard<'_, BTreeMap<ObjectUrl, Option<String>>> {
+    fn read(&self) -> MutexGuard<'_, BTreeMap<ObjectUrl, Expected>> {
         self.read.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

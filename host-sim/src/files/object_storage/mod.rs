@@ -6,9 +6,10 @@
 
 mod address;
 mod client;
+mod expected;
 mod folder;
 mod problem;
 mod transfer;
 
 pub use address::ObjectUrl;
-pub use folder::{Object, ObjectStorage, Wanted, bring, send};
+pub use folder::{Object, ObjectStorage, Progress, Wanted, bring, send};

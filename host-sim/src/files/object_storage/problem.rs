@@ -13,6 +13,17 @@ const CREDENTIALS: [&str; 5] = [
     "AWS_SKIP_SIGNATURE",
 ];
 
+/// Returns the error of an object that is not what was read before.
+pub(super) fn changed(url: &ObjectUrl) -> Error {
+    url.error("was changed by another program meanwhile; run again")
+}
+
+/// Returns whether the server, or the environment, has no conditions for what is sent.
+pub(super) fn is_unconditional(error: &object_store::Error) -> bool {
+    matches!(error, object_store::Error::NotImplemented { .. })
+        || reply_code(&error.to_string()) == Some("NotImplemented")
+}
+
 /// Returns the error of an object in the words of this program.
 pub(super) fn problem_of(url: &ObjectUrl, error: &object_store::Error) -> Error {
     use object_store::Error as Found;
@@ -26,9 +37,7 @@ pub(super) fn problem_of(url: &ObjectUrl, error: &object_store::Error) -> Error 
         Found::NotFound { .. } => {
             "there is no such object, or no such bucket; expected ones that exist".to_owned()
         }
-        Found::Precondition { .. } => {
-            "was changed by another program meanwhile; run again".to_owned()
-        }
+        Found::Precondition { .. } | Found::AlreadyExists { .. } => return changed(url),
         _ if is_refused(error, &text) => {
             let asked = reply_code(&text).map_or_else(String::new, |code| format!(" ({code})"));
             format!(

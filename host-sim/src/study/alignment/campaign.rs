@@ -3,7 +3,7 @@
 
 use crate::error::{Error, Result};
 use crate::files::run::{RunCell, RunRow};
-use crate::map::{MapRow, RoadProblem, SessionRun, road_distances};
+use crate::map::{GRID_M, MapRow, RoadProblem, SessionRun, road_distances};
 use crate::numeric::series::linear;
 use crate::numeric::statistics::mean;
 use crate::recorder::Recorder;
@@ -16,6 +16,7 @@ use crate::study::known_road::KnownRoad;
 use estimator_core::Tuning;
 use rand::RngExt;
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 use std::fmt::{Display, Write as _};
 use std::path::{Path, PathBuf};
 
@@ -49,6 +50,17 @@ pub struct Vehicle {
     pub runs: usize,
     /// Age of a fix when it arrives, ms.
     pub gnss_late_ms: Option<f64>,
+}
+
+/// Runs of one truck in the same conditions.
+#[derive(Clone, Debug)]
+pub struct RunGroup {
+    /// Its type.
+    pub truck: Preset,
+    /// Sections of the scenario.
+    pub sections: String,
+    /// Keys of each run beside its truck and its part of the road.
+    pub runs: Vec<String>,
 }
 
 /// One finished run.
@@ -96,10 +108,29 @@ impl Campaign {
         tuning: &Tuning,
         done: impl Fn() + Sync,
     ) -> Result<Vec<CampaignRun>> {
-        let scenarios: Vec<Scenario> = vehicles
+        let groups: Vec<RunGroup> = vehicles
             .iter()
             .enumerate()
-            .map(|(number, vehicle)| self.scenario(number, vehicle))
+            .map(|(number, vehicle)| self.of_vehicle(number, vehicle))
+            .collect();
+        self.drive_groups(&groups, tuning, done)
+    }
+
+    /// Drives all runs of these groups, estimated with this tuning, in their order; calls `done`
+    /// after each. The random numbers of a group depend on its place among them.
+    ///
+    /// # Errors
+    /// Returns an error if a group is no scenario, or if a drive cannot be simulated or stored.
+    pub fn drive_groups(
+        &self,
+        groups: &[RunGroup],
+        tuning: &Tuning,
+        done: impl Fn() + Sync,
+    ) -> Result<Vec<CampaignRun>> {
+        let scenarios: Vec<Scenario> = groups
+            .iter()
+            .enumerate()
+            .map(|(number, group)| self.scenario(number, group))
             .collect::<Result<_>>()?;
         let all = scenarios.iter().flat_map(|scenario| {
             let runs = 0..scenario.runs.len();
@@ -115,30 +146,40 @@ impl Campaign {
             .collect()
     }
 
-    fn scenario(&self, number: usize, vehicle: &Vehicle) -> Result<Scenario> {
+    fn of_vehicle(&self, number: usize, vehicle: &Vehicle) -> RunGroup {
         let mut rng = stream(self.seed, FIRST_STREAM + number, Purpose::Parameters);
         let drawn_ms = rng.random_range(0.0..400.0);
         let late_ms = vehicle.gnss_late_ms.unwrap_or(drawn_ms);
-        let mut text = format!("[rates]\nfast_ms = 100.0\n[latency_ms]\ngnss = {late_ms:?}\n");
-        for run in 0..vehicle.runs {
+        let runs = (0..vehicle.runs).map(|run| {
+            let from_deg: f64 = rng.random_range(0.0..360.0);
+            let wind = if run % 2 == 1 {
+                format!("wind = {{ speed_mps = 3.0, from_deg = {from_deg:?} }}\n")
+            } else {
+                String::new()
+            };
+            format!("errors = {ERRORS}\n{wind}")
+        });
+        RunGroup {
+            truck: vehicle.truck,
+            runs: runs.collect(),
+            sections: format!("[rates]\nfast_ms = 100.0\n[latency_ms]\ngnss = {late_ms:?}\n"),
+        }
+    }
+
+    fn scenario(&self, number: usize, group: &RunGroup) -> Result<Scenario> {
+        let mut text = group.sections.clone();
+        for (run, keys) in group.runs.iter().enumerate() {
             let _ = write!(
                 text,
-                "[[runs]]\nname = \"r{run}\"\ntruck = \"{}\"\nerrors = {ERRORS}\n\
-                 start_distance_m = {:?}\nlength_m = {:?}\n",
-                vehicle.truck.name(),
+                "[[runs]]\nname = \"r{run}\"\ntruck = \"{}\"\nstart_distance_m = {:?}\n\
+                 length_m = {:?}\n{keys}",
+                group.truck.name(),
                 self.stretch.from_m,
                 self.stretch.length_m,
             );
-            let from_deg: f64 = rng.random_range(0.0..360.0);
-            if run % 2 == 1 {
-                let _ = writeln!(
-                    text,
-                    "wind = {{ speed_mps = 3.0, from_deg = {from_deg:?} }}"
-                );
-            }
         }
         let mut scenario = scenario(self.seed, &self.stretch, &text)?;
-        // The road exists already. All other random numbers are the vehicle's own.
+        // The road exists already. All other random numbers are the group's own.
         scenario.seed = self.seed.wrapping_mul(1_000).wrapping_add(number as u64);
         Ok(scenario)
     }
@@ -167,10 +208,17 @@ impl Campaign {
     /// Returns the map of these runs, each a session of its own.
     #[must_use]
     pub fn map(&self, runs: &[&CampaignRun]) -> Vec<MapRow> {
+        let alone: Vec<_> = runs.iter().map(|&run| (None, run)).collect();
+        self.map_of_sessions(&alone)
+    }
+
+    /// Returns the map of these runs, each with its session.
+    #[must_use]
+    pub fn map_of_sessions(&self, runs: &[(Option<&str>, &CampaignRun)]) -> Vec<MapRow> {
         let sessions: Vec<SessionRun> = runs
             .iter()
-            .map(|run| SessionRun {
-                session: None,
+            .map(|(session, run)| SessionRun {
+                session: *session,
                 rows: &run.rows,
             })
             .collect();
@@ -186,6 +234,23 @@ impl Campaign {
     /// Returns an error if the map has no cell far enough from its ends.
     pub fn score(&self, map: &[MapRow]) -> Result<ScoreRow> {
         self.road.score(map).map_err(|e: Unscorable| problem(&e))
+    }
+
+    /// Returns the errors of a map by the number of its cell, %, those at its ends left out.
+    #[must_use]
+    pub fn errors_percent(&self, map: &[MapRow]) -> BTreeMap<i64, f64> {
+        let (Some(first), Some(last)) = (map.first(), map.last()) else {
+            return BTreeMap::new();
+        };
+        let inside = first.distance_m + END_CUT_M..=last.distance_m - END_CUT_M;
+        map.iter()
+            .filter(|row| inside.contains(&row.distance_m))
+            .filter_map(|row| {
+                let number = (row.distance_m / GRID_M).round() as i64;
+                let true_percent = linear(&self.road.truth, row.distance_m)?;
+                Some((number, row.grade_percent - true_percent))
+            })
+            .collect()
     }
 
     /// Returns the score of a map that is moved along the road as a whole, by the distance at which

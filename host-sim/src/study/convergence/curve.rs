@@ -31,17 +31,28 @@ impl PowerLaw {
     }
 }
 
-/// Returns the floor of the RMSE for an unlimited number of runs: RMSE² = floor² + b/N. The fit is
-/// least squares in 1/N over the runs after `skipped`. Independent errors average out; errors that
-/// all runs share form the floor.
+/// Returns the floor of the RMSE for an unlimited number of runs, fitted to the RMSE (%) after
+/// 1, 2, 3, ... runs, without the first `skipped`. Independent errors average out; errors that all
+/// runs share form the floor.
 #[must_use]
 pub fn floor_percent(rmse_percent: &[f64], skipped: usize) -> f64 {
     let points: Vec<(f64, f64)> = (1..)
         .zip(rmse_percent)
         .skip(skipped)
-        .map(|(n, rmse)| (1.0 / f64::from(n), rmse * rmse))
+        .map(|(n, rmse)| (f64::from(n), rmse * rmse))
         .collect();
-    line(&points).0.max(0.0).sqrt()
+    floor_and_slope(&points).0.max(0.0).sqrt()
+}
+
+/// Returns `a` and `b` of `a + b / n`, fitted by least squares to mean squares of maps of so many
+/// runs.
+#[must_use]
+pub fn floor_and_slope(mean_squares: &[(f64, f64)]) -> (f64, f64) {
+    let points: Vec<(f64, f64)> = mean_squares
+        .iter()
+        .map(|(n, square)| (1.0 / n, *square))
+        .collect();
+    line(&points)
 }
 
 /// Returns the offset and the slope of the least-squares line.
