@@ -1,3 +1,6 @@
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(|bytes: &[u8]| fuzz_targets::targets::logs::candump(bytes));
+use fuzz_targets::targets::logs::candump;
+use fuzz_targets::{MOST_BYTES, bounded};
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| bounded(MOST_BYTES, candump, bytes));

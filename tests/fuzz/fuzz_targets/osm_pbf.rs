@@ -1,3 +1,6 @@
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(|bytes: &[u8]| fuzz_targets::targets::osm_pbf::osm_pbf(bytes));
+use fuzz_targets::bounded;
+use fuzz_targets::targets::osm_pbf::{MOST_BYTES, osm_pbf};
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| bounded(MOST_BYTES, osm_pbf, bytes));

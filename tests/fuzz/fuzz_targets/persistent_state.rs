@@ -1,5 +1,6 @@
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
-    fuzz_targets::targets::persistent_state::persistent_state(bytes)
-});
+use fuzz_targets::targets::persistent_state::persistent_state;
+use fuzz_targets::{MOST_BYTES, bounded};
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| bounded(MOST_BYTES, persistent_state, bytes));

@@ -1,5 +1,6 @@
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(
-    |bytes: &[u8]| fuzz_targets::targets::signal_table::signal_table(bytes)
-);
+use fuzz_targets::targets::signal_table::signal_table;
+use fuzz_targets::{MOST_BYTES, bounded};
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| bounded(MOST_BYTES, signal_table, bytes));

@@ -1,5 +1,6 @@
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(
-    |bytes: &[u8]| fuzz_targets::targets::vehicle_toml::vehicle_toml(bytes)
-);
+use fuzz_targets::targets::vehicle_toml::vehicle_toml;
+use fuzz_targets::{MOST_BYTES, bounded};
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| bounded(MOST_BYTES, vehicle_toml, bytes));

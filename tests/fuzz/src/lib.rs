@@ -6,9 +6,31 @@ pub mod sessions;
 pub mod targets;
 
 use estimator_core::VehicleParameters;
+use peak_alloc::PeakAlloc;
 use std::io::Write;
 use std::path::Path;
 use test_kit::truck_with;
+
+/// Bytes that no input may take, besides those that are taken before.
+pub const MOST_BYTES: usize = 64_000_000;
+
+#[global_allocator]
+static MEMORY: PeakAlloc = PeakAlloc;
+
+/// Gives an input to a target.
+///
+/// # Panics
+/// Panics if the target does, or if it takes more bytes of memory at any time.
+pub fn bounded(most_bytes: usize, target: fn(&[u8]), bytes: &[u8]) {
+    let before = MEMORY.current_usage();
+    MEMORY.reset_peak_usage();
+    target(bytes);
+    let taken = MEMORY.peak_usage().saturating_sub(before);
+    assert!(
+        taken <= most_bytes,
+        "{taken} bytes of memory; at most {most_bytes}"
+    );
+}
 
 /// Returns a truck of two gears. Its fingerprint is in the corpus of `persistent_state`.
 #[must_use]

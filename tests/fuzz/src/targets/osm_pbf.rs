@@ -3,6 +3,10 @@
 use crate::as_file;
 use host_sim::map::read_network;
 
+/// Bytes that an input may take: where the stated length of a list is damaged, the protobuf library
+/// reserves room for ten million numbers, and does not touch it.
+pub const MOST_BYTES: usize = 80_000_000 + crate::MOST_BYTES;
+
 /// Checks an extract.
 pub fn osm_pbf(bytes: &[u8]) {
     as_file(".osm.pbf", bytes, |path| match read_network(path) {
