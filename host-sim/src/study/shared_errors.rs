@@ -1,16 +1,17 @@
 //! Errors that runs share: within a day, a truck, the fleet. What the sigma of a map knows of them,
 //! how maps improve with the number of runs, and of what the error consists that stays.
 
+mod curve;
 pub mod drives;
 mod tables;
 
 use super::alignment::campaign::{Campaign, CampaignRun, Stretch};
 use super::definition::{Setting, Study, StudyOutcome};
 use crate::error::{Error, Result};
-use crate::numeric::statistics::mean;
 use crate::report::page::Section;
 use crate::terminal::progress;
-use drives::{Conditions, RUNS, Shared, Without, groups, is_of_first_days, order, session};
+use curve::{CampaignFigures, curve_of};
+use drives::{Conditions, RUNS, Shared, Without, groups};
 use estimator_core::Tuning;
 use std::path::Path;
 
@@ -28,33 +29,6 @@ const STARTS_M: [f64; 5] = [5_000.0, 27_000.0, 49_000.0, 71_000.0, 93_000.0];
 const LENGTH_M: f64 = 20_000.0;
 /// Campaigns on each part.
 const SEEDS: u64 = 2;
-/// Numbers of runs in a map.
-const SIZES: [usize; 6] = [1, 2, 4, 8, 16, RUNS];
-
-/// Figures of the drives of a campaign in one condition.
-#[derive(Clone, Copy, Debug, Default)]
-struct Curve {
-    /// Maps of [`SIZES`] runs.
-    maps: [MapFigures; SIZES.len()],
-    /// Mean product of the errors of two maps, of either half of the days, %². Errors that a day has
-    /// for itself do not count in the mean.
-    common_square: f64,
-}
-
-/// Figures of one map.
-#[derive(Clone, Copy, Debug, Default)]
-struct MapFigures {
-    rmse_percent: f64,
-    nees: f64,
-}
-
-/// Curves of one campaign.
-#[derive(Clone, Copy, Debug)]
-struct CampaignFigures {
-    shared: [Curve; Shared::ALL.len()],
-    without: [Curve; Without::ALL.len()],
-}
-
 fn run(setting: &Setting) -> Result<StudyOutcome> {
     let road = setting.data.join(ROAD);
     if !road.exists() {
@@ -138,36 +112,4 @@ fn campaign(
         *curve = curve_of(&campaign, &runs)?;
     }
     Ok(figures)
-}
-
-fn curve_of(campaign: &Campaign, runs: &[CampaignRun]) -> Result<Curve> {
-    let order: Vec<usize> = order().collect();
-    let map = |indices: &[usize]| {
-        let sessions: Vec<(String, &CampaignRun)> = indices
-            .iter()
-            .map(|&index| (session(index), &runs[index]))
-            .collect();
-        let named: Vec<_> = sessions
-            .iter()
-            .map(|(session, run)| (Some(session.as_str()), *run))
-            .collect();
-        campaign.map_of_sessions(&named)
-    };
-    let mut curve = Curve::default();
-    for (figures, size) in curve.maps.iter_mut().zip(SIZES) {
-        let score = campaign.score(&map(&order[..size]))?;
-        *figures = MapFigures {
-            rmse_percent: score.rmse_percent,
-            nees: score.nees,
-        };
-    }
-    let (first, second): (Vec<usize>, Vec<usize>) =
-        (0..RUNS).partition(|&index| is_of_first_days(index));
-    let of_first = campaign.errors_percent(&map(&first));
-    let of_second = campaign.errors_percent(&map(&second));
-    let products = of_first
-        .iter()
-        .filter_map(|(cell, error)| Some(error * of_second.get(cell)?));
-    curve.common_square = mean(&products.collect::<Vec<_>>());
-    Ok(curve)
 }

@@ -1,7 +1,7 @@
 //! Tables and figures of the study.
 
+use super::curve::{CampaignFigures, Curve, MapFigures, SIZES};
 use super::drives::{RUNS, Shared, Without};
-use super::{CampaignFigures, Curve, MapFigures, SIZES};
 use crate::numeric::statistics::{error_of_mean, mean};
 use crate::report::page::{Figure, Table};
 use crate::report::plot::{Plot, Series, colour};
