@@ -200,7 +200,7 @@ source_digest() {
 write_result() {
     local name=$1 amount=$2
     {
-        echo "# source: $(source_digest)"
+        echo "# source: $(<"$work/source")"
         echo "# date: $(date -u +%F)"
         echo "# amount: $amount"
         echo "# seconds: $((SECONDS - started))"
