@@ -23,9 +23,7 @@ pub const STUDY: Study = Study {
 
 /// Number of campaigns, each with other delays, parameters, winds and noise.
 const CAMPAIGNS: u64 = 9;
-/// The measured profile, in the folder of the data.
-const ROAD: &str = "e4/road.csv";
-/// The whole of it, m.
+/// Length of the whole measured profile, m.
 const LENGTH_M: f64 = 118_848.0;
 /// The vehicles of a campaign.
 const VEHICLES: [Vehicle; 2] = [
@@ -70,13 +68,10 @@ struct MapFigures {
 }
 
 fn run(setting: &Setting) -> Result<StudyOutcome> {
-    let road = setting.data.join(ROAD);
-    if !road.exists() {
-        return Ok(StudyOutcome::Skipped(format!(
-            "{} is missing",
-            road.display()
-        )));
-    }
+    let road = match setting.e4_road() {
+        Ok(road) => road,
+        Err(skipped) => return Ok(skipped),
+    };
     let runs: usize = VEHICLES.iter().map(|vehicle| vehicle.runs).sum();
     let bar = progress::count(2 * CAMPAIGNS * runs as u64, "runs");
     let mut figures = Vec::new();

@@ -19,17 +19,11 @@ pub const STUDY: Study = Study {
     run,
 };
 
-/// The measured profile, in the folder of the data.
-const ROAD: &str = "e4/road.csv";
-
 fn run(setting: &Setting) -> Result<StudyOutcome> {
-    let path = setting.data.join(ROAD);
-    if !path.exists() {
-        return Ok(StudyOutcome::Skipped(format!(
-            "{} is missing; expected the measured profile of the E4 (--data DIR)",
-            path.display()
-        )));
-    }
+    let path = match setting.e4_road() {
+        Ok(path) => path,
+        Err(skipped) => return Ok(skipped),
+    };
     let road = road_file::read(&path)?;
     if road.length_m() < LENGTH_M {
         let problem = format!(

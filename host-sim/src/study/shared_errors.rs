@@ -22,21 +22,17 @@ pub const STUDY: Study = Study {
     run,
 };
 
-/// The measured profile, in the folder of the data.
-const ROAD: &str = "e4/road.csv";
-/// Parts of it that are driven: their starts and their length, m.
+/// Parts of the measured profile that are driven: their starts and their length, m.
 const STARTS_M: [f64; 5] = [5_000.0, 27_000.0, 49_000.0, 71_000.0, 93_000.0];
 const LENGTH_M: f64 = 20_000.0;
 /// Campaigns on each part.
 const SEEDS: u64 = 2;
+
 fn run(setting: &Setting) -> Result<StudyOutcome> {
-    let road = setting.data.join(ROAD);
-    if !road.exists() {
-        return Ok(StudyOutcome::Skipped(format!(
-            "{} is missing",
-            road.display()
-        )));
-    }
+    let road = match setting.e4_road() {
+        Ok(road) => road,
+        Err(skipped) => return Ok(skipped),
+    };
     let drives = STARTS_M.len() as u64 * SEEDS * RUNS as u64 * Conditions::all().len() as u64;
     let bar = progress::count(drives, "runs");
     let mut campaigns = Vec::new();

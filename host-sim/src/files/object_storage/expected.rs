@@ -18,6 +18,11 @@ pub(super) enum Expected {
 }
 
 impl Expected {
+    /// Returns what an object is expected to be that was found with this tag, if it had one.
+    pub(super) fn found(e_tag: Option<String>) -> Self {
+        e_tag.map_or(Self::Anything, Self::Tag)
+    }
+
     /// Returns the condition on which a server takes an object.
     pub(super) fn mode(&self) -> PutMode {
         match self {
@@ -39,7 +44,7 @@ impl Expected {
             return Ok(());
         }
         let found = match store.head(&url.key).await {
-            Ok(found) => found.e_tag.map_or(Self::Anything, Self::Tag),
+            Ok(found) => Self::found(found.e_tag),
             Err(object_store::Error::NotFound { .. }) => Self::Absent,
             Err(error) => return Err(problem_of(url, &error)),
         };

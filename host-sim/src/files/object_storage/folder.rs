@@ -195,7 +195,7 @@ impl Opened {
                 (Ok(found), _) => {
                     let found = object(found);
                     if wanted == Wanted::ToReplace {
-                        self.remember(url, found.e_tag.clone());
+                        self.remember(url, Expected::found(found.e_tag.clone()));
                     }
                     return Ok(vec![found]);
                 }
@@ -203,7 +203,7 @@ impl Opened {
                     return Ok(Vec::new());
                 }
                 (Err(object_store::Error::NotFound { .. }), Wanted::ToReplace) => {
-                    self.read().insert(url.clone(), Expected::Absent);
+                    self.remember(url, Expected::Absent);
                     return Ok(Vec::new());
                 }
                 (Err(object_store::Error::NotFound { .. }), Wanted::Below(_)) => {}
@@ -246,14 +246,13 @@ impl Opened {
         let sending = transfer::send(&store, url, &path, &expected, &arrived);
         let e_tag = self.client.wait(sending)?;
         if expected != Expected::Anything {
-            self.remember(url, e_tag);
+            self.remember(url, Expected::found(e_tag));
         }
         Ok(())
     }
 
     /// Remembers what is at the address of an object that will be replaced.
-    fn remember(&self, url: &ObjectUrl, e_tag: Option<String>) {
-        let expected = e_tag.map_or(Expected::Anything, Expected::Tag);
+    fn remember(&self, url: &ObjectUrl, expected: Expected) {
         self.read().insert(url.clone(), expected);
     }
 
