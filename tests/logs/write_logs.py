@@ -128,8 +128,10 @@ def main():
     write_screen(frames, folder / "screen_d.log", "d")
     for compression in (0, 1, 2):
         write_mdf(frames, folder / f"asammdf_{compression}.mf4", compression)
-    for compression in (1, 2):
-        write_mdf_4_3(frames, folder / f"asammdf_zstd_{compression}.mf4", compression, 2)
+    for name, method in (("zstd", 2), ("lz4", 4)):
+        for compression in (1, 2):
+            path = folder / f"asammdf_{name}_{compression}.mf4"
+            write_mdf_4_3(frames, path, compression, method)
     text = (folder / "grid.log").read_text()
     (folder / "grid.log.gz").write_bytes(gzip.compress(text.encode()))
     (folder / "utf16.log").write_bytes(text.encode("utf-16"))

@@ -2,6 +2,7 @@
 
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
+use lz4_flex::frame::FrameEncoder;
 use ruzstd::encoding::{CompressionLevel, compress_to_vec};
 use std::io::Write;
 
@@ -50,6 +51,28 @@ pub enum MdfBlocks {
     Zstd,
     /// The same, transposed.
     ZstdTransposed,
+    /// A list of blocks compressed by LZ4 (MDF 4.3).
+    Lz4,
+    /// The same, transposed.
+    Lz4Transposed,
+}
+
+impl MdfBlocks {
+    /// Returns the number of the compression method.
+    ///
+    /// # Panics
+    /// Panics if the blocks are not compressed.
+    fn method(self) -> u8 {
+        match self {
+            Self::Plain | Self::Unfinished | Self::List => panic!("{self:?} has no method"),
+            Self::Deflated => 0,
+            Self::Transposed => 1,
+            Self::Zstd => 2,
+            Self::ZstdTransposed => 3,
+            Self::Lz4 => 4,
+            Self::Lz4Transposed => 5,
+        }
+    }
 }
 
 /// Where the data of the frames are.
@@ -64,7 +87,7 @@ pub enum MdfData {
 }
 
 /// Every form.
-pub const MDF_FORMS: [(MdfBlocks, MdfData); 12] = [
+pub const MDF_FORMS: [(MdfBlocks, MdfData); 15] = [
     (MdfBlocks::Plain, MdfData::InRecord),
     (MdfBlocks::Plain, MdfData::SignalData),
     (MdfBlocks::Plain, MdfData::OtherGroup),
@@ -77,6 +100,9 @@ pub const MDF_FORMS: [(MdfBlocks, MdfData); 12] = [
     (MdfBlocks::Zstd, MdfData::InRecord),
     (MdfBlocks::ZstdTransposed, MdfData::InRecord),
     (MdfBlocks::ZstdTransposed, MdfData::SignalData),
+    (MdfBlocks::Lz4, MdfData::InRecord),
+    (MdfBlocks::Lz4Transposed, MdfData::InRecord),
+    (MdfBlocks::Lz4Transposed, MdfData::SignalData),
 ];
 
 struct Writer(Vec<u8>);
@@ -143,24 +169,31 @@ impl Writer {
     }
 
     fn packed(&mut self, id: &[u8; 4], part: &[u8], blocks: MdfBlocks, columns: usize) -> u64 {
-        let is_transposed = matches!(blocks, MdfBlocks::Transposed | MdfBlocks::ZstdTransposed);
-        let is_zstd = matches!(blocks, MdfBlocks::Zstd | MdfBlocks::ZstdTransposed);
+        let method = blocks.method();
+        // Of two methods with the same packing, the second one is transposed.
+        let is_transposed = method % 2 == 1;
         let columns = if is_transposed { columns } else { 0 };
         let turned = if is_transposed {
             transposed(part, columns)
         } else {
             part.to_vec()
         };
-        let content = if is_zstd {
-            compress_to_vec(&turned[..], CompressionLevel::Fastest)
-        } else {
-            let mut encoder = ZlibEncoder::new(Vec::new(), Compression::default());
-            encoder.write_all(&turned).expect("memory");
-            encoder.finish().expect("memory")
+        let content = match method {
+            0 | 1 => {
+                let mut encoder = ZlibEncoder::new(Vec::new(), Compression::default());
+                encoder.write_all(&turned).expect("memory");
+                encoder.finish().expect("memory")
+            }
+            2 | 3 => compress_to_vec(&turned[..], CompressionLevel::Fastest),
+            _ => {
+                let mut encoder = FrameEncoder::new(Vec::new());
+                encoder.write_all(&turned).expect("memory");
+                encoder.finish().expect("memory")
+            }
         };
         let head = [
             &id[2..],
-            &[u8::from(is_transposed) + 2 * u8::from(is_zstd), 0],
+            &[method, 0],
             &(columns as u32).to_le_bytes(),
             &(part.len() as u64).to_le_bytes(),
             &(content.len() as u64).to_le_bytes(),

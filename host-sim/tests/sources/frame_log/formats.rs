@@ -125,6 +125,23 @@ fn a_lost_block_of_mdf_costs_its_frames_only() {
 }
 
 #[test]
+fn an_unknown_compression_method_of_mdf_is_named() {
+    let frames = [frame(1, 0x18FE_F100, &[1, 2, 3])];
+    for blocks in [MdfBlocks::Deflated, MdfBlocks::Lz4Transposed] {
+        let mut file = mdf(&of_mdf(&frames), blocks, MdfData::InRecord);
+        let starts: Vec<usize> = memchr::memmem::find_iter(&file, b"##DZ").collect();
+        for start in starts {
+            file[start + 26] = 6;
+        }
+        let message = read(&file).expect_err("nothing can be read");
+        assert!(
+            message.contains("compression method 6, which is not read"),
+            "{message}"
+        );
+    }
+}
+
+#[test]
 fn a_circle_of_data_blocks_in_mdf_ends() {
     let frames: Vec<TimedFrame> = (0..300_u64)
         .map(|k| frame(k, 0x18FE_F100, &k.to_le_bytes()))

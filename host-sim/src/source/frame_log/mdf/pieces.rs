@@ -3,6 +3,7 @@
 use super::mdf_file::{Block, HEADER_BYTES, MdfFile, u32_at, u64_at};
 use crate::error::{Error, Result};
 use flate2::read::ZlibDecoder;
+use lz4_flex::frame::FrameDecoder;
 use ruzstd::decoding::StreamingDecoder;
 use std::collections::VecDeque;
 use std::io::{self, Read};
@@ -192,13 +193,10 @@ fn unpack(file: &mut MdfFile, block: &Block, bytes: &mut Vec<u8>) -> Result<Piec
     let unpacked = match kind {
         0 | 1 => ZlibDecoder::new(content).take(length).read_to_end(bytes),
         2 | 3 => zstd(content).and_then(|zstd| zstd.take(length).read_to_end(bytes)),
+        4 | 5 => FrameDecoder::new(content).take(length).read_to_end(bytes),
         _ => {
-            let name = match kind {
-                4 | 5 => " (LZ4)",
-                _ => "",
-            };
-            let problem = format!("compression method {kind}{name}, which is not read");
-            let expected = "deflate (0, 1) or Zstandard (2, 3)";
+            let problem = format!("compression method {kind}, which is not read");
+            let expected = "deflate (0, 1), Zstandard (2, 3) or LZ4 (4, 5)";
             return lost(length, file.error(&problem, expected));
         }
     };
