@@ -41,6 +41,9 @@ pub struct Sample {
     /// Whether the torque of the powertrain stayed the same over the whole cell.
     #[cfg_attr(feature = "serde", serde(default))]
     pub torque_rests: bool,
+    /// By how much the traction force is later than the speed, s; zero unless that is certain.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub traction_late_s: f32,
     /// Signals that disagree in this cell.
     pub disagreement: Disagreement,
     /// Number of cells, up to this one, in which they disagree as well; 0 without a disagreement.

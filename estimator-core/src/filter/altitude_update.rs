@@ -236,10 +236,9 @@ impl AltitudeUpdate {
                 gated.undoes_error = undone_percent.abs() > WRONG_SIGMAS * sigma;
                 // Receiver or model: which of them is off, the fixes that follow show. Only a receiver
                 // is off by more than resistances are.
-                if slope_percent.abs() < context.tuning.gates.drift_model_most_percent {
-                    let variance = S::from_f32(slope_percent * slope_percent);
-                    state.covariance.add_variance(Bias, variance);
-                }
+                let most = context.tuning.gates.drift_model_most_percent;
+                let sigma = S::from_f32(Scalar::min(most, slope_percent.abs()));
+                state.covariance.add_variance(Bias, sigma * sigma);
                 context.counters.altitudes_rejected += 1;
             }
         }

@@ -18,6 +18,7 @@
 //! | `effect_uncertainty` | force and uncertainty of the adopted effects |
 //! | [`gross_mass`] | the mass that follows from the scale |
 //! | [`prior`], `scale_prior_reset` | what is assumed where a drive begins, and when that was wrong |
+//! | `traction_timing` | a force that is late beside the motion |
 //! | `parts` | what the filter keeps besides its state, and the stages of a step |
 //! | [`step_record`], `step_disagreement` | what a step leaves for the smoother; what disagrees in it |
 
@@ -51,6 +52,7 @@ pub mod state_index;
 mod step_disagreement;
 pub mod step_record;
 mod stuck_torque;
+mod traction_timing;
 
 pub use altitude_gate::AltitudeEvent;
 pub use covariance::Covariance;
@@ -71,6 +73,7 @@ use crate::scalar::Scalar;
 use crate::tuning::Tuning;
 use parts::{Parts, Predicted};
 use predict::Prediction;
+use process_noise::LearnedNoise;
 use step_disagreement::StepDisagreement;
 
 /// The filter: a state that samples move.
@@ -149,7 +152,11 @@ impl<S: Scalar> Filter<S> {
         parts.allow_other_slope(state.as_mut(), context, sample);
 
         let effects = parts.effects.advance(context, sample);
-        let learned = parts.learned_noise(state.as_ref(), &context.tuning.prior);
+        let late_traction = parts.timing.advance(context, sample, state.as_ref());
+        let learned = LearnedNoise {
+            late_traction,
+            ..parts.learned_noise(state.as_ref(), &context.tuning.prior)
+        };
         let mut prediction = Prediction::new(context, sample, state.as_ref(), &learned, effects);
         let disagreeing_force =
             parts.measure_force(context, sample, reported, state.as_mut(), &mut prediction);

@@ -25,6 +25,7 @@ use super::state_index::StateIndex;
 use super::step_disagreement::StepDisagreement;
 use super::step_record::Reset;
 use super::stuck_torque::StuckTorque;
+use super::traction_timing::{LateTraction, TractionTiming};
 use crate::cell::Condition;
 use crate::context::Context;
 use crate::counters::count;
@@ -54,6 +55,7 @@ pub(super) struct Parts {
     pub load: LoadTest,
     pub brake: SilentBrake,
     pub torque: StuckTorque,
+    pub timing: TractionTiming,
     pub accelerometer: Accelerometer,
     /// Distance over which the model does not hold, up to the last cell, m.
     invalid_m: f32,
@@ -74,6 +76,7 @@ impl Parts {
             load: LoadTest::default(),
             brake: SilentBrake::default(),
             torque: StuckTorque::default(),
+            timing: TractionTiming::default(),
             accelerometer: Accelerometer::new(tuning),
             invalid_m: 0.0,
         }
@@ -96,6 +99,7 @@ impl Parts {
             altitude: self.altitude.second_pass(&noise, tuning),
             slope: self.slope.second_pass(),
             brake: self.brake.second_pass(),
+            timing: self.timing.second_pass(),
             accelerometer: self.accelerometer.second_pass(tuning),
             ..Self::new(tuning, &noise)
         }
@@ -126,6 +130,7 @@ impl Parts {
             load_factor: state.map_or(1.0, |state| {
                 possible_scale(1.0 + state.mean[StateIndex::Scale].to_f32())
             }),
+            late_traction: LateTraction::NONE,
         }
     }
 

@@ -58,12 +58,15 @@ impl<S: Scalar> Prediction<S> {
                 keep_wind: S::from_f32(coloured.wind.keep),
                 keep_gnss_error: S::from_f32(coloured.gnss_error.keep),
             },
-            work: S::from_f32((balance.traction - balance.rolling - effects_per_kg) * length_m),
+            work: S::from_f32(
+                (balance.traction - balance.rolling - effects_per_kg) * length_m
+                    + gravity * learned.late_traction.percent,
+            ),
             noise: process_noise(
                 context,
                 sample,
                 &coloured,
-                (gravity, traction.jump_noise_percent),
+                (gravity, traction.timing_variance),
                 (effects.bias_variance, traction.scale_variance),
                 learned,
             ),
@@ -197,8 +200,8 @@ pub(super) struct MeasuredMotion {
 struct NetTraction {
     percent: f32,
     jump_percent: f32,
-    /// Sigma of the slope that its wrong timing makes, %.
-    jump_noise_percent: f32,
+    /// Variance of the slope that its wrong timing makes, %².
+    timing_variance: f32,
     /// Variance of the scale that its changes leave, 1.
     scale_variance: f32,
 }
@@ -212,16 +215,8 @@ impl NetTraction {
         from: Option<&State<S>>,
         learned: &LearnedNoise,
     ) -> Self {
-        let forces = &sample.forces;
-        let drag_n = context.model.vehicle.drag_n(forces, sample.end.speed_mps);
-        // What turns engine and wheels does not move the mass.
-        let speed = sample.end.speed_mps;
-        let gained = from.map_or(0.0, |state| {
-            let before = state.mean[StateIndex::KineticEnergy].to_f32();
-            (0.5 * speed * speed - before) / sample.length_m
-        });
-        let turning_n = forces.rotating_kg * gained;
-        let now = 100.0 * (forces.traction_n - drag_n - turning_n) / forces.weight_n();
+        let gained = gained_mps2(sample, from);
+        let now = net_traction_percent(context, sample, from) + learned.late_traction.percent;
         let before = from.map_or(now, |state| state.net_traction.to_f32());
         let percent = if sample.end.condition.is_valid() {
             now
@@ -254,6 +249,7 @@ impl NetTraction {
         } else {
             (0.0, 0.0)
         };
+        let late_noise = learned.late_traction.noise_percent;
         // Slope and scale depend on each other since the first change of a launch, so each change
         // counts. What they show together is known no better than rotating mass and timing.
         let least = tuning.jump_scale_sigma * scale;
@@ -265,8 +261,30 @@ impl NetTraction {
         Self {
             percent,
             jump_percent,
-            jump_noise_percent,
+            timing_variance: jump_noise_percent * jump_noise_percent + late_noise * late_noise,
             scale_variance,
         }
     }
+}
+
+/// Returns what the speed gains over the cell of a sample, m/s².
+fn gained_mps2<S: Scalar>(sample: &Sample, from: Option<&State<S>>) -> f32 {
+    let speed = sample.end.speed_mps;
+    from.map_or(0.0, |state| {
+        let before = state.mean[StateIndex::KineticEnergy].to_f32();
+        (0.5 * speed * speed - before) / sample.length_m
+    })
+}
+
+/// Returns the net traction over the cell of a sample, as a slope, %. What turns engine and wheels
+/// does not move the mass.
+pub(super) fn net_traction_percent<S: Scalar>(
+    context: &Context,
+    sample: &Sample,
+    from: Option<&State<S>>,
+) -> f32 {
+    let forces = &sample.forces;
+    let drag_n = context.model.vehicle.drag_n(forces, sample.end.speed_mps);
+    let turning_n = forces.rotating_kg * gained_mps2(sample, from);
+    100.0 * (forces.traction_n - drag_n - turning_n) / forces.weight_n()
 }

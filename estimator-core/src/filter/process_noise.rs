@@ -3,6 +3,7 @@
 use super::error_levels::Levels;
 use super::gauss_markov::GaussMarkov;
 use super::state_index::PerState;
+use super::traction_timing::LateTraction;
 use crate::context::Context;
 use crate::sample::Sample;
 use crate::scalar::Scalar;
@@ -22,6 +23,8 @@ pub(super) struct LearnedNoise {
     pub changes_mislead: bool,
     /// Modelled over true mass: a force weighs more on a vehicle that is lighter than its model.
     pub load_factor: f32,
+    /// What the traction lacks because it is late.
+    pub late_traction: LateTraction,
 }
 
 impl LearnedNoise {
@@ -33,6 +36,7 @@ impl LearnedNoise {
         launches: false,
         changes_mislead: false,
         load_factor: 1.0,
+        late_traction: LateTraction::NONE,
     };
 }
 
@@ -88,7 +92,7 @@ pub(super) fn process_noise<S: Scalar>(
     context: &Context,
     sample: &Sample,
     coloured: &ColouredStates,
-    (gravity, jump_noise_percent): (f32, f32),
+    (gravity, timing_variance): (f32, f32),
     (effect_variance, scale_variance): (f32, f32),
     learned: &LearnedNoise,
 ) -> PerState<S> {
@@ -103,8 +107,7 @@ pub(super) fn process_noise<S: Scalar>(
     } else {
         tuning.invalid_noise_percent * tuning.invalid_noise_percent
     };
-    let energy_variance =
-        gravity * gravity * (model_variance + jump_noise_percent * jump_noise_percent);
+    let energy_variance = gravity * gravity * (model_variance + timing_variance);
     let walk = tuning.scale_walk_per_sqrt_km;
     PerState {
         kinetic_energy: S::from_f32(energy_variance),

@@ -91,8 +91,13 @@ impl GnssTiming {
     }
 
     /// Takes a change of the receiver: another one has another latency.
-    pub(super) const fn switch_receiver(&mut self) {
-        self.fine = SpeedLag::new();
+    pub(super) fn switch_receiver(&mut self) {
+        self.fine.switch_receiver();
+    }
+
+    /// Returns by how much the force is later than the wheel speed, s; zero unless that is certain.
+    pub(super) const fn traction_late_s(&self) -> f32 {
+        self.fine.traction_late_s()
     }
 
     /// Takes the mean force since the last wheel speed, N.

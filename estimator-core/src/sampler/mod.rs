@@ -46,6 +46,7 @@ mod speed_lag;
 mod speed_returns;
 mod stops;
 mod traction;
+mod traction_lag;
 
 use crate::cell::CELL_LENGTH_M;
 use crate::context::Context;
@@ -347,7 +348,9 @@ impl Sampler {
             detection,
             ..
         } = &context.tuning;
+        let mean_force_n = parts.traction.take_mean_n(now);
         let timing = &mut parts.gnss_timing;
+        timing.force(mean_force_n);
         let longer_s = timing.wheels(rolled, hold_times.gnss_latency, detection);
         if longer_s != 0.0 {
             // The last fixes move to where they were taken.
@@ -382,7 +385,6 @@ impl Sampler {
                 count(&mut context.counters.reversals);
             }
             take_back(samples, odometer, core::mem::take(waiting));
-            parts.traction.take_mean_n(now);
             parts.accelerometer.take(now);
             parts.slope_sensors = SlopeSensors::default();
             parts.gnss.clear();
@@ -393,8 +395,6 @@ impl Sampler {
         let slower_mps = odometer
             .speed_mps()
             .map_or(speed_mps, |last| Scalar::min(last, speed_mps));
-        let mean_force_n = parts.traction.take_mean_n(now);
-        parts.gnss_timing.force(mean_force_n);
         let interval = Interval {
             mean_force_n,
             acceleration: parts.accelerometer.take(now),

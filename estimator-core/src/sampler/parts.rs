@@ -23,7 +23,7 @@ use crate::counters::count;
 use crate::effect::Acts;
 use crate::sample::{EffectInputs, ForceInputs, Sample};
 use crate::signal::Signal;
-use crate::time::Instant;
+use crate::time::{Duration, Instant};
 use crate::vehicle::{Driveline, air_density};
 
 /// What the sampler collects from readings.
@@ -171,7 +171,10 @@ impl Parts {
     }
 
     fn hold_shift(&mut self, context: &Context, now: Instant) {
-        let until = now + context.tuning.hold_times.shift_hold;
+        // What the engine says then is of before.
+        let late_s = self.gnss_timing.traction_late_s();
+        let late = Duration::from_micros(u64::from((late_s * 1e6) as u32));
+        let until = now + context.tuning.hold_times.shift_hold + late;
         self.shift_until = self.shift_until.max(until);
     }
 
@@ -341,6 +344,7 @@ impl Parts {
             after_stop: self.stops.take_stop(),
             mass_is_reported: self.stops.has_reported_mass(),
             torque_rests: self.traction.take_rest(model),
+            traction_late_s: self.gnss_timing.traction_late_s(),
             disagreement,
             disagreeing_cells: wrong_cells.max(u16::from(!disagreement.is_none())),
         };

@@ -11,6 +11,7 @@
 use super::accepted_ranges::SPEEDS_MPS;
 use super::lag_regression::{Pair, Sums};
 use super::latest::TimedValue;
+use super::traction_lag::{SLOTS, Slot, TractionLag};
 use crate::scalar::Scalar;
 use crate::shift_in::shift_in;
 use crate::time::{Duration, Instant};
@@ -19,8 +20,6 @@ use crate::tuning::Detection;
 /// Length of a slot.
 const SLOT: Duration = Duration::from_micros(250_000);
 const SLOT_S: f32 = 0.25;
-/// Slots of wheel speeds that are kept.
-const SLOTS: usize = 16;
 /// Slots on either side of a time over which its acceleration is taken: a second.
 const SIDE: usize = 4;
 /// Longest time between two wheel speeds that is bridged.
@@ -33,13 +32,6 @@ const FORCE_UNIT_N: f32 = 1e4;
 const DECIDE_EVERY: u8 = 40;
 /// Delay from that of the comparison, s, at which the comparison moves to it.
 const FAR_S: f32 = 0.05;
-
-/// What the wheels did in a slot.
-#[derive(Clone, Copy, Debug)]
-struct Slot {
-    wheels_mps: f32,
-    force: f32,
-}
 
 /// Mean of the speeds over ground that arrived in a slot.
 #[derive(Clone, Copy, Debug, Default)]
@@ -68,10 +60,11 @@ pub(super) struct SpeedLag {
     compared_s: Option<f32>,
     until_decision: u8,
     learned_s: Option<f32>,
+    traction: TractionLag,
 }
 
 impl SpeedLag {
-    pub(super) const fn new() -> Self {
+    pub(super) fn new() -> Self {
         Self {
             last: None,
             slot_end: Instant::ZERO,
@@ -91,7 +84,17 @@ impl SpeedLag {
             compared_s: None,
             until_decision: DECIDE_EVERY,
             learned_s: None,
+            traction: TractionLag::new(),
         }
+    }
+
+    /// Takes a change of the receiver. What wheels and force show stays.
+    pub(super) fn switch_receiver(&mut self) {
+        self.ground = [GroundMean::default(); SIDE + 3];
+        self.sums = Sums::NONE;
+        self.compared_s = None;
+        self.until_decision = DECIDE_EVERY;
+        self.learned_s = None;
     }
 
     /// Returns the delay, if it is surely another one than assumed.
@@ -99,6 +102,11 @@ impl SpeedLag {
     pub(super) fn learned(&self) -> Option<Duration> {
         let learned_s = self.learned_s?;
         Some(Duration::from_micros(u64::from((learned_s * 1e6) as u32)))
+    }
+
+    /// Returns by how much the force is later than the wheel speed, s; zero unless that is certain.
+    pub(super) const fn traction_late_s(&self) -> f32 {
+        self.traction.late_s()
     }
 
     /// Takes the mean force since the last wheel speed, N.
@@ -178,6 +186,8 @@ impl SpeedLag {
         if usize::from(self.filled) < SLOTS {
             return;
         }
+        let forget = 1.0 / f32::from(tuning.traction_lag_slots);
+        self.traction.slot(&self.slots, tuning.crawl_mps, forget);
         let compared_s = *self
             .compared_s
             .get_or_insert(Scalar::min(assumed.seconds(), LONGEST_LAG_S));

@@ -239,6 +239,7 @@ tuning! {
         timing_readings: u16 = 400, 10.0..=65_535.0, "readings", "readings of the speed over ground over which it is compared with wheel speed", "chosen: five minutes at 10 Hz";
         timing_part: f32 = 0.6, 0.0..=1.0, "1", "part of the variance at the assumed latency below which another latency counts", "chosen";
         lag_slots: u16 = 28_800, 40.0..=65_535.0, "slots", "quarters of a second over which the speed over ground is compared with the acceleration", "two hours; a receiver stays as it is, and light trucks hardly accelerate";
+        traction_lag_slots: u16 = 4_800, 40.0..=65_535.0, "slots", "quarters of a second over which the force is compared with the acceleration", "twenty minutes";
         lag_sigma_s: f32 = 0.03, 1e-4..=10.0, "s", "sigma of the receiver's latency from which on it may count", "0.7 m at 80 km/h";
         lag_apart_s: f32 = 0.04, 0.0..=10.0, "s", "difference from the assumed latency, besides two sigmas, beyond which another one counts", "wheel speeds are late as well, by some 30 ms";
         speed_scale_change: f32 = 0.03, 0.0..=1.0, "1", "relative difference of wheel speed and speed over ground above which the wheel speed is scaled", "worn tyres make 0.02";

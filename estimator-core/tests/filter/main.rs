@@ -8,6 +8,7 @@ mod batch;
 mod fixed_point_drive;
 mod gross_mass;
 mod independent_solutions;
+mod late_traction;
 mod loads;
 mod prediction;
 mod scale_bounds;

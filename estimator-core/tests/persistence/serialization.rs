@@ -100,6 +100,7 @@ fn sample() -> impl Strategy<Value = Sample> {
                 after_stop: flag,
                 mass_is_reported: flag,
                 torque_rests: !flag,
+                traction_late_s: number,
                 disagreement: Disagreement {
                     climb: flag,
                     gear: !flag,

@@ -10,3 +10,4 @@ mod reversing;
 mod shaft_torque;
 mod slope_sensors;
 mod stops;
+mod traction_timing;

@@ -42,6 +42,7 @@ fn kept(cell: u32, used: Duration, true_s: f64) -> (Sample, Duration) {
         after_stop: false,
         mass_is_reported: false,
         torque_rests: false,
+        traction_late_s: 0.0,
         disagreement: Disagreement::default(),
         disagreeing_cells: 0,
     };

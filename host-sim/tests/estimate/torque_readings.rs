@@ -90,18 +90,30 @@ fn torque_of_the_heavy_truck_that_is_seldom_or_held_for_two_seconds() {
     check("A", "held for 2 s", |reported| held(reported, 2.0));
 }
 
+/// Gear shifts and launches show that it is late.
 #[test]
-#[ignore = "not yet: normalised squared errors of the smoothed grade of 4 to 6"]
 fn torque_of_the_heavy_truck_that_is_a_second_late() {
     check("A", "1 s late", |reported| late(reported, 1.0));
+}
+
+#[test]
+#[ignore = "not yet: normalised squared errors of the smoothed grade of 4 to 6"]
+fn torque_of_the_heavy_truck_that_is_smoothed_over_a_second() {
     check("A", "smoothed over 1 s", |reported| smoothed(reported, 1.0));
 }
 
 #[test]
 #[ignore = "not yet: normalised squared errors of 4 to 20, and of 13 and more over 5 km"]
-fn torque_that_is_held_for_five_seconds_or_two_late() {
+fn torque_that_is_held_for_five_seconds() {
     for truck in ["A", "B"] {
         check(truck, "held for 5 s", |reported| held(reported, 5.0));
+    }
+}
+
+#[test]
+#[ignore = "not yet: normalised squared errors of 4 to 9, and of 10 over 5 km, until shifts have shown it"]
+fn torque_that_is_two_seconds_late() {
+    for truck in ["A", "B"] {
         check(truck, "2 s late", |reported| late(reported, 2.0));
     }
 }

@@ -34,6 +34,7 @@ pub fn sample(cell: u32, traction_n: f32, speed_mps: f32) -> Sample {
         after_stop: false,
         mass_is_reported: false,
         torque_rests: false,
+        traction_late_s: 0.0,
         disagreement: Disagreement::default(),
         disagreeing_cells: 0,
     }

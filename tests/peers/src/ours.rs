@@ -48,6 +48,7 @@ pub fn ours(meter: &mut impl FilterMeter) {
         after_stop: false,
         mass_is_reported: false,
         torque_rests: false,
+        traction_late_s: 0.0,
         disagreement: Disagreement::default(),
         disagreeing_cells: 0,
     };

@@ -1,0 +1,98 @@
+//! A traction force that is late beside the motion.
+//!
+//! A force that is late or low-passed by τ lacks about τ times its rate of change. The difference
+//! from its own low-pass of that time constant is as much; most of it is added. What is wrong with
+//! that lasts as long as τ.
+
+use super::predict::net_traction_percent;
+use super::state::State;
+use crate::context::Context;
+use crate::sample::Sample;
+use crate::scalar::Scalar;
+
+/// Part of the difference that is added, and part of it by which that may be wrong, 1 sigma: a pure
+/// delay and a low-pass of the same length differ by so much.
+const ADDED: f32 = 0.8;
+const WRONG: f32 = 0.7;
+
+/// What the net traction lacks because it is late.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct LateTraction {
+    /// To add, %.
+    pub percent: f32,
+    /// Sigma of white noise of a cell, %.
+    pub noise_percent: f32,
+}
+
+impl LateTraction {
+    /// Nothing.
+    pub(super) const NONE: Self = Self {
+        percent: 0.0,
+        noise_percent: 0.0,
+    };
+}
+
+/// The low-pass of the net traction.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct TractionTiming {
+    /// By how much the force is late, s: as the last pass over the drive found, and the last cell.
+    found_s: f32,
+    late_s: f32,
+    low_pass_percent: Option<f32>,
+}
+
+impl TractionTiming {
+    /// Returns the timing for a second pass over the same drive.
+    pub(super) fn second_pass(&self) -> Self {
+        Self {
+            found_s: self.late_s,
+            ..Self::default()
+        }
+    }
+
+    /// Advances over the cell of a sample.
+    #[inline]
+    pub(super) fn advance<S: Scalar>(
+        &mut self,
+        context: &Context,
+        sample: &Sample,
+        from: Option<&State<S>>,
+    ) -> LateTraction {
+        let late_s = if sample.traction_late_s == 0.0 {
+            self.found_s
+        } else {
+            sample.traction_late_s
+        };
+        self.late_s = late_s;
+        if late_s == 0.0 {
+            return LateTraction::NONE;
+        }
+        self.lack(context, sample, from)
+    }
+
+    #[inline(never)] // Rare.
+    fn lack<S: Scalar>(
+        &mut self,
+        context: &Context,
+        sample: &Sample,
+        from: Option<&State<S>>,
+    ) -> LateTraction {
+        if !sample.end.condition.is_valid() {
+            return LateTraction::NONE;
+        }
+        let percent = net_traction_percent(context, sample, from);
+        let before = self.low_pass_percent.unwrap_or(percent);
+        let gain = Scalar::min(
+            1.0,
+            sample.duration_s / (self.late_s + 0.5 * sample.duration_s),
+        );
+        let low_pass = before + gain * (percent - before);
+        self.low_pass_percent = Some(low_pass);
+        let behind = percent - low_pass;
+        let cells = 1.0 + self.late_s / Scalar::max(sample.duration_s, 1e-3);
+        LateTraction {
+            percent: ADDED * behind,
+            noise_percent: WRONG * behind.abs() * Scalar::sqrt(cells),
+        }
+    }
+}

@@ -1,0 +1,56 @@
+//! A force that is late beside the motion.
+
+use estimator_core::Tuning;
+use estimator_core::sample::Sample;
+use test_kit::{altitude, run_counted, sample, smooth, speed};
+
+const LATE_S: f32 = 2.0;
+const SPEED_MPS: f32 = 20.0;
+
+/// Returns the slope at a distance, %: hills of 2 %, 1,200 m long.
+fn slope_percent(distance_m: f32) -> f32 {
+    2.0 * (distance_m / 1_200.0 * core::f32::consts::TAU).sin()
+}
+
+/// A drive of 10 km at a steady speed, with the force that the slope took so long ago.
+fn drive(stated_late_s: f32) -> Vec<Sample> {
+    let mut altitude_m = 100.0;
+    (1..=4_000_u16)
+        .map(|cell| {
+            let end_m = 2.5 * f32::from(cell);
+            altitude_m += 0.025 * slope_percent(end_m - 1.25);
+            let reported = slope_percent(end_m - 1.25 - SPEED_MPS * LATE_S);
+            let force_n = 3_926.0 + 39_000.0 * 9.806_65 * 0.01 * reported;
+            let mut sample = sample(cell.into(), force_n, SPEED_MPS);
+            sample.speed = speed(SPEED_MPS);
+            sample.traction_late_s = stated_late_s;
+            if cell % 8 == 0 {
+                sample.altitude = altitude(altitude_m);
+            }
+            sample
+        })
+        .collect()
+}
+
+/// Returns the error of the smoothed slope, %, and the mean of its square over its variance.
+fn judged(stated_late_s: f32) -> (f32, f32) {
+    let (cells, _) = run_counted::<f64>(&drive(stated_late_s), &Tuning::default());
+    let smoothed = smooth(&cells);
+    let (mut squares, mut normalised) = (0.0, 0.0);
+    for (k, estimate) in smoothed.iter().enumerate() {
+        let error = estimate.grade_percent.value - slope_percent(2.5 * (k as f32 + 1.0));
+        squares += error * error;
+        normalised += (error / estimate.grade_percent.sigma).powi(2);
+    }
+    let count = smoothed.len() as f32;
+    ((squares / count).sqrt(), normalised / count)
+}
+
+#[test]
+fn what_a_late_force_lacks_is_added() {
+    let (unstated, lies) = judged(0.0);
+    let (stated, honest) = judged(LATE_S);
+    assert!(lies > 9.0, "{lies}");
+    assert!(stated < 0.5 * unstated, "{stated} % of {unstated} %");
+    assert!(honest < 4.0, "{honest}");
+}
