@@ -101,7 +101,13 @@ impl TractionLag {
         let mut age = CENTRE + STEP * AT_ONCE - SECOND / 2;
         let mut change = 0.0;
         for product in &mut self.products {
-            change = bounded(force(age) - force(age + SECOND), MOST.1);
+            let (newer, older) = (force(age), force(age + SECOND));
+            // An open clutch passes none. Other messages say so, and at another time.
+            change = if newer == 0.0 || older == 0.0 {
+                0.0
+            } else {
+                bounded(newer - older, MOST.1)
+            };
             *product = keep * *product + acceleration * change;
             age = age.wrapping_sub(STEP);
         }

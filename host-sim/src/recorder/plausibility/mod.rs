@@ -15,7 +15,7 @@
 //! | `climb` | altitude |
 //! | `accelerometer` | longitudinal acceleration |
 //! | `surroundings` | air, yaw rate, reported mass |
-//! | `model_fit` | gears that never match, scale, measured slopes |
+//! | `model_fit` | gears that never match, late forces, scale, measured slopes |
 //! | `tap` | readings of frames |
 //! | `distribution` | quantiles in fixed memory |
 
@@ -170,6 +170,7 @@ impl Seen {
             self.brakes.judge(&mut found);
             found.extend(self.accelerometer.judge());
             found.extend(slopes_left_out(counters));
+            found.extend(self.fit.late());
         }
         found.extend(self.climb.judge_changes(way_m));
         if !spoils(&found) {

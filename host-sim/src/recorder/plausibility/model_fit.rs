@@ -27,6 +27,9 @@ pub(super) struct ModelFit {
     /// Mass that the model takes, kg, and whether the bus reported it.
     model_mass_kg: f64,
     mass_is_reported: bool,
+    /// By how much the force is later than the speed, s, and cells with it.
+    late_s: f32,
+    late_cells: u32,
     last: Option<LastCell>,
 }
 
@@ -47,6 +50,10 @@ impl ModelFit {
         self.no_traction += u32::from(condition.no_traction);
         self.model_mass_kg = f64::from(sample.forces.mass_kg);
         self.mass_is_reported = sample.mass_is_reported;
+        if sample.traction_late_s > 0.0 {
+            self.late_s = sample.traction_late_s;
+            self.late_cells = self.late_cells.saturating_add(1);
+        }
     }
 
     /// Takes a cell of the smoothed run, in any order.
@@ -101,6 +108,22 @@ impl ModelFit {
         })
     }
 
+    /// Returns that the force comes after the speed.
+    pub(super) fn late(&self) -> Option<Warning> {
+        (self.late_cells >= CELLS).then(|| {
+            Warning::minor(
+                "torque_late",
+                format!(
+                    "the torque comes {:.1} s after the speed that it causes; most of what it lacks \
+                     is added, and the sigmas have the rest",
+                    self.late_s
+                ),
+                "record each signal with the time of its message: loggers that poll signals in turn, \
+                 or resample them, move them against each other",
+            )
+        })
+    }
+
     /// Returns a scale that is too far from 1.
     pub(super) fn scale(&self) -> Option<Warning> {
         let LastCell { scale, sigma, .. } = self.last?;
@@ -148,4 +171,33 @@ pub(super) fn slopes_left_out(counters: &Counters) -> Option<Warning> {
              degrees, positive nose up, and without what the vehicle's acceleration adds to it",
         )
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use test_kit::sample;
+
+    /// Returns the fit of a drive whose force is so late in so many of its cells.
+    fn fit(late_s: f32, late_cells: u32) -> ModelFit {
+        let mut fit = ModelFit::default();
+        for cell in 0..2_000 {
+            let mut sample = sample(cell, 4_000.0, 20.0);
+            if cell < late_cells {
+                sample.traction_late_s = late_s;
+            }
+            fit.sample(&sample);
+        }
+        fit
+    }
+
+    #[test]
+    fn a_force_that_is_late_over_a_kilometre_is_told() {
+        let told = fit(1.96, 400).late().unwrap();
+        assert_eq!(told.code, "torque_late");
+        assert!(told.message.contains("comes 2.0 s after"), "{told:?}");
+        assert_eq!(told.spoils, None);
+        assert_eq!(fit(1.96, 399).late(), None);
+        assert_eq!(fit(0.0, 400).late(), None);
+    }
 }
