@@ -18,7 +18,7 @@
 //! | `effect_uncertainty` | force and uncertainty of the adopted effects |
 //! | [`gross_mass`] | the mass that follows from the scale |
 //! | [`prior`], `scale_prior_reset` | what is assumed where a drive begins, and when that was wrong |
-//! | `traction_timing` | a force that is late beside the motion |
+//! | `net_traction`, `traction_timing` | net traction of a cell; a force that is late beside the motion |
 //! | `parts` | what the filter keeps besides its state, and the stages of a step |
 //! | [`step_record`], `step_disagreement` | what a step leaves for the smoother; what disagrees in it |
 
@@ -35,6 +35,7 @@ mod inertial;
 mod load_test;
 mod low_pass_bank;
 pub mod measurement;
+mod net_traction;
 mod noise_ratio;
 mod parts;
 pub mod predict;

@@ -2,6 +2,7 @@
 
 use super::dynamics::Dynamics;
 use super::effect_uncertainty::EffectContribution;
+use super::net_traction::{gained_mps2, net_traction_percent};
 use super::process_noise::{ColouredStates, LearnedNoise, process_noise};
 use super::state::State;
 use super::state_index::{PerState, StateIndex};
@@ -265,26 +266,4 @@ impl NetTraction {
             scale_variance,
         }
     }
-}
-
-/// Returns what the speed gains over the cell of a sample, m/s².
-fn gained_mps2<S: Scalar>(sample: &Sample, from: Option<&State<S>>) -> f32 {
-    let speed = sample.end.speed_mps;
-    from.map_or(0.0, |state| {
-        let before = state.mean[StateIndex::KineticEnergy].to_f32();
-        (0.5 * speed * speed - before) / sample.length_m
-    })
-}
-
-/// Returns the net traction over the cell of a sample, as a slope, %. What turns engine and wheels
-/// does not move the mass.
-pub(super) fn net_traction_percent<S: Scalar>(
-    context: &Context,
-    sample: &Sample,
-    from: Option<&State<S>>,
-) -> f32 {
-    let forces = &sample.forces;
-    let drag_n = context.model.vehicle.drag_n(forces, sample.end.speed_mps);
-    let turning_n = forces.rotating_kg * gained_mps2(sample, from);
-    100.0 * (forces.traction_n - drag_n - turning_n) / forces.weight_n()
 }

@@ -4,7 +4,7 @@
 //! from its own low-pass of that time constant is as much; most of it is added. What is wrong with
 //! that lasts as long as τ.
 
-use super::predict::net_traction_percent;
+use super::net_traction::net_traction_percent;
 use super::state::State;
 use crate::context::Context;
 use crate::sample::Sample;
