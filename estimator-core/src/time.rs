@@ -65,6 +65,14 @@ impl Duration {
         }
     }
 
+    /// From seconds, to 4,294 s. Nothing below nought.
+    #[must_use]
+    pub(crate) const fn from_seconds(seconds: f32) -> Self {
+        Self {
+            micros: (seconds * 1e6) as u32 as u64,
+        }
+    }
+
     /// Microseconds.
     #[must_use]
     pub const fn micros(self) -> u64 {

@@ -74,7 +74,6 @@ use crate::scalar::Scalar;
 use crate::tuning::Tuning;
 use parts::{Parts, Predicted};
 use predict::Prediction;
-use process_noise::LearnedNoise;
 use step_disagreement::StepDisagreement;
 
 /// The filter: a state that samples move.
@@ -153,11 +152,7 @@ impl<S: Scalar> Filter<S> {
         parts.allow_other_slope(state.as_mut(), context, sample);
 
         let effects = parts.effects.advance(context, sample);
-        let late_traction = parts.timing.advance(context, sample, state.as_ref());
-        let learned = LearnedNoise {
-            late_traction,
-            ..parts.learned_noise(state.as_ref(), &context.tuning.prior)
-        };
+        let learned = parts.learned_noise(context, sample, state.as_ref());
         let mut prediction = Prediction::new(context, sample, state.as_ref(), &learned, effects);
         let disagreeing_force =
             parts.measure_force(context, sample, reported, state.as_mut(), &mut prediction);

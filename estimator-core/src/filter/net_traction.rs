@@ -15,15 +15,11 @@ pub(super) fn gained_mps2<S: Scalar>(sample: &Sample, from: Option<&State<S>>) -
     })
 }
 
-/// Returns the net traction over the cell of a sample, as a slope, %. What turns engine and wheels
-/// does not move the mass.
-pub(super) fn net_traction_percent<S: Scalar>(
-    context: &Context,
-    sample: &Sample,
-    from: Option<&State<S>>,
-) -> f32 {
+/// Returns the net traction over the cell of a sample over which the speed gains so much, as a slope, %.
+/// What turns engine and wheels does not move the mass.
+pub(super) fn net_traction_percent(context: &Context, sample: &Sample, gained_mps2: f32) -> f32 {
     let forces = &sample.forces;
     let drag_n = context.model.vehicle.drag_n(forces, sample.end.speed_mps);
-    let turning_n = forces.rotating_kg * gained_mps2(sample, from);
+    let turning_n = forces.rotating_kg * gained_mps2;
     100.0 * (forces.traction_n - drag_n - turning_n) / forces.weight_n()
 }

@@ -25,13 +25,13 @@ use super::state_index::StateIndex;
 use super::step_disagreement::StepDisagreement;
 use super::step_record::Reset;
 use super::stuck_torque::StuckTorque;
-use super::traction_timing::{LateTraction, TractionTiming};
+use super::traction_timing::TractionTiming;
 use crate::cell::Condition;
 use crate::context::Context;
 use crate::counters::count;
 use crate::sample::Sample;
 use crate::scalar::Scalar;
-use crate::tuning::{Prior, Tuning};
+use crate::tuning::Tuning;
 use crate::vehicle::Traction;
 
 /// A state at the end of a cell before its measurements.
@@ -114,23 +114,24 @@ impl Parts {
         }
     }
 
-    /// Returns what has been learned of the noise of the process.
+    /// Returns what has been learned of the noise of the process over the cell of a sample.
     pub(super) fn learned_noise<S: Scalar>(
-        &self,
+        &mut self,
+        context: &Context,
+        sample: &Sample,
         state: Option<&State<S>>,
-        prior: &Prior,
     ) -> LearnedNoise {
         let levels = self.levels.levels();
         LearnedNoise {
             levels,
             gnss_error_ratio: levels.gnss_error_ratio(self.altitude.gnss_error_ratio()),
             force_ratio: self.speed.force_ratio(),
-            launches: self.load.is_launching(prior),
+            launches: self.load.is_launching(&context.tuning.prior),
             changes_mislead: self.scale_bounds.changes_mislead(),
             load_factor: state.map_or(1.0, |state| {
                 possible_scale(1.0 + state.mean[StateIndex::Scale].to_f32())
             }),
-            late_traction: LateTraction::NONE,
+            late_traction: self.timing.advance(context, sample, state),
         }
     }
 

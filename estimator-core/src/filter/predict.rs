@@ -217,7 +217,7 @@ impl NetTraction {
         learned: &LearnedNoise,
     ) -> Self {
         let gained = gained_mps2(sample, from);
-        let now = net_traction_percent(context, sample, from) + learned.late_traction.percent;
+        let now = net_traction_percent(context, sample, gained) + learned.late_traction.percent;
         let before = from.map_or(now, |state| state.net_traction.to_f32());
         let percent = if sample.end.condition.is_valid() {
             now

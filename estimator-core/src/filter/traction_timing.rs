@@ -4,7 +4,8 @@
 //! from its own low-pass of that time constant is as much; most of it is added. What is wrong with
 //! that lasts as long as τ.
 
-use super::net_traction::net_traction_percent;
+use super::low_pass_bank::low_pass_gain;
+use super::net_traction::{gained_mps2, net_traction_percent};
 use super::state::State;
 use crate::context::Context;
 use crate::sample::Sample;
@@ -80,12 +81,9 @@ impl TractionTiming {
         if !sample.end.condition.is_valid() {
             return LateTraction::NONE;
         }
-        let percent = net_traction_percent(context, sample, from);
+        let percent = net_traction_percent(context, sample, gained_mps2(sample, from));
         let before = self.low_pass_percent.unwrap_or(percent);
-        let gain = Scalar::min(
-            1.0,
-            sample.duration_s / (self.late_s + 0.5 * sample.duration_s),
-        );
+        let gain = low_pass_gain(self.late_s, sample.duration_s);
         let low_pass = before + gain * (percent - before);
         self.low_pass_percent = Some(low_pass);
         let behind = percent - low_pass;

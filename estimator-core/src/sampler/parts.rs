@@ -172,8 +172,7 @@ impl Parts {
 
     fn hold_shift(&mut self, context: &Context, now: Instant) {
         // What the engine says then is of before.
-        let late_s = self.gnss_timing.traction_late_s();
-        let late = Duration::from_micros(u64::from((late_s * 1e6) as u32));
+        let late = Duration::from_seconds(self.gnss_timing.traction_late_s());
         let until = now + context.tuning.hold_times.shift_hold + late;
         self.shift_until = self.shift_until.max(until);
     }

@@ -100,8 +100,7 @@ impl SpeedLag {
     /// Returns the delay, if it is surely another one than assumed.
     #[inline(never)] // Several places ask.
     pub(super) fn learned(&self) -> Option<Duration> {
-        let learned_s = self.learned_s?;
-        Some(Duration::from_micros(u64::from((learned_s * 1e6) as u32)))
+        self.learned_s.map(Duration::from_seconds)
     }
 
     /// Returns by how much the force is later than the wheel speed, s; zero unless that is certain.
