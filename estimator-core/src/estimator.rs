@@ -201,7 +201,14 @@ impl<S: Scalar> Estimator<S> {
             return None;
         }
         let slow = SlowStates::of(self.filter.state()?, self.sample()?.forces.mass_kg);
-        PersistentState::new(self.fingerprint, measurement_noise, slow, &self.noise())
+        let sensors = self.filter.body_sensors(self.tuning());
+        PersistentState::new(
+            self.fingerprint,
+            measurement_noise,
+            slow,
+            &self.noise(),
+            sensors,
+        )
     }
 
     /// Returns a filter for a second pass over this drive ([`Filter::second_pass`]).

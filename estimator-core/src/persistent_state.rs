@@ -10,7 +10,7 @@
 //! | offset | type | content |
 //! |---|---|---|
 //! | 0 | 4 bytes | `72 67 6b 1a`: "rgk" and a control byte |
-//! | 4 | u32 | version of this table, 1 |
+//! | 4 | u32 | version of this table, 2 |
 //! | 8 | u32 | fingerprint of the vehicle parameters: CRC-32 over them |
 //! | 12 | f32 | mass of the model, kg |
 //! | 16 | f32 | bias, % |
@@ -21,7 +21,15 @@
 //! | 36 | f32 | white noise of a wheel speed, 1 sigma, m/s |
 //! | 40 | f32 | white noise of a GNSS altitude, 1 sigma, m |
 //! | 44 | f32 | slow error of GNSS altitude, 1 sigma, m |
-//! | 48 | u32 | CRC-32 (ISO-HDLC, as in zip and Ethernet) over the bytes before |
+//! | 48 | f32 | offset of the accelerometer, m/s² |
+//! | 52 | f32 | its variance, (m/s²)² |
+//! | 56 | f32 | its gain, 1 |
+//! | 60 | f32 | variance of the gain |
+//! | 64 | f32 | noise of one of its readings, 1 sigma, m/s² |
+//! | 68 | 5 f32 | the same of the pitch sensor, with % for m/s² and %/(m/s²) for the gain |
+//! | 88 | u32 | CRC-32 (ISO-HDLC, as in zip and Ethernet) over the bytes before |
+//!
+//! The five numbers of a sensor that the vehicle lacks, or that the drive does not trust, are zero.
 //!
 //! On an ECU, write the bytes when the ignition goes off, into the older of two slots: an interrupted
 //! write leaves the other slot intact. When the ignition comes on, read both slots and start with one
@@ -54,7 +62,7 @@
 //! ```
 
 use crate::cell::Uncertain;
-use crate::filter::{ModelMass, SensorNoiseRatios, SlowStates};
+use crate::filter::{BodySensor, BodySensors, ModelMass, SensorNoiseRatios, SlowStates};
 use crate::model::Model;
 use crate::scalar::Scalar;
 use crate::tuning::{MeasurementNoise, Prior};
@@ -64,10 +72,21 @@ use crc::{CRC_32_ISO_HDLC, Crc, NoTable};
 /// First bytes of the stored form.
 const MAGIC: u32 = u32::from_le_bytes(*b"rgk\x1a");
 /// Version of the layout and of the meaning of its numbers.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 /// Without a table: the data are short and flash is scarce.
 const CHECKSUM: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
 
+/// Number of 32-bit words of a sensor on the body, and of all.
+const BODY_SENSOR_WORDS: usize = 5;
+const WORDS: usize = PersistentState::LEN / 4;
+/// What is stored of a sensor that is not known.
+const NO_SENSOR: BodySensor = BodySensor {
+    offset: 0.0,
+    offset_variance: 0.0,
+    gain: 0.0,
+    gain_variance: 0.0,
+    noise_sigma: 0.0,
+};
 /// Number of bytes that the checksum covers.
 const CHECKED: usize = PersistentState::LEN - 4;
 
@@ -82,7 +101,9 @@ mod possible {
     pub const SCALE: RangeInclusive<f32> = -0.9..=9.0;
     /// Variances of bias, %², and scale, 1.
     pub const VARIANCE: RangeInclusive<f32> = 1e-12..=1e4;
-    /// Sigmas of the sensors, m/s or m.
+    /// Offset and gain of a sensor on the body, m/s² or %.
+    pub const ERROR: RangeInclusive<f32> = -50.0..=50.0;
+    /// Sigmas of the sensors, m/s, m, m/s² or %.
     pub const SIGMA: RangeInclusive<f32> = 1e-6..=1e4;
     /// Square of the correlation. Rounding may leave it slightly above one.
     pub const CORRELATION: RangeInclusive<f32> = 0.0..=1.001;
@@ -95,6 +116,7 @@ pub struct PersistentState {
     fingerprint: u32,
     slow: SlowStates,
     sensors: SensorSigmas,
+    body: BodySensors,
 }
 
 /// Noise of the sensors as sigmas with units: the tuning may differ in the next release.
@@ -150,7 +172,7 @@ impl From<ParameterError> for PersistentStateError {
 
 impl PersistentState {
     /// Length of the stored form, bytes.
-    pub const LEN: usize = 52;
+    pub const LEN: usize = 92;
 
     /// Creates what a drive leaves; `None` if a value could not be read back.
     pub(crate) fn new(
@@ -158,6 +180,7 @@ impl PersistentState {
         tuning: &MeasurementNoise,
         slow: SlowStates,
         noise: &SensorNoiseRatios,
+        body: BodySensors,
     ) -> Option<Self> {
         let learned = |ratio: f32, sigma: f32| Scalar::sqrt(ratio) * sigma;
         let state = Self {
@@ -168,6 +191,10 @@ impl PersistentState {
                 altitude_m: learned(noise.altitude, tuning.altitude_sigma_m),
                 gnss_error_m: learned(noise.gnss_error, tuning.gnss_error_sigma_m),
             },
+            body: BodySensors {
+                accelerometer: body.accelerometer.filter(is_possible_sensor),
+                pitch: body.pitch.filter(is_possible_sensor),
+            },
         };
         state.is_possible().then_some(state)
     }
@@ -176,6 +203,12 @@ impl PersistentState {
     #[must_use]
     pub const fn slow_states(&self) -> &SlowStates {
         &self.slow
+    }
+
+    /// Returns what is known of the sensors on the body.
+    #[must_use]
+    pub const fn body_sensors(&self) -> &BodySensors {
+        &self.body
     }
 
     /// Returns the gross mass that the drive ended with, kg, as its scale says. The model must be
@@ -216,33 +249,39 @@ impl PersistentState {
     /// Returns the stored form.
     #[must_use]
     pub fn to_bytes(&self) -> [u8; Self::LEN] {
-        let SlowStates {
-            mass_kg,
-            bias_percent,
-            bias_variance,
-            scale_error,
-            scale_variance,
-            covariance,
-        } = self.slow;
-        let SensorSigmas {
-            speed_mps,
-            altitude_m,
-            gnss_error_m,
-        } = self.sensors;
-        let numbers = [
-            mass_kg,
-            bias_percent,
-            bias_variance,
-            scale_error,
-            scale_variance,
-            covariance,
-            speed_mps,
-            altitude_m,
-            gnss_error_m,
+        let Self {
+            fingerprint,
+            slow,
+            sensors,
+            body,
+        } = self;
+        let accelerometer = body.accelerometer.unwrap_or(NO_SENSOR);
+        let pitch = body.pitch.unwrap_or(NO_SENSOR);
+        let bits = f32::to_bits;
+        let words: [u32; WORDS - 1] = [
+            MAGIC,
+            VERSION,
+            *fingerprint,
+            bits(slow.mass_kg),
+            bits(slow.bias_percent),
+            bits(slow.bias_variance),
+            bits(slow.scale_error),
+            bits(slow.scale_variance),
+            bits(slow.covariance),
+            bits(sensors.speed_mps),
+            bits(sensors.altitude_m),
+            bits(sensors.gnss_error_m),
+            bits(accelerometer.offset),
+            bits(accelerometer.offset_variance),
+            bits(accelerometer.gain),
+            bits(accelerometer.gain_variance),
+            bits(accelerometer.noise_sigma),
+            bits(pitch.offset),
+            bits(pitch.offset_variance),
+            bits(pitch.gain),
+            bits(pitch.gain_variance),
+            bits(pitch.noise_sigma),
         ];
-        let words = [MAGIC, VERSION, self.fingerprint]
-            .into_iter()
-            .chain(numbers.map(f32::to_bits));
         let mut bytes = [0; Self::LEN];
         for (place, word) in bytes.chunks_exact_mut(4).zip(words) {
             place.copy_from_slice(&word.to_le_bytes());
@@ -266,27 +305,26 @@ impl PersistentState {
         if let Some(version) = words.get(1).map(word).filter(|found| *found != VERSION) {
             return Err(PersistentStateError::Version(version));
         }
-        let (
-            &[
-                _,
-                _,
-                fingerprint,
-                mass_kg,
-                bias_percent,
-                bias_variance,
-                scale_error,
-                scale_variance,
-                covariance,
-                speed_mps,
-                altitude_m,
-                gnss_error_m,
-                checksum,
-            ],
-            [],
-        ) = (words, rest)
-        else {
+        let (Ok(words), []) = (<&[[u8; 4]; WORDS]>::try_from(words), rest) else {
             return Err(PersistentStateError::Length(bytes.len()));
         };
+        let &[
+            _,
+            _,
+            fingerprint,
+            mass_kg,
+            bias_percent,
+            bias_variance,
+            scale_error,
+            scale_variance,
+            covariance,
+            speed_mps,
+            altitude_m,
+            gnss_error_m,
+            ref body @ ..,
+            checksum,
+        ] = words;
+        let (accelerometer, pitch) = body.split_at(BODY_SENSOR_WORDS);
         let checked = bytes.get(..CHECKED).unwrap_or_default();
         if Checksum::of(checked) != word(&checksum) {
             return Err(PersistentStateError::Checksum);
@@ -307,6 +345,10 @@ impl PersistentState {
                 altitude_m: number(altitude_m),
                 gnss_error_m: number(gnss_error_m),
             },
+            body: BodySensors {
+                accelerometer: body_sensor(accelerometer),
+                pitch: body_sensor(pitch),
+            },
         };
         if state.is_possible() {
             Ok(state)
@@ -318,7 +360,12 @@ impl PersistentState {
     /// Returns whether a drive can leave it. Ranges do not contain NaN.
     #[inline(never)] // Rare, and called from two places.
     fn is_possible(&self) -> bool {
-        let Self { slow, sensors, .. } = self;
+        let Self {
+            slow,
+            sensors,
+            body,
+            ..
+        } = self;
         let correlation =
             slow.covariance * slow.covariance / (slow.bias_variance * slow.scale_variance);
         possible::MASS.contains(&slow.mass_kg)
@@ -330,7 +377,36 @@ impl PersistentState {
             && possible::SIGMA.contains(&sensors.speed_mps)
             && possible::SIGMA.contains(&sensors.altitude_m)
             && possible::SIGMA.contains(&sensors.gnss_error_m)
+            && body.accelerometer.as_ref().is_none_or(is_possible_sensor)
+            && body.pitch.as_ref().is_none_or(is_possible_sensor)
     }
+}
+
+/// Returns whether a drive can leave a sensor.
+#[inline(never)] // As above.
+fn is_possible_sensor(sensor: &BodySensor) -> bool {
+    possible::ERROR.contains(&sensor.offset)
+        && possible::VARIANCE.contains(&sensor.offset_variance)
+        && possible::ERROR.contains(&sensor.gain)
+        && possible::VARIANCE.contains(&sensor.gain_variance)
+        && possible::SIGMA.contains(&sensor.noise_sigma)
+}
+
+/// Returns the sensor of such words.
+#[inline(never)] // Called twice: flash is scarce.
+fn body_sensor(words: &[[u8; 4]]) -> Option<BodySensor> {
+    let &[offset, offset_variance, gain, gain_variance, noise_sigma] = words else {
+        return None;
+    };
+    let number = f32::from_le_bytes;
+    let sensor = BodySensor {
+        offset: number(offset),
+        offset_variance: number(offset_variance),
+        gain: number(gain),
+        gain_variance: number(gain_variance),
+        noise_sigma: number(noise_sigma),
+    };
+    (sensor != NO_SENSOR).then_some(sensor)
 }
 
 /// Returns a fingerprint that differs between vehicles and between edits of one: CRC-32 over all

@@ -93,7 +93,8 @@ impl<S: Scalar> Estimator<S> {
         state.check_model(self.model())?;
         let tuning = &self.context.tuning;
         let noise = state.noise(&tuning.measurement_noise);
-        self.filter.resume(tuning, &noise, *state.slow_states());
+        self.filter
+            .resume(tuning, &noise, *state.slow_states(), state.body_sensors());
         Ok(())
     }
 

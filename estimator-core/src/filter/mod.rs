@@ -18,6 +18,7 @@
 //! | `effect_uncertainty` | force and uncertainty of the adopted effects |
 //! | [`gross_mass`] | the mass that follows from the scale |
 //! | [`prior`], `scale_prior_reset` | what is assumed where a drive begins, and when that was wrong |
+//! | [`body_sensor`] | what a drive leaves of accelerometer and pitch sensor |
 //! | `net_traction`, `traction_timing` | net traction of a cell; a force that is late beside the motion |
 //! | `parts` | what the filter keeps besides its state, and the stages of a step |
 //! | [`step_record`], `step_disagreement` | what a step leaves for the smoother; what disagrees in it |
@@ -25,6 +26,7 @@
 mod altitude_delay;
 mod altitude_gate;
 mod altitude_update;
+pub mod body_sensor;
 pub mod covariance;
 pub mod dynamics;
 mod effect_uncertainty;
@@ -56,6 +58,7 @@ mod stuck_torque;
 mod traction_timing;
 
 pub use altitude_gate::AltitudeEvent;
+pub use body_sensor::{BodySensor, BodySensors};
 pub use covariance::Covariance;
 pub use effect_uncertainty::EffectContribution;
 pub use gross_mass::ModelMass;
@@ -97,11 +100,18 @@ impl<S: Scalar> Filter<S> {
         }
     }
 
-    /// Starts with the sensor noise and the slow states of an earlier drive, before the first sample.
-    pub fn resume(&mut self, tuning: &Tuning, noise: &SensorNoiseRatios, slow: SlowStates) {
+    /// Starts with the sensor noise, the slow states and the sensors on the body of an earlier drive,
+    /// before the first sample.
+    pub fn resume(
+        &mut self,
+        tuning: &Tuning,
+        noise: &SensorNoiseRatios,
+        slow: SlowStates,
+        sensors: &BodySensors,
+    ) {
         self.state = None;
         self.prior = Some(slow);
-        self.parts.resume(tuning, noise);
+        self.parts.resume(tuning, noise, sensors);
     }
 
     /// Returns a filter for a second pass over the same drive. It starts with the same slow states,
@@ -119,6 +129,16 @@ impl<S: Scalar> Filter<S> {
     #[must_use]
     pub const fn noise(&self) -> SensorNoiseRatios {
         self.parts.noise()
+    }
+
+    /// Returns what has been learned of the sensors on the body; none before the first speed.
+    #[must_use]
+    pub fn body_sensors(&self, tuning: &Tuning) -> BodySensors {
+        self.state
+            .as_ref()
+            .map_or_else(BodySensors::default, |state| {
+                self.parts.body_sensors(state, tuning)
+            })
     }
 
     /// Returns the state; `None` before the first speed.

@@ -55,6 +55,11 @@ impl NoiseRatio {
         }
     }
 
+    /// Starts with a ratio that an earlier drive learned.
+    pub(super) fn resume(&mut self, ratio: f32) {
+        self.ratio = Scalar::min(self.high, Scalar::max(self.low, ratio));
+    }
+
     /// Returns learned over assumed variance.
     pub(super) const fn ratio(&self) -> f32 {
         self.ratio

@@ -2,6 +2,7 @@
 //! the tests of the model.
 
 use super::altitude_update::{AltitudeUpdate, Gated};
+use super::body_sensor::BodySensors;
 use super::effect_uncertainty::EffectUncertainty;
 use super::error_levels::{ErrorLevels, LevelCell, SlowVariances};
 use super::gross_mass::possible_scale;
@@ -82,10 +83,21 @@ impl Parts {
         }
     }
 
-    /// Starts with the sensor noise of an earlier drive, before the first sample.
-    pub(super) fn resume(&mut self, tuning: &Tuning, noise: &SensorNoiseRatios) {
+    /// Starts with what an earlier drive left of the sensors, before the first sample.
+    pub(super) fn resume(
+        &mut self,
+        tuning: &Tuning,
+        noise: &SensorNoiseRatios,
+        sensors: &BodySensors,
+    ) {
         self.speed = SpeedUpdate::new(noise, tuning);
         self.altitude.resume(noise, tuning);
+        if let Some(kept) = &sensors.accelerometer {
+            self.accelerometer.resume(kept, tuning);
+        }
+        if let Some(kept) = &sensors.pitch {
+            self.slope.resume(kept, &tuning.prior);
+        }
     }
 
     /// Returns those for a second pass over the same drive.
@@ -102,6 +114,14 @@ impl Parts {
             timing: self.timing.second_pass(),
             accelerometer: self.accelerometer.second_pass(tuning),
             ..Self::new(tuning, &noise)
+        }
+    }
+
+    /// Returns what a drive with this state leaves of the sensors on the body.
+    pub(super) fn body_sensors<S: Scalar>(&self, state: &State<S>, tuning: &Tuning) -> BodySensors {
+        BodySensors {
+            accelerometer: self.accelerometer.kept(state, tuning),
+            pitch: self.slope.kept(state),
         }
     }
 

@@ -58,6 +58,16 @@ impl<S: Scalar> State<S> {
         }
     }
 
+    /// Returns the slow error of the model, bias and wind, %, and its variance, %².
+    pub(super) fn model_error(&self) -> (f32, f32) {
+        let [bias, wind] = [StateIndex::Bias, StateIndex::Wind];
+        let of = |i, j| self.covariance.get(i, j);
+        let both = of(bias, wind);
+        let variance = of(bias, bias) + both + both + of(wind, wind);
+        let mean = self.mean[bias] + self.mean[wind];
+        (mean.to_f32(), variance.to_f32())
+    }
+
     /// Returns whether every number is finite and every variance not negative.
     #[must_use]
     pub fn is_sound(&self) -> bool {

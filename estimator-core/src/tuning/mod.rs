@@ -106,6 +106,7 @@ tuning! {
         ratio_gain: f32 = 0.01, 0.0..=1.0, "1", "part of a normalised squared innovation by which the ratio follows", "as `speed_ratio_gain`";
         offset_sigma_mps2: f32 = 0.5, 1e-3..=10.0, "m/s²", "offset before anything is known, 1 sigma", "a mounting angle of 3°";
         changed_offset_sigma_mps2: f32 = 0.1, 0.0..=10.0, "m/s²", "change of the offset over a drive, 1 sigma", "chosen: its drift, and the bias of the model";
+        kept_offset_sigma_mps2: f32 = 0.05, 0.0..=10.0, "m/s²", "change of the offset from the end of a drive to the start of the next, 1 sigma", "a warm sensor is cold again";
         drift_mps2_per_sqrt_s: f32 = 0.001, 0.0..=1.0, "m/s²/√s", "random walk of the offset, 1 sigma", "0.02 to 0.05 over twenty minutes of warming up";
         gain: f32 = 0.05, -1.0..=1.0, "1", "what the reading of a specific force gains because the body pitches under it", "suspensions: 0.3° for 1 m/s²";
         gain_sigma: f32 = 0.03, 0.0..=1.0, "1", "its error, and that of the sensor's scale, 1 sigma", "chosen";

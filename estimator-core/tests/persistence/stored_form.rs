@@ -1,5 +1,6 @@
 //! The stored form of the persistent state: its bytes, and what is refused.
 
+use estimator_core::filter::{BodySensor, BodySensors};
 use estimator_core::tuning::Prior;
 use estimator_core::{
     Estimator, Gear, PersistentState, PersistentStateError, Traction, Tuning, VehicleParameters,
@@ -10,7 +11,7 @@ use test_kit::hilly_drive::{KEPT, USUAL, drive};
 use test_kit::truck;
 
 /// Lengths and offsets in the blob, from the table in the module's documentation.
-const CHECKED: usize = 48;
+const CHECKED: usize = 88;
 const MASS: usize = 12;
 const BIAS: usize = 16;
 const BIAS_VARIANCE: usize = 20;
@@ -20,6 +21,8 @@ const COVARIANCE: usize = 32;
 const SPEED_SIGMA: usize = 36;
 const ALTITUDE_SIGMA: usize = 40;
 const GNSS_ERROR_SIGMA: usize = 44;
+const ACCELEROMETER: usize = 48;
+const PITCH: usize = 68;
 
 fn blob() -> [u8; PersistentState::LEN] {
     KEPT.to_bytes()
@@ -36,11 +39,89 @@ fn crc32(bytes: &[u8]) -> u32 {
 
 /// Returns the blob with these four bytes replaced, and its checksum.
 fn edited(at: usize, word: [u8; 4]) -> [u8; PersistentState::LEN] {
-    let mut bytes = blob();
-    bytes[at..at + 4].copy_from_slice(&word);
+    edited_words(&blob(), &[(at, word)])
+}
+
+fn edited_words(
+    blob: &[u8; PersistentState::LEN],
+    words: &[(usize, [u8; 4])],
+) -> [u8; PersistentState::LEN] {
+    let mut bytes = *blob;
+    for (at, word) in words {
+        bytes[*at..at + 4].copy_from_slice(word);
+    }
     let checksum = crc32(&bytes[..CHECKED]);
     bytes[CHECKED..].copy_from_slice(&checksum.to_le_bytes());
     bytes
+}
+
+/// The blob of a vehicle with an accelerometer and a pitch sensor.
+fn with_sensors() -> [u8; PersistentState::LEN] {
+    let words = |at: usize, numbers: [f32; 5]| {
+        let places = (at..).step_by(4);
+        places
+            .zip(numbers.map(f32::to_le_bytes))
+            .collect::<Vec<_>>()
+    };
+    let accelerometer = words(ACCELEROMETER, [0.1, 4e-4, 0.05, 9e-4, 0.2]);
+    let pitch = words(PITCH, [-0.5, 0.02, 0.3, 0.01, 0.1]);
+    edited_words(&blob(), &[accelerometer, pitch].concat())
+}
+
+#[test]
+fn sensors_on_the_body_read_back() {
+    let bytes = with_sensors();
+    let state = PersistentState::from_bytes(&bytes).unwrap();
+    let accelerometer = BodySensor {
+        offset: 0.1,
+        offset_variance: 4e-4,
+        gain: 0.05,
+        gain_variance: 9e-4,
+        noise_sigma: 0.2,
+    };
+    let pitch = BodySensor {
+        offset: -0.5,
+        offset_variance: 0.02,
+        gain: 0.3,
+        gain_variance: 0.01,
+        noise_sigma: 0.1,
+    };
+    assert_eq!(
+        *state.body_sensors(),
+        BodySensors {
+            accelerometer: Some(accelerometer),
+            pitch: Some(pitch)
+        }
+    );
+    assert_eq!(state.to_bytes(), bytes);
+    // The vehicle has neither.
+    assert_eq!(*KEPT.body_sensors(), BodySensors::default());
+    assert_eq!(blob()[ACCELEROMETER..CHECKED], [0; 40]);
+}
+
+#[test]
+fn a_sensor_that_no_drive_leaves_is_refused() {
+    for sensor in [ACCELEROMETER, PITCH] {
+        for (place, numbers) in [
+            [f32::NAN, 60.0, -60.0],
+            [0.0, -1e-4, 1e5],
+            [f32::INFINITY, 60.0, -60.0],
+            [0.0, -1e-4, 1e5],
+            [0.0, -0.1, 1e5],
+        ]
+        .into_iter()
+        .enumerate()
+        {
+            for number in numbers {
+                let word = [(sensor + 4 * place, number.to_le_bytes())];
+                assert_eq!(
+                    PersistentState::from_bytes(&edited_words(&with_sensors(), &word)),
+                    Err(PersistentStateError::Value),
+                    "{number} at {place} of {sensor}"
+                );
+            }
+        }
+    }
 }
 
 #[test]
@@ -64,7 +145,7 @@ fn a_blob_is_as_documented_and_reads_back() {
     let bytes = blob();
     let number = |at: usize| f32::from_le_bytes(bytes[at..at + 4].try_into().unwrap());
     let slow = KEPT.slow_states();
-    assert_eq!(bytes[..8], *b"rgk\x1a\x01\0\0\0");
+    assert_eq!(bytes[..8], *b"rgk\x1a\x02\0\0\0");
     assert_eq!(number(MASS), 39_000.0);
     assert_eq!(number(BIAS), slow.bias_percent);
     assert_eq!(number(BIAS_VARIANCE), slow.bias_variance);
@@ -118,15 +199,15 @@ fn each_wrong_length_is_refused() {
         Err(PersistentStateError::Magic)
     );
     // A later layout, of another length and with a right checksum.
-    let later = &edited(4, 2_u32.to_le_bytes())[..];
+    let later = &edited(4, 3_u32.to_le_bytes())[..];
     assert_eq!(
         PersistentState::from_bytes(later),
-        Err(PersistentStateError::Version(2))
+        Err(PersistentStateError::Version(3))
     );
     let later = [later, &[0; 8]].concat();
     assert_eq!(
         PersistentState::from_bytes(&later),
-        Err(PersistentStateError::Version(2))
+        Err(PersistentStateError::Version(3))
     );
 }
 
@@ -190,10 +271,10 @@ proptest! {
 
     #[test]
     fn any_content_under_a_right_checksum_is_refused_or_sound(
-        numbers in prop::collection::vec((3..12_usize, -9.9..9.9_f32, -12..5), 1..4),
+        numbers in prop::collection::vec((3..22_usize, -9.9..9.9_f32, -12..5), 1..4),
         metres in 100..600_u32,
     ) {
-        let mut bytes = blob();
+        let mut bytes = with_sensors();
         for (index, mantissa, exponent) in numbers {
             let (at, number) = (4 * index, mantissa * 10_f32.powi(exponent));
             bytes[at..at + 4].copy_from_slice(&number.to_le_bytes());
@@ -311,8 +392,8 @@ fn fingerprint_of(vehicle: &VehicleParameters) -> u32 {
 #[test]
 fn refusals_say_what_is_wrong() {
     for (refusal, words) in [
-        (PersistentStateError::Length(3), "3 bytes: expected 52"),
-        (PersistentStateError::Version(7), "version 7: expected 1"),
+        (PersistentStateError::Length(3), "3 bytes: expected 92"),
+        (PersistentStateError::Version(7), "version 7: expected 2"),
         (PersistentStateError::Checksum, "damaged"),
         (PersistentStateError::Vehicle, "another vehicle"),
     ] {

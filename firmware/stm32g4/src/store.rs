@@ -23,7 +23,7 @@ const KEPT_RANGE: core::ops::Range<u32> = 0x7_D000..0x8_0000;
 /// Key of the only item.
 const KEPT_KEY: u8 = 0;
 /// Size of the item with its key, bytes.
-const BUFFER: usize = 64;
+const BUFFER: usize = 128;
 
 type Storage = MapStorage<
     u8,

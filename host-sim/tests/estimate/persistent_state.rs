@@ -277,12 +277,12 @@ fn an_unusable_file_is_refused_by_name_and_nothing_changes() {
     let mut damaged = left.clone();
     damaged[30] ^= 4;
     refused("two", &damaged, "damaged");
-    refused("two", &left[..20], "20 bytes: expected 52");
-    refused("two", b"", "0 bytes: expected 52");
+    refused("two", &left[..20], "20 bytes: expected 92");
+    refused("two", b"", "0 bytes: expected 92");
     refused("two", b"time_s,distance_m\n", "not a persistent state");
     let mut later = left.clone();
-    later[4] = 2;
-    refused("two", &later, "version 2: expected 1");
+    later[4] = 3;
+    refused("two", &later, "version 3: expected 2");
     refused("other", &left, "another vehicle");
 
     let vehicle = folder.join("two.vehicle.toml");

@@ -4,7 +4,7 @@
 use cross_tests::faults::signals::{replaced, stuck};
 use cross_tests::faults::{Frames, seconds};
 use estimator_core::filter::gross_mass::ModelMass;
-use estimator_core::filter::{Filter, SensorNoiseRatios};
+use estimator_core::filter::{BodySensors, Filter, SensorNoiseRatios, SlowStates};
 use estimator_core::{
     Condition, Context, Counters, Disagreement, Instant, Intake, Reading, Sampler, Signal, Tuning,
     Value,
@@ -52,10 +52,19 @@ pub struct LiveCell {
     pub traction_percent: f64,
 }
 
-/// The live estimates of a drive, and what was counted.
+/// The live estimates of a drive, what was counted, and what it leaves for the next.
 pub struct LiveDrive {
     pub cells: Vec<LiveCell>,
     pub counters: Counters,
+    pub kept: Kept,
+}
+
+/// What a drive leaves for the next.
+#[derive(Clone, Copy, Debug)]
+pub struct Kept {
+    pub slow: SlowStates,
+    pub noise: SensorNoiseRatios,
+    pub body: BodySensors,
 }
 
 /// Returns the text of a scenario: a truck on a road of 30 km, unlike its file, in wind and on cold
@@ -76,6 +85,11 @@ pub fn live(text: &str, fault: Fault) -> LiveDrive {
     live_with(text, fault, None)
 }
 
+/// As [`live`], with what an earlier drive left.
+pub fn live_next(text: &str, fault: Fault, kept: &Kept) -> LiveDrive {
+    drive_live(text, fault, None, Some(kept))
+}
+
 /// A GNSS receiver that gives its vertical speed with each fix.
 #[derive(Clone, Copy, Debug)]
 pub struct VerticalSpeed {
@@ -90,6 +104,15 @@ pub struct VerticalSpeed {
 
 /// As [`live`], with a vertical speed each second.
 pub fn live_with(text: &str, fault: Fault, vertical: Option<VerticalSpeed>) -> LiveDrive {
+    drive_live(text, fault, vertical, None)
+}
+
+fn drive_live(
+    text: &str,
+    fault: Fault,
+    vertical: Option<VerticalSpeed>,
+    kept: Option<&Kept>,
+) -> LiveDrive {
     let scenario = Scenario::parse(text, Path::new("inertial")).unwrap();
     let recording = Recording::new(&scenario, 0).unwrap();
     let drive = recording.drive();
@@ -98,6 +121,10 @@ pub fn live_with(text: &str, fault: Fault, vertical: Option<VerticalSpeed>) -> L
     let mut intake = Intake::new(&context.tuning);
     let mut sampler = Sampler::new();
     let mut filter = Filter::<f32>::new(&context.tuning, &SensorNoiseRatios::default(), None);
+    if let Some(Kept { slow, noise, body }) = kept {
+        filter.resume(&context.tuning, noise, *slow, body);
+    }
+    let mut mass_kg = 0.0;
     let mut cells = Vec::new();
     let mut rng = stream(scenario.seed, 0, Purpose::Inertial);
     let mut slow_error = OrnsteinUhlenbeck::new(1.0, 30.0, &mut rng);
@@ -123,6 +150,7 @@ pub fn live_with(text: &str, fault: Fault, vertical: Option<VerticalSpeed>) -> L
                 continue;
             };
             let state = filter.state().unwrap();
+            mass_kg = sample.forces.mass_kg;
             let estimate = state.estimate(&ModelMass::of(&context, &sample));
             let time_s = record.end.time.micros() as f64 * 1e-6;
             let truth = drive.at(time_s);
@@ -146,6 +174,11 @@ pub fn live_with(text: &str, fault: Fault, vertical: Option<VerticalSpeed>) -> L
     LiveDrive {
         cells,
         counters: context.counters,
+        kept: Kept {
+            slow: SlowStates::of(filter.state().unwrap(), mass_kg),
+            noise: filter.noise(),
+            body: filter.body_sensors(&context.tuning),
+        },
     }
 }
 

@@ -6,7 +6,11 @@
 
 mod drive;
 
-use drive::{Errors, Fault, LiveCell, LiveDrive, VerticalSpeed, errors, live, live_with, scenario};
+use drive::{
+    Errors, Fault, Kept, LiveCell, LiveDrive, VerticalSpeed, errors, live, live_next, live_with,
+    scenario,
+};
+use estimator_core::filter::BodySensors;
 
 /// Trucks and seeds of their roads.
 const DRIVES: [(&str, u64); 6] = [("A", 1), ("A", 2), ("A", 3), ("B", 1), ("B", 2), ("B", 3)];
@@ -208,5 +212,81 @@ fn a_pitch_stands_in_for_a_missing_torque() {
             assert!(fault.rmse_percent < most_percent);
             assert!(fault.nees < most_nees && invalid.nees < 3.0);
         }
+    }
+}
+
+/// Returns what a drive of a truck leaves, without and with what it knows of its sensors.
+fn left_by(truck: &str, seed: u64, sensor: &str) -> [Kept; 2] {
+    let with = live(&scenario(truck, seed, sensor), Fault::None).kept;
+    let body = BodySensors::default();
+    [Kept { body, ..with }, with]
+}
+
+/// Errors of a next drive: its first 5 km, all of it, and its first minutes if their torque is missing.
+fn next_drive(text: &str, kept: &Kept) -> [Errors; 3] {
+    let cells = live_next(text, Fault::None, kept).cells;
+    let start = errors(&cells, |c| c.distance_m < 5_000.0);
+    let whole = errors(&cells, judged);
+    let missing = live_next(text, Fault::TorqueMissing(0.0, 300.0), kept).cells;
+    let blind = errors(&missing, |c| c.time_s > 60.0 && c.time_s < 300.0);
+    [start, whole, blind]
+}
+
+/// Returns the pooled errors of all next drives, and their largest NEES, first without what the sensor
+/// was found to be.
+fn next_drives(before: &str, next: &str) -> [[(f64, f64); 3]; 2] {
+    let mut of_all = [[(); 3]; 2].map(|row| row.map(|()| Vec::new()));
+    for (truck, seed) in DRIVES {
+        let next = scenario(truck, seed + 10, next);
+        for (kept, sums) in left_by(truck, seed, before).iter().zip(&mut of_all) {
+            let errors = next_drive(&next, kept);
+            println!("{truck}{seed} {errors:.3?}");
+            for (sum, errors) in sums.iter_mut().zip(errors) {
+                sum.push(errors);
+            }
+        }
+    }
+    let nees = |of: &[Errors]| of.iter().map(|errors| errors.nees).fold(0.0, f64::max);
+    let of_all = of_all.map(|sums| sums.map(|errors| (pooled(&errors), nees(&errors))));
+    println!(
+        "{next:?} start, whole, no torque: without {:.3?} with {:.3?}",
+        of_all[0], of_all[1]
+    );
+    of_all
+}
+
+#[test]
+fn the_next_drive_begins_with_what_its_sensors_are() {
+    for (sensor, most) in [(SOFT, 0.4), (ROUGH, 0.6), ("[pitch]\n", 0.8)] {
+        let [[_, whole, blind], [_, whole_with, blind_with]] = next_drives(sensor, sensor);
+        assert!(blind_with.0 < most * blind.0 && blind_with.1 < 1.5);
+        assert!(whole_with.0 < 1.03 * whole.0 && whole_with.1 < 1.1);
+    }
+}
+
+#[test]
+fn a_sensor_that_was_moved_is_learned_anew() {
+    for (before, next) in [
+        (
+            SOFT,
+            "[accelerometer]\nroughness_mps2 = 0.1\noffset_mps2 = -0.3\n",
+        ),
+        (
+            SOFT,
+            "[accelerometer]\nroughness_mps2 = 0.1\noffset_mps2 = 0.6\n",
+        ),
+        (
+            SOFT,
+            "[accelerometer]\nroughness_mps2 = 0.1\nscale_factor = -1.0\n",
+        ),
+        ("[pitch]\n", "[pitch]\noffset_deg = 2.0\n"),
+    ] {
+        let [[start, whole, blind], [start_with, whole_with, blind_with]] =
+            next_drives(before, next);
+        assert!(start_with.0 < 1.5 * start.0 && start_with.1 < 3.0);
+        assert!(whole_with.0 < 1.03 * whole.0 && whole_with.1 < 1.1);
+        // One that was turned over as well while no torque is told is believed.
+        let is_turned = next.contains("-1.0");
+        assert!(is_turned || (blind_with.0 < 1.2 * blind.0 && blind_with.1 < 4.0));
     }
 }

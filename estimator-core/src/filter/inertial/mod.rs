@@ -12,6 +12,7 @@
 //! | `slow_errors` | offset, pitch under acceleration, and scale, learned where the model holds |
 //! | `unchanged_traction` | for how long the traction stays the same to the last digit |
 //! | `weighing` | the scale that it shows, as a measurement of the filter |
+//! | `next_drive` | what it leaves for the next drive |
 //! | `alone` | what the state must know where the accelerometer stands in |
 //! | `frozen_reading` | whether the readings are stuck |
 //! | `force_test` | whether force and accelerometer agree |
@@ -19,6 +20,7 @@
 mod alone;
 mod force_test;
 mod frozen_reading;
+mod next_drive;
 mod slow_errors;
 mod unchanged_traction;
 mod weighing;
@@ -51,6 +53,9 @@ pub(super) struct Accelerometer {
     /// Distance over which the errors were learned, m.
     learned_m: f32,
     is_trusted: bool,
+    /// Whether the errors are those of the sensor itself, as an earlier drive left them, and not yet
+    /// relative to the model of this one.
+    is_of_sensor: bool,
     reading: FrozenReading,
     alone: Alone,
     /// Distance over which the force is not believed, less that since, m.
@@ -71,6 +76,7 @@ impl Accelerometer {
             test: ForceTest::new(),
             learned_m: 0.0,
             is_trusted: false,
+            is_of_sensor: false,
             reading: FrozenReading::new(),
             alone: Alone::default(),
             doubted_m: 0.0,
@@ -91,6 +97,7 @@ impl Accelerometer {
             noise: self.noise,
             learned_m: self.learned_m,
             is_trusted: self.is_trusted,
+            is_of_sensor: self.is_of_sensor,
             ..Self::new(tuning)
         }
     }
@@ -135,12 +142,17 @@ impl Accelerometer {
                 self.measure(context, sample, reported, state, prediction, measured)
             }
             _ => {
-                if self.learned_m > 0.0 {
+                if self.is_known() {
                     self.interrupt(&context.tuning);
                 }
                 None
             }
         }
+    }
+
+    /// Returns whether anything of it is known.
+    fn is_known(&self) -> bool {
+        self.is_trusted || self.learned_m > 0.0
     }
 
     fn offset_variance(&self) -> f32 {
@@ -174,6 +186,9 @@ impl Accelerometer {
             self.reject(context);
             return None;
         }
+        if self.is_of_sensor {
+            self.relate(state, &context.tuning.inertial);
+        }
         self.walk(sample, prediction, &context.tuning);
         let motion = prediction.motion(state, sample.length_m);
         let own_variance = self.own_variance(measured, &context.tuning.inertial);
@@ -201,7 +216,7 @@ impl Accelerometer {
                         + wind_percent2 / (PERCENT_PER_MPS2 * PERCENT_PER_MPS2),
                     ..innovation
                 };
-                disagreeing = self.compare(seen, sample, &context.tuning);
+                disagreeing = self.compare(seen, sample, context);
             }
             // In low gears the torque that turns the engine is known worse.
             if !self.test.disagrees() && motion.variance < own_variance {
@@ -298,15 +313,22 @@ impl Accelerometer {
 
     /// Compares force and accelerometer. Returns the number of cells in which they disagree, if that
     /// is found now.
-    fn compare(&mut self, innovation: Innovation, sample: &Sample, tuning: &Tuning) -> Option<u32> {
-        match self
-            .test
-            .add(innovation, &mut self.errors, &tuning.inertial)
-        {
+    fn compare(
+        &mut self,
+        innovation: Innovation,
+        sample: &Sample,
+        context: &mut Context,
+    ) -> Option<u32> {
+        let tuning = &context.tuning.inertial;
+        match self.test.add(innovation, &mut self.errors, tuning) {
             Finding::Nothing => None,
+            Finding::Disagrees { .. } if self.is_untested(tuning) => {
+                self.reject(context);
+                None
+            }
             Finding::Disagrees { cells, error_mps2 } => {
                 let length_m = cells as f32 * sample.length_m;
-                self.alone.doubt(error_mps2, length_m, &tuning.inertial);
+                self.alone.doubt(error_mps2, length_m, tuning);
                 Some(cells)
             }
             Finding::AgreesAgain => {
@@ -359,7 +381,7 @@ impl Accelerometer {
 
     /// Stops using it until it has been learned anew.
     fn reject(&mut self, context: &mut Context) {
-        if self.is_trusted || self.learned_m > 0.0 {
+        if self.is_known() {
             count(&mut context.counters.accelerometers_rejected);
         }
         self.alone

@@ -8,6 +8,7 @@
 //! the accelerometer stands in. Gain and scale hardly differ in what they do, so that together they
 //! are known much better than each.
 
+use super::super::body_sensor::BodySensor;
 use crate::scalar::Scalar;
 use crate::tuning::Inertial;
 use crate::vehicle::GRAVITY;
@@ -67,6 +68,39 @@ impl SlowErrors {
             mean: [0.0, tuning.gain, 0.0, 0.0, 0.0],
             covariance,
         }
+    }
+
+    /// Starts with offset and gain that an earlier drive left, both of the sensor itself.
+    pub(super) const fn resume(&mut self, kept: &BodySensor) {
+        self.set(OFFSET, kept.offset, kept.offset_variance);
+        self.set(GAIN, kept.gain, kept.gain_variance);
+    }
+
+    /// Returns offset and gain with their variances, as those of a sensor with this noise.
+    pub(super) const fn sensor(&self, noise_sigma: f32) -> BodySensor {
+        BodySensor {
+            offset: self.mean[OFFSET],
+            offset_variance: self.covariance[OFFSET][OFFSET],
+            gain: self.mean[GAIN],
+            gain_variance: self.covariance[GAIN][GAIN],
+            noise_sigma,
+        }
+    }
+
+    /// Makes the offset one beside a model whose slow error is known with a variance.
+    pub(super) fn relate(&mut self, error_mps2: f32, variance: f32) {
+        self.mean[OFFSET] -= error_mps2;
+        self.covariance[OFFSET][OFFSET] += variance;
+    }
+
+    /// Sets the scale.
+    pub(super) const fn set_scale(&mut self, mean: f32, variance: f32) {
+        self.set(SCALE, mean, variance);
+    }
+
+    const fn set(&mut self, error: usize, mean: f32, variance: f32) {
+        self.mean[error] = mean;
+        self.covariance[error][error] = variance;
     }
 
     /// Returns what the accelerometer is expected to read beyond the model, m/s², and its variance.

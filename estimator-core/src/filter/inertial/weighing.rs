@@ -27,6 +27,16 @@ pub(super) struct Weighing {
 }
 
 impl Weighing {
+    /// Creates the memory of a filter that knows the scale with a mean and a variance.
+    pub(super) fn knowing(scale: f32, variance: f32) -> Self {
+        let told = information(variance);
+        Self {
+            told,
+            told_scale: told * scale,
+            at_m: 0.0,
+        }
+    }
+
     /// Returns the next measurement of the scale, which is known with a mean and a variance.
     pub(super) fn next<S: Scalar>(
         &mut self,
@@ -39,7 +49,7 @@ impl Weighing {
             return None;
         }
         self.at_m = learned_m;
-        let information = 1.0 / (COLOUR * variance);
+        let information = information(variance);
         let new = information - self.told;
         if new < LEAST_PART * information {
             return None;
@@ -53,4 +63,9 @@ impl Weighing {
             variance: S::from_f32(1.0 / new),
         })
     }
+}
+
+/// Returns the information of a scale with this variance.
+fn information(variance: f32) -> f32 {
+    1.0 / (COLOUR * variance)
 }

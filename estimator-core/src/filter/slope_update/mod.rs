@@ -14,6 +14,7 @@
 
 mod sensor;
 
+use super::body_sensor::BodySensor;
 use super::measurement::{Observation, ScalarMeasurement};
 use super::state::State;
 use super::state_index::StateIndex::{KineticEnergy, Scale, SlopeRate};
@@ -21,6 +22,7 @@ use crate::context::Context;
 use crate::counters::count;
 use crate::sample::{Sample, SlopeMeasurement, SlopeSensor};
 use crate::scalar::Scalar;
+use crate::tuning::Prior;
 use crate::vehicle::GRAVITY;
 use sensor::{Assumed, Innovation, Reading, Sensor, Verdict};
 
@@ -81,6 +83,21 @@ impl SlopeUpdate {
             pitch: Sensor::new(&PITCH),
             waiting: None,
         }
+    }
+
+    /// Starts with what an earlier drive left of the pitch sensor, before the first sample. The load
+    /// is another one as rarely as for the scale.
+    pub(super) fn resume(&mut self, kept: &BodySensor, tuning: &Prior) {
+        let other_load = 1.0 - tuning.kept_scale * tuning.kept_scale;
+        let variance = other_load * PITCH_LOAD_PERCENT * PITCH_LOAD_PERCENT;
+        self.pitch
+            .resume(&kept.moved(0.0, variance), PITCH_SIGMA_PERCENT);
+    }
+
+    /// Returns what this drive leaves of the pitch sensor, if it is trusted.
+    pub(super) fn kept<S: Scalar>(&self, state: &State<S>) -> Option<BodySensor> {
+        self.pitch
+            .kept(&PITCH, PITCH_SIGMA_PERCENT, state.model_error())
     }
 
     /// Returns the memory for a second pass over the same drive.
@@ -150,7 +167,10 @@ impl SlopeUpdate {
                 let sensor = &mut self.vertical_speed;
                 sensor.compare(&VERTICAL_SPEED, &reading, tuning)
             }
-            SlopeSensor::Pitch => self.pitch.compare(&PITCH, &reading, tuning),
+            SlopeSensor::Pitch => {
+                self.pitch.relate(state.model_error());
+                self.pitch.compare(&PITCH, &reading, tuning)
+            }
         };
         let seen = match verdict {
             Verdict::Use(seen) => seen,

@@ -1,6 +1,7 @@
 //! A sensor that measures the slope directly: its noise, its offset, and its gain on the specific force.
 //! They are learned where the model holds.
 
+use super::super::body_sensor::BodySensor;
 use super::super::noise_ratio::NoiseRatio;
 use crate::scalar::Scalar;
 use crate::time::Instant;
@@ -93,6 +94,9 @@ pub(super) struct Sensor {
     gain_variance: f32,
     covariance: f32,
     factor: Factor,
+    /// Whether the offset is that of the sensor itself, as an earlier drive left it, and not yet
+    /// relative to the model of this one.
+    is_of_sensor: bool,
     learned_s: f32,
     last_time: Instant,
     last_percent: f32,
@@ -111,6 +115,12 @@ impl Factor {
     const UNKNOWN: Self = Self {
         weight: 1e-6,
         product: 1e-6,
+    };
+
+    /// One, known twice as well as it has to be.
+    const KNOWN: Self = Self {
+        weight: 4.0 / (FACTOR_SIGMA * FACTOR_SIGMA),
+        product: 4.0 / (FACTOR_SIGMA * FACTOR_SIGMA),
     };
 
     /// Takes a reading less offset and gain, beside the slope of the estimate, with the variance of
@@ -142,11 +152,67 @@ impl Sensor {
             gain_variance: assumed.gain_sigma * assumed.gain_sigma,
             covariance: 0.0,
             factor: Factor::UNKNOWN,
+            is_of_sensor: false,
             learned_s: 0.0,
             last_time: Instant::ZERO,
             last_percent: f32::NAN,
             unchanged_s: 0.0,
         }
+    }
+
+    /// Starts with what an earlier drive left. The sigma of the fast error is assumed to be this one,
+    /// before anything is learned, %.
+    pub(super) fn resume(&mut self, kept: &BodySensor, sigma_percent: f32) {
+        self.noise.resume(kept.noise_ratio(sigma_percent));
+        self.offset_percent = kept.offset;
+        self.offset_variance = kept.offset_variance;
+        self.gain = kept.gain;
+        self.gain_variance = kept.gain_variance;
+        self.factor = Factor::KNOWN;
+        self.learned_s = LEARNING_S;
+        self.is_of_sensor = true;
+    }
+
+    /// Returns what this drive leaves, if the sensor may be used. `model_error` is the slow error of
+    /// the model, %, with its variance, %².
+    pub(super) fn kept(
+        &self,
+        assumed: &Assumed,
+        sigma_percent: f32,
+        (error_percent, variance): (f32, f32),
+    ) -> Option<BodySensor> {
+        if !self.is_known(assumed) {
+            return None;
+        }
+        let learned = BodySensor {
+            offset: self.offset_percent,
+            offset_variance: self.offset_variance,
+            gain: self.gain,
+            gain_variance: self.gain_variance,
+            noise_sigma: BodySensor::learned_sigma(self.noise.ratio(), sigma_percent),
+        };
+        Some(if self.is_of_sensor {
+            learned
+        } else {
+            learned.moved(error_percent, variance)
+        })
+    }
+
+    /// Makes a kept offset one beside the model of this drive, whose slow error is this one, %, with
+    /// its variance, %².
+    #[inline]
+    pub(super) fn relate(&mut self, (error_percent, variance): (f32, f32)) {
+        if self.is_of_sensor {
+            self.offset_percent -= error_percent;
+            self.offset_variance += variance;
+            self.is_of_sensor = false;
+        }
+    }
+
+    fn is_known(&self, assumed: &Assumed) -> bool {
+        self.learned_s >= LEARNING_S
+            && self.may_be_right(assumed)
+            && self.factor.sigma() <= FACTOR_SIGMA
     }
 
     /// Returns what is known of it for a second pass over the same drive.
