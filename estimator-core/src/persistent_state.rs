@@ -392,21 +392,21 @@ fn is_possible_sensor(sensor: &BodySensor) -> bool {
         && possible::SIGMA.contains(&sensor.noise_sigma)
 }
 
-/// Returns the sensor of such words.
+/// Returns the sensor of such words; `None` if all of their bits are zero.
 #[inline(never)] // Called twice: flash is scarce.
 fn body_sensor(words: &[[u8; 4]]) -> Option<BodySensor> {
     let &[offset, offset_variance, gain, gain_variance, noise_sigma] = words else {
         return None;
     };
+    let is_known = words.iter().any(|word| *word != [0; 4]);
     let number = f32::from_le_bytes;
-    let sensor = BodySensor {
+    is_known.then(|| BodySensor {
         offset: number(offset),
         offset_variance: number(offset_variance),
         gain: number(gain),
         gain_variance: number(gain_variance),
         noise_sigma: number(noise_sigma),
-    };
-    (sensor != NO_SENSOR).then_some(sensor)
+    })
 }
 
 /// Returns a fingerprint that differs between vehicles and between edits of one: CRC-32 over all

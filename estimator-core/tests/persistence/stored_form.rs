@@ -94,6 +94,11 @@ fn sensors_on_the_body_read_back() {
         }
     );
     assert_eq!(state.to_bytes(), bytes);
+    // Zeros are no sensor, whatever their sign is.
+    assert_eq!(
+        PersistentState::from_bytes(&edited(PITCH, (-0.0_f32).to_le_bytes())),
+        Err(PersistentStateError::Value)
+    );
     // The vehicle has neither.
     assert_eq!(*KEPT.body_sensors(), BodySensors::default());
     assert_eq!(blob()[ACCELEROMETER..CHECKED], [0; 40]);

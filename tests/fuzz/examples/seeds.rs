@@ -586,11 +586,16 @@ fn of_persistent_state() -> Vec<(&'static str, Vec<u8>)> {
         ),
         ("damaged", seed(AS_IT_IS, &damaged)),
         ("of_something_else", with(0, *b"ELF\0")),
-        ("of_a_later_version", with(4, 2_u32.to_le_bytes())),
+        ("of_a_later_version", with(4, 3_u32.to_le_bytes())),
         ("of_another_vehicle", with(8, [1, 2, 3, 4])),
         ("bias_not_a_number", with(16, f32::NAN.to_le_bytes())),
         ("variance_below_zero", with(20, (-1.0_f32).to_le_bytes())),
         ("correlation_above_one", with(32, 10.0_f32.to_le_bytes())),
+        ("accelerometer", seed(CORRECTED, &of_accelerometer(&whole))),
+        (
+            "accelerometer_of_minus_zeros",
+            with(48, (-0.0_f32).to_le_bytes()),
+        ),
     ]
 }
 
@@ -610,6 +615,16 @@ fn left_by_a_drive() -> Vec<u8> {
         .expect("a drive")
         .to_bytes()
         .to_vec()
+}
+
+/// Returns the state of a vehicle with an accelerometer.
+fn of_accelerometer(whole: &[u8]) -> Vec<u8> {
+    let mut bytes = whole.to_vec();
+    let numbers = [0.1_f32, 4e-4, 0.05, 9e-4, 0.2];
+    for (place, number) in bytes[48..].chunks_exact_mut(4).zip(numbers) {
+        place.copy_from_slice(&number.to_le_bytes());
+    }
+    bytes
 }
 
 /// Compresses text to the same bytes each time: without time, name and system.
