@@ -285,7 +285,7 @@ fn a_sensor_that_was_moved_is_learned_anew() {
             next_drives(before, next);
         assert!(start_with.0 < 1.5 * start.0 && start_with.1 < 3.0);
         assert!(whole_with.0 < 1.03 * whole.0 && whole_with.1 < 1.1);
-        // One that was turned over as well while no torque is told is believed.
+        // Without a torque, nothing shows that a sensor was turned over: the docs name this limit.
         let is_turned = next.contains("-1.0");
         assert!(is_turned || (blind_with.0 < 1.2 * blind.0 && blind_with.1 < 4.0));
     }
