@@ -62,7 +62,10 @@
 //! ```
 
 use crate::cell::Uncertain;
-use crate::filter::{BodySensor, BodySensors, ModelMass, SensorNoiseRatios, SlowStates};
+use crate::filter::{
+    BodySensor, BodySensors, ModelMass, SensorNoiseRatios, SlowStates, learned_sigma,
+    variance_ratio,
+};
 use crate::model::Model;
 use crate::scalar::Scalar;
 use crate::tuning::{MeasurementNoise, Prior};
@@ -182,14 +185,13 @@ impl PersistentState {
         noise: &SensorNoiseRatios,
         body: BodySensors,
     ) -> Option<Self> {
-        let learned = |ratio: f32, sigma: f32| Scalar::sqrt(ratio) * sigma;
         let state = Self {
             fingerprint,
             slow,
             sensors: SensorSigmas {
-                speed_mps: learned(noise.speed, tuning.speed_sigma_mps),
-                altitude_m: learned(noise.altitude, tuning.altitude_sigma_m),
-                gnss_error_m: learned(noise.gnss_error, tuning.gnss_error_sigma_m),
+                speed_mps: learned_sigma(noise.speed, tuning.speed_sigma_mps),
+                altitude_m: learned_sigma(noise.altitude, tuning.altitude_sigma_m),
+                gnss_error_m: learned_sigma(noise.gnss_error, tuning.gnss_error_sigma_m),
             },
             body: BodySensors {
                 accelerometer: body.accelerometer.filter(is_possible_sensor),
@@ -226,11 +228,10 @@ impl PersistentState {
     /// Returns the noise of the sensors, relative to what this tuning assumes.
     #[must_use]
     pub fn noise(&self, tuning: &MeasurementNoise) -> SensorNoiseRatios {
-        let ratio = |learned: f32, assumed: f32| (learned / assumed) * (learned / assumed);
         SensorNoiseRatios {
-            speed: ratio(self.sensors.speed_mps, tuning.speed_sigma_mps),
-            altitude: ratio(self.sensors.altitude_m, tuning.altitude_sigma_m),
-            gnss_error: ratio(self.sensors.gnss_error_m, tuning.gnss_error_sigma_m),
+            speed: variance_ratio(self.sensors.speed_mps, tuning.speed_sigma_mps),
+            altitude: variance_ratio(self.sensors.altitude_m, tuning.altitude_sigma_m),
+            gnss_error: variance_ratio(self.sensors.gnss_error_m, tuning.gnss_error_sigma_m),
         }
     }
 

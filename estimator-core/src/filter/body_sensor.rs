@@ -6,8 +6,6 @@
 //! 1 %, and the next drive takes its own b + w from it. The variances add up: what bias and wind have
 //! in common with the offset is not kept.
 
-use crate::scalar::Scalar;
-
 /// A sensor on the body: an accelerometer (unit m/s²), or a pitch sensor (unit % of slope).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "defmt", derive(defmt::Format))]
@@ -44,15 +42,25 @@ impl BodySensor {
             ..self
         }
     }
+}
 
-    /// Returns learned over assumed variance of its noise.
-    pub(super) fn noise_ratio(&self, assumed_sigma: f32) -> f32 {
-        let part = self.noise_sigma / assumed_sigma;
-        part * part
-    }
+/// What the offset of a sensor is counted from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum OffsetOrigin {
+    /// The slow error of this drive's model: learned beside it.
+    Model,
+    /// A level road: left by an earlier drive.
+    LevelRoad,
+}
 
-    /// Returns the noise of a reading, 1 sigma.
-    pub(super) fn learned_sigma(ratio: f32, assumed_sigma: f32) -> f32 {
-        Scalar::sqrt(ratio) * assumed_sigma
+impl OffsetOrigin {
+    /// Returns what a drive leaves of a sensor. `model_error` is the slow error of its model with its
+    /// variance, in the sensor's unit.
+    pub(super) fn kept(self, learned: BodySensor, model_error: (f32, f32)) -> BodySensor {
+        let (error, variance) = model_error;
+        match self {
+            Self::Model => learned.moved(error, variance),
+            Self::LevelRoad => learned,
+        }
     }
 }

@@ -63,6 +63,7 @@ pub use covariance::Covariance;
 pub use effect_uncertainty::EffectContribution;
 pub use gross_mass::ModelMass;
 pub use noise_ratio::SensorNoiseRatios;
+pub(crate) use noise_ratio::{learned_sigma, variance_ratio};
 pub use prior::SlowStates;
 pub use quantity::{Quantity, QuantityEstimate};
 pub use state::State;

@@ -35,6 +35,17 @@ impl Default for SensorNoiseRatios {
     }
 }
 
+/// Returns the sigma that a ratio of variances makes of an assumed one.
+pub fn learned_sigma(ratio: f32, assumed_sigma: f32) -> f32 {
+    Scalar::sqrt(ratio) * assumed_sigma
+}
+
+/// Returns learned over assumed variance of two sigmas.
+pub fn variance_ratio(learned_sigma: f32, assumed_sigma: f32) -> f32 {
+    let part = learned_sigma / assumed_sigma;
+    part * part
+}
+
 /// The ratio for white noise.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct NoiseRatio {
@@ -48,16 +59,16 @@ impl NoiseRatio {
     /// Creates the ratio with its limits. `gain` is the part of an innovation by which it follows.
     pub(super) fn new(ratio: f32, low: f32, high: f32, gain: f32) -> Self {
         Self {
-            ratio: Scalar::min(high, Scalar::max(low, ratio)),
+            ratio: within(ratio, low..=high),
             low,
             high,
             gain,
         }
     }
 
-    /// Starts with a ratio that an earlier drive learned.
-    pub(super) fn resume(&mut self, ratio: f32) {
-        self.ratio = Scalar::min(self.high, Scalar::max(self.low, ratio));
+    /// Sets the ratio, within its limits.
+    pub(super) fn set(&mut self, ratio: f32) {
+        self.ratio = within(ratio, self.low..=self.high);
     }
 
     /// Returns learned over assumed variance.
@@ -69,8 +80,7 @@ impl NoiseRatio {
     #[inline(never)] // Called from several places.
     pub(super) fn learn(&mut self, normalised: f32, largest: f32) {
         let factor = 1.0 + self.gain * (Scalar::min(largest, normalised) - 1.0);
-        // Not `clamp`: its panic message brings the formatting of floats into an image.
-        self.ratio = Scalar::min(self.high, Scalar::max(self.low, self.ratio * factor));
+        self.set(self.ratio * factor);
     }
 }
 
@@ -150,7 +160,8 @@ fn limits(tuning: &MeasurementNoise) -> RangeInclusive<f32> {
     tuning.gnss_error_ratio_low..=tuning.gnss_error_ratio_high
 }
 
-/// Not `clamp`, which panics if the limits are in the wrong order.
+/// Not `clamp`, which panics if the limits are in the wrong order, with a message that brings the
+/// formatting of floats into an image.
 fn within(value: f32, limits: RangeInclusive<f32>) -> f32 {
     Scalar::min(*limits.end(), Scalar::max(*limits.start(), value))
 }

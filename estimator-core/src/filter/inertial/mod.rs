@@ -25,6 +25,7 @@ mod slow_errors;
 mod unchanged_traction;
 mod weighing;
 
+use super::body_sensor::OffsetOrigin;
 use super::measurement::ScalarMeasurement;
 use super::noise_ratio::NoiseRatio;
 use super::predict::{MeasuredMotion, ModelMotion, Prediction};
@@ -53,9 +54,7 @@ pub(super) struct Accelerometer {
     /// Distance over which the errors were learned, m.
     learned_m: f32,
     is_trusted: bool,
-    /// Whether the errors are those of the sensor itself, as an earlier drive left them, and not yet
-    /// relative to the model of this one.
-    is_of_sensor: bool,
+    offset_origin: OffsetOrigin,
     reading: FrozenReading,
     alone: Alone,
     /// Distance over which the force is not believed, less that since, m.
@@ -76,7 +75,7 @@ impl Accelerometer {
             test: ForceTest::new(),
             learned_m: 0.0,
             is_trusted: false,
-            is_of_sensor: false,
+            offset_origin: OffsetOrigin::Model,
             reading: FrozenReading::new(),
             alone: Alone::default(),
             doubted_m: 0.0,
@@ -97,7 +96,7 @@ impl Accelerometer {
             noise: self.noise,
             learned_m: self.learned_m,
             is_trusted: self.is_trusted,
-            is_of_sensor: self.is_of_sensor,
+            offset_origin: self.offset_origin,
             ..Self::new(tuning)
         }
     }
@@ -186,7 +185,7 @@ impl Accelerometer {
             self.reject(context);
             return None;
         }
-        if self.is_of_sensor {
+        if self.offset_origin == OffsetOrigin::LevelRoad {
             self.relate(state, &context.tuning.inertial);
         }
         self.walk(sample, prediction, &context.tuning);

@@ -3,7 +3,8 @@
 //! Kept errors serve at once where the force model does not hold. They do not overrule a force before
 //! they have agreed with it: the sensor may have been moved ([`Accelerometer::is_untested`]).
 
-use super::super::body_sensor::BodySensor;
+use super::super::body_sensor::{BodySensor, OffsetOrigin};
+use super::super::noise_ratio::{learned_sigma, variance_ratio};
 use super::super::state::State;
 use super::super::state_index::StateIndex::Scale;
 use super::Accelerometer;
@@ -16,10 +17,10 @@ impl Accelerometer {
     /// Starts with what an earlier drive left, before the first sample.
     pub(in super::super) fn resume(&mut self, kept: &BodySensor, tuning: &Tuning) {
         let sigma = tuning.inertial.acceleration_sigma_mps2;
-        self.noise.resume(kept.noise_ratio(sigma));
+        self.noise.set(variance_ratio(kept.noise_sigma, sigma));
         self.errors.resume(kept);
         self.is_trusted = true;
-        self.is_of_sensor = true;
+        self.offset_origin = OffsetOrigin::LevelRoad;
     }
 
     /// Returns what this drive leaves, if it trusts the accelerometer.
@@ -32,13 +33,8 @@ impl Accelerometer {
             return None;
         }
         let sigma = tuning.inertial.acceleration_sigma_mps2;
-        let noise_sigma = BodySensor::learned_sigma(self.noise.ratio(), sigma);
-        let learned = self.errors.sensor(noise_sigma);
-        if self.is_of_sensor {
-            return Some(learned);
-        }
-        let (error_mps2, variance) = model_error_mps2(state);
-        Some(learned.moved(error_mps2, variance))
+        let learned = self.errors.sensor(learned_sigma(self.noise.ratio(), sigma));
+        Some(self.offset_origin.kept(learned, model_error_mps2(state)))
     }
 
     /// Takes the slow error of the model of this drive from kept errors: those that are learned are
@@ -51,7 +47,7 @@ impl Accelerometer {
         self.errors.relate(error_mps2, variance + cold * cold);
         self.errors.set_scale(scale, scale_variance);
         self.weighing = Weighing::knowing(scale, scale_variance);
-        self.is_of_sensor = false;
+        self.offset_origin = OffsetOrigin::Model;
     }
 
     /// Returns whether kept errors have not agreed with the force of this drive for long yet.

@@ -1,8 +1,8 @@
 //! A sensor that measures the slope directly: its noise, its offset, and its gain on the specific force.
 //! They are learned where the model holds.
 
-use super::super::body_sensor::BodySensor;
-use super::super::noise_ratio::NoiseRatio;
+use super::super::body_sensor::{BodySensor, OffsetOrigin};
+use super::super::noise_ratio::{NoiseRatio, learned_sigma, variance_ratio};
 use crate::scalar::Scalar;
 use crate::time::Instant;
 use crate::tuning::MeasurementNoise;
@@ -84,6 +84,17 @@ pub(super) enum Verdict {
     Reject,
 }
 
+/// How far a sensor is known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Standing {
+    /// Not yet.
+    Learning,
+    /// It does not measure a slope.
+    Wrong,
+    /// Well enough to be used, and to be kept.
+    Known,
+}
+
 /// What is known of a sensor.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sensor {
@@ -94,9 +105,7 @@ pub(super) struct Sensor {
     gain_variance: f32,
     covariance: f32,
     factor: Factor,
-    /// Whether the offset is that of the sensor itself, as an earlier drive left it, and not yet
-    /// relative to the model of this one.
-    is_of_sensor: bool,
+    offset_origin: OffsetOrigin,
     learned_s: f32,
     last_time: Instant,
     last_percent: f32,
@@ -152,7 +161,7 @@ impl Sensor {
             gain_variance: assumed.gain_sigma * assumed.gain_sigma,
             covariance: 0.0,
             factor: Factor::UNKNOWN,
-            is_of_sensor: false,
+            offset_origin: OffsetOrigin::Model,
             learned_s: 0.0,
             last_time: Instant::ZERO,
             last_percent: f32::NAN,
@@ -163,14 +172,15 @@ impl Sensor {
     /// Starts with what an earlier drive left. The sigma of the fast error is assumed to be this one,
     /// before anything is learned, %.
     pub(super) fn resume(&mut self, kept: &BodySensor, sigma_percent: f32) {
-        self.noise.resume(kept.noise_ratio(sigma_percent));
+        self.noise
+            .set(variance_ratio(kept.noise_sigma, sigma_percent));
         self.offset_percent = kept.offset;
         self.offset_variance = kept.offset_variance;
         self.gain = kept.gain;
         self.gain_variance = kept.gain_variance;
         self.factor = Factor::KNOWN;
         self.learned_s = LEARNING_S;
-        self.is_of_sensor = true;
+        self.offset_origin = OffsetOrigin::LevelRoad;
     }
 
     /// Returns what this drive leaves, if the sensor may be used. `model_error` is the slow error of
@@ -179,9 +189,9 @@ impl Sensor {
         &self,
         assumed: &Assumed,
         sigma_percent: f32,
-        (error_percent, variance): (f32, f32),
+        model_error: (f32, f32),
     ) -> Option<BodySensor> {
-        if !self.is_known(assumed) {
+        if self.standing(assumed) != Standing::Known {
             return None;
         }
         let learned = BodySensor {
@@ -189,30 +199,20 @@ impl Sensor {
             offset_variance: self.offset_variance,
             gain: self.gain,
             gain_variance: self.gain_variance,
-            noise_sigma: BodySensor::learned_sigma(self.noise.ratio(), sigma_percent),
+            noise_sigma: learned_sigma(self.noise.ratio(), sigma_percent),
         };
-        Some(if self.is_of_sensor {
-            learned
-        } else {
-            learned.moved(error_percent, variance)
-        })
+        Some(self.offset_origin.kept(learned, model_error))
     }
 
     /// Makes a kept offset one beside the model of this drive, whose slow error is this one, %, with
     /// its variance, %².
     #[inline]
     pub(super) fn relate(&mut self, (error_percent, variance): (f32, f32)) {
-        if self.is_of_sensor {
+        if self.offset_origin == OffsetOrigin::LevelRoad {
             self.offset_percent -= error_percent;
             self.offset_variance += variance;
-            self.is_of_sensor = false;
+            self.offset_origin = OffsetOrigin::Model;
         }
-    }
-
-    fn is_known(&self, assumed: &Assumed) -> bool {
-        self.learned_s >= LEARNING_S
-            && self.may_be_right(assumed)
-            && self.factor.sigma() <= FACTOR_SIGMA
     }
 
     /// Returns what is known of it for a second pass over the same drive.
@@ -273,22 +273,29 @@ impl Sensor {
             self.factor.learn(read, reading.known_percent, noise);
             self.learned_s += spaced_s;
         }
-        if self.learned_s < LEARNING_S {
-            Verdict::Learn
-        } else if !self.may_be_right(assumed) {
-            Verdict::Reject
-        } else if self.factor.sigma() > FACTOR_SIGMA {
-            Verdict::Learn
-        } else if normalised > tuning.largest_innovation {
-            Verdict::Reject
-        } else {
-            Verdict::Use(Innovation {
+        match self.standing(assumed) {
+            Standing::Learning => Verdict::Learn,
+            Standing::Wrong => Verdict::Reject,
+            Standing::Known if normalised > tuning.largest_innovation => Verdict::Reject,
+            Standing::Known => Verdict::Use(Innovation {
                 percent: innovation,
                 fast_variance,
                 slow_variance,
                 spaced_s,
                 ratio,
-            })
+            }),
+        }
+    }
+
+    fn standing(&self, assumed: &Assumed) -> Standing {
+        if self.learned_s < LEARNING_S {
+            Standing::Learning
+        } else if !self.may_be_right(assumed) {
+            Standing::Wrong
+        } else if self.factor.sigma() > FACTOR_SIGMA {
+            Standing::Learning
+        } else {
+            Standing::Known
         }
     }
 
