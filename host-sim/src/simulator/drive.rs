@@ -18,7 +18,7 @@ use super::planted::{ContactPoint, PlantedEffects};
 use super::random::{OrnsteinUhlenbeck, Purpose, stream};
 use super::road::Road;
 use super::scenario::Scenario;
-use super::scenario_file::{Tyres, Wind};
+use super::surroundings_file::{Tyres, Wind};
 use super::truck::{GRAVITY, IDLE_RPM, Truck};
 use crate::error::{Error, Result};
 use crate::files::limits;

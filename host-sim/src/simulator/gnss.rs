@@ -6,7 +6,7 @@
 use super::drive::SimulatedDrive;
 use super::random::{OrnsteinUhlenbeck, Purpose, normal, stream};
 use super::scenario::Scenario;
-use super::scenario_file::GnssErrors;
+use super::sensor_file::GnssErrors;
 use estimator_core::{Signal, Value};
 use rand_chacha::ChaCha8Rng;
 

@@ -1,7 +1,7 @@
 //! The oracle file of a simulated run: the true vehicle and the true noise levels.
 
 use super::recording::Recording;
-use super::scenario_file::Wind;
+use super::surroundings_file::Wind;
 use crate::files::oracle::{
     ColdTyres, Headwind, LONGEST_TIME_S, OracleFile, OracleNoise, SlowAltitude,
 };

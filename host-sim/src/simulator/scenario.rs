@@ -9,9 +9,10 @@ use super::range_check::check;
 use super::road::Road;
 use super::scenario_check::{TEMPERATURES_CELSIUS, check_document, check_shape, check_steady_wind};
 use super::scenario_file::{
-    Air, DrivingDirection, GnssErrors, Latencies, ParameterErrors, Rates, RoadSource, RunTable,
-    ScenarioDocument, SensorNoiseLevels, Start, Tyres, Wind,
+    DrivingDirection, ParameterErrors, RoadSource, RunTable, ScenarioDocument, Start,
 };
+use super::sensor_file::{GnssErrors, Latencies, Rates, SensorNoiseLevels};
+use super::surroundings_file::{Air, Tyres, Wind};
 use super::truck::Truck;
 use super::{road_file, road_generator};
 use crate::error::{Error, Result};

@@ -6,7 +6,8 @@
 use super::drive::{DriveState, SimulatedDrive};
 use super::random::{Purpose, normal, stream};
 use super::scenario::Scenario;
-use super::scenario_file::{Air, Latencies, SensorNoiseLevels};
+use super::sensor_file::{Latencies, SensorNoiseLevels};
+use super::surroundings_file::Air;
 use estimator_core::{Signal, Value};
 use rand_chacha::ChaCha8Rng;
 

@@ -5,7 +5,7 @@ use crate::error::{Error, Result};
 use crate::map::{MatchedPlace, Network, RoadLine, RoadPoint, TrackPoint, match_track};
 use crate::numeric::series::linear;
 use crate::simulator::random::{OrnsteinUhlenbeck, Purpose, stream};
-use crate::simulator::scenario_file::GnssErrors;
+use crate::simulator::sensor_file::GnssErrors;
 use crate::source::ztbus::{Mission, MissionRow, PassDirection};
 use crate::study::windows::forward;
 use crate::study::ztbus::mission_file;

@@ -1,5 +1,18 @@
 //! Signal tables: CSV with `time_s` and one column per signal, plain or gzip; an empty cell is
 //! missing.
+//!
+//! | file | content |
+//! |---|---|
+//! | `header` | which column has which signal |
+//! | `cell_value` | the value of a cell, and what it may be |
+//! | `writer` | the writer of tables |
+
+mod cell_value;
+mod header;
+mod writer;
+
+pub(super) use cell_value::checked;
+pub use writer::write;
 
 use super::damage::{Damage, DamageCheck};
 use super::frame_log::Seconds;
@@ -8,17 +21,14 @@ use super::packing::Joint;
 use crate::error::{Error, Result};
 use crate::files::kind::{self, Kind};
 use crate::files::limits::{self, Budget};
-use crate::files::nearest::nearest_in_words;
-use crate::files::output::write_whole;
 use csv::ByteRecord;
 use estimator_core::{Instant, Reading, Signal, Value};
-use std::io::{self, Chain, Read, Write};
+use header::{HeaderColumns, SignalColumn, columns_of};
+use std::io::{Chain, Read};
 use std::path::Path;
 
 /// The time column, in seconds from any origin.
 pub(super) const TIME: &str = "time_s";
-/// Byte order mark, which some spreadsheets write before the header.
-const UTF8_MARK: &[u8] = b"\xef\xbb\xbf";
 /// Beyond this many seconds `f64` does not resolve microseconds well.
 pub(super) const LATEST_S: f64 = 4e9;
 
@@ -41,12 +51,6 @@ pub struct SignalTableReader {
     damage: DamageCheck,
     /// True if the record is that of a row that was not handed out yet.
     is_read_ahead: bool,
-}
-
-#[derive(Clone, Copy, Debug)]
-struct SignalColumn {
-    index: usize,
-    signal: Signal,
 }
 
 /// One row of a table.
@@ -284,172 +288,6 @@ fn file_of(csv: &csv::Reader<TerminatedLog>) -> &LogFile {
     csv.get_ref().inner().get_ref().0
 }
 
-/// Returns the value of a number, `None` for a text that is none.
-///
-/// # Errors
-/// Returns what was expected.
-pub(super) fn checked(
-    signal: Signal,
-    number: Option<f64>,
-) -> std::result::Result<Value, &'static str> {
-    if let Some(most) = largest_angle_deg(signal) {
-        return number
-            .filter(|degrees| degrees.abs() <= most)
-            .map(|degrees| Value::DegreesE7((degrees * 1e7).round() as i32))
-            .ok_or("degrees within the globe, or an empty cell");
-    }
-    let number = number.ok_or("a finite number, or an empty cell")?;
-    if number.abs() <= largest(signal) {
-        Ok(Value::Real(number as f32))
-    } else {
-        Err(expected_number(signal))
-    }
-}
-
-/// Returns the largest value of an angle. Angles have more digits than `f32`.
-const fn largest_angle_deg(signal: Signal) -> Option<f64> {
-    match signal {
-        Signal::Latitude => Some(90.0),
-        Signal::Longitude => Some(180.0),
-        _ => None,
-    }
-}
-
-/// Magnitudes that no reading exceeds, by the unit in which the name of a column ends. The core
-/// treats readings beyond narrower ranges as not available; these detect another unit, another
-/// column, or a damaged digit.
-const LARGEST: [(&str, f64, &str); 12] = [
-    (
-        "_percent",
-        1e4,
-        "a finite number from -1e4 to 1e4 %, or an empty cell",
-    ),
-    (
-        "_rpm",
-        1e6,
-        "a finite number from -1e6 to 1e6 rpm, or an empty cell",
-    ),
-    (
-        "_mps",
-        1e4,
-        "a finite number from -1e4 to 1e4 m/s, or an empty cell",
-    ),
-    (
-        "_mps2",
-        1e4,
-        "a finite number from -1e4 to 1e4 m/s², or an empty cell",
-    ),
-    (
-        "_nm",
-        1e6,
-        "a finite number from -1e6 to 1e6 Nm, or an empty cell",
-    ),
-    (
-        "_pa",
-        1e9,
-        "a finite number from -1e9 to 1e9 Pa, or an empty cell",
-    ),
-    (
-        "_kg",
-        1e7,
-        "a finite number from -1e7 to 1e7 kg, or an empty cell",
-    ),
-    (
-        "_n",
-        1e8,
-        "a finite number from -1e8 to 1e8 N, or an empty cell",
-    ),
-    (
-        "_m",
-        1e5,
-        "a finite number from -1e5 to 1e5 m, or an empty cell",
-    ),
-    (
-        "_deg",
-        1e4,
-        "a finite number from -1e4 to 1e4 degrees, or an empty cell",
-    ),
-    (
-        "_radps",
-        1e4,
-        "a finite number from -1e4 to 1e4 rad/s, or an empty cell",
-    ),
-    (
-        "_celsius",
-        1e4,
-        "a finite number from -1e4 to 1e4 degrees, or an empty cell",
-    ),
-];
-/// The same for columns without a unit: counts, ratios and switches.
-const LARGEST_OTHER: (f64, &str) = (1e6, "a finite number from -1e6 to 1e6, or an empty cell");
-
-fn range_of(signal: Signal) -> (f64, &'static str) {
-    let column = signal.column();
-    let unit = LARGEST.iter().find(|(unit, ..)| column.ends_with(unit));
-    unit.map_or(LARGEST_OTHER, |(_, most, expected)| (*most, *expected))
-}
-
-fn largest(signal: Signal) -> f64 {
-    range_of(signal).0
-}
-
-fn expected_number(signal: Signal) -> &'static str {
-    range_of(signal).1
-}
-
-/// What the header of a table has.
-#[derive(Default)]
-struct HeaderColumns {
-    time: usize,
-    columns: Vec<SignalColumn>,
-    ignored: Vec<String>,
-}
-
-/// Finds the columns of the time and the signals.
-fn columns_of(path: &Path, line: u64, header: &ByteRecord) -> Result<HeaderColumns> {
-    let mut time_column = None;
-    let mut header_columns = HeaderColumns::default();
-    for (index, name) in header.iter().enumerate() {
-        let name = name.strip_prefix(UTF8_MARK).unwrap_or(name);
-        let name = String::from_utf8_lossy(name);
-        let is_twice = if name == TIME {
-            time_column.replace(index).is_some()
-        } else {
-            let Some(signal) = Signal::from_column(&name) else {
-                header_columns.ignored.push(name.into_owned());
-                continue;
-            };
-            let columns = &mut header_columns.columns;
-            let is_known = columns.iter().any(|column| column.signal == signal);
-            columns.push(SignalColumn { index, signal });
-            is_known
-        };
-        if is_twice {
-            return Err(Error::line(
-                path,
-                line,
-                format!("column `{name}` is repeated"),
-                "each column once",
-            ));
-        }
-    }
-    header_columns.time = time_column
-        .ok_or_else(|| Error::line(path, line, "no column time_s", "time_s in the header"))?;
-    if header_columns.columns.is_empty() {
-        let known = Signal::ALL.iter().map(|signal| signal.column());
-        let first = header_columns.ignored.first().map_or("", String::as_str);
-        let alike = nearest_in_words(first, known);
-        return Err(Error::line(
-            path,
-            line,
-            "no column with a signal",
-            format!("any that `roadgrade columns` lists, such as {alike}"),
-        ));
-    }
-    header_columns.columns.sort_by_key(|column| column.signal);
-    Ok(header_columns)
-}
-
 /// Reads the next record that is not blank. Returns false at the end.
 fn read_row(csv: &mut csv::Reader<TerminatedLog>, record: &mut ByteRecord) -> Result<bool> {
     loop {
@@ -465,52 +303,5 @@ fn read_row(csv: &mut csv::Reader<TerminatedLog>, record: &mut ByteRecord) -> Re
         if !is_read || !is_blank {
             return Ok(is_read);
         }
-    }
-}
-
-/// Writes a table, whole or not at all: `time_s` and `columns`, and each row's values in the order
-/// of `columns` (angles in degrees). `None` and non-finite values are written as empty cells.
-///
-/// Numbers get as many digits as needed to read them back exactly.
-///
-/// # Errors
-/// Returns the error of the file system, or an error for a row with a wrong number of values.
-pub fn write<V: AsRef<[Option<f64>]>>(
-    path: &Path,
-    columns: &[Signal],
-    rows: impl IntoIterator<Item = (Instant, V)>,
-) -> Result<()> {
-    write_whole(path, |out| {
-        out.write_all(TIME.as_bytes())?;
-        for signal in columns {
-            write!(out, ",{}", signal.column())?;
-        }
-        writeln!(out)?;
-        for (time, values) in rows {
-            let values = values.as_ref();
-            if values.len() != columns.len() {
-                return Err(io::Error::other(format!(
-                    "a row of {} values for {} columns",
-                    values.len(),
-                    columns.len()
-                )));
-            }
-            write!(out, "{}", time.micros() as f64 / 1e6)?;
-            for (signal, value) in columns.iter().zip(values) {
-                write_value(out, *signal, *value)?;
-            }
-            writeln!(out)?;
-        }
-        Ok(())
-    })
-}
-
-fn write_value(out: &mut dyn Write, signal: Signal, value: Option<f64>) -> io::Result<()> {
-    match value.filter(|value| value.is_finite()) {
-        None => write!(out, ","),
-        Some(degrees) if largest_angle_deg(signal).is_some() => {
-            write!(out, ",{}", (degrees * 1e7).round() / 1e7)
-        }
-        Some(value) => write!(out, ",{}", value as f32),
     }
 }
