@@ -79,8 +79,7 @@ const VERSION: u32 = 2;
 /// Without a table: the data are short and flash is scarce.
 const CHECKSUM: Crc<u32, NoTable> = Crc::<u32, NoTable>::new(&CRC_32_ISO_HDLC);
 
-/// Number of 32-bit words of a sensor on the body, and of all.
-const BODY_SENSOR_WORDS: usize = 5;
+/// Number of 32-bit words.
 const WORDS: usize = PersistentState::LEN / 4;
 /// What is stored of a sensor that is not known.
 const NO_SENSOR: BodySensor = BodySensor {
@@ -322,10 +321,15 @@ impl PersistentState {
             speed_mps,
             altitude_m,
             gnss_error_m,
-            ref body @ ..,
+            offset,
+            offset_variance,
+            gain,
+            gain_variance,
+            noise_sigma,
+            ref pitch @ ..,
             checksum,
         ] = words;
-        let (accelerometer, pitch) = body.split_at(BODY_SENSOR_WORDS);
+        let accelerometer = [offset, offset_variance, gain, gain_variance, noise_sigma];
         let checked = bytes.get(..CHECKED).unwrap_or_default();
         if Checksum::of(checked) != word(&checksum) {
             return Err(PersistentStateError::Checksum);
@@ -347,7 +351,7 @@ impl PersistentState {
                 gnss_error_m: number(gnss_error_m),
             },
             body: BodySensors {
-                accelerometer: body_sensor(accelerometer),
+                accelerometer: body_sensor(&accelerometer),
                 pitch: body_sensor(pitch),
             },
         };
@@ -395,10 +399,8 @@ fn is_possible_sensor(sensor: &BodySensor) -> bool {
 
 /// Returns the sensor of such words; `None` if all of their bits are zero.
 #[inline(never)] // Called twice: flash is scarce.
-fn body_sensor(words: &[[u8; 4]]) -> Option<BodySensor> {
-    let &[offset, offset_variance, gain, gain_variance, noise_sigma] = words else {
-        return None;
-    };
+fn body_sensor(words: &[[u8; 4]; 5]) -> Option<BodySensor> {
+    let &[offset, offset_variance, gain, gain_variance, noise_sigma] = words;
     let is_known = words.iter().any(|word| *word != [0; 4]);
     let number = f32::from_le_bytes;
     is_known.then(|| BodySensor {

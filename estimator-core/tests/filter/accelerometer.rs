@@ -1,6 +1,6 @@
 //! The accelerometer beside the force, on a hilly road at a steady speed. Readings have noise.
 
-use estimator_core::filter::Quantity;
+use estimator_core::filter::{BodySensor, BodySensors, Quantity, SensorNoiseRatios, SlowStates};
 use estimator_core::sample::{InertialMeasurement, Sample};
 use estimator_core::{CELL_LENGTH_M, Tuning};
 use test_kit::{FilterRun, Noise, altitude, sample, speed, truck};
@@ -287,4 +287,72 @@ fn one_whose_offset_steps_is_learned_anew() {
     let blind = rmse(&slopes(&without(samples)).0, cells.clone());
     let with = rmse(&with, cells);
     assert!(with < 0.2 + blind, "{with} {blind}");
+}
+
+/// Returns what an earlier drive left of a sensor with this offset, m/s².
+fn kept(offset: f32) -> BodySensors {
+    let accelerometer = BodySensor {
+        offset,
+        offset_variance: 4e-4,
+        gain: 0.0,
+        gain_variance: 4e-4,
+        noise_sigma: 0.05,
+    };
+    BodySensors {
+        accelerometer: Some(accelerometer),
+        pitch: None,
+    }
+}
+
+/// Returns the run after these samples, which begins with what an earlier drive left.
+fn resumed(samples: &[Sample], sensors: &BodySensors) -> FilterRun<f32> {
+    let tuning = Tuning::default();
+    let mut run = FilterRun::<f32>::new(truck(), tuning.clone());
+    let slow = SlowStates {
+        mass_kg: truck().mass_kg,
+        bias_percent: 0.0,
+        bias_variance: 0.01,
+        scale_error: 0.0,
+        scale_variance: 4e-4,
+        covariance: 0.0,
+    };
+    let noise = SensorNoiseRatios::default();
+    run.filter.resume(&tuning, &noise, slow, sensors);
+    for sample in samples {
+        run.step(sample).expect("a speed");
+    }
+    run
+}
+
+#[test]
+fn a_drive_without_readings_leaves_a_kept_sensor_as_it_was() {
+    let kept = kept(OFFSET_MPS2);
+    let run = resumed(&without(drive(right))[..400], &kept);
+    let left = run.filter.body_sensors(&Tuning::default());
+    let (left, kept) = (left.accelerometer.unwrap(), kept.accelerometer.unwrap());
+    assert!((left.noise_sigma / kept.noise_sigma - 1.0).abs() < 1e-5);
+    let noise_sigma = kept.noise_sigma;
+    assert_eq!(
+        BodySensor {
+            noise_sigma,
+            ..left
+        },
+        kept
+    );
+}
+
+#[test]
+fn a_kept_sensor_that_was_moved_meanwhile_does_not_overrule_the_force() {
+    let samples = &drive(right)[..400];
+    let same = resumed(samples, &kept(OFFSET_MPS2));
+    assert_eq!(same.context.counters.accelerometers_rejected, 0);
+    let moved = resumed(samples, &kept(OFFSET_MPS2 + 1.0));
+    assert_eq!(moved.context.counters.accelerometers_rejected, 1);
+    let alone = resumed(&without(samples.to_vec()), &BodySensors::default());
+    let slope = |run: &FilterRun<f32>| {
+        let state = run.filter.state().expect("a state");
+        state.quantity(Quantity::Slope).uncertain().value
+    };
+    let difference = (slope(&moved) - slope(&alone)).abs();
+    assert!(difference < 0.1, "{difference}");
 }

@@ -54,3 +54,24 @@ fn what_a_late_force_lacks_is_added() {
     assert!(stated < 0.5 * unstated, "{stated} % of {unstated} %");
     assert!(honest < 4.0, "{honest}");
 }
+
+#[test]
+fn where_the_model_does_not_hold_nothing_is_added() {
+    let mut samples = drive(LATE_S);
+    for sample in &mut samples {
+        sample.end.condition.no_traction = true;
+    }
+    let mut unstated = samples.clone();
+    for sample in &mut unstated {
+        sample.traction_late_s = 0.0;
+    }
+    let tuning = Tuning::default();
+    let slopes = |samples: &[Sample]| {
+        let (cells, _) = run_counted::<f64>(samples, &tuning);
+        smooth(&cells)
+            .iter()
+            .map(|estimate| estimate.grade_percent.value)
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(slopes(&samples), slopes(&unstated));
+}

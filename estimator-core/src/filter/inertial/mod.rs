@@ -216,6 +216,10 @@ impl Accelerometer {
                     ..innovation
                 };
                 disagreeing = self.compare(seen, sample, context);
+                if !self.is_trusted {
+                    // The innovation is one beside errors that are forgotten now.
+                    return None;
+                }
             }
             // In low gears the torque that turns the engine is known worse.
             if !self.test.disagrees() && motion.variance < own_variance {
