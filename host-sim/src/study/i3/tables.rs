@@ -7,14 +7,14 @@ use super::trips::Kind;
 use crate::numeric::statistics::{mean, median, quantile};
 use crate::report::page::Table;
 
-/// Bars of nine trips in ten.
-const NINE_IN_TEN: f64 = 0.9;
+/// Part of the trips of which the largest is told.
+pub(super) const NINE_IN_TEN: f64 = 0.9;
 
-fn number(value: Option<f64>, decimals: usize) -> String {
+pub(super) fn number(value: Option<f64>, decimals: usize) -> String {
     value.map_or("-".to_owned(), |value| format!("{value:.decimals$}"))
 }
 
-fn signed(value: Option<f64>, decimals: usize) -> String {
+pub(super) fn signed(value: Option<f64>, decimals: usize) -> String {
     value.map_or("-".to_owned(), |value| format!("{value:+.decimals$}"))
 }
 

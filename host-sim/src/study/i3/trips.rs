@@ -7,9 +7,9 @@ use crate::files::run::RunRow;
 use crate::inertial_judge::{InertialProfile, Window, windows_of};
 use crate::recorder::estimate_log;
 use crate::score::END_CUT_M;
-use crate::source::i3::{Trip, TripRow, vehicle};
+use crate::source::i3::{Trip, TripRow};
 use crate::source::read_options::ReadOptions;
-use estimator_core::{Signal, Tuning};
+use estimator_core::{Model, Signal, Tuning};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -110,15 +110,14 @@ pub(super) fn files(data: &Path) -> Vec<PathBuf> {
 
 /// Reads a trip, and estimates its grade as a user would, without the accelerometer. Returns `None`
 /// for a trip that has no accelerometer.
-pub(super) fn judged(file: &Path) -> Result<Option<JudgedTrip>> {
+pub(super) fn judged(file: &Path, model: &Model) -> Result<Option<JudgedTrip>> {
     let trip = Trip::read(file)?;
     let rows = trip.rows();
     if rows.iter().all(|row| row.acceleration_mps2.is_none()) {
         return Ok(None);
     }
-    let run = estimated(&trip)?;
+    let run = estimated(&trip, model)?;
     let cells = run.len().max(1) as f64;
-    let model = vehicle().model;
     Ok(Some(JudgedTrip {
         name: trip.name().to_owned(),
         ambient_celsius: trip.ambient_celsius(),
@@ -140,7 +139,7 @@ pub(super) fn judged(file: &Path) -> Result<Option<JudgedTrip>> {
     }))
 }
 
-fn estimated(trip: &Trip) -> Result<Vec<RunRow>> {
+fn estimated(trip: &Trip, model: &Model) -> Result<Vec<RunRow>> {
     let folder = tempfile::tempdir().map_err(Error::io(Path::new("temporary folder")))?;
     let table = folder.path().join("trip.csv");
     trip.write(&table)?;
@@ -148,8 +147,7 @@ fn estimated(trip: &Trip) -> Result<Vec<RunRow>> {
         ignore: vec![Signal::LongitudinalAcceleration],
         ..ReadOptions::default()
     };
-    let model = vehicle().model;
-    let run = estimate_log::<f32>(&model, &Tuning::default(), None, &table, &options, |_| ())?;
+    let run = estimate_log::<f32>(model, &Tuning::default(), None, &table, &options, |_| ())?;
     Ok(run.in_memory()?.rows)
 }
 
