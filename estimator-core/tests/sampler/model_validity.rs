@@ -183,6 +183,20 @@ fn an_open_driveline_coasts_without_traction_and_the_model_holds() {
 }
 
 #[test]
+fn the_model_holds_in_neutral_as_behind_any_open_driveline() {
+    let mut drive = ReadingsDrive::of(truck());
+    drive.on(5.0, &cruising(&[]));
+    let idle = [
+        (Signal::EngineSpeed, 600.0),
+        (Signal::CurrentGear, 0.0),
+        (Signal::EngineTorque, 7.0),
+    ];
+    let neutral = drive.on(10.0, &cruising(&idle));
+    is_between(seconds_invalid(&neutral), 0.0, 1.25);
+    assert_eq!(neutral.last().unwrap().forces.traction_n, 0.0);
+}
+
+#[test]
 fn no_engine_torque_counts_behind_an_open_driveline() {
     let open: [&[(Signal, f32)]; 6] = [
         &[(Signal::DrivelineEngaged, 0.0)],
