@@ -1,12 +1,13 @@
 //! The header of a table: which column has which signal.
 
-use super::TIME;
 use crate::error::{Error, Result};
 use crate::files::nearest::nearest_in_words;
 use csv::ByteRecord;
 use estimator_core::Signal;
 use std::path::Path;
 
+/// The time column, in seconds from any origin.
+pub(in super::super) const TIME: &str = "time_s";
 /// Byte order mark, which some spreadsheets write before the header.
 const UTF8_MARK: &[u8] = b"\xef\xbb\xbf";
 

@@ -12,6 +12,7 @@ mod header;
 mod writer;
 
 pub(super) use cell_value::checked;
+pub(super) use header::TIME;
 pub use writer::write;
 
 use super::damage::{Damage, DamageCheck};
@@ -27,8 +28,6 @@ use header::{HeaderColumns, SignalColumn, columns_of};
 use std::io::{Chain, Read};
 use std::path::Path;
 
-/// The time column, in seconds from any origin.
-pub(super) const TIME: &str = "time_s";
 /// Beyond this many seconds `f64` does not resolve microseconds well.
 pub(super) const LATEST_S: f64 = 4e9;
 
