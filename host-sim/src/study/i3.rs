@@ -37,10 +37,9 @@ pub const STUDY: Study = Study {
 
 fn run(setting: &Setting) -> Result<StudyOutcome> {
     let (published, with_effects) = (vehicle().model, with_effects()?);
-    let (mut found, mut after) = (Vec::new(), Vec::new());
+    let mut found = Vec::new();
     for file in trips::files(&setting.data) {
-        found.extend(trips::judged(&file, &published)?.map(Found::of));
-        after.extend(trips::judged(&file, &with_effects)?.map(Found::of));
+        found.extend(trips::judged(&file, &published, &with_effects)?.map(Found::of));
     }
     if found.is_empty() {
         return Ok(StudyOutcome::Skipped(
@@ -49,7 +48,7 @@ fn run(setting: &Setting) -> Result<StudyOutcome> {
                 .to_owned(),
         ));
     }
-    Ok(StudyOutcome::Done(section(&found, &after, setting.seed)))
+    Ok(StudyOutcome::Done(section(&found, setting.seed)))
 }
 
 /// Returns the model with the effects that `diagnose` found on 17 of these trips.
@@ -60,7 +59,7 @@ fn with_effects() -> Result<Model> {
     Ok(VehicleFile::from_table(table, path)?.model)
 }
 
-fn section(found: &[Found], after: &[Found], seed: u64) -> Section {
+fn section(found: &[Found], seed: u64) -> Section {
     let judged: Vec<JudgedTrip> = found.iter().map(|of| of.trip.clone()).collect();
     let repeats = repeats::repeats(&judged, WINDOWS_M);
     Section {
@@ -78,7 +77,7 @@ fn section(found: &[Found], after: &[Found], seed: u64) -> Section {
         ],
         tables: vec![
             tables::groups(found, seed),
-            effects::table(found, after),
+            effects::table(found),
             tables::trips(found),
             tables::own(found),
             floor::table(&repeats, seed),

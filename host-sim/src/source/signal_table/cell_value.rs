@@ -17,10 +17,11 @@ pub(in super::super) fn checked(
             .ok_or("degrees within the globe, or an empty cell");
     }
     let number = number.ok_or("a finite number, or an empty cell")?;
-    if number.abs() <= largest(signal) {
+    let (most, expected) = range_of(signal);
+    if number.abs() <= most {
         Ok(Value::Real(number as f32))
     } else {
-        Err(expected_number(signal))
+        Err(expected)
     }
 }
 
@@ -105,12 +106,4 @@ fn range_of(signal: Signal) -> (f64, &'static str) {
     let column = signal.column();
     let unit = LARGEST.iter().find(|(unit, ..)| column.ends_with(unit));
     unit.map_or(LARGEST_OTHER, |(_, most, expected)| (*most, *expected))
-}
-
-fn largest(signal: Signal) -> f64 {
-    range_of(signal).0
-}
-
-fn expected_number(signal: Signal) -> &'static str {
-    range_of(signal).1
 }

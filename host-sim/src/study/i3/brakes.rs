@@ -38,7 +38,7 @@ pub(super) fn braking(trip: &JudgedTrip, windows: &[Window]) -> Braking {
     Braking {
         part_of_road: part(brakes.len(), pieces.len()),
         part_of_windows: 1.0 - part(free.len(), windows.len()),
-        without: differences(trip, Kind::Smoothed, &free),
+        without: differences(&free, |window| trip.grade(Kind::Smoothed, window)),
     }
 }
 

@@ -1,6 +1,5 @@
 //! Estimates beside the judge, over windows.
 
-use super::trips::{JudgedTrip, Kind};
 use crate::inertial_judge::Window;
 use crate::numeric::statistics::mean;
 
@@ -20,16 +19,15 @@ pub(super) struct Differences {
 /// Least number of windows from which an offset can be removed.
 const FEWEST_WINDOWS: usize = 5;
 
-/// Compares over these windows; `None` if there are too few.
+/// Compares grades with their sigmas, %, over these windows; `None` if there are too few.
 pub(super) fn differences(
-    trip: &JudgedTrip,
-    kind: Kind,
     windows: &[Window],
+    grade: impl Fn(&Window) -> Option<(f64, f64)>,
 ) -> Option<Differences> {
     let pairs: Vec<(f64, f64)> = windows
         .iter()
         .filter_map(|window| {
-            let (grade_percent, sigma_percent) = trip.grade(kind, window)?;
+            let (grade_percent, sigma_percent) = grade(window)?;
             let variance = sigma_percent.powi(2) + window.sigma_percent.powi(2);
             Some((grade_percent - window.grade_percent, variance))
         })

@@ -1,13 +1,11 @@
 //! The estimates with the effects that were found, beside those without.
 
+use super::comparison::Differences;
 use super::found::Found;
-use super::tables::{NINE_IN_TEN, number, signed};
+use super::tables::{Group, NINE_IN_TEN, number, signed};
 use super::trips::Kind;
 use crate::numeric::statistics::{mean, median, quantile};
 use crate::report::page::Table;
-
-/// A group of trips, and which are in it.
-type Group = (&'static str, fn(&Found) -> bool);
 
 const GROUPS: [Group; 5] = [
     ("summer", |of| !of.trip.is_winter()),
@@ -26,22 +24,19 @@ const HELD_OUT: [&str; 8] = [
     "TripA02", "TripA04", "TripA07", "TripA12", "TripA19", "TripB05", "TripB19", "TripB25",
 ];
 
-/// What is compared, with its place in [`Kind::ALL`].
-const KINDS: [(usize, Kind); 3] = [(0, Kind::Smoothed), (1, Kind::Lagged), (2, Kind::Live)];
-
 fn is_held_out(of: &Found) -> bool {
     HELD_OUT.contains(&of.trip.name.as_str())
 }
 
-/// One row a group and kind, over the long windows. Both slices have the same trips.
-pub(super) fn table(before: &[Found], after: &[Found]) -> Table {
+/// One row a group and kind, over the long windows.
+pub(super) fn table(found: &[Found]) -> Table {
     let mut rows = Vec::new();
     for (group, is_in) in GROUPS {
-        for (at, kind) in KINDS {
-            let [before, after] = [before, after].map(|found| {
-                let of = found.iter().filter(|of| is_in(of));
-                Judgement::of(of, at)
-            });
+        for (at, kind) in Kind::ESTIMATES.iter().enumerate() {
+            let of = || found.iter().filter(|of| is_in(of));
+            let before = of().map(|of| (of.differences[1][at], of.trip.published.bias_percent));
+            let after = of().map(|of| (of.with_effects[at], of.trip.with_effects.bias_percent));
+            let (before, after) = (Judgement::of(before), Judgement::of(after));
             rows.push(vec![
                 group.to_owned(),
                 kind.word().to_owned(),
@@ -80,7 +75,7 @@ pub(super) fn table(before: &[Found], after: &[Found]) -> Table {
     .with_rows(rows)
 }
 
-/// What is told of a group of trips.
+/// Statistics over a group of trips.
 struct Judgement {
     number: usize,
     rms_percent: Option<f64>,
@@ -90,14 +85,14 @@ struct Judgement {
 }
 
 impl Judgement {
-    /// Judges the estimates at this place of [`Kind::ALL`].
-    fn of<'a>(found: impl Iterator<Item = &'a Found>, at: usize) -> Self {
+    /// Computes them from differences and bias, %, of each trip.
+    fn of(trips: impl Iterator<Item = (Option<Differences>, f64)>) -> Self {
         let (mut rms, mut nees, mut biases) = (Vec::new(), Vec::new(), Vec::new());
-        for of in found {
-            if let Some(differences) = of.differences[1][at] {
+        for (differences, bias_percent) in trips {
+            if let Some(differences) = differences {
                 rms.push(differences.rms_percent);
                 nees.push(differences.nees);
-                biases.push(of.trip.bias_percent);
+                biases.push(bias_percent);
             }
         }
         let some = |value: fn(&[f64]) -> f64, of: &[f64]| (!of.is_empty()).then(|| value(of));

@@ -17,6 +17,8 @@ pub(super) struct Found {
     pub(super) windows: [Vec<Window>; 2],
     /// Of each length and kind.
     pub(super) differences: [[Option<Differences>; Kind::ALL.len()]; 2],
+    /// Of each estimate with the effects that were found, over the long windows.
+    pub(super) with_effects: [Option<Differences>; Kind::ESTIMATES.len()],
     pub(super) own: OwnErrors,
     pub(super) braking: Braking,
 }
@@ -25,9 +27,14 @@ impl Found {
     /// Judges a trip.
     pub(super) fn of(trip: JudgedTrip) -> Self {
         let windows = WINDOWS_M.map(|window_m| trip.windows(window_m));
-        let of = |windows: &Vec<Window>| Kind::ALL.map(|kind| differences(&trip, kind, windows));
+        let of = |windows: &[Window]| {
+            Kind::ALL.map(|kind| differences(windows, |window| trip.grade(kind, window)))
+        };
+        let with_effects =
+            |at: usize| differences(&windows[1], |window| trip.with_effects.grade(at, window));
         Self {
             differences: [of(&windows[0]), of(&windows[1])],
+            with_effects: std::array::from_fn(with_effects),
             own: own_errors(&trip),
             braking: braking(&trip, &windows[1]),
             windows,

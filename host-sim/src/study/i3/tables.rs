@@ -7,7 +7,7 @@ use super::trips::Kind;
 use crate::numeric::statistics::{mean, median, quantile};
 use crate::report::page::Table;
 
-/// Part of the trips of which the largest is told.
+/// The quantile over trips that the tables give: nine trips in ten stay below it.
 pub(super) const NINE_IN_TEN: f64 = 0.9;
 
 pub(super) fn number(value: Option<f64>, decimals: usize) -> String {
@@ -19,7 +19,7 @@ pub(super) fn signed(value: Option<f64>, decimals: usize) -> String {
 }
 
 /// A group of trips, and which are in it.
-type Group = (&'static str, fn(&Found) -> bool);
+pub(super) type Group = (&'static str, fn(&Found) -> bool);
 
 const GROUPS: [Group; 4] = [
     ("summer", |of| !of.trip.is_winter()),
@@ -42,7 +42,7 @@ pub(super) fn groups(found: &[Found], seed: u64) -> Table {
                 let rms: Vec<f64> = of.iter().map(|of| of.rms_percent).collect();
                 let offsets: Vec<f64> = of.iter().map(|of| of.offset_percent).collect();
                 let nees: Vec<f64> = of.iter().map(|of| of.nees).collect();
-                let tells_sigma = at < 3 && !nees.is_empty();
+                let tells_sigma = at < Kind::ESTIMATES.len() && !nees.is_empty();
                 let mut row = vec![
                     format!("{window_m:.0}"),
                     group.to_owned(),
@@ -105,7 +105,7 @@ pub(super) fn trips(found: &[Found]) -> Table {
             signed(differences[3].map(|of| of.offset_percent), 3),
             number(differences[0].map(|of| of.nees), 2),
             number(differences[2].map(|of| of.nees), 2),
-            signed(Some(of.trip.bias_percent), 3),
+            signed(Some(of.trip.published.bias_percent), 3),
         ]);
         row
     });

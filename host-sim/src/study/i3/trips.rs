@@ -31,6 +31,9 @@ pub(super) enum Kind {
 }
 
 impl Kind {
+    /// The first of [`Self::ALL`]: what the estimator says, with a sigma.
+    pub(super) const ESTIMATES: [Self; 3] = [Self::Smoothed, Self::Lagged, Self::Live];
+
     pub(super) const ALL: [Self; 5] = [
         Self::Smoothed,
         Self::Lagged,
@@ -57,13 +60,46 @@ pub(super) struct JudgedTrip {
     pub(super) ambient_celsius: Option<f64>,
     pub(super) length_m: f64,
     pub(super) is_fast: bool,
-    /// Mean bias of the vehicle model, smoothed, %.
-    pub(super) bias_percent: f64,
     pub(super) profile: InertialProfile,
     /// Measured elevations over time.
     pub(super) elevations: Vec<(f64, f64)>,
     bare: Vec<(f64, f64)>,
-    runs: [RunSums; 3],
+    /// With published parameters.
+    pub(super) published: Estimates,
+    /// With the effects that were found.
+    pub(super) with_effects: Estimates,
+}
+
+/// What the estimator says of a trip without its accelerometer.
+#[derive(Clone, Debug)]
+pub(super) struct Estimates {
+    /// Of each of [`Kind::ESTIMATES`].
+    runs: [RunSums; Kind::ESTIMATES.len()],
+    /// Mean bias of the vehicle model, smoothed, %.
+    pub(super) bias_percent: f64,
+}
+
+impl Estimates {
+    fn new(run: &[RunRow]) -> Self {
+        let cells = run.len().max(1) as f64;
+        Self {
+            runs: [
+                RunSums::new(run, |row| (row.grade_percent, row.grade_sigma_percent)),
+                RunSums::new(run, |row| {
+                    (row.lagged_grade_percent, row.lagged_grade_sigma_percent)
+                }),
+                RunSums::new(run, |row| {
+                    (row.live_grade_percent, row.live_grade_sigma_percent)
+                }),
+            ],
+            bias_percent: run.iter().map(|row| row.bias_percent).sum::<f64>() / cells,
+        }
+    }
+
+    /// Returns mean grade and mean sigma in a window, %, of one of [`Kind::ESTIMATES`].
+    pub(super) fn grade(&self, at: usize, window: &Window) -> Option<(f64, f64)> {
+        self.runs[at].mean(window.from_s, window.to_s)
+    }
 }
 
 impl JudgedTrip {
@@ -85,9 +121,9 @@ impl JudgedTrip {
         let times = (window.from_s, window.to_s);
         let length_m = window.to_m - window.from_m;
         match kind {
-            Kind::Smoothed => self.runs[0].mean(times.0, times.1),
-            Kind::Lagged => self.runs[1].mean(times.0, times.1),
-            Kind::Live => self.runs[2].mean(times.0, times.1),
+            Kind::Smoothed => self.published.grade(0, window),
+            Kind::Lagged => self.published.grade(1, window),
+            Kind::Live => self.published.grade(2, window),
             Kind::Bare => Some((grade_of_climb(&self.bare, times, length_m)?, 0.0)),
             Kind::Elevation => Some((grade_of_climb(&self.elevations, times, length_m)?, 0.0)),
         }
@@ -108,38 +144,32 @@ pub(super) fn files(data: &Path) -> Vec<PathBuf> {
     files
 }
 
-/// Reads a trip, and estimates its grade as a user would, without the accelerometer. Returns `None`
-/// for a trip that has no accelerometer.
-pub(super) fn judged(file: &Path, model: &Model) -> Result<Option<JudgedTrip>> {
+/// Reads a trip, and estimates its grade as a user would, without the accelerometer: with the published
+/// model, and with that of the effects. Returns `None` for a trip that has no accelerometer.
+pub(super) fn judged(
+    file: &Path,
+    published: &Model,
+    with_effects: &Model,
+) -> Result<Option<JudgedTrip>> {
     let trip = Trip::read(file)?;
     let rows = trip.rows();
     if rows.iter().all(|row| row.acceleration_mps2.is_none()) {
         return Ok(None);
     }
-    let run = estimated(&trip, model)?;
-    let cells = run.len().max(1) as f64;
     Ok(Some(JudgedTrip {
         name: trip.name().to_owned(),
         ambient_celsius: trip.ambient_celsius(),
         length_m: trip.length_m(),
         is_fast: fast_part(rows) > FAST_PART,
-        bias_percent: run.iter().map(|row| row.bias_percent).sum::<f64>() / cells,
         profile: profile(rows),
         elevations: elevations(rows),
-        bare: bare::climbs(rows, &model.vehicle),
-        runs: [
-            RunSums::new(&run, |row| (row.grade_percent, row.grade_sigma_percent)),
-            RunSums::new(&run, |row| {
-                (row.lagged_grade_percent, row.lagged_grade_sigma_percent)
-            }),
-            RunSums::new(&run, |row| {
-                (row.live_grade_percent, row.live_grade_sigma_percent)
-            }),
-        ],
+        bare: bare::climbs(rows, &published.vehicle),
+        published: estimated(&trip, published)?,
+        with_effects: estimated(&trip, with_effects)?,
     }))
 }
 
-fn estimated(trip: &Trip, model: &Model) -> Result<Vec<RunRow>> {
+fn estimated(trip: &Trip, model: &Model) -> Result<Estimates> {
     let folder = tempfile::tempdir().map_err(Error::io(Path::new("temporary folder")))?;
     let table = folder.path().join("trip.csv");
     trip.write(&table)?;
@@ -148,7 +178,7 @@ fn estimated(trip: &Trip, model: &Model) -> Result<Vec<RunRow>> {
         ..ReadOptions::default()
     };
     let run = estimate_log::<f32>(model, &Tuning::default(), None, &table, &options, |_| ())?;
-    Ok(run.in_memory()?.rows)
+    Ok(Estimates::new(&run.in_memory()?.rows))
 }
 
 fn profile(rows: &[TripRow]) -> InertialProfile {
