@@ -19,7 +19,7 @@
 //! | [`gross_mass`] | the mass that follows from the scale |
 //! | [`prior`], `scale_prior_reset` | what is assumed where a drive begins, and when that was wrong |
 //! | [`body_sensor`] | what a drive leaves of accelerometer and pitch sensor |
-//! | `net_traction`, `traction_timing` | net traction of a cell; a force that is late beside the motion |
+//! | `net_traction`, `traction_timing`, `climb_lag` | net traction of a cell; a force that is late, and how late |
 //! | `parts` | what the filter keeps besides its state, and the stages of a step |
 //! | [`step_record`], `step_disagreement` | what a step leaves for the smoother; what disagrees in it |
 
@@ -27,6 +27,7 @@ mod altitude_delay;
 mod altitude_gate;
 mod altitude_update;
 pub mod body_sensor;
+mod climb_lag;
 pub mod covariance;
 pub mod dynamics;
 mod effect_uncertainty;

@@ -335,6 +335,7 @@ impl Parts {
             levels,
             altitude,
             brake,
+            timing,
             ..
         } = self;
         if reset != Reset::None {
@@ -351,10 +352,13 @@ impl Parts {
             levels.close_knot(&slow_variances(context, sample, state, load_factor));
         }
         levels.advance(&cell, &tuning.process_noise, &tuning.measurement_noise);
-        if let Some(fix) = &gated.accepted {
-            let (altitude_m, variance) = fix.above_origin(state);
+        let fix = gated.accepted.as_ref().map(|fix| fix.above_origin(state));
+        if let Some((altitude_m, variance)) = fix {
             levels.fix(altitude_m, variance);
         }
+        let altitude_m = fix.map(|(altitude_m, _)| altitude_m);
+        let memory = tuning.measurement_noise.delay_readings;
+        timing.compare_climbs(sample, state, altitude_m, memory);
     }
 
     /// Updates the state with one measurement besides the speed: the load, the altitude, a slope or an

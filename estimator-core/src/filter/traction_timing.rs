@@ -4,12 +4,15 @@
 //! from its own low-pass of that time constant is as much; most of it is added. What is wrong with
 //! that lasts as long as τ.
 
+use super::climb_lag::{ClimbCell, ClimbLag};
 use super::low_pass_bank::low_pass_gain;
 use super::net_traction::{gained_mps2, net_traction_percent};
 use super::state::State;
+use super::state_index::StateIndex;
 use crate::context::Context;
 use crate::sample::Sample;
 use crate::scalar::Scalar;
+use crate::vehicle::GRAVITY;
 
 /// Part of the difference that is added, and part of it by which that may be wrong, 1 sigma: a pure
 /// delay and a low-pass of the same length differ by so much.
@@ -33,13 +36,14 @@ impl LateTraction {
     };
 }
 
-/// The low-pass of the net traction.
-#[derive(Clone, Copy, Debug, Default)]
+/// How late the traction is, and its low-pass.
+#[derive(Clone, Debug, Default)]
 pub(super) struct TractionTiming {
     /// By how much the force is late, s: as the last pass over the drive found, and the last cell.
     found_s: f32,
     late_s: f32,
     low_pass_percent: Option<f32>,
+    climbs: ClimbLag,
 }
 
 impl TractionTiming {
@@ -47,6 +51,7 @@ impl TractionTiming {
     pub(super) fn second_pass(&self) -> Self {
         Self {
             found_s: self.late_s,
+            climbs: self.climbs.restarted(),
             ..Self::default()
         }
     }
@@ -59,16 +64,45 @@ impl TractionTiming {
         sample: &Sample,
         from: Option<&State<S>>,
     ) -> LateTraction {
-        let late_s = if sample.traction_late_s == 0.0 {
-            self.found_s
-        } else {
-            sample.traction_late_s
-        };
+        let known_s = [
+            sample.traction_late_s,
+            self.climbs.late_s(),
+            self.found_s,
+        ];
+        let late_s = known_s.into_iter().find(|late_s| *late_s != 0.0);
+        let late_s = late_s.unwrap_or(0.0);
         self.late_s = late_s;
         if late_s == 0.0 {
             return LateTraction::NONE;
         }
         self.lack(context, sample, from)
+    }
+
+    /// Compares climbs by the force and by altitudes over the cell of a sample, and up to an altitude
+    /// at its end, m, if there is one.
+    #[inline]
+    pub(super) fn compare_climbs<S: Scalar>(
+        &mut self,
+        sample: &Sample,
+        state: &State<S>,
+        altitude_m: Option<f32>,
+        memory: u16,
+    ) {
+        // Changes of the acceleration show a lag more sharply. Where they do, it is known.
+        if sample.traction_late_s != 0.0 || !sample.end.condition.is_valid() {
+            self.climbs.interrupt();
+            return;
+        }
+        let traction = state.net_traction * (S::ONE + state.mean[StateIndex::Scale]);
+        let speed = sample.end.speed_mps;
+        self.climbs.advance(&ClimbCell {
+            traction_climb_m: 0.01 * sample.length_m * traction.to_f32(),
+            duration_s: sample.duration_s,
+            speed_height_m: 0.5 * speed * speed / GRAVITY,
+        });
+        if let Some(altitude_m) = altitude_m {
+            self.climbs.fix(altitude_m, memory);
+        }
     }
 
     #[inline(never)] // Rare.

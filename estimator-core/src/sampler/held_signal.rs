@@ -47,7 +47,8 @@ impl HeldSignal {
         core::mem::take(&mut self.has_changed)
     }
 
-    fn is_held(&self, tuning: &Detection) -> bool {
+    /// Returns whether repeated values are no new ones.
+    pub(super) fn is_held(&self, tuning: &Detection) -> bool {
         self.moved > tuning.held_after_percent
             && self.moved_after_rest > tuning.held_part * self.moved
     }

@@ -5,7 +5,8 @@ use super::latest::{Latest, TimedValue};
 use crate::context::Context;
 use crate::model::Model;
 use crate::signal::Signal;
-use crate::time::Instant;
+use crate::time::{Duration, Instant};
+use crate::tuning::Tuning;
 use crate::vehicle::{Driveline, Traction};
 
 /// The signals of the traction force, and its integral since the last speed.
@@ -107,15 +108,25 @@ impl TractionInput {
 
     /// Returns whether the force is known.
     pub(super) fn is_known(&self, context: &Context, now: Instant) -> bool {
-        let timeout = context.tuning.hold_times.torque_timeout;
+        let timeout = self.timeout(&context.tuning);
         match (&context.model.vehicle.traction, self.driveline) {
             (Traction::Force, _) => self.force.within(now, timeout).is_some(),
             (Traction::Powertrain(_), Driveline::Open) => true,
             (Traction::Powertrain(_), Driveline::Engaged(_)) => {
                 self.torque.within(now, timeout).is_some()
-                    || self.shaft_percent(context, now).is_some()
+                    || self.shaft_torque.within(now, timeout).is_some()
             }
             (Traction::Powertrain(_), Driveline::Unknown) => false,
+        }
+    }
+
+    /// Returns the age beyond which the force is unknown. The next value of a torque that is held comes
+    /// when it has moved far.
+    fn timeout(&self, tuning: &Tuning) -> Duration {
+        if self.held_torque.is_held(&tuning.detection) {
+            tuning.hold_times.held_torque_timeout
+        } else {
+            tuning.hold_times.torque_timeout
         }
     }
 

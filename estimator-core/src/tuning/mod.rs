@@ -178,6 +178,7 @@ tuning! {
         brake_hold: ms = 1_000, 0.0..=60_000.0, "ms", "time for which the model stays invalid after braking", "brakes release within a second";
         retarder_hold: ms = 2_000, 0.0..=60_000.0, "ms", "time for which the model stays invalid after retarder torque", "a retarder empties slowly";
         gnss_latency: ms = 150, 0.0..=10_000.0, "ms", "age of a GNSS fix when it arrives", "typical of receivers on a bus";
+        held_torque_timeout: ms = 1_500, 0.0..=60_000.0, "ms", "age beyond which a torque is unknown whose repeated values are no new ones", "tables at 1 Hz renew it sooner";
         torque_timeout: ms = 2_500, 0.0..=60_000.0, "ms", "age beyond which torque, force or engine speed are unknown", "tables at 1 Hz, one row missing";
         speed_timeout: ms = 2_500, 0.0..=2_500.0, "ms", "longest time between two speed readings that is bridged", "tables at 1 Hz, one row missing";
         state_timeout: ms = 5_000, 0.0..=600_000.0, "ms", "age beyond which a gear, a switch or a quality figure is unknown", "slowest sender of such a signal: 1 s";
@@ -215,7 +216,7 @@ tuning! {
         undeclared_brake_longest_cells: u16 = 200, 1.0..=65_535.0, "cells", "cells after which it was a slope", "500 m";
         held_rest: ms = 800, 0.0..=60_000.0, "ms", "time for which a torque is the same, after which its change follows a rest", "frames come ten times as often at least";
         held_part: f32 = 0.9, 0.0..=1.0, "1", "part of the movement of a torque after rests, beyond which it is held between them", "fresh torque steps after a rest where the driver lets go, and moves on at once elsewhere";
-        held_after_percent: f32 = 200.0, 0.0..=1e5, "%", "movement of the torque after which it may be found to be held", "some ten changes";
+        held_after_percent: f32 = 100.0, 0.0..=1e5, "%", "movement of the torque after which it may be found to be held", "some five changes; a part of 0.3 at most follows rests on the trips of the measured car";
         silent_brake_traction_percent: f32 = 0.1, -10.0..=10.0, "%", "traction over weight up to which the engine drives nothing", "drivers do not brake and drive at once";
         silent_brake_sum: f32 = 10.0, 0.1..=1e3, "1", "sum of altitudes below the climb of the model, in sigmas, that shows a brake then", "a false one in a thousand kilometres without traction";
         silent_brake_least_percent: f32 = 1.5, 0.0..=100.0, "%", "slope that it hides at least", "receivers drift by 1 m in 100 m";

@@ -1,8 +1,9 @@
 //! A force that is late beside the motion.
 
 use estimator_core::Tuning;
+use estimator_core::filter::ModelMass;
 use estimator_core::sample::Sample;
-use test_kit::{altitude, run_counted, sample, smooth, speed};
+use test_kit::{Noise, altitude, run_counted, sample, smooth, speed};
 
 const LATE_S: f32 = 2.0;
 const SPEED_MPS: f32 = 20.0;
@@ -12,17 +13,24 @@ fn slope_percent(distance_m: f32) -> f32 {
     2.0 * (distance_m / 1_200.0 * core::f32::consts::TAU).sin()
 }
 
-/// A drive of 10 km at a steady speed, with the force that the slope took so long ago.
+/// Returns the sample of a cell at a steady speed, without an altitude, with the force that the slope
+/// took so long ago.
+fn late_sample(cell: u16, late_s: f32) -> Sample {
+    let middle_m = 2.5 * f32::from(cell) - 1.25;
+    let reported = slope_percent(middle_m - SPEED_MPS * late_s);
+    let force_n = 3_926.0 + 39_000.0 * 9.806_65 * 0.01 * reported;
+    let mut sample = sample(cell.into(), force_n, SPEED_MPS);
+    sample.speed = speed(SPEED_MPS);
+    sample
+}
+
+/// A drive of 10 km.
 fn drive(stated_late_s: f32) -> Vec<Sample> {
     let mut altitude_m = 100.0;
     (1..=4_000_u16)
         .map(|cell| {
-            let end_m = 2.5 * f32::from(cell);
-            altitude_m += 0.025 * slope_percent(end_m - 1.25);
-            let reported = slope_percent(end_m - 1.25 - SPEED_MPS * LATE_S);
-            let force_n = 3_926.0 + 39_000.0 * 9.806_65 * 0.01 * reported;
-            let mut sample = sample(cell.into(), force_n, SPEED_MPS);
-            sample.speed = speed(SPEED_MPS);
+            altitude_m += 0.025 * slope_percent(2.5 * f32::from(cell) - 1.25);
+            let mut sample = late_sample(cell, LATE_S);
             sample.traction_late_s = stated_late_s;
             if cell % 8 == 0 {
                 sample.altitude = altitude(altitude_m);
@@ -30,6 +38,44 @@ fn drive(stated_late_s: f32) -> Vec<Sample> {
             sample
         })
         .collect()
+}
+
+/// Returns the error of the live slope over the last 10 of 60 km, %. Altitudes have noise. The force
+/// of each cell is as late as `late_s` says, and nothing states it.
+fn live_error_percent(late_s: impl Fn(u16) -> f32) -> f32 {
+    let mut noise = Noise(7);
+    let mut altitude_m = 100.0;
+    let samples: Vec<Sample> = (1..=24_000_u16)
+        .map(|cell| {
+            altitude_m += 0.025 * slope_percent(2.5 * f32::from(cell) - 1.25);
+            let mut sample = late_sample(cell, late_s(cell));
+            if cell % 8 == 0 {
+                sample.altitude = altitude(altitude_m + 0.3 * noise.draw());
+            }
+            sample
+        })
+        .collect();
+    let (cells, _) = run_counted::<f32>(&samples, &Tuning::default());
+    let last = &cells[20_000..];
+    let squares: f32 = last
+        .iter()
+        .zip(20_001_u16..)
+        .map(|(cell, number)| {
+            let live_percent = cell.state.estimate(&ModelMass::default()).grade_percent.value;
+            (live_percent - slope_percent(2.5 * f32::from(number))).powi(2)
+        })
+        .sum();
+    (squares / last.len() as f32).sqrt()
+}
+
+#[test]
+fn altitudes_show_a_late_force_where_no_shift_does() {
+    let in_time = live_error_percent(|_| 0.0);
+    let late = live_error_percent(|_| LATE_S);
+    let lately = live_error_percent(|cell| if cell < 20_000 { 0.0 } else { LATE_S });
+    assert!(late < 0.7 * lately, "{late} %, {lately} % before it shows, {in_time} % in time");
+    let no_longer = live_error_percent(|cell| if cell < 8_000 { LATE_S } else { 0.0 });
+    assert!(no_longer < 1.1 * in_time, "{no_longer} %, {in_time} % in time");
 }
 
 /// Returns the error of the smoothed slope, %, and the mean of its square over its variance.

@@ -56,6 +56,30 @@ fn a_torque_rests_in_the_cells_in_which_it_does_not_change() {
     }
 }
 
+/// Drives with torques that each last 5 s. Returns for how long the last one is known, s.
+fn known_s(signal: Signal, torques: &[f32]) -> f32 {
+    let mut drive = electric();
+    let mut samples = Vec::new();
+    for torque in torques {
+        samples = drive.on(5.0, &[(signal, *torque), (Signal::WheelSpeed, 20.0)]);
+    }
+    let known = samples
+        .iter()
+        .filter(|sample| !sample.end.condition.no_traction);
+    known.map(|sample| sample.duration_s).sum()
+}
+
+#[test]
+fn a_torque_that_is_held_is_unknown_between_its_changes() {
+    for signal in [Signal::MotorTorque, Signal::EngineTorque] {
+        // A change is one of 30 % of the engine's torque, and of 12 % of the motor's.
+        let few_s = known_s(signal, &[20.0, 50.0, 20.0]);
+        assert!((few_s - 5.0).abs() < 0.3, "{few_s} s");
+        let many_s = known_s(signal, &[20.0, 50.0].repeat(6));
+        assert!((many_s - 1.5).abs() < 0.3, "{many_s} s");
+    }
+}
+
 #[test]
 fn a_measured_force_is_no_torque_that_rests() {
     let mut drive = ReadingsDrive::of(by_force());

@@ -98,17 +98,20 @@ fn torque_of_the_heavy_truck_that_is_a_second_late() {
 }
 
 #[test]
-#[ignore = "not yet: normalised squared errors of 4 to 20, and of 13 and more over 5 km"]
 fn torque_that_is_held_for_five_seconds() {
     for truck in ["A", "B"] {
         check(truck, "held for 5 s", |reported| held(reported, 5.0));
     }
 }
 
+/// No shift shows it. The altitudes do.
 #[test]
-#[ignore = "not yet: normalised squared errors of 4 to 9, and of 10 over 5 km, until shifts have shown it"]
-fn torque_that_is_two_seconds_late() {
-    for truck in ["A", "B"] {
-        check(truck, "2 s late", |reported| late(reported, 2.0));
-    }
+fn torque_of_the_light_truck_that_is_two_seconds_late() {
+    check("B", "2 s late", |reported| late(reported, 2.0));
+}
+
+#[test]
+#[ignore = "not yet: a normalised squared error of 9.5 over 5 km, until shifts have shown it"]
+fn torque_of_the_heavy_truck_that_is_two_seconds_late() {
+    check("A", "2 s late", |reported| late(reported, 2.0));
 }
