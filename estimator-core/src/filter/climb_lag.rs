@@ -145,8 +145,8 @@ impl ClimbLag {
             altitudes_mps: (altitude_m - since.altitude_m) / since.duration_s,
         };
         let apart_mps = climbs.altitudes_mps - climbs.force_mps;
-        let is_outlier = (apart_mps - (self.slow.altitudes_mps - self.slow.force_mps)).abs()
-            > FASTEST_MPS;
+        let is_outlier =
+            (apart_mps - (self.slow.altitudes_mps - self.slow.force_mps)).abs() > FASTEST_MPS;
         if since.duration_s > most_s || (is_outlier && self.settled > 0) {
             self.interrupt();
             return;
@@ -159,8 +159,7 @@ impl ClimbLag {
         if self.settled == 0 {
             (self.fast, self.slow) = (climbs, climbs);
         }
-        self.fast
-            .follow(climbs, low_pass_gain(FAST_S, duration_s));
+        self.fast.follow(climbs, low_pass_gain(FAST_S, duration_s));
         self.slow
             .follow(self.fast, low_pass_gain(SLOW_S, duration_s));
         let now = self.fast.less(self.slow);

@@ -340,6 +340,7 @@ impl Parts {
         } = self;
         if reset != Reset::None {
             levels.interrupt();
+            timing.interrupt();
         }
         if reset.is_gap() {
             altitude.delay_mut().interrupt();

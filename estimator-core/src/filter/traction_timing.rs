@@ -39,7 +39,8 @@ impl LateTraction {
 /// How late the traction is, and its low-pass.
 #[derive(Clone, Debug, Default)]
 pub(super) struct TractionTiming {
-    /// By how much the force is late, s: as the last pass over the drive found, and the last cell.
+    /// By how much the force is late beside the acceleration, s: as the last pass over the drive found,
+    /// and the last cell.
     found_s: f32,
     late_s: f32,
     low_pass_percent: Option<f32>,
@@ -64,18 +65,18 @@ impl TractionTiming {
         sample: &Sample,
         from: Option<&State<S>>,
     ) -> LateTraction {
-        let known_s = [
-            sample.traction_late_s,
-            self.climbs.late_s(),
-            self.found_s,
-        ];
-        let late_s = known_s.into_iter().find(|late_s| *late_s != 0.0);
-        let late_s = late_s.unwrap_or(0.0);
-        self.late_s = late_s;
+        let or = |first_s: f32, other_s: f32| if first_s == 0.0 { other_s } else { first_s };
+        self.late_s = or(sample.traction_late_s, self.found_s);
+        let late_s = or(self.late_s, self.climbs.late_s());
         if late_s == 0.0 {
             return LateTraction::NONE;
         }
-        self.lack(context, sample, from)
+        self.lack(context, sample, from, late_s)
+    }
+
+    /// Notes that altitudes after here do not follow from those before.
+    pub(super) fn interrupt(&mut self) {
+        self.climbs.interrupt();
     }
 
     /// Compares climbs by the force and by altitudes over the cell of a sample, and up to an altitude
@@ -111,17 +112,18 @@ impl TractionTiming {
         context: &Context,
         sample: &Sample,
         from: Option<&State<S>>,
+        late_s: f32,
     ) -> LateTraction {
         if !sample.end.condition.is_valid() {
             return LateTraction::NONE;
         }
         let percent = net_traction_percent(context, sample, gained_mps2(sample, from));
         let before = self.low_pass_percent.unwrap_or(percent);
-        let gain = low_pass_gain(self.late_s, sample.duration_s);
+        let gain = low_pass_gain(late_s, sample.duration_s);
         let low_pass = before + gain * (percent - before);
         self.low_pass_percent = Some(low_pass);
         let behind = percent - low_pass;
-        let cells = 1.0 + self.late_s / Scalar::max(sample.duration_s, 1e-3);
+        let cells = 1.0 + late_s / Scalar::max(sample.duration_s, 1e-3);
         LateTraction {
             percent: ADDED * behind,
             noise_percent: WRONG * behind.abs() * Scalar::sqrt(cells),

@@ -61,7 +61,11 @@ fn live_error_percent(late_s: impl Fn(u16) -> f32) -> f32 {
         .iter()
         .zip(20_001_u16..)
         .map(|(cell, number)| {
-            let live_percent = cell.state.estimate(&ModelMass::default()).grade_percent.value;
+            let live_percent = cell
+                .state
+                .estimate(&ModelMass::default())
+                .grade_percent
+                .value;
             (live_percent - slope_percent(2.5 * f32::from(number))).powi(2)
         })
         .sum();
@@ -73,9 +77,15 @@ fn altitudes_show_a_late_force_where_no_shift_does() {
     let in_time = live_error_percent(|_| 0.0);
     let late = live_error_percent(|_| LATE_S);
     let lately = live_error_percent(|cell| if cell < 20_000 { 0.0 } else { LATE_S });
-    assert!(late < 0.7 * lately, "{late} %, {lately} % before it shows, {in_time} % in time");
+    assert!(
+        late < 0.7 * lately,
+        "{late} %, {lately} % before it shows, {in_time} % in time"
+    );
     let no_longer = live_error_percent(|cell| if cell < 8_000 { LATE_S } else { 0.0 });
-    assert!(no_longer < 1.1 * in_time, "{no_longer} %, {in_time} % in time");
+    assert!(
+        no_longer < 1.1 * in_time,
+        "{no_longer} %, {in_time} % in time"
+    );
 }
 
 /// Returns the error of the smoothed slope, %, and the mean of its square over its variance.
