@@ -2,8 +2,10 @@
 //!
 //! A force that is late by τ climbs `c(t − τ)` where the altitudes climb `c(t)`. The difference of
 //! both is τ times the rate of change of the climb by the force. Its own errors do not show as a lag:
-//! noise is uncorrelated with its rate of change, and so is a wrong scale. The force is taken as it
-//! is measured. The slope of the filter is late by itself where speed or force are noisy.
+//! noise is uncorrelated with its rate of change, and so is a slope that is wrong by a factor. But a
+//! wrong mass also leaves a part of the acceleration, and trucks lose speed where roads get steeper:
+//! that part is a second regressor. The force is taken as it is measured. The slope of the filter is
+//! late by itself where speed or force are noisy.
 
 use super::low_pass_bank::low_pass_gain;
 use crate::scalar::Scalar;
@@ -26,6 +28,8 @@ const ALIKE: f32 = 1.5;
 /// that is corrected.
 const CERTAIN_SIGMAS: f32 = 5.0;
 const LEAST_S: f32 = 0.7;
+/// Least mean square of what the speed gains, (m/s)²: at a steady speed it tells nothing.
+const LEAST_GAINED: f32 = 1e-5;
 /// Largest lag, s: no gateway needs longer.
 const MOST_S: f32 = 5.0;
 
@@ -53,6 +57,20 @@ struct Since {
 struct Climbs {
     force_mps: f32,
     altitudes_mps: f32,
+    /// What the speed gains, as the height that its energy is worth.
+    gained_mps: f32,
+}
+
+/// Means of squares and products: of the rate of the climb, of what the speed gains, and of the
+/// difference of the climbs.
+#[derive(Clone, Copy, Debug, Default)]
+struct Means {
+    rates: f32,
+    gains: f32,
+    differences: f32,
+    rate_gain: f32,
+    rate_difference: f32,
+    gain_difference: f32,
 }
 
 /// The comparison.
@@ -67,10 +85,7 @@ pub(super) struct ClimbLag {
     last: Climbs,
     last_but_one: Climbs,
     last_s: f32,
-    /// Means of the rate of the climb and of the difference: of squares, and of their product.
-    rates: f32,
-    differences: f32,
-    products: f32,
+    means: Means,
     readings: u16,
     until_decision: u8,
     late_s: f32,
@@ -80,12 +95,14 @@ impl Climbs {
     fn follow(&mut self, other: Self, gain: f32) {
         self.force_mps += gain * (other.force_mps - self.force_mps);
         self.altitudes_mps += gain * (other.altitudes_mps - self.altitudes_mps);
+        self.gained_mps += gain * (other.gained_mps - self.gained_mps);
     }
 
     fn less(self, other: Self) -> Self {
         Self {
             force_mps: self.force_mps - other.force_mps,
             altitudes_mps: self.altitudes_mps - other.altitudes_mps,
+            gained_mps: self.gained_mps - other.gained_mps,
         }
     }
 }
@@ -143,6 +160,7 @@ impl ClimbLag {
         let climbs = Climbs {
             force_mps: (since.traction_climb_m - gained_m) / since.duration_s,
             altitudes_mps: (altitude_m - since.altitude_m) / since.duration_s,
+            gained_mps: gained_m / since.duration_s,
         };
         let apart_mps = climbs.altitudes_mps - climbs.force_mps;
         let is_outlier =
@@ -171,15 +189,15 @@ impl ClimbLag {
             return;
         }
         let rate = (now.force_mps - first.force_mps) / span_s;
-        self.compare(rate, middle.altitudes_mps - middle.force_mps, memory);
+        self.compare(rate, &middle, memory);
     }
 
-    fn compare(&mut self, rate: f32, difference: f32, memory: u16) {
+    fn compare(&mut self, rate: f32, middle: &Climbs, memory: u16) {
         self.readings = self.readings.saturating_add(1);
         let gain = 1.0 / f32::from(self.readings.min(memory));
-        self.rates += gain * (rate * rate - self.rates);
-        self.differences += gain * (difference * difference - self.differences);
-        self.products += gain * (rate * difference - self.products);
+        let gained = middle.gained_mps;
+        self.means
+            .add(rate, gained, middle.altitudes_mps - middle.force_mps, gain);
         self.until_decision = self.until_decision.saturating_sub(1);
         if self.until_decision == 0 {
             self.until_decision = DECIDE_EVERY;
@@ -192,11 +210,9 @@ impl ClimbLag {
         if self.readings < FEWEST {
             return;
         }
+        let (lag_s, variance) = self.means.lag();
         let readings = f32::from(self.readings.min(memory));
-        // Not a number where nothing changes: then it is not certain.
-        let lag_s = self.products / self.rates;
-        let left = self.differences - self.products * lag_s;
-        let variance = ALIKE * ALIKE * left / (self.rates * readings);
+        let variance = ALIKE * ALIKE * variance / readings;
         let is_certain = lag_s * lag_s > CERTAIN_SIGMAS * CERTAIN_SIGMAS * variance;
         if !is_certain || lag_s.abs() < LEAST_S {
             return;
@@ -204,5 +220,29 @@ impl ClimbLag {
         let late_s = Scalar::min(MOST_S, self.late_s + lag_s);
         self.late_s = if late_s < LEAST_S { 0.0 } else { late_s };
         self.readings = 0;
+    }
+}
+
+impl Means {
+    fn add(&mut self, rate: f32, gained: f32, difference: f32, gain: f32) {
+        let follow = |mean: &mut f32, product: f32| *mean += gain * (product - *mean);
+        follow(&mut self.rates, rate * rate);
+        follow(&mut self.gains, gained * gained);
+        follow(&mut self.differences, difference * difference);
+        follow(&mut self.rate_gain, rate * gained);
+        follow(&mut self.rate_difference, rate * difference);
+        follow(&mut self.gain_difference, gained * difference);
+    }
+
+    /// Returns the lag, s, and its variance times the number of readings: the regression of the
+    /// difference on the rate and on what the speed gains. Not a number where nothing changes.
+    fn lag(&self) -> (f32, f32) {
+        let gains = self.gains + LEAST_GAINED;
+        let determinant = self.rates * gains - self.rate_gain * self.rate_gain;
+        let of_rate = gains * self.rate_difference - self.rate_gain * self.gain_difference;
+        let of_gain = self.rates * self.gain_difference - self.rate_gain * self.rate_difference;
+        let (lag_s, part) = (of_rate / determinant, of_gain / determinant);
+        let left = self.differences - lag_s * self.rate_difference - part * self.gain_difference;
+        (lag_s, left * gains / determinant)
     }
 }
