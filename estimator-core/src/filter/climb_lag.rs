@@ -8,7 +8,6 @@
 //! late by itself where speed or force are noisy.
 
 use super::low_pass_bank::low_pass_gain;
-use crate::scalar::Scalar;
 
 /// Least time between two altitudes that are compared, s, and largest one.
 const APART_S: (f32, f32) = (1.9, 4.0);
@@ -20,7 +19,7 @@ const FASTEST_MPS: f32 = 1.5;
 /// Readings until both low-passes have settled.
 const SETTLED: u8 = 5;
 /// Readings before the first decision, and from one to the next.
-const FEWEST: u16 = 90;
+const FEWEST: u16 = 180;
 const DECIDE_EVERY: u8 = 10;
 /// Sigma of a lag over that of independent readings: those next to each other are alike.
 const ALIKE: f32 = 1.5;
@@ -28,10 +27,10 @@ const ALIKE: f32 = 1.5;
 /// that is corrected.
 const CERTAIN_SIGMAS: f32 = 5.0;
 const LEAST_S: f32 = 0.7;
-/// Least mean square of what the speed gains, (m/s)²: at a steady speed it tells nothing.
-const LEAST_GAINED: f32 = 1e-5;
-/// Largest lag, s: no gateway needs longer.
-const MOST_S: f32 = 5.0;
+/// Part of the acceleration that a wrong mass may leave, 1 sigma: what climbs have not shown of it.
+const PART_SIGMA: f32 = 0.1;
+/// Largest lag, s: older torque is hardly used, so beyond, the model is off by something else.
+const MOST_S: f32 = 3.0;
 
 /// A cell, for both climbs.
 #[derive(Clone, Copy, Debug)]
@@ -210,14 +209,16 @@ impl ClimbLag {
         if self.readings < FEWEST {
             return;
         }
-        let (lag_s, variance) = self.means.lag();
-        let readings = f32::from(self.readings.min(memory));
-        let variance = ALIKE * ALIKE * variance / readings;
+        let (lag_s, variance) = self.means.lag(f32::from(self.readings.min(memory)));
+        let variance = ALIKE * ALIKE * variance;
         let is_certain = lag_s * lag_s > CERTAIN_SIGMAS * CERTAIN_SIGMAS * variance;
         if !is_certain || lag_s.abs() < LEAST_S {
             return;
         }
-        let late_s = Scalar::min(MOST_S, self.late_s + lag_s);
+        let late_s = self.late_s + lag_s;
+        if late_s > MOST_S {
+            return;
+        }
         self.late_s = if late_s < LEAST_S { 0.0 } else { late_s };
         self.readings = 0;
     }
@@ -234,15 +235,15 @@ impl Means {
         follow(&mut self.gain_difference, gained * difference);
     }
 
-    /// Returns the lag, s, and its variance times the number of readings: the regression of the
+    /// Returns the lag, s, and its variance if readings are independent: the regression of the
     /// difference on the rate and on what the speed gains. Not a number where nothing changes.
-    fn lag(&self) -> (f32, f32) {
-        let gains = self.gains + LEAST_GAINED;
+    fn lag(&self, readings: f32) -> (f32, f32) {
+        let gains = self.gains + self.differences / (readings * PART_SIGMA * PART_SIGMA);
         let determinant = self.rates * gains - self.rate_gain * self.rate_gain;
         let of_rate = gains * self.rate_difference - self.rate_gain * self.gain_difference;
         let of_gain = self.rates * self.gain_difference - self.rate_gain * self.rate_difference;
         let (lag_s, part) = (of_rate / determinant, of_gain / determinant);
         let left = self.differences - lag_s * self.rate_difference - part * self.gain_difference;
-        (lag_s, left * gains / determinant)
+        (lag_s, left * gains / (determinant * readings))
     }
 }
