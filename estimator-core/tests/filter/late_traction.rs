@@ -88,6 +88,16 @@ fn altitudes_show_a_late_force_where_no_shift_does() {
     );
 }
 
+#[test]
+fn what_would_be_later_than_torque_that_is_used_is_no_lag() {
+    let five_s = live_error_percent(|_| 5.0);
+    let lately = live_error_percent(|cell| if cell < 20_000 { 0.0 } else { 5.0 });
+    assert!(
+        five_s > 0.8 * lately,
+        "{five_s} %, {lately} % before it shows"
+    );
+}
+
 /// Returns the error of the smoothed slope, %, and the mean of its square over its variance.
 fn judged(stated_late_s: f32) -> (f32, f32) {
     let (cells, _) = run_counted::<f64>(&drive(stated_late_s), &Tuning::default());
