@@ -92,8 +92,9 @@ fn altitudes_show_a_late_force_where_no_shift_does() {
 fn what_would_be_later_than_torque_that_is_used_is_no_lag() {
     let five_s = live_error_percent(|_| 5.0);
     let lately = live_error_percent(|cell| if cell < 20_000 { 0.0 } else { 5.0 });
+    // To correct it would make the error larger.
     assert!(
-        five_s > 0.8 * lately,
+        (0.8 * lately..1.1 * lately).contains(&five_s),
         "{five_s} %, {lately} % before it shows"
     );
 }
