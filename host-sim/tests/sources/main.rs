@@ -5,6 +5,7 @@ mod candump;
 mod frame_log;
 mod inspect;
 mod own_signals;
+mod packed;
 mod parquet_table;
 mod read_options;
 mod signal_table;

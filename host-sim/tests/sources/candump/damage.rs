@@ -1,6 +1,7 @@
 //! Logs that are damaged or wrong.
 
-use super::{LOG_LAYOUT, SCREEN_LAYOUT, error, four_frames, gzip, log, read, read_path, standard};
+use super::{LOG_LAYOUT, SCREEN_LAYOUT, error, four_frames, log, read, read_path, standard};
+use crate::packed::gzip;
 use host_sim::source::can_frame::TimedFrame;
 use host_sim::source::damage::Damage;
 use host_sim::source::frame_log::{FrameLog, Skipped};

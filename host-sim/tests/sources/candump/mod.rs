@@ -3,15 +3,14 @@
 mod damage;
 mod times;
 
+use crate::packed::gzip;
 use embedded_can::{ExtendedId, Frame, Id, StandardId};
 use estimator_core::Instant;
-use flate2::{Compression, write::GzEncoder};
 use host_sim::source::can_frame::{CanFrame, TimedFrame};
 use host_sim::source::candump_writer::write_frame;
 use host_sim::source::frame_log::FrameLog;
 use host_sim::source::log_kind::{LogKind, kind_of};
 use proptest::prelude::*;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
@@ -29,12 +28,6 @@ fn log(name: &str, content: &[u8]) -> Log {
         _folder: folder,
         path,
     }
-}
-
-fn gzip(content: &[u8]) -> Vec<u8> {
-    let mut encoder = GzEncoder::new(Vec::new(), Compression::default());
-    encoder.write_all(content).expect("memory");
-    encoder.finish().expect("memory")
 }
 
 fn read_path(path: &Path) -> Result<Vec<TimedFrame>, String> {

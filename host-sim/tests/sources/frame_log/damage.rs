@@ -1,10 +1,11 @@
 //! Logs that are cut off, damaged, or of formats that are not read.
 
 use super::writers::{
-    FORMATS, asc_header, blf, blf_container, blf_header, blf_object, blf_objects, blf_time, gzip,
+    FORMATS, asc_header, blf, blf_container, blf_header, blf_object, blf_objects, blf_time,
     trc_header, zlib,
 };
 use super::{frame, read, read_as, some_frames};
+use crate::packed::gzip;
 
 #[test]
 fn a_log_that_is_cut_off_is_used_up_to_there() {

@@ -1,7 +1,8 @@
 //! Formats beside those of Vector and PEAK: MDF, CSV, packings, standard input.
 
-use super::writers::{asc_header, candump, gzip, trc_header};
+use super::writers::{asc_header, candump, trc_header};
 use super::{frame, read, some_frames};
+use crate::packed::gzip;
 use embedded_can::{Frame, Id, StandardId};
 use host_sim::source::can_frame::TimedFrame;
 use host_sim::source::log::Log;

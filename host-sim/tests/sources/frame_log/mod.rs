@@ -7,6 +7,7 @@ mod left_out;
 mod packed_damage;
 mod writers;
 
+use crate::packed::gzip;
 use embedded_can::{Frame, StandardId};
 use estimator_core::Instant;
 use host_sim::source::can_frame::{CanFrame, TimedFrame};
@@ -18,9 +19,7 @@ use std::fs;
 use std::path::Path;
 use tempfile::TempDir;
 use test_kit::command::program;
-use writers::{
-    FORMATS, asc_header, blf, blf_object, blf_objects, blf_time, candump, gzip, trc_header,
-};
+use writers::{FORMATS, asc_header, blf, blf_object, blf_objects, blf_time, candump, trc_header};
 
 /// What a log contains, or the message about it without its folder.
 type Content = Result<(LogKind, Vec<TimedFrame>, Skipped), String>;

@@ -1,7 +1,8 @@
 //! Damage within gzip and Zstandard data: what is before it is used, and what is in later members.
 
 use super::frame;
-use super::writers::{FORMATS, candump, gzip};
+use super::writers::{FORMATS, candump};
+use crate::packed::gzip;
 use host_sim::source::can_frame::TimedFrame;
 use host_sim::source::damage::Damage;
 use host_sim::source::log::Log;

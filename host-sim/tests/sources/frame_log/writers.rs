@@ -2,7 +2,7 @@
 
 use embedded_can::{Frame, Id};
 use flate2::Compression;
-use flate2::write::{GzEncoder, ZlibEncoder};
+use flate2::write::ZlibEncoder;
 use host_sim::source::can_frame::{CanFrame, TimedFrame};
 use host_sim::source::candump_writer::write_frame;
 use std::fmt::Write as _;
@@ -36,12 +36,6 @@ pub const FORMATS: [Format; 14] = [
         blf(&objects.concat(), 2)
     }),
 ];
-
-pub fn gzip(content: &[u8]) -> Vec<u8> {
-    let mut encoder = GzEncoder::new(Vec::new(), Compression::default());
-    encoder.write_all(content).expect("memory");
-    encoder.finish().expect("memory")
-}
 
 pub fn candump(frames: &[TimedFrame]) -> Vec<u8> {
     let mut text = Vec::new();
