@@ -1,5 +1,6 @@
 //! A cell: one step of driven distance, and what the estimator says about its end.
 
+use crate::scalar::Scalar;
 use crate::time::Instant;
 
 /// Length of a cell, m; the step of the thesis.
@@ -114,6 +115,18 @@ impl Uncertain {
         Self {
             value: number + self.value,
             ..self
+        }
+    }
+
+    /// Returns the estimate with a variance in addition.
+    pub(crate) fn widened(self, variance: f32) -> Self {
+        if variance > 0.0 {
+            Self {
+                sigma: Scalar::sqrt(self.sigma * self.sigma + variance),
+                ..self
+            }
+        } else {
+            self
         }
     }
 

@@ -112,6 +112,11 @@ impl AltitudeUpdate {
         self.gate.gnss_error_ratio()
     }
 
+    /// Returns the variance of the grade by which climbs differ beyond what the states say, %².
+    pub(super) const fn doubt_variance(&self) -> f32 {
+        self.gate.doubt_variance()
+    }
+
     /// Notes that a brake was found: what looked like a drift was a descent.
     pub(super) fn brake_found(&mut self) {
         self.gate.restart();

@@ -315,6 +315,7 @@ impl Parts {
         }
         let resting_cells = self.torque.resting_cells(sample);
         let gated = self.altitude.gate(context, sample, resting_cells, state);
+        state.doubt_variance = self.altitude.doubt_variance();
         if disagreement.add_altitude(&gated, sample.end.cell) {
             self.torque.found();
         }

@@ -96,6 +96,7 @@ pub(super) fn initial_state<S: Scalar>(
         covariance: Covariance::ZERO,
         net_traction: S::ZERO,
         origin_m: None,
+        doubt_variance: 0.0,
     };
     let variances = PerState {
         kinetic_energy: 0.0,

@@ -20,6 +20,9 @@ pub struct State<S> {
     /// Altitude from which the altitude state counts, m. It keeps that state small in single
     /// precision. `None` before the first fix.
     pub origin_m: Option<f32>,
+    /// Variance of the grade beyond what the covariance says, %²: forces and altitudes climb unlike
+    /// each other, and nothing is certain yet.
+    pub doubt_variance: f32,
 }
 
 impl<S: Scalar> State<S> {
@@ -37,7 +40,10 @@ impl<S: Scalar> State<S> {
             [Quantity::Bias, Quantity::Scale].map(|quantity| self.quantity(quantity).uncertain());
         let scale = scale.plus(1.0);
         Estimate {
-            grade_percent: self.quantity(Quantity::Slope).grade(),
+            grade_percent: self
+                .quantity(Quantity::Slope)
+                .grade()
+                .widened(self.doubt_variance),
             altitude_m: self.quantity(Quantity::Altitude).altitude(self.origin_m),
             speed_mps: (energy + energy).sqrt().to_f32(),
             bias_percent: bias,
@@ -82,6 +88,7 @@ impl<S: Scalar> State<S> {
             covariance: self.covariance.cast(),
             net_traction: T::from_f64(self.net_traction.to_f64()),
             origin_m: self.origin_m,
+            doubt_variance: self.doubt_variance,
         }
     }
 }

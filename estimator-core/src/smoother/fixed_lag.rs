@@ -63,6 +63,8 @@ struct Block<S> {
     cells: usize,
     /// First cell of a disagreement that was noticed in the block.
     disagreeing_since: u32,
+    /// Largest variance of a doubt in the block, %².
+    doubt_variance: f32,
 }
 
 /// What the next share of work is.
@@ -92,6 +94,9 @@ pub struct FixedLag<S> {
     disagreeing_in_pass: u32,
     /// First cell of the newest disagreement that no block knows.
     disagreeing_since: Option<u32>,
+    /// Largest variance of a doubt that no block knows, and in one of the blocks of this pass, %².
+    doubt_variance: f32,
+    doubt_variance_in_pass: f32,
 }
 
 impl<S: Scalar> FixedLag<S> {
@@ -107,6 +112,8 @@ impl<S: Scalar> FixedLag<S> {
             pass: BackwardPass::new(),
             disagreeing_in_pass: u32::MAX,
             disagreeing_since: None,
+            doubt_variance: 0.0,
+            doubt_variance_in_pass: 0.0,
         }
     }
 
@@ -121,8 +128,10 @@ impl<S: Scalar> FixedLag<S> {
             slope: state.quantity(Quantity::Slope),
             altitude: state.quantity(Quantity::Altitude),
             origin_m: state.origin_m,
+            doubt_variance: state.doubt_variance,
             consistent: step.is_undone || step.disagreement.is_none(),
         });
+        self.doubt_variance = self.doubt_variance.max(state.doubt_variance);
         if !step.disagreement.is_none() {
             let since = (step.end.cell + 1).saturating_sub(step.disagreeing_cells);
             let before = self.disagreeing_since.unwrap_or(since);
@@ -192,6 +201,7 @@ impl<S: Scalar> FixedLag<S> {
             smoother: BlockSmoother::new(),
             cells: 0,
             disagreeing_since: self.disagreeing_since.take().unwrap_or(u32::MAX),
+            doubt_variance: core::mem::take(&mut self.doubt_variance),
         };
         // There is room: finish() has removed the oldest block.
         let _ = self.blocks.push_back(block);
@@ -229,6 +239,7 @@ impl<S: Scalar> FixedLag<S> {
     fn start_finishing(&mut self) {
         self.pass = BackwardPass::new();
         self.disagreeing_in_pass = u32::MAX;
+        self.doubt_variance_in_pass = 0.0;
         self.stage = Stage::Retreat(self.blocks.len().saturating_sub(1));
     }
 
@@ -242,6 +253,7 @@ impl<S: Scalar> FixedLag<S> {
                 block.smoother.retreat_through(&mut self.pass);
                 let since = block.disagreeing_since;
                 self.disagreeing_in_pass = self.disagreeing_in_pass.min(since);
+                self.doubt_variance_in_pass = self.doubt_variance_in_pass.max(block.doubt_variance);
             }
         }
         self.stage = Stage::Retreat(next);
@@ -262,11 +274,13 @@ impl<S: Scalar> FixedLag<S> {
         };
         let cells = FINISHED_A_SHARE.min(oldest.cells);
         oldest.cells -= cells;
+        let doubt_variance = oldest.doubt_variance.max(self.doubt_variance_in_pass);
         for _ in 0..cells {
             let Some(cell) = self.pending.pop_front() else {
                 break;
             };
             let grade = self.pass.smooth(cell.slope()).grade();
+            let grade = grade.widened(doubt_variance);
             // There is room: at most a block, and the queue was empty.
             let _ = self
                 .finished

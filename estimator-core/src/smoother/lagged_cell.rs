@@ -14,6 +14,7 @@ pub(super) struct FilteredCell<S> {
     pub slope: QuantityEstimate<S>,
     pub altitude: QuantityEstimate<S>,
     pub origin_m: Option<f32>,
+    pub doubt_variance: f32,
     pub consistent: bool,
 }
 
@@ -121,7 +122,7 @@ impl<S: Scalar> PendingCell<S> {
                 time_and_switches: [time as u32 | switches, (time >> 32) as u32],
                 position_e7: end.position_e7.unwrap_or((NO_LATITUDE, 0)),
                 speed_mps: end.speed_mps,
-                live_grade_percent: filtered.slope.grade(),
+                live_grade_percent: filtered.slope.grade().widened(filtered.doubt_variance),
                 altitude_m: within.altitude_m.map(|altitude| altitude.value).into(),
                 altitude_sigma_m: within.altitude_m.map_or(0.0, |altitude| altitude.sigma),
             },

@@ -164,6 +164,8 @@ tuning! {
         drift_ratio_high: f32 = 10.0, 1.0..=1e4, "1", "largest learned over assumed variance of the climbs' difference", "three times the assumed sigma";
         drift_ratio_gain: f32 = 0.005, 0.0..=1.0, "1", "part of a comparison by which the ratio follows", "a memory of 200 comparisons";
         drift_largest_mean: f32 = 2.0, 1.0..=1e4, "1", "mean normalised squared difference that a comparison counts as at most", "a drift is not usual";
+        doubt_mean: f32 = 3.0, 0.1..=1e4, "1", "mean normalised squared difference of a comparison beyond which the model is in doubt", "chosen: 1 is expected; 5 % of the cells on hilly roads without a fault";
+        doubt_fixes: u8 = 4, 1.0..=255.0, "fixes", "compared fixes in a row, of the same sign, that must say so", "chosen: 100 m and more";
         drift_end_ratio: f32 = 4.0, 0.1..=1e4, "1", "normalised squared difference below which a drift is over", "two sigmas";
         drift_end_m: f32 = 300.0, 2.5..=1e5, "m", "length over which the climbs must agree again", "chosen";
         drift_longest_m: f32 = 2_500.0, 2.5..=1e6, "m", "length after which a drift is an error of the model", "chosen: receivers recover sooner";

@@ -10,6 +10,7 @@ mod gross_mass;
 mod independent_solutions;
 mod late_traction;
 mod loads;
+mod model_doubt;
 mod prediction;
 mod scale_bounds;
 mod silent_brake;

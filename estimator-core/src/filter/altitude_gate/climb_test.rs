@@ -118,6 +118,18 @@ pub(super) struct ClimbTestResult {
     pub slope_percent: f32,
     /// Distance to the oldest reference compared, m.
     pub compared_m: f32,
+    /// What is seen if no brake hides a descent.
+    pub seen: SeenDifference,
+}
+
+/// Differences of the climbs as they are seen, whatever a brake may hide.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SeenDifference {
+    /// Mean of the squared differences over their variances.
+    pub mean: f32,
+    /// The largest one, and its difference as a slope, %.
+    pub largest: f32,
+    pub slope_percent: f32,
 }
 
 /// A reference fix, and the segment from it to the next one.
@@ -143,6 +155,20 @@ struct Comparison {
     /// Sum of the test ratios, and the largest one.
     sum: f32,
     worst: Option<Contradiction>,
+    /// The same if no brake hides a descent, and the slope of the largest one, %.
+    seen_sum: f32,
+    seen_largest: f32,
+    seen_slope_percent: f32,
+}
+
+/// How much more a fix climbs than the model.
+#[derive(Clone, Copy, Debug)]
+struct Difference {
+    climb_m: f32,
+    /// Its variance if no brake hides a descent, m².
+    seen_variance: f32,
+    /// Its variance, m².
+    variance: f32,
 }
 
 /// The comparison with one reference.
@@ -253,6 +279,9 @@ impl Comparison {
             references: 0,
             sum: 0.0,
             worst: None,
+            seen_sum: 0.0,
+            seen_largest: 0.0,
+            seen_slope_percent: 0.0,
         }
     }
 
@@ -266,8 +295,20 @@ impl Comparison {
     fn add(&mut self, reference: &Reference) {
         self.segment = reference.segment.and(self.segment);
         self.references += 1;
-        let (difference_m, variance) = reference.difference(&self.segment, &self.fix);
-        let test_ratio = difference_m * difference_m / variance;
+        let Difference {
+            climb_m,
+            seen_variance,
+            variance,
+        } = reference.difference(&self.segment, &self.fix);
+        let squared = climb_m * climb_m;
+        let slope_percent = 100.0 * climb_m / self.segment.length_m;
+        let seen_ratio = squared / seen_variance;
+        self.seen_sum += seen_ratio;
+        if seen_ratio >= self.seen_largest {
+            self.seen_largest = seen_ratio;
+            self.seen_slope_percent = slope_percent;
+        }
+        let test_ratio = squared / variance;
         self.sum += test_ratio;
         if self
             .worst
@@ -277,7 +318,7 @@ impl Comparison {
                 test_ratio,
                 cell: reference.cell,
                 model_error: reference.model_error,
-                slope_percent: 100.0 * difference_m / self.segment.length_m,
+                slope_percent,
             });
         }
     }
@@ -286,20 +327,26 @@ impl Comparison {
         if self.goes_on(references) {
             return None;
         }
+        let references = f32::from(self.references);
         self.worst.map(|worst| ClimbTestResult {
             test_ratio: worst.test_ratio,
-            mean: self.sum / f32::from(self.references),
+            mean: self.sum / references,
             since_cell: worst.cell,
             model_error: worst.model_error,
             slope_percent: worst.slope_percent,
             compared_m: self.segment.length_m,
+            seen: SeenDifference {
+                mean: self.seen_sum / references,
+                largest: self.seen_largest,
+                slope_percent: self.seen_slope_percent,
+            },
         })
     }
 }
 
 impl Reference {
-    /// Returns the difference of the climbs over the segment from here to a fix, m, and its variance.
-    fn difference(&self, segment: &Segment, fix: &TestedFix) -> (f32, f32) {
+    /// Returns the difference of the climbs over the segment from here to a fix.
+    fn difference(&self, segment: &Segment, fix: &TestedFix) -> Difference {
         let model_error = &self.model_error;
         let per_percent_m = 0.01 * segment.length_m;
         let model_m = segment.climb_m
@@ -311,13 +358,16 @@ impl Reference {
         // segments: 2/3 σ² L/λ, taken as σ² L/λ and at most σ².
         let wind_change =
             fix.wind_variance * Scalar::min(segment.length_m * fix.per_wind_length, 1.0);
-        let variance = self.variance
+        let seen_variance = self.variance
             + fix.variance
             // Of an Ornstein-Uhlenbeck process: 2 σ² (1 − exp(−t/τ)).
             + 2.0 * fix.gnss_error_variance * (1.0 - segment.gnss_error_kept)
             + per_percent_m * per_percent_m * (model_error.slope_variance + wind_change)
-            + segment.invalid_sigma_m * segment.invalid_sigma_m
-            + hidden_m * hidden_m;
-        (difference_m, variance)
+            + segment.invalid_sigma_m * segment.invalid_sigma_m;
+        Difference {
+            climb_m: difference_m,
+            seen_variance,
+            variance: seen_variance + hidden_m * hidden_m,
+        }
     }
 }

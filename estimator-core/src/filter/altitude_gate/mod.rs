@@ -14,6 +14,7 @@
 //! that agree with it. A filter that takes a good one for a noisy one would not learn the bias.
 
 mod climb_test;
+mod model_doubt;
 
 pub(super) use climb_test::{ModelError, Segment, TestedFix};
 
@@ -25,6 +26,7 @@ use crate::cell::CELL_LENGTH_M;
 use crate::scalar::Scalar;
 use crate::tuning::{Gates, MeasurementNoise, Tuning};
 use climb_test::ClimbTest;
+use model_doubt::ModelDoubt;
 
 /// What happened to an altitude, besides its use.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -104,6 +106,7 @@ pub(super) struct AltitudeGate {
     silent_s: f32,
     drift: Drift,
     climb_test: ClimbTest,
+    doubt: ModelDoubt,
     noise: NoiseRatio,
     gnss_error: CorrelatedNoiseRatio,
     climb_noise: NoiseRatio,
@@ -143,6 +146,7 @@ impl AltitudeGate {
             silent_s: 0.0,
             drift: Drift::None { contradictions: 0 },
             climb_test: ClimbTest::default(),
+            doubt: ModelDoubt::default(),
             noise: NoiseRatio::new(
                 noise.altitude,
                 altitude_ratio_low,
@@ -162,6 +166,11 @@ impl AltitudeGate {
     /// Returns learned over assumed variance of the coloured error.
     pub(super) const fn gnss_error_ratio(&self) -> f32 {
         self.gnss_error.ratio()
+    }
+
+    /// Returns the variance of the grade by which climbs differ beyond what the states say, %².
+    pub(super) const fn doubt_variance(&self) -> f32 {
+        self.doubt.variance()
     }
 
     /// Returns the time since the last fix, s.
@@ -204,16 +213,21 @@ impl AltitudeGate {
         self.forget_rejected();
         self.silent_s = 0.0;
         self.drift = Drift::None { contradictions: 0 };
-        self.climb_test.clear();
+        self.clear_climb_test();
         self.gnss_error.interrupt();
     }
 
     /// Drops the references of the climb test: the model's error is another one from here on.
     pub(super) fn restart_climb_test(&mut self) {
-        self.climb_test.clear();
+        self.clear_climb_test();
         if let Drift::None { contradictions } = &mut self.drift {
             *contradictions = 0;
         }
+    }
+
+    fn clear_climb_test(&mut self) {
+        self.climb_test.clear();
+        self.doubt = ModelDoubt::default();
     }
 
     fn forget_rejected(&mut self) {
@@ -266,7 +280,7 @@ impl AltitudeGate {
                 model_error,
                 for_m: 0.0,
             };
-            self.climb_test.clear();
+            self.clear_climb_test();
             self.gnss_error.interrupt();
             return (
                 GateDecision::RejectAndUndo(model_error, slope_percent),
@@ -309,7 +323,7 @@ impl AltitudeGate {
             );
         }
         self.forget_rejected();
-        self.climb_test.clear();
+        self.clear_climb_test();
         (
             GateDecision::MoveDatum,
             Some(AltitudeEvent::Stepped(offset_m)),
@@ -325,6 +339,7 @@ impl AltitudeGate {
             return None;
         };
         let ratio = self.climb_noise.ratio();
+        self.doubt.compare(&result, ratio, gates);
         self.climb_noise.learn(
             Scalar::min(result.mean / ratio, gates.drift_largest_mean),
             tuning.measurement_noise.largest_innovation,
