@@ -63,6 +63,7 @@ pub fn ours(meter: &mut impl FilterMeter) {
         covariance,
         net_traction: 0.0,
         origin_m: Some(0.0),
+        doubt_variance: 0.0,
     };
     state.mean[StateIndex::KineticEnergy] = 200.0;
     let prediction = black_box(prediction);
