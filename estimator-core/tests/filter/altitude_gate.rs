@@ -26,11 +26,21 @@ fn changed_drive(
     fix: impl Fn(u32, f32) -> Option<f32>,
     change: impl Fn(u32, &mut Sample),
 ) -> (Vec<FilteredStep<f64>>, Counters) {
+    tuned_drive(Tuning::default(), length, fix, change)
+}
+
+/// Simulates the same drive with another tuning.
+pub(super) fn tuned_drive(
+    tuning: Tuning,
+    length: u32,
+    fix: impl Fn(u32, f32) -> Option<f32>,
+    change: impl Fn(u32, &mut Sample),
+) -> (Vec<FilteredStep<f64>>, Counters) {
     let vehicle = truck();
     let weight_n = vehicle.mass_kg * 9.806_65;
     let air_n = 0.5 * vehicle.drag_area_m2 * 1.2 * 400.0;
     let force_n = air_n + weight_n * vehicle.rolling_resistance;
-    let mut run = FilterRun::new(vehicle, Tuning::default());
+    let mut run = FilterRun::new(vehicle, tuning);
     let mut noise = Noise(3);
     let cells = (1..=length)
         .map(|k| {

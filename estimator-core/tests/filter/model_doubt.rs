@@ -1,9 +1,10 @@
 //! Doubt of the vehicle model: a resistance that comes at once, before the climb test is certain.
 
+use super::altitude_gate::tuned_drive;
 use estimator_core::filter::ModelMass;
 use estimator_core::smoother::fixed_lag::{BLOCK_CELLS, LAG_CELLS};
 use estimator_core::{Tuning, Uncertain};
-use test_kit::{FilterRun, FilteredStep, Noise, altitude, cells, sample, speed, truck};
+use test_kit::{FilteredStep, cells, truck};
 
 /// First cell with the resistance.
 const FROM: u32 = 2_000;
@@ -11,29 +12,18 @@ const FROM: u32 = 2_000;
 /// Drives on a level road, from [`FROM`] on against a resistance that the model lacks, in % of the
 /// weight.
 fn drive(resistance_percent: f32, tuning: Tuning) -> Vec<FilteredStep<f64>> {
-    let vehicle = truck();
-    let weight_n = vehicle.mass_kg * 9.806_65;
-    let air_n = 0.5 * vehicle.drag_area_m2 * 1.2 * 400.0;
-    let rolling_n = weight_n * vehicle.rolling_resistance;
-    let mut run = FilterRun::new(vehicle, tuning);
-    let mut noise = Noise(3);
-    (1..=3_600)
-        .map(|k| {
-            let missing_percent = if k < FROM { 0.0 } else { resistance_percent };
-            let mut s = sample(
-                k,
-                air_n + rolling_n + 0.01 * missing_percent * weight_n,
-                20.0,
-            );
-            // The file is right, so that only the resistance is missing.
-            s.mass_is_reported = true;
-            s.speed = speed(20.0 + 0.013 * noise.draw());
-            if k % 8 == 0 {
-                s.altitude = altitude(100.0 + 0.3 * noise.draw());
+    let resistance_n = 0.01 * resistance_percent * truck().mass_kg * 9.806_65;
+    let (steps, _) = tuned_drive(
+        tuning,
+        3_600,
+        |_, altitude_m| Some(altitude_m),
+        |k, sample| {
+            if k >= FROM {
+                sample.forces.traction_n += resistance_n;
             }
-            run.step(&s).expect("every sample has a speed")
-        })
-        .collect()
+        },
+    );
+    steps
 }
 
 fn undoubting() -> Tuning {

@@ -2,9 +2,9 @@
 //!
 //! A resistance that comes at once (snow, a headwind, a power take-off) makes forces and altitudes
 //! climb unlike each other. The climb test is certain of that after kilometres. Until then most of its
-//! comparisons are above what their variances say, one after the other, with the same sign. What they
-//! show beyond that is a variance of the grades that are told. The states stay what they are: on hilly
-//! roads such a row often ends by itself, and a filter that followed each one would be worse.
+//! comparisons exceed their variances, one after the other, with the same sign. The excess is added to
+//! the variance of the live and the lagged grade. The states do not change: on hilly roads such a row
+//! of comparisons often ends by itself, and a filter that followed each row would have larger errors.
 
 use super::climb_test::ClimbTestResult;
 use crate::scalar::Scalar;
