@@ -143,6 +143,15 @@ impl<S: Scalar> Filter<S> {
             })
     }
 
+    /// Allows for a step of the model's error at the end of the last cell, as
+    /// [`BackwardPass::bias_step_test_ratio`](crate::smoother::BackwardPass::bias_step_test_ratio)
+    /// finds it.
+    pub fn allow_step(&mut self, tuning: &Tuning) {
+        if let Some(state) = &mut self.state {
+            self.parts.allow_step(state, &tuning.gates);
+        }
+    }
+
     /// Returns the state; `None` before the first speed.
     #[must_use]
     pub const fn state(&self) -> Option<&State<S>> {

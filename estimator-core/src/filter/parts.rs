@@ -32,7 +32,7 @@ use crate::context::Context;
 use crate::counters::count;
 use crate::sample::Sample;
 use crate::scalar::Scalar;
-use crate::tuning::Tuning;
+use crate::tuning::{Gates, Tuning};
 use crate::vehicle::Traction;
 
 /// A state at the end of a cell before its measurements.
@@ -252,6 +252,12 @@ impl Parts {
             Opened::Moving
         };
         self.load.open(state, opened, &context.tuning.prior);
+    }
+
+    /// Allows for a step of the model's error.
+    pub(super) fn allow_step<S: Scalar>(&mut self, state: &mut State<S>, gates: &Gates) {
+        allow_step(state, gates);
+        self.altitude.model_changed();
     }
 
     /// Allows for a slope that changes faster than roads do: speeds showed it in the last cell, or the

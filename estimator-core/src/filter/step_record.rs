@@ -107,7 +107,7 @@ impl<S: Scalar> SmootherInput<S> {
 
     /// Returns the updates, the last one first.
     #[inline(always)]
-    pub(crate) fn updates(&self) -> impl Iterator<Item = (Observation, &ScalarUpdate<S>)> {
+    pub fn updates(&self) -> impl Iterator<Item = (Observation, &ScalarUpdate<S>)> {
         let second = self
             .second
             .as_ref()

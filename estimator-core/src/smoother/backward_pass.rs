@@ -7,7 +7,7 @@
 //! record.
 
 use crate::cell::Estimate;
-use crate::filter::StateIndex::{Altitude, GnssError, KineticEnergy, Scale};
+use crate::filter::StateIndex::{Altitude, Bias, GnssError, KineticEnergy, Scale, Slope};
 use crate::filter::measurement::{Observation, ScalarUpdate};
 use crate::filter::{
     Covariance, ModelMass, Quantity, QuantityEstimate, SmootherInput, State, StateVector,
@@ -63,6 +63,26 @@ impl<S: Scalar> BackwardPass<S> {
             bias_percent: smoothed(Quantity::Bias).uncertain(),
             scale,
             mass_kg: mass.gross_kg(scale),
+        }
+    }
+
+    /// Returns how much more likely a step of the bias here makes the later measurements: its squared
+    /// score over its information, 1. It is a chi-squared of one degree of freedom if there is no
+    /// step, and zero if nothing later tells. The slope that the model reads steps with the bias,
+    /// since the road does not.
+    ///
+    /// Source: P. de Jong and J. Penzer, "Diagnosing shocks in time series", Journal of the American
+    /// Statistical Association 93:796, 1998.
+    #[must_use]
+    pub fn bias_step_test_ratio(&self) -> S {
+        let score = self.lambda[Bias] + self.lambda[Slope];
+        let joint = self.information.get(Bias, Slope);
+        let information =
+            self.information.variance(Bias) + self.information.variance(Slope) + joint + joint;
+        if information > S::ZERO {
+            score * score / information
+        } else {
+            S::ZERO
         }
     }
 

@@ -4,6 +4,8 @@ mod cell_ranges;
 mod disagreements;
 mod drifts;
 mod filtered_cell;
+mod misfit;
+mod model_steps;
 mod samples;
 mod stuck_torques;
 mod whole_run;

@@ -5,16 +5,19 @@
 //! whole run.
 //!
 //! The records of all cells are not kept in memory. The run is divided into parts, and the filter
-//! state before each part is stored. On the backward pass each part is filtered again from there. A
+//! state before each part is stored. On a backward pass each part is filtered again from there. A
 //! part that is still too long is divided again (A. Griewank, "Achieving logarithmic growth of
 //! temporal and spatial complexity in reverse automatic differentiation", Optimization Methods and
-//! Software 1:35, 1992). The filter therefore runs three times over up to 41 km, and once more for
-//! each factor of 32. Memory, [`held_bytes`], grows by the same steps. The results equal those of a
-//! smoother that keeps everything, bit for bit.
+//! Software 1:35, 1992). There are two backward passes: one looks for steps of the model's error,
+//! and one makes the estimates. The filter therefore runs three times over up to 41 km, and twice
+//! more for each factor of 32. Memory, [`held_bytes`], grows by the same steps. The results equal
+//! those of a smoother that keeps everything, bit for bit.
 
 use super::disagreements::Disagreements;
 use super::drifts::Drifts;
 use super::filtered_cell::ForwardCell;
+use super::misfit::Misfit;
+use super::model_steps::{Judgement, ModelSteps};
 use super::samples::Samples;
 use super::stuck_torques::StuckTorques;
 use estimator_core::cell::CellEnd;
@@ -28,6 +31,8 @@ use std::ops::Range;
 const RECORDS: usize = 512;
 /// Number of parts that a longer one is divided into.
 const PARTS: usize = 32;
+/// Largest number of times that steps of the model's error are looked for.
+const SEARCHES: usize = 8;
 
 /// A cell of a smoothed run.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,6 +55,9 @@ pub struct SmoothedCell {
 /// filter then runs over the drive twice more: without the fixes since the drift began, and with
 /// all of them. The second case is needed because wrong vehicle parameters have the same symptoms
 /// in the first kilometres. The pass with the larger likelihood of the altitudes counts.
+///
+/// Where the error of the model steps, the filter needs kilometres to be certain. A backward pass finds
+/// such steps, and the filter runs over the drive again and allows for them.
 #[must_use]
 pub fn smooth_run<S: Scalar>(
     model: &Model,
@@ -84,48 +92,31 @@ pub fn smooth_segments<S: Scalar, M: Samples>(
             tuning: tuning.clone(),
             counters: Counters::default(),
         },
+        start: Checkpoint {
+            filter: filter.clone(),
+            has_drifted: false,
+            torque_is_stuck: false,
+            cells: 0,
+        },
         samples,
         drifts: Drifts::default(),
         stuck_torques: StuckTorques::default(),
-        disagreements: Disagreements::default(),
-        pass: BackwardPass::new(),
+        steps: ModelSteps::default(),
         take,
     };
-    let start = Checkpoint {
-        filter: filter.clone(),
-        has_drifted: false,
-        torque_is_stuck: false,
-        cells: 0,
-    };
-    let mut first = smoother.look(start.clone())?;
-    if !first.stuck_torques.is_empty() {
-        smoother.stuck_torques = core::mem::take(&mut first.stuck_torques);
-        first = smoother.look(start.clone())?;
-    }
-    let FirstLook {
-        negative_log_likelihood: mut least,
-        drifts,
+    let first = smoother.look_for_stuck_torques()?;
+    let first = smoother.compare_drifts(first)?;
+    let Look {
+        parts,
         disagreements,
         ..
-    } = first;
-    smoother.disagreements = disagreements;
-    if !drifts.is_empty() {
-        let mut believing = tuning.clone();
-        believing.gates.drift_sigmas = f32::INFINITY;
-        let mut best = (Drifts::default(), tuning.clone());
-        for other in [(drifts, tuning.clone()), (Drifts::default(), believing)] {
-            (smoother.drifts, smoother.context.tuning) = other.clone();
-            let found = smoother.look(start.clone())?;
-            if found.negative_log_likelihood < least {
-                (least, best) = (found.negative_log_likelihood, other);
-                smoother.disagreements = found.disagreements;
-            }
-        }
-        (smoother.drifts, smoother.context.tuning) = best;
-    }
-    let all = 0..smoother.samples.count();
-    smoother.go_back(all, start)?;
-    Ok(smoother.disagreements)
+    } = smoother.look_for_steps(first)?;
+    smoother.go_back(
+        parts,
+        &mut BackwardPass::new(),
+        &Purpose::Estimate(&disagreements),
+    )?;
+    Ok(disagreements)
 }
 
 /// Returns the memory that smoothing of so many cells takes, bytes. It grows by one level of parts
@@ -154,26 +145,38 @@ struct Checkpoint<S> {
     cells: usize,
 }
 
-/// What a pass over the run finds before it is smoothed.
-struct FirstLook {
-    /// Mean over the altitudes, times two and but for a constant.
-    negative_log_likelihood: f64,
+/// Parts of a run in order, each with the filter before it.
+type Parts<S> = Vec<(Range<usize>, Checkpoint<S>)>;
+
+/// What the filter finds on its way over the run.
+struct Look<S> {
+    misfit: Misfit,
     drifts: Drifts,
     stuck_torques: StuckTorques,
+    /// Where signals disagree.
     disagreements: Disagreements,
+    parts: Parts<S>,
+}
+
+/// What a backward pass is for.
+enum Purpose<'a> {
+    /// Estimates, with the cells in which signals disagree.
+    Estimate(&'a Disagreements),
+    /// Steps of the model's error.
+    FindSteps,
 }
 
 struct Smoother<'a, S, M, T> {
     context: Context,
+    /// The filter before the run.
+    start: Checkpoint<S>,
     samples: &'a mut M,
     /// Drifts whose altitudes are not used.
     drifts: Drifts,
     /// Torques that are not used.
     stuck_torques: StuckTorques,
-    /// Where signals disagree.
-    disagreements: Disagreements,
-    /// The estimate from the later cells.
-    pass: BackwardPass<S>,
+    /// Steps of the model's error.
+    steps: ModelSteps,
     take: T,
 }
 
@@ -183,48 +186,109 @@ where
     M: Samples,
     T: FnMut(usize, Vec<SmoothedCell>) -> Result<(), M::Error>,
 {
-    /// Takes the filter over the run, and returns how likely its altitudes are and what it found.
-    fn look(&mut self, mut from: Checkpoint<S>) -> Result<FirstLook, M::Error> {
-        let (mut sum, mut altitudes) = (-0.0, 0_usize);
+    fn look_for_stuck_torques(&mut self) -> Result<Look<S>, M::Error> {
+        let mut first = self.look()?;
+        if first.stuck_torques.is_empty() {
+            return Ok(first);
+        }
+        self.stuck_torques = core::mem::take(&mut first.stuck_torques);
+        self.look()
+    }
+
+    /// Compares the run as the filter had it with those without and with the altitudes of its
+    /// drifts. Returns the most likely one.
+    fn compare_drifts(&mut self, first: Look<S>) -> Result<Look<S>, M::Error> {
+        if first.drifts.is_empty() {
+            return Ok(first);
+        }
+        let tuning = self.context.tuning.clone();
+        let mut believing = tuning.clone();
+        believing.gates.drift_sigmas = f32::INFINITY;
+        let left_out = (first.drifts.clone(), tuning.clone());
+        let mut best = ((Drifts::default(), tuning), first);
+        for other in [left_out, (Drifts::default(), believing)] {
+            (self.drifts, self.context.tuning) = other.clone();
+            let look = self.look()?;
+            if look.misfit.mean_of_altitudes() < best.1.misfit.mean_of_altitudes() {
+                best = (other, look);
+            }
+        }
+        (self.drifts, self.context.tuning) = best.0;
+        Ok(best.1)
+    }
+
+    /// Looks for steps of the model's error until no other one stays.
+    fn look_for_steps(&mut self, mut best: Look<S>) -> Result<Look<S>, M::Error> {
+        for _ in 0..SEARCHES {
+            let parts = best.parts.clone();
+            self.go_back(parts, &mut BackwardPass::new(), &Purpose::FindSteps)?;
+            if !self.steps.are_suggested() {
+                break;
+            }
+            let look = self.look()?;
+            match self.steps.judge(&best.misfit, &look.misfit) {
+                Judgement::AllStay => best = look,
+                Judgement::SomeStay => best = self.look()?,
+                Judgement::NoneStays => {}
+            }
+        }
+        Ok(best)
+    }
+
+    /// Takes the filter over the run.
+    fn look(&mut self) -> Result<Look<S>, M::Error> {
+        let mut misfit = Misfit::default();
         let mut drifts = Drifts::default();
         let mut stuck_torques = StuckTorques::default();
         let mut disagreements = Disagreements::default();
-        let all = 0..self.samples.count();
-        self.filter(all, &mut from, |record, _, _| {
-            if let Some(update) = record.smoother_input.altitude() {
-                let variance = update.innovation_variance.to_f64();
-                sum += update.innovation.to_f64().powi(2) / variance + variance.ln();
-                altitudes += 1;
-            }
-            drifts.note(record.event, record.end.cell);
-            stuck_torques.note(record.event, record.end.cell);
-            disagreements.note(&record);
+        let (all, start) = (0..self.samples.count(), self.start.clone());
+        let parts = self.divide(all, start, |record| {
+            let cell = record.end.cell;
+            misfit.add(cell, &record.smoother_input);
+            drifts.note(record.event, cell);
+            stuck_torques.note(record.event, cell);
+            disagreements.note(record);
         })?;
-        Ok(FirstLook {
-            negative_log_likelihood: sum / altitudes as f64,
+        Ok(Look {
+            misfit,
             drifts,
             stuck_torques,
             disagreements,
+            parts,
         })
     }
 
-    /// Goes back over a part, before which the filter was at `start`.
-    fn go_back(&mut self, part: Range<usize>, start: Checkpoint<S>) -> Result<(), M::Error> {
-        if part.len() <= RECORDS {
-            return self.go_back_over_records(part, start);
-        }
-        let length = part.len().div_ceil(PARTS);
-        let mut marks = Vec::with_capacity(PARTS);
-        let mut checkpoint = start;
+    /// Divides a part, before which the filter was at `checkpoint`. `note` gets each step.
+    fn divide(
+        &mut self,
+        part: Range<usize>,
+        mut checkpoint: Checkpoint<S>,
+        mut note: impl FnMut(&StepRecord<S>),
+    ) -> Result<Parts<S>, M::Error> {
+        let length = part.len().div_ceil(PARTS).max(1);
+        let mut parts = Vec::with_capacity(PARTS);
         for begin in part.clone().step_by(length) {
             let within = begin..part.end.min(begin + length);
-            marks.push((within.clone(), checkpoint.clone()));
-            if within.end < part.end {
-                self.filter(within, &mut checkpoint, |_, _, _| ())?;
-            }
+            parts.push((within.clone(), checkpoint.clone()));
+            self.filter(within, &mut checkpoint, |record, _, _| note(&record))?;
         }
-        while let Some((within, checkpoint)) = marks.pop() {
-            self.go_back(within, checkpoint)?;
+        Ok(parts)
+    }
+
+    /// Goes back over parts. `pass` is the backward pass behind the last of them.
+    fn go_back(
+        &mut self,
+        mut parts: Parts<S>,
+        pass: &mut BackwardPass<S>,
+        purpose: &Purpose<'_>,
+    ) -> Result<(), M::Error> {
+        while let Some((part, checkpoint)) = parts.pop() {
+            if part.len() <= RECORDS {
+                self.go_back_over_records(part, checkpoint, pass, purpose)?;
+            } else {
+                let parts = self.divide(part, checkpoint, |_| ())?;
+                self.go_back(parts, pass, purpose)?;
+            }
         }
         Ok(())
     }
@@ -233,6 +297,8 @@ where
         &mut self,
         part: Range<usize>,
         mut start: Checkpoint<S>,
+        pass: &mut BackwardPass<S>,
+        purpose: &Purpose<'_>,
     ) -> Result<(), M::Error> {
         let first = start.cells;
         let mut filtered = Vec::with_capacity(part.len());
@@ -244,19 +310,29 @@ where
                 mass,
             }));
         })?;
-        let mut smoothed: Vec<SmoothedCell> = Vec::with_capacity(filtered.len());
+        let mut smoothed = Vec::new();
         for ForwardCell {
             record,
             state,
             mass,
         } in filtered.iter().rev()
         {
-            smoothed.push(SmoothedCell {
-                end: record.end,
-                estimate: self.pass.estimate(state, mass),
-                is_consistent: !self.disagreements.cover(record.end.cell),
-            });
-            self.pass.retreat(&record.smoother_input);
+            let cell = record.end.cell;
+            match purpose {
+                Purpose::Estimate(disagreements) => smoothed.push(SmoothedCell {
+                    end: record.end,
+                    estimate: pass.estimate(state, mass),
+                    is_consistent: !disagreements.cover(cell),
+                }),
+                Purpose::FindSteps => {
+                    let test_ratio = pass.bias_step_test_ratio().to_f64();
+                    self.steps.suggest(cell, test_ratio);
+                }
+            }
+            pass.retreat(&record.smoother_input);
+        }
+        if smoothed.is_empty() {
+            return Ok(());
         }
         smoothed.reverse();
         (self.take)(first, smoothed)
@@ -274,6 +350,7 @@ where
             context,
             drifts,
             stuck_torques,
+            steps,
             ..
         } = self;
         self.samples.each(part, |sample| {
@@ -281,6 +358,9 @@ where
             let sample = drifts.without(&sample, &mut checkpoint.has_drifted);
             if let Some(record) = checkpoint.filter.step(context, &sample) {
                 checkpoint.cells += 1;
+                if steps.contain(record.end.cell) {
+                    checkpoint.filter.allow_step(&context.tuning);
+                }
                 let mass = ModelMass::of(context, &sample);
                 note(record, &checkpoint.filter, mass);
             }
