@@ -21,9 +21,10 @@ const LEAST_TEST_RATIO: f64 = 25.0;
 const GAIN: RangeInclusive<f64> = 0.5..=2.0;
 /// Least gain of the altitudes alone.
 const LEAST_ALTITUDE_GAIN: f64 = 3.0;
-/// Least number of cells between two steps that are tried at once, 10 km. The measurements from the
-/// first to the second one judge the first.
-const APART_CELLS: u32 = 4_000;
+/// Least number of cells between two steps that are tried at once, 50 km. The measurements from the
+/// first to the second one judge the first. Over less, what a step of another kind gains looks like
+/// what its test ratio says.
+const APART_CELLS: u32 = 20_000;
 /// Number of cells on both sides of a tried one in which no other is tried: 100 m.
 const NEAR_CELLS: u32 = 40;
 
