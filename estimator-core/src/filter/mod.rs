@@ -143,6 +143,11 @@ impl<S: Scalar> Filter<S> {
             })
     }
 
+    /// Forgets how large the errors of model and receiver were found to be.
+    pub fn forget_error_levels(&mut self) {
+        self.parts.forget_error_levels();
+    }
+
     /// Allows for a step of the model's error at the end of the last cell, as
     /// [`BackwardPass::bias_step_test_ratio`](crate::smoother::BackwardPass::bias_step_test_ratio)
     /// finds it.

@@ -254,10 +254,16 @@ impl Parts {
         self.load.open(state, opened, &context.tuning.prior);
     }
 
-    /// Allows for a step of the model's error.
+    /// Forgets the levels of the errors.
+    pub(super) fn forget_error_levels(&mut self) {
+        self.levels = ErrorLevels::new();
+    }
+
+    /// Allows for a step of the model's error. It says nothing of how the error varies otherwise.
     pub(super) fn allow_step<S: Scalar>(&mut self, state: &mut State<S>, gates: &Gates) {
         allow_step(state, gates);
         self.altitude.model_changed();
+        self.levels.interrupt();
     }
 
     /// Allows for a slope that changes faster than roads do: speeds showed it in the last cell, or the

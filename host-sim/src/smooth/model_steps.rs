@@ -44,17 +44,6 @@ struct Suggestion {
     test_ratio: f64,
 }
 
-/// What became of the steps that were tried.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Judgement {
-    /// All of them stay.
-    AllStay,
-    /// Some of them stay.
-    SomeStay,
-    /// None of them stays.
-    NoneStays,
-}
-
 impl ModelSteps {
     /// Returns whether the filter allows for a step at the end of this cell.
     pub(super) fn contain(&self, cell: u32) -> bool {
@@ -85,27 +74,21 @@ impl ModelSteps {
     }
 
     /// Decides which of the suggested steps stay, from the misfit of the run without them and with
-    /// them.
-    pub(super) fn judge(&mut self, without: &Misfit, with: &Misfit) -> Judgement {
-        let count = self.suggested.len();
+    /// them. Returns whether any of them stays.
+    pub(super) fn judge(&mut self, without: &Misfit, with: &Misfit) -> bool {
+        let allowed = self.allowed.len();
         let mut end = u32::MAX;
-        let mut stay = 0;
         for Suggestion { cell, test_ratio } in self.suggested.drain(..) {
             let (without, with) = (without.within(cell..end), with.within(cell..end));
             end = cell;
             let stays = GAIN.contains(&((without.all - with.all) / test_ratio))
                 && without.altitudes - with.altitudes >= LEAST_ALTITUDE_GAIN;
             if stays {
-                stay += 1;
                 self.allowed.push(cell);
             } else {
                 self.refused.push(cell);
             }
         }
-        match stay {
-            0 => Judgement::NoneStays,
-            _ if stay == count => Judgement::AllStay,
-            _ => Judgement::SomeStay,
-        }
+        self.allowed.len() > allowed
     }
 }

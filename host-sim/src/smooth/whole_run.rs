@@ -17,7 +17,7 @@ use super::disagreements::Disagreements;
 use super::drifts::Drifts;
 use super::filtered_cell::ForwardCell;
 use super::misfit::Misfit;
-use super::model_steps::{Judgement, ModelSteps};
+use super::model_steps::ModelSteps;
 use super::samples::Samples;
 use super::stuck_torques::StuckTorques;
 use estimator_core::cell::CellEnd;
@@ -226,13 +226,21 @@ where
                 break;
             }
             let look = self.look()?;
-            match self.steps.judge(&best.misfit, &look.misfit) {
-                Judgement::AllStay => best = look,
-                Judgement::SomeStay => best = self.look()?,
-                Judgement::NoneStays => {}
+            if self.steps.judge(&best.misfit, &look.misfit) {
+                self.learn_levels_again()?;
+                best = self.look()?;
             }
         }
         Ok(best)
+    }
+
+    /// Learns how large the errors are besides their steps, and starts with it.
+    fn learn_levels_again(&mut self) -> Result<(), M::Error> {
+        let mut learning = self.start.clone();
+        learning.filter.forget_error_levels();
+        self.filter(0..self.samples.count(), &mut learning, |_, _, _| ())?;
+        self.start.filter = learning.filter.second_pass(&self.context.tuning);
+        Ok(())
     }
 
     /// Takes the filter over the run.
