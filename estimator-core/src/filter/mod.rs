@@ -149,8 +149,7 @@ impl<S: Scalar> Filter<S> {
     }
 
     /// Allows for a step of the model's error at the end of the last cell, as
-    /// [`BackwardPass::bias_step_test_ratio`](crate::smoother::BackwardPass::bias_step_test_ratio)
-    /// finds it.
+    /// [`BackwardPass::bias_step`](crate::smoother::BackwardPass::bias_step) finds it.
     pub fn allow_step(&mut self, tuning: &Tuning) {
         if let Some(state) = &mut self.state {
             self.parts.allow_step(state, &tuning.gates);

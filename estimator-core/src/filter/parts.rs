@@ -259,11 +259,10 @@ impl Parts {
         self.levels = ErrorLevels::new();
     }
 
-    /// Allows for a step of the model's error. It says nothing of how the error varies otherwise.
+    /// Allows for a step of the model's error.
     pub(super) fn allow_step<S: Scalar>(&mut self, state: &mut State<S>, gates: &Gates) {
         allow_step(state, gates);
         self.altitude.model_changed();
-        self.levels.interrupt();
     }
 
     /// Allows for a slope that changes faster than roads do: speeds showed it in the last cell, or the

@@ -6,7 +6,7 @@
 //! J. Control 18:65, 1973). One step costs less than one of the filter, whose gains are in the
 //! record.
 
-use crate::cell::Estimate;
+use crate::cell::{Estimate, Uncertain};
 use crate::filter::StateIndex::{Altitude, Bias, GnssError, KineticEnergy, Scale, Slope};
 use crate::filter::measurement::{Observation, ScalarUpdate};
 use crate::filter::{
@@ -66,23 +66,26 @@ impl<S: Scalar> BackwardPass<S> {
         }
     }
 
-    /// Returns how much more likely a step of the bias here makes the later measurements: its squared
-    /// score over its information, 1. It is a chi-squared of one degree of freedom if there is no
-    /// step, and zero if nothing later tells. The slope that the model reads steps with the bias,
-    /// since the road does not.
+    /// Returns the step of the bias here that later steps suggest, %: how much more slope the model
+    /// reads too high behind than before. Its sigma is that of no step, and infinite if nothing later
+    /// tells. The slope that the model reads steps with the bias, since the road does not.
     ///
     /// Source: P. de Jong and J. Penzer, "Diagnosing shocks in time series", Journal of the American
     /// Statistical Association 93:796, 1998.
     #[must_use]
-    pub fn bias_step_test_ratio(&self) -> S {
-        let score = self.lambda[Bias] + self.lambda[Slope];
+    pub fn bias_step(&self) -> Uncertain {
+        let score = -(self.lambda[Bias] + self.lambda[Slope]).to_f32();
         let joint = self.information.get(Bias, Slope);
         let information =
             self.information.variance(Bias) + self.information.variance(Slope) + joint + joint;
-        if information > S::ZERO {
-            score * score / information
-        } else {
-            S::ZERO
+        let variance = 1.0 / Scalar::max(information.to_f32(), 0.0);
+        Uncertain {
+            value: if variance < f32::INFINITY {
+                score * variance
+            } else {
+                0.0
+            },
+            sigma: Scalar::sqrt(variance),
         }
     }
 

@@ -6,13 +6,15 @@
 //! step at each cell, and its square over Λ is the test ratio (P. de Jong and J. Penzer, "Diagnosing
 //! shocks in time series", Journal of the American Statistical Association 93:796, 1998).
 //!
-//! The cell with the largest test ratio is tried: the filter goes over the run again, and allows for a
-//! step there. The step stays if the measurements become as much more likely as the test ratio says,
+//! The cell with the largest test ratio is tried: the filter goes over the run again, with the force of
+//! the step, and as uncertain there as a step may be. The step stays if the measurements become as much more likely as the test ratio says,
 //! and the altitudes alone become more likely too. If the altitudes do not, the road has a kink there.
 //! If the gain is much larger, it has another cause: with the step the filter learned another noise
 //! of the receiver.
 
 use super::misfit::Misfit;
+use estimator_core::Uncertain;
+use estimator_core::sample::Sample;
 use std::ops::RangeInclusive;
 
 /// Least test ratio of a step: five sigmas, since the cell is the best one of some ten thousand.
@@ -28,27 +30,46 @@ const APART_CELLS: u32 = 20_000;
 /// Number of cells on both sides of a tried one in which no other is tried: 100 m.
 const NEAR_CELLS: u32 = 40;
 
-/// The steps that are allowed for, and those that are being tried.
+/// The steps that are known, and those that are being tried.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ModelSteps {
-    /// Cells at whose end there is a step.
-    allowed: Vec<u32>,
-    refused: Vec<u32>,
+    known: Vec<ModelStep>,
     /// The last one of the run first.
-    suggested: Vec<Suggestion>,
+    suggested: Vec<ModelStep>,
+    /// Cells of the steps that did not stay.
+    refused: Vec<u32>,
 }
 
+/// A step at the end of a cell.
 #[derive(Clone, Copy, Debug)]
-struct Suggestion {
+struct ModelStep {
     cell: u32,
+    /// How much more slope the model reads too high behind than before, %.
+    size_percent: f32,
     test_ratio: f64,
 }
 
 impl ModelSteps {
-    /// Returns whether the filter allows for a step at the end of this cell.
+    fn all(&self) -> impl Iterator<Item = &ModelStep> {
+        self.known.iter().chain(&self.suggested)
+    }
+
+    /// Returns whether there is a step at the end of this cell.
     pub(super) fn contain(&self, cell: u32) -> bool {
-        let mut suggested = self.suggested.iter().map(|step| step.cell);
-        self.allowed.contains(&cell) || suggested.any(|other| other == cell)
+        self.all().any(|step| step.cell == cell)
+    }
+
+    /// Returns the sum of the steps before the end of a cell, %.
+    pub(super) fn sum_percent(&self, cell: u32) -> f32 {
+        let before = self.all().filter(|step| step.cell < cell);
+        before.map(|step| step.size_percent).sum()
+    }
+
+    /// Returns the sample with the forces of all steps before.
+    pub(super) fn without(&self, mut sample: Sample) -> Sample {
+        let percent = self.sum_percent(sample.end.cell);
+        sample.forces.traction_n -= 0.01 * percent * sample.forces.weight_n();
+        sample
     }
 
     /// Returns whether there are steps to try.
@@ -56,13 +77,19 @@ impl ModelSteps {
         !self.suggested.is_empty()
     }
 
-    /// Takes the test ratio of a step at the end of a cell. Cells come from the last one to the first.
-    pub(super) fn suggest(&mut self, cell: u32, test_ratio: f64) {
-        let mut tried = self.allowed.iter().chain(&self.refused);
+    /// Takes the step that is likely at the end of a cell. Cells come from the last one to the first.
+    pub(super) fn suggest(&mut self, cell: u32, size_percent: Uncertain) {
+        let test_ratio = f64::from(size_percent.value / size_percent.sigma).powi(2);
+        let known = self.known.iter().map(|step| step.cell);
+        let mut tried = known.chain(self.refused.iter().copied());
         if test_ratio < LEAST_TEST_RATIO || tried.any(|other| other.abs_diff(cell) < NEAR_CELLS) {
             return;
         }
-        let step = Suggestion { cell, test_ratio };
+        let step = ModelStep {
+            cell,
+            size_percent: size_percent.value,
+            test_ratio,
+        };
         match self.suggested.last_mut() {
             Some(last) if last.cell - cell < APART_CELLS => {
                 if test_ratio > last.test_ratio {
@@ -76,19 +103,27 @@ impl ModelSteps {
     /// Decides which of the suggested steps stay, from the misfit of the run without them and with
     /// them. Returns whether any of them stays.
     pub(super) fn judge(&mut self, without: &Misfit, with: &Misfit) -> bool {
-        let allowed = self.allowed.len();
+        let known = self.known.len();
         let mut end = u32::MAX;
-        for Suggestion { cell, test_ratio } in self.suggested.drain(..) {
-            let (without, with) = (without.within(cell..end), with.within(cell..end));
-            end = cell;
-            let stays = GAIN.contains(&((without.all - with.all) / test_ratio))
+        for step in self.suggested.drain(..) {
+            let within = step.cell..end;
+            end = step.cell;
+            let (without, with) = (without.within(within.clone()), with.within(within));
+            if std::env::var("DUMP").is_ok() {
+                eprintln!(
+                    "{step:?} gain {:.1} altitudes {:.1}",
+                    without.all - with.all,
+                    without.altitudes - with.altitudes
+                );
+            }
+            let stays = GAIN.contains(&((without.all - with.all) / step.test_ratio))
                 && without.altitudes - with.altitudes >= LEAST_ALTITUDE_GAIN;
             if stays {
-                self.allowed.push(cell);
+                self.known.push(step);
             } else {
-                self.refused.push(cell);
+                self.refused.push(step.cell);
             }
         }
-        self.allowed.len() > allowed
+        self.known.len() > known
     }
 }

@@ -327,14 +327,17 @@ where
         {
             let cell = record.end.cell;
             match purpose {
-                Purpose::Estimate(disagreements) => smoothed.push(SmoothedCell {
-                    end: record.end,
-                    estimate: pass.estimate(state, mass),
-                    is_consistent: !disagreements.cover(cell),
-                }),
+                Purpose::Estimate(disagreements) => {
+                    let mut estimate = pass.estimate(state, mass);
+                    estimate.bias_percent.value += self.steps.sum_percent(cell);
+                    smoothed.push(SmoothedCell {
+                        end: record.end,
+                        estimate,
+                        is_consistent: !disagreements.cover(cell),
+                    });
+                }
                 Purpose::FindSteps => {
-                    let test_ratio = pass.bias_step_test_ratio().to_f64();
-                    self.steps.suggest(cell, test_ratio);
+                    self.steps.suggest(cell, pass.bias_step());
                 }
             }
             pass.retreat(&record.smoother_input);
@@ -364,6 +367,7 @@ where
         self.samples.each(part, |sample| {
             let sample = stuck_torques.without(sample, &mut checkpoint.torque_is_stuck);
             let sample = drifts.without(&sample, &mut checkpoint.has_drifted);
+            let sample = steps.without(sample);
             if let Some(record) = checkpoint.filter.step(context, &sample) {
                 checkpoint.cells += 1;
                 if steps.contain(record.end.cell) {
