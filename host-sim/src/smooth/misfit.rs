@@ -66,6 +66,12 @@ impl Misfit {
         sum.altitudes / self.altitudes as f64
     }
 
+    /// Returns the misfit of all measurements.
+    pub(super) fn total(&self) -> f64 {
+        let sum: MisfitSum = self.kilometres.iter().copied().sum();
+        sum.all
+    }
+
     /// Returns the misfit in whole kilometres, from that of the first cell to that before the end's.
     pub(super) fn within(&self, cells: Range<u32>) -> MisfitSum {
         let kilometre = |cell| ((cell / CELLS) as usize).min(self.kilometres.len());

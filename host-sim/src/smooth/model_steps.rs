@@ -44,8 +44,10 @@ pub(super) struct ModelSteps {
 #[derive(Clone, Copy, Debug)]
 struct ModelStep {
     cell: u32,
-    /// How much more slope the model reads too high behind than before, %.
+    /// How much more slope the model reads too high behind than before, %, as far as it is known.
     size_percent: f32,
+    /// The same as a part of the weight that the traction has too much, %.
+    traction_percent: f32,
     test_ratio: f64,
 }
 
@@ -59,17 +61,35 @@ impl ModelSteps {
         self.all().any(|step| step.cell == cell)
     }
 
-    /// Returns the sum of the steps before the end of a cell, %.
+    /// Returns the sum of the known steps before the end of a cell, %.
     pub(super) fn sum_percent(&self, cell: u32) -> f32 {
-        let before = self.all().filter(|step| step.cell < cell);
-        before.map(|step| step.size_percent).sum()
+        self.known_before(cell).map(|step| step.size_percent).sum()
     }
 
-    /// Returns the sample with the forces of all steps before.
+    /// Returns the sample with the forces of the known steps before.
     pub(super) fn without(&self, mut sample: Sample) -> Sample {
-        let percent = self.sum_percent(sample.end.cell);
+        let steps = self.known_before(sample.end.cell);
+        let percent: f32 = steps.map(|step| step.traction_percent).sum();
         sample.forces.traction_n -= 0.01 * percent * sample.forces.weight_n();
         sample
+    }
+
+    fn known_before(&self, cell: u32) -> impl Iterator<Item = &ModelStep> {
+        self.known.iter().filter(move |step| step.cell < cell)
+    }
+
+    /// Leaves the sizes open of the known steps behind the first ones.
+    pub(super) fn without_sizes(&self, first: usize) -> Self {
+        let mut open = self.clone();
+        for step in open.known.iter_mut().skip(first) {
+            (step.size_percent, step.traction_percent) = (0.0, 0.0);
+        }
+        open
+    }
+
+    /// Returns the number of known steps.
+    pub(super) const fn known(&self) -> usize {
+        self.known.len()
     }
 
     /// Returns whether there are steps to try.
@@ -78,7 +98,7 @@ impl ModelSteps {
     }
 
     /// Takes the step that is likely at the end of a cell. Cells come from the last one to the first.
-    pub(super) fn suggest(&mut self, cell: u32, size_percent: Uncertain) {
+    pub(super) fn suggest(&mut self, cell: u32, size_percent: Uncertain, scale: impl Fn() -> f32) {
         let test_ratio = f64::from(size_percent.value / size_percent.sigma).powi(2);
         let known = self.known.iter().map(|step| step.cell);
         let mut tried = known.chain(self.refused.iter().copied());
@@ -88,6 +108,7 @@ impl ModelSteps {
         let step = ModelStep {
             cell,
             size_percent: size_percent.value,
+            traction_percent: size_percent.value / scale(),
             test_ratio,
         };
         match self.suggested.last_mut() {

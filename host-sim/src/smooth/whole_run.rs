@@ -225,13 +225,35 @@ where
             if !self.steps.are_suggested() {
                 break;
             }
-            let look = self.look()?;
-            if self.steps.judge(&best.misfit, &look.misfit) {
-                self.learn_levels_again()?;
-                best = self.look()?;
+            let known = self.steps.known();
+            let tried = self.look()?;
+            if self.steps.judge(&best.misfit, &tried.misfit) {
+                best = self.compare_sizes(known)?;
             }
         }
         Ok(best)
+    }
+
+    /// Compares the run with the sizes of the steps behind the first ones as forces, and with open
+    /// sizes. Returns the more likely one.
+    fn compare_sizes(&mut self, first: usize) -> Result<Look<S>, M::Error> {
+        let start = self.start.clone();
+        let open_steps = self.steps.without_sizes(first);
+        self.learn_levels_again()?;
+        let with_forces = self.look()?;
+        let other = (
+            core::mem::replace(&mut self.steps, open_steps),
+            core::mem::replace(&mut self.start, start),
+        );
+        let open = self.look()?;
+        if std::env::var("DUMP").is_ok() {
+            eprintln!("Sizes: forces {:.1} open {:.1}", with_forces.misfit.total(), open.misfit.total());
+        }
+        if open.misfit.total() < with_forces.misfit.total() {
+            return Ok(open);
+        }
+        (self.steps, self.start) = other;
+        Ok(with_forces)
     }
 
     /// Learns how large the errors are besides their steps, and starts with it.
@@ -337,7 +359,8 @@ where
                     });
                 }
                 Purpose::FindSteps => {
-                    self.steps.suggest(cell, pass.bias_step());
+                    let scale = || pass.estimate(state, mass).scale.value;
+                    self.steps.suggest(cell, pass.bias_step(), scale);
                 }
             }
             pass.retreat(&record.smoother_input);
