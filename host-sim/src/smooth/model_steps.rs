@@ -61,21 +61,21 @@ impl ModelSteps {
         self.all().any(|step| step.cell == cell)
     }
 
-    /// Returns the sum of the known steps before the end of a cell, %.
+    /// Returns the sum of the steps before the end of a cell, %.
     pub(super) fn sum_percent(&self, cell: u32) -> f32 {
-        self.known_before(cell).map(|step| step.size_percent).sum()
+        self.before(cell).map(|step| step.size_percent).sum()
     }
 
-    /// Returns the sample with the forces of the known steps before.
+    /// Returns the sample with the forces of all steps before.
     pub(super) fn without(&self, mut sample: Sample) -> Sample {
-        let steps = self.known_before(sample.end.cell);
+        let steps = self.before(sample.end.cell);
         let percent: f32 = steps.map(|step| step.traction_percent).sum();
         sample.forces.traction_n -= 0.01 * percent * sample.forces.weight_n();
         sample
     }
 
-    fn known_before(&self, cell: u32) -> impl Iterator<Item = &ModelStep> {
-        self.known.iter().filter(move |step| step.cell < cell)
+    fn before(&self, cell: u32) -> impl Iterator<Item = &ModelStep> {
+        self.all().filter(move |step| step.cell < cell)
     }
 
     /// Leaves the sizes open of the known steps behind the first ones.
