@@ -36,6 +36,8 @@ pub(super) struct ModelSteps {
     known: Vec<ModelStep>,
     /// The last one of the run first.
     suggested: Vec<ModelStep>,
+    /// Whether the sizes of the suggested ones are left open.
+    leaves_open: bool,
     /// Cells of the steps that did not stay.
     refused: Vec<u32>,
 }
@@ -75,7 +77,13 @@ impl ModelSteps {
     }
 
     fn before(&self, cell: u32) -> impl Iterator<Item = &ModelStep> {
-        self.all().filter(move |step| step.cell < cell)
+        let suggested: &[ModelStep] = if self.leaves_open {
+            &[]
+        } else {
+            &self.suggested
+        };
+        let sized = self.known.iter().chain(suggested);
+        sized.filter(move |step| step.cell < cell)
     }
 
     /// Leaves the sizes open of the known steps behind the first ones.
@@ -85,6 +93,11 @@ impl ModelSteps {
             (step.size_percent, step.traction_percent) = (0.0, 0.0);
         }
         open
+    }
+
+    /// Leaves the sizes of the suggested steps open, or takes them as forces.
+    pub(super) const fn leave_open(&mut self, leaves_open: bool) {
+        self.leaves_open = leaves_open;
     }
 
     /// Returns the number of known steps.
@@ -121,24 +134,20 @@ impl ModelSteps {
         }
     }
 
-    /// Decides which of the suggested steps stay, from the misfit of the run without them and with
-    /// them. Returns whether any of them stays.
-    pub(super) fn judge(&mut self, without: &Misfit, with: &Misfit) -> bool {
+    /// Decides which of the suggested steps stay, from the misfit of the run without them and of the
+    /// trials with them. Returns whether any of them stays.
+    pub(super) fn judge(&mut self, without: &Misfit, trials: &[Misfit]) -> bool {
         let known = self.known.len();
         let mut end = u32::MAX;
         for step in self.suggested.drain(..) {
-            let within = step.cell..end;
+            let cells = step.cell..end;
             end = step.cell;
-            let (without, with) = (without.within(within.clone()), with.within(within));
-            if std::env::var("DUMP").is_ok() {
-                eprintln!(
-                    "{step:?} gain {:.1} altitudes {:.1}",
-                    without.all - with.all,
-                    without.altitudes - with.altitudes
-                );
-            }
-            let stays = GAIN.contains(&((without.all - with.all) / step.test_ratio))
-                && without.altitudes - with.altitudes >= LEAST_ALTITUDE_GAIN;
+            let without = without.within(cells.clone());
+            let stays = trials.iter().any(|trial| {
+                let with = trial.within(cells.clone());
+                GAIN.contains(&((without.all - with.all) / step.test_ratio))
+                    && without.altitudes - with.altitudes >= LEAST_ALTITUDE_GAIN
+            });
             if stays {
                 self.known.push(step);
             } else {

@@ -226,8 +226,12 @@ where
                 break;
             }
             let known = self.steps.known();
-            let tried = self.look()?;
-            if self.steps.judge(&best.misfit, &tried.misfit) {
+            let mut trials = Vec::with_capacity(2);
+            for leaves_open in [true, false] {
+                self.steps.leave_open(leaves_open);
+                trials.push(self.look()?.misfit);
+            }
+            if self.steps.judge(&best.misfit, &trials) {
                 best = self.compare_sizes(known)?;
             }
         }
@@ -246,9 +250,6 @@ where
             core::mem::replace(&mut self.start, start),
         );
         let open = self.look()?;
-        if std::env::var("DUMP").is_ok() {
-            eprintln!("Sizes: forces {:.1} open {:.1}", with_forces.misfit.total(), open.misfit.total());
-        }
         if open.misfit.total() < with_forces.misfit.total() {
             return Ok(open);
         }
