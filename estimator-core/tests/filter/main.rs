@@ -4,6 +4,7 @@ mod accelerometer;
 mod altitude_delay;
 mod altitude_gate;
 mod batch;
+mod bias_step;
 #[cfg(feature = "fixed")]
 mod fixed_point_drive;
 mod gross_mass;

@@ -7,11 +7,11 @@ use estimator_core::{Tuning, Uncertain};
 use test_kit::{FilteredStep, cells, truck};
 
 /// First cell with the resistance.
-const FROM: u32 = 2_000;
+pub(super) const FROM: u32 = 2_000;
 
 /// Drives on a level road, from [`FROM`] on against a resistance that the model lacks, in % of the
 /// weight.
-fn drive(resistance_percent: f32, tuning: Tuning) -> Vec<FilteredStep<f64>> {
+pub(super) fn drive(resistance_percent: f32, tuning: Tuning) -> Vec<FilteredStep<f64>> {
     let resistance_n = 0.01 * resistance_percent * truck().mass_kg * 9.806_65;
     let (steps, _) = tuned_drive(
         tuning,

@@ -56,17 +56,45 @@ fn a_smaller_step_does_not_spoil_the_live_drive() {
     }
 }
 
+/// Checks that drives with such a section are hardly worse than without.
+fn check_added_error(truck: &str, what: &str) {
+    let plain = simulated(truck, 1, 24, "", "");
+    let without = judged(&plain, &reported(&plain), f64::INFINITY);
+    let run = simulated(truck, 1, 24, "", &section(what));
+    let found = judged(&run, &reported(&run), 10_000.0);
+    found.is_hardly_worse_than(&without, &format!("{truck}, {what}"));
+}
+
 #[test]
-#[ignore = "not yet: two to four times the error of the drive without"]
 fn a_changed_resistance_hardly_adds_to_the_error() {
-    for truck in ["A", "B"] {
-        let plain = simulated(truck, 1, 24, "", "");
-        let without = judged(&plain, &reported(&plain), f64::INFINITY);
-        for what in ["rolling_factor = 2.0", "pto_nm = 300.0"] {
-            let run = simulated(truck, 1, 24, "", &section(what));
-            let found = judged(&run, &reported(&run), 10_000.0);
-            found.is_hardly_worse_than(&without, &format!("{truck}, {what}"));
-        }
+    check_added_error("A", "rolling_factor = 2.0");
+    check_added_error("B", "rolling_factor = 2.0");
+    check_added_error("B", "rolling_factor = 3.0");
+    check_added_error("B", "pto_nm = 300.0");
+}
+
+#[test]
+#[ignore = "not yet: 2.3 times the error of the drive without"]
+fn a_take_off_on_the_heavy_truck_hardly_adds_to_the_error() {
+    check_added_error("A", "pto_nm = 300.0");
+}
+
+#[test]
+fn the_bias_of_the_run_has_the_steps() {
+    let run = simulated("A", 1, 24, "", &section("rolling_factor = 2.0"));
+    let rows = judged(&run, &reported(&run), 10_000.0).rows;
+    let bias_percent = |from_m: f64| {
+        let km = rows
+            .iter()
+            .filter(|row| (from_m..from_m + 1_000.0).contains(&row.distance_m));
+        let biases: Vec<f64> = km.map(|row| row.bias_percent).collect();
+        biases.iter().sum::<f64>() / biases.len() as f64
+    };
+    // The rolling resistance of the truck is 0.6 % of its weight.
+    for (before_m, after_m, step_percent) in [(8_900.0, 10_100.0, 0.6), (14_900.0, 16_100.0, -0.6)]
+    {
+        let step = bias_percent(after_m) - bias_percent(before_m);
+        assert!((step - step_percent).abs() < 0.15, "{step} {step_percent}");
     }
 }
 
