@@ -36,10 +36,22 @@ pub(super) struct ModelSteps {
     known: Vec<ModelStep>,
     /// The last one of the run first.
     suggested: Vec<ModelStep>,
-    /// Whether the sizes of the suggested ones are left open.
-    leaves_open: bool,
+    /// Which of them are forces. The sizes of the others are left open.
+    forces: Forces,
     /// Cells of the steps that did not stay.
     refused: Vec<u32>,
+}
+
+/// The steps that are taken as forces.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum Forces {
+    /// None.
+    #[default]
+    None,
+    /// Those that are being tried.
+    Suggested,
+    /// Those that are known.
+    Known,
 }
 
 /// A step at the end of a cell.
@@ -63,12 +75,12 @@ impl ModelSteps {
         self.all().any(|step| step.cell == cell)
     }
 
-    /// Returns the sum of the steps before the end of a cell, %.
+    /// Returns the sum of the steps that are forces before the end of a cell, %.
     pub(super) fn sum_percent(&self, cell: u32) -> f32 {
         self.before(cell).map(|step| step.size_percent).sum()
     }
 
-    /// Returns the sample with the forces of all steps before.
+    /// Returns the sample with the forces of the steps before.
     pub(super) fn without(&self, mut sample: Sample) -> Sample {
         let steps = self.before(sample.end.cell);
         let percent: f32 = steps.map(|step| step.traction_percent).sum();
@@ -77,32 +89,22 @@ impl ModelSteps {
     }
 
     fn before(&self, cell: u32) -> impl Iterator<Item = &ModelStep> {
-        let suggested: &[ModelStep] = if self.leaves_open {
-            &[]
-        } else {
-            &self.suggested
+        let sized: &[ModelStep] = match self.forces {
+            Forces::None => &[],
+            Forces::Suggested => &self.suggested,
+            Forces::Known => &self.known,
         };
-        let sized = self.known.iter().chain(suggested);
-        sized.filter(move |step| step.cell < cell)
+        sized.iter().filter(move |step| step.cell < cell)
     }
 
-    /// Leaves the sizes open of the known steps behind the first ones.
-    pub(super) fn without_sizes(&self, first: usize) -> Self {
-        let mut open = self.clone();
-        for step in open.known.iter_mut().skip(first) {
-            (step.size_percent, step.traction_percent) = (0.0, 0.0);
-        }
-        open
+    /// Takes these steps as forces from now on.
+    pub(super) const fn take_as_forces(&mut self, forces: Forces) {
+        self.forces = forces;
     }
 
-    /// Leaves the sizes of the suggested steps open, or takes them as forces.
-    pub(super) const fn leave_open(&mut self, leaves_open: bool) {
-        self.leaves_open = leaves_open;
-    }
-
-    /// Returns the number of known steps.
-    pub(super) const fn known(&self) -> usize {
-        self.known.len()
+    /// Returns whether no step is known.
+    pub(super) const fn is_empty(&self) -> bool {
+        self.known.is_empty()
     }
 
     /// Returns whether there are steps to try.

@@ -17,7 +17,7 @@ use super::disagreements::Disagreements;
 use super::drifts::Drifts;
 use super::filtered_cell::ForwardCell;
 use super::misfit::Misfit;
-use super::model_steps::ModelSteps;
+use super::model_steps::{Forces, ModelSteps};
 use super::samples::Samples;
 use super::stuck_torques::StuckTorques;
 use estimator_core::cell::CellEnd;
@@ -225,36 +225,34 @@ where
             if !self.steps.are_suggested() {
                 break;
             }
-            let known = self.steps.known();
             let mut trials = Vec::with_capacity(2);
-            for leaves_open in [true, false] {
-                self.steps.leave_open(leaves_open);
+            for forces in [Forces::Suggested, Forces::None] {
+                self.steps.take_as_forces(forces);
                 trials.push(self.look()?.misfit);
             }
             if self.steps.judge(&best.misfit, &trials) {
-                best = self.compare_sizes(known)?;
+                best = self.look()?;
             }
         }
-        Ok(best)
+        self.compare_sizes(best)
     }
 
-    /// Compares the run with the sizes of the steps behind the first ones as forces, and with open
-    /// sizes. Returns the more likely one.
-    fn compare_sizes(&mut self, first: usize) -> Result<Look<S>, M::Error> {
-        let start = self.start.clone();
-        let open_steps = self.steps.without_sizes(first);
-        self.learn_levels_again()?;
-        let with_forces = self.look()?;
-        let other = (
-            core::mem::replace(&mut self.steps, open_steps),
-            core::mem::replace(&mut self.start, start),
-        );
-        let open = self.look()?;
-        if open.misfit.total() < with_forces.misfit.total() {
+    /// Compares the run that leaves the sizes of its steps open with that in which they are forces.
+    /// Returns the more likely one.
+    fn compare_sizes(&mut self, open: Look<S>) -> Result<Look<S>, M::Error> {
+        if self.steps.is_empty() {
             return Ok(open);
         }
-        (self.steps, self.start) = other;
-        Ok(with_forces)
+        self.steps.take_as_forces(Forces::Known);
+        let start = self.start.clone();
+        self.learn_levels_again()?;
+        let with_forces = self.look()?;
+        if with_forces.misfit.total() < open.misfit.total() {
+            return Ok(with_forces);
+        }
+        self.steps.take_as_forces(Forces::None);
+        self.start = start;
+        Ok(open)
     }
 
     /// Learns how large the errors are besides their steps, and starts with it.
