@@ -25,8 +25,15 @@ impl CellRanges {
 
     /// Returns whether a cell is in one of them.
     pub fn contains(&self, cell: u32) -> bool {
-        let next = self.0.partition_point(|range| *range.end() < cell);
-        self.0.get(next).is_some_and(|range| range.contains(&cell))
+        self.meet(&(cell..=cell))
+    }
+
+    /// Returns whether one of these cells is in one of them.
+    pub fn meet(&self, cells: &RangeInclusive<u32>) -> bool {
+        let next = self.0.partition_point(|range| range.end() < cells.start());
+        self.0
+            .get(next)
+            .is_some_and(|range| range.start() <= cells.end())
     }
 
     /// Returns the ranges, in order.

@@ -3,6 +3,7 @@
 use super::cell_ranges::CellRanges;
 use estimator_core::Disagreement;
 use estimator_core::filter::StepRecord;
+use std::ops::RangeInclusive;
 
 /// Ranges of cells in which signals disagree, for each kind of disagreement.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -23,6 +24,19 @@ impl Disagreements {
     /// Returns whether anything disagrees in a cell.
     pub(super) fn cover(&self, cell: u32) -> bool {
         self.0.iter().any(|ranges| ranges.contains(cell))
+    }
+
+    /// Returns whether anything but the climb disagrees in one of these cells: a signal is wrong there,
+    /// and not the model.
+    pub(super) fn signals_disagree(&self, cells: &RangeInclusive<u32>) -> bool {
+        let climb = Disagreement {
+            climb: true,
+            ..Disagreement::default()
+        };
+        let kinds = self.0.iter().zip(climb.kinds());
+        kinds
+            .filter(|(_, is_climb)| !is_climb)
+            .any(|(ranges, _)| ranges.meet(cells))
     }
 
     /// Returns the ranges of each kind, in the order of [`Disagreement::kinds`].

@@ -6,12 +6,17 @@
 //! step at each cell, and its square over Λ is the test ratio (P. de Jong and J. Penzer, "Diagnosing
 //! shocks in time series", Journal of the American Statistical Association 93:796, 1998).
 //!
-//! The cell with the largest test ratio is tried: the filter goes over the run again, with the force of
-//! the step, and as uncertain there as a step may be. The step stays if the measurements become as much more likely as the test ratio says,
-//! and the altitudes alone become more likely too. If the altitudes do not, the road has a kink there.
-//! If the gain is much larger, it has another cause: with the step the filter learned another noise
-//! of the receiver.
+//! The cell with the largest test ratio is tried. The filter goes over the run twice more: with a step
+//! of open size there, and with the likely size as a force from there on. The step stays if one of the
+//! two makes the measurements as much more likely as the test ratio says, and the altitudes alone more
+//! likely too. If the altitudes do not become so, the road has a kink there. If the gain is much
+//! larger, it has another cause: with the step the filter learned another noise of the receiver.
+//!
+//! At the end the run with the forces of all steps is compared with the one that leaves the sizes open.
+//! The forces have an advantage: the levels of the errors are learned beside them, and so the bias
+//! is not taken for one that varies as much as it stepped.
 
+use super::disagreements::Disagreements;
 use super::misfit::Misfit;
 use estimator_core::Uncertain;
 use estimator_core::sample::Sample;
@@ -29,6 +34,10 @@ const LEAST_ALTITUDE_GAIN: f64 = 3.0;
 const APART_CELLS: u32 = 20_000;
 /// Number of cells on both sides of a tried one in which no other is tried: 100 m.
 const NEAR_CELLS: u32 = 40;
+
+/// Number of cells on both sides of a step in which no signal disagrees: 1 km. Where a signal is wrong,
+/// a step is no error of the model.
+const SOUND_CELLS: u32 = 400;
 
 /// The steps that are known, and those that are being tried.
 #[derive(Clone, Debug, Default)]
@@ -113,11 +122,20 @@ impl ModelSteps {
     }
 
     /// Takes the step that is likely at the end of a cell. Cells come from the last one to the first.
-    pub(super) fn suggest(&mut self, cell: u32, size_percent: Uncertain, scale: impl Fn() -> f32) {
+    pub(super) fn suggest(
+        &mut self,
+        cell: u32,
+        size_percent: Uncertain,
+        scale: impl Fn() -> f32,
+        disagreements: &Disagreements,
+    ) {
         let test_ratio = f64::from(size_percent.value / size_percent.sigma).powi(2);
         let known = self.known.iter().map(|step| step.cell);
         let mut tried = known.chain(self.refused.iter().copied());
-        if test_ratio < LEAST_TEST_RATIO || tried.any(|other| other.abs_diff(cell) < NEAR_CELLS) {
+        if test_ratio < LEAST_TEST_RATIO
+            || tried.any(|other| other.abs_diff(cell) < NEAR_CELLS)
+            || disagreements.signals_disagree(&around(cell, SOUND_CELLS))
+        {
             return;
         }
         let step = ModelStep {
@@ -158,4 +176,8 @@ impl ModelSteps {
         }
         self.known.len() > known
     }
+}
+
+fn around(cell: u32, cells: u32) -> RangeInclusive<u32> {
+    cell.saturating_sub(cells)..=cell.saturating_add(cells)
 }

@@ -162,8 +162,8 @@ struct Look<S> {
 enum Purpose<'a> {
     /// Estimates, with the cells in which signals disagree.
     Estimate(&'a Disagreements),
-    /// Steps of the model's error.
-    FindSteps,
+    /// Steps of the model's error, but not where signals disagree.
+    FindSteps(&'a Disagreements),
 }
 
 struct Smoother<'a, S, M, T> {
@@ -221,7 +221,11 @@ where
     fn look_for_steps(&mut self, mut best: Look<S>) -> Result<Look<S>, M::Error> {
         for _ in 0..SEARCHES {
             let parts = best.parts.clone();
-            self.go_back(parts, &mut BackwardPass::new(), &Purpose::FindSteps)?;
+            self.go_back(
+                parts,
+                &mut BackwardPass::new(),
+                &Purpose::FindSteps(&best.disagreements),
+            )?;
             if !self.steps.are_suggested() {
                 break;
             }
@@ -357,9 +361,10 @@ where
                         is_consistent: !disagreements.cover(cell),
                     });
                 }
-                Purpose::FindSteps => {
+                Purpose::FindSteps(disagreements) => {
                     let scale = || pass.estimate(state, mass).scale.value;
-                    self.steps.suggest(cell, pass.bias_step(), scale);
+                    self.steps
+                        .suggest(cell, pass.bias_step(), scale, disagreements);
                 }
             }
             pass.retreat(&record.smoother_input);
