@@ -26,18 +26,17 @@ use std::ops::RangeInclusive;
 const LEAST_TEST_RATIO: f64 = 25.0;
 /// Gain over the test ratio of a step that stays. In a linear filter it is one.
 const GAIN: RangeInclusive<f64> = 0.5..=2.0;
-/// Least gain of the altitudes alone.
+/// Least gain of the altitudes alone, and over the test ratio. A signal that is wrong for a while gains
+/// as much for the speeds, and nothing for the altitudes.
 const LEAST_ALTITUDE_GAIN: f64 = 3.0;
+const LEAST_ALTITUDE_PART: f64 = 0.08;
 /// Least number of cells between two steps that are tried at once, 50 km. The measurements from the
 /// first to the second one judge the first. Over less, what a step of another kind gains looks like
 /// what its test ratio says.
 const APART_CELLS: u32 = 20_000;
-/// Number of cells on both sides of a tried one in which no other is tried: 100 m.
-const NEAR_CELLS: u32 = 40;
-
-/// Number of cells on both sides of a step in which no signal disagrees: 1 km. Where a signal is wrong,
-/// a step is no error of the model.
-const SOUND_CELLS: u32 = 400;
+/// Number of cells on both sides of a step without another one that was tried, and in which no signal
+/// disagrees: 1 km. What is wrong at two places so near, or where a signal is wrong, is not the model.
+const ALONE_CELLS: u32 = 400;
 
 /// The steps that are known, and those that are being tried.
 #[derive(Clone, Debug, Default)]
@@ -133,8 +132,8 @@ impl ModelSteps {
         let known = self.known.iter().map(|step| step.cell);
         let mut tried = known.chain(self.refused.iter().copied());
         if test_ratio < LEAST_TEST_RATIO
-            || tried.any(|other| other.abs_diff(cell) < NEAR_CELLS)
-            || disagreements.signals_disagree(&around(cell, SOUND_CELLS))
+            || tried.any(|other| other.abs_diff(cell) < ALONE_CELLS)
+            || disagreements.signals_disagree(&around(cell, ALONE_CELLS))
         {
             return;
         }
@@ -163,10 +162,12 @@ impl ModelSteps {
             let cells = step.cell..end;
             end = step.cell;
             let without = without.within(cells.clone());
+            let least_altitude_gain =
+                LEAST_ALTITUDE_GAIN.max(LEAST_ALTITUDE_PART * step.test_ratio);
             let stays = trials.iter().any(|trial| {
                 let with = trial.within(cells.clone());
                 GAIN.contains(&((without.all - with.all) / step.test_ratio))
-                    && without.altitudes - with.altitudes >= LEAST_ALTITUDE_GAIN
+                    && without.altitudes - with.altitudes >= least_altitude_gain
             });
             if stays {
                 self.known.push(step);
