@@ -22,8 +22,8 @@ use estimator_core::Uncertain;
 use estimator_core::sample::Sample;
 use std::ops::RangeInclusive;
 
-/// Least test ratio of a step: five sigmas, since the cell is the best one of some ten thousand.
-const LEAST_TEST_RATIO: f64 = 25.0;
+/// Least test ratio of a step: six sigmas, since the cell is the best one of some ten thousand.
+const LEAST_TEST_RATIO: f64 = 36.0;
 /// Gain over the test ratio of a step that stays. In a linear filter it is one.
 const GAIN: RangeInclusive<f64> = 0.5..=2.0;
 /// Least gain of the altitudes alone, and over the test ratio. A signal that is wrong for a while gains
