@@ -68,7 +68,7 @@ impl<S: Scalar> BackwardPass<S> {
 
     /// Returns the step of the bias here that later steps suggest, %: how much more slope the model
     /// reads too high behind than before. Its sigma is that of no step, and infinite if nothing later
-    /// tells. The slope that the model reads steps with the bias, since the road does not.
+    /// tells. A step of the bias is also one of the slope that the model reads: the road has none.
     ///
     /// Source: P. de Jong and J. Penzer, "Diagnosing shocks in time series", Journal of the American
     /// Statistical Association 93:796, 1998.

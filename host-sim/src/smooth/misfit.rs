@@ -2,6 +2,7 @@
 
 use estimator_core::Scalar;
 use estimator_core::filter::SmootherInput;
+use estimator_core::filter::measurement::Observation;
 use std::iter::Sum;
 use std::ops::{Add, Range};
 
@@ -49,27 +50,25 @@ impl Misfit {
             self.kilometres.resize(kilometre + 1, MisfitSum::default());
         }
         let sum = &mut self.kilometres[kilometre];
-        for (_, update) in step.updates() {
+        for (observation, update) in step.updates() {
             let variance = update.innovation_variance.to_f64();
-            sum.all += update.innovation.to_f64().powi(2) / variance + variance.ln();
-        }
-        if let Some(update) = step.altitude() {
-            let variance = update.innovation_variance.to_f64();
-            sum.altitudes += update.innovation.to_f64().powi(2) / variance + variance.ln();
-            self.altitudes += 1;
+            let misfit = update.innovation.to_f64().powi(2) / variance + variance.ln();
+            sum.all += misfit;
+            if observation == Observation::Altitude {
+                sum.altitudes += misfit;
+                self.altitudes += 1;
+            }
         }
     }
 
     /// Returns the mean over all altitudes. It is not a number if there are none.
     pub(super) fn mean_of_altitudes(&self) -> f64 {
-        let sum: MisfitSum = self.kilometres.iter().copied().sum();
-        sum.altitudes / self.altitudes as f64
+        self.total().altitudes / self.altitudes as f64
     }
 
-    /// Returns the misfit of all measurements.
-    pub(super) fn total(&self) -> f64 {
-        let sum: MisfitSum = self.kilometres.iter().copied().sum();
-        sum.all
+    /// Returns the misfit of the run.
+    pub(super) fn total(&self) -> MisfitSum {
+        self.kilometres.iter().copied().sum()
     }
 
     /// Returns the misfit in whole kilometres, from that of the first cell to that before the end's.

@@ -115,9 +115,9 @@ impl ModelSteps {
         self.known.is_empty()
     }
 
-    /// Returns whether there are steps to try.
-    pub(super) const fn are_suggested(&self) -> bool {
-        !self.suggested.is_empty()
+    /// Returns the number of steps to try.
+    pub(super) const fn suggested(&self) -> usize {
+        self.suggested.len()
     }
 
     /// Takes the step that is likely at the end of a cell. Cells come from the last one to the first.
@@ -129,11 +129,12 @@ impl ModelSteps {
         disagreements: &Disagreements,
     ) {
         let test_ratio = f64::from(size_percent.value / size_percent.sigma).powi(2);
+        let nearby = cell.saturating_sub(ALONE_CELLS)..=cell.saturating_add(ALONE_CELLS);
         let known = self.known.iter().map(|step| step.cell);
         let mut tried = known.chain(self.refused.iter().copied());
         if test_ratio < LEAST_TEST_RATIO
             || tried.any(|other| other.abs_diff(cell) < ALONE_CELLS)
-            || disagreements.signals_disagree(&around(cell, ALONE_CELLS))
+            || disagreements.signals_disagree(&nearby)
         {
             return;
         }
@@ -154,8 +155,8 @@ impl ModelSteps {
     }
 
     /// Decides which of the suggested steps stay, from the misfit of the run without them and of the
-    /// trials with them. Returns whether any of them stays.
-    pub(super) fn judge(&mut self, without: &Misfit, trials: &[Misfit]) -> bool {
+    /// trials with them. Returns how many of them stay.
+    pub(super) fn judge(&mut self, without: &Misfit, trials: [&Misfit; 2]) -> usize {
         let known = self.known.len();
         let mut end = u32::MAX;
         for step in self.suggested.drain(..) {
@@ -175,10 +176,6 @@ impl ModelSteps {
                 self.refused.push(step.cell);
             }
         }
-        self.known.len() > known
+        self.known.len() - known
     }
-}
-
-fn around(cell: u32, cells: u32) -> RangeInclusive<u32> {
-    cell.saturating_sub(cells)..=cell.saturating_add(cells)
 }

@@ -112,7 +112,7 @@ pub fn smooth_segments<S: Scalar, M: Samples>(
         ..
     } = smoother.look_for_steps(first)?;
     smoother.go_back(
-        parts,
+        &parts,
         &mut BackwardPass::new(),
         &Purpose::Estimate(&disagreements),
     )?;
@@ -220,22 +220,24 @@ where
     /// Looks for steps of the model's error until no other one stays.
     fn look_for_steps(&mut self, mut best: Look<S>) -> Result<Look<S>, M::Error> {
         for _ in 0..SEARCHES {
-            let parts = best.parts.clone();
             self.go_back(
-                parts,
+                &best.parts,
                 &mut BackwardPass::new(),
                 &Purpose::FindSteps(&best.disagreements),
             )?;
-            if !self.steps.are_suggested() {
+            let tried = self.steps.suggested();
+            if tried == 0 {
                 break;
             }
-            let mut trials = Vec::with_capacity(2);
-            for forces in [Forces::Suggested, Forces::None] {
-                self.steps.take_as_forces(forces);
-                trials.push(self.look()?.misfit);
-            }
-            if self.steps.judge(&best.misfit, &trials) {
-                best = self.look()?;
+            self.steps.take_as_forces(Forces::Suggested);
+            let with_forces = self.look()?;
+            self.steps.take_as_forces(Forces::None);
+            let open = self.look()?;
+            let trials = [&with_forces.misfit, &open.misfit];
+            match self.steps.judge(&best.misfit, trials) {
+                0 => {}
+                stay if stay == tried => best = open,
+                _ => best = self.look()?,
             }
         }
         self.compare_sizes(best)
@@ -248,14 +250,12 @@ where
             return Ok(open);
         }
         self.steps.take_as_forces(Forces::Known);
-        let start = self.start.clone();
         self.learn_levels_again()?;
         let with_forces = self.look()?;
-        if with_forces.misfit.total() < open.misfit.total() {
+        if with_forces.misfit.total().all < open.misfit.total().all {
             return Ok(with_forces);
         }
         self.steps.take_as_forces(Forces::None);
-        self.start = start;
         Ok(open)
     }
 
@@ -311,16 +311,17 @@ where
     /// Goes back over parts. `pass` is the backward pass behind the last of them.
     fn go_back(
         &mut self,
-        mut parts: Parts<S>,
+        parts: &[(Range<usize>, Checkpoint<S>)],
         pass: &mut BackwardPass<S>,
         purpose: &Purpose<'_>,
     ) -> Result<(), M::Error> {
-        while let Some((part, checkpoint)) = parts.pop() {
+        for (part, checkpoint) in parts.iter().rev() {
+            let (part, checkpoint) = (part.clone(), checkpoint.clone());
             if part.len() <= RECORDS {
                 self.go_back_over_records(part, checkpoint, pass, purpose)?;
             } else {
                 let parts = self.divide(part, checkpoint, |_| ())?;
-                self.go_back(parts, pass, purpose)?;
+                self.go_back(&parts, pass, purpose)?;
             }
         }
         Ok(())
