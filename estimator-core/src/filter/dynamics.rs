@@ -37,6 +37,15 @@ pub struct Dynamics<S> {
 }
 
 impl<S: Scalar> Dynamics<S> {
+    /// Returns the dynamics of a cell before which the vehicle lost its net traction, %
+    /// ([`State::release_traction`]).
+    pub(super) fn after_release(&self, net_traction: S) -> Self {
+        Self {
+            traction_jump: self.traction_jump - net_traction,
+            ..*self
+        }
+    }
+
     /// Applies F to mean and covariance.
     #[inline]
     pub(super) fn forward(&self, state: &mut State<S>) {

@@ -173,9 +173,9 @@ impl<S: Scalar> Filter<S> {
             prior,
             parts,
         } = self;
-        if let Some(state) = state {
-            parts.reopen(state, context, sample);
-        }
+        let released = state.as_mut().map_or(S::ZERO, |state| {
+            parts.reopen(state, context, sample)
+        });
         let braked = parts.brake.advance(context, sample, state.as_ref());
         let sample = braked.as_ref().unwrap_or(sample);
         let is_stuck = parts.torque.advance(sample);
@@ -217,7 +217,7 @@ impl<S: Scalar> Filter<S> {
                 ..sample.end
             },
             smoother_input: SmootherInput {
-                dynamics: *prediction.dynamics(),
+                dynamics: prediction.dynamics().after_release(released),
                 reset,
                 speed,
                 second,

@@ -156,12 +156,17 @@ impl Parts {
     }
 
     /// Widens bias and scale where the vehicle stood before the cell and its load may have changed.
+    /// Returns the net traction that it lost there, %.
     pub(super) fn reopen<S: Scalar>(
         &mut self,
         state: &mut State<S>,
         context: &mut Context,
         sample: &Sample,
-    ) {
+    ) -> S {
+        if !(sample.after_stop || sample.after_load_change) {
+            return S::ZERO;
+        }
+        let released = state.release_traction();
         let tuning = &context.tuning;
         if sample.after_load_change {
             reopen_bias_and_scale(state, context, sample);
@@ -175,6 +180,7 @@ impl Parts {
             self.accelerometer.open_scale(tuning);
             self.altitude.model_changed();
         }
+        released
     }
 
     /// Compares the force with an accelerometer, and combines both. Returns the number of cells in

@@ -64,6 +64,17 @@ impl<S: Scalar> State<S> {
         }
     }
 
+    /// Sets the net traction to zero, as at a standstill. The slope of the road stays, and so it does
+    /// when the scale becomes another one there. Returns the net traction until then, %.
+    pub(super) fn release_traction(&mut self) -> S {
+        let net_traction = core::mem::replace(&mut self.net_traction, S::ZERO);
+        let scale = self.mean[StateIndex::Scale];
+        self.mean[StateIndex::Slope].add_product(net_traction, &scale);
+        let covariance = &mut self.covariance;
+        covariance.shear(StateIndex::Slope, StateIndex::Scale, net_traction);
+        net_traction
+    }
+
     /// Returns the slow error of the model, bias and wind, %, and its variance, %².
     pub(super) fn model_error(&self) -> (f32, f32) {
         let [bias, wind] = [StateIndex::Bias, StateIndex::Wind];
