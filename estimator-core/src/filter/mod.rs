@@ -173,9 +173,9 @@ impl<S: Scalar> Filter<S> {
             prior,
             parts,
         } = self;
-        let released = state.as_mut().map_or(S::ZERO, |state| {
-            parts.reopen(state, context, sample)
-        });
+        let released = state
+            .as_mut()
+            .map_or(S::ZERO, |state| parts.reopen(state, context, sample));
         let braked = parts.brake.advance(context, sample, state.as_ref());
         let sample = braked.as_ref().unwrap_or(sample);
         let is_stuck = parts.torque.advance(sample);
@@ -205,7 +205,8 @@ impl<S: Scalar> Filter<S> {
         let speed = parts
             .speed
             .apply(context, sample, at_end, energy_before, reset);
-        let second = parts.update_besides_speed(at_end, context, sample, &gated, energy_before);
+        let second =
+            parts.update_besides_speed(at_end, context, sample, &gated, energy_before.mean);
         let scale_set = parts.keep_scale(at_end, context);
         if !check(at_end, context, sample) {
             *state = None;

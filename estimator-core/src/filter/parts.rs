@@ -38,9 +38,26 @@ use crate::vehicle::Traction;
 /// A state at the end of a cell before its measurements.
 pub(super) struct Predicted<'a, S> {
     pub state: &'a mut State<S>,
-    /// Kinetic energy at the start of the cell, m²/s².
-    pub energy_before: S,
+    pub energy_before: EnergyBefore<S>,
     pub reset: Reset,
+}
+
+/// Kinetic energy at the start of a cell.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct EnergyBefore<S> {
+    /// Mean, m²/s².
+    pub mean: S,
+    /// Variance, (m²/s²)².
+    pub variance: S,
+}
+
+impl<S: Scalar> EnergyBefore<S> {
+    fn of(state: &State<S>) -> Self {
+        Self {
+            mean: state.mean[StateIndex::KineticEnergy],
+            variance: state.covariance.variance(StateIndex::KineticEnergy),
+        }
+    }
 }
 
 /// What the filter keeps besides its state.
@@ -216,7 +233,7 @@ impl Parts {
         if let Some(state) = slot
             && sample.gap_cells == 0
         {
-            let energy_before = state.mean[StateIndex::KineticEnergy];
+            let energy_before = EnergyBefore::of(state);
             prediction.apply(state);
             return Some(Predicted {
                 state: slot.as_mut()?,
@@ -236,7 +253,7 @@ impl Parts {
         });
         start_after_gap(state, &context.tuning, speed);
         state.net_traction = prediction.dynamics().net_traction;
-        let energy_before = state.mean[StateIndex::KineticEnergy];
+        let energy_before = EnergyBefore::of(state);
         if is_first {
             self.open_load(state, context, sample);
         }

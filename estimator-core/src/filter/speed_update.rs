@@ -2,6 +2,7 @@
 
 use super::measurement::{Observation, ScalarMeasurement, ScalarUpdate};
 use super::noise_ratio::{NoiseRatio, SensorNoiseRatios};
+use super::parts::EnergyBefore;
 use super::slope_step::SlopeStep;
 use super::state::State;
 use super::state_index::StateIndex;
@@ -12,6 +13,9 @@ use crate::sample::{Sample, SpeedMeasurement};
 use crate::scalar::Scalar;
 use crate::tuning::{MeasurementNoise, Tuning};
 use crate::vehicle::GRAVITY;
+
+/// Change of the acceleration of a vehicle that shifts, brakes or launches, m/s³: chosen.
+const JERK_MPS3: f32 = 2.0;
 
 /// What the filter remembers for the speed updates.
 #[derive(Clone, Debug)]
@@ -87,15 +91,14 @@ impl SpeedUpdate {
         self.noise.ratio()
     }
 
-    /// Updates the state with the speed of a sample, if there is one. `energy_before` is the kinetic
-    /// energy at the start of the cell, m²/s².
+    /// Updates the state with the speed of a sample, if there is one.
     #[inline]
     pub(super) fn apply<S: Scalar>(
         &mut self,
         context: &mut Context,
         sample: &Sample,
         state: &mut State<S>,
-        energy_before: S,
+        before: EnergyBefore<S>,
         reset: Reset,
     ) -> Option<ScalarUpdate<S>> {
         let Some(speed) = sample.speed else {
@@ -103,9 +106,7 @@ impl SpeedUpdate {
             return None;
         };
         let tuning = &context.tuning;
-        let energy = state.mean[StateIndex::KineticEnergy];
-        let gradient = (energy - energy_before) * S::from_f32(1.0 / sample.length_m);
-        let measurement = measurement(state, tuning, speed, gradient, self.noise.ratio());
+        let measurement = at_end(state, tuning, sample, speed, before, self.noise.ratio());
         let distance_m = core::mem::take(&mut self.unmeasured_m) + sample.length_m;
         if is_step(state, tuning, distance_m, &measurement) {
             // Of the speed, and not of what moves it. The step is in the sensor.
@@ -146,8 +147,65 @@ fn is_step<S: Scalar>(
     innovation * innovation > tuning.gates.speed_test_ratio * variance && innovation.abs() > most()
 }
 
-/// Returns the mean speed as a measurement of v²/2 at the cell's end. `gradient` is the predicted
-/// change of energy along the road, m²/s² per m, which carries the measurement there.
+/// Returns the speed as a measurement of v²/2 at the cell's end.
+///
+/// The predicted change of the energy carries the mean of the readings there. Where the forces are not
+/// known (brakes, shifts, a launch with another load), it carries it to a wrong energy. The reading at
+/// the end then counts, as far as the two differ by more than their noise (positive part of W. James
+/// and C. Stein, "Estimation with quadratic loss", Berkeley Symposium 1:361, 1961).
+fn at_end<S: Scalar>(
+    state: &State<S>,
+    tuning: &Tuning,
+    sample: &Sample,
+    speed: SpeedMeasurement,
+    before: EnergyBefore<S>,
+    noise_ratio: f32,
+) -> ScalarMeasurement<S> {
+    let energy = state.mean[StateIndex::KineticEnergy];
+    let gained = state.covariance.variance(StateIndex::KineticEnergy) - before.variance;
+    let per_length = S::from_f32(1.0 / sample.length_m);
+    let gradient = (energy - before.mean) * per_length;
+    let mean = measurement(state, tuning, speed, gradient, noise_ratio);
+    let last = last_reading(sample, speed);
+    let mut last = measurement(state, tuning, last, S::ZERO, noise_ratio);
+    let bend = sample.end.speed_mps * bend_mps(sample, speed.count);
+    last.variance += S::from_f32(bend * bend);
+    let behind = S::from_f32(speed.behind_m) * per_length;
+    if mean.variance + behind * behind * gained <= last.variance {
+        return mean;
+    }
+    let differing = last.innovation - mean.innovation;
+    let noise = last.variance + mean.variance;
+    let differing_squared = differing.squared();
+    if differing_squared <= noise {
+        return mean;
+    }
+    let weight = S::ONE - noise / differing_squared;
+    ScalarMeasurement {
+        innovation: mean.innovation + weight * differing,
+        variance: mean.variance + weight * (last.variance - mean.variance),
+        ..mean
+    }
+}
+
+/// Returns the speed at the cell's end, between the readings around it.
+const fn last_reading(sample: &Sample, mean: SpeedMeasurement) -> SpeedMeasurement {
+    SpeedMeasurement {
+        mean_mps: sample.end.speed_mps,
+        behind_m: 0.0,
+        count: 1,
+        ..mean
+    }
+}
+
+/// Returns by how much the speed bends between two of so many readings in a cell, m/s.
+fn bend_mps(sample: &Sample, count: u8) -> f32 {
+    let apart_s = sample.duration_s / f32::from(count.max(1));
+    0.125 * JERK_MPS3 * apart_s * apart_s
+}
+
+/// Returns a speed as a measurement of v²/2 at the cell's end. `gradient` is the predicted change of
+/// energy along the road, m²/s² per m, which carries the measurement there.
 fn measurement<S: Scalar>(
     state: &State<S>,
     tuning: &Tuning,
