@@ -17,6 +17,9 @@ use crate::vehicle::GRAVITY;
 /// Change of the acceleration of a vehicle that shifts, brakes or launches, m/s³: chosen.
 const JERK_MPS3: f32 = 2.0;
 
+/// Time between two readings after which the speed may be any, s.
+const LONG_S: f32 = 10.0;
+
 /// What the filter remembers for the speed updates.
 #[derive(Clone, Debug)]
 pub(super) struct SpeedUpdate {
@@ -106,8 +109,9 @@ impl SpeedUpdate {
             return None;
         };
         let tuning = &context.tuning;
-        let measurement = at_end(state, tuning, sample, speed, before, self.noise.ratio());
         let distance_m = core::mem::take(&mut self.unmeasured_m) + sample.length_m;
+        let spaced = (speed, distance_m);
+        let measurement = at_end(state, tuning, sample, spaced, before, self.noise.ratio());
         if is_step(state, tuning, distance_m, &measurement) {
             // Of the speed, and not of what moves it. The step is in the sensor.
             let variance = measurement.innovation.squared();
@@ -152,12 +156,13 @@ fn is_step<S: Scalar>(
 /// The predicted change of the energy carries the mean of the readings there. Where the forces are not
 /// known (brakes, shifts, a launch with another load), it carries it to a wrong energy. The reading at
 /// the end then counts, as far as the two differ by more than their noise (positive part of W. James
-/// and C. Stein, "Estimation with quadratic loss", Berkeley Symposium 1:361, 1961).
+/// and C. Stein, "Estimation with quadratic loss", Berkeley Symposium 1:361, 1961). `distance_m` is that
+/// since the readings before.
 fn at_end<S: Scalar>(
     state: &State<S>,
     tuning: &Tuning,
     sample: &Sample,
-    speed: SpeedMeasurement,
+    (speed, distance_m): (SpeedMeasurement, f32),
     before: EnergyBefore<S>,
     noise_ratio: f32,
 ) -> ScalarMeasurement<S> {
@@ -168,7 +173,9 @@ fn at_end<S: Scalar>(
     let mean = measurement(state, tuning, speed, gradient, noise_ratio);
     let last = last_reading(sample, speed);
     let mut last = measurement(state, tuning, last, S::ZERO, noise_ratio);
-    let bend = sample.end.speed_mps * bend_mps(sample, speed.count);
+    let readings_m = distance_m / f32::from(speed.count.max(1));
+    let apart_s = sample.duration_s * readings_m / sample.length_m;
+    let bend = sample.end.speed_mps * bend_mps(Scalar::min(LONG_S, apart_s));
     last.variance += S::from_f32(bend * bend);
     let behind = S::from_f32(speed.behind_m) * per_length;
     if mean.variance + behind * behind * gained <= last.variance {
@@ -198,9 +205,8 @@ const fn last_reading(sample: &Sample, mean: SpeedMeasurement) -> SpeedMeasureme
     }
 }
 
-/// Returns by how much the speed bends between two of so many readings in a cell, m/s.
-fn bend_mps(sample: &Sample, count: u8) -> f32 {
-    let apart_s = sample.duration_s / f32::from(count.max(1));
+/// Returns by how much the speed bends between two readings, m/s.
+const fn bend_mps(apart_s: f32) -> f32 {
     0.125 * JERK_MPS3 * apart_s * apart_s
 }
 

@@ -81,11 +81,18 @@ pub fn batch(samples: &[Sample], cells: &[FilteredStep<f64>], tuning: &Tuning) -
             0.0
         };
         known.scale_sigma = (known.scale_sigma.powi(2) + opened).sqrt();
-        let (f, input, q) = dense_model(sample, (motions[k - 1], motions[k]), known, tuning);
+        // A stop ends the net traction before it opens the load.
+        let mut from = motions[k - 1];
+        let mut release = DMatrix::<f64>::identity(STATES, STATES);
+        if sample.after_stop {
+            release[(SLOPE, SCALE)] = core::mem::take(&mut from.net_traction);
+        }
+        let (f, input, q) = dense_model(sample, (from, motions[k]), known, tuning);
+        let moves = &f * &release;
         let (now, before) = (k * STATES, (k - 1) * STATES);
-        let moved = &f * mean.rows(before, STATES) + input;
+        let moved = &moves * mean.rows(before, STATES) + input;
         mean.rows_mut(now, STATES).copy_from(&moved);
-        let cross = &f * covariance.view((before, 0), (STATES, now));
+        let cross = &moves * covariance.view((before, 0), (STATES, now));
         covariance
             .view_mut((now, 0), (STATES, now))
             .copy_from(&cross);
@@ -95,6 +102,7 @@ pub fn batch(samples: &[Sample], cells: &[FilteredStep<f64>], tuning: &Tuning) -
         let mut start = covariance
             .view((before, before), (STATES, STATES))
             .into_owned();
+        start = &release * start * release.transpose();
         start[(SCALE, SCALE)] += opened;
         let within = &f * start * f.transpose() + DMatrix::from_diagonal(&q);
         covariance

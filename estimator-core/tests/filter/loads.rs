@@ -190,3 +190,30 @@ fn a_load_that_nothing_tells_is_taken_for_that_of_before_after_twenty_kilometres
     assert!(sigma(7_990) > 0.2, "{}", sigma(7_990));
     assert!(sigma(8_010) < 0.5 * sigma(7_990), "{}", sigma(8_010));
 }
+
+/// The road does not know of the load. The slope that the model reads depends on both, so the net
+/// traction of before the stop must not count behind it.
+#[test]
+fn the_slope_of_the_road_is_as_certain_behind_a_stop_as_before() {
+    let mut samples = hills(FILE_KG, 5);
+    let stop = samples.len() / 2 + 100;
+    samples[stop].after_stop = true;
+    samples[stop].end.condition.shifting = true;
+    let cells = driven(&samples[..=stop], FILE_KG, &Tuning::default());
+    let [before, behind] = [stop - 1, stop].map(|cell| cells[cell].0.state);
+    assert!(before.net_traction > 1.0, "{}", before.net_traction);
+    let [before, behind] = [before, behind].map(|state| {
+        let mass = ModelMass::of(
+            &FilterRun::<f64>::new(truck(), Tuning::default()).context,
+            &samples[stop],
+        );
+        state.estimate(&mass)
+    });
+    assert!(behind.scale.sigma > 10.0 * before.scale.sigma, "{behind:?}");
+    let [before, behind] = [before, behind].map(|estimate| estimate.grade_percent);
+    assert!(
+        (behind.value - before.value).abs() < 0.05,
+        "{before:?}, {behind:?}"
+    );
+    assert!(behind.sigma < 1.1 * before.sigma, "{before:?}, {behind:?}");
+}

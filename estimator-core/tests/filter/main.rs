@@ -18,3 +18,4 @@ mod silent_brake;
 mod slopes;
 mod states;
 mod statistics;
+mod unknown_forces;

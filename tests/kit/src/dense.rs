@@ -64,7 +64,8 @@ pub struct Motion {
 
 /// Returns the motion over each cell. What turns engine and wheels does not move the mass: it is no
 /// net traction. The speed gained is counted from what the filter knew at the start of the cell. A
-/// stop opens the load, until it is compared with the one before; the drive itself begins in motion.
+/// stop opens the load, until it is compared with the one before, and ends the net traction; the drive
+/// itself begins in motion.
 pub fn motions(samples: &[Sample], cells: &[FilteredStep<f64>], tuning: &Tuning) -> Vec<Motion> {
     let mut held = None;
     let mut driven_m = None;
@@ -83,6 +84,9 @@ pub fn motions(samples: &[Sample], cells: &[FilteredStep<f64>], tuning: &Tuning)
             };
             let weight = f64::from(sample.forces.mass_kg) * 9.806_65;
             let turning = 100.0 * f64::from(sample.forces.rotating_kg) * gained / weight;
+            if sample.after_stop {
+                held = Some(0.0);
+            }
             let net_traction = match held {
                 Some(held) if !is_valid => held,
                 _ => gross[k] - turning,
