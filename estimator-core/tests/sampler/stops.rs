@@ -158,10 +158,22 @@ fn hills(change: impl Fn(u16, &mut Sample)) -> ([f64; 3], u32) {
     (found, run.context.counters.loads_reopened)
 }
 
+/// Makes a sample the first one behind a stop, at walking speed.
+fn launched(sample: &mut Sample) {
+    sample.after_stop = true;
+    sample.end.condition.crawling = true;
+    sample.end.condition.shifting = true;
+}
+
 #[test]
 fn what_was_learned_is_reset_after_a_load_change() {
     let (before, none) = hills(|_, _| ());
-    let (after, once) = hills(|cell, sample| sample.after_load_change = cell == 11_999);
+    let (after, once) = hills(|cell, sample| {
+        if cell == 11_999 {
+            sample.after_load_change = true;
+            launched(sample);
+        }
+    });
     assert_eq!((none, once), (0, 1));
     assert!(before[0] < 0.03 && before[1] < 0.2, "{before:?}");
     // Any load, as a part of the scale, and cold tyres.
@@ -174,8 +186,14 @@ fn what_was_learned_is_reset_after_a_load_change() {
 #[test]
 fn a_load_that_did_not_change_is_known_again_within_a_kilometre() {
     let (never, _) = hills(|_, _| ());
-    let (at_stop, _) = hills(|cell, sample| sample.after_stop = cell == 11_999);
-    let (after, none) = hills(|cell, sample| sample.after_stop = cell == 11_599);
+    let stop_at = |stop: u16| {
+        hills(|cell, sample| {
+            if cell == stop {
+                launched(sample);
+            }
+        })
+    };
+    let ((at_stop, _), (after, none)) = (stop_at(11_999), stop_at(11_599));
     assert_eq!(none, 0);
     assert!(at_stop[0] > 0.79, "{at_stop:?}");
     // What was known, and 3 % that passengers and parcels change.
