@@ -171,37 +171,39 @@ fn at_end<S: Scalar>(
     let per_length = S::from_f32(1.0 / sample.length_m);
     let gradient = (energy - before.mean) * per_length;
     let mean = measurement(state, tuning, speed, gradient, noise_ratio);
-    let last = last_reading(sample, speed);
-    let mut last = measurement(state, tuning, last, S::ZERO, noise_ratio);
-    let readings_m = distance_m / f32::from(speed.count.max(1));
-    let apart_s = sample.duration_s * readings_m / sample.length_m;
-    let bend = sample.end.speed_mps * bend_mps(Scalar::min(LONG_S, apart_s));
-    last.variance += S::from_f32(bend * bend);
     let behind = S::from_f32(speed.behind_m) * per_length;
-    if mean.variance + behind * behind * gained <= last.variance {
+    let carried = behind * behind * gained;
+    let count = f32::from(speed.count.max(1));
+    let apart_s = sample.duration_s * distance_m / (sample.length_m * count);
+    let mps = sample.end.speed_mps;
+    let bend = mps * bend_mps(Scalar::min(LONG_S, apart_s));
+    let of_last = mean.variance * S::from_f32(count) + S::from_f32(bend * bend);
+    if mean.variance + carried <= of_last {
         return mean;
     }
-    let differing = last.innovation - mean.innovation;
-    let noise = last.variance + mean.variance;
+    let last = S::from_f32(0.5 * mps * mps) - energy;
+    towards(mean, last, of_last)
+}
+
+/// Returns a measurement that is moved towards another innovation of such a variance, as far as the
+/// two differ by more than their noise.
+#[inline(never)] // Rare.
+fn towards<S: Scalar>(
+    measurement: ScalarMeasurement<S>,
+    innovation: S,
+    variance: S,
+) -> ScalarMeasurement<S> {
+    let differing = innovation - measurement.innovation;
+    let noise = variance + measurement.variance;
     let differing_squared = differing.squared();
     if differing_squared <= noise {
-        return mean;
+        return measurement;
     }
     let weight = S::ONE - noise / differing_squared;
     ScalarMeasurement {
-        innovation: mean.innovation + weight * differing,
-        variance: mean.variance + weight * (last.variance - mean.variance),
-        ..mean
-    }
-}
-
-/// Returns the speed at the cell's end, between the readings around it.
-const fn last_reading(sample: &Sample, mean: SpeedMeasurement) -> SpeedMeasurement {
-    SpeedMeasurement {
-        mean_mps: sample.end.speed_mps,
-        behind_m: 0.0,
-        count: 1,
-        ..mean
+        innovation: measurement.innovation + weight * differing,
+        variance: measurement.variance + weight * (variance - measurement.variance),
+        ..measurement
     }
 }
 
