@@ -20,7 +20,7 @@ use super::scale_prior_reset::ScalePriorReset;
 use super::silent_brake::SilentBrake;
 use super::slope_step::{allow_kink, allow_step};
 use super::slope_update::SlopeUpdate;
-use super::speed_update::SpeedUpdate;
+use super::speed_update::{EnergyBefore, SpeedUpdate};
 use super::state::State;
 use super::state_index::StateIndex;
 use super::step_disagreement::StepDisagreement;
@@ -40,24 +40,6 @@ pub(super) struct Predicted<'a, S> {
     pub state: &'a mut State<S>,
     pub energy_before: EnergyBefore<S>,
     pub reset: Reset,
-}
-
-/// Kinetic energy at the start of a cell.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct EnergyBefore<S> {
-    /// Mean, m²/s².
-    pub mean: S,
-    /// Variance, (m²/s²)².
-    pub variance: S,
-}
-
-impl<S: Scalar> EnergyBefore<S> {
-    fn of(state: &State<S>) -> Self {
-        Self {
-            mean: state.mean[StateIndex::KineticEnergy],
-            variance: state.covariance.variance(StateIndex::KineticEnergy),
-        }
-    }
 }
 
 /// What the filter keeps besides its state.

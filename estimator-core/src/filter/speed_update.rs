@@ -2,7 +2,6 @@
 
 use super::measurement::{Observation, ScalarMeasurement, ScalarUpdate};
 use super::noise_ratio::{NoiseRatio, SensorNoiseRatios};
-use super::parts::EnergyBefore;
 use super::slope_step::SlopeStep;
 use super::state::State;
 use super::state_index::StateIndex;
@@ -19,6 +18,24 @@ const JERK_MPS3: f32 = 2.0;
 
 /// Time between two readings after which the speed may be any, s.
 const LONG_S: f32 = 10.0;
+
+/// Kinetic energy at the start of a cell.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct EnergyBefore<S> {
+    /// Mean, m²/s².
+    pub mean: S,
+    /// Variance, (m²/s²)².
+    pub variance: S,
+}
+
+impl<S: Scalar> EnergyBefore<S> {
+    pub(super) fn of(state: &State<S>) -> Self {
+        Self {
+            mean: state.mean[StateIndex::KineticEnergy],
+            variance: state.covariance.variance(StateIndex::KineticEnergy),
+        }
+    }
+}
 
 /// What the filter remembers for the speed updates.
 #[derive(Clone, Debug)]
