@@ -19,6 +19,9 @@ const JERK_MPS3: f32 = 2.0;
 /// Time between two readings after which the speed may be any, s.
 const LONG_S: f32 = 10.0;
 
+/// Difference of two measurements of the speed above which it is no noise, in sigmas.
+const DIFFERING_SIGMAS: f32 = 2.0;
+
 /// Kinetic energy at the start of a cell.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct EnergyBefore<S> {
@@ -171,8 +174,8 @@ fn is_step<S: Scalar>(
 /// Returns the speed as a measurement of v²/2 at the cell's end.
 ///
 /// The predicted change of the energy carries the mean of the readings there. Where the forces are not
-/// known (brakes, shifts, a launch with another load), it carries it to a wrong energy. The reading at
-/// the end then counts, as far as the two differ by more than their noise (positive part of W. James
+/// known (a clutch that slips, a launch with another load), it carries it to a wrong energy. The reading
+/// at the end then counts, as far as the two differ by more than their noise (the positive part of W. James
 /// and C. Stein, "Estimation with quadratic loss", Berkeley Symposium 1:361, 1961). `distance_m` is that
 /// since the readings before.
 fn at_end<S: Scalar>(
@@ -195,7 +198,8 @@ fn at_end<S: Scalar>(
     let mps = sample.end.speed_mps;
     let bend = mps * bend_mps(Scalar::min(LONG_S, apart_s));
     let of_last = mean.variance * S::from_f32(count) + S::from_f32(bend * bend);
-    if mean.variance + carried <= of_last {
+    // A brake acts alike over many cells: what the speed gains from one to the next is right.
+    if sample.end.condition.braking || mean.variance + carried <= of_last {
         return mean;
     }
     let last = S::from_f32(0.5 * mps * mps) - energy;
@@ -211,7 +215,8 @@ fn towards<S: Scalar>(
     variance: S,
 ) -> ScalarMeasurement<S> {
     let differing = innovation - measurement.innovation;
-    let noise = variance + measurement.variance;
+    let noise =
+        S::from_f32(DIFFERING_SIGMAS * DIFFERING_SIGMAS) * (variance + measurement.variance);
     let differing_squared = differing.squared();
     if differing_squared <= noise {
         return measurement;
