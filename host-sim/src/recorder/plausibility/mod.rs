@@ -180,13 +180,16 @@ impl Seen {
             };
             found.extend(self.fit.never_valid(gears));
         }
+        let besides_gears = found.len();
         if !spoils(&found) {
             self.gearbox.judge(&mut found);
         }
+        let gears_are_wrong = found.len() > besides_gears;
         if !spoils(&found) {
             found.extend(self.climb.judge_scale());
         }
-        if !spoils(&found) {
+        // Forces follow from the gears, and the scale from the forces.
+        if !spoils(&found) && !gears_are_wrong {
             found.extend(self.fit.scale());
         }
         found
