@@ -13,7 +13,7 @@ use crate::scalar::Scalar;
 use crate::tuning::{MeasurementNoise, Tuning};
 use crate::vehicle::GRAVITY;
 
-/// Change of the acceleration of a vehicle that shifts, brakes or launches, m/s³: chosen.
+/// Change of the acceleration of a vehicle that shifts or launches, m/s³: chosen.
 const JERK_MPS3: f32 = 2.0;
 
 /// Time between two readings after which the speed may be any, s.
@@ -175,7 +175,7 @@ fn is_step<S: Scalar>(
 ///
 /// The predicted change of the energy carries the mean of the readings there. Where the forces are not
 /// known (a clutch that slips, a launch with another load), it carries it to a wrong energy. The reading
-/// at the end then counts, as far as the two differ by more than their noise (the positive part of W. James
+/// at the end then counts, as far as the two differ by more than two sigmas (the positive part of W. James
 /// and C. Stein, "Estimation with quadratic loss", Berkeley Symposium 1:361, 1961). `distance_m` is that
 /// since the readings before.
 fn at_end<S: Scalar>(
@@ -207,7 +207,7 @@ fn at_end<S: Scalar>(
 }
 
 /// Returns a measurement that is moved towards another innovation of such a variance, as far as the
-/// two differ by more than their noise.
+/// two differ by more than [`DIFFERING_SIGMAS`].
 #[inline(never)] // Rare.
 fn towards<S: Scalar>(
     measurement: ScalarMeasurement<S>,
@@ -234,8 +234,8 @@ const fn bend_mps(apart_s: f32) -> f32 {
     0.125 * JERK_MPS3 * apart_s * apart_s
 }
 
-/// Returns a speed as a measurement of v²/2 at the cell's end. `gradient` is the predicted change of
-/// energy along the road, m²/s² per m, which carries the measurement there.
+/// Returns the mean speed as a measurement of v²/2 at the cell's end. `gradient` is the predicted
+/// change of energy along the road, m²/s² per m, which carries the measurement there.
 fn measurement<S: Scalar>(
     state: &State<S>,
     tuning: &Tuning,

@@ -64,8 +64,8 @@ impl<S: Scalar> State<S> {
         }
     }
 
-    /// Sets the net traction to zero, as at a standstill. The slope of the road stays, and so it does
-    /// when the scale becomes another one there. Returns the net traction until then, %.
+    /// Sets the net traction to zero, as at a standstill. The slope of the road stays as it is, also if
+    /// the scale becomes another one there. Returns the net traction until then, %.
     pub(super) fn release_traction(&mut self) -> S {
         let net_traction = core::mem::replace(&mut self.net_traction, S::ZERO);
         let scale = self.mean[StateIndex::Scale];

@@ -66,9 +66,10 @@ impl<S: Scalar> BackwardPass<S> {
         }
     }
 
-    /// Returns the step of the bias here that later steps suggest, %: how much more slope the model
-    /// reads too high behind than before. Its sigma is that of no step, and infinite if nothing later
-    /// tells. A step of the bias is also one of the slope that the model reads: the road has none.
+    /// Returns the step of the bias here that later measurements suggest, %: by how much more the model
+    /// reads slopes too high from here on. Its sigma is that of its noise, and infinite if there are no
+    /// later measurements. Where the bias steps, the slope that the model reads steps by as much. The
+    /// slope of the road does not.
     ///
     /// Source: P. de Jong and J. Penzer, "Diagnosing shocks in time series", Journal of the American
     /// Statistical Association 93:796, 1998.

@@ -202,13 +202,7 @@ fn the_slope_of_the_road_is_as_certain_behind_a_stop_as_before() {
     let cells = driven(&samples[..=stop], FILE_KG, &Tuning::default());
     let [before, behind] = [stop - 1, stop].map(|cell| cells[cell].0.state);
     assert!(before.net_traction > 1.0, "{}", before.net_traction);
-    let [before, behind] = [before, behind].map(|state| {
-        let mass = ModelMass::of(
-            &FilterRun::<f64>::new(truck(), Tuning::default()).context,
-            &samples[stop],
-        );
-        state.estimate(&mass)
-    });
+    let [before, behind] = [before, behind].map(|state| state.estimate(&ModelMass::default()));
     assert!(behind.scale.sigma > 10.0 * before.scale.sigma, "{behind:?}");
     let [before, behind] = [before, behind].map(|estimate| estimate.grade_percent);
     assert!(

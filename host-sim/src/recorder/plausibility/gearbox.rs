@@ -83,10 +83,10 @@ impl Gearbox {
     }
 
     /// Returns what is not plausible.
-    pub(super) fn judge(&self, found: &mut Vec<Warning>) {
+    pub(super) fn judge(&self) -> Option<Warning> {
         let readings = self.engaged.saturating_add(self.open);
         if readings >= READINGS && f64::from(self.open) > OPEN * f64::from(readings) {
-            found.push(Warning::major(
+            return Some(Warning::major(
                 "driveline_open",
                 "the driveline is reported open nearly always",
                 format!(
@@ -97,12 +97,11 @@ impl Gearbox {
                 "check the driveline signal (ETC1, SPN 560; column driveline_engaged): 1 is engaged; or \
                  leave it out with --ignore driveline_engaged",
             ));
-            return;
         }
         let is_off = |factor: &f64| factor.ln().abs() > OFF.ln();
         let factor = |of: &Distribution| of.median_of(READINGS).filter(is_off);
         if let Some(factor) = factor(&self.over_reported) {
-            found.push(Warning::minor(
+            return Some(Warning::minor(
                 "gear_ratio_unit",
                 format!(
                     "the engine turns {factor:.3} times as fast as the reported gear ratio says, with \
@@ -111,21 +110,21 @@ impl Gearbox {
                 "check the gear ratio (ETC2, SPN 526; column gear_ratio), which is input over output \
                  speed of the gearbox, and final_drive_ratio and wheel_radius_m in the vehicle file",
             ));
-        } else if let Some(factor) = factor(&self.over_file) {
-            let how = if factor > 1e6 {
-                "most of the reported gears are not in the vehicle file".to_owned()
-            } else {
-                format!(
-                    "the engine turns {factor:.3} times as fast as the reported gear says, by the \
-                     vehicle file"
-                )
-            };
-            found.push(Warning::minor(
-                "gear_number",
-                how,
-                "check the reported gear (ETC2, SPN 523; column gear), which is 1 for the first gear, \
-                 and gears, final_drive_ratio and wheel_radius_m in the vehicle file",
-            ));
         }
+        let factor = factor(&self.over_file)?;
+        let how = if factor > 1e6 {
+            "most of the reported gears are not in the vehicle file".to_owned()
+        } else {
+            format!(
+                "the engine turns {factor:.3} times as fast as the reported gear says, by the \
+                 vehicle file"
+            )
+        };
+        Some(Warning::minor(
+            "gear_number",
+            how,
+            "check the reported gear (ETC2, SPN 523; column gear), which is 1 for the first gear, \
+             and gears, final_drive_ratio and wheel_radius_m in the vehicle file",
+        ))
     }
 }

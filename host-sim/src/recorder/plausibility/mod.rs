@@ -180,11 +180,13 @@ impl Seen {
             };
             found.extend(self.fit.never_valid(gears));
         }
-        let besides_gears = found.len();
-        if !spoils(&found) {
-            self.gearbox.judge(&mut found);
-        }
-        let gears_are_wrong = found.len() > besides_gears;
+        let gears = if spoils(&found) {
+            None
+        } else {
+            self.gearbox.judge()
+        };
+        let gears_are_wrong = gears.is_some();
+        found.extend(gears);
         if !spoils(&found) {
             found.extend(self.climb.judge_scale());
         }
