@@ -33,13 +33,25 @@ const NO_LONGER_LATE: f32 = 0.05;
 /// sigma at most, as a part of it.
 const ANOTHER: (f32, f32, f32) = (15.0, 1.25, 0.9);
 
-/// An altitude, and what came since.
+/// An altitude as it was received, and what came since.
 #[derive(Clone, Copy, Debug)]
 struct Since {
     altitude_m: f32,
     /// Climb by the forces, m.
     climb_m: f32,
     duration_s: f32,
+    /// Altitudes that were received.
+    altitudes: u8,
+}
+
+/// An altitude as it was received, and where within its cell it was taken.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CellAltitude {
+    pub altitude_m: f32,
+    /// Climb by the forces from the cell's start, m. Below zero where it was taken before.
+    pub climb_m: f32,
+    /// Time from the cell's start, s.
+    pub duration_s: f32,
 }
 
 /// A vertical speed by altitudes, and by forces, m/s.
@@ -176,33 +188,37 @@ impl AltitudeDelay {
     /// Returns the altitude that the receiver smoothed to a reported one; `None` as long as that is
     /// not known.
     ///
-    /// The low-pass is undone in the middle between two altitudes. From there on the forces climb.
-    pub(super) fn restored(&mut self, altitude_m: f32) -> Option<Restored> {
+    /// A receiver takes a step of its low-pass with each altitude: `yₖ + τ (yₖ − yₖ₋₁) / Δt` is what
+    /// it took. With several of them between two that are compared, that is right in the middle
+    /// of all but the last step. From there on the forces climb.
+    pub(super) fn restored(&mut self, at: &CellAltitude) -> Option<Restored> {
+        let altitude_m = at.altitude_m;
         if self.delay_s == 0.0 {
             return Some(Restored {
                 altitude_m,
                 variance: 0.0,
             });
         }
-        let since = replace(&mut self.restored, altitude_m, RESTORED_APART_S)?;
+        let since = replace(&mut self.restored, at, RESTORED_APART_S)?;
         let rise_m = altitude_m - since.altitude_m;
         let smoothed_away_m = self.delay_s * rise_m / since.duration_s;
+        let after_middle = 0.5 - 0.5 / f32::from(since.altitudes);
         // An error that lasts as long as the low-pass counts as that of so many altitudes.
         let altitudes = self.delay_s / since.duration_s;
         let variance = self.sigma_s * self.sigma_s * self.bank.follower_variance();
         (since.duration_s <= FAR_APART_S).then_some(Restored {
-            altitude_m: altitude_m + smoothed_away_m + 0.5 * (since.climb_m - rise_m),
+            altitude_m: altitude_m + smoothed_away_m + after_middle * (since.climb_m - rise_m),
             variance: altitudes * variance,
         })
     }
 
-    /// Takes an altitude as it was received, m.
-    pub(super) fn fix(&mut self, altitude_m: f32) {
-        let Some(since) = replace(&mut self.compared, altitude_m, COMPARED_APART_S) else {
+    /// Takes an altitude as it was received.
+    pub(super) fn fix(&mut self, at: &CellAltitude) {
+        let Some(since) = replace(&mut self.compared, at, COMPARED_APART_S) else {
             return;
         };
         let now = VerticalSpeeds {
-            altitudes_mps: (altitude_m - since.altitude_m) / since.duration_s,
+            altitudes_mps: (at.altitude_m - since.altitude_m) / since.duration_s,
             forces_mps: since.climb_m / since.duration_s,
         };
         if (now.altitudes_mps - now.forces_mps).abs() > FASTEST_MPS {
@@ -272,14 +288,24 @@ impl VerticalSpeeds {
     }
 }
 
-/// Puts an altitude in the place of one that is long enough ago. Returns the old one.
-fn replace(last: &mut Option<Since>, altitude_m: f32, apart_s: f32) -> Option<Since> {
-    if last.is_some_and(|since| since.duration_s < apart_s) {
-        return None;
+/// Puts an altitude in the place of one that is long enough ago. Returns the old one, and what came
+/// from it to the new one.
+fn replace(last: &mut Option<Since>, at: &CellAltitude, apart_s: f32) -> Option<Since> {
+    if let Some(since) = last {
+        since.altitudes = since.altitudes.saturating_add(1);
+        if since.duration_s + at.duration_s < apart_s {
+            return None;
+        }
     }
-    last.replace(Since {
-        altitude_m,
-        climb_m: 0.0,
-        duration_s: 0.0,
+    let since = last.replace(Since {
+        altitude_m: at.altitude_m,
+        climb_m: -at.climb_m,
+        duration_s: -at.duration_s,
+        altitudes: 0,
+    })?;
+    Some(Since {
+        climb_m: since.climb_m + at.climb_m,
+        duration_s: since.duration_s + at.duration_s,
+        ..since
     })
 }

@@ -1,6 +1,6 @@
 //! The update with the GNSS altitude: what the gate decides of it, and the measurement.
 
-use super::altitude_delay::{AltitudeDelay, Restored};
+use super::altitude_delay::{AltitudeDelay, CellAltitude, Restored};
 use super::altitude_gate::{
     AltitudeEvent, AltitudeGate, AltitudeInnovation, GateDecision, ModelError, Segment, TestedFix,
 };
@@ -11,7 +11,6 @@ use super::prior::reopen_bias_and_scale;
 use super::process_noise::wind_variance;
 use super::scale_prior_reset::ScalePriorReset;
 use super::state::State;
-use super::state_index::StateIndex;
 use super::state_index::StateIndex::{Altitude, Bias, GnssError, Scale, Slope, Wind};
 use super::step_record::Reset;
 use crate::context::Context;
@@ -31,10 +30,11 @@ pub(super) struct AltitudeUpdate {
     received: Option<ReceivedAltitude>,
 }
 
-/// An altitude as the receiver reports it, and as it was before the receiver smoothed it, m.
+/// An altitude as the receiver reports it, and as it was before the receiver smoothed it, at the
+/// cell's end.
 #[derive(Clone, Copy, Debug)]
 struct ReceivedAltitude {
-    reported_m: f32,
+    reported: CellAltitude,
     restored: Option<Restored>,
 }
 
@@ -140,11 +140,19 @@ impl AltitudeUpdate {
         };
         self.gate.advance(segment, sample.duration_s);
         self.received = sample.altitude.as_ref().map(|altitude| {
-            let reported_m = altitude_at_end(state, altitude);
-            ReceivedAltitude {
-                reported_m,
-                restored: self.delay.restored(reported_m),
-            }
+            let forces_per_m = 0.01 * forces_percent(state).to_f32();
+            let road_per_m = forces_per_m - 0.01 * (state.mean[Bias] + state.mean[Wind]).to_f32();
+            let from_start_m = sample.length_m - altitude.behind_m;
+            let reported = CellAltitude {
+                altitude_m: altitude.altitude_m,
+                climb_m: from_start_m * forces_per_m,
+                duration_s: from_start_m * sample.duration_s / sample.length_m,
+            };
+            let restored = self.delay.restored(&reported).map(|restored| Restored {
+                altitude_m: restored.altitude_m + altitude.behind_m * road_per_m,
+                ..restored
+            });
+            ReceivedAltitude { reported, restored }
         });
     }
 
@@ -185,12 +193,12 @@ impl AltitudeUpdate {
         let Some(altitude) = &sample.altitude else {
             return Gated::NONE;
         };
-        let reported_m = self
-            .received
-            .map_or(altitude.altitude_m, |received| received.reported_m);
+        let Some(ReceivedAltitude { reported, .. }) = self.received else {
+            return Gated::NONE;
+        };
         let Some(mut fix) = self.fix(&context.tuning, altitude) else {
             // It shows how fast altitudes change, and the next one can be restored.
-            self.delay.fix(reported_m);
+            self.delay.fix(&reported);
             return Gated::NONE;
         };
         let delay_changed = self.delay.take_change();
@@ -210,7 +218,7 @@ impl AltitudeUpdate {
         };
         match decision {
             GateDecision::Fuse => {
-                self.delay.fix(reported_m);
+                self.delay.fix(&reported);
                 gated.accepted = Some(AcceptedFix(fix));
             }
             GateDecision::MoveDatum => {
@@ -413,11 +421,9 @@ impl<S: Scalar> Fix<S> {
     }
 }
 
-/// Returns the altitude at the cell's end, carried there along the slope from where it was taken, m.
-fn altitude_at_end<S: Scalar>(state: &State<S>, altitude: &AltitudeMeasurement) -> f32 {
-    let x = |index: StateIndex| state.mean[index];
-    let slope_percent = x(Slope) - x(Bias) - x(Wind) + state.net_traction * x(Scale);
-    altitude.altitude_m + altitude.behind_m * 0.01 * slope_percent.to_f32()
+/// Returns the slope of the road by the forces: with the error of the model, %.
+fn forces_percent<S: Scalar>(state: &State<S>) -> S {
+    state.mean[Slope] + state.net_traction * state.mean[Scale]
 }
 
 /// Returns what the model reads over the cell of a sample.
