@@ -14,7 +14,7 @@ const RESTORED_APART_S: f32 = 0.9;
 const COMPARED_APART_S: f32 = 1.9;
 /// Largest one, s: beyond, the vehicle stood, or nearly, or altitudes are missing.
 const FAR_APART_S: f32 = 4.0;
-/// Largest difference of vertical speeds, m/s: beyond, one of them is an outlier.
+/// Largest difference of vertical speeds, m/s, whatever the delay: beyond, one of them is an outlier.
 const FASTEST_MPS: f32 = 1.0;
 /// Faster changes do not count, s: they are noise of altitudes.
 const FAST_S: f32 = 4.0;
@@ -221,15 +221,19 @@ impl AltitudeDelay {
             altitudes_mps: (at.altitude_m - since.altitude_m) / since.duration_s,
             forces_mps: since.climb_m / since.duration_s,
         };
-        if (now.altitudes_mps - now.forces_mps).abs() > FASTEST_MPS {
+        let Some((fast, slow)) = &mut self.smooth else {
+            if (now.altitudes_mps - now.forces_mps).abs() <= FASTEST_MPS {
+                self.smooth = Some((now, now));
+                self.bank.settle();
+            }
+            return;
+        };
+        let of_altitudes = now.altitudes_mps - slow.altitudes_mps;
+        let of_forces = now.forces_mps - slow.forces_mps;
+        if self.bank.beyond(of_altitudes, of_forces) > FASTEST_MPS {
             self.smooth = None;
             return;
         }
-        let Some((fast, slow)) = &mut self.smooth else {
-            self.smooth = Some((now, now));
-            self.bank.settle();
-            return;
-        };
         fast.follow(now, low_pass_gain(FAST_S, since.duration_s));
         slow.follow(*fast, low_pass_gain(SLOW_S, since.duration_s));
         self.reading = Some(Reading {

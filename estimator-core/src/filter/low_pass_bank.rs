@@ -41,6 +41,8 @@ pub(super) struct LowPassBank {
     /// The first one is the signal itself. Of a length that compilers do not know, so that they do
     /// not unroll loops.
     outputs: Vec<Output, OUTPUTS>,
+    /// Lowest and highest output.
+    range: (f32, f32),
     follower: MeanAndVariance,
     readings: u16,
 }
@@ -65,6 +67,7 @@ impl LowPassBank {
         };
         Self {
             outputs: Vec::from_array([output; OUTPUTS]),
+            range: (0.0, 0.0),
             follower: MeanAndVariance::NONE,
             readings: 0,
         }
@@ -90,6 +93,7 @@ impl LowPassBank {
         for output in &mut self.outputs {
             output.value = 0.0;
         }
+        self.range = (0.0, 0.0);
     }
 
     /// Moves the low-passes over an interval, by the mean of the signal in it.
@@ -99,11 +103,23 @@ impl LowPassBank {
         };
         let between = 0.5 * (itself.value + signal);
         itself.value = signal;
+        let (mut lowest, mut highest) = (signal, signal);
         let mut time_constant_s = FIRST_S;
         for output in passes {
             output.value += low_pass_gain(time_constant_s, duration_s) * (between - output.value);
+            lowest = Scalar::min(lowest, output.value);
+            highest = Scalar::max(highest, output.value);
             time_constant_s *= RATIO;
         }
+        self.range = (lowest, highest);
+    }
+
+    /// Returns by how much a value is beyond the signal `now` and all outputs before it.
+    pub(super) fn beyond(&self, value: f32, now: f32) -> f32 {
+        let (lowest, highest) = self.range;
+        let below = Scalar::min(lowest, now) - value;
+        let above = value - Scalar::max(highest, now);
+        Scalar::max(0.0, Scalar::max(below, above))
     }
 
     /// Compares the follower with all outputs. The bank remembers so many readings.
