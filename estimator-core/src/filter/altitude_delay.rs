@@ -228,9 +228,14 @@ impl AltitudeDelay {
             }
             return;
         };
-        let of_altitudes = now.altitudes_mps - slow.altitudes_mps;
+        let of_altitudes = now.altitudes_mps - slow.forces_mps;
         let of_forces = now.forces_mps - slow.forces_mps;
-        if self.bank.beyond(of_altitudes, of_forces) > FASTEST_MPS {
+        let apart_mps = if self.set_s > 0.0 {
+            (of_altitudes - self.bank.output(self.set_output)).abs()
+        } else {
+            self.bank.beyond(of_altitudes, of_forces)
+        };
+        if apart_mps > FASTEST_MPS {
             self.smooth = None;
             return;
         }

@@ -114,6 +114,12 @@ impl LowPassBank {
         self.range = (lowest, highest);
     }
 
+    /// Returns an output.
+    pub(super) fn output(&self, index: u8) -> f32 {
+        let output = self.outputs.get(usize::from(index));
+        output.map_or(0.0, |output| output.value)
+    }
+
     /// Returns by how much a value is beyond the signal `now` and all outputs before it.
     pub(super) fn beyond(&self, value: f32, now: f32) -> f32 {
         let (lowest, highest) = self.range;
