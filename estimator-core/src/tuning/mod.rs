@@ -78,7 +78,7 @@ tuning! {
     prior: Prior {
         slope_sigma_percent: f32 = 3.0, 0.01..=50.0, "%", "grade before anything is known, 1 sigma", "roads: standard deviation 1 to 3";
         scale_sigma: f32 = 0.1, 1e-4..=2.0, "1", "error of the traction scale (mass or torque), 1 sigma", "a parameter file for the load at hand: 0.1";
-        unreported_scale_sigma: f32 = 0.25, 1e-4..=2.0, "1", "the same where a drive begins in motion and nothing reports the mass, 1 sigma", "files of another load are common; wrong ones are found within kilometres";
+        unreported_scale_sigma: f32 = 0.35, 1e-4..=2.0, "1", "the same where a drive begins in motion and nothing reports the mass, 1 sigma", "files of another load are common; wrong ones are found within kilometres";
         torque_sigma: f32 = 0.04, 0.0..=1.0, "1", "error of the engine torque as a part of it, 1 sigma: it is in the sigma of the mass", "engine torque is right within 4 %, 1 sigma";
         cold_tyre_rolling: f32 = 0.5, 0.0..=5.0, "1", "bias besides the usual at the start, as a part of the rolling resistance, 1 sigma", "cold tyres add 0.3 to 0.8 of it";
         kept_bias: f32 = 0.35, 0.0..=1.0, "1", "part of the bias that belongs to the vehicle and is kept for the next drive", "drag area and shape outlast a trip, weather and tyre temperature do not: 0.3 (12 t) to 0.4 (39 t) of the variance";
