@@ -78,7 +78,7 @@ tuning! {
     prior: Prior {
         slope_sigma_percent: f32 = 3.0, 0.01..=50.0, "%", "grade before anything is known, 1 sigma", "roads: standard deviation 1 to 3";
         scale_sigma: f32 = 0.1, 1e-4..=2.0, "1", "error of the traction scale (mass or torque), 1 sigma", "a parameter file for the load at hand: 0.1";
-        unreported_scale_sigma: f32 = 0.35, 1e-4..=2.0, "1", "the same where a drive begins in motion and nothing reports the mass, 1 sigma", "files of another load are common; wrong ones are found within kilometres";
+        unreported_scale_sigma: f32 = 0.35, 1e-4..=2.0, "1", "the same where a drive begins in motion and nothing reports the mass, 1 sigma", "files of another load are common: 40 % more, or 30 % less";
         torque_sigma: f32 = 0.04, 0.0..=1.0, "1", "error of the engine torque as a part of it, 1 sigma: it is in the sigma of the mass", "engine torque is right within 4 %, 1 sigma";
         cold_tyre_rolling: f32 = 0.5, 0.0..=5.0, "1", "bias besides the usual at the start, as a part of the rolling resistance, 1 sigma", "cold tyres add 0.3 to 0.8 of it";
         kept_bias: f32 = 0.35, 0.0..=1.0, "1", "part of the bias that belongs to the vehicle and is kept for the next drive", "drag area and shape outlast a trip, weather and tyre temperature do not: 0.3 (12 t) to 0.4 (39 t) of the variance";
@@ -120,7 +120,7 @@ tuning! {
         scale_error: f32 = 0.1, 0.0..=10.0, "1", "scale error of an accelerometer that may be used, 1 sigma", "chosen: beyond three of it the axis or the unit is wrong";
         learned_m: f32 = 500.0, 0.0..=1e5, "m", "distance with a valid model before an accelerometer may be used", "chosen";
         known_sigma_mps2: f32 = 0.03, 1e-4..=10.0, "m/s²", "sigma of its slow errors at which it may be used", "0.3 % of slope";
-        usable_sigma_mps2: f32 = 0.1, 1e-4..=10.0, "m/s²", "the same up to which it is used then", "1 % of slope";
+        usable_sigma_mps2: f32 = 0.1, 1e-4..=10.0, "m/s²", "the same up to which it begins to be used then; it goes on up to 1.5 times that", "1 % of slope";
         known_scale_sigma: f32 = 0.15, 1e-3..=10.0, "1", "sigma of the scale by the accelerometer at which it may be used", "a sensor on another axis or in another unit differs by more";
         largest_usual: f32 = 9.0, 1.0..=1e4, "1", "usual square of a block of innovations over its variance, beyond which the accelerometer is not used", "chosen";
         frozen_cells: u16 = 20, 1.0..=65_535.0, "cells", "equal readings in a row that show a stuck accelerometer", "chosen: road noise moves the mean of a cell";

@@ -45,6 +45,9 @@ use frozen_reading::FrozenReading;
 use slow_errors::{ForcesPerMass, Regressors, SlowErrors};
 use weighing::Weighing;
 
+/// Sigma up to which an accelerometer goes on standing in, over that up to which it begins to.
+const STAYS: f32 = 1.5;
+
 /// What is known of the accelerometer.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Accelerometer {
@@ -267,7 +270,8 @@ impl Accelerometer {
         let (_, variance) = self
             .errors
             .expected(Regressors::new(felt_mps2, change_mps2, forces));
-        let most = tuning.usable_sigma_mps2;
+        // Each change of the source adds to what is not known.
+        let most = if self.alone.is_on() { STAYS } else { 1.0 } * tuning.usable_sigma_mps2;
         if !self.is_trusted || variance > most * most {
             self.alone.end(variance, tuning);
             return;
