@@ -257,6 +257,7 @@ impl Parts {
             Opened::Moving
         };
         self.load.open(state, opened, &context.tuning.prior);
+        self.scale_reset.start_open(state);
     }
 
     /// Forgets the levels of the errors.

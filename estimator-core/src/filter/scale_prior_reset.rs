@@ -14,6 +14,10 @@ use super::state_index::StateIndex;
 use crate::scalar::Scalar;
 use crate::tuning::Prior;
 
+/// Distance of the scale from its prior, in sigmas, beyond which a prior was too narrow that any load
+/// may have.
+const OPEN_SIGMAS: f32 = 2.0;
+
 /// Distance of the scale from its prior.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ScalePriorReset {
@@ -52,11 +56,20 @@ impl ScalePriorReset {
     }
 
     /// Starts with what a state holds as the prior of the scale.
-    #[inline(never)] // Rare, and called from several places.
     pub(super) fn start<S: Scalar>(&mut self, state: &State<S>, tuning: &Prior) {
+        self.start_within(tuning.scale_reset_sigmas, state);
+    }
+
+    /// Starts where a drive begins and nothing tells the load.
+    pub(super) fn start_open<S: Scalar>(&mut self, state: &State<S>) {
+        self.start_within(OPEN_SIGMAS, state);
+    }
+
+    #[inline(never)] // Rare, and called from several places.
+    fn start_within<S: Scalar>(&mut self, sigmas: f32, state: &State<S>) {
         self.since_cell = None;
         self.prior = state.mean[StateIndex::Scale].to_f32();
-        self.limit = tuning.scale_reset_sigmas * state.sigma(StateIndex::Scale).to_f32();
+        self.limit = sigmas * state.sigma(StateIndex::Scale).to_f32();
     }
 
     /// Widens the covariance of the scale at the end of a cell, if the scale has been too far from
