@@ -16,7 +16,7 @@ use crate::tuning::Prior;
 
 /// Distance of the scale from its prior, in sigmas, beyond which a prior was too narrow that any load
 /// may have.
-const OPEN_SIGMAS: f32 = 2.0;
+const OPEN_SIGMAS: f32 = 1.5;
 
 /// Distance of the scale from its prior.
 #[derive(Clone, Copy, Debug)]

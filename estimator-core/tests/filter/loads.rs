@@ -156,6 +156,7 @@ fn the_load_of_a_drive_that_begins_in_motion_is_found_within_10_km() {
     let tuning = Tuning::default();
     let mut closed = tuning.clone();
     closed.prior.unreported_scale_sigma = 1e-4;
+    closed.prior.scale_reset_cells = 1_000_000;
     for factor in WRONG {
         let true_kg = factor * FILE_KG;
         for seed in 1..=4 {

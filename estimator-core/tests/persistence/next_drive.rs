@@ -88,7 +88,7 @@ fn the_next_drive_begins_with_it_and_wider() {
     // Nearly all of the scale. Its sigma is that of any load until this drive agrees.
     assert!((known.scale.value - 1.0 - 0.9 * slow.scale_error).abs() < 0.001);
     assert!(known.scale.sigma > 2.0 * slow.scale_variance.sqrt());
-    assert!((0.2..0.3).contains(&known.scale.sigma), "{known:?}");
+    assert!((0.3..0.4).contains(&known.scale.sigma), "{known:?}");
     // A part of the bias; tyres are cold again.
     assert!(known.bias_percent.value.abs() < 0.5 * slow.bias_percent.abs() + 0.001);
     let sigmas = known.bias_percent.sigma / unknown.bias_percent.sigma;
@@ -134,10 +134,10 @@ fn a_reported_mass_is_part_of_the_live_mass() {
     let reported = first_cells(fresh(), Some(20_000.0)).mass_kg;
     assert!((reported.value - 20_000.0).abs() < 20.0, "{reported:?}");
     assert!((reported.sigma - 894.0).abs() < 10.0, "{reported:?}");
-    // A file is for one load of many: the sigma is that of any load, 25 %.
+    // A file is for one load of many: the sigma is that of any load, 35 %.
     let parameter = first_cells(fresh(), None).mass_kg;
     assert!((parameter.value - 39_000.0).abs() < 40.0, "{parameter:?}");
-    assert!((parameter.sigma - 9_750.0).abs() < 50.0, "{parameter:?}");
+    assert!((parameter.sigma - 13_650.0).abs() < 50.0, "{parameter:?}");
 }
 
 #[test]
