@@ -140,7 +140,7 @@ impl AltitudeUpdate {
         };
         self.gate.advance(segment, sample.duration_s);
         self.received = sample.altitude.as_ref().map(|altitude| {
-            let forces_per_m = 0.01 * forces_percent(state).to_f32();
+            let forces_per_m = 0.01 * state.slope_by_forces().to_f32();
             let road_per_m = forces_per_m - 0.01 * (state.mean[Bias] + state.mean[Wind]).to_f32();
             let from_start_m = sample.length_m - altitude.behind_m;
             let reported = CellAltitude {
@@ -419,11 +419,6 @@ impl<S: Scalar> Fix<S> {
         let cross = observation.cross(&state.covariance, net_traction);
         observation.of(&cross, net_traction) + self.variance
     }
-}
-
-/// Returns the slope of the road by the forces: with the error of the model, %.
-fn forces_percent<S: Scalar>(state: &State<S>) -> S {
-    state.mean[Slope] + state.net_traction * state.mean[Scale]
 }
 
 /// Returns what the model reads over the cell of a sample.

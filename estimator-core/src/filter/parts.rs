@@ -431,11 +431,10 @@ impl Parts {
 }
 
 fn level_cell<S: Scalar>(sample: &Sample, state: &State<S>) -> LevelCell {
-    let slope = state.mean[StateIndex::Slope] + state.net_traction * state.mean[StateIndex::Scale];
     LevelCell {
         length_m: sample.length_m,
         duration_s: sample.duration_s,
-        climb_m: 0.01 * sample.length_m * slope.to_f32(),
+        climb_m: 0.01 * sample.length_m * state.slope_by_forces().to_f32(),
     }
 }
 

@@ -14,8 +14,7 @@ use super::state_index::StateIndex;
 use crate::scalar::Scalar;
 use crate::tuning::Prior;
 
-/// Distance of the scale from its prior, in sigmas, beyond which a prior was too narrow that any load
-/// may have.
+/// Distance of the scale from the prior of any load, in sigmas, beyond which that prior was too narrow.
 const OPEN_SIGMAS: f32 = 1.5;
 
 /// Distance of the scale from its prior.
@@ -60,7 +59,7 @@ impl ScalePriorReset {
         self.start_within(tuning.scale_reset_sigmas, state);
     }
 
-    /// Starts where a drive begins and nothing tells the load.
+    /// Starts at the first cell of a drive of which no message reports the mass.
     pub(super) fn start_open<S: Scalar>(&mut self, state: &State<S>) {
         self.start_within(OPEN_SIGMAS, state);
     }

@@ -64,6 +64,12 @@ impl<S: Scalar> State<S> {
         }
     }
 
+    /// Returns the slope of the road by the forces, with the slow error of the model in it, %.
+    #[inline]
+    pub(super) fn slope_by_forces(&self) -> S {
+        self.mean[StateIndex::Slope] + self.net_traction * self.mean[StateIndex::Scale]
+    }
+
     /// Sets the net traction to zero, as at a standstill. The slope of the road stays as it is, also if
     /// the scale becomes another one there. Returns the net traction until then, %.
     pub(super) fn release_traction(&mut self) -> S {

@@ -28,16 +28,16 @@ trait Receiver {
 
 /// Low-pass of the first order with this time constant, in fixes, between two fixes of the drive.
 struct LowPass {
-    time_constant_s: f32,
-    between_s: (u32, u32),
+    time_constant_fixes: f32,
+    between_fixes: (u32, u32),
     smoothed_m: Option<f32>,
 }
 
 impl LowPass {
-    fn always(time_constant_s: f32) -> Self {
+    fn always(time_constant_fixes: f32) -> Self {
         Self {
-            time_constant_s,
-            between_s: (0, u32::MAX),
+            time_constant_fixes,
+            between_fixes: (0, u32::MAX),
             smoothed_m: None,
         }
     }
@@ -45,10 +45,10 @@ impl LowPass {
 
 impl Receiver for LowPass {
     fn reported_m(&mut self, fix: u32, true_m: f32) -> f32 {
-        let (from, to) = self.between_s;
+        let (from, to) = self.between_fixes;
         let before = self.smoothed_m.unwrap_or(true_m);
         let part = if (from..to).contains(&fix) {
-            1.0 - (-1.0 / self.time_constant_s).exp()
+            1.0 - (-1.0 / self.time_constant_fixes).exp()
         } else {
             1.0
         };
@@ -108,13 +108,10 @@ impl Drive<'_> {
             let mut sample = sample(cell, force_n, speed_mps);
             sample.mass_is_reported = true;
             sample.speed = speed(speed_mps + 0.01 * noise.draw());
-            let (start_m, end_m) = (
-                sample.end.distance_m() as f32 - CELL_LENGTH_M,
-                sample.end.distance_m() as f32,
-            );
+            let end_m = sample.end.distance_m() as f32;
             let fix = (end_m / self.fixes_apart_m).floor();
             let at_m = fix * self.fixes_apart_m;
-            if at_m > start_m {
+            if at_m > end_m - CELL_LENGTH_M {
                 let true_m = (self.road_m)(at_m / CELL_LENGTH_M) + 0.2 * noise.draw();
                 sample.altitude = altitude(receiver.reported_m(fix as u32, true_m));
                 sample.altitude.as_mut().expect("an altitude").behind_m = end_m - at_m;
@@ -213,7 +210,7 @@ fn noise_of_the_forces_is_no_delay_of_the_altitudes() {
 #[test]
 fn a_receiver_that_ceases_to_smooth_is_believed_as_it_is() {
     let mut receiver = LowPass {
-        between_s: (0, 1_000),
+        between_fixes: (0, 1_000),
         ..LowPass::always(12.0)
     };
     let (errors, counters) = Drive::default().driven(24_000, &mut receiver);
