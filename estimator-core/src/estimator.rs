@@ -229,6 +229,12 @@ impl<S: Scalar> Estimator<S> {
         &self.context.counters
     }
 
+    /// Returns what the parts of the estimator share: model, tuning and counters.
+    #[must_use]
+    pub const fn context(&self) -> &Context {
+        &self.context
+    }
+
     /// Returns the tuning.
     #[must_use]
     pub const fn tuning(&self) -> &Tuning {

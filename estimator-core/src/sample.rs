@@ -19,6 +19,12 @@ pub struct Sample {
     pub duration_s: f32,
     /// Mean forces and masses over the cell, scaled by the adopted effects.
     pub forces: ForceInputs,
+    /// Mean force of the retarder, not negative, N.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub retarder_n: f32,
+    /// Whether a brake that reports no force was on.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub service_braking: bool,
     /// What effects depend on besides the forces.
     pub effect_inputs: EffectInputs,
     /// Mean of the speed readings in the cell, if there are any.
@@ -41,6 +47,9 @@ pub struct Sample {
     /// Whether the torque of the powertrain stayed the same over the whole cell.
     #[cfg_attr(feature = "serde", serde(default))]
     pub torque_rests: bool,
+    /// Rests of the torque: how long it stayed the same, and what that may have hidden.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub torque_rest: TorqueRest,
     /// By how much the traction force is later than the speed, s; zero unless that is certain.
     #[cfg_attr(feature = "serde", serde(default))]
     pub traction_late_s: f32,
@@ -49,6 +58,25 @@ pub struct Sample {
     /// Number of cells, up to this one, in which they disagree as well; 0 without a disagreement.
     #[cfg_attr(feature = "serde", serde(default))]
     pub disagreeing_cells: u16,
+}
+
+/// Rests of the torque. A torque that rests and then jumps was unknown by up to the jump meanwhile:
+/// coarse steps, a gateway that holds values, a sender that stopped.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct TorqueRest {
+    /// Duration of the rest that ended in the cell, s; zero without one.
+    pub ended_s: f32,
+    /// Jump of the force at its end, N.
+    pub jump_n: f32,
+    /// Duration of the rest that goes on at the cell's end, s.
+    pub resting_s: f32,
+    /// Force of one percent of torque, N.
+    pub per_percent_n: f32,
+    /// Whether the rest that ended was at a limit for most of its time: full load, overrun, a shift.
+    pub ended_at_limit: bool,
+    /// Whether the rest that goes on is so far.
+    pub rests_at_limit: bool,
 }
 
 /// Mean of the speed readings in a cell.

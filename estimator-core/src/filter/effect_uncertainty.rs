@@ -14,7 +14,7 @@ use crate::sample::Sample;
 
 /// Running means of the slope that the sigma of each effect makes, %.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct EffectUncertainty {
+pub struct EffectUncertainty {
     means: Option<[f32; MAX_EFFECTS]>,
 }
 
@@ -29,13 +29,13 @@ pub struct EffectContribution {
 
 impl EffectUncertainty {
     /// Creates the means before the first sample.
-    pub(super) const fn new() -> Self {
+    pub const fn new() -> Self {
         Self { means: None }
     }
 
     /// Returns what the effects contribute in the cell of a sample, and follows their slopes.
     #[inline]
-    pub(super) fn advance(&mut self, context: &Context, sample: &Sample) -> EffectContribution {
+    pub fn advance(&mut self, context: &Context, sample: &Sample) -> EffectContribution {
         if context.model.effects.is_empty() {
             return EffectContribution::default();
         }

@@ -61,7 +61,7 @@ mod traction_timing;
 pub use altitude_gate::AltitudeEvent;
 pub use body_sensor::{BodySensor, BodySensors};
 pub use covariance::Covariance;
-pub use effect_uncertainty::EffectContribution;
+pub use effect_uncertainty::{EffectContribution, EffectUncertainty};
 pub use gross_mass::ModelMass;
 pub use noise_ratio::SensorNoiseRatios;
 pub(crate) use noise_ratio::{learned_sigma, variance_ratio};

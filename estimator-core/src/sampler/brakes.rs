@@ -4,6 +4,7 @@
 //! `sampler/mod.rs` (`Parts::hold_shift`).
 
 use super::latest::Latest;
+use crate::scalar::Scalar;
 use crate::signal::Signal;
 use crate::time::Instant;
 use crate::tuning::Tuning;
@@ -21,6 +22,7 @@ pub(super) struct Brakes {
     parking_brake: Latest,
     retarder: Latest,
     until: Instant,
+    service_until: Instant,
 }
 
 impl Brakes {
@@ -62,6 +64,7 @@ impl Brakes {
         let hold_times = &tuning.hold_times;
         if self.service_brakes(tuning, now) {
             self.until = self.until.max(now + hold_times.brake_hold);
+            self.service_until = self.service_until.max(now + hold_times.brake_hold);
         }
         if self.retards(tuning, now) {
             self.until = self.until.max(now + hold_times.retarder_hold);
@@ -83,6 +86,19 @@ impl Brakes {
         let least = tuning.detection.retarder_percent;
         self.retarder
             .passes(now, timeout, |percent| percent < least)
+    }
+
+    /// Returns whether a brake that reports no force, or its hold time, is on.
+    pub(super) fn service_brakes_are_on(&self, now: Instant) -> bool {
+        now < self.service_until
+    }
+
+    /// Returns the retarder's torque, % of its reference torque: not positive.
+    pub(super) fn retarder_percent(&self, tuning: &Tuning, now: Instant) -> f32 {
+        let timeout = tuning.hold_times.state_timeout;
+        self.retarder
+            .within(now, timeout)
+            .map_or(0.0, |percent| Scalar::min(0.0, percent))
     }
 
     /// Returns whether a brake, or its hold time, is on.

@@ -39,12 +39,14 @@ mod latest;
 mod odometer;
 mod parts;
 mod resolution;
+mod retarder;
 mod reversing;
 mod slope_sensors;
 mod speed_check;
 mod speed_lag;
 mod speed_returns;
 mod stops;
+mod torque_rests;
 mod traction;
 mod traction_lag;
 
@@ -183,7 +185,14 @@ impl Sampler {
                 parts
                     .brakes
                     .record(&context.tuning, now, reading.signal, value);
+                if matches!(
+                    reading.signal,
+                    Signal::RetarderTorque | Signal::RetarderForce
+                ) {
+                    parts.retarder.record(context, now, reading.signal, value);
+                }
             }
+            Signal::RetarderReferenceTorque => parts.retarder.set_reference(value),
             Signal::Mass => parts.stops.mass(context, now, value),
             Signal::AmbientTemperature => parts.air.ambient.set(value, now),
             Signal::AirPressure => parts.air.pressure.set(value, now),
@@ -208,8 +217,7 @@ impl Sampler {
             Signal::EngineReferenceTorque | Signal::EngineInertia => {
                 parts.record_configuration(context, reading.signal, value);
             }
-            Signal::RetarderReferenceTorque
-            | Signal::RoadwayGrade
+            Signal::RoadwayGrade
             | Signal::EngineTorqueMode
             | Signal::ParasiticTorque
             | Signal::OutputShaftSpeed
@@ -397,6 +405,8 @@ impl Sampler {
             .map_or(speed_mps, |last| Scalar::min(last, speed_mps));
         let interval = Interval {
             mean_force_n,
+            retarder_n: parts.retarder.take_mean_n(context, &parts.brakes, now),
+            service_braking: parts.brakes.service_brakes_are_on(now),
             acceleration: parts.accelerometer.take(now),
             condition: parts.condition(context, now, slower_mps),
             resolution_mps: parts.resolution_mps(context, now),

@@ -13,6 +13,8 @@ struct OpenCell {
     length_m: f32,
     duration_s: f32,
     work_nm: f32,
+    retarder_work_nm: f32,
+    service_braking: bool,
     condition: Condition,
     square_sum: f32,
     resolution_mps: f32,
@@ -30,6 +32,10 @@ pub(super) struct DrivenCell {
     pub speed_mps: f32,
     pub duration_s: f32,
     pub mean_force_n: f32,
+    /// Mean force of the retarder, N.
+    pub retarder_n: f32,
+    /// Whether a brake that reports no force was on.
+    pub service_braking: bool,
     pub condition: Condition,
     pub speed: Option<SpeedMeasurement>,
     pub gap_cells: u32,
@@ -40,6 +46,10 @@ pub(super) struct DrivenCell {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Interval {
     pub mean_force_n: f32,
+    /// Mean force of the retarder, N.
+    pub retarder_n: f32,
+    /// Whether a brake that reports no force is on.
+    pub service_braking: bool,
     pub acceleration: Option<IntervalAcceleration>,
     pub condition: Condition,
     /// Resolution of the speed reading, m/s.
@@ -178,6 +188,8 @@ impl Odometer {
             let room_m = CELL_LENGTH_M - self.open.length_m;
             let piece_m = Scalar::min(left_m, room_m);
             self.open.work_nm += interval.mean_force_n * piece_m;
+            self.open.retarder_work_nm += interval.retarder_n * piece_m;
+            self.open.service_braking |= interval.service_braking;
             self.open.duration_s += seconds * piece_m / distance_m;
             if let Some(acceleration) = interval.acceleration {
                 let part = piece_m / distance_m;
@@ -206,6 +218,8 @@ impl Odometer {
             speed_mps,
             duration_s: open.duration_s,
             mean_force_n: open.work_nm / CELL_LENGTH_M,
+            retarder_n: open.retarder_work_nm / CELL_LENGTH_M,
+            service_braking: open.service_braking,
             condition: open.condition,
             speed: (open.speed_count > 0).then(|| SpeedMeasurement {
                 mean_mps: Scalar::sqrt(open.square_sum / count),

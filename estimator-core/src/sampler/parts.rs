@@ -12,6 +12,7 @@ use super::gnss_timing::GnssTiming;
 use super::inertial::Accelerometer;
 use super::latest::{Latest, TimedValue};
 use super::odometer::DrivenCell;
+use super::retarder::Retarder;
 use super::reversing::Reversing;
 use super::slope_sensors::SlopeSensors;
 use super::speed_check::{Plausibility, SpeedCheck};
@@ -38,6 +39,7 @@ pub(super) struct Parts {
     pub accelerometer: Accelerometer,
     pub slope_sensors: SlopeSensors,
     pub brakes: Brakes,
+    pub retarder: Retarder,
     pub brake_detector: BrakeDetector,
     pub stops: Stops,
     pub reversing: Reversing,
@@ -88,6 +90,7 @@ impl Parts {
             accelerometer: Accelerometer::default(),
             slope_sensors: SlopeSensors::default(),
             brakes: Brakes::default(),
+            retarder: Retarder::default(),
             brake_detector: BrakeDetector::default(),
             stops: Stops::default(),
             reversing: Reversing::default(),
@@ -327,6 +330,8 @@ impl Parts {
             length_m: CELL_LENGTH_M,
             duration_s: driven.duration_s,
             forces,
+            retarder_n: driven.retarder_n,
+            service_braking: driven.service_braking,
             effect_inputs: EffectInputs {
                 driven_s: self.stops.driven_s(),
                 ambient_celsius: self.air.ambient.last().into(),
@@ -343,6 +348,7 @@ impl Parts {
             after_stop: self.stops.take_stop(),
             mass_is_reported: self.stops.has_reported_mass(),
             torque_rests: self.traction.take_rest(model),
+            torque_rest: self.traction.take_rests(driven.time),
             traction_late_s: self.gnss_timing.traction_late_s(),
             disagreement,
             disagreeing_cells: wrong_cells.max(u16::from(!disagreement.is_none())),

@@ -2,8 +2,10 @@
 
 use super::held_signal::HeldSignal;
 use super::latest::{Latest, TimedValue};
+use super::torque_rests::TorqueRests;
 use crate::context::Context;
 use crate::model::Model;
+use crate::sample::TorqueRest;
 use crate::signal::Signal;
 use crate::time::{Duration, Instant};
 use crate::tuning::Tuning;
@@ -15,6 +17,7 @@ pub(super) struct TractionInput {
     fraction: Latest,
     torque: Latest,
     held_torque: HeldSignal,
+    rest: TorqueRests,
     friction: Latest,
     /// Net torque of a shaft that is reported in Nm, % of the reference torque. It goes before the
     /// engine's parts of its reference torque.
@@ -41,6 +44,7 @@ impl TractionInput {
             fraction: Latest::default(),
             torque: Latest::default(),
             held_torque: HeldSignal::default(),
+            rest: TorqueRests::default(),
             friction: Latest::default(),
             shaft_torque: Latest::default(),
             shaft: Shaft::None,
@@ -136,6 +140,11 @@ impl TractionInput {
         !self.held_torque.take_change() && model.vehicle.traction != Traction::Force
     }
 
+    /// Returns the rests of the torque since the last call.
+    pub(super) fn take_rests(&mut self, now: Instant) -> TorqueRest {
+        self.rest.take(now)
+    }
+
     /// Returns whether the driveline passes torque; true for a measured force.
     pub(super) fn is_engaged(&self, model: &Model) -> bool {
         match model.vehicle.traction {
@@ -220,6 +229,8 @@ impl TractionInput {
         let Some(net_percent) = self.net_torque_percent(context, now) else {
             return false;
         };
+        let per_percent_n = model.traction_n(self.driveline, 1.0);
+        self.rest.torque(net_percent, per_percent_n, now);
         self.integral
             .reading(model.traction_n(self.driveline, net_percent), now);
         self.driveline != Driveline::Unknown

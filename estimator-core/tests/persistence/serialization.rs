@@ -100,6 +100,9 @@ fn sample() -> impl Strategy<Value = Sample> {
                 after_stop: flag,
                 mass_is_reported: flag,
                 torque_rests: !flag,
+                torque_rest: Default::default(),
+                retarder_n: 0.0,
+                service_braking: false,
                 traction_late_s: number,
                 disagreement: Disagreement {
                     climb: flag,

@@ -76,12 +76,25 @@ pub struct Args {
     /// Compute in double precision instead of single precision.
     #[arg(long)]
     double: bool,
+    /// How the variances of the noises are found.
+    #[arg(long, value_enum, default_value_t)]
+    method: Method,
     /// Print the summary as JSON.
     #[arg(long)]
     json: bool,
     /// Log of frames (candump, ASC, TRC, BLF, MDF 4, CSV of SavvyCAN or python-can) or signal table (.csv);
     /// plain, gzip or zstd; - is standard input.
     log: PathBuf,
+}
+
+/// How the variances of the noises are found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub(super) enum Method {
+    /// By detectors of single faults.
+    #[default]
+    Detectors,
+    /// All by one inference. It replaces the detectors soon.
+    Robust,
 }
 
 impl Args {
@@ -154,9 +167,25 @@ pub fn run(args: &Args) -> Result<()> {
     let last = last.as_ref();
     let roads = args.roads()?;
     let mut run = if args.double {
-        drive::<f64>(&vehicle, &tuning, last, roads, &args.log, &options)?
+        drive::<f64>(
+            &vehicle,
+            &tuning,
+            last,
+            roads,
+            args.method,
+            &args.log,
+            &options,
+        )?
     } else {
-        drive::<f32>(&vehicle, &tuning, last, roads, &args.log, &options)?
+        drive::<f32>(
+            &vehicle,
+            &tuning,
+            last,
+            roads,
+            args.method,
+            &args.log,
+            &options,
+        )?
     };
     let seconds = started.elapsed().as_secs_f64();
     log_notes::note_report(&args.log, &run.log);
@@ -217,11 +246,15 @@ pub(super) fn drive<S: Scalar>(
     tuning: &Tuning,
     last: Option<&PersistentState>,
     roads: KnownRoads,
+    method: Method,
     log: &Path,
     options: &ReadOptions,
 ) -> Result<LongRun> {
     let mut recorder = Recorder::<S>::resume(&vehicle.model, tuning, last)
         .map_err(|e| Error::content(log, e.to_string()))?;
+    if method == Method::Robust {
+        recorder.infer_variances();
+    }
     if let Some(map) = roads.map {
         recorder.follow(map);
     }

@@ -1,5 +1,6 @@
 //! Runs the estimator over one drive and stores its output.
 
+use super::inferred_grades::{InferredGrades, LiveAndLagged};
 use super::long_run::{LongRun, Rows, SmoothedRun, no_room};
 use super::placed_samples::PlacedSamples;
 use super::plausibility::Plausibility;
@@ -10,7 +11,7 @@ use crate::files::flash_image::RoadMemoryFile;
 use crate::files::run::RunRow;
 use crate::files::spool::Spool;
 use crate::files::utc::utc_of;
-use crate::smooth::{Samples, SmoothedCell, smooth_segments};
+use crate::smooth::{Samples, SmoothedCell, smooth_inferred, smooth_segments};
 use crate::source::can_frame::TimedFrame;
 use crate::source::input::LogInput;
 use crate::source::log_report::LogReport;
@@ -35,6 +36,17 @@ struct OnlineGrades {
     lagged_consistent: bool,
 }
 
+impl From<LiveAndLagged> for OnlineGrades {
+    fn from((live, lagged): LiveAndLagged) -> Self {
+        Self {
+            live,
+            lagged,
+            live_consistent: true,
+            lagged_consistent: true,
+        }
+    }
+}
+
 /// Runs the estimator over one drive and stores its output.
 #[derive(Debug)]
 pub struct Recorder<S> {
@@ -42,6 +54,8 @@ pub struct Recorder<S> {
     start: Option<Instant>,
     samples: PlacedSamples,
     grades: Spool<OnlineGrades, GRADES_SLOT>,
+    /// The grades with inferred variances, if these are the ones that count.
+    inferred: Option<InferredGrades<S>>,
     roads: Roads,
     plausibility: Plausibility,
     roadway_grade: RoadwayGrade,
@@ -105,6 +119,11 @@ impl<S: Scalar> Recorder<S> {
             self.estimator.ignore(*signal);
             self.plausibility.ignore(*signal);
         }
+    }
+
+    /// Estimates with inferred variances, from the first input on.
+    pub fn infer_variances(&mut self) {
+        self.inferred = Some(InferredGrades::new());
     }
 
     /// Combines the live grade with that of a map from now on.
@@ -177,7 +196,14 @@ impl<S: Scalar> Recorder<S> {
                 let latency = self.estimator.gnss_latency();
                 let vehicle = &self.estimator.model().vehicle;
                 self.plausibility.sample(sample, vehicle);
-                let kept = self.samples.push(sample, latency);
+                let mut kept = self.samples.push(sample, latency);
+                if let Some(inferred) = &mut self.inferred {
+                    let grades = &mut self.grades;
+                    inferred.push(self.estimator.context(), sample, |finished| {
+                        let pushed = grades.push(&OnlineGrades::from(finished));
+                        kept = std::mem::replace(&mut kept, Ok(())).and(pushed);
+                    });
+                }
                 self.note_failure(kept);
             }
             while let Some(cell) = self.estimator.next_cell() {
@@ -202,8 +228,10 @@ impl<S: Scalar> Recorder<S> {
             live_consistent: cell.live_consistent,
             lagged_consistent: cell.lagged_consistent,
         };
-        let kept = self.grades.push(&grades);
-        self.note_failure(kept);
+        if self.inferred.is_none() {
+            let kept = self.grades.push(&grades);
+            self.note_failure(kept);
+        }
         self.new_cells.push(cell);
     }
 
@@ -269,6 +297,15 @@ impl<S: Scalar> Recorder<S> {
         while let Some(cell) = self.estimator.drain_cell() {
             self.take_cell(cell);
         }
+        if let Some(inferred) = &mut self.inferred {
+            let grades = &mut self.grades;
+            let mut kept = Ok(());
+            inferred.end(|finished| {
+                let pushed = grades.push(&OnlineGrades::from(finished));
+                kept = std::mem::replace(&mut kept, Ok(())).and(pushed);
+            });
+            self.note_failure(kept);
+        }
         if let Some(trouble) = self.trouble.take() {
             return Err(trouble);
         }
@@ -277,25 +314,32 @@ impl<S: Scalar> Recorder<S> {
         let (samples, grades) = (&mut self.samples, &mut self.grades);
         let roads = &mut self.roads;
         let plausibility = &mut self.plausibility;
-        let disagreements = smooth_segments(
-            self.estimator.model(),
-            self.estimator.tuning(),
-            &self.estimator.second_pass_filter::<f64>(),
-            samples,
-            |first, smoothed| {
-                // Both passes begin with the first speed.
-                let end = grades.count().min(first + smoothed.len());
-                let grades = grades.read(first.min(end)..end)?;
-                let with_roads = roads.read(first.min(end)..end)?;
-                let cells = smoothed.iter().inspect(|cell| plausibility.smoothed(cell));
-                let segment = cells.zip(&grades).zip(with_roads);
-                let segment = segment.map(|((smoothed, grades), with_roads)| {
-                    let row = row(start, grades, smoothed);
-                    with_roads.map_or(row, |with_roads| with_roads.applied(row))
-                });
-                rows.put(first, segment)
-            },
-        )?;
+        let put = |first: usize, smoothed: Vec<SmoothedCell>| {
+            // Both passes begin with the first speed.
+            let end = grades.count().min(first + smoothed.len());
+            let grades = grades.read(first.min(end)..end)?;
+            let with_roads = roads.read(first.min(end)..end)?;
+            let cells = smoothed.iter().inspect(|cell| plausibility.smoothed(cell));
+            let segment = cells.zip(&grades).zip(with_roads);
+            let segment = segment.map(|((smoothed, grades), with_roads)| {
+                let row = row(start, grades, smoothed);
+                with_roads.map_or(row, |with_roads| with_roads.applied(row))
+            });
+            rows.put(first, segment)
+        };
+        let estimator = &self.estimator;
+        let disagreements = if self.inferred.is_some() {
+            smooth_inferred(estimator.context(), samples, put)?
+        } else {
+            let second_pass = estimator.second_pass_filter::<f64>();
+            smooth_segments(
+                estimator.model(),
+                estimator.tuning(),
+                &second_pass,
+                samples,
+                put,
+            )?
+        };
         Ok(LongRun {
             rows,
             model: self.estimator.model().clone(),
@@ -322,6 +366,7 @@ impl<S> From<Estimator<S>> for Recorder<S> {
             start: None,
             samples: PlacedSamples::default(),
             grades: Spool::default(),
+            inferred: None,
             roads: Roads::default(),
             plausibility: Plausibility::default(),
             roadway_grade: RoadwayGrade::default(),

@@ -6,7 +6,8 @@
 mod drive_recorder;
 mod estimate_log;
 mod horizon_log;
-pub mod latencies;
+pub mod inferred_grades;
+mod latencies;
 mod long_run;
 mod missing;
 pub mod placed_samples;

@@ -14,7 +14,7 @@ use std::io;
 use std::ops::Range;
 
 /// Slot size, bytes. Integers of variable length count with their longest form.
-const SLOT: usize = 149;
+const SLOT: usize = 172;
 /// Least speed that divides a distance, m/s.
 const LEAST_MPS: f32 = 0.5;
 /// Samples on either side of one between which its position is looked for: 10 s at 70 m/s.

@@ -21,6 +21,15 @@ impl Disagreements {
         }
     }
 
+    /// Adds what disagrees in a cell, which is behind all that were added.
+    pub(super) fn add(&mut self, disagreement: Disagreement, cell: u32) {
+        for (ranges, is_present) in self.0.iter_mut().zip(disagreement.kinds()) {
+            if is_present {
+                ranges.add(cell, cell);
+            }
+        }
+    }
+
     /// Returns whether anything disagrees in a cell.
     pub(super) fn cover(&self, cell: u32) -> bool {
         self.0.iter().any(|ranges| ranges.contains(cell))

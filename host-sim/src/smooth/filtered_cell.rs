@@ -2,7 +2,7 @@
 
 use estimator_core::filter::{Filter, ModelMass, State, StepRecord};
 use estimator_core::sample::Sample;
-use estimator_core::{Context, Scalar};
+use estimator_core::{CellEnd, Context, Scalar};
 
 /// A filter step with the state after it: the inputs of the backward pass for a cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,4 +27,13 @@ impl<S: Scalar> ForwardCell<S> {
             mass,
         })
     }
+}
+
+/// A cell of a run whose variances are inferred.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct WholeCell {
+    pub end: CellEnd,
+    pub mass: ModelMass,
+    /// Whether it belongs to the piece, and not to its overlap.
+    pub is_own: bool,
 }

@@ -133,6 +133,9 @@ fn samples(drive: &MeasuredDrive) -> Vec<Sample> {
             // The thesis takes the mass that the vehicle knows.
             mass_is_reported: true,
             torque_rests: false,
+            torque_rest: Default::default(),
+            retarder_n: 0.0,
+            service_braking: false,
             traction_late_s: 0.0,
             disagreement: Disagreement::default(),
             disagreeing_cells: 0,

@@ -1,0 +1,95 @@
+//! Where the force is in doubt: it is then a state of its own, which ends where the doubt ends.
+
+use super::numbers::Numbers;
+use super::variances::CellVariances;
+use crate::robust::CellInput;
+use crate::scalar::Scalar;
+
+/// Cells between two steps of the doubtful force, 20 m.
+const STEP_CELLS: u8 = 8;
+
+/// Retarder force over weight from which on it is in doubt, %.
+const LEAST_RETARDER_PERCENT: f32 = 0.02;
+
+/// What a cell is in a stretch of doubtful force.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DoubtCell {
+    /// Whether the force is in doubt.
+    pub is_on: bool,
+    /// Whether what was in doubt before ends here.
+    pub renews: bool,
+    /// Scale of the prior of a step before the cell, %; zero where there is no step.
+    pub step_percent: f32,
+}
+
+impl DoubtCell {
+    /// The force is known.
+    pub const NONE: Self = Self {
+        is_on: false,
+        renews: false,
+        step_percent: 0.0,
+    };
+
+    /// Returns whether a doubtful force ends before the cell.
+    #[inline(always)]
+    #[must_use]
+    pub const fn ends_doubt(&self) -> bool {
+        !self.is_on || self.renews
+    }
+}
+
+/// Goes along the cells and finds where the force is in doubt.
+#[derive(Clone, Copy, Debug)]
+pub struct DoubtFinder {
+    /// Whether overrun may hide a brake that no signal reports.
+    pub overrun_is_doubtful: bool,
+    was_on: bool,
+    rested: bool,
+    overran: bool,
+    since_step: u8,
+}
+
+impl DoubtFinder {
+    /// Starts before the first cell.
+    #[must_use]
+    pub const fn new(overrun_is_doubtful: bool) -> Self {
+        Self {
+            overrun_is_doubtful,
+            was_on: false,
+            rested: false,
+            overran: false,
+            since_step: 0,
+        }
+    }
+
+    /// Finds how the force of the next cell is in doubt, and opens or closes its step.
+    pub fn next(&mut self, numbers: &Numbers, cell: &CellInput, variances: &mut CellVariances) {
+        let rests = cell.rest_percent > numbers.rest_least_percent;
+        let overruns = self.overrun_is_doubtful && cell.marks.overrun;
+        let retards = cell.retarder_percent > LEAST_RETARDER_PERCENT;
+        let is_on = rests || overruns || retards;
+        let renews = rests && self.rested && cell.marks.rest_begins && !overruns;
+        let begins =
+            !self.was_on || renews || (rests && !self.rested) || (overruns && !self.overran);
+        if begins {
+            self.since_step = 0;
+        }
+        let steps = is_on && self.since_step.is_multiple_of(STEP_CELLS);
+        self.since_step = (self.since_step + 1) % STEP_CELLS;
+        let of = |applies: bool, percent: f32| if applies { percent * percent } else { 0.0 };
+        let scale = of(overruns, numbers.overrun_doubt_percent)
+            + of(rests, numbers.rest_doubt * cell.rest_percent)
+            + of(retards, numbers.retarder_noise * cell.retarder_percent);
+        let step_percent = if steps { Scalar::sqrt(scale) } else { 0.0 };
+        if steps != (variances.doubt > 0.0) {
+            let start = numbers.start_doubt_percent;
+            variances.doubt = of(steps, start);
+        }
+        variances.doubt_cell = DoubtCell {
+            is_on,
+            renews,
+            step_percent,
+        };
+        (self.was_on, self.rested, self.overran) = (is_on, rests, overruns);
+    }
+}

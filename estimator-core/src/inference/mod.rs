@@ -1,0 +1,33 @@
+//! The inference of the variances: the one mechanism that decides how much each noise counts.
+//!
+//! The filter is linear and knows no fault. Each fault is a noise whose variance is large for once:
+//! a step of the model's error, a kink of the road, an outlier of the receiver, a torque that is not
+//! renewed, another load. All these variances are inferred from the scores of one backward pass.
+//!
+//! | file | content |
+//! |---|---|
+//! | [`numbers`] | every number, with its source |
+//! | [`variances`], [`levels`] | what is inferred: a segment, a cell, a drive |
+//! | [`cell_model`] | F and the noises of a cell, as a pass uses them |
+//! | [`doubt`] | where the force is in doubt |
+//! | [`fixed_point`] | the one place where variances are inferred |
+//! | [`round`] | one round: forward and backward over a stretch of cells |
+//! | [`window`] | rounds behind the vehicle: lagged and live grade |
+
+pub mod cell_model;
+pub mod doubt;
+pub mod fixed_point;
+pub mod levels;
+pub mod numbers;
+pub mod round;
+pub mod variances;
+pub mod window;
+
+pub use cell_model::CellModel;
+pub use doubt::DoubtCell;
+pub use fixed_point::FixedPoint;
+pub use levels::{LevelSums, Levels};
+pub use numbers::Numbers;
+pub use round::{Round, Stretch};
+pub use variances::{CellVariances, SEGMENT_CELLS, SegmentVariances};
+pub use window::Window;

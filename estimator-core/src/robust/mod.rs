@@ -1,0 +1,31 @@
+//! The grade Kalman filter whose variances are inferred ([`inference`](crate::inference)).
+//!
+//! It is linear, in the distance domain, one step a cell. F is a handful of shears, each measurement
+//! a scalar.
+//!
+//! | file | content |
+//! |---|---|
+//! | [`state_index`], [`covariance`] | the states; a symmetric matrix over them |
+//! | [`dynamics`], [`noise`] | F; the directions in which noise enters |
+//! | [`cell_input`], [`vehicle_cells`] | what is known of a cell; how a sample becomes one |
+//! | [`state`], [`prior`] | the forward step: predict, update; where a drive or a part of it begins |
+//! | [`adjoint`] | the backward step: smoothed quantities, and the scores of the noises |
+
+pub mod adjoint;
+pub mod cell_input;
+pub mod covariance;
+pub mod dynamics;
+pub mod noise;
+pub mod prior;
+pub mod state;
+pub mod state_index;
+pub mod vehicle_cells;
+
+pub use adjoint::{Adjoint, Disturbances};
+pub use cell_input::{CellInput, Marks, Reading};
+pub use covariance::{Covariance, StateVector};
+pub use dynamics::Dynamics;
+pub use noise::{CellNoise, NOISES, Noise, Score};
+pub use state::{Moments, Quantity, Record, State, Update};
+pub use state_index::{STATES, StateIndex};
+pub use vehicle_cells::VehicleCells;

@@ -1,0 +1,262 @@
+//! Mean and covariance of the states, and their step over a cell.
+
+use super::cell_input::{CellInput, Reading};
+use super::covariance::{Covariance, StateVector};
+use super::dynamics::Dynamics;
+use super::noise::{CellNoise, Noise};
+use super::state_index::STATES;
+use super::state_index::StateIndex::{
+    self, Altitude, Bias, DoubtfulForce, FastGnssError, KineticEnergy, Retarder, Scale, Slope,
+    SlowGnssError, TyreSlip, Wind,
+};
+use crate::cell::{CELL_LENGTH_M, Uncertain};
+use crate::scalar::Scalar;
+
+/// Mean and covariance of the states, and the forces that weigh two of them.
+#[derive(Clone, Copy, Debug)]
+pub struct State<S> {
+    /// Mean.
+    pub mean: StateVector<S>,
+    /// Covariance.
+    pub covariance: Covariance<S>,
+    /// Net traction of the last cell, %.
+    pub net_traction: S,
+    /// Force of the retarder in the last cell, %.
+    pub retarder: S,
+}
+
+/// Mean and variance of a quantity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Moments<S> {
+    /// Mean.
+    pub mean: S,
+    /// Variance.
+    pub variance: S,
+}
+
+impl Moments<f32> {
+    /// Returns the grade of a slope, %: 100 tan of the angle from the sine in %.
+    #[must_use]
+    pub fn grade(&self) -> Uncertain {
+        // No road is steeper than 50 %.
+        let sine = Scalar::min(0.5, Scalar::max(-0.5, self.mean * 0.01));
+        let cosine = Scalar::sqrt(1.0 - sine * sine);
+        Uncertain {
+            value: 100.0 * sine / cosine,
+            sigma: Scalar::sqrt(self.variance) / (cosine * cosine * cosine),
+        }
+    }
+}
+
+/// A scalar update that was applied.
+#[derive(Clone, Copy, Debug)]
+pub struct Update<S> {
+    /// Innovation ν.
+    pub innovation: S,
+    /// Innovation variance h P h' + R.
+    pub innovation_variance: S,
+    /// Gain P h' over the innovation variance.
+    pub gain: StateVector<S>,
+}
+
+/// What a step leaves for the backward pass.
+#[derive(Clone, Copy, Debug)]
+pub struct Record<S> {
+    /// State after the step.
+    pub state: State<S>,
+    /// Net traction before the step, %.
+    pub net_traction_before: S,
+    /// Update with the speed.
+    pub speed: Option<Update<S>>,
+    /// Update with the altitude.
+    pub altitude: Option<Update<S>>,
+}
+
+/// What is linear in the states.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// Slope of the road, sine in %.
+    RoadSlope,
+    /// Altitude above the origin, m.
+    Altitude,
+    /// Bias and wind, %.
+    ModelError,
+    /// Scale error, 1.
+    Scale,
+    /// Doubtful force, %.
+    DoubtfulForce,
+    /// v²/2, m²/s².
+    KineticEnergy,
+}
+
+impl<S: Scalar> State<S> {
+    /// Nothing known, and nothing moving: the place of a state.
+    pub const ZERO: Self = Self {
+        mean: [S::ZERO; STATES],
+        covariance: Covariance::ZERO,
+        net_traction: S::ZERO,
+        retarder: S::ZERO,
+    };
+
+    /// Returns h v of a quantity h for the elements of v.
+    #[inline(always)]
+    fn of(&self, quantity: Quantity, v: impl Fn(StateIndex) -> S) -> S {
+        match quantity {
+            Quantity::RoadSlope => {
+                v(Slope) - v(Bias) - v(Wind) - v(DoubtfulForce) + self.net_traction * v(Scale)
+                    - self.retarder * v(Retarder)
+            }
+            Quantity::Altitude => v(Altitude),
+            Quantity::ModelError => v(Bias) + v(Wind),
+            Quantity::Scale => v(Scale),
+            Quantity::DoubtfulForce => v(DoubtfulForce),
+            Quantity::KineticEnergy => v(KineticEnergy),
+        }
+    }
+
+    /// Returns mean and variance of a quantity, and its covariance with the states, P h'.
+    #[inline(always)]
+    #[must_use]
+    pub fn quantity(&self, quantity: Quantity) -> (Moments<S>, StateVector<S>) {
+        let cross =
+            StateIndex::ALL.map(|index| self.of(quantity, |i| self.covariance.get(i, index)));
+        let moments = Moments {
+            mean: self.of(quantity, |i| self.mean[i as usize]),
+            variance: self.of(quantity, |i| cross[i as usize]),
+        };
+        (moments, cross)
+    }
+
+    /// Moves over a cell that follows the last one.
+    #[inline]
+    pub fn step(
+        &mut self,
+        cell: &CellInput,
+        dynamics: &Dynamics<S>,
+        noise: &CellNoise<S>,
+        gate: Option<S>,
+    ) -> Record<S> {
+        let before = self.net_traction;
+        if noise.load > S::ZERO {
+            self.open_load(noise.load);
+        }
+        let energy_before = self.mean[KineticEnergy as usize];
+        dynamics.forward(&mut self.mean, &mut self.covariance);
+        self.net_traction = dynamics.net_traction;
+        self.retarder = dynamics.retarder;
+        let energy = &mut self.mean[KineticEnergy as usize];
+        *energy = (*energy + S::from_f32(cell.work)).max(S::ZERO);
+        self.observe(cell, noise, before, energy_before, gate)
+    }
+
+    /// Adds the noise of a cell whose end is predicted, and updates with speed and altitude. An
+    /// altitude whose squared innovation exceeds `gate` times its variance is left out.
+    #[inline(always)]
+    pub(super) fn observe(
+        &mut self,
+        cell: &CellInput,
+        noise: &CellNoise<S>,
+        net_traction_before: S,
+        energy_before: S,
+        gate: Option<S>,
+    ) -> Record<S> {
+        for (direction, q) in Noise::ALL.into_iter().zip(noise.of) {
+            direction.add_to(&mut self.covariance, q);
+        }
+        let speed = if cell.energy.is_some() {
+            Some(self.update_speed(cell, energy_before, noise.speed))
+        } else {
+            None
+        };
+        let altitude = if cell.altitude.is_some() {
+            self.update_altitude(&cell.altitude, noise.altitude, gate)
+        } else {
+            None
+        };
+        Record {
+            state: *self,
+            net_traction_before,
+            speed,
+            altitude,
+        }
+    }
+
+    /// Widens the scale at a standstill, where the load may change. The slope of the road stays.
+    fn open_load(&mut self, variance: S) {
+        let l = self.net_traction;
+        let p = &mut self.covariance;
+        p.add(Scale, Scale, variance);
+        p.add(Scale, Slope, -(variance * l));
+        p.add(Slope, Slope, variance * l * l);
+    }
+
+    #[inline(always)]
+    fn update_speed(&mut self, cell: &CellInput, energy_before: S, variance: S) -> Update<S> {
+        let energy = self.mean[KineticEnergy as usize];
+        let behind = S::from_f32(cell.energy.behind_m * (1.0 / CELL_LENGTH_M));
+        let measured = S::from_f32(cell.energy.value) + behind * (energy - energy_before);
+        let per_slip = S::from_f32(cell.energy_per_slip);
+        let mut cross = self.covariance.row(KineticEnergy);
+        S::add_products(&mut cross, per_slip, &self.covariance.row(TyreSlip));
+        let observed =
+            |v: &StateVector<S>| v[KineticEnergy as usize] + per_slip * v[TyreSlip as usize];
+        let innovation = measured - observed(&self.mean);
+        let innovation_variance = observed(&cross) + variance;
+        self.update(innovation, innovation_variance, &cross)
+    }
+
+    #[inline(always)]
+    fn update_altitude(
+        &mut self,
+        reading: &Reading,
+        variance: S,
+        gate: Option<S>,
+    ) -> Option<Update<S>> {
+        let slope = self.of(Quantity::RoadSlope, |i| self.mean[i as usize]);
+        let measured = S::from_f32(reading.value) + S::from_f32(0.01 * reading.behind_m) * slope;
+        let mut cross = self.covariance.row(Altitude);
+        let [slow, fast] = [SlowGnssError, FastGnssError].map(|index| self.covariance.row(index));
+        for ((element, slow), fast) in cross.iter_mut().zip(slow).zip(fast) {
+            *element += slow + fast;
+        }
+        let observed = |v: &StateVector<S>| {
+            v[Altitude as usize] + v[SlowGnssError as usize] + v[FastGnssError as usize]
+        };
+        let innovation = measured - observed(&self.mean);
+        let innovation_variance = observed(&cross) + variance;
+        if gate.is_some_and(|gate| innovation.squared() > gate * innovation_variance) {
+            return None;
+        }
+        Some(self.update(innovation, innovation_variance, &cross))
+    }
+
+    #[inline(always)]
+    fn update(
+        &mut self,
+        innovation: S,
+        innovation_variance: S,
+        cross: &StateVector<S>,
+    ) -> Update<S> {
+        let per_variance = S::ONE / innovation_variance;
+        let gain = cross.map(|element| element * per_variance);
+        for (x, gain) in self.mean.iter_mut().zip(&gain) {
+            x.add_product(innovation, gain);
+        }
+        self.covariance.reduce(&gain, cross);
+        Update {
+            innovation,
+            innovation_variance,
+            gain,
+        }
+    }
+}
+
+impl<S: Scalar> Record<S> {
+    /// The place of a record.
+    pub const EMPTY: Self = Self {
+        state: State::ZERO,
+        net_traction_before: S::ZERO,
+        speed: None,
+        altitude: None,
+    };
+}
