@@ -51,6 +51,7 @@ pub struct Window<S> {
     checkpoints: [State<S>; BLOCKS],
     records: [Record<S>; BLOCK_CELLS],
     has_begun: bool,
+    restarts: u32,
 }
 
 /// A slope of the road with its variance.
@@ -82,6 +83,7 @@ impl<S: Scalar> Window<S> {
             checkpoints: [State::ZERO; BLOCKS],
             records: [Record::EMPTY; BLOCK_CELLS],
             has_begun: false,
+            restarts: 0,
         }
     }
 
@@ -142,6 +144,13 @@ impl<S: Scalar> Window<S> {
             let gate = S::from_f32(numbers.live_gate);
             round.step(&mut self.newest, cell, &terms, Some(gate));
         }
+        if !self.newest.is_sound() {
+            self.restart();
+            return Slope {
+                mean: 0.0,
+                variance: numbers.prior_slope_percent * numbers.prior_slope_percent,
+            };
+        }
         let (slope, _) = self.newest.quantity(Quantity::RoadSlope);
         let slope = to_single(slope);
         let before = core::mem::replace(&mut self.live_slope, slope.mean);
@@ -150,6 +159,26 @@ impl<S: Scalar> Window<S> {
             mean: slope.mean,
             variance: slope.variance + self.undecided_variance + timing,
         }
+    }
+
+    /// Forgets everything but the hypothesis: a number is not finite. The cells of the window are lost.
+    fn restart(&mut self) {
+        let hypothesis = self.newest_doubt.overrun_is_doubtful;
+        self.restarts = self.restarts.saturating_add(1);
+        (self.doubt, self.newest_doubt) =
+            (DoubtFinder::new(hypothesis), DoubtFinder::new(hypothesis));
+        self.cells.clear();
+        self.own.clear();
+        self.segments.clear();
+        (self.levels, self.past) = (Levels::ONE, LevelSums::default());
+        (self.undecided_variance, self.live_slope) = (0.0, 0.0);
+        self.has_begun = false;
+    }
+
+    /// Returns how often the window started anew because a number was not finite.
+    #[must_use]
+    pub const fn restarts(&self) -> u32 {
+        self.restarts
     }
 
     /// Returns whether the window is to be updated.
@@ -233,7 +262,9 @@ impl<S: Scalar> Window<S> {
             true,
             take,
         );
-        self.newest = found.newest;
+        if found.newest.is_sound() {
+            self.newest = found.newest;
+        }
         let fixed_point = &found.fixed_point;
         fixed_point.revive(numbers, &mut self.segments);
         self.undecided_variance = fixed_point.undecided_variance(numbers);

@@ -11,6 +11,12 @@ use super::state_index::StateIndex::{
 };
 use crate::cell::{CELL_LENGTH_M, Uncertain};
 use crate::scalar::Scalar;
+use crate::vehicle::GRAVITY;
+
+/// Largest force on a vehicle over its weight: brakes on a dry road, with a margin.
+const LARGEST_FORCE: f32 = 1.0;
+/// Squared innovation of the speed over its variance beyond which it is no noise.
+const STEP_RATIO: f32 = 25.0;
 
 /// Mean and covariance of the states, and the forces that weigh two of them.
 #[derive(Clone, Copy, Debug)]
@@ -127,6 +133,12 @@ impl<S: Scalar> State<S> {
         (moments, cross)
     }
 
+    /// Returns whether every number is finite and every variance not negative.
+    #[must_use]
+    pub fn is_sound(&self) -> bool {
+        S::are_finite(&self.mean) && self.covariance.is_sound()
+    }
+
     /// Moves over a cell that follows the last one.
     #[inline]
     pub fn step(
@@ -201,7 +213,15 @@ impl<S: Scalar> State<S> {
         let observed =
             |v: &StateVector<S>| v[KineticEnergy as usize] + per_slip * v[TyreSlip as usize];
         let innovation = measured - observed(&self.mean);
-        let innovation_variance = observed(&cross) + variance;
+        let mut innovation_variance = observed(&cross) + variance;
+        let squared = innovation.squared();
+        // No force changes a speed so: the sensor stuck, slipped, or another one took over.
+        let most = S::from_f32(LARGEST_FORCE * GRAVITY * CELL_LENGTH_M);
+        if squared > most.squared() && squared > S::from_f32(STEP_RATIO) * innovation_variance {
+            self.covariance.add(KineticEnergy, KineticEnergy, squared);
+            cross[KineticEnergy as usize] += squared;
+            innovation_variance += squared;
+        }
         self.update(innovation, innovation_variance, &cross)
     }
 

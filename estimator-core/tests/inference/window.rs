@@ -1,0 +1,124 @@
+//! The window behind the vehicle: what it gives, in either precision, with any input.
+
+use crate::cells::{LEVEL, any_cell, first, fix};
+use estimator_core::inference::window::{LAG_CELLS, UPDATE_CELLS};
+use estimator_core::inference::{Numbers, Window};
+use estimator_core::robust::{CellInput, Reading};
+use estimator_core::Scalar;
+use proptest::prelude::*;
+
+/// The live and lagged grades of a drive, %, with their variances.
+fn grades<S: Scalar>(cells: &[CellInput]) -> (Vec<(f32, f32)>, Vec<(f32, f32)>, u32) {
+    let numbers = Numbers::default();
+    let mut window = Box::new(Window::<S>::new(false));
+    let (mut live, mut lagged) = (Vec::new(), Vec::new());
+    for (k, cell) in cells.iter().enumerate() {
+        let slope = window.push(&numbers, cell, None, 0.3);
+        live.push((slope.mean, slope.variance));
+        let ends = k + 1 == cells.len();
+        if window.is_due() || ends {
+            window.update(&numbers, ends, |behind, slope| {
+                if lagged.len() + behind == k {
+                    lagged.push((slope.mean, slope.variance));
+                }
+            });
+        }
+    }
+    (live, lagged, window.restarts())
+}
+
+/// A road of hills of 1 km on which the speed is held.
+fn hills(cells: usize) -> Vec<CellInput> {
+    let mut altitude_m = 0.0;
+    let mut hills = vec![first()];
+    for k in 1..cells {
+        let slope = 2.0 * (k as f32 * 0.0157).sin();
+        altitude_m += 0.025 * slope;
+        hills.push(CellInput {
+            work: 0.245 * slope + 0.1,
+            net_traction_percent: slope + 0.5,
+            altitude: if k % 8 == 0 { fix(altitude_m) } else { Reading::NONE },
+            ..LEVEL
+        });
+    }
+    hills
+}
+
+#[test]
+fn every_cell_is_given_once_in_order_behind_its_lag() {
+    for cells in [1, 39, 40, 41, 239, 240, 241, 1000, 1003] {
+        let (live, lagged, _) = grades::<f32>(&hills(cells));
+        assert_eq!(live.len(), cells);
+        assert_eq!(lagged.len(), cells, "{cells} cells");
+    }
+    // Nothing before the lag is over.
+    let numbers = Numbers::default();
+    let mut window = Box::new(Window::<f32>::new(false));
+    for (k, cell) in hills(LAG_CELLS + UPDATE_CELLS).iter().enumerate() {
+        window.push(&numbers, cell, None, 0.3);
+        if window.is_due() {
+            let mut given = 0;
+            window.update(&numbers, false, |behind, _| {
+                assert!(behind >= LAG_CELLS);
+                given += 1;
+            });
+            assert_eq!(given > 0, k + 1 > LAG_CELLS, "cell {k}");
+        }
+    }
+}
+
+#[test]
+fn single_precision_gives_what_double_precision_gives() {
+    let cells = hills(3_000);
+    let (live, lagged, _) = grades::<f32>(&cells);
+    let (live_64, lagged_64, _) = grades::<f64>(&cells);
+    for (single, double) in live.iter().zip(&live_64).chain(lagged.iter().zip(&lagged_64)) {
+        let sigma = double.1.sqrt();
+        assert!((single.0 - double.0).abs() < 0.1 * sigma, "{single:?} {double:?}");
+        assert!((single.1 - double.1).abs() < 0.1 * double.1, "{single:?} {double:?}");
+    }
+}
+
+#[test]
+fn lagged_grades_follow_the_road() {
+    let (_, lagged, _) = grades::<f32>(&hills(4_000));
+    let mut squares = 0.0;
+    for (k, (mean, _)) in lagged.iter().enumerate().skip(400) {
+        let slope = 2.0 * (k as f32 * 0.0157).sin();
+        squares += (mean - slope).powi(2);
+    }
+    let rmse = (squares / (lagged.len() - 400) as f32).sqrt();
+    assert!(rmse < 0.15, "{rmse}");
+}
+
+/// Cells of which some are no cells at all.
+fn broken_cell() -> impl Strategy<Value = CellInput> {
+    let extreme = prop::sample::select(vec![0.0, -1.0, 1e-30, 1e30, -1e30, f32::INFINITY, f32::NAN]);
+    (any_cell(), 0usize..20, extreme).prop_map(|(mut cell, which, extreme)| {
+        match which {
+            0 => cell.work = extreme,
+            1 => cell.energy.value = extreme,
+            2 => cell.altitude.value = extreme,
+            3 => cell.net_traction_percent = extreme,
+            4 => cell.gravity = extreme,
+            5 => cell.duration_s = extreme,
+            6 => cell.energy.variance = extreme,
+            _ => {}
+        }
+        cell
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    #[test]
+    fn no_input_makes_a_grade_that_is_not_finite(cells in prop::collection::vec(broken_cell(), 60..400)) {
+        let mut cells = cells;
+        cells.insert(0, first());
+        let (live, _, _) = grades::<f32>(&cells);
+        for (mean, variance) in live {
+            prop_assert!(mean.is_finite() && variance.is_finite() && variance >= 0.0, "{mean} {variance}");
+        }
+    }
+}
