@@ -55,5 +55,5 @@ check_budgets() {
     need_target "$small"
     need_program qemu-system-arm
     # The profile of the tests. The example itself builds the measured images as releases.
-    cargo run --example budgets -- --check
+    run_example budgets --check
 }

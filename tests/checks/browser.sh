@@ -10,7 +10,7 @@ check_browser() {
     local cases=$work/cases
     packaging/browser
     # All packages: this one alone would be rebuilt with other features.
-    cargo build --bins --examples
+    cargo build "${host_packages[@]}" --bins --examples
     page_cases "$cases"
     PYTHONDONTWRITEBYTECODE=1 python3 tests/browser/check_page.py \
         "$target/page/roadgrade.html" "${ROADGRADE:-$target/debug/roadgrade}" "$cases"

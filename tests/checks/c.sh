@@ -11,12 +11,12 @@ check_c() {
     need_program qemu-system-arm
     need_target "$board"
     need_target "$small"
-    cargo run -q --example c_header
+    run_example c_header
     cargo test -q -p estimator-c
     cargo build -q -p estimator-c --release
     cargo build -q -p estimator-c --release --target "$board"
     cargo build -q -p estimator-c --release --target "$small"
-    cargo run -q --example recorded_drive -- "$work"
+    run_example recorded_drive "$work"
     compile_examples
     compare_cells "$work/replay" "$work/replay"
     compile_for_board

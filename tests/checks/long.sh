@@ -24,7 +24,7 @@ readonly long_results=(
 # One estimator on a truck that drives for SOAK_DAYS days without a stop.
 check_long_soak() {
     local log=$work/log status=0
-    SOAK_DAYS=$soak_days cargo test --test faults many_days_without_a_stop -- \
+    SOAK_DAYS=$soak_days cargo test "${host_packages[@]}" --test faults many_days_without_a_stop -- \
         --ignored --nocapture 2>&1 | tee "$log" || status=$?
     {
         echo "days,rms_laps_3_to_12_percent,rms_last_10_laps_percent,result"

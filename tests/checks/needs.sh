@@ -167,7 +167,7 @@ join_by() {
 # Builds the program, and `fleet`, which simulates runs for some checks. With an example among them,
 # dependencies have the features that tests need: otherwise, all would be built a second time.
 build_roadgrade() {
-    cargo build --bins --example fleet
+    cargo build "${host_packages[@]}" --bins --example fleet
 }
 
 # Simulates drives of one truck over a road of this length, m.

@@ -12,7 +12,7 @@ check_python() {
         want_python_package "$package" "the Python package" || return 0
     done
     # All packages: the wheel then has most of what it needs.
-    cargo build --bins
+    cargo build "${host_packages[@]}" --bins
     "$target/python/bin/maturin" build --profile dev --features as-tested --target-dir "$target" \
         --manifest-path "$python_crate/Cargo.toml" --auditwheel skip --out "$wheels"
     python3 -m venv "$fresh"

@@ -4,6 +4,9 @@
 # Property tests draw the same cases each time, so that a red run can be repeated.
 export PROPTEST_RNG_SEED=${PROPTEST_RNG_SEED:-20110301} PROPTEST_DISABLE_FAILURE_PERSISTENCE=true
 
+# The packages that hosts test. They are built together: one alone would be rebuilt with other features.
+readonly host_packages=(-p estimator-core -p host-sim -p cross-tests -p test-kit)
+
 # Three of the test binaries take most of the time.
 readonly slow_tests=(diagnosis thesis faults)
 
@@ -26,8 +29,8 @@ check_clippy() {
 }
 
 check_docs() {
-    RUSTDOCFLAGS="-D warnings" cargo doc --no-deps
-    cargo test --doc
+    RUSTDOCFLAGS="-D warnings" cargo doc "${host_packages[@]}" --no-deps
+    cargo test "${host_packages[@]}" --doc
     need_target "$board"
     RUSTDOCFLAGS="-D warnings" cargo doc --no-deps -p firmware --target "$board"
 }
@@ -49,11 +52,19 @@ run_tests() {
     while read -r name; do
         [[ " $* " == *" $name "* ]] || tests+=(--test "$name")
     done < <(test_names)
-    cargo test --lib --bins --no-fail-fast "${tests[@]}" -- --show-output 2>&1 |
+    cargo test "${host_packages[@]}" --lib --bins --no-fail-fast "${tests[@]}" -- --show-output 2>&1 |
         tee "$log" || status=$?
     totals "$log"
     { grep -h '^SKIPPED' "$log" || true; } | sort -u >>"$work/notes"
     return "$status"
+}
+
+# Builds an example of these packages, and runs it with the arguments that follow its name.
+run_example() {
+    local name=$1
+    shift
+    cargo build -q "${host_packages[@]}" --example "$name"
+    "$target/debug/examples/$name" "$@"
 }
 
 # Prints the names of the test binaries.

@@ -21,7 +21,7 @@ on_virtual_bus() {
         need_program "$program"
     done
     # All packages: this one alone would be rebuilt with other features.
-    program=$(cargo test --test vcan --no-run --message-format=json |
+    program=$(cargo test "${host_packages[@]}" --test vcan --no-run --message-format=json |
         sed -n 's/.*"executable":"\([^"]*\/vcan-[^"]*\)".*/\1/p')
     local tests=("$program" "$@" --ignored --test-threads=1 --show-output)
     if has_vcan; then

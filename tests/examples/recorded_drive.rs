@@ -1,6 +1,6 @@
 //! Writes a small drive as boards read it, and the cells that they must write:
 //!
-//!     cargo run --example recorded_drive -- FOLDER
+//!     cargo run -p cross-tests --example recorded_drive -- FOLDER
 //!
 //! writes `drive.bin` and `expected.bin` for a vehicle with every effect.
 

@@ -9,7 +9,7 @@
 #ifndef ROAD_GRADE_H
 #define ROAD_GRADE_H
 
-/* Made from the sources by `cargo run --example c_header -- --write`. */
+/* Made from the sources by `cargo run -p cross-tests --example c_header -- --write`. */
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -1,6 +1,6 @@
 //! What an accelerometer is worth: the live estimate where the force model does not hold.
 //!
-//! `cargo test --test inertial -- --nocapture` prints the figures.
+//! `cargo test -p cross-tests --test inertial -- --nocapture` prints the figures.
 
 #![allow(clippy::unwrap_used)]
 
