@@ -104,6 +104,7 @@ mutate() {
     mutants_by "$out/drives" --timeout 60 --exclude "$roads" "$@" --cargo-arg=--test=change_indicator
     cat "$out"/{roads,drives}/mutants.out/missed.txt >"$out/missed.txt"
     # Names are patterns here.
+    # shellcheck disable=SC2016 # The dollar is that of sed.
     sed 's/[].[\*^$()+?{}|]/\\&/g; s/^/--re=^/; s/$/$/' "$out/missed.txt" >"$out/again"
     sed 's/:.*//; s/^/--file=/' "$out/missed.txt" | sort -u >>"$out/again"
     mapfile -t again <"$out/again"
