@@ -31,7 +31,7 @@ check_long_packages() {
         patches+=(--config "patch.crates-io.$name.path='$folder/$name-$version'")
     done
     cargo install --path "$folder/host-sim-$version" --root "$work/installed" "${patches[@]}" \
-        --target-dir "$target/packages" --debug
+        --target-dir "$target/unpacked" --debug
     "$work/installed/bin/roadgrade" demo --out "$work/demo"
 }
 
@@ -42,12 +42,12 @@ check_long_release() {
     need_program dpkg-deb
     need_program clang
     packaging/release x86_64-unknown-linux-musl
-    dpkg-deb --extract "$target"/dist/roadgrade_*_amd64.deb "$bare"
+    dpkg-deb --extract "$target"/packages/roadgrade_*_amd64.deb "$bare"
     mkdir "$bare/tmp"
     as_root chroot "$bare" /usr/bin/roadgrade demo --out /demo
     packaging/wheel
     python3 -m venv "$work/fresh"
-    "$work/fresh/bin/python" -m pip install -q --disable-pip-version-check --no-index "$target"/dist/*.whl
+    "$work/fresh/bin/python" -m pip install -q --disable-pip-version-check --no-index "$target"/packages/*.whl
     "$work/fresh/bin/python" -c 'import roadgrade; print(roadgrade.__version__)'
-    (cd "$target/dist" && sha256sum --check SHA256SUMS)
+    (cd "$target/packages" && sha256sum --check SHA256SUMS)
 }
