@@ -1,7 +1,7 @@
 //! Writes a fleet's runs over one road, to measure fusion with:
 //!
 //! ```text
-//! cargo run --release -p host-sim --example fleet -- FOLDER CELLS [SEED [KM]]
+//! cargo run --profile dist -p host-sim --example fleet -- FOLDER CELLS [SEED [KM]]
 //! roadgrade fuse --out map.parquet --road FOLDER/road.csv FOLDER/runs
 //! roadgrade fuse --out map.parquet --road FOLDER/network.geojson FOLDER/runs
 //! ```

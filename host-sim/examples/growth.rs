@@ -1,7 +1,7 @@
 //! Time and memory with ten times the work: a longer log, more runs, a longer road.
 //!
 //! ```text
-//! cargo run --release -p host-sim --example growth
+//! cargo run --profile dist -p host-sim --example growth
 //! ```
 //!
 //! Each is measured at one and at ten times the work, as the processor time and the largest
@@ -120,7 +120,7 @@ impl Programs {
         let mut build = Command::new(cargo);
         build
             .current_dir(env!("CARGO_MANIFEST_DIR"))
-            .args(["build", "--release", "--bin", "roadgrade"])
+            .args(["build", "--profile", "dist", "--bin", "roadgrade"])
             .args(["--example", "fleet"]);
         cost(&mut build)?;
         let this = env::current_exe().map_err(Error::io(Path::new("growth")))?;

@@ -26,8 +26,8 @@ check_no_std() {
 check_firmware() {
     need_target "$board"
     need_program qemu-system-arm
-    cargo build -p firmware --release --target "$board"
-    print_size "$target/$board/release/mps2_an386"
+    cargo build -p firmware --profile dist --target "$board"
+    print_size "$target/$board/dist/mps2_an386"
     local names name others=()
     mapfile -t names < <(test_names)
     for name in "${names[@]}"; do
@@ -54,6 +54,6 @@ check_budgets() {
     need_target "$board"
     need_target "$small"
     need_program qemu-system-arm
-    # The profile of the tests. The example itself builds the measured images as releases.
+    # The profile of the tests. The example itself builds the measured images with the profile `dist`.
     run_example budgets --check
 }

@@ -18,8 +18,8 @@ check_browser() {
 
 # long_browser: compares the time with that of the program as users have it. A gate on time would fail beside other work.
 check_long_browser() {
-    cargo build --release --bin roadgrade
-    ROADGRADE=$target/release/roadgrade check_browser
+    cargo build --profile dist --bin roadgrade
+    ROADGRADE=$target/dist/roadgrade check_browser
 }
 
 # Writes a folder of files for each time that the page is used.

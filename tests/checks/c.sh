@@ -13,9 +13,9 @@ check_c() {
     need_target "$small"
     run_example c_header
     cargo test -q -p estimator-c
-    cargo build -q -p estimator-c --release
-    cargo build -q -p estimator-c --release --target "$board"
-    cargo build -q -p estimator-c --release --target "$small"
+    cargo build -q -p estimator-c --profile dist
+    cargo build -q -p estimator-c --profile dist --target "$board"
+    cargo build -q -p estimator-c --profile dist --target "$small"
     run_example recorded_drive "$work"
     compile_examples
     compare_cells "$work/replay" "$work/replay"
@@ -27,7 +27,7 @@ check_c() {
 # Compiles each example as C99 and as C++, with two compilers, and runs the mistakes under the address
 # and undefined-behaviour sanitizers.
 compile_examples() {
-    local source compiler library=$target/release/libroad_grade.a
+    local source compiler library=$target/dist/libroad_grade.a
     for source in replay misuse; do
         for compiler in gcc clang; do
             "$compiler" -std=c99 "${c_warnings[@]}" -c "$c_folder/examples/$source.c" \
@@ -46,7 +46,7 @@ compile_examples() {
 }
 
 compile_for_board() {
-    local board_folder=$c_folder/examples/board library=$target/$board/release/libroad_grade.a
+    local board_folder=$c_folder/examples/board library=$target/$board/dist/libroad_grade.a
     # shellcheck disable=SC2054 # The comma belongs to the option.
     local options=(-mcpu=cortex-m4 -mthumb -mfloat-abi=hard -mfpu=fpv4-sp-d16 -O2 -std=gnu99
         "${c_warnings[@]}" -nostartfiles -Wl,--gc-sections -z noexecstack --specs=rdimon.specs -T "$board_folder/board.ld"

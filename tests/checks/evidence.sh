@@ -11,8 +11,8 @@ check_evidence() {
 # Stack and instructions of each call, recursion, indirect calls and panics, from the linked image.
 check_evidence_image() {
     need_target "$board"
-    cargo build -q -p firmware --release --target "$board"
-    cargo run -q -p evidence -- calls "$target/$board/release/alone_calls"
+    cargo build -q -p firmware --profile dist --target "$board"
+    cargo run -q -p evidence -- calls "$target/$board/dist/alone_calls"
 }
 
 # Lines and branches of the core that its own tests reach. Branches need the nightly toolchain.

@@ -6,7 +6,7 @@
 use crate::drive::{drive, truck, truck_with_every_effect};
 use crate::drive_map::drive_map;
 use crate::emulator::{count, drive_file};
-use crate::image::{Image, build, root};
+use crate::image::{IMAGE_PROFILE, Image, build, root};
 use estimator_core::Model;
 use host_sim::error::{Error, Result};
 use host_sim::source::can_frame::TimedFrame;
@@ -206,7 +206,7 @@ pub fn measure_on(
     let map = drive_map();
     let vehicles = [("", truck()), (" effects", truck_with_every_effect())];
     for board in boards {
-        let images = build(&root().join("firmware"), board.target, "release")?;
+        let images = build(&root().join("firmware"), board.target, IMAGE_PROFILE)?;
         let linked: Vec<BudgetColumn> = board
             .scalars
             .iter()
@@ -229,7 +229,7 @@ pub fn measure_on(
 /// # Errors
 /// An image cannot be built or run.
 pub fn counts_with_map(board: &BoardTarget, map: &[u8]) -> Result<BTreeMap<String, u32>> {
-    let images = build(&root().join("firmware"), board.target, "release")?;
+    let images = build(&root().join("firmware"), board.target, IMAGE_PROFILE)?;
     let columns = counted(board, &images, &truck(), &drive(), map)?;
     Ok(columns.into_iter().next().unwrap_or_default().1)
 }

@@ -1,6 +1,6 @@
 //! The firmware's image on the board that QEMU emulates.
 
-use crate::image::{root, target_folder};
+use crate::image::{IMAGE_PROFILE, root, target_folder};
 use assert_cmd::Command;
 use defmt_decoder::Table;
 use estimator_core::packed_vehicle;
@@ -113,7 +113,7 @@ fn loader(folder: &Path, map: &[u8]) -> Result<[String; 2]> {
 
 /// Returns the lines of a defmt log. Their text is in the image.
 fn logged(bytes: &[u8]) -> Vec<String> {
-    let image = target_folder().join(TARGET).join("release").join(IMAGE);
+    let image = target_folder().join(TARGET).join(IMAGE_PROFILE).join(IMAGE);
     let image = fs::read(&image).expect("it was just built");
     let table = Table::parse(&image)
         .expect("an image that logs has a table")
@@ -204,8 +204,9 @@ fn cargo(command: &str, folder: &Path) -> Command {
     let root = root();
     let mut cargo = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     cargo
-        .args([command, "--quiet", "--release", "--target", TARGET])
-        .args(["--package", "firmware", "--bin", IMAGE])
+        .args([command, "--quiet", "--profile", IMAGE_PROFILE])
+        .args(["--target", TARGET, "--package", "firmware"])
+        .args(["--bin", IMAGE])
         .arg("--manifest-path")
         .arg(root.join("Cargo.toml"))
         .arg("--config")

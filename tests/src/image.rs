@@ -32,6 +32,9 @@ pub fn target_folder() -> PathBuf {
     env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), Into::into)
 }
 
+/// Build profile of the firmware's images.
+pub const IMAGE_PROFILE: &str = "dist";
+
 /// Builds all images of a package for a target. Returns their folder.
 ///
 /// # Errors

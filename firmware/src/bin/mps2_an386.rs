@@ -3,7 +3,7 @@
 //! In a folder with a `drive.bin` (see [`firmware::exchange`]), with the workspace's manifest:
 //!
 //! ```text
-//! cargo run -p firmware --release --target thumbv7em-none-eabihf
+//! cargo run -p firmware --profile dist --target thumbv7em-none-eabihf
 //! ```
 //!
 //! It logs with defmt on stdout, for `defmt-print -e IMAGE`. The example `emulate` of `cross-tests`
