@@ -24,6 +24,8 @@ const CAPACITY: usize = WINDOW_CELLS + UPDATE_CELLS;
 const BLOCK_CELLS: usize = SEGMENT_CELLS;
 const BLOCKS: usize = CAPACITY / BLOCK_CELLS;
 const SEGMENTS: usize = CAPACITY / SEGMENT_CELLS;
+/// Slope beyond which a number has been lost, %.
+const LARGEST_PERCENT: f32 = 1e3;
 /// Rounds of an update.
 const ROUNDS: usize = 2;
 
@@ -144,20 +146,25 @@ impl<S: Scalar> Window<S> {
             let gate = S::from_f32(numbers.live_gate);
             round.step(&mut self.newest, cell, &terms, Some(gate));
         }
-        if !self.newest.is_sound() {
+        let (slope, _) = self.newest.quantity(Quantity::RoadSlope);
+        let slope = to_single(slope);
+        let before = core::mem::replace(&mut self.live_slope, slope.mean);
+        let timing = timing_variance(numbers, cell, slope_rate(before, slope.mean));
+        let variance = slope.variance + self.undecided_variance + timing;
+        let is_sound = self.newest.is_sound()
+            && slope.mean.abs() < LARGEST_PERCENT
+            && slope.variance >= 0.0
+            && variance.is_finite();
+        if !is_sound {
             self.restart();
             return Slope {
                 mean: 0.0,
                 variance: numbers.prior_slope_percent * numbers.prior_slope_percent,
             };
         }
-        let (slope, _) = self.newest.quantity(Quantity::RoadSlope);
-        let slope = to_single(slope);
-        let before = core::mem::replace(&mut self.live_slope, slope.mean);
-        let timing = timing_variance(numbers, cell, slope_rate(before, slope.mean));
         Slope {
             mean: slope.mean,
-            variance: slope.variance + self.undecided_variance + timing,
+            variance,
         }
     }
 

@@ -1,10 +1,10 @@
 //! The window behind the vehicle: what it gives, in either precision, with any input.
 
 use crate::cells::{LEVEL, any_cell, first, fix};
+use estimator_core::Scalar;
 use estimator_core::inference::window::{LAG_CELLS, UPDATE_CELLS};
 use estimator_core::inference::{Numbers, Window};
 use estimator_core::robust::{CellInput, Reading};
-use estimator_core::Scalar;
 use proptest::prelude::*;
 
 /// The live and lagged grades of a drive, %, with their variances.
@@ -37,7 +37,11 @@ fn hills(cells: usize) -> Vec<CellInput> {
         hills.push(CellInput {
             work: 0.245 * slope + 0.1,
             net_traction_percent: slope + 0.5,
-            altitude: if k % 8 == 0 { fix(altitude_m) } else { Reading::NONE },
+            altitude: if k % 8 == 0 {
+                fix(altitude_m)
+            } else {
+                Reading::NONE
+            },
             ..LEVEL
         });
     }
@@ -72,10 +76,20 @@ fn single_precision_gives_what_double_precision_gives() {
     let cells = hills(3_000);
     let (live, lagged, _) = grades::<f32>(&cells);
     let (live_64, lagged_64, _) = grades::<f64>(&cells);
-    for (single, double) in live.iter().zip(&live_64).chain(lagged.iter().zip(&lagged_64)) {
+    for (single, double) in live
+        .iter()
+        .zip(&live_64)
+        .chain(lagged.iter().zip(&lagged_64))
+    {
         let sigma = double.1.sqrt();
-        assert!((single.0 - double.0).abs() < 0.1 * sigma, "{single:?} {double:?}");
-        assert!((single.1 - double.1).abs() < 0.1 * double.1, "{single:?} {double:?}");
+        assert!(
+            (single.0 - double.0).abs() < 0.1 * sigma,
+            "{single:?} {double:?}"
+        );
+        assert!(
+            (single.1 - double.1).abs() < 0.1 * double.1,
+            "{single:?} {double:?}"
+        );
     }
 }
 
@@ -93,7 +107,8 @@ fn lagged_grades_follow_the_road() {
 
 /// Cells of which some are no cells at all.
 fn broken_cell() -> impl Strategy<Value = CellInput> {
-    let extreme = prop::sample::select(vec![0.0, -1.0, 1e-30, 1e30, -1e30, f32::INFINITY, f32::NAN]);
+    let extreme =
+        prop::sample::select(vec![0.0, -1.0, 1e-30, 1e30, -1e30, f32::INFINITY, f32::NAN]);
     (any_cell(), 0usize..20, extreme).prop_map(|(mut cell, which, extreme)| {
         match which {
             0 => cell.work = extreme,

@@ -211,6 +211,7 @@ impl<'a> Inferred<'a> {
     /// Runs one round, and infers the variances.
     fn infer(&mut self) {
         let found = self.run(true, |_, _, _| ());
+        found.fixed_point.revive(self.numbers, &mut self.segments);
         self.round.levels = found.fixed_point.sums.levels(self.numbers);
     }
 
