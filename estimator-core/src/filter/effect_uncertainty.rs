@@ -13,7 +13,7 @@ use crate::model::AdoptedEffect;
 use crate::sample::Sample;
 
 /// Running means of the slope that the sigma of each effect makes, %.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct EffectUncertainty {
     means: Option<[f32; MAX_EFFECTS]>,
 }

@@ -1,11 +1,11 @@
 //! F and the noises of a cell, as a pass uses them.
 
 use super::levels::Levels;
-use super::numbers::Numbers;
 use super::variances::{CellVariances, SegmentVariances};
 use crate::cell::CELL_LENGTH_M;
 use crate::robust::{CellInput, CellNoise, Dynamics, NOISES, Noise};
 use crate::scalar::Scalar;
+use crate::tuning::Numbers;
 
 /// What is the same in every cell.
 #[derive(Clone, Copy, Debug)]

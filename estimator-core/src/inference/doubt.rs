@@ -1,42 +1,15 @@
 //! Where the force is in doubt: it is then a state of its own, which ends where the doubt ends.
 
-use super::numbers::Numbers;
-use super::variances::CellVariances;
+use super::variances::{CellVariances, DoubtCell};
 use crate::robust::CellInput;
 use crate::scalar::Scalar;
+use crate::tuning::Numbers;
 
 /// Cells between two steps of the doubtful force, 20 m.
 const STEP_CELLS: u8 = 8;
 
 /// Retarder force over weight from which on it is in doubt, %.
 const LEAST_RETARDER_PERCENT: f32 = 0.02;
-
-/// What a cell is in a stretch of doubtful force.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DoubtCell {
-    /// Whether the force is in doubt.
-    pub is_on: bool,
-    /// Whether what was in doubt before ends here.
-    pub renews: bool,
-    /// Scale of the prior of a step before the cell, %; zero where there is no step.
-    pub step_percent: f32,
-}
-
-impl DoubtCell {
-    /// The force is known.
-    pub const NONE: Self = Self {
-        is_on: false,
-        renews: false,
-        step_percent: 0.0,
-    };
-
-    /// Returns whether a doubtful force ends before the cell.
-    #[inline(always)]
-    #[must_use]
-    pub const fn ends_doubt(&self) -> bool {
-        !self.is_on || self.renews
-    }
-}
 
 /// Goes along the cells and finds where the force is in doubt.
 #[derive(Clone, Copy, Debug)]

@@ -12,10 +12,10 @@
 
 use super::cell_model::CellTerms;
 use super::levels::{LevelSum, LevelSums, Levels};
-use super::numbers::Numbers;
 use super::variances::{CellVariances, SegmentVariances};
 use crate::robust::{CellInput, Disturbances, Noise, Score};
 use crate::scalar::Scalar;
+use crate::tuning::Numbers;
 
 /// A step that the variances do not allow yet.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -1,7 +1,7 @@
 //! Levels: one number a drive for each noise, its learned over its assumed variance.
 
-use super::numbers::Numbers;
 use crate::scalar::Scalar;
+use crate::tuning::Numbers;
 
 macro_rules! levels {
     ($($(#[$about:meta])* $name:ident: $weight:ident, $low:ident, $high:ident;)*) => {

@@ -6,7 +6,6 @@
 //!
 //! | file | content |
 //! |---|---|
-//! | [`numbers`] | every number, with its source |
 //! | [`variances`], [`levels`] | what is inferred: a segment, a cell, a drive |
 //! | [`cell_model`] | F and the noises of a cell, as a pass uses them |
 //! | [`doubt`] | where the force is in doubt |
@@ -18,16 +17,14 @@ pub mod cell_model;
 pub mod doubt;
 pub mod fixed_point;
 pub mod levels;
-pub mod numbers;
 pub mod round;
 pub mod variances;
 pub mod window;
 
+pub use crate::tuning::Numbers;
 pub use cell_model::CellModel;
-pub use doubt::DoubtCell;
 pub use fixed_point::FixedPoint;
 pub use levels::{LevelSums, Levels};
-pub use numbers::Numbers;
 pub use round::{Round, Stretch};
-pub use variances::{CellVariances, SEGMENT_CELLS, SegmentVariances};
+pub use variances::{CellVariances, DoubtCell, SEGMENT_CELLS, SegmentVariances};
 pub use window::Window;

@@ -1,7 +1,6 @@
 //! What is inferred: variances of a segment of the road, and of a single cell.
 
-use super::doubt::DoubtCell;
-use super::numbers::Numbers;
+use crate::tuning::Numbers;
 
 /// Cells of a segment, 50 m: shocks are at its start, multipliers are of all its cells.
 pub const SEGMENT_CELLS: usize = 20;
@@ -54,4 +53,31 @@ impl CellVariances {
         doubt: 0.0,
         doubt_cell: DoubtCell::NONE,
     };
+}
+
+/// What a cell is in a stretch of doubtful force.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DoubtCell {
+    /// Whether the force is in doubt.
+    pub is_on: bool,
+    /// Whether what was in doubt before ends here.
+    pub renews: bool,
+    /// Scale of the prior of a step before the cell, %; zero where there is no step.
+    pub step_percent: f32,
+}
+
+impl DoubtCell {
+    /// The force is known.
+    pub const NONE: Self = Self {
+        is_on: false,
+        renews: false,
+        step_percent: 0.0,
+    };
+
+    /// Returns whether a doubtful force ends before the cell.
+    #[inline(always)]
+    #[must_use]
+    pub const fn ends_doubt(&self) -> bool {
+        !self.is_on || self.renews
+    }
 }

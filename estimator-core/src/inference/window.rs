@@ -3,13 +3,13 @@
 use super::cell_model::CellModel;
 use super::doubt::DoubtFinder;
 use super::levels::{LevelSums, Levels};
-use super::numbers::Numbers;
 use super::round::{Memory, Round, Stretch};
 use super::variances::{CellVariances, SEGMENT_CELLS, SegmentVariances};
 use crate::cell::CELL_LENGTH_M;
 use crate::robust::vehicle_cells::EndedRest;
 use crate::robust::{Adjoint, CellInput, Moments, Quantity, Record, State};
 use crate::scalar::Scalar;
+use crate::tuning::Numbers;
 use heapless::Vec;
 
 /// Cells between two updates of the window, two segments.

@@ -92,11 +92,11 @@ impl<S: Scalar> Covariance<S> {
     /// Computes `P - K b'` for the gain K = b / s: the covariance after a scalar update.
     #[inline(always)]
     pub fn reduce(&mut self, gain: &StateVector<S>, cross: &StateVector<S>) {
-        let mut at = 0;
-        for i in 0..STATES {
-            for j in i..STATES {
-                self.upper[at].add_product(-gain[i], &cross[j]);
-                at += 1;
+        let mut upper = self.upper.iter_mut();
+        for (i, gain) in gain.iter().enumerate() {
+            // The row first, so that the triangle is not asked for more than the row has.
+            for (cross, element) in cross.iter().skip(i).zip(&mut upper) {
+                element.add_product(-*gain, cross);
             }
         }
     }

@@ -6,8 +6,8 @@ use super::state::{Record, State};
 use super::state_index::StateIndex::{
     self, Altitude, Bias, KineticEnergy, Retarder, Scale, Slope, SlopeRate, TyreSlip, Wind,
 };
-use crate::inference::Numbers;
 use crate::scalar::Scalar;
+use crate::tuning::Numbers;
 
 impl<S: Scalar> State<S> {
     /// Returns the state before the first cell of a drive. `cold_tyres_percent` is the sigma of what

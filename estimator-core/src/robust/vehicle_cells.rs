@@ -4,9 +4,9 @@ use super::cell_input::{CellInput, Marks, Reading};
 use crate::cell::CELL_LENGTH_M;
 use crate::context::Context;
 use crate::filter::EffectUncertainty;
-use crate::inference::Numbers;
 use crate::sample::{AltitudeContinuity, Sample};
 use crate::scalar::Scalar;
+use crate::tuning::Numbers;
 use crate::vehicle::Traction;
 
 /// What earlier cells leave for the next one.

@@ -9,8 +9,10 @@
 //! Force noises are forces. The grade error that they make is proportional to 1/(m g), so one set
 //! serves a loaded combination and a solo tractor.
 
+mod numbers;
 mod parameter;
 
+pub use numbers::Numbers;
 pub use parameter::{TuningError, TuningParameter};
 
 use crate::time::Duration;

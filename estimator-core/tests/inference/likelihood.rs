@@ -16,7 +16,7 @@ enum Changed {
     Altitude,
 }
 
-fn place<'a>(noise: &'a mut CellNoise<f64>, changed: Changed) -> &'a mut f64 {
+fn place(noise: &mut CellNoise<f64>, changed: Changed) -> &mut f64 {
     match changed {
         Changed::Of(of) => &mut noise.of[of as usize],
         Changed::Load => &mut noise.load,

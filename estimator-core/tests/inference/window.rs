@@ -7,8 +7,11 @@ use estimator_core::inference::{Numbers, Window};
 use estimator_core::robust::{CellInput, Reading};
 use proptest::prelude::*;
 
-/// The live and lagged grades of a drive, %, with their variances.
-fn grades<S: Scalar>(cells: &[CellInput]) -> (Vec<(f32, f32)>, Vec<(f32, f32)>, u32) {
+/// Grades, %, with their variances.
+type Grades = Vec<(f32, f32)>;
+
+/// The live and lagged grades of a drive, and how often the window began anew.
+fn grades<S: Scalar>(cells: &[CellInput]) -> (Grades, Grades, u32) {
     let numbers = Numbers::default();
     let mut window = Box::new(Window::<S>::new(false));
     let (mut live, mut lagged) = (Vec::new(), Vec::new());

@@ -23,13 +23,15 @@ const CRATES: [&str; 9] = [
 ];
 
 /// Parts of the core from top to bottom. None imports what stands above it.
-const CORE: [&str; 26] = [
+const CORE: [&str; 28] = [
     "estimator",
     "broadcast",
     "persistent_state",
     "packed_vehicle",
     "roadmap",
     "smoother",
+    "inference",
+    "robust",
     "filter",
     "intake",
     "sampler",
