@@ -24,6 +24,12 @@ const CAPACITY: usize = WINDOW_CELLS + UPDATE_CELLS;
 const BLOCK_CELLS: usize = SEGMENT_CELLS;
 const BLOCKS: usize = CAPACITY / BLOCK_CELLS;
 const SEGMENTS: usize = CAPACITY / SEGMENT_CELLS;
+/// Force beyond which a brake is hidden, %, at a distance of four sigmas.
+const HIDDEN_BRAKE_PERCENT: f32 = 1.0;
+/// Distance over which brakes must have been hidden for the bus to count as one without them, m.
+const HIDDEN_BRAKE_M: f32 = 100.0;
+/// Rounds of a trial of that hypothesis.
+const TRIAL_ROUNDS: usize = 5;
 /// Slope beyond which a number has been lost, %.
 const LARGEST_PERCENT: f32 = 1e3;
 /// Rounds of an update.
@@ -50,7 +56,14 @@ pub struct Window<S> {
     undecided_from: usize,
     live_slope: f32,
     slopes: [Slope; CAPACITY],
+    /// Doubtful force of each cell, %.
+    doubtful_force: [f32; CAPACITY],
+    /// Whether the force steps by more than the model's error can.
+    force_steps: bool,
+    /// Cells in which brakes acted that no signal reported.
+    hidden_brake_cells: usize,
     checkpoints: [State<S>; BLOCKS],
+    trial_checkpoints: [State<S>; BLOCKS],
     records: [Record<S>; BLOCK_CELLS],
     has_begun: bool,
     restarts: u32,
@@ -58,6 +71,15 @@ pub struct Window<S> {
 
 /// A slope of the road with its variance.
 pub type Slope = Moments<f32>;
+
+/// What the window says of the end of a cell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CellSlope {
+    /// The slope of the road.
+    pub slope: Slope,
+    /// Whether no step of the force, no doubtful force and no undecided step is found there.
+    pub is_consistent: bool,
+}
 
 impl<S: Scalar> Window<S> {
     /// Creates the window before the first cell. `overrun_is_doubtful` is the hypothesis that the bus
@@ -82,7 +104,11 @@ impl<S: Scalar> Window<S> {
                 mean: 0.0,
                 variance: 0.0,
             }; CAPACITY],
+            doubtful_force: [0.0; CAPACITY],
+            force_steps: false,
+            hidden_brake_cells: 0,
             checkpoints: [State::ZERO; BLOCKS],
+            trial_checkpoints: [State::ZERO; BLOCKS],
             records: [Record::EMPTY; BLOCK_CELLS],
             has_begun: false,
             restarts: 0,
@@ -108,7 +134,7 @@ impl<S: Scalar> Window<S> {
         cell: &CellInput,
         rest: Option<&EndedRest>,
         cold_tyres_percent: f32,
-    ) -> Slope {
+    ) -> CellSlope {
         if !self.has_begun {
             self.has_begun = true;
             self.committed = State::at_start(numbers, cell, cold_tyres_percent);
@@ -132,7 +158,7 @@ impl<S: Scalar> Window<S> {
         self.step_live(numbers, cell, index)
     }
 
-    fn step_live(&mut self, numbers: &Numbers, cell: &CellInput, index: usize) -> Slope {
+    fn step_live(&mut self, numbers: &Numbers, cell: &CellInput, index: usize) -> CellSlope {
         let round = Round {
             model: CellModel::new(numbers),
             levels: self.levels,
@@ -157,15 +183,28 @@ impl<S: Scalar> Window<S> {
             && variance.is_finite();
         if !is_sound {
             self.restart();
-            return Slope {
-                mean: 0.0,
-                variance: numbers.prior_slope_percent * numbers.prior_slope_percent,
+            let variance = numbers.prior_slope_percent * numbers.prior_slope_percent;
+            return CellSlope {
+                slope: Slope {
+                    mean: 0.0,
+                    variance,
+                },
+                is_consistent: false,
             };
         }
-        Slope {
-            mean: slope.mean,
-            variance,
+        CellSlope {
+            slope: Slope {
+                mean: slope.mean,
+                variance,
+            },
+            is_consistent: !self.is_undecided(numbers),
         }
+    }
+
+    /// Returns whether a step is neither certain nor excluded that would move the slope.
+    fn is_undecided(&self, numbers: &Numbers) -> bool {
+        let least = numbers.inconsistent_percent;
+        self.undecided_variance > least * least
     }
 
     /// Forgets everything but the hypothesis: a number is not finite. The cells of the window are lost.
@@ -180,6 +219,12 @@ impl<S: Scalar> Window<S> {
         (self.levels, self.past) = (Levels::ONE, LevelSums::default());
         (self.undecided_variance, self.live_slope) = (0.0, 0.0);
         self.has_begun = false;
+    }
+
+    /// Returns whether overrun counts as doubtful: brakes act that no signal reports.
+    #[must_use]
+    pub const fn hides_brakes(&self) -> bool {
+        self.doubt.overrun_is_doubtful
     }
 
     /// Returns how often the window started anew because a number was not finite.
@@ -198,12 +243,21 @@ impl<S: Scalar> Window<S> {
     /// Infers the variances of the window anew, and drops the cells that leave it. `take` gets the
     /// lagged slopes of the cells whose lag is over, the oldest first, each with the number of cells
     /// behind it; at the end of a drive those of all cells that are left.
-    pub fn update(&mut self, numbers: &Numbers, ends: bool, mut take: impl FnMut(usize, Slope)) {
-        let leaving = self.cells.len().saturating_sub(WINDOW_CELLS) / UPDATE_CELLS * UPDATE_CELLS;
-        for round in 1..=ROUNDS {
-            self.run_round(numbers, if round == ROUNDS { leaving } else { 0 });
-        }
+    pub fn update(
+        &mut self,
+        numbers: &Numbers,
+        ends: bool,
+        mut take: impl FnMut(usize, CellSlope),
+    ) {
         let count = self.cells.len();
+        let leaving = count.saturating_sub(WINDOW_CELLS) / UPDATE_CELLS * UPDATE_CELLS;
+        let first_due = count.saturating_sub(LAG_CELLS + UPDATE_CELLS);
+        for _ in 1..ROUNDS {
+            self.run_round(numbers, 0, count);
+        }
+        // The one before the first that is due gives its slope rate.
+        self.run_round(numbers, leaving, first_due.saturating_sub(1));
+        self.look_for_hidden_brakes(numbers);
         for (index, cell) in self.cells.iter().enumerate() {
             let behind = count - 1 - index;
             let is_due = behind < LAG_CELLS + UPDATE_CELLS && (ends || behind >= LAG_CELLS);
@@ -220,19 +274,35 @@ impl<S: Scalar> Window<S> {
                 0.0
             };
             let extra = undecided + timing_variance(numbers, cell, rate);
+            let slope = Slope {
+                mean: slope.mean,
+                variance: slope.variance + extra,
+            };
+            let is_consistent = !self.is_doubtful(numbers, index)
+                && (undecided == 0.0 || !self.is_undecided(numbers));
             take(
                 behind,
-                Slope {
-                    mean: slope.mean,
-                    variance: slope.variance + extra,
+                CellSlope {
+                    slope,
+                    is_consistent,
                 },
             );
         }
         self.drop_first(leaving);
     }
 
-    /// Runs one round over the window. The first `leaving` cells leave after it.
-    fn run_round(&mut self, numbers: &Numbers, leaving: usize) {
+    /// Returns whether the force is in doubt, or steps, in a cell of the window.
+    fn is_doubtful(&self, numbers: &Numbers, index: usize) -> bool {
+        let least = numbers.inconsistent_percent;
+        let force_percent = self.doubtful_force.get(index).copied().unwrap_or(0.0);
+        let segment = self.segments.get(index / SEGMENT_CELLS);
+        force_percent.abs() > least
+            || segment.is_some_and(|segment| segment.bias_shock > least * least)
+    }
+
+    /// Runs one round over the window. The first `leaving` cells leave after it. It smooths the slopes
+    /// from the cell `smoothed_from` on.
+    fn run_round(&mut self, numbers: &Numbers, leaving: usize, smoothed_from: usize) {
         let mut doubt = self.doubt;
         for (index, (cell, own)) in self.cells.iter().zip(&mut self.own).enumerate() {
             if index == leaving {
@@ -254,11 +324,15 @@ impl<S: Scalar> Window<S> {
             checkpoints: &mut self.checkpoints,
             records: &mut self.records,
         };
-        let slopes = &mut self.slopes;
+        let (slopes, forces) = (&mut self.slopes, &mut self.doubtful_force);
         let take = |index: usize, record: &Record<S>, adjoint: &Adjoint<S>| {
+            if index < smoothed_from {
+                return;
+            }
             let slope = adjoint.smooth(&record.state, Quantity::RoadSlope);
-            if let Some(place) = slopes.get_mut(index) {
-                *place = to_single(slope);
+            let force = adjoint.smooth(&record.state, Quantity::DoubtfulForce);
+            if let (Some(slopes), Some(forces)) = (slopes.get_mut(index), forces.get_mut(index)) {
+                (*slopes, *forces) = (to_single(slope), force.mean.to_f32());
             }
         };
         let found = round.run(
@@ -281,6 +355,76 @@ impl<S: Scalar> Window<S> {
         self.past = self.past.decayed_plus(kept, &found.leaving);
         let sums = self.past.decayed_plus(1.0, &fixed_point.sums);
         self.levels = sums.levels(numbers);
+        self.force_steps = fixed_point.bias_step.evidence > numbers.revive
+            && fixed_point.bias_step.size_percent.abs() > HIDDEN_BRAKE_PERCENT;
+    }
+
+    /// Looks whether brakes act that no signal reports, where the force steps and the engine drives
+    /// nothing: it infers the window once more under that hypothesis. What it finds behind the lag
+    /// counts.
+    fn look_for_hidden_brakes(&mut self, numbers: &Numbers) {
+        let overruns = |cell: &&CellInput| cell.marks.overrun && !cell.marks.invalid;
+        let most = numbers.bias_shock_most_percent;
+        let steps = self.force_steps
+            || self
+                .segments
+                .iter()
+                .any(|segment| segment.bias_shock > 0.25 * most * most);
+        if self.doubt.overrun_is_doubtful
+            || !steps
+            || !self.cells.iter().any(|cell| overruns(&cell))
+        {
+            return;
+        }
+        let (own, segments) = (self.own.clone(), self.segments.clone());
+        let (newest, levels) = (self.newest, self.levels);
+        let mut doubt = self.doubt;
+        doubt.overrun_is_doubtful = true;
+        for (cell, own) in self.cells.iter().zip(&mut self.own) {
+            *own = CellVariances::START;
+            doubt.next(numbers, cell, own);
+        }
+        for segment in &mut self.segments {
+            *segment = SegmentVariances::start(numbers, 1.0);
+        }
+        let round = Round {
+            model: CellModel::new(numbers),
+            levels,
+        };
+        let behind_lag = self.cells.len().saturating_sub(LAG_CELLS + UPDATE_CELLS)
+            ..self.cells.len().saturating_sub(LAG_CELLS);
+        let cells = &self.cells;
+        let mut hidden = 0;
+        for trial in 1..=TRIAL_ROUNDS {
+            let mut stretch = Stretch {
+                cells,
+                own: &mut self.own,
+                segments: &mut self.segments,
+            };
+            let mut memory = Memory {
+                checkpoints: &mut self.trial_checkpoints,
+                records: &mut self.records,
+            };
+            let take = |index: usize, record: &Record<S>, adjoint: &Adjoint<S>| {
+                let is_candidate = trial == TRIAL_ROUNDS
+                    && behind_lag.contains(&index)
+                    && cells.get(index).is_some_and(|cell| overruns(&cell));
+                if is_candidate {
+                    let force = to_single(adjoint.smooth(&record.state, Quantity::DoubtfulForce));
+                    let sigma = Scalar::sqrt(force.variance);
+                    hidden += usize::from(force.mean - 4.0 * sigma > HIDDEN_BRAKE_PERCENT);
+                }
+            };
+            round.run(&self.committed, &mut stretch, &mut memory, 0, true, take);
+        }
+        (self.own, self.segments) = (own, segments);
+        (self.newest, self.levels) = (newest, levels);
+        self.hidden_brake_cells += hidden;
+        if self.hidden_brake_cells as f32 * CELL_LENGTH_M > HIDDEN_BRAKE_M {
+            self.doubt.overrun_is_doubtful = true;
+            self.newest_doubt.overrun_is_doubtful = true;
+            self.doubt_behind_leaving.overrun_is_doubtful = true;
+        }
     }
 
     /// Drops the first cells: whole blocks, before which the states are stored.

@@ -116,5 +116,6 @@ numbers! {
     speed_level_low = 0.1, "1", "least level of the noise of the speed", "a third of the sigma";
     speed_level_high = 25.0, "1", "largest level of it", "five times the sigma";
     live_multiplier = 1.5, "1", "multiplier of road and receiver ahead of the window", "mean of four degrees of freedom is 2, mode 0.7";
+    inconsistent_percent = 0.3, "%", "force beyond which a cell is inconsistent", "five times the error of a smoothed grade";
     timing_s = 0.15, "s", "time by which the signals are older than their time stamps, 1 sigma", "buses of other simulators: 0.05 to 0.2 s";
 }

@@ -2,7 +2,7 @@
 
 use crate::cells::{LEVEL, any_cell, first, fix};
 use estimator_core::Scalar;
-use estimator_core::inference::window::{LAG_CELLS, UPDATE_CELLS};
+use estimator_core::inference::window::{CellSlope, LAG_CELLS, UPDATE_CELLS};
 use estimator_core::inference::{Numbers, Window};
 use estimator_core::robust::{CellInput, Reading};
 use proptest::prelude::*;
@@ -16,11 +16,11 @@ fn grades<S: Scalar>(cells: &[CellInput]) -> (Grades, Grades, u32) {
     let mut window = Box::new(Window::<S>::new(false));
     let (mut live, mut lagged) = (Vec::new(), Vec::new());
     for (k, cell) in cells.iter().enumerate() {
-        let slope = window.push(&numbers, cell, None, 0.3);
+        let slope = window.push(&numbers, cell, None, 0.3).slope;
         live.push((slope.mean, slope.variance));
         let ends = k + 1 == cells.len();
         if window.is_due() || ends {
-            window.update(&numbers, ends, |behind, slope| {
+            window.update(&numbers, ends, |behind, CellSlope { slope, .. }| {
                 if lagged.len() + behind == k {
                     lagged.push((slope.mean, slope.variance));
                 }

@@ -39,10 +39,10 @@ struct OnlineGrades {
 impl From<LiveAndLagged> for OnlineGrades {
     fn from((live, lagged): LiveAndLagged) -> Self {
         Self {
-            live,
-            lagged,
-            live_consistent: true,
-            lagged_consistent: true,
+            live: live.slope.grade(),
+            lagged: lagged.slope.grade(),
+            live_consistent: live.is_consistent,
+            lagged_consistent: lagged.is_consistent,
         }
     }
 }

@@ -1,22 +1,23 @@
 //! Live and lagged grades with inferred variances, cell by cell.
 
+use estimator_core::inference::window::CellSlope;
 use estimator_core::inference::{Numbers, Window};
 use estimator_core::robust::VehicleCells;
 use estimator_core::robust::vehicle_cells::EndedRest;
 use estimator_core::sample::Sample;
-use estimator_core::{Context, Scalar, Uncertain};
+use estimator_core::{Context, Scalar};
 use std::collections::VecDeque;
 
-/// The grades of a cell, %: live, and lagged.
-pub type LiveAndLagged = (Uncertain, Uncertain);
+/// Live and lagged slope of a cell.
+pub type LiveAndLagged = (CellSlope, CellSlope);
 
-/// The window behind the vehicle, and the live grades of the cells that wait for their lag.
+/// The window behind the vehicle, and the live slopes of the cells that wait for their lag.
 #[derive(Debug)]
 pub struct InferredGrades<S> {
     numbers: Numbers,
     cells: VehicleCells,
     window: Box<Window<S>>,
-    waiting: VecDeque<Uncertain>,
+    waiting: VecDeque<CellSlope>,
 }
 
 impl<S: Scalar> InferredGrades<S> {
@@ -45,7 +46,7 @@ impl<S: Scalar> InferredGrades<S> {
         let live = self
             .window
             .push(&self.numbers, &cell, rest.as_ref(), 100.0 * cold);
-        self.waiting.push_back(live.grade());
+        self.waiting.push_back(live);
         if self.window.is_due() {
             self.update(false, finished);
         }
@@ -63,7 +64,7 @@ impl<S: Scalar> InferredGrades<S> {
             if behind < waiting.len()
                 && let Some(live) = waiting.pop_front()
             {
-                finished((live, slope.grade()));
+                finished((live, slope));
             }
         });
     }

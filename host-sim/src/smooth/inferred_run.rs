@@ -279,9 +279,10 @@ impl<'a> Inferred<'a> {
 
     /// Returns what disagrees in a cell: which variance has opened there.
     fn disagreement(&self, index: usize, smoothed: &Smoothed) -> Disagreement {
-        let least = INCONSISTENT_PERCENT * INCONSISTENT_PERCENT;
+        let least_percent = self.numbers.inconsistent_percent;
+        let least = least_percent * least_percent;
         let cell = &self.cells[index];
-        let doubts = smoothed.doubtful_force.mean.abs() > f64::from(INCONSISTENT_PERCENT);
+        let doubts = smoothed.doubtful_force.mean.abs() > f64::from(least_percent);
         Disagreement {
             climb: self.segments[index / SEGMENT_CELLS].bias_shock > least,
             brake: doubts && cell.marks.overrun,
@@ -290,9 +291,6 @@ impl<'a> Inferred<'a> {
         }
     }
 }
-
-/// Force beyond which a cell is inconsistent, %.
-const INCONSISTENT_PERCENT: f32 = 0.3;
 
 /// The quantities of a cell.
 #[derive(Clone, Copy)]
