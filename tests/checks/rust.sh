@@ -7,8 +7,8 @@ export PROPTEST_RNG_SEED=${PROPTEST_RNG_SEED:-20110301} PROPTEST_DISABLE_FAILURE
 # The packages that hosts test. They are built together: one alone would be rebuilt with other features.
 readonly host_packages=(-p estimator-core -p host-sim -p cross-tests -p test-kit)
 
-# Three of the test binaries take most of the time.
-readonly slow_tests=(diagnosis thesis faults)
+# These test binaries take most of the time.
+readonly slow_tests=(diagnosis thesis faults accuracy_others)
 
 check_format() {
     cargo fmt --check

@@ -1,5 +1,6 @@
 //! Helpers of the tests across packages.
 
+pub mod accuracy;
 pub mod budgets;
 pub mod change_indicator;
 pub mod diagnosed;

@@ -1,0 +1,147 @@
+//! What is judged.
+
+use super::errors::Errors;
+use super::method::Method;
+use super::table::AccuracyRow;
+use super::{bus_passes, car_trips, simulated_drive, track_laps};
+use crate::image::measured_mission;
+use host_sim::error::Result;
+use rayon::prelude::*;
+
+/// What gives one or two names in the table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Subject {
+    /// A drive of another simulator.
+    Drive(&'static str),
+    /// A trip of the measured car.
+    Trip(&'static str),
+    /// All trips of the measured car.
+    Trips,
+    /// The measured truck on a track.
+    Laps,
+    /// The measured bus.
+    Passes,
+}
+
+use Subject::{Drive, Laps, Passes, Trip, Trips};
+
+/// What `tests/run` judges.
+pub const QUICK: &[Subject] = &[
+    Drive("e4-a2"),
+    Drive("nrel-linehaul-32t"),
+    Drive("regional-28t"),
+    Drive("hills-60t"),
+    Trip("TripA08"),
+];
+
+/// What `tests/run all` judges besides. What takes longest comes first.
+pub const OTHERS: &[Subject] = &[
+    Trips,
+    Passes,
+    Laps,
+    Drive("e4-a0"),
+    Drive("e4-b2"),
+    Drive("e4-b3"),
+    Drive("motorway-b0"),
+    Drive("wind-a4"),
+    Drive("full-load-12km"),
+    Drive("coach-e4-19t"),
+    Drive("flat-foot-40t"),
+    Drive("traffic-24t"),
+    Drive("city-hilly-12t"),
+];
+
+impl Subject {
+    /// Returns its names in the table.
+    #[must_use]
+    pub fn names(self) -> Vec<String> {
+        let name = |name: &str| vec![name.to_owned()];
+        match self {
+            Drive(drive) => name(drive),
+            Trip(trip) => vec![format!("i3-{trip}")],
+            Trips => ["i3-median", "i3-nine-in-ten"].map(str::to_owned).into(),
+            Laps => name("peterbilt-laps"),
+            Passes => name("ztbus-passes"),
+        }
+    }
+
+    fn is_present(self) -> bool {
+        match self {
+            Drive(drive) => simulated_drive::folder(drive).exists(),
+            Trip(trip) => car_trips::file(trip).exists(),
+            Trips => car_trips::folder().exists(),
+            Laps => track_laps::folder().exists(),
+            Passes => measured_mission().exists(),
+        }
+    }
+
+    fn rows(self) -> Result<Vec<AccuracyRow>> {
+        let errors: Vec<Vec<(Method, Errors)>> = match self {
+            Drive(drive) => vec![simulated_drive::judge(drive)?],
+            Trip(trip) => vec![car_trips::judge(&car_trips::file(trip))?],
+            Trips => car_trips::judge_all()?.into(),
+            Laps => vec![track_laps::judge()?],
+            Passes => vec![bus_passes::judge()?],
+        };
+        let named = self.names().into_iter().zip(errors);
+        let rows = named.flat_map(|(name, errors)| {
+            let of_method = move |(method, errors)| AccuracyRow::new(&name, method, &errors);
+            errors.into_iter().map(of_method)
+        });
+        Ok(rows.collect())
+    }
+}
+
+/// Errors of what is present.
+#[derive(Clone, Debug, Default)]
+pub struct Measured {
+    /// In the order of the subjects.
+    pub rows: Vec<AccuracyRow>,
+    /// Names of what is absent.
+    pub absent: Vec<String>,
+}
+
+/// Judges these subjects, several at once.
+///
+/// # Errors
+/// Returns an error if what is present of the data cannot be read.
+pub fn measure(subjects: &[Subject]) -> Result<Measured> {
+    let (present, absent): (Vec<Subject>, Vec<Subject>) = subjects
+        .iter()
+        .copied()
+        .partition(|subject| subject.is_present());
+    let rows = present
+        .par_iter()
+        .with_max_len(1)
+        .map(|subject| subject.rows());
+    let rows: Vec<Vec<AccuracyRow>> = rows.collect::<Result<_>>()?;
+    Ok(Measured {
+        rows: rows.concat(),
+        absent: absent.into_iter().flat_map(Subject::names).collect(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::table::committed;
+    use super::*;
+
+    #[test]
+    fn the_committed_table_has_all_that_is_judged_and_nothing_else() {
+        let mut expected = Vec::new();
+        for subject in QUICK.iter().chain(OTHERS) {
+            for name in subject.names() {
+                expected.extend(Method::ALL.map(|method| (name.clone(), method)));
+            }
+        }
+        let rows = committed().unwrap();
+        let mut found: Vec<_> = rows
+            .iter()
+            .map(|row| (row.drive.clone(), row.method))
+            .collect();
+        let order = |(name, method): &(String, Method)| (name.clone(), method.word());
+        expected.sort_by_key(order);
+        found.sort_by_key(order);
+        assert_eq!(found, expected);
+    }
+}
