@@ -27,7 +27,7 @@ const SEGMENTS: usize = CAPACITY / SEGMENT_CELLS;
 /// Force beyond which a brake is hidden, %, at a distance of four sigmas.
 const HIDDEN_BRAKE_PERCENT: f32 = 1.0;
 /// Distance over which brakes must have been hidden for the bus to count as one without them, m.
-const HIDDEN_BRAKE_M: f32 = 100.0;
+const HIDDEN_BRAKE_M: f32 = 20.0;
 /// Rounds of a trial of that hypothesis.
 const TRIAL_ROUNDS: usize = 5;
 /// Slope beyond which a number has been lost, %.

@@ -103,7 +103,7 @@ numbers! {
     wind_level_weight = 6.0, "cells", "same of the wind", "its cells are determined a little each";
     level_memory_m = 20000.0, "m", "distance over which levels forget", "a change of the road";
     road_level_low = 0.05, "1", "least level of the road", "a runway";
-    road_level_high = 400.0, "1", "largest level of the road", "a town: 20 times the sigma";
+    road_level_high = 40.0, "1", "largest level of the road", "a town with its segments: six times the sigma";
     wind_level_low = 1.0, "1", "least level of the wind", "the likelihood prefers too little: it cannot tell wind from the receiver";
     wind_level_high = 4.0, "1", "largest level of the wind", "without a bound it takes the place of the road on the measured car: 0.46 % instead of 0.57 % on nine trips of ten";
     slow_gnss_level_low = 0.35, "1", "least level of the slow GNSS error", "1.8 m: what looks still within seconds is not within minutes";
