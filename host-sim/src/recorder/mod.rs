@@ -6,8 +6,8 @@
 mod drive_recorder;
 mod estimate_log;
 mod horizon_log;
-pub mod inferred_grades;
-mod latencies;
+mod inferred_grades;
+pub mod latencies;
 mod long_run;
 mod missing;
 pub mod placed_samples;
