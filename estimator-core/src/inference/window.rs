@@ -376,20 +376,18 @@ impl<S: Scalar> Window<S> {
         {
             return;
         }
-        let (own, segments) = (self.own.clone(), self.segments.clone());
-        let (newest, levels) = (self.newest, self.levels);
+        // On variances of its own: the window's stay as they are.
+        let (mut own, mut segments) = (self.own.clone(), self.segments.clone());
         let mut doubt = self.doubt;
         doubt.overrun_is_doubtful = true;
-        for (cell, own) in self.cells.iter().zip(&mut self.own) {
+        for (cell, own) in self.cells.iter().zip(&mut own) {
             *own = CellVariances::START;
             doubt.next(numbers, cell, own);
         }
-        for segment in &mut self.segments {
-            *segment = SegmentVariances::start(numbers, 1.0);
-        }
+        segments.fill(SegmentVariances::start(numbers, 1.0));
         let round = Round {
             model: CellModel::new(numbers),
-            levels,
+            levels: self.levels,
         };
         let behind_lag = self.cells.len().saturating_sub(LAG_CELLS + UPDATE_CELLS)
             ..self.cells.len().saturating_sub(LAG_CELLS);
@@ -398,8 +396,8 @@ impl<S: Scalar> Window<S> {
         for trial in 1..=TRIAL_ROUNDS {
             let mut stretch = Stretch {
                 cells,
-                own: &mut self.own,
-                segments: &mut self.segments,
+                own: &mut own,
+                segments: &mut segments,
             };
             let mut memory = Memory {
                 checkpoints: &mut self.trial_checkpoints,
@@ -417,8 +415,6 @@ impl<S: Scalar> Window<S> {
             };
             round.run(&self.committed, &mut stretch, &mut memory, 0, true, take);
         }
-        (self.own, self.segments) = (own, segments);
-        (self.newest, self.levels) = (newest, levels);
         self.hidden_brake_cells += hidden;
         if self.hidden_brake_cells as f32 * CELL_LENGTH_M > HIDDEN_BRAKE_M {
             self.doubt.overrun_is_doubtful = true;
